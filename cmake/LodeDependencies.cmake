@@ -1,0 +1,34 @@
+# Every library from outside, as a target. docs/architecture.md says why each is here; docker/packages.txt installs them.
+
+find_package(Threads REQUIRED)
+find_package(glm REQUIRED)
+find_package(OpenSSL REQUIRED)
+find_package(flatbuffers REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+
+# Debian's draco package config misses its include folder; the library itself is all that is needed.
+find_library(LODE_DRACO_LIBRARY draco REQUIRED)
+add_library(lode_draco INTERFACE)
+target_link_libraries(lode_draco INTERFACE ${LODE_DRACO_LIBRARY})
+
+# Asio is headers only. The definitions make clang's tools see the coroutines that g++ sees by itself.
+find_path(LODE_ASIO_INCLUDE asio.hpp REQUIRED)
+add_library(lode_asio INTERFACE)
+target_include_directories(lode_asio SYSTEM INTERFACE ${LODE_ASIO_INCLUDE})
+target_compile_definitions(lode_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED ASIO_HAS_CO_AWAIT=1 ASIO_HAS_STD_COROUTINE=1)
+target_link_libraries(lode_asio INTERFACE Threads::Threads)
+
+if(LODE_GL)
+  find_package(glfw3 REQUIRED)
+  pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
+  pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
+  find_path(LODE_STB_INCLUDE stb/stb_image_write.h REQUIRED)
+  find_path(LODE_IMGUI_INCLUDE imgui/imgui.h REQUIRED)
+  find_library(LODE_IMGUI_LIBRARY imgui REQUIRED)
+  add_library(lode_imgui INTERFACE)
+  target_include_directories(lode_imgui SYSTEM INTERFACE ${LODE_IMGUI_INCLUDE}/imgui)
+  target_link_libraries(lode_imgui INTERFACE ${LODE_IMGUI_LIBRARY} glfw)
+endif()

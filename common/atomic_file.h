@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace lode {
+
+/// A file that appears under its name only when commit() has synced and renamed it; destroyed before, it
+/// leaves nothing behind. Writes are buffered. Not thread safe. All functions throw Error kIo naming the file
+/// and, for a full disk, saying so.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(AtomicFile&& other) noexcept;
+  AtomicFile& operator=(AtomicFile&&) = delete;
+
+  void write(std::span<const std::byte> bytes);
+  void writeAt(uint64_t offset, std::span<const std::byte> bytes);  ///< over what was written already
+  uint64_t size() const noexcept;
+  void commit();
+
+ private:
+  void flush();
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  int file_ = -1;
+  uint64_t size_ = 0;
+  std::string buffer_;
+};
+
+}  // namespace lode

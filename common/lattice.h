@@ -1,0 +1,67 @@
+#pragma once
+
+#include <algorithm>
+#include <compare>
+#include <cstdint>
+
+#include <glm/glm.hpp>
+
+namespace lode {
+
+constexpr int kLatticeBits = 21;                            ///< bits of a lattice coordinate
+constexpr uint32_t kMaxLattice = (1u << kLatticeBits) - 1;  ///< largest lattice coordinate
+
+/// A vertex position: three lattice coordinates in 63 bits (x lowest). It is the identity of a vertex:
+/// welding, border join and soup compare it, and every payload decodes to it exactly.
+struct PositionCode {
+  uint64_t value = 0;
+  friend constexpr auto operator<=>(PositionCode, PositionCode) = default;
+};
+
+inline PositionCode packPosition(glm::uvec3 p) noexcept {
+  return {p.x | static_cast<uint64_t>(p.y) << kLatticeBits | static_cast<uint64_t>(p.z) << 2 * kLatticeBits};
+}
+
+inline glm::uvec3 unpackPosition(PositionCode code) noexcept {
+  return {code.value & kMaxLattice, code.value >> kLatticeBits & kMaxLattice,
+          code.value >> 2 * kLatticeBits & kMaxLattice};
+}
+
+/// Axis-aligned box of lattice coordinates, both ends inside. Empty when min > max.
+struct LatticeBox {
+  glm::uvec3 min{kMaxLattice};
+  glm::uvec3 max{0};
+
+  bool operator==(const LatticeBox&) const = default;
+  bool empty() const noexcept { return min.x > max.x; }
+  void add(glm::uvec3 p) noexcept {
+    min = glm::min(min, p);
+    max = glm::max(max, p);
+  }
+  void add(const LatticeBox& other) noexcept {
+    min = glm::min(min, other.min);
+    max = glm::max(max, other.max);
+  }
+  bool contains(const LatticeBox& other) const noexcept {
+    return glm::all(glm::lessThanEqual(min, other.min)) && glm::all(glm::greaterThanEqual(max, other.max));
+  }
+};
+
+/// The grid on which every vertex of a model lies.
+/// True coordinates = origin + step * lattice coordinates; the **model frame** is step * lattice coordinates:
+/// its floats are exact, since coordinates have 21 bits and the step is a power of two.
+struct Lattice {
+  glm::dvec3 origin{0};  ///< true coordinates of lattice point (0,0,0); a multiple of the step
+  double step = 1;       ///< a power of two, true units
+
+  bool operator==(const Lattice&) const = default;
+  /// Source of all rounding in the system: nearest lattice point, in double, clamped to the grid.
+  glm::uvec3 snap(glm::dvec3 world) const noexcept {
+    const glm::dvec3 steps = glm::clamp(glm::round((world - origin) / step), 0.0, double(kMaxLattice));
+    return glm::uvec3(steps);
+  }
+  glm::vec3 toModel(glm::uvec3 p) const noexcept { return glm::vec3(p) * static_cast<float>(step); }
+  glm::dvec3 toWorld(glm::uvec3 p) const noexcept { return origin + step * glm::dvec3(p); }
+};
+
+}  // namespace lode

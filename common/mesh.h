@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/lattice.h"
+
+namespace lode {
+
+/// Which attributes a model's vertices carry, as bits; the same for all nodes of a model.
+struct AttributeSet {
+  static constexpr uint8_t kNormal = 1, kColour = 2, kAlpha = 4, kTexture = 8, kMaterial = 16, kAll = 31;
+  /// The normals were computed at the build; the input file has none.
+  static constexpr uint8_t kComputedNormal = 32;
+  uint8_t bits = 0;
+
+  bool operator==(const AttributeSet&) const = default;
+  constexpr bool has(uint8_t attribute) const noexcept { return (bits & attribute) != 0; }
+};
+
+/// Attributes of one vertex as quantized once, at the scan, on grids of the whole model. Fields of attributes
+/// that the model does not have are zero (colour: white, 255 each), so that equal vertices compare equal.
+struct VertexAttributes {
+  uint16_t normal = 0;      ///< octahedral, see common/octahedral.h
+  uint16_t material = 0;    ///< number of the texture (PLY texnumber)
+  glm::u8vec4 colour{255};  ///< red, green, blue, alpha
+  glm::u16vec2 texture{0};  ///< steps of the model's texture grid
+
+  bool operator==(const VertexAttributes&) const = default;
+};
+static_assert(sizeof(VertexAttributes) == 12);
+
+/// Triangles of one (node, rung), or of a cut. A vertex is one combination of position and attributes
+/// ("wedge"); at a seam several vertices share a position.
+struct Mesh {
+  AttributeSet attributes;
+  std::vector<PositionCode> positions;
+  std::vector<VertexAttributes> vertex_attributes;  ///< one a vertex, or empty where `attributes` is empty
+  std::vector<glm::u32vec3> triangles;              ///< indices of vertices, counter-clockwise
+
+  bool operator==(const Mesh&) const = default;
+};
+
+}  // namespace lode

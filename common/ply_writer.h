@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/lattice.h"
+#include "common/mesh.h"
+
+namespace lode {
+
+/// Writes a mesh as binary little-endian PLY in true coordinates (double where the lattice needs it, else
+/// float), with its attributes, to a temporary file that is renamed at the end.
+/// @throws Error kIo.
+void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice);
+
+}  // namespace lode

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/hierarchy_page.h"
+#include "common/model_summary.h"
+
+namespace lode::store {
+
+/// Where a blob lies in the file.
+struct BlobEntry {
+  uint64_t offset = 0;
+  uint32_t bytes = 0;
+  uint64_t checksum = 0;
+  BlobName name;
+};
+
+/// An open store: summary, whole hierarchy and blob table, validated at opening. Const functions are thread
+/// safe.
+class Reader {
+ public:
+  /// @throws Error kIo or kFormat, naming the file, the place and the remedy.
+  explicit Reader(const std::filesystem::path& path);
+  ~Reader();
+  Reader(Reader&&) noexcept;
+
+  const ModelSummary& summary() const noexcept;
+  const std::filesystem::path& path() const noexcept;
+  /// All nodes in key order.
+  std::span<const Node> nodes() const noexcept;
+  /// @return null if there is no such node.
+  const Node* find(NodeKey key) const noexcept;
+  /// Number of blobs; they are numbered from 1.
+  uint32_t blobCount() const noexcept;
+  /// @throws Error kFormat if there is no such blob.
+  const BlobEntry& blob(uint32_t number) const;
+  /// Reads a blob and checks it. @throws Error kIo or kFormat.
+  std::vector<std::byte> readBlob(uint32_t number) const;
+  /// The file, for servers that read by themselves. It stays open as long as the reader.
+  int fileDescriptor() const noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lode::store
