@@ -3,7 +3,7 @@
 find_package(Threads REQUIRED)
 find_package(glm REQUIRED)
 find_package(OpenSSL REQUIRED)
-find_package(flatbuffers REQUIRED)
+find_package(FlatBuffers REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(PkgConfig REQUIRED)

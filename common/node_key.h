@@ -19,7 +19,7 @@ struct NodeKey {
   constexpr bool valid() const noexcept {
     return value != 0 && (std::bit_width(value) - 1) % 3 == 0 && depth() <= kMaxDepth;
   }
-  constexpr int depth() const noexcept { return (std::bit_width(value) - 1) / 3; }
+  constexpr int depth() const noexcept { return (static_cast<int>(std::bit_width(value)) - 1) / 3; }
   constexpr NodeKey parent() const noexcept { return {value >> 3}; }
   constexpr NodeKey child(unsigned octant) const noexcept { return {value << 3 | octant}; }
   constexpr unsigned octant() const noexcept { return static_cast<unsigned>(value & 7); }
