@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Builds everything and runs the tests: ./test.sh [--all] [OPTIONS of ctest]
+set -euo pipefail
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+cd "$root"
+
+usage() {
+  cat <<'EOF'
+usage: ./test.sh [--all] [OPTIONS]
+
+Installs what is missing, builds the dev preset and runs every unit and integration test; --all runs the slow
+ones too. Other options go to ctest: ./test.sh -R store, ./test.sh -L unit. With LODESTREAM_TEST_DATA set to a
+folder of scans the tests that need one run as well; without it they are skipped by name.
+EOF
+}
+
+preset=dev
+case "${1:-}" in
+  -h | --help)
+    usage
+    exit 0
+    ;;
+  --all)
+    preset=dev-all
+    shift
+    ;;
+esac
+
+docker/install-packages.sh run build test
+launcher=()
+if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+started=$SECONDS
+cmake --preset dev "${launcher[@]}"
+cmake --build --preset dev
+built=$SECONDS
+
+status=0
+ctest --preset "$preset" --parallel "$(nproc)" "$@" 2>&1 | tee build/dev/test.log || status=$?
+echo "test.sh: built in $((built - started)) s, tested in $((SECONDS - built)) s; the log is in build/dev/test.log"
+grep -E '^[0-9]+% tests passed' build/dev/test.log || echo "test.sh: ctest counted no tests" >&2
+exit "$status"
