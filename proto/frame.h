@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace lode::proto {
 
@@ -24,6 +25,9 @@ enum class FrameType : uint8_t {
   kPing = 14,
   kPong = 15,
 };
+
+/// "Hello" and so on, for messages to people; "unknown" for a type that this version does not know.
+std::string_view frameName(uint8_t type) noexcept;
 
 constexpr uint8_t kFlagOptional = 1;  ///< who does not know the frame's type skips it
 
@@ -61,7 +65,8 @@ struct BlobChunk {
   BlobChunkHeader header;
   std::span<const std::byte> bytes;  ///< into the frame's body
 };
-/// @throws Error kProtocol if the body is too short, or the chunk does not lie inside the blob; kLimit.
+/// @throws Error kProtocol if the body is too short, the chunk is empty or does not lie inside the blob;
+/// kLimit for a chunk above kMaxChunkBytes or a blob above kMaxBlobBytes.
 BlobChunk decodeBlobChunk(std::span<const std::byte> body);
 
 }  // namespace lode::proto

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/model_summary.h"
@@ -123,6 +124,11 @@ struct Pong {
   uint64_t payload = 0;
   bool operator==(const Pong&) const = default;
 };
+
+/// Whether a string may be sent: UTF-8 without control characters (it may end up on a terminal). encode()
+/// makes texts for people fit by itself; it throws Error kProtocol or kLimit for names and tokens that are
+/// not.
+bool isWireText(std::string_view text) noexcept;
 
 Bytes encode(const Hello& message, uint32_t request);
 Bytes encode(const Welcome& message, uint32_t request);

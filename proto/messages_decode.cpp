@@ -1,0 +1,254 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <flatbuffers/flatbuffers.h>
+
+#include "common/limits.h"
+#include "common/node_key.h"
+#include "proto/check.h"
+#include "proto/limits.h"
+#include "proto/lodestream_generated.h"
+#include "proto/messages.h"
+
+namespace lode::proto {
+
+namespace {
+
+std::string getString(const flatbuffers::String* text, uint32_t limit, const char* what) {
+  if (text == nullptr) return {};
+  requireAtMost(text->size(), limit, what);
+  const std::string_view view(text->c_str(), text->size());
+  require(isWireText(view), "a string is not printable UTF-8");
+  return std::string(view);
+}
+
+BlobName fromWire(const wire::BlobName& name) {
+  BlobName out;
+  std::memcpy(out.bytes.data(), name.bytes()->Data(), out.bytes.size());
+  return out;
+}
+
+glm::uvec3 fromWire(const wire::LatticePoint& p) { return {p.x(), p.y(), p.z()}; }
+
+/// A step at which every lattice coordinate is an exact, normal float.
+bool usableStep(double step) {
+  int exponent = 0;
+  return std::isfinite(step) && step > 0 && std::frexp(step, &exponent) == 0.5 && exponent > -125 &&
+         exponent <= std::numeric_limits<float>::max_exponent - kLatticeBits;
+}
+
+ModelSummary fromWire(const wire::ModelSummary& from) {
+  ModelSummary out;
+  out.name = getString(from.name(), kMaxModelNameBytes, "bytes in a model's name");
+  require(!out.name.empty(), "a model without a name");
+  out.build_id = fromWire(*from.build_id());
+  out.lattice.origin = {from.origin()->x(), from.origin()->y(), from.origin()->z()};
+  out.lattice.step = from.step();
+  require(std::isfinite(out.lattice.origin.x) && std::isfinite(out.lattice.origin.y) &&
+              std::isfinite(out.lattice.origin.z) && usableStep(out.lattice.step),
+          "a lattice that is no lattice");
+  out.box = {fromWire(from.box()->min()), fromWire(from.box()->max())};
+  const glm::uvec3 all = glm::max(out.box.min, out.box.max);
+  require(std::max({all.x, all.y, all.z}) <= kMaxLattice, "a box outside the lattice");
+  out.attributes.bits = from.attributes();
+  require((out.attributes.bits & ~(AttributeSet::kAll | AttributeSet::kComputedNormal)) == 0,
+          "an unknown attribute");
+  out.triangles = from.triangles();
+  out.dropped = from.dropped();
+  out.stored_triangles = from.stored_triangles();
+  out.nodes = from.nodes();
+  requireAtMost(out.nodes, kMaxNodes, "nodes in a model");
+  out.payloads = from.payloads();
+  out.bytes = from.bytes();
+  out.depth = from.depth();
+  requireAtMost(out.depth, kMaxDepth, "levels in a model");
+  out.max_error_model = from.max_error_model();
+  require(std::isfinite(out.max_error_model) && out.max_error_model >= 0, "an error that is no length");
+  out.triangles_per_node = from.triangles_per_node();
+  out.root_page = {from.root_page()->number(), from.root_page()->bytes(),
+                   fromWire(*from.root_page()->name())};
+  require(out.root_page.number != 0, "a model without a root page");
+  requireAtMost(out.root_page.bytes, kMaxPageBytes, "bytes in a root page");
+  return out;
+}
+
+/// The generated type of a message's table.
+template <typename Message>
+struct WireOf;
+template <>
+struct WireOf<Hello> {
+  using Type = wire::Hello;
+};
+template <>
+struct WireOf<Welcome> {
+  using Type = wire::Welcome;
+};
+template <>
+struct WireOf<List> {
+  using Type = wire::List;
+};
+template <>
+struct WireOf<Models> {
+  using Type = wire::Models;
+};
+template <>
+struct WireOf<Open> {
+  using Type = wire::Open;
+};
+template <>
+struct WireOf<Opened> {
+  using Type = wire::Opened;
+};
+template <>
+struct WireOf<Wishes> {
+  using Type = wire::Wishes;
+};
+template <>
+struct WireOf<Credit> {
+  using Type = wire::Credit;
+};
+template <>
+struct WireOf<Cancelled> {
+  using Type = wire::Cancelled;
+};
+template <>
+struct WireOf<ErrorMessage> {
+  using Type = wire::Error;
+};
+template <>
+struct WireOf<GoAway> {
+  using Type = wire::GoAway;
+};
+template <>
+struct WireOf<ModelReplaced> {
+  using Type = wire::ModelReplaced;
+};
+template <>
+struct WireOf<Ping> {
+  using Type = wire::Ping;
+};
+template <>
+struct WireOf<Pong> {
+  using Type = wire::Pong;
+};
+
+/// Calls `read` with the body's root table, once the body is known to hold one.
+template <typename Root, typename Read>
+auto withRoot(std::span<const std::byte> body, Read read) {
+  requireAtMost(body.size(), kMaxFrameBodyBytes, "bytes in a frame's body");
+  std::vector<std::max_align_t> aligned;
+  const std::byte* start = body.data();
+  if (reinterpret_cast<uintptr_t>(start) % alignof(uint64_t) != 0) {
+    aligned.resize(body.size() / sizeof(std::max_align_t) + 1);
+    std::memcpy(aligned.data(), body.data(), body.size());
+    start = reinterpret_cast<const std::byte*>(aligned.data());
+  }
+  const auto* bytes = reinterpret_cast<const uint8_t*>(start);
+  flatbuffers::Verifier verifier(bytes, body.size(), 8, 3 * kMaxListedModels + kMaxWishesPerFrame);
+  require(!body.empty() && verifier.VerifyBuffer<Root>(nullptr), "its body is no FlatBuffer of its type");
+  return read(*flatbuffers::GetRoot<Root>(bytes));
+}
+
+Hello fromWire(const wire::Hello& from) {
+  Hello out;
+  out.min_version = from.min_version();
+  out.max_version = from.max_version();
+  require(out.min_version >= 1 && out.min_version <= out.max_version, "a range of versions that is none");
+  out.features = from.features();
+  out.token = getString(from.token(), kMaxTokenBytes, "bytes in a token");
+  out.program = getString(from.program(), kMaxStringBytes, "bytes in a program's name");
+  return out;
+}
+
+Welcome fromWire(const wire::Welcome& from) {
+  require(from.version() >= 1, "a version that is none");
+  return {from.version(), from.features(), from.max_open_wishes(),
+          getString(from.program(), kMaxStringBytes, "bytes in a program's name")};
+}
+
+List fromWire(const wire::List&) { return {}; }
+
+Models fromWire(const wire::Models& from) {
+  Models out;
+  if (from.models() == nullptr) return out;
+  requireAtMost(from.models()->size(), kMaxListedModels, "models in a list");
+  out.models.reserve(from.models()->size());
+  for (const wire::ModelSummary* summary : *from.models()) out.models.push_back(fromWire(*summary));
+  return out;
+}
+
+Open fromWire(const wire::Open& from) {
+  Open out;
+  out.model = getString(from.model(), kMaxModelNameBytes, "bytes in a model's name");
+  if (from.known_build_id() != nullptr) out.known_build_id = fromWire(*from.known_build_id());
+  return out;
+}
+
+Opened fromWire(const wire::Opened& from) {
+  require(from.handle() != 0, "a model's handle is zero");
+  return {from.handle(), fromWire(*from.summary())};
+}
+
+WishChange fromWire(const wire::WishChange& from) {
+  require(from.action() <= static_cast<uint8_t>(WishAction::kCancel), "an unknown action on a wish");
+  require(from.wish_class() <= static_cast<uint8_t>(WishClass::kPrefetch), "an unknown class of wish");
+  require(from.wish() != 0, "wish 0 is the server's own");
+  require(!std::isnan(from.priority_px()), "a priority that is not a number");
+  return {static_cast<WishAction>(from.action()), static_cast<WishClass>(from.wish_class()), from.wish(),
+          from.blob(), from.priority_px()};
+}
+
+Wishes fromWire(const wire::Wishes& from) {
+  Wishes out;
+  out.handle = from.handle();
+  if (from.changes() == nullptr) return out;
+  requireAtMost(from.changes()->size(), kMaxWishesPerFrame, "wishes in a frame");
+  out.changes.reserve(from.changes()->size());
+  for (const wire::WishChange* change : *from.changes()) out.changes.push_back(fromWire(*change));
+  return out;
+}
+
+Credit fromWire(const wire::Credit& from) { return {from.granted_bytes()}; }
+Cancelled fromWire(const wire::Cancelled& from) { return {from.wish()}; }
+
+ErrorMessage fromWire(const wire::Error& from) {
+  require(from.code() >= static_cast<uint8_t>(WireError::kMalformed) &&
+              from.code() <= static_cast<uint8_t>(WireError::kInternal),
+          "an unknown error code");
+  return {static_cast<WireError>(from.code()), from.wish(), from.closes(),
+          getString(from.message(), kMaxStringBytes, "bytes in an error's text")};
+}
+
+GoAway fromWire(const wire::GoAway& from) {
+  return {getString(from.reason(), kMaxStringBytes, "bytes in a reason")};
+}
+
+ModelReplaced fromWire(const wire::ModelReplaced& from) { return {from.handle()}; }
+Ping fromWire(const wire::Ping& from) { return {from.payload()}; }
+Pong fromWire(const wire::Pong& from) { return {from.payload()}; }
+
+}  // namespace
+
+template <typename Message>
+Message decode(std::span<const std::byte> body) {
+  return withRoot<typename WireOf<Message>::Type>(body, [](const auto& root) { return fromWire(root); });
+}
+
+template Hello decode<Hello>(std::span<const std::byte>);
+template Welcome decode<Welcome>(std::span<const std::byte>);
+template List decode<List>(std::span<const std::byte>);
+template Models decode<Models>(std::span<const std::byte>);
+template Open decode<Open>(std::span<const std::byte>);
+template Opened decode<Opened>(std::span<const std::byte>);
+template Wishes decode<Wishes>(std::span<const std::byte>);
+template Credit decode<Credit>(std::span<const std::byte>);
+template Cancelled decode<Cancelled>(std::span<const std::byte>);
+template ErrorMessage decode<ErrorMessage>(std::span<const std::byte>);
+template GoAway decode<GoAway>(std::span<const std::byte>);
+template ModelReplaced decode<ModelReplaced>(std::span<const std::byte>);
+template Ping decode<Ping>(std::span<const std::byte>);
+template Pong decode<Pong>(std::span<const std::byte>);
+
+}  // namespace lode::proto
