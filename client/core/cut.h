@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "client/core/view.h"
 #include "common/mesh.h"
 #include "common/node_key.h"
 
@@ -20,10 +21,11 @@ struct CutPart {
 /// What covers the model exactly once (design: cut), in key order; published by the refiner, immutable, read
 /// by the renderer on another thread. Parts without triangles are left out.
 struct Cut {
+  View view;  ///< for which it was refined
   std::vector<CutPart> parts;
   uint64_t triangles = 0;
   float max_error_px = 0;  ///< of the visible parts
-  bool converged = false;  ///< nothing visible is above the threshold
+  bool converged = false;  ///< nothing visible is above the threshold, but leaves at their original triangles
 };
 
 }  // namespace lode::core

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "client/app/cli/streamer.h"
+
+namespace CLI {
+class App;
+}
+
+namespace lode::app {
+
+struct PictureSize {
+  uint32_t width_px = 1280, height_px = 720;
+};
+
+/// "WxH". @throws Error kUsage.
+PictureSize parseSize(std::string_view text);
+/// A count of bytes, with K, M, G (powers of 1024) if wanted: "512M". @throws Error kUsage.
+uint64_t parseBytes(std::string_view text);
+
+/// What view, render and fetch understand alike.
+struct CommonOptions {
+  std::string target;
+  std::string size_text = "1280x720";
+  std::string memory_text;
+  std::string camera_file;  ///< empty: the camera that frames the model
+  std::string token_file;
+  float pixels = 1;
+  double timeout_s = 120;
+
+  PictureSize size() const { return parseSize(size_text); }
+  std::chrono::milliseconds timeout() const;
+  /// Memory budget, and the token from the file or LODESTREAM_TOKEN. @throws Error.
+  StreamOptions streamOptions() const;
+};
+
+/// Declares TARGET, --camera, --size, --pixels, --timeout, --memory-budget and --token-file on a subcommand.
+void addCommonOptions(CLI::App& command, CommonOptions& options);
+
+/// A subcommand is declared by a function like this: it adds itself to the program with a callback that does
+/// the work and sets the exit status; an Error that leaves the callback is printed by main().
+using DeclareCommand = void (*)(CLI::App& program, int& exit_status);
+
+void declareFetch(CLI::App& program, int& exit_status);
+void declareList(CLI::App& program, int& exit_status);
+
+}  // namespace lode::app

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "client/core/cache.h"
+#include "client/core/cut.h"
+#include "client/core/hierarchy.h"
+#include "client/core/view.h"
+#include "common/blob.h"
+#include "proto/messages.h"
+
+namespace lode::core {
+
+struct RefineOptions {
+  float threshold_px = 1;
+  uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
+  uint64_t cut_budget_bytes = std::numeric_limits<uint64_t>::max();  ///< of decoded meshes in the wanted cut
+};
+
+/// A blob that the view asks for: the page below a node, or the payload of a mesh.
+struct Wanted {
+  BlobRef blob;
+  MeshKey mesh;  ///< of a page: the node that owns it, rung 0
+  bool is_page = false;
+  proto::WishClass wish_class = proto::WishClass::kVisible;
+  float priority_px = 0;  ///< error in the picture that its arrival helps to remove
+};
+
+struct Refinement {
+  std::shared_ptr<const Cut> cut;  ///< null while nothing covers the model yet
+  std::vector<Wanted> wanted;      ///< not resident; best first
+  std::vector<MeshKey> in_use;     ///< resident: the cut's meshes, and those that wait for their siblings
+  std::vector<MeshKey> ancestors;  ///< resident: coarser stand-ins for the cut
+  bool limited = false;            ///< a budget stopped the wanted cut above the threshold
+};
+
+/// Best-first refinement: decides what the view needs of the known hierarchy, publishes the best cut that the
+/// resident meshes allow, and wishes for what is missing. A function of its arguments alone, so that the
+/// converged cut does not depend on the order of arrivals.
+///
+/// The wanted cut starts at the root's coarsest rung; the part with the largest projected error gives way to
+/// its next finer rung, or from rung 0 to its children at their coarsest, until no visible part is above the
+/// threshold or a budget is reached. Parts outside the view are not refined.
+///
+/// The published cut is the wanted one where it is resident. Elsewhere a finer stand-in is kept if it covers
+/// the place, else a coarser one: a node gives way to its children only when every child is covered.
+///
+/// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the
+/// octree of the 2005 paper (docs/lod-selection.md).
+Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,
+                  AttributeSet attributes, const View& view, const RefineOptions& options);
+
+}  // namespace lode::core

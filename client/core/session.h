@@ -1,0 +1,151 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+#include "common/blob.h"
+#include "common/model_summary.h"
+#include "proto/frame.h"
+#include "proto/messages.h"
+
+namespace lode::core {
+
+using TimePoint = std::chrono::steady_clock::time_point;
+
+constexpr std::chrono::seconds kPingInterval{10};   ///< of silence, after which a Ping is sent
+constexpr std::chrono::seconds kSilenceLimit{30};   ///< after which the server counts as gone
+constexpr uint64_t kMaxWishedBytes = 256ull << 20;  ///< of open wishes together, unless one alone is larger
+constexpr float kReprioritiseFactor = 1.19f;        ///< 2^1/4: smaller changes of priority are not sent
+
+struct SessionOptions {
+  std::string model;  ///< empty: asks for the list of models and opens none
+  std::string token;
+  std::string program = "lodestream";
+  uint64_t max_wished_bytes = kMaxWishedBytes;
+};
+
+struct ModelOpened {
+  ModelSummary summary;
+};
+struct ModelsListed {
+  std::vector<ModelSummary> models;
+};
+/// A blob is complete, and its bytes have the announced name.
+struct BlobArrived {
+  BlobRef blob;
+  std::vector<std::byte> bytes;
+};
+/// The server cannot give the blob.
+struct BlobRefused {
+  BlobRef blob;
+  std::string message;
+};
+/// The server will close: reconnect.
+struct ServerLeaving {
+  std::string reason;
+};
+struct ModelChanged {};
+using SessionEvent =
+    std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, ServerLeaving, ModelChanged>;
+
+struct BlobWish {
+  BlobRef blob;
+  proto::WishClass wish_class = proto::WishClass::kVisible;
+  float priority_px = 0;
+};
+
+/// One side of a conversation with a server, without a socket: bytes in, events out, bytes out. Everything
+/// that comes in is checked; what the protocol does not allow throws Error kProtocol (kLimit, kFormat), and
+/// the session must be given up. Memory for incoming blobs is taken only for blobs that were wished for,
+/// whose size was known before. Not thread safe.
+class Session {
+ public:
+  Session(SessionOptions options, TimePoint now);
+
+  /// Takes bytes as they come from the transport, cut anywhere. Call nextEvent() until it is empty
+  /// afterwards.
+  void receive(std::span<const std::byte> bytes, TimePoint now);
+  /// Works through what was received up to the next event. @throws Error as above; kNetwork with the server's
+  /// words if it refused the session or the model.
+  std::optional<SessionEvent> nextEvent();
+
+  /// The next unasked blob (wish 0) that the server may send: the root's page is expected by itself, the
+  /// root's coarsest payload is named by who reads the page.
+  void expectUnasked(const BlobRef& blob);
+
+  /// What the client wants now, best first: wishes for what is new, re-prioritises, and cancels the rest.
+  /// What goes beyond the limits of the session is left for a later call.
+  void setWishes(std::span<const BlobWish> wanted);
+
+  /// Keeps the connection alive. @throws Error kTimeout after kSilenceLimit without a byte.
+  void tick(TimePoint now);
+
+  /// Frames to be sent, in order; the first call gives Hello and Open (or List) together.
+  proto::Bytes takeOutgoing();
+
+  bool opened() const noexcept { return state_ == State::kOpen; }
+  size_t openWishes() const noexcept { return wishes_.size(); }
+  uint64_t wishedBytes() const noexcept { return wished_bytes_; }
+  uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all that came from the transport
+  /// Smallest round trip that a Ping has measured.
+  std::optional<std::chrono::nanoseconds> roundTrip() const noexcept { return round_trip_; }
+
+ private:
+  enum class State { kWelcome, kAnswer, kOpen, kListed };
+  struct Incoming {
+    BlobRef blob;
+    std::vector<std::byte> bytes;  // received so far; room for all of it is taken with the first chunk
+  };
+  struct Wish {
+    Incoming incoming;
+    proto::WishClass wish_class = proto::WishClass::kVisible;
+    float priority_px = 0;
+    bool cancelling = false;
+  };
+
+  bool takeFrame();
+  void handleFrame(const proto::FrameHeader& header, std::span<const std::byte> body);
+  void handleWelcome(std::span<const std::byte> body);
+  void handleOpened(std::span<const std::byte> body);
+  void handleModels(std::span<const std::byte> body);
+  void handleBlob(std::span<const std::byte> body);
+  void handleCancelled(std::span<const std::byte> body);
+  void handleError(std::span<const std::byte> body);
+  void handlePong(std::span<const std::byte> body);
+  void endWish(uint32_t wish);
+  void grantCredit();
+  void send(const proto::Bytes& frame);
+  void require(bool allowed, const char* what) const;
+
+  SessionOptions options_;
+  State state_ = State::kWelcome;
+  uint32_t handle_ = 0;
+  uint32_t max_open_wishes_;
+  uint32_t next_request_ = 1;
+  uint32_t next_wish_ = 1;
+  std::map<uint32_t, Wish> wishes_;                      // by wish
+  std::unordered_map<uint32_t, uint32_t> wish_of_blob_;  // blob number -> wish
+  uint64_t wished_bytes_ = 0;
+  std::optional<Incoming> unasked_;
+  uint64_t granted_bytes_;
+  uint64_t credited_bytes_ = 0;  // received bodies of Blob frames
+  uint64_t received_bytes_ = 0;
+  TimePoint now_, last_received_, last_ping_;
+  std::optional<std::chrono::nanoseconds> round_trip_;
+  uint64_t pings_ = 0;
+  bool ping_open_ = false;
+  std::vector<std::byte> input_;  // received, not worked through
+  size_t input_begin_ = 0;
+  std::optional<SessionEvent> event_;
+  proto::Bytes outgoing_;
+};
+
+}  // namespace lode::core

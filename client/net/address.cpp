@@ -1,0 +1,62 @@
+#include "client/net/address.h"
+
+#include <charconv>
+
+#include "common/error.h"
+#include "proto/limits.h"
+
+namespace lode::net {
+namespace {
+
+constexpr size_t kMaxHostBytes = 253;  // RFC 1035
+
+[[noreturn]] void refuse(std::string_view text, const char* why) {
+  throw Error(ErrorCode::kUsage, "'" + std::string(text.substr(0, kMaxHostBytes)) + "' is not an address: " +
+                                     why + "; write HOST or HOST:PORT, or [V6]:PORT");
+}
+
+uint16_t parsePort(std::string_view port, std::string_view text) {
+  uint16_t value = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), value);
+  if (error != std::errc() || end != port.data() + port.size() || value == 0)
+    refuse(text, "the port must be a number from 1 to 65535");
+  return value;
+}
+
+bool isHostCharacter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
+         c == '_';
+}
+
+}  // namespace
+
+Address parseAddress(std::string_view text) {
+  Address address{{}, proto::kDefaultPort};
+  std::string_view host = text;
+  if (text.starts_with('[')) {
+    const size_t close = text.find(']');
+    if (close == std::string_view::npos) refuse(text, "the bracket is not closed");
+    host = text.substr(1, close - 1);
+    if (host.find_first_not_of("0123456789abcdefABCDEF:.%") != std::string_view::npos)
+      refuse(text, "brackets hold an IPv6 number");
+    const std::string_view rest = text.substr(close + 1);
+    if (!rest.empty() && rest[0] != ':') refuse(text, "a colon and a port follow the bracket");
+    if (!rest.empty()) address.port = parsePort(rest.substr(1), text);
+  } else {
+    const size_t colon = text.find(':');
+    host = text.substr(0, colon);
+    for (const char c : host)
+      if (!isHostCharacter(c)) refuse(text, "the host name holds a character that none can have");
+    if (colon != std::string_view::npos) address.port = parsePort(text.substr(colon + 1), text);
+  }
+  if (host.empty() || host.size() > kMaxHostBytes) refuse(text, "the host's name is missing or too long");
+  address.host = host;
+  return address;
+}
+
+std::string toString(const Address& address) {
+  const bool v6 = address.host.find(':') != std::string::npos;
+  return (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(address.port);
+}
+
+}  // namespace lode::net

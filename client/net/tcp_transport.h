@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+
+#include "client/net/address.h"
+#include "proto/messages.h"
+
+namespace lode::net {
+
+constexpr size_t kMaxReceivedBytes = 4u << 20;  ///< waiting to be taken; reading pauses above it
+constexpr size_t kMaxUnsentBytes = 16u << 20;   ///< waiting to be sent; more is an error
+
+/// A TCP connection to a server on a thread of its own, which the destructor joins. Thread safe.
+class TcpTransport {
+ public:
+  /// Starts to connect.
+  /// @param wake  called on the transport's thread, and must be quick, when there is something to take:
+  /// bytes,
+  ///              or the end of the connection.
+  TcpTransport(Address address, std::chrono::milliseconds connect_timeout, std::function<void()> wake);
+  ~TcpTransport();
+  TcpTransport(const TcpTransport&) = delete;
+  TcpTransport& operator=(const TcpTransport&) = delete;
+
+  /// Queues bytes; never waits. @throws Error kNetwork if the server takes nothing for too long.
+  void send(proto::Bytes bytes);
+  /// What has come since the last call; never waits.
+  /// @throws Error kNetwork or kTimeout, once all bytes were taken, when the connection failed or ended; the
+  ///         message names the address and the remedy.
+  proto::Bytes takeReceived();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lode::net
