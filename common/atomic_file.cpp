@@ -1,0 +1,112 @@
+#include "common/atomic_file.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace lode {
+namespace {
+
+constexpr size_t kBufferBytes = 256u << 10;
+
+[[noreturn]] void fail(const char* what, const std::filesystem::path& path, int error) {
+  std::string message = "cannot " + std::string(what) + " " + path.string() + ": ";
+  if (error == ENOSPC || error == EDQUOT)
+    message += "the disk is full; free some space or choose another place";
+  else
+    message += std::strerror(error);
+  throw Error(ErrorCode::kIo, message);
+}
+
+std::filesystem::path directoryOf(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+// A name beside the target that no other writer uses, in this process or another.
+std::filesystem::path temporaryName(const std::filesystem::path& path) {
+  static std::atomic<unsigned> counter{0};
+  std::filesystem::path name = path;
+  name += "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp";
+  return name;
+}
+
+void syncDirectory(const std::filesystem::path& directory) {
+  const int file = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) fail("open folder", directory, errno);
+  const int error = ::fsync(file) == 0 ? 0 : errno;
+  ::close(file);
+  // Some network file systems cannot sync a folder; the rename stands all the same.
+  if (error != 0 && error != EINVAL) fail("sync folder", directory, error);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+  do {  // the number of a process that was killed may come again
+    temporary_ = temporaryName(path_);
+    file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (file_ < 0 && errno == EEXIST);
+  if (file_ < 0) fail("create", temporary_, errno);
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ >= 0) ::close(file_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      temporary_(std::exchange(other.temporary_, {})),
+      file_(std::exchange(other.file_, -1)),
+      size_(std::exchange(other.size_, 0)),
+      buffer_(std::exchange(other.buffer_, {})) {}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+  if (bytes.size() + buffer_.size() > kBufferBytes) flush();
+  buffer_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  size_ += bytes.size();
+  if (buffer_.size() > kBufferBytes) flush();
+}
+
+void AtomicFile::writeAt(uint64_t offset, std::span<const std::byte> bytes) {
+  if (offset > size_ || bytes.size() > size_ - offset)
+    throw Error(ErrorCode::kInternal, "write beyond the end of " + path_.string());
+  flush();
+  while (!bytes.empty()) {
+    const ssize_t done = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) fail("write", path_, errno);
+    bytes = bytes.subspan(static_cast<size_t>(done));
+    offset += static_cast<uint64_t>(done);
+  }
+}
+
+uint64_t AtomicFile::size() const noexcept { return size_; }
+
+void AtomicFile::flush() {
+  for (size_t done = 0; done < buffer_.size();) {
+    const ssize_t more = ::write(file_, buffer_.data() + done, buffer_.size() - done);
+    if (more < 0 && errno == EINTR) continue;
+    if (more < 0) fail("write", path_, errno);
+    done += static_cast<size_t>(more);
+  }
+  buffer_.clear();
+}
+
+void AtomicFile::commit() {
+  flush();
+  if (::fsync(file_) != 0) fail("sync", path_, errno);
+  if (::close(std::exchange(file_, -1)) != 0) fail("close", path_, errno);
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("rename a finished file to", path_, errno);
+  temporary_.clear();
+  syncDirectory(directoryOf(path_));
+}
+
+}  // namespace lode

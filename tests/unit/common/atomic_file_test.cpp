@@ -1,0 +1,186 @@
+#include "common/atomic_file.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace lode {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+class AtomicFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "lode-atomic-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    target_ = folder_ / "target";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string content() const {
+    std::ifstream file(target_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  size_t filesInFolder() const {
+    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_, target_;
+};
+
+TEST_F(AtomicFileTest, appearsUnderItsNameOnlyAtCommit) {
+  AtomicFile file(target_);
+  file.write(bytesOf("hello"));
+  EXPECT_FALSE(fs::exists(target_));
+  file.commit();
+  EXPECT_EQ(content(), "hello");
+  EXPECT_EQ(filesInFolder(), 1u);
+}
+
+TEST_F(AtomicFileTest, leavesNothingBehindWithoutCommit) {
+  {
+    AtomicFile file(target_);
+    file.write(bytesOf(std::string(1 << 20, 'x')));
+  }
+  EXPECT_EQ(filesInFolder(), 0u);
+}
+
+TEST_F(AtomicFileTest, leavesTheOldFileWithoutCommit) {
+  std::ofstream(target_) << "old";
+  { AtomicFile(target_).write(bytesOf("new")); }
+  EXPECT_EQ(content(), "old");
+}
+
+TEST_F(AtomicFileTest, replacesTheOldFile) {
+  std::ofstream(target_) << "old and longer";
+  AtomicFile file(target_);
+  file.write(bytesOf("new"));
+  file.commit();
+  EXPECT_EQ(content(), "new");
+}
+
+TEST_F(AtomicFileTest, keepsTheOrderOfSmallAndLargeWrites) {
+  std::string expected;
+  AtomicFile file(target_);
+  for (size_t i = 0; i < 60; ++i) {
+    const std::string part(i % 7 == 0 ? 100000 * (i % 5) : i, static_cast<char>('a' + i % 26));
+    file.write(bytesOf(part));
+    expected += part;
+    ASSERT_EQ(file.size(), expected.size());
+  }
+  file.commit();
+  EXPECT_TRUE(content() == expected);
+}
+
+TEST_F(AtomicFileTest, writesOverWhatWasWrittenBefore) {
+  AtomicFile file(target_);
+  file.write(bytesOf("0123456789"));
+  file.writeAt(3, bytesOf("abc"));
+  file.write(bytesOf("end"));
+  EXPECT_EQ(file.size(), 13u);
+  file.commit();
+  EXPECT_EQ(content(), "012abc6789end");
+}
+
+TEST_F(AtomicFileTest, refusesToWriteOverMoreThanWasWritten) {
+  AtomicFile file(target_);
+  file.write(bytesOf("0123"));
+  EXPECT_THROW(file.writeAt(2, bytesOf("abc")), Error);
+  EXPECT_THROW(file.writeAt(UINT64_MAX, bytesOf("abc")), Error);
+}
+
+TEST_F(AtomicFileTest, twoWritersOfOneTargetDoNotMix) {
+  AtomicFile first(target_), second(target_);
+  first.write(bytesOf("first"));
+  second.write(bytesOf("second"));
+  first.commit();
+  EXPECT_EQ(content(), "first");
+  second.commit();
+  EXPECT_EQ(content(), "second");
+}
+
+TEST_F(AtomicFileTest, moveHandsTheFileOver) {
+  AtomicFile file(target_);
+  file.write(bytesOf("a"));
+  AtomicFile moved(std::move(file));
+  moved.write(bytesOf("b"));
+  moved.commit();
+  EXPECT_EQ(content(), "ab");
+}
+
+TEST_F(AtomicFileTest, namesTheFileThatCannotBeCreated) {
+  try {
+    AtomicFile file(folder_ / "missing" / "target");
+    FAIL() << "created a file in a folder that does not exist";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kIo);
+    EXPECT_NE(std::string_view(error.what()).find("missing/target"), std::string_view::npos) << error.what();
+  }
+}
+
+TEST_F(AtomicFileTest, leavesNothingBehindWhenTheRenameFails) {
+  fs::create_directory(target_);
+  {
+    AtomicFile file(target_);
+    EXPECT_THROW(file.commit(), Error);
+  }
+  EXPECT_EQ(filesInFolder(), 1u);
+}
+
+TEST_F(AtomicFileTest, respectsTheUmask) {
+  const mode_t before = ::umask(027);
+  AtomicFile file(target_);
+  ::umask(before);
+  file.commit();
+  EXPECT_EQ(fs::status(target_).permissions(), fs::perms(0640));
+}
+
+// Fills a small file system of its own, mounted in a namespace of a child process.
+// Exit status: 0 said that the disk is full, 1 did not, 77 this system has no such namespaces.
+int fillTinyDisk(const fs::path& folder) {
+  const bool root = ::geteuid() == 0;
+  if (::unshare(root ? CLONE_NEWNS : CLONE_NEWNS | CLONE_NEWUSER) != 0) return 77;
+  if (::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return 77;
+  if (::mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=65536") != 0) return 77;
+  try {
+    AtomicFile file(folder / "target");
+    file.write(bytesOf(std::string(1 << 20, 'x')));
+    file.commit();
+  } catch (const Error& error) {
+    const std::string_view message = error.what();
+    const bool nothing_left = fs::is_empty(folder);
+    return error.code() == ErrorCode::kIo && nothing_left && message.find("disk is full") != message.npos ? 0
+                                                                                                          : 1;
+  }
+  return 1;
+}
+
+TEST_F(AtomicFileTest, saysThatTheDiskIsFull) {
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) ::_exit(fillTinyDisk(folder_));
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "no mount namespaces on this system";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+}  // namespace
+}  // namespace lode

@@ -1,0 +1,44 @@
+#include "common/blob.h"
+
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+namespace lode {
+namespace {
+
+std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+TEST(Blob, isNamedByTheFirstHalfOfItsSha256) {
+  // FIPS 180-2, appendix B.1: SHA-256 of "abc" begins so.
+  EXPECT_EQ(toHex(nameBlob(bytesOf("abc"))), "ba7816bf8f01cfea414140de5dae2223");
+  EXPECT_EQ(toHex(nameBlob({})), "e3b0c44298fc1c149afbf4c8996fb924");
+}
+
+TEST(Blob, namesCompareByTheirBytes) {
+  EXPECT_EQ(nameBlob(bytesOf("a")), nameBlob(bytesOf("a")));
+  EXPECT_NE(nameBlob(bytesOf("a")), nameBlob(bytesOf("b")));
+}
+
+TEST(Blob, checksumIsXxh3) {
+  EXPECT_EQ(checksum({}), 0x2D06800538D394C2u);  // XXH3_64bits of nothing, seed 0: xxHash's specification
+}
+
+TEST(Blob, checksumSeesEveryBit) {
+  std::string text(300, 'x');
+  const uint64_t before = checksum(bytesOf(text));
+  for (char& letter : text)
+    for (int bit = 0; bit < 8; ++bit) {
+      letter = static_cast<char>(letter ^ 1 << bit);
+      ASSERT_NE(checksum(bytesOf(text)), before);
+      letter = static_cast<char>(letter ^ 1 << bit);
+    }
+}
+
+TEST(Blob, numberZeroIsNoBlob) {
+  EXPECT_FALSE(BlobRef());
+  EXPECT_TRUE((BlobRef{1, 10, {}}));
+}
+
+}  // namespace
+}  // namespace lode
