@@ -24,7 +24,8 @@ struct BlobEntry {
 /// safe.
 class Reader {
  public:
-  /// @throws Error kIo or kFormat, naming the file, the place and the remedy.
+  /// @throws Error kIo, kInput (no store, or of another version), kFormat or kLimit, naming the file, the
+  /// place and the remedy.
   explicit Reader(const std::filesystem::path& path);
   ~Reader();
   Reader(Reader&&) noexcept;

@@ -1,38 +1,51 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "common/atomic_file.h"
 #include "common/hierarchy_page.h"
 #include "common/model_summary.h"
+#include "server/store/format.h"
 
 namespace lode::store {
 
 /// Writes one store. The caller adds payloads in the order in which they shall lie in the file (coarse first,
-/// siblings together), then finishes with the nodes; pages, blob table, index and header are written then,
-/// and the file appears under its name. Not thread safe.
+/// siblings together), then finishes with the nodes; pages, blob table, footer and header are written then,
+/// and the file appears under its name. Destroyed before, it leaves nothing behind. Not thread safe.
 class Writer {
  public:
+  /// @throws Error kIo.
   explicit Writer(const std::filesystem::path& path);
 
-  /// Equal bytes give the same blob. @throws Error kIo, kLimit.
+  /// Equal bytes give the same blob; no bytes give no blob. @throws Error kIo, kLimit.
   BlobRef addBlob(std::span<const std::byte> bytes);
 
-  /// @param summary  lattice, box, attributes, triangles, dropped, triangles_per_node are read from it; the
-  /// rest is
-  ///                 counted here.
+  /// Checks the hierarchy as a reader will, writes what is left and puts the file under its name. Nothing can
+  /// be added afterwards.
+  /// @param summary  lattice, attributes, dropped, triangles_per_node are read from it; the rest is counted
+  /// here.
   /// @param nodes    all nodes in key order, without child pages; they are filled in.
-  /// @return the summary as a reader will see it. @throws Error kIo, kFormat.
+  /// @return the summary as a reader will see it. @throws Error kIo, kFormat, kLimit.
   ModelSummary finish(ModelSummary summary, std::vector<Node> nodes);
 
  private:
+  struct NameHash {
+    size_t operator()(const BlobName& name) const noexcept;
+  };
+
+  BlobRef append(std::span<const std::byte> bytes, const BlobName& name);
+  void checkPayloads(std::span<const Node> nodes) const;
+  BlobRef writePages(std::vector<Node> nodes);
+
   AtomicFile file_;
   std::filesystem::path path_;
-  struct Entry;
-  std::vector<Entry> entries_;
+  std::vector<TableEntry> entries_;
+  std::unordered_map<BlobName, uint32_t, NameHash> numbers_;
 };
 
 }  // namespace lode::store

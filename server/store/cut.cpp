@@ -1,0 +1,137 @@
+#include "server/store/cut.h"
+
+#include <algorithm>
+#include <queue>
+#include <random>
+
+namespace lode::store {
+namespace {
+
+const Rung& rungOf(const NodeTree& tree, CutItem item) { return tree.node(item.node).rungs[item.rung]; }
+
+CutItem coarsest(const NodeTree& tree, uint32_t node) {
+  return {node, static_cast<uint32_t>(tree.node(node).rungs.size() - 1)};
+}
+
+/// Puts the items in Morton order and fills in the sums.
+Cut finishCut(const NodeTree& tree, std::vector<CutItem> items) {
+  const auto cell = [&](CutItem item) {
+    const NodeKey key = tree.node(item.node).key;
+    return key.value << 3 * (kMaxDepth - key.depth());
+  };
+  std::sort(items.begin(), items.end(), [&](CutItem a, CutItem b) { return cell(a) < cell(b); });
+  Cut cut;
+  cut.items = std::move(items);
+  for (const CutItem item : cut.items) {
+    const Rung& rung = rungOf(tree, item);
+    cut.triangles += rung.triangles;
+    if (rung.triangles != 0) cut.max_error_model = std::max(cut.max_error_model, rung.error_model);
+  }
+  return cut;
+}
+
+/// Walks down from the root. `choose` returns a rung at which to stop, or a negative number to go on to the
+/// children; it is not asked to go on below a leaf.
+template <typename Choose>
+Cut walk(const NodeTree& tree, Choose&& choose) {
+  std::vector<CutItem> items;
+  std::vector<uint32_t> todo{0};
+  while (!todo.empty()) {
+    const uint32_t number = todo.back();
+    todo.pop_back();
+    const int rung = choose(tree.node(number));
+    if (rung >= 0) {
+      items.push_back({number, static_cast<uint32_t>(rung)});
+      continue;
+    }
+    for (uint32_t i = 0; i < tree.childCount(number); ++i) todo.push_back(tree.firstChild(number) + i);
+  }
+  return finishCut(tree, std::move(items));
+}
+
+}  // namespace
+
+Cut cutByError(const NodeTree& tree, double max_error_model) {
+  Cut cut = walk(tree, [&](const Node& node) {
+    for (size_t rung = node.rungs.size(); rung-- > 0;)
+      if (node.rungs[rung].error_model <= max_error_model) return static_cast<int>(rung);
+    return node.isLeaf() ? 0 : -1;
+  });
+  cut.converged = cut.max_error_model <= max_error_model;
+  return cut;
+}
+
+Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles) {
+  struct Candidate {
+    float error;
+    CutItem item;
+    bool operator<(const Candidate& other) const {  // the queue gives the largest first
+      return error != other.error ? error < other.error : item.node > other.item.node;
+    }
+  };
+  std::priority_queue<Candidate> queue;
+  std::vector<CutItem> done;
+  const auto show = [&](CutItem item) { queue.push({rungOf(tree, item).error_model, item}); };
+  show(coarsest(tree, 0));
+  uint64_t triangles = rungOf(tree, coarsest(tree, 0)).triangles;
+  const bool fits = triangles <= max_triangles;
+  while (!queue.empty()) {
+    const CutItem item = queue.top().item;
+    queue.pop();
+    const uint64_t others = triangles - rungOf(tree, item).triangles;
+    const uint32_t children = item.rung > 0 ? 0 : tree.childCount(item.node);
+    uint64_t refined = others;
+    if (item.rung > 0) refined += rungOf(tree, {item.node, item.rung - 1}).triangles;
+    for (uint32_t i = 0; i < children; ++i)
+      refined += rungOf(tree, coarsest(tree, tree.firstChild(item.node) + i)).triangles;
+    if ((item.rung == 0 && children == 0) || refined > max_triangles) {
+      done.push_back(item);
+      continue;
+    }
+    triangles = refined;
+    if (item.rung > 0) show({item.node, item.rung - 1});
+    for (uint32_t i = 0; i < children; ++i) show(coarsest(tree, tree.firstChild(item.node) + i));
+  }
+  Cut cut = finishCut(tree, std::move(done));
+  cut.converged = fits;
+  return cut;
+}
+
+Cut randomCut(const NodeTree& tree, uint64_t seed) {
+  std::mt19937_64 random(seed);  // its numbers are the standard's; distributions would not be
+  const uint64_t stop_of_16 = 1 + random() % 10;
+  return walk(tree, [&](const Node& node) {
+    const uint64_t rung = random() % node.rungs.size();
+    const bool stop = node.isLeaf() || random() % 16 < stop_of_16;
+    return stop ? static_cast<int>(rung) : -1;
+  });
+}
+
+Cut leafCut(const NodeTree& tree) {
+  return walk(tree, [](const Node& node) { return node.isLeaf() ? 0 : -1; });
+}
+
+bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items) {
+  enum State : uint8_t { kOpen, kTaken };
+  std::vector<State> states(tree.nodes().size(), kOpen);
+  for (const CutItem item : items) {
+    if (item.node >= states.size() || item.rung >= tree.node(item.node).rungs.size()) return false;
+    if (states[item.node] == kTaken) return false;
+    states[item.node] = kTaken;
+  }
+  size_t met = 0;
+  std::vector<uint32_t> todo{0};
+  while (!todo.empty()) {
+    const uint32_t number = todo.back();
+    todo.pop_back();
+    if (states[number] == kTaken) {
+      ++met;  // what lies below is not looked at: an item there stays unmet
+      continue;
+    }
+    if (tree.node(number).isLeaf()) return false;
+    for (uint32_t i = 0; i < tree.childCount(number); ++i) todo.push_back(tree.firstChild(number) + i);
+  }
+  return met == items.size();
+}
+
+}  // namespace lode::store

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "common/mesh.h"
+#include "server/store/cut.h"
+#include "server/store/reader.h"
+
+namespace lode::store {
+
+/// Reads and decodes one (node, rung) with all guards. A rung without triangles gives an empty mesh.
+/// @throws Error kIo, kFormat or kLimit, naming file and node. Thread safe.
+Mesh readRung(const Reader& reader, const Node& node, uint32_t rung);
+
+/// Puts a cut together into one mesh; vertices equal in position and attributes become one, in the order of
+/// their first use.
+/// @throws Error as readRung; kLimit if the vertices exceed 32-bit indices. Thread safe.
+Mesh assembleCut(const Reader& reader, const Cut& cut);
+
+}  // namespace lode::store

@@ -1,0 +1,117 @@
+#include "server/store/node_tree.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "common/error.h"
+#include "common/limits.h"
+
+namespace lode::store {
+namespace {
+
+[[noreturn]] void fail(NodeKey key, const std::string& what) {
+  throw Error(ErrorCode::kFormat, "node " + describeKey(key) + ": " + what);
+}
+
+void checkRung(const Node& node, const Rung& rung, const Rung* finer) {
+  if (rung.triangles > kMaxRungTriangles || rung.vertices > kMaxRungVertices)
+    throw Error(ErrorCode::kLimit, "node " + describeKey(node.key) + ": a rung of " +
+                                       std::to_string(rung.triangles) + " triangles, the limit is " +
+                                       std::to_string(kMaxRungTriangles));
+  if ((rung.triangles != 0) != static_cast<bool>(rung.payload))
+    fail(node.key, "a rung has triangles but no payload, or a payload but no triangles");
+  if (rung.locked > rung.vertices) fail(node.key, "more locked vertices than vertices");
+  if (node.key == kRootKey && rung.locked != 0) fail(node.key, "the root locks vertices");
+  if (!std::isfinite(rung.error_model) || rung.error_model < 0 ||
+      !std::isfinite(rung.appearance_error_model) || rung.appearance_error_model < 0)
+    fail(node.key, "an error is no finite number");
+  if (!finer) return;
+  if (rung.triangles > finer->triangles) fail(node.key, "a coarser rung has more triangles than a finer one");
+  if (rung.error_model < finer->error_model || rung.appearance_error_model < finer->appearance_error_model)
+    fail(node.key, "the error falls towards a coarser rung (I3)");
+}
+
+void checkNode(const Node& node) {
+  if (!node.key.valid()) fail(node.key, "no valid key");
+  if (node.rungs.empty()) fail(node.key, "no rungs");
+  if (node.rungs.size() > kMaxRungs)
+    throw Error(ErrorCode::kLimit,
+                "node " + describeKey(node.key) + ": more than " + std::to_string(kMaxRungs) + " rungs");
+  if (node.isLeaf() && node.key != kRootKey && node.rungs.size() != 1)
+    fail(node.key, "a leaf with more than one rung");
+  const Rung* finer = nullptr;
+  for (const Rung& rung : node.rungs) {
+    checkRung(node, rung, finer);
+    finer = &rung;
+  }
+  const bool flat = node.box.empty() || node.box.min.y > node.box.max.y || node.box.min.z > node.box.max.z;
+  if (flat && (node.rungs[0].triangles != 0 || !node.box.empty())) fail(node.key, "the box is empty");
+  if (!flat && glm::any(glm::greaterThan(node.box.max, glm::uvec3(kMaxLattice))))
+    fail(node.key, "the box is outside the lattice");
+}
+
+void checkBelowParent(const Node& node, const Node& parent) {
+  if ((parent.child_mask >> node.key.octant() & 1) == 0) fail(node.key, "its parent does not know it");
+  if (!node.box.empty() && !parent.box.contains(node.box)) fail(node.key, "its box leaves its parent's box");
+  const Rung& coarsest = node.rungs.back();
+  const Rung& above = parent.rungs.front();
+  if (above.error_model < coarsest.error_model ||
+      above.appearance_error_model < coarsest.appearance_error_model)
+    fail(node.key, "the error falls towards the parent (I3)");
+}
+
+}  // namespace
+
+HierarchyTotals checkHierarchy(std::span<const Node> nodes) {
+  if (nodes.empty() || nodes[0].key != kRootKey) fail(kRootKey, "there is no root");
+  if (nodes.size() > kMaxNodes)
+    throw Error(ErrorCode::kLimit,
+                std::to_string(nodes.size()) + " nodes, the limit is " + std::to_string(kMaxNodes));
+  HierarchyTotals totals;
+  uint64_t announced_children = 0;
+  size_t parent = 0;
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    const Node& node = nodes[i];
+    checkNode(node);
+    announced_children += static_cast<uint64_t>(std::popcount(node.child_mask));
+    if (i > 0) {
+      if (node.key <= nodes[i - 1].key) fail(node.key, "out of order");
+      while (parent < i && nodes[parent].key < node.key.parent()) ++parent;
+      if (nodes[parent].key != node.key.parent()) fail(node.key, "its parent is missing");
+      checkBelowParent(node, nodes[parent]);
+    }
+    for (const Rung& rung : node.rungs) {
+      totals.stored_triangles += rung.triangles;
+      totals.payloads += rung.triangles != 0;
+    }
+    if (node.isLeaf()) totals.triangles += node.rungs.front().triangles;
+    totals.depth = std::max(totals.depth, static_cast<uint32_t>(node.key.depth()));
+  }
+  if (announced_children != nodes.size() - 1)
+    fail(kRootKey,
+         std::to_string(announced_children - (nodes.size() - 1)) + " children are missing below it");
+  return totals;
+}
+
+NodeTree::NodeTree(std::span<const Node> nodes) : nodes_(nodes), first_child_(nodes.size()) {
+  uint32_t next = 1;
+  for (uint32_t i = 0; i < nodes.size(); ++i) {
+    first_child_[i] = next;
+    next += childCount(i);
+  }
+}
+
+uint32_t NodeTree::childCount(uint32_t number) const noexcept {
+  return static_cast<uint32_t>(std::popcount(nodes_[number].child_mask));
+}
+
+std::string describeKey(NodeKey key) {
+  if (!key.valid()) return "with key " + std::to_string(key.value);
+  std::string text = "root";
+  for (int depth = 1; depth <= key.depth(); ++depth)
+    text += "/" + std::to_string(key.ancestorAt(depth).octant());
+  return text;
+}
+
+}  // namespace lode::store

@@ -1,0 +1,249 @@
+#include "server/store/reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/limits.h"
+#include "server/store/format.h"
+#include "server/store/node_tree.h"
+#include "server/store/page_split.h"
+
+namespace lode::store {
+namespace {
+
+[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::kFormat, what); }
+
+/// An open file, closed at the end.
+class File {
+ public:
+  explicit File(const std::filesystem::path& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor_ < 0)
+      throw Error(ErrorCode::kIo, std::string("cannot be opened: ") + std::strerror(errno));
+  }
+  ~File() { ::close(descriptor_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  int descriptor() const noexcept { return descriptor_; }
+
+  uint64_t size() const {
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0)
+      throw Error(ErrorCode::kIo, std::string("cannot be examined: ") + std::strerror(errno));
+    if (S_ISDIR(status.st_mode)) throw Error(ErrorCode::kIo, "is a directory: give a .lode file");
+    if (!S_ISREG(status.st_mode)) throw Error(ErrorCode::kIo, "is no regular file: give a .lode file");
+    return static_cast<uint64_t>(status.st_size);
+  }
+
+  void readAt(uint64_t offset, std::span<std::byte> into) const {
+    while (!into.empty()) {
+      const ssize_t got = ::pread(descriptor_, into.data(), into.size(), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0)
+        throw Error(ErrorCode::kIo,
+                    "cannot be read at byte " + std::to_string(offset) + ": " + std::strerror(errno));
+      if (got == 0) fail("ends at byte " + std::to_string(offset) + " while it is being read");
+      into = into.subspan(static_cast<size_t>(got));
+      offset += static_cast<uint64_t>(got);
+    }
+  }
+
+ private:
+  int descriptor_;
+};
+
+}  // namespace
+
+struct Reader::State {
+  explicit State(const std::filesystem::path& file_path) : path(file_path), file(file_path) {}
+
+  void open();
+  void readIndex();
+  void readHierarchy();
+  void checkSummary(const HierarchyTotals& totals) const;
+  void checkRefs() const;
+  const BlobEntry& resolve(const BlobRef& ref, NodeKey user) const;
+  std::vector<std::byte> readBlob(uint32_t number) const;
+
+  std::filesystem::path path;
+  File file;
+  ModelSummary summary;
+  std::vector<BlobEntry> blobs;
+  std::vector<Node> nodes;
+};
+
+namespace {
+
+/// Adds the file and the remedy to an error about its contents.
+template <typename Action>
+auto namingFile(const std::filesystem::path& path, Action&& action) {
+  try {
+    return action();
+  } catch (const Error& error) {
+    const bool damaged = error.code() == ErrorCode::kFormat || error.code() == ErrorCode::kLimit;
+    throw Error(error.code(),
+                path.string() + ": " + error.what() + (damaged ? "; copy it again or rebuild it" : ""));
+  }
+}
+
+}  // namespace
+
+void Reader::State::open() {
+  readIndex();
+  readHierarchy();
+  checkSummary(checkHierarchy(nodes));
+  checkRefs();
+}
+
+void Reader::State::readIndex() {
+  const uint64_t file_bytes = file.size();
+  if (file_bytes == 0)
+    throw Error(ErrorCode::kInput, "is empty: give a .lode file, or build one with lodestreamd build");
+  std::array<std::byte, kHeaderBytes> header_bytes{};
+  file.readAt(0, std::span(header_bytes).first(std::min<uint64_t>(file_bytes, kHeaderBytes)));
+  if (file_bytes < kHeaderBytes + kFooterBytes)
+    fail("is no store or a truncated one: it has only " + std::to_string(file_bytes) + " bytes");
+  const FileHeader header = decodeHeader(header_bytes, file_bytes);
+  std::array<std::byte, kFooterBytes> footer{};
+  file.readAt(file_bytes - kFooterBytes, footer);
+  checkFooter(footer, header_bytes);
+  std::vector<std::byte> table(size_t{header.blobs} * kTableEntryBytes);
+  file.readAt(header.table_offset, table);
+  uint64_t offset = kHeaderBytes;
+  for (const TableEntry& entry : decodeTable(table, header)) {
+    blobs.push_back({offset, entry.bytes, entry.checksum, entry.name});
+    offset += entry.bytes;
+  }
+  if (computeBuildId(header, table) != header.summary.build_id)
+    fail("header: the build id is not the hash of the index");
+  summary = header.summary;
+  summary.name = path.stem().string();
+  const BlobEntry& root = blobs[summary.root_page.number - 1];
+  summary.root_page = {summary.root_page.number, root.bytes, root.name};
+}
+
+/// Reads all pages, from the root's down; a page that comes a second time is an error, so this ends.
+void Reader::State::readHierarchy() {
+  struct Todo {
+    NodeKey owner;
+    uint32_t blob;
+  };
+  std::vector<Todo> todo{{kRootKey, summary.root_page.number}};
+  std::vector<bool> seen(blobs.size());
+  while (!todo.empty()) {
+    const Todo next = todo.back();
+    todo.pop_back();
+    if (seen[next.blob - 1]) fail("blob " + std::to_string(next.blob) + ": two nodes name this page");
+    seen[next.blob - 1] = true;
+    if (blobs[next.blob - 1].bytes > kMaxPageBytes)
+      throw Error(ErrorCode::kLimit, "blob " + std::to_string(next.blob) + ": a page above the limit of " +
+                                         std::to_string(kMaxPageBytes) + " bytes");
+    HierarchyPage page = decodePage(readBlob(next.blob), next.owner, next.owner == kRootKey);
+    for (Node& node : page.nodes) {
+      if (pageOwner(node.key) != next.owner)
+        fail("node " + describeKey(node.key) + ": stands in a wrong page");
+      if (ownsPage(node) != static_cast<bool>(node.child_page))
+        fail("node " + describeKey(node.key) + ": has a page without need or none where one must be");
+      if (node.child_page) {
+        resolve(node.child_page, node.key);
+        todo.push_back({node.key, node.child_page.number});
+      }
+      nodes.push_back(std::move(node));
+    }
+    if (nodes.size() > summary.nodes) fail("the pages hold more nodes than the header says");
+  }
+  std::sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.key < b.key; });
+}
+
+void Reader::State::checkSummary(const HierarchyTotals& totals) const {
+  if (nodes.size() != summary.nodes || totals.triangles != summary.triangles ||
+      totals.stored_triangles != summary.stored_triangles || totals.payloads != summary.payloads ||
+      totals.depth != summary.depth)
+    fail("the header's counts are not those of the nodes");
+  if (nodes[0].box != summary.box) fail("the header's box is not the root's");
+  if (nodes[0].rungs.back().error_model != summary.max_error_model)
+    fail("the header's error is not that of the root's coarsest rung");
+}
+
+/// Every blob is a page or a payload, never both, and none is left over.
+void Reader::State::checkRefs() const {
+  enum Use : uint8_t { kNone, kPage, kPayload };
+  std::vector<Use> uses(blobs.size(), kNone);
+  uses[summary.root_page.number - 1] = kPage;
+  for (const Node& node : nodes)
+    if (node.child_page) uses[node.child_page.number - 1] = kPage;
+  for (const Node& node : nodes)
+    for (const Rung& rung : node.rungs) {
+      if (!rung.payload) continue;
+      resolve(rung.payload, node.key);
+      Use& use = uses[rung.payload.number - 1];
+      if (use == kPage) fail("node " + describeKey(node.key) + ": a rung names a page as its payload");
+      use = kPayload;
+    }
+  if (const auto unused = std::find(uses.begin(), uses.end(), kNone); unused != uses.end())
+    fail("blob " + std::to_string(unused - uses.begin() + 1) + ": nothing uses it");
+}
+
+const BlobEntry& Reader::State::resolve(const BlobRef& ref, NodeKey user) const {
+  if (ref.number == 0 || ref.number > blobs.size())
+    fail("node " + describeKey(user) + ": names a blob that is not there");
+  const BlobEntry& entry = blobs[ref.number - 1];
+  if (entry.bytes != ref.bytes || entry.name != ref.name)
+    fail("node " + describeKey(user) + ": size or name of blob " + std::to_string(ref.number) +
+         " is not that of the blob table");
+  return entry;
+}
+
+std::vector<std::byte> Reader::State::readBlob(uint32_t number) const {
+  const BlobEntry& entry = blobs[number - 1];
+  std::vector<std::byte> bytes(entry.bytes);
+  file.readAt(entry.offset, bytes);
+  if (checksum(bytes) != entry.checksum)
+    fail("blob " + std::to_string(number) + " at byte " + std::to_string(entry.offset) +
+         ": the checksum does not match");
+  return bytes;
+}
+
+Reader::Reader(const std::filesystem::path& path) {
+  namingFile(path, [&] {
+    state_ = std::make_unique<State>(path);
+    state_->open();
+  });
+}
+
+Reader::~Reader() = default;
+Reader::Reader(Reader&&) noexcept = default;
+
+const ModelSummary& Reader::summary() const noexcept { return state_->summary; }
+const std::filesystem::path& Reader::path() const noexcept { return state_->path; }
+std::span<const Node> Reader::nodes() const noexcept { return state_->nodes; }
+uint32_t Reader::blobCount() const noexcept { return static_cast<uint32_t>(state_->blobs.size()); }
+int Reader::fileDescriptor() const noexcept { return state_->file.descriptor(); }
+
+const Node* Reader::find(NodeKey key) const noexcept {
+  const auto found = std::lower_bound(state_->nodes.begin(), state_->nodes.end(), key,
+                                      [](const Node& node, NodeKey wanted) { return node.key < wanted; });
+  return found != state_->nodes.end() && found->key == key ? &*found : nullptr;
+}
+
+const BlobEntry& Reader::blob(uint32_t number) const {
+  if (number == 0 || number > state_->blobs.size())
+    throw Error(ErrorCode::kFormat, state_->path.string() + ": there is no blob " + std::to_string(number) +
+                                        " in this store: ask for 1 to " + std::to_string(blobCount()));
+  return state_->blobs[number - 1];
+}
+
+std::vector<std::byte> Reader::readBlob(uint32_t number) const {
+  blob(number);
+  return namingFile(state_->path, [&] { return state_->readBlob(number); });
+}
+
+}  // namespace lode::store

@@ -1,0 +1,125 @@
+#include "server/store/verify.h"
+
+#include <algorithm>
+#include <string>
+
+#include "common/error.h"
+#include "server/store/cut.h"
+#include "server/store/export.h"
+#include "server/store/open_edges.h"
+#include "server/store/reader.h"
+#include "server/store/segment_tree.h"
+
+namespace lode::store {
+namespace {
+
+constexpr int kPointsPerEdge = 5;  ///< at which an open edge is compared, both ends among them
+
+class Verifier {
+ public:
+  Verifier(const std::filesystem::path& path, const VerifyOptions& options)
+      : options_(options), reader_(path), tree_(reader_.nodes()) {}
+
+  VerifyReport run() {
+    report_.bytes = reader_.summary().bytes;
+    report_.blobs = reader_.blobCount();
+    report_.nodes = reader_.nodes().size();
+    checkNames();
+    checkPayloads();
+    checkRandomCuts();
+    return report_;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorCode::kFormat, reader_.path().string() + ": " + what + "; copy it again or rebuild it");
+  }
+  [[noreturn]] void fail(const Node& node, size_t rung, const std::string& what) const {
+    fail("node " + describeKey(node.key) + ", rung " + std::to_string(rung) + ": " + what);
+  }
+
+  void checkNames() const {
+    for (uint32_t number = 1; number <= reader_.blobCount(); ++number)
+      if (nameBlob(reader_.readBlob(number)) != reader_.blob(number).name)
+        fail("blob " + std::to_string(number) + ": its name is not the hash of its bytes");
+  }
+
+  void checkPayloads() {
+    for (const Node& node : reader_.nodes())
+      for (uint32_t rung = 0; rung < node.rungs.size(); ++rung) {
+        if (node.rungs[rung].triangles == 0) continue;
+        const Mesh mesh = readRung(reader_, node, rung);
+        checkMesh(node, rung, mesh);
+        ++report_.payloads;
+        report_.triangles += mesh.triangles.size();
+        if (node.isLeaf() && rung == 0) leaf_edges_.add(mesh, node.rungs[rung].error_model);
+      }
+    report_.open_edges = leaf_edges_.edges().size();
+  }
+
+  void checkMesh(const Node& node, size_t number, const Mesh& mesh) const {
+    const Rung& rung = node.rungs[number];
+    if (mesh.triangles.size() != rung.triangles) fail(node, number, "it has another number of triangles");
+    if (mesh.positions.size() != rung.vertices) fail(node, number, "it has another number of vertices");
+    LatticeBox box;
+    for (const PositionCode position : mesh.positions) box.add(unpackPosition(position));
+    if (!node.box.contains(box)) fail(node, number, "a vertex lies outside the node's box");
+    for (const glm::u32vec3& t : mesh.triangles) {
+      const PositionCode a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
+      if (a == b || b == c || c == a) fail(node, number, "a triangle with two corners at one place");
+    }
+    std::vector<PositionCode> distinct = mesh.positions;
+    std::sort(distinct.begin(), distinct.end());
+    const auto end = std::unique(distinct.begin(), distinct.end());
+    if (rung.locked > static_cast<size_t>(end - distinct.begin()))
+      fail(node, number, "more locked vertices than positions");
+  }
+
+  void checkRandomCuts() {
+    std::vector<Segment> rims;
+    for (const OpenEdge& edge : leaf_edges_.edges()) rims.push_back({toModel(edge.a), toModel(edge.b)});
+    const SegmentTree rim_tree(std::move(rims));
+    for (unsigned i = 0; i < options_.random_cuts; ++i) {
+      const uint64_t seed = options_.seed + i;
+      const Cut cut = randomCut(tree_, seed);
+      OpenEdges edges;
+      for (const CutItem item : cut.items) {
+        const Node& node = tree_.node(item.node);
+        edges.add(readRung(reader_, node, item.rung), node.rungs[item.rung].error_model);
+      }
+      for (const OpenEdge& edge : edges.edges()) checkRim(edge, rim_tree, seed);
+      ++report_.cuts;
+    }
+  }
+
+  void checkRim(const OpenEdge& edge, const SegmentTree& rims, uint64_t seed) {
+    const std::string cut = "the random cut " + std::to_string(seed);
+    if (rims.empty()) fail(cut + " has an open edge where the model is closed (I2)");
+    const glm::dvec3 from = toModel(edge.a), to = toModel(edge.b);
+    for (int i = 0; i < kPointsPerEdge; ++i) {
+      const double gap = rims.distance(glm::mix(from, to, static_cast<double>(i) / (kPointsPerEdge - 1)));
+      report_.max_rim_gap_model = std::max(report_.max_rim_gap_model, gap);
+      if (gap > edge.error_model)
+        fail(cut + " has an open edge " + std::to_string(gap) + " from the nearest rim, its error is " +
+             std::to_string(edge.error_model) + " (I2)");
+    }
+  }
+
+  glm::dvec3 toModel(PositionCode position) const {
+    return glm::dvec3(unpackPosition(position)) * reader_.summary().lattice.step;
+  }
+
+  VerifyOptions options_;
+  Reader reader_;
+  NodeTree tree_;
+  OpenEdges leaf_edges_;
+  VerifyReport report_;
+};
+
+}  // namespace
+
+VerifyReport verifyStore(const std::filesystem::path& path, const VerifyOptions& options) {
+  return Verifier(path, options).run();
+}
+
+}  // namespace lode::store

@@ -1,0 +1,125 @@
+#include "server/store/writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "common/error.h"
+#include "common/limits.h"
+#include "server/store/node_tree.h"
+#include "server/store/page_split.h"
+
+namespace lode::store {
+
+size_t Writer::NameHash::operator()(const BlobName& name) const noexcept {
+  size_t hash;
+  std::memcpy(&hash, name.bytes.data(), sizeof hash);
+  return hash;
+}
+
+Writer::Writer(const std::filesystem::path& path) : file_(path), path_(path) {
+  file_.write(std::array<std::byte, kHeaderBytes>{});
+}
+
+BlobRef Writer::addBlob(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return {};
+  const BlobName name = nameBlob(bytes);
+  if (const auto known = numbers_.find(name); known != numbers_.end())
+    return {known->second, entries_[known->second - 1].bytes, name};
+  const BlobRef ref = append(bytes, name);
+  numbers_.emplace(name, ref.number);
+  return ref;
+}
+
+BlobRef Writer::append(std::span<const std::byte> bytes, const BlobName& name) {
+  if (bytes.size() > kMaxBlobBytes)
+    throw Error(ErrorCode::kLimit, path_.string() + ": a blob of " + std::to_string(bytes.size()) +
+                                       " bytes, the limit is " + std::to_string(kMaxBlobBytes));
+  if (entries_.size() == std::numeric_limits<uint32_t>::max())
+    throw Error(ErrorCode::kLimit, path_.string() + ": too many blobs for one store");
+  file_.write(bytes);
+  entries_.push_back({static_cast<uint32_t>(bytes.size()), checksum(bytes), name});
+  return {static_cast<uint32_t>(entries_.size()), entries_.back().bytes, name};
+}
+
+/// Every payload must be one that addBlob() returned, and every added blob some rung's.
+void Writer::checkPayloads(std::span<const Node> nodes) const {
+  std::vector<bool> used(entries_.size());
+  for (const Node& node : nodes) {
+    if (node.child_page)
+      throw Error(ErrorCode::kFormat, "node " + describeKey(node.key) + ": has a page already");
+    for (const Rung& rung : node.rungs) {
+      const BlobRef& ref = rung.payload;
+      if (!ref) continue;
+      if (ref.number > entries_.size() || entries_[ref.number - 1].bytes != ref.bytes ||
+          entries_[ref.number - 1].name != ref.name)
+        throw Error(ErrorCode::kFormat,
+                    "node " + describeKey(node.key) + ": names a blob that was not added");
+      used[ref.number - 1] = true;
+    }
+  }
+  if (const auto unused = std::find(used.begin(), used.end(), false); unused != used.end())
+    throw Error(ErrorCode::kFormat,
+                path_.string() + ": no rung uses blob " + std::to_string(unused - used.begin() + 1));
+}
+
+/// Pages lie coarse first, but a page names those below it: they get their numbers first and are encoded from
+/// the last to the first.
+/// @return the root's page.
+BlobRef Writer::writePages(std::vector<Node> nodes) {
+  std::vector<PagePlan> plans = splitIntoPages(std::move(nodes));
+  if (entries_.size() + plans.size() > std::numeric_limits<uint32_t>::max())
+    throw Error(ErrorCode::kLimit, path_.string() + ": too many blobs for one store");
+  const auto first_number = static_cast<uint32_t>(entries_.size() + 1);
+  std::vector<std::vector<std::byte>> encoded(plans.size());
+  std::vector<BlobName> names(plans.size());
+  for (size_t i = plans.size(); i-- > 0;) {
+    for (Node& node : plans[i].page.nodes) {
+      if (!ownsPage(node)) continue;
+      const auto below = std::lower_bound(plans.begin(), plans.end(), node.key,
+                                          [](const PagePlan& plan, NodeKey key) { return plan.owner < key; });
+      const auto index = static_cast<uint32_t>(below - plans.begin());
+      node.child_page = {first_number + index, static_cast<uint32_t>(encoded[index].size()), names[index]};
+    }
+    encoded[i] = encodePage(plans[i].page);
+    names[i] = nameBlob(encoded[i]);
+    plans[i].page.nodes = {};
+  }
+  BlobRef root = append(encoded[0], names[0]);
+  for (size_t i = 1; i < encoded.size(); ++i) append(encoded[i], names[i]);
+  return root;
+}
+
+ModelSummary Writer::finish(ModelSummary summary, std::vector<Node> nodes) {
+  const HierarchyTotals totals = checkHierarchy(nodes);
+  checkPayloads(nodes);
+  summary.name = path_.stem().string();
+  summary.box = nodes[0].box;
+  summary.triangles = totals.triangles;
+  summary.stored_triangles = totals.stored_triangles;
+  summary.nodes = nodes.size();
+  summary.payloads = totals.payloads;
+  summary.depth = totals.depth;
+  summary.max_error_model = nodes[0].rungs.back().error_model;
+  summary.root_page = writePages(std::move(nodes));
+
+  const std::vector<std::byte> table = encodeTable(entries_);
+  FileHeader header;
+  header.table_offset = file_.size();
+  header.blobs = static_cast<uint32_t>(entries_.size());
+  header.table_checksum = checksum(table);
+  summary.bytes = header.table_offset + table.size() + kFooterBytes;
+  header.summary = summary;
+  header.summary.build_id = summary.build_id = computeBuildId(header, table);
+  const auto header_bytes = encodeHeader(header);
+  decodeHeader(header_bytes, summary.bytes);
+  file_.write(table);
+  file_.write(encodeFooter(header_bytes));
+  file_.writeAt(0, header_bytes);
+  file_.commit();
+  return summary;
+}
+
+}  // namespace lode::store
