@@ -80,6 +80,8 @@ class Engine {
   uint64_t cutBlobBytes() const;
   /// A budget keeps the last cut from converging.
   bool limited() const noexcept { return limited_; }
+  /// The last cut is all that the view and the budgets will ever give.
+  bool settled() const noexcept { return settled_; }
   /// Why a part of the model cannot be had; empty if nothing is wrong.
   const std::string& failure() const noexcept { return failure_; }
   EngineCounts counts() const noexcept;
@@ -115,7 +117,7 @@ class Engine {
   std::vector<Wanted> wanted_;
   std::vector<DecodeJob> jobs_;
   std::shared_ptr<const Cut> cut_;
-  bool limited_ = false;
+  bool limited_ = false, settled_ = false;
   std::string failure_;
 };
 

@@ -36,6 +36,7 @@ struct Refinement {
   std::vector<MeshKey> in_use;     ///< resident: the cut's meshes, and those that wait for their siblings
   std::vector<MeshKey> ancestors;  ///< resident: coarser stand-ins for the cut
   bool limited = false;            ///< a budget stopped the wanted cut above the threshold
+  bool settled = false;            ///< the cut is the wanted one: nothing will change it but the view
 };
 
 /// Best-first refinement: decides what the view needs of the known hierarchy, publishes the best cut that the

@@ -26,6 +26,7 @@ struct StreamStatus {
   uint64_t cut_blob_bytes = 0;           ///< of the blobs that the cut is made of
   core::EngineCounts counts;
   bool limited = false;  ///< a budget keeps the cut from converging
+  bool settled = false;  ///< the cut is all that the view and the budgets will ever give
   std::string failure;   ///< why the stream has ended or a part cannot be had; empty while all is well
   bool ended = false;    ///< nothing more will come
 };

@@ -1,0 +1,355 @@
+#include "client/core/refiner.h"
+
+#include <algorithm>
+#include <queue>
+#include <tuple>
+#include <unordered_map>
+
+namespace lode::core {
+namespace {
+
+constexpr float kCoverFactor = 16;  // the covering step's threshold over the user's: about 6 % more triangles
+constexpr float kPagePriorityFactor =
+    16;  // pages are small, and nothing below them can be asked for without them
+
+/// What the wanted cut makes of a node.
+enum class Role : uint8_t {
+  kPart,      // it is in the cut
+  kExpanded,  // its children are
+  kBlocked,   // its children should be, but are not known yet
+};
+
+struct Planned {
+  const Node* node = nullptr;
+  bool visible = true;
+  double distance_model = 0;
+  Role role = Role::kPart;
+  uint32_t rung = 0;
+  std::optional<uint32_t> cover_rung;  // the node is in the covering cut at this rung
+};
+
+/// A part that may have to give way. Largest error first, ties by key.
+struct Candidate {
+  float error_px = 0;
+  NodeKey node;
+  friend bool operator<(const Candidate& a, const Candidate& b) noexcept {
+    return a.error_px != b.error_px ? a.error_px < b.error_px : b.node < a.node;
+  }
+};
+
+class Run {
+ public:
+  Run(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice, AttributeSet attributes,
+      const View& view, const RefineOptions& options)
+      : hierarchy_(hierarchy),
+        cache_(cache),
+        step_(lattice.step),
+        attributes_(attributes),
+        view_(view),
+        options_(options) {}
+
+  Refinement refine() {
+    const Node* root = hierarchy_.root();
+    if (!root) return {};
+    plan(*root);
+    cut_ = std::make_shared<Cut>();
+    cut_->view = view_;
+    if (covered(*root)) {
+      show(*root);
+    } else {
+      wish({kRootKey, lastRung(*root)}, std::numeric_limits<float>::max(), true);
+      exact_ = false;
+    }
+    return finish(covered(*root));
+  }
+
+ private:
+  // ---- the wanted cut
+
+  static uint32_t lastRung(const Node& node) { return static_cast<uint32_t>(node.rungs.size()) - 1; }
+
+  Planned place(const Node& node) const {
+    if (node.box.empty()) return {&node, false, 0, Role::kPart, lastRung(node), {}};
+    const ModelBox box = toModelBox(node.box, step_);
+    return {
+        &node, boxMayBeVisible(box, view_), distanceToBox(view_.eye_model, box), Role::kPart, lastRung(node),
+        {}};
+  }
+
+  float errorPx(const Planned& planned, uint32_t rung) const {
+    const Rung& of = planned.node->rungs[rung];
+    return screenErrorPx(std::max(of.error_model, of.appearance_error_model), planned.distance_model, view_);
+  }
+
+  uint64_t partBytes(const Rung& rung) const {
+    return rung.triangles == 0 ? 0 : meshBytes(rung.vertices, rung.triangles, attributes_);
+  }
+
+  void add(const Node& node) {
+    const Planned& planned = plan_[node.key.value] = place(node);
+    triangles_ += node.rungs.back().triangles;
+    cut_bytes_ += partBytes(node.rungs.back());
+    enqueue(planned);
+  }
+
+  void enqueue(const Planned& planned) {
+    if (planned.visible) queue_.push({errorPx(planned, planned.rung), planned.node->key});
+  }
+
+  void plan(const Node& root) {
+    add(root);
+    bool covering = true;
+    while (!queue_.empty()) {
+      const Candidate worst = queue_.top();
+      if (covering && worst.error_px <= kCoverFactor * options_.threshold_px) {
+        covering = false;
+        for (auto& [key, planned] : plan_)
+          if (planned.role == Role::kPart) planned.cover_rung = planned.rung;
+      }
+      if (worst.error_px <= options_.threshold_px) return;
+      queue_.pop();
+      if (!giveWay(plan_.at(worst.node.value))) return;
+    }
+  }
+
+  /// @return false if a budget forbids it.
+  bool giveWay(Planned& planned) {
+    const Node& node = *planned.node;
+    if (planned.rung == 0 && node.isLeaf()) return true;
+    if (planned.rung == 0 && !hierarchy_.childrenKnown(node)) {
+      planned.role = Role::kBlocked;
+      blocked_ = true;
+      return true;
+    }
+    const Rung& from = node.rungs[planned.rung];
+    uint64_t triangles = triangles_ - from.triangles;
+    uint64_t bytes = cut_bytes_ - partBytes(from);
+    const auto admit = [&](const Rung& rung) {
+      triangles += rung.triangles;
+      bytes += partBytes(rung);
+    };
+    if (planned.rung > 0) {
+      admit(node.rungs[planned.rung - 1]);
+    } else {
+      forEachChild(node, [&](const Node& child) { admit(child.rungs.back()); });
+    }
+    if (triangles > options_.triangle_budget || bytes > options_.cut_budget_bytes) {
+      limited_ = true;
+      return false;
+    }
+    triangles_ -= from.triangles;
+    cut_bytes_ -= partBytes(from);
+    if (planned.rung > 0) {
+      --planned.rung;
+      triangles_ = triangles;
+      cut_bytes_ = bytes;
+      enqueue(planned);
+    } else {
+      planned.role = Role::kExpanded;
+      forEachChild(node, [&](const Node& child) { add(child); });
+    }
+    return true;
+  }
+
+  template <typename Function>
+  void forEachChild(const Node& node, Function&& function) const {
+    for (unsigned octant = 0; octant < 8; ++octant)
+      if ((node.child_mask >> octant & 1) != 0) function(*hierarchy_.find(node.key.child(octant)));
+  }
+
+  // ---- what is there
+
+  bool ready(const Node& node, uint32_t rung) const {
+    return node.rungs[rung].triangles == 0 || cache_.contains({node.key, rung});
+  }
+
+  bool anyReady(const Node& node) const {
+    for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
+      if (ready(node, rung)) return true;
+    return false;
+  }
+
+  /// True if resident meshes at the node, or at it and below, cover it.
+  bool covered(const Node& node) {
+    if (anyReady(node)) return true;
+    return cache_.countBelow(node.key) != 0 && childrenCovered(node);
+  }
+
+  bool childrenCovered(const Node& node) {
+    if (node.isLeaf() || !hierarchy_.childrenKnown(node)) return false;
+    const auto known = children_covered_.find(node.key.value);
+    if (known != children_covered_.end()) return known->second;
+    bool all = true;
+    forEachChild(node, [&](const Node& child) { all = all && covered(child); });
+    children_covered_[node.key.value] = all;
+    return all;
+  }
+
+  // ---- the published cut; every function here is called for covered nodes only
+
+  void show(const Node& node) {
+    const auto planned = plan_.find(node.key.value);
+    if (planned == plan_.end()) return showFiner(node);
+    switch (planned->second.role) {
+      case Role::kExpanded:
+        return showExpanded(planned->second);
+      case Role::kBlocked:
+        askForPage(planned->second, errorPx(planned->second, 0));
+        return showPart(planned->second);
+      case Role::kPart:
+        return showPart(planned->second);
+    }
+  }
+
+  void showExpanded(const Planned& planned) {
+    const Node& node = *planned.node;
+    if (childrenCovered(node)) {
+      for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
+        if (cache_.contains({node.key, rung})) ancestors_.push_back({node.key, rung});
+      forEachChild(node, [&](const Node& child) { show(child); });
+      return;
+    }
+    uint32_t rung = 0;
+    while (!ready(node, rung)) ++rung;
+    emit(planned, rung);
+    exact_ = false;
+    askBelow(planned, errorPx(planned, rung));
+  }
+
+  /// Shows the wanted rung of a part or what stands in for it: a finer rung, finer nodes, a coarser rung.
+  void showPart(const Planned& planned) {
+    const Node& node = *planned.node;
+    const uint32_t wanted = planned.rung;
+    if (ready(node, wanted)) return emit(planned, wanted);
+    exact_ = false;
+    const bool is_blocked = planned.role == Role::kBlocked;
+    for (uint32_t rung = wanted; rung-- > 0;) {
+      if (!ready(node, rung)) continue;
+      emit(planned, rung);
+      if (!is_blocked) wish({node.key, wanted}, errorPx(planned, wanted), planned.visible);
+      return;
+    }
+    if (childrenCovered(node)) {
+      if (!is_blocked) wish({node.key, wanted}, errorPx(planned, wanted), planned.visible);
+      forEachChild(node, [&](const Node& child) { showFiner(child); });
+      return;
+    }
+    uint32_t rung = wanted + 1;
+    while (!ready(node, rung)) ++rung;
+    emit(planned, rung);
+    if (!is_blocked) wish({node.key, wanted}, errorPx(planned, rung), planned.visible);
+  }
+
+  /// Stands in for a wanted part above: the coarsest that is resident.
+  void showFiner(const Node& node) {
+    for (uint32_t rung = lastRung(node) + 1; rung-- > 0;)
+      if (ready(node, rung)) return emit(place(node), rung);
+    forEachChild(node, [&](const Node& child) { showFiner(child); });
+  }
+
+  void emit(const Planned& planned, uint32_t rung) {
+    const Rung& shown = planned.node->rungs[rung];
+    if (shown.triangles == 0) return;
+    const MeshKey key{planned.node->key, rung};
+    in_use_.push_back(key);
+    cut_->parts.push_back({key.node, rung, planned.visible, errorPx(planned, rung), cache_.find(key)});
+    cut_->triangles += shown.triangles;
+    if (planned.visible) cut_->max_error_px = std::max(cut_->max_error_px, cut_->parts.back().error_px);
+  }
+
+  // ---- the wishes
+
+  /// Asks for the wanted cut below a node that is shown in its place.
+  /// @param shown_px  error of what is shown there, or will be by then.
+  void askBelow(const Planned& planned, float shown_px) {
+    forEachChild(*planned.node, [&](const Node& child) { ask(plan_.at(child.key.value), shown_px); });
+  }
+
+  void ask(const Planned& planned, float shown_px) {
+    const NodeKey key = planned.node->key;
+    switch (planned.role) {
+      case Role::kPart:
+        return wish({key, planned.rung}, shown_px, true);
+      case Role::kBlocked:
+        return askForPage(planned, shown_px);
+      case Role::kExpanded:
+        break;
+    }
+    if (planned.cover_rung && !childrenCovered(*planned.node)) {
+      const float cover_px = errorPx(planned, *planned.cover_rung);
+      if (shown_px > 2 * cover_px) {
+        wish({key, *planned.cover_rung}, shown_px, true);
+        shown_px = cover_px;
+      }
+    }
+    askBelow(planned, shown_px);
+  }
+
+  void askForPage(const Planned& planned, float shown_px) {
+    const Node& node = *planned.node;
+    const float priority_px = std::min(shown_px, std::numeric_limits<float>::max() / kPagePriorityFactor);
+    wanted_.push_back({node.child_page,
+                       {node.key, 0},
+                       true,
+                       proto::WishClass::kVisible,
+                       priority_px * kPagePriorityFactor});
+  }
+
+  void wish(MeshKey key, float priority_px, bool visible) {
+    const Rung& rung = hierarchy_.find(key.node)->rungs[key.rung];
+    if (rung.triangles == 0) return;
+    if (cache_.contains(key)) {
+      in_use_.push_back(key);
+      return;
+    }
+    wanted_.push_back({rung.payload, key, false,
+                       visible ? proto::WishClass::kVisible : proto::WishClass::kMargin, priority_px});
+  }
+
+  Refinement finish(bool has_cut) {
+    std::sort(cut_->parts.begin(), cut_->parts.end(),
+              [](const CutPart& a, const CutPart& b) { return a.node < b.node; });
+    std::sort(wanted_.begin(), wanted_.end(), [](const Wanted& a, const Wanted& b) {
+      if (a.wish_class != b.wish_class) return a.wish_class < b.wish_class;
+      if (a.priority_px != b.priority_px) return a.priority_px > b.priority_px;
+      return std::tie(a.mesh, a.is_page) < std::tie(b.mesh, b.is_page);
+    });
+    const bool settled = exact_ && !blocked_;
+    cut_->converged = settled && !limited_;
+    Refinement result;
+    if (has_cut) result.cut = std::move(cut_);
+    result.wanted = std::move(wanted_);
+    result.in_use = std::move(in_use_);
+    result.ancestors = std::move(ancestors_);
+    result.limited = limited_;
+    result.settled = settled;
+    return result;
+  }
+
+  const Hierarchy& hierarchy_;
+  const MeshCache& cache_;
+  const double step_;
+  const AttributeSet attributes_;
+  const View& view_;
+  const RefineOptions& options_;
+
+  std::unordered_map<uint64_t, Planned> plan_;
+  std::priority_queue<Candidate> queue_;
+  uint64_t triangles_ = 0, cut_bytes_ = 0;
+  bool limited_ = false, blocked_ = false;
+  std::unordered_map<uint64_t, bool> children_covered_;
+
+  std::shared_ptr<Cut> cut_;
+  bool exact_ = true;  // the published cut is the wanted one
+  std::vector<Wanted> wanted_;
+  std::vector<MeshKey> in_use_, ancestors_;
+};
+
+}  // namespace
+
+Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,
+                  AttributeSet attributes, const View& view, const RefineOptions& options) {
+  return Run(hierarchy, cache, lattice, attributes, view, options).refine();
+}
+
+}  // namespace lode::core
