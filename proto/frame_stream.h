@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <asio/awaitable.hpp>
+#include <asio/buffer.hpp>
+#include <asio/ip/tcp.hpp>
+
+#include "proto/frame.h"
+#include "proto/limits.h"
+
+namespace lode::proto {
+
+struct Frame {
+  FrameHeader header;
+  std::vector<std::byte> body;
+};
+
+/// Frames on a TCP socket. One coroutine may read while another writes, all on the socket's one thread.
+class FrameStream {
+ public:
+  /// @param read_ahead_bytes  how much is read in one go; bodies longer than it are read straight into place.
+  explicit FrameStream(asio::ip::tcp::socket socket, size_t read_ahead_bytes = 4096);
+
+  /// Reads one frame; `frame` is reused from call to call, so that its memory is.
+  /// @param max_body_bytes  bodies announced longer are refused before any memory is taken.
+  /// @return false if the peer closed the connection between two frames.
+  /// @throws Error kLimit, kProtocol (a header that cannot be), kNetwork (gone in the middle of a frame,
+  /// reset).
+  asio::awaitable<bool> read(Frame& frame, uint32_t max_body_bytes = kMaxFrameBodyBytes);
+
+  /// Writes whole frames, one behind the other; the bytes must stay until it is done. @throws Error kNetwork.
+  asio::awaitable<void> write(std::span<const std::byte> frames);
+  /// The same from several places in one call of the system, nothing copied: frame and chunk headers from
+  /// one, a blob's bytes from another.
+  asio::awaitable<void> write(std::span<const asio::const_buffer> parts);
+
+  /// Reads and drops until the peer closes or the socket is closed here: a connection closed with bytes
+  /// unread is reset, and the peer may lose what was sent last. Never throws.
+  asio::awaitable<void> discard();
+
+  asio::ip::tcp::socket& socket() noexcept { return socket_; }
+  void close() noexcept;  ///< whatever is under way ends with Error kNetwork
+
+ private:
+  asio::awaitable<bool> fill(size_t needed);
+
+  asio::ip::tcp::socket socket_;
+  std::vector<std::byte> ahead_;
+  size_t begin_ = 0, end_ = 0;  ///< of what is in ahead_ and not yet given out
+};
+
+}  // namespace lode::proto
