@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""docker/install-packages.sh installs what is missing, and nothing else."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+SCRIPT = Path(__file__).resolve().parent.parent / "docker" / "install-packages.sh"
+TOOLS = ("bash", "awk", "grep", "tr", "dirname", "env", "cat")
+
+
+class InstallPackages(unittest.TestCase):
+    """The script runs with a PATH of its own, where apt and its kin only write down how they were called."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        for tool in TOOLS:
+            (self.folder / tool).symlink_to(shutil.which(tool))
+        shutil.copytree(SCRIPT.parent, self.folder / "docker")
+        (self.folder / "docker" / "packages.txt").write_text(
+            "# a comment\n[run]\nlibone  # why\n\n[build]\nlibone\ntool\n[test]\nother\n"
+        )
+        self.calls = self.folder / "calls"
+        self.calls.touch()
+        self.fake("apt-get", f'echo "apt-get $*" >> {self.calls}')
+        self.fake("sudo", f'echo "sudo" >> {self.calls}; exec "$@"')
+        self.installed("libone", "tool", "other")
+
+    def fake(self, name, body):
+        path = self.folder / name
+        path.write_text(f"#!{shutil.which('bash')}\n{body}\n")
+        path.chmod(0o755)
+
+    def installed(self, *names):
+        cases = "|".join(names) or "-"
+        self.fake("dpkg-query", f"case \"${{!#}}\" in {cases}) echo installed;; *) echo not-installed; exit 1;; esac")
+
+    def run_script(self, *sections, **environment):
+        return subprocess.run(
+            [self.folder / "docker" / "install-packages.sh", *sections],
+            env={"PATH": str(self.folder), **environment}, capture_output=True, text=True, check=False,
+        )
+
+    def apt_calls(self):
+        return [line for line in self.calls.read_text().splitlines() if line.startswith("apt-get")]
+
+    def test_does_not_touch_apt_when_all_is_there(self):
+        self.assertEqual(self.run_script("run", "build", "test").returncode, 0)
+        self.assertEqual(self.apt_calls(), [])
+
+    def test_installs_only_what_is_missing_of_the_sections_named(self):
+        self.installed("libone")
+        self.assertEqual(self.run_script("run", "build").returncode, 0)
+        update, install = self.apt_calls()
+        self.assertIn("update", update)
+        self.assertTrue(install.endswith("--no-install-recommends tool"), install)
+
+    def test_goes_on_when_the_lists_cannot_be_updated(self):
+        self.installed()
+        self.fake("apt-get", f'echo "apt-get $*" >> {self.calls}; [[ $1 != update ]]')
+        self.assertEqual(self.run_script("test").returncode, 0)
+        self.assertEqual(len(self.apt_calls()), 2)
+
+    def test_fails_when_a_package_cannot_be_installed(self):
+        self.installed()
+        self.fake("apt-get", "[[ $1 == update ]]")
+        self.assert_one_line_failure(self.run_script("test"), "could not install all of: other", lines=2)
+
+    def test_refuses_a_section_that_is_not_there(self):
+        self.assert_one_line_failure(self.run_script("run", "bild"), "no section [bild]")
+
+    def test_says_what_to_do_on_a_system_without_dpkg(self):
+        (self.folder / "dpkg-query").unlink()
+        self.assert_one_line_failure(self.run_script("run"), "LODESTREAM_PACKAGES=skip")
+        self.assertEqual(self.run_script("run", LODESTREAM_PACKAGES="skip").returncode, 0)
+
+    def test_names_the_missing_packages_where_there_is_no_apt(self):
+        self.installed()
+        (self.folder / "apt-get").unlink()
+        self.assert_one_line_failure(self.run_script("run", "test"), "libone other")
+
+    @unittest.skipIf(os.geteuid() == 0, "root needs no sudo")
+    def test_names_the_missing_packages_where_there_is_no_sudo(self):
+        self.installed()
+        (self.folder / "sudo").unlink()
+        self.assert_one_line_failure(self.run_script("run"), "libone")
+
+    def assert_one_line_failure(self, result, text, lines=1):
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), lines, result.stderr)
+        self.assertIn(text, result.stderr.splitlines()[-1])
+
+
+if __name__ == "__main__":
+    unittest.main()
