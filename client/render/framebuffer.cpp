@@ -1,0 +1,88 @@
+#include "client/render/framebuffer.h"
+
+#include <algorithm>
+#include <string>
+
+#include "common/error.h"
+
+namespace lode::render {
+namespace {
+
+[[noreturn]] void failSize(uint32_t width_px, uint32_t height_px, int limit_px) {
+  throw Error(ErrorCode::kUsage, "a picture of " + std::to_string(width_px) + "x" +
+                                     std::to_string(height_px) +
+                                     " pixels cannot be drawn here; choose a --size between 1x1 and " +
+                                     std::to_string(limit_px) + "x" + std::to_string(limit_px));
+}
+
+}  // namespace
+
+Framebuffer::Framebuffer(uint32_t width_px, uint32_t height_px, int samples)
+    : width_px_(width_px), height_px_(height_px) {
+  GLint limit_px = 0, limit_samples = 1;
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &limit_px);
+  glGetIntegerv(GL_MAX_SAMPLES, &limit_samples);
+  const auto limit = static_cast<uint32_t>(limit_px);
+  if (width_px == 0 || height_px == 0 || width_px > limit || height_px > limit) {
+    failSize(width_px, height_px, limit_px);
+  }
+  const GLsizei width = static_cast<GLsizei>(width_px), height = static_cast<GLsizei>(height_px);
+  const GLsizei used_samples = std::clamp(samples, 1, limit_samples);
+  while (glGetError() != GL_NO_ERROR) {
+  }
+
+  colour_ = GlRenderbuffer::create();
+  depth_ = GlRenderbuffer::create();
+  resolved_colour_ = GlRenderbuffer::create();
+  glNamedRenderbufferStorageMultisample(colour_.get(), used_samples, GL_SRGB8_ALPHA8, width, height);
+  glNamedRenderbufferStorageMultisample(depth_.get(), used_samples, GL_DEPTH_COMPONENT32F, width, height);
+  glNamedRenderbufferStorage(resolved_colour_.get(), GL_SRGB8_ALPHA8, width, height);
+
+  drawn_ = GlFramebuffer::create();
+  glNamedFramebufferRenderbuffer(drawn_.get(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_.get());
+  glNamedFramebufferRenderbuffer(drawn_.get(), GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.get());
+  resolved_ = GlFramebuffer::create();
+  glNamedFramebufferRenderbuffer(resolved_.get(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
+                                 resolved_colour_.get());
+  const bool complete =
+      glCheckNamedFramebufferStatus(drawn_.get(), GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE &&
+      glCheckNamedFramebufferStatus(resolved_.get(), GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  if (glGetError() != GL_NO_ERROR || !complete) failSize(width_px, height_px, limit_px);
+}
+
+void Framebuffer::bindForDrawing() const {
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, drawn_.get());
+  glViewport(0, 0, static_cast<GLsizei>(width_px_), static_cast<GLsizei>(height_px_));
+}
+
+void Framebuffer::resolve() const {
+  const GLint width = static_cast<GLint>(width_px_), height = static_cast<GLint>(height_px_);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glBlitNamedFramebuffer(drawn_.get(), resolved_.get(), 0, 0, width, height, 0, 0, width, height,
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+Image Framebuffer::readPixels() const {
+  Image image{width_px_, height_px_, {}};
+  const size_t row_bytes = static_cast<size_t>(width_px_) * 4;
+  image.rgba.resize(row_bytes * height_px_);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.get());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, static_cast<GLsizei>(width_px_), static_cast<GLsizei>(height_px_), GL_RGBA,
+               GL_UNSIGNED_BYTE, image.rgba.data());
+  for (uint32_t y = 0; y < height_px_ / 2; ++y) {
+    uint8_t* top = image.rgba.data() + y * row_bytes;
+    std::swap_ranges(top, top + row_bytes, image.rgba.data() + (height_px_ - 1 - y) * row_bytes);
+  }
+  return image;
+}
+
+void Framebuffer::copyTo(GLuint framebuffer) const {
+  const GLint width = static_cast<GLint>(width_px_), height = static_cast<GLint>(height_px_);
+  // The bytes are sRGB already and go over as they are.
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glBlitNamedFramebuffer(resolved_.get(), framebuffer, 0, 0, width, height, 0, 0, width, height,
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+}  // namespace lode::render

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+
+#include "client/render/gl_names.h"
+#include "client/render/image.h"
+
+namespace lode::render {
+
+/// A picture in the making: sRGB colour and reversed 32-bit float depth, several samples a pixel, and the
+/// resolved colour beside it. Used on the thread of its context.
+class Framebuffer {
+ public:
+  /// @param samples  a pixel; lowered to what the driver has.
+  /// @throws Error kUsage if the driver cannot make a picture of this size.
+  Framebuffer(uint32_t width_px, uint32_t height_px, int samples = 4);
+
+  uint32_t widthPx() const noexcept { return width_px_; }
+  uint32_t heightPx() const noexcept { return height_px_; }
+
+  /// What is drawn from now on goes here.
+  void bindForDrawing() const;
+  /// Averages the samples. To be called after drawing, before readPixels() and copyTo().
+  void resolve() const;
+  Image readPixels() const;
+  /// Copies the resolved picture to a framebuffer of the same size (0: the window), lower left corner on
+  /// lower left corner.
+  void copyTo(GLuint framebuffer) const;
+
+ private:
+  uint32_t width_px_, height_px_;
+  GlRenderbuffer colour_, depth_, resolved_colour_;
+  GlFramebuffer drawn_, resolved_;
+};
+
+}  // namespace lode::render

@@ -1,0 +1,96 @@
+#include "client/render/gpu_pages.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace lode::render {
+
+GpuPages::GpuPages(uint64_t budget_bytes, uint32_t page_bytes)
+    : budget_bytes_(budget_bytes), page_bytes_(page_bytes) {}
+
+/// @return 0 if the budget does not allow a page that holds needed_bytes.
+uint32_t GpuPages::sizeOfNewPage(uint32_t needed_bytes, uint64_t capacity_bytes) const noexcept {
+  const uint64_t left = budget_bytes_ - std::min(budget_bytes_, capacity_bytes);
+  const uint64_t wanted = std::max<uint64_t>(page_bytes_, BlockAllocator::roundUp(needed_bytes));
+  const uint64_t size = std::min(left, wanted);
+  return size >= BlockAllocator::roundUp(needed_bytes) ? static_cast<uint32_t>(size) : 0;
+}
+
+bool GpuPages::addPage(uint32_t needed_bytes) {
+  const uint32_t bytes = sizeOfNewPage(needed_bytes, capacity_bytes_);
+  if (bytes == 0) return false;
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  GlBuffer buffer = GlBuffer::create();
+  glNamedBufferStorage(buffer.get(), bytes, nullptr, 0);
+  if (glGetError() != GL_NO_ERROR) {
+    budget_bytes_ = capacity_bytes_;  // the driver has no more, whatever we were allowed
+    return false;
+  }
+  auto page = std::make_unique<Page>(Page{std::move(buffer), bytes, BlockAllocator(bytes)});
+  const auto hole = std::find(pages_.begin(), pages_.end(), nullptr);
+  if (hole != pages_.end()) {
+    *hole = std::move(page);
+  } else {
+    pages_.push_back(std::move(page));
+  }
+  capacity_bytes_ += bytes;
+  return true;
+}
+
+std::optional<GpuBlock> GpuPages::allocate(uint32_t bytes) {
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    for (uint32_t i = 0; i < pages_.size(); ++i) {
+      if (!pages_[i]) continue;
+      if (const auto offset = pages_[i]->allocator.allocate(bytes)) {
+        used_bytes_ += BlockAllocator::roundUp(bytes);
+        return GpuBlock{i, *offset, bytes};
+      }
+    }
+    if (attempt == 0 && !addPage(bytes)) break;
+  }
+  return std::nullopt;
+}
+
+void GpuPages::release(const GpuBlock& block) {
+  pages_[block.page]->allocator.release(block.offset_bytes, block.bytes);
+  used_bytes_ -= BlockAllocator::roundUp(block.bytes);
+}
+
+void GpuPages::dropEmptyPages() {
+  bool kept_one = false;
+  for (auto& page : pages_) {
+    if (!page || !page->allocator.empty()) continue;
+    if (!kept_one) {
+      kept_one = true;
+      continue;
+    }
+    capacity_bytes_ -= page->bytes;
+    page.reset();
+  }
+}
+
+void GpuPages::clear() {
+  pages_.clear();
+  used_bytes_ = capacity_bytes_ = 0;
+}
+
+bool GpuPages::fitsAfterClear(const std::vector<uint64_t>& sizes) const {
+  std::vector<BlockAllocator> pages;
+  uint64_t capacity = 0;
+  for (const uint64_t bytes : sizes) {
+    if (bytes > std::numeric_limits<uint32_t>::max() - BlockAllocator::kAlignment) return false;
+    const auto needed = static_cast<uint32_t>(bytes);
+    const bool placed = std::any_of(pages.begin(), pages.end(),
+                                    [&](BlockAllocator& page) { return page.allocate(needed).has_value(); });
+    if (placed) continue;
+    const uint32_t added = sizeOfNewPage(needed, capacity);
+    if (added == 0) return false;
+    capacity += added;
+    pages.emplace_back(added);
+    if (!pages.back().allocate(needed)) return false;
+  }
+  return true;
+}
+
+}  // namespace lode::render

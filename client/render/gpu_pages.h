@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "client/render/block_allocator.h"
+#include "client/render/gl_names.h"
+
+namespace lode::render {
+
+/// A range of one page.
+struct GpuBlock {
+  uint32_t page = 0;
+  uint32_t offset_bytes = 0;
+  uint32_t bytes = 0;
+};
+
+/// The GPU memory of meshes: a few large buffers, made as they are needed and never more than the budget,
+/// each sub-allocated. Used on the thread of its context.
+class GpuPages {
+ public:
+  GpuPages(uint64_t budget_bytes, uint32_t page_bytes);
+
+  /// @return nothing if no page has room and none can be added. bytes > 0.
+  std::optional<GpuBlock> allocate(uint32_t bytes);
+  void release(const GpuBlock& block);
+  /// Frees the buffers of pages that hold nothing, but one.
+  void dropEmptyPages();
+  /// Frees everything; all blocks become invalid.
+  void clear();
+  /// True if blocks of these sizes, allocated in this order, would fit after clear(). Sizes above 4 GiB
+  /// never.
+  bool fitsAfterClear(const std::vector<uint64_t>& sizes) const;
+
+  GLuint buffer(uint32_t page) const noexcept { return pages_[page] ? pages_[page]->buffer.get() : 0; }
+  uint32_t pageCount() const noexcept { return static_cast<uint32_t>(pages_.size()); }
+  uint64_t usedBytes() const noexcept { return used_bytes_; }
+  uint64_t capacityBytes() const noexcept { return capacity_bytes_; }
+
+ private:
+  struct Page {
+    GlBuffer buffer;
+    uint32_t bytes;
+    BlockAllocator allocator;
+  };
+  uint32_t sizeOfNewPage(uint32_t needed_bytes, uint64_t capacity_bytes) const noexcept;
+  bool addPage(uint32_t needed_bytes);
+
+  uint64_t budget_bytes_;
+  uint32_t page_bytes_;
+  uint64_t used_bytes_ = 0, capacity_bytes_ = 0;
+  std::vector<std::unique_ptr<Page>> pages_;  ///< null: a page that was dropped
+};
+
+}  // namespace lode::render

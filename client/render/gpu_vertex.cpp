@@ -1,0 +1,47 @@
+#include "client/render/gpu_vertex.h"
+
+#include <cmath>
+#include <vector>
+
+#include "common/octahedral.h"
+
+namespace lode::render {
+namespace {
+
+uint32_t packNormal(glm::vec3 normal) {
+  const auto component = [](float value) {
+    return static_cast<uint32_t>(static_cast<int32_t>(std::lround(value * 511.0f))) & 0x3ff;
+  };
+  return component(normal.x) | component(normal.y) << 10 | component(normal.z) << 20;
+}
+
+const std::vector<uint32_t>& normalTable() {
+  static const std::vector<uint32_t> table = [] {
+    std::vector<uint32_t> packed(1u << 16);
+    for (uint32_t code = 0; code < packed.size(); ++code) {
+      packed[code] = packNormal(decodeOctahedral(static_cast<uint16_t>(code)));
+    }
+    return packed;
+  }();
+  return table;
+}
+
+}  // namespace
+
+uint64_t gpuBytes(const Mesh& mesh) noexcept {
+  return mesh.positions.size() * sizeof(GpuVertex) + mesh.triangles.size() * sizeof(glm::u32vec3);
+}
+
+void packVertices(const Mesh& mesh, size_t first, std::span<GpuVertex> out) {
+  const std::vector<uint32_t>& normals = normalTable();
+  const bool has_attributes = !mesh.vertex_attributes.empty();
+  for (size_t i = 0; i < out.size(); ++i) {
+    const uint64_t code = mesh.positions[first + i].value;
+    const VertexAttributes attributes =
+        has_attributes ? mesh.vertex_attributes[first + i] : VertexAttributes{};
+    out[i] = {static_cast<uint32_t>(code), static_cast<uint32_t>(code >> 32), normals[attributes.normal],
+              attributes.colour};
+  }
+}
+
+}  // namespace lode::render

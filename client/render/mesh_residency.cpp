@@ -1,0 +1,224 @@
+#include "client/render/mesh_residency.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "client/render/gpu_vertex.h"
+
+namespace lode::render {
+namespace {
+
+constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
+
+}  // namespace
+
+/// What is left of a frame's UploadBudget.
+struct MeshResidency::Allowance {
+  UploadBudget budget;
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  uint64_t used_bytes = 0;
+
+  uint32_t left() const {
+    if (budget.wait) return kPieceBytes;
+    const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
+    if (spent.count() >= budget.ms || used_bytes >= budget.bytes) return 0;
+    return static_cast<uint32_t>(std::min<uint64_t>(kPieceBytes, budget.bytes - used_bytes));
+  }
+};
+
+MeshResidency::MeshResidency(const ResidencyOptions& options)
+    : options_(options), pages_(options.budget_bytes, options.page_bytes), staging_(options.staging_bytes) {}
+
+uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
+  if (!target_ && !begin()) return 0;
+  Allowance allowance{budget};
+  if (!staging_.open(budget.wait)) return 0;
+  bool complete = advance(allowance);
+  staging_.close();
+  while (!complete && target_ && allowance.budget.wait) {
+    staging_.open(true);
+    complete = advance(allowance);
+    staging_.close();
+  }
+  if (complete) finish();
+  return allowance.used_bytes;
+}
+
+/// @return false if there is nothing to do.
+bool MeshResidency::begin() {
+  if (!newest_ || newest_ == drawn_cut_ || newest_ == rejected_) return false;
+  target_ = newest_;
+  rejected_.reset();
+  next_part_ = 0;
+  target_serial_ = ++serial_;
+  pin(*target_, target_serial_);
+  return true;
+}
+
+void MeshResidency::pin(const core::Cut& cut, uint64_t serial) {
+  for (const core::CutPart& part : cut.parts) {
+    if (const auto it = entries_.find(part.mesh); it != entries_.end()) it->second.used_by = serial;
+  }
+}
+
+bool MeshResidency::pinned(const Entry& entry) const noexcept {
+  return entry.used_by == drawn_serial_ || (target_ && entry.used_by == target_serial_);
+}
+
+/// @return true if all of the target is on the GPU; false if the allowance ended first or the target was
+/// rejected.
+bool MeshResidency::advance(Allowance& allowance) {
+  for (; next_part_ < target_->parts.size(); ++next_part_) {
+    const core::CutPart& part = target_->parts[next_part_];
+    if (!part.mesh || part.mesh->triangles.empty()) continue;
+    const auto it = entries_.find(part.mesh);
+    Entry* entry = it != entries_.end() ? &it->second : place(part.mesh);
+    if (entry == nullptr) {
+      if (!makeRoomForTargetAlone()) {
+        reject();
+        return false;
+      }
+      allowance.budget.wait = true;  // nothing is drawn until the whole target is there
+      return false;
+    }
+    if (!entry->complete && !uploadMesh(*part.mesh, *entry, allowance)) return false;
+  }
+  return true;
+}
+
+bool MeshResidency::uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowance) {
+  while (entry.triangles_done < mesh.triangles.size()) {
+    const uint32_t limit = std::min(allowance.left(), staging_.freeBytes());
+    const uint32_t bytes = uploadPiece(mesh, entry, limit);
+    if (bytes == 0) return false;
+    allowance.used_bytes += bytes;
+  }
+  entry.complete = true;
+  return true;
+}
+
+/// @return bytes uploaded; 0 if the limit does not allow one element.
+uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t limit_bytes) {
+  const GLuint buffer = pages_.buffer(entry.block.page);
+  const auto vertices = static_cast<uint32_t>(mesh.positions.size());
+  if (entry.vertices_done < vertices) {
+    const uint32_t count =
+        std::min<uint32_t>(limit_bytes / sizeof(GpuVertex), vertices - entry.vertices_done);
+    if (count == 0) return 0;
+    const auto bytes = static_cast<uint32_t>(count * sizeof(GpuVertex));
+    const std::span<std::byte> room = staging_.take(bytes);
+    packVertices(mesh, entry.vertices_done, {reinterpret_cast<GpuVertex*>(room.data()), count});
+    staging_.copyTo(buffer, entry.block.offset_bytes + uint64_t{entry.vertices_done} * sizeof(GpuVertex));
+    for (uint32_t i = 0; i < count; ++i) {
+      entry.box.add(unpackPosition(mesh.positions[entry.vertices_done + i]));
+    }
+    entry.vertices_done += count;
+    return bytes;
+  }
+  constexpr uint32_t kTriangleBytes = sizeof(glm::u32vec3);
+  const auto triangles = static_cast<uint32_t>(mesh.triangles.size());
+  const uint32_t count = std::min(limit_bytes / kTriangleBytes, triangles - entry.triangles_done);
+  if (count == 0) return 0;
+  const std::span<std::byte> room = staging_.take(count * kTriangleBytes);
+  std::memcpy(room.data(), mesh.triangles.data() + entry.triangles_done, room.size());
+  staging_.copyTo(buffer, entry.block.offset_bytes + uint64_t{vertices} * sizeof(GpuVertex) +
+                              uint64_t{entry.triangles_done} * kTriangleBytes);
+  entry.triangles_done += count;
+  return count * kTriangleBytes;
+}
+
+/// @return null if there is no room, although all that is not drawn or wanted was evicted.
+MeshResidency::Entry* MeshResidency::place(const std::shared_ptr<const Mesh>& mesh) {
+  const uint64_t bytes = gpuBytes(*mesh);
+  if (bytes > options_.budget_bytes || bytes > (1u << 31)) return nullptr;
+  std::optional<GpuBlock> block;
+  while (!(block = pages_.allocate(static_cast<uint32_t>(bytes)))) {
+    if (!evictOldest()) return nullptr;
+  }
+  Entry entry;
+  entry.block = *block;
+  entry.used_by = target_serial_;
+  return &entries_.emplace(mesh, entry).first->second;
+}
+
+bool MeshResidency::evictOldest() {
+  auto oldest = entries_.end();
+  for (auto it = entries_.begin(); it != entries_.end(); ++it) {
+    if (pinned(it->second)) continue;
+    if (oldest == entries_.end() || it->second.used_by < oldest->second.used_by) oldest = it;
+  }
+  if (oldest == entries_.end()) return false;
+  pages_.release(oldest->second.block);
+  entries_.erase(oldest);
+  pages_.dropEmptyPages();
+  return true;
+}
+
+/// Gives up what is drawn now, so that the target can take its place within the same frame.
+bool MeshResidency::makeRoomForTargetAlone() {
+  std::vector<uint64_t> sizes;
+  for (const core::CutPart& part : target_->parts) {
+    if (part.mesh && !part.mesh->triangles.empty()) sizes.push_back(gpuBytes(*part.mesh));
+  }
+  if (!pages_.fitsAfterClear(sizes)) return false;
+  drawn_.clear();
+  drawn_cut_.reset();
+  drawn_serial_ = 0;
+  entries_.clear();
+  pages_.clear();
+  next_part_ = 0;
+  return true;
+}
+
+void MeshResidency::reject() {
+  rejected_ = std::move(target_);
+  target_.reset();
+  if (drawn_cut_) pin(*drawn_cut_, drawn_serial_);
+  trimTo(options_.spare_bytes);
+}
+
+void MeshResidency::finish() {
+  drawn_cut_ = std::move(target_);
+  target_.reset();
+  drawn_serial_ = target_serial_;
+  drawn_.clear();
+  for (const core::CutPart& part : drawn_cut_->parts) {
+    const auto it = entries_.find(part.mesh);
+    if (it == entries_.end()) continue;
+    const Entry& entry = it->second;
+    const auto base = static_cast<uint32_t>(entry.block.offset_bytes / sizeof(GpuVertex));
+    const auto vertices = static_cast<uint32_t>(part.mesh->positions.size());
+    drawn_.push_back({entry.block.page, base, (base + vertices) * uint32_t{sizeof(GpuVertex) / 4},
+                      static_cast<uint32_t>(part.mesh->triangles.size() * 3), entry.box,
+                      part.mesh->attributes, part.node, part.rung});
+  }
+  trimTo(options_.spare_bytes);
+}
+
+/// Evicts, oldest first, until meshes that are neither drawn nor wanted take at most spare_bytes.
+void MeshResidency::trimTo(uint64_t spare_bytes) {
+  std::vector<Entries::iterator> spare;
+  uint64_t bytes = 0;
+  for (auto it = entries_.begin(); it != entries_.end(); ++it) {
+    if (pinned(it->second)) continue;
+    bytes += it->second.block.bytes;
+    spare.push_back(it);
+  }
+  // Meshes that nobody holds any more can never be asked for again: they go first.
+  const auto before = [](Entries::iterator a, Entries::iterator b) {
+    const uint64_t age_a = a->first.expired() ? 0 : a->second.used_by;
+    const uint64_t age_b = b->first.expired() ? 0 : b->second.used_by;
+    return age_a < age_b;
+  };
+  std::sort(spare.begin(), spare.end(), before);
+  for (const Entries::iterator it : spare) {
+    if (bytes <= spare_bytes && !it->first.expired()) break;
+    bytes -= it->second.block.bytes;
+    pages_.release(it->second.block);
+    entries_.erase(it);
+  }
+  pages_.dropEmptyPages();
+}
+
+}  // namespace lode::render

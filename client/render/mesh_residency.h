@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "client/core/cut.h"
+#include "client/render/gpu_pages.h"
+#include "client/render/staging_ring.h"
+
+namespace lode::render {
+
+struct ResidencyOptions {
+  uint64_t budget_bytes = uint64_t{1} << 30;   ///< of GPU memory for meshes
+  uint64_t spare_bytes = uint64_t{128} << 20;  ///< kept of meshes that are no longer drawn
+  uint32_t page_bytes = 32u << 20;             ///< of one buffer
+  uint32_t staging_bytes = 4u << 20;           ///< most that one frame uploads
+};
+
+/// How much of a frame may go into uploads.
+struct UploadBudget {
+  uint32_t bytes = 4u << 20;
+  double ms = 2.0;
+  bool wait = false;  ///< go on, waiting for the GPU, until the newest cut is there: for off-screen pictures
+};
+
+/// What a draw call needs of a mesh on the GPU.
+struct DrawItem {
+  uint32_t page = 0;
+  uint32_t base_vertex = 0, first_index = 0, index_count = 0;
+  LatticeBox box;
+  AttributeSet attributes;
+  NodeKey node;
+  uint32_t rung = 0;
+};
+
+/// Which meshes are on the GPU. A cut is drawn when all of it is there, and until then the one before it:
+/// what arrives slowly never leaves a hole. Meshes are known by their shared_ptr's identity and not kept
+/// alive. Used on the thread of its context.
+class MeshResidency {
+ public:
+  /// @throws Error kIo if there is no memory for uploads.
+  explicit MeshResidency(const ResidencyOptions& options);
+
+  /// The newest cut; begun as soon as the one under way is complete.
+  void show(std::shared_ptr<const core::Cut> cut) { newest_ = std::move(cut); }
+  /// Uploads towards the newest cut, within the budget. @return bytes uploaded.
+  uint64_t uploadInRenderThread(const UploadBudget& budget);
+
+  /// The newest cut is the one drawn.
+  bool upToDate() const noexcept { return newest_ == drawn_cut_; }
+  /// The newest cut does not fit into the budget: the one before stays.
+  bool overBudget() const noexcept { return rejected_ != nullptr && rejected_ == newest_; }
+  std::span<const DrawItem> drawn() const noexcept { return drawn_; }
+  const GpuPages& pages() const noexcept { return pages_; }
+  size_t meshCount() const noexcept { return entries_.size(); }
+
+ private:
+  struct Entry {
+    GpuBlock block;
+    LatticeBox box;
+    uint64_t used_by = 0;  ///< serial of the last cut that has it
+    uint32_t vertices_done = 0, triangles_done = 0;
+    bool complete = false;
+  };
+  struct Allowance;
+  using Entries = std::map<std::weak_ptr<const Mesh>, Entry, std::owner_less<>>;
+
+  bool begin();
+  bool advance(Allowance& allowance);
+  bool uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowance);
+  uint32_t uploadPiece(const Mesh& mesh, Entry& entry, uint32_t limit_bytes);
+  Entry* place(const std::shared_ptr<const Mesh>& mesh);
+  bool makeRoomForTargetAlone();
+  void reject();
+  void finish();
+  void trimTo(uint64_t spare_bytes);
+  bool evictOldest();
+  bool pinned(const Entry& entry) const noexcept;
+  void pin(const core::Cut& cut, uint64_t serial);
+
+  ResidencyOptions options_;
+  GpuPages pages_;
+  StagingRing staging_;
+  Entries entries_;
+  std::shared_ptr<const core::Cut> newest_, target_, drawn_cut_, rejected_;
+  size_t next_part_ = 0;  ///< of target_
+  uint64_t serial_ = 0, target_serial_ = 0, drawn_serial_ = 0;
+  std::vector<DrawItem> drawn_;
+};
+
+}  // namespace lode::render

@@ -1,0 +1,149 @@
+#include "client/render/renderer.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "client/render/eye.h"
+#include "client/render/gpu_vertex.h"
+#include "client/render/shader_program.h"
+#include "client/render/shaders.h"
+
+namespace lode::render {
+namespace {
+
+enum MeshUniform : GLint { kEyeHigh, kEyeLow, kLatticeStep, kViewRotation, kProjection };
+enum BackgroundUniform : GLint { kBottom, kTop };
+enum Attribute : GLuint { kPositionCode, kNormal, kColour, kDrawFlags };
+enum Binding : GLuint { kVertices, kDraws };
+
+GlVertexArray makeMeshArray(const GlBuffer& flags) {
+  GlVertexArray array = GlVertexArray::create();
+  const GLuint name = array.get();
+  for (const GLuint attribute : {kPositionCode, kNormal, kColour, kDrawFlags}) {
+    glEnableVertexArrayAttrib(name, attribute);
+    glVertexArrayAttribBinding(name, attribute, attribute == kDrawFlags ? kDraws : kVertices);
+  }
+  glVertexArrayAttribIFormat(name, kPositionCode, 2, GL_UNSIGNED_INT, offsetof(GpuVertex, position_low));
+  glVertexArrayAttribFormat(name, kNormal, 4, GL_INT_2_10_10_10_REV, GL_TRUE, offsetof(GpuVertex, normal));
+  glVertexArrayAttribFormat(name, kColour, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(GpuVertex, colour));
+  glVertexArrayAttribIFormat(name, kDrawFlags, 1, GL_UNSIGNED_INT, 0);
+  glVertexArrayBindingDivisor(name, kDraws, 1);
+  glVertexArrayVertexBuffer(name, kDraws, flags.get(), 0, sizeof(uint32_t));
+  return array;
+}
+
+uint32_t flagsOf(const DrawItem& item, const DrawStyle& style) {
+  uint32_t flags = style.lod_colours ? kDrawLodColour : 0;
+  if (hasNormals(item.attributes)) flags |= kDrawHasNormals;
+  if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
+  return flags | static_cast<uint32_t>(item.node.depth()) << 8 | std::min(item.rung, 255u) << 16;
+}
+
+void setFrameState(const DrawStyle& style) {
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glEnable(GL_MULTISAMPLE);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_SCISSOR_TEST);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_GREATER);  // reversed: near is 1, far is 0
+  glPolygonMode(GL_FRONT_AND_BACK, style.wireframe ? GL_LINE : GL_FILL);
+}
+
+}  // namespace
+
+Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
+    : lattice_step_(lattice_step),
+      meshes_(options),
+      mesh_program_(linkProgram(kMeshVertexShader, kMeshFragmentShader)),
+      background_program_(linkProgram(kBackgroundVertexShader, kBackgroundFragmentShader)),
+      empty_array_(GlVertexArray::create()),
+      commands_buffer_(GlBuffer::create()),
+      flags_buffer_(GlBuffer::create()) {
+  mesh_array_ = makeMeshArray(flags_buffer_);
+}
+
+void Renderer::drawBackground(const DrawStyle& style) const {
+  const GLfloat far_depth = 0;
+  glClearBufferfv(GL_DEPTH, 0, &far_depth);
+  glDisable(GL_DEPTH_TEST);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glUseProgram(background_program_.get());
+  glUniform3fv(kBottom, 1, &style.background_bottom_srgb.x);
+  glUniform3fv(kTop, 1, &style.background_top_srgb.x);
+  glBindVertexArray(empty_array_.get());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/// Sorts what is in the picture by page.
+DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
+  DrawCounts counts;
+  commands_.resize(meshes_.pages().pageCount());
+  for (auto& page : commands_) page.clear();
+  flags_.clear();
+  for (const DrawItem& item : meshes_.drawn()) {
+    if (!core::boxMayBeVisible(core::toModelBox(item.box, lattice_step_), view)) continue;
+    commands_[item.page].push_back({item.index_count, 1, item.first_index,
+                                    static_cast<int32_t>(item.base_vertex),
+                                    static_cast<uint32_t>(flags_.size())});
+    flags_.push_back(flagsOf(item, style));
+    counts.triangles += item.index_count / 3;
+    ++counts.nodes;
+  }
+  return counts;
+}
+
+uint32_t Renderer::drawPages() const {
+  std::vector<DrawCommand> all;
+  all.reserve(flags_.size());
+  for (const auto& page : commands_) all.insert(all.end(), page.begin(), page.end());
+  glNamedBufferData(commands_buffer_.get(), static_cast<GLsizeiptr>(all.size() * sizeof(DrawCommand)),
+                    all.data(), GL_STREAM_DRAW);
+  glNamedBufferData(flags_buffer_.get(), static_cast<GLsizeiptr>(flags_.size() * sizeof(uint32_t)),
+                    flags_.data(), GL_STREAM_DRAW);
+  glBindVertexArray(mesh_array_.get());
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_buffer_.get());
+  size_t first = 0;
+  uint32_t calls = 0;
+  for (uint32_t page = 0; page < commands_.size(); ++page) {
+    if (commands_[page].empty()) continue;
+    const GLuint buffer = meshes_.pages().buffer(page);
+    glVertexArrayVertexBuffer(mesh_array_.get(), kVertices, buffer, 0, sizeof(GpuVertex));
+    glVertexArrayElementBuffer(mesh_array_.get(), buffer);
+    glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
+                                reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
+                                static_cast<GLsizei>(commands_[page].size()), sizeof(DrawCommand));
+    first += commands_[page].size();
+    ++calls;
+  }
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+  glBindVertexArray(0);
+  return calls;
+}
+
+DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style) {
+  target.bindForDrawing();
+  setFrameState(style);
+  drawBackground(style);
+  DrawCounts counts = collect(view, style);
+  if (counts.nodes == 0) return counts;
+
+  setFrameState(style);
+  glEnable(GL_DEPTH_TEST);
+  const SplitEye eye = splitEye(view.eye_model, lattice_step_);
+  const glm::mat3 rotation = viewRotation(view);
+  const Projection projection = reversedProjection(view, lattice_step_);
+  glUseProgram(mesh_program_.get());
+  glUniform3iv(kEyeHigh, 1, &eye.high.x);
+  glUniform3fv(kEyeLow, 1, &eye.low.x);
+  glUniform1f(kLatticeStep, static_cast<float>(lattice_step_));
+  glUniformMatrix3fv(kViewRotation, 1, GL_FALSE, &rotation[0][0]);
+  glUniform3f(kProjection, projection.scale.x, projection.scale.y, projection.near_model);
+  counts.calls = drawPages();
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  return counts;
+}
+
+}  // namespace lode::render

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "client/core/cut.h"
+#include "client/core/view.h"
+#include "client/render/framebuffer.h"
+#include "client/render/mesh_residency.h"
+
+namespace lode::render {
+
+struct DrawStyle {
+  bool wireframe = false;
+  bool lod_colours = false;                            ///< hue by depth, darker by rung
+  glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< 0..1
+  glm::vec3 background_bottom_srgb{0.10f, 0.11f, 0.13f};
+};
+
+struct DrawCounts {
+  uint64_t triangles = 0;  ///< sent to the GPU, after culling
+  uint32_t nodes = 0;
+  uint32_t calls = 0;
+};
+
+/// Draws the cuts of one model. Made, used and destroyed on the thread of its OpenGL 4.5 context.
+/// Needs nothing of the context's state and leaves behind: bound framebuffer, program, vertex array, depth
+/// and polygon state.
+class Renderer {
+ public:
+  /// @param lattice_step  of the model, a power of two.
+  /// @throws Error kIo or kInternal if the driver lacks memory or rejects a shader.
+  explicit Renderer(double lattice_step, const ResidencyOptions& options = {});
+
+  /// Decides what is drawn; see MeshResidency.
+  MeshResidency& meshes() noexcept { return meshes_; }
+  const MeshResidency& meshes() const noexcept { return meshes_; }
+
+  /// Draws background and model. view.width_px and height_px are those of the target.
+  DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {});
+
+ private:
+  /// As glMultiDrawElementsIndirect reads it.
+  struct DrawCommand {
+    uint32_t count, instance_count, first_index;
+    int32_t base_vertex;
+    uint32_t base_instance;
+  };
+  void drawBackground(const DrawStyle& style) const;
+  DrawCounts collect(const core::View& view, const DrawStyle& style);
+  uint32_t drawPages() const;
+
+  double lattice_step_;
+  MeshResidency meshes_;
+  GlProgram mesh_program_, background_program_;
+  GlVertexArray mesh_array_, empty_array_;
+  GlBuffer commands_buffer_, flags_buffer_;
+  std::vector<std::vector<DrawCommand>> commands_;  ///< by page
+  std::vector<uint32_t> flags_;                     ///< by base_instance
+};
+
+}  // namespace lode::render

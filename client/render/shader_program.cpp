@@ -1,0 +1,48 @@
+#include "client/render/shader_program.h"
+
+#include <string>
+
+#include "common/error.h"
+
+namespace lode::render {
+namespace {
+
+std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+void attachShader(GLuint program, GLenum kind, const char* source) {
+  const GLuint shader = glCreateShader(kind);
+  glShaderSource(shader, 1, &source, nullptr);
+  glCompileShader(shader);
+  GLint compiled = GL_FALSE;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+  std::string log(1024, '\0');
+  if (compiled == GL_FALSE) glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  glAttachShader(program, shader);
+  glDeleteShader(shader);
+  if (compiled == GL_FALSE) {
+    throw Error(ErrorCode::kInternal,
+                "the graphics driver does not compile a shader of Lodestream: " + firstLine(log.c_str()) +
+                    "; update the driver, or set LIBGL_ALWAYS_SOFTWARE=1");
+  }
+}
+
+}  // namespace
+
+GlProgram linkProgram(const char* vertex_source, const char* fragment_source) {
+  GlProgram program = GlProgram::create();
+  attachShader(program.get(), GL_VERTEX_SHADER, vertex_source);
+  attachShader(program.get(), GL_FRAGMENT_SHADER, fragment_source);
+  glLinkProgram(program.get());
+  GLint linked = GL_FALSE;
+  glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
+  if (linked == GL_FALSE) {
+    std::string log(1024, '\0');
+    glGetProgramInfoLog(program.get(), static_cast<GLsizei>(log.size()), nullptr, log.data());
+    throw Error(ErrorCode::kInternal,
+                "the graphics driver does not link a program of Lodestream: " + firstLine(log.c_str()) +
+                    "; update the driver, or set LIBGL_ALWAYS_SOFTWARE=1");
+  }
+  return program;
+}
+
+}  // namespace lode::render

@@ -1,0 +1,111 @@
+#include "client/render/shaders.h"
+
+namespace lode::render {
+
+const char* const kMeshVertexShader = R"glsl(#version 450 core
+layout(location = 0) in uvec2 position_code;
+layout(location = 1) in vec4 normal;
+layout(location = 2) in vec4 colour_srgb;
+layout(location = 3) in uint draw_flags;
+
+layout(location = 0) uniform ivec3 eye_high;
+layout(location = 1) uniform vec3 eye_low;
+layout(location = 2) uniform float lattice_step;
+layout(location = 3) uniform mat3 view_rotation;
+layout(location = 4) uniform vec3 projection;  // scale x, scale y, near
+
+invariant gl_Position;
+out vec3 position_view;
+out vec3 normal_view;
+out vec3 colour;
+flat out uint flags;
+
+vec3 toLinear(vec3 srgb) {
+  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
+}
+
+void main() {
+  ivec3 position = ivec3(position_code.x & 0x1fffffu,
+                         position_code.x >> 21 | (position_code.y & 0x3ffu) << 11,
+                         position_code.y >> 10 & 0x1fffffu);
+  // The integer difference is exact; every node does the same, so that shared borders stay shut.
+  vec3 relative = (vec3(position - eye_high) - eye_low) * lattice_step;
+  position_view = view_rotation * relative;
+  normal_view = view_rotation * normal.xyz;
+  colour = toLinear(colour_srgb.rgb);
+  flags = draw_flags;
+  gl_Position = vec4(projection.xy * position_view.xy, projection.z, -position_view.z);
+}
+)glsl";
+
+const char* const kMeshFragmentShader = R"glsl(#version 450 core
+in vec3 position_view;
+in vec3 normal_view;
+in vec3 colour;
+flat in uint flags;
+out vec4 pixel;
+
+const vec3 kNeutral = vec3(0.60, 0.585, 0.555);
+
+vec3 hueOf(float turn) {
+  return clamp(abs(fract(turn + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
+}
+
+void main() {
+  vec3 to_eye = normalize(-position_view);
+  vec3 facet = normalize(cross(dFdx(position_view), dFdy(position_view)));
+  if (dot(facet, to_eye) < 0.0) facet = -facet;
+  vec3 n = facet;
+  // Both sides are lit: the vertex normal is turned to the side that the triangle shows.
+  if ((flags & 1u) != 0u && dot(normal_view, normal_view) > 1e-6) {
+    n = normalize(normal_view);
+    if (dot(n, facet) < 0.0) n = -n;
+  }
+  vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
+  if ((flags & 4u) != 0u) {
+    float depth = float(flags >> 8 & 0xffu), rung = float(flags >> 16 & 0xffu);
+    albedo = mix(vec3(0.5), hueOf(depth * 0.15), 0.75) * (1.0 - 0.12 * min(rung, 5.0));
+  }
+
+  // A key light over the viewer's left shoulder, a weak one from the right, a headlight, and sky and ground.
+  const vec3 key = normalize(vec3(-0.50, 0.65, 0.57));
+  const vec3 fill = normalize(vec3(0.80, 0.05, 0.45));
+  vec3 light = mix(vec3(0.15, 0.14, 0.13), vec3(0.30, 0.33, 0.38), n.y * 0.5 + 0.5);
+  light += vec3(0.72, 0.69, 0.64) * max(dot(n, key), 0.0);
+  light += vec3(0.12, 0.13, 0.16) * max(dot(n, fill), 0.0);
+  light += vec3(0.16) * max(dot(n, to_eye), 0.0);
+  float glint = pow(max(dot(n, normalize(key + to_eye)), 0.0), 40.0);
+  pixel = vec4(albedo * light + 0.06 * glint, 1.0);
+}
+)glsl";
+
+const char* const kBackgroundVertexShader = R"glsl(#version 450 core
+out float height;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  height = corner.y * 0.5 + 0.5;
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)glsl";
+
+const char* const kBackgroundFragmentShader = R"glsl(#version 450 core
+in float height;
+out vec4 pixel;
+layout(location = 0) uniform vec3 bottom_srgb;
+layout(location = 1) uniform vec3 top_srgb;
+
+vec3 toLinear(vec3 srgb) {
+  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
+}
+
+void main() {
+  // Noise of half a step hides the bands of a slow gradient. Source: Jimenez, Next Generation
+  // Post-Processing in Call of Duty: Advanced Warfare, 2014 (interleaved gradient noise).
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+  vec3 srgb = mix(bottom_srgb, top_srgb, height);
+  if (bottom_srgb != top_srgb) srgb += noise / 255.0;
+  pixel = vec4(toLinear(srgb), 1.0);
+}
+)glsl";
+
+}  // namespace lode::render

@@ -1,0 +1,14 @@
+#pragma once
+
+namespace lode::render {
+
+/// GLSL 4.50 of the renderer. Names of uniforms and their locations: renderer.cpp.
+extern const char* const kMeshVertexShader;
+extern const char* const kMeshFragmentShader;
+extern const char* const kBackgroundVertexShader;
+extern const char* const kBackgroundFragmentShader;
+
+/// Bits of a draw's flags, as the shaders read them; the depth and rung follow at bits 8 and 16.
+constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawLodColour = 4;
+
+}  // namespace lode::render
