@@ -17,17 +17,17 @@ struct BuildOptions {
   uint64_t memory_bytes = 0;               ///< 0: half of the machine's
   unsigned threads = 0;                    ///< 0: one a core
   uint32_t triangles_per_node = 16384;
-  bool skip_bad = false;                   ///< bad indices and coordinates are dropped and counted, not an error
-  bool strict = false;                     ///< warnings are errors
+  bool skip_bad = false;  ///< bad indices and coordinates are dropped and counted, not an error
+  bool strict = false;    ///< warnings are errors
 };
 
 struct BuildReport {
   struct Stage {
     std::string name;
     double seconds = 0, cpu_seconds = 0;
-    uint64_t items = 0;              ///< vertices and faces, triangles, nodes: what the stage counts
-    uint64_t temporary_bytes = 0;    ///< written to temporary files during the stage
-    uint64_t peak_rss_bytes = 0;     ///< of the process, at the stage's end
+    uint64_t items = 0;            ///< vertices and faces, triangles, nodes: what the stage counts
+    uint64_t temporary_bytes = 0;  ///< written to temporary files during the stage
+    uint64_t peak_rss_bytes = 0;   ///< of the process, at the stage's end
   };
   ModelSummary summary;
   std::vector<Stage> stages;
@@ -37,7 +37,8 @@ struct BuildReport {
 };
 
 /// Called from the building thread a few times a second: fraction of the stage that is done, and its items.
-using BuildProgress = std::function<void(std::string_view stage, double fraction, uint64_t done, uint64_t total)>;
+using BuildProgress =
+    std::function<void(std::string_view stage, double fraction, uint64_t done, uint64_t total)>;
 
 /// PLY to store: scan, dereference, partition, simplify (encoding as it goes), pack.
 /// The store appears under its name when complete; on failure nothing stays behind.

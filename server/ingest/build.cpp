@@ -1,0 +1,143 @@
+#include "server/ingest/build.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "server/ingest/cell_code.h"
+#include "server/ingest/dereference.h"
+#include "server/ingest/lattice_choice.h"
+#include "server/ingest/pack.h"
+#include "server/ingest/partition.h"
+#include "server/ingest/scan.h"
+#include "server/ingest/simplify.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint32_t kMinTrianglesPerNode = 64;
+
+double cpuSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+uint64_t peakRssBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+/// Notes time, memory and disk of a stage from construction to finish().
+class StageClock {
+ public:
+  StageClock(BuildReport& report, std::string name) : report_(report), name_(std::move(name)) {}
+
+  void finish(uint64_t items, uint64_t temporary_bytes) {
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start_;
+    report_.stages.push_back(
+        {name_, wall.count(), cpuSeconds() - cpu_start_, items, temporary_bytes, peakRssBytes()});
+    report_.seconds += report_.stages.back().seconds;
+    report_.cpu_seconds += report_.stages.back().cpu_seconds;
+    report_.peak_rss_bytes = peakRssBytes();
+  }
+
+ private:
+  BuildReport& report_;
+  const std::string name_;
+  const std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
+  const double cpu_start_ = cpuSeconds();
+};
+
+BuildOptions withDefaults(BuildOptions options) {
+  if (options.memory_bytes == 0) {
+    options.memory_bytes =
+        static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+  }
+  if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
+  if (options.temporary_folder.empty()) {
+    options.temporary_folder = options.output.has_parent_path() ? options.output.parent_path() : ".";
+  }
+  if (options.triangles_per_node < kMinTrianglesPerNode) {
+    throw Error(ErrorCode::kUsage,
+                "--triangles-per-node must be at least " + std::to_string(kMinTrianglesPerNode));
+  }
+  return options;
+}
+
+/// Attributes of the payloads: the file's, with computed normals where it has none.
+AttributeSet payloadAttributes(AttributeSet file) {
+  if (!file.has(AttributeSet::kNormal)) file.bits |= AttributeSet::kNormal | AttributeSet::kComputedNormal;
+  return file;
+}
+
+}  // namespace
+
+BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
+  const BuildOptions options = withDefaults(given);
+  BuildReport report;
+  const TemporaryFolder folder(options.temporary_folder);
+  const uint64_t sort_memory = options.memory_bytes / 4;
+
+  StageClock scan_clock(report, "scan");
+  auto scanned = std::make_unique<ScannedModel>(scan(options, folder, progress, report.warnings));
+  const LatticeChoice choice = chooseLattice(scanned->input, options.input);
+  const AttributeSet soup_attributes = scanned->input.attributes();
+  scan_clock.finish(scanned->input.vertexCount() + scanned->input.faceCount(),
+                    scanned->input.temporaryBytes());
+
+  StageClock dereference_clock(report, "dereference");
+  RecordSorter sorter(soupBytes(soup_attributes), sort_memory, folder, "soup");
+  const CellGrid grid(choice.extent);
+  std::byte record[kMaxSoupBytes];
+  const DereferenceCounts counts = dereference(
+      scanned->input, choice.lattice, sort_memory,
+      [&](const SoupTriangle& triangle) {
+        const std::span<std::byte> bytes(record, soupBytes(soup_attributes));
+        storeSoup(triangle, bytes);
+        sorter.push(grid.code(triangle), bytes);
+      },
+      progress);
+  if (counts.triangles == 0) {
+    throw Error(ErrorCode::kInput,
+                options.input.string() + ": no face has three distinct corners; check the file");
+  }
+  const uint64_t dropped = counts.dropped + scanned->counts.dropped_faces + scanned->counts.skipped_bad;
+  scanned.reset();
+  sorter.finish();
+  dereference_clock.finish(counts.triangles, sorter.temporaryBytes());
+
+  StageClock partition_clock(report, "partition");
+  const Partition parts =
+      partition(sorter, soup_attributes, options.triangles_per_node, sort_memory, folder, progress);
+  partition_clock.finish(parts.triangleCount(), parts.soup.size() + parts.border.temporaryBytes());
+
+  StageClock simplify_clock(report, "simplify");
+  PayloadSpool payloads(folder);
+  const NodeBuilder::Settings settings{choice.lattice, choice.extent, payloadAttributes(soup_attributes),
+                                       options.triangles_per_node};
+  SimplifiedTree tree = simplify(settings, parts, payloads, options.threads, progress);
+  simplify_clock.finish(tree.nodes.size(), payloads.size());
+
+  StageClock pack_clock(report, "pack");
+  ModelSummary summary;
+  summary.name = options.output.stem().string();
+  summary.lattice = choice.lattice;
+  summary.attributes = settings.attributes;
+  summary.triangles = counts.triangles;
+  summary.dropped = dropped;
+  summary.triangles_per_node = options.triangles_per_node;
+  for (const Node& node : tree.nodes) {
+    if (node.key == kRootKey) summary.box = node.box;
+  }
+  report.summary = pack(options.output, std::move(summary), std::move(tree), payloads, progress);
+  pack_clock.finish(report.summary.payloads, 0);
+  return report;
+}
+
+}  // namespace lode::ingest

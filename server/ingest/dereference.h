@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "server/ingest/lattice_choice.h"
+#include "server/ingest/scan.h"
+#include "server/ingest/soup.h"
+
+namespace lode::ingest {
+
+struct DereferenceCounts {
+  uint64_t triangles = 0;  ///< given out
+  uint64_t dropped = 0;    ///< triangles whose corners do not stay distinct on the lattice
+};
+
+using SoupSink = std::function<void(const SoupTriangle&)>;
+
+/// Stage 2: indices become positions and attributes. Polygons are cut into triangles here, where positions
+/// are known. As many faces as fit in half of the memory are read, the vertices that they use are swept up
+/// from the packed file in one pass over it that skips what is not needed, and the triangles are given out,
+/// in the file's order; then the next.
+DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes,
+                              const SoupSink& sink, const BuildProgress& progress);
+
+}  // namespace lode::ingest

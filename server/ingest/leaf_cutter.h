@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "common/node_key.h"
+
+namespace lode::ingest {
+
+/// Cuts a stream of triangles, in the order of their cell codes, into the leaves of the adaptive octree: the
+/// largest cells that hold at most a given number of triangles. Looks ahead by one leaf's triangles, so that
+/// its memory does not depend on the model.
+class LeafCutter {
+ public:
+  /// Receives a leaf: its triangles' records, in order.
+  using Sink = std::function<void(NodeKey leaf, std::span<const std::byte> records, uint32_t triangles)>;
+
+  /// @param max_triangles  of a leaf; at depth 20 kMaxRungTriangles.
+  LeafCutter(size_t record_bytes, uint32_t max_triangles, Sink sink);
+
+  /// @throws Error kLimit if more than kMaxRungTriangles triangles lie in one cell of depth 20.
+  void push(uint64_t code, std::span<const std::byte> record);
+  void finish();
+
+ private:
+  void cutOne();
+
+  const size_t record_bytes_;
+  const uint32_t max_triangles_;
+  const Sink sink_;
+  std::vector<uint64_t> codes_;
+  std::vector<std::byte> records_;
+  size_t begin_ = 0;  ///< of what is not cut yet
+  bool any_cut_ = false;
+  uint64_t last_cut_ = 0;  ///< code of the triangle before begin_
+  bool finished_ = false;
+};
+
+}  // namespace lode::ingest

@@ -1,0 +1,73 @@
+#include "server/ingest/leaf_mesh.h"
+
+#include <algorithm>
+
+#include "common/octahedral.h"
+
+namespace lode::ingest {
+
+NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, MeshWelder& welder) {
+  const size_t record_bytes = soupBytes(attributes);
+  const size_t triangles = records.size() / record_bytes;
+  welder.begin(attributes, 3 * triangles, triangles);
+  for (size_t t = 0; t < triangles; ++t) {
+    const SoupTriangle triangle = loadSoup(records.subspan(t * record_bytes, record_bytes));
+    glm::u32vec3 wedges;
+    for (int k = 0; k < 3; ++k) {
+      wedges[k] = welder.addCorner(triangle.corners[k], kNeverLocked, triangle.attributes[k]);
+    }
+    welder.addTriangle(wedges);
+  }
+  return welder.finish();
+}
+
+std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh) {
+  std::vector<glm::i64vec3> sums(mesh.positions.size(), glm::i64vec3(0));
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const uint32_t corners[3] = {mesh.wedge_position[t.x], mesh.wedge_position[t.y],
+                                 mesh.wedge_position[t.z]};
+    const glm::i64vec3 a(unpackPosition(mesh.positions[corners[0]]));
+    const glm::i64vec3 u = glm::i64vec3(unpackPosition(mesh.positions[corners[1]])) - a;
+    const glm::i64vec3 v = glm::i64vec3(unpackPosition(mesh.positions[corners[2]])) - a;
+    const glm::i64vec3 cross(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+    for (const uint32_t corner : corners) sums[corner] += cross;
+  }
+  return sums;
+}
+
+uint16_t normalOf(glm::i64vec3 sum) noexcept {
+  const glm::dvec3 exact(sum);
+  const double length = glm::length(exact);
+  return encodeOctahedral(length > 0 ? glm::vec3(exact / length) : glm::vec3(0, 0, 1));
+}
+
+std::vector<uint32_t> findBorder(const NodeMesh& mesh, NumberTable& edges) {
+  std::vector<uint64_t> ends;
+  std::vector<uint8_t> uses;
+  ends.reserve(mesh.triangles.size() * 2);
+  edges.reset(mesh.triangles.size() * 3);
+  for (const glm::u32vec3& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const uint64_t a = mesh.wedge_position[t[k]], b = mesh.wedge_position[t[(k + 1) % 3]];
+      const uint64_t edge = std::min(a, b) << 32 | std::max(a, b);
+      const uint32_t number = edges.findOrAdd(edge, static_cast<uint32_t>(ends.size()));
+      if (number == ends.size()) {
+        ends.push_back(edge);
+        uses.push_back(1);
+      } else if (uses[number] < 3) {
+        ++uses[number];
+      }
+    }
+  }
+  std::vector<uint32_t> border;
+  for (size_t e = 0; e < ends.size(); ++e) {
+    if (uses[e] == 2) continue;
+    border.push_back(static_cast<uint32_t>(ends[e] >> 32));
+    border.push_back(static_cast<uint32_t>(ends[e]));
+  }
+  std::sort(border.begin(), border.end());
+  border.erase(std::unique(border.begin(), border.end()), border.end());
+  return border;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "server/ingest/mesh_welder.h"
+#include "server/ingest/soup.h"
+
+namespace lode::ingest {
+
+/// A leaf's soup as a mesh, nothing locked yet. @param records  storeSoup's bytes, one triangle after the
+/// other.
+NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, MeshWelder& welder);
+
+/// Sum of the triangles' cross products at each position, in lattice steps: integers, so that sums over
+/// leaves do not depend on their order. Twice the area weighs each triangle's normal.
+std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh);
+
+/// Octahedral code of a sum of normals.
+uint16_t normalOf(glm::i64vec3 sum) noexcept;
+
+/// Positions on an edge that the mesh does not use exactly twice, rising: on the border to another leaf, on a
+/// rim, or non-manifold.
+std::vector<uint32_t> findBorder(const NodeMesh& mesh, NumberTable& edges);
+
+}  // namespace lode::ingest

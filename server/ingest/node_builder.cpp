@@ -1,0 +1,146 @@
+#include "server/ingest/node_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/draco_codec.h"
+#include "server/ingest/collapse.h"
+#include "server/ingest/leaf_mesh.h"
+#include "server/ingest/rung_targets.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr float kLatticeErrorSteps = 0.8660254f;  ///< of snapping: half the diagonal of a lattice cell
+constexpr float kSampledErrorMargin = 1.25f;      ///< what sampling may have missed
+constexpr uint32_t kTrianglesPerSample = 4;       ///< of the node's budget
+
+}  // namespace
+
+PayloadSpool::Place PayloadSpool::append(std::span<const std::byte> payload) {
+  std::lock_guard lock(mutex_);
+  const Place place{spool_.size(), static_cast<uint32_t>(payload.size())};
+  spool_.append(payload);
+  return place;
+}
+
+std::vector<std::byte> PayloadSpool::read(Place place) const {
+  std::vector<std::byte> payload(place.bytes);
+  spool_.readAt(place.offset, payload);
+  return payload;
+}
+
+NodeBuilder::NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads)
+    : settings_(settings), partition_(partition), payloads_(payloads) {}
+
+BuiltNode NodeBuilder::buildLeaf(uint32_t leaf) {
+  BuiltNode built;
+  built.node.key = partition_.leaves[leaf];
+  NodeMesh mesh = loadLeaf(leaf);
+  built.samples = samplesOf(mesh);
+  selectSamples(built.samples, settings_.triangles_per_node / kTrianglesPerSample);
+  addRung(built, mesh, kLatticeErrorSteps);
+  if (built.node.key == kRootKey) {
+    reduce(built, std::move(mesh));
+  } else {
+    built.coarsest = std::move(mesh);
+  }
+  return built;
+}
+
+BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children) {
+  BuiltNode built;
+  built.node.key = key;
+  std::vector<NodeMesh> meshes;
+  for (BuiltNode& child : children) {
+    built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
+    built.node.box.add(child.node.box);
+    meshes.push_back(std::move(child.coarsest));
+    built.samples.insert(built.samples.end(), child.samples.begin(), child.samples.end());
+    child.samples = {};
+  }
+  selectSamples(built.samples, settings_.triangles_per_node / kTrianglesPerSample);
+  NodeMesh input = mergeMeshes(meshes, welder_);
+  meshes.clear();
+  for (const BuiltNode& child : children) {
+    built.inherited_error_steps =
+        std::max(built.inherited_error_steps,
+                 static_cast<float>(child.node.rungs.back().error_model / settings_.lattice.step));
+  }
+  reduce(built, std::move(input));
+  return built;
+}
+
+/// Adds the reduced rungs of a node, all from one collapse sequence.
+void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
+  const int depth = built.node.key.depth();
+  const auto locked = static_cast<size_t>(std::count_if(input.lca_depth.begin(), input.lca_depth.end(),
+                                                        [&](uint8_t lca) { return lca < depth; }));
+  const std::vector<size_t> targets =
+      rungTargets(input.triangles.size(), locked, depth, settings_.triangles_per_node);
+  if (targets.empty()) {
+    built.coarsest = std::move(input);
+    return;
+  }
+  const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
+  collapse(std::move(input), targets, options, [&](size_t, NodeMesh&& snapshot) {
+    const bool is_new =
+        built.node.rungs.empty() || snapshot.triangles.size() < built.node.rungs.back().triangles;
+    if (is_new) addRung(built, snapshot, errorOf(built, snapshot));
+    built.coarsest = std::move(snapshot);
+  });
+}
+
+float NodeBuilder::errorOf(BuiltNode& built, const NodeMesh& rung) const {
+  const float finer = built.node.rungs.empty()
+                          ? built.inherited_error_steps
+                          : static_cast<float>(built.node.rungs.back().error_model / settings_.lattice.step);
+  if (rung.triangles.empty())
+    return std::max(finer, glm::length(glm::vec3(built.node.box.max - built.node.box.min)));
+  return std::max(finer, kSampledErrorMargin * measureDeviation(rung, built.samples));
+}
+
+void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, float error_steps) {
+  const EncodedPayload payload = encodePayload(toMesh(mesh), settings_.lattice.step);
+  built.payloads.push_back(payloads_.append(payload.bytes));
+  const int depth = built.node.key.depth();
+  Rung rung;
+  rung.triangles = static_cast<uint32_t>(mesh.triangles.size());
+  rung.vertices = payload.vertices;
+  rung.locked = static_cast<uint32_t>(
+      std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
+  rung.error_model = static_cast<float>(error_steps * settings_.lattice.step);
+  built.node.rungs.push_back(rung);
+  for (const PositionCode position : mesh.positions) built.node.box.add(unpackPosition(position));
+}
+
+NodeMesh NodeBuilder::loadLeaf(uint32_t leaf) {
+  NodeMesh mesh = weldSoup(partition_.readLeaf(leaf), partition_.attributes, welder_);
+  mesh.attributes = settings_.attributes;
+  const std::vector<BorderVertex> border = partition_.border.read(leaf);
+  const auto sharedAt = [&](PositionCode position) -> const BorderVertex* {
+    const auto at = std::lower_bound(border.begin(), border.end(), position,
+                                     [](const BorderVertex& a, PositionCode b) { return a.position < b; });
+    return at != border.end() && at->position == position ? &*at : nullptr;
+  };
+  const bool computes_normals = settings_.attributes.has(AttributeSet::kComputedNormal);
+  std::vector<uint16_t> normals;
+  if (computes_normals) {
+    for (const glm::i64vec3& sum : sumNormals(mesh)) normals.push_back(normalOf(sum));
+    mesh.wedge_attributes.resize(mesh.wedge_position.size());
+  }
+  for (size_t p = 0; p < mesh.positions.size() && !border.empty(); ++p) {
+    const BorderVertex* shared = sharedAt(mesh.positions[p]);
+    if (shared == nullptr) continue;
+    mesh.lca_depth[p] = shared->lca_depth;
+    if (computes_normals) normals[p] = shared->normal;
+  }
+  if (computes_normals) {
+    for (size_t w = 0; w < mesh.wedge_position.size(); ++w) {
+      mesh.wedge_attributes[w].normal = normals[mesh.wedge_position[w]];
+    }
+  }
+  return mesh;
+}
+
+}  // namespace lode::ingest

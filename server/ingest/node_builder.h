@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "common/hierarchy_page.h"
+#include "server/ingest/mesh_welder.h"
+#include "server/ingest/partition.h"
+#include "server/ingest/spool.h"
+#include "server/ingest/surface_samples.h"
+
+namespace lode::ingest {
+
+/// Encoded payloads on their way to the store. Thread safe.
+class PayloadSpool {
+ public:
+  struct Place {
+    uint64_t offset = 0;
+    uint32_t bytes = 0;
+  };
+  explicit PayloadSpool(const TemporaryFolder& folder) : spool_(folder.file("payloads")) {}
+
+  Place append(std::span<const std::byte> payload);
+  void flush() { spool_.flush(); }
+  std::vector<std::byte> read(Place place) const;
+  uint64_t size() const noexcept { return spool_.size(); }
+
+ private:
+  std::mutex mutex_;
+  Spool spool_;
+};
+
+/// A node with all its rungs, and what its parent needs of it.
+struct BuiltNode {
+  Node node;                                  ///< payloads not numbered yet
+  std::vector<PayloadSpool::Place> payloads;  ///< one a rung
+  NodeMesh coarsest;
+  float inherited_error_steps = 0;  ///< the largest of the children's coarsest rungs
+  std::vector<SurfaceSample> samples;
+};
+
+/// Stage 4 for one node. One builder a thread; what it shares is thread safe.
+class NodeBuilder {
+ public:
+  struct Settings {
+    Lattice lattice;
+    glm::uvec3 extent{0};
+    AttributeSet attributes;  ///< of payloads: the file's, and computed normals where it has none
+    uint32_t triangles_per_node = 0;
+  };
+  NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads);
+
+  BuiltNode buildLeaf(uint32_t leaf);
+  /// @param children  non-empty, in octant order; their coarsest rungs and samples are used up.
+  BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children);
+
+ private:
+  NodeMesh loadLeaf(uint32_t leaf);
+  void reduce(BuiltNode& built, NodeMesh input);
+  void addRung(BuiltNode& built, const NodeMesh& mesh, float error_steps);
+  /// Measures a rung against the node's samples; never below the finer rung's error (I3).
+  float errorOf(BuiltNode& built, const NodeMesh& rung) const;
+
+  const Settings settings_;
+  const Partition& partition_;
+  PayloadSpool& payloads_;
+  MeshWelder welder_;
+};
+
+}  // namespace lode::ingest

@@ -1,0 +1,45 @@
+#include "server/ingest/partition.h"
+
+#include "server/ingest/leaf_cutter.h"
+#include "server/ingest/leaf_mesh.h"
+
+namespace lode::ingest {
+
+std::vector<std::byte> Partition::readLeaf(uint32_t leaf) const {
+  const size_t record_bytes = soupBytes(attributes);
+  std::vector<std::byte> records((first[leaf + 1] - first[leaf]) * record_bytes);
+  soup.readAt(first[leaf] * record_bytes, records);
+  return records;
+}
+
+Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
+                    uint64_t memory_bytes, const TemporaryFolder& folder, const BuildProgress& progress) {
+  Partition result{attributes, {}, {0}, Spool(folder.file("soup")), BorderTable(folder, memory_bytes)};
+  const bool has_normals = attributes.has(AttributeSet::kNormal);
+  MeshWelder welder;
+  NumberTable edges;
+  const auto takeLeaf = [&](NodeKey key, std::span<const std::byte> records, uint32_t triangles) {
+    const auto leaf = static_cast<uint32_t>(result.leaves.size());
+    result.leaves.push_back(key);
+    result.first.push_back(result.first.back() + triangles);
+    result.soup.append(records);
+    const NodeMesh mesh = weldSoup(records, attributes, welder);
+    const std::vector<glm::i64vec3> normals = has_normals ? std::vector<glm::i64vec3>() : sumNormals(mesh);
+    for (const uint32_t position : findBorder(mesh, edges)) {
+      result.border.add(mesh.positions[position], leaf, has_normals ? glm::i64vec3(0) : normals[position]);
+    }
+    if (progress) {
+      const auto done = result.first.back();
+      progress("partition", static_cast<double>(done) / static_cast<double>(sorted.size()), done,
+               sorted.size());
+    }
+  };
+  LeafCutter cutter(soupBytes(attributes), triangles_per_node, takeLeaf);
+  while (const auto record = sorted.next()) cutter.push(record->key, record->bytes);
+  cutter.finish();
+  result.soup.flush();
+  result.border.join(result.leaves);
+  return result;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/ingest/border_table.h"
+#include "server/ingest/build.h"
+#include "server/ingest/cell_code.h"
+#include "server/ingest/record_sorter.h"
+#include "server/ingest/soup.h"
+#include "server/ingest/spool.h"
+
+namespace lode::ingest {
+
+/// The leaves of the octree and their triangles.
+struct Partition {
+  AttributeSet attributes;      ///< of the soup: those of the file
+  std::vector<NodeKey> leaves;  ///< in Morton order
+  std::vector<uint64_t> first;  ///< triangle in the soup with which each leaf begins, and the end
+  Spool soup;                   ///< storeSoup's records, leaf by leaf
+  BorderTable border;
+
+  /// A leaf's records. Thread safe.
+  std::vector<std::byte> readLeaf(uint32_t leaf) const;
+  uint64_t triangleCount() const noexcept { return first.back(); }
+};
+
+/// Stage 3: takes the sorted triangles, cuts them into leaves, and finds what the leaves share.
+/// @param sorted  finished; keys are cell codes.
+Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
+                    uint64_t memory_bytes, const TemporaryFolder& folder, const BuildProgress& progress);
+
+}  // namespace lode::ingest

@@ -1,0 +1,112 @@
+#include "server/ingest/record_sorter.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace lode::ingest {
+
+struct RecordSorter::Run {
+  explicit Run(std::filesystem::path path) : spool(std::move(path)) {}
+
+  Spool spool;
+  std::optional<SpoolCursor> cursor;
+  uint64_t key = 0;
+  std::span<const std::byte> record;
+
+  bool advance(size_t record_bytes) {
+    if (cursor->atEnd()) return false;
+    const auto bytes = cursor->take(sizeof(key) + record_bytes);
+    std::memcpy(&key, bytes.data(), sizeof(key));
+    record = bytes.subspan(sizeof(key));
+    return true;
+  }
+};
+
+RecordSorter::RecordSorter(size_t record_bytes, uint64_t memory_bytes, const TemporaryFolder& folder,
+                           std::string name)
+    : record_bytes_(record_bytes),
+      memory_bytes_(memory_bytes),
+      capacity_(std::clamp<size_t>(memory_bytes / (record_bytes + sizeof(Order)), 1024, UINT32_MAX)),
+      folder_(folder),
+      name_(std::move(name)) {}
+
+RecordSorter::~RecordSorter() = default;
+
+void RecordSorter::push(uint64_t key, std::span<const std::byte> record) {
+  if (order_.size() == capacity_) writeRun();
+  if (order_.size() == order_.capacity()) {
+    const size_t more = std::min(capacity_, std::max<size_t>(1024, order_.size() * 3 / 2));
+    order_.reserve(more);
+    held_.reserve(more * record_bytes_);
+  }
+  order_.push_back({key, static_cast<uint32_t>(order_.size())});
+  held_.insert(held_.end(), record.begin(), record.end());
+  ++size_;
+}
+
+bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
+  return std::pair(runs_[a]->key, a) > std::pair(runs_[b]->key, b);
+}
+
+void RecordSorter::sortHeld() { std::sort(order_.begin(), order_.end()); }
+
+void RecordSorter::writeRun() {
+  sortHeld();
+  auto run = std::make_unique<Run>(folder_.file(name_ + "-run-" + std::to_string(runs_.size())));
+  for (const Order& at : order_) {
+    run->spool.append(std::as_bytes(std::span(&at.key, 1)));
+    run->spool.append(std::span<const std::byte>(held_.data() + at.index * record_bytes_, record_bytes_));
+  }
+  run->spool.flush();
+  temporary_bytes_ += run->spool.size();
+  runs_.push_back(std::move(run));
+  order_.clear();
+  held_.clear();
+}
+
+void RecordSorter::finish() {
+  if (runs_.empty()) {
+    sortHeld();
+    return;
+  }
+  if (!order_.empty()) writeRun();
+  order_ = {};
+  held_ = {};
+  const size_t buffer_bytes = std::clamp<size_t>(memory_bytes_ / runs_.size(), 64 << 10, 4 << 20);
+  for (uint32_t i = 0; i < runs_.size(); ++i) {
+    runs_[i]->cursor.emplace(runs_[i]->spool, 0, runs_[i]->spool.size(), buffer_bytes);
+    if (runs_[i]->advance(record_bytes_)) heap_.push_back(i);
+  }
+  std::make_heap(heap_.begin(), heap_.end(), [this](uint32_t a, uint32_t b) { return later(a, b); });
+}
+
+std::optional<RecordSorter::Record> RecordSorter::next() {
+  return runs_.empty() ? nextOfMemory() : nextOfRuns();
+}
+
+std::optional<RecordSorter::Record> RecordSorter::nextOfMemory() {
+  if (next_held_ == order_.size()) return std::nullopt;
+  const Order& at = order_[next_held_++];
+  return Record{at.key, std::span<const std::byte>(held_.data() + at.index * record_bytes_, record_bytes_)};
+}
+
+std::optional<RecordSorter::Record> RecordSorter::nextOfRuns() {
+  const auto order = [this](uint32_t a, uint32_t b) { return later(a, b); };
+  // The run given out last still stands on top: its record stayed valid until now.
+  if (top_given_) {
+    std::pop_heap(heap_.begin(), heap_.end(), order);
+    if (runs_[heap_.back()]->advance(record_bytes_)) {
+      std::push_heap(heap_.begin(), heap_.end(), order);
+    } else {
+      runs_[heap_.back()].reset();
+      heap_.pop_back();
+    }
+  }
+  top_given_ = !heap_.empty();
+  if (heap_.empty()) return std::nullopt;
+  const Run& run = *runs_[heap_.front()];
+  return Record{run.key, run.record};
+}
+
+}  // namespace lode::ingest

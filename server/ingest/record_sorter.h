@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/ingest/spool.h"
+#include "server/ingest/temporary_folder.h"
+
+namespace lode::ingest {
+
+/// External sort of records of one size by a 64-bit key; records of equal keys keep the order in which they
+/// came, so that the result does not depend on the memory given. What fits in memory never touches the disk.
+/// For one thread. Source: Knuth, The Art of Computer Programming 3, 5.4.1 (replacement by sorted runs and
+/// merging).
+class RecordSorter {
+ public:
+  /// @param memory_bytes  for the records held before a run is written, and for the buffers of the merge.
+  RecordSorter(size_t record_bytes, uint64_t memory_bytes, const TemporaryFolder& folder, std::string name);
+  ~RecordSorter();
+
+  void push(uint64_t key, std::span<const std::byte> record);
+  uint64_t size() const noexcept { return size_; }
+  uint64_t temporaryBytes() const noexcept { return temporary_bytes_; }
+
+  /// No more records come in; next() gives them in order.
+  void finish();
+
+  struct Record {
+    uint64_t key = 0;
+    std::span<const std::byte> bytes;  ///< valid until the next call of next()
+  };
+  std::optional<Record> next();
+
+ private:
+  struct Run;
+  struct Order {
+    uint64_t key;
+    uint32_t index;
+    bool operator<(const Order& other) const noexcept {
+      return key != other.key ? key < other.key : index < other.index;
+    }
+  };
+  bool later(uint32_t a, uint32_t b) const noexcept;
+  void sortHeld();
+  void writeRun();
+  std::optional<Record> nextOfMemory();
+  std::optional<Record> nextOfRuns();
+
+  const size_t record_bytes_;
+  const uint64_t memory_bytes_;
+  const size_t capacity_;
+  const TemporaryFolder& folder_;
+  const std::string name_;
+  uint64_t size_ = 0;
+  uint64_t temporary_bytes_ = 0;
+  std::vector<std::byte> held_;
+  std::vector<Order> order_;
+  size_t next_held_ = 0;
+  bool top_given_ = false;
+  std::vector<std::unique_ptr<Run>> runs_;
+  std::vector<uint32_t> heap_;  ///< runs by (current key, run number), smallest on top
+};
+
+}  // namespace lode::ingest

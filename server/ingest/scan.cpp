@@ -1,0 +1,123 @@
+#include "server/ingest/scan.h"
+
+#include <algorithm>
+#include <string>
+
+#include "common/error.h"
+#include "common/octahedral.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint8_t kKept = AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kAlpha;
+
+bool hasDoublePositions(const PlyHeader& header) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name != "vertex") continue;
+    return std::any_of(element.properties.begin(), element.properties.end(), [](const PlyProperty& property) {
+      const bool is_position = property.name == "x" || property.name == "y" || property.name == "z";
+      const bool is_exact_in_float = property.type == PlyType::kFloat32 || property.type == PlyType::kInt8 ||
+                                     property.type == PlyType::kUint8 || property.type == PlyType::kInt16 ||
+                                     property.type == PlyType::kUint16;
+      return is_position && !is_exact_in_float;
+    });
+  }
+  return false;
+}
+
+}  // namespace
+
+PackedInput::PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions)
+    : attributes_(attributes),
+      double_positions_(double_positions),
+      vertex_bytes_((double_positions ? sizeof(glm::dvec3) : sizeof(glm::vec3)) +
+                    (attributes.bits != 0 ? sizeof(VertexAttributes) : 0)),
+      vertex_spool_(folder.file("vertices")),
+      face_spool_(folder.file("faces")) {}
+
+void PackedInput::addVertices(std::span<const PlyVertex> vertices) {
+  packed_.resize(vertices.size() * vertex_bytes_);
+  std::byte* to = packed_.data();
+  for (const PlyVertex& vertex : vertices) {
+    const glm::vec3 single(vertex.position);
+    const size_t position_bytes = double_positions_ ? sizeof(vertex.position) : sizeof(single);
+    if (double_positions_) {
+      std::memcpy(to, &vertex.position, position_bytes);
+    } else {
+      std::memcpy(to, &single, position_bytes);
+    }
+    if (attributes_.bits != 0) {
+      VertexAttributes packed;
+      if (attributes_.has(AttributeSet::kNormal)) packed.normal = encodeOctahedral(vertex.normal);
+      if (attributes_.has(AttributeSet::kColour)) packed.colour = vertex.colour;
+      if (!attributes_.has(AttributeSet::kAlpha)) packed.colour.a = 255;
+      std::memcpy(to + position_bytes, &packed, sizeof(packed));
+    }
+    to += vertex_bytes_;
+  }
+  vertex_spool_.append(std::span<const std::byte>(packed_));
+  vertices_ += vertices.size();
+}
+
+void PackedInput::addFaces(const PlyFaces& faces) {
+  const bool only_triangles =
+      std::all_of(faces.corner_counts.begin(), faces.corner_counts.end(), [](uint32_t n) { return n == 3; });
+  const std::vector<uint32_t> corners(faces.corners.begin(), faces.corners.end());
+  const uint32_t sizes[2] = {only_triangles ? 0 : static_cast<uint32_t>(faces.corner_counts.size()),
+                             static_cast<uint32_t>(corners.size())};
+  face_spool_.append(std::span<const uint32_t>(sizes));
+  if (!only_triangles) face_spool_.append(std::span<const uint32_t>(faces.corner_counts));
+  face_spool_.append(std::span<const uint32_t>(corners));
+  faces_ += faces.corner_counts.size();
+}
+
+void PackedInput::flush() {
+  vertex_spool_.flush();
+  face_spool_.flush();
+}
+
+PackedInput::FaceCursor::FaceCursor(const PackedInput& input)
+    : cursor_(input.face_spool_, 0, input.face_spool_.size()) {}
+
+bool PackedInput::FaceCursor::next(FaceBlock& block) {
+  if (cursor_.atEnd()) return false;
+  uint32_t sizes[2];
+  cursor_.take(std::span<uint32_t>(sizes));
+  block.corner_counts.resize(sizes[0]);
+  block.corners.resize(sizes[1]);
+  cursor_.take(std::span<uint32_t>(block.corner_counts));
+  cursor_.take(std::span<uint32_t>(block.corners));
+  return true;
+}
+
+ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
+                  std::vector<std::string>& warnings) {
+  PlyReader reader(options.input, {.skip_bad = options.skip_bad});
+  AttributeSet kept{static_cast<uint8_t>(reader.attributes().bits & kKept)};
+  if (reader.attributes().has(AttributeSet::kTexture)) {
+    warnings.push_back(options.input.string() +
+                       ": texture coordinates are not built yet; the model is shown without");
+  }
+  for (const PlyElement& element : reader.header().elements) {
+    if (element.name == "vertex" && element.count > UINT32_MAX) {
+      throw Error(ErrorCode::kLimit, options.input.string() + ": " + std::to_string(element.count) +
+                                         " vertices; at most 4294967295 can be indexed, split the model");
+    }
+  }
+  ScannedModel model{PackedInput(folder, kept, hasDoublePositions(reader.header())), {}};
+  model.counts = reader.read(
+      [&](uint64_t, std::span<const PlyVertex> vertices) { model.input.addVertices(vertices); },
+      [&](const PlyFaces& faces) { model.input.addFaces(faces); },
+      [&](uint64_t done, uint64_t total) {
+        if (progress)
+          progress("scan", total ? static_cast<double>(done) / static_cast<double>(total) : 1, done, total);
+      });
+  model.input.flush();
+  if (model.counts.extra_tokens > 0) {
+    warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.extra_tokens) +
+                       " surplus values at the ends of lines were ignored");
+  }
+  return model;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,130 @@
+#include "server/ingest/triangle_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lode::ingest {
+namespace {
+
+constexpr float kMaxCellsAlongAxis = 64;
+
+float squaredDistance(glm::vec3 ap, glm::vec3 ab, glm::vec3 ac) noexcept {
+  const auto toPoint = [&](glm::vec3 on) {
+    const glm::vec3 d = ap - on;
+    return glm::dot(d, d);
+  };
+  const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return glm::dot(ap, ap);
+  const glm::vec3 bp = ap - ab;
+  const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return glm::dot(bp, bp);
+  const float vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return toPoint(d1 / (d1 - d3) * ab);
+  const glm::vec3 cp = ap - ac;
+  const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return glm::dot(cp, cp);
+  const float vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return toPoint(d2 / (d2 - d6) * ac);
+  const float va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    return toPoint(ab + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (ac - ab));
+  }
+  const float sum = va + vb + vc;
+  if (!(sum > 0)) return std::min({glm::dot(ap, ap), glm::dot(bp, bp), glm::dot(cp, cp)});
+  return toPoint(vb / sum * ab + vc / sum * ac);
+}
+
+}  // namespace
+
+TriangleGrid::TriangleGrid(const NodeMesh& mesh) {
+  LatticeBox box;
+  for (const PositionCode position : mesh.positions) box.add(unpackPosition(position));
+  if (mesh.triangles.empty()) return;
+  min_ = glm::vec3(box.min);
+  const glm::vec3 size = glm::vec3(box.max - box.min) + 1.f;
+  const float longest = std::max({size.x, size.y, size.z});
+  const float along = std::sqrt(static_cast<float>(mesh.triangles.size())) / 2;
+  cell_ = longest / std::clamp(along, 1.f, kMaxCellsAlongAxis);
+  dims_ = glm::max(glm::ivec3(glm::ceil(size / cell_)), 1);
+
+  begin_.assign(static_cast<size_t>(dims_.x) * dims_.y * dims_.z + 1, 0);
+  triangles_.reserve(mesh.triangles.size());
+  std::vector<std::pair<glm::ivec3, glm::ivec3>> covers;
+  covers.reserve(mesh.triangles.size());
+  const auto forCells = [&](const std::pair<glm::ivec3, glm::ivec3>& cover, auto&& visit) {
+    for (int z = cover.first.z; z <= cover.second.z; ++z) {
+      for (int y = cover.first.y; y <= cover.second.y; ++y) {
+        for (int x = cover.first.x; x <= cover.second.x; ++x) visit(indexOf({x, y, z}));
+      }
+    }
+  };
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const auto corner = [&](uint32_t wedge) {
+      return glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[wedge]]));
+    };
+    const glm::vec3 a = corner(t.x), b = corner(t.y), c = corner(t.z);
+    triangles_.push_back({a, b - a, c - a});
+    covers.emplace_back(cellOf(glm::min(a, glm::min(b, c))), cellOf(glm::max(a, glm::max(b, c))));
+    forCells(covers.back(), [&](size_t cell) { ++begin_[cell + 1]; });
+  }
+  for (size_t cell = 1; cell < begin_.size(); ++cell) begin_[cell] += begin_[cell - 1];
+  members_.resize(begin_.back());
+  std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
+  for (uint32_t t = 0; t < covers.size(); ++t) {
+    forCells(covers[t], [&](size_t cell) { members_[next[cell]++] = t; });
+  }
+}
+
+float TriangleGrid::distance(PositionCode code) const noexcept {
+  float best = std::numeric_limits<float>::infinity();
+  if (triangles_.empty()) return best;
+  const glm::vec3 point(unpackPosition(code));
+  const glm::ivec3 centre = cellOf(point);
+  searchCell(point, centre, best);
+  for (int radius = 1;; ++radius) {
+    // What lies beyond the block searched so far is at least this far away.
+    float beyond = std::numeric_limits<float>::infinity();
+    for (int k = 0; k < 3; ++k) {
+      const int low = centre[k] - radius + 1, high = centre[k] + radius;
+      if (low > 0) beyond = std::min(beyond, point[k] - (min_[k] + static_cast<float>(low) * cell_));
+      if (high < dims_[k]) beyond = std::min(beyond, min_[k] + static_cast<float>(high) * cell_ - point[k]);
+    }
+    if (std::isinf(beyond) || (beyond > 0 && best <= beyond * beyond)) return std::sqrt(best);
+    searchShell(point, centre, radius, best);
+  }
+}
+
+glm::ivec3 TriangleGrid::cellOf(glm::vec3 point) const noexcept {
+  return glm::clamp(glm::ivec3((point - min_) / cell_), glm::ivec3(0), dims_ - 1);
+}
+
+void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, float& best) const noexcept {
+  const glm::ivec3 low = glm::max(centre - radius, 0), high = glm::min(centre + radius, dims_ - 1);
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      const bool is_face = std::abs(z - centre.z) == radius || std::abs(y - centre.y) == radius;
+      for (int x = low.x; x <= high.x; ++x) {
+        if (is_face || std::abs(x - centre.x) == radius) {
+          searchCell(point, {x, y, z}, best);
+        } else if (x < centre.x + radius) {
+          x = std::min(centre.x + radius, high.x + 1) - 1;
+        }
+      }
+    }
+  }
+}
+
+void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, float& best) const noexcept {
+  const size_t index = indexOf(cell);
+  if (begin_[index] == begin_[index + 1]) return;
+  const glm::vec3 low = min_ + glm::vec3(cell) * cell_;
+  const glm::vec3 outside = glm::max(glm::max(low - point, point - (low + cell_)), 0.f);
+  if (glm::dot(outside, outside) > best) return;
+  for (uint32_t i = begin_[index]; i < begin_[index + 1]; ++i) {
+    const Triangle& triangle = triangles_[members_[i]];
+    best = std::min(best, squaredDistance(point - triangle.a, triangle.ab, triangle.ac));
+  }
+}
+
+}  // namespace lode::ingest

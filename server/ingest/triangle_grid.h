@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "server/ingest/node_mesh.h"
+
+namespace lode::ingest {
+
+/// Distance from points to a mesh, in lattice steps, by a uniform grid searched shell by shell.
+/// Const functions are thread safe. Source of the triangle test: Ericson, Real-Time Collision Detection,
+/// 2005, 5.1.5.
+class TriangleGrid {
+ public:
+  explicit TriangleGrid(const NodeMesh& mesh);
+
+  /// Infinity if the mesh has no triangles.
+  float distance(PositionCode point) const noexcept;
+
+ private:
+  glm::ivec3 cellOf(glm::vec3 point) const noexcept;
+  size_t indexOf(glm::ivec3 cell) const noexcept {
+    return static_cast<size_t>((cell.z * dims_.y + cell.y) * dims_.x + cell.x);
+  }
+  void searchShell(glm::vec3 point, glm::ivec3 centre, int radius, float& best) const noexcept;
+  void searchCell(glm::vec3 point, glm::ivec3 cell, float& best) const noexcept;
+
+  struct Triangle {
+    glm::vec3 a, ab, ac;
+  };
+  std::vector<Triangle> triangles_;
+  glm::vec3 min_{0};
+  float cell_ = 1;
+  glm::ivec3 dims_{1};
+  std::vector<uint32_t> begin_;    ///< of each cell in members_, and the end
+  std::vector<uint32_t> members_;  ///< triangles whose box touches the cell
+};
+
+}  // namespace lode::ingest
