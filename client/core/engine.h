@@ -93,15 +93,16 @@ class Engine {
   void handle(BlobRefused event);
   void handle(ServerLeaving event);
   void handle(ModelChanged event);
-  void addPage(NodeKey owner, bool is_root_page, std::span<const std::byte> bytes);
-  void startDecode(MeshKey mesh, std::vector<std::byte> bytes);
-  void fail(std::string message);
-  void renewWishes();
 
   struct Purpose {  // of a blob that was wished for
     MeshKey mesh;
     bool is_page = false;
+    bool is_root_page = false;
   };
+  void addPage(const Purpose& purpose, std::span<const std::byte> bytes);
+  void startDecode(MeshKey mesh, std::vector<std::byte> bytes);
+  void fail(std::string message);
+  void renewWishes();
 
   EngineOptions options_;
   Session session_;
@@ -111,9 +112,10 @@ class Engine {
   std::optional<View> view_;
   RefineOptions refine_options_;
   bool changed_ = false;
-  std::map<uint32_t, Purpose> purposes_;        // by blob number
-  std::map<MeshKey, uint64_t> decoding_bytes_;  // handed out
-  std::set<uint32_t> refused_;                  // blob numbers that cannot be had
+  std::map<uint32_t, Purpose> purposes_;  // by blob number
+  std::map<MeshKey, uint64_t> decoding_;  // handed out; size of the encoded payload
+  uint64_t undecoded_bytes_ = 0;
+  std::set<uint32_t> refused_;  // blob numbers that cannot be had
   std::vector<Wanted> wanted_;
   std::vector<DecodeJob> jobs_;
   std::shared_ptr<const Cut> cut_;

@@ -20,10 +20,11 @@ namespace lode::core {
 
 using TimePoint = std::chrono::steady_clock::time_point;
 
-constexpr std::chrono::seconds kPingInterval{10};   ///< of silence, after which a Ping is sent
-constexpr std::chrono::seconds kSilenceLimit{30};   ///< after which the server counts as gone
-constexpr uint64_t kMaxWishedBytes = 256ull << 20;  ///< of open wishes together, unless one alone is larger
-constexpr float kReprioritiseFactor = 1.19f;        ///< 2^1/4: smaller changes of priority are not sent
+constexpr std::chrono::seconds kPingInterval{10};  ///< of silence, after which a Ping is sent
+constexpr std::chrono::seconds kSilenceLimit{30};  ///< after which the server counts as gone
+constexpr uint64_t kMaxWishedBytes = 32ull << 20;  ///< of open wishes together, unless one alone is larger
+constexpr uint32_t kMaxWishesAtOnce = 1024;        ///< enough to fill any window, few enough to re-sort
+constexpr float kReprioritiseFactor = 1.19f;       ///< 2^1/4: smaller changes of priority are not sent
 
 struct SessionOptions {
   std::string model;  ///< empty: asks for the list of models and opens none
@@ -113,9 +114,9 @@ class Session {
 
   bool takeFrame();
   void handleFrame(const proto::FrameHeader& header, std::span<const std::byte> body);
-  void handleWelcome(std::span<const std::byte> body);
-  void handleOpened(std::span<const std::byte> body);
-  void handleModels(std::span<const std::byte> body);
+  void handleWelcome(const proto::FrameHeader& header, std::span<const std::byte> body);
+  void handleOpened(const proto::FrameHeader& header, std::span<const std::byte> body);
+  void handleModels(const proto::FrameHeader& header, std::span<const std::byte> body);
   void handleBlob(std::span<const std::byte> body);
   void handleCancelled(std::span<const std::byte> body);
   void handleError(std::span<const std::byte> body);
@@ -123,12 +124,15 @@ class Session {
   void endWish(uint32_t wish);
   void grantCredit();
   void send(const proto::Bytes& frame);
-  void require(bool allowed, const char* what) const;
+  void sendPing();
+  void sendChanges(std::span<const proto::WishChange> changes);
+  void appendChunk(Incoming& incoming, const proto::BlobChunk& chunk);
+  SessionEvent completed(Incoming incoming);
 
   SessionOptions options_;
   State state_ = State::kWelcome;
   uint32_t handle_ = 0;
-  uint32_t max_open_wishes_;
+  uint32_t max_open_wishes_ = 0;
   uint32_t next_request_ = 1;
   uint32_t next_wish_ = 1;
   std::map<uint32_t, Wish> wishes_;                      // by wish

@@ -1,0 +1,293 @@
+#include "client/core/session.h"
+
+#include <algorithm>
+#include <unordered_set>
+#include <utility>
+
+#include "common/error.h"
+#include "proto/limits.h"
+
+namespace lode::core {
+namespace {
+
+constexpr uint32_t kHelloRequest = 1, kSecondRequest = 2;
+constexpr size_t kCompactBytes = 64u << 10;
+
+void require(bool allowed, const std::string& what) {
+  if (!allowed) throw Error(ErrorCode::kProtocol, "the server broke the protocol: " + what);
+}
+
+bool differsMuch(float a, float b) { return a > b * kReprioritiseFactor || b > a * kReprioritiseFactor; }
+
+}  // namespace
+
+Session::Session(SessionOptions options, TimePoint now)
+    : options_(std::move(options)),
+      granted_bytes_(proto::kInitialWindowBytes),
+      now_(now),
+      last_received_(now),
+      last_ping_(now) {
+  proto::Hello hello;
+  hello.min_version = hello.max_version = proto::kProtocolVersion;
+  hello.token = options_.token;
+  hello.program = options_.program;
+  send(proto::encode(hello, kHelloRequest));
+  if (options_.model.empty()) {
+    send(proto::encode(proto::List{}, kSecondRequest));
+  } else {
+    send(proto::encode(proto::Open{options_.model, {}}, kSecondRequest));
+  }
+  next_request_ = kSecondRequest + 1;
+}
+
+void Session::send(const proto::Bytes& frame) {
+  outgoing_.insert(outgoing_.end(), frame.begin(), frame.end());
+}
+
+proto::Bytes Session::takeOutgoing() { return std::exchange(outgoing_, {}); }
+
+void Session::receive(std::span<const std::byte> bytes, TimePoint now) {
+  now_ = now;
+  if (bytes.empty()) return;
+  last_received_ = now;
+  received_bytes_ += bytes.size();
+  if (input_begin_ == input_.size()) {
+    input_.clear();
+    input_begin_ = 0;
+  } else if (input_begin_ > kCompactBytes) {
+    input_.erase(input_.begin(), input_.begin() + static_cast<ptrdiff_t>(input_begin_));
+    input_begin_ = 0;
+  }
+  input_.insert(input_.end(), bytes.begin(), bytes.end());
+}
+
+std::optional<SessionEvent> Session::nextEvent() {
+  while (!event_ && takeFrame()) {
+  }
+  return std::exchange(event_, std::nullopt);
+}
+
+bool Session::takeFrame() {
+  const std::span<const std::byte> input = std::span(input_).subspan(input_begin_);
+  if (input.size() < proto::kFrameHeaderBytes) return false;
+  const proto::FrameHeader header = proto::decodeFrameHeader(input.first<proto::kFrameHeaderBytes>());
+  if (input.size() - proto::kFrameHeaderBytes < header.body_bytes) return false;
+  input_begin_ += proto::kFrameHeaderBytes + header.body_bytes;
+  handleFrame(header, input.subspan(proto::kFrameHeaderBytes, header.body_bytes));
+  return true;
+}
+
+void Session::handleFrame(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  switch (static_cast<proto::FrameType>(header.type)) {
+    case proto::FrameType::kWelcome:
+      return handleWelcome(header, body);
+    case proto::FrameType::kOpened:
+      return handleOpened(header, body);
+    case proto::FrameType::kModels:
+      return handleModels(header, body);
+    case proto::FrameType::kBlob:
+      return handleBlob(body);
+    case proto::FrameType::kCancelled:
+      return handleCancelled(body);
+    case proto::FrameType::kError:
+      return handleError(body);
+    case proto::FrameType::kPong:
+      return handlePong(body);
+    case proto::FrameType::kPing:
+      return send(proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.request));
+    case proto::FrameType::kGoAway:
+      event_ = ServerLeaving{proto::decode<proto::GoAway>(body).reason};
+      return;
+    case proto::FrameType::kModelReplaced:
+      require(state_ == State::kOpen && proto::decode<proto::ModelReplaced>(body).handle == handle_,
+              "it replaced a model that is not open");
+      event_ = ModelChanged{};
+      return;
+    default:
+      require((header.flags & proto::kFlagOptional) != 0,
+              "frame type " + std::to_string(header.type) + " is not for a client");
+  }
+}
+
+void Session::handleWelcome(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  require(state_ == State::kWelcome && header.request == kHelloRequest, "a Welcome out of turn");
+  const auto welcome = proto::decode<proto::Welcome>(body);
+  require(welcome.version == proto::kProtocolVersion, "it chose version " + std::to_string(welcome.version));
+  require(welcome.max_open_wishes > 0, "it allows no wishes");
+  max_open_wishes_ = std::min({welcome.max_open_wishes, proto::kMaxOpenWishes, kMaxWishesAtOnce});
+  state_ = State::kAnswer;
+  grantCredit();
+}
+
+void Session::handleOpened(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  require(state_ == State::kAnswer && !options_.model.empty() && header.request == kSecondRequest,
+          "an Opened out of turn");
+  auto opened = proto::decode<proto::Opened>(body);
+  handle_ = opened.handle;
+  state_ = State::kOpen;
+  expectUnasked(opened.summary.root_page);
+  sendPing();
+  event_ = ModelOpened{std::move(opened.summary)};
+}
+
+void Session::handleModels(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  require(state_ == State::kAnswer && options_.model.empty() && header.request == kSecondRequest,
+          "a list of models out of turn");
+  state_ = State::kListed;
+  event_ = ModelsListed{proto::decode<proto::Models>(body).models};
+}
+
+void Session::expectUnasked(const BlobRef& blob) { unasked_ = Incoming{blob, {}}; }
+
+void Session::handleBlob(std::span<const std::byte> body) {
+  const proto::BlobChunk chunk = proto::decodeBlobChunk(body);
+  credited_bytes_ += body.size();
+  require(credited_bytes_ <= granted_bytes_, "it sent more than the credit that it was granted");
+  const uint32_t wish = chunk.header.wish;
+  if (wish == 0) {
+    require(unasked_.has_value(), "a blob that was not wished for");
+    appendChunk(*unasked_, chunk);
+    if (unasked_->bytes.size() == unasked_->blob.bytes)
+      event_ = completed(*std::exchange(unasked_, std::nullopt));
+  } else {
+    const auto found = wishes_.find(wish);
+    require(found != wishes_.end(), "a blob that was not wished for");
+    Incoming& incoming = found->second.incoming;
+    appendChunk(incoming, chunk);
+    if (incoming.bytes.size() == incoming.blob.bytes) {
+      Incoming whole = std::move(incoming);
+      endWish(wish);
+      event_ = completed(std::move(whole));
+    }
+  }
+  grantCredit();
+}
+
+void Session::appendChunk(Incoming& incoming, const proto::BlobChunk& chunk) {
+  require(chunk.header.total_bytes == incoming.blob.bytes,
+          "blob " + std::to_string(incoming.blob.number) + " has another size than announced");
+  require(chunk.header.offset_bytes == incoming.bytes.size(),
+          "a chunk of blob " + std::to_string(incoming.blob.number) + " out of order");
+  if (incoming.bytes.empty()) incoming.bytes.reserve(incoming.blob.bytes);
+  incoming.bytes.insert(incoming.bytes.end(), chunk.bytes.begin(), chunk.bytes.end());
+}
+
+SessionEvent Session::completed(Incoming incoming) {
+  require(
+      nameBlob(incoming.bytes) == incoming.blob.name,
+      "blob " + std::to_string(incoming.blob.number) + " does not have the bytes that its name stands for");
+  return BlobArrived{incoming.blob, std::move(incoming.bytes)};
+}
+
+void Session::handleCancelled(std::span<const std::byte> body) {
+  const uint32_t wish = proto::decode<proto::Cancelled>(body).wish;
+  const auto found = wishes_.find(wish);
+  require(found != wishes_.end() && found->second.cancelling, "it cancelled what was not to be cancelled");
+  endWish(wish);
+}
+
+void Session::handleError(std::span<const std::byte> body) {
+  const auto error = proto::decode<proto::ErrorMessage>(body);
+  if (error.wish == 0) {
+    std::string message = "the server says: " + error.message;
+    if (error.code == proto::WireError::kNoSuchModel) message += "; lodestream list shows what it has";
+    throw Error(ErrorCode::kNetwork, message);
+  }
+  const auto found = wishes_.find(error.wish);
+  require(found != wishes_.end(), "an error for a wish that is not open");
+  event_ = BlobRefused{found->second.incoming.blob, error.message};
+  endWish(error.wish);
+}
+
+void Session::endWish(uint32_t wish) {
+  const auto found = wishes_.find(wish);
+  const BlobRef& blob = found->second.incoming.blob;
+  wished_bytes_ -= blob.bytes;
+  wish_of_blob_.erase(blob.number);
+  wishes_.erase(found);
+}
+
+void Session::grantCredit() {
+  if (state_ == State::kWelcome || granted_bytes_ - credited_bytes_ > proto::kFixedWindowBytes / 2) return;
+  granted_bytes_ = credited_bytes_ + proto::kFixedWindowBytes;
+  send(proto::encode(proto::Credit{granted_bytes_}, next_request_++));
+}
+
+void Session::setWishes(std::span<const BlobWish> wanted) {
+  if (state_ != State::kOpen) return;
+  std::unordered_set<uint32_t> accepted;
+  std::vector<proto::WishChange> changes;
+  std::vector<const BlobWish*> additions;
+  uint64_t accepted_bytes = 0;
+  for (const BlobWish& wanting : wanted) {
+    const BlobRef& blob = wanting.blob;
+    if (accepted.size() >= max_open_wishes_) break;
+    if (!accepted.empty() && accepted_bytes + blob.bytes > options_.max_wished_bytes) break;
+    if (unasked_ && unasked_->blob.number == blob.number) continue;
+    if (!accepted.insert(blob.number).second) continue;
+    accepted_bytes += blob.bytes;
+    const auto open = wish_of_blob_.find(blob.number);
+    if (open == wish_of_blob_.end()) {
+      additions.push_back(&wanting);
+      continue;
+    }
+    Wish& wish = wishes_.at(open->second);
+    const bool moved =
+        wish.wish_class != wanting.wish_class || differsMuch(wish.priority_px, wanting.priority_px);
+    if (wish.cancelling || !moved) continue;
+    wish.wish_class = wanting.wish_class;
+    wish.priority_px = wanting.priority_px;
+    changes.push_back(
+        {proto::WishAction::kReprioritise, wish.wish_class, open->second, blob.number, wish.priority_px});
+  }
+  for (auto& [number, wish] : wishes_) {
+    if (wish.cancelling || accepted.contains(wish.incoming.blob.number)) continue;
+    wish.cancelling = true;
+    changes.push_back({proto::WishAction::kCancel, wish.wish_class, number, wish.incoming.blob.number, 0});
+  }
+  for (const BlobWish* wanting : additions) {
+    const BlobRef& blob = wanting->blob;
+    if (wishes_.size() >= max_open_wishes_) break;
+    if (!wishes_.empty() && wished_bytes_ + blob.bytes > options_.max_wished_bytes) break;
+    const uint32_t number = next_wish_++;
+    wishes_.emplace(number, Wish{{blob, {}}, wanting->wish_class, wanting->priority_px, false});
+    wish_of_blob_.emplace(blob.number, number);
+    wished_bytes_ += blob.bytes;
+    changes.push_back(
+        {proto::WishAction::kAdd, wanting->wish_class, number, blob.number, wanting->priority_px});
+  }
+  sendChanges(changes);
+}
+
+void Session::sendChanges(std::span<const proto::WishChange> changes) {
+  while (!changes.empty()) {
+    const auto some = changes.first(std::min<size_t>(changes.size(), proto::kMaxWishesPerFrame));
+    send(proto::encode(proto::Wishes{handle_, {some.begin(), some.end()}}, next_request_++));
+    changes = changes.subspan(some.size());
+  }
+}
+
+void Session::sendPing() {
+  last_ping_ = now_;
+  ping_open_ = true;
+  send(proto::encode(proto::Ping{++pings_}, next_request_++));
+}
+
+void Session::handlePong(std::span<const std::byte> body) {
+  require(ping_open_ && proto::decode<proto::Pong>(body).payload == pings_, "a Pong without a Ping");
+  ping_open_ = false;
+  const std::chrono::nanoseconds trip = now_ - last_ping_;
+  round_trip_ = round_trip_ ? std::min(*round_trip_, trip) : trip;
+}
+
+void Session::tick(TimePoint now) {
+  now_ = now;
+  const auto silence = now - last_received_;
+  if (silence >= kSilenceLimit)
+    throw Error(ErrorCode::kTimeout, "the server has said nothing for " +
+                                         std::to_string(kSilenceLimit.count()) +
+                                         " seconds: check the network and the server, then try again");
+  if (state_ != State::kWelcome && !ping_open_ && silence >= kPingInterval) sendPing();
+}
+
+}  // namespace lode::core
