@@ -31,6 +31,7 @@ docker/install-packages.sh run build test
 launcher=()
 if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 started=$SECONDS
+rm -f build/dev/test.log
 cmake --preset dev "${launcher[@]}"
 cmake --build --preset dev
 built=$SECONDS
