@@ -1,0 +1,102 @@
+#include <memory>
+
+#include "common/limits.h"
+#include "server/app/command.h"
+#include "server/app/json_output.h"
+#include "server/app/progress_bar.h"
+#include "server/ingest/build.h"
+
+namespace lode::app {
+namespace {
+
+struct BuildArguments {
+  ingest::BuildOptions options;
+  std::string simplifier = "collapse";
+  bool json = false, quiet = false;
+};
+
+Json describeAsJson(const ingest::BuildReport& report) {
+  Json json = toJson(report.summary);
+  json["seconds"] = report.seconds;
+  json["cpu_seconds"] = report.cpu_seconds;
+  json["peak_rss_bytes"] = report.peak_rss_bytes;
+  json["stages"] = Json::array();
+  for (const ingest::BuildReport::Stage& stage : report.stages)
+    json["stages"].push_back({{"name", stage.name},
+                              {"seconds", stage.seconds},
+                              {"cpu_seconds", stage.cpu_seconds},
+                              {"items", stage.items},
+                              {"temporary_bytes", stage.temporary_bytes},
+                              {"peak_rss_bytes", stage.peak_rss_bytes}});
+  json["warnings"] = report.warnings;
+  return json;
+}
+
+std::string describe(const ingest::BuildReport& report, const std::filesystem::path& output) {
+  const ModelSummary& summary = report.summary;
+  char numbers[160];
+  std::snprintf(
+      numbers, sizeof numbers, "%.1f s, %.1f CPU s, %.2f M triangles a CPU second, peak memory ",
+      report.seconds, report.cpu_seconds,
+      report.cpu_seconds > 0 ? static_cast<double>(summary.triangles) / report.cpu_seconds / 1e6 : 0.0);
+  return output.string() + ": " + std::to_string(summary.triangles) + " triangles in " +
+         std::to_string(summary.nodes) + " nodes, " + describeBytes(summary.bytes) + "; " + numbers +
+         describeBytes(report.peak_rss_bytes) + "\n";
+}
+
+void runBuild(const BuildArguments& arguments) {
+  const ingest::BuildOptions& options = arguments.options;
+  if (arguments.simplifier != "collapse") notThereYet("--simplifier " + arguments.simplifier);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.input, options.output, ignored))
+    throw Error(ErrorCode::kUsage, options.output.string() + ": is the input itself: name another output");
+  ingest::BuildReport report;
+  {
+    ProgressBar bar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
+    report = ingest::build(options, [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
+      bar.update(stage, fraction, done);
+    });
+  }
+  if (!arguments.quiet)
+    for (const std::string& warning : report.warnings)
+      std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());
+  if (arguments.json)
+    printJson(describeAsJson(report));
+  else if (!arguments.quiet)
+    printText(describe(report, options.output));
+}
+
+}  // namespace
+
+void addBuildCommand(CLI::App& program) {
+  const auto arguments = std::make_shared<BuildArguments>();
+  ingest::BuildOptions& options = arguments->options;
+  CLI::App* command = addCommand(program, "build", "Build a store from a PLY file");
+  command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
+  command->add_option("-o,--output", options.output, "the store to write")->required()->type_name("OUT.lode");
+  command
+      ->add_option("--memory", options.memory_bytes,
+                   "memory to use at most, 512MB or 4GB (default: half of the machine's)")
+      ->transform(CLI::AsSizeValue(true))
+      ->type_name("BYTES");
+  command->add_option("--threads", options.threads, "threads to use (default: one a core)")
+      ->check(CLI::Range(1u, 1024u));
+  command->add_option("--tmp", options.temporary_folder, "folder for temporary files (default: the output's)")
+      ->type_name("DIR");
+  command->add_option("--triangles-per-node", options.triangles_per_node, "a node with more is split")
+      ->check(CLI::Range(1u, kMaxRungTriangles))
+      ->capture_default_str();
+  command
+      ->add_option("--simplifier", arguments->simplifier,
+                   "how nodes are simplified (cluster is not there yet)")
+      ->check(CLI::IsMember({"collapse", "cluster"}))
+      ->capture_default_str();
+  addMissingFlag(*command, "--resume", "go on from the last finished stage");
+  command->add_flag("--skip-bad", options.skip_bad, "drop and count bad indices and coordinates");
+  command->add_flag("--strict", options.strict, "warnings are errors");
+  command->add_flag("--json", arguments->json, "print the result as one JSON object");
+  command->add_flag("--quiet", arguments->quiet, "print no progress and no result");
+  command->callback([arguments] { runBuild(*arguments); });
+}
+
+}  // namespace lode::app

@@ -1,0 +1,92 @@
+#include <memory>
+#include <optional>
+
+#include "common/ply_writer.h"
+#include "server/app/command.h"
+#include "server/app/json_output.h"
+#include "server/store/export.h"
+
+namespace lode::app {
+namespace {
+
+struct ExportArguments {
+  std::filesystem::path store, output;
+  std::optional<double> error;
+  std::optional<uint64_t> triangles, seed;
+  bool json = false;
+};
+
+store::Cut chooseCut(const ExportArguments& arguments, const store::Reader& reader) {
+  const store::NodeTree tree(reader.nodes());
+  if (arguments.error) return store::cutByError(tree, *arguments.error * boxDiagonal(reader.summary()));
+  if (arguments.triangles) return store::cutByTriangles(tree, *arguments.triangles);
+  return store::randomCut(tree, *arguments.seed);
+}
+
+Json describeAsJson(const store::Cut& cut, const store::Reader& reader) {
+  uint64_t bytes = 0;
+  for (const store::CutItem item : cut.items)
+    bytes += reader.nodes()[item.node].rungs[item.rung].payload.bytes;
+  return {{"triangles", cut.triangles},
+          {"nodes", cut.items.size()},
+          {"bytes", bytes},
+          {"max_error", cut.max_error_model},
+          {"max_error_of_diagonal", cut.max_error_model / boxDiagonal(reader.summary())},
+          {"converged", cut.converged}};
+}
+
+std::string describe(const Json& json, const std::filesystem::path& output) {
+  return output.string() + ": " + json["triangles"].dump() + " triangles of " + json["nodes"].dump() +
+         " nodes, largest error " + json["max_error"].dump() + "\n";
+}
+
+/// What to say of a cut that does not keep the bound; nothing if it does.
+std::string describeFailure(const ExportArguments& arguments, const store::Cut& cut) {
+  const std::string store = arguments.store.string() + ": ";
+  if (cut.converged) return {};
+  if (arguments.triangles)
+    return store + "its coarsest cut has " + std::to_string(cut.triangles) +
+           " triangles: ask for as many at least";
+  return store +
+         "even the original triangles have a larger error, that of the lattice: the cut that was "
+         "written holds them all; ask for a larger error";
+}
+
+void runExport(const ExportArguments& arguments) {
+  const store::Reader reader(arguments.store);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(arguments.store, arguments.output, ignored))
+    throw Error(ErrorCode::kUsage, arguments.output.string() + ": is the store itself: name another output");
+  const store::Cut cut = chooseCut(arguments, reader);
+  const bool too_large = arguments.triangles && !cut.converged;
+  if (!too_large) writePly(arguments.output, store::assembleCut(reader, cut), reader.summary().lattice);
+  const Json json = describeAsJson(cut, reader);
+  if (arguments.json) printJson(json);
+  if (!cut.converged) throw Error(ErrorCode::kInput, describeFailure(arguments, cut));
+  if (!arguments.json) printText(describe(json, arguments.output));
+}
+
+}  // namespace
+
+void addExportCommand(CLI::App& program) {
+  const auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* command = addCommand(program, "export", "Write a cut of a store as PLY, with all attributes");
+  command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
+  CLI::Option_group* which = command->add_option_group("cut", "which cut");
+  which
+      ->add_option("--error", arguments->error,
+                   "the coarsest cut with at most this error, a fraction of the box diagonal")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("E");
+  which->add_option("--triangles", arguments->triangles, "the best cut of at most this many triangles")
+      ->type_name("N");
+  which->add_option("--random", arguments->seed, "a random cut")->type_name("SEED");
+  which->require_option(1);
+  command->add_option("-o,--output", arguments->output, "the PLY file to write")
+      ->required()
+      ->type_name("CUT.ply");
+  command->add_flag("--json", arguments->json, "print one JSON object");
+  command->callback([arguments] { runExport(*arguments); });
+}
+
+}  // namespace lode::app

@@ -1,0 +1,88 @@
+#include <memory>
+
+#include "server/app/command.h"
+#include "server/app/json_output.h"
+#include "server/store/reader.h"
+
+namespace lode::app {
+namespace {
+
+struct InfoArguments {
+  std::filesystem::path store;
+  bool json = false, nodes = false;
+};
+
+uint64_t countRungs(const store::Reader& reader) {
+  uint64_t rungs = 0;
+  for (const Node& node : reader.nodes()) rungs += node.rungs.size();
+  return rungs;
+}
+
+std::string describe(const ModelSummary& summary, uint64_t rungs) {
+  const Json json = toJson(summary);
+  std::string attributes;
+  for (const std::string& name : attributeNames(summary.attributes))
+    attributes += (attributes.empty() ? "" : ", ") + name;
+  if (summary.attributes.has(AttributeSet::kComputedNormal)) attributes += " (normals computed)";
+  std::string text;
+  const auto line = [&](const char* name, const std::string& value) {
+    std::string start(name);
+    start.resize(18, ' ');
+    text += start + value + "\n";
+  };
+  line("model", summary.name);
+  line("build id", toHex(summary.build_id));
+  line("triangles", std::to_string(summary.triangles) + ", dropped " + std::to_string(summary.dropped));
+  line("stored triangles", std::to_string(summary.stored_triangles));
+  line("nodes", std::to_string(summary.nodes) + ", depth " + std::to_string(summary.depth));
+  line("rungs", std::to_string(rungs) + ", payloads " + std::to_string(summary.payloads));
+  line("bytes", std::to_string(summary.bytes));
+  line("box", json["box"].dump());
+  line("origin", json["origin"].dump());
+  line("step", json["step"].dump());
+  line("attributes", attributes.empty() ? "none" : attributes);
+  line("max error", json["max_error"].dump());
+  return text;
+}
+
+/// One JSON line for each (node, rung), in key order.
+void printNodes(const store::Reader& reader) {
+  const Lattice& lattice = reader.summary().lattice;
+  for (const Node& node : reader.nodes())
+    for (size_t number = 0; number < node.rungs.size(); ++number) {
+      const Rung& rung = node.rungs[number];
+      printJson({{"key", node.key.value},
+                 {"depth", node.key.depth()},
+                 {"rung", number},
+                 {"leaf", node.isLeaf()},
+                 {"triangles", rung.triangles},
+                 {"locked", rung.locked},
+                 {"bytes", rung.payload.bytes},
+                 {"error", rung.error_model},
+                 {"appearance_error", rung.appearance_error_model},
+                 {"box", toJson(node.box, lattice)}});
+    }
+}
+
+void runInfo(const InfoArguments& arguments) {
+  const store::Reader reader(arguments.store);
+  if (arguments.nodes) return printNodes(reader);
+  const uint64_t rungs = countRungs(reader);
+  if (!arguments.json) return printText(describe(reader.summary(), rungs));
+  Json json = toJson(reader.summary());
+  json["rungs"] = rungs;
+  printJson(json);
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& program) {
+  const auto arguments = std::make_shared<InfoArguments>();
+  CLI::App* command = addCommand(program, "info", "Say what is in a store");
+  command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
+  command->add_flag("--json", arguments->json, "print one JSON object");
+  command->add_flag("--nodes", arguments->nodes, "print one JSON line for each node and rung");
+  command->callback([arguments] { runInfo(*arguments); });
+}
+
+}  // namespace lode::app

@@ -1,0 +1,62 @@
+#include <memory>
+
+#include "server/app/command.h"
+#include "server/app/json_output.h"
+#include "server/ingest/sample.h"
+
+namespace lode::app {
+namespace {
+
+struct SampleArguments {
+  ingest::SampleOptions options;
+  std::vector<std::string> attributes;
+  std::filesystem::path output;
+  bool json = false;
+};
+
+AttributeSet parseAttributes(const std::vector<std::string>& names) {
+  AttributeSet attributes;
+  for (const std::string& name : names) {
+    if (name == "uv") notThereYet("--attributes uv");
+    if (name == "normal") attributes.bits |= AttributeSet::kNormal;
+    if (name == "color") attributes.bits |= AttributeSet::kColour;
+  }
+  return attributes;
+}
+
+void runSample(SampleArguments& arguments) {
+  arguments.options.attributes = parseAttributes(arguments.attributes);
+  const uint64_t triangles = ingest::writeSample(arguments.options, arguments.output);
+  const uint64_t bytes = std::filesystem::file_size(arguments.output);
+  if (arguments.json) return printJson({{"triangles", triangles}, {"bytes", bytes}});
+  printText(arguments.output.string() + ": " + std::to_string(triangles) + " triangles, " +
+            describeBytes(bytes) + "\n");
+}
+
+}  // namespace
+
+void addSampleCommand(CLI::App& program) {
+  const auto arguments = std::make_shared<SampleArguments>();
+  CLI::App* command = addCommand(program, "sample", "Write a procedural test model of any size");
+  command->add_option("kind", arguments->options.kind, "what to make: asteroid")
+      ->required()
+      ->type_name("KIND");
+  command
+      ->add_option("--triangles", arguments->options.triangles,
+                   "make at most this many, the largest count that there is")
+      ->required()
+      ->type_name("N");
+  command->add_option("--attributes", arguments->attributes, "normal, color (uv is not there yet)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"normal", "color", "uv"}))
+      ->type_name("A,B");
+  command->add_option("--seed", arguments->options.seed, "another seed, another model")
+      ->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "the PLY file to write")
+      ->required()
+      ->type_name("OUT.ply");
+  command->add_flag("--json", arguments->json, "print one JSON object");
+  command->callback([arguments] { runSample(*arguments); });
+}
+
+}  // namespace lode::app
