@@ -13,6 +13,9 @@
 
 namespace lode::ingest {
 
+/// The material of a face whose texnumber is no texture's number (negative, or too large).
+constexpr uint16_t kNoMaterial = 0xffff;
+
 /// A vertex as the file has it: true coordinates in double, attributes as written.
 struct PlyVertex {
   glm::dvec3 position{0};
@@ -34,14 +37,19 @@ struct PlyFaces {
 
 struct PlyCounts {
   uint64_t vertices = 0;
-  uint64_t faces = 0;          ///< rows of the face element, or strips
-  uint64_t triangles = 0;      ///< sum of (corners - 2) over the faces given out
-  uint64_t dropped_faces = 0;  ///< fewer than 3 corners, or a repeated index; of a strip, triangles
-  uint64_t skipped_bad = 0;    ///< with skip_bad: bad indices, NaN, infinity
-  uint64_t extra_tokens = 0;   ///< ascii only, ignored
+  uint64_t faces = 0;           ///< rows of the face element, or strips
+  uint64_t triangles = 0;       ///< sum of (corners - 2) over the faces given out
+  uint64_t dropped_faces = 0;   ///< fewer than 3 corners, or a repeated index; of a strip, triangles
+  uint64_t skipped_bad = 0;     ///< with skip_bad: bad indices, NaN, infinity
+  uint64_t extra_tokens = 0;    ///< ascii only, ignored
+  uint64_t trailing_bytes = 0;  ///< behind the last element, ignored (ascii: beyond blanks and line ends)
 };
 
 struct PlyReadOptions {
+  /// Go on after a bad value: a vertex whose position is NaN or infinite is given out as all zero, to keep
+  /// the numbers of those behind it, and no face that uses it is; an attribute that is NaN or infinite
+  /// becomes zero; a face with an index out of range or with bad texture coordinates is left out. Each counts
+  /// once.
   bool skip_bad = false;
 };
 
@@ -62,6 +70,7 @@ class PlyReader {
   /// Fraction of the body read so far, in bytes.
   using Progress = std::function<void(uint64_t done_bytes, uint64_t total_bytes)>;
 
+  /// May be called again: it starts anew.
   /// @throws Error kIo, kInput (element number and byte offset; in ascii the line).
   PlyCounts read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress = {});
 
