@@ -1,0 +1,443 @@
+#include "common/draco_codec.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <draco/attributes/attribute_octahedron_transform.h>
+#include <draco/attributes/attribute_quantization_transform.h>
+#include <draco/compression/expert_encode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/mesh/mesh.h>
+
+#include "common/error.h"
+#include "common/limits.h"
+#include "common/octahedral.h"
+
+namespace lode {
+namespace {
+
+using draco::GeometryAttribute;
+using draco::PointAttribute;
+
+constexpr int kSpeed =
+    4;  // below it, texture coordinates take a predictor that damaged input keeps busy for seconds
+constexpr int kNormalBits = 8;
+constexpr int kTextureBits = 16;
+constexpr int kTextureStepExponent = -16;  // a texture coordinate is code * 2^-16
+constexpr int kMinStepExponent = -100,
+              kMaxStepExponent = 60;  // floats of the model frame stay normal numbers
+
+// n * 2^exponent as text that strtof reads back exactly, whatever the locale's decimal point. Draco keeps
+// options as text; numbers that it writes itself have six decimals.
+std::string hexFloat(uint32_t n, int exponent) {
+  char text[32];
+  std::snprintf(text, sizeof text, "0x%xp%d", n, exponent);
+  return text;
+}
+
+int exponentOfStep(double step) {
+  int exponent = 0;
+  const double mantissa = std::frexp(step, &exponent);  // in [0.5, 1)
+  --exponent;
+  if (mantissa != 0.5 || exponent < kMinStepExponent || exponent > kMaxStepExponent)
+    throw Error(ErrorCode::kInternal, "cannot code a mesh on a lattice with step " + std::to_string(step) +
+                                          ": not a power of two in range");
+  return exponent;
+}
+
+// ---- encoding
+
+void requireSound(const Mesh& mesh) {
+  const size_t vertices = mesh.positions.size();
+  if (mesh.triangles.size() > kMaxRungTriangles || vertices > kMaxRungVertices)
+    throw Error(ErrorCode::kLimit, "cannot encode a mesh of " + std::to_string(mesh.triangles.size()) +
+                                       " triangles and " + std::to_string(vertices) +
+                                       " vertices in one payload: build with smaller nodes");
+  if (mesh.vertex_attributes.size() != (mesh.attributes.bits == 0 ? 0 : vertices) &&
+      mesh.vertex_attributes.size() != vertices)
+    throw Error(ErrorCode::kInternal, "a mesh to encode has attributes for some of its vertices only");
+  for (const glm::u32vec3 t : mesh.triangles) {
+    if (t.x >= vertices || t.y >= vertices || t.z >= vertices)
+      throw Error(ErrorCode::kInternal, "a mesh to encode has a triangle with an index beyond its vertices");
+    if (t.x == t.y || t.y == t.z || t.z == t.x)
+      throw Error(ErrorCode::kInternal, "a mesh to encode has a triangle that uses a vertex twice");
+  }
+}
+
+LatticeBox boxOf(const Mesh& mesh) {
+  LatticeBox box;
+  for (const PositionCode code : mesh.positions) box.add(unpackPosition(code));
+  return box;
+}
+
+// Adds an attribute whose value of vertex i is what `write(i, T*)` puts down.
+template <typename T, typename Write>
+int addAttribute(draco::Mesh& out, GeometryAttribute::Type type, draco::DataType data_type, int components,
+                 bool normalized, size_t vertices, Write write) {
+  GeometryAttribute attribute;
+  attribute.Init(type, nullptr, static_cast<int8_t>(components), data_type, normalized,
+                 static_cast<int64_t>(sizeof(T)) * components, 0);
+  const int id = out.AddAttribute(attribute, true, static_cast<uint32_t>(vertices));
+  std::vector<T> values(vertices * static_cast<size_t>(components));
+  for (size_t i = 0; i < vertices; ++i) write(i, &values[i * static_cast<size_t>(components)]);
+  out.attribute(id)->buffer()->Write(0, values.data(), values.size() * sizeof(T));
+  return id;
+}
+
+void setExplicitQuantization(draco::ExpertEncoder& encoder, int id, int bits, const std::string& origin,
+                             int step_exponent) {
+  draco::Options options;
+  options.SetInt("quantization_bits", bits);
+  options.SetString("quantization_origin", origin);
+  options.SetString("quantization_range", hexFloat((1u << bits) - 1, step_exponent));
+  options.SetInt("prediction_scheme", draco::MESH_PREDICTION_PARALLELOGRAM);
+  encoder.options().SetAttributeOptions(id, options);
+}
+
+bool hasTransparency(const Mesh& mesh) {
+  return std::any_of(mesh.vertex_attributes.begin(), mesh.vertex_attributes.end(),
+                     [](const VertexAttributes& a) { return a.colour.a != 255; });
+}
+
+void addPositions(draco::Mesh& out, const Mesh& mesh, double step) {
+  addAttribute<float>(out, GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, false, mesh.positions.size(),
+                      [&](size_t i, float* p) {
+                        const glm::vec3 value =
+                            glm::vec3(unpackPosition(mesh.positions[i])) * static_cast<float>(step);
+                        std::memcpy(p, &value, sizeof value);
+                      });
+}
+
+// Ids of the attributes in the Draco mesh, where they are.
+struct AttributeIds {
+  int position = 0;
+  std::optional<int> normal, texture;
+};
+
+AttributeIds addAttributes(draco::Mesh& out, const Mesh& mesh, double step) {
+  AttributeIds ids;
+  addPositions(out, mesh, step);
+  const std::vector<VertexAttributes>& in = mesh.vertex_attributes;
+  if (mesh.attributes.has(AttributeSet::kNormal))
+    ids.normal = addAttribute<float>(out, GeometryAttribute::NORMAL, draco::DT_FLOAT32, 3, false, in.size(),
+                                     [&](size_t i, float* n) {
+                                       const glm::vec3 value = decodeOctahedral(in[i].normal);
+                                       std::memcpy(n, &value, sizeof value);
+                                     });
+  if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
+    const int components = mesh.attributes.has(AttributeSet::kAlpha) && hasTransparency(mesh) ? 4 : 3;
+    addAttribute<uint8_t>(
+        out, GeometryAttribute::COLOR, draco::DT_UINT8, components, true, in.size(),
+        [&](size_t i, uint8_t* c) { std::memcpy(c, &in[i].colour, static_cast<size_t>(components)); });
+  }
+  if (mesh.attributes.has(AttributeSet::kTexture))
+    ids.texture = addAttribute<float>(out, GeometryAttribute::TEX_COORD, draco::DT_FLOAT32, 2, false,
+                                      in.size(), [&](size_t i, float* t) {
+                                        t[0] = std::ldexp(float(in[i].texture.x), kTextureStepExponent);
+                                        t[1] = std::ldexp(float(in[i].texture.y), kTextureStepExponent);
+                                      });
+  if (mesh.attributes.has(AttributeSet::kMaterial))
+    addAttribute<uint16_t>(out, GeometryAttribute::GENERIC, draco::DT_UINT16, 1, false, in.size(),
+                           [&](size_t i, uint16_t* m) { *m = in[i].material; });
+  return ids;
+}
+
+void setQuantization(draco::ExpertEncoder& encoder, const AttributeIds& ids, const LatticeBox& box,
+                     int exponent) {
+  const glm::uvec3 extent = box.max - box.min;
+  const int bits = std::max(1, static_cast<int>(std::bit_width(std::max({extent.x, extent.y, extent.z}))));
+  const std::string origin = hexFloat(box.min.x, exponent) + " " + hexFloat(box.min.y, exponent) + " " +
+                             hexFloat(box.min.z, exponent);
+  setExplicitQuantization(encoder, ids.position, bits, origin, exponent);
+  if (ids.texture) setExplicitQuantization(encoder, *ids.texture, kTextureBits, "0 0", kTextureStepExponent);
+  if (ids.normal) {
+    encoder.SetAttributeQuantization(*ids.normal, kNormalBits);
+    // Saves a tenth to a quarter of a payload with normals, for half as much decoding time again.
+    encoder.SetAttributePredictionScheme(*ids.normal, draco::MESH_PREDICTION_GEOMETRIC_NORMAL);
+  }
+}
+
+// ---- decoding
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorCode::kFormat, "damaged payload: " + why + "; fetch it again or rebuild the store");
+}
+
+// Reads the first bytes of a Draco stream, which the guards need before Draco sees them.
+class HeaderCursor {
+ public:
+  explicit HeaderCursor(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  uint8_t u8() {
+    if (at_ == bytes_.size()) refuse("its header is cut off");
+    return std::to_integer<uint8_t>(bytes_[at_++]);
+  }
+  uint32_t varint() {
+    uint64_t value = 0;
+    for (int shift = 0; shift < 35; shift += 7) {
+      const uint8_t byte = u8();
+      value |= static_cast<uint64_t>(byte & 127) << shift;
+      if (byte < 128 && value <= UINT32_MAX) return static_cast<uint32_t>(value);
+    }
+    refuse("a count in its header is too long");
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  size_t at_ = 0;
+};
+
+// Everything by which Draco sizes its tables. Source: Draco's bitstream specification 2.2, sections 3 and 6.
+void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& expected) {
+  if (expected.triangles > kMaxRungTriangles || expected.vertices > kMaxRungVertices)
+    throw Error(ErrorCode::kLimit, "a payload of " + std::to_string(expected.triangles) + " triangles and " +
+                                       std::to_string(expected.vertices) +
+                                       " vertices is announced: above the limits");
+  HeaderCursor header(bytes);
+  constexpr uint8_t kStart[] = {'D', 'R', 'A', 'C', 'O', 2, 2, /*mesh*/ 1, /*edgebreaker*/ 1, /*flags*/ 0, 0};
+  for (const uint8_t byte : kStart)
+    if (header.u8() != byte) refuse("it does not begin like a Draco 2.2 edgebreaker mesh");
+  const uint8_t traversal = header.u8();
+  if (traversal != draco::MESH_EDGEBREAKER_STANDARD_ENCODING &&
+      traversal != draco::MESH_EDGEBREAKER_VALENCE_ENCODING)
+    refuse("unknown edgebreaker traversal");
+  const uint32_t vertices = header.varint();
+  const uint32_t faces = header.varint();
+  if (faces != expected.triangles)
+    refuse("it declares " + std::to_string(faces) + " triangles where " + std::to_string(expected.triangles) +
+           " are announced");
+  if (vertices > expected.vertices)
+    refuse("it declares " + std::to_string(vertices) + " vertices where " +
+           std::to_string(expected.vertices) + " are announced");
+  if (header.u8() != 0) refuse("it has seams of its own");  // tables of faces for each, up to 255
+  const uint32_t symbols = header.varint();
+  if (symbols > faces || header.varint() > symbols)
+    refuse("its connectivity has more symbols than triangles");
+}
+
+// Draco's decoder, which stops between declaration and decoding of attributes to compare the former with what
+// the model has: a hostile payload could declare any number of any width.
+class GuardedDecoder : public draco::MeshEdgebreakerDecoder {
+ public:
+  explicit GuardedDecoder(const PayloadExpectation& expected) : expected_(expected) {}
+  const std::string& refusal() const noexcept { return refusal_; }
+
+ private:
+  bool DecodeAllAttributes() override {
+    refusal_ = checkCounts();
+    if (refusal_.empty()) refusal_ = checkAttributes();
+    return refusal_.empty() && draco::MeshEdgebreakerDecoder::DecodeAllAttributes();
+  }
+
+  std::string checkCounts() const {
+    if (mesh()->num_faces() != expected_.triangles) return "its triangles are not as many as announced";
+    if (mesh()->num_points() > expected_.vertices) return "it has more vertices than announced";
+    return {};
+  }
+
+  std::string checkAttributes() const {
+    const AttributeSet set = expected_.attributes;
+    const bool alpha = set.has(AttributeSet::kAlpha);
+    int wanted = 0;
+    const auto fits = [&](GeometryAttribute::Type type, bool has, draco::DataType data_type, int least,
+                          int most) {
+      if (mesh()->NumNamedAttributes(type) != (has ? 1 : 0)) return false;
+      wanted += has ? 1 : 0;
+      const PointAttribute* attribute = mesh()->GetNamedAttribute(type);
+      return !has || (attribute->data_type() == data_type && attribute->num_components() >= least &&
+                      attribute->num_components() <= most);
+    };
+    const bool all_fit =
+        fits(GeometryAttribute::POSITION, true, draco::DT_FLOAT32, 3, 3) &&
+        fits(GeometryAttribute::NORMAL, set.has(AttributeSet::kNormal), draco::DT_FLOAT32, 3, 3) &&
+        fits(GeometryAttribute::COLOR, set.has(AttributeSet::kColour | AttributeSet::kAlpha), draco::DT_UINT8,
+             3, alpha ? 4 : 3) &&
+        fits(GeometryAttribute::TEX_COORD, set.has(AttributeSet::kTexture), draco::DT_FLOAT32, 2, 2) &&
+        fits(GeometryAttribute::GENERIC, set.has(AttributeSet::kMaterial), draco::DT_UINT16, 1, 1);
+    return all_fit && wanted == mesh()->num_attributes() ? "" : "its attributes are not those of the model";
+  }
+
+  const PayloadExpectation& expected_;
+  std::string refusal_;
+};
+
+// Calls `use(vertex, const T* value)` for every decoded vertex.
+template <typename T, typename Use>
+void forEachValue(const draco::Mesh& in, const PointAttribute& attribute, int components, Use use) {
+  if (attribute.num_components() != components || attribute.byte_stride() != components * int(sizeof(T)) ||
+      attribute.buffer()->data_size() < attribute.size() * sizeof(T) * static_cast<size_t>(components))
+    refuse("an attribute has another layout than announced");
+  const T* values = reinterpret_cast<const T*>(attribute.buffer()->data());
+  for (uint32_t i = 0; i < in.num_points(); ++i) {
+    const uint32_t value = attribute.mapped_index(draco::PointIndex(i)).value();
+    if (value >= attribute.size()) refuse("a vertex lacks an attribute");
+    use(i, values + static_cast<size_t>(value) * static_cast<size_t>(components));
+  }
+}
+
+// @return value / step, where that is a lattice coordinate.
+uint32_t wholeSteps(float value, double step) {
+  const double steps = value / step;
+  if (!(steps >= 0 && steps <= kMaxLattice) || steps != std::floor(steps))
+    refuse("its positions are off the lattice");
+  return static_cast<uint32_t>(steps);
+}
+
+// Draco's integers are taken as they are: origin + q * range / (2^bits - 1) is exact in float for all that
+// the encoder above writes, so that a decoder that goes by floats finds the same positions.
+void readPositions(const draco::Mesh& in, double step, const LatticeBox& box, Mesh& mesh) {
+  const PointAttribute& attribute = *in.GetNamedAttribute(GeometryAttribute::POSITION);
+  draco::AttributeQuantizationTransform transform;
+  if (attribute.GetAttributeTransformData() == nullptr || !transform.InitFromAttribute(attribute))
+    refuse("its positions are not quantized");
+  const int bits = transform.quantization_bits();
+  if (bits < 1 || bits > kLatticeBits) refuse("its positions have more bits than the lattice");
+  const glm::uvec3 origin(wholeSteps(transform.min_value(0), step), wholeSteps(transform.min_value(1), step),
+                          wholeSteps(transform.min_value(2), step));
+  if (static_cast<double>(transform.range()) != step * ((1u << bits) - 1))
+    refuse("its positions are off the lattice");
+  mesh.positions.resize(in.num_points());
+  const glm::uvec3 least = box.min, most = glm::min(box.max, glm::uvec3(kMaxLattice));
+  forEachValue<uint32_t>(in, attribute, 3, [&](uint32_t vertex, const uint32_t* q) {
+    if ((q[0] | q[1] | q[2]) > kMaxLattice) refuse("a position is off the lattice");
+    const glm::uvec3 p(origin.x + q[0], origin.y + q[1], origin.z + q[2]);
+    if (glm::any(glm::lessThan(p, least)) || glm::any(glm::greaterThan(p, most)))
+      refuse("a position is outside the node's box");
+    mesh.positions[vertex] = packPosition(p);
+  });
+}
+
+void readNormals(const draco::Mesh& in, Mesh& mesh) {
+  const PointAttribute& attribute = *in.GetNamedAttribute(GeometryAttribute::NORMAL);
+  draco::AttributeOctahedronTransform transform;
+  if (attribute.GetAttributeTransformData() == nullptr || !transform.InitFromAttribute(attribute) ||
+      transform.quantization_bits() != kNormalBits)
+    refuse("its normals are not octahedral with 8 bits");
+  forEachValue<uint32_t>(in, attribute, 2, [&](uint32_t vertex, const uint32_t* q) {
+    if (q[0] > 254 || q[1] > 254) refuse("a normal is off the octahedron");
+    mesh.vertex_attributes[vertex].normal = static_cast<uint16_t>(q[0] | q[1] << 8);
+  });
+}
+
+void readColours(const draco::Mesh& in, Mesh& mesh) {
+  const PointAttribute& attribute = *in.GetNamedAttribute(GeometryAttribute::COLOR);
+  const int components = attribute.num_components();
+  forEachValue<uint8_t>(in, attribute, components, [&](uint32_t vertex, const uint8_t* c) {
+    mesh.vertex_attributes[vertex].colour = glm::u8vec4(c[0], c[1], c[2], components == 4 ? c[3] : 255);
+  });
+}
+
+void readTexture(const draco::Mesh& in, Mesh& mesh) {
+  const PointAttribute& attribute = *in.GetNamedAttribute(GeometryAttribute::TEX_COORD);
+  draco::AttributeQuantizationTransform transform;
+  if (attribute.GetAttributeTransformData() == nullptr || !transform.InitFromAttribute(attribute) ||
+      transform.quantization_bits() != kTextureBits || transform.min_value(0) != 0 ||
+      transform.min_value(1) != 0 || transform.range() != std::ldexp(65535.0f, kTextureStepExponent))
+    refuse("its texture coordinates are off the model's grid");
+  forEachValue<uint32_t>(in, attribute, 2, [&](uint32_t vertex, const uint32_t* q) {
+    if ((q[0] | q[1]) > 65535) refuse("a texture coordinate is off the model's grid");
+    mesh.vertex_attributes[vertex].texture = glm::u16vec2(q[0], q[1]);
+  });
+}
+
+void readAttributes(const draco::Mesh& in, Mesh& mesh) {
+  const AttributeSet set = mesh.attributes;
+  if (set.bits == 0) return;
+  mesh.vertex_attributes.resize(in.num_points());
+  if (set.has(AttributeSet::kNormal)) readNormals(in, mesh);
+  if (set.has(AttributeSet::kColour | AttributeSet::kAlpha)) readColours(in, mesh);
+  if (set.has(AttributeSet::kTexture)) readTexture(in, mesh);
+  if (set.has(AttributeSet::kMaterial))
+    forEachValue<uint16_t>(
+        in, *in.GetNamedAttribute(GeometryAttribute::GENERIC), 1,
+        [&](uint32_t vertex, const uint16_t* m) { mesh.vertex_attributes[vertex].material = *m; });
+}
+
+void readTriangles(const draco::Mesh& in, Mesh& mesh) {
+  const uint32_t vertices = in.num_points();
+  mesh.triangles.resize(in.num_faces());
+  for (uint32_t i = 0; i < in.num_faces(); ++i) {
+    const draco::Mesh::Face& face = in.face(draco::FaceIndex(i));
+    const glm::u32vec3 t(face[0].value(), face[1].value(), face[2].value());
+    if (t.x >= vertices || t.y >= vertices || t.z >= vertices)
+      refuse("a triangle has an index beyond the vertices");
+    if (t.x == t.y || t.y == t.z || t.z == t.x) refuse("a triangle uses a vertex twice");
+    mesh.triangles[i] = t;
+  }
+}
+
+void decodeGuarded(std::span<const std::byte> bytes, const PayloadExpectation& expected, draco::Mesh& out) {
+  draco::DecoderOptions options;  // the quantized integers are wanted, not floats made of them
+  for (const auto type :
+       {GeometryAttribute::POSITION, GeometryAttribute::NORMAL, GeometryAttribute::TEX_COORD})
+    options.SetAttributeBool(type, "skip_attribute_transform", true);
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  GuardedDecoder decoder(expected);
+  try {
+    const draco::Status status = decoder.Decode(options, &buffer, &out);
+    if (!decoder.refusal().empty()) refuse(decoder.refusal());
+    if (!status.ok()) refuse(std::string("Draco says: ") + status.error_msg());
+  } catch (const std::bad_alloc&) {
+    refuse("it asks for too much memory");
+  } catch (const std::length_error&) {
+    refuse("it asks for too much memory");
+  }
+  if (buffer.remaining_size() != 0) refuse("bytes follow its end");
+}
+
+}  // namespace
+
+EncodedPayload encodePayload(const Mesh& mesh, double step) {
+  if (mesh.triangles.empty()) return {};
+  const int exponent = exponentOfStep(step);
+  requireSound(mesh);
+  draco::Mesh in;
+  in.SetNumFaces(mesh.triangles.size());
+  for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::u32vec3 t = mesh.triangles[i];
+    in.SetFace(draco::FaceIndex(i), {draco::PointIndex(t.x), draco::PointIndex(t.y), draco::PointIndex(t.z)});
+  }
+  in.set_num_points(static_cast<uint32_t>(mesh.positions.size()));
+  const AttributeIds ids = addAttributes(in, mesh, step);
+
+  draco::ExpertEncoder encoder(in);
+  encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+  encoder.SetSpeedOptions(kSpeed, kSpeed);
+  encoder.options().SetGlobalBool("split_mesh_on_seams", true);
+  encoder.SetTrackEncodedProperties(true);
+  setQuantization(encoder, ids, boxOf(mesh), exponent);
+  draco::EncoderBuffer buffer;
+  const draco::Status status = encoder.EncodeToBuffer(&buffer);
+  if (!status.ok())
+    throw Error(ErrorCode::kInternal, std::string("Draco cannot encode a mesh: ") + status.error_msg());
+  EncodedPayload payload;
+  const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
+  payload.bytes.assign(bytes.begin(), bytes.end());
+  payload.vertices = static_cast<uint32_t>(encoder.num_encoded_points());
+  return payload;
+}
+
+Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected) {
+  exponentOfStep(step);
+  Mesh mesh;
+  mesh.attributes = expected.attributes;
+  if (bytes.empty() && expected.triangles == 0) return mesh;
+  checkHeader(bytes, expected);
+  draco::Mesh decoded;
+  decodeGuarded(bytes, expected, decoded);
+  readTriangles(decoded, mesh);
+  readPositions(decoded, step, expected.box, mesh);
+  readAttributes(decoded, mesh);
+  return mesh;
+}
+
+}  // namespace lode
