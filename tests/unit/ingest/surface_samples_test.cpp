@@ -1,0 +1,95 @@
+#include "server/ingest/surface_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "server/ingest/mesh_welder.h"
+#include "server/ingest/triangle_grid.h"
+
+namespace lode::ingest {
+namespace {
+
+NodeMesh randomTriangles(size_t count, uint32_t extent, uint32_t size) {
+  std::mt19937 random(5);
+  MeshWelder welder;
+  welder.begin({}, 3 * count, count);
+  for (size_t t = 0; t < count; ++t) {
+    const glm::uvec3 base(random() % extent, random() % extent, random() % extent);
+    glm::u32vec3 corners;
+    for (int k = 0; k < 3; ++k) {
+      const glm::uvec3 at = base + glm::uvec3(random() % size, random() % size, random() % size);
+      corners[k] = welder.addCorner(packPosition(at), kNeverLocked, {});
+    }
+    welder.addTriangle(corners);
+  }
+  return welder.finish();
+}
+
+/// Smallest distance over a fine barycentric grid of every triangle: never below the true one.
+double bruteDistance(const NodeMesh& mesh, glm::dvec3 point) {
+  double best = 1e30;
+  constexpr int kSteps = 24;
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const glm::dvec3 a(unpackPosition(mesh.positions[mesh.wedge_position[t.x]]));
+    const glm::dvec3 b(unpackPosition(mesh.positions[mesh.wedge_position[t.y]]));
+    const glm::dvec3 c(unpackPosition(mesh.positions[mesh.wedge_position[t.z]]));
+    for (int i = 0; i <= kSteps; ++i) {
+      for (int j = 0; i + j <= kSteps; ++j) {
+        const glm::dvec3 on = a + (b - a) * (double(i) / kSteps) + (c - a) * (double(j) / kSteps);
+        best = std::min(best, glm::distance(on, point));
+      }
+    }
+  }
+  return best;
+}
+
+TEST(TriangleGrid, findsTheDistanceThatBruteForceFinds) {
+  std::mt19937 random(9);
+  for (const uint32_t size : {20u, 400u}) {
+    const NodeMesh mesh = randomTriangles(200, 1000, size);
+    const TriangleGrid grid(mesh);
+    for (int i = 0; i < 100; ++i) {
+      const glm::uvec3 point(random() % 1400, random() % 1400, random() % 1400);
+      const double expected = bruteDistance(mesh, glm::dvec3(point));
+      const double found = grid.distance(packPosition(point));
+      EXPECT_LE(found, expected + 1e-2);
+      EXPECT_GE(found, expected - size / 12.0);  // what the barycentric grid may miss
+    }
+  }
+}
+
+TEST(TriangleGrid, isInfinitelyFarFromAnEmptyMesh) {
+  EXPECT_TRUE(std::isinf(TriangleGrid(NodeMesh{}).distance(packPosition({1, 2, 3}))));
+}
+
+TEST(SurfaceSamples, keepTheLargestDeviationsAndAHashedChoiceOfTheRest) {
+  std::vector<SurfaceSample> samples;
+  for (uint32_t i = 0; i < 1000; ++i) samples.push_back({packPosition({i, 0, 0}), i < 40 ? 100.f + i : 1.f});
+  std::vector<SurfaceSample> shuffled = samples;
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(4));
+  selectSamples(samples, 100);
+  selectSamples(shuffled, 100);
+  const auto byPosition = [](const SurfaceSample& a, const SurfaceSample& b) {
+    return a.position < b.position;
+  };
+  std::sort(samples.begin(), samples.end(), byPosition);
+  std::sort(shuffled.begin(), shuffled.end(), byPosition);
+  ASSERT_EQ(samples.size(), 100u);
+  for (size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(samples[i].position, shuffled[i].position);
+  EXPECT_GE(std::count_if(samples.begin(), samples.end(),
+                          [](const SurfaceSample& s) { return s.deviation >= 100; }),
+            40);
+}
+
+TEST(SurfaceSamples, countAPositionOnceWithItsLargestDeviation) {
+  std::vector<SurfaceSample> samples{{packPosition({1, 1, 1}), 1}, {packPosition({1, 1, 1}), 3}};
+  selectSamples(samples, 10);
+  ASSERT_EQ(samples.size(), 1u);
+  EXPECT_EQ(samples[0].deviation, 3);
+}
+
+}  // namespace
+}  // namespace lode::ingest
