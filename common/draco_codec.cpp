@@ -31,7 +31,8 @@ constexpr int kSpeed =
     4;  // below it, texture coordinates take a predictor that damaged input keeps busy for seconds
 constexpr int kNormalBits = 8;
 constexpr int kTextureBits = 16;
-constexpr int kTextureStepExponent = -16;  // a texture coordinate is code * 2^-16
+constexpr int kTextureStepExponent = -16;
+static_assert(kTextureStep == 0x1p-16);
 constexpr int kMinStepExponent = -100,
               kMaxStepExponent = 60;  // floats of the model frame stay normal numbers
 
@@ -141,8 +142,8 @@ AttributeIds addAttributes(draco::Mesh& out, const Mesh& mesh, double step) {
   if (mesh.attributes.has(AttributeSet::kTexture))
     ids.texture = addAttribute<float>(out, GeometryAttribute::TEX_COORD, draco::DT_FLOAT32, 2, false,
                                       in.size(), [&](size_t i, float* t) {
-                                        t[0] = std::ldexp(float(in[i].texture.x), kTextureStepExponent);
-                                        t[1] = std::ldexp(float(in[i].texture.y), kTextureStepExponent);
+                                        t[0] = static_cast<float>(in[i].texture.x * kTextureStep);
+                                        t[1] = static_cast<float>(in[i].texture.y * kTextureStep);
                                       });
   if (mesh.attributes.has(AttributeSet::kMaterial))
     addAttribute<uint16_t>(out, GeometryAttribute::GENERIC, draco::DT_UINT16, 1, false, in.size(),
@@ -340,7 +341,7 @@ void readTexture(const draco::Mesh& in, Mesh& mesh) {
   draco::AttributeQuantizationTransform transform;
   if (attribute.GetAttributeTransformData() == nullptr || !transform.InitFromAttribute(attribute) ||
       transform.quantization_bits() != kTextureBits || transform.min_value(0) != 0 ||
-      transform.min_value(1) != 0 || transform.range() != std::ldexp(65535.0f, kTextureStepExponent))
+      transform.min_value(1) != 0 || transform.range() != static_cast<float>(65535 * kTextureStep))
     refuse("its texture coordinates are off the model's grid");
   forEachValue<uint32_t>(in, attribute, 2, [&](uint32_t vertex, const uint32_t* q) {
     if ((q[0] | q[1]) > 65535) refuse("a texture coordinate is off the model's grid");

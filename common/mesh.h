@@ -20,13 +20,16 @@ struct AttributeSet {
   constexpr bool has(uint8_t attribute) const noexcept { return (bits & attribute) != 0; }
 };
 
+/// A texture coordinate is its code times this, so that one is within a step of a code.
+constexpr double kTextureStep = 0x1p-16;
+
 /// Attributes of one vertex as quantized once, at the scan, on grids of the whole model. Fields of attributes
 /// that the model does not have are zero (colour: white, 255 each), so that equal vertices compare equal.
 struct VertexAttributes {
   uint16_t normal = 0;      ///< octahedral, see common/octahedral.h
   uint16_t material = 0;    ///< number of the texture (PLY texnumber)
   glm::u8vec4 colour{255};  ///< red, green, blue, alpha
-  glm::u16vec2 texture{0};  ///< steps of the model's texture grid
+  glm::u16vec2 texture{0};  ///< in steps of kTextureStep
 
   bool operator==(const VertexAttributes&) const = default;
 };

@@ -1,0 +1,114 @@
+#include "common/ply_writer.h"
+
+#include <array>
+#include <bit>
+#include <span>
+#include <string>
+#include <type_traits>
+
+#include "common/atomic_file.h"
+#include "common/error.h"
+#include "common/octahedral.h"
+
+namespace lode {
+namespace {
+
+// One row of an element, little-endian whatever the machine.
+class Row {
+ public:
+  template <typename T>
+  void add(T value) {
+    using Bits =
+        std::conditional_t<sizeof(T) == 8, uint64_t, std::conditional_t<sizeof(T) == 4, uint32_t, uint8_t>>;
+    const Bits bits = std::bit_cast<Bits>(value);
+    for (size_t i = 0; i < sizeof(T); ++i)
+      bytes_[size_++] = static_cast<std::byte>(static_cast<uint64_t>(bits) >> 8 * i & 255);
+  }
+  std::span<const std::byte> bytes() const { return std::span(bytes_).first(size_); }
+
+ private:
+  std::array<std::byte, 64> bytes_;
+  size_t size_ = 0;
+};
+
+bool fitsFloat(double value) { return static_cast<double>(static_cast<float>(value)) == value; }
+
+bool fitFloats(const Mesh& mesh, const Lattice& lattice) {
+  for (const PositionCode code : mesh.positions) {
+    const glm::dvec3 p = lattice.toWorld(unpackPosition(code));
+    if (!fitsFloat(p.x) || !fitsFloat(p.y) || !fitsFloat(p.z)) return false;
+  }
+  return true;
+}
+
+std::string headerOf(const Mesh& mesh, bool floats) {
+  const std::string type = floats ? "property float " : "property double ";
+  std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                       std::to_string(mesh.positions.size()) + "\n" + type + "x\n" + type + "y\n" + type +
+                       "z\n";
+  if (mesh.attributes.has(AttributeSet::kNormal))
+    header += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha))
+    header += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (mesh.attributes.has(AttributeSet::kAlpha)) header += "property uchar alpha\n";
+  if (mesh.attributes.has(AttributeSet::kTexture)) header += "property float s\nproperty float t\n";
+  header +=
+      "element face " + std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\n";
+  if (mesh.attributes.has(AttributeSet::kMaterial)) header += "property int texnumber\n";
+  return header + "end_header\n";
+}
+
+void addAttributes(Row& row, AttributeSet set, const VertexAttributes& attributes) {
+  if (set.has(AttributeSet::kNormal)) {
+    const glm::vec3 normal = decodeOctahedral(attributes.normal);
+    for (int i = 0; i < 3; ++i) row.add(normal[i]);
+  }
+  if (set.has(AttributeSet::kColour | AttributeSet::kAlpha))
+    for (int i = 0; i < (set.has(AttributeSet::kAlpha) ? 4 : 3); ++i) row.add(attributes.colour[i]);
+  if (set.has(AttributeSet::kTexture))
+    for (int i = 0; i < 2; ++i) row.add(static_cast<float>(attributes.texture[i] * kTextureStep));
+}
+
+void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, bool floats) {
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    Row row;
+    const glm::dvec3 p = lattice.toWorld(unpackPosition(mesh.positions[i]));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (floats)
+        row.add(static_cast<float>(p[axis]));
+      else
+        row.add(p[axis]);
+    }
+    if (!mesh.vertex_attributes.empty()) addAttributes(row, mesh.attributes, mesh.vertex_attributes[i]);
+    file.write(row.bytes());
+  }
+}
+
+// A material holds for a face: all of a triangle's wedges have it.
+void writeFaces(AtomicFile& file, const Mesh& mesh) {
+  for (const glm::u32vec3 triangle : mesh.triangles) {
+    Row row;
+    row.add(uint8_t{3});
+    for (int corner = 0; corner < 3; ++corner) row.add(triangle[corner]);
+    if (mesh.attributes.has(AttributeSet::kMaterial))
+      row.add(uint32_t{mesh.vertex_attributes[triangle.x].material});
+    file.write(row.bytes());
+  }
+}
+
+}  // namespace
+
+void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice) {
+  if (mesh.attributes.bits != 0 && mesh.vertex_attributes.size() != mesh.positions.size())
+    throw Error(ErrorCode::kInternal,
+                "a mesh to write to " + path.string() + " lacks attributes of its vertices");
+  AtomicFile file(path);
+  const bool floats = fitFloats(mesh, lattice);
+  const std::string header = headerOf(mesh, floats);
+  file.write(std::as_bytes(std::span(header)));
+  writeVertices(file, mesh, lattice, floats);
+  writeFaces(file, mesh);
+  file.commit();
+}
+
+}  // namespace lode

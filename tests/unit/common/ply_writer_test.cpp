@@ -1,0 +1,140 @@
+#include "common/ply_writer.h"
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "common/octahedral.h"
+#include "tests/support/test_meshes.h"
+
+namespace lode {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PlyWriter : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "lode-ply-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // Splits the file at the end of its header.
+  void write(const Mesh& mesh, const Lattice& lattice) {
+    writePly(folder_ / "mesh.ply", mesh, lattice);
+    std::ifstream file(folder_ / "mesh.ply", std::ios::binary);
+    const std::string all(std::istreambuf_iterator<char>(file), {});
+    const size_t end = all.find("end_header\n") + 11;
+    header_ = all.substr(0, end);
+    body_ = all.substr(end);
+  }
+
+  template <typename T>
+  T next() {
+    T value{};
+    EXPECT_LE(sizeof(T), body_.size());
+    std::memcpy(&value, body_.data(), std::min(sizeof(T), body_.size()));
+    body_.erase(0, sizeof(T));
+    return value;
+  }
+
+  fs::path folder_;
+  std::string header_, body_;
+};
+
+Mesh oneTriangle() {
+  Mesh mesh;
+  for (const glm::uvec3 p : {glm::uvec3(0, 1, 2), glm::uvec3(4, 5, 6), glm::uvec3(kMaxLattice)})
+    mesh.positions.push_back(packPosition(p));
+  mesh.triangles = {{0, 2, 1}};
+  return mesh;
+}
+
+TEST_F(PlyWriter, writesFloatsWhereTheyAreExact) {
+  write(oneTriangle(), {{-8, 0, 16}, 0.5});
+  EXPECT_EQ(header_,
+            "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+            "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n");
+  for (const float expected : {-8.0f, 0.5f, 17.0f, -6.0f, 2.5f, 19.0f}) EXPECT_EQ(next<float>(), expected);
+  for (const double origin : {-8, 0, 16}) EXPECT_EQ(double(next<float>()), origin + kMaxLattice * 0.5);
+  EXPECT_EQ(next<uint8_t>(), 3);
+  for (const int expected : {0, 2, 1}) EXPECT_EQ(next<int32_t>(), expected);
+  EXPECT_TRUE(body_.empty());
+}
+
+TEST_F(PlyWriter, writesDoublesWhereFloatsWouldRound) {
+  write(oneTriangle(), {{5000000, 400000, 0}, 0x1p-10});
+  EXPECT_NE(header_.find("property double x\nproperty double y\nproperty double z\n"), std::string::npos);
+  for (const double expected : {5000000.0, 400000 + 0x1p-10, 0x1p-9}) EXPECT_EQ(next<double>(), expected);
+  EXPECT_EQ(next<double>(), 5000000 + 0x1p-8);
+}
+
+TEST_F(PlyWriter, writesEveryAttribute) {
+  test::MeshOptions options;
+  options.attributes.bits = AttributeSet::kAll;
+  const Mesh mesh = test::makeGrid(4, 3, options);
+  const Lattice lattice{{0, 0, 0}, 0.25};
+  write(mesh, lattice);
+  EXPECT_NE(header_.find("property float nx\nproperty float ny\nproperty float nz\nproperty uchar red\n"
+                         "property uchar green\nproperty uchar blue\nproperty uchar alpha\nproperty float s\n"
+                         "property float t\nelement face 24\n"),
+            std::string::npos)
+      << header_;
+  EXPECT_NE(header_.find("vertex_indices\nproperty int texnumber\nend_header\n"), std::string::npos);
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    const VertexAttributes& attributes = mesh.vertex_attributes[i];
+    const glm::dvec3 p = lattice.toWorld(unpackPosition(mesh.positions[i]));
+    for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(double(next<float>()), p[axis]);
+    const auto nx = next<float>(), ny = next<float>(), nz = next<float>();
+    ASSERT_EQ(encodeOctahedral({nx, ny, nz}), attributes.normal);
+    for (int channel = 0; channel < 4; ++channel) ASSERT_EQ(next<uint8_t>(), attributes.colour[channel]);
+    for (int axis = 0; axis < 2; ++axis) ASSERT_EQ(next<float>() / kTextureStep, attributes.texture[axis]);
+  }
+  for (const glm::u32vec3 triangle : mesh.triangles) {
+    ASSERT_EQ(next<uint8_t>(), 3);
+    for (int corner = 0; corner < 3; ++corner) ASSERT_EQ(next<uint32_t>(), triangle[corner]);
+    ASSERT_EQ(next<uint32_t>(), mesh.vertex_attributes[triangle.x].material);
+  }
+  EXPECT_TRUE(body_.empty());
+}
+
+TEST_F(PlyWriter, writesColourWithoutAlpha) {
+  test::MeshOptions options;
+  options.attributes.bits = AttributeSet::kColour;
+  write(test::makeGrid(1, 1, options), {});
+  EXPECT_EQ(header_.find("alpha"), std::string::npos);
+  EXPECT_EQ(body_.size(), 4 * 15 + 2 * 13u);
+}
+
+TEST_F(PlyWriter, writesAMeshWithoutTriangles) {
+  write({}, {});
+  EXPECT_NE(header_.find("element vertex 0\n"), std::string::npos);
+  EXPECT_TRUE(body_.empty());
+}
+
+TEST_F(PlyWriter, leavesNothingBehindForAMeshThatLacksAttributes) {
+  Mesh mesh = oneTriangle();
+  mesh.attributes.bits = AttributeSet::kNormal;
+  EXPECT_THROW(writePly(folder_ / "mesh.ply", mesh, {}), Error);
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(PlyWriter, namesTheFolderThatIsMissing) {
+  try {
+    writePly(folder_ / "missing" / "mesh.ply", {}, {});
+    FAIL() << "written";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kIo);
+    EXPECT_NE(std::string(error.what()).find("missing"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace lode
