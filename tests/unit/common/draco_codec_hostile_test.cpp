@@ -1,4 +1,7 @@
-#include <functional>
+#include <algorithm>
+#include <array>
+#include <random>
+#include <vector>
 
 #include <draco/compression/encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
@@ -239,6 +242,18 @@ std::vector<std::byte> encodeByDraco(int method, int position_bits, int extra_co
 }
 
 PayloadExpectation oneTriangle(uint8_t attributes) { return {1, 3, {attributes}, kEverywhere}; }
+
+TEST(DracoCodecHostile, aStepThatIsNoPowerOfTwoIsRefused) {
+  const Sample sample = makeSample(0);
+  for (const double step : {0.0, 0.3, -1.0, 0x1p-200}) {
+    try {
+      decodePayload(sample.payload.bytes, step, sample.expected);
+      FAIL() << "decoded";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kFormat);
+    }
+  }
+}
 
 TEST(DracoCodecHostile, sequentialMeshesAreRefused) {
   EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_SEQUENTIAL_ENCODING, 8, 0), oneTriangle(0)));

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
-#include <functional>
 #include <map>
+#include <random>
 #include <tuple>
 
 #include <draco/compression/decode.h>
