@@ -1,0 +1,109 @@
+#include "proto/messages.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "proto/limits.h"
+#include "tests/unit/proto/sample_messages.h"
+
+namespace lode::proto {
+namespace {
+
+using test::sampleSummary;
+
+std::span<const std::byte> bodyOf(const Bytes& frame) { return std::span(frame).subspan(kFrameHeaderBytes); }
+
+FrameHeader headerOf(const Bytes& frame) {
+  return decodeFrameHeader(std::span<const std::byte, kFrameHeaderBytes>(frame.data(), kFrameHeaderBytes));
+}
+
+template <typename Message>
+Message roundTrip(const Message& message) {
+  return decode<Message>(bodyOf(encode(message, 5)));
+}
+
+TEST(Messages, eachDecodesToWhatWasEncoded) {
+  test::forEachSample([](const auto& message) { EXPECT_EQ(roundTrip(message), message); });
+}
+
+TEST(Messages, eachDecodesWhenEveryFieldIsAtItsDefault) {
+  EXPECT_EQ(roundTrip(Hello{}), Hello{});
+  EXPECT_EQ(roundTrip(Welcome{}), Welcome{});
+  EXPECT_EQ(roundTrip(Models{}), Models{});
+  EXPECT_EQ(roundTrip(Open{"a", {}}), (Open{"a", {}}));
+  EXPECT_EQ(roundTrip(Wishes{}), Wishes{});
+  EXPECT_EQ(roundTrip(Credit{}), Credit{});
+  EXPECT_EQ(roundTrip(ErrorMessage{}), ErrorMessage{});
+  EXPECT_EQ(roundTrip(Ping{}), Ping{});
+}
+
+TEST(Messages, theFrameAnnouncesItsBodyTypeAndRequest) {
+  uint8_t type = 0;
+  test::forEachSample([&](const auto& message) {
+    if (++type == static_cast<uint8_t>(FrameType::kBlob)) ++type;
+    const Bytes frame = encode(message, 4711);
+    const auto body_bytes = static_cast<uint32_t>(frame.size() - kFrameHeaderBytes);
+    EXPECT_EQ(headerOf(frame), (FrameHeader{body_bytes, type, 0, 4711}));
+  });
+  EXPECT_EQ(type, static_cast<uint8_t>(FrameType::kPong));
+}
+
+TEST(Messages, decodeAtAnyAddress) {
+  const Bytes frame = encode(Opened{4, sampleSummary()}, 0);
+  for (size_t shift = 0; shift < 16; ++shift) {
+    Bytes moved(shift + frame.size());
+    std::ranges::copy(frame, moved.begin() + static_cast<std::ptrdiff_t>(shift));
+    const auto body = std::span(moved).subspan(shift + kFrameHeaderBytes);
+    EXPECT_EQ(decode<Opened>(body).summary, sampleSummary());
+  }
+}
+
+TEST(Messages, aFullBatchOfWishesFitsInAFrame) {
+  Wishes wishes{1, {}};
+  for (uint32_t i = 1; i <= kMaxWishesPerFrame; ++i)
+    wishes.changes.push_back({WishAction::kAdd, WishClass::kMargin, i, i, static_cast<float>(i)});
+  EXPECT_EQ(roundTrip(wishes), wishes);
+}
+
+TEST(Messages, encodeRefusesWhatADecoderWouldRefuse) {
+  EXPECT_THROW(encode(Wishes{1, std::vector<WishChange>(kMaxWishesPerFrame + 1)}, 0), Error);
+  EXPECT_THROW(encode(Models{std::vector<ModelSummary>(kMaxListedModels + 1)}, 0), Error);
+  EXPECT_THROW(encode(Open{std::string(256, 'x'), {}}, 0), Error);
+  EXPECT_THROW(encode(Open{"line\nbreak", {}}, 0), Error);
+  EXPECT_THROW(encode(Hello{1, 1, 0, std::string(kMaxTokenBytes + 1, 'x'), ""}, 0), Error);
+}
+
+TEST(Messages, encodeRefusesABodyAboveTheLimitOfAFrame) {
+  const Models models{std::vector<ModelSummary>(kMaxListedModels, sampleSummary(std::string(255, 'n')))};
+  EXPECT_THROW(encode(models, 0), Error);
+}
+
+TEST(Messages, textForPeopleIsCutAtACharacterAndMadePrintable) {
+  const auto text = [](const std::string& message) {
+    return roundTrip(ErrorMessage{WireError::kInternal, 0, false, message}).message;
+  };
+  EXPECT_EQ(text("two\nlines\x1b[31m"), "two?lines?[31m");
+  EXPECT_EQ(text("latin \xE9"), "latin ?");
+  EXPECT_EQ(text(std::string(kMaxStringBytes + 10, 'a')), std::string(kMaxStringBytes, 'a'));
+  const std::string cut = text(std::string(kMaxStringBytes - 1, 'a') + "äöü");
+  EXPECT_EQ(cut, std::string(kMaxStringBytes - 1, 'a'));
+}
+
+TEST(WireText, isPrintableUtf8) {
+  EXPECT_TRUE(isWireText(""));
+  EXPECT_TRUE(isWireText("bunny (1) — größer 🐇"));
+  EXPECT_FALSE(isWireText("tab\t"));
+  EXPECT_FALSE(isWireText(std::string_view("nul\0", 4)));
+  EXPECT_FALSE(isWireText("del\x7F"));
+  EXPECT_FALSE(isWireText("c1 \xC2\x9B"));
+  EXPECT_FALSE(isWireText("cut \xC3"));
+  EXPECT_FALSE(isWireText("overlong \xC0\xAF"));
+  EXPECT_FALSE(isWireText("overlong \xE0\x80\xAF"));
+  EXPECT_FALSE(isWireText("surrogate \xED\xA0\x80"));
+  EXPECT_FALSE(isWireText("beyond \xF4\x90\x80\x80"));
+}
+
+}  // namespace
+}  // namespace lode::proto
