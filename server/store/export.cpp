@@ -47,8 +47,7 @@ Mesh readRung(const Reader& reader, const Node& node, uint32_t rung_number) {
     return decodePayload(bytes, reader.summary().lattice.step, expected);
   } catch (const Error& error) {
     throw Error(error.code(), reader.path().string() + ": node " + describeKey(node.key) + ", rung " +
-                                  std::to_string(rung_number) + ": " + error.what() +
-                                  "; copy it again or rebuild it");
+                                  std::to_string(rung_number) + ": " + error.what());
   }
 }
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', '\r', '\n', '\x1a', '\n'};
 constexpr std::array<char, 8> kEndMagic{'L', 'O', 'D', 'E', '-', 'E', 'N', 'D'};
+constexpr double kMinStep = 0x1p-100, kMaxStep = 0x1p60;  ///< floats of the model frame stay normal numbers
 constexpr size_t kHeaderChecksumAt = kHeaderBytes - sizeof(uint64_t);
 
 /// Puts numbers into a fixed place, lowest byte first.
@@ -73,8 +74,8 @@ std::span<const std::byte> asBytes(const std::array<char, 8>& text) { return std
 void checkGrid(const ModelSummary& summary) {
   const Lattice& lattice = summary.lattice;
   int exponent = 0;
-  if (!std::isfinite(lattice.step) || lattice.step <= 0 || std::frexp(lattice.step, &exponent) != 0.5)
-    fail("header: the lattice's step is no positive power of two");
+  if (!(lattice.step >= kMinStep && lattice.step <= kMaxStep) || std::frexp(lattice.step, &exponent) != 0.5)
+    fail("header: the lattice's step is no power of two from 2^-100 to 2^60");
   for (int axis = 0; axis < 3; ++axis) {
     const double origin = lattice.origin[axis];
     if (!std::isfinite(origin) || std::fmod(origin, lattice.step) != 0)

@@ -1,22 +1,18 @@
 #include "server/store/open_edges.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace lode::store {
 namespace {
 
-/// Sorts and drops edges in pairs; one that is left keeps the largest error of those it stood for.
+/// Sorts and drops edges in pairs.
 void cancelPairs(std::vector<OpenEdge>& edges) {
-  std::sort(edges.begin(), edges.end(),
-            [](const OpenEdge& x, const OpenEdge& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
+  std::sort(edges.begin(), edges.end());
   size_t kept = 0;
   for (size_t i = 0; i < edges.size();) {
-    OpenEdge edge = edges[i];
     size_t end = i + 1;
-    for (; end < edges.size() && edges[end].a == edge.a && edges[end].b == edge.b; ++end)
-      edge.error_model = std::max(edge.error_model, edges[end].error_model);
-    if ((end - i) % 2 == 1) edges[kept++] = edge;
+    while (end < edges.size() && edges[end] == edges[i]) ++end;
+    if ((end - i) % 2 == 1) edges[kept++] = edges[i];
     i = end;
   }
   edges.resize(kept);
@@ -24,12 +20,12 @@ void cancelPairs(std::vector<OpenEdge>& edges) {
 
 }  // namespace
 
-void OpenEdges::add(const Mesh& mesh, float error_model) {
+void OpenEdges::add(const Mesh& mesh) {
   std::vector<OpenEdge> own;
   own.reserve(mesh.triangles.size() * 3);
   const auto addEdge = [&](uint32_t from, uint32_t to) {
     const auto [a, b] = std::minmax(mesh.positions[from], mesh.positions[to]);
-    if (a != b) own.push_back({a, b, error_model});
+    if (a != b) own.push_back({a, b});
   };
   for (const glm::u32vec3& t : mesh.triangles) {
     addEdge(t.x, t.y);

@@ -1,15 +1,17 @@
 #pragma once
 
+#include <compare>
 #include <vector>
 
 #include "common/mesh.h"
 
 namespace lode::store {
 
-/// An edge by its positions, a < b, with the stored error of the rung that it comes from.
+/// An edge by its positions, a < b.
 struct OpenEdge {
   PositionCode a, b;
-  float error_model = 0;
+
+  friend auto operator<=>(const OpenEdge&, const OpenEdge&) = default;
 };
 
 /// Collects the edges that are used by an odd number of triangles, over any number of meshes. What lies
@@ -17,7 +19,7 @@ struct OpenEdge {
 /// part. Not thread safe.
 class OpenEdges {
  public:
-  void add(const Mesh& mesh, float error_model);
+  void add(const Mesh& mesh);
   /// All open edges so far, sorted by position.
   const std::vector<OpenEdge>& edges();
 

@@ -88,9 +88,11 @@ auto namingFile(const std::filesystem::path& path, Action&& action) {
   try {
     return action();
   } catch (const Error& error) {
+    const std::string what = error.what();
     const bool damaged = error.code() == ErrorCode::kFormat || error.code() == ErrorCode::kLimit;
-    throw Error(error.code(),
-                path.string() + ": " + error.what() + (damaged ? "; copy it again or rebuild it" : ""));
+    const bool names_remedy = what.find(';') != what.npos;
+    throw Error(error.code(), path.string() + ": " + what +
+                                  (damaged && !names_remedy ? "; copy it again or rebuild it" : ""));
   }
 }
 

@@ -1,0 +1,232 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "common/draco_codec.h"
+#include "common/error.h"
+#include "server/store/writer.h"
+#include "tests/support/test_meshes.h"
+
+/// Small but complete stores made by hand, for the tests of every module that reads one. They keep the
+/// invariants: a coarser rung is the image of a finer one under a map of the vertices that fixes those that
+/// leaves share.
+namespace lode::test {
+
+/// A hierarchy with the meshes of its rungs, before it becomes a store.
+struct SyntheticModel {
+  ModelSummary summary;     ///< lattice and attributes
+  std::vector<Node> nodes;  ///< in key order; no payloads yet
+  std::map<std::pair<NodeKey, uint32_t>, Mesh> meshes;
+};
+
+struct SyntheticOptions {
+  size_t leaf_triangles = 24;  ///< a node with more is split
+  uint32_t rungs = 2;          ///< of an inner node
+  int extent_bits = 12;        ///< the root's cell has 2^this lattice steps a side
+  Lattice lattice{{100.5, -20.25, 3.75}, 0.25};
+};
+
+namespace detail {
+
+class ModelMaker {
+ public:
+  ModelMaker(const Mesh& mesh, const SyntheticOptions& options) : options_(options), whole_(mesh) {
+    model_.summary.lattice = options.lattice;
+    model_.summary.attributes = mesh.attributes;
+    model_.summary.triangles_per_node = static_cast<uint32_t>(options.leaf_triangles);
+  }
+
+  SyntheticModel make() {
+    split(kRootKey, glm::uvec3(0), whole_.triangles);
+    for (auto leaf = leaves_.rbegin(); leaf != leaves_.rend(); ++leaf) noteSharing(leaf->first, leaf->second);
+    simplify(kRootKey);
+    std::sort(model_.nodes.begin(), model_.nodes.end(),
+              [](const Node& a, const Node& b) { return a.key < b.key; });
+    return std::move(model_);
+  }
+
+ private:
+  void split(NodeKey key, glm::uvec3 corner, const std::vector<glm::u32vec3>& triangles) {
+    const int bits = options_.extent_bits - key.depth();
+    if (triangles.size() <= options_.leaf_triangles || bits <= 0) {
+      leaves_[key] = triangles;
+      return;
+    }
+    std::array<std::vector<glm::u32vec3>, 8> parts;
+    const glm::uvec3 middle = corner + glm::uvec3(1u << (bits - 1));
+    for (const glm::u32vec3 t : triangles) {
+      const glm::uvec3 sum = unpackPosition(whole_.positions[t.x]) + unpackPosition(whole_.positions[t.y]) +
+                             unpackPosition(whole_.positions[t.z]);
+      const glm::uvec3 high(glm::greaterThanEqual(sum, 3u * middle));
+      parts[high.x | high.y << 1 | high.z << 2].push_back(t);
+    }
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      if (parts[octant].empty()) continue;
+      masks_[key] = static_cast<uint8_t>(masks_[key] | 1u << octant);
+      const glm::uvec3 high(octant & 1, octant >> 1 & 1, octant >> 2);
+      split(key.child(octant), corner + (high << static_cast<unsigned>(bits - 1)), parts[octant]);
+    }
+  }
+
+  void noteSharing(NodeKey leaf, const std::vector<glm::u32vec3>& triangles) {
+    for (const glm::u32vec3 t : triangles)
+      for (int i = 0; i < 3; ++i) {
+        const auto [entry, is_new] = shared_below_.try_emplace(whole_.positions[t[i]], leaf);
+        if (!is_new) entry->second = commonAncestor(entry->second, leaf);
+      }
+  }
+
+  bool locked(NodeKey key, PositionCode position) const {
+    return shared_below_.at(position).depth() < key.depth();
+  }
+
+  /// The part of the whole mesh that the triangles use.
+  Mesh extract(const std::vector<glm::u32vec3>& triangles) const {
+    Mesh mesh;
+    mesh.attributes = whole_.attributes;
+    std::map<uint32_t, uint32_t> numbers;
+    for (const glm::u32vec3 t : triangles) {
+      glm::u32vec3 renumbered;
+      for (int i = 0; i < 3; ++i) {
+        const auto [entry, is_new] = numbers.try_emplace(t[i], static_cast<uint32_t>(mesh.positions.size()));
+        renumbered[i] = entry->second;
+        if (!is_new) continue;
+        mesh.positions.push_back(whole_.positions[t[i]]);
+        if (!whole_.vertex_attributes.empty())
+          mesh.vertex_attributes.push_back(whole_.vertex_attributes[t[i]]);
+      }
+      mesh.triangles.push_back(renumbered);
+    }
+    return mesh;
+  }
+
+  /// Moves every third vertex that is not locked onto a neighbour, and drops what becomes degenerate.
+  std::vector<glm::u32vec3> coarsen(NodeKey key, const std::vector<glm::u32vec3>& triangles) const {
+    std::map<PositionCode, uint32_t> target;
+    uint32_t count = 0;
+    for (const glm::u32vec3 t : triangles)
+      for (int i = 0; i < 3; ++i) {
+        const PositionCode position = whole_.positions[t[i]];
+        if (!target.contains(position))
+          target[position] = !locked(key, position) && count++ % 3 == 0 ? t[(i + 1) % 3] : t[i];
+      }
+    std::vector<glm::u32vec3> result;
+    for (const glm::u32vec3 t : triangles) {
+      glm::u32vec3 moved;
+      for (int i = 0; i < 3; ++i) {
+        const uint32_t to = target[whole_.positions[t[i]]];
+        moved[i] = whole_.positions[to] == whole_.positions[t[i]] ? t[i] : to;
+      }
+      const PositionCode a = whole_.positions[moved.x], b = whole_.positions[moved.y],
+                         c = whole_.positions[moved.z];
+      if (a != b && b != c && c != a) result.push_back(moved);
+    }
+    return result;
+  }
+
+  void addRung(Node& node, const std::vector<glm::u32vec3>& triangles) {
+    const Mesh mesh = extract(triangles);
+    Rung rung;
+    rung.triangles = static_cast<uint32_t>(triangles.size());
+    rung.vertices = static_cast<uint32_t>(mesh.positions.size());
+    std::vector<PositionCode> distinct = mesh.positions;
+    std::sort(distinct.begin(), distinct.end());
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    rung.locked = static_cast<uint32_t>(std::count_if(
+        distinct.begin(), distinct.end(), [&](PositionCode position) { return locked(node.key, position); }));
+    const auto step = static_cast<float>(options_.lattice.step);
+    const auto extent = static_cast<float>(1u << options_.extent_bits);
+    rung.error_model =
+        node.isLeaf() && node.rungs.empty()
+            ? step
+            : step * extent *
+                  std::ldexp(1.0f + 0.1f * static_cast<float>(node.rungs.size()), -node.key.depth());
+    node.box.add(boxOf(mesh));
+    model_.meshes[{node.key, static_cast<uint32_t>(node.rungs.size())}] = mesh;
+    node.rungs.push_back(rung);
+  }
+
+  /// @return the triangles of the coarsest rung.
+  std::vector<glm::u32vec3> simplify(NodeKey key) {
+    Node node;
+    node.key = key;
+    std::vector<glm::u32vec3> triangles;
+    if (const auto leaf = leaves_.find(key); leaf != leaves_.end()) {
+      triangles = leaf->second;
+      addRung(node, triangles);
+    } else {
+      node.child_mask = masks_[key];
+      for (unsigned octant = 0; octant < 8; ++octant) {
+        if ((node.child_mask >> octant & 1) == 0) continue;
+        const auto part = simplify(key.child(octant));
+        triangles.insert(triangles.end(), part.begin(), part.end());
+        node.box.add(boxes_[key.child(octant)]);
+      }
+    }
+    while (!node.isLeaf() && node.rungs.size() < options_.rungs) {
+      triangles = coarsen(key, triangles);
+      addRung(node, triangles);
+    }
+    boxes_[key] = node.box;
+    model_.nodes.push_back(node);
+    return triangles;
+  }
+
+  SyntheticOptions options_;
+  const Mesh& whole_;
+  SyntheticModel model_;
+  std::map<NodeKey, std::vector<glm::u32vec3>> leaves_;
+  std::map<NodeKey, uint8_t> masks_;
+  std::map<NodeKey, LatticeBox> boxes_;
+  std::map<PositionCode, NodeKey> shared_below_;
+};
+
+}  // namespace detail
+
+inline SyntheticModel makeModel(const Mesh& mesh, const SyntheticOptions& options = {}) {
+  return detail::ModelMaker(mesh, options).make();
+}
+
+/// Encodes the rungs and writes the store, coarse first. Fills in the model's payloads.
+inline ModelSummary writeStore(const std::filesystem::path& path, SyntheticModel& model) {
+  store::Writer writer(path);
+  for (Node& node : model.nodes)
+    for (auto rung = static_cast<uint32_t>(node.rungs.size()); rung-- > 0;) {
+      const EncodedPayload payload =
+          encodePayload(model.meshes.at({node.key, rung}), model.summary.lattice.step);
+      node.rungs[rung].vertices = payload.vertices;
+      node.rungs[rung].payload = writer.addBlob(payload.bytes);
+    }
+  return writer.finish(model.summary, model.nodes);
+}
+
+/// A folder of its own for a test, removed at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "lodestream-test-XXXXXX").string();
+    if (!::mkdtemp(name.data())) throw Error(ErrorCode::kIo, name + ": cannot be made");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::filesystem::path& path() const noexcept { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace lode::test

@@ -1,0 +1,233 @@
+// Stores whose checksums are right but whose contents are not: what a writer with ill will can make.
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include "common/limits.h"
+#include "server/store/format.h"
+#include "server/store/reader.h"
+#include "tests/unit/store/store_files.h"
+
+namespace lode::store {
+namespace {
+
+/// The parts of a small store, changed by a test and then sealed with fresh checksums.
+struct Parts {
+  FileHeader header;
+  std::vector<TableEntry> table;
+  std::vector<std::byte> blobs;
+};
+
+class HostileIndex : public testing::Test {
+ protected:
+  void SetUp() override {
+    test::SyntheticModel model = test::closedModel();
+    test::writeStore(path_, model);
+    const std::vector<char> file = test::readFile(path_);
+    bytes_.resize(file.size());
+    std::memcpy(bytes_.data(), file.data(), file.size());
+  }
+
+  Parts parts() const {
+    Parts parts;
+    const std::span<const std::byte> all(bytes_);
+    parts.header = decodeHeader(all.first<kHeaderBytes>(), all.size());
+    const uint64_t table_at = parts.header.table_offset;
+    parts.table = decodeTable(all.subspan(table_at, parts.header.blobs * kTableEntryBytes), parts.header);
+    parts.blobs.assign(all.begin() + kHeaderBytes, all.begin() + static_cast<ptrdiff_t>(table_at));
+    return parts;
+  }
+
+  /// Opens the changed store. @return what the reader says of it.
+  std::string open(const std::function<void(Parts&)>& change, bool fresh_build_id = true) const {
+    Parts changed = parts();
+    changed.header.table_checksum = 0;
+    change(changed);
+    const std::vector<std::byte> table = encodeTable(changed.table);
+    if (changed.header.table_checksum == 0) changed.header.table_checksum = checksum(table);
+    if (fresh_build_id) changed.header.summary.build_id = computeBuildId(changed.header, table);
+    const auto header = encodeHeader(changed.header);
+    const auto footer = encodeFooter(header);
+    std::vector<char> file;
+    const auto append = [&](std::span<const std::byte> part) {
+      const auto* data = reinterpret_cast<const char*>(part.data());
+      file.insert(file.end(), data, data + part.size());
+    };
+    append(header);
+    append(changed.blobs);
+    append(table);
+    append(footer);
+    const auto path = folder_ / "hostile.lode";
+    test::writeFile(path, file);
+    return test::messageOf([&] { Reader{path}; });
+  }
+
+  /// Replaces a blob and all that follows from its bytes, except in the pages that name it.
+  static void replaceBlob(Parts& parts, uint32_t number, std::span<const std::byte> bytes) {
+    size_t at = 0;
+    for (uint32_t i = 0; i + 1 < number; ++i) at += parts.table[i].bytes;
+    TableEntry& entry = parts.table[number - 1];
+    const auto begin = parts.blobs.begin() + static_cast<ptrdiff_t>(at);
+    parts.blobs.erase(begin, begin + entry.bytes);
+    parts.blobs.insert(parts.blobs.begin() + static_cast<ptrdiff_t>(at), bytes.begin(), bytes.end());
+    const uint64_t growth = bytes.size() - entry.bytes;
+    parts.header.table_offset += growth;
+    parts.header.summary.bytes += growth;
+    entry = {static_cast<uint32_t>(bytes.size()), checksum(bytes), nameBlob(bytes)};
+  }
+
+  /// Changes the root's page.
+  std::string openWithRootPage(const std::function<void(HierarchyPage&)>& change) const {
+    return open([&](Parts& parts) {
+      const uint32_t number = parts.header.summary.root_page.number;
+      size_t at = 0;
+      for (uint32_t i = 0; i + 1 < number; ++i) at += parts.table[i].bytes;
+      const std::span<const std::byte> blob(&parts.blobs[at], parts.table[number - 1].bytes);
+      HierarchyPage page = decodePage(blob, kRootKey, true);
+      change(page);
+      replaceBlob(parts, number, encodePage(page));
+    });
+  }
+
+  test::TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "good.lode";
+  std::vector<std::byte> bytes_;
+};
+
+#define EXPECT_SAYS(message, words) \
+  EXPECT_PRED2([](const std::string& m, const std::string& w) { return m.find(w) != m.npos; }, message, words)
+
+TEST_F(HostileIndex, isFineWhenNothingIsChanged) {
+  EXPECT_EQ(open([](Parts&) {}), "");
+  EXPECT_EQ(openWithRootPage([](HierarchyPage&) {}), "");
+}
+
+TEST_F(HostileIndex, stepsMustBePowersOfTwoInRange) {
+  for (const double step :
+       {0.0, -1.0, 3.0, std::nan(""), std::numeric_limits<double>::infinity(), 0x1p-101, 0x1p61})
+    EXPECT_SAYS(open([&](Parts& p) { p.header.summary.lattice.step = step; }), "step");
+}
+
+TEST_F(HostileIndex, originsMustBeMultiplesOfTheStep) {
+  for (const double origin : {0.1, std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_SAYS(open([&](Parts& p) { p.header.summary.lattice.origin.y = origin; }), "origin");
+}
+
+TEST_F(HostileIndex, boxesOutsideTheLatticeAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.box.max.z = kMaxLattice + 1; }), "outside the lattice");
+}
+
+TEST_F(HostileIndex, unknownAttributesAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.attributes.bits = 0x40; }), "attributes");
+}
+
+TEST_F(HostileIndex, moreNodesThanTheLimitAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.nodes = kMaxNodes + 1; }), "the limit is");
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.nodes = 0; }), "the limit is");
+}
+
+TEST_F(HostileIndex, countsThatAreNotThoseOfTheNodesAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) { ++p.header.summary.nodes; }), "counts");
+  EXPECT_SAYS(open([](Parts& p) { --p.header.summary.nodes; }), "more nodes");
+  EXPECT_SAYS(open([](Parts& p) { ++p.header.summary.triangles; }), "counts");
+  EXPECT_SAYS(open([](Parts& p) { ++p.header.summary.stored_triangles; }), "counts");
+  EXPECT_SAYS(open([](Parts& p) { ++p.header.summary.payloads; }), "counts");
+  EXPECT_SAYS(open([](Parts& p) { ++p.header.summary.depth; }), "counts");
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.box.max.x -= 1; }), "box");
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.max_error_model *= 2; }), "error");
+}
+
+TEST_F(HostileIndex, blobTablesThatDoNotEndWhereTheFileDoesAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) { --p.header.table_offset; }), "do not end");
+  EXPECT_SAYS(open([](Parts& p) { ++p.header.blobs; }), "do not end");
+  EXPECT_SAYS(open([](Parts& p) { p.header.blobs = 0xffffffff; }), "do not end");
+  EXPECT_SAYS(open([](Parts& p) { p.header.table_offset = ~uint64_t{0}; }), "do not end");
+}
+
+TEST_F(HostileIndex, blobsMustFillTheSpaceBeforeTheTable) {
+  EXPECT_SAYS(open([](Parts& p) { ++p.table[0].bytes; }), "do not fill");
+  EXPECT_SAYS(open([](Parts& p) { p.table[0].bytes = 0; }), "without bytes");
+  EXPECT_SAYS(open([](Parts& p) { p.table[0].bytes = kMaxBlobBytes + 1; }), "the limit is");
+}
+
+TEST_F(HostileIndex, blobsShiftedAgainstTheirSizesAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) {
+                // The root's page gains the byte that the blob before it loses.
+                const uint32_t root = p.header.summary.root_page.number;
+                --p.table[root - 2].bytes;
+                ++p.table[root - 1].bytes;
+              }),
+              "checksum");
+}
+
+TEST_F(HostileIndex, blobsThatNothingUsesAreRefused) {
+  EXPECT_SAYS(
+      open([](Parts& p) {
+        p.blobs.push_back(std::byte{1});
+        p.table.push_back({1, checksum(std::span(p.blobs).last(1)), nameBlob(std::span(p.blobs).last(1))});
+        ++p.header.blobs;
+        p.header.table_offset += 1;
+        p.header.summary.bytes += 1 + kTableEntryBytes;
+      }),
+      "nothing uses it");
+}
+
+TEST_F(HostileIndex, rootPagesThatAreNotThereAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.root_page.number = 0; }), "root page");
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.root_page.number = p.header.blobs + 1; }), "root page");
+  EXPECT_NE(open([](Parts& p) { p.header.summary.root_page.number = 1; }), "");
+}
+
+TEST_F(HostileIndex, buildIdsThatAreNotTheHashOfTheIndexAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.build_id.bytes[3] ^= std::byte{1}; }, false), "build id");
+}
+
+TEST_F(HostileIndex, payloadsThatAreNotInTheBlobTableAreRefused) {
+  const auto rootRung = [](HierarchyPage& page) -> Rung& { return page.nodes[0].rungs[0]; };
+  EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { rootRung(page).payload.number = 100000; }),
+              "not there");
+  EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { ++rootRung(page).payload.bytes; }), "blob table");
+  EXPECT_SAYS(
+      openWithRootPage([&](HierarchyPage& page) { rootRung(page).payload.name.bytes[0] ^= std::byte{1}; }),
+      "blob table");
+}
+
+TEST_F(HostileIndex, pagesThatTwoNodesNameAreRefused) {
+  const auto twice = [](HierarchyPage& page) {
+    BlobRef first;
+    for (Node& node : page.nodes)
+      if (node.child_page) first ? void(node.child_page = first) : void(first = node.child_page);
+  };
+  EXPECT_NE(openWithRootPage(twice), "");
+}
+
+TEST_F(HostileIndex, pagesUsedAsPayloadsAreRefused) {
+  EXPECT_SAYS(openWithRootPage([](HierarchyPage& page) {
+                for (const Node& node : page.nodes)
+                  if (node.child_page) page.nodes[0].rungs[0].payload = node.child_page;
+              }),
+              "as its payload");
+}
+
+TEST_F(HostileIndex, missingChildrenAreRefused) {
+  EXPECT_NE(openWithRootPage([](HierarchyPage& page) { page.nodes.pop_back(); }), "");
+  EXPECT_NE(openWithRootPage([](HierarchyPage& page) {
+              for (Node& node : page.nodes)
+                if (node.child_page) node.child_page = {};
+            }),
+            "");
+}
+
+TEST_F(HostileIndex, errorsThatFallTowardsAParentInAnotherPageAreRefused) {
+  EXPECT_SAYS(openWithRootPage([](HierarchyPage& page) {
+                for (Node& node : page.nodes)
+                  if (node.child_page)
+                    for (Rung& rung : node.rungs) rung.error_model = 0;
+              }),
+              "I3");
+}
+
+}  // namespace
+}  // namespace lode::store
