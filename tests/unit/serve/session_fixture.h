@@ -1,0 +1,123 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "proto/frame.h"
+#include "server/serve/session.h"
+
+namespace lode::serve::test {
+
+using namespace std::chrono_literals;
+using proto::FrameType;
+using proto::WireError;
+using proto::WishAction;
+using proto::WishClass;
+
+constexpr uint32_t kSmall = 1000, kLarge = 200'000, kPageBlob = 1, kRootRungBlob = 2, kFirstBlob = 3;
+
+/// A model whose blobs 3 to 29 are small, 30 to 39 large.
+inline OfferedModel offer(const std::string& name) {
+  OfferedModel model;
+  model.summary.name = name;
+  model.summary.lattice.step = 0.5;
+  model.summary.root_page = {kPageBlob, 300, {}};
+  model.blob_bytes.assign(40, kSmall);
+  model.blob_bytes[0] = 0;
+  model.blob_bytes[kPageBlob] = 300;
+  std::fill(model.blob_bytes.begin() + 30, model.blob_bytes.end(), kLarge);
+  model.coarsest_blob = kRootRungBlob;
+  return model;
+}
+
+/// A session with a scripted client and a disk that always answers.
+class SessionTest : public testing::Test {
+ protected:
+  template <typename Message>
+  void send(const Message& message, uint32_t request = 0) {
+    sendTo(session_, message, request);
+  }
+  template <typename Message>
+  void sendTo(Session& session, const Message& message, uint32_t request = 0) {
+    const proto::Bytes frame = proto::encode(message, request);
+    session.receive(headerOf(frame), std::span(frame).subspan(proto::kFrameHeaderBytes), now_);
+  }
+  void sendRaw(uint8_t type, uint8_t flags, const proto::Bytes& body = {}) {
+    session_.receive({static_cast<uint32_t>(body.size()), type, flags, 0}, body, now_);
+  }
+
+  /// Greets and opens model "a" as handle 1, and takes what follows unasked.
+  void open() {
+    send(proto::Hello{});
+    send(proto::Open{"a", {}});
+    session_.takeControl();
+    while (session_.beginChunk()) session_.finishChunk();
+  }
+
+  void wish(WishClass wish_class, uint32_t id, uint32_t blob, float priority_px, uint32_t request = 0) {
+    send(proto::Wishes{1, {{WishAction::kAdd, wish_class, id, blob, priority_px}}}, request);
+  }
+  void change(WishAction action, WishClass wish_class, uint32_t id, float priority_px = 0) {
+    send(proto::Wishes{1, {{action, wish_class, id, 0, priority_px}}});
+  }
+
+  /// Sends what is next. @return its chunk header's wish, or nothing.
+  std::optional<uint32_t> sendChunk() {
+    const auto chunk = session_.beginChunk();
+    if (!chunk || !session_.finishChunk()) return {};
+    sent_bytes_ += proto::kBlobChunkHeaderBytes + chunk->bytes;
+    return chunk->header.wish;
+  }
+
+  struct Received {
+    proto::FrameHeader header;
+    proto::Bytes body;
+  };
+  std::vector<Received> control() {
+    const proto::Bytes bytes = session_.takeControl();
+    std::vector<Received> frames;
+    for (size_t at = 0; at < bytes.size();) {
+      const auto header = proto::decodeFrameHeader(
+          std::span<const std::byte, proto::kFrameHeaderBytes>(bytes.data() + at, proto::kFrameHeaderBytes));
+      at += proto::kFrameHeaderBytes;
+      const auto start = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+      frames.push_back({header, proto::Bytes(start, start + header.body_bytes)});
+      at += header.body_bytes;
+    }
+    return frames;
+  }
+  template <typename Message>
+  Message only(FrameType type, uint32_t request = 0) {
+    const auto frames = control();
+    EXPECT_EQ(frames.size(), 1u);
+    if (frames.empty()) return {};
+    EXPECT_EQ(frames[0].header.type, static_cast<uint8_t>(type));
+    EXPECT_EQ(frames[0].header.request, request);
+    return proto::decode<Message>(frames[0].body);
+  }
+  void expectClosedWith(WireError code) {
+    const auto error = only<proto::ErrorMessage>(FrameType::kError);
+    EXPECT_EQ(error.code, code) << error.message;
+    EXPECT_TRUE(error.closes);
+    EXPECT_TRUE(session_.closing());
+    EXPECT_TRUE(session_.finished());
+  }
+
+  static proto::FrameHeader headerOf(const proto::Bytes& frame) {
+    return proto::decodeFrameHeader(
+        std::span<const std::byte, proto::kFrameHeaderBytes>(frame.data(), proto::kFrameHeaderBytes));
+  }
+
+  const std::vector<OfferedModel> models_{offer("a"), offer("b")};
+  Clock::time_point now_{1000s};
+  SessionLimits limits_{100, 10s, 120s};
+  Session session_{models_, limits_, now_};
+  uint64_t sent_bytes_ = 0;
+};
+
+}  // namespace lode::serve::test

@@ -1,0 +1,327 @@
+#include <limits>
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "server/serve/session.h"
+#include "tests/unit/serve/session_fixture.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+
+using SessionQueueTest = SessionTest;
+
+TEST_F(SessionQueueTest, sendsAWishInChunksThatMakeUpItsBlob) {
+  open();
+  wish(WishClass::kVisible, 7, 30, 1, 99);
+  send(proto::Credit{1 << 30});
+  uint32_t offset = 0;
+  while (offset < kLarge) {
+    const auto chunk = session_.beginChunk();
+    ASSERT_TRUE(chunk);
+    EXPECT_EQ(chunk->header, (proto::BlobChunkHeader{7, kLarge, offset}));
+    EXPECT_EQ(chunk->request, 99u);
+    EXPECT_LE(chunk->bytes, proto::kMaxChunkBytes);
+    offset += chunk->bytes;
+    EXPECT_TRUE(session_.finishChunk());
+  }
+  EXPECT_EQ(offset, kLarge);
+  EXPECT_FALSE(session_.beginChunk());
+}
+
+TEST_F(SessionQueueTest, sendsByClassThenPriorityThenNumber) {
+  open();
+  wish(WishClass::kPrefetch, 1, 3, 1000);
+  wish(WishClass::kVisible, 2, 4, 1);
+  wish(WishClass::kMargin, 3, 5, 50);
+  wish(WishClass::kVisible, 5, 6, 2);
+  wish(WishClass::kVisible, 4, 7, 2);
+  wish(WishClass::kVisible, 6, 8, std::numeric_limits<float>::infinity());
+  std::vector<uint32_t> order;
+  while (const auto sent = sendChunk()) order.push_back(*sent);
+  EXPECT_EQ(order, (std::vector<uint32_t>{6, 4, 5, 2, 3, 1}));
+}
+
+TEST_F(SessionQueueTest, anUrgentWishOvertakesBetweenChunks) {
+  open();
+  send(proto::Credit{1 << 30});
+  wish(WishClass::kVisible, 1, 30, 5);
+  EXPECT_EQ(sendChunk(), 1u);
+  wish(WishClass::kVisible, 2, 3, 6);
+  EXPECT_EQ(sendChunk(), 2u);
+  EXPECT_EQ(sendChunk(), 1u);
+}
+
+TEST_F(SessionQueueTest, reprioritisingReordersAndKeepsWhatWasSent) {
+  open();
+  send(proto::Credit{1 << 30});
+  wish(WishClass::kVisible, 1, 30, 5);
+  wish(WishClass::kVisible, 2, 31, 4);
+  EXPECT_EQ(sendChunk(), 1u);
+  change(WishAction::kReprioritise, WishClass::kVisible, 2, 6);
+  EXPECT_EQ(sendChunk(), 2u);
+  change(WishAction::kReprioritise, WishClass::kPrefetch, 2, 100);
+  const auto chunk = session_.beginChunk();
+  EXPECT_EQ(chunk->header, (proto::BlobChunkHeader{1, kLarge, proto::kMaxChunkBytes}));
+}
+
+TEST_F(SessionQueueTest, aCancelledWishEndsOnceAndSendsNoMore) {
+  open();
+  send(proto::Credit{1 << 30});
+  wish(WishClass::kVisible, 1, 30, 5, 12);
+  EXPECT_EQ(sendChunk(), 1u);
+  change(WishAction::kCancel, WishClass::kVisible, 1);
+  change(WishAction::kCancel, WishClass::kVisible, 1);
+  EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled, 12).wish, 1u);
+  EXPECT_FALSE(session_.beginChunk());
+}
+
+TEST_F(SessionQueueTest, changesToAWishThatHasEndedAreIgnored) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 5);
+  EXPECT_EQ(sendChunk(), 1u);
+  change(WishAction::kCancel, WishClass::kVisible, 1);
+  change(WishAction::kReprioritise, WishClass::kVisible, 1, 3);
+  change(WishAction::kCancel, WishClass::kVisible, 4444);
+  EXPECT_TRUE(control().empty());
+  EXPECT_FALSE(session_.beginChunk());
+}
+
+TEST_F(SessionQueueTest, aChunkCancelledWhileItIsReadIsNotSent) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 5);
+  ASSERT_TRUE(session_.beginChunk());
+  change(WishAction::kCancel, WishClass::kVisible, 1);
+  EXPECT_FALSE(session_.finishChunk());
+  EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled).wish, 1u);
+}
+
+TEST_F(SessionQueueTest, aNumberUsedAgainWhileItsOldChunkIsReadStartsAnew) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 5);
+  ASSERT_TRUE(session_.beginChunk());
+  change(WishAction::kCancel, WishClass::kVisible, 1);
+  wish(WishClass::kVisible, 1, 4, 5);
+  EXPECT_FALSE(session_.finishChunk());
+  control();
+  const auto chunk = session_.beginChunk();
+  ASSERT_TRUE(chunk);
+  EXPECT_EQ(chunk->blob, 4u);
+  EXPECT_EQ(chunk->header.offset_bytes, 0u);
+}
+
+TEST_F(SessionQueueTest, anAbandonedChunkComesAgain) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 5);
+  const auto first = session_.beginChunk();
+  session_.abandonChunk();
+  const auto second = session_.beginChunk();
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->header, first->header);
+}
+
+TEST_F(SessionQueueTest, oneChunkIsUnderWayAtATime) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 5);
+  wish(WishClass::kVisible, 2, 4, 5);
+  EXPECT_TRUE(session_.beginChunk());
+  EXPECT_FALSE(session_.beginChunk());
+}
+
+TEST_F(SessionQueueTest, aBlobThatCannotBeReadEndsItsWishAlone) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 5, 31);
+  wish(WishClass::kVisible, 2, 4, 4);
+  session_.beginChunk();
+  session_.failChunk(WireError::kDamagedStore, "blob 3 is damaged");
+  const auto error = only<proto::ErrorMessage>(FrameType::kError, 31);
+  EXPECT_EQ(error, (proto::ErrorMessage{WireError::kDamagedStore, 1, false, "blob 3 is damaged"}));
+  EXPECT_EQ(sendChunk(), 2u);
+  EXPECT_FALSE(session_.beginChunk());
+}
+
+TEST_F(SessionQueueTest, anUnaskedBlobThatCannotBeReadIsAnErrorToItsOpen) {
+  send(proto::Hello{});
+  send(proto::Open{"a", {}}, 21);
+  send(proto::Open{"b", {}}, 22);
+  control();
+  session_.beginChunk();
+  session_.failChunk(WireError::kDamagedStore, "damaged");
+  const auto error = only<proto::ErrorMessage>(FrameType::kError, 21);
+  EXPECT_EQ(error.wish, 0u);
+  EXPECT_FALSE(error.closes);
+  const auto next = session_.beginChunk();
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->request, 22u) << "the other model's first blobs still come";
+}
+
+TEST_F(SessionQueueTest, anUnknownBlobIsAnErrorThatEndsItsWish) {
+  open();
+  for (const uint32_t blob : {0u, 40u, 0xFFFFFFFFu}) {
+    wish(WishClass::kVisible, 9, blob, 1, 2);
+    const auto error = only<proto::ErrorMessage>(FrameType::kError, 2);
+    EXPECT_EQ(error.code, WireError::kNoSuchBlob);
+    EXPECT_EQ(error.wish, 9u);
+  }
+  EXPECT_FALSE(session_.closing());
+}
+
+TEST_F(SessionQueueTest, anUnknownHandleCloses) {
+  open();
+  send(proto::Wishes{2, {}});
+  expectClosedWith(WireError::kMalformed);
+}
+
+TEST_F(SessionQueueTest, aWishNumberInUseCloses) {
+  open();
+  wish(WishClass::kVisible, 1, 30, 1);
+  wish(WishClass::kVisible, 1, 31, 1);
+  expectClosedWith(WireError::kMalformed);
+}
+
+TEST_F(SessionQueueTest, aWishNumberMayBeUsedAgainOnceItHasEnded) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 1);
+  EXPECT_EQ(sendChunk(), 1u);
+  wish(WishClass::kVisible, 1, 4, 1);
+  EXPECT_EQ(sendChunk(), 1u);
+}
+
+TEST_F(SessionQueueTest, moreOpenWishesThanTheLimitClose) {
+  open();
+  for (uint32_t i = 1; i <= limits_.max_open_wishes; ++i) wish(WishClass::kVisible, i, 30, 1);
+  EXPECT_TRUE(control().empty());
+  wish(WishClass::kVisible, 5000, 30, 1);
+  expectClosedWith(WireError::kLimit);
+}
+
+TEST_F(SessionQueueTest, theWindowIsWhatWasGrantedAtTheStart) {
+  open();
+  const uint64_t unasked = 2 * proto::kBlobChunkHeaderBytes + 300 + kSmall;
+  wish(WishClass::kVisible, 1, 30, 1);
+  while (sendChunk()) {
+  }
+  EXPECT_EQ(sent_bytes_ + unasked, proto::kInitialWindowBytes);
+}
+
+TEST_F(SessionQueueTest, creditIsCumulativeAndNeverShrinks) {
+  open();
+  wish(WishClass::kVisible, 1, 30, 1);
+  while (sendChunk()) {
+  }
+  const uint64_t before = sent_bytes_;
+  send(proto::Credit{10});
+  EXPECT_FALSE(sendChunk());
+  send(proto::Credit{proto::kInitialWindowBytes + 20'000});
+  send(proto::Credit{proto::kInitialWindowBytes + 5'000});
+  while (sendChunk()) {
+  }
+  EXPECT_EQ(sent_bytes_ - before, 20'000u);
+}
+
+TEST_F(SessionQueueTest, theWindowIsNeverExceededWhateverTheClientDoes) {
+  auto random = [engine = std::mt19937(7)]() mutable { return static_cast<uint32_t>(engine()); };
+  open();
+  uint64_t granted = proto::kInitialWindowBytes;
+  sent_bytes_ = 2 * proto::kBlobChunkHeaderBytes + 300 + kSmall;
+  for (int round = 0; round < 5000; ++round) {
+    const uint32_t id = 1 + random() % 50;
+    const auto priority_px = static_cast<float>(random() % 100);
+    const auto wish_class = static_cast<WishClass>(random() % 3);
+    const uint32_t what = random() % 10;
+    if (what < 2) {
+      change(WishAction::kCancel, wish_class, id);
+      wish(wish_class, id, kFirstBlob + random() % 37, priority_px);
+    } else if (what < 4) {
+      change(WishAction::kReprioritise, wish_class, id, priority_px);
+    } else if (what < 6) {
+      granted += random() % 20'000;
+      send(proto::Credit{granted});
+    }
+    control();
+    sendChunk();
+    ASSERT_LE(sent_bytes_, granted);
+  }
+  EXPECT_FALSE(session_.closing());
+  EXPECT_GT(sent_bytes_, granted - kLarge) << "and it is made use of";
+}
+
+TEST_F(SessionQueueTest, everyWishHasExactlyOneEnding) {
+  auto random = [engine = std::mt19937(8)]() mutable { return static_cast<uint32_t>(engine()); };
+  open();
+  send(proto::Credit{1ull << 40});
+  std::map<uint32_t, int> endings;
+  std::map<uint32_t, uint32_t> progress;
+  const auto take = [&] {
+    for (const auto& frame : control()) {
+      if (frame.header.type == static_cast<uint8_t>(FrameType::kCancelled))
+        ++endings[proto::decode<proto::Cancelled>(frame.body).wish];
+      if (frame.header.type == static_cast<uint8_t>(FrameType::kError))
+        ++endings[proto::decode<proto::ErrorMessage>(frame.body).wish];
+    }
+  };
+  uint32_t next = 1;
+  for (int round = 0; round < 4000; ++round) {
+    if (next <= 1000 && random() % 2 == 0) {
+      wish(WishClass::kVisible, next, random() % 41, static_cast<float>(random() % 100));
+      if (session_.closing()) break;
+      ++next;
+    }
+    if (random() % 3 == 0) change(WishAction::kCancel, WishClass::kVisible, 1 + random() % next);
+    take();
+    for (int chunks = 0; chunks < 4; ++chunks) {
+      const auto chunk = session_.beginChunk();
+      if (!chunk) break;
+      if (random() % 10 == 0) change(WishAction::kCancel, WishClass::kVisible, chunk->header.wish);
+      if (random() % 20 == 0) {
+        session_.failChunk(WireError::kInternal, "no");
+      } else if (session_.finishChunk()) {
+        EXPECT_EQ(endings[chunk->header.wish], 0) << "a chunk after the ending";
+        EXPECT_EQ(chunk->header.offset_bytes, progress[chunk->header.wish]);
+        progress[chunk->header.wish] += chunk->bytes;
+        if (progress[chunk->header.wish] == chunk->header.total_bytes) ++endings[chunk->header.wish];
+      }
+      take();
+    }
+  }
+  while (const auto chunk = session_.beginChunk()) {
+    session_.finishChunk();
+    progress[chunk->header.wish] += chunk->bytes;
+    if (progress[chunk->header.wish] == chunk->header.total_bytes) ++endings[chunk->header.wish];
+  }
+  ASSERT_EQ(next, 1001u);
+  for (uint32_t id = 1; id < next; ++id) EXPECT_EQ(endings[id], 1) << id;
+}
+
+TEST_F(SessionQueueTest, aWindowThatOpensByCrumbsDoesNotCutBlobsToCrumbs) {
+  open();
+  wish(WishClass::kVisible, 1, 30, 1);
+  while (sendChunk()) {
+  }
+  uint64_t granted = proto::kInitialWindowBytes;
+  while (granted < proto::kInitialWindowBytes + 50'000) {
+    send(proto::Credit{granted += 100});
+    const uint64_t before = sent_bytes_;
+    if (sendChunk()) {
+      EXPECT_GE(sent_bytes_ - before, kMinChunkBytes);
+    }
+  }
+  EXPECT_GT(sent_bytes_ + 2 * kMinChunkBytes, granted);
+}
+
+TEST_F(SessionQueueTest, theRestOfABlobIsSentHoweverShort) {
+  open();
+  wish(WishClass::kVisible, 1, 30, 1);
+  const uint32_t chunks = (kLarge + proto::kMaxChunkBytes - 1) / proto::kMaxChunkBytes;
+  const uint64_t unasked = 2 * proto::kBlobChunkHeaderBytes + 300 + kSmall;
+  send(proto::Credit{unasked + kLarge + chunks * proto::kBlobChunkHeaderBytes});
+  uint32_t count = 0;
+  while (sendChunk()) ++count;
+  EXPECT_EQ(count, chunks);
+}
+
+}  // namespace
+}  // namespace lode::serve

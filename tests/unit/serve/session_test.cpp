@@ -1,0 +1,179 @@
+#include "server/serve/session.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/serve/session_fixture.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+
+TEST_F(SessionTest, welcomesAVersionThatBothSpeak) {
+  send(proto::Hello{1, 7, 0, "", "test"}, 3);
+  const auto welcome = only<proto::Welcome>(FrameType::kWelcome, 3);
+  EXPECT_EQ(welcome.version, proto::kProtocolVersion);
+  EXPECT_EQ(welcome.max_open_wishes, limits_.max_open_wishes);
+}
+
+TEST_F(SessionTest, refusesAClientThatIsTooNew) {
+  send(proto::Hello{proto::kProtocolVersion + 1, proto::kProtocolVersion + 3, 0, "", "test"});
+  expectClosedWith(WireError::kVersion);
+}
+
+TEST_F(SessionTest, refusesAnyFrameBeforeHello) {
+  send(proto::List{});
+  expectClosedWith(WireError::kMalformed);
+}
+
+TEST_F(SessionTest, refusesASecondHello) {
+  send(proto::Hello{});
+  control();
+  send(proto::Hello{});
+  expectClosedWith(WireError::kMalformed);
+}
+
+TEST_F(SessionTest, listsTheModelsInOrder) {
+  send(proto::Hello{});
+  control();
+  send(proto::List{}, 8);
+  const auto list = only<proto::Models>(FrameType::kModels, 8);
+  ASSERT_EQ(list.models.size(), 2u);
+  EXPECT_EQ(list.models[0], models_[0].summary);
+  EXPECT_EQ(list.models[1], models_[1].summary);
+}
+
+TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestRung) {
+  send(proto::Hello{});
+  send(proto::Open{"b", {}}, 5);
+  EXPECT_FALSE(session_.beginChunk()) << "no chunk may overtake Opened";
+  const auto frames = control();
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[1].header.request, 5u);
+  EXPECT_EQ(proto::decode<proto::Opened>(frames[1].body), (proto::Opened{1, models_[1].summary}));
+  for (const uint32_t blob : {kPageBlob, kRootRungBlob}) {
+    const auto chunk = session_.beginChunk();
+    ASSERT_TRUE(chunk);
+    EXPECT_EQ(chunk->blob, blob);
+    EXPECT_EQ(chunk->model, 1u);
+    EXPECT_EQ(chunk->request, 5u);
+    EXPECT_EQ(chunk->header, (proto::BlobChunkHeader{0, models_[1].blob_bytes[blob], 0}));
+    EXPECT_TRUE(session_.finishChunk());
+  }
+  EXPECT_FALSE(session_.beginChunk());
+}
+
+TEST_F(SessionTest, aRootWithoutTrianglesIsFollowedByItsPageAlone) {
+  std::vector<OfferedModel> models{offer("a")};
+  models[0].coarsest_blob = 0;
+  Session session(models, limits_, now_);
+  sendTo(session, proto::Hello{});
+  sendTo(session, proto::Open{"a", {}});
+  session.takeControl();
+  EXPECT_EQ(session.beginChunk()->blob, kPageBlob);
+  session.finishChunk();
+  EXPECT_FALSE(session.beginChunk());
+}
+
+TEST_F(SessionTest, anUnknownModelIsAnErrorThatDoesNotClose) {
+  send(proto::Hello{});
+  control();
+  send(proto::Open{"c", {}}, 6);
+  const auto error = only<proto::ErrorMessage>(FrameType::kError, 6);
+  EXPECT_EQ(error.code, WireError::kNoSuchModel);
+  EXPECT_FALSE(error.closes);
+  EXPECT_FALSE(session_.closing());
+}
+
+TEST_F(SessionTest, opensNoMoreModelsThanTheLimit) {
+  send(proto::Hello{});
+  for (uint32_t i = 0; i < proto::kMaxOpenModels; ++i) send(proto::Open{"a", {}});
+  const auto opened = control();
+  EXPECT_EQ(opened.back().header.type, static_cast<uint8_t>(FrameType::kOpened));
+  send(proto::Open{"a", {}}, 9);
+  EXPECT_EQ(only<proto::ErrorMessage>(FrameType::kError, 9).code, WireError::kLimit);
+}
+
+TEST_F(SessionTest, answersPingWithItsPayload) {
+  send(proto::Hello{});
+  control();
+  send(proto::Ping{77}, 4);
+  EXPECT_EQ(only<proto::Pong>(FrameType::kPong, 4).payload, 77u);
+}
+
+TEST_F(SessionTest, skipsAnUnknownFrameThatIsOptional) {
+  sendRaw(200, proto::kFlagOptional);
+  EXPECT_TRUE(control().empty());
+  EXPECT_FALSE(session_.closing());
+}
+
+TEST_F(SessionTest, namesAnUnknownFrameThatIsNotOptional) {
+  sendRaw(200, 0);
+  const auto error = only<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_EQ(error.code, WireError::kUnknownFrame);
+  EXPECT_NE(error.message.find("200"), std::string::npos);
+  EXPECT_TRUE(session_.closing());
+}
+
+TEST_F(SessionTest, refusesFramesThatAreForClients) {
+  send(proto::Hello{});
+  control();
+  send(proto::Cancelled{1});
+  expectClosedWith(WireError::kMalformed);
+}
+
+TEST_F(SessionTest, refusesAMalformedBodyByName) {
+  send(proto::Hello{});
+  control();
+  sendRaw(static_cast<uint8_t>(FrameType::kWishes), 0, proto::Bytes(20));
+  const auto error = only<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_EQ(error.code, WireError::kMalformed);
+  EXPECT_NE(error.message.find("Wishes"), std::string::npos);
+  EXPECT_TRUE(session_.closing());
+}
+
+TEST_F(SessionTest, takesNothingAfterItsClosingError) {
+  sendRaw(200, 0);
+  control();
+  send(proto::Hello{});
+  EXPECT_TRUE(control().empty());
+}
+
+TEST_F(SessionTest, mustBeGreetedBeforeItsDeadline) {
+  EXPECT_EQ(session_.deadline(), now_ + limits_.handshake);
+  now_ += 5s;
+  sendRaw(200, proto::kFlagOptional);
+  EXPECT_EQ(session_.deadline(), now_ - 5s + limits_.handshake) << "frames before Hello win no time";
+}
+
+TEST_F(SessionTest, eachFrameWinsTheClientAnotherIdleDeadline) {
+  send(proto::Hello{});
+  EXPECT_EQ(session_.deadline(), now_ + limits_.idle);
+  now_ += 100s;
+  send(proto::Ping{1});
+  EXPECT_EQ(session_.deadline(), now_ + limits_.idle);
+}
+
+TEST_F(SessionTest, drainingSaysGoAwayAndLetsWishesEnd) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 1);
+  session_.drain("stopping");
+  session_.drain("stopping");
+  EXPECT_EQ(only<proto::GoAway>(FrameType::kGoAway).reason, "stopping");
+  EXPECT_FALSE(session_.finished());
+  EXPECT_EQ(sendChunk(), 1u);
+  EXPECT_TRUE(session_.finished());
+}
+
+TEST_F(SessionTest, whatOneFrameIsAnsweredWithIsBounded) {
+  open();
+  proto::Wishes wishes{1, {}};
+  for (uint32_t i = 1; i <= proto::kMaxWishesPerFrame; ++i)
+    wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, i, 0xFFFFFFFF, 0});
+  send(wishes);
+  EXPECT_GT(session_.controlBytes(), kMaxQueuedControlBytes);
+  EXPECT_LT(session_.controlBytes(), 512u << 10);
+}
+
+}  // namespace
+}  // namespace lode::serve
