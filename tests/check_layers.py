@@ -44,7 +44,7 @@ ALLOWED = {
 
 # Libraries that only some files may include: name, pattern of the include, path prefixes of those files.
 CONFINED = [
-    ("OpenGL and GLFW", re.compile(r"(GL|GLES\w*|KHR|EGL|GLFW|epoxy|imgui)/|(imgui|glad)\w*\.h$"),
+    ("OpenGL and GLFW", re.compile(r"(GL|GLES\w*|KHR|EGL|GLFW|epoxy|imgui)/|(backends/)?(imgui|glad)\w*\.h$"),
      ("client/render/", "client/app/window/")),
     ("Asio", re.compile(r"(boost/)?asio(\.hpp$|/)"),
      ("proto/frame_stream", "server/serve/", "server/app/", "server/main", "client/net/", "client/app/", "client/main")),

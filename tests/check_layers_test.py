@@ -41,6 +41,7 @@ class LayerCheck(unittest.TestCase):
             ("<GLFW/glfw3.h>", "client/app/window/window.cpp", "client/app/cli/view.cpp"),
             ("<epoxy/gl.h>", "client/render/renderer.cpp", "client/core/cut.h"),
             ("<imgui.h>", "client/app/window/panel.cpp", "client/net/connection.cpp"),
+            ("<backends/imgui_impl_glfw.h>", "client/app/window/window.cpp", "client/app/cli/view.cpp"),
             ("<asio.hpp>", "proto/frame_stream.h", "proto/frame.h"),
             ("<asio/ip/tcp.hpp>", "server/serve/session.cpp", "server/store/reader.cpp"),
             ('"flatbuffers/flatbuffers.h"', "proto/messages.cpp", "server/serve/session.cpp"),
