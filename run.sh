@@ -70,14 +70,15 @@ build_programs
 [[ -n "$model" ]] || model="$(make_sample)"
 
 if [[ -n "${DISPLAY:-}" ]]; then
-  say "opening $model: drag to look around, W A S D to move, Esc to leave"
+  say "opening $model: drag to turn; the panel lists the keys, Esc leaves"
   exec "$build/bin/lodestream" view "$model" "$@"
 fi
 
 picture=""
 previous=""
 for argument in "$@"; do
-  if [[ "$previous" == -o ]]; then picture="$argument"; fi
+  case "$previous" in -o | --output | --frames) picture="$argument" ;; esac
+  case "$argument" in --output=* | --frames=*) picture="${argument#*=}" ;; esac
   previous="$argument"
 done
 if [[ -z "$picture" ]]; then
