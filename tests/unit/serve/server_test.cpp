@@ -1,0 +1,337 @@
+#include "server/serve/server.h"
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "proto/limits.h"
+#include "server/store/reader.h"
+#include "tests/unit/serve/small_store.h"
+#include "tests/unit/serve/test_client.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace std::chrono_literals;
+using proto::FrameType;
+using proto::WireError;
+using proto::WishAction;
+using proto::WishClass;
+using test::TestClient;
+
+/// A server over loopback with the models "a" and "b".
+class ServerTest : public testing::Test {
+ protected:
+  ServerTest() {
+    test::writeSmallStore(store_, 1);
+    test::writeSmallStore(folder_.path() / "b.lode", 2);
+    options_.stores = {folder_.path()};
+    options_.listen = "127.0.0.1:0";
+    options_.threads = 2;
+  }
+  ~ServerTest() override { stop(); }
+
+  void start() {
+    server_.emplace(options_);
+    thread_ = std::thread([this] { server_->run(); });
+  }
+  void stop() {
+    if (server_) server_->stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  TestClient connect() { return TestClient(server_->port()); }
+
+  proto::Wishes wishesForAll(uint32_t handle) const {
+    proto::Wishes wishes{handle, {}};
+    for (uint32_t blob = 1; blob <= reader().blobCount(); ++blob)
+      wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, blob, blob, static_cast<float>(blob)});
+    return wishes;
+  }
+  /// A client that opens "a" and gets every blob of it.
+  void expectServed() {
+    TestClient client = connect();
+    const proto::Opened opened = client.open("a");
+    client.blobs(2);
+    client.send(wishesForAll(opened.handle));
+    const auto blobs = client.blobs(reader().blobCount());
+    ASSERT_EQ(blobs.size(), reader().blobCount());
+    for (const auto& [wish, bytes] : blobs) EXPECT_EQ(bytes, reader().readBlob(wish)) << wish;
+  }
+  const store::Reader& reader() const {
+    if (!reader_) reader_.emplace(store_);
+    return *reader_;
+  }
+
+  test::TemporaryFolder folder_;
+  const std::filesystem::path store_ = folder_.path() / "a.lode";
+  mutable std::optional<store::Reader> reader_;
+  ServeOptions options_;
+  std::optional<Server> server_;
+  std::thread thread_;
+};
+
+TEST_F(ServerTest, saysWhereItListensAndWhatItServes) {
+  start();
+  EXPECT_NE(server_->port(), 0);
+  EXPECT_EQ(server_->address(), "127.0.0.1:" + std::to_string(server_->port()));
+  EXPECT_EQ(server_->models(), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST_F(ServerTest, firstBlobsFollowOpenUnasked) {
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  EXPECT_EQ(opened.summary, reader().summary());
+  const auto blobs = client.blobs(2);
+  ASSERT_EQ(blobs.size(), 2u);
+  EXPECT_EQ(blobs[0], std::pair(0u, reader().readBlob(opened.summary.root_page.number)));
+  EXPECT_EQ(blobs[1], std::pair(0u, reader().readBlob(reader().find(kRootKey)->rungs.back().payload.number)));
+}
+
+TEST_F(ServerTest, everyBlobArrivesAsItIsInTheStore) {
+  start();
+  expectServed();
+}
+
+TEST_F(ServerTest, framesMayComeByteByByte) {
+  start();
+  TestClient client = connect();
+  client.socket().set_option(asio::ip::tcp::no_delay(true));
+  for (const std::byte byte : proto::encode(proto::Hello{}, 1)) client.sendBytes({&byte, 1});
+  client.expect<proto::Welcome>(FrameType::kWelcome);
+}
+
+TEST_F(ServerTest, pingIsAnsweredWhileTheWindowIsShut) {
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.send(wishesForAll(opened.handle));
+  client.send(proto::Ping{5});
+  uint64_t body_bytes = 0;
+  while (const auto frame = client.receive()) {
+    if (frame->is(FrameType::kPong)) break;
+    body_bytes += frame->body.size();
+  }
+  client.send(proto::Ping{6});
+  while (const auto frame = client.receive()) {
+    if (frame->is(FrameType::kPong)) break;
+    body_bytes += frame->body.size();
+  }
+  EXPECT_LE(body_bytes, proto::kInitialWindowBytes);
+}
+
+TEST_F(ServerTest, aClientThatDoesNotReadHoldsNobodyUp) {
+  options_.threads = 1;
+  start();
+  TestClient slow = connect();
+  slow.send(proto::Hello{});
+  slow.send(proto::Open{"b", {}});
+  slow.send(proto::Credit{1ull << 40});
+  proto::Wishes wishes{1, {}};
+  for (uint32_t i = 0; i < 4000; ++i)
+    wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, i + 1, i % 10 + 1, 1});
+  slow.send(wishes);
+  expectServed();
+  expectServed();
+}
+
+TEST_F(ServerTest, aClientThatOnlyAsksAndNeverReadsIsHeldBack) {
+  options_.threads = 1;
+  options_.idle_deadline = 1000ms;
+  start();
+  TestClient flood = connect();
+  flood.send(proto::Hello{});
+  proto::Bytes many;
+  for (int i = 0; i < 1000; ++i) {
+    const proto::Bytes ping = proto::encode(proto::List{}, 0);
+    many.insert(many.end(), ping.begin(), ping.end());
+  }
+  // The server stops reading once its answers are not taken, and gives up in the end: the writes fail.
+  asio::error_code error;
+  size_t sent = 0;
+  while (!error && sent < (1u << 30)) sent += asio::write(flood.socket(), asio::buffer(many), error);
+  EXPECT_TRUE(error);
+  EXPECT_LT(sent, 1u << 30);
+  expectServed();
+}
+
+TEST_F(ServerTest, manyClientsAreServedAtOnce) {
+  start();
+  std::vector<std::thread> clients;
+  reader();
+  for (int i = 0; i < 12; ++i) clients.emplace_back([this] { expectServed(); });
+  for (std::thread& client : clients) client.join();
+}
+
+TEST_F(ServerTest, connectionsAboveTheLimitAreToldSo) {
+  options_.max_connections = 2;
+  start();
+  std::optional<TestClient> first(std::in_place, server_->port());
+  TestClient second = connect();
+  first->open("a");
+  second.open("a");
+  connect().expectErrorAndEnd(WireError::kLimit);
+  first.reset();
+  while (true) {  // the server hears of the first one's end in its own time
+    TestClient third = connect();
+    third.send(proto::Hello{});
+    const auto answer = third.receive();
+    ASSERT_TRUE(answer);
+    if (answer->is(FrameType::kWelcome)) break;
+  }
+}
+
+TEST_F(ServerTest, aFrameThatIsNoneIsAnsweredAndTheConnectionCloses) {
+  start();
+  TestClient http = connect();
+  http.sendText("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  const auto answer = http.expect<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_TRUE(answer.closes);
+  EXPECT_FALSE(http.receive());
+}
+
+TEST_F(ServerTest, aMalformedBodyIsAnsweredAndTheConnectionCloses) {
+  start();
+  TestClient client = connect();
+  client.send(proto::Hello{});
+  client.expect<proto::Welcome>(FrameType::kWelcome);
+  client.sendBytes(proto::encodeFrameHeader({40, static_cast<uint8_t>(FrameType::kOpen), 0, 1}));
+  client.sendBytes(proto::Bytes(40, std::byte{0xEE}));
+  client.sendBytes(proto::Bytes(100'000));  // what comes behind must not reset the connection
+  client.expectErrorAndEnd(WireError::kMalformed);
+}
+
+TEST_F(ServerTest, beforeHelloALargeBodyIsRefused) {
+  start();
+  TestClient client = connect();
+  client.sendBytes(proto::encodeFrameHeader(
+      {proto::kMaxHelloBodyBytes + 1, static_cast<uint8_t>(FrameType::kHello), 0, 1}));
+  client.expectErrorAndEnd(WireError::kLimit);
+}
+
+TEST_F(ServerTest, aVersionThatItDoesNotSpeakIsRefused) {
+  start();
+  TestClient client = connect();
+  client.send(proto::Hello{9, 9, 0, "", ""});
+  client.expectErrorAndEnd(WireError::kVersion);
+}
+
+TEST_F(ServerTest, aClientThatNeverGreetsIsLetGo) {
+  options_.handshake_deadline = 40ms;
+  start();
+  TestClient silent = connect(), half = connect();
+  half.sendText("\x10");
+  EXPECT_FALSE(silent.receive());
+  EXPECT_FALSE(half.receive());
+}
+
+TEST_F(ServerTest, aClientThatFallsSilentIsLetGo) {
+  options_.idle_deadline = 40ms;
+  start();
+  TestClient client = connect();
+  client.send(proto::Hello{});
+  client.expect<proto::Welcome>(FrameType::kWelcome);
+  EXPECT_FALSE(client.receive());
+}
+
+TEST_F(ServerTest, aDamagedBlobEndsItsWishAlone) {
+  start();
+  const uint32_t bad = reader().find(kRootKey.child(3))->rungs[0].payload.number;
+  test::damage(store_, reader().blob(bad).offset + 100);
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.blobs(2);
+  client.send(proto::Wishes{opened.handle,
+                            {{WishAction::kAdd, WishClass::kVisible, 1, bad, 5},
+                             {WishAction::kAdd, WishClass::kVisible, 2, bad + 1, 1}}});
+  const auto error = client.expect<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_EQ(error.code, WireError::kDamagedStore);
+  EXPECT_EQ(error.wish, 1u);
+  EXPECT_FALSE(error.closes);
+  const auto blobs = client.blobs(1);
+  EXPECT_EQ(blobs.at(0), std::pair(2u, reader().readBlob(bad + 1)));
+}
+
+TEST_F(ServerTest, stoppingSaysGoAwayLetsWishesEndAndCloses) {
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.blobs(2);
+  client.send(wishesForAll(opened.handle));
+  server_->stop();
+  uint64_t received = 0, blob_bytes = 0;
+  bool said = false;
+  while (const auto frame = client.receive()) {
+    said = said || frame->is(FrameType::kGoAway);
+    if (!frame->is(FrameType::kBlob)) continue;
+    blob_bytes += proto::decodeBlobChunk(frame->body).bytes.size();
+    client.send(proto::Credit{(received += frame->body.size()) + (1u << 20)});
+  }
+  EXPECT_TRUE(said);
+  client.socket().close();
+  thread_.join();
+  uint64_t all_bytes = 0;
+  for (uint32_t blob = 1; blob <= reader().blobCount(); ++blob) all_bytes += reader().blob(blob).bytes;
+  EXPECT_TRUE(blob_bytes == all_bytes || blob_bytes == 0)
+      << "stopped before the wishes came, or after their end";
+}
+
+TEST_F(ServerTest, stoppingDoesNotWaitForEverForAClientThatDoesNotRead) {
+  options_.drain_deadline = 50ms;
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.send(wishesForAll(opened.handle));
+  server_->stop();
+  thread_.join();
+}
+
+TEST_F(ServerTest, stoppedBeforeItRunsItReturnsAtOnce) {
+  server_.emplace(options_);
+  server_->stop();
+  server_->run();
+}
+
+TEST_F(ServerTest, aPortInUseIsOneLineThatNamesAddressAndRemedy) {
+  start();
+  ServeOptions second = options_;
+  second.listen = server_->address();
+  try {
+    Server refused(second);
+    FAIL();
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(error.code(), ErrorCode::kIo);
+    EXPECT_NE(what.find(second.listen), std::string::npos) << what;
+    EXPECT_NE(what.find("--listen"), std::string::npos) << what;
+    EXPECT_EQ(what.find('\n'), std::string::npos);
+  }
+}
+
+TEST_F(ServerTest, listensBeyondLoopbackOnlyIfBothAreSaid) {
+  options_.listen = "0.0.0.0:0";
+  const auto code = [&](bool public_ok, bool insecure) -> std::optional<ErrorCode> {
+    options_.public_ok = public_ok;
+    options_.insecure = insecure;
+    try {
+      Server server(options_);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return {};
+  };
+  EXPECT_EQ(code(false, false), ErrorCode::kUsage);
+  EXPECT_EQ(code(true, false), ErrorCode::kUsage);
+  EXPECT_EQ(code(false, true), ErrorCode::kUsage);
+  EXPECT_EQ(code(true, true), std::nullopt);
+}
+
+TEST_F(ServerTest, anAddressOfAnotherMachineIsRefused) {
+  options_.public_ok = options_.insecure = true;
+  options_.listen = "192.0.2.1:0";
+  EXPECT_THROW(Server{options_}, Error);
+}
+
+}  // namespace
+}  // namespace lode::serve

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+#include "server/store/writer.h"
+
+namespace lode::serve::test {
+
+/// A folder of its own, gone at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "lode-serve-XXXXXX").string();
+    path_ = mkdtemp(pattern.data());
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Writes a store of a root with eight leaves. A server never looks into payloads, so they are noise from the
+/// seed: the root's rungs of 150,000 and 9,000 bytes, the leaves' of about 40,000.
+inline ModelSummary writeSmallStore(const std::filesystem::path& path, uint32_t seed = 1) {
+  std::mt19937 random(seed);
+  store::Writer writer(path);
+  const auto rung = [&](size_t bytes, uint32_t triangles, float error_model) {
+    std::vector<std::byte> payload(bytes);
+    for (std::byte& byte : payload) byte = static_cast<std::byte>(random());
+    return Rung{writer.addBlob(payload), triangles, triangles, 0, error_model, 0};
+  };
+  const LatticeBox box{{0, 0, 0}, {1000, 1000, 1000}};
+  std::vector<Node> nodes{{kRootKey, box, 0xFF, {rung(150'000, 3000, 2), rung(9'000, 500, 4)}, {}}};
+  for (unsigned octant = 0; octant < 8; ++octant)
+    nodes.push_back({kRootKey.child(octant), box, 0, {rung(40'000 + octant, 1000, 1)}, {}});
+  ModelSummary summary;
+  summary.name = path.stem().string();
+  summary.box = box;
+  summary.triangles = 8000;
+  summary.triangles_per_node = 1000;
+  return writer.finish(summary, nodes);
+}
+
+/// Changes one byte of a file in place.
+inline void damage(const std::filesystem::path& path, uint64_t offset) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(offset));
+  const int byte = file.get();
+  file.seekp(static_cast<std::streamoff>(offset));
+  file.put(static_cast<char>(byte ^ 0x40));
+}
+
+}  // namespace lode::serve::test

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/read.hpp>
+#include <asio/write.hpp>
+#include <gtest/gtest.h>
+
+#include "proto/frame.h"
+#include "proto/messages.h"
+
+namespace lode::serve::test {
+
+struct Received {
+  proto::FrameHeader header;
+  proto::Bytes body;
+  bool is(proto::FrameType type) const { return header.type == static_cast<uint8_t>(type); }
+};
+
+/// A client that blocks, for tests.
+class TestClient {
+ public:
+  explicit TestClient(uint16_t port) { socket_.connect({asio::ip::address_v4::loopback(), port}); }
+
+  void sendBytes(std::span<const std::byte> bytes) {
+    asio::error_code ignored;  // the server may have closed already: what it said tells
+    asio::write(socket_, asio::buffer(bytes.data(), bytes.size()), ignored);
+  }
+  void sendText(std::string_view text) { sendBytes(std::as_bytes(std::span(text))); }
+  template <typename Message>
+  void send(const Message& message, uint32_t request = 0) {
+    sendBytes(proto::encode(message, request));
+  }
+
+  /// @return nothing at the end of the connection.
+  std::optional<Received> receive() {
+    std::array<std::byte, proto::kFrameHeaderBytes> head;
+    asio::error_code error;
+    asio::read(socket_, asio::buffer(head), error);
+    if (error) return {};
+    Received frame{proto::decodeFrameHeader(head), {}};
+    frame.body.resize(frame.header.body_bytes);
+    asio::read(socket_, asio::buffer(frame.body), error);
+    if (error) return {};
+    return frame;
+  }
+  template <typename Message>
+  Message expect(proto::FrameType type) {
+    const auto frame = receive();
+    if (!frame || !frame->is(type)) {
+      ADD_FAILURE() << "expected a frame of type " << proto::frameName(static_cast<uint8_t>(type)) << ", got "
+                    << (frame ? proto::frameName(frame->header.type) : "the end");
+      return {};
+    }
+    return proto::decode<Message>(frame->body);
+  }
+  void expectErrorAndEnd(proto::WireError code) {
+    const auto error = expect<proto::ErrorMessage>(proto::FrameType::kError);
+    EXPECT_EQ(error.code, code) << error.message;
+    EXPECT_TRUE(error.closes);
+    EXPECT_FALSE(receive()) << "the connection goes on";
+  }
+
+  /// Hello and Open together. @return the answer to Open.
+  proto::Opened open(const std::string& model) {
+    send(proto::Hello{1, 1, 0, "", "test"}, 1);
+    send(proto::Open{model, {}}, 2);
+    expect<proto::Welcome>(proto::FrameType::kWelcome);
+    return expect<proto::Opened>(proto::FrameType::kOpened);
+  }
+
+  /// Receives Blob frames until `count` blobs are complete, granting as they come. @return them in order.
+  std::vector<std::pair<uint32_t, proto::Bytes>> blobs(size_t count) {
+    std::vector<std::pair<uint32_t, proto::Bytes>> complete;
+    std::map<uint32_t, proto::Bytes> parts;
+    while (complete.size() < count) {
+      const auto frame = receive();
+      if (!frame || !frame->is(proto::FrameType::kBlob)) {
+        ADD_FAILURE() << "no Blob frame but "
+                      << (frame ? proto::frameName(frame->header.type) : std::string_view("the end"));
+        break;
+      }
+      received_bytes_ += frame->body.size();
+      send(proto::Credit{received_bytes_ + (64u << 10)});
+      const proto::BlobChunk chunk = proto::decodeBlobChunk(frame->body);
+      proto::Bytes& blob = parts[chunk.header.wish];
+      EXPECT_EQ(chunk.header.offset_bytes, blob.size());
+      blob.insert(blob.end(), chunk.bytes.begin(), chunk.bytes.end());
+      if (blob.size() < chunk.header.total_bytes) continue;
+      complete.emplace_back(chunk.header.wish, std::move(blob));
+      parts.erase(chunk.header.wish);
+    }
+    return complete;
+  }
+
+  asio::ip::tcp::socket& socket() { return socket_; }
+
+ private:
+  asio::io_context context_;
+  asio::ip::tcp::socket socket_{context_};
+  uint64_t received_bytes_ = 0;
+};
+
+}  // namespace lode::serve::test
