@@ -1,1 +1,69 @@
-int main() { return 0; }
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "client/app/cli/common_options.h"
+#include "common/error.h"
+#ifdef LODE_GL
+#include "client/app/window/render_command.h"
+#include "client/app/window/view_command.h"
+#endif
+
+namespace {
+
+constexpr int kDone = 0, kWorkFailed = 1, kWrongUsage = 2;
+
+/// Says on one line of stderr what went wrong. @return the exit status.
+int fail(std::string message, int status) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fprintf(stderr, "lodestream: %s\n", message.c_str());
+  return status;
+}
+
+/// A command that this program knows by name only.
+void declareMissing(CLI::App& program, const std::string& name, const std::string& why) {
+  CLI::App* command = program.add_subcommand(name, why);
+  command->allow_extras();
+  command->callback([name, why] { throw lode::Error(lode::ErrorCode::kUsage, name + ": " + why); });
+}
+
+void declareCommands(CLI::App& program, int& exit_status) {
+#ifdef LODE_GL
+  lode::app::declareView(program, exit_status);
+  lode::app::declareRender(program, exit_status);
+#else
+  for (const char* name : {"view", "render"})
+    declareMissing(program, name, "built without OpenGL; use a build with it");
+#endif
+  lode::app::declareFetch(program, exit_status);
+  for (const char* name : {"replay", "loadtest"}) declareMissing(program, name, "not there yet");
+  lode::app::declareList(program, exit_status);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program("Lodestream's client: shows models as they stream in from a server.", "lodestream");
+  int exit_status = kDone;
+  try {
+    program.set_version_flag("--version", "lodestream " LODE_VERSION);
+    program.require_subcommand(1);
+    declareCommands(program, exit_status);
+    program.parse(argc, argv);
+    return exit_status;
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return program.exit(asked);
+  } catch (const CLI::ParseError& error) {
+    return fail(std::string(error.what()) + ": see lodestream --help", kWrongUsage);
+  } catch (const lode::Error& error) {
+    return fail(error.what(), error.code() == lode::ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory: give --memory-budget a smaller value", kWorkFailed);
+  } catch (const std::exception& error) {
+    return fail(error.what(), kWorkFailed);
+  }
+}

@@ -3,37 +3,32 @@
 #include <filesystem>
 #include <memory>
 
-#include <sys/types.h>
-
+#include "client/app/cli/child_process.h"
 #include "client/app/cli/target.h"
 
 namespace lode::app {
 
 /// The sibling lodestreamd as a child process that serves one store on a port of loopback; it ends with this
-/// object, and with this process however that ends. Move only.
+/// object, and with the thread that made it however that ends.
 class ChildServer {
  public:
   /// Starts it and waits until it is ready. @throws Error kIo naming what failed and what the child said.
   explicit ChildServer(const std::filesystem::path& store);
-  ~ChildServer();
-  ChildServer(ChildServer&& other) noexcept;
-  ChildServer& operator=(ChildServer&&) = delete;
 
   const ServedModel& served() const noexcept { return served_; }
 
  private:
-  pid_t process_ = -1;
-  int output_ = -1;  // read end of its stdout, open as long as it runs
+  ChildProcess process_;
   ServedModel served_;
 };
 
 /// A target that can be connected to: starts a child server where the target is a file, after building a PLY
-/// into the XDG cache (keyed by path, size, time and options) unless that was done before.
+/// into the XDG cache (keyed by path, size, time, options and builder) unless that was done before.
 struct ResolvedTarget {
   ServedModel served;
   std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
 };
-/// @param announce  progress of a build goes to stderr.
+/// @param announce  progress of a build goes to stderr if that is a terminal.
 /// @throws Error.
 ResolvedTarget resolveTarget(const Target& target, bool announce);
 

@@ -40,6 +40,9 @@ struct CommonOptions {
   StreamOptions streamOptions() const;
 };
 
+/// Declares what every client command has: the target (as the command names it), --timeout and --token-file.
+void addServerOptions(CLI::App& command, CommonOptions& options, const char* target_form);
+
 /// Declares TARGET, --camera, --size, --pixels, --timeout, --memory-budget and --token-file on a subcommand.
 void addCommonOptions(CLI::App& command, CommonOptions& options);
 

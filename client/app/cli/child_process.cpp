@@ -1,0 +1,132 @@
+#include "client/app/cli/child_process.h"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+constexpr std::chrono::milliseconds kGentleEnd{3000};
+constexpr std::chrono::milliseconds kPoll{10};
+constexpr int kCannotStart = 127;
+
+[[noreturn]] void refuse(const std::filesystem::path& program) {
+  throw Error(ErrorCode::kIo, program.string() + " cannot be started: " + std::strerror(errno));
+}
+
+/// What happens in the child between fork and exec: only calls that are safe there.
+[[noreturn]] void become(char* const* arguments, int output, int messages, pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(kCannotStart);
+  dup2(output, STDOUT_FILENO);
+  if (messages >= 0) dup2(messages, STDERR_FILENO);
+  execv(arguments[0], arguments);
+  _exit(kCannotStart);
+}
+
+int exitStatus(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
+}  // namespace
+
+ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                           Messages messages) {
+  std::vector<std::string> texts{program.string()};
+  texts.insert(texts.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+
+  std::array<int, 2> pipe_ends{};
+  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) refuse(program);
+  output_ = pipe_ends[0];
+  if (messages == Messages::kKeep) messages_ = memfd_create("lodestreamd messages", MFD_CLOEXEC);
+  const pid_t parent = getpid();
+  process_ = fork();
+  if (process_ == 0) become(pointers.data(), pipe_ends[1], messages_, parent);
+  close(pipe_ends[1]);
+  if (process_ < 0) {
+    close(output_);
+    if (messages_ >= 0) close(messages_);
+    refuse(program);
+  }
+}
+
+ChildProcess::ChildProcess(ChildProcess&& other) noexcept
+    : process_(std::exchange(other.process_, -1)),
+      output_(std::exchange(other.output_, -1)),
+      messages_(std::exchange(other.messages_, -1)) {}
+
+ChildProcess::~ChildProcess() {
+  if (process_ > 0) {
+    kill(process_, SIGTERM);
+    const auto deadline = std::chrono::steady_clock::now() + kGentleEnd;
+    int status = 0;
+    while (waitpid(process_, &status, WNOHANG) == 0) {
+      if (std::chrono::steady_clock::now() > deadline) kill(process_, SIGKILL);
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+  if (output_ >= 0) close(output_);
+  if (messages_ >= 0) close(messages_);
+}
+
+std::string ChildProcess::readLine(std::chrono::milliseconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  std::string line;
+  while (line.size() < kMaxMessageBytes * 16) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    pollfd ready{output_, POLLIN, 0};
+    if (left.count() <= 0 || poll(&ready, 1, static_cast<int>(left.count())) <= 0) return {};
+    char next = 0;
+    if (read(output_, &next, 1) != 1) return {};
+    if (next == '\n') return line;
+    line += next;
+  }
+  return {};
+}
+
+int ChildProcess::wait() {
+  int status = 0;
+  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  process_ = -1;
+  return exitStatus(status);
+}
+
+std::string ChildProcess::lastMessage() const {
+  if (messages_ < 0) return {};
+  const off_t size = lseek(messages_, 0, SEEK_END);
+  std::string text(std::min(static_cast<size_t>(size), kMaxMessageBytes), '\0');
+  const ssize_t got = pread(messages_, text.data(), text.size(), size - static_cast<off_t>(text.size()));
+  text.resize(got > 0 ? static_cast<size_t>(got) : 0);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  const size_t line = text.find_last_of('\n');
+  return line == std::string::npos ? text : text.substr(line + 1);
+}
+
+std::filesystem::path siblingServer() {
+  std::error_code failed;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failed);
+  const std::filesystem::path server = self.parent_path() / "lodestreamd";
+  if (failed || access(server.c_str(), X_OK) != 0)
+    throw Error(ErrorCode::kIo,
+                "lodestreamd is not beside lodestream (" + server.string() +
+                    "): install both into one folder, or serve the model and name lode://HOST/MODEL");
+  return server;
+}
+
+}  // namespace lode::app

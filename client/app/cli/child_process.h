@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace lode::app {
+
+/// A program started as a child. The kernel ends it when the thread that started it ends; the destructor ends
+/// it, first gently. Its stdout can be read; its stderr is kept for messages, or goes to ours. Move only.
+class ChildProcess {
+ public:
+  enum class Messages { kKeep, kPassOn };
+
+  /// @throws Error kIo if it cannot be started.
+  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+               Messages messages);
+  ~ChildProcess();
+  ChildProcess(ChildProcess&& other) noexcept;
+  ChildProcess& operator=(ChildProcess&&) = delete;
+
+  /// One line of its stdout, without the end of the line; empty if it ended or the time is over first.
+  std::string readLine(std::chrono::milliseconds timeout);
+  /// Waits until it ends. @return its exit status; 128 + the signal that killed it.
+  int wait();
+  /// The last line of the messages kept so far, of at most kMaxMessageBytes.
+  std::string lastMessage() const;
+
+ private:
+  pid_t process_ = -1;
+  int output_ = -1;    // read end of its stdout
+  int messages_ = -1;  // its stderr: a file in memory
+};
+
+constexpr size_t kMaxMessageBytes = 4096;
+
+/// The lodestreamd beside this program. @throws Error kIo if there is none.
+std::filesystem::path siblingServer();
+
+}  // namespace lode::app

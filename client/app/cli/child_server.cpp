@@ -1,0 +1,120 @@
+#include "client/app/cli/child_server.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+#include <string>
+
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/blob.h"
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::seconds kReadyTimeout{60};
+constexpr size_t kKeyDigits = 16;
+
+std::string childFailure(const ChildProcess& child, const std::string& what) {
+  std::string said = child.lastMessage();
+  constexpr std::string_view kPrefix = "lodestreamd: ";
+  if (said.starts_with(kPrefix)) said.erase(0, kPrefix.size());
+  return said.empty() ? what : said;
+}
+
+ServedModel readReadyLine(ChildProcess& child, const fs::path& store) {
+  const std::string line = child.readLine(kReadyTimeout);
+  const auto json = nlohmann::json::parse(line, nullptr, false);
+  if (line.empty() || !json.is_object() || !json.contains("listen") || !json["listen"].is_string() ||
+      !json.contains("models") || !json["models"].is_array() || json["models"].size() != 1 ||
+      !json["models"][0].is_string())
+    throw Error(ErrorCode::kIo,
+                childFailure(child, "lodestreamd did not get ready to serve " + store.string()));
+  return {net::parseAddress(json["listen"].get<std::string>()), json["models"][0].get<std::string>()};
+}
+
+fs::path cacheFolder() {
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && fs::path(xdg).is_absolute())
+    return fs::path(xdg) / "lodestream";
+  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "lodestream";
+  return fs::temp_directory_path() / ("lodestream-" + std::to_string(getuid()));
+}
+
+struct stat statOf(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0)
+    throw Error(ErrorCode::kIo,
+                path.string() + ": " + std::strerror(errno) + "; check the name and its permissions");
+  return status;
+}
+
+std::string hashOf(const std::string& text) {
+  return toHex(nameBlob(std::as_bytes(std::span(text)))).substr(0, kKeyDigits);
+}
+
+std::string describeVersion(const struct stat& status) {
+  return std::to_string(status.st_size) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
+         std::to_string(status.st_mtim.tv_nsec);
+}
+
+/// Removes what was built of the same file before it changed.
+void removeOthers(const fs::path& folder, const fs::path& keep) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path() != keep) fs::remove_all(entry.path(), ignored);
+}
+
+fs::path buildIntoCache(const fs::path& ply, bool announce) {
+  const fs::path builder = siblingServer();
+  const fs::path source = fs::absolute(ply).lexically_normal();
+  const fs::path of_source = cacheFolder() / "stores" / hashOf(source.string());
+  const std::string key = describeVersion(statOf(source)) + " " + describeVersion(statOf(builder));
+  const fs::path folder = of_source / hashOf(key);
+  const fs::path store = folder / (source.stem().string() + ".lode");
+  if (fs::exists(store)) return store;
+
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed)
+    throw Error(ErrorCode::kIo, folder.string() + " cannot be made: " + failed.message() +
+                                    "; set XDG_CACHE_HOME to a folder that can be written");
+  const bool show_progress = announce && isatty(STDERR_FILENO) == 1;
+  std::vector<std::string> arguments{"build", source.string(), "-o", store.string()};
+  if (!show_progress) arguments.emplace_back("--quiet");
+  ChildProcess build(builder, arguments,
+                     show_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep);
+  while (!build.readLine(std::chrono::hours(24 * 365)).empty()) {
+  }
+  if (const int status = build.wait(); status != 0) {
+    fs::remove_all(folder, failed);
+    throw Error(ErrorCode::kInput,
+                childFailure(build, "building " + ply.string() + " failed with exit status " +
+                                        std::to_string(status)));
+  }
+  removeOthers(of_source, folder);
+  return store;
+}
+
+}  // namespace
+
+ChildServer::ChildServer(const fs::path& store)
+    : process_(siblingServer(), {"serve", store.string(), "--listen", "127.0.0.1:0"},
+               ChildProcess::Messages::kKeep),
+      served_(readReadyLine(process_, store)) {}
+
+ResolvedTarget resolveTarget(const Target& target, bool announce) {
+  if (const auto* served = std::get_if<ServedModel>(&target)) return {*served, nullptr};
+  const auto* ply = std::get_if<PlyFile>(&target);
+  const fs::path store = ply ? buildIntoCache(ply->path, announce) : std::get<StoreFile>(target).path;
+  auto child = std::make_unique<ChildServer>(store);
+  ServedModel served = child->served();
+  return {std::move(served), std::move(child)};
+}
+
+}  // namespace lode::app

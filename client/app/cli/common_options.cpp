@@ -1,0 +1,126 @@
+#include "client/app/cli/common_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+
+#include <CLI/CLI.hpp>
+
+#include "client/core/camera_path.h"
+#include "common/error.h"
+#include "proto/limits.h"
+
+namespace lode::app {
+namespace {
+
+constexpr uint64_t kMinMemoryBudgetBytes = 16u << 20;
+
+std::string readToken(const std::string& file) {
+  if (file.empty()) {
+    const char* token = std::getenv("LODESTREAM_TOKEN");
+    return token ? token : "";
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream)
+    throw Error(ErrorCode::kIo, file + ": cannot open the token file; check the name and its permissions");
+  std::string token(proto::kMaxTokenBytes + 2, '\0');
+  stream.read(token.data(), static_cast<std::streamsize>(token.size()));
+  token.resize(static_cast<size_t>(stream.gcount()));
+  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+  return token;
+}
+
+void addMissing(CLI::App& command, const std::string& name, bool takes_value) {
+  const auto refuse = [name] { throw Error(ErrorCode::kUsage, name + " is not there yet"); };
+  if (takes_value) {
+    command.add_option_function<std::string>(
+        name, [refuse](const std::string&) { refuse(); }, "not there yet");
+  } else {
+    command.add_flag_callback(name, refuse, "not there yet");
+  }
+}
+
+}  // namespace
+
+PictureSize parseSize(std::string_view text) {
+  PictureSize size;
+  const char* const end = text.data() + text.size();
+  const auto [cross, first] = std::from_chars(text.data(), end, size.width_px);
+  bool good = first == std::errc() && cross != end && *cross == 'x';
+  if (good) {
+    const auto [last, second] = std::from_chars(cross + 1, end, size.height_px);
+    good = second == std::errc() && last == end;
+  }
+  const auto fits = [](uint32_t side) { return side >= 1 && side <= core::kMaxPictureSidePx; };
+  if (!good || !fits(size.width_px) || !fits(size.height_px))
+    throw Error(ErrorCode::kUsage, "'" + std::string(text) +
+                                       "' is not a size; write WIDTHxHEIGHT, such as 1280x720, " +
+                                       "each side from 1 to " + std::to_string(core::kMaxPictureSidePx));
+  return size;
+}
+
+uint64_t parseBytes(std::string_view text) {
+  uint64_t count = 0;
+  const char* const end = text.data() + text.size();
+  const auto [unit, error] = std::from_chars(text.data(), end, count);
+  int shift = 0;
+  bool good = error == std::errc();
+  if (good && unit != end) {
+    const size_t which = std::string_view("KMGT").find(static_cast<char>(*unit & ~0x20));
+    good = which != std::string_view::npos && unit + 1 == end;
+    shift = good ? 10 * (static_cast<int>(which) + 1) : 0;
+  }
+  if (!good || count > std::numeric_limits<uint64_t>::max() >> shift)
+    throw Error(ErrorCode::kUsage,
+                "'" + std::string(text) + "' is not a count of bytes; write 500000000 or 512M");
+  return count << shift;
+}
+
+std::chrono::milliseconds CommonOptions::timeout() const {
+  return std::chrono::milliseconds(static_cast<int64_t>(std::ceil(timeout_s * 1000)));
+}
+
+StreamOptions CommonOptions::streamOptions() const {
+  StreamOptions options;
+  options.token = readToken(token_file);
+  if (options.token.size() > proto::kMaxTokenBytes)
+    throw Error(ErrorCode::kUsage,
+                "the token is longer than " + std::to_string(proto::kMaxTokenBytes) + " bytes");
+  if (!memory_text.empty()) options.memory_budget_bytes = parseBytes(memory_text);
+  if (options.memory_budget_bytes < kMinMemoryBudgetBytes)
+    throw Error(ErrorCode::kUsage, "--memory-budget must be at least 16M");
+  options.connect_timeout = std::min(options.connect_timeout, timeout());
+  return options;
+}
+
+void addServerOptions(CLI::App& command, CommonOptions& options, const char* target_form) {
+  command.add_option("target", options.target, target_form)->required()->type_name("TARGET");
+  command.add_option("--timeout", options.timeout_s, "give up after so many seconds")
+      ->check(CLI::Range(0.001, 1e6))
+      ->capture_default_str();
+  command.add_option("--token-file", options.token_file,
+                     "file that holds the token (default: LODESTREAM_TOKEN)");
+  addMissing(command, "--ca-file", true);
+  command.set_version_flag("--version", "lodestream " LODE_VERSION);
+}
+
+void addCommonOptions(CLI::App& command, CommonOptions& options) {
+  addServerOptions(command, options, "lode://HOST[:PORT]/MODEL, a store or a PLY");
+  command.add_option("--camera", options.camera_file, "camera path (default: one that frames the model)")
+      ->type_name("PATH.json");
+  command.add_option("--size", options.size_text, "size of the picture")
+      ->type_name("WxH")
+      ->capture_default_str();
+  command.add_option("--pixels", options.pixels, "largest error allowed in the picture")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  command.add_option("--memory-budget", options.memory_text, "bytes of decoded meshes (default: 1G)")
+      ->type_name("BYTES");
+  addMissing(command, "--cache", true);
+  for (const char* name : {"--offline", "--no-fade"}) addMissing(command, name, false);
+}
+
+}  // namespace lode::app

@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/app/cli/child_server.h"
+#include "client/app/cli/common_options.h"
+#include "client/app/cli/cut_mesh.h"
+#include "client/app/cli/streamer.h"
+#include "client/app/cli/target.h"
+#include "client/core/camera_path.h"
+#include "common/error.h"
+#include "common/ply_writer.h"
+
+namespace lode::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+struct FetchOptions {
+  CommonOptions common;
+  std::string output;
+  bool json = false;
+};
+
+double msSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// What was reached at one key of the path.
+struct KeyResult {
+  double t = 0;
+  std::optional<double> first_image_ms, converged_ms;  // since the key's start
+  StreamStatus status;
+
+  bool converged() const { return converged_ms.has_value(); }
+};
+
+Json toJson(const KeyResult& key) {
+  Json json;
+  json["t"] = key.t;
+  json["converged"] = key.converged();
+  json["first_image_ms"] = key.first_image_ms ? Json(*key.first_image_ms) : Json();
+  json["converged_ms"] = key.converged_ms ? Json(*key.converged_ms) : Json();
+  json["bytes_received"] = key.status.counts.received_bytes;
+  json["final_cut_bytes"] = key.status.cut_blob_bytes;
+  json["triangles"] = key.status.cut ? key.status.cut->triangles : 0;
+  json["nodes"] = key.status.cut ? key.status.cut->parts.size() : 0;
+  json["max_error_px"] = key.status.cut ? Json(key.status.cut->max_error_px) : Json();
+  return json;
+}
+
+/// The last key's figures, with the times of the whole run and all keys.
+Json toJson(const std::vector<KeyResult>& keys, double total_ms) {
+  Json json = toJson(keys.back());
+  json.erase("t");
+  const bool converged =
+      std::all_of(keys.begin(), keys.end(), [](const KeyResult& key) { return key.converged(); });
+  json["converged"] = converged;
+  json["first_image_ms"] = toJson(keys.front())["first_image_ms"];
+  json["converged_ms"] = converged ? Json(total_ms) : Json();
+  for (const KeyResult& key : keys) json["keys"].push_back(toJson(key));
+  return json;
+}
+
+class Fetch {
+ public:
+  explicit Fetch(const FetchOptions& options) : options_(options), size_(options.common.size()) {}
+
+  void run() {
+    std::optional<core::CameraPath> path;
+    if (!options_.common.camera_file.empty()) path = core::readCameraPath(options_.common.camera_file);
+    const StreamOptions stream_options = options_.common.streamOptions();
+    const ResolvedTarget target = resolveTarget(parseTarget(options_.common.target), !options_.json);
+    start_ = Clock::now();
+    Streamer streamer(target.served, stream_options);
+    const ModelSummary& model = streamer.waitForModel(left());
+    if (!path) path = core::framingCamera(model);
+    for (const core::CameraKey& camera : path->keys) {
+      keys_.push_back(converge(streamer, camera, *path, model));
+      if (!keys_.back().converged()) break;
+    }
+    const double total_ms = msSince(start_);
+    const KeyResult& last = keys_.back();
+    if (last.converged() && !options_.output.empty())
+      writePly(options_.output, weldCut(*last.status.cut, model.attributes), model.lattice);
+    print(total_ms);
+    if (!last.converged()) refuse(last);
+  }
+
+ private:
+  std::chrono::milliseconds left() const {
+    const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start_);
+    return std::max(options_.common.timeout() - spent, std::chrono::milliseconds(0));
+  }
+
+  KeyResult converge(Streamer& streamer, const core::CameraKey& camera, const core::CameraPath& path,
+                     const ModelSummary& model) {
+    const Clock::time_point start = keys_.empty() ? start_ : Clock::now();
+    KeyResult key;
+    key.t = camera.t;
+    streamer.setView(core::toView(camera, path.fov_y_deg, size_.width_px, size_.height_px, model),
+                     options_.common.pixels);
+    if (streamer.waitForCut(left()).cut) key.first_image_ms = msSince(start);
+    key.status = streamer.waitForConvergence(left());
+    if (key.status.settled && key.status.cut && key.status.cut->converged) key.converged_ms = msSince(start);
+    return key;
+  }
+
+  void print(double total_ms) const {
+    if (options_.json) {
+      std::printf("%s\n", toJson(keys_, total_ms).dump().c_str());
+      return;
+    }
+    const KeyResult& last = keys_.back();
+    if (!last.converged()) return;
+    std::printf(
+        "converged in %.0f ms, first image after %.0f ms: %llu triangles in %zu nodes, %llu bytes received\n",
+        total_ms, keys_.front().first_image_ms.value_or(total_ms),
+        static_cast<unsigned long long>(last.status.cut->triangles), last.status.cut->parts.size(),
+        static_cast<unsigned long long>(last.status.counts.received_bytes));
+  }
+
+  [[noreturn]] void refuse(const KeyResult& key) const {
+    const std::string where =
+        options_.common.target + " did not converge at key " + std::to_string(keys_.size() - 1);
+    if (!key.status.failure.empty()) throw Error(ErrorCode::kNetwork, where + ": " + key.status.failure);
+    if (key.status.limited)
+      throw Error(ErrorCode::kLimit,
+                  where + ": the memory budget does not hold it; allow more with --memory-budget, " +
+                      "or a larger error with --pixels");
+    throw Error(ErrorCode::kTimeout, where + " within " + std::to_string(options_.common.timeout().count()) +
+                                         " ms; allow more with --timeout, or a larger error with --pixels");
+  }
+
+  const FetchOptions& options_;
+  const PictureSize size_;
+  Clock::time_point start_ = Clock::now();
+  std::vector<KeyResult> keys_;
+};
+
+void fetch(const FetchOptions& options) {
+  Fetch run(options);
+  run.run();
+}
+
+}  // namespace
+
+void declareFetch(CLI::App& program, int& /*exit_status*/) {
+  CLI::App* command = program.add_subcommand(
+      "fetch", "Streams what a camera sees until it has converged, without a window: times, bytes, the cut");
+  const auto options = std::make_shared<FetchOptions>();
+  addCommonOptions(*command, options->common);
+  command->add_option("-o,--output", options->output, "write the last key's cut")->type_name("CUT.ply");
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->callback([options] { fetch(*options); });
+}
+
+}  // namespace lode::app
