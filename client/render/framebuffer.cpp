@@ -62,17 +62,17 @@ void Framebuffer::resolve() const {
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-Image Framebuffer::readPixels() const {
-  Image image{width_px_, height_px_, {}};
-  const size_t row_bytes = static_cast<size_t>(width_px_) * 4;
-  image.rgba.resize(row_bytes * height_px_);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.get());
+Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px) {
+  Image image{width_px, height_px, {}};
+  const size_t row_bytes = static_cast<size_t>(width_px) * 4;
+  image.rgba.resize(row_bytes * height_px);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, 0, static_cast<GLsizei>(width_px_), static_cast<GLsizei>(height_px_), GL_RGBA,
+  glReadPixels(0, 0, static_cast<GLsizei>(width_px), static_cast<GLsizei>(height_px), GL_RGBA,
                GL_UNSIGNED_BYTE, image.rgba.data());
-  for (uint32_t y = 0; y < height_px_ / 2; ++y) {
+  for (uint32_t y = 0; y < height_px / 2; ++y) {
     uint8_t* top = image.rgba.data() + y * row_bytes;
-    std::swap_ranges(top, top + row_bytes, image.rgba.data() + (height_px_ - 1 - y) * row_bytes);
+    std::swap_ranges(top, top + row_bytes, image.rgba.data() + (height_px - 1 - y) * row_bytes);
   }
   return image;
 }

@@ -7,6 +7,9 @@
 
 namespace lode::render {
 
+/// The colours of a framebuffer of one sample a pixel (0: the window's, from its chosen read buffer).
+Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px);
+
 /// A picture in the making: sRGB colour and reversed 32-bit float depth, several samples a pixel, and the
 /// resolved colour beside it. Used on the thread of its context.
 class Framebuffer {
@@ -22,7 +25,7 @@ class Framebuffer {
   void bindForDrawing() const;
   /// Averages the samples. To be called after drawing, before readPixels() and copyTo().
   void resolve() const;
-  Image readPixels() const;
+  Image readPixels() const { return readFramebuffer(resolved_.get(), width_px_, height_px_); }
   /// Copies the resolved picture to a framebuffer of the same size (0: the window), lower left corner on
   /// lower left corner.
   void copyTo(GLuint framebuffer) const;

@@ -33,7 +33,10 @@ class Renderer {
  public:
   /// @param lattice_step  of the model, a power of two.
   /// @throws Error kIo or kInternal if the driver lacks memory or rejects a shader.
-  explicit Renderer(double lattice_step, const ResidencyOptions& options = {});
+  explicit Renderer(double lattice_step = 1, const ResidencyOptions& options = {});
+
+  /// For a model that becomes known later; before its first cut is shown.
+  void setLatticeStep(double lattice_step) noexcept { lattice_step_ = lattice_step; }
 
   /// Decides what is drawn; see MeshResidency.
   MeshResidency& meshes() noexcept { return meshes_; }

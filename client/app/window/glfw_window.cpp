@@ -1,0 +1,175 @@
+#include "client/app/window/glfw_window.h"
+
+#include <epoxy/gl.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "client/render/framebuffer.h"
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+std::string lastGlfwError() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text != nullptr ? text : "no reason given";
+}
+
+}  // namespace
+
+/// GLFW calls these back from handleEvents().
+struct GlfwWindow::Callbacks {
+  static GlfwWindow& of(GLFWwindow* window) {
+    return *static_cast<GlfwWindow*>(glfwGetWindowUserPointer(window));
+  }
+  static void key(GLFWwindow* window, int key, int, int action, int) {
+    if (action == GLFW_PRESS) of(window).pressKey(key);
+  }
+  static void pointer(GLFWwindow* window, double x, double y) { of(window).moveTo({x, y}); }
+  static void wheel(GLFWwindow* window, double, double y) { of(window).pending_.wheel += y; }
+};
+
+GlfwWindow::GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string& title) {
+  if (glfwInit() == GLFW_FALSE) {
+    throw Error(ErrorCode::kIo, "no window can be opened (" + lastGlfwError() +
+                                    "): run this where there is a display, or use `lodestream render`");
+  }
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  window_ = glfwCreateWindow(static_cast<int>(width_px), static_cast<int>(height_px), title.c_str(), nullptr,
+                             nullptr);
+  if (window_ == nullptr) {
+    const std::string why = lastGlfwError();
+    glfwTerminate();
+    throw Error(ErrorCode::kIo, "no window with OpenGL 4.5 can be opened (" + why +
+                                    "): update the graphics driver, or use `lodestream render`");
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, Callbacks::key);
+  glfwSetCursorPosCallback(window_, Callbacks::pointer);
+  glfwSetScrollCallback(window_, Callbacks::wheel);
+}
+
+GlfwWindow::~GlfwWindow() {
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+uint32_t GlfwWindow::widthPx() const noexcept {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return static_cast<uint32_t>(width);
+}
+
+uint32_t GlfwWindow::heightPx() const noexcept {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return static_cast<uint32_t>(height);
+}
+
+double GlfwWindow::contentScale() const noexcept {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window_, &x, &y);
+  return y > 0 ? y : 1;
+}
+
+bool GlfwWindow::shouldClose() const noexcept { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
+
+void GlfwWindow::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+void GlfwWindow::handleEvents(double wait_s) {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  to_px_ = height > 0 ? static_cast<double>(heightPx()) / height : 1;
+  if (wait_s > 0) {
+    glfwWaitEventsTimeout(wait_s);
+  } else {
+    glfwPollEvents();
+  }
+}
+
+void GlfwWindow::pressKey(int key) {
+  switch (key) {
+    case GLFW_KEY_TAB:
+      pending_.toggle_camera = true;
+      break;
+    case GLFW_KEY_R:
+      pending_.reset_camera = true;
+      break;
+    case GLFW_KEY_U:
+      pending_.next_axis = true;
+      break;
+    case GLFW_KEY_F:
+      pending_.toggle_wireframe = true;
+      break;
+    case GLFW_KEY_L:
+      pending_.toggle_lod_colours = true;
+      break;
+    case GLFW_KEY_H:
+      pending_.toggle_panel = true;
+      break;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+      ++pending_.finer;
+      break;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+      --pending_.finer;
+      break;
+    case GLFW_KEY_F12:
+      pending_.screenshot = true;
+      break;
+    case GLFW_KEY_ESCAPE:
+      pending_.quit = true;
+      break;
+    default:
+      break;
+  }
+}
+
+void GlfwWindow::moveTo(glm::dvec2 position) {
+  const glm::dvec2 moved = (position - pointer_) * to_px_;
+  pointer_ = position;
+  const auto held = [&](int button) { return glfwGetMouseButton(window_, button) == GLFW_PRESS; };
+  const bool shift = glfwGetKey(window_, GLFW_KEY_LEFT_SHIFT) == GLFW_PRESS;
+  const bool left = held(GLFW_MOUSE_BUTTON_LEFT);
+  if (held(GLFW_MOUSE_BUTTON_RIGHT) || held(GLFW_MOUSE_BUTTON_MIDDLE) || (left && shift)) {
+    pending_.shifted_px += moved;
+  } else if (left) {
+    pending_.turned_px += moved;
+  }
+}
+
+render::FlyKeys GlfwWindow::heldKeys() const {
+  const auto held = [&](int key) { return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0; };
+  return {.right = held(GLFW_KEY_D) - held(GLFW_KEY_A),
+          .up = held(GLFW_KEY_E) - held(GLFW_KEY_Q),
+          .forward = held(GLFW_KEY_W) - held(GLFW_KEY_S),
+          .fast = held(GLFW_KEY_LEFT_SHIFT) > 0};
+}
+
+Input GlfwWindow::takeInput(bool keyboard, bool mouse) {
+  Input input = keyboard ? pending_ : Input{};
+  input.turned_px = mouse ? pending_.turned_px : glm::dvec2(0);
+  input.shifted_px = mouse ? pending_.shifted_px : glm::dvec2(0);
+  input.wheel = mouse ? pending_.wheel : 0;
+  if (keyboard) input.fly = heldKeys();
+  pending_ = {};
+  return input;
+}
+
+void GlfwWindow::swap() { glfwSwapBuffers(window_); }
+
+render::Image GlfwWindow::readBack() const {
+  glNamedFramebufferReadBuffer(0, GL_BACK);
+  return render::readFramebuffer(0, widthPx(), heightPx());
+}
+
+}  // namespace lode::app

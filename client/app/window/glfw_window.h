@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "client/app/window/input.h"
+#include "client/render/image.h"
+
+struct GLFWwindow;
+
+namespace lode::app {
+
+/// The one window of this program with its OpenGL 4.5 core context, current on the thread that made it.
+/// All functions are for that thread, which must be the program's first.
+class GlfwWindow {
+ public:
+  /// @throws Error kIo that says what is missing and what to do instead.
+  GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string& title);
+  ~GlfwWindow();
+  GlfwWindow(const GlfwWindow&) = delete;
+  GlfwWindow& operator=(const GlfwWindow&) = delete;
+
+  GLFWwindow* handle() const noexcept { return window_; }
+  /// Size of the picture; 0 while the window is minimized.
+  uint32_t widthPx() const noexcept;
+  uint32_t heightPx() const noexcept;
+  double contentScale() const noexcept;  ///< pixels for what is one pixel on a plain display
+
+  bool shouldClose() const noexcept;
+  void setTitle(const std::string& title);
+  /// Waits for events at most so long (0: not at all) and handles them.
+  void handleEvents(double wait_s);
+  /// What the user did since the last call. @param keyboard, mouse  false: the panel has them.
+  Input takeInput(bool keyboard, bool mouse);
+  void swap();
+  /// What was drawn and not yet swapped.
+  render::Image readBack() const;
+
+ private:
+  struct Callbacks;
+  void pressKey(int key);
+  void moveTo(glm::dvec2 position);
+  render::FlyKeys heldKeys() const;
+
+  GLFWwindow* window_ = nullptr;
+  Input pending_;
+  glm::dvec2 pointer_{0};
+  double to_px_ = 1;  ///< pixels of the picture for one unit of the pointer
+};
+
+}  // namespace lode::app

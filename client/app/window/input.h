@@ -1,0 +1,29 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "client/render/cameras.h"
+
+namespace lode::app {
+
+/// What the user did since the last frame, in pixels of the picture, y down.
+struct Input {
+  glm::dvec2 turned_px{0};   ///< dragged with the left button
+  glm::dvec2 shifted_px{0};  ///< dragged with the right or middle button, or with Shift
+  double wheel = 0;          ///< steps forward
+  render::FlyKeys fly;       ///< held down now
+
+  // Keys pressed once.
+  bool toggle_camera = false, reset_camera = false, next_axis = false;
+  bool toggle_wireframe = false, toggle_lod_colours = false, toggle_panel = false;
+  int finer = 0;  ///< steps of the threshold, negative for coarser
+  bool screenshot = false, quit = false;
+
+  bool any() const noexcept {
+    return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
+           fly.up != 0 || fly.forward != 0 || toggle_camera || reset_camera || next_axis ||
+           toggle_wireframe || toggle_lod_colours || toggle_panel || finer != 0 || screenshot || quit;
+  }
+};
+
+}  // namespace lode::app

@@ -1,0 +1,67 @@
+#include "client/app/window/model_opener.h"
+
+#include <utility>
+
+#include "client/app/cli/child_server.h"
+
+namespace lode::app {
+namespace {
+
+std::string firstPhase(const Target& target) {
+  if (const auto* ply = std::get_if<PlyFile>(&target)) {
+    return "Building " + ply->path.filename().string() + " (kept for the next time)";
+  }
+  if (const auto* store = std::get_if<StoreFile>(&target))
+    return "Opening " + store->path.filename().string();
+  return "Connecting to " + net::toString(std::get<ServedModel>(target).address);
+}
+
+}  // namespace
+
+ModelOpener::ModelOpener(Target target, StreamOptions options, std::chrono::milliseconds timeout)
+    : target_(std::move(target)), options_(std::move(options)), timeout_(timeout) {
+  progress_.phase = firstPhase(target_);
+  thread_ = std::thread([this] { run(); });
+}
+
+ModelOpener::~ModelOpener() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  stop_.notify_all();
+  thread_.join();
+}
+
+ModelOpener::Progress ModelOpener::progress() const {
+  const std::lock_guard lock(mutex_);
+  return progress_;
+}
+
+void ModelOpener::say(std::string phase) {
+  const std::lock_guard lock(mutex_);
+  progress_.phase = std::move(phase);
+}
+
+void ModelOpener::run() {
+  try {
+    const ResolvedTarget resolved = resolveTarget(target_, true);
+    say("Connecting to " + net::toString(resolved.served.address));
+    Streamer streamer(resolved.served, options_);
+    const ModelSummary& model = streamer.waitForModel(timeout_);
+    std::unique_lock lock(mutex_);
+    progress_.phase.clear();
+    progress_.streamer = &streamer;
+    progress_.model = &model;
+    stop_.wait(lock, [this] { return stopping_; });
+    progress_ = {};
+  } catch (const Error& error) {
+    const std::lock_guard lock(mutex_);
+    progress_.error = error;
+  } catch (const std::exception& error) {
+    const std::lock_guard lock(mutex_);
+    progress_.error = Error(ErrorCode::kInternal, error.what());
+  }
+}
+
+}  // namespace lode::app

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "client/app/cli/common_options.h"
+#include "client/app/cli/streamer.h"
+#include "client/app/cli/target.h"
+#include "common/error.h"
+#include "common/model_summary.h"
+
+namespace lode::app {
+
+/// Opens a target beside the window's thread: builds a PLY, starts the child server of a file, connects. The
+/// thread lives as long as this object, since a child process ends with the thread that started it.
+class ModelOpener {
+ public:
+  ModelOpener(Target target, StreamOptions options, std::chrono::milliseconds timeout);
+  ~ModelOpener();
+  ModelOpener(const ModelOpener&) = delete;
+  ModelOpener& operator=(const ModelOpener&) = delete;
+
+  struct Progress {
+    std::string phase;             ///< what is being done
+    Streamer* streamer = nullptr;  ///< once the model is open; lives as long as the opener
+    const ModelSummary* model = nullptr;
+    std::optional<Error> error;
+  };
+  Progress progress() const;
+
+ private:
+  void run();
+  void say(std::string phase);
+
+  const Target target_;
+  const StreamOptions options_;
+  const std::chrono::milliseconds timeout_;
+  mutable std::mutex mutex_;
+  std::condition_variable stop_;
+  bool stopping_ = false;
+  Progress progress_;
+  std::thread thread_;
+};
+
+}  // namespace lode::app

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+struct GLFWwindow;
+
+namespace lode::app {
+
+/// What the panel shows.
+struct PanelContent {
+  std::string title;    ///< of the model or the target
+  std::string waiting;  ///< what is being waited for; empty once the model is open
+  double waited_s = 0;
+  uint64_t triangles = 0, nodes = 0;  ///< drawn
+  uint64_t model_triangles = 0;
+  uint64_t received_bytes = 0, resident_bytes = 0, gpu_bytes = 0;
+  float threshold_px = 1, error_px = 0;
+  bool converged = false;
+  double frame_ms = 0, upload_ms = 0;
+  bool flying = false;
+  std::string message;  ///< a failure, or where a screenshot went
+  bool visible = true;
+};
+
+/// The panel over the picture. Made after the window and its callbacks, destroyed before it, used on its
+/// thread.
+class Panel {
+ public:
+  /// @param scale  of the text: 1 for a plain display.
+  Panel(GLFWwindow* window, double scale);
+  ~Panel();
+  Panel(const Panel&) = delete;
+  Panel& operator=(const Panel&) = delete;
+
+  /// Draws into the window's own framebuffer.
+  void draw(const PanelContent& content);
+  bool wantsMouse() const;
+  bool wantsKeyboard() const;
+};
+
+}  // namespace lode::app

@@ -1,0 +1,147 @@
+#include "client/app/window/render_command.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "client/app/cli/child_server.h"
+#include "client/app/cli/common_options.h"
+#include "client/app/cli/streamer.h"
+#include "client/app/cli/target.h"
+#include "client/core/camera_path.h"
+#include "client/render/framebuffer.h"
+#include "client/render/image.h"
+#include "client/render/offscreen_context.h"
+#include "client/render/renderer.h"
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMaxPictures = 1'000'000;
+
+struct RenderOptions {
+  CommonOptions common;
+  std::string output;  ///< one picture, of the first key
+  std::string folder;  ///< or one for each frame
+  double fps = 30;
+};
+
+/// When and where each picture is taken.
+struct Shot {
+  double t = 0;
+  fs::path file;
+};
+
+std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath& path) {
+  if (!options.output.empty()) return {{path.keys.front().t, options.output}};
+  const double start = path.keys.front().t;
+  const double frames = std::floor((path.keys.back().t - start) * options.fps + 1e-9) + 1;
+  if (frames > static_cast<double>(kMaxPictures)) {
+    throw Error(ErrorCode::kUsage,
+                "the path has more than " + std::to_string(kMaxPictures) + " frames; choose a lower --fps");
+  }
+  std::vector<Shot> shots;
+  for (size_t frame = 0; frame < static_cast<size_t>(frames); ++frame) {
+    char name[32];
+    std::snprintf(name, sizeof name, "frame_%06zu.png", frame);
+    shots.push_back({start + static_cast<double>(frame) / options.fps, fs::path(options.folder) / name});
+  }
+  return shots;
+}
+
+void makeFolder(const std::string& folder) {
+  if (folder.empty()) return;
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed) {
+    throw Error(ErrorCode::kIo,
+                folder + " cannot be made: " + failed.message() + "; choose another folder for --frames");
+  }
+}
+
+/// Waits until the stream has converged for its view. @throws Error if it cannot, or not in time.
+std::shared_ptr<const core::Cut> converge(Streamer& streamer, const RenderOptions& options, double t) {
+  const StreamStatus status = streamer.waitForConvergence(options.common.timeout());
+  if (status.settled && status.cut && status.cut->converged) return status.cut;
+  const std::string where =
+      options.common.target + " did not converge for the picture at t = " + std::to_string(t);
+  if (!status.failure.empty()) throw Error(ErrorCode::kNetwork, where + ": " + status.failure);
+  if (status.limited) {
+    throw Error(ErrorCode::kLimit, where +
+                                       ": the memory budget does not hold it; allow more with "
+                                       "--memory-budget, or a larger error with --pixels");
+  }
+  throw Error(ErrorCode::kTimeout, where + " within " + std::to_string(options.common.timeout().count()) +
+                                       " ms; allow more with --timeout, or a larger error with --pixels");
+}
+
+void render(const RenderOptions& options) {
+  if (options.output.empty() == options.folder.empty()) {
+    throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png and --frames DIR");
+  }
+  const PictureSize size = options.common.size();
+  const StreamOptions stream_options = options.common.streamOptions();
+  std::optional<core::CameraPath> path;
+  if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
+  const Target parsed = parseTarget(options.common.target);
+  // What this machine cannot draw is said before a long build is begun.
+  const render::OffscreenContext context;
+  const render::Framebuffer target(size.width_px, size.height_px);
+  makeFolder(options.folder);
+
+  const ResolvedTarget resolved = resolveTarget(parsed, true);
+  Streamer streamer(resolved.served, stream_options);
+  const ModelSummary& model = streamer.waitForModel(options.common.timeout());
+  if (!path) path = core::framingCamera(model);
+  render::ResidencyOptions memory;
+  memory.budget_bytes = std::max(memory.budget_bytes, stream_options.memory_budget_bytes);
+  render::Renderer renderer(model.lattice.step, memory);
+  for (const Shot& shot : planShots(options, *path)) {
+    const core::View view =
+        core::toView(core::cameraAt(*path, shot.t), path->fov_y_deg, size.width_px, size.height_px, model);
+    streamer.setView(view, options.common.pixels);
+    renderer.meshes().show(converge(streamer, options, shot.t));
+    renderer.meshes().uploadInRenderThread({.wait = true});
+    if (!renderer.meshes().upToDate()) {
+      throw Error(ErrorCode::kLimit, options.common.target +
+                                         " needs more graphics memory than there is; allow a larger error "
+                                         "with --pixels");
+    }
+    renderer.draw(view, target);
+    target.resolve();
+    render::writePng(shot.file, target.readPixels());
+  }
+}
+
+}  // namespace
+
+void declareRender(CLI::App& program, int& /*exit_status*/) {
+  CLI::App* command = program.add_subcommand(
+      "render", "Draws pictures of a model off-screen, each when it has converged; needs no display");
+  const auto options = std::make_shared<RenderOptions>();
+  addCommonOptions(*command, options->common);
+  auto* output =
+      command->add_option("-o,--output", options->output, "write the picture of the path's first key")
+          ->type_name("OUT.png");
+  auto* frames =
+      command->add_option("--frames", options->folder, "write a picture for every frame of the path")
+          ->type_name("DIR")
+          ->excludes(output);
+  command->add_option("--fps", options->fps, "frames a second of --frames")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->needs(frames)
+      ->capture_default_str();
+  command->callback([options] { render(*options); });
+}
+
+}  // namespace lode::app

@@ -1,0 +1,23 @@
+#include "client/app/window/view_command.h"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "client/app/window/viewer.h"
+
+namespace lode::app {
+
+void declareView(CLI::App& program, int& /*exit_status*/) {
+  CLI::App* command =
+      program.add_subcommand("view", "Shows a model in a window while it streams; keys are listed there");
+  const auto options = std::make_shared<ViewOptions>();
+  addCommonOptions(*command, options->common);
+  command
+      ->add_option("--screenshot", options->screenshot,
+                   "save a picture of the window once the model has converged, and end")
+      ->type_name("OUT.png");
+  command->callback([options] { Viewer(*options).run(); });
+}
+
+}  // namespace lode::app

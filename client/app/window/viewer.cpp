@@ -1,0 +1,196 @@
+#include "client/app/window/viewer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "client/app/cli/target.h"
+#include "client/core/camera_path.h"
+#include "client/render/image.h"
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+constexpr float kThresholdStep = 1.189207115f;  ///< 2^1/4
+constexpr float kLeastThresholdPx = 0.1f, kLargestThresholdPx = 64;
+constexpr double kIdleWaitS = 0.25;       ///< between looks at a stream that has nothing left to do
+constexpr double kStreamingWaitS = 0.01;  ///< between looks at one that has
+constexpr double kLongestStepS = 0.1;     ///< a flight goes no further in one frame, however long it took
+constexpr double kNoteS = 6;              ///< how long a note stays on the panel
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::optional<core::CameraPath> readPath(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  return core::readCameraPath(file);
+}
+
+std::string screenshotName() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char name[64];
+  std::strftime(name, sizeof name, "lodestream-%Y%m%d-%H%M%S.png", &local);
+  return name;
+}
+
+}  // namespace
+
+Viewer::Viewer(const ViewOptions& options)
+    : options_(options),
+      threshold_px_(options.common.pixels),
+      path_(readPath(options.common.camera_file)),
+      window_(options.common.size().width_px, options.common.size().height_px,
+              options.common.target + " - Lodestream"),
+      panel_(window_.handle(), window_.contentScale()),
+      opener_(parseTarget(options.common.target), options.common.streamOptions(), options.common.timeout()) {
+  content_.title = options.common.target;
+}
+
+void Viewer::run() {
+  while (!window_.shouldClose() && !done_) frame();
+}
+
+/// Nothing more will come for what is looked at now.
+bool Viewer::settled() const {
+  return streamer_ != nullptr && status_.settled && status_.cut && status_.cut->view == rig_->view() &&
+         (renderer_.meshes().upToDate() || renderer_.meshes().overBudget());
+}
+
+/// Nothing is drawn anew while nothing changes; what streams in is looked for often.
+double Viewer::waitSeconds() const {
+  if (moved_ || !renderer_.meshes().upToDate()) return 0;
+  return settled() || status_.ended ? kIdleWaitS : kStreamingWaitS;
+}
+
+void Viewer::frame() {
+  window_.handleEvents(waitSeconds());
+  const double seconds = secondsSince(last_frame_);
+  last_frame_ = Clock::now();
+  const Input input = window_.takeInput(!panel_.wantsKeyboard(), !panel_.wantsMouse());
+  moved_ = input.any();
+  obey(input);
+  openWhenReady();
+  if (window_.widthPx() == 0 || window_.heightPx() == 0) return;  // minimized
+  if (!target_ || target_->widthPx() != window_.widthPx() || target_->heightPx() != window_.heightPx()) {
+    target_.emplace(window_.widthPx(), window_.heightPx());
+  }
+  if (streamer_ != nullptr) {
+    rig_->resize(window_.widthPx(), window_.heightPx());
+    rig_->apply(input, std::min(seconds, kLongestStepS));
+    stream();
+  }
+  draw();
+}
+
+void Viewer::obey(const Input& input) {
+  if (input.quit) done_ = true;
+  if (input.toggle_wireframe) style_.wireframe = !style_.wireframe;
+  if (input.toggle_lod_colours) style_.lod_colours = !style_.lod_colours;
+  if (input.toggle_panel) content_.visible = !content_.visible;
+  if (input.screenshot) picture_wanted_ = true;
+  if (input.finer != 0) {
+    const float factor = std::pow(kThresholdStep, static_cast<float>(-input.finer));
+    threshold_px_ = std::clamp(threshold_px_ * factor, kLeastThresholdPx, kLargestThresholdPx);
+  }
+}
+
+void Viewer::openWhenReady() {
+  if (streamer_ != nullptr) return;
+  const ModelOpener::Progress progress = opener_.progress();
+  if (progress.error) throw *progress.error;
+  content_.waiting = progress.phase;
+  content_.waited_s = secondsSince(started_);
+  if (progress.streamer == nullptr) return;
+  const ModelSummary& model = *progress.model;
+  if (!path_) path_ = core::framingCamera(model);
+  renderer_.setLatticeStep(model.lattice.step);
+  rig_.emplace(*path_, model, window_.widthPx(), window_.heightPx());
+  streamer_ = progress.streamer;
+  content_.title = model.name;
+  content_.model_triangles = model.triangles;
+  window_.setTitle(model.name + " - Lodestream");
+}
+
+void Viewer::stream() {
+  streamer_->setView(rig_->view(), threshold_px_);
+  status_ = streamer_->status();
+  if (status_.cut) renderer_.meshes().show(status_.cut);
+  const Clock::time_point start = Clock::now();
+  renderer_.meshes().uploadInRenderThread({});
+  content_.upload_ms = secondsSince(start) * 1e3;
+}
+
+void Viewer::draw() {
+  const Clock::time_point start = Clock::now();
+  core::View view;
+  view.width_px = target_->widthPx();
+  view.height_px = target_->heightPx();
+  const render::DrawCounts drawn = renderer_.draw(rig_ ? rig_->view() : view, *target_, style_);
+  target_->resolve();
+  target_->copyTo(0);
+  content_.triangles = drawn.triangles;
+  content_.nodes = drawn.nodes;
+  describe();
+  panel_.draw(content_);
+  saveScreenshots();
+  content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
+  window_.swap();
+}
+
+void Viewer::describe() {
+  content_.received_bytes = status_.counts.received_bytes;
+  content_.resident_bytes = status_.counts.resident_bytes;
+  content_.gpu_bytes = renderer_.meshes().pages().usedBytes();
+  content_.threshold_px = threshold_px_;
+  content_.error_px = status_.cut ? status_.cut->max_error_px : 0;
+  content_.converged = settled() && status_.cut->converged;
+  content_.flying = rig_ && rig_->flying();
+  if (!status_.failure.empty()) {
+    content_.message = status_.failure;
+  } else if (renderer_.meshes().overBudget()) {
+    content_.message = "not enough graphics memory for more detail";
+  } else if (status_.settled && status_.limited) {
+    content_.message = "the memory budget allows no more detail (--memory-budget)";
+  } else {
+    content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
+  }
+}
+
+void Viewer::note(const std::string& message) {
+  note_ = message;
+  noted_ = Clock::now();
+}
+
+void Viewer::refuseScreenshot() const {
+  throw Error(ErrorCode::kTimeout,
+              options_.common.target + " did not converge for the screenshot" +
+                  (status_.failure.empty() ? "; allow more with --timeout, or a larger error with --pixels"
+                                           : ": " + status_.failure));
+}
+
+/// The one that the command line asks for ends the program; one asked for by a key does not.
+void Viewer::saveScreenshots() {
+  if (!options_.screenshot.empty()) {
+    if (content_.converged) {
+      render::writePng(options_.screenshot, window_.readBack());
+      done_ = true;
+    } else if (status_.ended || settled() || secondsSince(started_) > options_.common.timeout_s) {
+      refuseScreenshot();
+    }
+  }
+  if (!picture_wanted_) return;
+  picture_wanted_ = false;
+  const std::string file = screenshotName();
+  try {
+    render::writePng(file, window_.readBack());
+    note("saved " + file);
+  } catch (const Error& error) {
+    note(error.what());
+  }
+}
+
+}  // namespace lode::app

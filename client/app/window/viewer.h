@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "client/app/cli/common_options.h"
+#include "client/app/window/camera_rig.h"
+#include "client/app/window/glfw_window.h"
+#include "client/app/window/model_opener.h"
+#include "client/app/window/panel.h"
+#include "client/render/framebuffer.h"
+#include "client/render/renderer.h"
+
+namespace lode::app {
+
+struct ViewOptions {
+  CommonOptions common;
+  std::string screenshot;  ///< if not empty: save the window there once the model has converged, and end
+};
+
+/// The window: takes input, tells the stream what is looked at, uploads within each frame's budget and draws.
+/// Refinement, network and decoding happen on the threads of the Streamer. For the program's first thread.
+class Viewer {
+ public:
+  /// Opens the window and begins to open the target. @throws Error.
+  explicit Viewer(const ViewOptions& options);
+  /// Returns when the user closes the window.
+  /// @throws Error if the target cannot be opened, or the screenshot asked for is not to be had in time.
+  void run();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void frame();
+  void openWhenReady();
+  void obey(const Input& input);
+  void stream();
+  void draw();
+  void describe();
+  void saveScreenshots();
+  void note(const std::string& message);
+  void refuseScreenshot() const;
+  double waitSeconds() const;
+  bool settled() const;
+
+  const ViewOptions options_;
+  float threshold_px_;
+  std::optional<core::CameraPath> path_;
+  GlfwWindow window_;
+  Panel panel_;
+  render::Renderer renderer_;
+  std::optional<render::Framebuffer> target_;
+  std::optional<CameraRig> rig_;
+  ModelOpener opener_;
+  Streamer* streamer_ = nullptr;  ///< opener_'s, once the model is open
+
+  StreamStatus status_;
+  render::DrawStyle style_;
+  PanelContent content_;
+  Clock::time_point started_ = Clock::now(), last_frame_ = started_, noted_ = started_;
+  std::string note_;
+  bool moved_ = true, picture_wanted_ = false, done_ = false;
+};
+
+}  // namespace lode::app

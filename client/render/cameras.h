@@ -1,0 +1,80 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "client/core/view.h"
+
+namespace lode::render {
+
+/// A direction as turn and tilt about an axis that stays upright in the picture.
+class Heading {
+ public:
+  /// @param forward, axis  of any length but 0; forward may be parallel to the axis.
+  Heading(glm::dvec3 forward, glm::dvec3 axis) noexcept;
+
+  /// Turns to the left and up, in radians. The tilt stops just short of the axis.
+  void turn(double left_rad, double up_rad) noexcept;
+  glm::dvec3 forward() const noexcept;  ///< unit length, as the two below
+  glm::dvec3 right() const noexcept;
+  glm::dvec3 up() const noexcept;
+  glm::dvec3 axis() const noexcept { return axis_; }
+
+ private:
+  glm::dvec3 axis_, ahead_, left_;  ///< orthonormal
+  double yaw_rad_ = 0, pitch_rad_ = 0;
+};
+
+/// Looks at a point from around it: drag to turn, drag otherwise to shift the point, wheel to come closer.
+/// Model frame, like View. Pure: no clock, no input device.
+class OrbitCamera {
+ public:
+  /// @param start         its eye and up; the point lies ahead of it.
+  /// @param distance_model  from the eye to the point, > 0.
+  OrbitCamera(const core::View& start, double distance_model, glm::dvec3 axis) noexcept;
+
+  /// A drag over the picture's height turns by half a circle; the model follows the pointer.
+  void drag(glm::dvec2 pixels, double height_px) noexcept;
+  /// The point under the pointer, at the distance of the target, follows the pointer.
+  void shift(glm::dvec2 pixels, const core::View& view) noexcept;
+  /// Each step forward leaves 85 % of the distance, down to closest_model.
+  void zoom(double steps) noexcept;
+
+  double distanceModel() const noexcept { return distance_model_; }
+  /// Places eye, forward and up in a view.
+  void apply(core::View& view) const noexcept;
+
+ private:
+  Heading heading_;
+  glm::dvec3 target_model_;
+  double distance_model_, closest_model_;
+};
+
+/// What a flying camera is told for a stretch of time: -1, 0 or 1 (or between) along its own axes.
+struct FlyKeys {
+  double right = 0, up = 0, forward = 0;
+  bool fast = false;  ///< four times the speed
+};
+
+/// Flies: keys move it along its own axes, the mouse turns it, the wheel sets its speed.
+/// Model frame, like View. Pure: no clock, no input device.
+class FlyCamera {
+ public:
+  /// @param speed_model  model units a second.
+  FlyCamera(const core::View& start, double speed_model, glm::dvec3 axis) noexcept;
+
+  /// A drag over the picture's height turns by the height's angle: what is under the pointer stays there.
+  void look(glm::dvec2 pixels, const core::View& view) noexcept;
+  void move(const FlyKeys& keys, double seconds) noexcept;
+  /// Each step forward is a quarter faster; the speed stays within a factor of 10^4 of the first.
+  void changeSpeed(double steps) noexcept;
+
+  double speedModel() const noexcept { return speed_model_; }
+  void apply(core::View& view) const noexcept;
+
+ private:
+  Heading heading_;
+  glm::dvec3 eye_model_;
+  double speed_model_, first_speed_model_;
+};
+
+}  // namespace lode::render

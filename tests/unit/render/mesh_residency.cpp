@@ -1,0 +1,152 @@
+#include "client/render/mesh_residency.h"
+
+#include <gtest/gtest.h>
+
+#include "client/render/gpu_vertex.h"
+#include "gl_fixture.h"
+#include "tests/support/test_meshes.h"
+
+namespace lode::test {
+namespace {
+
+using render::MeshResidency;
+using render::ResidencyOptions;
+
+using Residency = GlTest;
+
+std::shared_ptr<const Mesh> gridOf(uint32_t seed, uint32_t side = 32) {
+  return std::make_shared<const Mesh>(makeGrid(side, side, {.attributes = {}, .seed = seed}));
+}
+
+TEST_F(Residency, drawsACutOnlyWhenAllOfItIsThere) {
+  MeshResidency residency({});
+  const auto first = cutOf(std::vector{gridOf(1)});
+  residency.show(first);
+  residency.uploadInRenderThread({.wait = true});
+  ASSERT_TRUE(residency.upToDate());
+
+  residency.show(cutOf(std::vector{gridOf(2), gridOf(3)}));
+  int frames = 0;
+  while (!residency.upToDate()) {
+    EXPECT_EQ(residency.drawn().size(), 1u);
+    EXPECT_LE(residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000}), 10'000u);
+    ASSERT_LT(++frames, 1000);
+  }
+  EXPECT_GT(frames, 4);
+  EXPECT_EQ(residency.drawn().size(), 2u);
+}
+
+TEST_F(Residency, completesACutAlthoughNewerOnesKeepComing) {
+  MeshResidency residency({});
+  int switched = 0;
+  const render::DrawItem* before = nullptr;
+  uint32_t first_part = 0;
+  for (uint32_t seed = 1; seed < 60; ++seed) {
+    residency.show(cutOf(std::vector{gridOf(seed)}));
+    residency.uploadInRenderThread({.bytes = 8'000, .ms = 1000});
+    const auto drawn = residency.drawn();
+    if (!drawn.empty() && (drawn.data() != before || drawn[0].base_vertex != first_part)) ++switched;
+    before = drawn.data();
+    if (!drawn.empty()) first_part = drawn[0].base_vertex;
+  }
+  EXPECT_GE(switched, 5);
+}
+
+TEST_F(Residency, uploadsASharedMeshOnce) {
+  MeshResidency residency({});
+  const auto kept = gridOf(1);
+  residency.show(cutOf(std::vector{kept}));
+  residency.uploadInRenderThread({.wait = true});
+  const auto added = gridOf(2);
+  residency.show(cutOf(std::vector{kept, added}));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), render::gpuBytes(*added));
+}
+
+TEST_F(Residency, staysWithinItsBudgetWhateverIsShown) {
+  const ResidencyOptions options{.budget_bytes = 400'000, .page_bytes = 100'000};
+  MeshResidency residency(options);
+  for (uint32_t seed = 1; seed < 50; ++seed) {
+    residency.show(cutOf(std::vector{gridOf(seed), gridOf(seed + 1), gridOf(seed + 2, 8 + seed % 20)}));
+    residency.uploadInRenderThread({.wait = true});
+    EXPECT_TRUE(residency.upToDate());
+    EXPECT_LE(residency.pages().capacityBytes(), options.budget_bytes);
+  }
+}
+
+TEST_F(Residency, keepsOnlyTheSpareBytesOfWhatIsNoLongerDrawn) {
+  MeshResidency residency({.spare_bytes = 100'000});
+  std::vector<std::shared_ptr<const Mesh>> alive;
+  for (uint32_t seed = 1; seed < 30; ++seed) {
+    alive.push_back(gridOf(seed));
+    residency.show(cutOf(std::vector{alive.back()}));
+    residency.uploadInRenderThread({.wait = true});
+  }
+  const uint64_t drawn_bytes = render::gpuBytes(*alive.back());
+  EXPECT_LE(residency.pages().usedBytes(), drawn_bytes + 100'000 + 16);
+  EXPECT_GT(residency.meshCount(), 1u);
+}
+
+TEST_F(Residency, evictsTheLeastRecentlyDrawnFirst) {
+  const auto a = gridOf(1), b = gridOf(2), c = gridOf(3);
+  MeshResidency residency({.spare_bytes = render::gpuBytes(*a) + 100});
+  for (const auto& mesh : {a, b, c}) {
+    residency.show(cutOf(std::vector{mesh}));
+    residency.uploadInRenderThread({.wait = true});
+  }
+  residency.show(cutOf(std::vector{b}));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), 0u);
+  residency.show(cutOf(std::vector{a}));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), render::gpuBytes(*a));
+}
+
+TEST_F(Residency, forgetsMeshesThatNobodyHoldsAnyMore) {
+  MeshResidency residency({});
+  for (uint32_t seed = 1; seed < 10; ++seed) {
+    residency.show(cutOf(std::vector{gridOf(seed)}));
+    residency.uploadInRenderThread({.wait = true});
+  }
+  EXPECT_LE(residency.meshCount(), 2u);
+}
+
+TEST_F(Residency, refusesACutAboveTheBudgetAndKeepsTheOneBefore) {
+  MeshResidency residency({.budget_bytes = 100'000, .page_bytes = 100'000});
+  const auto small = cutOf(std::vector{gridOf(1)});
+  residency.show(small);
+  residency.uploadInRenderThread({.wait = true});
+  residency.show(cutOf(std::vector{gridOf(2), gridOf(3), gridOf(4)}));
+  residency.uploadInRenderThread({.wait = true});
+  EXPECT_TRUE(residency.overBudget());
+  EXPECT_FALSE(residency.upToDate());
+  EXPECT_EQ(residency.drawn().size(), 1u);
+
+  residency.show(small);
+  residency.uploadInRenderThread({.wait = true});
+  EXPECT_TRUE(residency.upToDate());
+  EXPECT_FALSE(residency.overBudget());
+}
+
+TEST_F(Residency, exchangesWithinOneFrameTwoCutsThatDoNotFitTogether) {
+  MeshResidency residency({.budget_bytes = 100'000, .page_bytes = 100'000});
+  for (uint32_t seed = 1; seed < 6; ++seed) {
+    const auto cut = cutOf(std::vector{gridOf(2 * seed), gridOf(2 * seed + 1)});
+    residency.show(cut);
+    for (int frame = 0; frame < 100 && !residency.upToDate(); ++frame) {
+      residency.uploadInRenderThread({.bytes = 4000, .ms = 1000});
+      if (seed > 1) {
+        EXPECT_EQ(residency.drawn().size(), 2u);
+      }
+    }
+    EXPECT_TRUE(residency.upToDate());
+  }
+}
+
+TEST_F(Residency, uploadsAMeshLargerThanTheStagingMemoryInPieces) {
+  const auto large = gridOf(1, 100);
+  MeshResidency residency({.staging_bytes = 4096});
+  residency.show(cutOf(std::vector{large}));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), render::gpuBytes(*large));
+  EXPECT_TRUE(residency.upToDate());
+}
+
+}  // namespace
+}  // namespace lode::test
