@@ -50,6 +50,37 @@ TEST(Messages, theFrameAnnouncesItsBodyTypeAndRequest) {
   EXPECT_EQ(type, static_cast<uint8_t>(FrameType::kPong));
 }
 
+/// The exchange of docs/protocol.md: other people's clients are written from it.
+TEST(Messages, theBytesInTheDocumentAreThoseThatAreSent) {
+  const auto hex = [](const Bytes& bytes) {
+    std::string text;
+    for (const std::byte byte : bytes) {
+      constexpr std::string_view digits = "0123456789abcdef";
+      text += digits[std::to_integer<size_t>(byte) >> 4];
+      text += digits[std::to_integer<size_t>(byte) & 15];
+    }
+    return text;
+  };
+  EXPECT_EQ(hex(encode(Hello{1, 1, 0, "", "x"}, 1)),
+            "380000000100000001000000"
+            "1400000000000e001400040008000000"
+            "0c0010000e00000001000000"
+            "01000000100000000400000001000000"
+            "780000000000000000000000");
+  EXPECT_EQ(hex(encode(Open{"a", {}}, 2)),
+            "1c0000000500000002000000"
+            "0c000000000006000800040006000000040000000100000061000000");
+  EXPECT_EQ(hex(encode(Wishes{1, {{WishAction::kAdd, WishClass::kVisible, 1, 3, 2.5f}}}, 3)),
+            "400000000700000003000000"
+            "0c00000008000c000400080008000000010000000400000001000000"
+            "1400000000000e0010000000000004000800"
+            "0c000e00000001000000"
+            "0300000000002040");
+  EXPECT_EQ(hex(encode(Credit{105'536}, 0)),
+            "180000000800000000000000"
+            "0c000000000006000c00040006000000409c010000000000");
+}
+
 TEST(Messages, decodeAtAnyAddress) {
   const Bytes frame = encode(Opened{4, sampleSummary()}, 0);
   for (size_t shift = 0; shift < 16; ++shift) {
