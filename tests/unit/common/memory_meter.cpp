@@ -26,6 +26,15 @@ void operator delete(void* memory) noexcept {
   std::free(memory);
 }
 
+void* operator new(size_t bytes, const std::nothrow_t&) noexcept {
+  try {
+    return operator new(bytes);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+void operator delete(void* memory, const std::nothrow_t&) noexcept { operator delete(memory); }
 void* operator new[](size_t bytes) { return operator new(bytes); }
 void operator delete[](void* memory) noexcept { operator delete(memory); }
 void operator delete(void* memory, size_t) noexcept { operator delete(memory); }
