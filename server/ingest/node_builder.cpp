@@ -37,6 +37,7 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf) {
   BuiltNode built;
   built.node.key = partition_.leaves[leaf];
   NodeMesh mesh = loadLeaf(leaf);
+  built.original_triangles = mesh.triangles.size();
   built.samples = samplesOf(mesh);
   selectSamples(built.samples, settings_.triangles_per_node / kTrianglesPerSample);
   addRung(built, mesh, kLatticeErrorSteps);
@@ -55,6 +56,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children) {
   for (BuiltNode& child : children) {
     built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
     built.node.box.add(child.node.box);
+    built.original_triangles += child.original_triangles;
     meshes.push_back(std::move(child.coarsest));
     built.samples.insert(built.samples.end(), child.samples.begin(), child.samples.end());
     child.samples = {};
@@ -77,7 +79,10 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
   const auto locked = static_cast<size_t>(std::count_if(input.lca_depth.begin(), input.lca_depth.end(),
                                                         [&](uint8_t lca) { return lca < depth; }));
   const std::vector<size_t> targets =
-      rungTargets(input.triangles.size(), locked, depth, settings_.triangles_per_node);
+      rungTargets(input.triangles.size(), {.depth = depth,
+                                           .locked = locked,
+                                           .original_triangles = built.original_triangles,
+                                           .triangles_per_node = settings_.triangles_per_node});
   if (targets.empty()) {
     built.coarsest = std::move(input);
     return;

@@ -38,6 +38,7 @@ struct BuiltNode {
   Node node;                                  ///< payloads not numbered yet
   std::vector<PayloadSpool::Place> payloads;  ///< one a rung
   NodeMesh coarsest;
+  uint64_t original_triangles = 0;  ///< in the leaves below
   float inherited_error_steps = 0;  ///< the largest of the children's coarsest rungs
   std::vector<SurfaceSample> samples;
 };

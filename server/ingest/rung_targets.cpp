@@ -5,11 +5,20 @@
 
 namespace lode::ingest {
 
-std::vector<size_t> rungTargets(size_t triangles, size_t locked, int depth, size_t triangles_per_node) {
-  const size_t enough = depth == 0 ? kRootTriangles : std::max(triangles_per_node, 4 * locked);
-  const double factor = depth <= 2 ? std::sqrt(0.5) : 0.5;
+namespace {
+
+constexpr int kFineStepDepth = 2;
+constexpr uint64_t kFineStepNodes = 16;  ///< node budgets that must lie below a node for fine steps
+
+}  // namespace
+
+std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
+  const bool is_root = rule.depth == 0;
+  const size_t enough = is_root ? kRootTriangles : std::max(rule.triangles_per_node, 4 * rule.locked);
+  const bool is_large = rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
+  const double factor = is_root || (rule.depth <= kFineStepDepth && is_large) ? std::sqrt(0.5) : 0.5;
   std::vector<size_t> targets;
-  if (depth == 0 && triangles <= enough) return targets;
+  if (is_root && triangles <= enough) return targets;
   double target = static_cast<double>(triangles);
   do {
     target *= factor;

@@ -1,15 +1,29 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace lode::ingest {
 
 constexpr size_t kRootTriangles = 512;  ///< to which the root's rungs go down
 
-/// Triangle counts of the reduced rungs of a node, falling: steps of 2, at depths 0 to 2 of the square root
-/// of 2, until at most max(triangles_per_node, 4 * locked); at the root, which locks nothing, until
-/// kRootTriangles. At least one, but for a root that is small enough already.
-std::vector<size_t> rungTargets(size_t triangles, size_t locked, int depth, size_t triangles_per_node);
+struct RungRule {
+  int depth = 0;
+  size_t locked = 0;                ///< locked vertices of the node's input
+  uint64_t original_triangles = 0;  ///< in the leaves below the node
+  size_t triangles_per_node = 0;
+};
+
+/// Triangle counts of the reduced rungs of a node, falling, until at most max(triangles_per_node, 4 *
+/// locked); at the root, which locks nothing, until kRootTriangles. At least one, but for a root that is
+/// small enough already.
+///
+/// Steps are of 2; of the square root of 2 at the root, and at depths 1 and 2 where much lies below the node,
+/// so that the finer steps, which a view of the whole model profits from most, cost the store little: with
+/// them at depths 0 to 2 of every model, one of 2 million triangles stores 3.4 times its triangles, with this
+/// rule 2.3 times.
+/// @param triangles  of the node's input.
+std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule);
 
 }  // namespace lode::ingest

@@ -5,27 +5,46 @@
 namespace lode::ingest {
 namespace {
 
+constexpr size_t kBudget = 16384;
+
 TEST(RungTargets, halveUntilTheNodesBudget) {
-  EXPECT_EQ(rungTargets(40000, 100, 5, 16384), (std::vector<size_t>{20000, 10000}));
+  const RungRule rule{
+      .depth = 5, .locked = 100, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
+  EXPECT_EQ(rungTargets(40000, rule), (std::vector<size_t>{20000, 10000}));
 }
 
 TEST(RungTargets, stopAtFourTimesTheLockedVertices) {
-  EXPECT_EQ(rungTargets(40000, 6000, 5, 16384), (std::vector<size_t>{20000}));
+  const RungRule rule{
+      .depth = 5, .locked = 6000, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
+  EXPECT_EQ(rungTargets(40000, rule), (std::vector<size_t>{20000}));
 }
 
-TEST(RungTargets, takeStepsOfTheSquareRootOfTwoNearTheRoot) {
-  EXPECT_EQ(rungTargets(20000, 0, 2, 9000), (std::vector<size_t>{14142, 10000, 7071}));
+TEST(RungTargets, takeStepsOfTheSquareRootOfTwoNearTheRootOfALargeModel) {
+  const RungRule rule{.depth = 2, .locked = 0, .original_triangles = 16 * 9000, .triangles_per_node = 9000};
+  EXPECT_EQ(rungTargets(20000, rule), (std::vector<size_t>{14142, 10000, 7071}));
 }
 
-TEST(RungTargets, alwaysReduceOnce) { EXPECT_EQ(rungTargets(100, 0, 5, 16384), (std::vector<size_t>{50})); }
+TEST(RungTargets, halveNearTheRootOfASmallModel) {
+  const RungRule rule{
+      .depth = 2, .locked = 0, .original_triangles = 16 * 9000 - 1, .triangles_per_node = 9000};
+  EXPECT_EQ(rungTargets(20000, rule), (std::vector<size_t>{10000, 5000}));
+}
+
+TEST(RungTargets, alwaysReduceOnce) {
+  const RungRule rule{.depth = 5, .locked = 0, .original_triangles = 100, .triangles_per_node = kBudget};
+  EXPECT_EQ(rungTargets(100, rule), (std::vector<size_t>{50}));
+}
 
 TEST(RungTargets, goDownTo512AtTheRoot) {
-  const std::vector<size_t> targets = rungTargets(16000, 0, 0, 16384);
+  const std::vector<size_t> targets =
+      rungTargets(16000, {.original_triangles = 16000, .triangles_per_node = kBudget});
   EXPECT_LE(targets.back(), kRootTriangles);
   EXPECT_GT(targets[targets.size() - 2], kRootTriangles);
 }
 
-TEST(RungTargets, areNoneForASmallRoot) { EXPECT_TRUE(rungTargets(512, 0, 0, 16384).empty()); }
+TEST(RungTargets, areNoneForASmallRoot) {
+  EXPECT_TRUE(rungTargets(512, {.original_triangles = 512, .triangles_per_node = kBudget}).empty());
+}
 
 }  // namespace
 }  // namespace lode::ingest

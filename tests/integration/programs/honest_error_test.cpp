@@ -1,0 +1,76 @@
+// I4, the honest error: what the store says against what dense sampling finds, rung by rung.
+
+#include <algorithm>
+
+#include "models.h"
+#include "server/store/export.h"
+#include "server/store/reader.h"
+#include "tests/support/surface_distance.h"
+
+namespace lode::test {
+namespace {
+
+constexpr size_t kSamplesOfRung = 30000;
+constexpr size_t kMaxRungs = 200;  ///< checked of a model, evenly spread
+
+/// The original surface below a node.
+TriangleSoup leavesBelow(const store::Reader& reader, NodeKey key) {
+  TriangleSoup soup;
+  for (const Node& node : reader.nodes()) {
+    if (!node.isLeaf() || !key.contains(node.key)) continue;
+    const TriangleSoup part = latticeSoup(store::readRung(reader, node, 0));
+    soup.insert(soup.end(), part.begin(), part.end());
+  }
+  return soup;
+}
+
+struct RungError {
+  std::string where;
+  double stored_steps;
+  SurfaceDistance sampled_steps;
+};
+
+std::vector<RungError> measureRungs(const store::Reader& reader) {
+  std::vector<std::pair<const Node*, uint32_t>> rungs;
+  for (const Node& node : reader.nodes()) {
+    for (uint32_t r = 0; r < node.rungs.size(); ++r) {
+      if (!node.isLeaf() || r > 0) rungs.emplace_back(&node, r);
+    }
+  }
+  const size_t stride = std::max<size_t>(1, rungs.size() / kMaxRungs);
+  std::vector<RungError> errors;
+  NodeKey key{0};
+  TriangleSoup original;
+  for (size_t i = 0; i < rungs.size(); i += stride) {
+    const auto& [node, r] = rungs[i];
+    if (node->key != key) original = leavesBelow(reader, node->key);
+    key = node->key;
+    const TriangleSoup rung = latticeSoup(store::readRung(reader, *node, r));
+    errors.push_back({std::to_string(node->key.value) + "/" + std::to_string(r),
+                      node->rungs[r].error_model / reader.summary().lattice.step,
+                      surfaceDistance(original, rung, kSamplesOfRung)});
+  }
+  return errors;
+}
+
+class HonestError : public testing::TestWithParam<Model> {};
+
+TEST_P(HonestError, isAtLeastWhatDenseSamplingFinds) {
+  LODE_REQUIRE_MODEL(GetParam());
+  const std::vector<RungError> errors = measureRungs(store::Reader(GetParam().store()));
+  ASSERT_FALSE(errors.empty());
+  size_t below = 0;
+  for (const RungError& error : errors) {
+    const double ratio = error.stored_steps / error.sampled_steps.both.max;
+    below += ratio < 1;
+    EXPECT_GE(ratio, 0.8) << error.where << ": stored " << error.stored_steps << " steps, original to rung "
+                          << error.sampled_steps.forward.max << ", back " << error.sampled_steps.backward.max;
+  }
+  EXPECT_LE(static_cast<double>(below), 0.01 * static_cast<double>(errors.size()))
+      << below << " of " << errors.size() << " below";
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, HonestError, testing::ValuesIn(models()), nameOf);
+
+}  // namespace
+}  // namespace lode::test

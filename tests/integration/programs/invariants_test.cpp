@@ -1,0 +1,160 @@
+// The invariants of the build on real models, read from the stores with the libraries.
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <unordered_map>
+
+#include "models.h"
+#include "server/ingest/ply_reader.h"
+#include "server/store/cut.h"
+#include "server/store/export.h"
+#include "server/store/node_tree.h"
+#include "server/store/open_edges.h"
+#include "server/store/reader.h"
+#include "server/store/segment_tree.h"
+
+namespace lode::test {
+namespace {
+
+constexpr uint64_t kRandomCuts = 20;
+
+class Invariants : public testing::TestWithParam<Model> {
+ protected:
+  void SetUp() override {
+    LODE_REQUIRE_MODEL(GetParam());
+    reader_.emplace(GetParam().store());
+    tree_.emplace(reader_->nodes());
+  }
+
+  std::vector<store::OpenEdge> openEdges(const store::Cut& cut) const {
+    store::OpenEdges open;
+    for (const store::CutItem& item : cut.items) {
+      const Node& node = tree_->node(item.node);
+      open.add(store::readRung(*reader_, node, item.rung), node.rungs[item.rung].error_model);
+    }
+    return open.edges();
+  }
+
+  std::optional<store::Reader> reader_;
+  std::optional<store::NodeTree> tree_;
+};
+
+using Corners = std::array<uint64_t, 3>;
+
+/// A triangle by its positions, orientation kept, smallest first.
+Corners canonical(Corners corners) {
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+/// The input's triangles with three distinct lattice corners, sorted. The models hold no polygons.
+std::vector<Corners> inputTriangles(const Model& model, const Lattice& lattice) {
+  ingest::PlyReader reader(model.input, {});
+  std::vector<PositionCode> positions;
+  std::vector<Corners> triangles;
+  reader.read(
+      [&](uint64_t, std::span<const ingest::PlyVertex> vertices) {
+        for (const auto& vertex : vertices) positions.push_back(packPosition(lattice.snap(vertex.position)));
+      },
+      [&](const ingest::PlyFaces& faces) {
+        ASSERT_EQ(faces.corners.size(), 3 * faces.corner_counts.size());
+        for (size_t i = 0; i < faces.corners.size(); i += 3) {
+          const Corners corners{positions[faces.corners[i]].value, positions[faces.corners[i + 1]].value,
+                                positions[faces.corners[i + 2]].value};
+          if (corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0]) {
+            triangles.push_back(canonical(corners));
+          }
+        }
+      });
+  std::sort(triangles.begin(), triangles.end());
+  return triangles;
+}
+
+TEST_P(Invariants, I1EveryInputTriangleIsInExactlyOneLeaf) {
+  std::vector<Corners> stored;
+  for (const Node& node : reader_->nodes()) {
+    if (!node.isLeaf()) continue;
+    const Mesh mesh = store::readRung(*reader_, node, 0);
+    for (const glm::u32vec3& t : mesh.triangles) {
+      stored.push_back(
+          canonical({mesh.positions[t.x].value, mesh.positions[t.y].value, mesh.positions[t.z].value}));
+    }
+  }
+  std::sort(stored.begin(), stored.end());
+  const std::vector<Corners> input = inputTriangles(GetParam(), reader_->summary().lattice);
+  EXPECT_EQ(stored.size(), reader_->summary().triangles);
+  EXPECT_TRUE(stored == input) << stored.size() << " stored, " << input.size() << " in the input";
+}
+
+TEST_P(Invariants, I2RandomCutsHaveNoOpenEdgesThatTheInputHasNot) {
+  const double step = reader_->summary().lattice.step;
+  std::vector<store::Segment> rims;
+  for (const store::OpenEdge& edge : openEdges(store::leafCut(*tree_))) {
+    rims.push_back({glm::dvec3(unpackPosition(edge.a)), glm::dvec3(unpackPosition(edge.b))});
+  }
+  EXPECT_EQ(rims.empty(), GetParam().is_closed);
+  const store::SegmentTree original(std::move(rims));
+  for (uint64_t seed = 1; seed <= kRandomCuts; ++seed) {
+    const store::Cut cut = store::randomCut(*tree_, seed);
+    ASSERT_TRUE(store::coversExactlyOnce(*tree_, cut.items));
+    const std::vector<store::OpenEdge> open = openEdges(cut);
+    if (GetParam().is_closed) {
+      EXPECT_TRUE(open.empty()) << "seed " << seed << ": " << open.size();
+      continue;
+    }
+    for (const store::OpenEdge& edge : open) {
+      const glm::dvec3 a(unpackPosition(edge.a)), b(unpackPosition(edge.b));
+      for (const glm::dvec3 point : {a, (a + b) / 2.0, b}) {
+        EXPECT_LE(original.distance(point) * step, edge.error_model) << "seed " << seed;
+      }
+    }
+  }
+}
+
+TEST_P(Invariants, I3ErrorsNeverFallTowardsCoarser) {
+  for (uint32_t n = 0; n < tree_->nodes().size(); ++n) {
+    const Node& node = tree_->node(n);
+    for (size_t r = 1; r < node.rungs.size(); ++r) {
+      EXPECT_GE(node.rungs[r].error_model, node.rungs[r - 1].error_model);
+    }
+    for (uint32_t c = 0; c < tree_->childCount(n); ++c) {
+      EXPECT_GE(node.rungs[0].error_model, tree_->node(tree_->firstChild(n) + c).rungs.back().error_model);
+    }
+  }
+}
+
+/// The attributes at each position of a mesh that has one wedge there.
+std::unordered_map<uint64_t, VertexAttributes> singleWedges(const Mesh& mesh) {
+  std::unordered_map<uint64_t, VertexAttributes> single;
+  std::unordered_map<uint64_t, uint32_t> wedges;
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    const auto [at, is_new] = single.emplace(mesh.positions[v].value, mesh.vertex_attributes[v]);
+    if (is_new || !(at->second == mesh.vertex_attributes[v])) ++wedges[mesh.positions[v].value];
+  }
+  for (const auto& [position, count] : wedges) {
+    if (count > 1) single.erase(position);
+  }
+  return single;
+}
+
+TEST_P(Invariants, I5VerticesSharedByPartsOfACutHaveTheSameAttributesInAll) {
+  uint64_t shared = 0;
+  for (uint64_t seed = 1; seed <= kRandomCuts; ++seed) {
+    std::unordered_map<uint64_t, VertexAttributes> seen;
+    for (const store::CutItem& item : store::randomCut(*tree_, seed).items) {
+      for (const auto& [position, attributes] :
+           singleWedges(store::readRung(*reader_, tree_->node(item.node), item.rung))) {
+        const auto [at, is_new] = seen.emplace(position, attributes);
+        shared += !is_new;
+        ASSERT_EQ(at->second, attributes) << "seed " << seed;
+      }
+    }
+  }
+  EXPECT_GT(shared, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Invariants, testing::ValuesIn(models()), nameOf);
+
+}  // namespace
+}  // namespace lode::test

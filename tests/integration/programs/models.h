@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace lode::test {
+
+/// A model that tests/integration/make_models.sh has made.
+struct Model {
+  std::string name;
+  std::filesystem::path input;
+  bool is_closed = true;
+
+  std::filesystem::path store() const;
+  bool exists() const { return std::filesystem::exists(store()); }
+};
+
+/// All of them; those made of scans exist only with LODESTREAM_TEST_DATA.
+const std::vector<Model>& models();
+
+inline std::string nameOf(const testing::TestParamInfo<Model>& model) { return model.param.name; }
+
+/// Skips the running test, saying why, if the model was not made.
+#define LODE_REQUIRE_MODEL(model) \
+  if (!(model).exists())          \
+  GTEST_SKIP() << "no " << (model).store() << ": set LODESTREAM_TEST_DATA to a folder of scans"
+
+}  // namespace lode::test
