@@ -52,7 +52,9 @@ std::vector<ModelSummary> askForModels(const net::Address& address, const Stream
                                        std::chrono::milliseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
   Bell bell;
-  core::Session session({.token = options.token}, Clock::now());
+  core::SessionOptions session_options;
+  session_options.token = options.token;
+  core::Session session(session_options, Clock::now());
   net::TcpTransport transport(address, options.connect_timeout, [&bell] { bell.ring(); });
   transport.send(session.takeOutgoing());
   while (bell.waitUntil(deadline)) {
