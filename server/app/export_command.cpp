@@ -16,6 +16,13 @@ struct ExportArguments {
   bool json = false;
 };
 
+/// CLI11's own check of this kind prints the largest double in full.
+std::string atLeastZero(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && value >= 0 ? ""
+                                                              : "must be a number from 0 on, not " + text;
+}
+
 store::Cut chooseCut(const ExportArguments& arguments, const store::Reader& reader) {
   const store::NodeTree tree(reader.nodes());
   if (arguments.error) return store::cutByError(tree, *arguments.error * boxDiagonal(reader.summary()));
@@ -76,7 +83,7 @@ void addExportCommand(CLI::App& program) {
   which
       ->add_option("--error", arguments->error,
                    "the coarsest cut with at most this error, a fraction of the box diagonal")
-      ->check(CLI::NonNegativeNumber)
+      ->check(atLeastZero)
       ->type_name("E");
   which->add_option("--triangles", arguments->triangles, "the best cut of at most this many triangles")
       ->type_name("N");
