@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <vector>
 
 namespace lode::ingest {
 namespace {
@@ -13,6 +15,64 @@ double cross(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
 
 /// How much an ear may lack before it is cut. A simple polygon needs no more than kFlat.
 enum Tolerance { kStrict, kTouching, kFlat, kConvex, kAny };
+
+/// Points in square cells, about one a cell.
+class PointGrid {
+ public:
+  PointGrid() = default;
+  PointGrid(const std::vector<glm::dvec2>& points, const std::vector<uint32_t>& numbers) {
+    if (numbers.empty()) return;
+    glm::dvec2 high = low_ = points[numbers.front()];
+    for (const uint32_t i : numbers) {
+      low_ = glm::min(low_, points[i]);
+      high = glm::max(high, points[i]);
+    }
+    cells_ = numbers.size() < 16 ? 1 : static_cast<uint32_t>(std::sqrt(static_cast<double>(numbers.size())));
+    const double extent = std::max({high.x - low_.x, high.y - low_.y, 1e-300});
+    scale_ = static_cast<double>(cells_) / extent;
+    starts_.assign(size_t{cells_} * cells_ + 1, 0);
+    for (const uint32_t i : numbers) ++starts_[cellOf(points[i]) + 1];
+    for (size_t cell = 1; cell < starts_.size(); ++cell) starts_[cell] += starts_[cell - 1];
+    numbers_.resize(numbers.size());
+    std::vector<uint32_t> next(starts_.begin(), starts_.end() - 1);
+    for (const uint32_t i : numbers) numbers_[next[cellOf(points[i])]++] = i;
+  }
+
+  /// True if the test holds for a point in the cells that a triangle's box touches. Takes steps off the
+  /// budget.
+  template <class Test>
+  bool any(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int64_t& budget, const Test& test) const {
+    if (cells_ == 0) return false;
+    const glm::dvec2 low = glm::min(a, glm::min(b, c));
+    const glm::dvec2 high = glm::max(a, glm::max(b, c));
+    const uint32_t last_x = place(high.x - low_.x);
+    const uint32_t last_y = place(high.y - low_.y);
+    for (uint32_t y = place(low.y - low_.y); y <= last_y; ++y) {
+      for (uint32_t x = place(low.x - low_.x); x <= last_x; ++x) {
+        const size_t cell = size_t{y} * cells_ + x;
+        budget -= 1 + starts_[cell + 1] - starts_[cell];
+        for (uint32_t i = starts_[cell]; i < starts_[cell + 1]; ++i) {
+          if (test(numbers_[i])) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  uint32_t place(double along) const {
+    return static_cast<uint32_t>(std::clamp(along * scale_, 0.0, static_cast<double>(cells_ - 1)));
+  }
+  size_t cellOf(glm::dvec2 point) const {
+    return size_t{place(point.y - low_.y)} * cells_ + place(point.x - low_.x);
+  }
+
+  glm::dvec2 low_{0};
+  double scale_ = 0;
+  uint32_t cells_ = 0;  ///< a side
+  std::vector<uint32_t> starts_;
+  std::vector<uint32_t> numbers_;
+};
 
 /// A polygon in the coordinate plane that shows most of it, counter-clockwise there, of size about 1.
 class Outline {
@@ -46,68 +106,70 @@ class Outline {
   double area(uint32_t a, uint32_t b, uint32_t c) const { return cross(points_[a], points_[b], points_[c]); }
 
   void clip(std::vector<glm::u32vec3>& triangles) {
-    link();
-    uint32_t corner = 0;
-    uint32_t failures = 0;
+    prepare();
     int tolerance = kStrict;
     for (uint32_t left = size_; left > 3;) {
-      if (isEar(corner, budget_ > 0 ? tolerance : kAny)) {
-        const uint32_t before = before_[corner];
-        const uint32_t after = after_[corner];
-        triangles.emplace_back(before, corner, after);
-        after_[before] = after;
-        before_[after] = before;
-        removed_[corner] = true;
-        --left;
-        failures = 0;
-        tolerance = kStrict;
-        corner = after_[after];  // not the same corner again: that would give a fan
-      } else {
-        corner = after_[corner];
-        if (++failures >= left) {
-          failures = 0;
-          ++tolerance;
-        }
+      if (candidates_.empty()) {
+        ++tolerance;
+        queueAll();
       }
-      if (left == 3) triangles.emplace_back(before_[corner], corner, after_[corner]);
+      const uint32_t corner = candidates_.front();
+      candidates_.pop_front();
+      if (removed_[corner] || !isEar(corner, budget_ > 0 ? tolerance : kAny)) continue;
+      const uint32_t before = before_[corner];
+      const uint32_t after = after_[corner];
+      triangles.emplace_back(before, corner, after);
+      after_[before] = after;
+      before_[after] = before;
+      removed_[corner] = true;
+      --left;
+      if (tolerance != kStrict) candidates_.clear();
+      tolerance = kStrict;
+      candidates_.push_back(before);  // of the others none becomes an ear by this
+      candidates_.push_back(after);
     }
+    const uint32_t last =
+        static_cast<uint32_t>(std::find(removed_.begin(), removed_.end(), false) - removed_.begin());
+    triangles.emplace_back(before_[last], last, after_[last]);
   }
 
  private:
-  void link() {
+  void prepare() {
     before_.resize(size_);
     after_.resize(size_);
     removed_.assign(size_, false);
+    std::vector<uint32_t> reflex;
     for (uint32_t i = 0; i < size_; ++i) {
       before_[i] = i == 0 ? size_ - 1 : i - 1;
       after_[i] = i + 1 == size_ ? 0 : i + 1;
+      if (!(area(before_[i], i, after_[i]) > 0)) reflex.push_back(i);
     }
-    for (uint32_t i = 0; i < size_; ++i) {
-      if (!(area(before_[i], i, after_[i]) > 0)) reflex_.push_back(i);
-    }
-    budget_ = std::max<int64_t>(kLeastBudget, int64_t{size_} * kBudgetPerCorner);
+    reflex_ = PointGrid(points_, reflex);
+    budget_ = kLeastBudget + int64_t{size_} * kBudgetPerCorner;
+    queueAll();
   }
 
-  /// Only reflex corners can lie in an ear.
+  /// Every second corner first: one after the other would give fans.
+  void queueAll() {
+    for (const uint32_t first : {0u, 1u}) {
+      for (uint32_t i = first; i < size_; i += 2) {
+        if (!removed_[i]) candidates_.push_back(i);
+      }
+    }
+  }
+
   bool isEar(uint32_t corner, int tolerance) {
     if (tolerance == kAny) return true;
+    --budget_;
     const uint32_t before = before_[corner];
     const uint32_t after = after_[corner];
     const double ear_area = area(before, corner, after);
     if (tolerance >= kFlat ? !(ear_area >= 0) : !(ear_area > 0)) return false;
     if (tolerance == kConvex) return true;
-    budget_ -= static_cast<int64_t>(reflex_.size()) + 1;
-    size_t kept = 0;
-    bool blocked = false;
-    for (size_t i = 0; i < reflex_.size(); ++i) {
-      const uint32_t other = reflex_[i];
-      if (removed_[other]) continue;
-      reflex_[kept++] = other;
-      if (other == before || other == corner || other == after) continue;
-      blocked = blocked || holds(before, corner, after, other, tolerance);
-    }
-    reflex_.resize(kept);
-    return !blocked;
+    return !reflex_.any(points_[before], points_[corner], points_[after], budget_, [&](uint32_t other) {
+      return !removed_[other] && other != before && other != corner && other != after &&
+             holds(before, corner, after, other, tolerance);
+    });
   }
 
   bool holds(uint32_t a, uint32_t b, uint32_t c, uint32_t point, int tolerance) const {
@@ -119,16 +181,17 @@ class Outline {
   }
 
   /// Tests of one corner against one ear; beyond that, any ear will do. A polygon that needs more is not
-  /// simple or has tens of thousands of corners.
+  /// simple.
   static constexpr int64_t kLeastBudget = 100'000;
-  static constexpr int64_t kBudgetPerCorner = 8192;
+  static constexpr int64_t kBudgetPerCorner = 1024;
 
   uint32_t size_;
   std::vector<glm::dvec2> points_;
   std::vector<uint32_t> before_;
   std::vector<uint32_t> after_;
   std::vector<bool> removed_;
-  std::vector<uint32_t> reflex_;  ///< corners that were not convex at first, less those cut off
+  std::deque<uint32_t> candidates_;
+  PointGrid reflex_;  ///< only a corner that was not convex at first can lie in an ear
   int64_t budget_ = 0;
 };
 
