@@ -6,8 +6,8 @@ namespace lode::ingest {
 
 bool CollapseCheck::keepsShape(uint32_t corner, glm::dvec3 from, glm::dvec3 to,
                                const CollapseLimits& limits) const {
-  const glm::dvec3 a = mesh_.points[mesh_.corner_position[CollapseMesh::next(corner)]];
-  const glm::dvec3 b = mesh_.points[mesh_.corner_position[CollapseMesh::previous(corner)]];
+  const glm::dvec3 a = mesh_.point(mesh_.at(CollapseMesh::next(corner)));
+  const glm::dvec3 b = mesh_.point(mesh_.at(CollapseMesh::previous(corner)));
   const glm::dvec3 side = b - a, old_side = from - a, new_side = to - a;
   const glm::dvec3 old_normal = glm::cross(side, old_side), new_normal = glm::cross(side, new_side);
   const double old_square = glm::dot(old_normal, old_normal), new_square = glm::dot(new_normal, new_normal);
@@ -29,23 +29,23 @@ bool CollapseCheck::keepsShape(uint32_t corner, glm::dvec3 from, glm::dvec3 to,
 
 double CollapseCheck::areaOfOthers(uint32_t u, uint32_t a, uint32_t b) const {
   for (const uint32_t corner : mesh_.around(u)) {
-    const uint32_t c = mesh_.corner_position[CollapseMesh::next(corner)];
-    const uint32_t d = mesh_.corner_position[CollapseMesh::previous(corner)];
+    const uint32_t c = mesh_.at(CollapseMesh::next(corner));
+    const uint32_t d = mesh_.at(CollapseMesh::previous(corner));
     if ((c != a || d != b) && (c != b || d != a)) continue;
-    return glm::length(glm::cross(mesh_.points[a] - mesh_.points[u], mesh_.points[b] - mesh_.points[u]));
+    return glm::length(glm::cross(mesh_.point(a) - mesh_.point(u), mesh_.point(b) - mesh_.point(u)));
   }
   return -1;
 }
 
 CollapseFinding CollapseCheck::look(uint32_t u, uint32_t v, glm::dvec3 to, const CollapseLimits& limits) {
   CollapseFinding finding;
-  if (mesh_.rings[u].count + mesh_.rings[v].count > limits.most_triangles) {
+  if (mesh_.positions[u].count + mesh_.positions[v].count > limits.most_triangles) {
     finding.removed = 1;
     return finding;
   }
   const std::vector<uint32_t>& position = mesh_.corner_position;
   stamp_ += 2;
-  const glm::dvec3 at_u = mesh_.points[u], at_v = mesh_.points[v];
+  const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
   const bool moves_u = to != at_u, moves_v = to != at_v;
   bool shapes = true;
   uint32_t apexes = 0, common = 0;

@@ -29,7 +29,7 @@ struct CollapseFinding {
 /// Looks at collapses of edges of a mesh, without changing it.
 class CollapseCheck {
  public:
-  explicit CollapseCheck(const CollapseMesh& mesh) : mesh_(mesh), marks_(mesh.points.size(), 0) {}
+  explicit CollapseCheck(const CollapseMesh& mesh) : mesh_(mesh), marks_(mesh.positions.size(), 0) {}
 
   /// @param to  where u and v would go; may be the place of one of them
   CollapseFinding look(uint32_t u, uint32_t v, glm::dvec3 to, const CollapseLimits& limits);

@@ -9,25 +9,22 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNone = ~0u;
-constexpr uint32_t kRingSlack = 4;  // places kept free in a ring that has to move
+constexpr uint32_t kSlack = 4;  // places kept free in a list of corners that has to move
 
 }  // namespace
 
 CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
-    : attributes(mesh.attributes), lca_depth(std::move(mesh.lca_depth)) {
-  const size_t positions = mesh.positions.size();
-  points.reserve(positions);
-  glm::dvec3 min(kMaxLattice), max(0);
-  for (const PositionCode code : mesh.positions) {
-    points.emplace_back(unpackPosition(code));
-    min = glm::min(min, points.back());
-    max = glm::max(max, points.back());
+    : attributes(mesh.attributes), positions(mesh.positions.size()) {
+  LatticeBox box;
+  for (const PositionCode code : mesh.positions) box.add(unpackPosition(code));
+  if (!box.empty()) origin = glm::floor(0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)));
+  for (uint32_t i = 0; i < positions.size(); ++i) {
+    CollapsePosition& position = positions[i];
+    position.point = glm::dvec3(unpackPosition(mesh.positions[i])) - origin;
+    position.lca_depth = mesh.lca_depth[i];
+    position.locked = mesh.lca_depth[i] < node_depth;
+    position.forward = i;
   }
-  if (positions > 0) origin = glm::floor(0.5 * (min + max));
-  for (glm::dvec3& point : points) point -= origin;
-  locked.resize(positions);
-  for (size_t i = 0; i < positions; ++i) locked[i] = lca_depth[i] < node_depth;
-
   live_triangles = mesh.triangles.size();
   const bool has_wedges = !mesh.wedge_attributes.empty();
   corner_position.resize(4 * live_triangles);
@@ -40,28 +37,54 @@ CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
     }
   }
   wedges = WedgeTable(attributes, std::move(mesh.wedge_attributes));
-  buildRings();
+  gatherCorners();
 }
 
-void CollapseMesh::buildRings() {
-  rings.resize(points.size());
+void CollapseMesh::gatherCorners() {
   const uint32_t corners = static_cast<uint32_t>(4 * live_triangles);
   for (uint32_t c = 0; c < corners; c += 4) {
-    for (uint32_t k = 0; k < 3; ++k) ++rings[corner_position[c + k]].capacity;
+    for (uint32_t k = 0; k < 3; ++k) ++positions[corner_position[c + k]].capacity;
   }
   uint32_t first = 0;
-  for (Ring& ring : rings) {
-    ring.first = first;
-    first += ring.capacity;
+  for (CollapsePosition& position : positions) {
+    position.first = first;
+    first += position.capacity;
   }
   pool.reserve(3 * static_cast<size_t>(first));
   pool.resize(first);
   for (uint32_t c = 0; c < corners; c += 4) {
     for (uint32_t k = 0; k < 3; ++k) {
-      Ring& ring = rings[corner_position[c + k]];
-      pool[ring.first + ring.count++] = c + k;
+      CollapsePosition& position = positions[corner_position[c + k]];
+      pool[position.first + position.count++] = c + k;
     }
   }
+}
+
+std::vector<CollapseMesh::Edge> CollapseMesh::edges() const {
+  std::vector<Edge> result;
+  result.reserve(live_triangles * 3 / 2 + positions.size() / 16);
+  std::vector<uint32_t> slot(positions.size(), kNone);
+  const uint32_t count = static_cast<uint32_t>(positions.size());
+  for (uint32_t u = 0; u < count; ++u) {
+    const size_t first = result.size();
+    for (const uint32_t corner : around(u)) {
+      for (const uint32_t other : {next(corner), previous(corner)}) {
+        const uint32_t v = corner_position[other];
+        if (v < u) continue;
+        const uint32_t wedge_u = hasWedges() ? corner_wedge[corner] : 0;
+        const uint32_t wedge_v = hasWedges() ? corner_wedge[other] : 0;
+        if (slot[v] != kNone && slot[v] >= first) {
+          Edge& edge = result[slot[v]];
+          ++edge.uses;
+          edge.seam |= edge.wedge_u != wedge_u || edge.wedge_v != wedge_v;
+        } else {
+          slot[v] = static_cast<uint32_t>(result.size());
+          result.push_back({u, v, 1, corner, wedge_u, wedge_v, false});
+        }
+      }
+    }
+  }
+  return result;
 }
 
 EdgeKind CollapseMesh::edgeKind(uint32_t u, uint32_t v) const noexcept {
@@ -82,23 +105,25 @@ EdgeKind CollapseMesh::edgeKind(uint32_t u, uint32_t v) const noexcept {
   return uses != 2 ? EdgeKind::kRim : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
 }
 
-void CollapseMesh::classifyPositions() {
-  std::vector<uint8_t> seams(points.size()), rims(points.size());
+void CollapseMesh::classifyPositions(std::span<const Edge> edges) {
+  struct Features {
+    uint8_t seams = 0, rims = 0;
+  };
+  std::vector<Features> features(positions.size());
   const auto count = [](uint8_t& n) { n = static_cast<uint8_t>(std::min(n + 1, 3)); };
-  forEachEdge([&](const Edge& edge) {
+  for (const Edge& edge : edges) {
     const EdgeKind kind = edge.kind();
-    if (kind == EdgeKind::kSmooth) return;
-    std::vector<uint8_t>& counts = kind == EdgeKind::kSeam ? seams : rims;
-    count(counts[edge.u]);
-    count(counts[edge.v]);
-  });
-  position_kind.resize(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    position_kind[i] = rims[i] == 0                    ? seams[i] == 0   ? PositionKind::kSmooth
-                                                         : seams[i] == 2 ? PositionKind::kSeam
-                                                                         : PositionKind::kSeamCorner
-                       : rims[i] == 2 && seams[i] == 0 ? PositionKind::kRim
-                                                       : PositionKind::kRimCorner;
+    if (kind == EdgeKind::kSmooth) continue;
+    for (const uint32_t end : {edge.u, edge.v})
+      count(kind == EdgeKind::kSeam ? features[end].seams : features[end].rims);
+  }
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const auto [seams, rims] = features[i];
+    positions[i].kind = rims == 0                 ? seams == 0   ? PositionKind::kSmooth
+                                                    : seams == 2 ? PositionKind::kSeam
+                                                                 : PositionKind::kSeamCorner
+                        : rims == 2 && seams == 0 ? PositionKind::kRim
+                                                  : PositionKind::kRimCorner;
   }
 }
 
@@ -107,17 +132,18 @@ void CollapseMesh::kill(uint32_t triangle, uint32_t except) {
     const uint32_t position = corner_position[corner];
     corner_position[corner] = kNone;
     if (position == except) continue;
-    Ring& ring = rings[position];
-    uint32_t* const begin = pool.data() + ring.first;
-    *std::find(begin, begin + ring.count, corner) = begin[ring.count - 1];
-    --ring.count;
+    CollapsePosition& list = positions[position];
+    uint32_t* const begin = pool.data() + list.first;
+    *std::find(begin, begin + list.count, corner) = begin[list.count - 1];
+    --list.count;
   }
   --live_triangles;
 }
 
 void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double gone_share) {
   if (hasWedges()) mergeWedges(keep, gone, gone_share);
-  Ring& kept = rings[keep];
+  CollapsePosition& kept = positions[keep];
+  CollapsePosition& left = positions[gone];
   dying_.assign(around(gone).begin(), around(gone).end());
   const auto shared = std::partition(dying_.begin(), dying_.end(), [&](uint32_t corner) {
     return corner_position[next(corner)] != keep && corner_position[previous(corner)] != keep;
@@ -126,12 +152,12 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
   const uint32_t moving = static_cast<uint32_t>(shared - dying_.begin());
   if (kept.count + moving > kept.capacity) {
     const uint32_t total = kept.count + moving;
-    if (total <= rings[gone].capacity) {
-      std::copy_n(pool.data() + kept.first, kept.count, pool.data() + rings[gone].first);
-      kept.first = rings[gone].first;
-      kept.capacity = rings[gone].capacity;
+    if (total <= left.capacity) {
+      std::copy_n(pool.data() + kept.first, kept.count, pool.data() + left.first);
+      kept.first = left.first;
+      kept.capacity = left.capacity;
     } else {
-      const uint32_t capacity = total + kRingSlack + total / 8, first = static_cast<uint32_t>(pool.size());
+      const uint32_t capacity = total + kSlack + total / 8, first = static_cast<uint32_t>(pool.size());
       pool.resize(first + capacity);
       std::copy_n(pool.data() + kept.first, kept.count, pool.data() + first);
       kept.first = first;
@@ -142,8 +168,10 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
     pool[kept.first + kept.count++] = dying_[i];
     corner_position[dying_[i]] = keep;
   }
-  rings[gone] = {};
-  points[keep] = point;
+  left.count = left.capacity = 0;
+  left.forward = keep;
+  kept.point = point;
+  kept.quadric += left.quadric;
 }
 
 // Wedges of `gone` that share a triangle of the edge with one of `keep` become one with it; the others stay
@@ -201,12 +229,12 @@ void CollapseMesh::removeFolds(uint32_t position) {
 NodeMesh CollapseMesh::compact() const {
   NodeMesh result;
   result.attributes = attributes;
-  std::vector<uint32_t> new_position(points.size(), kNone);
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (rings[i].count == 0) continue;
+  std::vector<uint32_t> new_position(positions.size(), kNone);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    if (positions[i].count == 0) continue;
     new_position[i] = static_cast<uint32_t>(result.positions.size());
-    result.positions.push_back(packPosition(glm::uvec3(points[i] + origin)));
-    result.lca_depth.push_back(lca_depth[i]);
+    result.positions.push_back(packPosition(glm::uvec3(positions[i].point + origin)));
+    result.lca_depth.push_back(positions[i].lca_depth);
   }
   result.triangles.reserve(live_triangles);
   if (!hasWedges()) {
@@ -221,7 +249,7 @@ NodeMesh CollapseMesh::compact() const {
   }
   // Wedges of one position whose attributes have become equal are one.
   std::vector<uint32_t> new_wedge(wedges.size(), kNone);
-  for (uint32_t i = 0; i < points.size(); ++i) {
+  for (uint32_t i = 0; i < positions.size(); ++i) {
     const size_t first = result.wedge_position.size();
     for (const uint32_t corner : around(i)) {
       uint32_t& wedge = new_wedge[corner_wedge[corner]];

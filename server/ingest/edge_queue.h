@@ -3,22 +3,24 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace lode::ingest {
 
 /// Items by rising key, first come first served among keys that differ by less than 1/16: keys fall into the
-/// buckets that their exponent and four highest fraction bits make. Constant time, no allocation while it
-/// runs. An item is a number below `capacity` and is in the queue once at most.
+/// buckets that their exponent and four highest fraction bits make. Buckets are chains of small blocks, so
+/// that items are read one after the other and the next ones can be fetched ahead.
+template <typename Item>
 class EdgeQueue {
  public:
-  static constexpr uint32_t kNone = ~0u;
+  EdgeQueue() { clear(); }
 
-  void reset(size_t capacity) {
-    next_.assign(capacity, kNone);
-    heads_.fill(kNone);
-    tails_.fill(kNone);
+  void clear() {
+    blocks_.clear();
+    free_ = kNone;
+    chains_.fill({});
     occupied_.fill(0);
     current_ = 0;
   }
@@ -29,45 +31,91 @@ class EdgeQueue {
   /// The bucket of the item that pop() gave last.
   uint32_t current() const noexcept { return current_; }
 
-  void push(uint32_t item, float key) noexcept {
+  void push(const Item& item, float key) {
     const uint32_t bucket = bucketOf(key);
-    next_[item] = kNone;
-    if (heads_[bucket] == kNone) {
-      heads_[bucket] = item;
+    Chain& chain = chains_[bucket];
+    if (chain.last == kNone) {
+      chain.first = chain.last = newBlock();
+      chain.begin = chain.end = 0;
       occupied_[bucket / 64] |= uint64_t{1} << bucket % 64;
-    } else {
-      next_[tails_[bucket]] = item;
+    } else if (chain.end == kBlock) {
+      const uint32_t block = newBlock();
+      blocks_[chain.last].next = block;
+      chain.last = block;
+      chain.end = 0;
     }
-    tails_[bucket] = item;
+    blocks_[chain.last].items[chain.end++] = item;
     current_ = std::min(current_, bucket);
   }
 
-  /// An item of the lowest occupied bucket, or kNone.
-  uint32_t pop() noexcept {
-    while (heads_[current_] == kNone) {
-      size_t word = current_ / 64;
-      uint64_t bits = occupied_[word] & ~uint64_t{0} << current_ % 64;
-      while (bits == 0) {
-        if (++word == kWords) return kNone;
-        bits = occupied_[word];
-      }
-      current_ = static_cast<uint32_t>(64 * word) + static_cast<uint32_t>(std::countr_zero(bits));
+  /// Takes an item of the lowest occupied bucket; false when there is none.
+  /// @param soon  called with an item that will be taken a few calls later, if no lower key comes
+  template <typename Soon>
+  bool pop(Item& item, Soon&& soon) noexcept {
+    if (chains_[current_].first == kNone && !advance()) return false;
+    Chain& chain = chains_[current_];
+    const Block& block = blocks_[chain.first];
+    item = block.items[chain.begin++];
+    const uint32_t end = chain.first == chain.last ? chain.end : kBlock;
+    if (chain.begin + kAhead < end) soon(block.items[chain.begin + kAhead]);
+    if (chain.begin < end) return true;
+    const uint32_t used = chain.first;
+    if (used == chain.last) {
+      chain = {};
+      occupied_[current_ / 64] &= ~(uint64_t{1} << current_ % 64);
+    } else {
+      chain.first = block.next;
+      chain.begin = 0;
     }
-    const uint32_t item = heads_[current_];
-    heads_[current_] = next_[item];
-    if (heads_[current_] == kNone) occupied_[current_ / 64] &= ~(uint64_t{1} << current_ % 64);
-    return item;
+    blocks_[used].next = free_;
+    free_ = used;
+    return true;
   }
 
  private:
+  static constexpr uint32_t kNone = ~0u;
   static constexpr uint32_t kDroppedBits = 19;                   // of the 23 of a float's fraction
   static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // no sign
   static constexpr size_t kWords = kBuckets / 64;
+  static constexpr uint32_t kBlock = 30;
+  static constexpr uint32_t kAhead = 4;
 
-  std::vector<uint32_t> next_;
-  std::array<uint32_t, kBuckets> heads_{}, tails_{};
-  std::array<uint64_t, kWords> occupied_{};
-  uint32_t current_ = 0;
+  struct Block {
+    std::array<Item, kBlock> items;
+    uint32_t next;
+  };
+  struct Chain {
+    uint32_t first = kNone, last = kNone;  // blocks
+    uint32_t begin = 0, end = 0;           // of the items in the first, in the last
+  };
+
+  bool advance() noexcept {
+    size_t word = current_ / 64;
+    uint64_t bits = occupied_[word] & ~uint64_t{0} << current_ % 64;
+    while (bits == 0) {
+      if (++word == kWords) return false;
+      bits = occupied_[word];
+    }
+    current_ = static_cast<uint32_t>(64 * word) + static_cast<uint32_t>(std::countr_zero(bits));
+    return true;
+  }
+
+  uint32_t newBlock() {
+    uint32_t block = free_;
+    if (block == kNone) {
+      block = static_cast<uint32_t>(blocks_.size());
+      blocks_.emplace_back();
+    } else {
+      free_ = blocks_[block].next;
+    }
+    return block;
+  }
+
+  std::vector<Block> blocks_;
+  uint32_t free_;
+  std::array<Chain, kBuckets> chains_;
+  std::array<uint64_t, kWords> occupied_;
+  uint32_t current_;
 };
 
 }  // namespace lode::ingest
