@@ -22,9 +22,7 @@ void MeshCache::insert(MeshKey key, std::shared_ptr<const Mesh> mesh) {
   const uint64_t mesh_bytes = meshBytes(*mesh);
   const auto [entry, is_new] =
       entries_.try_emplace(key, Entry{std::move(mesh), mesh_bytes, round_, round_, false});
-  if (!is_new) return;
-  bytes_ += mesh_bytes;
-  for (NodeKey node = key.node; node.value != 0; node = node.parent()) ++below_[node.value];
+  if (is_new) bytes_ += mesh_bytes;
 }
 
 void MeshCache::pin(MeshKey key) {
@@ -34,11 +32,6 @@ void MeshCache::pin(MeshKey key) {
 std::shared_ptr<const Mesh> MeshCache::find(MeshKey key) const noexcept {
   const auto entry = entries_.find(key);
   return entry == entries_.end() ? nullptr : entry->second.mesh;
-}
-
-uint64_t MeshCache::countBelow(NodeKey node) const noexcept {
-  const auto count = below_.find(node.value);
-  return count == below_.end() ? 0 : count->second;
 }
 
 void MeshCache::use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently) {
@@ -68,10 +61,6 @@ void MeshCache::evict(MeshKey key) {
   const auto entry = entries_.find(key);
   bytes_ -= entry->second.bytes;
   entries_.erase(entry);
-  for (NodeKey node = key.node; node.value != 0; node = node.parent()) {
-    const auto count = below_.find(node.value);
-    if (--count->second == 0) below_.erase(count);
-  }
 }
 
 }  // namespace lode::core

@@ -38,8 +38,6 @@ class MeshCache {
   /// @return null if it is not resident.
   std::shared_ptr<const Mesh> find(MeshKey key) const noexcept;
   bool contains(MeshKey key) const noexcept { return entries_.contains(key); }
-  /// Meshes resident at the node or anywhere below it.
-  uint64_t countBelow(NodeKey node) const noexcept;
 
   /// Starts a new round of use and evicts what does not fit the budget, but nothing in use or pinned.
   /// @param in_use    meshes that must stay until the next call.
@@ -69,7 +67,6 @@ class MeshCache {
   uint64_t bytes_ = 0;
   uint64_t round_ = 1;
   std::unordered_map<MeshKey, Entry, KeyHash> entries_;
-  std::unordered_map<uint64_t, uint64_t> below_;  // node -> resident meshes at it and below
 };
 
 }  // namespace lode::core

@@ -170,10 +170,7 @@ class Run {
   }
 
   /// True if resident meshes at the node, or at it and below, cover it.
-  bool covered(const Node& node) {
-    if (anyReady(node)) return true;
-    return cache_.countBelow(node.key) != 0 && childrenCovered(node);
-  }
+  bool covered(const Node& node) { return anyReady(node) || childrenCovered(node); }
 
   bool childrenCovered(const Node& node) {
     if (node.isLeaf() || !hierarchy_.childrenKnown(node)) return false;

@@ -1,0 +1,76 @@
+#include "client/core/cache.h"
+
+#include <gtest/gtest.h>
+
+namespace lode::core {
+namespace {
+
+constexpr NodeKey kChild{8}, kGrandchild{64};
+
+std::shared_ptr<const Mesh> meshOf(size_t triangles) {
+  Mesh mesh;
+  mesh.triangles.resize(triangles);
+  return std::make_shared<const Mesh>(std::move(mesh));
+}
+
+const uint64_t kMeshBytes = meshBytes(*meshOf(100));
+
+TEST(MeshCache, countsTheBytesOfItsMeshes) {
+  MeshCache cache(1u << 30);
+  cache.insert({kRootKey, 0}, meshOf(100));
+  cache.insert({kChild, 0}, meshOf(100));
+  cache.insert({kChild, 0}, meshOf(100));
+  EXPECT_EQ(cache.bytes(), 2 * kMeshBytes);
+  EXPECT_GE(kMeshBytes, 100 * sizeof(glm::u32vec3));
+}
+
+TEST(MeshCache, predictsTheBytesOfAMesh) {
+  Mesh mesh;
+  mesh.attributes = {AttributeSet::kColour};
+  mesh.positions.resize(7);
+  mesh.vertex_attributes.resize(7);
+  mesh.triangles.resize(11);
+  EXPECT_EQ(meshBytes(mesh), meshBytes(7, 11, mesh.attributes));
+}
+
+TEST(MeshCache, evictsTheLeastRecentlyUsedFirst) {
+  MeshCache cache(2 * kMeshBytes);
+  const MeshKey a{NodeKey{8}, 0}, b{NodeKey{9}, 0}, c{NodeKey{10}, 0};
+  cache.insert(a, meshOf(100));
+  cache.use(std::vector{a}, {});
+  cache.insert(b, meshOf(100));
+  cache.use(std::vector{b}, {});
+  cache.insert(c, meshOf(100));
+  cache.use(std::vector{c}, {});
+  EXPECT_FALSE(cache.contains(a));
+  EXPECT_TRUE(cache.contains(b));
+  EXPECT_TRUE(cache.contains(c));
+  EXPECT_LE(cache.bytes(), cache.budgetBytes());
+}
+
+TEST(MeshCache, keepsWhatIsInUseOrPinnedEvenBeyondTheBudget) {
+  MeshCache cache(0);
+  cache.insert({kRootKey, 2}, meshOf(100));
+  cache.pin({kRootKey, 2});
+  cache.insert({kChild, 0}, meshOf(100));
+  cache.insert({kChild, 1}, meshOf(100));
+  cache.use(std::vector{MeshKey{kChild, 0}}, {});
+  EXPECT_TRUE(cache.contains({kRootKey, 2}));
+  EXPECT_TRUE(cache.contains({kChild, 0}));
+  EXPECT_FALSE(cache.contains({kChild, 1}));
+}
+
+TEST(MeshCache, evictsAncestorsAfterTheRest) {
+  MeshCache cache(2 * kMeshBytes);
+  cache.insert({kRootKey, 0}, meshOf(100));
+  cache.insert({kChild, 0}, meshOf(100));
+  cache.insert({kGrandchild, 0}, meshOf(100));
+  cache.use({}, {});
+  EXPECT_FALSE(cache.contains({kGrandchild, 0}));
+  cache.insert({NodeKey{9}, 0}, meshOf(100));
+  cache.use({}, std::vector{MeshKey{kRootKey, 0}, MeshKey{kChild, 0}});
+  EXPECT_FALSE(cache.contains({NodeKey{9}, 0}));
+}
+
+}  // namespace
+}  // namespace lode::core

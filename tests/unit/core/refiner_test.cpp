@@ -1,0 +1,346 @@
+#include "client/core/refiner.h"
+
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/core/synthetic_model.h"
+
+namespace lode::core {
+namespace {
+
+using test::SyntheticModel;
+using Parts = std::map<NodeKey, uint32_t>;
+
+View lookingAt(glm::dvec3 eye, glm::dvec3 target, uint32_t height_px = 720) {
+  View view;
+  view.eye_model = eye;
+  view.forward = glm::normalize(target - eye);
+  view.up = glm::normalize(glm::cross(glm::cross(view.forward, glm::dvec3(0.1, 1, 0.2)), view.forward));
+  view.width_px = height_px * 16 / 9;
+  view.height_px = height_px;
+  return view;
+}
+
+View closeView() { return lookingAt({512, 512, 1400}, {200, 300, 0}); }
+View farView() { return lookingAt({4000, 9000, 30000}, {512, 512, 512}); }
+View insideView() { return lookingAt({500, 510, 520}, {0, 0, 400}); }
+
+/// The definition of the converged cut, written down as plainly as can be.
+class BruteForce {
+ public:
+  BruteForce(const SyntheticModel& model, const View& view, float threshold_px)
+      : model_(model), view_(view), threshold_px_(threshold_px) {
+    visit(kRootKey);
+  }
+  const Parts& parts() const { return parts_; }
+  float errorPx(NodeKey key, uint32_t rung) const {
+    const Node& node = model_.nodes().at(key);
+    const ModelBox box = toModelBox(node.box, SyntheticModel::lattice().step);
+    return screenErrorPx(std::max(node.rungs[rung].error_model, node.rungs[rung].appearance_error_model),
+                         distanceToBox(view_.eye_model, box), view_);
+  }
+
+ private:
+  void visit(NodeKey key) {
+    const Node& node = model_.nodes().at(key);
+    const uint32_t last = static_cast<uint32_t>(node.rungs.size()) - 1;
+    if (!boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view_)) return add(node, last);
+    for (uint32_t rung = last + 1; rung-- > 0;)
+      if (errorPx(key, rung) <= threshold_px_) return add(node, rung);
+    if (node.isLeaf()) return add(node, 0);
+    for (unsigned octant = 0; octant < 8; ++octant)
+      if ((node.child_mask >> octant & 1) != 0) visit(key.child(octant));
+  }
+  void add(const Node& node, uint32_t rung) {
+    if (node.rungs[rung].triangles != 0) parts_[node.key] = rung;
+  }
+
+  const SyntheticModel& model_;
+  const View view_;
+  const float threshold_px_;
+  Parts parts_;
+};
+
+Parts partsOf(const Cut& cut) {
+  Parts parts;
+  for (const CutPart& part : cut.parts) parts[part.node] = part.rung;
+  EXPECT_EQ(parts.size(), cut.parts.size());
+  return parts;
+}
+
+/// A client whose server answers wishes in an order that the test chooses.
+class Scripted {
+ public:
+  explicit Scripted(const SyntheticModel& model, uint64_t budget_bytes = 1ull << 40)
+      : model_(model), hierarchy_(model.nodes().size()), cache_(budget_bytes) {
+    hierarchy_.addRootPage(model.rootPage());
+  }
+
+  const Refinement& refineFor(const View& view, const RefineOptions& options) {
+    last_ =
+        refine(hierarchy_, cache_, SyntheticModel::lattice(), SyntheticModel::attributes(), view, options);
+    cache_.use(last_.in_use, last_.ancestors);
+    return last_;
+  }
+
+  void deliver(const Wanted& wanted) {
+    ++delivered_;
+    if (wanted.is_page) {
+      hierarchy_.addPage(wanted.mesh.node, model_.pageBelow(wanted.mesh.node));
+    } else {
+      cache_.insert(wanted.mesh, model_.mesh(wanted.mesh));
+    }
+  }
+
+  /// Delivers wishes, each time any of them, until none is left. @param check  called on every cut.
+  template <typename Check>
+  void converge(const View& view, const RefineOptions& options, std::mt19937& random, Check check) {
+    for (size_t round = 0; round < 20000; ++round) {
+      refineFor(view, options);
+      check(last_);
+      if (last_.wanted.empty()) return;
+      deliver(last_.wanted[random() % last_.wanted.size()]);
+    }
+    FAIL() << "wishes without end";
+  }
+
+  const Refinement& last() const { return last_; }
+  MeshCache& cache() { return cache_; }
+  size_t delivered() const { return delivered_; }
+
+ private:
+  const SyntheticModel& model_;
+  Hierarchy hierarchy_;
+  MeshCache cache_;
+  Refinement last_;
+  size_t delivered_ = 0;
+};
+
+const auto kNoCheck = [](const Refinement&) {};
+
+/// Every leaf's place is covered by exactly one part, or by none where a rung on the way is empty.
+void expectComplete(const SyntheticModel& model, const Cut& cut) {
+  const Parts parts = partsOf(cut);
+  for (const NodeKey leaf : model.leaves()) {
+    int covering = 0;
+    bool may_be_empty = false;
+    for (int depth = 0; depth <= leaf.depth(); ++depth) {
+      const NodeKey key = leaf.ancestorAt(depth);
+      covering += static_cast<int>(parts.count(key));
+      for (const Rung& rung : model.nodes().at(key).rungs) may_be_empty |= rung.triangles == 0;
+    }
+    if (may_be_empty) {
+      ASSERT_LE(covering, 1) << leaf.value;
+    } else {
+      ASSERT_EQ(covering, 1) << leaf.value;
+    }
+  }
+}
+
+class RefinerOnSeeds : public testing::TestWithParam<uint32_t> {
+ protected:
+  SyntheticModel model_{{.seed = GetParam(), .empty_chance = GetParam() % 2 ? 0.1 : 0.0}};
+  std::mt19937 random_{GetParam() * 7919};
+};
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RefinerOnSeeds, testing::Range(1u, 13u));
+
+TEST_P(RefinerOnSeeds, convergesToTheCutThatBruteForceFinds) {
+  for (const View& view : {closeView(), farView(), insideView()}) {
+    for (const float threshold_px : {1.0f, 30.0f}) {
+      Scripted client(model_);
+      client.converge(view, {.threshold_px = threshold_px}, random_, kNoCheck);
+      ASSERT_TRUE(client.last().cut);
+      EXPECT_TRUE(client.last().cut->converged);
+      EXPECT_TRUE(client.last().settled);
+      EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, view, threshold_px).parts());
+    }
+  }
+}
+
+TEST_P(RefinerOnSeeds, convergesToTheSameCutWhateverCameBefore) {
+  Scripted client(model_);
+  for (const View& view : {farView(), insideView(), closeView(), farView()}) {
+    client.converge(view, {.threshold_px = 5}, random_, kNoCheck);
+    EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, view, 5).parts());
+  }
+}
+
+TEST_P(RefinerOnSeeds, neverShowsAHoleOrAPlaceTwice) {
+  Scripted client(model_);
+  bool shown = false;
+  const auto check = [&](const Refinement& now) {
+    EXPECT_TRUE(now.cut || !shown);
+    shown |= now.cut != nullptr;
+    if (now.cut) expectComplete(model_, *now.cut);
+  };
+  for (const View& view : {closeView(), insideView(), farView(), insideView()})
+    client.converge(view, {.threshold_px = 4}, random_, check);
+  EXPECT_TRUE(shown);
+}
+
+TEST_P(RefinerOnSeeds, neverShowsAHoleWhenTheCacheIsTooSmall) {
+  Scripted unlimited(model_);
+  unlimited.converge(closeView(), {.threshold_px = 4}, random_, kNoCheck);
+  const uint64_t budget = unlimited.cache().bytes();
+  Scripted client(model_, budget);
+  const auto check = [&](const Refinement& now) {
+    if (now.cut) expectComplete(model_, *now.cut);
+  };
+  for (const View& view : {closeView(), insideView(), farView(), closeView()})
+    client.converge(view, {.threshold_px = 4, .cut_budget_bytes = budget / 2}, random_, check);
+}
+
+TEST_P(RefinerOnSeeds, keepsWhatWasShownFinerUntilTheCoarserArrives) {
+  const View near = lookingAt({1500, 1600, 4000}, {512, 512, 512});
+  const View far = lookingAt({6000, 6400, 16000}, {512, 512, 512});
+  Scripted client(model_);
+  client.converge(near, {.threshold_px = 2}, random_, kNoCheck);
+  for (const CutPart& part : client.last().cut->parts) ASSERT_TRUE(part.visible);
+  const Refinement& now = client.refineFor(far, {.threshold_px = 2});
+  EXPECT_FALSE(now.wanted.empty());
+  expectComplete(model_, *now.cut);
+  for (const CutPart& part : now.cut->parts)
+    EXPECT_TRUE(part.error_px <= 2 || (part.rung == 0 && model_.nodes().at(part.node).isLeaf()));
+}
+
+TEST_P(RefinerOnSeeds, aLowerThresholdNeverGivesLessTriangles) {
+  uint64_t before = 0;
+  for (const float threshold_px : {64.0f, 16.0f, 4.0f, 1.0f}) {
+    Scripted client(model_);
+    client.converge(closeView(), {.threshold_px = threshold_px}, random_, kNoCheck);
+    EXPECT_GE(client.last().cut->triangles, before);
+    before = client.last().cut->triangles;
+  }
+}
+
+TEST_P(RefinerOnSeeds, staysWithinATriangleBudgetAndSaysSo) {
+  Scripted unlimited(model_);
+  unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
+  const uint64_t budget = unlimited.last().cut->triangles / 2;
+  Scripted client(model_);
+  client.converge(closeView(), {.threshold_px = 1, .triangle_budget = budget}, random_, kNoCheck);
+  EXPECT_LE(client.last().cut->triangles, budget);
+  EXPECT_TRUE(client.last().limited);
+  EXPECT_TRUE(client.last().settled);
+  EXPECT_FALSE(client.last().cut->converged);
+}
+
+TEST_P(RefinerOnSeeds, staysWithinAMemoryBudgetAndSaysSo) {
+  Scripted unlimited(model_);
+  unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
+  uint64_t all = 0;
+  for (const CutPart& part : unlimited.last().cut->parts) all += meshBytes(*part.mesh);
+  Scripted client(model_);
+  client.converge(closeView(), {.threshold_px = 1, .cut_budget_bytes = all - 1}, random_, kNoCheck);
+  uint64_t held = 0;
+  for (const CutPart& part : client.last().cut->parts) held += meshBytes(*part.mesh);
+  EXPECT_LT(held, all);
+  EXPECT_TRUE(client.last().limited);
+  EXPECT_FALSE(client.last().cut->converged);
+}
+
+TEST_P(RefinerOnSeeds, asksForLittleMoreThanTheConvergedCut) {
+  Scripted client(model_);
+  client.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
+  size_t pages = 0;
+  for (const auto& [key, node] : model_.nodes()) pages += node.child_page ? 1 : 0;
+  EXPECT_LE(client.delivered(), client.last().cut->parts.size() * 5 / 4 + pages + 1);
+}
+
+TEST(Refiner, wishesForTheBiggestErrorFirst) {
+  const SyntheticModel model({.seed = 3});
+  Scripted client(model);
+  std::mt19937 random(1);
+  const auto check = [](const Refinement& now) {
+    for (size_t i = 1; i < now.wanted.size(); ++i) {
+      const Wanted &a = now.wanted[i - 1], &b = now.wanted[i];
+      EXPECT_TRUE(a.wish_class < b.wish_class ||
+                  (a.wish_class == b.wish_class && a.priority_px >= b.priority_px));
+    }
+  };
+  client.converge(closeView(), {.threshold_px = 2}, random, check);
+}
+
+TEST(Refiner, asksForTheRootFirstAndShowsNothingBeforeIt) {
+  const SyntheticModel model({.seed = 3});
+  Scripted client(model);
+  const Refinement& first = client.refineFor(closeView(), {.threshold_px = 2});
+  EXPECT_FALSE(first.cut);
+  ASSERT_EQ(first.wanted.size(), 1u);
+  EXPECT_EQ(first.wanted[0].mesh, (MeshKey{kRootKey, 3}));
+}
+
+TEST(Refiner, sharpensInManySmallSteps) {
+  const SyntheticModel model({.seed = 5, .split_chance = 1});
+  Scripted client(model);
+  const RefineOptions options{.threshold_px = 1};
+  size_t changes = 0;
+  Parts before;
+  while (true) {
+    const Refinement& now = client.refineFor(closeView(), options);
+    if (now.cut && partsOf(*now.cut) != before) {
+      before = partsOf(*now.cut);
+      ++changes;
+    }
+    if (now.wanted.empty()) break;
+    client.deliver(now.wanted.front());
+  }
+  EXPECT_GT(changes, 10u);
+}
+
+TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {
+  const SyntheticModel model({.seed = 4});
+  Scripted client(model);
+  std::mt19937 random(2);
+  client.converge(insideView(), {.threshold_px = 1}, random, kNoCheck);
+  size_t outside = 0;
+  for (const CutPart& part : client.last().cut->parts) {
+    if (part.visible) continue;
+    ++outside;
+    EXPECT_EQ(part.rung + 1, model.nodes().at(part.node).rungs.size());
+  }
+  EXPECT_GT(outside, 0u);
+}
+
+TEST(Refiner, refinesOnTheAppearanceErrorToo) {
+  HierarchyPage page;
+  Node root;
+  root.key = kRootKey;
+  root.box.add(glm::uvec3(0));
+  root.box.add(glm::uvec3(1024));
+  root.rungs = {{{1, 10, {}}, 100, 60, 0, 0, 0}, {{2, 10, {}}, 10, 9, 0, 0, 1}};
+  page.nodes = {root};
+  Hierarchy hierarchy(1);
+  hierarchy.addRootPage(page);
+  MeshCache cache(1u << 20);
+  const Lattice lattice{{0, 0, 0}, 1};
+  const View view = lookingAt({512, 512, 2000}, {512, 512, 0});
+  EXPECT_EQ(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted[0].mesh.rung, 1u);
+  cache.insert({kRootKey, 1}, std::make_shared<const Mesh>());
+  EXPECT_TRUE(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted.empty());
+  const Refinement sharp = refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 0.1f});
+  ASSERT_EQ(sharp.wanted.size(), 1u);
+  EXPECT_EQ(sharp.wanted[0].mesh.rung, 0u);
+}
+
+TEST(Refiner, publishesPartsInKeyOrderWithTheirMeshes) {
+  const SyntheticModel model({.seed = 6, .empty_chance = 0.2});
+  Scripted client(model);
+  std::mt19937 random(3);
+  client.converge(closeView(), {.threshold_px = 1}, random, [](const Refinement& now) {
+    if (!now.cut) return;
+    uint64_t triangles = 0;
+    for (size_t i = 0; i < now.cut->parts.size(); ++i) {
+      ASSERT_TRUE(now.cut->parts[i].mesh);
+      triangles += now.cut->parts[i].mesh->triangles.size();
+      EXPECT_TRUE(i == 0 || now.cut->parts[i - 1].node < now.cut->parts[i].node);
+    }
+    EXPECT_EQ(triangles, now.cut->triangles);
+  });
+}
+
+}  // namespace
+}  // namespace lode::core

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "client/core/cache.h"
+#include "client/core/hierarchy.h"
+#include "common/hierarchy_page.h"
+
+namespace lode::core::test {
+
+/// A random octree of nodes without geometry: boxes, rungs and errors as a store would have them, cut into
+/// pages as docs/store-format.md says. Meshes have the announced numbers of vertices and triangles.
+class SyntheticModel {
+ public:
+  struct Options {
+    uint32_t seed = 1;
+    int depth = 4;
+    double split_chance = 0.8;
+    double child_chance = 0.6;
+    double empty_chance = 0;  ///< of a node's coarsest rung without triangles
+  };
+
+  explicit SyntheticModel(Options options) : options_(options), random_(options.seed) {
+    LatticeBox box;
+    box.add(glm::uvec3(0));
+    box.add(glm::uvec3(1u << 20));
+    grow(kRootKey, box, 4096.0f, 8192.0f);
+  }
+
+  static Lattice lattice() { return {{0, 0, 0}, 1.0 / 1024}; }
+  static AttributeSet attributes() { return {AttributeSet::kNormal}; }
+  static double boxSide() { return 1024; }
+
+  const std::map<NodeKey, Node>& nodes() const { return nodes_; }
+
+  HierarchyPage rootPage() const { return {collect(kRootKey, 0, 2)}; }
+  HierarchyPage pageBelow(NodeKey owner) const { return {collect(owner, 1, 2)}; }
+
+  /// The whole tree.
+  Hierarchy hierarchy() const {
+    Hierarchy all(nodes_.size());
+    all.addRootPage(rootPage());
+    for (const auto& [key, node] : nodes_)
+      if (node.child_page) all.addPage(key, pageBelow(key));
+    return all;
+  }
+
+  std::shared_ptr<const Mesh> mesh(MeshKey key) const {
+    const Rung& rung = nodes_.at(key.node).rungs[key.rung];
+    Mesh mesh;
+    mesh.attributes = attributes();
+    mesh.positions.resize(rung.vertices);
+    mesh.vertex_attributes.resize(rung.vertices);
+    mesh.triangles.resize(rung.triangles);
+    return std::make_shared<const Mesh>(std::move(mesh));
+  }
+
+  std::vector<NodeKey> leaves() const {
+    std::vector<NodeKey> keys;
+    for (const auto& [key, node] : nodes_)
+      if (node.isLeaf()) keys.push_back(key);
+    return keys;
+  }
+
+ private:
+  double chance() { return std::uniform_real_distribution<double>()(random_); }
+
+  void grow(NodeKey key, const LatticeBox& box, float error_model, float appearance_cap) {
+    Node node;
+    node.key = key;
+    node.box = box;
+    const bool splits = key.depth() < options_.depth && (key == kRootKey || chance() < options_.split_chance);
+    const uint32_t rungs = key == kRootKey ? 4 : splits ? 1 + static_cast<uint32_t>(random_() % 3) : 1;
+    for (uint32_t r = 0; r < rungs; ++r) {
+      Rung rung;
+      rung.triangles = (20 + static_cast<uint32_t>(random_() % 20)) << (rungs - 1 - r);
+      rung.vertices = rung.triangles / 2 + 2;
+      rung.error_model = error_model * (splits || key == kRootKey ? 1.0f : 0.01f) /
+                         static_cast<float>(1u << (rungs - 1 - r));
+      rung.appearance_error_model =
+          std::min(appearance_cap, rung.error_model * static_cast<float>(random_() % 2) * 1.25f);
+      rung.payload = {next_blob_++, 100 + rung.triangles, {}};
+      node.rungs.push_back(rung);
+    }
+    for (size_t r = rungs - 1; r-- > 0;)
+      node.rungs[r].appearance_error_model =
+          std::min(node.rungs[r].appearance_error_model, node.rungs[r + 1].appearance_error_model);
+    if (key != kRootKey && chance() < options_.empty_chance) {
+      node.rungs.back().triangles = node.rungs.back().vertices = 0;
+      node.rungs.back().payload = {};
+    }
+    const float child_error = node.rungs.front().error_model / 2;
+    if (splits) {
+      for (unsigned octant = 0; octant < 8; ++octant)
+        if (chance() < options_.child_chance || octant == random_() % 8)
+          node.child_mask |= static_cast<uint8_t>(1u << octant);
+      if (node.child_mask == 0) node.child_mask = 1;
+      if (key.depth() >= 2 && key.depth() % 2 == 0) node.child_page = {next_blob_++, 1000, {}};
+    }
+    nodes_[key] = node;
+    for (unsigned octant = 0; octant < 8; ++octant)
+      if ((node.child_mask >> octant & 1) != 0)
+        grow(key.child(octant), childBox(box, octant), child_error,
+             node.rungs.front().appearance_error_model);
+  }
+
+  static LatticeBox childBox(const LatticeBox& box, unsigned octant) {
+    const glm::uvec3 middle = (box.min + box.max) / 2u;
+    LatticeBox child;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool upper = (octant >> axis & 1) != 0;
+      child.min[axis] = upper ? middle[axis] : box.min[axis];
+      child.max[axis] = upper ? box.max[axis] : middle[axis];
+    }
+    return child;
+  }
+
+  std::vector<Node> collect(NodeKey owner, int from_level, int to_level) const {
+    std::vector<Node> found;
+    for (const auto& [key, node] : nodes_) {
+      const int level = key.depth() - owner.depth();
+      if (level >= from_level && level <= to_level && owner.contains(key)) found.push_back(node);
+    }
+    return found;
+  }
+
+  Options options_;
+  std::mt19937 random_;
+  uint32_t next_blob_ = 1;
+  std::map<NodeKey, Node> nodes_;
+};
+
+}  // namespace lode::core::test
