@@ -18,7 +18,7 @@ namespace {
 
 // Each level allows what the one before could not do; a mesh that collapses well never leaves the first.
 constexpr std::array<CollapseLimits, 3> kLimits{{
-    {.least_cosine = 0.2, .least_shape = 0.05, .link_condition = true, .most_triangles = 256},
+    {.least_cosine = 0.3, .least_shape = 0.05, .link_condition = true, .most_triangles = 256},
     {.least_cosine = 0.0, .least_shape = 0.0, .link_condition = false, .most_triangles = 4096},
     {.least_cosine = -1.0, .least_shape = 0.0, .link_condition = false},
 }};

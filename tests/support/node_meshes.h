@@ -1,0 +1,75 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <random>
+#include <set>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "common/mesh.h"
+#include "server/ingest/node_mesh.h"
+#include "tests/support/test_meshes.h"
+
+/// Nodes of the build, made from meshes and from a seed, and what tests ask of them.
+namespace lode::test {
+
+/// A node of one mesh: positions welded, nothing locked.
+inline ingest::NodeMesh nodeOf(const Mesh& mesh) {
+  ingest::NodeMesh node;
+  node.attributes = mesh.attributes;
+  std::unordered_map<uint64_t, uint32_t> known;
+  for (const PositionCode code : mesh.positions) {
+    const auto [i, added] = known.emplace(code.value, static_cast<uint32_t>(node.positions.size()));
+    if (added) node.positions.push_back(code);
+    node.wedge_position.push_back(i->second);
+  }
+  node.lca_depth.assign(node.positions.size(), ingest::kNeverLocked);
+  node.wedge_attributes = mesh.vertex_attributes;
+  node.triangles = mesh.triangles;
+  if (node.wedge_attributes.empty()) {  // wedges are positions
+    for (glm::u32vec3& t : node.triangles)
+      t = {node.wedge_position[t.x], node.wedge_position[t.y], node.wedge_position[t.z]};
+    node.wedge_position.resize(node.positions.size());
+    for (uint32_t i = 0; i < node.wedge_position.size(); ++i) node.wedge_position[i] = i;
+  }
+  return node;
+}
+
+/// Triangles between random positions: edges of any number of triangles, opposite and identical triangles.
+inline ingest::NodeMesh makeTangle(uint32_t positions, uint32_t triangles, uint32_t seed) {
+  std::mt19937 random(seed);
+  ingest::NodeMesh node;
+  std::set<uint64_t> used;
+  while (node.positions.size() < positions) {
+    const PositionCode code = packPosition({random() % 64, random() % 64, random() % 64});
+    if (used.insert(code.value).second) node.positions.push_back(code);
+  }
+  node.lca_depth.assign(positions, ingest::kNeverLocked);
+  for (uint32_t i = 0; i < positions; ++i) node.wedge_position.push_back(i);
+  while (node.triangles.size() < triangles) {
+    const glm::u32vec3 t(random() % positions, random() % positions, random() % positions);
+    if (t.x != t.y && t.y != t.z && t.z != t.x) node.triangles.push_back(t);
+  }
+  return node;
+}
+
+using PositionEdge = std::array<uint64_t, 2>;  ///< codes, lower first
+
+/// Edges, by position, that an odd number of triangles use.
+inline std::set<PositionEdge> oddEdges(const ingest::NodeMesh& node) {
+  std::set<PositionEdge> odd;
+  for (const glm::u32vec3 t : node.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const uint64_t a = node.positions[node.wedge_position[t[k]]].value;
+      const uint64_t b = node.positions[node.wedge_position[t[(k + 1) % 3]]].value;
+      const PositionEdge edge{std::min(a, b), std::max(a, b)};
+      if (!odd.erase(edge)) odd.insert(edge);
+    }
+  }
+  return odd;
+}
+
+}  // namespace lode::test
