@@ -147,7 +147,7 @@ asio::awaitable<void> Connection::write() {
 }
 
 asio::awaitable<void> Connection::writeFrames() {
-  while (true) {
+  while (!gone_) {
     const proto::Bytes control = session_.takeControl();
     ChunkBuffer buffer;
     co_await gather(buffer, control.empty());
@@ -157,9 +157,9 @@ asio::awaitable<void> Connection::writeFrames() {
     }
     const bool idle = control.empty() && buffer.used == 0 && session_.controlBytes() == 0;
     host_.buffers->give(std::move(buffer));
-    if (gone_ || (idle && session_.finished())) co_return;
-    if (idle) co_await sleep(to_write_, write_woken_);
+    if (idle && session_.finished()) co_return;
     wakeReader();
+    if (idle) co_await sleep(to_write_, write_woken_);
   }
 }
 

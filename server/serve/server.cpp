@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <system_error>
 #include <thread>
 #include <unordered_set>
 #include <utility>
@@ -108,6 +109,7 @@ struct Server::State {
   void connectionEnded();
   asio::awaitable<void> accept();
   void hand(tcp::socket socket);
+  void admit(Worker& worker, tcp::socket socket, bool full);
 
   ServeOptions options;
   ModelSet models;
@@ -177,8 +179,13 @@ void Server::State::run() {
   const auto shortest = std::min(options.handshake_deadline, options.idle_deadline) / 4;
   const auto sweep_every =
       std::clamp<std::chrono::milliseconds>(shortest, std::chrono::milliseconds(5), std::chrono::seconds(1));
-  for (unsigned i = 0; i < threads; ++i) workers.push_back(std::make_unique<Worker>());
-  for (auto& worker : workers) worker->start(sweep_every);
+  try {
+    for (unsigned i = 0; i < threads; ++i) workers.push_back(std::make_unique<Worker>());
+    for (auto& worker : workers) worker->start(sweep_every);
+  } catch (const std::system_error& error) {
+    throw Error(ErrorCode::kIo, "cannot start " + std::to_string(threads) + " threads: " + error.what() +
+                                    "; give a smaller --threads");
+  }
   asio::co_spawn(context, accept(), asio::detached);
   const auto guard = asio::make_work_guard(context);
   context.run();
@@ -210,12 +217,17 @@ asio::awaitable<void> Server::State::accept() {
     tcp::socket socket(context);
     asio::error_code error;
     co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
-    if (!error) {
-      hand(std::move(socket));
-      continue;
-    }
     if (!acceptor.is_open()) co_return;
-    options.log("a connection could not be accepted: " + error.message());
+    std::string failure = error.message();
+    try {
+      if (!error) {
+        hand(std::move(socket));
+        continue;
+      }
+    } catch (const std::exception& thrown) {  // no memory for it
+      failure = thrown.what();
+    }
+    options.log("a connection could not be accepted: " + failure);
     asio::steady_timer pause(context, kAcceptPause);
     co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
   }
@@ -241,9 +253,15 @@ void Server::State::hand(tcp::socket socket) {
   worker.reserve();
   connections.fetch_add(1);
   asio::post(worker.context(), [this, &worker, full, moved = std::move(moved)]() mutable {
+    admit(worker, std::move(moved), full);
+  });
+}
+
+void Server::State::admit(Worker& worker, tcp::socket socket, bool full) {
+  try {
     const ConnectionHost host{&models, &readers, &worker.buffers()};
     const SessionLimits limits{proto::kMaxOpenWishes, options.handshake_deadline, options.idle_deadline};
-    const auto connection = std::make_shared<CountedConnection>(std::move(moved), host, limits, worker,
+    const auto connection = std::make_shared<CountedConnection>(std::move(socket), host, limits, worker,
                                                                 [this] { connectionEnded(); });
     if (full)
       connection->startRefusing(proto::WireError::kLimit,
@@ -252,7 +270,9 @@ void Server::State::hand(tcp::socket socket) {
     else
       connection->start();
     if (draining) connection->drain("the server is stopping");
-  });
+  } catch (const std::exception& error) {  // no memory for it; the others go on
+    options.log(std::string("a connection was given up: ") + error.what());
+  }
 }
 
 Server::Server(ServeOptions options) : state_(std::make_unique<State>(std::move(options))) {}
