@@ -24,6 +24,7 @@ bool differsMuch(float a, float b) { return a > b * kReprioritiseFactor || b > a
 Session::Session(SessionOptions options, TimePoint now)
     : options_(std::move(options)),
       granted_bytes_(proto::kInitialWindowBytes),
+      sent_grant_bytes_(proto::kInitialWindowBytes),
       now_(now),
       last_received_(now),
       last_ping_(now) {
@@ -44,7 +45,10 @@ void Session::send(const proto::Bytes& frame) {
   outgoing_.insert(outgoing_.end(), frame.begin(), frame.end());
 }
 
-proto::Bytes Session::takeOutgoing() { return std::exchange(outgoing_, {}); }
+proto::Bytes Session::takeOutgoing() {
+  sent_grant_bytes_ = granted_bytes_;
+  return std::exchange(outgoing_, {});
+}
 
 void Session::receive(std::span<const std::byte> bytes, TimePoint now) {
   now_ = now;
@@ -142,7 +146,7 @@ void Session::expectUnasked(const BlobRef& blob) { unasked_ = Incoming{blob, {}}
 void Session::handleBlob(std::span<const std::byte> body) {
   const proto::BlobChunk chunk = proto::decodeBlobChunk(body);
   credited_bytes_ += body.size();
-  require(credited_bytes_ <= granted_bytes_, "it sent more than the credit that it was granted");
+  require(credited_bytes_ <= sent_grant_bytes_, "it sent more than the credit that it was granted");
   const uint32_t wish = chunk.header.wish;
   if (wish == 0) {
     require(unasked_.has_value(), "a blob that was not wished for");

@@ -140,6 +140,7 @@ class Session {
   uint64_t wished_bytes_ = 0;
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
+  uint64_t sent_grant_bytes_;    // what the server can know of: handed out by takeOutgoing()
   uint64_t credited_bytes_ = 0;  // received bodies of Blob frames
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_received_, last_ping_;

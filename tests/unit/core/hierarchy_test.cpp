@@ -1,0 +1,95 @@
+#include "client/core/hierarchy.h"
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "tests/unit/core/synthetic_model.h"
+
+namespace lode::core {
+namespace {
+
+using test::SyntheticModel;
+
+class HierarchyTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const auto& [key, node] : model_.nodes())
+      if (node.child_page) owner_ = key;
+    ASSERT_TRUE(owner_.valid());
+  }
+  Hierarchy withRoot() const {
+    Hierarchy hierarchy(model_.nodes().size());
+    hierarchy.addRootPage(model_.rootPage());
+    return hierarchy;
+  }
+
+  SyntheticModel model_{{.seed = 2}};
+  NodeKey owner_{0};
+};
+
+TEST_F(HierarchyTest, knowsEveryNodeOnceAllPagesHaveCome) {
+  const Hierarchy all = model_.hierarchy();
+  EXPECT_EQ(all.size(), model_.nodes().size());
+  for (const auto& [key, node] : model_.nodes()) {
+    ASSERT_TRUE(all.find(key));
+    EXPECT_EQ(*all.find(key), node);
+    EXPECT_TRUE(all.childrenKnown(node));
+  }
+}
+
+TEST_F(HierarchyTest, saysWhereChildrenAreNotKnownYet) {
+  Hierarchy hierarchy = withRoot();
+  EXPECT_FALSE(hierarchy.childrenKnown(*hierarchy.find(owner_)));
+  hierarchy.addPage(owner_, model_.pageBelow(owner_));
+  EXPECT_TRUE(hierarchy.childrenKnown(*hierarchy.find(owner_)));
+}
+
+TEST_F(HierarchyTest, refusesAPageThatComesTwice) {
+  Hierarchy hierarchy = withRoot();
+  EXPECT_THROW(hierarchy.addRootPage(model_.rootPage()), Error);
+  hierarchy.addPage(owner_, model_.pageBelow(owner_));
+  EXPECT_THROW(hierarchy.addPage(owner_, model_.pageBelow(owner_)), Error);
+}
+
+TEST_F(HierarchyTest, refusesAPageBelowANodeThatIsNotKnownOrHasNone) {
+  Hierarchy hierarchy = withRoot();
+  EXPECT_THROW(hierarchy.addPage(owner_.child(0), model_.pageBelow(owner_)), Error);
+  EXPECT_THROW(hierarchy.addPage(kRootKey, model_.pageBelow(kRootKey)), Error);
+}
+
+TEST_F(HierarchyTest, refusesOtherChildrenThanTheOwnerAnnounced) {
+  Hierarchy hierarchy = withRoot();
+  HierarchyPage page = model_.pageBelow(owner_);
+  const NodeKey first = page.nodes.front().key;
+  std::erase_if(page.nodes, [&](const Node& node) { return first.contains(node.key); });
+  EXPECT_THROW(hierarchy.addPage(owner_, page), Error);
+  EXPECT_EQ(hierarchy.size(), model_.rootPage().nodes.size());
+}
+
+TEST_F(HierarchyTest, refusesAChildOutsideItsOwnersBox) {
+  Hierarchy hierarchy = withRoot();
+  HierarchyPage page = model_.pageBelow(owner_);
+  page.nodes.front().box.add(glm::uvec3(kMaxLattice));
+  EXPECT_THROW(hierarchy.addPage(owner_, page), Error);
+}
+
+TEST_F(HierarchyTest, refusesAChildWithALargerErrorThanItsOwner) {
+  Hierarchy hierarchy = withRoot();
+  HierarchyPage page = model_.pageBelow(owner_);
+  page.nodes.front().rungs.back().error_model = hierarchy.find(owner_)->rungs.front().error_model * 2;
+  EXPECT_THROW(hierarchy.addPage(owner_, page), Error);
+}
+
+TEST_F(HierarchyTest, refusesMoreNodesThanTheModelAnnounced) {
+  Hierarchy hierarchy(model_.rootPage().nodes.size());
+  hierarchy.addRootPage(model_.rootPage());
+  try {
+    hierarchy.addPage(owner_, model_.pageBelow(owner_));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kLimit);
+  }
+}
+
+}  // namespace
+}  // namespace lode::core
