@@ -1,0 +1,171 @@
+// The command lines of lodestreamd as scripts call them: exit statuses, one line on stderr, JSON keys.
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+namespace lode {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Outcome {
+  int status = -1;
+  std::string out, err;
+};
+
+std::string readText(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class ServerCommands : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "lodestream-test-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    ASSERT_EQ(run("sample asteroid --triangles 20000 --attributes normal,color -o a.ply").status, 0);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Outcome run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" LODE_BIN_DIR "/bin/lodestreamd' " +
+                                arguments + " >stdout.txt 2>stderr.txt </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(folder_ / "stdout.txt"),
+            readText(folder_ / "stderr.txt")};
+  }
+
+  void build() const { ASSERT_EQ(run("build a.ply -o a.lode --triangles-per-node 2000 --quiet").status, 0); }
+
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+      if (entry.path().extension() != ".txt") names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  static void expectKeys(const Json& json, const std::vector<std::string>& keys) {
+    for (const std::string& key : keys) EXPECT_TRUE(json.contains(key)) << key;
+  }
+
+  static void expectOneLine(const std::string& text) {
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+    EXPECT_TRUE(text.ends_with('\n'));
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(ServerCommands, printTheJsonThatScriptsRelyOn) {
+  const Json built = Json::parse(run("build a.ply -o a.lode --triangles-per-node 2000 --json").out);
+  expectKeys(built, {"triangles", "dropped", "nodes", "payloads", "stored_triangles", "bytes", "seconds",
+                     "cpu_seconds", "peak_rss_bytes", "stages"});
+  EXPECT_EQ(built["bytes"], std::filesystem::file_size(folder_ / "a.lode"));
+
+  const Json info = Json::parse(run("info a.lode --json").out);
+  expectKeys(info, {"triangles", "nodes", "depth", "bytes", "box", "origin", "step", "attributes", "textures",
+                    "rungs", "max_error"});
+  expectKeys(info["box"], {"min", "max"});
+  EXPECT_EQ(info["attributes"], (Json{"normal", "color"}));
+  EXPECT_EQ(info["triangles"], built["triangles"]);
+
+  const Json cut = Json::parse(run("export a.lode --triangles 3000 -o cut.ply --json").out);
+  expectKeys(cut, {"triangles", "nodes", "bytes", "max_error"});
+  EXPECT_LE(cut["triangles"], 3000);
+  EXPECT_TRUE(cut["converged"]);
+  EXPECT_TRUE(Json::parse(run("verify a.lode --json").out)["sound"]);
+}
+
+TEST_F(ServerCommands, infoPrintsALineForEachNodeAndRung) {
+  build();
+  const Json info = Json::parse(run("info a.lode --json").out);
+  std::istringstream lines(run("info a.lode --nodes").out);
+  uint64_t rungs = 0, leaf_triangles = 0;
+  for (std::string line; std::getline(lines, line); ++rungs) {
+    const Json node = Json::parse(line);
+    expectKeys(node, {"key", "depth", "rung", "leaf", "triangles", "locked", "bytes", "error",
+                      "appearance_error", "box"});
+    if (node["leaf"]) leaf_triangles += node["triangles"].get<uint64_t>();
+  }
+  EXPECT_EQ(rungs, info["rungs"]);
+  EXPECT_EQ(leaf_triangles, info["triangles"]);
+}
+
+TEST_F(ServerCommands, endWithTwoAndOneLineAtWrongUsage) {
+  build();
+  for (const char* arguments :
+       {"", "unknown", "info", "info a.lode --bogus", "build a.ply", "build a.ply -o b.lode --memory 1XB",
+        "build a.ply -o a.ply", "build a.ply -o b.lode --threads 0", "export a.lode -o b.ply",
+        "export a.lode --error 1 --triangles 2 -o b.ply", "export a.lode --error -1 -o b.ply",
+        "export a.lode --error 0.1 -o a.lode", "sample cube --triangles 100 -o b.ply", "serve",
+        "serve a.lode --listen 0.0.0.0:0",
+        // not there yet
+        "doctor a.ply", "build a.ply -o b.lode --resume", "build a.ply -o b.lode --simplifier cluster",
+        "verify a.lode --against a.ply", "serve a.lode --tls-cert x"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
+    expectOneLine(outcome.err);
+  }
+  EXPECT_EQ(files(), (std::vector<std::string>{"a.lode", "a.ply"}));
+}
+
+TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind) {
+  build();
+  std::ofstream(folder_ / "empty.ply");
+  std::filesystem::copy(folder_ / "a.ply", folder_ / "cut.ply");
+  std::filesystem::resize_file(folder_ / "cut.ply", 100000);
+  std::filesystem::copy(folder_ / "a.lode", folder_ / "cut.lode");
+  std::filesystem::resize_file(folder_ / "cut.lode", 100000);
+  const std::vector<std::string> before = files();
+  for (const char* arguments :
+       {"build missing.ply -o b.lode", "build . -o b.lode", "build empty.ply -o b.lode",
+        "build cut.ply -o b.lode", "build a.ply -o missing/b.lode", "info missing.lode", "info .",
+        "info a.ply", "info cut.lode", "verify cut.lode", "export cut.lode --error 0.1 -o b.ply",
+        "export a.lode --triangles 1 -o b.ply", "export a.lode --error 0.1 -o missing/b.ply",
+        "serve missing.lode"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 1) << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
+    expectOneLine(outcome.err);
+  }
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(ServerCommands, sayWhenTheErrorThatWasAskedForIsBelowTheLattices) {
+  build();
+  const Outcome outcome = run("export a.lode --error 1e-12 -o b.ply --json");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_FALSE(Json::parse(outcome.out)["converged"]);
+}
+
+TEST_F(ServerCommands, tellTheirVersionEverywhere) {
+  for (const char* command : {"", "build ", "doctor ", "serve ", "info ", "verify ", "export ", "sample "}) {
+    const Outcome outcome = run(std::string(command) + "--version");
+    EXPECT_EQ(outcome.status, 0) << command;
+    EXPECT_TRUE(outcome.out.starts_with("lodestreamd ")) << command;
+  }
+}
+
+TEST_F(ServerCommands, failWhenStandardOutputTakesNoMore) {
+  build();
+  const std::string command = "'" LODE_BIN_DIR "/bin/lodestreamd' info '" + (folder_ / "a.lode").string() +
+                              "' >/dev/full 2>/dev/null";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+}
+
+}  // namespace
+}  // namespace lode
