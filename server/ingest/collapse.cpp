@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "server/ingest/collapse_check.h"
@@ -70,6 +72,8 @@ class Collapser {
   glm::dvec3 settle(const Placement& placement, uint32_t u, uint32_t v) const;
   void apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds);
   uint32_t find(uint32_t position) noexcept;
+  void fetch(Record& record) noexcept;
+  Seen& seenPlace(uint32_t u, uint32_t v) noexcept;
 
   CollapseMesh mesh_;
   CollapseCheck check_;
@@ -77,7 +81,8 @@ class Collapser {
   EdgeQueue<Record> queue_;
   TakenPlaces taken_;
   std::vector<Seen> seen_;
-  uint32_t clock_ = 0;  ///< collapses so far
+  std::vector<uint32_t> forward_;  ///< the position that each was merged into; itself while it lives
+  uint32_t clock_ = 0;             ///< collapses so far
   size_t level_ = 0;
 };
 
@@ -87,18 +92,34 @@ Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
       max_point_(glm::dvec3(options.max_position)),
       taken_(mesh_.positions.size()) {
   for (const CollapsePosition& position : mesh_.positions) taken_.add(position.point);
-  seen_.resize(std::bit_ceil(mesh_.positions.size() + 1));
+  seen_.resize(std::bit_ceil(mesh_.positions.size() / 2 + 1));
+  forward_.resize(mesh_.positions.size());
+  std::iota(forward_.begin(), forward_.end(), 0u);
 }
 
 uint32_t Collapser::find(uint32_t position) noexcept {
-  uint32_t forward = mesh_.positions[position].forward;
-  while (forward != position) {
-    const uint32_t further = mesh_.positions[forward].forward;
-    mesh_.positions[position].forward = further;
-    position = forward;
-    forward = further;
+  while (forward_[position] != position) {
+    forward_[position] = forward_[forward_[position]];
+    position = forward_[position];
   }
   return position;
+}
+
+Collapser::Seen& Collapser::seenPlace(uint32_t u, uint32_t v) noexcept {
+  return seen_[(u * 0x9E3779B1u ^ v * 0x85EBCA77u) >> 7 & (seen_.size() - 1)];
+}
+
+// Gets ready for a record that will be taken soon.
+void Collapser::fetch(Record& record) noexcept {
+  record.u = find(record.u);
+  record.v = find(record.v);
+  if (record.u > record.v) std::swap(record.u, record.v);
+  for (const uint32_t end : {record.u, record.v}) {
+    const char* const line = reinterpret_cast<const char*>(&mesh_.positions[end]);
+    __builtin_prefetch(line);
+    __builtin_prefetch(line + 64);
+  }
+  __builtin_prefetch(&seenPlace(record.u, record.v));
 }
 
 void Collapser::put(Record record, double cost) {
@@ -195,6 +216,7 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
     kept.lca_depth = to == mesh_.point(gone) ? mesh_.positions[gone].lca_depth : kNeverLocked;
   kept.kind = joined(kept.kind, mesh_.positions[gone].kind);
   mesh_.merge(keep, gone, to, keep_v ? 1 - t : t);
+  forward_[gone] = keep;
   kept.merged_at = ++clock_;
   taken_.add(to);
   if (folds) mesh_.removeFolds(keep);
@@ -203,8 +225,7 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
 // Merging makes two edges one, and both stay in the queue. Whether (u, v), which last changed at changed_at,
 // has been queued again since; sometimes forgets, which costs time alone.
 bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
-  if (u > v) std::swap(u, v);
-  Seen& seen = seen_[(u * 0x9E3779B1u ^ v * 0x85EBCA77u) >> 7 & (seen_.size() - 1)];
+  Seen& seen = seenPlace(u, v);
   if (seen.u == u && seen.v == v && seen.changed_at == changed_at) return true;
   seen = {u, v, changed_at};
   return false;
@@ -214,17 +235,11 @@ bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
 // the key of an edge that has changed since is a lower bound: it is evaluated again only when its turn comes.
 bool Collapser::collapseNext() {
   Record record;
-  const auto fetch = [this](const Record& soon) {
-    for (const uint32_t end : {soon.u, soon.v}) {
-      const char* line = reinterpret_cast<const char*>(&mesh_.positions[end]);
-      __builtin_prefetch(line);
-      __builtin_prefetch(line + 64);
-    }
-  };
-  if (!queue_.pop(record, fetch)) return false;
+  if (!queue_.pop(record, [this](Record& soon) { fetch(soon); })) return false;
   record.u = find(record.u);
   record.v = find(record.v);
   if (record.u == record.v) return true;
+  if (record.u > record.v) std::swap(record.u, record.v);
   const uint32_t changed_at =
       std::max(mesh_.positions[record.u].merged_at, mesh_.positions[record.v].merged_at);
   const bool stale = changed_at > record.evaluated_at;

@@ -23,7 +23,6 @@ CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
     position.point = glm::dvec3(unpackPosition(mesh.positions[i])) - origin;
     position.lca_depth = mesh.lca_depth[i];
     position.locked = mesh.lca_depth[i] < node_depth;
-    position.forward = i;
   }
   live_triangles = mesh.triangles.size();
   const bool has_wedges = !mesh.wedge_attributes.empty();
@@ -169,7 +168,6 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
     corner_position[dying_[i]] = keep;
   }
   left.count = left.capacity = 0;
-  left.forward = keep;
   kept.point = point;
   kept.quadric += left.quadric;
 }

@@ -34,7 +34,6 @@ struct alignas(64) CollapsePosition {
   Quadric quadric;
   glm::dvec3 point{0};                          ///< whole lattice steps from the mesh's origin
   uint32_t first = 0, count = 0, capacity = 0;  ///< its corners' place in the mesh's pool
-  uint32_t forward = 0;                         ///< the position it was merged into; itself while it lives
   uint32_t merged_at = 0;                       ///< when another was last merged into it
   PositionKind kind = PositionKind::kSmooth;
   bool locked = false;

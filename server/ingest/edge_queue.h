@@ -49,18 +49,24 @@ class EdgeQueue {
   }
 
   /// Takes an item of the lowest occupied bucket; false when there is none.
-  /// @param soon  called with an item that will be taken a few calls later, if no lower key comes
+  /// @param soon  called with an item that will be taken a few calls later, if no lower key comes; may change
+  /// it
   template <typename Soon>
   bool pop(Item& item, Soon&& soon) noexcept {
     if (chains_[current_].first == kNone && !advance()) return false;
     Chain& chain = chains_[current_];
-    const Block& block = blocks_[chain.first];
+    Block& block = blocks_[chain.first];
     item = block.items[chain.begin++];
-    const uint32_t end = chain.first == chain.last ? chain.end : kBlock;
-    if (chain.begin + kAhead < end) soon(block.items[chain.begin + kAhead]);
+    const bool last = chain.first == chain.last;
+    const uint32_t end = last ? chain.end : kBlock, ahead = chain.begin + kAhead;
+    if (ahead < end) {
+      soon(block.items[ahead]);
+    } else if (!last && (block.next != chain.last || ahead - kBlock < chain.end)) {
+      soon(blocks_[block.next].items[ahead - kBlock]);
+    }
     if (chain.begin < end) return true;
     const uint32_t used = chain.first;
-    if (used == chain.last) {
+    if (last) {
       chain = {};
       occupied_[current_ / 64] &= ~(uint64_t{1} << current_ % 64);
     } else {
@@ -78,7 +84,7 @@ class EdgeQueue {
   static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // no sign
   static constexpr size_t kWords = kBuckets / 64;
   static constexpr uint32_t kBlock = 30;
-  static constexpr uint32_t kAhead = 4;
+  static constexpr uint32_t kAhead = 6;
 
   struct Block {
     std::array<Item, kBlock> items;
