@@ -83,6 +83,7 @@ void Framebuffer::copyTo(GLuint framebuffer) const {
   glDisable(GL_FRAMEBUFFER_SRGB);
   glBlitNamedFramebuffer(resolved_.get(), framebuffer, 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
 }
 
 }  // namespace lode::render

@@ -27,7 +27,7 @@ class Framebuffer {
   void resolve() const;
   Image readPixels() const { return readFramebuffer(resolved_.get(), width_px_, height_px_); }
   /// Copies the resolved picture to a framebuffer of the same size (0: the window), lower left corner on
-  /// lower left corner.
+  /// lower left corner, and leaves that one bound for drawing.
   void copyTo(GLuint framebuffer) const;
 
  private:

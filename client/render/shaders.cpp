@@ -45,7 +45,7 @@ in vec3 colour;
 flat in uint flags;
 out vec4 pixel;
 
-const vec3 kNeutral = vec3(0.60, 0.585, 0.555);
+const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
 
 vec3 hueOf(float turn) {
   return clamp(abs(fract(turn + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
@@ -70,10 +70,10 @@ void main() {
   // A key light over the viewer's left shoulder, a weak one from the right, a headlight, and sky and ground.
   const vec3 key = normalize(vec3(-0.50, 0.65, 0.57));
   const vec3 fill = normalize(vec3(0.80, 0.05, 0.45));
-  vec3 light = mix(vec3(0.15, 0.14, 0.13), vec3(0.30, 0.33, 0.38), n.y * 0.5 + 0.5);
-  light += vec3(0.72, 0.69, 0.64) * max(dot(n, key), 0.0);
-  light += vec3(0.12, 0.13, 0.16) * max(dot(n, fill), 0.0);
-  light += vec3(0.16) * max(dot(n, to_eye), 0.0);
+  vec3 light = mix(vec3(0.08, 0.075, 0.07), vec3(0.21, 0.235, 0.275), n.y * 0.5 + 0.5);
+  light += vec3(0.86, 0.82, 0.75) * max(dot(n, key), 0.0);
+  light += vec3(0.10, 0.115, 0.15) * max(dot(n, fill), 0.0);
+  light += vec3(0.10) * max(dot(n, to_eye), 0.0);
   float glint = pow(max(dot(n, normalize(key + to_eye)), 0.0), 40.0);
   pixel = vec4(albedo * light + 0.06 * glint, 1.0);
 }

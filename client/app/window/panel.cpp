@@ -50,6 +50,9 @@ std::string formatted(const char* format, double a, double b = 0) {
 
 void drawFigures(const PanelContent& content) {
   if (!ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) return;
+  // Widths that do not follow the figures: the panel would lag a frame behind them.
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 5.5f);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 18);
   row("triangles", countOf(content.triangles) + " of " + countOf(content.model_triangles));
   row("nodes", countOf(content.nodes));
   row("received", bytesOf(content.received_bytes));

@@ -41,12 +41,13 @@ std::string screenshotName() {
 
 Viewer::Viewer(const ViewOptions& options)
     : options_(options),
+      named_(parseTarget(options.common.target)),
       threshold_px_(options.common.pixels),
       path_(readPath(options.common.camera_file)),
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle(), window_.contentScale()),
-      opener_(parseTarget(options.common.target), options.common.streamOptions(), options.common.timeout()) {
+      opener_(named_, options.common.streamOptions(), options.common.timeout()) {
   content_.title = options.common.target;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "client/app/cli/common_options.h"
+#include "client/app/cli/target.h"
 #include "client/app/window/camera_rig.h"
 #include "client/app/window/glfw_window.h"
 #include "client/app/window/model_opener.h"
@@ -45,6 +46,7 @@ class Viewer {
   bool settled() const;
 
   const ViewOptions options_;
+  const Target named_;
   float threshold_px_;
   std::optional<core::CameraPath> path_;
   GlfwWindow window_;
