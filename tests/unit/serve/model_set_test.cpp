@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "proto/limits.h"
 #include "tests/unit/serve/small_store.h"
 
 namespace lode::serve {
@@ -86,6 +87,15 @@ TEST_F(ModelSetTest, refusesANameThatCannotBeSent) {
   writeSmallStore(folder_.path() / "a.lode");
   fs::rename(folder_.path() / "a.lode", folder_.path() / "a\nb.lode");
   EXPECT_NE(errorOf({folder_.path()}).find("UTF-8"), std::string::npos);
+}
+
+TEST_F(ModelSetTest, refusesMoreModelsThanAListHolds) {
+  const fs::path folder = folder_.path() / "many";
+  fs::create_directory(folder);
+  writeSmallStore(folder_.path() / "one.lode");
+  for (uint32_t i = 0; i <= proto::kMaxListedModels; ++i)
+    fs::create_hard_link(folder_.path() / "one.lode", folder / (std::to_string(i) + ".lode"));
+  EXPECT_NE(errorOf({folder}).find(std::to_string(proto::kMaxListedModels)), std::string::npos);
 }
 
 TEST_F(ModelSetTest, aBlobIsCheckedWhenItIsFirstReadAndHotAfterwards) {
