@@ -64,13 +64,6 @@ asio::awaitable<bool> FrameStream::read(Frame& frame, uint32_t max_body_bytes) {
   co_return true;
 }
 
-asio::awaitable<void> FrameStream::write(std::span<const std::byte> frames) {
-  asio::error_code error;
-  co_await asio::async_write(socket_, asio::buffer(frames.data(), frames.size()),
-                             asio::redirect_error(asio::use_awaitable, error));
-  if (error) lost("writing", error);
-}
-
 asio::awaitable<void> FrameStream::write(std::span<const asio::const_buffer> parts) {
   asio::error_code error;
   co_await asio::async_write(socket_, parts, asio::redirect_error(asio::use_awaitable, error));

@@ -32,10 +32,9 @@ class FrameStream {
   /// reset).
   asio::awaitable<bool> read(Frame& frame, uint32_t max_body_bytes = kMaxFrameBodyBytes);
 
-  /// Writes whole frames, one behind the other; the bytes must stay until it is done. @throws Error kNetwork.
-  asio::awaitable<void> write(std::span<const std::byte> frames);
-  /// The same from several places in one call of the system, nothing copied: frame and chunk headers from
-  /// one, a blob's bytes from another.
+  /// Writes whole frames from several places in one call of the system, nothing copied: control frames from
+  /// one, a chunk's headers and bytes from another. Parts and bytes must stay until it is done.
+  /// @throws Error kNetwork.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts);
 
   /// Reads and drops until the peer closes or the socket is closed here: a connection closed with bytes
