@@ -17,8 +17,12 @@ bool SkippedVertices::contains(uint64_t vertex) const noexcept {
   return ((*pages_[page])[vertex % kPageBits / 64] >> (vertex % 64) & 1) != 0;
 }
 
-VertexBatch::VertexBatch(const PlyReader::VertexSink& sink, PlyCounts& counts, SkippedVertices& skipped)
-    : sink_(sink), counts_(counts), skipped_(skipped), rows_(kPlyBatchRows) {}
+VertexBatch::VertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
+                         SkippedVertices& skipped)
+    : sink_(sink),
+      counts_(counts),
+      skipped_(skipped),
+      rows_(static_cast<size_t>(std::min<uint64_t>(vertices, kPlyBatchRows))) {}
 
 void VertexBatch::countDefect(size_t index, VertexDefect defect) {
   ++counts_.skipped_bad;

@@ -32,7 +32,9 @@ class SkippedVertices {
 /// Collects vertices and hands them on kPlyBatchRows at a time.
 class VertexBatch {
  public:
-  VertexBatch(const PlyReader::VertexSink& sink, PlyCounts& counts, SkippedVertices& skipped);
+  /// @param vertices  that will come; takes memory for no more than kPlyBatchRows of them.
+  VertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
+              SkippedVertices& skipped);
 
   /// Room for at least one and at most kPlyBatchRows vertices, to be filled and handed to commit().
   std::span<PlyVertex> room() noexcept { return std::span(rows_).subspan(used_); }

@@ -129,7 +129,7 @@ PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, con
     report();
   };
   SkippedVertices skipped;
-  VertexBatch vertex_batch(vertex_sink, counts, skipped);
+  VertexBatch vertex_batch(plan.vertices.element->count, vertex_sink, counts, skipped);
   FaceBatch face_batch(plan, face_sink, counts, skipped);
   BodyWalk(header_, plan, *body).run(vertex_batch, face_batch);
   counts.trailing_bytes = countTrailingBytes(input, header_.encoding);
