@@ -8,7 +8,7 @@ namespace lode::proto {
 constexpr uint32_t kProtocolVersion = 1;
 constexpr uint16_t kDefaultPort = 7400;
 constexpr uint32_t kMaxFrameBodyBytes = 256u << 10;  ///< of any frame
-constexpr uint32_t kMaxHelloBodyBytes = 4u << 10;     ///< of any frame that a server takes before Hello
+constexpr uint32_t kMaxHelloBodyBytes = 4u << 10;    ///< of any frame that a server takes before Hello
 constexpr uint32_t kMaxChunkBytes = 32u << 10;       ///< raw bytes of a Blob frame
 constexpr uint32_t kMaxWishesPerFrame = 4096;        ///< entries of a Wishes frame
 constexpr uint32_t kMaxOpenWishes = 16384;           ///< of a session at one time
