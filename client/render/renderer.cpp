@@ -36,7 +36,8 @@ uint32_t flagsOf(const DrawItem& item, const DrawStyle& style) {
   uint32_t flags = style.lod_colours ? kDrawLodColour : 0;
   if (hasNormals(item.attributes)) flags |= kDrawHasNormals;
   if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
-  return flags | static_cast<uint32_t>(item.node.depth()) << 8 | std::min(item.rung, 255u) << 16;
+  const auto hash = static_cast<uint32_t>(item.node.value * 0x9e3779b97f4a7c15ull >> 56);
+  return flags | static_cast<uint32_t>(item.node.depth()) << 8 | std::min(item.rung, 255u) << 16 | hash << 24;
 }
 
 void setFrameState(const DrawStyle& style) {

@@ -64,7 +64,8 @@ void main() {
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
   if ((flags & 4u) != 0u) {
     float depth = float(flags >> 8 & 0xffu), rung = float(flags >> 16 & 0xffu);
-    albedo = mix(vec3(0.5), hueOf(depth * 0.15), 0.75) * (1.0 - 0.12 * min(rung, 5.0));
+    float node = float(flags >> 24) / 255.0;
+    albedo = mix(vec3(0.4), hueOf(depth * 0.15 + node * 0.05), 0.7) * (1.0 - 0.1 * min(rung, 5.0) - 0.35 * node);
   }
 
   // A key light over the viewer's left shoulder, a weak one from the right, a headlight, and sky and ground.

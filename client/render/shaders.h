@@ -8,7 +8,8 @@ extern const char* const kMeshFragmentShader;
 extern const char* const kBackgroundVertexShader;
 extern const char* const kBackgroundFragmentShader;
 
-/// Bits of a draw's flags, as the shaders read them; the depth and rung follow at bits 8 and 16.
+/// Bits of a draw's flags, as the shaders read them; depth, rung and a hash of the node
+/// follow at bits 8, 16 and 24.
 constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawLodColour = 4;
 
 }  // namespace lode::render

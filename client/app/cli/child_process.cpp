@@ -107,6 +107,10 @@ int ChildProcess::wait() {
   return exitStatus(status);
 }
 
+void ChildProcess::terminate() const noexcept {
+  if (process_ > 0) kill(process_, SIGTERM);
+}
+
 std::string ChildProcess::lastMessage() const {
   if (messages_ < 0) return {};
   const off_t size = lseek(messages_, 0, SEEK_END);

@@ -26,6 +26,8 @@ class ChildProcess {
   std::string readLine(std::chrono::milliseconds timeout);
   /// Waits until it ends. @return its exit status; 128 + the signal that killed it.
   int wait();
+  /// Asks it to end; any thread may, while wait() was not called.
+  void terminate() const noexcept;
   /// The last line of the messages kept so far, of at most kMaxMessageBytes.
   std::string lastMessage() const;
 

@@ -70,7 +70,7 @@ void removeOthers(const fs::path& folder, const fs::path& keep) {
     if (entry.path() != keep) fs::remove_all(entry.path(), ignored);
 }
 
-fs::path buildIntoCache(const fs::path& ply, bool announce) {
+fs::path buildIntoCache(const fs::path& ply, bool announce, const std::stop_token& stop) {
   const fs::path builder = siblingServer();
   const fs::path source = fs::absolute(ply).lexically_normal();
   const fs::path of_source = cacheFolder() / "stores" / hashOf(source.string());
@@ -89,7 +89,10 @@ fs::path buildIntoCache(const fs::path& ply, bool announce) {
   if (!show_progress) arguments.emplace_back("--quiet");
   ChildProcess build(builder, arguments,
                      show_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep);
-  while (!build.readLine(std::chrono::hours(24 * 365)).empty()) {
+  {
+    const std::stop_callback end_build(stop, [&build] { build.terminate(); });
+    while (!build.readLine(std::chrono::hours(24 * 7)).empty()) {
+    }
   }
   if (const int status = build.wait(); status != 0) {
     fs::remove_all(folder, failed);
@@ -108,10 +111,10 @@ ChildServer::ChildServer(const fs::path& store)
                ChildProcess::Messages::kKeep),
       served_(readReadyLine(process_, store)) {}
 
-ResolvedTarget resolveTarget(const Target& target, bool announce) {
+ResolvedTarget resolveTarget(const Target& target, bool announce, std::stop_token stop) {
   if (const auto* served = std::get_if<ServedModel>(&target)) return {*served, nullptr};
   const auto* ply = std::get_if<PlyFile>(&target);
-  const fs::path store = ply ? buildIntoCache(ply->path, announce) : std::get<StoreFile>(target).path;
+  const fs::path store = ply ? buildIntoCache(ply->path, announce, stop) : std::get<StoreFile>(target).path;
   auto child = std::make_unique<ChildServer>(store);
   ServedModel served = child->served();
   return {std::move(served), std::move(child)};

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <stop_token>
 
 #include "client/app/cli/child_process.h"
 #include "client/app/cli/target.h"
@@ -29,7 +30,8 @@ struct ResolvedTarget {
   std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
 };
 /// @param announce  progress of a build goes to stderr if that is a terminal.
+/// @param stop      ends a build under way, which then counts as failed.
 /// @throws Error.
-ResolvedTarget resolveTarget(const Target& target, bool announce);
+ResolvedTarget resolveTarget(const Target& target, bool announce, std::stop_token stop = {});
 
 }  // namespace lode::app

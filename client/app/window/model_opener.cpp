@@ -25,9 +25,9 @@ ModelOpener::ModelOpener(Target target, StreamOptions options, std::chrono::mill
 }
 
 ModelOpener::~ModelOpener() {
+  stopping_.request_stop();
   {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
+    const std::lock_guard lock(mutex_);  // so that run() is not between looking and waiting
   }
   stop_.notify_all();
   thread_.join();
@@ -45,7 +45,7 @@ void ModelOpener::say(std::string phase) {
 
 void ModelOpener::run() {
   try {
-    const ResolvedTarget resolved = resolveTarget(target_, true);
+    const ResolvedTarget resolved = resolveTarget(target_, true, stopping_.get_token());
     say("Connecting to " + net::toString(resolved.served.address));
     Streamer streamer(resolved.served, options_);
     const ModelSummary& model = streamer.waitForModel(timeout_);
@@ -53,7 +53,7 @@ void ModelOpener::run() {
     progress_.phase.clear();
     progress_.streamer = &streamer;
     progress_.model = &model;
-    stop_.wait(lock, [this] { return stopping_; });
+    stop_.wait(lock, [this] { return stopping_.stop_requested(); });
     progress_ = {};
   } catch (const Error& error) {
     const std::lock_guard lock(mutex_);

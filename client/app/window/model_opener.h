@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -41,7 +42,7 @@ class ModelOpener {
   const std::chrono::milliseconds timeout_;
   mutable std::mutex mutex_;
   std::condition_variable stop_;
-  bool stopping_ = false;
+  std::stop_source stopping_;
   Progress progress_;
   std::thread thread_;
 };

@@ -61,7 +61,8 @@ void drawFigures(const PanelContent& content) {
   row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
   ImGui::EndTable();
   if (content.converged) {
-    ImGui::TextColored(kGood, "converged");
+    ImGui::TextColored(kGood, "%s",
+                       content.error_px <= content.threshold_px ? "converged" : "all the detail there is");
   } else {
     ImGui::TextColored(kWarning, "refining");
   }
