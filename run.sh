@@ -41,8 +41,7 @@ make_sample() {  # prints the path
     say "no model given: making one of $sample_triangles triangles in $sample"
     mkdir -p "$(dirname "$sample")"
     "$build/bin/lodestreamd" sample asteroid --triangles "$sample_triangles" --attributes normal,color \
-      -o "$sample.new.ply" >&2
-    mv "$sample.new.ply" "$sample"
+      -o "$sample" >&2
   fi
   echo "$sample"
 }
