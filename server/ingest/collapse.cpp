@@ -13,6 +13,7 @@
 #include "server/ingest/mesh_quadrics.h"
 #include "server/ingest/quadric.h"
 #include "server/ingest/taken_places.h"
+#include "server/ingest/wedge_quadrics.h"
 
 namespace lode::ingest {
 
@@ -65,29 +66,39 @@ class Collapser {
   size_t startRound(std::span<const CollapseMesh::Edge> edges);
   bool collapseNext();
   void collapseEdge(Record record, const Candidate& candidate);
-  Candidate evaluate(uint32_t u, uint32_t v) const;
+  /// What the ends of an edge say together.
+  Quadric quadricOf(uint32_t u, uint32_t v) {
+    Quadric q = mesh_.positions[u].quadric + mesh_.positions[v].quadric;
+    if (!attributes_.empty()) reduceWedges(q, u, v);
+    return q;
+  }
+  void reduceWedges(Quadric& q, uint32_t u, uint32_t v);
+  Candidate evaluate(uint32_t u, uint32_t v);
   Freedom freedom(const CollapsePosition& position, EdgeKind edge) const;
   bool alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at);
   void put(Record record, double cost);
-  glm::dvec3 settle(const Placement& placement, uint32_t u, uint32_t v) const;
+  glm::dvec3 settle(const Placement& placement, uint32_t u, uint32_t v);
   void apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds);
   uint32_t find(uint32_t position) noexcept;
   void fetch(Record& record) noexcept;
   Seen& seenPlace(uint32_t u, uint32_t v) noexcept;
 
   CollapseMesh mesh_;
+  WedgeQuadrics attributes_;
   CollapseCheck check_;
   glm::dvec3 max_point_;
   EdgeQueue<Record> queue_;
   TakenPlaces taken_;
   std::vector<Seen> seen_;
-  std::vector<uint32_t> forward_;  ///< the position that each was merged into; itself while it lives
-  uint32_t clock_ = 0;             ///< collapses so far
+  std::vector<WedgeTable::Pair> pairs_;  ///< scratch
+  std::vector<uint32_t> forward_;        ///< the position that each was merged into; itself while it lives
+  uint32_t clock_ = 0;                   ///< collapses so far
   size_t level_ = 0;
 };
 
 Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
     : mesh_(std::move(mesh), options.node_depth),
+      attributes_(mesh_, glm::length(glm::dvec3(options.max_position)), options.attribute_weight),
       check_(mesh_),
       max_point_(glm::dvec3(options.max_position)),
       taken_(mesh_.positions.size()) {
@@ -118,6 +129,8 @@ void Collapser::fetch(Record& record) noexcept {
     const char* const line = reinterpret_cast<const char*>(&mesh_.positions[end]);
     __builtin_prefetch(line);
     __builtin_prefetch(line + 64);
+    if (!attributes_.empty() && mesh_.only_wedge[end] != kManyWedges)
+      attributes_.fetch(mesh_.only_wedge[end]);
   }
   __builtin_prefetch(&seenPlace(record.u, record.v));
 }
@@ -161,9 +174,30 @@ Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) cons
   return level_ == 0 ? Freedom::kNone : Freedom::kPenalised;
 }
 
-Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) const {
+// Takes from the sum of both ends' quadrics what the best attributes of their wedges make up for, once the
+// edge has joined those.
+void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
+  const uint32_t wedge_u = mesh_.only_wedge[u], wedge_v = mesh_.only_wedge[v];
+  if (wedge_u != kManyWedges && wedge_v != kManyWedges) return attributes_.reduce(q, wedge_u, wedge_v);
+  mesh_.findPairs(v, u, pairs_);
+  mesh_.forEachWedge(u, [&](uint32_t wedge) {
+    if (std::none_of(pairs_.begin(), pairs_.end(), [=](const auto& pair) { return pair.gone == wedge; }))
+      attributes_.reduce(q, wedge);
+  });
+  mesh_.forEachWedge(v, [&](uint32_t wedge) {
+    const auto joins = [=](const auto& pair) { return pair.keep == wedge; };
+    const auto pair = std::find_if(pairs_.begin(), pairs_.end(), joins);
+    if (pair == pairs_.end()) return attributes_.reduce(q, wedge);
+    attributes_.reduce(q, wedge, pair->gone);
+    for (auto more = std::find_if(pair + 1, pairs_.end(), joins); more != pairs_.end();
+         more = std::find_if(more + 1, pairs_.end(), joins))
+      attributes_.reduce(q, more->gone);
+  });
+}
+
+Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
   const CollapsePosition &end_u = mesh_.positions[u], &end_v = mesh_.positions[v];
-  const Quadric q = end_u.quadric + end_v.quadric;
+  const Quadric q = quadricOf(u, v);
   const bool smooth_u = end_u.kind == PositionKind::kSmooth && !end_u.locked;
   const bool smooth_v = end_v.kind == PositionKind::kSmooth && !end_v.locked;
   if (smooth_u && smooth_v) return {bestPlacement(q, end_u.point, end_v.point), true};
@@ -184,10 +218,10 @@ Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) const {
 // The best by the quadric of the eight lattice points around a place, of those inside the box that are no
 // other position's; the better end where all are taken. (Rounding to the nearest would add the lattice's
 // noise to the surface; of eight points one is usually close to it.)
-glm::dvec3 Collapser::settle(const Placement& placement, uint32_t u, uint32_t v) const {
+glm::dvec3 Collapser::settle(const Placement& placement, uint32_t u, uint32_t v) {
   const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
   if (placement.point == at_u || placement.point == at_v) return placement.point;
-  const Quadric q = mesh_.positions[u].quadric + mesh_.positions[v].quadric;
+  const Quadric q = quadricOf(u, v);
   const glm::dvec3 low = glm::floor(placement.point), gradient = 2.0 * (q.timesA(low) + q.b);
   // Costs of the eight, less that of `low`.
   const double x = q.xx + gradient.x, y = q.yy + gradient.y, z = q.zz + gradient.z;
@@ -216,6 +250,11 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
     kept.lca_depth = to == mesh_.point(gone) ? mesh_.positions[gone].lca_depth : kNeverLocked;
   kept.kind = joined(kept.kind, mesh_.positions[gone].kind);
   mesh_.merge(keep, gone, to, keep_v ? 1 - t : t);
+  if (!attributes_.empty()) {
+    for (const WedgeTable::Pair& pair : mesh_.joined()) attributes_.join(pair.keep, pair.gone);
+    if (!kept.locked)
+      mesh_.forEachWedge(keep, [&](uint32_t wedge) { attributes_.setValues(mesh_.wedges, wedge, to); });
+  }
   forward_[gone] = keep;
   kept.merged_at = ++clock_;
   taken_.add(to);

@@ -37,6 +37,10 @@ CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
   }
   wedges = WedgeTable(attributes, std::move(mesh.wedge_attributes));
   gatherCorners();
+  if (has_wedges) {
+    only_wedge.resize(positions.size());
+    for (uint32_t i = 0; i < positions.size(); ++i) only_wedge[i] = findOnlyWedge(i);
+  }
 }
 
 void CollapseMesh::gatherCorners() {
@@ -170,21 +174,36 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
   left.count = left.capacity = 0;
   kept.point = point;
   kept.quadric += left.quadric;
+  if (hasWedges() && (only_wedge[keep] == kManyWedges || only_wedge[gone] == kManyWedges))
+    only_wedge[keep] = findOnlyWedge(keep);
+}
+
+uint32_t CollapseMesh::findOnlyWedge(uint32_t position) const noexcept {
+  uint32_t wedge = kManyWedges;
+  for (const uint32_t corner : around(position)) {
+    if (wedge != kManyWedges && wedge != corner_wedge[corner]) return kManyWedges;
+    wedge = corner_wedge[corner];
+  }
+  return wedge;
+}
+
+void CollapseMesh::findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs) const {
+  pairs.clear();
+  for (const uint32_t corner : around(gone)) {
+    for (const uint32_t other : {next(corner), previous(corner)}) {
+      if (corner_position[other] != keep) continue;
+      const uint32_t wedge = corner_wedge[corner];
+      const auto known = std::find_if(pairs.begin(), pairs.end(),
+                                      [wedge](const WedgeTable::Pair& pair) { return pair.gone == wedge; });
+      if (known == pairs.end()) pairs.push_back({corner_wedge[other], wedge});
+    }
+  }
 }
 
 // Wedges of `gone` that share a triangle of the edge with one of `keep` become one with it; the others stay
 // as they are. A locked position's wedges are never joined to one another.
 void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) {
-  pairs_.clear();
-  for (const uint32_t corner : around(gone)) {
-    for (const uint32_t other : {next(corner), previous(corner)}) {
-      if (corner_position[other] != keep) continue;
-      const uint32_t wedge = corner_wedge[corner];
-      const auto known = std::find_if(pairs_.begin(), pairs_.end(),
-                                      [wedge](const WedgeTable::Pair& pair) { return pair.gone == wedge; });
-      if (known == pairs_.end()) pairs_.push_back({corner_wedge[other], wedge});
-    }
-  }
+  findPairs(keep, gone, pairs_);
   for (size_t i = 0; i < pairs_.size(); ++i) {
     const bool again = std::any_of(pairs_.begin(), pairs_.begin() + static_cast<ptrdiff_t>(i),
                                    [&](const WedgeTable::Pair& pair) { return pair.keep == pairs_[i].keep; });

@@ -29,6 +29,8 @@ enum class PositionKind : uint8_t {
   kRimCorner,   ///< anything else
 };
 
+constexpr uint32_t kManyWedges = ~0u;
+
 /// All that is known of a position while its mesh is simplified: two lines of the cache.
 struct alignas(64) CollapsePosition {
   Quadric quadric;
@@ -80,6 +82,21 @@ struct CollapseMesh {
   /// Moves `keep` to `point` and gives it all that is at `gone`; triangles with both die.
   /// @param gone_share  how far the point lies from keep (0) to gone (1): attributes are mixed so
   void merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double gone_share);
+  /// The wedges that the last merge() has joined.
+  std::span<const WedgeTable::Pair> joined() const noexcept { return pairs_; }
+  /// Fills `pairs` with the wedges of `gone` and those of `keep` that a merge would join them to.
+  void findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs) const;
+  /// Calls visit(wedge) for each wedge at a position once.
+  template <typename Visit>
+  void forEachWedge(uint32_t position, Visit&& visit) const {
+    if (only_wedge[position] != kManyWedges) return visit(only_wedge[position]);
+    const std::span<const uint32_t> corners = around(position);
+    for (size_t i = 0; i < corners.size(); ++i) {
+      bool seen = false;
+      for (size_t j = 0; j < i && !seen; ++j) seen = corner_wedge[corners[j]] == corner_wedge[corners[i]];
+      if (!seen) visit(corner_wedge[corners[i]]);
+    }
+  }
   /// Removes identical triangles of opposite orientation around a position, in pairs.
   void removeFolds(uint32_t position);
 
@@ -91,13 +108,15 @@ struct CollapseMesh {
   std::vector<CollapsePosition> positions;
   std::vector<uint32_t> corner_position;  ///< four a triangle, the last unused
   std::vector<uint32_t> corner_wedge;     ///< the same, or empty where there are no attributes
-  std::vector<uint32_t> pool;             ///< corners by position, in pieces
+  std::vector<uint32_t> only_wedge;  ///< a position's, or kManyWedges; empty where there are no attributes
+  std::vector<uint32_t> pool;        ///< corners by position, in pieces
   WedgeTable wedges;
   size_t live_triangles = 0;
 
  private:
   void gatherCorners();
   void kill(uint32_t triangle, uint32_t except);
+  uint32_t findOnlyWedge(uint32_t position) const noexcept;
   void mergeWedges(uint32_t keep, uint32_t gone, double gone_share);
 
   std::vector<uint32_t> dying_;          // corners of `gone`, scratch

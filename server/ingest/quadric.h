@@ -36,6 +36,18 @@ struct Quadric {
     c += weight * glm::dot(point, point);
   }
 
+  /// Takes away weight * other.
+  void subtract(const Quadric& other, double weight) noexcept {
+    xx -= weight * other.xx;
+    xy -= weight * other.xy;
+    xz -= weight * other.xz;
+    yy -= weight * other.yy;
+    yz -= weight * other.yz;
+    zz -= weight * other.zz;
+    b -= weight * other.b;
+    c -= weight * other.c;
+  }
+
   Quadric& operator+=(const Quadric& q) noexcept {
     xx += q.xx;
     xy += q.xy;

@@ -1,5 +1,8 @@
 #include "server/ingest/wedge_values.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/octahedral.h"
 
 namespace lode::ingest {
@@ -7,11 +10,33 @@ namespace lode::ingest {
 WedgeTable::WedgeTable(AttributeSet attributes, std::vector<VertexAttributes> codes)
     : attributes_(attributes), codes_(std::move(codes)), values_(codes_.size()), changed_(codes_.size()) {}
 
-WedgeTable::Value WedgeTable::decode(uint32_t wedge) const {
+WedgeValue WedgeTable::value(uint32_t wedge) const {
   if (changed_[wedge]) return values_[wedge];
   const VertexAttributes& code = codes_[wedge];
-  return {attributes_.has(AttributeSet::kNormal) ? decodeOctahedral(code.normal) : glm::vec3(0),
-          glm::vec4(code.colour), glm::vec2(code.texture)};
+  WedgeValue value;
+  float* const parts = value.parts.data();
+  if (attributes_.has(AttributeSet::kNormal)) {
+    const glm::vec3 normal = decodeOctahedral(code.normal);
+    for (int i = 0; i < 3; ++i) parts[WedgeValue::kNormal + i] = normal[i];
+  }
+  for (int i = 0; i < 4; ++i) parts[WedgeValue::kColour + i] = code.colour[i];
+  for (int i = 0; i < 2; ++i) parts[WedgeValue::kTexture + i] = code.texture[i];
+  return value;
+}
+
+void WedgeTable::set(uint32_t wedge, const WedgeValue& value) {
+  constexpr float kShortestNormal = 1e-3f;
+  const std::array<float, WedgeValue::kParts> old = this->value(wedge).parts;
+  float* const parts = values_[wedge].parts.data();
+  std::copy(value.parts.begin(), value.parts.end(), parts);
+  const float length = std::sqrt(parts[0] * parts[0] + parts[1] * parts[1] + parts[2] * parts[2]);
+  for (int i = WedgeValue::kNormal; i < WedgeValue::kNormal + 3; ++i)
+    parts[i] = length > kShortestNormal ? parts[i] / length : old[static_cast<size_t>(i)];
+  for (int i = WedgeValue::kColour; i < WedgeValue::kColour + 4; ++i)
+    parts[i] = std::clamp(parts[i], 0.0f, 255.0f);
+  for (int i = WedgeValue::kTexture; i < WedgeValue::kTexture + 2; ++i)
+    parts[i] = std::clamp(parts[i], 0.0f, 65535.0f);
+  changed_[wedge] = 1;
 }
 
 void WedgeTable::mix(uint32_t keep, uint32_t gone, double gone_share) {
@@ -23,22 +48,20 @@ void WedgeTable::mix(uint32_t keep, uint32_t gone, double gone_share) {
     return;
   }
   const float share = static_cast<float>(gone_share);
-  const Value a = decode(keep), b = decode(gone);
-  Value& value = values_[keep];
-  value = {glm::mix(a.normal, b.normal, share), glm::mix(a.colour, b.colour, share),
-           glm::mix(a.texture, b.texture, share)};
-  const float length = glm::length(value.normal);
-  value.normal = length > 1e-3f ? value.normal / length : share < 0.5f ? a.normal : b.normal;
-  changed_[keep] = 1;
+  WedgeValue mixed = value(keep);
+  const WedgeValue other = value(gone);
+  for (size_t i = 0; i < mixed.parts.size(); ++i)
+    mixed.parts[i] = (1 - share) * mixed.parts[i] + share * other.parts[i];
+  set(keep, mixed);
 }
 
 VertexAttributes WedgeTable::code(uint32_t wedge) const {
   VertexAttributes code = codes_[wedge];
   if (!changed_[wedge]) return code;
-  const Value& value = values_[wedge];
-  if (attributes_.has(AttributeSet::kNormal)) code.normal = encodeOctahedral(value.normal);
-  code.colour = glm::u8vec4(glm::clamp(value.colour, 0.0f, 255.0f) + 0.5f);
-  code.texture = glm::u16vec2(glm::clamp(value.texture, 0.0f, 65535.0f) + 0.5f);
+  const float* const parts = values_[wedge].parts.data();
+  if (attributes_.has(AttributeSet::kNormal)) code.normal = encodeOctahedral({parts[0], parts[1], parts[2]});
+  for (int i = 0; i < 4; ++i) code.colour[i] = static_cast<uint8_t>(parts[WedgeValue::kColour + i] + 0.5f);
+  for (int i = 0; i < 2; ++i) code.texture[i] = static_cast<uint16_t>(parts[WedgeValue::kTexture + i] + 0.5f);
   return code;
 }
 
