@@ -8,9 +8,10 @@
 namespace lode::core {
 namespace {
 
-constexpr float kCoverFactor = 16;  // the covering step's threshold over the user's: about 6 % more triangles
-constexpr float kPagePriorityFactor =
-    16;  // pages are small, and nothing below them can be asked for without them
+// Pages are small, and nothing below them can be asked for without them.
+constexpr float kPagePriorityFactor = 16;
+
+constexpr uint64_t kCoverBytesRatio = 20;  // a covering step costs at most a twentieth of what it bridges
 
 /// What the wanted cut makes of a node.
 enum class Role : uint8_t {
@@ -25,7 +26,7 @@ struct Planned {
   double distance_model = 0;
   Role role = Role::kPart;
   uint32_t rung = 0;
-  std::optional<uint32_t> cover_rung;  // the node is in the covering cut at this rung
+  std::optional<uint32_t> cover_rung;  // the node is in the covering step at this rung
 };
 
 /// A part that may have to give way. Largest error first, ties by key.
@@ -52,6 +53,7 @@ class Run {
     const Node* root = hierarchy_.root();
     if (!root) return {};
     plan(*root);
+    chooseCovers(plan_.at(kRootKey.value));
     cut_ = std::make_shared<Cut>();
     cut_->view = view_;
     if (covered(*root)) {
@@ -98,14 +100,8 @@ class Run {
 
   void plan(const Node& root) {
     add(root);
-    bool covering = true;
     while (!queue_.empty()) {
       const Candidate worst = queue_.top();
-      if (covering && worst.error_px <= kCoverFactor * options_.threshold_px) {
-        covering = false;
-        for (auto& [key, planned] : plan_)
-          if (planned.role == Role::kPart) planned.cover_rung = planned.rung;
-      }
       if (worst.error_px <= options_.threshold_px) return;
       queue_.pop();
       if (!giveWay(plan_.at(worst.node.value))) return;
@@ -149,6 +145,34 @@ class Run {
       forEachChild(node, [&](const Node& child) { add(child); });
     }
     return true;
+  }
+
+  struct Below {
+    uint64_t bytes = 0;    // of the wanted cut's payloads
+    bool settled = false;  // a covering step was chosen, or not all of it is known yet
+  };
+
+  /// Chooses the covering step: on each way down the deepest expanded node, at its finest rung, that costs
+  /// little against what is wanted below it. It does not depend on what is resident, so that wishes do not
+  /// waver.
+  Below chooseCovers(Planned& planned) {
+    const Node& node = *planned.node;
+    if (planned.role == Role::kPart) return {node.rungs[planned.rung].payload.bytes, false};
+    if (planned.role == Role::kBlocked) return {0, true};
+    Below below;
+    forEachChild(node, [&](const Node& child) {
+      const Below more = chooseCovers(plan_.at(child.key.value));
+      below.bytes += more.bytes;
+      below.settled |= more.settled;
+    });
+    if (below.settled) return below;
+    const auto cheap = std::find_if(node.rungs.begin(), node.rungs.end(), [&](const Rung& rung) {
+      return rung.payload.bytes * kCoverBytesRatio <= below.bytes;
+    });
+    if (cheap == node.rungs.end()) return below;
+    planned.cover_rung = static_cast<uint32_t>(cheap - node.rungs.begin());
+    below.settled = true;
+    return below;
   }
 
   template <typename Function>
@@ -210,7 +234,7 @@ class Run {
     while (!ready(node, rung)) ++rung;
     emit(planned, rung);
     exact_ = false;
-    askBelow(planned, errorPx(planned, rung));
+    ask(planned, errorPx(planned, rung));
   }
 
   /// Shows the wanted rung of a part or what stands in for it: a finer rung, finer nodes, a coarser rung.
@@ -256,12 +280,8 @@ class Run {
 
   // ---- the wishes
 
-  /// Asks for the wanted cut below a node that is shown in its place.
+  /// Asks for the wanted cut at and below a node, where something coarser is shown.
   /// @param shown_px  error of what is shown there, or will be by then.
-  void askBelow(const Planned& planned, float shown_px) {
-    forEachChild(*planned.node, [&](const Node& child) { ask(plan_.at(child.key.value), shown_px); });
-  }
-
   void ask(const Planned& planned, float shown_px) {
     const NodeKey key = planned.node->key;
     switch (planned.role) {
@@ -279,7 +299,7 @@ class Run {
         shown_px = cover_px;
       }
     }
-    askBelow(planned, shown_px);
+    forEachChild(*planned.node, [&](const Node& child) { ask(plan_.at(child.key.value), shown_px); });
   }
 
   void askForPage(const Planned& planned, float shown_px) {

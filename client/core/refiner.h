@@ -50,6 +50,9 @@ struct Refinement {
 /// The published cut is the wanted one where it is resident. Elsewhere a finer stand-in is kept if it covers
 /// the place, else a coarser one: a node gives way to its children only when every child is covered.
 ///
+/// Levels between what is shown and what is wanted are skipped, but for one covering step that costs at most
+/// at most a twentieth.
+///
 /// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the
 /// octree of the 2005 paper (docs/lod-selection.md).
 Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,

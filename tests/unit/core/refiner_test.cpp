@@ -86,10 +86,10 @@ class Scripted {
   }
 
   void deliver(const Wanted& wanted) {
-    ++delivered_;
     if (wanted.is_page) {
       hierarchy_.addPage(wanted.mesh.node, model_.pageBelow(wanted.mesh.node));
     } else {
+      delivered_payload_bytes_ += wanted.blob.bytes;
       cache_.insert(wanted.mesh, model_.mesh(wanted.mesh));
     }
   }
@@ -108,14 +108,14 @@ class Scripted {
 
   const Refinement& last() const { return last_; }
   MeshCache& cache() { return cache_; }
-  size_t delivered() const { return delivered_; }
+  uint64_t deliveredPayloadBytes() const { return delivered_payload_bytes_; }
 
  private:
   const SyntheticModel& model_;
   Hierarchy hierarchy_;
   MeshCache cache_;
   Refinement last_;
-  size_t delivered_ = 0;
+  uint64_t delivered_payload_bytes_ = 0;
 };
 
 const auto kNoCheck = [](const Refinement&) {};
@@ -242,12 +242,13 @@ TEST_P(RefinerOnSeeds, staysWithinAMemoryBudgetAndSaysSo) {
   EXPECT_FALSE(client.last().cut->converged);
 }
 
-TEST_P(RefinerOnSeeds, asksForLittleMoreThanTheConvergedCut) {
+TEST_P(RefinerOnSeeds, asksForATwentiethMoreBytesThanTheConvergedCutAtMost) {
   Scripted client(model_);
   client.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
-  size_t pages = 0;
-  for (const auto& [key, node] : model_.nodes()) pages += node.child_page ? 1 : 0;
-  EXPECT_LE(client.delivered(), client.last().cut->parts.size() * 5 / 4 + pages + 1);
+  uint64_t needed = model_.nodes().at(kRootKey).rungs.back().payload.bytes;
+  for (const auto& [key, rung] : partsOf(*client.last().cut))
+    needed += model_.nodes().at(key).rungs[rung].payload.bytes;
+  EXPECT_LE(client.deliveredPayloadBytes(), needed * 21 / 20);
 }
 
 TEST(Refiner, wishesForTheBiggestErrorFirst) {
@@ -273,22 +274,21 @@ TEST(Refiner, asksForTheRootFirstAndShowsNothingBeforeIt) {
   EXPECT_EQ(first.wanted[0].mesh, (MeshKey{kRootKey, 3}));
 }
 
-TEST(Refiner, sharpensInManySmallSteps) {
+TEST(Refiner, showsACoveringStepBeforeMostOfTheDetailHasCome) {
   const SyntheticModel model({.seed = 5, .split_chance = 1});
-  Scripted client(model);
   const RefineOptions options{.threshold_px = 1};
-  size_t changes = 0;
-  Parts before;
-  while (true) {
-    const Refinement& now = client.refineFor(closeView(), options);
-    if (now.cut && partsOf(*now.cut) != before) {
-      before = partsOf(*now.cut);
-      ++changes;
-    }
-    if (now.wanted.empty()) break;
-    client.deliver(now.wanted.front());
+  Scripted whole(model);
+  std::mt19937 random(1);
+  whole.converge(closeView(), options, random, kNoCheck);
+
+  Scripted client(model);
+  uint64_t triangles_at_half = 0;
+  while (!client.refineFor(closeView(), options).wanted.empty()) {
+    if (client.last().cut && client.deliveredPayloadBytes() < whole.deliveredPayloadBytes() / 2)
+      triangles_at_half = client.last().cut->triangles;
+    client.deliver(client.last().wanted.front());
   }
-  EXPECT_GT(changes, 10u);
+  EXPECT_GT(triangles_at_half, 4 * model.nodes().at(kRootKey).rungs.back().triangles);
 }
 
 TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {

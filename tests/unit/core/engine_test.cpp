@@ -1,0 +1,176 @@
+#include "client/core/engine.h"
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "proto/limits.h"
+
+namespace lode::core {
+namespace {
+
+using proto::Bytes;
+
+constexpr TimePoint kStart{};
+
+/// A mesh of triangles in the plane z = 0, of a size that tells rungs apart.
+Mesh stripOf(uint32_t triangles) {
+  Mesh mesh;
+  for (uint32_t i = 0; i < triangles + 2; ++i) mesh.positions.push_back(packPosition({i / 2, i % 2, 0}));
+  for (uint32_t i = 0; i < triangles; ++i)
+    mesh.triangles.push_back(i % 2 == 0 ? glm::u32vec3(i, i + 1, i + 2) : glm::u32vec3(i + 1, i, i + 2));
+  return mesh;
+}
+
+/// A model of one node with two rungs, and the server's side of a conversation about it, in process.
+class EngineTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const EncodedPayload fine = encodePayload(stripOf(40), 1), coarse = encodePayload(stripOf(4), 1);
+    blobs_ = {fine.bytes, coarse.bytes};
+    Node root;
+    root.key = kRootKey;
+    root.box.add(glm::uvec3(0));
+    root.box.add(glm::uvec3(21, 1, 0));
+    root.rungs = {{refOf(1), 40, fine.vertices, 0, 0.001f, 0}, {refOf(2), 4, coarse.vertices, 0, 10, 0}};
+    blobs_.push_back(encodePage({{root}}));
+    view_.eye_model = {10, 0, 40};
+  }
+
+  BlobRef refOf(uint32_t number) const {
+    const Bytes& blob = blobs_[number - 1];
+    return {number, static_cast<uint32_t>(blob.size()), nameBlob(blob)};
+  }
+
+  static void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
+
+  Bytes blobFrame(uint32_t wish, uint32_t number) const {
+    const Bytes& blob = blobs_[number - 1];
+    const auto fields = proto::encodeBlobChunkHeader({wish, static_cast<uint32_t>(blob.size()), 0});
+    const auto header = proto::encodeFrameHeader({static_cast<uint32_t>(fields.size() + blob.size()),
+                                                  static_cast<uint8_t>(proto::FrameType::kBlob), 0, 0});
+    Bytes frame(header.size() + fields.size() + blob.size());
+    auto at = std::copy(header.begin(), header.end(), frame.begin());
+    at = std::copy(fields.begin(), fields.end(), at);
+    std::copy(blob.begin(), blob.end(), at);
+    return frame;
+  }
+
+  Bytes greeting() const {
+    proto::Opened opened;
+    opened.handle = 1;
+    opened.summary.name = "strip";
+    opened.summary.nodes = 1;
+    opened.summary.root_page = refOf(3);
+    Bytes bytes = proto::encode(proto::Welcome{1, 0, 100, ""}, 1);
+    append(bytes, proto::encode(opened, 2));
+    append(bytes, blobFrame(0, 3));
+    append(bytes, blobFrame(0, 2));
+    return bytes;
+  }
+
+  void decodeAll() {
+    for (const DecodeJob& job : engine_.takeDecodeJobs()) engine_.finishDecode(runDecodeJob(job));
+  }
+
+  /// The wish for the fine rung, once the coarse one is shown.
+  uint32_t openAndShowCoarse() {
+    engine_.setView(view_, 1);
+    engine_.receive(greeting(), kStart);
+    engine_.takeOutgoing();
+    decodeAll();
+    engine_.step(kStart);
+    uint32_t wish = 0;
+    std::span<const std::byte> rest = sent_ = engine_.takeOutgoing();
+    while (!rest.empty()) {
+      const auto header = proto::decodeFrameHeader(rest.first<proto::kFrameHeaderBytes>());
+      if (header.type == static_cast<uint8_t>(proto::FrameType::kWishes))
+        wish = proto::decode<proto::Wishes>(rest.subspan(proto::kFrameHeaderBytes, header.body_bytes))
+                   .changes.at(0)
+                   .wish;
+      rest = rest.subspan(proto::kFrameHeaderBytes + header.body_bytes);
+    }
+    return wish;
+  }
+
+  static EngineOptions options() {
+    EngineOptions options;
+    options.session.model = "strip";
+    return options;
+  }
+
+  std::vector<Bytes> blobs_;
+  View view_;
+  Bytes sent_;
+  Engine engine_{options(), kStart};
+};
+
+TEST_F(EngineTest, showsTheRootsCoarsestRungFromWhatComesUnasked) {
+  openAndShowCoarse();
+  ASSERT_TRUE(engine_.summary());
+  ASSERT_TRUE(engine_.cut());
+  EXPECT_EQ(engine_.cut()->triangles, 4u);
+  EXPECT_FALSE(engine_.cut()->converged);
+  EXPECT_EQ(engine_.cutBlobBytes(), blobs_[1].size());
+}
+
+TEST_F(EngineTest, convergesWhenTheWishedPayloadHasCome) {
+  const uint32_t wish = openAndShowCoarse();
+  ASSERT_NE(wish, 0u);
+  engine_.receive(blobFrame(wish, 1), kStart);
+  decodeAll();
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.cut()->triangles, 40u);
+  EXPECT_TRUE(engine_.cut()->converged);
+  EXPECT_TRUE(engine_.settled());
+  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+}
+
+TEST_F(EngineTest, doesNotWishAgainForWhatIsBeingDecoded) {
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(blobFrame(wish, 1), kStart);
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.counts().decoding, 1u);
+  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+}
+
+TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenABlobCannotBeHad) {
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(
+      proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, wish, false, "damaged"}, 0), kStart);
+  engine_.step(kStart);
+  EXPECT_NE(engine_.failure().find("damaged"), std::string::npos);
+  EXPECT_EQ(engine_.cut()->triangles, 4u);
+  EXPECT_FALSE(engine_.settled());
+  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+}
+
+TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenAPayloadCannotBeDecoded) {
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(blobFrame(wish, 1), kStart);
+  for (const DecodeJob& job : engine_.takeDecodeJobs()) engine_.finishDecode({job.mesh, nullptr, "broken"});
+  engine_.step(kStart);
+  EXPECT_NE(engine_.failure().find("broken"), std::string::npos);
+  EXPECT_EQ(engine_.cut()->triangles, 4u);
+  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+}
+
+TEST_F(EngineTest, aJobWithBytesThatAreNoPayloadFailsWithoutThrowing) {
+  const DecodeResult result = runDecodeJob({{kRootKey, 0}, Bytes(50), 1, {}});
+  EXPECT_FALSE(result.decoded);
+  EXPECT_FALSE(result.failure.empty());
+}
+
+TEST_F(EngineTest, givesUpOnAPageThatIsNoPage) {
+  blobs_[2] = Bytes(64);
+  engine_.setView(view_, 1);
+  EXPECT_THROW(engine_.receive(greeting(), kStart), Error);
+}
+
+TEST_F(EngineTest, givesUpWhenTheServerLeavesOrTheModelIsReplaced) {
+  openAndShowCoarse();
+  EXPECT_THROW(engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart), Error);
+  EXPECT_THROW(engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart), Error);
+}
+
+}  // namespace
+}  // namespace lode::core

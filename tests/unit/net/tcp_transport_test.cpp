@@ -1,0 +1,141 @@
+#include "client/net/tcp_transport.h"
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/read.hpp>
+#include <asio/write.hpp>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace lode::net {
+namespace {
+
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+
+/// Counts wakes, so that a test waits without sleeping.
+class Bell {
+ public:
+  void ring() {
+    const std::lock_guard lock(mutex_);
+    rung_ = true;
+    condition_.notify_one();
+  }
+  void wait() {
+    std::unique_lock lock(mutex_);
+    ASSERT_TRUE(condition_.wait_for(lock, 30s, [this] { return rung_; }));
+    rung_ = false;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable condition_;
+  bool rung_ = false;
+};
+
+class TcpTransportTest : public testing::Test {
+ protected:
+  Address address() const { return {"127.0.0.1", acceptor_.local_endpoint().port()}; }
+
+  proto::Bytes receive(TcpTransport& transport, size_t count) {
+    proto::Bytes all;
+    while (all.size() < count) {
+      bell_.wait();
+      const proto::Bytes some = transport.takeReceived();
+      all.insert(all.end(), some.begin(), some.end());
+    }
+    return all;
+  }
+
+  std::string failureOf(TcpTransport& transport) {
+    while (true) {
+      try {
+        transport.takeReceived();
+      } catch (const Error& error) {
+        return error.what();
+      }
+      bell_.wait();
+    }
+  }
+
+  asio::io_context io_;
+  tcp::acceptor acceptor_{io_, tcp::endpoint(asio::ip::address_v4::loopback(), 0)};
+  Bell bell_;
+};
+
+TEST_F(TcpTransportTest, carriesBytesBothWays) {
+  TcpTransport transport(address(), 10s, [this] { bell_.ring(); });
+  transport.send(proto::Bytes(1000, std::byte{1}));
+  transport.send(proto::Bytes(500, std::byte{2}));
+  tcp::socket peer = acceptor_.accept();
+  proto::Bytes got(1500);
+  asio::read(peer, asio::buffer(got));
+  EXPECT_EQ(got[999], std::byte{1});
+  EXPECT_EQ(got[1000], std::byte{2});
+  asio::write(peer, asio::buffer(got));
+  EXPECT_EQ(receive(transport, got.size()), got);
+}
+
+TEST_F(TcpTransportTest, pausesWhileNothingIsTakenAndLosesNothing) {
+  TcpTransport transport(address(), 10s, [this] { bell_.ring(); });
+  tcp::socket peer = acceptor_.accept();
+  constexpr size_t kMany = 3 * kMaxReceivedBytes;
+  std::thread sender([&] {
+    proto::Bytes many(kMany);
+    for (size_t i = 0; i < kMany; ++i) many[i] = static_cast<std::byte>(i / 1000);
+    asio::write(peer, asio::buffer(many));
+  });
+  size_t taken = 0;
+  while (taken < kMany) {
+    bell_.wait();
+    const proto::Bytes some = transport.takeReceived();
+    EXPECT_LT(some.size(), kMaxReceivedBytes + (1u << 20));
+    for (const std::byte byte : some) ASSERT_EQ(byte, static_cast<std::byte>(taken++ / 1000));
+  }
+  sender.join();
+}
+
+TEST_F(TcpTransportTest, givesTheLastBytesBeforeItTellsOfTheEnd) {
+  TcpTransport transport(address(), 10s, [this] { bell_.ring(); });
+  {
+    tcp::socket peer = acceptor_.accept();
+    asio::write(peer, asio::buffer("last", 4));
+  }
+  EXPECT_EQ(receive(transport, 4).size(), 4u);
+  EXPECT_NE(failureOf(transport).find("closed the connection"), std::string::npos);
+}
+
+TEST_F(TcpTransportTest, namesTheAddressAndTheRemedyWhenNobodyListens) {
+  const Address nobody = address();
+  acceptor_.close();
+  TcpTransport transport(nobody, 10s, [this] { bell_.ring(); });
+  const std::string failure = failureOf(transport);
+  EXPECT_NE(failure.find(toString(nobody)), std::string::npos) << failure;
+  EXPECT_NE(failure.find("lodestreamd serve"), std::string::npos) << failure;
+}
+
+TEST_F(TcpTransportTest, refusesToQueueMoreThanTheLimit) {
+  TcpTransport transport(address(), 10s, [] {});
+  tcp::socket peer = acceptor_.accept();
+  const auto sendForever = [&] {
+    for (int i = 0; i < 1000; ++i) transport.send(proto::Bytes(4u << 20));
+  };
+  EXPECT_THROW(sendForever(), Error);
+}
+
+TEST_F(TcpTransportTest, endsWhileItConnectsSendsOrReceives) {
+  {
+    TcpTransport connecting(address(), 10s, [] {});
+  }
+  TcpTransport transport(address(), 10s, [] {});
+  transport.send(proto::Bytes(1u << 20));
+}
+
+}  // namespace
+}  // namespace lode::net
