@@ -104,7 +104,7 @@ uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t lim
   const auto vertices = static_cast<uint32_t>(mesh.positions.size());
   if (entry.vertices_done < vertices) {
     const uint32_t count =
-        std::min<uint32_t>(limit_bytes / sizeof(GpuVertex), vertices - entry.vertices_done);
+        std::min(limit_bytes / uint32_t{sizeof(GpuVertex)}, vertices - entry.vertices_done);
     if (count == 0) return 0;
     const auto bytes = static_cast<uint32_t>(count * sizeof(GpuVertex));
     const std::span<std::byte> room = staging_.take(bytes);

@@ -55,7 +55,8 @@ struct OffscreenContext::Impl {
     if (display == EGL_NO_DISPLAY) return;
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
-    eglTerminate(display);
+    // The display stays initialized for the process: terminating it unloads the driver, which leaks what it
+    // held, and the next context would load it again.
     eglReleaseThread();
   }
 };
