@@ -51,7 +51,7 @@ struct Refinement {
 /// the place, else a coarser one: a node gives way to its children only when every child is covered.
 ///
 /// Levels between what is shown and what is wanted are skipped, but for one covering step that costs at most
-/// at most a twentieth.
+/// a twentieth of the bytes of the wanted cut.
 ///
 /// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the
 /// octree of the 2005 paper (docs/lod-selection.md).

@@ -96,6 +96,7 @@ fs::path buildIntoCache(const fs::path& ply, bool announce, const std::stop_toke
   }
   if (const int status = build.wait(); status != 0) {
     fs::remove_all(folder, failed);
+    fs::remove(of_source, failed);  // only if it is empty
     throw Error(ErrorCode::kInput,
                 childFailure(build, "building " + ply.string() + " failed with exit status " +
                                         std::to_string(status)));
