@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "server/ingest/number_table.h"
-#include "server/ingest/triangle_grid.h"
 
 namespace lode::ingest {
 namespace {
@@ -46,6 +45,12 @@ float measureDeviation(const NodeMesh& rung, std::vector<SurfaceSample>& samples
     largest = std::max(largest, distance);
     sample.deviation = std::max(sample.deviation, distance);
   }
+  return largest;
+}
+
+float farthestVertex(const NodeMesh& rung, const TriangleGrid& input) {
+  float largest = 0;
+  for (const PositionCode position : rung.positions) largest = std::max(largest, input.distance(position));
   return largest;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/ingest/node_mesh.h"
+#include "server/ingest/triangle_grid.h"
 
 namespace lode::ingest {
 
@@ -24,5 +25,8 @@ void selectSamples(std::vector<SurfaceSample>& samples, size_t capacity);
 /// Measures the samples against a rung and raises their deviations. @return the largest distance, lattice
 /// steps.
 float measureDeviation(const NodeMesh& rung, std::vector<SurfaceSample>& samples);
+
+/// The largest distance of a rung's vertices from the mesh it was made of, lattice steps.
+float farthestVertex(const NodeMesh& rung, const TriangleGrid& input);
 
 }  // namespace lode::ingest

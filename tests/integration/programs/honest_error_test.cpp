@@ -1,6 +1,7 @@
 // I4, the honest error: what the store says against what dense sampling finds, rung by rung.
 
 #include <algorithm>
+#include <iostream>
 
 #include "models.h"
 #include "server/store/export.h"
@@ -60,14 +61,19 @@ TEST_P(HonestError, isAtLeastWhatDenseSamplingFinds) {
   const std::vector<RungError> errors = measureRungs(store::Reader(GetParam().store()));
   ASSERT_FALSE(errors.empty());
   size_t below = 0;
+  std::vector<double> ratios;
   for (const RungError& error : errors) {
     const double ratio = error.stored_steps / error.sampled_steps.both.max;
     below += ratio < 1;
+    ratios.push_back(ratio);
     EXPECT_GE(ratio, 0.8) << error.where << ": stored " << error.stored_steps << " steps, original to rung "
                           << error.sampled_steps.forward.max << ", back " << error.sampled_steps.backward.max;
   }
   EXPECT_LE(static_cast<double>(below), 0.01 * static_cast<double>(errors.size()))
       << below << " of " << errors.size() << " below";
+  std::sort(ratios.begin(), ratios.end());
+  std::cout << "stored error over sampled: least " << ratios.front() << ", median "
+            << ratios[ratios.size() / 2] << ", largest " << ratios.back() << '\n';
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, HonestError, testing::ValuesIn(models()), nameOf);
