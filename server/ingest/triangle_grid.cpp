@@ -9,6 +9,8 @@ namespace {
 
 constexpr float kMaxCellsAlongAxis = 64;
 
+float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
+
 float squaredDistance(glm::vec3 ap, glm::vec3 ab, glm::vec3 ac) noexcept {
   const auto toPoint = [&](glm::vec3 on) {
     const glm::vec3 d = ap - on;
@@ -70,27 +72,37 @@ TriangleGrid::TriangleGrid(const NodeMesh& mesh) {
   }
   for (size_t cell = 1; cell < begin_.size(); ++cell) begin_[cell] += begin_[cell - 1];
   members_.resize(begin_.back());
+  spheres_.resize(begin_.back());
   std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
   for (uint32_t t = 0; t < covers.size(); ++t) {
-    forCells(covers[t], [&](size_t cell) { members_[next[cell]++] = t; });
+    const Triangle& triangle = triangles_[t];
+    const glm::vec3 to_centre = (triangle.ab + triangle.ac) / 3.f;
+    const float radius = std::sqrt(std::max({squaredLength(to_centre), squaredLength(triangle.ab - to_centre),
+                                             squaredLength(triangle.ac - to_centre)}));
+    const glm::vec4 sphere(triangle.a + to_centre, radius);
+    forCells(covers[t], [&](size_t cell) {
+      spheres_[next[cell]] = sphere;
+      members_[next[cell]++] = t;
+    });
   }
 }
 
 float TriangleGrid::distance(PositionCode code) const noexcept {
-  float best = std::numeric_limits<float>::infinity();
-  if (triangles_.empty()) return best;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Nearest best{kInfinity, kInfinity};
+  if (triangles_.empty()) return kInfinity;
   const glm::vec3 point(unpackPosition(code));
   const glm::ivec3 centre = cellOf(point);
   searchCell(point, centre, best);
   for (int radius = 1;; ++radius) {
     // What lies beyond the block searched so far is at least this far away.
-    float beyond = std::numeric_limits<float>::infinity();
+    float beyond = kInfinity;
     for (int k = 0; k < 3; ++k) {
       const int low = centre[k] - radius + 1, high = centre[k] + radius;
       if (low > 0) beyond = std::min(beyond, point[k] - (min_[k] + static_cast<float>(low) * cell_));
       if (high < dims_[k]) beyond = std::min(beyond, min_[k] + static_cast<float>(high) * cell_ - point[k]);
     }
-    if (std::isinf(beyond) || (beyond > 0 && best <= beyond * beyond)) return std::sqrt(best);
+    if (std::isinf(beyond) || best.distance <= beyond) return best.distance;
     searchShell(point, centre, radius, best);
   }
 }
@@ -99,7 +111,7 @@ glm::ivec3 TriangleGrid::cellOf(glm::vec3 point) const noexcept {
   return glm::clamp(glm::ivec3((point - min_) / cell_), glm::ivec3(0), dims_ - 1);
 }
 
-void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, float& best) const noexcept {
+void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, Nearest& best) const noexcept {
   const glm::ivec3 low = glm::max(centre - radius, 0), high = glm::min(centre + radius, dims_ - 1);
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {
@@ -115,15 +127,18 @@ void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, f
   }
 }
 
-void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, float& best) const noexcept {
+void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, Nearest& best) const noexcept {
   const size_t index = indexOf(cell);
   if (begin_[index] == begin_[index + 1]) return;
   const glm::vec3 low = min_ + glm::vec3(cell) * cell_;
   const glm::vec3 outside = glm::max(glm::max(low - point, point - (low + cell_)), 0.f);
-  if (glm::dot(outside, outside) > best) return;
+  if (squaredLength(outside) > best.squared) return;
   for (uint32_t i = begin_[index]; i < begin_[index + 1]; ++i) {
+    const float reach = best.distance + spheres_[i].w;
+    if (squaredLength(point - glm::vec3(spheres_[i])) > reach * reach) continue;
     const Triangle& triangle = triangles_[members_[i]];
-    best = std::min(best, squaredDistance(point - triangle.a, triangle.ab, triangle.ac));
+    const float squared = squaredDistance(point - triangle.a, triangle.ab, triangle.ac);
+    if (squared < best.squared) best = {squared, std::sqrt(squared)};
   }
 }
 

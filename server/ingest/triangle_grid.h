@@ -24,8 +24,13 @@ class TriangleGrid {
   size_t indexOf(glm::ivec3 cell) const noexcept {
     return static_cast<size_t>((cell.z * dims_.y + cell.y) * dims_.x + cell.x);
   }
-  void searchShell(glm::vec3 point, glm::ivec3 centre, int radius, float& best) const noexcept;
-  void searchCell(glm::vec3 point, glm::ivec3 cell, float& best) const noexcept;
+  /// The nearest found so far: squared distance, and the distance itself.
+  struct Nearest {
+    float squared;
+    float distance;
+  };
+  void searchShell(glm::vec3 point, glm::ivec3 centre, int radius, Nearest& best) const noexcept;
+  void searchCell(glm::vec3 point, glm::ivec3 cell, Nearest& best) const noexcept;
 
   struct Triangle {
     glm::vec3 a, ab, ac;
@@ -36,6 +41,8 @@ class TriangleGrid {
   glm::ivec3 dims_{1};
   std::vector<uint32_t> begin_;    ///< of each cell in members_, and the end
   std::vector<uint32_t> members_;  ///< triangles whose box touches the cell
+  std::vector<glm::vec4>
+      spheres_;  ///< around each member, centre and radius: most are too far away to look closer
 };
 
 }  // namespace lode::ingest
