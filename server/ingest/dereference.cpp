@@ -20,13 +20,14 @@ class Batch {
         memory_bytes_(memory_bytes),
         member_bytes_(sizeof(PositionCode) + (input.attributes().bits ? sizeof(VertexAttributes) : 0)) {}
 
-  /// Reads faces until the memory is full. @return false if there were none left.
+  /// Reads faces until the memory is full, one block at least. @return false if there were none left.
   bool readFaces(PackedInput::FaceCursor& cursor) {
     used_.clear();
     blocks_.clear();
     uint64_t members = 0, corners = 0;
     PackedInput::FaceBlock block;
-    while (corners * sizeof(uint32_t) + members * member_bytes_ < memory_bytes_ && cursor.next(block)) {
+    const auto isFull = [&] { return corners * sizeof(uint32_t) + members * member_bytes_ >= memory_bytes_; };
+    while ((blocks_.empty() || !isFull()) && cursor.next(block)) {
       for (const uint32_t corner : block.corners) members += used_.add(corner);
       corners += block.corners.size();
       blocks_.push_back(std::move(block));

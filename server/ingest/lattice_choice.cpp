@@ -11,6 +11,7 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kSampledFaces = 1 << 16;
+constexpr double kStepsInShortEdge = 32;
 constexpr double kStepsInBox = (1 << kLatticeBits) - 2;
 
 struct UsedVertices {
@@ -57,7 +58,7 @@ double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box
   if (edges.empty()) return finest;
   const auto at = edges.begin() + static_cast<ptrdiff_t>(edges.size() / 20);
   std::nth_element(edges.begin(), at, edges.end());
-  return std::max(finest, powerOfTwoAtMost(*at / 16));
+  return std::max(finest, powerOfTwoAtMost(*at / kStepsInShortEdge));
 }
 
 LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name) {

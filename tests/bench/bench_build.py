@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""Build speed, stage by stage: bench_build.py BIN_DIR [MODEL.ply ...] [--triangles N] [--runs R] [--threads T ...]
+
+Without a model it makes a sample of N triangles. Prints, for each number of threads, the medians over R runs: million
+triangles per CPU second of each stage and of the whole, wall seconds, peak memory, and what a stored triangle costs.
+"""
+import argparse
+import json
+import pathlib
+import statistics
+import subprocess
+import tempfile
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin_dir", type=pathlib.Path)
+    parser.add_argument("models", nargs="*", type=pathlib.Path)
+    parser.add_argument("--triangles", type=int, default=2_000_000)
+    parser.add_argument("--attributes", default="", help="of the sample: normal,color")
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--threads", type=int, nargs="*", default=[1, 2])
+    options = parser.parse_args()
+    daemon = str(options.bin_dir / "lodestreamd")
+    with tempfile.TemporaryDirectory() as folder:
+        models = options.models
+        if not models:
+            models = [pathlib.Path(folder) / "asteroid.ply"]
+            attributes = ["--attributes", options.attributes] if options.attributes else []
+            subprocess.run([daemon, "sample", "asteroid", "--triangles", str(options.triangles), *attributes, "-o",
+                            str(models[0])], check=True, stdout=subprocess.DEVNULL)
+        for model in models:
+            for threads in options.threads:
+                report(daemon, model, threads, options.runs, folder)
+
+
+def report(daemon, model, threads, runs, folder):
+    results = []
+    for _ in range(runs):
+        done = subprocess.run([daemon, "build", str(model), "-o", f"{folder}/store.lode", "--threads", str(threads),
+                               "--json", "--quiet"], check=True, capture_output=True)
+        results.append(json.loads(done.stdout))
+    triangles = results[0]["triangles"]
+
+    def median(value):
+        return statistics.median(value(result) for result in results)
+
+    print(f"{model.name}: {triangles} triangles, {threads} thread(s), median of {runs}")
+    for index, stage in enumerate(results[0]["stages"]):
+        cpu = median(lambda result: result["stages"][index]["cpu_seconds"])
+        print(f"  {stage['name']:12} {triangles / cpu / 1e6:8.2f} Mtri per CPU second  {cpu:8.2f} CPU s")
+    cpu = median(lambda result: result["cpu_seconds"])
+    print(f"  {'all':12} {triangles / cpu / 1e6:8.2f} Mtri per CPU second  {cpu:8.2f} CPU s, "
+          f"{median(lambda result: result['seconds']):.2f} s, "
+          f"peak {median(lambda result: result['peak_rss_bytes']) / 1e6:.0f} MB")
+    print(f"  {results[0]['stored_triangles'] / triangles:.2f} stored triangles and "
+          f"{results[0]['bytes'] / triangles:.2f} bytes an input triangle")
+
+
+if __name__ == "__main__":
+    main()
