@@ -23,10 +23,10 @@ uint32_t getU32(const std::byte* at) noexcept {
 }  // namespace
 
 std::string_view frameName(uint8_t type) noexcept {
-  constexpr std::array<std::string_view, 16> names{
+  constexpr std::array<std::string_view, 16> kNames{
       "unknown", "Hello", "Welcome",   "List",  "Models", "Open",          "Opened", "Wishes",
       "Credit",  "Blob",  "Cancelled", "Error", "GoAway", "ModelReplaced", "Ping",   "Pong"};
-  return type < names.size() ? names[type] : names[0];
+  return type < kNames.size() ? kNames[type] : kNames[0];
 }
 
 std::array<std::byte, kFrameHeaderBytes> encodeFrameHeader(const FrameHeader& header) noexcept {

@@ -32,7 +32,7 @@ Engine::Engine(EngineOptions options, TimePoint now)
 void Engine::receive(std::span<const std::byte> bytes, TimePoint now) {
   session_.receive(bytes, now);
   while (std::optional<SessionEvent> event = session_.nextEvent())
-    std::visit([this](auto&& taken) { handle(std::move(taken)); }, std::move(*event));
+    std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
 }
 
 void Engine::handle(ModelOpened event) {

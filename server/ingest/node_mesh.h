@@ -18,7 +18,7 @@ struct NodeMesh {
   std::vector<uint32_t> wedge_position;            ///< position of each wedge
   std::vector<VertexAttributes> wedge_attributes;  ///< one a wedge, or empty where the model has no
                                                    ///< attributes; (position, attributes) pairs are distinct
-  std::vector<glm::u32vec3> triangles;  ///< wedges; their positions are distinct within a triangle
+  std::vector<glm::u32vec3> triangles;             ///< wedges; their positions are distinct within a triangle
 };
 
 }  // namespace lode::ingest

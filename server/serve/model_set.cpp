@@ -38,7 +38,7 @@ std::vector<fs::path> storeFiles(std::span<const fs::path> stores) {
                   "there is no store (*.lode) in " + path.string() + "; make one with: lodestreamd build");
   }
   std::ranges::sort(files);
-  files.erase(std::ranges::unique(files).begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
   if (files.empty())
     throw Error(ErrorCode::kUsage, "no store to serve; name a .lode file or a folder of them");
   return files;

@@ -67,7 +67,8 @@ TEST(TriangleGrid, isInfinitelyFarFromAnEmptyMesh) {
 
 TEST(SurfaceSamples, keepTheLargestDeviationsAndAHashedChoiceOfTheRest) {
   std::vector<SurfaceSample> samples;
-  for (uint32_t i = 0; i < 1000; ++i) samples.push_back({packPosition({i, 0, 0}), i < 40 ? 100.f + static_cast<float>(i) : 1.f});
+  for (uint32_t i = 0; i < 1000; ++i)
+    samples.push_back({packPosition({i, 0, 0}), i < 40 ? 100.f + static_cast<float>(i) : 1.f});
   std::vector<SurfaceSample> shuffled = samples;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(4));
   selectSamples(samples, 100);
