@@ -13,6 +13,9 @@
 namespace lode::core {
 namespace {
 
+/// Of the distance at which the box's sphere fits the picture: models seldom fill their box's corners.
+constexpr double kFramingCloseness = 0.8;
+
 using Json = nlohmann::json;
 
 constexpr double kMaxCoordinate = 1e15;  // so that no square overflows
@@ -134,7 +137,7 @@ CameraPath framingCamera(const glm::dvec3& box_min, const glm::dvec3& box_max) {
   const glm::dvec3 centre = (box_min + box_max) / 2.0;
   double radius = glm::length(box_max - box_min) / 2;
   if (!(radius > 0)) radius = 1;
-  const double distance = radius / std::sin(glm::radians(path.fov_y_deg) / 2);
+  const double distance = kFramingCloseness * radius / std::sin(glm::radians(path.fov_y_deg) / 2);
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0, 0.25, 1));
   path.keys.push_back({0, centre + direction * distance, centre, {0, 1, 0}});
   return path;
