@@ -9,6 +9,7 @@ set(LODE_LAYER_serve store proto frame_stream common)
 set(LODE_LAYER_core proto common)
 set(LODE_LAYER_net core proto frame_stream common)
 set(LODE_LAYER_render core common)
+set(LODE_LAYER_app_cli net core proto common)
 
 # lode_target(NAME [EXECUTABLE] [SOURCES files...] [LAYERS layers...] [LIBRARIES outside...] [PUBLIC_LIBRARIES outside...])
 #   NAME      lode_<layer> for a library; its folder's *.cpp are its sources unless SOURCES names them

@@ -1,0 +1,80 @@
+#include "client/app/cli/common_options.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "client/core/camera_path.h"
+#include "common/error.h"
+#include "proto/limits.h"
+
+namespace lode::app {
+namespace {
+
+TEST(PictureSize, isWidthTimesHeight) {
+  EXPECT_EQ(parseSize("1280x720").width_px, 1280u);
+  EXPECT_EQ(parseSize("1280x720").height_px, 720u);
+  const std::string most = std::to_string(core::kMaxPictureSidePx);
+  EXPECT_EQ(parseSize("1x" + most).height_px, core::kMaxPictureSidePx);
+}
+
+TEST(PictureSize, isRefusedIfItIsNoneOrTooLarge) {
+  const std::string too_much = std::to_string(core::kMaxPictureSidePx + 1);
+  for (const std::string& text :
+       {std::string(), std::string("1280"), std::string("1280x"), std::string("x720"), std::string("0x720"),
+        std::string("1280x0"), std::string("-1x5"), std::string("1280X720"), std::string("1280x720x"),
+        std::string(" 1x1"), std::string("4294967297x1"), "1x" + too_much, too_much + "x1"})
+    EXPECT_THROW(parseSize(text), Error) << text;
+}
+
+TEST(Bytes, areCountedWithUnitsOfPowersOfTwo) {
+  EXPECT_EQ(parseBytes("0"), 0u);
+  EXPECT_EQ(parseBytes("500000000"), 500'000'000u);
+  EXPECT_EQ(parseBytes("3K"), 3u << 10);
+  EXPECT_EQ(parseBytes("512m"), 512u << 20);
+  EXPECT_EQ(parseBytes("2G"), 2ull << 30);
+  EXPECT_EQ(parseBytes("1T"), 1ull << 40);
+  EXPECT_EQ(parseBytes("18446744073709551615"), std::numeric_limits<uint64_t>::max());
+  EXPECT_EQ(parseBytes("16777215T"), 16777215ull << 40);
+}
+
+TEST(Bytes, areRefusedIfTheyAreNoneOrTooMany) {
+  for (const char* text : {"", "M", "-1", "1.5G", "1B", "1MB", "1 M", "1M ", "0x10", "18446744073709551616",
+                           "16777216T", "18014398509481984K"})
+    EXPECT_THROW(parseBytes(text), Error) << text;
+}
+
+TEST(CommonOptions, giveTheStreamItsBudget) {
+  CommonOptions options;
+  options.memory_text = "16M";
+  EXPECT_EQ(options.streamOptions().memory_budget_bytes, 16u << 20);
+  options.memory_text = "16777215";
+  EXPECT_THROW(options.streamOptions(), Error);
+}
+
+TEST(CommonOptions, waitForTheConnectionNoLongerThanForAll) {
+  CommonOptions options;
+  options.timeout_s = 0.0101;
+  EXPECT_EQ(options.timeout().count(), 11);
+  EXPECT_EQ(options.streamOptions().connect_timeout.count(), 11);
+}
+
+TEST(CommonOptions, takeTheTokenFromAFileWithoutItsLineEnds) {
+  const std::string file = testing::TempDir() + "lodestream-token-" + std::to_string(::getpid());
+  CommonOptions options;
+  options.token_file = file;
+  std::ofstream(file) << "secret\r\n";
+  EXPECT_EQ(options.streamOptions().token, "secret");
+  std::ofstream(file) << std::string(proto::kMaxTokenBytes, 'x') << '\n';
+  EXPECT_EQ(options.streamOptions().token.size(), proto::kMaxTokenBytes);
+  std::ofstream(file) << std::string(proto::kMaxTokenBytes + 1, 'x');
+  EXPECT_THROW(options.streamOptions(), Error);
+  std::remove(file.c_str());
+  EXPECT_THROW(options.streamOptions(), Error);
+}
+
+}  // namespace
+}  // namespace lode::app

@@ -1,0 +1,91 @@
+#include "client/app/cli/target.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "common/limits.h"
+#include "proto/limits.h"
+
+namespace lode::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+ErrorCode codeOf(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.code();
+  }
+  ADD_FAILURE() << "no error";
+  return ErrorCode::kInternal;
+}
+
+TEST(Target, isAModelOfAServer) {
+  EXPECT_EQ(std::get<ServedModel>(parseTarget("lode://example.org:81/bunny")),
+            (ServedModel{{"example.org", 81}, "bunny"}));
+  EXPECT_EQ(std::get<ServedModel>(parseTarget("lode://[::1]/a b.c")),
+            (ServedModel{{"::1", proto::kDefaultPort}, "a b.c"}));
+  const std::string longest(kMaxModelNameBytes, 'x');
+  EXPECT_EQ(std::get<ServedModel>(parseTarget("lode://h/" + longest)).model, longest);
+}
+
+TEST(Target, isRefusedIfItIsAUrlOfSomethingElse) {
+  for (const std::string text : {"lode://h", "lode://h/", "lode:///a", "lode://h:0/a", "lode://h/a/b",
+                                 "lodes://h/a", "http://h/a", "://h/a"})
+    EXPECT_EQ(codeOf([&] { parseTarget(text); }), ErrorCode::kUsage) << text;
+  EXPECT_EQ(codeOf([] { parseTarget("lode://h/" + std::string(kMaxModelNameBytes + 1, 'x')); }),
+            ErrorCode::kUsage);
+}
+
+class TargetFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "lodestream-test-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string write(const char* name, const char* text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(TargetFile, isAPlyByItsContentWhateverItsName) {
+  const std::string path = write("scan", "ply\nformat ascii 1.0\n");
+  EXPECT_EQ(std::get<PlyFile>(parseTarget(path)).path, path);
+}
+
+TEST_F(TargetFile, isAPlyByItsNameSoThatTheBuildSaysWhatIsWrongWithIt) {
+  EXPECT_TRUE(std::holds_alternative<PlyFile>(parseTarget(write("a.ply", ""))));
+}
+
+TEST_F(TargetFile, isAStoreOtherwise) {
+  const std::string path = write("a.lode", "LODE\r\n");
+  EXPECT_EQ(std::get<StoreFile>(parseTarget(path)).path, path);
+  EXPECT_TRUE(std::holds_alternative<StoreFile>(parseTarget(write("a", ""))));
+}
+
+TEST_F(TargetFile, isRefusedIfItIsNotThereOrADirectory) {
+  EXPECT_EQ(codeOf([&] { parseTarget((folder_ / "none.ply").string()); }), ErrorCode::kIo);
+  EXPECT_EQ(codeOf([&] { parseTarget(folder_.string()); }), ErrorCode::kInput);
+  EXPECT_EQ(codeOf([] { parseTarget(""); }), ErrorCode::kIo);
+}
+
+TEST(ServerUrl, namesAServerAndNoModel) {
+  EXPECT_EQ(parseServerUrl("lode://h:81"), (net::Address{"h", 81}));
+  EXPECT_EQ(parseServerUrl("lode://h/"), (net::Address{"h", proto::kDefaultPort}));
+  for (const std::string text : {"h:81", "lode://", "lode://h/a", "lode://h//", "lodes://h", "a.lode"})
+    EXPECT_EQ(codeOf([&] { parseServerUrl(text); }), ErrorCode::kUsage) << text;
+}
+
+}  // namespace
+}  // namespace lode::app
