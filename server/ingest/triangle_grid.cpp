@@ -46,7 +46,7 @@ TriangleGrid::TriangleGrid(const NodeMesh& mesh) {
   min_ = glm::vec3(box.min);
   const glm::vec3 size = glm::vec3(box.max - box.min) + 1.f;
   const float longest = std::max({size.x, size.y, size.z});
-  const float along = std::sqrt(static_cast<float>(mesh.triangles.size())) / 2;
+  const float along = std::sqrt(static_cast<float>(mesh.triangles.size())) * 0.75f;
   cell_ = longest / std::clamp(along, 1.f, kMaxCellsAlongAxis);
   dims_ = glm::max(glm::ivec3(glm::ceil(size / cell_)), 1);
 
@@ -93,18 +93,20 @@ float TriangleGrid::distance(PositionCode code) const noexcept {
   if (triangles_.empty()) return kInfinity;
   const glm::vec3 point(unpackPosition(code));
   const glm::ivec3 centre = cellOf(point);
-  searchCell(point, centre, best);
-  for (int radius = 1;; ++radius) {
-    // What lies beyond the block searched so far is at least this far away.
-    float beyond = kInfinity;
-    for (int k = 0; k < 3; ++k) {
-      const int low = centre[k] - radius + 1, high = centre[k] + radius;
-      if (low > 0) beyond = std::min(beyond, point[k] - (min_[k] + static_cast<float>(low) * cell_));
-      if (high < dims_[k]) beyond = std::min(beyond, min_[k] + static_cast<float>(high) * cell_ - point[k]);
+  int radius = 0;
+  for (; std::isinf(best.distance); ++radius) searchShell(point, centre, radius, best);
+  // Whatever is nearer reaches into the ball around the point; cells of the shells before have been looked
+  // at.
+  const glm::ivec3 low = cellOf(point - best.distance), high = cellOf(point + best.distance);
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      for (int x = low.x; x <= high.x; ++x) {
+        const glm::ivec3 away = glm::abs(glm::ivec3(x, y, z) - centre);
+        if (std::max({away.x, away.y, away.z}) >= radius) searchCell(point, {x, y, z}, best);
+      }
     }
-    if (std::isinf(beyond) || best.distance <= beyond) return best.distance;
-    searchShell(point, centre, radius, best);
   }
+  return best.distance;
 }
 
 glm::ivec3 TriangleGrid::cellOf(glm::vec3 point) const noexcept {
@@ -129,7 +131,6 @@ void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, N
 
 void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, Nearest& best) const noexcept {
   const size_t index = indexOf(cell);
-  if (begin_[index] == begin_[index + 1]) return;
   const glm::vec3 low = min_ + glm::vec3(cell) * cell_;
   const glm::vec3 outside = glm::max(glm::max(low - point, point - (low + cell_)), 0.f);
   if (squaredLength(outside) > best.squared) return;
