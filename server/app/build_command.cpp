@@ -11,7 +11,6 @@ namespace {
 
 struct BuildArguments {
   ingest::BuildOptions options;
-  std::string simplifier = "collapse";
   bool json = false, quiet = false;
 };
 
@@ -46,7 +45,6 @@ std::string describe(const ingest::BuildReport& report, const std::filesystem::p
 
 void runBuild(const BuildArguments& arguments) {
   const ingest::BuildOptions& options = arguments.options;
-  if (arguments.simplifier != "collapse") notThereYet("--simplifier " + arguments.simplifier);
   std::error_code ignored;
   if (std::filesystem::equivalent(options.input, options.output, ignored))
     throw Error(ErrorCode::kUsage, options.output.string() + ": is the input itself: name another output");
@@ -87,10 +85,14 @@ void addBuildCommand(CLI::App& program) {
       ->check(CLI::Range(1u, kMaxRungTriangles))
       ->capture_default_str();
   command
-      ->add_option("--simplifier", arguments->simplifier,
-                   "how nodes are simplified (cluster is not there yet)")
-      ->check(CLI::IsMember({"collapse", "cluster"}))
-      ->capture_default_str();
+      ->add_option_function<std::string>(
+          "--simplifier",
+          [arguments](const std::string& name) {
+            arguments->options.simplifier =
+                name == "cluster" ? ingest::Simplifier::kCluster : ingest::Simplifier::kCollapse;
+          },
+          "how nodes are simplified: collapse, or cluster for a fast preview (default: collapse)")
+      ->check(CLI::IsMember({"collapse", "cluster"}));
   addMissingFlag(*command, "--resume", "go on from the last finished stage");
   command->add_flag("--skip-bad", options.skip_bad, "drop and count bad indices and coordinates");
   command->add_flag("--strict", options.strict, "warnings are errors");

@@ -120,7 +120,7 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   StageClock simplify_clock(report, "simplify");
   PayloadSpool payloads(folder);
   const NodeBuilder::Settings settings{choice.lattice, choice.extent, payloadAttributes(soup_attributes),
-                                       options.triangles_per_node};
+                                       options.triangles_per_node, options.simplifier};
   SimplifiedTree tree = simplify(settings, parts, payloads, options.threads, progress);
   simplify_clock.finish(tree.nodes.size(), payloads.size());
 

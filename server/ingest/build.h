@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/model_summary.h"
+#include "server/ingest/simplifier.h"
 
 namespace lode::ingest {
 
@@ -17,6 +18,7 @@ struct BuildOptions {
   uint64_t memory_bytes = 0;               ///< 0: half of the machine's
   unsigned threads = 0;                    ///< 0: one a core
   uint32_t triangles_per_node = 16384;
+  Simplifier simplifier = Simplifier::kCollapse;
   bool skip_bad = false;  ///< bad indices and coordinates are dropped and counted, not an error
   bool strict = false;    ///< warnings are errors
 };

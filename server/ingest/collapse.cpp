@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "server/ingest/cluster.h"
 #include "server/ingest/collapse_check.h"
 #include "server/ingest/collapse_mesh.h"
 #include "server/ingest/edge_queue.h"
@@ -83,6 +84,7 @@ class Collapser {
   void fetch(Record& record) noexcept;
   Seen& seenPlace(uint32_t u, uint32_t v) noexcept;
 
+  const CollapseOptions options_;
   CollapseMesh mesh_;
   WedgeQuadrics attributes_;
   CollapseCheck check_;
@@ -90,6 +92,7 @@ class Collapser {
   EdgeQueue<Record> queue_;
   TakenPlaces taken_;
   std::vector<Seen> seen_;
+  Quadric quadric_;                      ///< of both ends of the edge that was evaluated last
   std::vector<WedgeTable::Pair> pairs_;  ///< scratch
   std::vector<uint32_t> forward_;        ///< the position that each was merged into; itself while it lives
   uint32_t clock_ = 0;                   ///< collapses so far
@@ -97,12 +100,13 @@ class Collapser {
 };
 
 Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
-    : mesh_(std::move(mesh), options.node_depth),
+    : options_(options),
+      mesh_(std::move(mesh), options.node_depth),
       attributes_(mesh_, glm::length(glm::dvec3(options.max_position)), options.attribute_weight),
       check_(mesh_),
       max_point_(glm::dvec3(options.max_position)),
       taken_(mesh_.positions.size()) {
-  for (const CollapsePosition& position : mesh_.positions) taken_.add(position.point);
+  for (uint32_t i = 0; i < mesh_.positions.size(); ++i) taken_.add(mesh_.point(i));
   seen_.resize(std::bit_ceil(mesh_.positions.size() / 2 + 1));
   forward_.resize(mesh_.positions.size());
   std::iota(forward_.begin(), forward_.end(), 0u);
@@ -128,6 +132,7 @@ void Collapser::fetch(Record& record) noexcept {
   for (const uint32_t end : {record.u, record.v}) {
     const char* const line = reinterpret_cast<const char*>(&mesh_.positions[end]);
     __builtin_prefetch(line);
+    __builtin_prefetch(&mesh_.points[end]);
     __builtin_prefetch(line + 64);
     if (!attributes_.empty() && mesh_.only_wedge[end] != kManyWedges)
       attributes_.fetch(mesh_.only_wedge[end]);
@@ -197,31 +202,33 @@ void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
 
 Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
   const CollapsePosition &end_u = mesh_.positions[u], &end_v = mesh_.positions[v];
-  const Quadric q = quadricOf(u, v);
+  const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
+  quadric_ = quadricOf(u, v);
+  const Quadric& q = quadric_;
   const bool smooth_u = end_u.kind == PositionKind::kSmooth && !end_u.locked;
   const bool smooth_v = end_v.kind == PositionKind::kSmooth && !end_v.locked;
-  if (smooth_u && smooth_v) return {bestPlacement(q, end_u.point, end_v.point), true};
-  if (smooth_u) return {{end_v.point, q.at(end_v.point)}, true};
-  if (smooth_v) return {{end_u.point, q.at(end_u.point)}, true};
+  if (smooth_u && smooth_v) return {bestPlacement(q, at_u, at_v), true};
+  if (smooth_u) return {{at_v, q.at(at_v)}, true};
+  if (smooth_v) return {{at_u, q.at(at_u)}, true};
   const EdgeKind kind = mesh_.edgeKind(u, v);
   const Freedom free_u = freedom(end_u, kind), free_v = freedom(end_v, kind);
   const Freedom freer = std::min(free_u, free_v);
   if (freer == Freedom::kNone) return {};
-  Candidate result{free_u == free_v  ? bestPlacement(q, end_u.point, end_v.point)
-                   : free_u < free_v ? Placement{end_v.point, q.at(end_v.point)}
-                                     : Placement{end_u.point, q.at(end_u.point)},
+  Candidate result{free_u == free_v  ? bestPlacement(q, at_u, at_v)
+                   : free_u < free_v ? Placement{at_v, q.at(at_v)}
+                                     : Placement{at_u, q.at(at_u)},
                    true};
   if (freer == Freedom::kPenalised) result.placement.cost *= kBreaksFeature;
   return result;
 }
 
-// The best by the quadric of the eight lattice points around a place, of those inside the box that are no
-// other position's; the better end where all are taken. (Rounding to the nearest would add the lattice's
-// noise to the surface; of eight points one is usually close to it.)
+// For the edge that was evaluated last: the best by the quadric of the eight lattice points around a place,
+// of those inside the box that are no other position's; the better end where all are taken. (Rounding to the
+// nearest would add the lattice's noise to the surface; of eight points one is usually close to it.)
 glm::dvec3 Collapser::settle(const Placement& placement, uint32_t u, uint32_t v) {
   const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
   if (placement.point == at_u || placement.point == at_v) return placement.point;
-  const Quadric q = quadricOf(u, v);
+  const Quadric& q = quadric_;
   const glm::dvec3 low = glm::floor(placement.point), gradient = 2.0 * (q.timesA(low) + q.b);
   // Costs of the eight, less that of `low`.
   const double x = q.xx + gradient.x, y = q.yy + gradient.y, z = q.zz + gradient.z;
@@ -241,12 +248,12 @@ glm::dvec3 Collapser::settle(const Placement& placement, uint32_t u, uint32_t v)
 
 void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
   const CollapsePosition &end_u = mesh_.positions[u], &end_v = mesh_.positions[v];
-  const glm::dvec3 along = end_v.point - end_u.point;
-  const double t = std::clamp(glm::dot(to - end_u.point, along) / glm::dot(along, along), 0.0, 1.0);
+  const glm::dvec3 at_u = mesh_.point(u), along = mesh_.point(v) - at_u;
+  const double t = std::clamp(glm::dot(to - at_u, along) / glm::dot(along, along), 0.0, 1.0);
   const bool keep_v = end_v.locked || (!end_u.locked && end_v.capacity >= end_u.capacity);
   const uint32_t keep = keep_v ? v : u, gone = keep_v ? u : v;
   CollapsePosition& kept = mesh_.positions[keep];
-  if (to != kept.point)
+  if (to != mesh_.point(keep))
     kept.lca_depth = to == mesh_.point(gone) ? mesh_.positions[gone].lca_depth : kNeverLocked;
   kept.kind = joined(kept.kind, mesh_.positions[gone].kind);
   mesh_.merge(keep, gone, to, keep_v ? 1 - t : t);
@@ -335,7 +342,8 @@ void Collapser::run(std::span<const size_t> targets, const SnapshotSink& sink) {
     }
     if ((clock_ - before) * kProgress <= queued) ++level_;
   }
-  sink(reached, mesh_.compact());
+  cluster(mesh_.compact(), targets.subspan(reached), options_,
+          [&](size_t target, NodeMesh&& snapshot) { sink(reached + target, std::move(snapshot)); });
 }
 
 }  // namespace

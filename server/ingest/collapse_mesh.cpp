@@ -14,13 +14,13 @@ constexpr uint32_t kSlack = 4;  // places kept free in a list of corners that ha
 }  // namespace
 
 CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
-    : attributes(mesh.attributes), positions(mesh.positions.size()) {
+    : attributes(mesh.attributes), points(mesh.positions.size()), positions(mesh.positions.size()) {
   LatticeBox box;
   for (const PositionCode code : mesh.positions) box.add(unpackPosition(code));
   if (!box.empty()) origin = glm::floor(0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)));
   for (uint32_t i = 0; i < positions.size(); ++i) {
     CollapsePosition& position = positions[i];
-    position.point = glm::dvec3(unpackPosition(mesh.positions[i])) - origin;
+    points[i] = glm::ivec4(glm::ivec3(unpackPosition(mesh.positions[i])) - glm::ivec3(origin), 0);
     position.lca_depth = mesh.lca_depth[i];
     position.locked = mesh.lca_depth[i] < node_depth;
   }
@@ -172,7 +172,7 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
     corner_position[dying_[i]] = keep;
   }
   left.count = left.capacity = 0;
-  kept.point = point;
+  points[keep] = glm::ivec4(point, 0);
   kept.quadric += left.quadric;
   if (hasWedges() && (only_wedge[keep] == kManyWedges || only_wedge[gone] == kManyWedges))
     only_wedge[keep] = findOnlyWedge(keep);
@@ -200,9 +200,23 @@ void CollapseMesh::findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTabl
   }
 }
 
+// Whether a triangle has both.
+bool CollapseMesh::share(uint32_t keep, uint32_t gone) const noexcept {
+  return std::ranges::any_of(around(gone), [&](uint32_t corner) {
+    return corner_position[next(corner)] == keep || corner_position[previous(corner)] == keep;
+  });
+}
+
 // Wedges of `gone` that share a triangle of the edge with one of `keep` become one with it; the others stay
 // as they are. A locked position's wedges are never joined to one another.
 void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) {
+  const uint32_t wedge_keep = only_wedge[keep], wedge_gone = only_wedge[gone];
+  if (wedge_keep != kManyWedges && wedge_gone != kManyWedges && share(keep, gone)) {
+    pairs_.assign(1, {wedge_keep, wedge_gone});
+    wedges.mix(wedge_keep, wedge_gone, gone_share);
+    for (const uint32_t corner : around(gone)) corner_wedge[corner] = wedge_keep;
+    return;
+  }
   findPairs(keep, gone, pairs_);
   for (size_t i = 0; i < pairs_.size(); ++i) {
     const bool again = std::any_of(pairs_.begin(), pairs_.begin() + static_cast<ptrdiff_t>(i),
@@ -247,10 +261,10 @@ NodeMesh CollapseMesh::compact() const {
   NodeMesh result;
   result.attributes = attributes;
   std::vector<uint32_t> new_position(positions.size(), kNone);
-  for (size_t i = 0; i < positions.size(); ++i) {
+  for (uint32_t i = 0; i < positions.size(); ++i) {
     if (positions[i].count == 0) continue;
     new_position[i] = static_cast<uint32_t>(result.positions.size());
-    result.positions.push_back(packPosition(glm::uvec3(positions[i].point + origin)));
+    result.positions.push_back(packPosition(glm::uvec3(point(i) + origin)));
     result.lca_depth.push_back(positions[i].lca_depth);
   }
   result.triangles.reserve(live_triangles);

@@ -31,10 +31,9 @@ enum class PositionKind : uint8_t {
 
 constexpr uint32_t kManyWedges = ~0u;
 
-/// All that is known of a position while its mesh is simplified: two lines of the cache.
+/// What is known of a position while its mesh is simplified, but its place: two lines of the cache.
 struct alignas(64) CollapsePosition {
   Quadric quadric;
-  glm::dvec3 point{0};                          ///< whole lattice steps from the mesh's origin
   uint32_t first = 0, count = 0, capacity = 0;  ///< its corners' place in the mesh's pool
   uint32_t merged_at = 0;                       ///< when another was last merged into it
   PositionKind kind = PositionKind::kSmooth;
@@ -58,7 +57,7 @@ struct CollapseMesh {
   }
 
   uint32_t at(uint32_t corner) const noexcept { return corner_position[corner]; }
-  glm::dvec3 point(uint32_t position) const noexcept { return positions[position].point; }
+  glm::dvec3 point(uint32_t position) const noexcept { return glm::dvec3(points[position]); }
 
   /// One edge and the wedges of the first triangle found there.
   struct Edge {
@@ -105,6 +104,9 @@ struct CollapseMesh {
 
   AttributeSet attributes;
   glm::dvec3 origin{0};  ///< whole lattice steps; points are relative to it
+  /// Whole lattice steps, apart from all else: a look at a triangle takes three of them. The fourth is
+  /// unused.
+  std::vector<glm::ivec4> points;
   std::vector<CollapsePosition> positions;
   std::vector<uint32_t> corner_position;  ///< four a triangle, the last unused
   std::vector<uint32_t> corner_wedge;     ///< the same, or empty where there are no attributes
@@ -117,6 +119,7 @@ struct CollapseMesh {
   void gatherCorners();
   void kill(uint32_t triangle, uint32_t except);
   uint32_t findOnlyWedge(uint32_t position) const noexcept;
+  bool share(uint32_t keep, uint32_t gone) const noexcept;
   void mergeWedges(uint32_t keep, uint32_t gone, double gone_share);
 
   std::vector<uint32_t> dying_;          // corners of `gone`, scratch

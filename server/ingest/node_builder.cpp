@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/draco_codec.h"
+#include "server/ingest/cluster.h"
 #include "server/ingest/collapse.h"
 #include "server/ingest/leaf_mesh.h"
 #include "server/ingest/rung_targets.h"
@@ -85,7 +86,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children) {
   return built;
 }
 
-/// Adds the reduced rungs of a node, all from one collapse sequence.
+/// Adds the reduced rungs of a node, all from one sequence.
 void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
   const int depth = built.node.key.depth();
   const auto locked = static_cast<size_t>(std::count_if(input.lca_depth.begin(), input.lca_depth.end(),
@@ -101,7 +102,8 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
   }
   const TriangleGrid input_grid(input);
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
-  collapse(std::move(input), targets, options, [&](size_t, NodeMesh&& snapshot) {
+  const auto simplify = settings_.simplifier == Simplifier::kCluster ? cluster : collapse;
+  simplify(std::move(input), targets, options, [&](size_t, NodeMesh&& snapshot) {
     const bool is_new =
         built.node.rungs.empty() || snapshot.triangles.size() < built.node.rungs.back().triangles;
     if (is_new) addRung(built, snapshot, errorOf(built, snapshot, input_grid));

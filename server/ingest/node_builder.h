@@ -9,6 +9,7 @@
 #include "common/hierarchy_page.h"
 #include "server/ingest/mesh_welder.h"
 #include "server/ingest/partition.h"
+#include "server/ingest/simplifier.h"
 #include "server/ingest/spool.h"
 #include "server/ingest/surface_samples.h"
 #include "server/ingest/triangle_grid.h"
@@ -52,6 +53,7 @@ class NodeBuilder {
     glm::uvec3 extent{0};
     AttributeSet attributes;  ///< of payloads: the file's, and computed normals where it has none
     uint32_t triangles_per_node = 0;
+    Simplifier simplifier = Simplifier::kCollapse;
   };
   NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads);
 

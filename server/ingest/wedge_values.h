@@ -37,6 +37,7 @@ class WedgeTable {
 
  private:
   AttributeSet attributes_;
+  int end_ = 0;  // of the parts that the model has
   std::vector<VertexAttributes> codes_;
   std::vector<WedgeValue> values_;  // where changed_
   std::vector<uint8_t> changed_;

@@ -1,4 +1,4 @@
-// Speed and quality of collapse() beside meshoptimizer's simplifier.
+// Speed and quality of collapse() and cluster() beside meshoptimizer's simplifier.
 //   bench_collapse [bunny.ply]      (an ascii file with x y z first; else
 //   $LODESTREAM_TEST_DATA/a_bunny_zipper_ascii.ply)
 #include <algorithm>
@@ -18,6 +18,7 @@
 #include <meshoptimizer.h>
 
 #include "common/octahedral.h"
+#include "server/ingest/cluster.h"
 #include "server/ingest/collapse.h"
 #include "tests/support/surface_distance.h"
 
@@ -196,21 +197,26 @@ void speed(uint32_t n) {
   const NodeMesh plain = snap(input, lattice, max_position);
   const size_t triangles = plain.triangles.size();
   const auto rate = [triangles](double seconds) { return 1e-6 * static_cast<double>(triangles) / seconds; };
-  const auto ours = [&](uint8_t bits) {
+  const auto ours = [&](const auto& simplify, uint8_t bits) {
     NodeMesh mesh = plain;
     if (bits) addAttributes(mesh, bits);
     const std::array<size_t, 2> targets{triangles / 2, triangles / 4};
     return rate(medianSeconds(9, [&] {
-      lode::ingest::collapse(mesh, targets, {0, max_position}, [](size_t, NodeMesh&&) {});
+      simplify(mesh, targets, lode::ingest::CollapseOptions{0, max_position}, [](size_t, NodeMesh&&) {});
     }));
   };
   const Flat flat = flatten(input);
   const double theirs = rate(medianSeconds(9, [&] { meshoptSimplify(flat, triangles / 4); }));
   using lode::AttributeSet;
   std::printf("sphere, %zu triangles to 1/2 and 1/4, million triangles per CPU second:\n", triangles);
-  std::printf("  geometry %.2f   computed normals %.2f   normals + colour %.2f   meshoptimizer %.2f\n",
-              ours(0), ours(AttributeSet::kNormal | AttributeSet::kComputedNormal),
-              ours(AttributeSet::kNormal | AttributeSet::kColour), theirs);
+  const auto show = [&](const char* name, const auto& simplify) {
+    std::printf("  %-8s  geometry %.2f   computed normals %.2f   normals + colour %.2f\n", name,
+                ours(simplify, 0), ours(simplify, AttributeSet::kNormal | AttributeSet::kComputedNormal),
+                ours(simplify, AttributeSet::kNormal | AttributeSet::kColour));
+  };
+  show("collapse", lode::ingest::collapse);
+  show("cluster", lode::ingest::cluster);
+  std::printf("  meshoptimizer, geometry %.2f\n", theirs);
 }
 
 void quality(const std::string& path) {
@@ -230,13 +236,15 @@ void quality(const std::string& path) {
   const Flat flat = flatten(input);
   std::printf("bunny, lattice step %.2e of the diagonal\n", lattice.step / diagonal);
   std::printf("bunny, two-sided rms / max of the box diagonal (both, forward, backward rms):\n");
+  const auto show = [&](const char* name, const lode::test::TriangleSoup& soup) {
+    const auto d = lode::test::surfaceDistance(original, soup, 400000);
+    std::printf("  %-14s %6zu triangles  %.3e / %.2e   (%.3e %.3e)\n", name, soup.size(),
+                d.both.rms / diagonal, d.both.max / diagonal, d.forward.rms / diagonal,
+                d.backward.rms / diagonal);
+  };
+  lode::ingest::cluster(mesh, targets, {0, max_position},
+                        [&](size_t, NodeMesh&& snapshot) { show("cluster", soupOf(snapshot, lattice)); });
   lode::ingest::collapse(mesh, targets, {0, max_position}, [&](size_t target, NodeMesh&& snapshot) {
-    const auto show = [&](const char* name, const lode::test::TriangleSoup& soup) {
-      const auto d = lode::test::surfaceDistance(original, soup, 400000);
-      std::printf("  %-14s %6zu triangles  %.3e / %.2e   (%.3e %.3e)\n", name, soup.size(),
-                  d.both.rms / diagonal, d.both.max / diagonal, d.forward.rms / diagonal,
-                  d.backward.rms / diagonal);
-    };
     if (target == 0) show("lattice alone", soupOf(mesh, lattice));
     show("collapse", soupOf(snapshot, lattice));
     const std::vector<unsigned> indices = meshoptSimplify(flat, targets[target]);

@@ -112,7 +112,7 @@ TEST_F(ServerCommands, endWithTwoAndOneLineAtWrongUsage) {
         "export a.lode --error 0.1 -o a.lode", "sample cube --triangles 100 -o b.ply", "serve",
         "serve a.lode --listen 0.0.0.0:0",
         // not there yet
-        "doctor a.ply", "build a.ply -o b.lode --resume", "build a.ply -o b.lode --simplifier cluster",
+        "doctor a.ply", "build a.ply -o b.lode --resume",
         "verify a.lode --against a.ply", "serve a.lode --tls-cert x"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments;
