@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct Model {
 /// All of them; those made of scans exist only with LODESTREAM_TEST_DATA.
 const std::vector<Model>& models();
 
+/// What a failing test calls it.
+inline void PrintTo(const Model& model, std::ostream* out) { *out << model.name; }
 inline std::string nameOf(const testing::TestParamInfo<Model>& model) { return model.param.name; }
 
 /// Skips the running test, saying why, if the model was not made.
