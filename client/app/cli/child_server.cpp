@@ -113,12 +113,23 @@ ChildServer::ChildServer(const fs::path& store)
       served_(readReadyLine(process_, store)) {}
 
 ResolvedTarget resolveTarget(const Target& target, bool announce, std::stop_token stop) {
-  if (const auto* served = std::get_if<ServedModel>(&target)) return {*served, nullptr};
+  if (const auto* served = std::get_if<ServedModel>(&target)) return {*served, nullptr, {}};
   const auto* ply = std::get_if<PlyFile>(&target);
-  const fs::path store = ply ? buildIntoCache(ply->path, announce, stop) : std::get<StoreFile>(target).path;
+  const fs::path file = ply ? ply->path : std::get<StoreFile>(target).path;
+  const fs::path store = ply ? buildIntoCache(file, announce, stop) : file;
   auto child = std::make_unique<ChildServer>(store);
   ServedModel served = child->served();
-  return {std::move(served), std::move(child)};
+  return {std::move(served), std::move(child), file};
+}
+
+const ModelSummary& openModel(Streamer& streamer, const ResolvedTarget& target,
+                              std::chrono::milliseconds timeout) {
+  try {
+    return streamer.waitForModel(timeout);
+  } catch (const Error& failed) {
+    if (target.file.empty()) throw;
+    throw Error(failed.code(), target.file.string() + ": " + failed.what());
+  }
 }
 
 }  // namespace lode::app

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <stop_token>
 
 #include "client/app/cli/child_process.h"
+#include "client/app/cli/streamer.h"
 #include "client/app/cli/target.h"
 
 namespace lode::app {
@@ -28,10 +30,16 @@ class ChildServer {
 struct ResolvedTarget {
   ServedModel served;
   std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
+  std::filesystem::path file;          ///< as the user named it; empty: on a server
 };
 /// @param announce  progress of a build goes to stderr if that is a terminal.
 /// @param stop      ends a build under way, which then counts as failed.
 /// @throws Error.
 ResolvedTarget resolveTarget(const Target& target, bool announce, std::stop_token stop = {});
+
+/// Waits until the model of a target is open. @throws Error as Streamer::waitForModel, naming the target's
+/// file.
+const ModelSummary& openModel(Streamer& streamer, const ResolvedTarget& target,
+                              std::chrono::milliseconds timeout);
 
 }  // namespace lode::app

@@ -81,7 +81,7 @@ class Fetch {
     const ResolvedTarget target = resolveTarget(parseTarget(options_.common.target), !options_.json);
     start_ = Clock::now();
     Streamer streamer(target.served, stream_options);
-    const ModelSummary& model = streamer.waitForModel(left());
+    const ModelSummary& model = openModel(streamer, target, left());
     if (!path) path = core::framingCamera(model);
     for (const core::CameraKey& camera : path->keys) {
       keys_.push_back(converge(streamer, camera, *path, model));

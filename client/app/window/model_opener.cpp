@@ -48,7 +48,7 @@ void ModelOpener::run() {
     const ResolvedTarget resolved = resolveTarget(target_, true, stopping_.get_token());
     say("Connecting to " + net::toString(resolved.served.address));
     Streamer streamer(resolved.served, options_);
-    const ModelSummary& model = streamer.waitForModel(timeout_);
+    const ModelSummary& model = openModel(streamer, resolved, timeout_);
     std::unique_lock lock(mutex_);
     progress_.phase.clear();
     progress_.streamer = &streamer;

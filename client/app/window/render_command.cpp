@@ -101,7 +101,7 @@ void render(const RenderOptions& options) {
 
   const ResolvedTarget resolved = resolveTarget(parsed, true);
   Streamer streamer(resolved.served, stream_options);
-  const ModelSummary& model = streamer.waitForModel(options.common.timeout());
+  const ModelSummary& model = openModel(streamer, resolved, options.common.timeout());
   if (!path) path = core::framingCamera(model);
   render::ResidencyOptions memory;
   memory.budget_bytes = std::max(memory.budget_bytes, stream_options.memory_budget_bytes);
