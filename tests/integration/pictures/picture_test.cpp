@@ -1,0 +1,104 @@
+// Pictures: drawn off-screen, and of the window under a display that is not there.
+
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/integration/programs/models.h"
+#include "tests/integration/programs/programs.h"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_PNG
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace lode::test {
+namespace {
+
+/// A picture read back from its file.
+struct Picture {
+  int width_px = 0, height_px = 0;
+  std::string bytes;  ///< three a pixel
+
+  explicit Picture(const std::filesystem::path& file) {
+    int channels = 0;
+    stbi_uc* const pixels = stbi_load(file.c_str(), &width_px, &height_px, &channels, 3);
+    if (pixels == nullptr) return;
+    bytes.assign(reinterpret_cast<const char*>(pixels), static_cast<size_t>(width_px) * height_px * 3);
+    stbi_image_free(pixels);
+  }
+
+  /// How many pixels are not as the one in the corner.
+  size_t differentFromCorner() const {
+    size_t different = 0;
+    for (size_t i = 0; i < bytes.size(); i += 3) different += bytes.compare(i, 3, bytes, 0, 3) != 0;
+    return different;
+  }
+  size_t colours() const {
+    std::set<std::string> seen;
+    for (size_t i = 0; i < bytes.size(); i += 3) seen.insert(bytes.substr(i, 3));
+    return seen.size();
+  }
+};
+
+bool cannotDraw(const Outcome& outcome, const char* why) {
+  return outcome.status == 1 && outcome.err.find(why) != std::string::npos;
+}
+
+class Pictures : public testing::TestWithParam<Model> {
+ protected:
+  void SetUp() override { LODE_REQUIRE_MODEL(GetParam()); }
+
+  WorkFolder folder_;
+};
+
+TEST_P(Pictures, areRenderedOffScreenInTheSizeAskedForAndNotEmpty) {
+  const auto file = folder_ / "a.png";
+  const Outcome outcome = lodestream({"render", GetParam().store(), "--size", "320x200", "-o", file});
+  if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_TRUE(readBytes(file).starts_with("\x89PNG\r\n\x1a\n"));
+  const Picture picture(file);
+  EXPECT_EQ(picture.width_px, 320);
+  EXPECT_EQ(picture.height_px, 200);
+  EXPECT_GT(picture.differentFromCorner(), 320u * 200 / 10);
+  EXPECT_GT(picture.colours(), 50u);  // it is shaded
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Pictures, testing::Values(models()[0], models()[2]), nameOf);
+
+TEST(Window, showsAModelUnderAVirtualDisplay) {
+  const Model& painted = models()[2];
+  LODE_REQUIRE_MODEL(painted);
+  const WorkFolder folder;
+  const auto file = folder / "a.png";
+  Program program("xvfb-run", {"-a", "-s", "-screen 0 640x480x24", LODE_BIN_DIR "/bin/lodestream", "view",
+                               painted.store(), "--size", "400x300", "--screenshot", file});
+  const Outcome outcome = program.wait();
+  if (outcome.status == 127) GTEST_SKIP() << "no xvfb-run: install xvfb";
+  ASSERT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const Picture picture(file);
+  EXPECT_EQ(picture.width_px, 400);
+  EXPECT_EQ(picture.height_px, 300);
+  EXPECT_GT(picture.differentFromCorner(), 400u * 300 / 10);
+  EXPECT_GT(picture.colours(), 50u);
+}
+
+TEST(Render, failsWithOneLineIfItsPictureCannotBeWritten) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  const auto before = folder.contents();
+  const Outcome outcome =
+      lodestream({"render", store, "--size", "32x32", "-o", folder / "missing" / "a.png"});
+  if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+  expectFailure(outcome, {"missing/a.png"});
+  EXPECT_EQ(folder.contents(), before);
+}
+
+}  // namespace
+}  // namespace lode::test

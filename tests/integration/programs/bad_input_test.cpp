@@ -1,0 +1,227 @@
+// Input that nothing can be made of: the work fails with one line that names it, and leaves nothing behind.
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "programs.h"
+
+namespace lode::test {
+namespace {
+
+struct BadPly {
+  const char* what;
+  std::string bytes;
+  std::vector<std::string> named;  ///< what the message says, besides the file
+};
+
+/// A header of three vertices of floats and one triangle; `format` with its version.
+std::string header(const std::string& format, int faces = 1) {
+  return "ply\nformat " + format +
+         "\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+         std::to_string(faces) + "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string littleEndian(const std::vector<float>& coordinates, const std::vector<int32_t>& corners) {
+  std::string bytes = header("binary_little_endian 1.0");
+  bytes.append(reinterpret_cast<const char*>(coordinates.data()), coordinates.size() * sizeof(float));
+  bytes += static_cast<char>(corners.size());
+  bytes.append(reinterpret_cast<const char*>(corners.data()), corners.size() * sizeof(int32_t));
+  return bytes;
+}
+
+std::vector<BadPly> badPlys() {
+  const std::string ascii = header("ascii 1.0"), points = "0 0 0\n1 0 0\n0 1 0\n";
+  const std::string whole = littleEndian({0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2});
+  return {
+      {"an index out of range, ascii", ascii + points + "3 0 1 3\n", {"line 13", "vertex 3"}},
+      {"an index out of range, binary",
+       littleEndian({0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 3}),
+       {"byte", "vertex 3"}},
+      {"a negative index", littleEndian({0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, -1}), {"byte"}},
+      {"NaN, ascii", ascii + "0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n", {"line 12", "NaN"}},
+      {"NaN, binary", littleEndian({0, 0, 0, 1, 0, NAN, 0, 1, 0}, {0, 1, 2}), {"byte", "NaN"}},
+      {"infinity", littleEndian({0, 0, 0, 1, 0, INFINITY, 0, 1, 0}, {0, 1, 2}), {"byte", "infinite"}},
+      {"no faces", header("ascii 1.0", 0) + points, {"no faces"}},
+      {"a body that is truncated, ascii", ascii + points, {"truncated"}},
+      {"a body that is truncated, binary", whole.substr(0, whole.size() - 1), {"truncated"}},
+      {"a number that is none", ascii + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n", {"line 11"}},
+      {"a single point", ascii + "1 1 1\n1 1 1\n1 1 1\n3 0 1 2\n", {}},
+      {"another format", "solid cube\n", {}},
+      {"nothing", "", {"empty"}},
+  };
+}
+
+TEST(BadInput, isNamedByBuildWhichLeavesNothingBehind) {
+  for (const BadPly& bad : badPlys()) {
+    SCOPED_TRACE(bad.what);
+    const WorkFolder folder;
+    writeBytes(folder / "bad.ply", bad.bytes);
+    std::filesystem::create_directory(folder / "tmp");
+    const auto before = folder.contents();
+    std::vector<std::string> named = bad.named;
+    named.push_back("bad.ply");
+    expectFailure(lodestreamd({"build", folder / "bad.ply", "-o", folder / "bad.lode", "--quiet"},
+                              {"TMPDIR=" + (folder / "tmp").string()}),
+                  named);
+    EXPECT_EQ(folder.contents(), before);
+  }
+}
+
+TEST(BadInput, leavesTheStoreOfAnEarlierBuildAsItWas) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  const std::string before = readBytes(store);
+  std::filesystem::resize_file(folder / "small.ply", std::filesystem::file_size(folder / "small.ply") / 2);
+  expectFailure(lodestreamd({"build", folder / "small.ply", "-o", store, "--quiet"}),
+                {"small.ply", "truncated"});
+  EXPECT_TRUE(readBytes(store) == before);
+  EXPECT_EQ(folder.contents(), (std::vector<std::string>{"small.lode", "small.ply"}));
+}
+
+TEST(BadInput, isNamedByFetchWhichLeavesNothingBehind) {
+  const WorkFolder folder;
+  const std::vector<std::string> cache{"XDG_CACHE_HOME=" + (folder / "cache").string()};
+  writeBytes(folder / "empty.lode", "");
+  writeBytes(folder / "text.lode", "no store\n");
+  writeBytes(folder / "empty.ply", "");
+  writeBytes(folder / "nan.ply", header("ascii 1.0") + "0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n");
+  std::filesystem::create_directory(folder / "folder.lode");
+  for (const char* name :
+       {"missing.lode", "missing.ply", "folder.lode", "empty.lode", "text.lode", "empty.ply", "nan.ply"}) {
+    SCOPED_TRACE(name);
+    expectFailure(lodestream({"fetch", folder / name, "-o", folder / "cut.ply"}, cache), {name});
+  }
+  std::filesystem::remove(folder / "cache" / "lodestream" / "stores");  // only if it is empty
+  std::filesystem::remove(folder / "cache" / "lodestream");
+  std::filesystem::remove(folder / "cache");
+  EXPECT_EQ(folder.contents(),
+            (std::vector<std::string>{"empty.lode", "empty.ply", "folder.lode", "nan.ply", "text.lode"}));
+  EXPECT_EQ(processesNaming(folder.path().string()), std::vector<std::string>{});
+}
+
+TEST(BadInput, isNamedByFetchIfItsCutCannotBeWritten) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  const auto before = folder.contents();
+  expectFailure(lodestream({"fetch", store, "-o", folder / "missing" / "cut.ply"}), {"missing/cut.ply"});
+  EXPECT_EQ(folder.contents(), before);
+}
+
+TEST(BadInput, isNamedByFetchIfItsCameraIsNone) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  writeBytes(folder / "empty.json", "");
+  writeBytes(folder / "none.json", R"({"keys": []})");
+  for (const char* name : {"missing.json", "empty.json", "none.json"}) {
+    SCOPED_TRACE(name);
+    expectFailure(lodestream({"fetch", store, "--camera", folder / name}), {name});
+  }
+}
+
+/// A port of loopback that is taken, by a socket that listens or does not.
+class TakenPort {
+ public:
+  explicit TakenPort(bool listens) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    auto* const any = reinterpret_cast<sockaddr*>(&address);
+    if (bind(socket_, any, size) != 0 || (listens && listen(socket_, 1) != 0) ||
+        getsockname(socket_, any, &size) != 0)
+      std::abort();
+    address_ = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  }
+  ~TakenPort() { close(socket_); }
+  TakenPort(const TakenPort&) = delete;
+  TakenPort& operator=(const TakenPort&) = delete;
+
+  const std::string& address() const noexcept { return address_; }
+
+ private:
+  int socket_;
+  std::string address_;
+};
+
+TEST(BadAddress, isNamedByServeIfThePortIsInUse) {
+  const WorkFolder folder;
+  const TakenPort taken(true);
+  expectFailure(lodestreamd({"serve", makeSmallStore(folder), "--listen", taken.address()}),
+                {taken.address()});
+}
+
+TEST(BadAddress, isNamedByTheClientIfNoServerIsThere) {
+  const WorkFolder folder;
+  const TakenPort closed(false);
+  expectFailure(lodestream({"list", "lode://" + closed.address()}), {closed.address()});
+  expectFailure(lodestream({"fetch", "lode://" + closed.address() + "/a", "-o", folder / "cut.ply"}),
+                {closed.address()});
+  EXPECT_TRUE(folder.contents().empty());
+}
+
+TEST(BadAddress, isNamedByTheClientIfNobodyAnswersThere) {
+  const TakenPort silent(true);
+  expectFailure(lodestream({"list", "lode://" + silent.address(), "--timeout", "0.2"}), {silent.address()});
+  expectFailure(lodestream({"fetch", "lode://" + silent.address() + "/a", "--timeout", "0.2"}),
+                {silent.address()});
+}
+
+TEST(BadAddress, isNamedByFetchIfTheModelIsNotThere) {
+  const WorkFolder folder;
+  RunningServer server({makeSmallStore(folder)});
+  expectFailure(lodestream({"fetch", server.url("another"), "-o", folder / "cut.ply"}),
+                {server.address(), "'another'"});
+  EXPECT_EQ(folder.contents(), (std::vector<std::string>{"small.lode", "small.ply"}));
+  EXPECT_EQ(server.stop().status, 0);
+}
+
+TEST(WrongUsageOfLodestream, endsWithTwoAndOneLine) {
+  const std::vector<std::vector<std::string>> wrong{
+      {},
+      {"unknown"},
+      {"fetch"},
+      {"list"},
+      {"list", "127.0.0.1:1"},
+      {"list", "lode://127.0.0.1:1/model"},
+      {"list", "lode://127.0.0.1:0"},
+      {"fetch", "lode://127.0.0.1:1"},
+      {"fetch", "http://127.0.0.1:1/a"},
+      {"fetch", "lode://127.0.0.1:1/a", "--size", "0x5"},
+      {"fetch", "lode://127.0.0.1:1/a", "--pixels", "0"},
+      {"fetch", "lode://127.0.0.1:1/a", "--memory-budget", "1X"},
+      {"fetch", "lode://127.0.0.1:1/a", "--bogus"},
+      {"fetch", "lode://127.0.0.1:1/a", "more"},
+      // not there yet
+      {"fetch", "lodes://127.0.0.1:1/a"},
+      {"fetch", "lode://127.0.0.1:1/a", "--cache", "off"},
+      {"replay", "lode://127.0.0.1:1/a"},
+      {"loadtest", "lode://127.0.0.1:1/a"}};
+  for (const auto& arguments : wrong) {
+    const Outcome outcome = lodestream(arguments);
+    const std::string last = arguments.empty() ? "" : arguments.back();
+    EXPECT_EQ(outcome.status, 2) << last;
+    EXPECT_EQ(outcome.out, "") << last;
+    expectOneLine(outcome.err);
+  }
+}
+
+TEST(Lodestream, tellsItsVersionEverywhere) {
+  for (const char* command : {"", "fetch", "list"}) {
+    std::vector<std::string> arguments{"--version"};
+    if (*command) arguments.insert(arguments.begin(), command);
+    const Outcome outcome = lodestream(arguments);
+    EXPECT_EQ(outcome.status, 0) << command;
+    EXPECT_TRUE(outcome.out.starts_with("lodestream ")) << command;
+  }
+}
+
+}  // namespace
+}  // namespace lode::test

@@ -1,0 +1,142 @@
+// Stores that were damaged on the way: a byte changed anywhere, an end that is missing.
+
+#include <algorithm>
+#include <iterator>
+#include <random>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "programs.h"
+#include "server/store/reader.h"
+
+namespace lode::test {
+namespace {
+
+enum class Part { kHeader, kPayload, kOriginal, kPage, kTable, kFooter };
+
+/// Where a byte is changed, and in what.
+struct Damage {
+  uint64_t offset = 0;
+  Part part = Part::kHeader;
+};
+
+constexpr uint64_t kHeaderBytes = 184, kFooterBytes = 24;
+constexpr int kPlacesInAPart = 10;
+
+/// Places in every part of a store, from a seed.
+class DamagePlan {
+ public:
+  explicit DamagePlan(const std::filesystem::path& store) : reader_(store) {
+    std::set<uint32_t> pages{reader_.summary().root_page.number}, originals;
+    for (const Node& node : reader_.nodes()) {
+      if (node.child_page.number != 0) pages.insert(node.child_page.number);
+      if (node.isLeaf() && node.rungs[0].payload.number != 0) originals.insert(node.rungs[0].payload.number);
+    }
+    std::vector<uint32_t> payloads;
+    uint64_t table = 0;
+    for (uint32_t number = 1; number <= reader_.blobCount(); ++number) {
+      table = reader_.blob(number).offset + reader_.blob(number).bytes;
+      if (!pages.contains(number) && !originals.contains(number)) payloads.push_back(number);
+    }
+    const uint64_t footer = std::filesystem::file_size(store) - kFooterBytes;
+    for (int i = 0; i < kPlacesInAPart; ++i) {
+      addWithin(0, kHeaderBytes, Part::kHeader);
+      addInABlob(payloads, Part::kPayload);
+      addInABlob({originals.begin(), originals.end()}, Part::kOriginal);
+      addInABlob({pages.begin(), pages.end()}, Part::kPage);
+      addWithin(table, footer - table, Part::kTable);
+      addWithin(footer, kFooterBytes, Part::kFooter);
+    }
+  }
+
+  const std::vector<Damage>& places() const noexcept { return places_; }
+  /// The store's bytes with another one at a place.
+  std::string apply(std::string bytes, const Damage& damage) {
+    bytes[damage.offset] = static_cast<char>(bytes[damage.offset] ^ (1 + random_() % 255));
+    return bytes;
+  }
+
+ private:
+  void addWithin(uint64_t offset, uint64_t bytes, Part part) {
+    places_.push_back({offset + random_() % bytes, part});
+  }
+  void addInABlob(const std::vector<uint32_t>& numbers, Part part) {
+    const store::BlobEntry& blob = reader_.blob(numbers[random_() % numbers.size()]);
+    addWithin(blob.offset, blob.bytes, part);
+  }
+
+  store::Reader reader_;
+  std::mt19937 random_{20260};
+  std::vector<Damage> places_;
+};
+
+class DamagedStore : public testing::Test {
+ protected:
+  /// Streams every leaf's original triangles. @return how it ended; the cut is in cut.ply.
+  Outcome fetchAll(const std::filesystem::path& store) const {
+    std::filesystem::remove(cut_);
+    return lodestream({"fetch", store, "--pixels", "0.01", "--timeout", "60", "-o", cut_});
+  }
+
+  const WorkFolder folder_;
+  const std::filesystem::path sound_ = makeSmallStore(folder_), damaged_ = folder_ / "damaged.lode",
+                              cut_ = folder_ / "cut.ply";
+};
+
+TEST_F(DamagedStore, isFoundByVerifyWhereverAByteHasChanged) {
+  DamagePlan plan(sound_);
+  EXPECT_EQ(lodestreamd({"verify", sound_}).status, 0);
+  for (const Damage& damage : plan.places()) {
+    SCOPED_TRACE("byte " + std::to_string(damage.offset));
+    writeBytes(damaged_, plan.apply(readBytes(sound_), damage));
+    expectFailure(lodestreamd({"verify", damaged_}), {"damaged.lode"});
+  }
+}
+
+TEST_F(DamagedStore, isNotServedIfItsIndexHasChanged) {
+  DamagePlan plan(sound_);
+  for (const Damage& damage : plan.places()) {
+    if (damage.part == Part::kPayload || damage.part == Part::kOriginal) continue;
+    SCOPED_TRACE("byte " + std::to_string(damage.offset));
+    writeBytes(damaged_, plan.apply(readBytes(sound_), damage));
+    expectFailure(lodestreamd({"serve", damaged_, "--listen", "127.0.0.1:0"}), {"damaged.lode"});
+    expectFailure(fetchAll(damaged_), {"damaged.lode"});
+  }
+}
+
+TEST_F(DamagedStore, givesNoWrongCut) {
+  DamagePlan plan(sound_);
+  ASSERT_EQ(fetchAll(sound_).status, 0);
+  const std::string right_cut = readBytes(cut_);
+  for (const Damage& damage : plan.places()) {
+    if (damage.part != Part::kPayload && damage.part != Part::kOriginal) continue;
+    SCOPED_TRACE("byte " + std::to_string(damage.offset));
+    writeBytes(damaged_, plan.apply(readBytes(sound_), damage));
+    const Outcome outcome = fetchAll(damaged_);
+    if (outcome.status == 0 && damage.part == Part::kPayload) {  // a rung that was not needed
+      EXPECT_TRUE(readBytes(cut_) == right_cut);
+    } else {
+      expectFailure(outcome, {"damaged.lode"});
+      EXPECT_FALSE(std::filesystem::exists(cut_));
+    }
+  }
+}
+
+TEST_F(DamagedStore, isRefusedIfItsEndIsMissing) {
+  const std::string bytes = readBytes(sound_);
+  for (const size_t length : {size_t{1}, size_t{183}, size_t{184}, bytes.size() / 2, bytes.size() - 25,
+                              bytes.size() - 24, bytes.size() - 1}) {
+    SCOPED_TRACE(std::to_string(length) + " bytes");
+    writeBytes(damaged_, bytes.substr(0, length));
+    for (const char* command : {"verify", "info"})
+      expectFailure(lodestreamd({command, damaged_}), {"damaged.lode"});
+    expectFailure(lodestreamd({"serve", damaged_, "--listen", "127.0.0.1:0"}), {"damaged.lode"});
+    expectFailure(fetchAll(damaged_), {"damaged.lode"});
+  }
+  EXPECT_FALSE(std::filesystem::exists(cut_));
+}
+
+}  // namespace
+}  // namespace lode::test

@@ -1,0 +1,202 @@
+// The main job: models served on loopback, fetched until they have converged, and what fetch and list say of
+// it.
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "models.h"
+#include "programs.h"
+#include "server/ingest/ply_reader.h"
+#include "server/store/reader.h"
+
+namespace lode::test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Triangles of a cut's file, by the numbers of their positions: vertices at one place have one number.
+struct CutFile {
+  std::vector<std::array<uint32_t, 3>> triangles;
+
+  explicit CutFile(const std::filesystem::path& ply) {
+    ingest::PlyReader reader(ply, {});
+    std::map<std::array<double, 3>, uint32_t> number_of;
+    std::vector<uint32_t> numbers;
+    reader.read(
+        [&](uint64_t, std::span<const ingest::PlyVertex> vertices) {
+          for (const auto& [p, normal, colour, texture] : vertices) {
+            const auto next = static_cast<uint32_t>(number_of.size());
+            numbers.push_back(number_of.try_emplace({p.x, p.y, p.z}, next).first->second);
+          }
+        },
+        [&](const ingest::PlyFaces& faces) {
+          for (size_t i = 0; i + 2 < faces.corners.size(); i += 3)
+            triangles.push_back(
+                {numbers[faces.corners[i]], numbers[faces.corners[i + 1]], numbers[faces.corners[i + 2]]});
+        });
+  }
+
+  /// Edges that an odd number of triangles uses.
+  size_t openEdges() const {
+    std::vector<std::pair<uint32_t, uint32_t>> edges;
+    for (const auto& [a, b, c] : triangles)
+      for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
+        edges.push_back(std::minmax(from, to));
+    std::sort(edges.begin(), edges.end());
+    size_t open = 0;
+    for (size_t i = 0, next = 0; i < edges.size(); i = next) {
+      while (next < edges.size() && edges[next] == edges[i]) ++next;
+      open += (next - i) % 2;
+    }
+    return open;
+  }
+};
+
+void expectFiguresOfAConvergedFetch(const Json& json) {
+  EXPECT_EQ(json.value("converged", false), true);
+  for (const char* key : {"first_image_ms", "converged_ms", "bytes_received", "final_cut_bytes", "triangles",
+                          "nodes", "max_error_px"}) {
+    ASSERT_TRUE(json.contains(key) && json[key].is_number()) << key;
+    EXPECT_GT(json[key], 0) << key;
+  }
+  EXPECT_LE(json["first_image_ms"], json["converged_ms"]);
+  EXPECT_LE(json["final_cut_bytes"], json["bytes_received"]);
+}
+
+class Fetch : public testing::TestWithParam<Model> {
+ protected:
+  void SetUp() override { LODE_REQUIRE_MODEL(GetParam()); }
+
+  Json fetch(const RunningServer& server, const std::string& output,
+             const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"fetch", server.url(GetParam().name), "--json", "-o",
+                                       folder_ / output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = lodestream(arguments);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.err, "");
+    expectOneLine(outcome.out);
+    return Json::parse(outcome.out, nullptr, false);
+  }
+
+  /// A path that frames the model and then goes near to one of its sides.
+  std::string writeApproach() const {
+    const ModelSummary model = store::Reader(GetParam().store()).summary();
+    const glm::dvec3 low = model.lattice.toWorld(model.box.min), high = model.lattice.toWorld(model.box.max);
+    const glm::dvec3 middle = (low + high) / 2.0, away(0, 0, glm::length(high - low));
+    const auto key = [](double t, glm::dvec3 eye, glm::dvec3 target) {
+      return Json{{"t", t},
+                  {"eye", {eye.x, eye.y, eye.z}},
+                  {"target", {target.x, target.y, target.z}},
+                  {"up", {0, 1, 0}}};
+    };
+    const glm::dvec3 corner = low + (high - low) * glm::dvec3(0.8, 0.7, 1.05);
+    const Json path{{"fov_y_deg", 45}, {"keys", {key(0, middle + away, middle), key(1, corner, middle)}}};
+    writeBytes(folder_ / "approach.json", path.dump());
+    return folder_ / "approach.json";
+  }
+
+  WorkFolder folder_;
+};
+
+TEST_P(Fetch, convergesAtOnePixelToTheSameCutEveryTime) {
+  RunningServer server({GetParam().store()});
+  const Json json = fetch(server, "a.ply");
+  expectFiguresOfAConvergedFetch(json);
+  EXPECT_LE(json["max_error_px"], 1);
+  ASSERT_EQ(json["keys"].size(), 1u);
+  expectFiguresOfAConvergedFetch(json["keys"][0]);
+
+  const Json again = fetch(server, "b.ply");
+  EXPECT_EQ(again["triangles"], json["triangles"]);
+  EXPECT_TRUE(readBytes(folder_ / "a.ply") == readBytes(folder_ / "b.ply"));
+
+  const CutFile cut(folder_ / "a.ply");
+  EXPECT_EQ(cut.triangles.size(), json["triangles"]);
+  EXPECT_EQ(cut.openEdges() == 0, GetParam().is_closed) << cut.openEdges();
+  const Outcome end = server.stop();
+  EXPECT_EQ(end.status, 0);
+  EXPECT_EQ(end.err, "");
+}
+
+TEST_P(Fetch, leavesNoCrackBetweenNearAndFarParts) {
+  RunningServer server({GetParam().store()});
+  const Json json = fetch(server, "near.ply", {"--camera", writeApproach(), "--size", "640x480"});
+  expectFiguresOfAConvergedFetch(json);
+  ASSERT_EQ(json["keys"].size(), 2u);
+  for (const Json& key : json["keys"]) EXPECT_TRUE(key["converged"]);
+  const CutFile cut(folder_ / "near.ply");
+  EXPECT_EQ(cut.triangles.size(), json["triangles"]);
+  EXPECT_EQ(cut.openEdges() == 0, GetParam().is_closed) << cut.openEdges();
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Fetch, testing::ValuesIn(models()), nameOf);
+
+TEST(FetchOfAFile, servesAStoreByAChildThatEndsWithIt) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  const auto before = folder.contents();
+  const Outcome outcome =
+      lodestream({"fetch", store, "--json"}, {"XDG_CACHE_HOME=" + (folder / "cache").string()});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  expectFiguresOfAConvergedFetch(Json::parse(outcome.out, nullptr, false));
+  EXPECT_EQ(processesNaming(folder.path().string()), std::vector<std::string>{});
+  EXPECT_EQ(folder.contents(), before);
+}
+
+TEST(FetchOfAFile, buildsAPlyIntoTheCacheOnce) {
+  const WorkFolder folder;
+  makeSmallStore(folder);
+  const auto fetch = [&] {
+    const Outcome outcome = lodestream({"fetch", folder / "small.ply", "-o", folder / "cut.ply"},
+                                       {"XDG_CACHE_HOME=" + (folder / "cache").string()});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_EQ(processesNaming(folder.path().string()), std::vector<std::string>{});
+  };
+  fetch();
+  const auto built = folder.contents();
+  const auto store = std::find_if(built.begin(), built.end(), [](const std::string& name) {
+    return name.starts_with("cache/") && name.ends_with("/small.lode");
+  });
+  ASSERT_NE(store, built.end());
+  const auto built_at = std::filesystem::last_write_time(folder / *store);
+  fetch();
+  EXPECT_EQ(folder.contents(), built);
+  EXPECT_EQ(std::filesystem::last_write_time(folder / *store), built_at);
+  const CutFile cut(folder / "cut.ply");
+  EXPECT_GT(cut.triangles.size(), 100u);
+  EXPECT_EQ(cut.openEdges(), 0u);
+}
+
+TEST(List, namesTheModelsOfAServerInOrder) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  std::filesystem::copy(store, folder / "another.lode");
+  RunningServer server({folder.path()});
+  const Outcome lines = lodestream({"list", server.url()});
+  EXPECT_EQ(lines.status, 0) << lines.err;
+  EXPECT_EQ(std::count(lines.out.begin(), lines.out.end(), '\n'), 2) << lines.out;
+  EXPECT_TRUE(lines.out.starts_with("another "));
+
+  const Outcome outcome = lodestream({"list", server.url(), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expectOneLine(outcome.out);
+  const Json models = Json::parse(outcome.out, nullptr, false)["models"];
+  ASSERT_EQ(models.size(), 2u);
+  const Json info = Json::parse(lodestreamd({"info", store, "--json"}).out);
+  EXPECT_EQ(models[0]["name"], "another");
+  EXPECT_EQ(models[1]["name"], "small");
+  for (const char* key : {"triangles", "nodes", "bytes", "depth"})
+    EXPECT_EQ(models[1][key], info[key]) << key;
+}
+
+}  // namespace
+}  // namespace lode::test

@@ -1,0 +1,160 @@
+// Server and client in one process, so that sanitizers see both sides' threads: views that change while blobs
+// are under way, streams that end in the middle, a server that goes.
+
+#include "client/app/cli/streamer.h"
+
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "client/app/cli/cut_mesh.h"
+#include "client/core/camera_path.h"
+#include "common/error.h"
+#include "server/serve/server.h"
+#include "tests/support/synthetic_store.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::test {
+namespace {
+
+using namespace std::chrono_literals;
+using app::Streamer;
+using app::StreamStatus;
+
+constexpr auto kPatience = 60s;
+
+app::StreamOptions threads(unsigned count) {
+  app::StreamOptions options;
+  options.decode_threads = count;
+  return options;
+}
+
+/// A closed model "a" served on loopback, on two threads.
+class Streaming : public testing::Test {
+ protected:
+  Streaming() {
+    SyntheticModel model = makeModel(
+        makeSphere(96, 64, {.attributes = {AttributeSet::kColour}, .extent = 4000}), {.leaf_triangles = 200});
+    writeStore(folder_ / "a.lode", model);
+    serve::ServeOptions options;
+    options.stores = {folder_ / "a.lode"};
+    options.listen = "127.0.0.1:0";
+    options.threads = 2;
+    options.drain_deadline = 100ms;
+    server_.emplace(options);
+    served_ = {{"127.0.0.1", server_->port()}, "a"};
+    thread_ = std::thread([this] { server_->run(); });
+  }
+  ~Streaming() override { stopServer(); }
+
+  void stopServer() {
+    if (server_) server_->stop();
+    if (thread_.joinable()) thread_.join();
+    server_.reset();
+  }
+
+  /// A camera that goes round the model, near to it.
+  static core::View viewAt(int step, const ModelSummary& model) {
+    core::CameraPath path = core::framingCamera(model);
+    core::CameraKey& key = path.keys.front();
+    const double angle = 0.7 * step;
+    key.eye = key.target + glm::length(key.eye - key.target) * (0.4 + 0.1 * (step % 5)) *
+                               glm::dvec3(std::cos(angle), 0.2, std::sin(angle));
+    return core::toView(key, path.fov_y_deg, 640, 480, model);
+  }
+
+  const WorkFolder folder_;
+  std::optional<serve::Server> server_;
+  app::ServedModel served_;
+  std::thread thread_;
+};
+
+TEST_F(Streaming, convergesForTheLastViewHoweverOftenItChanged) {
+  Streamer streamer(served_, threads(3));
+  const ModelSummary& model = streamer.waitForModel(kPatience);
+  std::vector<std::thread> watchers;
+  std::atomic<bool> done{false};
+  for (int i = 0; i < 2; ++i)
+    watchers.emplace_back([&] {
+      while (!done) {
+        const StreamStatus status = streamer.status();
+        EXPECT_TRUE(!status.cut || !status.cut->parts.empty());
+        std::this_thread::yield();
+      }
+    });
+  for (int step = 0; step < 200; ++step) {
+    streamer.setView(viewAt(step, model), 0.5f);
+    if (step % 20 == 0) streamer.waitForCut(kPatience);
+  }
+  const StreamStatus status = streamer.waitForConvergence(kPatience);
+  done = true;
+  for (std::thread& watcher : watchers) watcher.join();
+  EXPECT_EQ(status.failure, "");
+  ASSERT_TRUE(status.settled && status.cut && status.cut->converged);
+  EXPECT_EQ(status.cut->view, viewAt(199, model));
+
+  Streamer fresh(served_, {});
+  fresh.waitForModel(kPatience);
+  fresh.setView(viewAt(199, model), 0.5f);
+  const StreamStatus expected = fresh.waitForConvergence(kPatience);
+  ASSERT_TRUE(expected.cut);
+  EXPECT_TRUE(app::weldCut(*status.cut, model.attributes) == app::weldCut(*expected.cut, model.attributes));
+}
+
+TEST_F(Streaming, givesManyClientsAtOnceTheSameCut) {
+  constexpr size_t kClients = 8;
+  std::vector<Mesh> cuts(kClients);
+  std::vector<std::thread> clients;
+  for (Mesh& cut : cuts)
+    clients.emplace_back([&] {
+      Streamer streamer(served_, threads(2));
+      const ModelSummary& model = streamer.waitForModel(kPatience);
+      streamer.setView(viewAt(1, model), 0.5f);
+      const StreamStatus status = streamer.waitForConvergence(kPatience);
+      if (status.settled && status.cut) cut = app::weldCut(*status.cut, model.attributes);
+    });
+  for (std::thread& client : clients) client.join();
+  EXPECT_GT(cuts[0].triangles.size(), 100u);
+  for (const Mesh& cut : cuts) EXPECT_TRUE(cut == cuts[0]);
+}
+
+TEST_F(Streaming, mayEndAtAnyTime) {
+  for (int step = 0; step < 30; ++step) {
+    Streamer streamer(served_, threads(2));
+    if (step % 3 == 0) continue;  // while it connects
+    const ModelSummary& model = streamer.waitForModel(kPatience);
+    streamer.setView(viewAt(step, model), 0.01f);
+    if (step % 3 == 1) streamer.waitForCut(kPatience);
+  }
+}
+
+TEST_F(Streaming, endsAndKeepsItsCutWhenTheServerGoes) {
+  Streamer streamer(served_, {});
+  const ModelSummary& model = streamer.waitForModel(kPatience);
+  streamer.setView(viewAt(1, model), 0.5f);
+  ASSERT_TRUE(streamer.waitForConvergence(kPatience).settled);
+  stopServer();
+  streamer.setView(viewAt(2, model), 0.001f);
+  const StreamStatus status = streamer.waitForConvergence(kPatience);
+  EXPECT_TRUE(status.ended || status.settled || !status.failure.empty());
+  EXPECT_TRUE(status.cut);
+}
+
+TEST_F(Streaming, saysThatNoServerIsThere) {
+  stopServer();
+  Streamer streamer(served_, {});
+  try {
+    streamer.waitForModel(kPatience);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kNetwork);
+  }
+  EXPECT_TRUE(streamer.status().ended);
+}
+
+}  // namespace
+}  // namespace lode::test
