@@ -1,12 +1,167 @@
+#include <memory>
+
 #include "server/app/command.h"
+#include "server/app/json_output.h"
+#include "server/ingest/doctor.h"
 
 namespace lode::app {
+namespace {
+
+struct DoctorArguments {
+  ingest::DoctorOptions options;
+  bool json = false;
+};
+
+const char* encodingName(ingest::PlyEncoding encoding) {
+  switch (encoding) {
+    case ingest::PlyEncoding::kAscii:
+      return "ascii";
+    case ingest::PlyEncoding::kLittleEndian:
+      return "binary_little_endian";
+    case ingest::PlyEncoding::kBigEndian:
+      break;
+  }
+  return "binary_big_endian";
+}
+
+Json toJson(glm::dvec3 v) { return {v.x, v.y, v.z}; }
+
+Json toJson(const ingest::Topology& topology) {
+  return {{"duplicate_vertices", topology.duplicate_vertices},
+          {"unused_vertices", topology.unused_vertices},
+          {"flat_faces", topology.flat_faces},
+          {"open_edges", topology.open_edges},
+          {"non_manifold_edges", topology.non_manifold_edges},
+          {"misoriented_edges", topology.misoriented_edges},
+          {"pieces", topology.pieces}};
+}
+
+Json toJson(const ingest::BuildForecast& forecast) {
+  return {{"seconds", forecast.seconds},
+          {"cpu_seconds", forecast.cpu_seconds},
+          {"memory_bytes", forecast.memory_bytes},
+          {"temporary_bytes", forecast.temporary_bytes},
+          {"store_bytes", forecast.store_bytes}};
+}
+
+Json describeAsJson(const ingest::DoctorReport& report) {
+  Json json{{"buildable", report.is_buildable},
+            {"buildable_with_skip_bad", report.is_readable},
+            {"file_bytes", report.file_bytes}};
+  if (report.header) {
+    json["encoding"] = encodingName(report.header->encoding);
+    json["elements"] = Json::array();
+    for (const ingest::PlyElement& element : report.header->elements)
+      json["elements"].push_back({{"name", element.name}, {"count", element.count}});
+  }
+  json["vertices"] = report.counts.vertices;
+  json["faces"] = report.counts.faces;
+  json["triangles"] = report.counts.triangles;
+  json["dropped_faces"] = report.counts.dropped_faces;
+  json["skipped_bad"] = report.counts.skipped_bad;
+  json["attributes"] = attributeNames(report.attributes);
+  json["textures"] = Json::array();
+  for (const auto& texture : report.textures)
+    json["textures"].push_back({{"name", texture.name}, {"found", texture.is_found}});
+  if (report.is_readable) json["box"] = {{"min", toJson(report.min)}, {"max", toJson(report.max)}};
+  json["topology"] = report.topology ? toJson(*report.topology) : Json();
+  json["problems"] = Json::array();
+  for (const auto& problem : report.problems)
+    json["problems"].push_back({{"fatal", problem.is_fatal}, {"text", problem.text}});
+  json["forecast"] = report.forecast ? toJson(*report.forecast) : Json();
+  return json;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text.empty() ? "none" : text;
+}
+
+class Sheet {
+ public:
+  void line(const char* name, const std::string& value) {
+    std::string start(name);
+    start.resize(18, ' ');
+    text_ += start + value + "\n";
+  }
+  const std::string& text() const noexcept { return text_; }
+
+ private:
+  std::string text_;
+};
+
+std::string describe(const ingest::DoctorReport& report) {
+  Sheet sheet;
+  const ingest::PlyCounts& counts = report.counts;
+  if (report.header)
+    sheet.line("encoding",
+               std::string(encodingName(report.header->encoding)) + ", " + describeBytes(report.file_bytes));
+  sheet.line("vertices", std::to_string(counts.vertices));
+  sheet.line("faces", std::to_string(counts.faces) + ", " + std::to_string(counts.triangles) + " triangles");
+  sheet.line("attributes", joined(attributeNames(report.attributes)));
+  for (const auto& texture : report.textures)
+    sheet.line("texture", texture.name + (texture.is_found ? "" : " (missing)"));
+  if (report.is_readable) sheet.line("box", toJson(report.min).dump() + " to " + toJson(report.max).dump());
+  if (report.topology) {
+    const ingest::Topology& topology = *report.topology;
+    sheet.line("pieces", std::to_string(topology.pieces));
+    sheet.line("duplicates", std::to_string(topology.duplicate_vertices) + " vertices");
+    sheet.line("open edges", std::to_string(topology.open_edges));
+    sheet.line("non-manifold", std::to_string(topology.non_manifold_edges) + " edges");
+  } else if (report.is_readable) {
+    sheet.line("topology", "not counted: it needs more memory than --memory");
+  }
+  if (report.forecast) {
+    const ingest::BuildForecast& forecast = *report.forecast;
+    char seconds[80];
+    std::snprintf(seconds, sizeof seconds, "about %.1f s (%.1f CPU s), ", forecast.seconds,
+                  forecast.cpu_seconds);
+    sheet.line("a build takes", seconds + describeBytes(forecast.memory_bytes) + " of memory, " +
+                                    describeBytes(forecast.temporary_bytes) + " of temporary disk; store " +
+                                    describeBytes(forecast.store_bytes));
+  }
+  for (const auto& problem : report.problems)
+    sheet.line(problem.is_fatal ? "ERROR" : "warning", problem.text);
+  sheet.line("verdict", report.is_buildable  ? "can be built"
+                        : report.is_readable ? "can be built with --skip-bad only"
+                                             : "cannot be built");
+  return sheet.text();
+}
+
+void runDoctor(const DoctorArguments& arguments) {
+  const ingest::DoctorReport report = ingest::examine(arguments.options);
+  if (arguments.json)
+    printJson(describeAsJson(report));
+  else
+    printText(describe(report));
+  if (report.is_buildable) return;
+  for (const auto& problem : report.problems)
+    if (problem.is_fatal) throw Error(ErrorCode::kInput, problem.text);
+}
+
+}  // namespace
 
 void addDoctorCommand(CLI::App& program) {
+  const auto arguments = std::make_shared<DoctorArguments>();
+  ingest::DoctorOptions& options = arguments->options;
   CLI::App* command =
-      addCommand(program, "doctor", "Say what is in a PLY file and what is wrong (not there yet)");
-  command->allow_extras();
-  command->callback([] { notThereYet("doctor"); });
+      addCommand(program, "doctor", "Say what is in a PLY file, what is wrong, and what a build will cost");
+  command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
+  command
+      ->add_option(
+          "--memory", options.memory_bytes,
+          "memory to count topology in, and of the build to forecast (default: half of the machine's)")
+      ->transform(CLI::AsSizeValue(true))
+      ->type_name("BYTES");
+  command->add_option("--threads", options.threads, "of the build to forecast (default: one a core)")
+      ->check(CLI::Range(1u, 1024u));
+  command
+      ->add_option("--tmp", options.temporary_folder,
+                   "folder for the forecast's trial, of a few megabytes (default: the system's)")
+      ->type_name("DIR");
+  command->add_flag("--json", arguments->json, "print one JSON object");
+  command->callback([arguments] { runDoctor(*arguments); });
 }
 
 }  // namespace lode::app

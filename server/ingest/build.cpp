@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
-
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "common/error.h"
 #include "server/ingest/cell_code.h"
 #include "server/ingest/dereference.h"
 #include "server/ingest/lattice_choice.h"
+#include "server/ingest/machine.h"
+#include "server/ingest/memory_plan.h"
 #include "server/ingest/pack.h"
 #include "server/ingest/partition.h"
 #include "server/ingest/scan.h"
@@ -20,18 +18,6 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kMinTrianglesPerNode = 64;
-
-double cpuSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
-}
-
-uint64_t peakRssBytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
-}
 
 /// Notes time, memory and disk of a stage from construction to finish().
 class StageClock {
@@ -55,11 +41,8 @@ class StageClock {
 };
 
 BuildOptions withDefaults(BuildOptions options) {
-  if (options.memory_bytes == 0) {
-    options.memory_bytes =
-        static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
-  }
-  if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
+  if (options.memory_bytes == 0) options.memory_bytes = defaultMemoryBytes();
+  if (options.threads == 0) options.threads = defaultThreads();
   if (options.temporary_folder.empty()) {
     options.temporary_folder = options.output.has_parent_path() ? options.output.parent_path() : ".";
   }
@@ -82,7 +65,7 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   const BuildOptions options = withDefaults(given);
   BuildReport report;
   const TemporaryFolder folder(options.temporary_folder);
-  const uint64_t sort_memory = options.memory_bytes / 4;
+  const MemoryPlan plan = planMemory(options.memory_bytes, options.threads, options.triangles_per_node);
 
   StageClock scan_clock(report, "scan");
   auto scanned = std::make_unique<ScannedModel>(scan(options, folder, progress, report.warnings));
@@ -92,11 +75,11 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
                     scanned->input.temporaryBytes());
 
   StageClock dereference_clock(report, "dereference");
-  RecordSorter sorter(soupBytes(soup_attributes), sort_memory, folder, "soup");
+  RecordSorter sorter(soupBytes(soup_attributes), plan.sort_bytes, folder, "soup");
   const CellGrid grid(choice.extent);
   std::byte record[kMaxSoupBytes];
   const DereferenceCounts counts = dereference(
-      scanned->input, choice.lattice, sort_memory,
+      scanned->input, choice.lattice, plan.sort_bytes,
       [&](const SoupTriangle& triangle) {
         const std::span<std::byte> bytes(record, soupBytes(soup_attributes));
         storeSoup(triangle, bytes);
@@ -114,14 +97,19 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
 
   StageClock partition_clock(report, "partition");
   const Partition parts =
-      partition(sorter, soup_attributes, options.triangles_per_node, sort_memory, folder, progress);
+      partition(sorter, soup_attributes, options.triangles_per_node, plan.sort_bytes, folder, progress);
   partition_clock.finish(parts.triangleCount(), parts.soup.size() + parts.border.temporaryBytes());
 
+  if (parts.leaves.size() > 1 && options.memory_bytes < plan.minimum_bytes) {
+    report.warnings.push_back("--memory is less than " + std::to_string(plan.minimum_bytes) +
+                              " bytes, which " + std::to_string(options.triangles_per_node) +
+                              " triangles a node take; the build may use more");
+  }
   StageClock simplify_clock(report, "simplify");
   PayloadSpool payloads(folder);
   const NodeBuilder::Settings settings{choice.lattice, choice.extent, payloadAttributes(soup_attributes),
                                        options.triangles_per_node, options.simplifier};
-  SimplifiedTree tree = simplify(settings, parts, payloads, options.threads, progress);
+  SimplifiedTree tree = simplify(settings, parts, payloads, plan.threads, progress);
   simplify_clock.finish(tree.nodes.size(), payloads.size());
 
   StageClock pack_clock(report, "pack");

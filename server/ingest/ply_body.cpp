@@ -24,15 +24,23 @@ void PlyBody::failTruncated() const {
                                      " at " + where() + "; copy or export the file again");
 }
 
-void PlyBody::failIndex(int64_t index) const { fail("there is no vertex " + std::to_string(index), kRepair); }
+void PlyBody::tellDefect(bool is_bad, const std::string& what) const {
+  if (!options_.on_defect) return;
+  options_.on_defect({is_bad, element_->name + " " + std::to_string(row_) + " at " + where() + ": " + what});
+}
+
+void PlyBody::judgeIndex(int64_t index) const {
+  const std::string what = "there is no vertex " + std::to_string(index);
+  if (!options_.skip_bad) fail(what, kRepair);
+  tellDefect(true, what);
+}
 
 void PlyBody::judgeVertex(VertexDefect defect, size_t index, VertexBatch& batch) const {
   if (defect == VertexDefect::kNone) return;
-  if (!options_.skip_bad) {
-    fail(defect == VertexDefect::kPosition ? "its position is NaN or infinite"
-                                           : "an attribute is NaN or infinite",
-         kRepair);
-  }
+  const char* what = defect == VertexDefect::kPosition ? "its position is NaN or infinite"
+                                                       : "an attribute is NaN or infinite";
+  if (!options_.skip_bad) fail(what, kRepair);
+  tellDefect(true, what);
   batch.countDefect(index, defect);
 }
 
@@ -49,17 +57,25 @@ void PlyBody::giveFace(uint16_t material, FaceBatch& batch) {
       defect = "a texture coordinate is NaN or infinite";
     }
     if (!defect.empty() && !options_.skip_bad) fail(defect, kRepair);
-    if (!defect.empty()) return batch.countSkipped();
+    if (!defect.empty()) {
+      tellDefect(true, defect);
+      return batch.countSkipped();
+    }
   }
   const std::span<const float> texture =
       is_face ? std::span<const float>(texture_) : std::span<const float>();
-  if (batch.add(corners_, texture, material) == FaceVerdict::kBadIndex && !options_.skip_bad) {
-    failIndex(*std::find_if(corners_.begin(), corners_.end(), [&](int64_t i) { return !batch.isVertex(i); }));
+  const FaceVerdict verdict = batch.add(corners_, texture, material);
+  if (verdict == FaceVerdict::kBadIndex) {
+    judgeIndex(
+        *std::find_if(corners_.begin(), corners_.end(), [&](int64_t i) { return !batch.isVertex(i); }));
+  } else if (verdict == FaceVerdict::kDropped) {
+    tellDefect(false,
+               corners_.size() < 3 ? "it has fewer than three corners" : "a vertex occurs twice in it");
   }
 }
 
 void PlyBody::giveStripIndex(int64_t index, StripCutter& strip, const FaceBatch& batch) const {
-  if (!options_.skip_bad && !StripCutter::isRestart(index) && !batch.isVertex(index)) failIndex(index);
+  if (!StripCutter::isRestart(index) && !batch.isVertex(index)) judgeIndex(index);
   strip.add(index);
 }
 

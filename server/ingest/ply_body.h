@@ -42,6 +42,8 @@ class PlyBody {
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
   [[noreturn]] void failTruncated() const;
 
+  /// Tells the caller of a defect of the row at hand, if it asked for that.
+  void tellDefect(bool is_bad, const std::string& what) const;
   /// Fails or counts, as the options say, for the vertex at batch.room()[index].
   void judgeVertex(VertexDefect defect, size_t index, VertexBatch& batch) const;
   /// Gives the face in corners_ and texture_ to the batch.
@@ -59,7 +61,8 @@ class PlyBody {
   std::vector<float> texture_;    ///< of the face at hand, two a corner
 
  private:
-  [[noreturn]] void failIndex(int64_t index) const;
+  /// Fails or tells, as the options say, for a corner that is no vertex.
+  void judgeIndex(int64_t index) const;
 };
 
 std::unique_ptr<PlyBody> makeBinaryBody(PlyInput& input, PlyEncoding encoding, PlyReadOptions options);

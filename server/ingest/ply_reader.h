@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -45,12 +46,21 @@ struct PlyCounts {
   uint64_t trailing_bytes = 0;  ///< behind the last element, ignored (ascii: beyond blanks and line ends)
 };
 
+/// Something in the body that costs geometry.
+struct PlyDefect {
+  bool is_bad = false;  ///< skip_bad skips it, and without it reading fails; otherwise the face is none
+  std::string text;     ///< element, number, byte or line, and what is wrong; no remedy
+};
+
 struct PlyReadOptions {
   /// Go on after a bad value: a vertex whose position is NaN or infinite is given out as all zero, to keep
   /// the numbers of those behind it, and no face that uses it is; an attribute that is NaN or infinite
   /// becomes zero; a face with an index out of range or with bad texture coordinates is left out. Each counts
   /// once.
   bool skip_bad = false;
+  /// With skip_bad: is told each defect where it is found. Faces that use a skipped vertex are not among
+  /// them.
+  std::function<void(const PlyDefect&)> on_defect = {};
 };
 
 /// Streams the body of a PLY file in bounded memory; the counts of the header are never trusted with memory.

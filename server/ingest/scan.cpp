@@ -11,6 +11,10 @@ namespace {
 
 constexpr uint8_t kKept = AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kAlpha;
 
+}  // namespace
+
+AttributeSet keptAttributes(AttributeSet file) noexcept { return {static_cast<uint8_t>(file.bits & kKept)}; }
+
 bool hasDoublePositions(const PlyHeader& header) {
   for (const PlyElement& element : header.elements) {
     if (element.name != "vertex") continue;
@@ -24,8 +28,6 @@ bool hasDoublePositions(const PlyHeader& header) {
   }
   return false;
 }
-
-}  // namespace
 
 PackedInput::PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions)
     : attributes_(attributes),
@@ -93,7 +95,7 @@ bool PackedInput::FaceCursor::next(FaceBlock& block) {
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings) {
   PlyReader reader(options.input, {.skip_bad = options.skip_bad});
-  AttributeSet kept{static_cast<uint8_t>(reader.attributes().bits & kKept)};
+  const AttributeSet kept = keptAttributes(reader.attributes());
   if (reader.attributes().has(AttributeSet::kTexture)) {
     warnings.push_back(options.input.string() +
                        ": texture coordinates are not built yet; the model is shown without");

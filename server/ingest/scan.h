@@ -64,6 +64,12 @@ class PackedInput {
   std::vector<std::byte> packed_;
 };
 
+/// Of a file's attributes, those that a build keeps.
+AttributeSet keptAttributes(AttributeSet file) noexcept;
+
+/// Whether the file's positions need more than float.
+bool hasDoublePositions(const PlyHeader& header);
+
 struct ScannedModel {
   PackedInput input;
   PlyCounts counts;

@@ -1,0 +1,86 @@
+#include "server/ingest/build_forecast.h"
+
+#include <algorithm>
+
+#include "server/ingest/build.h"
+#include "server/ingest/memory_plan.h"
+#include "server/ingest/sample.h"
+#include "server/ingest/scan.h"
+#include "server/ingest/soup.h"
+#include "server/ingest/temporary_folder.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kTrialTriangles = 400000, kLeastTrialTriangles = 5000;
+/// Of a model many times the trial's size, a triangle's share of the upper levels of the tree is smaller:
+/// what it costs in time and bytes, relative to the trial's. Measured with samples of 1 to 10 million.
+constexpr double kLargeModelShare = 0.85;
+
+/// Of a build of the sample: what it took a triangle.
+struct Trial {
+  double serial_cpu_seconds = 0;    ///< dereference, partition, pack
+  double parallel_cpu_seconds = 0;  ///< simplify
+  double store_bytes = 0;
+};
+
+Trial runTrial(const ForecastInput& input) {
+  const TemporaryFolder folder(input.temporary_folder);
+  SampleOptions sample;
+  sample.kind = "asteroid";
+  sample.triangles = std::clamp(input.triangles, kLeastTrialTriangles, kTrialTriangles);
+  sample.attributes.bits = input.attributes.bits & (AttributeSet::kNormal | AttributeSet::kColour);
+  BuildOptions options;
+  options.input = folder.file("trial.ply");
+  options.output = folder.file("trial.lode");
+  options.temporary_folder = folder.file("");
+  options.threads = input.threads;
+  const auto triangles = static_cast<double>(writeSample(sample, options.input));
+  const BuildReport report = build(options);
+  Trial trial;
+  for (const BuildReport::Stage& stage : report.stages) {
+    if (stage.name == "scan") continue;
+    (stage.name == "simplify" ? trial.parallel_cpu_seconds : trial.serial_cpu_seconds) +=
+        stage.cpu_seconds / triangles;
+  }
+  trial.store_bytes = static_cast<double>(report.summary.bytes) / triangles;
+  return trial;
+}
+
+/// The most that lies on disk at once: the packed input and the sorted runs, or runs, soup and payloads.
+uint64_t temporaryBytes(const ForecastInput& input, AttributeSet kept, uint64_t sort_bytes,
+                        uint64_t payload_bytes) {
+  const uint64_t vertex_bytes = (input.double_positions ? sizeof(glm::dvec3) : sizeof(glm::vec3)) +
+                                (kept.bits != 0 ? sizeof(VertexAttributes) : 0);
+  const bool only_triangles = input.faces == input.triangles;
+  const uint64_t packed = input.vertices * vertex_bytes +
+                          (input.triangles + 2 * input.faces) * sizeof(uint32_t) +
+                          (only_triangles ? 0 : input.faces * sizeof(uint32_t));
+  const uint64_t soup = input.triangles * soupBytes(kept);
+  const uint64_t runs = soup + input.triangles * sizeof(uint64_t);
+  const bool sorts_on_disk = runs + input.triangles * sizeof(uint64_t) > sort_bytes;
+  return std::max(
+      {packed + (sorts_on_disk ? runs : 0), soup + (sorts_on_disk ? runs : 0), soup + payload_bytes});
+}
+
+}  // namespace
+
+BuildForecast forecastBuild(const ForecastInput& input) {
+  const Trial trial = runTrial(input);
+  const bool is_large = input.triangles > 2 * kTrialTriangles;
+  const double triangles = static_cast<double>(input.triangles) * (is_large ? kLargeModelShare : 1);
+  const double serial = input.scan_cpu_seconds + trial.serial_cpu_seconds * triangles;
+  const double parallel = trial.parallel_cpu_seconds * triangles;
+  BuildForecast forecast;
+  forecast.cpu_seconds = serial + parallel;
+  forecast.seconds = serial + parallel / input.threads;
+  forecast.store_bytes = static_cast<uint64_t>(trial.store_bytes * triangles);
+  const AttributeSet kept = keptAttributes(input.attributes);
+  const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
+  const MemoryPlan plan = planMemory(input.memory_bytes, input.threads, triangles_per_node);
+  forecast.temporary_bytes = temporaryBytes(input, kept, plan.sort_bytes, forecast.store_bytes);
+  forecast.memory_bytes = expectedPeakBytes(plan, input.vertices, input.triangles, kept, triangles_per_node);
+  return forecast;
+}
+
+}  // namespace lode::ingest

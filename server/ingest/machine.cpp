@@ -1,0 +1,30 @@
+#include "server/ingest/machine.h"
+
+#include <algorithm>
+#include <ctime>
+#include <thread>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace lode::ingest {
+
+uint64_t defaultMemoryBytes() noexcept {
+  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+}
+
+unsigned defaultThreads() noexcept { return std::max(1u, std::thread::hardware_concurrency()); }
+
+double cpuSeconds() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+uint64_t peakRssBytes() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+
+namespace lode::ingest {
+
+/// Half of the machine's memory: what a build uses at most unless it is told otherwise.
+uint64_t defaultMemoryBytes() noexcept;
+
+/// One a core.
+unsigned defaultThreads() noexcept;
+
+/// CPU time of this process so far, all threads.
+double cpuSeconds() noexcept;
+
+/// The most resident memory that this process has had.
+uint64_t peakRssBytes() noexcept;
+
+}  // namespace lode::ingest

@@ -1,0 +1,44 @@
+#include "server/ingest/memory_plan.h"
+
+#include <algorithm>
+
+#include "server/ingest/soup.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kProgramBytes = 24 << 20;  ///< code, buffers of files
+constexpr uint64_t kMarginBytes = 24 << 20;   ///< what the allocator keeps of earlier stages
+constexpr uint64_t kFrontierBytes = 5 << 10;  ///< nodes between their building and their parent's
+constexpr uint64_t kWorkerBytes = 2816;       ///< a thread's own node, with its quadrics and queue
+// What a triangle of a model costs that is too small for nodes of all threads, or for all levels of the tree.
+constexpr uint64_t kSmallModelBytes = 704, kGrowingFrontierBytes = 64;
+constexpr uint64_t kSortOrderBytes = 16;      ///< of a record in a sort
+constexpr uint64_t kBytesOfBatchVertex = 20;  ///< of a dereference: position and attributes
+constexpr double kGrowth = 1.25;              ///< of a buffer that grows, over what it holds
+
+}  // namespace
+
+MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangles_per_node) noexcept {
+  const uint64_t base = kProgramBytes + kMarginBytes + triangles_per_node * kFrontierBytes;
+  const uint64_t worker = triangles_per_node * kWorkerBytes;
+  const uint64_t left = memory_bytes > base ? memory_bytes - base : 0;
+  const uint64_t fitting = std::clamp<uint64_t>(left / worker, 1, std::max(1u, threads));
+  return {memory_bytes / 4, static_cast<unsigned>(fitting), base + worker};
+}
+
+uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,
+                           uint32_t triangles_per_node) noexcept {
+  const uint64_t records = triangles * (soupBytes(file) + kSortOrderBytes);
+  const uint64_t batch = triangles * 3 * sizeof(uint32_t) + vertices * kBytesOfBatchVertex;
+  const uint64_t sort =
+      static_cast<uint64_t>(kGrowth * static_cast<double>(std::min(records, plan.sort_bytes))) +
+      std::min(batch, plan.sort_bytes / 2);
+  const uint64_t workers =
+      std::min(triangles_per_node * plan.threads * kWorkerBytes, triangles * kSmallModelBytes);
+  const uint64_t frontier = std::min(triangles_per_node * kFrontierBytes, triangles * kGrowingFrontierBytes);
+  const uint64_t simplify = workers + frontier;
+  return kProgramBytes + std::max(sort, simplify);
+}
+
+}  // namespace lode::ingest
