@@ -2,6 +2,7 @@
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
+#include "server/ingest/against.h"
 #include "server/store/verify.h"
 
 namespace lode::app {
@@ -10,31 +11,70 @@ namespace {
 struct VerifyArguments {
   std::filesystem::path store;
   store::VerifyOptions options;
+  ingest::AgainstOptions against;  ///< no input: the store alone is checked
   bool json = false;
 };
 
+Json toJson(const store::VerifyReport& report) {
+  return {{"sound", true},
+          {"bytes", report.bytes},
+          {"blobs", report.blobs},
+          {"nodes", report.nodes},
+          {"payloads", report.payloads},
+          {"stored_triangles", report.triangles},
+          {"open_edges", report.open_edges},
+          {"random_cuts", report.cuts},
+          {"max_rim_gap", report.max_rim_gap_model}};
+}
+
+Json toJson(const ingest::AgainstReport& report) {
+  return {{"triangles", report.triangles},     {"dropped", report.dropped},
+          {"rungs_sampled", report.rungs},     {"rungs_below", report.rungs_below},
+          {"least_ratio", report.least_ratio}, {"median_ratio", report.median_ratio}};
+}
+
+std::string describe(const store::VerifyReport& report) {
+  return "sound; " + std::to_string(report.blobs) + " blobs, " + std::to_string(report.payloads) +
+         " payloads, " + std::to_string(report.triangles) + " triangles decoded; " +
+         std::to_string(report.open_edges) + " open edges in the leaves, " + std::to_string(report.cuts) +
+         " random cuts agree";
+}
+
+std::string describe(const ingest::AgainstReport& report) {
+  char ratios[80];
+  std::snprintf(ratios, sizeof ratios, "%.2f times the sampled at least, %.2f at the median",
+                report.least_ratio, report.median_ratio);
+  std::string text = "; all " + std::to_string(report.triangles) + " triangles of the input are there, " +
+                     std::to_string(report.dropped) + " dropped";
+  if (report.rungs > 0) text += "; stored errors of " + std::to_string(report.rungs) + " rungs are " + ratios;
+  return text;
+}
+
+Json check(const VerifyArguments& arguments, std::string& text) {
+  const store::VerifyReport report = store::verifyStore(arguments.store, arguments.options);
+  Json json = toJson(report);
+  text = describe(report);
+  if (arguments.against.input.empty()) return json;
+  ingest::AgainstOptions against = arguments.against;
+  against.store = arguments.store;
+  against.seed = arguments.options.seed;
+  const ingest::AgainstReport compared = ingest::compareWithInput(against);
+  json["against"] = toJson(compared);
+  text += describe(compared);
+  return json;
+}
+
 void runVerify(const VerifyArguments& arguments) {
-  store::VerifyReport report;
+  std::string text;
+  Json json;
   try {
-    report = store::verifyStore(arguments.store, arguments.options);
+    json = check(arguments, text);
   } catch (const Error& error) {
     if (arguments.json) printJson({{"sound", false}, {"fault", error.what()}});
     throw;
   }
-  if (arguments.json)
-    return printJson({{"sound", true},
-                      {"bytes", report.bytes},
-                      {"blobs", report.blobs},
-                      {"nodes", report.nodes},
-                      {"payloads", report.payloads},
-                      {"stored_triangles", report.triangles},
-                      {"open_edges", report.open_edges},
-                      {"random_cuts", report.cuts},
-                      {"max_rim_gap", report.max_rim_gap_model}});
-  printText(arguments.store.string() + ": sound; " + std::to_string(report.blobs) + " blobs, " +
-            std::to_string(report.payloads) + " payloads, " + std::to_string(report.triangles) +
-            " triangles decoded; " + std::to_string(report.open_edges) + " open edges in the leaves, " +
-            std::to_string(report.cuts) + " random cuts agree\n");
+  if (arguments.json) return printJson(json);
+  printText(arguments.store.string() + ": " + text + "\n");
 }
 
 }  // namespace
@@ -43,11 +83,28 @@ void addVerifyCommand(CLI::App& program) {
   const auto arguments = std::make_shared<VerifyArguments>();
   CLI::App* command = addCommand(program, "verify", "Check a store: every byte, payload and invariant");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
-  addMissingOption(*command, "--against",
-                   "the PLY file that it was built from: check that nothing is missing");
+  ingest::AgainstOptions& against = arguments->against;
+  command
+      ->add_option("--against", against.input,
+                   "the PLY file that it was built from: check that nothing is missing, and sample errors")
+      ->type_name("IN.ply");
+  command->add_option("--rungs", against.rungs, "rungs to sample, with --against, at most")
+      ->capture_default_str();
+  command
+      ->add_option("--memory", against.memory_bytes,
+                   "memory to use with --against (default: half of the machine's)")
+      ->transform(CLI::AsSizeValue(true))
+      ->type_name("BYTES");
+  command
+      ->add_option("--tmp", against.temporary_folder,
+                   "folder for temporary files of --against (default: the system's)")
+      ->type_name("DIR");
   command->add_option("--cuts", arguments->options.random_cuts, "random cuts to compare with the leaves")
       ->capture_default_str();
-  command->add_option("--seed", arguments->options.seed, "of the first random cut")->capture_default_str();
+  command
+      ->add_option("--seed", arguments->options.seed,
+                   "of the random cuts, and of the sampled rungs and points")
+      ->capture_default_str();
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->callback([arguments] { runVerify(*arguments); });
 }

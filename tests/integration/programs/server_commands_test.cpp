@@ -88,6 +88,52 @@ TEST_F(ServerCommands, printTheJsonThatScriptsRelyOn) {
   EXPECT_TRUE(Json::parse(run("verify a.lode --json").out)["sound"]);
 }
 
+TEST_F(ServerCommands, verifyAgainstFindsTheInputInTheStoreAndNoOther) {
+  build();
+  const Json sound = Json::parse(run("verify a.lode --against a.ply --json").out);
+  const Json info = Json::parse(run("info a.lode --json").out);
+  EXPECT_TRUE(sound["sound"]);
+  EXPECT_EQ(sound["against"]["triangles"], info["triangles"]);
+  EXPECT_GT(sound["against"]["rungs_sampled"], 5);
+  EXPECT_GE(sound["against"]["least_ratio"], 0.8);
+
+  ASSERT_EQ(run("sample asteroid --triangles 20000 --seed 2 -o other.ply").status, 0);
+  const Outcome other = run("verify a.lode --against other.ply --json");
+  EXPECT_EQ(other.status, 1);
+  EXPECT_FALSE(Json::parse(other.out)["sound"]);
+  EXPECT_EQ(run("verify a.lode --against missing.ply").status, 1);
+}
+
+TEST_F(ServerCommands, doctorSaysWhatABuildWillCostWithinHalf) {
+  const Json doctor = Json::parse(run("doctor a.ply --json").out);
+  expectKeys(doctor, {"buildable", "encoding", "elements", "vertices", "faces", "triangles", "attributes",
+                      "textures", "box", "topology", "problems", "forecast"});
+  EXPECT_TRUE(doctor["buildable"]);
+  EXPECT_EQ(doctor["topology"]["open_edges"], 0);
+  EXPECT_EQ(doctor["topology"]["pieces"], 1);
+  const Json built = Json::parse(run("build a.ply -o a.lode --json").out);
+  EXPECT_EQ(doctor["triangles"], built["triangles"]);
+  const auto expectWithinHalf = [](double forecast, double actual) {
+    EXPECT_LE(forecast, 1.5 * actual);
+    EXPECT_GE(forecast, actual / 1.5);
+  };
+  expectWithinHalf(doctor["forecast"]["memory_bytes"], built["peak_rss_bytes"]);
+  expectWithinHalf(doctor["forecast"]["store_bytes"], built["bytes"]);
+}
+
+TEST_F(ServerCommands, doctorExitsWithOneForWhatCannotBeBuiltAndStillSaysWhatIsInIt) {
+  std::filesystem::copy(folder_ / "a.ply", folder_ / "cut.ply");
+  std::filesystem::resize_file(folder_ / "cut.ply", 100000);
+  const Outcome outcome = run("doctor cut.ply --json");
+  EXPECT_EQ(outcome.status, 1);
+  const Json doctor = Json::parse(outcome.out);
+  EXPECT_FALSE(doctor["buildable"]);
+  EXPECT_EQ(doctor["encoding"], "binary_little_endian");
+  EXPECT_EQ(doctor["problems"].size(), 1u);
+  expectOneLine(outcome.err);
+  EXPECT_EQ(run("doctor missing.ply").status, 1);
+}
+
 TEST_F(ServerCommands, infoPrintsALineForEachNodeAndRung) {
   build();
   const Json info = Json::parse(run("info a.lode --json").out);
@@ -112,8 +158,7 @@ TEST_F(ServerCommands, endWithTwoAndOneLineAtWrongUsage) {
         "export a.lode --error 0.1 -o a.lode", "sample cube --triangles 100 -o b.ply", "serve",
         "serve a.lode --listen 0.0.0.0:0",
         // not there yet
-        "doctor a.ply", "build a.ply -o b.lode --resume",
-        "verify a.lode --against a.ply", "serve a.lode --tls-cert x"}) {
+        "build a.ply -o b.lode --resume", "serve a.lode --tls-cert x"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments;
     EXPECT_EQ(outcome.out, "") << arguments;
