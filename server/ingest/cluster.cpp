@@ -131,7 +131,7 @@ void Clusterer::addUpCells() {
   for (uint32_t i = 0; i < mesh_.positions.size(); ++i) {
     const uint32_t cell = tree_.cellOf(i);
     if (cell == kNone || mesh_.positions[i].count == 0) continue;
-    Quadric quadric = mesh_.positions[i].quadric;
+    Quadric quadric = mesh_.quadrics[i];
     if (!attributes_.empty())
       mesh_.forEachWedge(i, [&](uint32_t wedge) { attributes_.reduce(quadric, wedge); });
     states_[cell].quadric += quadric;

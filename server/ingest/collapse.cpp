@@ -69,7 +69,7 @@ class Collapser {
   void collapseEdge(Record record, const Candidate& candidate);
   /// What the ends of an edge say together.
   Quadric quadricOf(uint32_t u, uint32_t v) {
-    Quadric q = mesh_.positions[u].quadric + mesh_.positions[v].quadric;
+    Quadric q = mesh_.quadrics[u] + mesh_.quadrics[v];
     if (!attributes_.empty()) reduceWedges(q, u, v);
     return q;
   }
@@ -130,8 +130,9 @@ void Collapser::fetch(Record& record) noexcept {
   record.v = find(record.v);
   if (record.u > record.v) std::swap(record.u, record.v);
   for (const uint32_t end : {record.u, record.v}) {
-    const char* const line = reinterpret_cast<const char*>(&mesh_.positions[end]);
+    const char* const line = reinterpret_cast<const char*>(&mesh_.quadrics[end]);
     __builtin_prefetch(line);
+    __builtin_prefetch(&mesh_.positions[end]);
     __builtin_prefetch(&mesh_.points[end]);
     __builtin_prefetch(line + 64);
     if (!attributes_.empty() && mesh_.only_wedge[end] != kManyWedges)

@@ -31,16 +31,14 @@ enum class PositionKind : uint8_t {
 
 constexpr uint32_t kManyWedges = ~0u;
 
-/// What is known of a position while its mesh is simplified, but its place: two lines of the cache.
-struct alignas(64) CollapsePosition {
-  Quadric quadric;
+/// What is known of a position while its mesh is simplified, but its place and its quadric.
+struct CollapsePosition {
   uint32_t first = 0, count = 0, capacity = 0;  ///< its corners' place in the mesh's pool
   uint32_t merged_at = 0;                       ///< when another was last merged into it
   PositionKind kind = PositionKind::kSmooth;
   bool locked = false;
   uint8_t lca_depth = kNeverLocked;
 };
-static_assert(sizeof(CollapsePosition) == 128);
 
 /// A node's mesh while it is simplified: triangles by position and by wedge, and the triangles around each
 /// position. A corner's number is 4 * triangle + 0..2; a dead triangle is in no position's list.
@@ -108,6 +106,7 @@ struct CollapseMesh {
   /// unused.
   std::vector<glm::ivec4> points;
   std::vector<CollapsePosition> positions;
+  std::vector<Quadric> quadrics;          ///< a position's
   std::vector<uint32_t> corner_position;  ///< four a triangle, the last unused
   std::vector<uint32_t> corner_wedge;     ///< the same, or empty where there are no attributes
   std::vector<uint32_t> only_wedge;  ///< a position's, or kManyWedges; empty where there are no attributes

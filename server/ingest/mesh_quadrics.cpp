@@ -33,8 +33,8 @@ void addQuadrics(CollapseMesh& mesh, std::span<const CollapseMesh::Edge> edges) 
     Quadric plane;
     plane.addPlane(unit, -glm::dot(unit, mesh.point(t[0])), area);
     for (const uint32_t i : t) {
-      mesh.positions[i].quadric += plane;
-      mesh.positions[i].quadric.addPoint(mesh.point(i), kPointWeight * area);
+      mesh.quadrics[i] += plane;
+      mesh.quadrics[i].addPoint(mesh.point(i), kPointWeight * area);
     }
   }
   for (const CollapseMesh::Edge& edge : edges) {
@@ -49,8 +49,8 @@ void addQuadrics(CollapseMesh& mesh, std::span<const CollapseMesh::Edge> edges) 
     const glm::dvec3 unit = across / length;
     Quadric plane;
     plane.addPlane(unit, -glm::dot(unit, mesh.point(edge.u)), weight * glm::dot(along, along));
-    mesh.positions[edge.u].quadric += plane;
-    mesh.positions[edge.v].quadric += plane;
+    mesh.quadrics[edge.u] += plane;
+    mesh.quadrics[edge.v] += plane;
   }
 }
 

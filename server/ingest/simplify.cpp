@@ -10,6 +10,8 @@
 #include <queue>
 #include <thread>
 
+#include "server/ingest/keep_memory.h"
+
 namespace lode::ingest {
 namespace {
 
@@ -162,6 +164,7 @@ class Scheduler {
 
 SimplifiedTree simplify(const NodeBuilder::Settings& settings, const Partition& partition,
                         PayloadSpool& payloads, unsigned threads, const BuildProgress& progress) {
+  keepFreedMemory();
   const Plan plan(partition.leaves);
   Scheduler scheduler(plan);
   {

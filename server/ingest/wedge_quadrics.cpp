@@ -65,7 +65,7 @@ void WedgeQuadrics::addTriangle(CollapseMesh& mesh, uint32_t corner) {
       sum.d += area * d;
     }
   }
-  for (const uint32_t position : at) mesh.positions[position].quadric += squares;
+  for (const uint32_t position : at) mesh.quadrics[position] += squares;
 }
 
 void WedgeQuadrics::fetch(uint32_t wedge) const noexcept {

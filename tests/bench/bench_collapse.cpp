@@ -20,6 +20,7 @@
 #include "common/octahedral.h"
 #include "server/ingest/cluster.h"
 #include "server/ingest/collapse.h"
+#include "server/ingest/keep_memory.h"
 #include "tests/support/surface_distance.h"
 
 namespace {
@@ -259,6 +260,7 @@ void quality(const std::string& path) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  lode::ingest::keepFreedMemory();
   speed(73);
   const char* folder = std::getenv("LODESTREAM_TEST_DATA");
   if (argc > 1) {
