@@ -2,6 +2,7 @@
 
 #include <set>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -32,15 +33,21 @@ struct Picture {
     stbi_image_free(pixels);
   }
 
-  /// How many pixels are not as the one in the corner.
-  size_t differentFromCorner() const {
-    size_t different = 0;
-    for (size_t i = 0; i < bytes.size(); i += 3) different += bytes.compare(i, 3, bytes, 0, 3) != 0;
-    return different;
+  std::string_view pixel(int x, int y) const {
+    return std::string_view(bytes).substr((static_cast<size_t>(y) * width_px + x) * 3, 3);
   }
-  size_t colours() const {
-    std::set<std::string> seen;
-    for (size_t i = 0; i < bytes.size(); i += 3) seen.insert(bytes.substr(i, 3));
+  /// Of a part of the picture, from a corner to the picture's lower right one: how much is not background.
+  /// That is one colour a row.
+  double covered(int left, int top) const {
+    size_t drawn = 0;
+    for (int y = top; y < height_px; ++y)
+      for (int x = left; x < width_px; ++x) drawn += pixel(x, y) != pixel(width_px - 1, y);
+    return static_cast<double>(drawn) / ((width_px - left) * (height_px - top));
+  }
+  /// Colours of its middle row.
+  size_t shades() const {
+    std::set<std::string_view> seen;
+    for (int x = 0; x < width_px; ++x) seen.insert(pixel(x, height_px / 2));
     return seen.size();
   }
 };
@@ -66,8 +73,9 @@ TEST_P(Pictures, areRenderedOffScreenInTheSizeAskedForAndNotEmpty) {
   const Picture picture(file);
   EXPECT_EQ(picture.width_px, 320);
   EXPECT_EQ(picture.height_px, 200);
-  EXPECT_GT(picture.differentFromCorner(), 320u * 200 / 10);
-  EXPECT_GT(picture.colours(), 50u);  // it is shaded
+  EXPECT_GT(picture.covered(0, 0), 0.1);
+  EXPECT_LT(picture.covered(0, 0), 0.9);
+  EXPECT_GT(picture.shades(), 20u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Pictures, testing::Values(models()[0], models()[2]), nameOf);
@@ -77,16 +85,16 @@ TEST(Window, showsAModelUnderAVirtualDisplay) {
   LODE_REQUIRE_MODEL(painted);
   const WorkFolder folder;
   const auto file = folder / "a.png";
-  Program program("xvfb-run", {"-a", "-s", "-screen 0 640x480x24", LODE_BIN_DIR "/bin/lodestream", "view",
-                               painted.store(), "--size", "400x300", "--screenshot", file});
+  Program program("xvfb-run", {"-a", "-s", "-screen 0 1024x1024x24", LODE_BIN_DIR "/bin/lodestream", "view",
+                               painted.store(), "--size", "1000x800", "--screenshot", file});
   const Outcome outcome = program.wait();
   if (outcome.status == 127) GTEST_SKIP() << "no xvfb-run: install xvfb";
   ASSERT_EQ(outcome.status, 0) << outcome.out << outcome.err;
   const Picture picture(file);
-  EXPECT_EQ(picture.width_px, 400);
-  EXPECT_EQ(picture.height_px, 300);
-  EXPECT_GT(picture.differentFromCorner(), 400u * 300 / 10);
-  EXPECT_GT(picture.colours(), 50u);
+  ASSERT_EQ(picture.width_px, 1000);
+  ASSERT_EQ(picture.height_px, 800);
+  EXPECT_GT(picture.covered(500, 400), 0.1);  // right of the panel and below it
+  EXPECT_LT(picture.covered(500, 400), 0.9);
 }
 
 TEST(Render, failsWithOneLineIfItsPictureCannotBeWritten) {

@@ -1,0 +1,69 @@
+#include "client/app/cli/child_process.h"
+
+#include <csignal>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace lode::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+ChildProcess shell(const std::string& script) {
+  return {"/bin/sh", {"-c", script}, ChildProcess::Messages::kKeep};
+}
+
+TEST(ChildProcess, isReadLineByLine) {
+  ChildProcess child = shell("printf 'one\\ntwo\\nrest'");
+  EXPECT_EQ(child.readLine(60s), "one");
+  EXPECT_EQ(child.readLine(60s), "two");
+  EXPECT_EQ(child.readLine(60s), "");  // no end of the line
+  EXPECT_EQ(child.wait(), 0);
+}
+
+TEST(ChildProcess, tellsHowItEnded) {
+  EXPECT_EQ(shell("exit 3").wait(), 3);
+  EXPECT_EQ(shell("kill -9 $$").wait(), 128 + SIGKILL);
+}
+
+TEST(ChildProcess, keepsTheLastLineThatItSaidOnStderr) {
+  ChildProcess child = shell("echo first >&2; echo last >&2; exit 1");
+  child.wait();
+  EXPECT_EQ(child.lastMessage(), "last");
+}
+
+TEST(ChildProcess, keepsNoMoreOfItsMessagesThanTheLimit) {
+  ChildProcess child = shell("head -c 100000 /dev/zero | tr '\\0' x >&2");
+  child.wait();
+  EXPECT_EQ(child.lastMessage(), std::string(kMaxMessageBytes, 'x'));
+}
+
+TEST(ChildProcess, isNotWaitedForLongerThanAsked) {
+  ChildProcess child = shell("exec sleep 1000");
+  EXPECT_EQ(child.readLine(10ms), "");
+}
+
+TEST(ChildProcess, endsWhenAsked) {
+  ChildProcess child = shell("exec sleep 1000");
+  child.terminate();
+  EXPECT_EQ(child.wait(), 128 + SIGTERM);
+}
+
+TEST(ChildProcess, endsWithItsObject) {
+  pid_t process = 0;
+  {
+    ChildProcess child = shell("echo $$; exec sleep 1000");
+    process = static_cast<pid_t>(std::stol(child.readLine(60s)));
+    EXPECT_EQ(kill(process, 0), 0);
+  }
+  EXPECT_EQ(kill(process, 0), -1);
+}
+
+TEST(ChildProcess, thatIsNoProgramEndsWithAStatus) {
+  ChildProcess child("/nowhere/program", {}, ChildProcess::Messages::kKeep);
+  EXPECT_EQ(child.wait(), 127);
+}
+
+}  // namespace
+}  // namespace lode::app

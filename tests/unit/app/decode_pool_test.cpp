@@ -1,0 +1,71 @@
+#include "client/app/cli/decode_pool.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace lode::app {
+namespace {
+
+/// Counts what a pool wakes for.
+class Results {
+ public:
+  void wake() {
+    const std::lock_guard lock(mutex_);
+    woken_.notify_one();
+  }
+  /// Takes results until there are so many.
+  std::vector<core::DecodeResult> waitFor(DecodePool& pool, size_t count) {
+    std::vector<core::DecodeResult> all;
+    std::unique_lock lock(mutex_);
+    while (all.size() < count) {
+      for (core::DecodeResult& result : pool.takeResults()) all.push_back(std::move(result));
+      if (all.size() < count && woken_.wait_for(lock, std::chrono::seconds(60)) == std::cv_status::timeout)
+        break;
+    }
+    return all;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable woken_;
+};
+
+/// Jobs whose bytes are no payload: they fail fast.
+std::vector<core::DecodeJob> jobs(size_t count) {
+  std::vector<core::DecodeJob> made(count);
+  for (core::DecodeJob& job : made) job.bytes.resize(100);
+  return made;
+}
+
+TEST(DecodePool, givesAResultForEveryJobAndReportsBadOnes) {
+  Results results;
+  DecodePool pool(3, [&] { results.wake(); });
+  pool.add(jobs(300));
+  pool.add(jobs(200));
+  const auto all = results.waitFor(pool, 500);
+  ASSERT_EQ(all.size(), 500u);
+  for (const core::DecodeResult& result : all) {
+    EXPECT_EQ(result.decoded, nullptr);
+    EXPECT_NE(result.failure, "");
+  }
+  EXPECT_TRUE(pool.takeResults().empty());
+}
+
+TEST(DecodePool, takesMoreJobsThanMayWait) {
+  Results results;
+  DecodePool pool(2, [&] { results.wake(); });
+  pool.add(jobs(kMaxWaitingJobs + 100));
+  EXPECT_EQ(results.waitFor(pool, kMaxWaitingJobs + 100).size(), kMaxWaitingJobs + 100);
+}
+
+TEST(DecodePool, mayEndWhileJobsWait) {
+  DecodePool pool(1, [] {});
+  pool.add(jobs(kMaxWaitingJobs));
+}
+
+}  // namespace
+}  // namespace lode::app
