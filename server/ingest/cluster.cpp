@@ -117,12 +117,7 @@ Clusterer::Clusterer(NodeMesh&& mesh, const CollapseOptions& options)
 void Clusterer::countDeaths() {
   for (size_t c = 0; c < mesh_.corner_position.size(); c += 4) {
     const uint32_t* const t = &mesh_.corner_position[c];
-    uint32_t smallest = kNone;
-    for (const uint32_t cell :
-         {tree_.common(t[0], t[1]), tree_.common(t[1], t[2]), tree_.common(t[2], t[0])}) {
-      if (cell == kNone) continue;
-      if (smallest == kNone || tree_.cells()[cell].level < tree_.cells()[smallest].level) smallest = cell;
-    }
+    const uint32_t smallest = tree_.commonOfTwo(t[0], t[1], t[2]);
     if (smallest != kNone) ++states_[smallest].deaths;
   }
 }
@@ -292,15 +287,16 @@ NodeMesh Clusterer::snapshot() {
 }
 
 void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {
-  std::vector<uint32_t> order = tree_.order();
-  std::stable_sort(order.begin(), order.end(),
-                   [&](uint32_t a, uint32_t b) { return states_[a].cost < states_[b].cost; });
+  std::vector<std::pair<double, uint32_t>> order;  // by cost, then each cell after those within it
+  for (uint32_t i = 0; i < tree_.order().size(); ++i) order.emplace_back(states_[tree_.order()[i]].cost, i);
+  std::sort(order.begin(), order.end());
   size_t live = mesh_.live_triangles;
   auto next = order.begin();
   for (size_t target = 0; target < targets.size(); ++target) {
     for (; live > targets[target] && next != order.end(); ++next) {
-      states_[*next].merged = true;
-      live -= states_[*next].deaths;
+      CellState& state = states_[tree_.order()[next->second]];
+      state.merged = true;
+      live -= state.deaths;
     }
     NodeMesh result = snapshot();
     const bool stuck = result.triangles.size() > targets[target];

@@ -68,6 +68,24 @@ void ClusterTree::build(const std::vector<Entry>& entries) {
   }
 }
 
+uint32_t ClusterTree::commonOfTwo(uint32_t a, uint32_t b, uint32_t c) const noexcept {
+  uint32_t from = kNone, least = kAbove;
+  const auto consider = [&](uint32_t one, uint32_t other) {
+    if (cell_of_[one] == kNone || cell_of_[other] == kNone) return;
+    const uint32_t level = commonLevel(codes_[one], codes_[other]);
+    if (level < least) {
+      least = level;
+      from = cell_of_[one];
+    }
+  };
+  consider(a, b);
+  consider(b, c);
+  consider(c, a);
+  if (from == kNone) return kNone;
+  while (cells_[from].level < least) from = cells_[from].parent;
+  return from;
+}
+
 uint32_t ClusterTree::common(uint32_t a, uint32_t b) const noexcept {
   uint32_t cell = cell_of_[a];
   if (cell == kNone || cell_of_[b] == kNone) return kNone;

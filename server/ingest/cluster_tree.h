@@ -29,6 +29,8 @@ class ClusterTree {
   uint32_t cellOf(uint32_t position) const noexcept { return cell_of_[position]; }
   /// The smallest cell around both; kNone if one is in no cell.
   uint32_t common(uint32_t a, uint32_t b) const noexcept;
+  /// The smallest cell around two of three; kNone if there is none.
+  uint32_t commonOfTwo(uint32_t a, uint32_t b, uint32_t c) const noexcept;
 
  private:
   struct Entry {

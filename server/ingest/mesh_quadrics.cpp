@@ -1,6 +1,7 @@
 #include "server/ingest/mesh_quadrics.h"
 
 #include <array>
+#include <vector>
 
 namespace lode::ingest {
 
@@ -23,20 +24,21 @@ glm::dvec3 normalOf(const CollapseMesh& mesh, const std::array<uint32_t, 3>& t) 
 }  // namespace
 
 void addQuadrics(CollapseMesh& mesh, std::span<const CollapseMesh::Edge> edges) {
+  std::vector<double> areas(mesh.positions.size());
   for (uint32_t c = 0; c < mesh.corner_position.size(); c += 4) {
     const std::array<uint32_t, 3> t = cornersOf(mesh, c);
     const glm::dvec3 normal = normalOf(mesh, t);
     const double length = glm::length(normal);
     if (length == 0) continue;
-    const double area = 0.5 * length;
-    const glm::dvec3 unit = normal / length;
     Quadric plane;
-    plane.addPlane(unit, -glm::dot(unit, mesh.point(t[0])), area);
+    plane.addPlane(normal, -glm::dot(normal, mesh.point(t[0])), 0.5 / length);  // of unit normals: the area
     for (const uint32_t i : t) {
       mesh.quadrics[i] += plane;
-      mesh.quadrics[i].addPoint(mesh.point(i), kPointWeight * area);
+      areas[i] += 0.5 * length;
     }
   }
+  for (uint32_t i = 0; i < areas.size(); ++i)
+    mesh.quadrics[i].addPoint(mesh.point(i), kPointWeight * areas[i]);
   for (const CollapseMesh::Edge& edge : edges) {
     const EdgeKind kind = edge.kind();
     if (kind == EdgeKind::kSmooth) continue;
