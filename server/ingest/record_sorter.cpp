@@ -7,9 +7,7 @@
 namespace lode::ingest {
 
 struct RecordSorter::Run {
-  explicit Run(std::filesystem::path path) : spool(std::move(path)) {}
-
-  Spool spool;
+  uint64_t begin = 0, end = 0;  ///< in the spool
   std::optional<SpoolCursor> cursor;
   uint64_t key = 0;
   std::span<const std::byte> record;
@@ -53,13 +51,14 @@ void RecordSorter::sortHeld() { std::sort(order_.begin(), order_.end()); }
 
 void RecordSorter::writeRun() {
   sortHeld();
-  auto run = std::make_unique<Run>(folder_.file(name_ + "-run-" + std::to_string(runs_.size())));
+  if (!spool_) spool_.emplace(folder_.file(name_ + "-runs"));
+  auto run = std::make_unique<Run>();
+  run->begin = spool_->size();
   for (const Order& at : order_) {
-    run->spool.append(std::as_bytes(std::span(&at.key, 1)));
-    run->spool.append(std::span<const std::byte>(held_.data() + at.index * record_bytes_, record_bytes_));
+    spool_->append(std::as_bytes(std::span(&at.key, 1)));
+    spool_->append(std::span<const std::byte>(held_.data() + at.index * record_bytes_, record_bytes_));
   }
-  run->spool.flush();
-  temporary_bytes_ += run->spool.size();
+  run->end = temporary_bytes_ = spool_->size();
   runs_.push_back(std::move(run));
   order_.clear();
   held_.clear();
@@ -73,9 +72,10 @@ void RecordSorter::finish() {
   if (!order_.empty()) writeRun();
   order_ = {};
   held_ = {};
+  spool_->flush();
   const size_t buffer_bytes = std::clamp<size_t>(memory_bytes_ / runs_.size(), 64 << 10, 4 << 20);
   for (uint32_t i = 0; i < runs_.size(); ++i) {
-    runs_[i]->cursor.emplace(runs_[i]->spool, 0, runs_[i]->spool.size(), buffer_bytes);
+    runs_[i]->cursor.emplace(*spool_, runs_[i]->begin, runs_[i]->end, buffer_bytes);
     if (runs_[i]->advance(record_bytes_)) heap_.push_back(i);
   }
   std::make_heap(heap_.begin(), heap_.end(), [this](uint32_t a, uint32_t b) { return later(a, b); });
@@ -104,7 +104,10 @@ std::optional<RecordSorter::Record> RecordSorter::nextOfRuns() {
     }
   }
   top_given_ = !heap_.empty();
-  if (heap_.empty()) return std::nullopt;
+  if (heap_.empty()) {
+    spool_.reset();
+    return std::nullopt;
+  }
   const Run& run = *runs_[heap_.front()];
   return Record{run.key, run.record};
 }

@@ -16,7 +16,8 @@ namespace lode::ingest {
 /// External sort of records of one size by a 64-bit key; records of equal keys keep the order in which they
 /// came, so that the result does not depend on the memory given. What fits in memory never touches the disk.
 /// For one thread. Source: Knuth, The Art of Computer Programming 3, 5.4.1 (replacement by sorted runs and
-/// merging).
+/// merging). All runs lie in one file, behind each other, so that their number costs neither files nor
+/// buffers.
 class RecordSorter {
  public:
   /// @param memory_bytes  for the records held before a run is written, and for the buffers of the merge.
@@ -62,6 +63,7 @@ class RecordSorter {
   std::vector<Order> order_;
   size_t next_held_ = 0;
   bool top_given_ = false;
+  std::optional<Spool> spool_;  ///< of all runs; gone when the last record was taken
   std::vector<std::unique_ptr<Run>> runs_;
   std::vector<uint32_t> heap_;  ///< runs by (current key, run number), smallest on top
 };

@@ -29,7 +29,6 @@ constexpr size_t kWriteBufferBytes = 1 << 20;
 Spool::Spool(std::filesystem::path path) : path_(std::move(path)) {
   file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file_ < 0) fail(path_, "create");
-  buffer_.reserve(kWriteBufferBytes);
 }
 
 Spool::~Spool() {
@@ -46,15 +45,21 @@ Spool::Spool(Spool&& other) noexcept
 
 void Spool::append(std::span<const std::byte> bytes) {
   size_ += bytes.size();
+  buffer_.reserve(kWriteBufferBytes);
   while (!bytes.empty()) {
     const size_t part = std::min(bytes.size(), kWriteBufferBytes - buffer_.size());
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(part));
     bytes = bytes.subspan(part);
-    if (buffer_.size() == kWriteBufferBytes) flush();
+    if (buffer_.size() == kWriteBufferBytes) writeBuffer();
   }
 }
 
 void Spool::flush() {
+  writeBuffer();
+  buffer_ = {};
+}
+
+void Spool::writeBuffer() {
   for (size_t done = 0; done < buffer_.size();) {
     const ssize_t written = write(file_, buffer_.data() + done, buffer_.size() - done);
     if (written < 0 && errno == EINTR) continue;

@@ -23,6 +23,7 @@ class Spool {
   template <typename T>
   requires std::is_trivially_copyable_v<T>
   void append(std::span<const T> items) { append(std::as_bytes(items)); }
+  /// Writes what is held back, and lets go of the buffer.
   void flush();
 
   /// Bytes appended so far.
@@ -31,6 +32,8 @@ class Spool {
   void readAt(uint64_t offset, std::span<std::byte> bytes) const;
 
  private:
+  void writeBuffer();
+
   std::filesystem::path path_;
   int file_ = -1;
   uint64_t size_ = 0;

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/work_folder.h"
+
 namespace lode::ingest {
 namespace {
 
@@ -57,6 +59,20 @@ TEST(RecordSorter, writesEachRecordOnceWhenTheyDoNotFit) {
   uint64_t temporary_bytes = 0;
   sortWith(40000, randomPairs(20000, 100), &temporary_bytes);
   EXPECT_EQ(temporary_bytes, 20000u * 16);
+}
+
+TEST(RecordSorter, keepsOneFileForAnyNumberOfRunsAndRemovesItWithTheLastRecord) {
+  const test::WorkFolder work;
+  const TemporaryFolder folder(work.path());
+  RecordSorter sorter(sizeof(uint64_t), 40000, folder, "test");
+  for (const auto& [key, value] : randomPairs(100000, 100))
+    sorter.push(key, std::as_bytes(std::span(&value, 1)));
+  sorter.finish();
+  const size_t folder_alone = 1;
+  EXPECT_EQ(work.contents().size(), folder_alone + 1);
+  while (sorter.next()) {
+  }
+  EXPECT_EQ(work.contents().size(), folder_alone);
 }
 
 TEST(RecordSorter, givesNothingOfNothing) { EXPECT_TRUE(sortWith(1 << 20, {}).empty()); }
