@@ -107,6 +107,7 @@ Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
       max_point_(glm::dvec3(options.max_position)),
       taken_(mesh_.positions.size()) {
   for (uint32_t i = 0; i < mesh_.positions.size(); ++i) taken_.add(mesh_.point(i));
+  mesh_.mixes_values = !attributes_.coversAll();
   seen_.resize(std::bit_ceil(mesh_.positions.size() / 2 + 1));
   forward_.resize(mesh_.positions.size());
   std::iota(forward_.begin(), forward_.end(), 0u);

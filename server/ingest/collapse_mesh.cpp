@@ -216,7 +216,7 @@ void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) 
   const uint32_t wedge_keep = only_wedge[keep], wedge_gone = only_wedge[gone];
   if (wedge_keep != kManyWedges && wedge_gone != kManyWedges && share(keep, gone)) {
     pairs_.assign(1, {wedge_keep, wedge_gone});
-    wedges.mix(wedge_keep, wedge_gone, gone_share);
+    if (mixes_values) wedges.mix(wedge_keep, wedge_gone, gone_share);
     for (const uint32_t corner : around(gone)) corner_wedge[corner] = wedge_keep;
     return;
   }
@@ -224,7 +224,7 @@ void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) 
   for (size_t i = 0; i < pairs_.size(); ++i) {
     const bool again = std::any_of(pairs_.begin(), pairs_.begin() + static_cast<ptrdiff_t>(i),
                                    [&](const WedgeTable::Pair& pair) { return pair.keep == pairs_[i].keep; });
-    if (!again) wedges.mix(pairs_[i].keep, pairs_[i].gone, gone_share);
+    if (!again && mixes_values) wedges.mix(pairs_[i].keep, pairs_[i].gone, gone_share);
   }
   for (const uint32_t corner : around(gone)) {
     for (const WedgeTable::Pair& pair : pairs_) {

@@ -112,6 +112,7 @@ struct CollapseMesh {
   std::vector<uint32_t> only_wedge;  ///< a position's, or kManyWedges; empty where there are no attributes
   std::vector<uint32_t> pool;        ///< corners by position, in pieces
   WedgeTable wedges;
+  bool mixes_values = true;  ///< merge() mixes the attributes of wedges that it joins
   size_t live_triangles = 0;
 
  private:

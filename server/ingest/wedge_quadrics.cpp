@@ -22,7 +22,13 @@ WedgeQuadrics::WedgeQuadrics(CollapseMesh& mesh, double diagonal, double weight)
   if (channels_.empty()) return;
   areas_.resize(mesh.wedges.size());
   sums_.resize(mesh.wedges.size() * channels_.size());
+  lengths_.reserve(sums_.size());
+  for (uint32_t wedge = 0; wedge < mesh.wedges.size(); ++wedge) {
+    const WedgeValue value = mesh.wedges.value(wedge);
+    for (const auto [part, scale] : channels_) lengths_.push_back(scale * value.parts[part]);
+  }
   for (uint32_t c = 0; c < mesh.corner_position.size(); c += 4) addTriangle(mesh, c);
+  lengths_ = {};
 }
 
 void WedgeQuadrics::chooseChannels(AttributeSet attributes, double diagonal, double weight) {
@@ -33,6 +39,8 @@ void WedgeQuadrics::chooseChannels(AttributeSet attributes, double diagonal, dou
     add(WedgeValue::kNormal, 3, kNormalWeight);
   if (attributes.has(AttributeSet::kColour)) add(WedgeValue::kColour, 3, kColourWeight / 255);
   if (attributes.has(AttributeSet::kTexture)) add(WedgeValue::kTexture, 2, kTextureWeight / 65535);
+  covers_all_ = !channels_.empty() && !attributes.has(AttributeSet::kComputedNormal) &&
+                !attributes.has(AttributeSet::kAlpha);
 }
 
 void WedgeQuadrics::addTriangle(CollapseMesh& mesh, uint32_t corner) {
@@ -44,18 +52,14 @@ void WedgeQuadrics::addTriangle(CollapseMesh& mesh, uint32_t corner) {
   const double longest = std::max({glm::dot(e1, e1), glm::dot(e2, e2), glm::dot(e2 - e1, e2 - e1)});
   const bool thin = square < kThinnest * kThinnest * longest * longest;
   const glm::dvec3 along1 = glm::cross(e2, normal) / square, along2 = glm::cross(normal, e1) / square;
-  std::array<WedgeValue, 3> values;
-  std::array<uint32_t, 3> wedges;
-  for (uint32_t k = 0; k < 3; ++k) {
-    wedges[k] = mesh.corner_wedge[corner + k];
-    values[k] = mesh.wedges.value(wedges[k]);
-    areas_[wedges[k]] += area;
-  }
+  const std::array<uint32_t, 3> wedges{mesh.corner_wedge[corner], mesh.corner_wedge[corner + 1],
+                                       mesh.corner_wedge[corner + 2]};
+  for (const uint32_t wedge : wedges) areas_[wedge] += area;
   Quadric squares;
   for (size_t i = 0; i < channels_.size(); ++i) {
-    const auto [part, scale] = channels_[i];
-    const double s0 = scale * values[0].parts[part], s1 = scale * values[1].parts[part],
-                 s2 = scale * values[2].parts[part];
+    const double s0 = lengths_[wedges[0] * channels_.size() + i],
+                 s1 = lengths_[wedges[1] * channels_.size() + i],
+                 s2 = lengths_[wedges[2] * channels_.size() + i];
     const glm::dvec3 g = thin ? glm::dvec3(0) : (s1 - s0) * along1 + (s2 - s0) * along2;
     const double d = thin ? (s0 + s1 + s2) / 3 : s0 - glm::dot(g, p);
     squares.addPlane(g, d, area);

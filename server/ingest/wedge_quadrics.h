@@ -30,6 +30,8 @@ class WedgeQuadrics {
 
   /// Nothing in the mesh's attributes that counts.
   bool empty() const noexcept { return channels_.empty(); }
+  /// Every attribute that can be mixed counts: setValues() leaves nothing of what a wedge had.
+  bool coversAll() const noexcept { return covers_all_; }
   void fetch(uint32_t wedge) const noexcept;
 
   /// Takes from a position's quadric what the best attributes of a wedge, or of two that are one, make up
@@ -53,8 +55,10 @@ class WedgeQuadrics {
   void addTriangle(CollapseMesh& mesh, uint32_t corner);
 
   std::vector<Channel> channels_;
-  std::vector<double> areas_;  // a wedge
-  std::vector<Sum> sums_;      // channels_.size() a wedge
+  bool covers_all_ = false;
+  std::vector<double> lengths_;  // channels_.size() a wedge, while triangles are added
+  std::vector<double> areas_;    // a wedge
+  std::vector<Sum> sums_;        // channels_.size() a wedge
 };
 
 }  // namespace lode::ingest
