@@ -18,7 +18,7 @@ std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   const bool is_large = rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
   const double factor = is_root || (rule.depth <= kFineStepDepth && is_large) ? std::sqrt(0.5) : 0.5;
   std::vector<size_t> targets;
-  if (is_root && triangles <= enough) return targets;
+  if (rule.is_leaf && triangles <= enough) return targets;
   double target = static_cast<double>(triangles);
   do {
     target *= factor;

@@ -10,6 +10,7 @@ constexpr size_t kRootTriangles = 512;  ///< to which the root's rungs go down
 
 struct RungRule {
   int depth = 0;
+  bool is_leaf = false;             ///< only the root's leaf is reduced at all
   size_t locked = 0;                ///< locked vertices of the node's input
   uint64_t original_triangles = 0;  ///< in the leaves below the node
   size_t triangles_per_node = 0;

@@ -8,6 +8,7 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kMaxCellsAlongAxis = 64;
+constexpr uint64_t kMaxCellsOfTriangle = 16;  ///< on average
 
 float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
 
@@ -43,44 +44,63 @@ TriangleGrid::TriangleGrid(const NodeMesh& mesh) {
   LatticeBox box;
   for (const PositionCode position : mesh.positions) box.add(unpackPosition(position));
   if (mesh.triangles.empty()) return;
-  min_ = glm::vec3(box.min);
-  const glm::vec3 size = glm::vec3(box.max - box.min) + 1.f;
-  const float longest = std::max({size.x, size.y, size.z});
-  const float along = std::sqrt(static_cast<float>(mesh.triangles.size())) * 0.75f;
-  cell_ = longest / std::clamp(along, 1.f, kMaxCellsAlongAxis);
-  dims_ = glm::max(glm::ivec3(glm::ceil(size / cell_)), 1);
-
-  begin_.assign(static_cast<size_t>(dims_.x) * dims_.y * dims_.z + 1, 0);
   triangles_.reserve(mesh.triangles.size());
-  std::vector<std::pair<glm::ivec3, glm::ivec3>> covers;
-  covers.reserve(mesh.triangles.size());
-  const auto forCells = [&](const std::pair<glm::ivec3, glm::ivec3>& cover, auto&& visit) {
-    for (int z = cover.first.z; z <= cover.second.z; ++z) {
-      for (int y = cover.first.y; y <= cover.second.y; ++y) {
-        for (int x = cover.first.x; x <= cover.second.x; ++x) visit(indexOf({x, y, z}));
-      }
-    }
-  };
   for (const glm::u32vec3& t : mesh.triangles) {
     const auto corner = [&](uint32_t wedge) {
       return glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[wedge]]));
     };
-    const glm::vec3 a = corner(t.x), b = corner(t.y), c = corner(t.z);
-    triangles_.push_back({a, b - a, c - a});
-    covers.emplace_back(cellOf(glm::min(a, glm::min(b, c))), cellOf(glm::max(a, glm::max(b, c))));
-    forCells(covers.back(), [&](size_t cell) { ++begin_[cell + 1]; });
+    const glm::vec3 a = corner(t.x);
+    triangles_.push_back({a, corner(t.y) - a, corner(t.z) - a});
   }
+  chooseCells(glm::vec3(box.min), glm::vec3(box.max - box.min) + 1.f);
+  fillCells();
+}
+
+TriangleGrid::Cover TriangleGrid::coverOf(const Triangle& triangle) const noexcept {
+  const glm::vec3 b = triangle.a + triangle.ab, c = triangle.a + triangle.ac;
+  return {cellOf(glm::min(triangle.a, glm::min(b, c))), cellOf(glm::max(triangle.a, glm::max(b, c)))};
+}
+
+/// Cells of about an edge's length; coarser where long triangles would stand in too many of them.
+void TriangleGrid::chooseCells(glm::vec3 min, glm::vec3 size) {
+  min_ = min;
+  const float longest = std::max({size.x, size.y, size.z});
+  float along = std::clamp(std::sqrt(static_cast<float>(triangles_.size())) * 0.75f, 1.f, kMaxCellsAlongAxis);
+  for (;; along /= 2) {
+    cell_ = longest / std::max(along, 1.f);
+    dims_ = glm::max(glm::ivec3(glm::ceil(size / cell_)), 1);
+    uint64_t members = 0;
+    for (const Triangle& triangle : triangles_) {
+      const Cover cover = coverOf(triangle);
+      const glm::u64vec3 cells(cover.high - cover.low + 1);
+      members += cells.x * cells.y * cells.z;
+    }
+    if (along <= 1 || members <= kMaxCellsOfTriangle * triangles_.size()) return;
+  }
+}
+
+void TriangleGrid::fillCells() {
+  const auto forCells = [&](const Triangle& triangle, auto&& visit) {
+    const Cover cover = coverOf(triangle);
+    for (int z = cover.low.z; z <= cover.high.z; ++z) {
+      for (int y = cover.low.y; y <= cover.high.y; ++y) {
+        for (int x = cover.low.x; x <= cover.high.x; ++x) visit(indexOf({x, y, z}));
+      }
+    }
+  };
+  begin_.assign(static_cast<size_t>(dims_.x) * dims_.y * dims_.z + 1, 0);
+  for (const Triangle& triangle : triangles_) forCells(triangle, [&](size_t cell) { ++begin_[cell + 1]; });
   for (size_t cell = 1; cell < begin_.size(); ++cell) begin_[cell] += begin_[cell - 1];
   members_.resize(begin_.back());
   spheres_.resize(begin_.back());
   std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (uint32_t t = 0; t < covers.size(); ++t) {
+  for (uint32_t t = 0; t < triangles_.size(); ++t) {
     const Triangle& triangle = triangles_[t];
     const glm::vec3 to_centre = (triangle.ab + triangle.ac) / 3.f;
     const float radius = std::sqrt(std::max({squaredLength(to_centre), squaredLength(triangle.ab - to_centre),
                                              squaredLength(triangle.ac - to_centre)}));
     const glm::vec4 sphere(triangle.a + to_centre, radius);
-    forCells(covers[t], [&](size_t cell) {
+    forCells(triangle, [&](size_t cell) {
       spheres_[next[cell]] = sphere;
       members_[next[cell]++] = t;
     });

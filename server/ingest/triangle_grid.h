@@ -18,8 +18,20 @@ class TriangleGrid {
 
   /// Infinity if the mesh has no triangles.
   float distance(PositionCode point) const noexcept;
+  /// Entries of triangles in cells: what the grid's memory goes with.
+  size_t memberCount() const noexcept { return members_.size(); }
 
  private:
+  struct Triangle {
+    glm::vec3 a, ab, ac;
+  };
+  /// The cells that a triangle's box touches, both ends inside.
+  struct Cover {
+    glm::ivec3 low, high;
+  };
+  void chooseCells(glm::vec3 min, glm::vec3 size);
+  void fillCells();
+  Cover coverOf(const Triangle& triangle) const noexcept;
   glm::ivec3 cellOf(glm::vec3 point) const noexcept;
   size_t indexOf(glm::ivec3 cell) const noexcept {
     return static_cast<size_t>((cell.z * dims_.y + cell.y) * dims_.x + cell.x);
@@ -32,9 +44,6 @@ class TriangleGrid {
   void searchShell(glm::vec3 point, glm::ivec3 centre, int radius, Nearest& best) const noexcept;
   void searchCell(glm::vec3 point, glm::ivec3 cell, Nearest& best) const noexcept;
 
-  struct Triangle {
-    glm::vec3 a, ab, ac;
-  };
   std::vector<Triangle> triangles_;
   glm::vec3 min_{0};
   float cell_ = 1;

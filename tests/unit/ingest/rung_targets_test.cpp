@@ -42,8 +42,14 @@ TEST(RungTargets, goDownTo512AtTheRoot) {
   EXPECT_GT(targets[targets.size() - 2], kRootTriangles);
 }
 
-TEST(RungTargets, areNoneForASmallRoot) {
-  EXPECT_TRUE(rungTargets(512, {.original_triangles = 512, .triangles_per_node = kBudget}).empty());
+TEST(RungTargets, areNoneForASmallRootThatIsALeaf) {
+  const RungRule rule{.is_leaf = true, .original_triangles = 512, .triangles_per_node = kBudget};
+  EXPECT_TRUE(rungTargets(512, rule).empty());
+}
+
+TEST(RungTargets, reduceASmallRootThatIsNoLeaf) {
+  EXPECT_EQ(rungTargets(300, {.original_triangles = 300, .triangles_per_node = 64}),
+            (std::vector<size_t>{212}));
 }
 
 }  // namespace

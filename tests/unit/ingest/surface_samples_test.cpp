@@ -61,6 +61,14 @@ TEST(TriangleGrid, findsTheDistanceThatBruteForceFinds) {
   }
 }
 
+TEST(TriangleGrid, takesMemoryInProportionToTheTrianglesHoweverLongTheyAre) {
+  // 8000 triangles across the whole box would stand in some 200 million cells of an edge's length.
+  const NodeMesh mesh = randomTriangles(8000, 1, 100000);
+  const TriangleGrid grid(mesh);
+  EXPECT_EQ(grid.distance(mesh.positions[0]), 0);
+  EXPECT_LE(grid.memberCount(), 16 * mesh.triangles.size());
+}
+
 TEST(TriangleGrid, isInfinitelyFarFromAnEmptyMesh) {
   EXPECT_TRUE(std::isinf(TriangleGrid(NodeMesh{}).distance(packPosition({1, 2, 3}))));
 }
