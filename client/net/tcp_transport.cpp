@@ -48,6 +48,8 @@ struct TcpTransport::State {
 
   asio::io_context io{1};
   tcp::socket socket{io};
+  tcp::resolver resolver{io};
+  bool connected = false, timed_out = false;  // of connect() and its deadline, which may fire after it
   asio::steady_timer room{io, asio::steady_timer::time_point::max()};  // cancelled: received bytes were taken
   asio::steady_timer work{io,
                           asio::steady_timer::time_point::max()};  // cancelled: there is something to send
@@ -69,11 +71,9 @@ void TcpTransport::State::fail(ErrorCode code, const std::string& message) {
 }
 
 asio::awaitable<void> TcpTransport::State::connect() {
-  bool timed_out = false;
-  tcp::resolver resolver(io);
   asio::steady_timer deadline(io, connect_timeout);
-  deadline.async_wait([&](const asio::error_code& error) {
-    if (error) return;
+  deadline.async_wait([this](const asio::error_code& error) {
+    if (error || connected) return;
     timed_out = true;
     resolver.cancel();
     socket.close();
@@ -84,6 +84,7 @@ asio::awaitable<void> TcpTransport::State::connect() {
         co_await resolver.async_resolve(address.host, std::to_string(address.port), asio::use_awaitable);
     resolved = true;
     co_await asio::async_connect(socket, found, asio::use_awaitable);
+    connected = true;
     socket.set_option(tcp::no_delay(true));
   } catch (const std::system_error& error) {
     if (timed_out)
