@@ -10,8 +10,6 @@
 #include <queue>
 #include <thread>
 
-#include "server/ingest/keep_memory.h"
-
 namespace lode::ingest {
 namespace {
 
@@ -164,7 +162,6 @@ class Scheduler {
 
 SimplifiedTree simplify(const NodeBuilder::Settings& settings, const Partition& partition,
                         PayloadSpool& payloads, unsigned threads, const BuildProgress& progress) {
-  keepFreedMemory();
   const Plan plan(partition.leaves);
   Scheduler scheduler(plan);
   {
