@@ -11,6 +11,9 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kSampledFaces = 1 << 16;
+// What payloads and stores can hold: docs/store-format.md.
+constexpr double kSmallestStep = 0x1p-100;
+constexpr double kLargestStep = 0x1p60;
 constexpr double kStepsInShortEdge = 32;
 constexpr double kStepsInBox = (1 << kLatticeBits) - 2;
 
@@ -95,6 +98,12 @@ LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::pat
 
   LatticeChoice choice;
   choice.lattice.step = chooseStep(edges, box_min, box_max);
+  if (!(choice.lattice.step >= kSmallestStep && choice.lattice.step <= kLargestStep)) {
+    throw Error(ErrorCode::kInput,
+                name.string() +
+                    ": the coordinates are too small or too large to be stored; give the model "
+                    "in another unit");
+  }
   choice.lattice.origin = glm::floor(box_min / choice.lattice.step) * choice.lattice.step;
   choice.extent = choice.lattice.snap(box_max);
   return choice;

@@ -68,6 +68,16 @@ TEST_F(LatticeFixture, putsTheOriginOnAMultipleOfTheStepAtOrBelowTheBox) {
   EXPECT_GT(lattice.origin.x, -7.3 - lattice.step);
 }
 
+TEST_F(LatticeFixture, refusesCoordinatesTooSmallForAStore) {
+  add({{0, 0, 0}, {1e-40, 0, 0}, {0, 1e-40, 0}}, {0, 1, 2});
+  EXPECT_THROW(chooseLattice(input, "tiny.ply"), Error);
+}
+
+TEST_F(LatticeFixture, refusesCoordinatesTooLargeForAStore) {
+  add({{0, 0, 0}, {1e40, 0, 0}, {0, 1e40, 0}}, {0, 1, 2});
+  EXPECT_THROW(chooseLattice(input, "huge.ply"), Error);
+}
+
 TEST_F(LatticeFixture, refusesAModelWhoseVerticesAllCoincide) {
   add({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {0, 1, 2});
   EXPECT_THROW(chooseLattice(input, "point.ply"), Error);
