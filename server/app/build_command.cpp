@@ -2,6 +2,7 @@
 
 #include "common/limits.h"
 #include "server/app/command.h"
+#include "server/app/interruption.h"
 #include "server/app/json_output.h"
 #include "server/app/progress_bar.h"
 #include "server/ingest/build.h"
@@ -50,8 +51,10 @@ void runBuild(const BuildArguments& arguments) {
     throw Error(ErrorCode::kUsage, options.output.string() + ": is the input itself: name another output");
   ingest::BuildReport report;
   {
+    const Interruption interruption;
     ProgressBar bar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
     report = ingest::build(options, [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
+      interruption.check();
       bar.update(stage, fraction, done);
     });
   }

@@ -75,7 +75,7 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
                     scanned->input.temporaryBytes());
 
   StageClock dereference_clock(report, "dereference");
-  RecordSorter sorter(soupBytes(soup_attributes), plan.sort_bytes, folder, "soup");
+  auto sorter = std::make_unique<RecordSorter>(soupBytes(soup_attributes), plan.sort_bytes, folder, "soup");
   const CellGrid grid(choice.extent);
   std::byte record[kMaxSoupBytes];
   const DereferenceCounts counts = dereference(
@@ -83,7 +83,7 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
       [&](const SoupTriangle& triangle) {
         const std::span<std::byte> bytes(record, soupBytes(soup_attributes));
         storeSoup(triangle, bytes);
-        sorter.push(grid.code(triangle), bytes);
+        sorter->push(grid.code(triangle), bytes);
       },
       progress);
   if (counts.triangles == 0) {
@@ -92,12 +92,14 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   }
   const uint64_t dropped = counts.dropped + scanned->counts.dropped_faces + scanned->counts.skipped_bad;
   scanned.reset();
-  sorter.finish();
-  dereference_clock.finish(counts.triangles, sorter.temporaryBytes());
+  sorter->finish();
+  dereference_clock.finish(counts.triangles, sorter->temporaryBytes());
 
   StageClock partition_clock(report, "partition");
   const Partition parts =
-      partition(sorter, soup_attributes, options.triangles_per_node, plan.sort_bytes, folder, progress);
+      partition(*sorter, soup_attributes, options.triangles_per_node, plan.sort_bytes, folder, progress);
+  sorter.reset();
+  giveBackFreedMemory();
   partition_clock.finish(parts.triangleCount(), parts.soup.size() + parts.border.temporaryBytes());
 
   if (parts.leaves.size() > 1 && options.memory_bytes < plan.minimum_bytes) {

@@ -39,6 +39,7 @@ struct BuildReport {
 };
 
 /// Called from the building thread a few times a second: fraction of the stage that is done, and its items.
+/// What it throws ends the build, as any failure does.
 using BuildProgress =
     std::function<void(std::string_view stage, double fraction, uint64_t done, uint64_t total)>;
 

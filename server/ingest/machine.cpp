@@ -1,8 +1,13 @@
 #include "server/ingest/machine.h"
 
 #include <algorithm>
+#include <cstdlib>  // defines __GLIBC__
 #include <ctime>
 #include <thread>
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -25,6 +30,12 @@ uint64_t peakRssBytes() noexcept {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+void giveBackFreedMemory() noexcept {
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
 }
 
 }  // namespace lode::ingest

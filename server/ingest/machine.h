@@ -16,4 +16,7 @@ double cpuSeconds() noexcept;
 /// The most resident memory that this process has had.
 uint64_t peakRssBytes() noexcept;
 
+/// Gives freed memory back to the system, which an allocator may keep for long: for between stages.
+void giveBackFreedMemory() noexcept;
+
 }  // namespace lode::ingest

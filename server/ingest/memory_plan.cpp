@@ -9,8 +9,9 @@ namespace {
 
 constexpr uint64_t kProgramBytes = 24 << 20;  ///< code, buffers of files
 constexpr uint64_t kMarginBytes = 24 << 20;   ///< what the allocator keeps of earlier stages
-constexpr uint64_t kFrontierBytes = 5 << 10;  ///< nodes between their building and their parent's
-constexpr uint64_t kWorkerBytes = 2816;       ///< a thread's own node, with its quadrics and queue
+constexpr uint64_t kFrontierBytes =
+    5 << 10;  ///< nodes between their building and their parent's: at most; half is usual
+constexpr uint64_t kWorkerBytes = 2816;  ///< a thread's own node, with its quadrics and queue
 // What a triangle of a model costs that is too small for nodes of all threads, or for all levels of the tree.
 constexpr uint64_t kSmallModelBytes = 704, kGrowingFrontierBytes = 64;
 constexpr uint64_t kSortOrderBytes = 16;      ///< of a record in a sort
@@ -36,7 +37,8 @@ uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t t
       std::min(batch, plan.sort_bytes / 2);
   const uint64_t workers =
       std::min(triangles_per_node * plan.threads * kWorkerBytes, triangles * kSmallModelBytes);
-  const uint64_t frontier = std::min(triangles_per_node * kFrontierBytes, triangles * kGrowingFrontierBytes);
+  const uint64_t frontier =
+      std::min(triangles_per_node * kFrontierBytes / 2, triangles * kGrowingFrontierBytes);
   const uint64_t simplify = workers + frontier;
   return kProgramBytes + std::max(sort, simplify);
 }

@@ -62,8 +62,10 @@ class Scheduler {
     tree_.payloads.resize(plan.entries.size());
   }
 
-  void work(NodeBuilder builder) noexcept {
+  template <typename MakeBuilder>
+  void work(MakeBuilder&& make_builder) noexcept {
     try {
+      NodeBuilder builder = make_builder();
       while (const auto number = take()) {
         const Plan::Entry& entry = plan_.entries[*number];
         if (entry.children.empty()) {
@@ -80,6 +82,7 @@ class Scheduler {
     }
   }
 
+  /// Ends when all is built, or when a worker or `progress` has thrown.
   void waitUntilDone(const BuildProgress& progress) {
     std::unique_lock lock(mutex_);
     while (done_ < built_.size() && !failure_) {
@@ -87,10 +90,17 @@ class Scheduler {
       if (!progress) continue;
       const size_t done = done_;
       lock.unlock();
-      progress("simplify", static_cast<double>(done) / static_cast<double>(built_.size()), done,
-               built_.size());
+      std::exception_ptr failure;
+      try {
+        progress("simplify", static_cast<double>(done) / static_cast<double>(built_.size()), done,
+                 built_.size());
+      } catch (...) {
+        failure = std::current_exception();
+      }
       lock.lock();
+      if (failure && !failure_) failure_ = failure;
     }
+    changed_.notify_all();
   }
 
   SimplifiedTree result() {
@@ -167,7 +177,8 @@ SimplifiedTree simplify(const NodeBuilder::Settings& settings, const Partition& 
   {
     std::vector<std::jthread> workers;
     for (unsigned i = 0; i < threads; ++i) {
-      workers.emplace_back([&] { scheduler.work(NodeBuilder(settings, partition, payloads)); });
+      workers.emplace_back(
+          [&] { scheduler.work([&] { return NodeBuilder(settings, partition, payloads); }); });
     }
     scheduler.waitUntilDone(progress);
   }

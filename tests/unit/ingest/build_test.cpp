@@ -96,6 +96,26 @@ TEST_F(Build, leavesNothingBehindWhenItFails) {
   EXPECT_EQ(folder_.contents(), before);
 }
 
+TEST_F(Build, endsAndClearsUpWhenProgressThrowsInTheMiddle) {
+  makeSample(400000, 0);
+  const auto before = folder_.contents();
+  BuildOptions given = options();
+  given.triangles_per_node = 1024;
+  uint64_t calls = 0, done_at_last = 0, all = 0;
+  EXPECT_THROW(build(given,
+                     [&](std::string_view stage, double, uint64_t done, uint64_t total) {
+                       if (stage != "simplify") return;
+                       ++calls;
+                       done_at_last = done;
+                       all = total;
+                       throw Error(ErrorCode::kIo, "asked to end");
+                     }),
+               Error);
+  EXPECT_EQ(calls, 1u);
+  EXPECT_LT(done_at_last, all);
+  EXPECT_EQ(folder_.contents(), before);
+}
+
 TEST_F(Build, keepsTheStoreThatIsThereWhenItFails) {
   makeSample(5000, 0);
   const std::string expected = built(1, 64 * kMega, 1024);

@@ -1,0 +1,31 @@
+#include "server/app/interruption.h"
+
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+volatile std::sig_atomic_t came = 0;
+
+void note(int) { came = 1; }
+
+}  // namespace
+
+Interruption::Interruption() {
+  came = 0;
+  struct sigaction action {};
+  action.sa_handler = note;
+  action.sa_flags = SA_RESTART;
+  for (size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &before_[i]);
+}
+
+Interruption::~Interruption() {
+  for (size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+}
+
+void Interruption::check() const {
+  if (came) throw Error(ErrorCode::kIo, "interrupted; nothing was written, start it again");
+}
+
+}  // namespace lode::app

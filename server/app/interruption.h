@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <csignal>
+
+namespace lode::app {
+
+/// While it lives, SIGINT, SIGTERM and SIGHUP do not end the process, but are told, so that work can end with
+/// its temporary files removed. One at a time.
+class Interruption {
+ public:
+  Interruption();
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  /// @throws Error kIo if a signal has come.
+  void check() const;
+
+ private:
+  std::array<struct sigaction, 3> before_{};
+};
+
+}  // namespace lode::app
