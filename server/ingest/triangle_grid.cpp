@@ -52,8 +52,7 @@ TriangleGrid::TriangleGrid(const NodeMesh& mesh) {
     const glm::vec3 a = corner(t.x);
     triangles_.push_back({a, corner(t.y) - a, corner(t.z) - a});
   }
-  chooseCells(glm::vec3(box.min), glm::vec3(box.max - box.min) + 1.f);
-  fillCells();
+  fillCells(chooseCells(glm::vec3(box.min), glm::vec3(box.max - box.min) + 1.f));
 }
 
 TriangleGrid::Cover TriangleGrid::coverOf(const Triangle& triangle) const noexcept {
@@ -62,26 +61,28 @@ TriangleGrid::Cover TriangleGrid::coverOf(const Triangle& triangle) const noexce
 }
 
 /// Cells of about an edge's length; coarser where long triangles would stand in too many of them.
-void TriangleGrid::chooseCells(glm::vec3 min, glm::vec3 size) {
+/// @return the cells of every triangle.
+std::vector<TriangleGrid::Cover> TriangleGrid::chooseCells(glm::vec3 min, glm::vec3 size) {
   min_ = min;
   const float longest = std::max({size.x, size.y, size.z});
   float along = std::clamp(std::sqrt(static_cast<float>(triangles_.size())) * 0.75f, 1.f, kMaxCellsAlongAxis);
+  std::vector<Cover> covers(triangles_.size());
   for (;; along /= 2) {
     cell_ = longest / std::max(along, 1.f);
+    cells_per_step_ = 1 / cell_;
     dims_ = glm::max(glm::ivec3(glm::ceil(size / cell_)), 1);
     uint64_t members = 0;
-    for (const Triangle& triangle : triangles_) {
-      const Cover cover = coverOf(triangle);
-      const glm::u64vec3 cells(cover.high - cover.low + 1);
+    for (size_t t = 0; t < triangles_.size(); ++t) {
+      covers[t] = coverOf(triangles_[t]);
+      const glm::u64vec3 cells(covers[t].high - covers[t].low + 1);
       members += cells.x * cells.y * cells.z;
     }
-    if (along <= 1 || members <= kMaxCellsOfTriangle * triangles_.size()) return;
+    if (along <= 1 || members <= kMaxCellsOfTriangle * triangles_.size()) return covers;
   }
 }
 
-void TriangleGrid::fillCells() {
-  const auto forCells = [&](const Triangle& triangle, auto&& visit) {
-    const Cover cover = coverOf(triangle);
+void TriangleGrid::fillCells(const std::vector<Cover>& covers) {
+  const auto forCells = [&](const Cover& cover, auto&& visit) {
     for (int z = cover.low.z; z <= cover.high.z; ++z) {
       for (int y = cover.low.y; y <= cover.high.y; ++y) {
         for (int x = cover.low.x; x <= cover.high.x; ++x) visit(indexOf({x, y, z}));
@@ -89,7 +90,7 @@ void TriangleGrid::fillCells() {
     }
   };
   begin_.assign(static_cast<size_t>(dims_.x) * dims_.y * dims_.z + 1, 0);
-  for (const Triangle& triangle : triangles_) forCells(triangle, [&](size_t cell) { ++begin_[cell + 1]; });
+  for (const Cover& cover : covers) forCells(cover, [&](size_t cell) { ++begin_[cell + 1]; });
   for (size_t cell = 1; cell < begin_.size(); ++cell) begin_[cell] += begin_[cell - 1];
   members_.resize(begin_.back());
   spheres_.resize(begin_.back());
@@ -100,7 +101,7 @@ void TriangleGrid::fillCells() {
     const float radius = std::sqrt(std::max({squaredLength(to_centre), squaredLength(triangle.ab - to_centre),
                                              squaredLength(triangle.ac - to_centre)}));
     const glm::vec4 sphere(triangle.a + to_centre, radius);
-    forCells(triangle, [&](size_t cell) {
+    forCells(covers[t], [&](size_t cell) {
       spheres_[next[cell]] = sphere;
       members_[next[cell]++] = t;
     });
@@ -115,6 +116,9 @@ float TriangleGrid::distance(PositionCode code) const noexcept {
   const glm::ivec3 centre = cellOf(point);
   int radius = 0;
   for (; std::isinf(best.distance); ++radius) searchShell(point, centre, radius, best);
+  const glm::vec3 inside = point - (min_ + glm::vec3(centre) * cell_);
+  if (glm::all(glm::greaterThan(glm::min(inside, cell_ - inside), glm::vec3(best.distance))))
+    return best.distance;
   // Whatever is nearer reaches into the ball around the point; cells of the shells before have been looked
   // at.
   const glm::ivec3 low = cellOf(point - best.distance), high = cellOf(point + best.distance);
@@ -130,7 +134,7 @@ float TriangleGrid::distance(PositionCode code) const noexcept {
 }
 
 glm::ivec3 TriangleGrid::cellOf(glm::vec3 point) const noexcept {
-  return glm::clamp(glm::ivec3((point - min_) / cell_), glm::ivec3(0), dims_ - 1);
+  return glm::clamp(glm::ivec3((point - min_) * cells_per_step_), glm::ivec3(0), dims_ - 1);
 }
 
 void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, Nearest& best) const noexcept {

@@ -29,8 +29,8 @@ class TriangleGrid {
   struct Cover {
     glm::ivec3 low, high;
   };
-  void chooseCells(glm::vec3 min, glm::vec3 size);
-  void fillCells();
+  std::vector<Cover> chooseCells(glm::vec3 min, glm::vec3 size);
+  void fillCells(const std::vector<Cover>& covers);
   Cover coverOf(const Triangle& triangle) const noexcept;
   glm::ivec3 cellOf(glm::vec3 point) const noexcept;
   size_t indexOf(glm::ivec3 cell) const noexcept {
@@ -47,6 +47,7 @@ class TriangleGrid {
   std::vector<Triangle> triangles_;
   glm::vec3 min_{0};
   float cell_ = 1;
+  float cells_per_step_ = 1;
   glm::ivec3 dims_{1};
   std::vector<uint32_t> begin_;    ///< of each cell in members_, and the end
   std::vector<uint32_t> members_;  ///< triangles whose box touches the cell
