@@ -15,8 +15,9 @@ namespace {
 
 constexpr float kLatticeErrorSteps = 0.8660254f;  ///< of snapping: half the diagonal of a lattice cell
 // What sampling may have missed: of the original surface, sampled at its vertices, and of the rung, sampled
-// at its own. With these margins 99 % of rungs, and with 1.25 only 85 %, are not worse than dense sampling of
-// both surfaces finds.
+// at its own. Found by trial on the four models of the integration tests. On seven others, at budgets of 1024
+// and 16384, no rung's error is below 0.87 of what dense sampling of both surfaces finds (lodestreamd verify
+// --against); in three of those fourteen stores some rung is below it at all.
 constexpr float kForwardMargin = 1.5f;
 constexpr float kBackwardMargin = 1.5f;
 constexpr uint32_t kTrianglesPerSample = 4;  ///< of the node's budget, above the lowest inner nodes

@@ -23,7 +23,7 @@ struct RungRule {
 /// Steps are of 2; of the square root of 2 at the root, and at depths 1 and 2 where much lies below the node,
 /// so that the finer steps, which a view of the whole model profits from most, cost the store little: with
 /// them at depths 0 to 2 of every model, one of 2 million triangles stores 3.4 times its triangles, with this
-/// rule 2.3 times.
+/// rule 2.1 times.
 /// @param triangles  of the node's input.
 std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule);
 
