@@ -27,6 +27,7 @@ struct ModelSummary {
   float max_error_model = 0;  ///< of the root's coarsest rung
   uint32_t triangles_per_node = 0;
   BlobRef root_page;
+  BlobRef textures;  ///< the texture set (common/texture_set.h), or no blob
 
   bool operator==(const ModelSummary&) const = default;
 };

@@ -7,6 +7,7 @@
 
 #include "common/limits.h"
 #include "common/node_key.h"
+#include "common/texture_set.h"
 #include "proto/check.h"
 #include "proto/limits.h"
 #include "proto/lodestream_generated.h"
@@ -29,6 +30,8 @@ BlobName fromWire(const wire::BlobName& name) {
   std::memcpy(out.bytes.data(), name.bytes()->Data(), out.bytes.size());
   return out;
 }
+
+BlobRef fromWire(const wire::BlobRef& blob) { return {blob.number(), blob.bytes(), fromWire(*blob.name())}; }
 
 glm::uvec3 fromWire(const wire::LatticePoint& p) { return {p.x(), p.y(), p.z()}; }
 
@@ -67,10 +70,14 @@ ModelSummary fromWire(const wire::ModelSummary& from) {
   out.max_error_model = from.max_error_model();
   require(std::isfinite(out.max_error_model) && out.max_error_model >= 0, "an error that is no length");
   out.triangles_per_node = from.triangles_per_node();
-  out.root_page = {from.root_page()->number(), from.root_page()->bytes(),
-                   fromWire(*from.root_page()->name())};
+  out.root_page = fromWire(*from.root_page());
   require(out.root_page.number != 0, "a model without a root page");
   requireAtMost(out.root_page.bytes, kMaxPageBytes, "bytes in a root page");
+  if (from.textures() != nullptr) {
+    out.textures = fromWire(*from.textures());
+    require(out.textures.number != 0 && out.textures.bytes != 0, "a texture set that is no blob");
+    requireAtMost(out.textures.bytes, kMaxTextureSetBytes, "bytes in a texture set");
+  }
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <flatbuffers/flatbuffers.h>
 
 #include "common/limits.h"
+#include "common/printable.h"
 #include "proto/check.h"
 #include "proto/limits.h"
 #include "proto/lodestream_generated.h"
@@ -44,18 +45,23 @@ wire::BlobName toWire(const BlobName& name) {
 
 wire::LatticePoint toWire(glm::uvec3 p) { return {p.x, p.y, p.z}; }
 
+flatbuffers::Offset<wire::BlobRef> put(Builder& builder, const BlobRef& blob) {
+  const wire::BlobName name = toWire(blob.name);
+  return wire::CreateBlobRef(builder, blob.number, blob.bytes, &name);
+}
+
 flatbuffers::Offset<wire::ModelSummary> put(Builder& builder, const ModelSummary& summary) {
   const auto name = put(builder, checked(summary.name, kMaxModelNameBytes, "bytes in a model's name"));
   const wire::BlobName build_id = toWire(summary.build_id);
-  const wire::BlobName page_name = toWire(summary.root_page.name);
   const wire::DVec3 origin(summary.lattice.origin.x, summary.lattice.origin.y, summary.lattice.origin.z);
   const wire::LatticeBox box(toWire(summary.box.min), toWire(summary.box.max));
-  const auto page =
-      wire::CreateBlobRef(builder, summary.root_page.number, summary.root_page.bytes, &page_name);
-  return wire::CreateModelSummary(builder, name, &build_id, &origin, summary.lattice.step, &box,
-                                  summary.attributes.bits, summary.triangles, summary.dropped,
-                                  summary.stored_triangles, summary.nodes, summary.payloads, summary.bytes,
-                                  summary.depth, summary.max_error_model, summary.triangles_per_node, page);
+  const auto page = put(builder, summary.root_page);
+  flatbuffers::Offset<wire::BlobRef> textures;
+  if (summary.textures) textures = put(builder, summary.textures);
+  return wire::CreateModelSummary(
+      builder, name, &build_id, &origin, summary.lattice.step, &box, summary.attributes.bits,
+      summary.triangles, summary.dropped, summary.stored_triangles, summary.nodes, summary.payloads,
+      summary.bytes, summary.depth, summary.max_error_model, summary.triangles_per_node, page, textures);
 }
 
 template <typename Root>
@@ -71,32 +77,7 @@ Bytes finish(Builder& builder, flatbuffers::Offset<Root> root, FrameType type, u
 
 }  // namespace
 
-bool isWireText(std::string_view text) noexcept {
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (at != end) {
-    const auto lead = static_cast<uint8_t>(*at);
-    if (lead < 0x20 || lead == 0x7F) return false;
-    const int length = lead < 0x80                   ? 1
-                       : lead >= 0xC2 && lead < 0xE0 ? 2
-                       : lead >> 4 == 0xE            ? 3
-                       : lead >= 0xF0 && lead < 0xF5 ? 4
-                                                     : 0;
-    if (length == 0 || end - at < length) return false;
-    uint32_t code = length == 1 ? lead : lead & (0x7Fu >> length);
-    for (int i = 1; i < length; ++i) {
-      const auto next = static_cast<uint8_t>(at[i]);
-      if ((next & 0xC0) != 0x80) return false;
-      code = code << 6 | (next & 0x3F);
-    }
-    const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
-    const bool surrogate = code >= 0xD800 && code < 0xE000;
-    const bool control = code >= 0x80 && code < 0xA0;
-    if (overlong || surrogate || control || code > 0x10FFFF) return false;
-    at += length;
-  }
-  return true;
-}
+bool isWireText(std::string_view text) noexcept { return isPrintableUtf8(text); }
 
 Bytes encode(const Hello& message, uint32_t request) {
   Builder builder;

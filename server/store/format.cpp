@@ -122,6 +122,7 @@ std::array<std::byte, kHeaderBytes> encodeHeader(const FileHeader& header) {
   put.number(summary.payloads);
   put.number(summary.depth);
   put.number(summary.max_error_model);
+  put.number(summary.textures.number);
   put.number(header.table_checksum);
   put.number(checksum(std::span<const std::byte>(bytes).first<kHeaderChecksumAt>()));
   return bytes;
@@ -138,7 +139,7 @@ FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t
   Take sum(bytes.last<sizeof(uint64_t)>());
   if (sum.get<uint64_t>() != checksum(bytes.first<kHeaderChecksumAt>()))
     fail("header: the checksum does not match");
-  if (take.get<uint32_t>() != kHeaderBytes) fail("header: its size is not that of version 1");
+  if (take.get<uint32_t>() != kHeaderBytes) fail("header: its size is not that of version 2");
   FileHeader header;
   ModelSummary& summary = header.summary;
   take.number(summary.bytes);
@@ -165,6 +166,7 @@ FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t
   take.number(summary.payloads);
   take.number(summary.depth);
   take.number(summary.max_error_model);
+  take.number(summary.textures.number);
   take.number(header.table_checksum);
   checkGrid(summary);
   checkCounts(summary);
@@ -174,6 +176,7 @@ FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t
     fail("header: blob table and footer do not end where the file does");
   if (summary.root_page.number == 0 || summary.root_page.number > header.blobs)
     fail("header: the root page is no blob of this store");
+  if (summary.textures.number > header.blobs) fail("header: the texture set is no blob of this store");
   return header;
 }
 

@@ -13,12 +13,13 @@
 /// header, blobs back to back, blob table, footer. All numbers little-endian.
 namespace lode::store {
 
-constexpr uint32_t kFormatVersion = 1;
-constexpr size_t kHeaderBytes = 184;
+constexpr uint32_t kFormatVersion = 2;
+constexpr size_t kHeaderBytes = 188;
 constexpr size_t kTableEntryBytes = 28;
 constexpr size_t kFooterBytes = 24;
 
-/// What the header says. Of the summary, `name` is not stored, and of `root_page` only the number is.
+/// What the header says. Of the summary, `name` is not stored, and of `root_page` and
+/// `textures` only the number is.
 struct FileHeader {
   ModelSummary summary;
   uint64_t table_offset = 0;

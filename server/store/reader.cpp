@@ -68,9 +68,10 @@ struct Reader::State {
   void open();
   void readIndex();
   void readHierarchy();
+  void readTextures();
   void checkSummary(const HierarchyTotals& totals) const;
   void checkRefs() const;
-  const BlobEntry& resolve(const BlobRef& ref, NodeKey user) const;
+  void resolve(const BlobRef& ref, const std::string& user) const;
   std::vector<std::byte> readBlob(uint32_t number) const;
 
   std::filesystem::path path;
@@ -78,6 +79,7 @@ struct Reader::State {
   ModelSummary summary;
   std::vector<BlobEntry> blobs;
   std::vector<Node> nodes;
+  TextureSet textures;
 };
 
 namespace {
@@ -101,6 +103,7 @@ auto namingFile(const std::filesystem::path& path, Action&& action) {
 void Reader::State::open() {
   readIndex();
   readHierarchy();
+  readTextures();
   checkSummary(checkHierarchy(nodes));
   checkRefs();
 }
@@ -130,6 +133,9 @@ void Reader::State::readIndex() {
   summary.name = path.stem().string();
   const BlobEntry& root = blobs[summary.root_page.number - 1];
   summary.root_page = {summary.root_page.number, root.bytes, root.name};
+  if (!summary.textures) return;
+  const BlobEntry& textures_blob = blobs[summary.textures.number - 1];
+  summary.textures = {summary.textures.number, textures_blob.bytes, textures_blob.name};
 }
 
 /// Reads all pages, from the root's down; a page that comes a second time is an error, so this ends.
@@ -155,7 +161,7 @@ void Reader::State::readHierarchy() {
       if (ownsPage(node) != static_cast<bool>(node.child_page))
         fail("node " + describeKey(node.key) + ": has a page without need or none where one must be");
       if (node.child_page) {
-        resolve(node.child_page, node.key);
+        resolve(node.child_page, "node " + describeKey(node.key));
         todo.push_back({node.key, node.child_page.number});
       }
       nodes.push_back(std::move(node));
@@ -163,6 +169,15 @@ void Reader::State::readHierarchy() {
     if (nodes.size() > summary.nodes) fail("the pages hold more nodes than the header says");
   }
   std::sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.key < b.key; });
+}
+
+void Reader::State::readTextures() {
+  if (!summary.textures) return;
+  if (summary.textures.bytes > kMaxTextureSetBytes)
+    throw Error(ErrorCode::kLimit, "blob " + std::to_string(summary.textures.number) +
+                                       ": a texture set above the limit of " +
+                                       std::to_string(kMaxTextureSetBytes) + " bytes");
+  textures = decodeTextureSet(readBlob(summary.textures.number));
 }
 
 void Reader::State::checkSummary(const HierarchyTotals& totals) const {
@@ -175,33 +190,40 @@ void Reader::State::checkSummary(const HierarchyTotals& totals) const {
     fail("the header's error is not that of the root's coarsest rung");
 }
 
-/// Every blob is a page or a payload, never both, and none is left over.
+/// Every blob is of one kind, and none is left over.
 void Reader::State::checkRefs() const {
-  enum Use : uint8_t { kNone, kPage, kPayload };
+  enum Use : uint8_t { kNone, kPage, kPayload, kTextures, kTile };
   std::vector<Use> uses(blobs.size(), kNone);
   uses[summary.root_page.number - 1] = kPage;
   for (const Node& node : nodes)
     if (node.child_page) uses[node.child_page.number - 1] = kPage;
+  const auto claim = [&](const BlobRef& ref, Use use, const std::string& user) {
+    Use& known = uses[ref.number - 1];
+    if (known != kNone && known != use)
+      fail(user + ": names blob " + std::to_string(ref.number) + ", which is something else");
+    known = use;
+  };
+  if (summary.textures) claim(summary.textures, kTextures, "header");
+  for (const Texture& texture : textures.textures)
+    for (const BlobRef& tile : texture.tiles) {
+      resolve(tile, "texture " + texture.name);
+      claim(tile, kTile, "texture " + texture.name);
+    }
   for (const Node& node : nodes)
     for (const Rung& rung : node.rungs) {
       if (!rung.payload) continue;
-      resolve(rung.payload, node.key);
-      Use& use = uses[rung.payload.number - 1];
-      if (use == kPage) fail("node " + describeKey(node.key) + ": a rung names a page as its payload");
-      use = kPayload;
+      resolve(rung.payload, "node " + describeKey(node.key));
+      claim(rung.payload, kPayload, "node " + describeKey(node.key));
     }
   if (const auto unused = std::find(uses.begin(), uses.end(), kNone); unused != uses.end())
     fail("blob " + std::to_string(unused - uses.begin() + 1) + ": nothing uses it");
 }
 
-const BlobEntry& Reader::State::resolve(const BlobRef& ref, NodeKey user) const {
-  if (ref.number == 0 || ref.number > blobs.size())
-    fail("node " + describeKey(user) + ": names a blob that is not there");
+void Reader::State::resolve(const BlobRef& ref, const std::string& user) const {
+  if (ref.number == 0 || ref.number > blobs.size()) fail(user + ": names a blob that is not there");
   const BlobEntry& entry = blobs[ref.number - 1];
   if (entry.bytes != ref.bytes || entry.name != ref.name)
-    fail("node " + describeKey(user) + ": size or name of blob " + std::to_string(ref.number) +
-         " is not that of the blob table");
-  return entry;
+    fail(user + ": size or name of blob " + std::to_string(ref.number) + " is not that of the blob table");
 }
 
 std::vector<std::byte> Reader::State::readBlob(uint32_t number) const {
@@ -228,6 +250,7 @@ const ModelSummary& Reader::summary() const noexcept { return state_->summary; }
 const std::filesystem::path& Reader::path() const noexcept { return state_->path; }
 std::span<const Node> Reader::nodes() const noexcept { return state_->nodes; }
 uint32_t Reader::blobCount() const noexcept { return static_cast<uint32_t>(state_->blobs.size()); }
+const TextureSet& Reader::textures() const noexcept { return state_->textures; }
 int Reader::fileDescriptor() const noexcept { return state_->file.descriptor(); }
 
 const Node* Reader::find(NodeKey key) const noexcept {

@@ -9,6 +9,7 @@
 
 #include "common/hierarchy_page.h"
 #include "common/model_summary.h"
+#include "common/texture_set.h"
 
 namespace lode::store {
 
@@ -20,8 +21,8 @@ struct BlobEntry {
   BlobName name;
 };
 
-/// An open store: summary, whole hierarchy and blob table, validated at opening. Const functions are thread
-/// safe.
+/// An open store: summary, whole hierarchy, textures and blob table, validated at opening. Const functions
+/// are thread safe.
 class Reader {
  public:
   /// @throws Error kIo, kInput (no store, or of another version), kFormat or kLimit, naming the file, the
@@ -34,6 +35,8 @@ class Reader {
   const std::filesystem::path& path() const noexcept;
   /// All nodes in key order.
   std::span<const Node> nodes() const noexcept;
+  /// Without textures where the store has no set.
+  const TextureSet& textures() const noexcept;
   /// @return null if there is no such node.
   const Node* find(NodeKey key) const noexcept;
   /// Number of blobs; they are numbered from 1.

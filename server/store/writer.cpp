@@ -44,17 +44,33 @@ BlobRef Writer::append(std::span<const std::byte> bytes, const BlobName& name) {
   return {static_cast<uint32_t>(entries_.size()), entries_.back().bytes, name};
 }
 
-/// Every payload must be one that addBlob() returned, and every added blob some rung's.
-void Writer::checkPayloads(std::span<const Node> nodes) const {
+void Writer::addTextures(const TextureSet& textures) {
+  for (const Texture& texture : textures.textures)
+    for (const BlobRef& tile : texture.tiles) {
+      if (!wasAdded(tile))
+        throw Error(ErrorCode::kFormat, "texture " + texture.name + ": names a blob that was not added");
+      tiles_.push_back(tile.number);
+    }
+  textures_ = addBlob(encodeTextureSet(textures));
+}
+
+bool Writer::wasAdded(const BlobRef& ref) const {
+  return ref && ref.number <= entries_.size() && entries_[ref.number - 1].bytes == ref.bytes &&
+         entries_[ref.number - 1].name == ref.name;
+}
+
+/// Every payload must be one that addBlob() returned, and every added blob some rung's or the textures'.
+void Writer::checkUse(std::span<const Node> nodes) const {
   std::vector<bool> used(entries_.size());
+  if (textures_) used[textures_.number - 1] = true;
+  for (const uint32_t tile : tiles_) used[tile - 1] = true;
   for (const Node& node : nodes) {
     if (node.child_page)
       throw Error(ErrorCode::kFormat, "node " + describeKey(node.key) + ": has a page already");
     for (const Rung& rung : node.rungs) {
       const BlobRef& ref = rung.payload;
       if (!ref) continue;
-      if (ref.number > entries_.size() || entries_[ref.number - 1].bytes != ref.bytes ||
-          entries_[ref.number - 1].name != ref.name)
+      if (!wasAdded(ref))
         throw Error(ErrorCode::kFormat,
                     "node " + describeKey(node.key) + ": names a blob that was not added");
       used[ref.number - 1] = true;
@@ -62,7 +78,7 @@ void Writer::checkPayloads(std::span<const Node> nodes) const {
   }
   if (const auto unused = std::find(used.begin(), used.end(), false); unused != used.end())
     throw Error(ErrorCode::kFormat,
-                path_.string() + ": no rung uses blob " + std::to_string(unused - used.begin() + 1));
+                path_.string() + ": nothing uses blob " + std::to_string(unused - used.begin() + 1));
 }
 
 /// Pages lie coarse first, but a page names those below it: they get their numbers first and are encoded from
@@ -94,7 +110,7 @@ BlobRef Writer::writePages(std::vector<Node> nodes) {
 
 ModelSummary Writer::finish(ModelSummary summary, std::vector<Node> nodes) {
   const HierarchyTotals totals = checkHierarchy(nodes);
-  checkPayloads(nodes);
+  checkUse(nodes);
   summary.name = path_.stem().string();
   summary.box = nodes[0].box;
   summary.triangles = totals.triangles;
@@ -103,6 +119,7 @@ ModelSummary Writer::finish(ModelSummary summary, std::vector<Node> nodes) {
   summary.payloads = totals.payloads;
   summary.depth = totals.depth;
   summary.max_error_model = nodes[0].rungs.back().error_model;
+  summary.textures = textures_;
   summary.root_page = writePages(std::move(nodes));
 
   const std::vector<std::byte> table = encodeTable(entries_);

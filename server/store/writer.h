@@ -10,6 +10,7 @@
 #include "common/atomic_file.h"
 #include "common/hierarchy_page.h"
 #include "common/model_summary.h"
+#include "common/texture_set.h"
 #include "server/store/format.h"
 
 namespace lode::store {
@@ -25,6 +26,10 @@ class Writer {
   /// Equal bytes give the same blob; no bytes give no blob. @throws Error kIo, kLimit.
   BlobRef addBlob(std::span<const std::byte> bytes);
 
+  /// Adds the texture set, once at most, after its tiles. @throws Error kFormat if a tile was not added;
+  /// kIo, kLimit.
+  void addTextures(const TextureSet& textures);
+
   /// Checks the hierarchy as a reader will, writes what is left and puts the file under its name. Nothing can
   /// be added afterwards.
   /// @param summary  lattice, attributes, dropped, triangles_per_node are read from it; the rest is counted
@@ -39,13 +44,16 @@ class Writer {
   };
 
   BlobRef append(std::span<const std::byte> bytes, const BlobName& name);
-  void checkPayloads(std::span<const Node> nodes) const;
+  bool wasAdded(const BlobRef& ref) const;
+  void checkUse(std::span<const Node> nodes) const;
   BlobRef writePages(std::vector<Node> nodes);
 
   AtomicFile file_;
   std::filesystem::path path_;
   std::vector<TableEntry> entries_;
   std::unordered_map<BlobName, uint32_t, NameHash> numbers_;
+  BlobRef textures_;
+  std::vector<uint32_t> tiles_;  ///< numbers of their blobs
 };
 
 }  // namespace lode::store

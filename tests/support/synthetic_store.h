@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <utility>
 #include <vector>
@@ -194,9 +195,24 @@ inline SyntheticModel makeModel(const Mesh& mesh, const SyntheticOptions& option
   return detail::ModelMaker(mesh, options).make();
 }
 
+/// A texture of any size whose tiles are no images, but bytes that say they are JPEG.
+inline Texture addFakeTexture(store::Writer& writer, const std::string& name, uint32_t width,
+                              uint32_t height) {
+  Texture texture{name, width, height, {}};
+  const uint64_t tiles = tileCount(texture);
+  for (uint64_t i = 0; i < tiles; ++i) {
+    const std::string bytes = "\xff\xd8\xff" + name + std::to_string(i);
+    texture.tiles.push_back(writer.addBlob(std::as_bytes(std::span(bytes))));
+  }
+  return texture;
+}
+
 /// Encodes the rungs and writes the store, coarse first. Fills in the model's payloads.
-inline ModelSummary writeStore(const std::filesystem::path& path, SyntheticModel& model) {
+/// @param add_textures  adds tiles and returns the model's texture set.
+inline ModelSummary writeStore(const std::filesystem::path& path, SyntheticModel& model,
+                               const std::function<TextureSet(store::Writer&)>& add_textures = {}) {
   store::Writer writer(path);
+  if (add_textures) writer.addTextures(add_textures(writer));
   for (Node& node : model.nodes)
     for (auto rung = static_cast<uint32_t>(node.rungs.size()); rung-- > 0;) {
       const EncodedPayload payload =

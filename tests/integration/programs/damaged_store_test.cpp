@@ -22,7 +22,7 @@ struct Damage {
   Part part = Part::kHeader;
 };
 
-constexpr uint64_t kHeaderBytes = 184, kFooterBytes = 24;
+constexpr uint64_t kHeaderBytes = 188, kFooterBytes = 24;
 constexpr int kPlacesInAPart = 10;
 
 /// Places in every part of a store, from a seed.
@@ -126,7 +126,7 @@ TEST_F(DamagedStore, givesNoWrongCut) {
 
 TEST_F(DamagedStore, isRefusedIfItsEndIsMissing) {
   const std::string bytes = readBytes(sound_);
-  for (const size_t length : {size_t{1}, size_t{183}, size_t{184}, bytes.size() / 2, bytes.size() - 25,
+  for (const size_t length : {size_t{1}, size_t{187}, size_t{188}, bytes.size() / 2, bytes.size() - 25,
                               bytes.size() - 24, bytes.size() - 1}) {
     SCOPED_TRACE(std::to_string(length) + " bytes");
     writeBytes(damaged_, bytes.substr(0, length));

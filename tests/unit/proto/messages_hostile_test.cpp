@@ -8,6 +8,7 @@
 
 #include "common/error.h"
 #include "common/limits.h"
+#include "common/texture_set.h"
 #include "proto/limits.h"
 #include "proto/lodestream_generated.h"
 #include "proto/messages.h"
@@ -179,7 +180,8 @@ flatbuffers::Offset<wire::ModelSummary> summaryTable(FlatBufferBuilder& b,
   return wire::CreateModelSummary(b, b.CreateString(s.name), &name, &origin, s.lattice.step, &box,
                                   s.attributes.bits, s.triangles, s.dropped, s.stored_triangles, s.nodes,
                                   s.payloads, s.bytes, s.depth, s.max_error_model, s.triangles_per_node,
-                                  wire::CreateBlobRef(b, s.root_page.number, s.root_page.bytes, &name));
+                                  wire::CreateBlobRef(b, s.root_page.number, s.root_page.bytes, &name),
+                                  wire::CreateBlobRef(b, s.textures.number, s.textures.bytes, &name));
 }
 
 TEST(HostileMessages, moreModelsThanTheLimitAreRefused) {
@@ -220,6 +222,9 @@ TEST(HostileMessages, aSummaryThatCannotBeIsRefused) {
       [](ModelSummary& s) { s.max_error_model = -1; },
       [](ModelSummary& s) { s.root_page.number = 0; },
       [](ModelSummary& s) { s.root_page.bytes = kMaxPageBytes + 1; },
+      [](ModelSummary& s) { s.textures.number = 0; },
+      [](ModelSummary& s) { s.textures.bytes = 0; },
+      [](ModelSummary& s) { s.textures.bytes = kMaxTextureSetBytes + 1; },
   };
   for (size_t i = 0; i < lies.size(); ++i) EXPECT_THROW(decode<Opened>(openedWith(lies[i])), Error) << i;
 }

@@ -39,6 +39,12 @@ TEST(Messages, eachDecodesWhenEveryFieldIsAtItsDefault) {
   EXPECT_EQ(roundTrip(Ping{}), Ping{});
 }
 
+TEST(Messages, aSummaryWithoutTexturesComesBackWithoutThem) {
+  ModelSummary summary = sampleSummary();
+  summary.textures = {};
+  EXPECT_EQ(roundTrip(Opened{1, summary}).summary, summary);
+}
+
 TEST(Messages, theFrameAnnouncesItsBodyTypeAndRequest) {
   uint8_t type = 0;
   test::forEachSample([&](const auto& message) {

@@ -33,6 +33,7 @@ inline ModelSummary sampleSummary(const std::string& name = "bunny") {
   summary.max_error_model = 0.125f;
   summary.triangles_per_node = 16384;
   summary.root_page = {17, 4000, nameOf(9)};
+  summary.textures = {18, 250, nameOf(11)};
   return summary;
 }
 

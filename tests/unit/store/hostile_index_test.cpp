@@ -208,7 +208,16 @@ TEST_F(HostileIndex, pagesUsedAsPayloadsAreRefused) {
                 for (const Node& node : page.nodes)
                   if (node.child_page) page.nodes[0].rungs[0].payload = node.child_page;
               }),
-              "as its payload");
+              "something else");
+}
+
+TEST_F(HostileIndex, textureSetsThatAreNoneAreRefused) {
+  EXPECT_SAYS(open([](Parts& parts) { parts.header.summary.textures.number = parts.header.blobs + 1; }),
+              "texture set");
+  EXPECT_SAYS(open([](Parts& parts) {
+                parts.header.summary.textures.number = parts.header.summary.root_page.number;
+              }),
+              "texture set");
 }
 
 TEST_F(HostileIndex, missingChildrenAreRefused) {

@@ -99,6 +99,30 @@ TEST(Writer, refusesBlobsThatNoRungUses) {
   EXPECT_THROW(writer.finish(model.summary, model.nodes), Error);
 }
 
+TEST(Writer, refusesTilesThatWereNotAdded) {
+  const TemporaryFolder folder;
+  test::SyntheticModel model = test::smallModel();
+  EXPECT_THROW(test::writeStore(folder / "a.lode", model,
+                                [](Writer& writer) {
+                                  TextureSet set;
+                                  set.textures = {test::addFakeTexture(writer, "x", 600, 1)};
+                                  ++set.textures[0].tiles[1].bytes;
+                                  return set;
+                                }),
+               Error);
+}
+
+TEST(Writer, refusesTilesThatTheSetDoesNotName) {
+  const TemporaryFolder folder;
+  test::SyntheticModel model = test::smallModel();
+  EXPECT_THROW(test::writeStore(folder / "a.lode", model,
+                                [](Writer& writer) {
+                                  test::addFakeTexture(writer, "x", 600, 1);
+                                  return TextureSet();
+                                }),
+               Error);
+}
+
 TEST(Writer, refusesPayloadsThatWereNotAdded) {
   const TemporaryFolder folder;
   test::SyntheticModel model = test::smallModel();

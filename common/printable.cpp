@@ -1,0 +1,34 @@
+#include "common/printable.h"
+
+#include <cstdint>
+
+namespace lode {
+
+bool isPrintableUtf8(std::string_view text) noexcept {
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (at != end) {
+    const auto lead = static_cast<uint8_t>(*at);
+    if (lead < 0x20 || lead == 0x7F) return false;
+    const int length = lead < 0x80                   ? 1
+                       : lead >= 0xC2 && lead < 0xE0 ? 2
+                       : lead >> 4 == 0xE            ? 3
+                       : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                     : 0;
+    if (length == 0 || end - at < length) return false;
+    uint32_t code = length == 1 ? lead : lead & (0x7Fu >> length);
+    for (int i = 1; i < length; ++i) {
+      const auto next = static_cast<uint8_t>(at[i]);
+      if ((next & 0xC0) != 0x80) return false;
+      code = code << 6 | (next & 0x3F);
+    }
+    const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+    const bool surrogate = code >= 0xD800 && code < 0xE000;
+    const bool control = code >= 0x80 && code < 0xA0;
+    if (overlong || surrogate || control || code > 0x10FFFF) return false;
+    at += length;
+  }
+  return true;
+}
+
+}  // namespace lode
