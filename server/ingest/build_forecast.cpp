@@ -29,7 +29,8 @@ Trial runTrial(const ForecastInput& input) {
   SampleOptions sample;
   sample.kind = "asteroid";
   sample.triangles = std::clamp(input.triangles, kLeastTrialTriangles, kTrialTriangles);
-  sample.attributes.bits = input.attributes.bits & (AttributeSet::kNormal | AttributeSet::kColour);
+  sample.attributes.bits =
+      input.attributes.bits & (AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kTexture);
   BuildOptions options;
   options.input = folder.file("trial.ply");
   options.output = folder.file("trial.lode");
@@ -48,15 +49,17 @@ Trial runTrial(const ForecastInput& input) {
 }
 
 /// The most that lies on disk at once: the packed input and the sorted runs, or runs, soup and payloads.
-uint64_t temporaryBytes(const ForecastInput& input, AttributeSet kept, uint64_t sort_bytes,
-                        uint64_t payload_bytes) {
-  const uint64_t vertex_bytes = (input.double_positions ? sizeof(glm::dvec3) : sizeof(glm::vec3)) +
-                                (kept.bits != 0 ? sizeof(VertexAttributes) : 0);
+uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
+  const uint64_t vertex_bytes =
+      packedVertexBytes(vertexAttributes(input.attributes, input.corner_texture), input.double_positions);
   const bool only_triangles = input.faces == input.triangles;
-  const uint64_t packed = input.vertices * vertex_bytes +
-                          (input.triangles + 2 * input.faces) * sizeof(uint32_t) +
-                          (only_triangles ? 0 : input.faces * sizeof(uint32_t));
-  const uint64_t soup = input.triangles * soupBytes(kept);
+  const uint64_t packed =
+      input.vertices * vertex_bytes +
+      (input.triangles + 2 * input.faces) *
+          (sizeof(uint32_t) + (input.corner_texture ? sizeof(glm::vec2) : 0)) +
+      (input.attributes.has(AttributeSet::kMaterial) ? input.faces * sizeof(uint16_t) : 0) +
+      (only_triangles ? 0 : input.faces * sizeof(uint32_t));
+  const uint64_t soup = input.triangles * soupBytes(input.attributes);
   const uint64_t runs = soup + input.triangles * sizeof(uint64_t);
   const bool sorts_on_disk = runs + input.triangles * sizeof(uint64_t) > sort_bytes;
   return std::max(
@@ -75,11 +78,11 @@ BuildForecast forecastBuild(const ForecastInput& input) {
   forecast.cpu_seconds = serial + parallel;
   forecast.seconds = serial + parallel / input.threads;
   forecast.store_bytes = static_cast<uint64_t>(trial.store_bytes * triangles);
-  const AttributeSet kept = keptAttributes(input.attributes);
   const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
   const MemoryPlan plan = planMemory(input.memory_bytes, input.threads, triangles_per_node);
-  forecast.temporary_bytes = temporaryBytes(input, kept, plan.sort_bytes, forecast.store_bytes);
-  forecast.memory_bytes = expectedPeakBytes(plan, input.vertices, input.triangles, kept, triangles_per_node);
+  forecast.temporary_bytes = temporaryBytes(input, plan.sort_bytes, forecast.store_bytes);
+  forecast.memory_bytes =
+      expectedPeakBytes(plan, input.vertices, input.triangles, input.attributes, triangles_per_node);
   return forecast;
 }
 

@@ -12,6 +12,7 @@ struct ForecastInput {
   uint64_t vertices = 0, faces = 0, triangles = 0;
   AttributeSet attributes;        ///< of the file
   bool double_positions = false;  ///< positions need more than float
+  bool corner_texture = false;    ///< texture coordinates come with the faces' corners
   double scan_cpu_seconds = 0;    ///< that reading the file took
   uint64_t memory_bytes = 0;      ///< budget
   unsigned threads = 1;

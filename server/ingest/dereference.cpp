@@ -18,18 +18,19 @@ class Batch {
         lattice_(lattice),
         used_(input.vertexCount()),
         memory_bytes_(memory_bytes),
-        member_bytes_(sizeof(PositionCode) + (input.attributes().bits ? sizeof(VertexAttributes) : 0)) {}
+        member_bytes_(sizeof(PositionCode) + (input.hasVertexAttributes() ? sizeof(VertexAttributes) : 0)) {}
 
   /// Reads faces until the memory is full, one block at least. @return false if there were none left.
   bool readFaces(PackedInput::FaceCursor& cursor) {
     used_.clear();
     blocks_.clear();
-    uint64_t members = 0, corners = 0;
+    uint64_t members = 0;
     PackedInput::FaceBlock block;
-    const auto isFull = [&] { return corners * sizeof(uint32_t) + members * member_bytes_ >= memory_bytes_; };
+    uint64_t face_bytes = 0;
+    const auto isFull = [&] { return face_bytes + members * member_bytes_ >= memory_bytes_; };
     while ((blocks_.empty() || !isFull()) && cursor.next(block)) {
       for (const uint32_t corner : block.corners) members += used_.add(corner);
-      corners += block.corners.size();
+      face_bytes += block.bytes();
       blocks_.push_back(std::move(block));
       block = {};
     }
@@ -39,7 +40,7 @@ class Batch {
   void sweepVertices() {
     const uint64_t members = used_.countRanks();
     positions_.resize(members);
-    if (input_.attributes().bits != 0) attributes_.resize(members);
+    if (input_.hasVertexAttributes()) attributes_.resize(members);
     uint64_t next = 0;
     const auto take = [&](uint64_t number, glm::dvec3 position, const VertexAttributes& attributes) {
       if (!used_.contains(number)) return;
@@ -58,20 +59,31 @@ class Batch {
 
   const std::vector<PackedInput::FaceBlock>& blocks() const noexcept { return blocks_; }
 
-  /// Gives out a face's triangles.
-  void giveOut(std::span<const uint32_t> corners, DereferenceCounts& counts, const SoupSink& sink) {
-    if (corners.size() == 3) {
-      giveOut(corners[0], corners[1], corners[2], counts, sink);
-      return;
+  /// Gives out the triangles of a block's faces.
+  void giveOut(const PackedInput::FaceBlock& block, DereferenceCounts& counts, const SoupSink& sink) {
+    uint32_t first = 0;
+    for (size_t f = 0; f < block.faceCount(); ++f) {
+      const uint32_t corners = block.corner_counts.empty() ? 3 : block.corner_counts[f];
+      const uint16_t material = block.materials.empty() ? uint16_t{0} : block.materials[f];
+      giveOut(block, first, corners, material, counts, sink);
+      first += corners;
     }
-    outline_.clear();
-    for (const uint32_t corner : corners)
-      outline_.emplace_back(unpackPosition(positions_[used_.rank(corner)]));
-    triangulate(outline_, cut_);
-    for (const glm::u32vec3& t : cut_) giveOut(corners[t.x], corners[t.y], corners[t.z], counts, sink);
   }
 
  private:
+  void giveOut(const PackedInput::FaceBlock& block, uint32_t first, uint32_t corners, uint16_t material,
+               DereferenceCounts& counts, const SoupSink& sink) {
+    if (corners == 3) {
+      giveOut(block, glm::u32vec3(first, first + 1, first + 2), material, counts, sink);
+      return;
+    }
+    outline_.clear();
+    for (uint32_t c = first; c < first + corners; ++c)
+      outline_.emplace_back(unpackPosition(positions_[used_.rank(block.corners[c])]));
+    triangulate(outline_, cut_);
+    for (const glm::u32vec3& t : cut_) giveOut(block, first + t, material, counts, sink);
+  }
+
   bool isNeeded(uint64_t first) const noexcept {
     const uint64_t end = std::min(used_.wordCount(), (first + kSweepVertices) / 64);
     for (uint64_t word = first / 64; word < end; ++word) {
@@ -80,12 +92,16 @@ class Batch {
     return false;
   }
 
-  void giveOut(uint32_t a, uint32_t b, uint32_t c, DereferenceCounts& counts, const SoupSink& sink) {
-    const uint64_t ranks[3] = {used_.rank(a), used_.rank(b), used_.rank(c)};
+  void giveOut(const PackedInput::FaceBlock& block, glm::u32vec3 corners, uint16_t material,
+               DereferenceCounts& counts, const SoupSink& sink) {
     SoupTriangle triangle;
     for (int k = 0; k < 3; ++k) {
-      triangle.corners[k] = positions_[ranks[k]];
-      if (!attributes_.empty()) triangle.attributes[k] = attributes_[ranks[k]];
+      const uint64_t rank = used_.rank(block.corners[corners[k]]);
+      triangle.corners[k] = positions_[rank];
+      VertexAttributes& attributes = triangle.attributes[k];
+      if (!attributes_.empty()) attributes = attributes_[rank];
+      if (!block.texture.empty()) attributes.texture = block.texture[corners[k]];
+      attributes.material = material;
     }
     if (triangle.corners[0] == triangle.corners[1] || triangle.corners[1] == triangle.corners[2] ||
         triangle.corners[2] == triangle.corners[0]) {
@@ -119,12 +135,7 @@ DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, 
   while (batch.readFaces(cursor)) {
     batch.sweepVertices();
     for (const PackedInput::FaceBlock& block : batch.blocks()) {
-      size_t first = 0;
-      for (size_t f = 0; f < block.faceCount(); ++f) {
-        const size_t corners = block.corner_counts.empty() ? 3 : block.corner_counts[f];
-        batch.giveOut(std::span(block.corners).subspan(first, corners), counts, sink);
-        first += corners;
-      }
+      batch.giveOut(block, counts, sink);
       faces += block.faceCount();
       if (progress) {
         progress("dereference", static_cast<double>(faces) / static_cast<double>(input.faceCount()), faces,

@@ -77,6 +77,7 @@ class Doctor {
     };
     PlyReader reader(options_.input, read_options);
     report_.attributes = reader.attributes();
+    corner_texture_ = reader.hasCornerTexture();
     report_.min = glm::dvec3(std::numeric_limits<double>::max());
     report_.max = -report_.min;
     report_.counts = reader.read(
@@ -153,6 +154,7 @@ class Doctor {
     input.triangles = report_.counts.triangles;
     input.attributes = report_.attributes;
     input.double_positions = hasDoublePositions(*report_.header);
+    input.corner_texture = corner_texture_;
     input.scan_cpu_seconds = read_cpu_seconds_;
     input.memory_bytes = budget();
     input.threads = options_.threads ? options_.threads : defaultThreads();
@@ -166,6 +168,7 @@ class Doctor {
   TopologyCounter topology_;
   Defects bad_, dropped_;
   double read_cpu_seconds_ = 0;
+  bool corner_texture_ = false;
   DoctorReport report_;
 };
 

@@ -31,7 +31,8 @@ MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangle
 uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,
                            uint32_t triangles_per_node) noexcept {
   const uint64_t records = triangles * (soupBytes(file) + kSortOrderBytes);
-  const uint64_t batch = triangles * 3 * sizeof(uint32_t) + vertices * kBytesOfBatchVertex;
+  const uint64_t corner_bytes = sizeof(uint32_t) + (file.has(AttributeSet::kTexture) ? sizeof(uint32_t) : 0);
+  const uint64_t batch = triangles * 3 * corner_bytes + vertices * kBytesOfBatchVertex;
   const uint64_t sort =
       static_cast<uint64_t>(kGrowth * static_cast<double>(std::min(records, plan.sort_bytes))) +
       std::min(batch, plan.sort_bytes / 2);

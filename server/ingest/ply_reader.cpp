@@ -96,7 +96,9 @@ void PlyFaces::clear() {
 
 PlyReader::PlyReader(const std::filesystem::path& path, PlyReadOptions options)
     : path_(path), options_(options), header_(readPlyHeader(path)) {
-  attributes_ = planBody(header_, quotedText(path.string(), 4096)).attributes();
+  const PlyPlan plan = planBody(header_, quotedText(path.string(), 4096));
+  attributes_ = plan.attributes();
+  corner_texture_ = plan.corner_texture;
 }
 
 PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress) {

@@ -74,6 +74,8 @@ class PlyReader {
   const PlyHeader& header() const noexcept { return header_; }
   /// Attributes found; normals as kNormal, alpha only if the file declares it.
   AttributeSet attributes() const noexcept { return attributes_; }
+  /// Texture coordinates come with the faces' corners; those of vertices, if there are any, do not count.
+  bool hasCornerTexture() const noexcept { return corner_texture_; }
 
   using VertexSink = std::function<void(uint64_t first, std::span<const PlyVertex>)>;
   using FaceSink = std::function<void(const PlyFaces&)>;
@@ -89,6 +91,7 @@ class PlyReader {
   PlyReadOptions options_;
   PlyHeader header_;
   AttributeSet attributes_;
+  bool corner_texture_ = false;
 };
 
 }  // namespace lode::ingest

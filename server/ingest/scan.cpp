@@ -7,13 +7,18 @@
 #include "common/octahedral.h"
 
 namespace lode::ingest {
-namespace {
 
-constexpr uint8_t kKept = AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kAlpha;
+AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept {
+  uint8_t elsewhere = AttributeSet::kMaterial;
+  if (corner_texture) elsewhere |= AttributeSet::kTexture;
+  return {static_cast<uint8_t>(attributes.bits & ~elsewhere)};
+}
 
-}  // namespace
-
-AttributeSet keptAttributes(AttributeSet file) noexcept { return {static_cast<uint8_t>(file.bits & kKept)}; }
+size_t packedVertexBytes(AttributeSet vertex_attributes, bool double_positions) noexcept {
+  return (double_positions ? sizeof(glm::dvec3) : sizeof(glm::vec3)) +
+         (vertex_attributes.bits != 0 ? sizeof(VertexAttributes) : 0) +
+         (vertex_attributes.has(AttributeSet::kTexture) ? sizeof(glm::vec2) : 0);
+}
 
 bool hasDoublePositions(const PlyHeader& header) {
   for (const PlyElement& element : header.elements) {
@@ -29,11 +34,13 @@ bool hasDoublePositions(const PlyHeader& header) {
   return false;
 }
 
-PackedInput::PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions)
+PackedInput::PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
+                         bool corner_texture)
     : attributes_(attributes),
       double_positions_(double_positions),
-      vertex_bytes_((double_positions ? sizeof(glm::dvec3) : sizeof(glm::vec3)) +
-                    (attributes.bits != 0 ? sizeof(VertexAttributes) : 0)),
+      corner_texture_(corner_texture),
+      vertex_attributes_(vertexAttributes(attributes, corner_texture)),
+      vertex_bytes_(packedVertexBytes(vertex_attributes_, double_positions)),
       vertex_spool_(folder.file("vertices")),
       face_spool_(folder.file("faces")) {}
 
@@ -48,12 +55,16 @@ void PackedInput::addVertices(std::span<const PlyVertex> vertices) {
     } else {
       std::memcpy(to, &single, position_bytes);
     }
-    if (attributes_.bits != 0) {
+    if (hasVertexAttributes()) {
       VertexAttributes packed;
       if (attributes_.has(AttributeSet::kNormal)) packed.normal = encodeOctahedral(vertex.normal);
       if (attributes_.has(AttributeSet::kColour)) packed.colour = vertex.colour;
       if (!attributes_.has(AttributeSet::kAlpha)) packed.colour.a = 255;
       std::memcpy(to + position_bytes, &packed, sizeof(packed));
+      if (vertex_attributes_.has(AttributeSet::kTexture)) {
+        std::memcpy(to + position_bytes + sizeof(packed), &vertex.texture, sizeof(vertex.texture));
+        uv_range_.add(vertex.texture);
+      }
     }
     to += vertex_bytes_;
   }
@@ -70,6 +81,12 @@ void PackedInput::addFaces(const PlyFaces& faces) {
   face_spool_.append(std::span<const uint32_t>(sizes));
   if (!only_triangles) face_spool_.append(std::span<const uint32_t>(faces.corner_counts));
   face_spool_.append(std::span<const uint32_t>(corners));
+  if (corner_texture_) {
+    for (const glm::vec2 uv : faces.texture) uv_range_.add(uv);
+    face_spool_.append(std::span<const glm::vec2>(faces.texture));
+  }
+  if (attributes_.has(AttributeSet::kMaterial))
+    face_spool_.append(std::span<const uint16_t>(faces.materials));
   faces_ += faces.corner_counts.size();
 }
 
@@ -79,7 +96,7 @@ void PackedInput::flush() {
 }
 
 PackedInput::FaceCursor::FaceCursor(const PackedInput& input)
-    : cursor_(input.face_spool_, 0, input.face_spool_.size()) {}
+    : input_(&input), cursor_(input.face_spool_, 0, input.face_spool_.size()) {}
 
 bool PackedInput::FaceCursor::next(FaceBlock& block) {
   if (cursor_.atEnd()) return false;
@@ -89,24 +106,34 @@ bool PackedInput::FaceCursor::next(FaceBlock& block) {
   block.corners.resize(sizes[1]);
   cursor_.take(std::span<uint32_t>(block.corner_counts));
   cursor_.take(std::span<uint32_t>(block.corners));
+  block.texture.clear();
+  block.materials.clear();
+  if (input_->corner_texture_) {
+    texture_.resize(block.corners.size());
+    cursor_.take(std::span<glm::vec2>(texture_));
+    block.texture.reserve(texture_.size());
+    for (const glm::vec2 uv : texture_) block.texture.push_back(input_->uv_grid_.snap(uv));
+  }
+  if (input_->attributes_.has(AttributeSet::kMaterial)) {
+    block.materials.resize(block.faceCount());
+    cursor_.take(std::span<uint16_t>(block.materials));
+  }
   return true;
 }
 
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings) {
   PlyReader reader(options.input, {.skip_bad = options.skip_bad});
-  const AttributeSet kept = keptAttributes(reader.attributes());
-  if (reader.attributes().has(AttributeSet::kTexture)) {
-    warnings.push_back(options.input.string() +
-                       ": texture coordinates are not built yet; the model is shown without");
-  }
   for (const PlyElement& element : reader.header().elements) {
     if (element.name == "vertex" && element.count > UINT32_MAX) {
       throw Error(ErrorCode::kLimit, options.input.string() + ": " + std::to_string(element.count) +
                                          " vertices; at most 4294967295 can be indexed, split the model");
     }
   }
-  ScannedModel model{PackedInput(folder, kept, hasDoublePositions(reader.header())), {}};
+  ScannedModel model{PackedInput(folder, reader.attributes(), hasDoublePositions(reader.header()),
+                                 reader.hasCornerTexture()),
+                     {},
+                     reader.header().texture_files};
   model.counts = reader.read(
       [&](uint64_t, std::span<const PlyVertex> vertices) { model.input.addVertices(vertices); },
       [&](const PlyFaces& faces) { model.input.addFaces(faces); },
@@ -115,6 +142,7 @@ ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, co
           progress("scan", total ? static_cast<double>(done) / static_cast<double>(total) : 1, done, total);
       });
   model.input.flush();
+  model.input.setUvGrid(chooseUvGrid(model.input.uvRange(), options.input.string()));
   if (model.counts.extra_tokens > 0) {
     warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.extra_tokens) +
                        " surplus values at the ends of lines were ignored");

@@ -13,15 +13,18 @@
 #include "server/ingest/ply_reader.h"
 #include "server/ingest/spool.h"
 #include "server/ingest/temporary_folder.h"
+#include "server/ingest/uv_grid.h"
 
 namespace lode::ingest {
 
 /// The input, packed: what later stages read instead of the PLY. Vertices have a fixed size, faces lie in
-/// blocks, both in the file's order. Attributes are quantized already; positions are not yet: the lattice
-/// follows from them.
+/// blocks, both in the file's order. Attributes are quantized already; positions and texture coordinates are
+/// not yet: their grids follow from them.
 class PackedInput {
  public:
-  PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions);
+  /// @param corner_texture  texture coordinates come with the faces' corners, not with vertices.
+  PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
+              bool corner_texture = false);
 
   AttributeSet attributes() const noexcept { return attributes_; }
   uint64_t vertexCount() const noexcept { return vertices_; }
@@ -32,6 +35,13 @@ class PackedInput {
   void addFaces(const PlyFaces& faces);
   void flush();
 
+  const UvRange& uvRange() const noexcept { return uv_range_; }
+  /// Of texture coordinates, as they are read from now on.
+  void setUvGrid(const UvGrid& grid) noexcept { uv_grid_ = grid; }
+  const UvGrid& uvGrid() const noexcept { return uv_grid_; }
+
+  /// Whether vertices have attributes, as against corners and faces.
+  bool hasVertexAttributes() const noexcept { return vertex_attributes_.bits != 0; }
   /// Vertices first..first+count, to a sink of (number, position, attributes).
   template <typename Sink>
   void readVertices(uint64_t first, uint64_t count, Sink&& sink) const;
@@ -41,8 +51,14 @@ class PackedInput {
   struct FaceBlock {
     std::vector<uint32_t> corner_counts;
     std::vector<uint32_t> corners;
+    std::vector<glm::u16vec2> texture;  ///< one a corner, or empty
+    std::vector<uint16_t> materials;    ///< one a face, or empty
     size_t faceCount() const noexcept {
       return corner_counts.empty() ? corners.size() / 3 : corner_counts.size();
+    }
+    uint64_t bytes() const noexcept {
+      return (corner_counts.size() + corners.size()) * sizeof(uint32_t) +
+             texture.size() * sizeof(glm::u16vec2) + materials.size() * sizeof(uint16_t);
     }
   };
   /// Reads blocks from front to end.
@@ -52,20 +68,28 @@ class PackedInput {
     bool next(FaceBlock& block);
 
    private:
+    const PackedInput* input_;
     SpoolCursor cursor_;
+    std::vector<glm::vec2> texture_;
   };
 
  private:
   const AttributeSet attributes_;
-  const bool double_positions_;
+  const bool double_positions_, corner_texture_;
+  const AttributeSet vertex_attributes_;
   const size_t vertex_bytes_;
   Spool vertex_spool_, face_spool_;
   uint64_t vertices_ = 0, faces_ = 0;
+  UvRange uv_range_;
+  UvGrid uv_grid_;
   std::vector<std::byte> packed_;
 };
 
-/// Of a file's attributes, those that a build keeps.
-AttributeSet keptAttributes(AttributeSet file) noexcept;
+/// Of a model's attributes, those that come with vertices, as against corners and faces.
+AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept;
+
+/// Bytes of a vertex in temporary files.
+size_t packedVertexBytes(AttributeSet vertex_attributes, bool double_positions) noexcept;
 
 /// Whether the file's positions need more than float.
 bool hasDoublePositions(const PlyHeader& header);
@@ -73,6 +97,7 @@ bool hasDoublePositions(const PlyHeader& header);
 struct ScannedModel {
   PackedInput input;
   PlyCounts counts;
+  std::vector<std::string> texture_files;  ///< as the header names them
 };
 
 /// Stage 1: reads the PLY file once and packs it.
@@ -95,7 +120,12 @@ void PackedInput::readVertices(uint64_t first, uint64_t count, Sink&& sink) cons
       position_bytes = sizeof(single);
     }
     VertexAttributes attributes;
-    if (vertex_bytes_ > position_bytes) std::memcpy(&attributes, bytes + position_bytes, sizeof(attributes));
+    if (hasVertexAttributes()) std::memcpy(&attributes, bytes + position_bytes, sizeof(attributes));
+    if (vertex_attributes_.has(AttributeSet::kTexture)) {
+      glm::vec2 uv;
+      std::memcpy(&uv, bytes + position_bytes + sizeof(attributes), sizeof(uv));
+      attributes.texture = uv_grid_.snap(uv);
+    }
     sink(i, position, attributes);
   }
 }

@@ -1,5 +1,6 @@
 #include "server/ingest/dereference.h"
 
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -70,6 +71,67 @@ TEST(Dereference, dropsAndCountsTrianglesWhoseCornersCoincideOnTheLattice) {
   EXPECT_EQ(run(input, 1 << 20, counts).size(), 1u);
   EXPECT_EQ(counts.triangles, 1u);
   EXPECT_EQ(counts.dropped, 1u);
+}
+
+/// A quad and a triangle over five vertices.
+struct TwoFaces {
+  std::vector<PlyVertex> vertices{{.position = {0, 0, 0}, .texture = {0, 0}},
+                                  {.position = {10, 0, 0}, .texture = {1.25, 0}},
+                                  {.position = {10, 10, 0}, .texture = {1.25, 0.5}},
+                                  {.position = {0, 10, 0}, .texture = {0, 0.5}},
+                                  {.position = {5, 20, 0}, .texture = {-0.5, 0.25}}};
+  PlyFaces faces{.corner_counts = {4, 3}, .corners = {0, 1, 2, 3, 3, 2, 4}, .texture = {}, .materials = {}};
+};
+
+glm::dvec2 uvOf(const PackedInput& input, const VertexAttributes& attributes) {
+  return input.uvGrid().origin +
+         glm::dvec2(attributes.texture) * std::ldexp(1.0, input.uvGrid().scale_exponent - 16);
+}
+
+TEST(Dereference, givesEachCornerTheTextureCoordinatesOfItsVertex) {
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{AttributeSet::kTexture | AttributeSet::kColour}, false);
+  const TwoFaces model;
+  input.addVertices(model.vertices);
+  input.addFaces(model.faces);
+  input.flush();
+  input.setUvGrid(chooseUvGrid(input.uvRange(), "a.ply"));
+  DereferenceCounts counts;
+  const auto soup = run(input, 1 << 20, counts);
+  ASSERT_EQ(soup.size(), 3u);
+  for (const SoupTriangle& triangle : soup)
+    for (int k = 0; k < 3; ++k)
+      for (const PlyVertex& vertex : model.vertices)
+        if (packPosition(Lattice{}.snap(vertex.position)) == triangle.corners[k]) {
+          EXPECT_EQ(uvOf(input, triangle.attributes[k]), glm::dvec2(vertex.texture));
+        }
+}
+
+TEST(Dereference, givesEachCornerItsOwnTextureCoordinatesAndItsFacesMaterial) {
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{AttributeSet::kTexture | AttributeSet::kMaterial}, false, true);
+  TwoFaces model;
+  for (uint32_t c = 0; c < 7; ++c) model.faces.texture.emplace_back(-0.125f * static_cast<float>(c), 0.5f);
+  model.faces.materials = {3, kNoMaterial};
+  input.addVertices(model.vertices);
+  input.addFaces(model.faces);
+  input.flush();
+  input.setUvGrid(chooseUvGrid(input.uvRange(), "a.ply"));
+  DereferenceCounts counts;
+  const auto soup = run(input, 1 << 20, counts);
+  ASSERT_EQ(soup.size(), 3u);
+  for (size_t t = 0; t < 3; ++t)
+    for (int k = 0; k < 3; ++k) {
+      const VertexAttributes& attributes = soup[t].attributes[k];
+      EXPECT_EQ(attributes.material, t < 2 ? 3 : kNoMaterial);
+      const size_t first = t < 2 ? 0 : 4, end = t < 2 ? 4 : 7;
+      bool found = false;
+      for (size_t c = first; c < end; ++c)
+        found = found || (packPosition(Lattice{}.snap(model.vertices[model.faces.corners[c]].position)) ==
+                              soup[t].corners[k] &&
+                          uvOf(input, attributes) == glm::dvec2(model.faces.texture[c]));
+      EXPECT_TRUE(found) << t << " " << k;
+    }
 }
 
 }  // namespace
