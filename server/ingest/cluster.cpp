@@ -83,7 +83,7 @@ class Clusterer {
   void countDeaths();
   void addUpCells();
   void place(uint32_t cell);
-  NodeMesh snapshot();
+  SimplifiedMesh snapshot();
   void joinWedges();
   std::vector<uint32_t> destinations() const;
   std::vector<glm::u32vec3> survivors(const std::vector<uint32_t>& destination) const;
@@ -242,7 +242,7 @@ void Clusterer::joinWedges() {
   }
 }
 
-NodeMesh Clusterer::snapshot() {
+SimplifiedMesh Clusterer::snapshot() {
   const std::vector<uint32_t> destination = destinations();
   const std::vector<glm::u32vec3> triangles = survivors(destination);
   if (mesh_.hasWedges()) joinWedges();
@@ -283,7 +283,9 @@ NodeMesh Clusterer::snapshot() {
     }
     result.triangles.push_back(t);
   }
-  return result;
+  std::vector<uint32_t> became(count);
+  for (uint32_t i = 0; i < count; ++i) became[i] = new_position[destination[i]];
+  return {std::move(result), std::move(became)};
 }
 
 void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {
@@ -298,8 +300,8 @@ void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {
       state.merged = true;
       live -= state.deaths;
     }
-    NodeMesh result = snapshot();
-    const bool stuck = result.triangles.size() > targets[target];
+    SimplifiedMesh result = snapshot();
+    const bool stuck = result.mesh.triangles.size() > targets[target];
     sink(target, std::move(result));
     if (stuck) return;
   }

@@ -80,6 +80,7 @@ class Collapser {
   void put(Record record, double cost);
   glm::dvec3 settle(const Placement& placement, uint32_t u, uint32_t v);
   void apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds);
+  SimplifiedMesh snapshot();
   uint32_t find(uint32_t position) noexcept;
   void fetch(Record& record) noexcept;
   Seen& seenPlace(uint32_t u, uint32_t v) noexcept;
@@ -324,11 +325,20 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
   apply(record.u, record.v, to, finding.folds);
 }
 
+SimplifiedMesh Collapser::snapshot() {
+  SimplifiedMesh result;
+  std::vector<uint32_t> new_position;
+  result.mesh = mesh_.compact(new_position);
+  result.became.resize(forward_.size());
+  for (uint32_t i = 0; i < forward_.size(); ++i) result.became[i] = new_position[find(i)];
+  return result;
+}
+
 void Collapser::run(std::span<const size_t> targets, const SnapshotSink& sink) {
   size_t reached = 0;
   const auto report = [&] {
     while (reached < targets.size() && mesh_.live_triangles <= targets[reached]) {
-      sink(reached, mesh_.compact());
+      sink(reached, snapshot());
       ++reached;
     }
     return reached == targets.size();
@@ -344,8 +354,14 @@ void Collapser::run(std::span<const size_t> targets, const SnapshotSink& sink) {
     }
     if ((clock_ - before) * kProgress <= queued) ++level_;
   }
-  cluster(mesh_.compact(), targets.subspan(reached), options_,
-          [&](size_t target, NodeMesh&& snapshot) { sink(reached + target, std::move(snapshot)); });
+  SimplifiedMesh rest = snapshot();
+  cluster(std::move(rest.mesh), targets.subspan(reached), options_,
+          [&](size_t target, SimplifiedMesh&& clustered) {
+            std::vector<uint32_t> became = rest.became;
+            for (uint32_t& place : became)
+              if (place != kVanished) place = clustered.became[place];
+            sink(reached + target, {std::move(clustered.mesh), std::move(became)});
+          });
 }
 
 }  // namespace

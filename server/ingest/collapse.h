@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "server/ingest/node_mesh.h"
+#include "server/ingest/simplified_mesh.h"
 
 namespace lode::ingest {
 
@@ -16,7 +16,7 @@ struct CollapseOptions {
 
 /// Called at each triangle target that was reached, in order, and once more at the end if no more collapse is
 /// possible (with fewer targets reached than asked for): the mesh so far, compacted.
-using SnapshotSink = std::function<void(size_t target_index, NodeMesh&& snapshot)>;
+using SnapshotSink = std::function<void(size_t target_index, SimplifiedMesh&& snapshot)>;
 
 /// Simplifies a node's mesh by edge collapse in order of quadric error; one sequence yields all rungs.
 ///

@@ -4,6 +4,8 @@
 #include <array>
 #include <tuple>
 
+#include "server/ingest/simplified_mesh.h"
+
 namespace lode::ingest {
 
 namespace {
@@ -260,10 +262,10 @@ void CollapseMesh::removeFolds(uint32_t position) {
   }
 }
 
-NodeMesh CollapseMesh::compact() const {
+NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {
   NodeMesh result;
   result.attributes = attributes;
-  std::vector<uint32_t> new_position(positions.size(), kNone);
+  new_position.assign(positions.size(), kVanished);
   for (uint32_t i = 0; i < positions.size(); ++i) {
     if (positions[i].count == 0) continue;
     new_position[i] = static_cast<uint32_t>(result.positions.size());

@@ -98,7 +98,8 @@ struct CollapseMesh {
   void removeFolds(uint32_t position);
 
   /// The live mesh with only what it uses, in the order of the input.
-  NodeMesh compact() const;
+  /// @param new_position  gets the number of each position in it, or kVanished.
+  NodeMesh compact(std::vector<uint32_t>& new_position) const;
 
   AttributeSet attributes;
   glm::dvec3 origin{0};  ///< whole lattice steps; points are relative to it

@@ -40,7 +40,8 @@ void MeshWelder::addTriangle(glm::u32vec3 wedges) {
   if (a != b && b != c && c != a) mesh_.triangles.push_back(wedges);
 }
 
-NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder) {
+NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder,
+                     std::vector<std::vector<uint32_t>>& became) {
   size_t positions = 0, triangles = 0;
   AttributeSet attributes;
   for (const NodeMesh& mesh : meshes) {
@@ -49,14 +50,17 @@ NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder) {
     attributes = mesh.attributes;
   }
   welder.begin(attributes, positions, triangles);
+  became.clear();
   std::vector<uint32_t> numbers;
   for (const NodeMesh& mesh : meshes) {
+    became.emplace_back(mesh.positions.size());
     numbers.resize(mesh.wedge_position.size());
     for (size_t w = 0; w < numbers.size(); ++w) {
       const uint32_t position = mesh.wedge_position[w];
       numbers[w] =
           welder.addCorner(mesh.positions[position], mesh.lca_depth[position],
                            mesh.wedge_attributes.empty() ? VertexAttributes{} : mesh.wedge_attributes[w]);
+      became.back()[position] = welder.positionOf(numbers[w]);
     }
     for (const glm::u32vec3& t : mesh.triangles) {
       welder.addTriangle({numbers[t.x], numbers[t.y], numbers[t.z]});

@@ -18,6 +18,7 @@ class MeshWelder {
 
   /// @return the wedge's number.
   uint32_t addCorner(PositionCode position, uint8_t lca_depth, const VertexAttributes& attributes);
+  uint32_t positionOf(uint32_t wedge) const noexcept { return mesh_.wedge_position[wedge]; }
   /// Left out if two of its corners have one position.
   void addTriangle(glm::u32vec3 wedges);
 
@@ -31,7 +32,10 @@ class MeshWelder {
 };
 
 /// The union of nodes' meshes, welded. Where meshes disagree on a position's lock, the stronger one stays.
-NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder);
+/// @param became  gets for each mesh the numbers that its positions have in the union; all of them have
+/// wedges.
+NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder,
+                     std::vector<std::vector<uint32_t>>& became);
 
 /// The mesh as payloads hold it: one vertex a wedge.
 Mesh toMesh(const NodeMesh& mesh);

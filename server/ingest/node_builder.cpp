@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/draco_codec.h"
+#include "server/ingest/carried_normals.h"
 #include "server/ingest/cluster.h"
 #include "server/ingest/collapse.h"
 #include "server/ingest/leaf_mesh.h"
 #include "server/ingest/rung_targets.h"
-#include "server/ingest/triangle_grid.h"
 
 namespace lode::ingest {
 namespace {
@@ -22,6 +23,12 @@ constexpr float kForwardMargin = 1.5f;
 constexpr float kBackwardMargin = 1.5f;
 constexpr uint32_t kTrianglesPerSample = 4;  ///< of the node's budget, above the lowest inner nodes
 constexpr uint32_t kMinSamples = 2048;       ///< whatever the budget
+
+/// Whether all its attributes are one computed normal a position.
+bool hasOnlyComputedNormals(const NodeMesh& mesh) {
+  return mesh.attributes.bits == (AttributeSet::kNormal | AttributeSet::kComputedNormal) &&
+         mesh.wedge_position.size() == mesh.positions.size();
+}
 
 }  // namespace
 
@@ -46,10 +53,9 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf) {
   built.node.key = partition_.leaves[leaf];
   NodeMesh mesh = loadLeaf(leaf);
   built.original_triangles = mesh.triangles.size();
-  built.samples = samplesOf(mesh);
-  selectSamples(built.samples, std::max(kMinSamples, settings_.triangles_per_node));
   addRung(built, mesh, kLatticeErrorSteps);
   if (built.node.key == kRootKey) {
+    for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
     reduce(built, std::move(mesh));
   } else {
     built.coarsest = std::move(mesh);
@@ -65,26 +71,51 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children) {
     built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
     built.node.box.add(child.node.box);
     built.original_triangles += child.original_triangles;
-    meshes.push_back(std::move(child.coarsest));
-    built.samples.insert(built.samples.end(), child.samples.begin(), child.samples.end());
-    child.samples = {};
-  }
-  // Where the children are leaves, all their vertices are at hand: the deviations that travel up begin
-  // complete.
-  const bool is_lowest = std::all_of(children.begin(), children.end(),
-                                     [](const BuiltNode& child) { return child.node.isLeaf(); });
-  const uint32_t capacity = std::max(kMinSamples, settings_.triangles_per_node / kTrianglesPerSample);
-  selectSamples(built.samples, is_lowest ? std::max(capacity, settings_.triangles_per_node) : capacity);
-  NodeMesh input = mergeMeshes(meshes, welder_);
-  meshes.clear();
-  for (const BuiltNode& child : children) {
     built.inherited_error_steps =
         std::max(built.inherited_error_steps,
                  static_cast<float>(child.node.rungs.back().error_model / settings_.lattice.step));
+    meshes.push_back(std::move(child.coarsest));
   }
+  std::vector<std::vector<uint32_t>> became;
+  NodeMesh input = mergeMeshes(meshes, welder_, became);
+  meshes.clear();
+  gatherSamples(built, children, input, became);
   reduce(built, std::move(input));
-  selectSamples(built.samples, capacity);
+  selectSamples(built.samples, sampleCapacity());
   return built;
+}
+
+size_t NodeBuilder::sampleCapacity() const noexcept {
+  return std::max(kMinSamples, settings_.triangles_per_node / kTrianglesPerSample);
+}
+
+// Where the children are leaves, all their vertices are at hand: the deviations that travel up begin
+// complete.
+void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children, const NodeMesh& input,
+                                std::span<const std::vector<uint32_t>> became) const {
+  size_t leaves = 0;
+  std::vector<bool> taken(input.positions.size());
+  for (size_t i = 0; i < children.size(); ++i) {
+    BuiltNode& child = children[i];
+    if (!child.node.isLeaf()) {
+      for (SurfaceSample& sample : child.samples) {
+        if (sample.near != kVanished) sample.near = became[i][sample.near];
+      }
+      built.samples.insert(built.samples.end(), child.samples.begin(), child.samples.end());
+      child.samples = {};
+      continue;
+    }
+    ++leaves;
+    for (const uint32_t position : became[i]) {
+      if (!taken[position]) built.samples.push_back({input.positions[position], 0, position});
+      taken[position] = true;
+    }
+  }
+  if (leaves < children.size()) dropDuplicates(built.samples);
+  const size_t capacity = sampleCapacity();
+  selectSamples(built.samples, leaves == children.size()
+                                   ? std::max<size_t>(capacity, settings_.triangles_per_node)
+                                   : capacity);
 }
 
 /// Adds the reduced rungs of a node, all from one sequence.
@@ -102,22 +133,28 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
     built.coarsest = std::move(input);
     return;
   }
-  const TriangleGrid input_grid(input);
+  std::optional<CarriedNormals> normals;
+  if (hasOnlyComputedNormals(input)) normals.emplace(input, depth);
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
-  const auto simplify = settings_.simplifier == Simplifier::kCluster ? cluster : collapse;
-  simplify(std::move(input), targets, options, [&](size_t, NodeMesh&& snapshot) {
+  const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
+  std::vector<uint32_t> became;
+  (is_cluster ? cluster : collapse)(input, targets, options, [&](size_t, SimplifiedMesh&& rung) {
     const bool is_new =
-        built.node.rungs.empty() || snapshot.triangles.size() < built.node.rungs.back().triangles;
-    if (is_new) addRung(built, snapshot, errorOf(built, snapshot, input_grid));
-    built.coarsest = std::move(snapshot);
+        built.node.rungs.empty() || rung.mesh.triangles.size() < built.node.rungs.back().triangles;
+    if (normals) normals->giveTo(rung);
+    if (is_new) addRung(built, rung.mesh, errorOf(built, rung, input));
+    built.coarsest = std::move(rung.mesh);
+    became = std::move(rung.became);
   });
+  for (SurfaceSample& sample : built.samples)
+    if (sample.near != kVanished) sample.near = became[sample.near];
 }
 
-float NodeBuilder::errorOf(BuiltNode& built, const NodeMesh& rung, const TriangleGrid& input) const {
+float NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input) const {
   const float finer = built.node.rungs.empty()
                           ? built.inherited_error_steps
                           : static_cast<float>(built.node.rungs.back().error_model / settings_.lattice.step);
-  if (rung.triangles.empty())
+  if (rung.mesh.triangles.empty())
     return std::max(finer, glm::length(glm::vec3(built.node.box.max - built.node.box.min)));
   const float forward = kForwardMargin * measureDeviation(rung, built.samples);
   const float backward = kBackwardMargin * farthestVertex(rung, input) + kLatticeErrorSteps / 2;

@@ -12,7 +12,6 @@
 #include "server/ingest/simplifier.h"
 #include "server/ingest/spool.h"
 #include "server/ingest/surface_samples.h"
-#include "server/ingest/triangle_grid.h"
 
 namespace lode::ingest {
 
@@ -42,7 +41,8 @@ struct BuiltNode {
   NodeMesh coarsest;
   uint64_t original_triangles = 0;  ///< in the leaves below
   float inherited_error_steps = 0;  ///< the largest of the children's coarsest rungs
-  std::vector<SurfaceSample> samples;
+  std::vector<SurfaceSample>
+      samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
 };
 
 /// Stage 4 for one node. One builder a thread; what it shares is thread safe.
@@ -63,13 +63,17 @@ class NodeBuilder {
 
  private:
   NodeMesh loadLeaf(uint32_t leaf);
+  size_t sampleCapacity() const noexcept;
+  /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
+  void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, const NodeMesh& input,
+                     std::span<const std::vector<uint32_t>> became) const;
   void reduce(BuiltNode& built, NodeMesh input);
   void addRung(BuiltNode& built, const NodeMesh& mesh, float error_steps);
   /// Error of a rung in lattice steps, from both directions: the original surface, sampled, to the rung, and
   /// the rung's vertices to the node's input, to which the error that the input came with is added as to an
   /// independent one. (Sums instead would be 2 to 5 times too large.) Never below the finer rung's error
   /// (I3).
-  float errorOf(BuiltNode& built, const NodeMesh& rung, const TriangleGrid& input) const;
+  float errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input) const;
 
   const Settings settings_;
   const Partition& partition_;

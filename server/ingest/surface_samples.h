@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
-#include "server/ingest/node_mesh.h"
-#include "server/ingest/triangle_grid.h"
+#include "server/ingest/simplified_mesh.h"
 
 namespace lode::ingest {
 
@@ -13,20 +13,23 @@ namespace lode::ingest {
 struct SurfaceSample {
   PositionCode position;
   float deviation = 0;
+  uint32_t near = kVanished;  ///< what has become of the place in the mesh at hand: one of its positions
 };
 
-/// The vertices of a leaf as samples.
-std::vector<SurfaceSample> samplesOf(const NodeMesh& leaf);
-
-/// Keeps at most `capacity` samples: half of them those with the largest deviations, the others those with
-/// the lowest hash of position, an unbiased choice that does not depend on the order. A position counts once.
+/// Keeps at most `capacity` samples, in their order: half of them those with the largest deviations, the
+/// others those with the lowest hash of position, an unbiased choice that does not depend on the order.
+/// Positions must be distinct.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t capacity);
 
-/// Measures the samples against a rung and raises their deviations. @return the largest distance, lattice
-/// steps.
-float measureDeviation(const NodeMesh& rung, std::vector<SurfaceSample>& samples);
+/// Of samples with one position, leaves the one with the largest deviation; sorts by position.
+void dropDuplicates(std::vector<SurfaceSample>& samples);
 
-/// The largest distance of a rung's vertices from the mesh it was made of, lattice steps.
-float farthestVertex(const NodeMesh& rung, const TriangleGrid& input);
+/// Measures the samples, which are near positions of the mesh that `rung` was made of, against the rung and
+/// raises their deviations. @return the largest distance, lattice steps; never below the true one.
+float measureDeviation(const SimplifiedMesh& rung, std::vector<SurfaceSample>& samples);
+
+/// The largest distance of a rung's vertices from the mesh that it was made of, lattice steps; never below
+/// the true one.
+float farthestVertex(const SimplifiedMesh& rung, const NodeMesh& input);
 
 }  // namespace lode::ingest

@@ -10,8 +10,7 @@
 namespace lode::ingest {
 
 /// Distance from points to a mesh, in lattice steps, by a uniform grid: shells of cells until one holds
-/// something, then what the ball of that distance touches. Const functions are thread safe. Source of the
-/// triangle test: Ericson, Real-Time Collision Detection, 2005, 5.1.5.
+/// something, then what the ball of that distance touches. Const functions are thread safe.
 class TriangleGrid {
  public:
   explicit TriangleGrid(const NodeMesh& mesh);

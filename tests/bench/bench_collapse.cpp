@@ -244,10 +244,10 @@ void quality(const std::string& path) {
                 d.backward.rms / diagonal);
   };
   lode::ingest::cluster(mesh, targets, {0, max_position},
-                        [&](size_t, NodeMesh&& snapshot) { show("cluster", soupOf(snapshot, lattice)); });
-  lode::ingest::collapse(mesh, targets, {0, max_position}, [&](size_t target, NodeMesh&& snapshot) {
+                        [&](size_t, SimplifiedMesh&& snapshot) { show("cluster", soupOf(snapshot.mesh, lattice)); });
+  lode::ingest::collapse(mesh, targets, {0, max_position}, [&](size_t target, SimplifiedMesh&& snapshot) {
     if (target == 0) show("lattice alone", soupOf(mesh, lattice));
-    show("collapse", soupOf(snapshot, lattice));
+    show("collapse", soupOf(snapshot.mesh, lattice));
     const std::vector<unsigned> indices = meshoptSimplify(flat, targets[target]);
     lode::test::TriangleSoup theirs;
     for (size_t i = 0; i < indices.size(); i += 3)

@@ -16,8 +16,8 @@ namespace {
 std::vector<Snapshot> run(const NodeMesh& mesh, const std::vector<size_t>& targets,
                           const CollapseOptions& options = {}) {
   std::vector<Snapshot> snapshots;
-  cluster(mesh, targets, options, [&](size_t target, NodeMesh&& snapshot) {
-    snapshots.push_back({target, std::move(snapshot)});
+  cluster(mesh, targets, options, [&](size_t target, SimplifiedMesh&& snapshot) {
+    snapshots.push_back({target, std::move(snapshot.mesh)});
   });
   return snapshots;
 }

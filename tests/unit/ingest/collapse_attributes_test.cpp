@@ -56,7 +56,8 @@ struct Loss {
 Loss lossOf(const Mesh& sheet, size_t triangles, double attribute_weight) {
   Loss loss;
   const CollapseOptions options{.max_position = test::boxOf(sheet).max, .attribute_weight = attribute_weight};
-  collapse(test::nodeOf(sheet), std::array{triangles}, options, [&](size_t, NodeMesh&& mesh) {
+  collapse(test::nodeOf(sheet), std::array{triangles}, options, [&](size_t, SimplifiedMesh&& simplified) {
+    const NodeMesh& mesh = simplified.mesh;
     double samples = 0;
     Mesh shape;
     for (const uint32_t position : mesh.wedge_position) shape.positions.push_back(mesh.positions[position]);

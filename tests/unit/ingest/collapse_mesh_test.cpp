@@ -30,7 +30,10 @@ class RandomMerges {
     return true;
   }
 
-  std::set<test::PositionEdge> oddEdges() const { return test::oddEdges(mesh_.compact()); }
+  std::set<test::PositionEdge> oddEdges() const {
+    std::vector<uint32_t> new_position;
+    return test::oddEdges(mesh_.compact(new_position));
+  }
 
   /// The image of the input's odd edges, by the map alone.
   std::set<test::PositionEdge> image() const {

@@ -15,8 +15,8 @@ namespace {
 std::vector<Snapshot> run(const NodeMesh& mesh, const std::vector<size_t>& targets,
                           const CollapseOptions& options = {}) {
   std::vector<Snapshot> snapshots;
-  collapse(mesh, targets, options, [&](size_t target, NodeMesh&& snapshot) {
-    snapshots.push_back({target, std::move(snapshot)});
+  collapse(mesh, targets, options, [&](size_t target, SimplifiedMesh&& snapshot) {
+    snapshots.push_back({target, std::move(snapshot.mesh)});
   });
   return snapshots;
 }

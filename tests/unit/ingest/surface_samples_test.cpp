@@ -1,13 +1,16 @@
 #include "server/ingest/surface_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "server/ingest/collapse.h"
 #include "server/ingest/mesh_welder.h"
 #include "server/ingest/triangle_grid.h"
+#include "tests/support/node_meshes.h"
 
 namespace lode::ingest {
 namespace {
@@ -76,7 +79,7 @@ TEST(TriangleGrid, isInfinitelyFarFromAnEmptyMesh) {
 TEST(SurfaceSamples, keepTheLargestDeviationsAndAHashedChoiceOfTheRest) {
   std::vector<SurfaceSample> samples;
   for (uint32_t i = 0; i < 1000; ++i)
-    samples.push_back({packPosition({i, 0, 0}), i < 40 ? 100.f + static_cast<float>(i) : 1.f});
+    samples.push_back({packPosition({i, 0, 0}), i < 40 ? 100.f + static_cast<float>(i) : 1.f, i});
   std::vector<SurfaceSample> shuffled = samples;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(4));
   selectSamples(samples, 100);
@@ -95,9 +98,36 @@ TEST(SurfaceSamples, keepTheLargestDeviationsAndAHashedChoiceOfTheRest) {
 
 TEST(SurfaceSamples, countAPositionOnceWithItsLargestDeviation) {
   std::vector<SurfaceSample> samples{{packPosition({1, 1, 1}), 1}, {packPosition({1, 1, 1}), 3}};
-  selectSamples(samples, 10);
+  dropDuplicates(samples);
   ASSERT_EQ(samples.size(), 1u);
   EXPECT_EQ(samples[0].deviation, 3);
+}
+
+TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
+  const NodeMesh input = test::nodeOf(test::makeSphere(60, 40));
+  std::vector<SurfaceSample> samples;
+  for (uint32_t i = 0; i < input.positions.size(); ++i) samples.push_back({input.positions[i], 0, i});
+  collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    const TriangleGrid to_rung(rung.mesh), to_input(input);
+    float forward = 0, backward = 0;
+    for (const PositionCode position : input.positions)
+      forward = std::max(forward, to_rung.distance(position));
+    for (const PositionCode position : rung.mesh.positions)
+      backward = std::max(backward, to_input.distance(position));
+    EXPECT_FLOAT_EQ(measureDeviation(rung, samples), forward);
+    EXPECT_FLOAT_EQ(farthestVertex(rung, input), backward);
+  });
+}
+
+TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
+  const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
+  SimplifiedMesh rung{mesh, std::vector<uint32_t>(mesh.positions.size(), kVanished)};
+  std::vector<SurfaceSample> samples;
+  const PositionCode away = packPosition(unpackPosition(mesh.positions[0]) + glm::uvec3(0, 0, 70));
+  samples.push_back({away, 0, kVanished});
+  samples.push_back({mesh.positions[0], 0, 0});
+  EXPECT_FLOAT_EQ(measureDeviation(rung, samples), TriangleGrid(mesh).distance(away));
+  EXPECT_EQ(samples[1].deviation, 0);
 }
 
 }  // namespace

@@ -1,0 +1,92 @@
+#include "server/ingest/surface_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/ingest/point_triangle.h"
+
+namespace lode::ingest {
+namespace {
+
+float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
+
+}  // namespace
+
+SurfaceWalk::SurfaceWalk(const NodeMesh& mesh) : begin_(mesh.positions.size() + 1) {
+  points_.reserve(mesh.positions.size());
+  for (const PositionCode code : mesh.positions) points_.emplace_back(unpackPosition(code));
+  triangles_.reserve(mesh.triangles.size());
+  for (const glm::u32vec3& t : mesh.triangles) {
+    triangles_.emplace_back(mesh.wedge_position[t.x], mesh.wedge_position[t.y], mesh.wedge_position[t.z]);
+    const glm::u32vec3& corners = triangles_.back();
+    for (int k = 0; k < 3; ++k) {
+      ++begin_[corners[k]];
+      longest_edge_ =
+          std::max(longest_edge_, squaredLength(points_[corners[k]] - points_[corners[(k + 1) % 3]]));
+    }
+  }
+  longest_edge_ = std::sqrt(longest_edge_);
+  uint32_t end = 0;
+  for (uint32_t& begin : begin_) begin = end += begin;
+  around_.resize(end);
+  for (auto t = static_cast<uint32_t>(triangles_.size()); t-- > 0;) {
+    for (int k = 0; k < 3; ++k) around_[--begin_[triangles_[t][k]]] = t;
+  }
+}
+
+float SurfaceWalk::distance(PositionCode code, uint32_t start, float enough) const noexcept {
+  const glm::vec3 point(unpackPosition(code));
+  const float enough_squared = enough * enough;
+  Nearest best{std::numeric_limits<float>::infinity(), 0};
+  lookAround(point, start, enough_squared, best);
+  if (std::isinf(best.squared)) return best.squared;
+  glm::u32vec3 done(start);  // corners that have been looked around
+  for (float before = std::numeric_limits<float>::infinity(); best.squared < before;) {
+    if (best.squared <= enough_squared || isAbove(point, best.triangle)) break;
+    before = best.squared;
+    const glm::u32vec3 corners = triangles_[best.triangle];
+    for (int k = 0; k < 3; ++k) {
+      if (corners[k] != done.x && corners[k] != done.y && corners[k] != done.z)
+        lookAround(point, corners[k], enough_squared, best);
+    }
+    done = corners;
+  }
+  return std::sqrt(best.squared);
+}
+
+float SurfaceWalk::exactDistance(PositionCode code, float bound) const noexcept {
+  const glm::vec3 point(unpackPosition(code));
+  Nearest best{bound * bound, 0};
+  float reach = bound + longest_edge_;
+  for (uint32_t t = 0; t < triangles_.size(); ++t) {
+    if (squaredLength(point - points_[triangles_[t].x]) > reach * reach) continue;
+    lookAt(point, t, best);
+    reach = std::sqrt(best.squared) + longest_edge_;
+  }
+  return std::sqrt(best.squared);
+}
+
+/// Whether the triangle's nearest place is inside it, so that its neighbours are farther away.
+bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
+  const glm::u32vec3& t = triangles_[triangle];
+  const glm::vec3 a = points_[t.x] - point, b = points_[t.y] - point, c = points_[t.z] - point;
+  const glm::vec3 normal = glm::cross(b - a, c - a);
+  return glm::dot(normal, glm::cross(a, b)) > 0 && glm::dot(normal, glm::cross(b, c)) > 0 &&
+         glm::dot(normal, glm::cross(c, a)) > 0;
+}
+
+void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_squared,
+                             Nearest& best) const noexcept {
+  for (uint32_t i = begin_[position]; i < begin_[position + 1] && best.squared > enough_squared; ++i)
+    lookAt(point, around_[i], best);
+}
+
+void SurfaceWalk::lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept {
+  const glm::u32vec3& t = triangles_[triangle];
+  const glm::vec3 a = points_[t.x];
+  const float squared = squaredDistanceToTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
+  if (squared < best.squared) best = {squared, triangle};
+}
+
+}  // namespace lode::ingest
