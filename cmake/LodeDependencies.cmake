@@ -8,6 +8,8 @@ find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
+find_package(JPEG REQUIRED)
 
 # Debian's draco package config misses its include folder; the library itself is all that is needed.
 find_library(LODE_DRACO_LIBRARY draco REQUIRED)

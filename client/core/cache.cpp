@@ -18,10 +18,11 @@ uint64_t meshBytes(const Mesh& mesh) noexcept {
          mesh.triangles.size() * sizeof(glm::u32vec3);
 }
 
-void MeshCache::insert(MeshKey key, std::shared_ptr<const Mesh> mesh) {
+void MeshCache::insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
+                       std::shared_ptr<const TextureFootprint> footprint) {
   const uint64_t mesh_bytes = meshBytes(*mesh);
-  const auto [entry, is_new] =
-      entries_.try_emplace(key, Entry{std::move(mesh), mesh_bytes, round_, round_, false});
+  const auto [entry, is_new] = entries_.try_emplace(
+      key, Entry{std::move(mesh), std::move(footprint), mesh_bytes, round_, round_, false});
   if (is_new) bytes_ += mesh_bytes;
 }
 
@@ -32,6 +33,16 @@ void MeshCache::pin(MeshKey key) {
 std::shared_ptr<const Mesh> MeshCache::find(MeshKey key) const noexcept {
   const auto entry = entries_.find(key);
   return entry == entries_.end() ? nullptr : entry->second.mesh;
+}
+
+void MeshCache::setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint) {
+  if (const auto entry = entries_.find(key); entry != entries_.end())
+    entry->second.footprint = std::move(footprint);
+}
+
+const TextureFootprint* MeshCache::footprint(MeshKey key) const noexcept {
+  const auto entry = entries_.find(key);
+  return entry == entries_.end() ? nullptr : entry->second.footprint.get();
 }
 
 void MeshCache::use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently) {

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "client/core/texture_footprint.h"
 #include "common/mesh.h"
 #include "common/node_key.h"
 
@@ -33,10 +34,15 @@ class MeshCache {
   explicit MeshCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
   /// A mesh that is there already is kept as it is.
-  void insert(MeshKey key, std::shared_ptr<const Mesh> mesh);
+  /// @param footprint  of a mesh that wears textures; may come later, with setFootprint().
+  void insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
+              std::shared_ptr<const TextureFootprint> footprint = nullptr);
+  void setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint);
   void pin(MeshKey key);
   /// @return null if it is not resident.
   std::shared_ptr<const Mesh> find(MeshKey key) const noexcept;
+  /// @return null if the mesh is not resident or its footprint is not known.
+  const TextureFootprint* footprint(MeshKey key) const noexcept;
   bool contains(MeshKey key) const noexcept { return entries_.contains(key); }
 
   /// Starts a new round of use and evicts what does not fit the budget, but nothing in use or pinned.
@@ -56,6 +62,7 @@ class MeshCache {
   };
   struct Entry {
     std::shared_ptr<const Mesh> mesh;
+    std::shared_ptr<const TextureFootprint> footprint;
     uint64_t bytes = 0;
     uint64_t used_round = 0;
     uint64_t in_use_round = 0;

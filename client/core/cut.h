@@ -3,9 +3,12 @@
 #include <memory>
 #include <vector>
 
+#include "client/core/tile_key.h"
 #include "client/core/view.h"
 #include "common/mesh.h"
 #include "common/node_key.h"
+#include "common/texture_set.h"
+#include "common/tile_image.h"
 
 namespace lode::core {
 
@@ -18,6 +21,13 @@ struct CutPart {
   std::shared_ptr<const Mesh> mesh;
 };
 
+/// A tile of a texture that may be drawn. The image is shared with the cache and never changes; tiles that
+/// are equal share one.
+struct ResidentTile {
+  TileKey key;
+  std::shared_ptr<const TileImage> image;
+};
+
 /// What covers the model exactly once (design: cut), in key order; published by the refiner, immutable, read
 /// by the renderer on another thread. Parts without triangles are left out.
 struct Cut {
@@ -25,7 +35,10 @@ struct Cut {
   std::vector<CutPart> parts;
   uint64_t triangles = 0;
   float max_error_px = 0;  ///< of the visible parts
-  bool converged = false;  ///< nothing visible is above the threshold, but leaves at their original triangles
+  bool converged = false;  ///< nothing visible is above the threshold, but leaves at their original
+                           ///< triangles, and every tile that the memory allows for textures is there
+  std::shared_ptr<const TextureSet> textures;  ///< null: the model has none, or they are not there yet
+  std::vector<ResidentTile> tiles;             ///< by key, coarse levels first
 };
 
 }  // namespace lode::core

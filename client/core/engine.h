@@ -16,12 +16,13 @@
 #include "client/core/hierarchy.h"
 #include "client/core/refiner.h"
 #include "client/core/session.h"
+#include "client/core/texture_stream.h"
 #include "client/core/view.h"
 #include "common/draco_codec.h"
 
 namespace lode::core {
 
-constexpr uint64_t kDefaultMemoryBudgetBytes = 1ull << 30;  ///< of decoded meshes
+constexpr uint64_t kDefaultMemoryBudgetBytes = 1ull << 30;  ///< of decoded meshes and textures
 
 struct EngineOptions {
   SessionOptions session;
@@ -29,18 +30,30 @@ struct EngineOptions {
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
 };
 
-/// A payload to be decoded outside the core, on any thread: decodePayload(bytes, step, expected).
+/// A tile that a job decodes instead of a mesh.
+struct TileOrder {
+  uint32_t blob = 0;
+  glm::uvec2 image_size{0};
+};
+
+/// A payload to be decoded outside the core, on any thread: decodePayload(bytes, step, expected), and the
+/// footprint of the mesh where textures are known; or a tile: decodeTile(bytes, image_size).
 struct DecodeJob {
   MeshKey mesh;
   std::vector<std::byte> bytes;
   double step = 1;
   PayloadExpectation expected;
+  std::shared_ptr<const TextureSet> textures = nullptr;
+  std::optional<TileOrder> tile = std::nullopt;
 };
 
 struct DecodeResult {
   MeshKey mesh;
   std::shared_ptr<const Mesh> decoded;  ///< null if it failed
   std::string failure;                  ///< then: why
+  std::shared_ptr<const TextureFootprint> footprint = nullptr;
+  std::optional<TileOrder> tile = std::nullopt;  ///< of a tile's job
+  std::shared_ptr<const TileImage> image = nullptr;
 };
 
 /// Runs a job; never throws.
@@ -52,10 +65,15 @@ struct EngineCounts {
   uint64_t decoding = 0;        ///< jobs handed out
   uint64_t resident_bytes = 0;  ///< decoded meshes
   uint64_t known_nodes = 0;
+  uint64_t texture_blob_bytes = 0;  ///< received for textures: their set and tiles
+  uint64_t texture_bytes = 0;       ///< decoded tiles
+  uint64_t tiles = 0;               ///< resident
+  uint64_t tiles_left_out = 0;      ///< that the view needs and the memory budget does not allow
 };
 
-/// Session, cache and refiner stepped together: bytes, decoded meshes and a camera in; bytes, decode jobs and
-/// cuts out. Owns no thread, knows no clock and no socket. Not thread safe; the cuts it gives are.
+/// Session, caches and refiner stepped together: bytes, decoded meshes and tiles and a camera in; bytes,
+/// decode jobs and cuts out. Owns no thread, knows no clock and no socket. Not thread safe; the cuts it gives
+/// are.
 class Engine {
  public:
   Engine(EngineOptions options, TimePoint now);
@@ -94,13 +112,21 @@ class Engine {
   void handle(ServerLeaving event);
   void handle(ModelChanged event);
 
+  enum class Kind : uint8_t { kMesh, kPage, kRootPage, kTextureSet, kTile };
   struct Purpose {  // of a blob that was wished for
-    MeshKey mesh;
-    bool is_page = false;
-    bool is_root_page = false;
+    Kind kind = Kind::kMesh;
+    MeshKey mesh;  // or of the node that owns the page
+  };
+  struct Ask {
+    BlobWish wish;
+    Purpose purpose;
   };
   void addPage(const Purpose& purpose, std::span<const std::byte> bytes);
   void startDecode(MeshKey mesh, std::vector<std::byte> bytes);
+  void startDecode(const BlobRef& tile, std::vector<std::byte> bytes);
+  void finishTile(DecodeResult result);
+  void dressCut(Cut& cut);
+  void collectAsks(const std::vector<Wanted>& wanted);
   void fail(std::string message);
   void renewWishes();
 
@@ -112,11 +138,14 @@ class Engine {
   std::optional<View> view_;
   RefineOptions refine_options_;
   bool changed_ = false;
-  std::map<uint32_t, Purpose> purposes_;  // by blob number
-  std::map<MeshKey, uint64_t> decoding_;  // handed out; size of the encoded payload
+  std::map<uint32_t, Purpose> purposes_;         // by blob number
+  std::optional<TextureStream> textures_;        // of a model that has any
+  std::map<MeshKey, uint64_t> decoding_;         // handed out; size of the encoded payload
+  std::map<uint32_t, uint64_t> decoding_tiles_;  // the same, by blob number
   uint64_t undecoded_bytes_ = 0;
   std::set<uint32_t> refused_;  // blob numbers that cannot be had
-  std::vector<Wanted> wanted_;
+  std::vector<Ask> asks_;       // best first
+  uint64_t texture_blob_bytes_ = 0;
   std::vector<DecodeJob> jobs_;
   std::shared_ptr<const Cut> cut_;
   bool limited_ = false, settled_ = false;

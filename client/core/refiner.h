@@ -31,7 +31,7 @@ struct Wanted {
 };
 
 struct Refinement {
-  std::shared_ptr<const Cut> cut;  ///< null while nothing covers the model yet
+  std::shared_ptr<Cut> cut;        ///< without its textures; null while nothing covers the model yet
   std::vector<Wanted> wanted;      ///< not resident; best first
   std::vector<MeshKey> in_use;     ///< resident: the cut's meshes, and those that wait for their siblings
   std::vector<MeshKey> ancestors;  ///< resident: coarser stand-ins for the cut

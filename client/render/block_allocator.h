@@ -10,7 +10,8 @@ namespace lode::render {
 /// bookkeeping. Not thread safe.
 class BlockAllocator {
  public:
-  static constexpr uint32_t kAlignment = 16;  ///< offsets and lengths are multiples of it
+  static constexpr uint32_t kAlignment = 48;  ///< offsets and lengths are multiples of it: whole
+                                              ///< vertices of 16 bytes and of 24
 
   /// @param capacity_bytes  rounded down to the alignment.
   explicit BlockAllocator(uint32_t capacity_bytes);

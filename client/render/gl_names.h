@@ -70,6 +70,15 @@ struct FramebufferTraits {
   static void destroy(GLuint name) noexcept { glDeleteFramebuffers(1, &name); }
 };
 
+struct TextureArrayTraits {
+  static GLuint create() noexcept {
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+    return name;
+  }
+  static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
+};
+
 struct ProgramTraits {
   static GLuint create() noexcept { return glCreateProgram(); }
   static void destroy(GLuint name) noexcept { glDeleteProgram(name); }
@@ -79,6 +88,7 @@ using GlBuffer = GlName<BufferTraits>;
 using GlVertexArray = GlName<VertexArrayTraits>;
 using GlRenderbuffer = GlName<RenderbufferTraits>;
 using GlFramebuffer = GlName<FramebufferTraits>;
+using GlTextureArray = GlName<TextureArrayTraits>;
 using GlProgram = GlName<ProgramTraits>;
 
 }  // namespace lode::render

@@ -1,6 +1,7 @@
 #include "client/render/gpu_vertex.h"
 
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 #include "common/octahedral.h"
@@ -29,18 +30,23 @@ const std::vector<uint32_t>& normalTable() {
 }  // namespace
 
 uint64_t gpuBytes(const Mesh& mesh) noexcept {
-  return mesh.positions.size() * sizeof(GpuVertex) + mesh.triangles.size() * sizeof(glm::u32vec3);
+  return mesh.positions.size() * vertexBytes(mesh.attributes) + mesh.triangles.size() * sizeof(glm::u32vec3);
 }
 
-void packVertices(const Mesh& mesh, size_t first, std::span<GpuVertex> out) {
+void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out) {
   const std::vector<uint32_t>& normals = normalTable();
   const bool has_attributes = !mesh.vertex_attributes.empty();
-  for (size_t i = 0; i < out.size(); ++i) {
+  const uint32_t bytes = vertexBytes(mesh.attributes);
+  for (size_t i = 0; (i + 1) * bytes <= out.size(); ++i) {
     const uint64_t code = mesh.positions[first + i].value;
     const VertexAttributes attributes =
         has_attributes ? mesh.vertex_attributes[first + i] : VertexAttributes{};
-    out[i] = {static_cast<uint32_t>(code), static_cast<uint32_t>(code >> 32), normals[attributes.normal],
-              attributes.colour};
+    const GpuTexturedVertex vertex{{static_cast<uint32_t>(code), static_cast<uint32_t>(code >> 32),
+                                    normals[attributes.normal], attributes.colour},
+                                   attributes.texture,
+                                   attributes.material,
+                                   0};
+    std::memcpy(out.data() + i * bytes, &vertex, bytes);  // the plain vertex is the first part
   }
 }
 

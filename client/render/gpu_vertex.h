@@ -10,7 +10,7 @@
 
 namespace lode::render {
 
-/// A vertex as the GPU keeps it.
+/// A vertex as the GPU keeps it, of a model without texture coordinates.
 struct GpuVertex {
   uint32_t position_low;   ///< bits 0..31 of the position code
   uint32_t position_high;  ///< bits 32..62
@@ -19,11 +19,25 @@ struct GpuVertex {
 };
 static_assert(sizeof(GpuVertex) == 16);
 
+/// The same with texture coordinates.
+struct GpuTexturedVertex {
+  GpuVertex vertex;
+  glm::u16vec2 texture;  ///< codes
+  uint16_t material;
+  uint16_t unused;
+};
+static_assert(sizeof(GpuTexturedVertex) == 24);
+
+/// Bytes of one vertex of meshes with these attributes.
+constexpr uint32_t vertexBytes(AttributeSet attributes) noexcept {
+  return attributes.has(AttributeSet::kTexture) ? sizeof(GpuTexturedVertex) : sizeof(GpuVertex);
+}
+
 /// Bytes that a mesh takes on the GPU: its vertices, then its indices, 32 bits each.
 uint64_t gpuBytes(const Mesh& mesh) noexcept;
 
-/// Packs vertices [first, first + out.size()) of a mesh.
-void packVertices(const Mesh& mesh, size_t first, std::span<GpuVertex> out);
+/// Packs as many vertices of a mesh as fill `out`, from `first` on, each of vertexBytes(mesh.attributes).
+void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out);
 
 /// True if the mesh brings normals to shade with, its own or computed ones.
 constexpr bool hasNormals(AttributeSet attributes) noexcept {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "client/core/texture_stream.h"
 #include "client/render/gpu_vertex.h"
 
 namespace lode::render {
@@ -12,6 +13,14 @@ namespace {
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 
 }  // namespace
+
+ResidencyOptions residencyFor(uint64_t memory_budget_bytes) {
+  ResidencyOptions options;
+  options.budget_bytes = std::max(options.budget_bytes, memory_budget_bytes);
+  options.texture_budget_bytes =
+      std::max(options.texture_budget_bytes, memory_budget_bytes / core::kTextureBudgetShare);
+  return options;
+}
 
 /// What is left of a frame's UploadBudget.
 struct MeshResidency::Allowance {
@@ -102,14 +111,14 @@ bool MeshResidency::uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowa
 uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t limit_bytes) {
   const GLuint buffer = pages_.buffer(entry.block.page);
   const auto vertices = static_cast<uint32_t>(mesh.positions.size());
+  const uint32_t vertex_bytes = vertexBytes(mesh.attributes);
   if (entry.vertices_done < vertices) {
-    const uint32_t count =
-        std::min(limit_bytes / uint32_t{sizeof(GpuVertex)}, vertices - entry.vertices_done);
+    const uint32_t count = std::min(limit_bytes / vertex_bytes, vertices - entry.vertices_done);
     if (count == 0) return 0;
-    const auto bytes = static_cast<uint32_t>(count * sizeof(GpuVertex));
+    const auto bytes = count * vertex_bytes;
     const std::span<std::byte> room = staging_.take(bytes);
-    packVertices(mesh, entry.vertices_done, {reinterpret_cast<GpuVertex*>(room.data()), count});
-    staging_.copyTo(buffer, entry.block.offset_bytes + uint64_t{entry.vertices_done} * sizeof(GpuVertex));
+    packVertices(mesh, entry.vertices_done, room);
+    staging_.copyTo(buffer, entry.block.offset_bytes + uint64_t{entry.vertices_done} * vertex_bytes);
     for (uint32_t i = 0; i < count; ++i) {
       entry.box.add(unpackPosition(mesh.positions[entry.vertices_done + i]));
     }
@@ -122,7 +131,7 @@ uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t lim
   if (count == 0) return 0;
   const std::span<std::byte> room = staging_.take(count * kTriangleBytes);
   std::memcpy(room.data(), mesh.triangles.data() + entry.triangles_done, room.size());
-  staging_.copyTo(buffer, entry.block.offset_bytes + uint64_t{vertices} * sizeof(GpuVertex) +
+  staging_.copyTo(buffer, entry.block.offset_bytes + uint64_t{vertices} * vertex_bytes +
                               uint64_t{entry.triangles_done} * kTriangleBytes);
   entry.triangles_done += count;
   return count * kTriangleBytes;
@@ -187,9 +196,10 @@ void MeshResidency::finish() {
     const auto it = entries_.find(part.mesh);
     if (it == entries_.end()) continue;
     const Entry& entry = it->second;
-    const auto base = static_cast<uint32_t>(entry.block.offset_bytes / sizeof(GpuVertex));
+    const uint32_t vertex_bytes = vertexBytes(part.mesh->attributes);
+    const uint32_t base = entry.block.offset_bytes / vertex_bytes;
     const auto vertices = static_cast<uint32_t>(part.mesh->positions.size());
-    drawn_.push_back({entry.block.page, base, (base + vertices) * uint32_t{sizeof(GpuVertex) / 4},
+    drawn_.push_back({entry.block.page, base, (base + vertices) * (vertex_bytes / 4),
                       static_cast<uint32_t>(part.mesh->triangles.size() * 3), entry.box,
                       part.mesh->attributes, part.node, part.rung});
   }

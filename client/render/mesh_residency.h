@@ -13,11 +13,15 @@
 namespace lode::render {
 
 struct ResidencyOptions {
-  uint64_t budget_bytes = uint64_t{1} << 30;   ///< of GPU memory for meshes
-  uint64_t spare_bytes = uint64_t{128} << 20;  ///< kept of meshes that are no longer drawn
-  uint32_t page_bytes = 32u << 20;             ///< of one buffer
-  uint32_t staging_bytes = 4u << 20;           ///< most that one frame uploads
+  uint64_t budget_bytes = uint64_t{1} << 30;            ///< of GPU memory for meshes
+  uint64_t texture_budget_bytes = uint64_t{256} << 20;  ///< of GPU memory for textures
+  uint64_t spare_bytes = uint64_t{128} << 20;           ///< kept of meshes that are no longer drawn
+  uint32_t page_bytes = 32u << 20;                      ///< of one buffer
+  uint32_t staging_bytes = 4u << 20;                    ///< most that one frame uploads
 };
+
+/// Room for what a client core with this memory budget gives to draw.
+ResidencyOptions residencyFor(uint64_t memory_budget_bytes);
 
 /// How much of a frame may go into uploads.
 struct UploadBudget {

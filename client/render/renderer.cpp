@@ -11,31 +11,41 @@
 namespace lode::render {
 namespace {
 
-enum MeshUniform : GLint { kEyeHigh, kEyeLow, kLatticeStep, kViewRotation, kProjection };
+enum MeshUniform : GLint {
+  kEyeHigh,
+  kEyeLow,
+  kLatticeStep,
+  kViewRotation,
+  kProjection,
+  kUvFrame,
+  kTextureCount
+};
 enum BackgroundUniform : GLint { kBottom, kTop };
-enum Attribute : GLuint { kPositionCode, kNormal, kColour, kDrawFlags };
+enum Attribute : GLuint { kPositionCode, kNormal, kColour, kDrawFlags, kTextureCode };
 enum Binding : GLuint { kVertices, kDraws };
 
 GlVertexArray makeMeshArray(const GlBuffer& flags) {
   GlVertexArray array = GlVertexArray::create();
   const GLuint name = array.get();
-  for (const GLuint attribute : {kPositionCode, kNormal, kColour, kDrawFlags}) {
-    glEnableVertexArrayAttrib(name, attribute);
+  for (const GLuint attribute : {kPositionCode, kNormal, kColour, kDrawFlags, kTextureCode}) {
+    if (attribute != kTextureCode) glEnableVertexArrayAttrib(name, attribute);
     glVertexArrayAttribBinding(name, attribute, attribute == kDrawFlags ? kDraws : kVertices);
   }
   glVertexArrayAttribIFormat(name, kPositionCode, 2, GL_UNSIGNED_INT, offsetof(GpuVertex, position_low));
   glVertexArrayAttribFormat(name, kNormal, 4, GL_INT_2_10_10_10_REV, GL_TRUE, offsetof(GpuVertex, normal));
   glVertexArrayAttribFormat(name, kColour, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(GpuVertex, colour));
+  glVertexArrayAttribIFormat(name, kTextureCode, 3, GL_UNSIGNED_SHORT, offsetof(GpuTexturedVertex, texture));
   glVertexArrayAttribIFormat(name, kDrawFlags, 1, GL_UNSIGNED_INT, 0);
   glVertexArrayBindingDivisor(name, kDraws, 1);
   glVertexArrayVertexBuffer(name, kDraws, flags.get(), 0, sizeof(uint32_t));
   return array;
 }
 
-uint32_t flagsOf(const DrawItem& item, const DrawStyle& style) {
+uint32_t flagsOf(const DrawItem& item, const DrawStyle& style, bool has_textures) {
   uint32_t flags = style.lod_colours ? kDrawLodColour : 0;
   if (hasNormals(item.attributes)) flags |= kDrawHasNormals;
   if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
+  if (has_textures && item.attributes.has(AttributeSet::kTexture)) flags |= kDrawTextured;
   const auto hash = static_cast<uint32_t>(item.node.value * 0x9e3779b97f4a7c15ull >> 56);
   return flags | static_cast<uint32_t>(item.node.depth()) << 8 | std::min(item.rung, 255u) << 16 | hash << 24;
 }
@@ -58,12 +68,25 @@ void setFrameState(const DrawStyle& style) {
 Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
     : lattice_step_(lattice_step),
       meshes_(options),
+      textures_(options.texture_budget_bytes),
       mesh_program_(linkProgram(kMeshVertexShader, kMeshFragmentShader)),
       background_program_(linkProgram(kBackgroundVertexShader, kBackgroundFragmentShader)),
       empty_array_(GlVertexArray::create()),
       commands_buffer_(GlBuffer::create()),
       flags_buffer_(GlBuffer::create()) {
   mesh_array_ = makeMeshArray(flags_buffer_);
+}
+
+void Renderer::show(const std::shared_ptr<const core::Cut>& cut) {
+  meshes_.show(cut);
+  textures_.show(cut);
+}
+
+void Renderer::uploadInRenderThread(const UploadBudget& budget) {
+  UploadBudget left = budget;
+  const uint64_t used_bytes = meshes_.uploadInRenderThread(budget);
+  left.bytes -= static_cast<uint32_t>(std::min<uint64_t>(used_bytes, left.bytes));
+  textures_.uploadInRenderThread(left);
 }
 
 void Renderer::drawBackground(const DrawStyle& style) const {
@@ -89,11 +112,21 @@ DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
     commands_[item.page].push_back({item.index_count, 1, item.first_index,
                                     static_cast<int32_t>(item.base_vertex),
                                     static_cast<uint32_t>(flags_.size())});
-    flags_.push_back(flagsOf(item, style));
+    flags_.push_back(flagsOf(item, style, textures_.set() != nullptr));
     counts.triangles += item.index_count / 3;
     ++counts.nodes;
   }
   return counts;
+}
+
+/// Coordinates are told to the shader without the whole repeats in their origin, which floats would lose.
+void Renderer::setTextures() const {
+  const TextureSet* const set = textures_.set();
+  if (set == nullptr) return;
+  const glm::vec2 origin(set->uv_origin - glm::floor(set->uv_origin));
+  glUniform3f(kUvFrame, origin.x, origin.y, static_cast<float>(uvStep(*set)));
+  glUniform1ui(kTextureCount, static_cast<GLuint>(set->textures.size()));
+  textures_.bind();
 }
 
 uint32_t Renderer::drawPages() const {
@@ -106,12 +139,19 @@ uint32_t Renderer::drawPages() const {
                     flags_.data(), GL_STREAM_DRAW);
   glBindVertexArray(mesh_array_.get());
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_buffer_.get());
+  const AttributeSet attributes = meshes_.drawn().front().attributes;  // the model's, of all meshes
+  const auto stride = static_cast<GLsizei>(vertexBytes(attributes));
+  if (attributes.has(AttributeSet::kTexture)) {
+    glEnableVertexArrayAttrib(mesh_array_.get(), kTextureCode);
+  } else {
+    glDisableVertexArrayAttrib(mesh_array_.get(), kTextureCode);
+  }
   size_t first = 0;
   uint32_t calls = 0;
   for (uint32_t page = 0; page < commands_.size(); ++page) {
     if (commands_[page].empty()) continue;
     const GLuint buffer = meshes_.pages().buffer(page);
-    glVertexArrayVertexBuffer(mesh_array_.get(), kVertices, buffer, 0, sizeof(GpuVertex));
+    glVertexArrayVertexBuffer(mesh_array_.get(), kVertices, buffer, 0, stride);
     glVertexArrayElementBuffer(mesh_array_.get(), buffer);
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
                                 reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
@@ -142,6 +182,7 @@ DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, con
   glUniform1f(kLatticeStep, static_cast<float>(lattice_step_));
   glUniformMatrix3fv(kViewRotation, 1, GL_FALSE, &rotation[0][0]);
   glUniform3f(kProjection, projection.scale.x, projection.scale.y, projection.near_model);
+  setTextures();
   counts.calls = drawPages();
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   return counts;

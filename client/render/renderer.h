@@ -10,6 +10,7 @@
 #include "client/core/view.h"
 #include "client/render/framebuffer.h"
 #include "client/render/mesh_residency.h"
+#include "client/render/texture_residency.h"
 
 namespace lode::render {
 
@@ -38,9 +39,17 @@ class Renderer {
   /// For a model that becomes known later; before its first cut is shown.
   void setLatticeStep(double lattice_step) noexcept { lattice_step_ = lattice_step; }
 
+  /// The newest cut, its meshes and its textures.
+  void show(const std::shared_ptr<const core::Cut>& cut);
+  /// Uploads towards it, meshes first, within the budget.
+  void uploadInRenderThread(const UploadBudget& budget);
+  /// The newest cut is the one drawn, with all of its textures.
+  bool upToDate() const noexcept { return meshes_.upToDate() && textures_.upToDate(); }
+
   /// Decides what is drawn; see MeshResidency.
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
+  const TextureResidency& textures() const noexcept { return textures_; }
 
   /// Draws background and model. view.width_px and height_px are those of the target.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {});
@@ -54,10 +63,12 @@ class Renderer {
   };
   void drawBackground(const DrawStyle& style) const;
   DrawCounts collect(const core::View& view, const DrawStyle& style);
+  void setTextures() const;
   uint32_t drawPages() const;
 
   double lattice_step_;
   MeshResidency meshes_;
+  TextureResidency textures_;
   GlProgram mesh_program_, background_program_;
   GlVertexArray mesh_array_, empty_array_;
   GlBuffer commands_buffer_, flags_buffer_;

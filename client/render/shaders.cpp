@@ -7,17 +7,22 @@ layout(location = 0) in uvec2 position_code;
 layout(location = 1) in vec4 normal;
 layout(location = 2) in vec4 colour_srgb;
 layout(location = 3) in uint draw_flags;
+layout(location = 4) in uvec3 texture_code;  // coordinates, material
 
 layout(location = 0) uniform ivec3 eye_high;
 layout(location = 1) uniform vec3 eye_low;
 layout(location = 2) uniform float lattice_step;
 layout(location = 3) uniform mat3 view_rotation;
 layout(location = 4) uniform vec3 projection;  // scale x, scale y, near
+layout(location = 5) uniform vec3 uv_frame;    // origin, distance of neighbouring codes
 
 invariant gl_Position;
 out vec3 position_view;
 out vec3 normal_view;
 out vec3 colour;
+out vec2 uv;
+centroid out vec2 uv_inside;
+flat out uint material;
 flat out uint flags;
 
 vec3 toLinear(vec3 srgb) {
@@ -33,6 +38,8 @@ void main() {
   position_view = view_rotation * relative;
   normal_view = view_rotation * normal.xyz;
   colour = toLinear(colour_srgb.rgb);
+  uv = uv_inside = uv_frame.xy + vec2(texture_code.xy) * uv_frame.z;
+  material = texture_code.z;
   flags = draw_flags;
   gl_Position = vec4(projection.xy * position_view.xy, projection.z, -position_view.z);
 }
@@ -42,10 +49,54 @@ const char* const kMeshFragmentShader = R"glsl(#version 450 core
 in vec3 position_view;
 in vec3 normal_view;
 in vec3 colour;
+in vec2 uv;
+centroid in vec2 uv_inside;
+flat in uint material;
 flat in uint flags;
 out vec4 pixel;
 
+layout(location = 6) uniform uint texture_count;
+layout(binding = 0) uniform sampler2DArray tile_layers;
+layout(std430, binding = 0) readonly buffer TileTable { uint table[]; };
+
 const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
+const uint kHeadWords = 4u, kTilePx = 512u, kInnerPx = 508u, kGutterPx = 2u, kCellPx = 32u;
+
+/// Samples one level where its tile is there. `at` is within the image, 0..1 from its top left corner.
+bool sampleLevel(uint level, vec2 at, out vec3 texel) {
+  uint head = material * kHeadWords;
+  uvec2 size = (uvec2(table[head], table[head + 1u]) + (1u << level) - 1u) >> level;
+  uvec2 tiles = (size + kInnerPx - 1u) / kInnerPx;
+  vec2 place = at * vec2(size);
+  uvec2 tile = min(uvec2(place) / kInnerPx, tiles - 1u);
+  uint page = table[table[table[head + 3u] + level] + tile.y * tiles.x + tile.x];
+  if (page >> 31 == 0u) return false;
+  uvec2 corner = uvec2(page & 15u, page >> 4 & 15u) * kCellPx;
+  vec2 in_layer = vec2(corner + kGutterPx) + (place - vec2(tile * kInnerPx));
+  texel = textureLod(tile_layers, vec3(in_layer / float(kTilePx), float(page >> 8 & 0x7fffffu)), 0.0).rgb;
+  return true;
+}
+
+/// The finest level of the material's texture that a pixel can show and that is there, blended with the next
+/// coarser one. @return false if no level is.
+bool sampleTexture(out vec3 texel) {
+  vec2 across = dFdx(uv), down = dFdy(uv);
+  if (material >= texture_count) return false;
+  uint head = material * kHeadWords, levels = table[head + 2u];
+  if (levels == 0u) return false;
+  vec2 size = vec2(table[head], table[head + 1u]);
+  float texels_px = max(length(across * size), length(down * size));
+  float wanted = clamp(log2(max(texels_px, 1e-6)), 0.0, float(levels - 1u));
+  uint finest = uint(wanted);
+  vec2 at = fract(vec2(uv_inside.x, 1.0 - uv_inside.y));
+  uint level = finest;
+  while (!sampleLevel(level, at, texel))
+    if (++level == levels) return false;
+  vec3 coarser;
+  if (level == finest && level + 1u < levels && sampleLevel(level + 1u, at, coarser))
+    texel = mix(texel, coarser, wanted - float(finest));
+  return true;
+}
 
 vec3 hueOf(float turn) {
   return clamp(abs(fract(turn + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
@@ -62,6 +113,8 @@ void main() {
     if (dot(n, facet) < 0.0) n = -n;
   }
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
+  vec3 texel;
+  if ((flags & 8u) != 0u && sampleTexture(texel)) albedo = (flags & 2u) != 0u ? colour * texel : texel;
   if ((flags & 4u) != 0u) {
     float depth = float(flags >> 8 & 0xffu), rung = float(flags >> 16 & 0xffu);
     float node = float(flags >> 24) / 255.0;

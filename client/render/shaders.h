@@ -10,6 +10,6 @@ extern const char* const kBackgroundFragmentShader;
 
 /// Bits of a draw's flags, as the shaders read them; depth, rung and a hash of the node
 /// follow at bits 8, 16 and 24.
-constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawLodColour = 4;
+constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawLodColour = 4, kDrawTextured = 8;
 
 }  // namespace lode::render

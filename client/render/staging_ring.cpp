@@ -49,6 +49,16 @@ void StagingRing::copyTo(GLuint buffer, uint64_t offset_bytes) const {
                            static_cast<GLintptr>(offset_bytes), last_bytes_);
 }
 
+void StagingRing::copyTo(GLuint texture_array, GLint layer, glm::ivec2 corner, glm::ivec2 size) const {
+  const uint64_t from = uint64_t{segment_} * segment_bytes_ + used_bytes_ - last_bytes_;
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer_.get());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glTextureSubImage3D(texture_array, 0, corner.x, corner.y, layer, size.x, size.y, 1, GL_RGBA,
+                      GL_UNSIGNED_BYTE, reinterpret_cast<const void*>(from));
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+}
+
 void StagingRing::close() {
   if (used_bytes_ == 0) return;
   fences_[segment_] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);

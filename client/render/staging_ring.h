@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <span>
 
+#include <glm/glm.hpp>
+
 #include "client/render/gl_names.h"
 
 namespace lode::render {
@@ -26,6 +28,8 @@ class StagingRing {
   std::span<std::byte> take(uint32_t bytes);
   /// Has the GPU copy what was written to the last take().
   void copyTo(GLuint buffer, uint64_t offset_bytes) const;
+  /// The same into a rectangle of one layer of a texture: RGBA texels by rows, as many as were taken.
+  void copyTo(GLuint texture_array, GLint layer, glm::ivec2 corner, glm::ivec2 size) const;
   /// Ends the segment begun by open(); it is not written to again before the GPU has read it.
   void close();
 

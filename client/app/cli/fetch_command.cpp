@@ -50,6 +50,9 @@ Json toJson(const KeyResult& key) {
   json["first_image_ms"] = key.first_image_ms ? Json(*key.first_image_ms) : Json();
   json["converged_ms"] = key.converged_ms ? Json(*key.converged_ms) : Json();
   json["bytes_received"] = key.status.counts.received_bytes;
+  json["texture_bytes"] = key.status.counts.texture_blob_bytes;
+  json["tiles"] = key.status.counts.tiles;
+  json["tiles_left_out"] = key.status.counts.tiles_left_out;
   json["final_cut_bytes"] = key.status.cut_blob_bytes;
   json["triangles"] = key.status.cut ? key.status.cut->triangles : 0;
   json["nodes"] = key.status.cut ? key.status.cut->parts.size() : 0;

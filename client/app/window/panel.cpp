@@ -48,6 +48,11 @@ std::string formatted(const char* format, double a, double b = 0) {
   return text;
 }
 
+std::string tilesOf(const PanelContent& content) {
+  const std::string tiles = countOf(content.tiles) + " tiles";
+  return content.tiles_left_out == 0 ? tiles : tiles + ", no room for " + countOf(content.tiles_left_out);
+}
+
 void drawFigures(const PanelContent& content) {
   if (!ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) return;
   // Widths that do not follow the figures: the panel would lag a frame behind them.
@@ -57,6 +62,7 @@ void drawFigures(const PanelContent& content) {
   row("nodes", countOf(content.nodes));
   row("received", bytesOf(content.received_bytes));
   row("memory", bytesOf(content.resident_bytes) + ", GPU " + bytesOf(content.gpu_bytes));
+  if (content.textured) row("textures", tilesOf(content));
   row("threshold", formatted("%.2f px, error %.2f px", content.threshold_px, content.error_px));
   row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
   ImGui::EndTable();

@@ -15,6 +15,8 @@ struct PanelContent {
   uint64_t triangles = 0, nodes = 0;  ///< drawn
   uint64_t model_triangles = 0;
   uint64_t received_bytes = 0, resident_bytes = 0, gpu_bytes = 0;
+  bool textured = false;
+  uint64_t tiles = 0, tiles_left_out = 0;  ///< of textures: on the GPU, and those that memory does not allow
   float threshold_px = 1, error_px = 0;
   bool converged = false;
   double frame_ms = 0, upload_ms = 0;

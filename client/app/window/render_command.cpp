@@ -103,16 +103,14 @@ void render(const RenderOptions& options) {
   Streamer streamer(resolved.served, stream_options);
   const ModelSummary& model = openModel(streamer, resolved, options.common.timeout());
   if (!path) path = core::framingCamera(model);
-  render::ResidencyOptions memory;
-  memory.budget_bytes = std::max(memory.budget_bytes, stream_options.memory_budget_bytes);
-  render::Renderer renderer(model.lattice.step, memory);
+  render::Renderer renderer(model.lattice.step, render::residencyFor(stream_options.memory_budget_bytes));
   for (const Shot& shot : planShots(options, *path)) {
     const core::View view =
         core::toView(core::cameraAt(*path, shot.t), path->fov_y_deg, size.width_px, size.height_px, model);
     streamer.setView(view, options.common.pixels);
-    renderer.meshes().show(converge(streamer, options, shot.t));
-    renderer.meshes().uploadInRenderThread({.wait = true});
-    if (!renderer.meshes().upToDate()) {
+    renderer.show(converge(streamer, options, shot.t));
+    renderer.uploadInRenderThread({.wait = true});
+    if (!renderer.upToDate()) {
       throw Error(ErrorCode::kLimit, options.common.target +
                                          " needs more graphics memory than there is; allow a larger error "
                                          "with --pixels");

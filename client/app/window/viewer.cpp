@@ -47,6 +47,7 @@ Viewer::Viewer(const ViewOptions& options)
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle(), window_.contentScale()),
+      renderer_(1, render::residencyFor(options.common.streamOptions().memory_budget_bytes)),
       opener_(named_, options.common.streamOptions(), options.common.timeout()) {
   content_.title = options.common.target;
 }
@@ -58,12 +59,12 @@ void Viewer::run() {
 /// Nothing more will come for what is looked at now.
 bool Viewer::settled() const {
   return streamer_ != nullptr && status_.settled && status_.cut && status_.cut->view == rig_->view() &&
-         (renderer_.meshes().upToDate() || renderer_.meshes().overBudget());
+         (renderer_.upToDate() || renderer_.meshes().overBudget());
 }
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
-  if (moved_ || !renderer_.meshes().upToDate()) return 0;
+  if (moved_ || !renderer_.upToDate()) return 0;
   return settled() || status_.ended ? kIdleWaitS : kStreamingWaitS;
 }
 
@@ -119,9 +120,9 @@ void Viewer::openWhenReady() {
 void Viewer::stream() {
   streamer_->setView(rig_->view(), threshold_px_);
   status_ = streamer_->status();
-  if (status_.cut) renderer_.meshes().show(status_.cut);
+  if (status_.cut) renderer_.show(status_.cut);
   const Clock::time_point start = Clock::now();
-  renderer_.meshes().uploadInRenderThread({});
+  renderer_.uploadInRenderThread({});
   content_.upload_ms = secondsSince(start) * 1e3;
 }
 
@@ -145,7 +146,11 @@ void Viewer::draw() {
 void Viewer::describe() {
   content_.received_bytes = status_.counts.received_bytes;
   content_.resident_bytes = status_.counts.resident_bytes;
-  content_.gpu_bytes = renderer_.meshes().pages().usedBytes();
+  content_.gpu_bytes = renderer_.meshes().pages().usedBytes() + renderer_.textures().bytes();
+  content_.resident_bytes += status_.counts.texture_bytes;
+  content_.tiles = renderer_.textures().tileCount();
+  content_.tiles_left_out = status_.counts.tiles_left_out;
+  content_.textured = renderer_.textures().set() != nullptr;
   content_.threshold_px = threshold_px_;
   content_.error_px = status_.cut ? status_.cut->max_error_px : 0;
   content_.converged = settled() && status_.cut->converged;

@@ -1,0 +1,148 @@
+#include "client/core/texture_footprint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+namespace lode::core {
+namespace {
+
+using Corners = std::array<glm::dvec2, 3>;
+
+/// Level 0 tiles of one texture, as they are touched.
+class TouchedGrid {
+ public:
+  explicit TouchedGrid(const Texture& texture)
+      : size_(levelSize(texture, 0)),
+        across_(tilesAcross(texture, 0)),
+        down_(tilesDown(texture, 0)),
+        cells_(size_t{across_} * down_) {}
+
+  /// @param corners  in texels from the image's top left, not brought back into the image.
+  void add(const Corners& corners, double model_area, uint64_t& tests_left) {
+    const glm::dvec2 least = glm::min(corners[0], glm::min(corners[1], corners[2]));
+    const glm::dvec2 most = glm::max(corners[0], glm::max(corners[1], corners[2]));
+    if (!all_) {
+      const glm::dvec2 first = glm::floor(least / size_), last = lastBefore(most / size_, first);
+      // Beyond that the floats of the division say nothing, and neither would the picture.
+      constexpr double kMaxRepeats = 1 << 20;
+      const bool in_range = glm::all(glm::lessThan(glm::abs(first), glm::dvec2(kMaxRepeats))) &&
+                            glm::all(glm::lessThan(glm::abs(last), glm::dvec2(kMaxRepeats)));
+      if (!in_range || glm::any(glm::greaterThan(most - least, size_))) {
+        all_ = true;
+      } else {
+        for (double row = first.y; row <= last.y; ++row)
+          for (double column = first.x; column <= last.x; ++column)
+            addToImage(corners, model_area, glm::dvec2(column, row) * size_, tests_left);
+      }
+    }
+    noteArea(whole_, corners, model_area);
+  }
+
+  void appendTo(std::vector<TouchedTile>& out, uint32_t texture) const {
+    for (uint32_t y = 0; y < down_; ++y)
+      for (uint32_t x = 0; x < across_; ++x) {
+        const Cell& cell = cells_[size_t{y} * across_ + x];
+        if (!all_ && !cell.touched) continue;
+        const Cell& areas = !all_ && cell.texel_area > 0 ? cell : whole_;
+        const double density = areas.model_area > 0 ? std::sqrt(areas.texel_area / areas.model_area) : 0;
+        out.push_back({texture, y, x, static_cast<float>(std::min(density, 1e30))});
+      }
+  }
+
+ private:
+  struct Cell {
+    double texel_area = 0, model_area = 0;
+    bool touched = false;
+  };
+
+  /// Number of the last whole range that ends at `most` or holds it: what only touches it does not count.
+  static glm::dvec2 lastBefore(glm::dvec2 most, glm::dvec2 first) {
+    return glm::max(glm::ceil(most) - 1.0, first);
+  }
+
+  static double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+  static void noteArea(Cell& cell, const Corners& corners, double model_area) {
+    const double texel_area = std::abs(cross(corners[1] - corners[0], corners[2] - corners[0])) / 2;
+    if (!(texel_area > 0) || !(model_area > 0)) return;
+    cell.texel_area += texel_area;
+    cell.model_area += model_area;
+  }
+
+  /// Separating axes of a triangle and a box that touch at least by their bounding boxes.
+  static bool overlaps(const Corners& corners, glm::dvec2 least, glm::dvec2 most) {
+    const glm::dvec2 centre = (least + most) / 2.0, half = (most - least) / 2.0;
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec2 edge = corners[(i + 1) % 3] - corners[i];
+      const glm::dvec2 normal(-edge.y, edge.x);
+      const double reach = glm::dot(glm::abs(normal), half);
+      const double a = glm::dot(normal, corners[i] - centre);
+      const double b = glm::dot(normal, corners[(i + 2) % 3] - centre);
+      if (std::min(a, b) > reach || std::max(a, b) < -reach) return false;
+    }
+    return true;
+  }
+
+  /// Adds the part of a triangle on one repeat of the image.
+  void addToImage(const Corners& corners, double model_area, glm::dvec2 image_origin, uint64_t& tests_left) {
+    Corners here;
+    for (int i = 0; i < 3; ++i) here[i] = corners[i] - image_origin;
+    const glm::dvec2 least = glm::max(glm::min(here[0], glm::min(here[1], here[2])), glm::dvec2(0));
+    const glm::dvec2 most = glm::min(glm::max(here[0], glm::max(here[1], here[2])), size_);
+    const glm::uvec2 end = glm::uvec2(across_, down_) - 1u;
+    const glm::uvec2 first = glm::min(glm::uvec2(least / double{kTileInnerPx}), end);
+    const glm::uvec2 last = glm::min(glm::uvec2(lastBefore(most / double{kTileInnerPx}, first)), end);
+    for (uint32_t y = first.y; y <= last.y; ++y)
+      for (uint32_t x = first.x; x <= last.x; ++x) {
+        if (tests_left == 0) {
+          all_ = true;
+          return;
+        }
+        --tests_left;
+        const glm::dvec2 corner = glm::dvec2(x, y) * double{kTileInnerPx};
+        if (!overlaps(here, corner, glm::min(corner + double{kTileInnerPx}, size_))) continue;
+        Cell& cell = cells_[size_t{y} * across_ + x];
+        cell.touched = true;
+        noteArea(cell, corners, model_area);
+      }
+  }
+
+  const glm::dvec2 size_;
+  const uint32_t across_, down_;
+  std::vector<Cell> cells_;
+  Cell whole_;
+  bool all_ = false;
+};
+
+}  // namespace
+
+TextureFootprint makeFootprint(const Mesh& mesh, const TextureSet& set, double step) {
+  TextureFootprint footprint;
+  if (mesh.vertex_attributes.empty() || !mesh.attributes.has(AttributeSet::kTexture)) return footprint;
+  std::vector<std::unique_ptr<TouchedGrid>> grids(set.textures.size());
+  const double uv_step = uvStep(set);
+  uint64_t tests_left = kMaxTileTests;
+  for (const glm::u32vec3& triangle : mesh.triangles) {
+    const uint32_t number = mesh.vertex_attributes[triangle.x].material;
+    if (number >= set.textures.size() || levelCount(set.textures[number]) == 0) continue;
+    const Texture& texture = set.textures[number];
+    if (!grids[number]) grids[number] = std::make_unique<TouchedGrid>(texture);
+    Corners texels;
+    std::array<glm::dvec3, 3> model;
+    for (int i = 0; i < 3; ++i) {
+      const uint32_t vertex = triangle[i];
+      const glm::dvec2 uv = set.uv_origin + glm::dvec2(mesh.vertex_attributes[vertex].texture) * uv_step;
+      texels[i] = glm::dvec2(uv.x * texture.width, (1 - uv.y) * texture.height);
+      model[i] = glm::dvec3(unpackPosition(mesh.positions[vertex])) * step;
+    }
+    const double model_area = glm::length(glm::cross(model[1] - model[0], model[2] - model[0])) / 2;
+    grids[number]->add(texels, model_area, tests_left);
+  }
+  for (uint32_t number = 0; number < grids.size(); ++number)
+    if (grids[number]) grids[number]->appendTo(footprint.tiles, number);
+  return footprint;
+}
+
+}  // namespace lode::core

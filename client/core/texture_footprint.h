@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/mesh.h"
+#include "common/texture_set.h"
+
+namespace lode::core {
+
+/// A tile of a texture's level 0 that a mesh wears, and how closely its texels lie on the surface there.
+struct TouchedTile {
+  uint32_t texture = 0;
+  uint32_t y = 0, x = 0;
+  float texels_per_model = 0;  ///< level 0 texels a model unit, the mean over the triangles that touch it
+
+  bool operator==(const TouchedTile&) const = default;
+};
+
+/// What a mesh needs of the textures, by texture, row and column, each tile once.
+struct TextureFootprint {
+  std::vector<TouchedTile> tiles;
+
+  bool operator==(const TextureFootprint&) const = default;
+};
+
+/// Tests of a triangle against a tile that one mesh is worth. A mesh that would take more, as only hostile
+/// or very coarse ones do, is taken to touch all of the textures that it has not finished.
+constexpr uint64_t kMaxTileTests = 1u << 20;
+
+/// The footprint of a mesh. A triangle touches the tiles that it overlaps once the coordinates outside 0..1
+/// have been brought back by repeating the image. Triangles without extent on the image touch tiles too, but
+/// count for nothing in the mean, if there are others. Vertices of a material that the set lacks, or whose
+/// image is missing, touch nothing. Never throws but for want of memory; thread safe.
+/// @param step  of the lattice.
+TextureFootprint makeFootprint(const Mesh& mesh, const TextureSet& set, double step);
+
+}  // namespace lode::core

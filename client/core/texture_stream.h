@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "client/core/cut.h"
+#include "client/core/texture_cache.h"
+#include "client/core/texture_wants.h"
+#include "client/core/tile_key.h"
+#include "common/blob.h"
+#include "common/texture_set.h"
+
+namespace lode::core {
+
+/// One in so many bytes of a client's memory budget is for the textures of a model that has any.
+constexpr uint64_t kTextureBudgetShare = 4;
+
+/// The textures of one model as they stream in: the set, the tiles that the view needs within the budget, and
+/// those that are resident. Not thread safe.
+class TextureStream {
+ public:
+  /// @param set_blob  of the encoded set.
+  TextureStream(const BlobRef& set_blob, uint64_t budget_bytes) : set_blob_(set_blob), cache_(budget_bytes) {}
+
+  const BlobRef& setBlob() const noexcept { return set_blob_; }
+  /// @throws Error kFormat or kLimit.
+  void takeSet(std::span<const std::byte> bytes);
+  /// Null until it is there.
+  const std::shared_ptr<const TextureSet>& set() const noexcept { return set_; }
+
+  /// Size that the image of a blob must have. @param blob  of a tile that was wanted.
+  glm::uvec2 imageSize(uint32_t blob) const { return keys_.find(blob)->second.image_size; }
+  void insert(uint32_t blob, std::shared_ptr<const TileImage> image) {
+    cache_.insert(blob, std::move(image));
+  }
+
+  /// Decides what is needed, and evicts what is not where room is short. Does nothing without the set.
+  void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
+  /// Needed and not resident, each blob once, best first.
+  struct Missing {
+    BlobRef blob;
+    bool visible = true;
+    float priority_px = 0;
+  };
+  const std::vector<Missing>& missing() const noexcept { return missing_; }
+  /// The set is there, and so is all that the view needs and the budget allows.
+  bool complete() const noexcept { return set_ && refined_ && missing_.empty(); }
+  /// Tiles that the view needs and the budget does not allow.
+  size_t leftOut() const noexcept { return left_out_; }
+
+  /// All resident tiles, coarse levels first.
+  std::vector<ResidentTile> residentTiles() const;
+  uint64_t residentBytes() const noexcept { return cache_.bytes(); }
+  size_t residentCount() const noexcept { return cache_.size(); }
+  /// Of the set, and of the tiles that are both needed and resident.
+  uint64_t blobBytesInUse() const noexcept { return blob_bytes_in_use_; }
+
+ private:
+  struct Keys {  // of the tiles that are one blob
+    BlobRef blob;
+    glm::uvec2 image_size{0};
+    std::vector<TileKey> keys;
+  };
+
+  BlobRef set_blob_;
+  TextureCache cache_;
+  std::shared_ptr<const TextureSet> set_;
+  std::map<uint32_t, Keys> keys_;  // by blob number
+  std::vector<Missing> missing_;
+  size_t left_out_ = 0;
+  uint64_t blob_bytes_in_use_ = 0;
+  bool refined_ = false;
+};
+
+}  // namespace lode::core

@@ -1,0 +1,193 @@
+#include "client/render/texture_residency.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "client/core/texture_wants.h"
+
+namespace lode::render {
+namespace {
+
+constexpr uint32_t kFirstLayers = 4;                     // of the array; doubled when it is full
+constexpr uint32_t kStagingBytes = 4 * kTileLayerBytes;  // of one frame
+constexpr uint32_t kHeadWords = 4;                       // of a texture in the table
+constexpr uint32_t kPageThere = 1u << 31;
+
+/// What the shader finds for a tile: its layer and corner.
+uint32_t pageOf(const TileCell& cell) {
+  return kPageThere | cell.layer << 8 | cell.corner.y / core::kLeastTileCellPx << 4 |
+         cell.corner.x / core::kLeastTileCellPx;
+}
+
+uint32_t layersOf(uint64_t budget_bytes) {
+  GLint limit = 0;
+  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &limit);
+  const uint64_t layers = std::max<uint64_t>(budget_bytes / kTileLayerBytes, 1);
+  return static_cast<uint32_t>(std::min<uint64_t>(layers, static_cast<uint64_t>(limit)));
+}
+
+}  // namespace
+
+TextureResidency::TextureResidency(uint64_t budget_bytes)
+    : cells_(layersOf(budget_bytes)), most_layers_(layersOf(budget_bytes)) {}
+
+/// The table: for each texture its width, height, number of levels and where the places of its levels are;
+/// those places; the pages of the tiles, 0 for one that is not there.
+void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
+  set_ = std::move(set);
+  entries_.clear();
+  cells_ = TileCells(most_layers_);
+  first_entries_.clear();
+  if (!set_) return;
+  std::vector<uint32_t> table(set_->textures.size() * kHeadWords);
+  for (size_t i = 0; i < set_->textures.size(); ++i) {
+    const Texture& texture = set_->textures[i];
+    const uint32_t levels = levelCount(texture);
+    const auto places = static_cast<uint32_t>(table.size());
+    const uint32_t first = places + levels;
+    const uint32_t head[kHeadWords] = {texture.width, texture.height, levels, places};
+    std::copy(std::begin(head), std::end(head), table.begin() + static_cast<std::ptrdiff_t>(i * kHeadWords));
+    for (uint32_t level = 0; level < levels; ++level)
+      table.push_back(first + static_cast<uint32_t>(tileIndex(texture, level, 0, 0)));
+    first_entries_.push_back(first);
+    table.resize(table.size() + texture.tiles.size(), 0);
+  }
+  if (table.empty()) table.push_back(0);
+  table_ = GlBuffer::create();
+  glNamedBufferStorage(table_.get(), static_cast<GLsizeiptr>(table.size() * sizeof(uint32_t)), table.data(),
+                       GL_DYNAMIC_STORAGE_BIT);
+  if (!staging_) staging_.emplace(kStagingBytes);
+}
+
+void TextureResidency::setPage(const core::TileKey& key, uint32_t page) {
+  const size_t index =
+      first_entries_[key.texture] + tileIndex(set_->textures[key.texture], key.level, key.x, key.y);
+  glNamedBufferSubData(table_.get(), static_cast<GLintptr>(index * sizeof page), sizeof page, &page);
+}
+
+void TextureResidency::show(std::shared_ptr<const core::Cut> cut) {
+  if (cut == cut_) return;
+  cut_ = std::move(cut);
+  if (cut_->textures != set_) takeSet(cut_->textures);
+  waiting_.clear();
+  repacked_ = false;
+  if (!set_) return;
+  std::set<std::weak_ptr<const TileImage>, std::owner_less<>> kept;
+  for (const core::ResidentTile& tile : cut_->tiles) {
+    kept.insert(tile.image);
+    const auto entry = entries_.find(tile.image);
+    const bool there =
+        entry != entries_.end() &&
+        std::find(entry->second.keys.begin(), entry->second.keys.end(), tile.key) != entry->second.keys.end();
+    if (!there) waiting_.push_back(tile);
+  }
+  std::reverse(waiting_.begin(), waiting_.end());
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    if (kept.contains(entry->first)) {
+      ++entry;
+      continue;
+    }
+    for (const core::TileKey& key : entry->second.keys) setPage(key, 0);
+    cells_.release(entry->second.cell);
+    entry = entries_.erase(entry);
+  }
+}
+
+/// Begins again with the largest images, which leaves no gaps: there is room for all that the budget holds.
+void TextureResidency::repack() {
+  for (const auto& [image, entry] : entries_)
+    for (const core::TileKey& key : entry.keys) setPage(key, 0);
+  entries_.clear();
+  cells_ = TileCells(most_layers_);
+  waiting_ = cut_->tiles;
+  std::stable_sort(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
+    return core::tileRoomBytes(a.image->size) < core::tileRoomBytes(b.image->size);
+  });
+  repacked_ = true;
+}
+
+uint64_t TextureResidency::uploadInRenderThread(const UploadBudget& budget) {
+  if (waiting_.empty()) return 0;
+  const auto start = std::chrono::steady_clock::now();
+  const auto spent_ms = [start] {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  };
+  uint64_t uploaded_bytes = 0;
+  do {
+    if (!staging_->open(budget.wait)) break;
+    uint32_t left_bytes = kStagingBytes;
+    while (!waiting_.empty()) {
+      const core::ResidentTile tile = waiting_.back();
+      const auto bytes = static_cast<uint32_t>(tile.image->texels.size() * sizeof(glm::u8vec4));
+      const bool over =
+          uploaded_bytes != 0 && (uploaded_bytes + bytes > budget.bytes || spent_ms() > budget.ms);
+      if (bytes > left_bytes || (over && !budget.wait)) break;
+      waiting_.pop_back();
+      if (!upload(tile)) continue;
+      left_bytes -= bytes;
+      uploaded_bytes += bytes;
+    }
+    staging_->close();
+  } while (budget.wait && !waiting_.empty());
+  return uploaded_bytes;
+}
+
+/// @return true if the image has been uploaded; false if it is there already, or there is no room for it.
+bool TextureResidency::upload(const core::ResidentTile& tile) {
+  if (const auto same = entries_.find(tile.image); same != entries_.end()) {
+    same->second.keys.push_back(tile.key);
+    setPage(tile.key, pageOf(same->second.cell));
+    return false;
+  }
+  const glm::uvec2 size = tile.image->size;
+  const std::optional<TileCell> cell = cells_.allocate(size);
+  if (!cell) {
+    if (!repacked_) repack();
+    return false;
+  }
+  if (cell->layer >= array_layers_ && !growTo(cell->layer + 1)) {
+    cells_.release(*cell);
+    return false;
+  }
+  const std::span<const std::byte> texels = std::as_bytes(std::span(tile.image->texels));
+  const std::span<std::byte> room = staging_->take(static_cast<uint32_t>(texels.size()));
+  std::memcpy(room.data(), texels.data(), texels.size());
+  staging_->copyTo(array_.get(), static_cast<GLint>(cell->layer), glm::ivec2(cell->corner), glm::ivec2(size));
+  entries_.emplace(tile.image, Entry{*cell, {tile.key}});
+  setPage(tile.key, pageOf(*cell));
+  return true;
+}
+
+/// @return false if the driver has no memory for it; then no more is asked for.
+bool TextureResidency::growTo(uint32_t layers) {
+  const uint32_t wanted = std::min(most_layers_, std::max({layers, 2 * array_layers_, kFirstLayers}));
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  GlTextureArray array = GlTextureArray::create();
+  glTextureStorage3D(array.get(), 1, GL_SRGB8_ALPHA8, GLsizei{kTilePx}, GLsizei{kTilePx},
+                     static_cast<GLsizei>(wanted));
+  if (glGetError() != GL_NO_ERROR) {
+    most_layers_ = std::max(array_layers_, 1u);
+    cells_.setMostLayers(most_layers_);
+    return false;
+  }
+  glTextureParameteri(array.get(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(array.get(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTextureParameteri(array.get(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(array.get(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  if (array_layers_ != 0) {
+    glCopyImageSubData(array_.get(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, array.get(), GL_TEXTURE_2D_ARRAY, 0, 0,
+                       0, 0, GLsizei{kTilePx}, GLsizei{kTilePx}, static_cast<GLsizei>(array_layers_));
+  }
+  array_ = std::move(array);
+  array_layers_ = wanted;
+  return true;
+}
+
+void TextureResidency::bind() const {
+  glBindTextureUnit(0, array_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, table_.get());
+}
+
+}  // namespace lode::render

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "client/core/cut.h"
+#include "client/core/tile_key.h"
+#include "client/render/gl_names.h"
+#include "client/render/mesh_residency.h"
+#include "client/render/staging_ring.h"
+#include "client/render/tile_cells.h"
+
+namespace lode::render {
+
+constexpr uint32_t kTileLayerBytes = kTilePx * kTilePx * 4;  ///< of one layer of the array
+
+/// Which tiles are on the GPU: one texture array of a bounded number of layers, in which small tiles share
+/// a layer, and a table from (texture, level, tile) to their places that the mesh shader walks. Unlike
+/// meshes, tiles are shown as they come: a coarser one stands in for a finer one. Images are known by their
+/// shared_ptr's identity and not kept alive. Used on the thread of its context.
+class TextureResidency {
+ public:
+  /// @param budget_bytes  of the array; at least one layer is used all the same.
+  explicit TextureResidency(uint64_t budget_bytes);
+
+  /// The cut whose tiles are wanted. Tiles that it does not have are given up at once.
+  void show(std::shared_ptr<const core::Cut> cut);
+  /// Uploads tiles, coarse levels first, within the budget: at least one. @return bytes uploaded.
+  uint64_t uploadInRenderThread(const UploadBudget& budget);
+
+  /// All tiles of the cut are there, but those for which there is no room.
+  bool upToDate() const noexcept { return waiting_.empty(); }
+  size_t tileCount() const noexcept { return entries_.size(); }
+  uint64_t bytes() const noexcept { return uint64_t{array_layers_} * kTileLayerBytes; }
+
+  /// Null while nothing textured is to be drawn.
+  const TextureSet* set() const noexcept { return set_.get(); }
+  /// Binds array and table to texture unit and storage buffer 0.
+  void bind() const;
+
+ private:
+  using Image = std::shared_ptr<const TileImage>;
+  struct Entry {
+    TileCell cell;
+    std::vector<core::TileKey> keys;  ///< of the tiles that are this image
+  };
+  using Entries = std::map<std::weak_ptr<const TileImage>, Entry, std::owner_less<>>;
+
+  void takeSet(std::shared_ptr<const TextureSet> set);
+  void repack();
+  void setPage(const core::TileKey& key, uint32_t page);
+  bool upload(const core::ResidentTile& tile);
+  bool growTo(uint32_t layers);
+
+  TileCells cells_;
+  uint32_t most_layers_, array_layers_ = 0;
+  std::optional<StagingRing> staging_;
+  GlTextureArray array_;
+  GlBuffer table_;
+  std::shared_ptr<const TextureSet> set_;
+  std::vector<uint32_t> first_entries_;  ///< in the table, by texture
+  Entries entries_;
+  std::shared_ptr<const core::Cut> cut_;     ///< the one whose tiles are wanted
+  std::vector<core::ResidentTile> waiting_;  ///< to be uploaded, the next one last
+  bool repacked_ = false;                    ///< for this cut
+};
+
+}  // namespace lode::render
