@@ -26,6 +26,7 @@
 namespace {
 
 using lode::ingest::NodeMesh;
+using lode::ingest::SimplifiedMesh;
 
 double cpuSeconds() {
   timespec time{};
@@ -203,7 +204,8 @@ void speed(uint32_t n) {
     if (bits) addAttributes(mesh, bits);
     const std::array<size_t, 2> targets{triangles / 2, triangles / 4};
     return rate(medianSeconds(9, [&] {
-      simplify(mesh, targets, lode::ingest::CollapseOptions{0, max_position}, [](size_t, NodeMesh&&) {});
+      simplify(mesh, targets, lode::ingest::CollapseOptions{0, max_position},
+               [](size_t, SimplifiedMesh&&) {});
     }));
   };
   const Flat flat = flatten(input);
@@ -243,8 +245,9 @@ void quality(const std::string& path) {
                 d.both.rms / diagonal, d.both.max / diagonal, d.forward.rms / diagonal,
                 d.backward.rms / diagonal);
   };
-  lode::ingest::cluster(mesh, targets, {0, max_position},
-                        [&](size_t, SimplifiedMesh&& snapshot) { show("cluster", soupOf(snapshot.mesh, lattice)); });
+  lode::ingest::cluster(mesh, targets, {0, max_position}, [&](size_t, SimplifiedMesh&& snapshot) {
+    show("cluster", soupOf(snapshot.mesh, lattice));
+  });
   lode::ingest::collapse(mesh, targets, {0, max_position}, [&](size_t target, SimplifiedMesh&& snapshot) {
     if (target == 0) show("lattice alone", soupOf(mesh, lattice));
     show("collapse", soupOf(snapshot.mesh, lattice));
