@@ -10,6 +10,7 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 find_package(JPEG REQUIRED)
+find_package(PNG REQUIRED)
 
 # Debian's draco package config misses its include folder; the library itself is all that is needed.
 find_library(LODE_DRACO_LIBRARY draco REQUIRED)

@@ -13,6 +13,7 @@
 #include "server/ingest/partition.h"
 #include "server/ingest/scan.h"
 #include "server/ingest/simplify.h"
+#include "server/ingest/textures.h"
 
 namespace lode::ingest {
 namespace {
@@ -59,6 +60,28 @@ AttributeSet payloadAttributes(AttributeSet file) {
   return file;
 }
 
+void refuseWarnings(const BuildOptions& options, const BuildReport& report) {
+  if (options.strict && !report.warnings.empty())
+    throw Error(ErrorCode::kInput, report.warnings.front() + " (--strict: warnings are errors)");
+}
+
+/// The images of a model with texture coordinates.
+StagedTextures readTextures(const BuildOptions& options, const ScannedModel& scanned, Spool& tiles,
+                            const BuildProgress& progress, BuildReport& report) {
+  if (scanned.texture_files.empty()) return {scanned.input.uvGrid(), {}};
+  if (!scanned.input.attributes().has(AttributeSet::kTexture)) {
+    report.warnings.push_back(options.input.string() +
+                              ": it names texture files, but has no texture coordinates; they are left out");
+    return {};
+  }
+  StageClock clock(report, "textures");
+  StagedTextures textures = stageTextures(options, scanned.texture_files, scanned.input.uvGrid(), tiles,
+                                          options.memory_bytes, progress, report.warnings);
+  giveBackFreedMemory();
+  clock.finish(textures.textures.size(), tiles.size());
+  return textures;
+}
+
 }  // namespace
 
 BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
@@ -73,6 +96,10 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   const AttributeSet soup_attributes = scanned->input.attributes();
   scan_clock.finish(scanned->input.vertexCount() + scanned->input.faceCount(),
                     scanned->input.temporaryBytes());
+
+  Spool tiles(folder.file("tiles"));
+  const StagedTextures textures = readTextures(options, *scanned, tiles, progress, report);
+  refuseWarnings(options, report);
 
   StageClock dereference_clock(report, "dereference");
   auto sorter = std::make_unique<RecordSorter>(soupBytes(soup_attributes), plan.sort_bytes, folder, "soup");
@@ -106,6 +133,7 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
     report.warnings.push_back("--memory is less than " + std::to_string(plan.minimum_bytes) +
                               " bytes, which " + std::to_string(options.triangles_per_node) +
                               " triangles a node take; the build may use more");
+    refuseWarnings(options, report);
   }
   StageClock simplify_clock(report, "simplify");
   PayloadSpool payloads(folder);
@@ -125,7 +153,9 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   for (const Node& node : tree.nodes) {
     if (node.key == kRootKey) summary.box = node.box;
   }
-  report.summary = pack(options.output, std::move(summary), std::move(tree), payloads, progress);
+  store::Writer writer(options.output);
+  if (settings.attributes.has(AttributeSet::kTexture)) packTextures(textures, tiles, writer);
+  report.summary = pack(writer, std::move(summary), std::move(tree), payloads, progress);
   pack_clock.finish(report.summary.payloads, 0);
   return report;
 }

@@ -7,6 +7,7 @@
 #include "server/ingest/machine.h"
 #include "server/ingest/ply_input.h"
 #include "server/ingest/scan.h"
+#include "server/ingest/textures.h"
 
 namespace lode::ingest {
 namespace {
@@ -58,13 +59,10 @@ class Doctor {
 
   void lookForTextures() {
     for (const std::string& texture : report_.header->texture_files) {
-      std::error_code failed;
-      const bool is_found =
-          std::filesystem::is_regular_file(options_.input.parent_path() / texture, failed) && !failed;
-      report_.textures.push_back({texture, is_found});
-      if (!is_found)
-        say(false, name_ + ": texture " + quotedText(texture, 4096) +
-                       " is not there; put it into the PLY file's folder");
+      const TextureFile file = findTexture(options_.input, texture);
+      report_.textures.push_back({texture, file.problem.empty()});
+      if (!file.problem.empty())
+        say(false, name_ + ": texture " + quotedText(texture, 4096) + " " + file.problem);
     }
   }
 

@@ -1,0 +1,175 @@
+#include "server/ingest/image.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "server/ingest/tile_encoder.h"
+#include "tests/unit/ingest/image_files.h"
+
+namespace lode::ingest {
+namespace {
+
+using test::makePhoto;
+using test::pngHeader;
+using test::pngOf;
+
+constexpr uint64_t kMega = 1 << 20;
+
+Image decoded(std::span<const std::byte> file, uint64_t memory_bytes = 64 * kMega) {
+  std::string damage;
+  return decodeImage(file, memory_bytes, damage);
+}
+
+void expectRefused(std::span<const std::byte> file, const std::string& why,
+                   ErrorCode code = ErrorCode::kInput, uint64_t memory_bytes = 64 * kMega) {
+  try {
+    decoded(file, memory_bytes);
+    ADD_FAILURE() << "accepted, not refused for: " << why;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code);
+    EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+  }
+}
+
+double meanDifference(const Image& a, const Image& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.texels.size(); ++i)
+    for (int c = 0; c < 4; ++c) sum += std::abs(int{a.texels[i][c]} - int{b.texels[i][c]});
+  return sum / (4.0 * static_cast<double>(a.texels.size()));
+}
+
+TEST(DecodeImage, readsPngJpegAndWebp) {
+  const Image opaque = makePhoto(70, 50), clear = makePhoto(70, 50, true);
+  EXPECT_EQ(decoded(pngOf(opaque)), opaque);
+  EXPECT_EQ(decoded(pngOf(clear)), clear);
+  EXPECT_EQ(decoded(encodeTile(clear, TileCodec::kLossless)), clear);
+  const Image photo = decoded(encodeTile(opaque, TileCodec::kJpeg));
+  ASSERT_EQ(photo.size, opaque.size);
+  EXPECT_LT(meanDifference(photo, opaque), 1.5);
+}
+
+TEST(DecodeImage, refusesWhatIsNoPicture) {
+  expectRefused({}, "no JPEG, PNG or WebP");
+  const std::string text = "GIF89a and so on";
+  expectRefused(std::as_bytes(std::span(text)), "convert it");
+}
+
+TEST(DecodeImage, survivesFilesCutOffAnywhere) {
+  const Image image = makePhoto(40, 30);
+  for (const auto& file : {pngOf(image), encodeTile(image, TileCodec::kJpeg),
+                           encodeTile(image, TileCodec::kWebp), encodeTile(image, TileCodec::kLossless)})
+    for (size_t length = 0; length < file.size(); length += 7) {
+      std::string damage;
+      try {
+        const Image part = decodeImage(std::span(file).first(length), 64 * kMega, damage);
+        EXPECT_TRUE(!damage.empty() || part == decoded(file)) << length << " bytes are said to be whole";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kInput);
+      }
+    }
+}
+
+TEST(DecodeImage, survivesDamageAnywhere) {
+  std::mt19937 random(5);
+  const Image image = makePhoto(40, 30);
+  for (const auto& whole : {pngOf(image), encodeTile(image, TileCodec::kJpeg),
+                            encodeTile(image, TileCodec::kWebp), encodeTile(image, TileCodec::kLossless)})
+    for (int i = 0; i < 500; ++i) {
+      std::vector<std::byte> file = whole;
+      file[random() % file.size()] ^= static_cast<std::byte>(1 + random() % 255);
+      try {
+        decoded(file);
+      } catch (const Error&) {
+      }
+    }
+}
+
+TEST(DecodeImage, refusesSizesAboveTheLimitBeforeItTakesMemory) {
+  expectRefused(pngHeader(65537, 1), "the limit is 65536");
+  expectRefused(pngHeader(1, 65537), "the limit is 65536");
+}
+
+TEST(DecodeImage, refusesWhatDoesNotFitTheMemoryBeforeItTakesAny) {
+  expectRefused(pngHeader(65536, 65536), "raise --memory", ErrorCode::kLimit);
+  expectRefused(pngOf(makePhoto(100, 100)), "raise --memory", ErrorCode::kLimit, 50000);
+}
+
+TEST(DecodeImage, saysWhenAJpegIsDamagedButShown) {
+  std::vector<std::byte> file = encodeTile(makePhoto(200, 200), TileCodec::kJpeg);
+  file.resize(file.size() / 2);
+  std::string damage;
+  EXPECT_EQ(decodeImage(file, 64 * kMega, damage).size, glm::uvec2(200, 200));
+  EXPECT_NE(damage, "");
+}
+
+TEST(Halved, keepsAPlainColour) {
+  for (const glm::uvec2 size : {glm::uvec2(8, 8), {7, 5}, {1, 9}, {3, 1}, {2, 2}}) {
+    const Image image{size, std::vector<glm::u8vec4>(size_t{size.x} * size.y, {17, 200, 3, 99})};
+    const Image half = halved(image);
+    EXPECT_EQ(half.size, (size + 1u) / 2u);
+    for (const glm::u8vec4 texel : half.texels) EXPECT_EQ(texel, glm::u8vec4(17, 200, 3, 99));
+  }
+}
+
+TEST(Halved, keepsEverySrgbValue) {
+  for (unsigned value = 0; value < 256; ++value) {
+    const auto byte = static_cast<uint8_t>(value);
+    const Image image{{2, 2}, std::vector<glm::u8vec4>(4, {byte, byte, byte, 255})};
+    EXPECT_EQ(halved(image).texels[0], glm::u8vec4(byte, byte, byte, 255));
+  }
+}
+
+TEST(Halved, mixesInLinearLight) {
+  const Image image{{2, 1}, {{0, 0, 0, 255}, {255, 255, 255, 255}}};
+  EXPECT_EQ(halved(image).texels[0], glm::u8vec4(188, 188, 188, 255));
+}
+
+TEST(Halved, weighsColoursByTheirAlpha) {
+  const Image image{{2, 1}, {{255, 0, 0, 255}, {0, 255, 0, 0}}};
+  EXPECT_EQ(halved(image).texels[0], glm::u8vec4(255, 0, 0, 128));
+}
+
+TEST(Halved, dividesOddSizesEvenly) {
+  // Of three texels, each of two covers one and a half: 2/3 and 1/3 of the light.
+  const Image image{{3, 1}, {{255, 255, 255, 255}, {0, 0, 0, 255}, {0, 0, 0, 255}}};
+  const Image half = halved(image);
+  ASSERT_EQ(half.size, glm::uvec2(2, 1));
+  EXPECT_EQ(half.texels[0].r, 213);  // sRGB of 2/3
+  EXPECT_EQ(half.texels[1].r, 0);
+}
+
+TEST(CutOut, repeatsThePictureBeyondItsRims) {
+  const Image image{{2, 2}, {{0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1}}};
+  const Image part = cutOut(image, {-3, -2}, {6, 5});
+  ASSERT_EQ(part.size, glm::uvec2(6, 5));
+  for (uint32_t y = 0; y < 5; ++y)
+    for (uint32_t x = 0; x < 6; ++x) EXPECT_EQ(part.at(x, y), glm::u8vec4((x + 1) % 2, y % 2, 0, 1));
+}
+
+TEST(ChooseCodec, goesByColoursAndAlpha) {
+  EXPECT_EQ(chooseCodec(makePhoto(100, 100)), TileCodec::kJpeg);
+  EXPECT_EQ(chooseCodec(makePhoto(100, 100, true)), TileCodec::kWebp);
+  Image drawing = makePhoto(100, 100);
+  for (glm::u8vec4& texel : drawing.texels) texel &= glm::u8vec4(0xc0);
+  EXPECT_EQ(chooseCodec(drawing), TileCodec::kLossless);
+}
+
+TEST(EncodeTile, keepsAlphaAndColoursCloseToTheTexels) {
+  const Image clear = makePhoto(128, 100, true);
+  const Image back = decoded(encodeTile(clear, TileCodec::kWebp));
+  EXPECT_LT(meanDifference(back, clear), 2.5);
+  for (size_t i = 0; i < back.texels.size(); ++i) EXPECT_EQ(back.texels[i].a, clear.texels[i].a);
+}
+
+TEST(EncodeTile, staysBelowTheLimitOfATileForNoise) {
+  std::mt19937 random(1);
+  Image noise{{512, 512}, {}};
+  for (int i = 0; i < 512 * 512; ++i)
+    noise.texels.emplace_back(random() & 255, random() & 255, random() & 255, random() & 255);
+  for (const TileCodec codec : {TileCodec::kJpeg, TileCodec::kWebp, TileCodec::kLossless})
+    EXPECT_LE(encodeTile(noise, codec).size(), size_t{2} << 20);
+}
+
+}  // namespace
+}  // namespace lode::ingest
