@@ -1,0 +1,128 @@
+#include "client/core/texture_footprint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace lode::core {
+namespace {
+
+/// A set whose coordinates are codes / 2^14: from 0 to 4, of one texture of 3 x 2 tiles.
+TextureSet setOf(uint32_t width = 1500, uint32_t height = 1000) {
+  TextureSet set;
+  set.uv_scale_exponent = 2;
+  set.textures.push_back({"a", width, height, {}});
+  return set;
+}
+
+constexpr double kCodes = 1 << 14;  // of one repeat
+
+Mesh triangleOf(std::array<glm::dvec2, 3> uv, uint16_t material = 0) {
+  Mesh mesh;
+  mesh.attributes.bits = AttributeSet::kTexture | AttributeSet::kMaterial;
+  const glm::uvec3 corners[] = {{0, 0, 0}, {1000, 0, 0}, {0, 1000, 0}};
+  for (int i = 0; i < 3; ++i) {
+    mesh.positions.push_back(packPosition(corners[i]));
+    VertexAttributes attributes;
+    attributes.material = material;
+    attributes.texture = glm::u16vec2(glm::round(uv[i] * kCodes));
+    mesh.vertex_attributes.push_back(attributes);
+  }
+  mesh.triangles = {{0, 1, 2}};
+  return mesh;
+}
+
+std::vector<glm::uvec2> placesOf(const TextureFootprint& footprint) {
+  std::vector<glm::uvec2> places;
+  for (const TouchedTile& tile : footprint.tiles) places.emplace_back(tile.x, tile.y);
+  return places;
+}
+
+using Places = std::vector<glm::uvec2>;
+
+TEST(TextureFootprint, hasTheTileThatATriangleLiesIn) {
+  const Mesh mesh = triangleOf({{{0.05, 0.95}, {0.2, 0.95}, {0.05, 0.8}}});  // v up: near the top
+  EXPECT_EQ(placesOf(makeFootprint(mesh, setOf(), 1)), (Places{{0, 0}}));
+  const Mesh low = triangleOf({{{0.8, 0.05}, {0.9, 0.05}, {0.8, 0.2}}});
+  EXPECT_EQ(placesOf(makeFootprint(low, setOf(), 1)), (Places{{2, 1}}));
+}
+
+TEST(TextureFootprint, leavesOutTilesThatALongTrianglePasses) {
+  const Mesh diagonal = triangleOf({{{0.01, 0.99}, {0.99, 0.01}, {0.99, 0.02}}});
+  const Places places = placesOf(makeFootprint(diagonal, setOf(1524, 1524), 1));
+  EXPECT_EQ(std::count(places.begin(), places.end(), glm::uvec2(1, 1)), 1);
+  EXPECT_EQ(std::count(places.begin(), places.end(), glm::uvec2(2, 0)), 0);
+  EXPECT_EQ(std::count(places.begin(), places.end(), glm::uvec2(0, 2)), 0);
+}
+
+TEST(TextureFootprint, bringsRepeatsBackIntoTheImage) {
+  const Mesh inside = triangleOf({{{0.05, 0.95}, {0.2, 0.95}, {0.05, 0.8}}});
+  const Mesh repeated = triangleOf({{{3.05, 2.95}, {3.2, 2.95}, {3.05, 2.8}}});
+  EXPECT_EQ(placesOf(makeFootprint(repeated, setOf(), 1)), placesOf(makeFootprint(inside, setOf(), 1)));
+  const Mesh across = triangleOf({{{0.95, 0.95}, {1.05, 0.95}, {0.95, 0.9}}});
+  EXPECT_EQ(placesOf(makeFootprint(across, setOf(), 1)), (Places{{0, 0}, {2, 0}}));
+}
+
+TEST(TextureFootprint, hasAllTilesWhenATriangleSpansMoreThanTheImage) {
+  const Mesh wide = triangleOf({{{0, 0}, {3, 0}, {0, 0.1}}});
+  EXPECT_EQ(makeFootprint(wide, setOf(), 1).tiles.size(), 6u);
+}
+
+TEST(TextureFootprint, endsAtTheRimOfTheImage) {
+  const Mesh whole = triangleOf({{{0.5, 0.5}, {1, 0.5}, {1, 1}}});
+  for (const glm::uvec2 place : placesOf(makeFootprint(whole, setOf(), 1))) EXPECT_GE(place.x, 1u);
+}
+
+TEST(TextureFootprint, knowsHowCloselyTexelsLie) {
+  // Half of 1500 texels along 1000 steps of 0.5, half of 1000 texels along as many.
+  const Mesh mesh = triangleOf({{{0, 0.5}, {0.5, 0.5}, {0, 1}}});
+  for (const TouchedTile& tile : makeFootprint(mesh, setOf(), 0.5).tiles)
+    EXPECT_NEAR(tile.texels_per_model, std::sqrt(1.5 * 1.0), 0.01);
+}
+
+TEST(TextureFootprint, countsTrianglesWithoutExtentForTheirTileButNotForItsTexels) {
+  Mesh mesh = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.8}}});
+  const float alone = makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model;
+  const Mesh point = triangleOf({{{0.15, 0.85}, {0.15, 0.85}, {0.15, 0.85}}});
+  for (size_t i = 0; i < 3; ++i) {
+    mesh.positions.push_back(point.positions[i]);
+    mesh.vertex_attributes.push_back(point.vertex_attributes[i]);
+  }
+  mesh.triangles.push_back({3, 4, 5});
+  EXPECT_EQ(makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model, alone);
+  EXPECT_EQ(placesOf(makeFootprint(point, setOf(), 1)), (Places{{0, 0}}));
+}
+
+TEST(TextureFootprint, isByTextureAndEmptyWithoutOne) {
+  TextureSet set = setOf();
+  set.textures.push_back({"b", 100, 100, {}});
+  set.textures.push_back({"missing", 0, 0, {}});
+  const std::array<glm::dvec2, 3> uv{{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.8}}};
+  EXPECT_EQ(makeFootprint(triangleOf(uv, 1), set, 1).tiles.at(0).texture, 1u);
+  EXPECT_TRUE(makeFootprint(triangleOf(uv, 2), set, 1).tiles.empty());
+  EXPECT_TRUE(makeFootprint(triangleOf(uv, 3), set, 1).tiles.empty());
+  Mesh plain = triangleOf(uv);
+  plain.attributes.bits = AttributeSet::kColour;
+  EXPECT_TRUE(makeFootprint(plain, set, 1).tiles.empty());
+}
+
+TEST(TextureFootprint, ofAMeshThatCostsTooMuchIsTheWholeImage) {
+  TextureSet set = setOf(kMaxTextureEdgePx, kMaxTextureEdgePx);
+  Mesh mesh = triangleOf({{{0.01, 0.99}, {0.99, 0.01}, {0.99, 0.02}}});
+  const size_t tiles = size_t{tilesAcross(set.textures[0], 0)} * tilesDown(set.textures[0], 0);
+  EXPECT_LT(makeFootprint(mesh, set, 1).tiles.size(), tiles / 10);
+  mesh.triangles.resize(2 * kMaxTileTests / tiles, mesh.triangles[0]);
+  EXPECT_EQ(makeFootprint(mesh, set, 1).tiles.size(), tiles);
+}
+
+TEST(TextureFootprint, survivesCoordinatesBeyondAllBounds) {
+  TextureSet set = setOf();
+  set.uv_origin = {0x1p60, -0x1p60};
+  set.uv_scale_exponent = kMaxUvExponent;
+  EXPECT_EQ(makeFootprint(triangleOf({{{0, 0}, {3, 0}, {0, 3}}}), set, 1).tiles.size(), 6u);
+}
+
+}  // namespace
+}  // namespace lode::core
