@@ -183,7 +183,12 @@ DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, con
   glUniformMatrix3fv(kViewRotation, 1, GL_FALSE, &rotation[0][0]);
   glUniform3f(kProjection, projection.scale.x, projection.scale.y, projection.near_model);
   setTextures();
+  // What an image leaves clear is left out sample by sample, so that nothing has to be sorted.
+  glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glEnable(GL_SAMPLE_ALPHA_TO_ONE);
   counts.calls = drawPages();
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glDisable(GL_SAMPLE_ALPHA_TO_ONE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   return counts;
 }

@@ -21,7 +21,6 @@ out vec3 position_view;
 out vec3 normal_view;
 out vec3 colour;
 out vec2 uv;
-centroid out vec2 uv_inside;
 flat out uint material;
 flat out uint flags;
 
@@ -38,7 +37,7 @@ void main() {
   position_view = view_rotation * relative;
   normal_view = view_rotation * normal.xyz;
   colour = toLinear(colour_srgb.rgb);
-  uv = uv_inside = uv_frame.xy + vec2(texture_code.xy) * uv_frame.z;
+  uv = uv_frame.xy + vec2(texture_code.xy) * uv_frame.z;
   material = texture_code.z;
   flags = draw_flags;
   gl_Position = vec4(projection.xy * position_view.xy, projection.z, -position_view.z);
@@ -50,7 +49,6 @@ in vec3 position_view;
 in vec3 normal_view;
 in vec3 colour;
 in vec2 uv;
-centroid in vec2 uv_inside;
 flat in uint material;
 flat in uint flags;
 out vec4 pixel;
@@ -61,9 +59,10 @@ layout(std430, binding = 0) readonly buffer TileTable { uint table[]; };
 
 const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
 const uint kHeadWords = 4u, kTilePx = 512u, kInnerPx = 508u, kGutterPx = 2u, kCellPx = 32u;
+const float kMostTaps = 8.0;
 
 /// Samples one level where its tile is there. `at` is within the image, 0..1 from its top left corner.
-bool sampleLevel(uint level, vec2 at, out vec3 texel) {
+bool sampleLevel(uint level, vec2 at, out vec4 texel) {
   uint head = material * kHeadWords;
   uvec2 size = (uvec2(table[head], table[head + 1u]) + (1u << level) - 1u) >> level;
   uvec2 tiles = (size + kInnerPx - 1u) / kInnerPx;
@@ -73,28 +72,47 @@ bool sampleLevel(uint level, vec2 at, out vec3 texel) {
   if (page >> 31 == 0u) return false;
   uvec2 corner = uvec2(page & 15u, page >> 4 & 15u) * kCellPx;
   vec2 in_layer = vec2(corner + kGutterPx) + (place - vec2(tile * kInnerPx));
-  texel = textureLod(tile_layers, vec3(in_layer / float(kTilePx), float(page >> 8 & 0x7fffffu)), 0.0).rgb;
+  texel = textureLod(tile_layers, vec3(in_layer / float(kTilePx), float(page >> 8 & 0x7fffffu)), 0.0);
   return true;
 }
 
-/// The finest level of the material's texture that a pixel can show and that is there, blended with the next
-/// coarser one. @return false if no level is.
-bool sampleTexture(out vec3 texel) {
+/// The finest level from `wanted` on that is there, blended with the next coarser one.
+/// @return false if no level is.
+bool samplePoint(vec2 at, float wanted, uint levels, out vec4 texel) {
+  uint finest = uint(wanted), level = finest;
+  while (!sampleLevel(level, at, texel))
+    if (++level == levels) return false;
+  vec4 coarser;
+  if (level == finest && level + 1u < levels && sampleLevel(level + 1u, at, coarser))
+    texel = mix(texel, coarser, wanted - float(finest));
+  return true;
+}
+
+/// The material's texture under the pixel. A surface seen at a flat angle is sampled several times along the
+/// pixel's longer side, at the level of its shorter one, where it would be a blur otherwise.
+/// Source: McCormack et al., Feline: Fast Elliptical Lines for Anisotropic Texture Mapping, 1999.
+bool sampleTexture(out vec4 texel) {
   vec2 across = dFdx(uv), down = dFdy(uv);
   if (material >= texture_count) return false;
   uint head = material * kHeadWords, levels = table[head + 2u];
   if (levels == 0u) return false;
   vec2 size = vec2(table[head], table[head + 1u]);
-  float texels_px = max(length(across * size), length(down * size));
-  float wanted = clamp(log2(max(texels_px, 1e-6)), 0.0, float(levels - 1u));
-  uint finest = uint(wanted);
-  vec2 at = fract(vec2(uv_inside.x, 1.0 - uv_inside.y));
-  uint level = finest;
-  while (!sampleLevel(level, at, texel))
-    if (++level == levels) return false;
-  vec3 coarser;
-  if (level == finest && level + 1u < levels && sampleLevel(level + 1u, at, coarser))
-    texel = mix(texel, coarser, wanted - float(finest));
+  vec2 across_px = across * size, down_px = down * size;
+  bool is_across = dot(across_px, across_px) > dot(down_px, down_px);
+  float longer_px = max(max(length(across_px), length(down_px)), 1e-6);
+  float shorter_px = max(abs(determinant(mat2(across_px, down_px))) / longer_px, 1.0);
+  float reach = min(1.0, 2.0 * kMostTaps * shorter_px / longer_px);
+  longer_px *= reach;
+  float taps = clamp(floor(longer_px / shorter_px + 0.5), 1.0, kMostTaps);
+  float wanted = clamp(log2(longer_px / taps), 0.0, float(levels - 1u));
+  vec2 side = (is_across ? across : down) * reach;
+  vec4 sum = vec4(0.0);
+  for (float tap = 0.5; tap < taps; tap += 1.0) {
+    vec2 at = uv + side * (tap / taps - 0.5);
+    if (!samplePoint(fract(vec2(at.x, 1.0 - at.y)), wanted, levels, texel)) return false;
+    sum += texel;
+  }
+  texel = sum / taps;
   return true;
 }
 
@@ -113,8 +131,12 @@ void main() {
     if (dot(n, facet) < 0.0) n = -n;
   }
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
-  vec3 texel;
-  if ((flags & 8u) != 0u && sampleTexture(texel)) albedo = (flags & 2u) != 0u ? colour * texel : texel;
+  float coverage = 1.0;
+  vec4 texel;
+  if ((flags & 8u) != 0u && sampleTexture(texel)) {
+    albedo = (flags & 2u) != 0u ? colour * texel.rgb : texel.rgb;
+    coverage = texel.a;
+  }
   if ((flags & 4u) != 0u) {
     float depth = float(flags >> 8 & 0xffu), rung = float(flags >> 16 & 0xffu);
     float node = float(flags >> 24) / 255.0;
@@ -129,7 +151,7 @@ void main() {
   light += vec3(0.10, 0.115, 0.15) * max(dot(n, fill), 0.0);
   light += vec3(0.10) * max(dot(n, to_eye), 0.0);
   float glint = pow(max(dot(n, normalize(key + to_eye)), 0.0), 40.0);
-  pixel = vec4(albedo * light + 0.06 * glint, 1.0);
+  pixel = vec4(albedo * light + 0.06 * glint, coverage);
 }
 )glsl";
 

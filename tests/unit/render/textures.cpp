@@ -247,6 +247,39 @@ TEST_F(TexturedSquare, isTheImageTimesTheVertexColour) {
   EXPECT_EQ(image.rgba, expected.rgba);
 }
 
+TEST_F(TexturedSquare, leavesOutWhatTheImageLeavesClear) {
+  wear({64, 64, [](uint32_t x, uint32_t) { return glm::u8vec4(255, 255, 255, x < 32 ? 0 : 255); }});
+  const core::View view = above({kSide / 2, kSide / 2}, kSide / 500);
+  const render::Image image = drawSquare(view);
+  for (uint32_t y = 0; y < image.height_px; y += 10)
+    for (uint32_t x = 0; x < image.width_px; ++x) {
+      if (x < kWidthPx / 2 - 10) {
+        EXPECT_TRUE(isMagenta(image.pixel(x, y)));
+      }
+      if (x > kWidthPx / 2 + 10) {
+        EXPECT_FALSE(showsMagenta(image.pixel(x, y)));
+      }
+      EXPECT_EQ(image.pixel(x, y)[3], 255);
+    }
+}
+
+/// A floor of stripes along the view, seen at a flat angle: they stay apart far ahead.
+TEST_F(TexturedSquare, keepsStripesApartAtAFlatAngle) {
+  wear({1024, 1024, [](uint32_t x, uint32_t) {
+          const uint8_t value = x / 8 % 2 == 0 ? 255 : 0;
+          return glm::u8vec4(value, value, value, 255);
+        }});
+  core::View view = lookAt({kSide / 2, -100, 220}, {kSide / 2, 1200, 0}, {0, 0, 1});
+  const render::Image image = drawSquare(view);
+  int least = 255, most = 0;
+  for (uint32_t x = 60; x < 140; ++x) {
+    const int value = image.pixel(x, kHeightPx / 2)[1];
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  EXPECT_GE(most - least, 100);
+}
+
 TEST_F(TexturedSquare, forgetsTilesThatALaterCutDoesNotHave) {
   wear({2048, 2048, checkered});
   render::Renderer renderer;
