@@ -13,7 +13,9 @@ namespace lode {
 /// and, for a full disk, saying so.
 class AtomicFile {
  public:
-  explicit AtomicFile(std::filesystem::path path);
+  /// @param temporary  where it is written, on the file system of `path`, over what may be there; by default
+  /// a new name beside it.
+  explicit AtomicFile(std::filesystem::path path, std::filesystem::path temporary = {});
   ~AtomicFile();
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&&) = delete;

@@ -28,6 +28,7 @@ Json describeAsJson(const ingest::BuildReport& report) {
                               {"items", stage.items},
                               {"temporary_bytes", stage.temporary_bytes},
                               {"peak_rss_bytes", stage.peak_rss_bytes}});
+  json["resumed_from"] = report.resumed_from.empty() ? Json(nullptr) : Json(report.resumed_from);
   json["warnings"] = report.warnings;
   return json;
 }
@@ -51,7 +52,8 @@ void runBuild(const BuildArguments& arguments) {
     throw Error(ErrorCode::kUsage, options.output.string() + ": is the input itself: name another output");
   ingest::BuildReport report;
   {
-    const Interruption interruption;
+    const Interruption interruption(options.resume ? "interrupted"
+                                                   : "interrupted; nothing was written, start it again");
     ProgressBar bar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
     report = ingest::build(options, [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
       interruption.check();
@@ -96,7 +98,9 @@ void addBuildCommand(CLI::App& program) {
           },
           "how nodes are simplified: collapse, or cluster for a fast preview (default: collapse)")
       ->check(CLI::IsMember({"collapse", "cluster"}));
-  addMissingFlag(*command, "--resume", "go on from the last finished stage");
+  command->add_flag(
+      "--resume", options.resume,
+      "go on where the same command was killed or interrupted; if it is now, keep what is there");
   command->add_flag("--skip-bad", options.skip_bad, "drop and count bad indices and coordinates");
   command->add_flag("--strict", options.strict, "warnings are errors");
   command->add_flag("--json", arguments->json, "print the result as one JSON object");

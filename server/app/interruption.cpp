@@ -12,7 +12,7 @@ void note(int) { came = 1; }
 
 }  // namespace
 
-Interruption::Interruption() {
+Interruption::Interruption(const char* message) : message_(message) {
   came = 0;
   struct sigaction action {};
   action.sa_handler = note;
@@ -25,7 +25,7 @@ Interruption::~Interruption() {
 }
 
 void Interruption::check() const {
-  if (came) throw Error(ErrorCode::kIo, "interrupted; nothing was written, start it again");
+  if (came) throw Error(ErrorCode::kIo, message_);
 }
 
 }  // namespace lode::app

@@ -9,7 +9,8 @@ namespace lode::app {
 /// its temporary files removed. One at a time.
 class Interruption {
  public:
-  Interruption();
+  /// @param message  of the error when a signal has come.
+  explicit Interruption(const char* message);
   ~Interruption();
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
@@ -18,6 +19,7 @@ class Interruption {
   void check() const;
 
  private:
+  const char* message_;
   std::array<struct sigaction, 3> before_{};
 };
 

@@ -52,7 +52,7 @@ class Comparison {
   }
 
   void compareTriangles() {
-    RecordSorter sorter(sizeof(Side), memory_bytes_ / 4, folder_, "against");
+    RecordSorter sorter(sizeof(Side), memory_bytes_ / 4, folder_.file("against"));
     pushInput(sorter);
     pushStore(sorter);
     sorter.finish();

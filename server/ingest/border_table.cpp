@@ -1,5 +1,6 @@
 #include "server/ingest/border_table.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "server/ingest/leaf_mesh.h"
@@ -7,10 +8,25 @@
 namespace lode::ingest {
 
 BorderTable::BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes)
-    : by_position_(std::make_unique<RecordSorter>(sizeof(Listing), memory_bytes / 2, folder, "border")),
-      by_leaf_(
-          std::make_unique<RecordSorter>(sizeof(BorderVertex), memory_bytes / 2, folder, "border-of-leaf")),
-      joined_(folder.file("border")) {}
+    : by_position_(std::make_unique<RecordSorter>(sizeof(Listing), memory_bytes / 2,
+                                                  folder.file("border-by-position"))),
+      by_leaf_(std::make_unique<RecordSorter>(sizeof(BorderVertex), memory_bytes / 2,
+                                              folder.file("border-by-leaf"))),
+      joined_(folder.lastingFile(kFile)) {}
+
+BorderTable::BorderTable(const TemporaryFolder& folder, RecordReader& record)
+    : joined_(folder.lastingFile(kFile), record.get<uint64_t>()), first_of_leaf_(record.getAll<uint64_t>()) {
+  if (first_of_leaf_.empty() || !std::is_sorted(first_of_leaf_.begin(), first_of_leaf_.end()) ||
+      first_of_leaf_.back() != joined_.size() / sizeof(BorderVertex)) {
+    throw Error(ErrorCode::kFormat, "the journal of a build names no border table; build without --resume");
+  }
+}
+
+void BorderTable::save(RecordWriter& record) const {
+  joined_.sync();
+  record.put(joined_.size());
+  record.putAll(first_of_leaf_);
+}
 
 void BorderTable::add(PositionCode position, uint32_t leaf, glm::i64vec3 normal_sum) {
   const Listing listing{leaf, normal_sum};

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -25,7 +26,12 @@ struct BorderVertex {
 /// are not locked. Collecting and joining are for one thread; read() is thread safe.
 class BorderTable {
  public:
+  /// Name of the joined table's file, which lasts.
+  static constexpr std::string_view kFile = "border";
+
   BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes);
+  /// The joined table that save() noted. @throws Error kIo, kFormat.
+  BorderTable(const TemporaryFolder& folder, RecordReader& record);
 
   /// @param leaf  number of the leaf; leaves are added in rising order, each position once a leaf.
   void add(PositionCode position, uint32_t leaf, glm::i64vec3 normal_sum);
@@ -33,6 +39,11 @@ class BorderTable {
   /// @param leaves  keys by number.
   void join(std::span<const NodeKey> leaves);
 
+  /// Writes the joined table to the disk for good, and notes in `record` where it is.
+  void save(RecordWriter& record) const;
+
+  /// Leaves of the joined table.
+  size_t leafCount() const noexcept { return first_of_leaf_.size() - 1; }
   /// The shared vertices of a leaf, by position.
   std::vector<BorderVertex> read(uint32_t leaf) const;
   /// Written to temporary files so far.

@@ -21,6 +21,9 @@ struct BuildOptions {
   Simplifier simplifier = Simplifier::kCollapse;
   bool skip_bad = false;  ///< bad indices and coordinates are dropped and counted, not an error
   bool strict = false;    ///< warnings are errors
+  /// Go on where a build of the same input, output and options ended that was killed or failed, and keep what
+  /// is there if this one fails for a reason that is not in the input.
+  bool resume = false;
 };
 
 struct BuildReport {
@@ -32,7 +35,8 @@ struct BuildReport {
     uint64_t peak_rss_bytes = 0;   ///< of the process, at the stage's end
   };
   ModelSummary summary;
-  std::vector<Stage> stages;
+  std::vector<Stage> stages;  ///< those of this run
+  std::string resumed_from;   ///< the stage with which this run went on; empty: it began at the beginning
   std::vector<std::string> warnings;
   uint64_t peak_rss_bytes = 0;
   double seconds = 0, cpu_seconds = 0;
@@ -44,8 +48,11 @@ using BuildProgress =
     std::function<void(std::string_view stage, double fraction, uint64_t done, uint64_t total)>;
 
 /// PLY to store: scan, dereference, partition, simplify (encoding as it goes), pack.
-/// The store appears under its name when complete; on failure nothing stays behind.
-/// @throws Error kInput, kIo, kLimit.
+/// The store appears under its name when complete. What is finished is noted in a journal, so that a build
+/// that was killed can be resumed (see BuildFolder); on any other failure nothing stays behind, unless
+/// `resume` was given. Only one build of an output can run at a time.
+/// @throws Error kInput (also: cannot be resumed, since input or options are others), kIo, kLimit, kFormat
+/// (what a killed build left is damaged).
 BuildReport build(const BuildOptions& options, const BuildProgress& progress = {});
 
 }  // namespace lode::ingest

@@ -32,9 +32,9 @@ Trial runTrial(const ForecastInput& input) {
   sample.attributes.bits =
       input.attributes.bits & (AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kTexture);
   BuildOptions options;
-  options.input = folder.file("trial.ply");
-  options.output = folder.file("trial.lode");
-  options.temporary_folder = folder.file("");
+  options.input = folder.path() / "trial.ply";
+  options.output = folder.path() / "trial.lode";
+  options.temporary_folder = folder.path();
   options.threads = input.threads;
   const auto triangles = static_cast<double>(writeSample(sample, options.input));
   const BuildReport report = build(options);

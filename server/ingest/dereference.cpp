@@ -127,12 +127,14 @@ class Batch {
 }  // namespace
 
 DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes,
-                              const SoupSink& sink, const BuildProgress& progress) {
-  DereferenceCounts counts;
-  PackedInput::FaceCursor cursor(input);
+                              const SoupSink& sink, const BuildProgress& progress,
+                              const DereferencePoint& from, const BatchSink& on_batch) {
+  DereferenceCounts counts = from.counts;
+  PackedInput::FaceCursor cursor(input, from.face_offset);
   Batch batch(input, lattice, memory_bytes / 2);
-  uint64_t faces = 0;
-  while (batch.readFaces(cursor)) {
+  uint64_t faces = from.faces, begin = cursor.offset();
+  for (; batch.readFaces(cursor); begin = cursor.offset()) {
+    if (on_batch) on_batch({begin, faces, counts});
     batch.sweepVertices();
     for (const PackedInput::FaceBlock& block : batch.blocks()) {
       batch.giveOut(block, counts, sink);

@@ -39,6 +39,15 @@ PayloadSpool::Place PayloadSpool::append(std::span<const std::byte> payload) {
   return place;
 }
 
+uint64_t PayloadSpool::sync() {
+  std::unique_lock lock(mutex_);
+  spool_.flush();
+  const uint64_t bytes = spool_.size();
+  lock.unlock();
+  spool_.sync();
+  return bytes;
+}
+
 std::vector<std::byte> PayloadSpool::read(Place place) const {
   std::vector<std::byte> payload(place.bytes);
   spool_.readAt(place.offset, payload);

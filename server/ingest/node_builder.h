@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <mutex>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/hierarchy_page.h"
@@ -22,10 +23,17 @@ class PayloadSpool {
     uint64_t offset = 0;
     uint32_t bytes = 0;
   };
-  explicit PayloadSpool(const TemporaryFolder& folder) : spool_(folder.file("payloads")) {}
+  /// Name of the file, which lasts.
+  static constexpr std::string_view kFile = "payloads";
+
+  explicit PayloadSpool(const TemporaryFolder& folder) : spool_(folder.lastingFile(kFile)) {}
+  /// The first `bytes` that a killed build wrote; more is appended behind them. @throws Error kIo, kFormat.
+  PayloadSpool(const TemporaryFolder& folder, uint64_t bytes) : spool_(folder.lastingFile(kFile), bytes) {}
 
   Place append(std::span<const std::byte> payload);
   void flush() { spool_.flush(); }
+  /// Writes what was appended to the disk for good. @return its bytes.
+  uint64_t sync();
   std::vector<std::byte> read(Place place) const;
   uint64_t size() const noexcept { return spool_.size(); }
 

@@ -1,9 +1,17 @@
 #include "server/ingest/partition.h"
 
+#include <algorithm>
+
+#include "common/error.h"
 #include "server/ingest/leaf_cutter.h"
 #include "server/ingest/leaf_mesh.h"
 
 namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kMaxSoupFileBytes = 1ull << 62;
+
+}  // namespace
 
 std::vector<std::byte> Partition::readLeaf(uint32_t leaf) const {
   const size_t record_bytes = soupBytes(attributes);
@@ -12,9 +20,36 @@ std::vector<std::byte> Partition::readLeaf(uint32_t leaf) const {
   return records;
 }
 
+void Partition::save(RecordWriter& record) const {
+  soup.sync();
+  record.putAll(leaves);
+  record.putAll(first);
+  border.save(record);
+}
+
+Partition Partition::load(const TemporaryFolder& folder, AttributeSet attributes, RecordReader& record) {
+  auto leaves = record.getAll<NodeKey>();
+  auto first = record.getAll<uint64_t>();
+  if (leaves.empty() || first.size() != leaves.size() + 1 || !std::is_sorted(first.begin(), first.end()) ||
+      first.back() > kMaxSoupFileBytes / soupBytes(attributes)) {
+    throw Error(ErrorCode::kFormat, "the journal of a build names no partition; build without --resume");
+  }
+  Spool soup(folder.lastingFile(kSoupFile), first.back() * soupBytes(attributes));
+  Partition result{attributes, std::move(leaves), std::move(first), std::move(soup),
+                   BorderTable(folder, record)};
+  if (result.border.leafCount() != result.leaves.size()) {
+    throw Error(ErrorCode::kFormat, "the journal of a build names no partition; build without --resume");
+  }
+  return result;
+}
+
 Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
                     uint64_t memory_bytes, const TemporaryFolder& folder, const BuildProgress& progress) {
-  Partition result{attributes, {}, {0}, Spool(folder.file("soup")), BorderTable(folder, memory_bytes)};
+  Partition result{attributes,
+                   {},
+                   {0},
+                   Spool(folder.lastingFile(Partition::kSoupFile)),
+                   BorderTable(folder, memory_bytes)};
   const bool has_normals = attributes.has(AttributeSet::kNormal);
   MeshWelder welder;
   NumberTable edges;

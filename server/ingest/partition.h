@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "server/ingest/border_table.h"
@@ -14,6 +15,9 @@ namespace lode::ingest {
 
 /// The leaves of the octree and their triangles.
 struct Partition {
+  /// Name of the soup's file, which lasts.
+  static constexpr std::string_view kSoupFile = "soup";
+
   AttributeSet attributes;      ///< of the soup: those of the file
   std::vector<NodeKey> leaves;  ///< in Morton order
   std::vector<uint64_t> first;  ///< triangle in the soup with which each leaf begins, and the end
@@ -22,6 +26,10 @@ struct Partition {
 
   /// A leaf's records. Thread safe.
   std::vector<std::byte> readLeaf(uint32_t leaf) const;
+  /// Writes the partition to the disk for good, and notes in `record` where it is.
+  void save(RecordWriter& record) const;
+  /// What save() noted. @throws Error kIo, kFormat.
+  static Partition load(const TemporaryFolder& folder, AttributeSet attributes, RecordReader& record);
   uint64_t triangleCount() const noexcept { return first.back(); }
 };
 

@@ -21,18 +21,16 @@ struct RecordSorter::Run {
   }
 };
 
-RecordSorter::RecordSorter(size_t record_bytes, uint64_t memory_bytes, const TemporaryFolder& folder,
-                           std::string name)
+RecordSorter::RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs)
     : record_bytes_(record_bytes),
       memory_bytes_(memory_bytes),
       capacity_(std::clamp<size_t>(memory_bytes / (record_bytes + sizeof(Order)), 1024, UINT32_MAX)),
-      folder_(folder),
-      name_(std::move(name)) {}
+      file_(std::move(runs)) {}
 
 RecordSorter::~RecordSorter() = default;
 
 void RecordSorter::push(uint64_t key, std::span<const std::byte> record) {
-  if (order_.size() == capacity_) writeRun();
+  if (order_.size() == capacity_) spill();
   if (order_.size() == order_.capacity()) {
     const size_t more = std::min(capacity_, std::max<size_t>(1024, order_.size() * 3 / 2));
     order_.reserve(more);
@@ -49,9 +47,9 @@ bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
 
 void RecordSorter::sortHeld() { std::sort(order_.begin(), order_.end()); }
 
-void RecordSorter::writeRun() {
+void RecordSorter::spill() {
   sortHeld();
-  if (!spool_) spool_.emplace(folder_.file(name_ + "-runs"));
+  if (!spool_) spool_.emplace(file_);
   auto run = std::make_unique<Run>();
   run->begin = spool_->size();
   for (const Order& at : order_) {
@@ -64,12 +62,39 @@ void RecordSorter::writeRun() {
   held_.clear();
 }
 
+void RecordSorter::save(RecordWriter& record) {
+  std::vector<uint64_t> ends;
+  for (const auto& run : runs_) ends.push_back(run->end);
+  record.putAll(ends);
+  if (!spool_) return;
+  spool_->flush();
+  spool_->sync();
+}
+
+void RecordSorter::restore(RecordReader& record) {
+  const size_t entry_bytes = sizeof(uint64_t) + record_bytes_;
+  uint64_t begin = 0;
+  for (const uint64_t end : record.getAll<uint64_t>()) {
+    if (end <= begin || end % entry_bytes != 0) {
+      throw Error(ErrorCode::kFormat,
+                  "the journal of a build names no runs of a sort; build without --resume");
+    }
+    runs_.push_back(std::make_unique<Run>());
+    runs_.back()->begin = begin;
+    runs_.back()->end = begin = end;
+  }
+  if (runs_.empty()) return;
+  spool_.emplace(file_, begin);
+  temporary_bytes_ = begin;
+  size_ = begin / entry_bytes;
+}
+
 void RecordSorter::finish() {
   if (runs_.empty()) {
     sortHeld();
     return;
   }
-  if (!order_.empty()) writeRun();
+  if (!order_.empty()) spill();
   order_ = {};
   held_ = {};
   spool_->flush();

@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "server/ingest/record_bytes.h"
 #include "server/ingest/spool.h"
 #include "server/ingest/temporary_folder.h"
 
@@ -21,12 +21,24 @@ namespace lode::ingest {
 class RecordSorter {
  public:
   /// @param memory_bytes  for the records held before a run is written, and for the buffers of the merge.
-  RecordSorter(size_t record_bytes, uint64_t memory_bytes, const TemporaryFolder& folder, std::string name);
+  /// @param runs  where they are written, if there are any.
+  RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs);
   ~RecordSorter();
 
   void push(uint64_t key, std::span<const std::byte> record);
   uint64_t size() const noexcept { return size_; }
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_; }
+
+  /// The number of runs on the disk, and of the records in them.
+  size_t runCount() const noexcept { return runs_.size(); }
+  uint64_t recordsInRuns() const noexcept { return size_ - order_.size(); }
+  /// Writes what is held as a run.
+  void spill();
+  /// Writes the runs to the disk for good, and notes in `record` where they are.
+  void save(RecordWriter& record);
+  /// Takes over the runs that save() noted, before any push; records follow those in the runs.
+  /// @throws Error kIo, kFormat.
+  void restore(RecordReader& record);
 
   /// No more records come in; next() gives them in order.
   void finish();
@@ -48,15 +60,13 @@ class RecordSorter {
   };
   bool later(uint32_t a, uint32_t b) const noexcept;
   void sortHeld();
-  void writeRun();
   std::optional<Record> nextOfMemory();
   std::optional<Record> nextOfRuns();
 
   const size_t record_bytes_;
   const uint64_t memory_bytes_;
   const size_t capacity_;
-  const TemporaryFolder& folder_;
-  const std::string name_;
+  const TemporaryFile file_;
   uint64_t size_ = 0;
   uint64_t temporary_bytes_ = 0;
   std::vector<std::byte> held_;

@@ -8,6 +8,12 @@
 
 namespace lode::ingest {
 
+namespace {
+
+constexpr std::string_view kVertexFile = "vertices", kFaceFile = "faces";
+
+}  // namespace
+
 AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept {
   uint8_t elsewhere = AttributeSet::kMaterial;
   if (corner_texture) elsewhere |= AttributeSet::kTexture;
@@ -41,8 +47,37 @@ PackedInput::PackedInput(const TemporaryFolder& folder, AttributeSet attributes,
       corner_texture_(corner_texture),
       vertex_attributes_(vertexAttributes(attributes, corner_texture)),
       vertex_bytes_(packedVertexBytes(vertex_attributes_, double_positions)),
-      vertex_spool_(folder.file("vertices")),
-      face_spool_(folder.file("faces")) {}
+      vertex_spool_(folder.lastingFile(kVertexFile)),
+      face_spool_(folder.lastingFile(kFaceFile)) {}
+
+PackedInput::PackedInput(const TemporaryFolder& folder, const Place& place)
+    : attributes_(place.attributes),
+      double_positions_(place.double_positions != 0),
+      corner_texture_(place.corner_texture != 0),
+      vertex_attributes_(vertexAttributes(attributes_, corner_texture_)),
+      vertex_bytes_(packedVertexBytes(vertex_attributes_, double_positions_)),
+      vertex_spool_(folder.lastingFile(kVertexFile), place.vertex_bytes),
+      face_spool_(folder.lastingFile(kFaceFile), place.face_bytes),
+      vertices_(place.vertices),
+      faces_(place.faces),
+      uv_grid_(place.uv_grid) {}
+
+void PackedInput::save(RecordWriter& record) const {
+  vertex_spool_.sync();
+  face_spool_.sync();
+  record.put(Place{vertex_spool_.size(), face_spool_.size(), vertices_, faces_, uv_grid_, attributes_,
+                   double_positions_, corner_texture_});
+}
+
+PackedInput PackedInput::load(const TemporaryFolder& folder, RecordReader& record) {
+  const auto place = record.get<Place>();
+  PackedInput input(folder, place);
+  if (place.vertex_bytes % input.vertex_bytes_ != 0 ||
+      place.vertex_bytes / input.vertex_bytes_ != place.vertices) {
+    throw Error(ErrorCode::kFormat, "the journal of a build names no packed input; build without --resume");
+  }
+  return input;
+}
 
 void PackedInput::addVertices(std::span<const PlyVertex> vertices) {
   packed_.resize(vertices.size() * vertex_bytes_);
@@ -95,8 +130,9 @@ void PackedInput::flush() {
   face_spool_.flush();
 }
 
-PackedInput::FaceCursor::FaceCursor(const PackedInput& input)
-    : input_(&input), cursor_(input.face_spool_, 0, input.face_spool_.size()) {}
+PackedInput::FaceCursor::FaceCursor(const PackedInput& input, uint64_t offset)
+    : input_(&input),
+      cursor_(input.face_spool_, std::min(offset, input.face_spool_.size()), input.face_spool_.size()) {}
 
 bool PackedInput::FaceCursor::next(FaceBlock& block) {
   if (cursor_.atEnd()) return false;

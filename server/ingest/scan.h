@@ -11,6 +11,7 @@
 #include "common/mesh.h"
 #include "server/ingest/build.h"
 #include "server/ingest/ply_reader.h"
+#include "server/ingest/record_bytes.h"
 #include "server/ingest/spool.h"
 #include "server/ingest/temporary_folder.h"
 #include "server/ingest/uv_grid.h"
@@ -25,6 +26,11 @@ class PackedInput {
   /// @param corner_texture  texture coordinates come with the faces' corners, not with vertices.
   PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
               bool corner_texture = false);
+
+  /// Writes a flushed input to the disk for good, and notes in `record` where it is.
+  void save(RecordWriter& record) const;
+  /// What save() noted. @throws Error kIo, kFormat.
+  static PackedInput load(const TemporaryFolder& folder, RecordReader& record);
 
   AttributeSet attributes() const noexcept { return attributes_; }
   uint64_t vertexCount() const noexcept { return vertices_; }
@@ -64,7 +70,8 @@ class PackedInput {
   /// Reads blocks from front to end.
   class FaceCursor {
    public:
-    explicit FaceCursor(const PackedInput& input);
+    explicit FaceCursor(const PackedInput& input, uint64_t offset = 0);
+    uint64_t offset() const noexcept { return cursor_.offset(); }  ///< of the next block
     bool next(FaceBlock& block);
 
    private:
@@ -74,6 +81,14 @@ class PackedInput {
   };
 
  private:
+  struct Place {
+    uint64_t vertex_bytes = 0, face_bytes = 0, vertices = 0, faces = 0;
+    UvGrid uv_grid;
+    AttributeSet attributes;
+    uint8_t double_positions = 0, corner_texture = 0;
+  };
+  PackedInput(const TemporaryFolder& folder, const Place& place);
+
   const AttributeSet attributes_;
   const bool double_positions_, corner_texture_;
   const AttributeSet vertex_attributes_;

@@ -9,6 +9,9 @@
 #include <optional>
 #include <queue>
 #include <thread>
+#include <unordered_map>
+
+#include "common/error.h"
 
 namespace lode::ingest {
 namespace {
@@ -52,14 +55,26 @@ struct Plan {
 /// Shared state of the workers; everything in it is guarded by the mutex but `plan`, which does not change.
 class Scheduler {
  public:
-  explicit Scheduler(const Plan& plan)
-      : plan_(plan), built_(plan.entries.size()), waiting_for_(plan.entries.size()) {
-    for (size_t i = 0; i < plan.entries.size(); ++i) {
-      waiting_for_[i] = plan.entries[i].children.size();
-      if (plan.entries[i].children.empty()) leaf_entries_.push_back(static_cast<uint32_t>(i));
-    }
+  Scheduler(const Plan& plan, SimplifyLog& log)
+      : plan_(plan),
+        log_(log),
+        built_(plan.entries.size()),
+        noted_(plan.entries.size()),
+        waiting_for_(plan.entries.size()) {
     tree_.nodes.resize(plan.entries.size());
     tree_.payloads.resize(plan.entries.size());
+    takeOverFinished();
+    for (uint32_t i = 0; i < plan.entries.size(); ++i) {
+      if (noted_[i]) continue;
+      const std::vector<uint32_t>& children = plan.entries[i].children;
+      waiting_for_[i] = static_cast<size_t>(
+          std::count_if(children.begin(), children.end(), [&](uint32_t child) { return !noted_[child]; }));
+      if (children.empty()) {
+        leaf_entries_.push_back(i);
+      } else if (waiting_for_[i] == 0) {
+        ready_.push(i);
+      }
+    }
   }
 
   template <typename MakeBuilder>
@@ -87,17 +102,22 @@ class Scheduler {
     std::unique_lock lock(mutex_);
     while (done_ < built_.size() && !failure_) {
       changed_.wait_for(lock, kProgressInterval);
-      if (!progress) continue;
+      const bool is_noting = log_.isDue();
+      if (!progress && !is_noting) continue;
       const size_t done = done_;
-      lock.unlock();
       std::exception_ptr failure;
       try {
-        progress("simplify", static_cast<double>(done) / static_cast<double>(built_.size()), done,
-                 built_.size());
+        if (is_noting) collectFinished();
+        lock.unlock();
+        if (is_noting) log_.write();
+        if (progress) {
+          progress("simplify", static_cast<double>(done) / static_cast<double>(built_.size()), done,
+                   built_.size());
+        }
       } catch (...) {
         failure = std::current_exception();
       }
-      lock.lock();
+      if (!lock.owns_lock()) lock.lock();
       if (failure && !failure_) failure_ = failure;
     }
     changed_.notify_all();
@@ -105,6 +125,8 @@ class Scheduler {
 
   SimplifiedTree result() {
     if (failure_) std::rethrow_exception(failure_);
+    collectFinished();
+    log_.write();
     std::vector<uint32_t> order(plan_.entries.size());
     for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
     std::sort(order.begin(), order.end(),
@@ -135,20 +157,71 @@ class Scheduler {
   }
 
   std::vector<BuiltNode> takeChildren(const Plan::Entry& entry) {
-    std::lock_guard lock(mutex_);
-    std::vector<BuiltNode> children;
-    for (const uint32_t child : entry.children) {
-      children.push_back(std::move(*built_[child]));
-      built_[child].reset();
+    std::unique_lock lock(mutex_);
+    std::vector<BuiltNode> children(entry.children.size());
+    for (size_t i = 0; i < children.size(); ++i) {
+      auto& built = built_[entry.children[i]];
+      if (!built) continue;
+      children[i] = std::move(*built);
+      built.reset();
+    }
+    lock.unlock();
+    for (size_t i = 0; i < children.size(); ++i) {
+      if (children[i].node.rungs.empty()) children[i] = log_.readRoot(plan_.entries[entry.children[i]].key);
     }
     return children;
+  }
+
+  /// What a killed build had finished; its meshes stay on the disk until they are needed.
+  void takeOverFinished() {
+    std::unordered_map<uint64_t, uint32_t> numbers;
+    for (uint32_t i = 0; i < plan_.entries.size(); ++i) numbers.emplace(plan_.entries[i].key.value, i);
+    for (const FinishedNode& finished : log_.before().nodes) {
+      const auto at = numbers.find(finished.node.key.value);
+      if (at == numbers.end() || noted_[at->second]) failResume();
+      noted_[at->second] = true;
+      tree_.nodes[at->second] = finished.node;
+      tree_.payloads[at->second] = finished.payloads;
+      ++done_;
+    }
+    for (uint32_t i = 0; i < plan_.entries.size(); ++i) {
+      const Plan::Entry& entry = plan_.entries[i];
+      const bool is_open = noted_[i] && i + 1 < plan_.entries.size() && !noted_[entry.parent];
+      if (is_open && !log_.before().roots.contains(entry.key)) failResume();
+    }
+  }
+
+  [[noreturn]] static void failResume() {
+    throw Error(ErrorCode::kFormat,
+                "the journal of a build names nodes of another tree; build without --resume");
+  }
+
+  /// Gives the log those nodes that another build could go on from: a node's parent is among them, or has not
+  /// taken it yet, so that what it needs of it can be kept. A leaf is built again rather than kept.
+  void collectFinished() {
+    std::sort(finished_.begin(), finished_.end(), std::greater<>());  // parents before children
+    std::vector<uint32_t> left;
+    for (const uint32_t number : finished_) {
+      const Plan::Entry& entry = plan_.entries[number];
+      const bool is_root = number + 1 == plan_.entries.size();
+      const bool is_below_noted = is_root || noted_[entry.parent];
+      if (!is_below_noted && (entry.children.empty() || !built_[number])) {
+        left.push_back(number);
+        continue;
+      }
+      noted_[number] = true;
+      if (!is_below_noted) log_.addRoot(*built_[number]);
+      log_.addFinished(tree_.nodes[number], tree_.payloads[number]);
+    }
+    finished_ = std::move(left);
   }
 
   void give(uint32_t number, BuiltNode&& built) {
     std::lock_guard lock(mutex_);
     tree_.nodes[number] = built.node;
-    tree_.payloads[number] = std::move(built.payloads);
+    tree_.payloads[number] = built.payloads;
     built_[number] = std::move(built);
+    finished_.push_back(number);
     ++done_;
     const uint32_t parent = plan_.entries[number].parent;
     if (number + 1 < built_.size() && --waiting_for_[parent] == 0) ready_.push(parent);
@@ -156,9 +229,12 @@ class Scheduler {
   }
 
   const Plan& plan_;
+  SimplifyLog& log_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::optional<BuiltNode>> built_;  ///< between a node's building and its parent's
+  std::vector<uint32_t> finished_;               ///< and not in the log
+  std::vector<bool> noted_;                      ///< in the log
   std::vector<size_t> waiting_for_;              ///< children not built yet
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   std::vector<uint32_t> leaf_entries_;
@@ -170,10 +246,22 @@ class Scheduler {
 
 }  // namespace
 
+SimplifiedTree treeOf(FinishedNodes finished) {
+  std::sort(finished.nodes.begin(), finished.nodes.end(),
+            [](const FinishedNode& a, const FinishedNode& b) { return a.node.key < b.node.key; });
+  SimplifiedTree tree;
+  for (FinishedNode& node : finished.nodes) {
+    tree.nodes.push_back(std::move(node.node));
+    tree.payloads.push_back(std::move(node.payloads));
+  }
+  return tree;
+}
+
 SimplifiedTree simplify(const NodeBuilder::Settings& settings, const Partition& partition,
-                        PayloadSpool& payloads, unsigned threads, const BuildProgress& progress) {
+                        PayloadSpool& payloads, SimplifyLog& log, unsigned threads,
+                        const BuildProgress& progress) {
   const Plan plan(partition.leaves);
-  Scheduler scheduler(plan);
+  Scheduler scheduler(plan, log);
   {
     std::vector<std::jthread> workers;
     for (unsigned i = 0; i < threads; ++i) {

@@ -26,19 +26,36 @@ constexpr size_t kWriteBufferBytes = 1 << 20;
 
 }  // namespace
 
-Spool::Spool(std::filesystem::path path) : path_(std::move(path)) {
-  file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+Spool::Spool(TemporaryFile file) : path_(std::move(file.path)), lasts_(file.lasts) {
+  file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   if (file_ < 0) fail(path_, "create");
+}
+
+Spool::Spool(TemporaryFile file, uint64_t size)
+    : path_(std::move(file.path)), lasts_(file.lasts), size_(size) {
+  file_ = open(path_.c_str(), O_RDWR | O_CLOEXEC);
+  if (file_ < 0) fail(path_, "open");
+  const off_t there = lseek(file_, 0, SEEK_END);
+  if (there < 0 || static_cast<uint64_t>(there) < size) {
+    close(file_);
+    throw Error(ErrorCode::kFormat,
+                "temporary file " + path_.string() + " is shorter than it was; build without --resume");
+  }
+  if (ftruncate(file_, static_cast<off_t>(size)) != 0 || lseek(file_, 0, SEEK_END) < 0) {
+    close(file_);
+    fail(path_, "cut");
+  }
 }
 
 Spool::~Spool() {
   if (file_ < 0) return;
   close(file_);
-  unlink(path_.c_str());
+  if (!lasts_) unlink(path_.c_str());
 }
 
 Spool::Spool(Spool&& other) noexcept
     : path_(std::move(other.path_)),
+      lasts_(other.lasts_),
       file_(std::exchange(other.file_, -1)),
       size_(other.size_),
       buffer_(std::move(other.buffer_)) {}
@@ -57,6 +74,10 @@ void Spool::append(std::span<const std::byte> bytes) {
 void Spool::flush() {
   writeBuffer();
   buffer_ = {};
+}
+
+void Spool::sync() const {
+  if (fdatasync(file_) != 0) fail(path_, "sync");
 }
 
 void Spool::writeBuffer() {

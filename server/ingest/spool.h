@@ -9,12 +9,22 @@
 
 namespace lode::ingest {
 
-/// A temporary file: written once from front to end, then read in any order. Removed at destruction.
-/// Appending and flushing are for one thread at a time; readAt is thread safe once the file is flushed.
-/// All functions throw Error kIo; a full disk is named as such.
+/// Name of a temporary file.
+struct TemporaryFile {
+  std::filesystem::path path;
+  bool lasts = false;  ///< it stays when its Spool goes: for a build to go on from
+};
+
+/// A temporary file: written once from front to end, then read in any order. Removed at destruction, unless
+/// it lasts. Appending and flushing are for one thread at a time; readAt is thread safe once the file is
+/// flushed. All functions throw Error kIo; a full disk is named as such.
 class Spool {
  public:
-  explicit Spool(std::filesystem::path path);
+  /// An empty one, over what a killed build may have left under that name.
+  explicit Spool(TemporaryFile file);
+  /// The first `size` bytes of one that a killed build wrote; more is appended behind them. @throws Error
+  /// kFormat if it is shorter.
+  Spool(TemporaryFile file, uint64_t size);
   ~Spool();
   Spool(Spool&& other) noexcept;
   Spool& operator=(Spool&&) = delete;
@@ -25,6 +35,8 @@ class Spool {
   void append(std::span<const T> items) { append(std::as_bytes(items)); }
   /// Writes what is held back, and lets go of the buffer.
   void flush();
+  /// Returns when what was flushed is on the disk. Thread safe.
+  void sync() const;
 
   /// Bytes appended so far.
   uint64_t size() const noexcept { return size_; }
@@ -35,6 +47,7 @@ class Spool {
   void writeBuffer();
 
   std::filesystem::path path_;
+  bool lasts_ = false;
   int file_ = -1;
   uint64_t size_ = 0;
   std::vector<std::byte> buffer_;
@@ -45,6 +58,8 @@ class SpoolCursor {
  public:
   SpoolCursor(const Spool& spool, uint64_t begin, uint64_t end, size_t buffer_bytes = 1 << 20);
 
+  /// Offset in the spool of what take() gives next.
+  uint64_t offset() const noexcept { return next_ - (buffer_.size() - used_); }
   bool atEnd() const noexcept { return next_ == end_ && used_ == buffer_.size(); }
   /// The next bytes, valid until the next call; fewer than asked only at the end.
   std::span<const std::byte> take(size_t bytes);

@@ -3,22 +3,36 @@
 #include <filesystem>
 #include <string_view>
 
+#include "server/ingest/spool.h"
+
 namespace lode::ingest {
 
-/// A folder of a build's temporary files, made at construction and removed, with what is in it, at
-/// destruction.
+/// A folder for temporary files.
 class TemporaryFolder {
  public:
-  /// @throws Error kIo if the folder cannot be made there.
+  /// One of its own in `parent`, removed with what is in it at destruction.
+  /// @throws Error kIo if it cannot be made there.
   explicit TemporaryFolder(const std::filesystem::path& parent);
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
-  std::filesystem::path file(std::string_view name) const { return path_ / name; }
+  /// One under a name of its owner's choice, which may be there already and outlives this object, as its
+  /// lasting files do. @throws Error kIo.
+  static TemporaryFolder lasting(std::filesystem::path path);
+
+  ~TemporaryFolder();
+  TemporaryFolder(TemporaryFolder&& other) noexcept;
+  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
+
+  const std::filesystem::path& path() const noexcept { return path_; }
+  /// A file that goes with its Spool.
+  TemporaryFile file(std::string_view name) const { return {path_ / name, false}; }
+  /// In a lasting folder a file that stays when its Spool goes.
+  TemporaryFile lastingFile(std::string_view name) const { return {path_ / name, is_lasting_}; }
 
  private:
+  TemporaryFolder() = default;
+
   std::filesystem::path path_;
+  bool is_lasting_ = false;
 };
 
 }  // namespace lode::ingest

@@ -195,6 +195,31 @@ TextureFile findTexture(const std::filesystem::path& ply, const std::string& nam
   return {path, {}};
 }
 
+void StagedTextures::save(RecordWriter& record) const {
+  record.put(grid);
+  record.put(static_cast<uint32_t>(textures.size()));
+  for (const Texture& texture : textures) {
+    record.putText(texture.name);
+    record.put(texture.width);
+    record.put(texture.height);
+    record.putAll(texture.tiles);
+  }
+}
+
+StagedTextures StagedTextures::load(RecordReader& record) {
+  StagedTextures staged;
+  staged.grid = record.get<UvGrid>();
+  for (auto count = record.get<uint32_t>(); count > 0; --count) {
+    Texture texture;
+    texture.name = record.getText();
+    texture.width = record.get<uint32_t>();
+    texture.height = record.get<uint32_t>();
+    texture.tiles = record.getAll<Place>();
+    staged.textures.push_back(std::move(texture));
+  }
+  return staged;
+}
+
 StagedTextures stageTextures(const BuildOptions& options, std::span<const std::string> names,
                              const UvGrid& grid, Spool& tiles, uint64_t memory_bytes,
                              const BuildProgress& progress, std::vector<std::string>& warnings) {

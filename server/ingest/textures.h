@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/ingest/build.h"
+#include "server/ingest/record_bytes.h"
 #include "server/ingest/spool.h"
 #include "server/ingest/uv_grid.h"
 
@@ -33,8 +34,15 @@ struct StagedTextures {
     uint32_t width = 0, height = 0;
     std::vector<Place> tiles;  ///< in the order of lode::Texture's
   };
+  /// Name of the tiles' file, which lasts.
+  static constexpr std::string_view kFile = "tiles";
+
   UvGrid grid;
   std::vector<Texture> textures;
+
+  void save(RecordWriter& record) const;
+  /// What save() noted. @throws Error kFormat.
+  static StagedTextures load(RecordReader& record);
 };
 
 /// Stage "textures": decodes the images, makes their levels and encodes the tiles, on options.threads

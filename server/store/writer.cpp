@@ -19,7 +19,8 @@ size_t Writer::NameHash::operator()(const BlobName& name) const noexcept {
   return hash;
 }
 
-Writer::Writer(const std::filesystem::path& path) : file_(path), path_(path) {
+Writer::Writer(const std::filesystem::path& path, const std::filesystem::path& temporary)
+    : file_(path, temporary), path_(path) {
   file_.write(std::array<std::byte, kHeaderBytes>{});
 }
 

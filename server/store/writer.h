@@ -20,8 +20,8 @@ namespace lode::store {
 /// and the file appears under its name. Destroyed before, it leaves nothing behind. Not thread safe.
 class Writer {
  public:
-  /// @throws Error kIo.
-  explicit Writer(const std::filesystem::path& path);
+  /// @param temporary  see AtomicFile. @throws Error kIo.
+  explicit Writer(const std::filesystem::path& path, const std::filesystem::path& temporary = {});
 
   /// Equal bytes give the same blob; no bytes give no blob. @throws Error kIo, kLimit.
   BlobRef addBlob(std::span<const std::byte> bytes);

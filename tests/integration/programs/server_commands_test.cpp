@@ -158,7 +158,7 @@ TEST_F(ServerCommands, endWithTwoAndOneLineAtWrongUsage) {
         "export a.lode --error 0.1 -o a.lode", "sample cube --triangles 100 -o b.ply", "serve",
         "serve a.lode --listen 0.0.0.0:0",
         // not there yet
-        "build a.ply -o b.lode --resume", "serve a.lode --tls-cert x"}) {
+        "serve a.lode --tls-cert x"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments;
     EXPECT_EQ(outcome.out, "") << arguments;

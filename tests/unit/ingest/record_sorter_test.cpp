@@ -16,7 +16,7 @@ using Pair = std::pair<uint64_t, uint64_t>;
 std::vector<Pair> sortWith(uint64_t memory_bytes, const std::vector<Pair>& input,
                            uint64_t* temporary_bytes = nullptr) {
   const TemporaryFolder folder(testing::TempDir());
-  RecordSorter sorter(sizeof(uint64_t), memory_bytes, folder, "test");
+  RecordSorter sorter(sizeof(uint64_t), memory_bytes, folder.file("test"));
   for (const auto& [key, value] : input) sorter.push(key, std::as_bytes(std::span(&value, 1)));
   sorter.finish();
   if (temporary_bytes) *temporary_bytes = sorter.temporaryBytes();
@@ -64,7 +64,7 @@ TEST(RecordSorter, writesEachRecordOnceWhenTheyDoNotFit) {
 TEST(RecordSorter, keepsOneFileForAnyNumberOfRunsAndRemovesItWithTheLastRecord) {
   const test::WorkFolder work;
   const TemporaryFolder folder(work.path());
-  RecordSorter sorter(sizeof(uint64_t), 40000, folder, "test");
+  RecordSorter sorter(sizeof(uint64_t), 40000, folder.file("test"));
   for (const auto& [key, value] : randomPairs(100000, 100))
     sorter.push(key, std::as_bytes(std::span(&value, 1)));
   sorter.finish();

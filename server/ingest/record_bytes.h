@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "common/error.h"
+
+namespace lode::ingest {
+
+/// Values one behind the other, as this machine holds them: what a build writes for itself to read again.
+class RecordWriter {
+ public:
+  template <typename T>
+  requires std::is_trivially_copyable_v<T>
+  void put(const T& value) { putBytes(std::as_bytes(std::span(&value, 1))); }
+  /// The number of items, then the items.
+  template <typename T>
+  requires std::is_trivially_copyable_v<T>
+  void putAll(const std::vector<T>& items) {
+    put(static_cast<uint64_t>(items.size()));
+    putBytes(std::as_bytes(std::span(items)));
+  }
+  void putText(std::string_view text) {
+    put(static_cast<uint64_t>(text.size()));
+    putBytes(std::as_bytes(std::span(text)));
+  }
+
+  void append(const RecordWriter& other) { putBytes(other.bytes()); }
+
+  std::span<const std::byte> bytes() const noexcept { return bytes_; }
+
+ private:
+  void putBytes(std::span<const std::byte> bytes) {
+    const size_t before = bytes_.size();
+    bytes_.resize(before + bytes.size());
+    if (!bytes.empty()) std::memcpy(bytes_.data() + before, bytes.data(), bytes.size());
+  }
+
+  std::vector<std::byte> bytes_;
+};
+
+/// Reads what a RecordWriter wrote. Every length is compared with what is left before memory is taken.
+/// All functions throw Error kFormat.
+class RecordReader {
+ public:
+  explicit RecordReader(std::span<const std::byte> bytes) : left_(bytes) {}
+
+  template <typename T>
+  requires std::is_trivially_copyable_v<T> T get() {
+    T value;
+    const auto bytes = take(sizeof(T));
+    std::memcpy(static_cast<void*>(&value), bytes.data(), sizeof(T));
+    return value;
+  }
+  template <typename T>
+  requires std::is_trivially_copyable_v<T> std::vector<T> getAll() {
+    std::vector<T> items(count(sizeof(T)));
+    const auto bytes = take(items.size() * sizeof(T));
+    if (!bytes.empty()) std::memcpy(static_cast<void*>(items.data()), bytes.data(), bytes.size());
+    return items;
+  }
+  std::string getText() {
+    const auto bytes = take(count(1));
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  bool atEnd() const noexcept { return left_.empty(); }
+
+ private:
+  size_t count(size_t item_bytes) {
+    const auto items = get<uint64_t>();
+    if (items > left_.size() / item_bytes) fail();
+    return static_cast<size_t>(items);
+  }
+  std::span<const std::byte> take(size_t bytes) {
+    if (bytes > left_.size()) fail();
+    const auto taken = left_.first(bytes);
+    left_ = left_.subspan(bytes);
+    return taken;
+  }
+  [[noreturn]] static void fail() {
+    throw Error(ErrorCode::kFormat,
+                "a record in the journal of a build is too short; build without --resume");
+  }
+
+  std::span<const std::byte> left_;
+};
+
+}  // namespace lode::ingest

@@ -1,0 +1,170 @@
+// lodestreamd build --resume: whatever the moment at which a build is killed, the same command goes on, and
+// the store is that of a build that nobody disturbed.
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/programs/programs.h"
+
+namespace lode::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
+using Strings = std::vector<std::string>;
+
+constexpr int kKilled = 128 + SIGKILL;
+
+class ResumedBuild : public testing::Test {
+ protected:
+  void makeModel(int triangles, int triangles_per_node) {
+    ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", std::to_string(triangles), "--attributes",
+                           "normal", "-o", input_})
+                  .status,
+              0);
+    command_ = {"build",  input_,   "-o", output_, "--triangles-per-node", std::to_string(triangles_per_node),
+                "--json", "--quiet"};
+    const auto began = Clock::now();
+    ASSERT_EQ(lodestreamd(command_).status, 0);
+    undisturbed_ = Clock::now() - began;
+    expected_ = readBytes(output_);
+    std::filesystem::remove(output_);
+    before_ = folder_.contents();
+  }
+
+  Strings with(const Strings& more) const {
+    Strings all = command_;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  /// Kills builds, resumed ones too, each at a moment drawn from the time that one takes, until that many
+  /// were killed; each that was not must have written the same bytes and nothing else.
+  /// @return builds that went on from where another was killed.
+  int killMany(int kills, uint32_t seed) const {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> part(0, 1);
+    const std::vector<Strings> resources{{"--threads", "2"}, {"--threads", "1", "--memory", "4MB"}};
+    int resumed = 0;
+    Strings resume;
+    for (int killed = 0; killed < kills || !resume.empty();) {
+      Strings more = resources[random() % resources.size()];
+      more.insert(more.end(), resume.begin(), resume.end());
+      Program program("lodestreamd", with(more));
+      if (killed < kills) {
+        std::this_thread::sleep_for(part(random) * undisturbed_);
+        program.signal(SIGKILL);
+      }
+      const Outcome outcome = program.wait();
+      if (outcome.status == kKilled) {
+        ++killed;
+        resume = {"--resume"};
+        continue;
+      }
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      if (outcome.status != 0) return resumed;
+      if (!Json::parse(outcome.out)["resumed_from"].is_null()) ++resumed;
+      expectDone();
+      if (HasFailure()) return resumed;
+      resume.clear();
+    }
+    return resumed;
+  }
+
+  void expectDone() const {
+    EXPECT_TRUE(readBytes(output_) == expected_) << "other bytes than those of an undisturbed build";
+    std::filesystem::remove(output_);
+    EXPECT_EQ(folder_.contents(), before_);
+  }
+
+  /// Builds and sends a signal once the scan is noted. @return how the build ended.
+  Outcome signalAfterScan(const Strings& more, int signal) const {
+    const auto journal = folder_ / ".a.lode.building/journal";
+    const auto bytes = [&] {
+      std::error_code none;
+      const auto size = std::filesystem::file_size(journal, none);
+      return none ? 0 : size;
+    };
+    Program program("lodestreamd", with(more));
+    const auto deadline = Clock::now() + std::chrono::seconds(30);
+    constexpr uintmax_t kBytesOfScanned = 500;
+    while (bytes() < kBytesOfScanned && Clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    program.signal(signal);
+    return program.wait();
+  }
+
+  WorkFolder folder_;
+  const std::string input_ = folder_ / "a.ply", output_ = folder_ / "a.lode";
+  Strings command_;
+  std::chrono::duration<double> undisturbed_{};
+  std::string expected_;
+  Strings before_;
+};
+
+TEST_F(ResumedBuild, givesTheSameBytesAndLeavesNothingAfterFiftyKillsAtRandomMoments) {
+  makeModel(60000, 1024);
+  EXPECT_GT(killMany(50, 1), 2) << "too few of them went on from something";
+}
+
+TEST_F(ResumedBuild, isRefusedAfterAChangeOfInputSimplifierOrNodesAndThenGoesOnWithTheOldOnes) {
+  makeModel(60000, 1024);
+  ASSERT_EQ(signalAfterScan({}, SIGKILL).status, kKilled);
+  expectFailure(lodestreamd(with({"--resume", "--simplifier", "cluster"})), {"--simplifier collapse"});
+  Strings other = with({"--resume"});
+  *std::find(other.begin(), other.end(), "1024") = "1025";
+  expectFailure(lodestreamd(other), {"--triangles-per-node 1024"});
+
+  const std::string bytes = readBytes(input_);
+  const auto time = std::filesystem::last_write_time(input_);
+  std::string changed = bytes;
+  changed[bytes.size() / 2] ^= 1;
+  writeBytes(input_, changed);
+  std::filesystem::last_write_time(input_, time);
+  expectFailure(lodestreamd(with({"--resume"})), {"input has changed", "build without --resume"});
+
+  writeBytes(input_, bytes);
+  std::filesystem::last_write_time(input_, time);
+  const Outcome resumed = lodestreamd(with({"--resume"}));
+  ASSERT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_TRUE(Json::parse(resumed.out)["resumed_from"].is_string());
+  expectDone();
+}
+
+TEST_F(ResumedBuild, keepsWhatItHasOnASignalOnlyIfItWasToBeResumed) {
+  makeModel(60000, 1024);
+  const Outcome plain = signalAfterScan({}, SIGTERM);
+  expectFailure(plain, {"interrupted", "nothing was written"});
+  EXPECT_EQ(folder_.contents(), before_);
+
+  const Outcome kept = signalAfterScan({"--resume"}, SIGTERM);
+  expectFailure(kept, {"interrupted", "is kept"});
+  EXPECT_NE(folder_.contents(), before_);
+  ASSERT_EQ(lodestreamd(with({"--resume"})).status, 0);
+  expectDone();
+}
+
+TEST_F(ResumedBuild, clearsAwayWhatAKilledOneLeftWhenItIsNotResumed) {
+  makeModel(60000, 1024);
+  ASSERT_EQ(signalAfterScan({}, SIGKILL).status, kKilled);
+  EXPECT_NE(folder_.contents(), before_);
+  ASSERT_EQ(lodestreamd(command_).status, 0);
+  expectDone();
+}
+
+using SlowResumedBuild = ResumedBuild;
+
+TEST_F(SlowResumedBuild, givesTheSameBytesAfterTwoHundredKills) {
+  makeModel(400000, 4096);
+  EXPECT_GT(killMany(200, 2), 20);
+}
+
+}  // namespace
+}  // namespace lode::test
