@@ -13,7 +13,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kEndBytes = 1 << 20;  ///< hashed of head and of tail
+constexpr uint64_t kEndBytes = 256 << 10;  ///< hashed of head and of tail
 constexpr uint64_t kSamples = 64, kSampleBytes = 4096;
 
 void append(int file, uint64_t offset, uint64_t bytes, std::vector<std::byte>& to) {
