@@ -20,7 +20,8 @@ struct AttributeSet {
   constexpr bool has(uint8_t attribute) const noexcept { return (bits & attribute) != 0; }
 };
 
-/// A texture coordinate is its code times this, so that one is within a step of a code.
+/// A texture coordinate in a payload is its code times this, so that 1 is within a step of a code; the
+/// model's TextureSet says what true coordinate a code is.
 constexpr double kTextureStep = 0x1p-16;
 
 /// Attributes of one vertex as quantized once, at the scan, on grids of the whole model. Fields of attributes

@@ -41,11 +41,12 @@ bool fitFloats(const Mesh& mesh, const Lattice& lattice) {
   return true;
 }
 
-std::string headerOf(const Mesh& mesh, bool floats) {
+std::string headerOf(const Mesh& mesh, bool floats, const TextureSet& textures) {
   const std::string type = floats ? "property float " : "property double ";
-  std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                       std::to_string(mesh.positions.size()) + "\n" + type + "x\n" + type + "y\n" + type +
-                       "z\n";
+  std::string header = "ply\nformat binary_little_endian 1.0\n";
+  for (const Texture& texture : textures.textures) header += "comment TextureFile " + texture.name + "\n";
+  header += "element vertex " + std::to_string(mesh.positions.size()) + "\n" + type + "x\n" + type + "y\n" +
+            type + "z\n";
   if (mesh.attributes.has(AttributeSet::kNormal))
     header += "property float nx\nproperty float ny\nproperty float nz\n";
   if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha))
@@ -58,7 +59,8 @@ std::string headerOf(const Mesh& mesh, bool floats) {
   return header + "end_header\n";
 }
 
-void addAttributes(Row& row, AttributeSet set, const VertexAttributes& attributes) {
+void addAttributes(Row& row, AttributeSet set, const VertexAttributes& attributes,
+                   const TextureSet& textures) {
   if (set.has(AttributeSet::kNormal)) {
     const glm::vec3 normal = decodeOctahedral(attributes.normal);
     for (int i = 0; i < 3; ++i) row.add(normal[i]);
@@ -66,10 +68,12 @@ void addAttributes(Row& row, AttributeSet set, const VertexAttributes& attribute
   if (set.has(AttributeSet::kColour | AttributeSet::kAlpha))
     for (int i = 0; i < (set.has(AttributeSet::kAlpha) ? 4 : 3); ++i) row.add(attributes.colour[i]);
   if (set.has(AttributeSet::kTexture))
-    for (int i = 0; i < 2; ++i) row.add(static_cast<float>(attributes.texture[i] * kTextureStep));
+    for (int i = 0; i < 2; ++i)
+      row.add(static_cast<float>(textures.uv_origin[i] + attributes.texture[i] * uvStep(textures)));
 }
 
-void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, bool floats) {
+void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, bool floats,
+                   const TextureSet& textures) {
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     Row row;
     const glm::dvec3 p = lattice.toWorld(unpackPosition(mesh.positions[i]));
@@ -79,7 +83,8 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, b
       else
         row.add(p[axis]);
     }
-    if (!mesh.vertex_attributes.empty()) addAttributes(row, mesh.attributes, mesh.vertex_attributes[i]);
+    if (!mesh.vertex_attributes.empty())
+      addAttributes(row, mesh.attributes, mesh.vertex_attributes[i], textures);
     file.write(row.bytes());
   }
 }
@@ -98,15 +103,16 @@ void writeFaces(AtomicFile& file, const Mesh& mesh) {
 
 }  // namespace
 
-void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice) {
+void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
+              const TextureSet& textures) {
   if (mesh.attributes.bits != 0 && mesh.vertex_attributes.size() != mesh.positions.size())
     throw Error(ErrorCode::kInternal,
                 "a mesh to write to " + path.string() + " lacks attributes of its vertices");
   AtomicFile file(path);
   const bool floats = fitFloats(mesh, lattice);
-  const std::string header = headerOf(mesh, floats);
+  const std::string header = headerOf(mesh, floats, textures);
   file.write(std::as_bytes(std::span(header)));
-  writeVertices(file, mesh, lattice, floats);
+  writeVertices(file, mesh, lattice, floats, textures);
   writeFaces(file, mesh);
   file.commit();
 }

@@ -4,12 +4,16 @@
 
 #include "common/lattice.h"
 #include "common/mesh.h"
+#include "common/texture_set.h"
 
 namespace lode {
 
 /// Writes a mesh as binary little-endian PLY in true coordinates (double where the lattice needs it, else
 /// float), with its attributes, to a temporary file that is renamed at the end.
+/// @param textures  what the mesh's texture coordinates mean, and the names of the image files, one comment
+///                  TextureFile each.
 /// @throws Error kIo.
-void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice);
+void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
+              const TextureSet& textures = {});
 
 }  // namespace lode

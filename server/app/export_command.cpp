@@ -5,6 +5,7 @@
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/store/export.h"
+#include "server/store/texture_export.h"
 
 namespace lode::app {
 namespace {
@@ -66,7 +67,11 @@ void runExport(const ExportArguments& arguments) {
     throw Error(ErrorCode::kUsage, arguments.output.string() + ": is the store itself: name another output");
   const store::Cut cut = chooseCut(arguments, reader);
   const bool too_large = arguments.triangles && !cut.converged;
-  if (!too_large) writePly(arguments.output, store::assembleCut(reader, cut), reader.summary().lattice);
+  if (!too_large) {
+    const Mesh mesh = store::assembleCut(reader, cut);
+    writePly(arguments.output, mesh, reader.summary().lattice,
+             store::exportTextures(reader, arguments.output));
+  }
   const Json json = describeAsJson(cut, reader);
   if (arguments.json) printJson(json);
   if (!cut.converged) throw Error(ErrorCode::kInput, describeFailure(arguments, cut));
@@ -77,7 +82,8 @@ void runExport(const ExportArguments& arguments) {
 
 void addExportCommand(CLI::App& program) {
   const auto arguments = std::make_shared<ExportArguments>();
-  CLI::App* command = addCommand(program, "export", "Write a cut of a store as PLY, with all attributes");
+  CLI::App* command = addCommand(
+      program, "export", "Write a cut of a store as PLY, with all attributes, and its textures beside it");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
   CLI::Option_group* which = command->add_option_group("cut", "which cut");
   which

@@ -18,7 +18,25 @@ uint64_t countRungs(const store::Reader& reader) {
   return rungs;
 }
 
-std::string describe(const ModelSummary& summary, uint64_t rungs) {
+uint64_t bytesOf(const Texture& texture) {
+  uint64_t bytes = 0;
+  for (const BlobRef& tile : texture.tiles) bytes += tile.bytes;
+  return bytes;
+}
+
+Json textureAsJson(const Texture& texture) {
+  return {{"name", texture.name},          {"width", texture.width},        {"height", texture.height},
+          {"levels", levelCount(texture)}, {"tiles", texture.tiles.size()}, {"bytes", bytesOf(texture)}};
+}
+
+std::string describe(const Texture& texture) {
+  if (texture.tiles.empty()) return texture.name + ", missing";
+  return texture.name + ", " + std::to_string(texture.width) + " x " + std::to_string(texture.height) + ", " +
+         std::to_string(texture.tiles.size()) + " tiles, " + describeBytes(bytesOf(texture));
+}
+
+std::string describe(const store::Reader& reader, uint64_t rungs) {
+  const ModelSummary& summary = reader.summary();
   const Json json = toJson(summary);
   std::string attributes;
   for (const std::string& name : attributeNames(summary.attributes))
@@ -42,6 +60,7 @@ std::string describe(const ModelSummary& summary, uint64_t rungs) {
   line("step", json["step"].dump());
   line("attributes", attributes.empty() ? "none" : attributes);
   line("max error", json["max_error"].dump());
+  for (const Texture& texture : reader.textures().textures) line("texture", describe(texture));
   return text;
 }
 
@@ -68,9 +87,11 @@ void runInfo(const InfoArguments& arguments) {
   const store::Reader reader(arguments.store);
   if (arguments.nodes) return printNodes(reader);
   const uint64_t rungs = countRungs(reader);
-  if (!arguments.json) return printText(describe(reader.summary(), rungs));
+  if (!arguments.json) return printText(describe(reader, rungs));
   Json json = toJson(reader.summary());
   json["rungs"] = rungs;
+  json["textures"] = Json::array();
+  for (const Texture& texture : reader.textures().textures) json["textures"].push_back(textureAsJson(texture));
   printJson(json);
 }
 

@@ -56,7 +56,6 @@ Json toJson(const ModelSummary& summary) {
   json["step"] = summary.lattice.step;
   json["attributes"] = attributeNames(summary.attributes);
   json["computed_normals"] = summary.attributes.has(AttributeSet::kComputedNormal);
-  json["textures"] = Json::array();
   json["max_error"] = summary.max_error_model;
   return json;
 }

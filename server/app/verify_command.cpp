@@ -22,6 +22,7 @@ Json toJson(const store::VerifyReport& report) {
           {"nodes", report.nodes},
           {"payloads", report.payloads},
           {"stored_triangles", report.triangles},
+          {"tiles", report.tiles},
           {"open_edges", report.open_edges},
           {"random_cuts", report.cuts},
           {"max_rim_gap", report.max_rim_gap_model}};
@@ -35,7 +36,8 @@ Json toJson(const ingest::AgainstReport& report) {
 
 std::string describe(const store::VerifyReport& report) {
   return "sound; " + std::to_string(report.blobs) + " blobs, " + std::to_string(report.payloads) +
-         " payloads, " + std::to_string(report.triangles) + " triangles decoded; " +
+         " payloads, " + std::to_string(report.triangles) + " triangles decoded" +
+         (report.tiles > 0 ? ", " + std::to_string(report.tiles) + " tiles of textures" : "") + "; " +
          std::to_string(report.open_edges) + " open edges in the leaves, " + std::to_string(report.cuts) +
          " random cuts agree";
 }

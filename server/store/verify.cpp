@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/error.h"
+#include "common/tile_image.h"
 #include "server/store/cut.h"
 #include "server/store/export.h"
 #include "server/store/open_edges.h"
@@ -25,6 +26,7 @@ class Verifier {
     report_.blobs = reader_.blobCount();
     report_.nodes = reader_.nodes().size();
     checkNames();
+    checkTiles();
     checkPayloads();
     checkRandomCuts();
     return report_;
@@ -42,6 +44,25 @@ class Verifier {
     for (uint32_t number = 1; number <= reader_.blobCount(); ++number)
       if (nameBlob(reader_.readBlob(number)) != reader_.blob(number).name)
         fail("blob " + std::to_string(number) + ": its name is not the hash of its bytes");
+  }
+
+  void checkTiles() {
+    for (const Texture& texture : reader_.textures().textures)
+      for (uint32_t level = 0; level < levelCount(texture); ++level)
+        for (uint32_t y = 0; y < tilesDown(texture, level); ++y)
+          for (uint32_t x = 0; x < tilesAcross(texture, level); ++x) checkTile(texture, level, x, y);
+  }
+
+  void checkTile(const Texture& texture, uint32_t level, uint32_t x, uint32_t y) {
+    const BlobRef& tile = texture.tiles[tileIndex(texture, level, x, y)];
+    try {
+      decodeTile(reader_.readBlob(tile.number), tileInnerSize(texture, level, x, y) + 2 * kTileGutterPx);
+      ++report_.tiles;
+    } catch (const Error& error) {
+      throw Error(error.code(), reader_.path().string() + ": texture " + texture.name + ", level " +
+                                    std::to_string(level) + ", tile " + std::to_string(x) + " " +
+                                    std::to_string(y) + ": " + error.what());
+    }
   }
 
   void checkPayloads() {

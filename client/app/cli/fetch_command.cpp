@@ -93,7 +93,8 @@ class Fetch {
     const double total_ms = msSince(start_);
     const KeyResult& last = keys_.back();
     if (last.converged() && !options_.output.empty())
-      writePly(options_.output, weldCut(*last.status.cut, model.attributes), model.lattice);
+      writePly(options_.output, weldCut(*last.status.cut, model.attributes), model.lattice,
+               last.status.cut->textures ? *last.status.cut->textures : TextureSet());
     print(total_ms);
     if (!last.converged()) refuse(last);
   }

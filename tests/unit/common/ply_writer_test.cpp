@@ -27,8 +27,8 @@ class PlyWriter : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   // Splits the file at the end of its header.
-  void write(const Mesh& mesh, const Lattice& lattice) {
-    writePly(folder_ / "mesh.ply", mesh, lattice);
+  void write(const Mesh& mesh, const Lattice& lattice, const TextureSet& textures = {}) {
+    writePly(folder_ / "mesh.ply", mesh, lattice, textures);
     std::ifstream file(folder_ / "mesh.ply", std::ios::binary);
     const std::string all(std::istreambuf_iterator<char>(file), {});
     const size_t end = all.find("end_header\n") + 11;
@@ -103,6 +103,27 @@ TEST_F(PlyWriter, writesEveryAttribute) {
     ASSERT_EQ(next<uint32_t>(), mesh.vertex_attributes[triangle.x].material);
   }
   EXPECT_TRUE(body_.empty());
+}
+
+TEST_F(PlyWriter, writesTrueTextureCoordinatesAndTheNamesOfTextures) {
+  Mesh mesh = oneTriangle();
+  mesh.attributes.bits = AttributeSet::kTexture;
+  mesh.vertex_attributes.resize(3);
+  mesh.vertex_attributes[0].texture = {0, 65535};
+  mesh.vertex_attributes[1].texture = {1, 2};
+  TextureSet textures;
+  textures.uv_origin = {-3, 100};
+  textures.uv_scale_exponent = 3;
+  textures.textures = {{"two words.png", 4, 4, {}}, {"missing.png", 0, 0, {}}};
+  write(mesh, {{-8, 0, 16}, 0.5}, textures);
+  EXPECT_NE(header_.find("1.0\ncomment TextureFile two words.png\ncomment TextureFile missing.png\nelement"),
+            std::string::npos)
+      << header_;
+  for (const glm::dvec2 expected : {glm::dvec2(-3, 100 + 65535 * 0x1p-13), {-3 + 0x1p-13, 100 + 0x1p-12}}) {
+    for (int axis = 0; axis < 3; ++axis) next<float>();
+    EXPECT_EQ(next<float>(), static_cast<float>(expected.x));
+    EXPECT_EQ(next<float>(), static_cast<float>(expected.y));
+  }
 }
 
 TEST_F(PlyWriter, writesColourWithoutAlpha) {

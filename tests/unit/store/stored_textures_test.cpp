@@ -2,9 +2,13 @@
 
 #include <cstring>
 
+#include <png.h>
+
 #include "server/store/format.h"
 #include "server/store/reader.h"
+#include "server/store/texture_export.h"
 #include "server/store/verify.h"
+#include "tests/support/texture_images.h"
 #include "tests/unit/store/store_files.h"
 
 namespace lode::store {
@@ -92,6 +96,98 @@ TEST_F(StoredTextures, ofTheFormatBeforeThemAreToBeBuiltAgain) {
   file[8] = 1;
   test::writeFile(path_, file);
   EXPECT_NE(test::messageOf([&] { Reader reader(path_); }).find("build it again"), std::string::npos);
+}
+
+/// Adds a texture of real tiles.
+Texture addTexture(Writer& writer, const std::string& name, const test::TextureImages& images) {
+  Texture texture = images.texture();
+  texture.name = name;
+  texture.tiles.clear();
+  images.forEachTile([&](uint32_t level, uint32_t x, uint32_t y) {
+    texture.tiles.push_back(writer.addBlob(test::webpOf(images.tile(level, x, y))));
+  });
+  return texture;
+}
+
+test::TextureImages gradient(uint32_t width, uint32_t height) {
+  return test::TextureImages(width, height, [](uint32_t x, uint32_t y) {
+    return glm::u8vec4(x & 255, y & 255, x >> 8 << 4 | y >> 8, 255 - (x + y) % 7);
+  });
+}
+
+TEST_F(StoredTextures, areDecodedByVerify) {
+  write([](Writer& writer) {
+    TextureSet set;
+    set.textures = {addTexture(writer, "a", gradient(600, 300))};
+    return set;
+  });
+  EXPECT_EQ(verifyStore(path_).tiles, 3u);
+}
+
+TEST_F(StoredTextures, withTilesThatAreNoImagesAreFoundByVerify) {
+  write(twoTextures);
+  EXPECT_NE(test::messageOf([&] { verifyStore(path_); }).find("texture bark 1.png, level 0, tile 0 0"),
+            std::string::npos);
+}
+
+TEST_F(StoredTextures, withTilesOfAnotherSizeAreFoundByVerify) {
+  write([](Writer& writer) {
+    TextureSet set;
+    set.textures = {addTexture(writer, "a", gradient(30, 20))};
+    set.textures[0].width = 31;
+    return set;
+  });
+  EXPECT_NE(test::messageOf([&] { verifyStore(path_); }).find("texture a, level 0"), std::string::npos);
+}
+
+std::vector<glm::u8vec4> readPng(const std::filesystem::path& path, glm::uvec2& size) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  EXPECT_NE(png_image_begin_read_from_file(&png, path.c_str()), 0) << path;
+  size = {png.width, png.height};
+  png.format = PNG_FORMAT_RGBA;
+  std::vector<glm::u8vec4> texels(size_t{png.width} * png.height);
+  EXPECT_NE(png_image_finish_read(&png, nullptr, texels.data(), 0, nullptr), 0) << png.message;
+  return texels;
+}
+
+TEST_F(StoredTextures, areRejoinedBesideThePlyByExport) {
+  write([](Writer& writer) {
+    TextureSet set;
+    set.uv_scale_exponent = 4;
+    set.textures = {addTexture(writer, "../../two words.png", gradient(1100, 520)),
+                    {"missing.png", 0, 0, {}},
+                    addTexture(writer, "C:\\two words.jpg", gradient(3, 2))};
+    return set;
+  });
+  std::filesystem::create_directory(folder_ / "out");
+  const TextureSet set = exportTextures(Reader(path_), folder_ / "out/cut.ply");
+  EXPECT_EQ(set.uv_scale_exponent, 4);
+  ASSERT_EQ(set.textures.size(), 3u);
+  EXPECT_EQ(set.textures[0].name, "cut_two words.png");
+  EXPECT_EQ(set.textures[1].name, "missing.png");
+  EXPECT_EQ(set.textures[2].name, "cut_two words-2.png");
+  glm::uvec2 size;
+  const std::vector<glm::u8vec4> texels = readPng(folder_ / "out/cut_two words.png", size);
+  ASSERT_EQ(size, glm::uvec2(1100, 520));
+  size_t i = 0;
+  for (uint32_t y = 0; y < size.y; ++y)
+    for (uint32_t x = 0; x < size.x; ++x, ++i)
+      ASSERT_EQ(texels[i], glm::u8vec4(x & 255, y & 255, x >> 8 << 4 | y >> 8, 255 - (x + y) % 7));
+  EXPECT_EQ(readPng(folder_ / "out/cut_two words-2.png", size).size(), 6u);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "two words.png"));
+}
+
+TEST_F(StoredTextures, leaveNoHalfImageWhenExportFails) {
+  write([](Writer& writer) {
+    TextureSet set;
+    set.textures = {test::addFakeTexture(writer, "a", 8, 8)};
+    return set;
+  });
+  std::filesystem::create_directory(folder_ / "out");
+  EXPECT_THROW(exportTextures(Reader(path_), folder_ / "out/cut.ply"), Error);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "out"));
+  EXPECT_THROW(exportTextures(Reader(path_), folder_ / "nowhere/cut.ply"), Error);
 }
 
 }  // namespace

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/texture_set.h"
+#include "server/store/reader.h"
+
+namespace lode::store {
+
+/// Writes the images of a store's textures, at full size and without further loss, as PNG files beside a PLY
+/// file: STEM_NAME.png, where STEM is the PLY file's and NAME the texture's without folders. Memory: one row
+/// of tiles.
+/// @return the set with the names of those files; a texture without an image keeps its own.
+/// @throws Error kIo, kFormat, kLimit.
+TextureSet exportTextures(const Reader& reader, const std::filesystem::path& ply);
+
+}  // namespace lode::store
