@@ -109,7 +109,7 @@ TileImage decodeTile(std::span<const std::byte> file, glm::uvec2 size) {
   }
   const std::optional<TileKind> kind = tileKind(file);
   if (!kind) refuse("it is neither JPEG nor WebP");
-  TileImage image{size, std::vector<glm::u8vec4>(size_t{size.x} * size.y)};
+  TileImage image{size, std::vector<glm::u8vec4>(size_t{size.x} * size.y), {}};
   if (*kind == TileKind::kJpeg) {
     decodeJpeg(file, image);
   } else {

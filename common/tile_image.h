@@ -13,6 +13,7 @@ namespace lode {
 struct TileImage {
   glm::uvec2 size{0};
   std::vector<glm::u8vec4> texels;
+  std::vector<TileImage> coarser;  ///< levels below this one, halved from it; empty as decoded
 
   bool operator==(const TileImage&) const = default;
 };

@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "client/core/tile_tail.h"
 #include "common/error.h"
 
 namespace lode::core {
@@ -20,7 +21,9 @@ DecodeResult runDecodeJob(const DecodeJob& job) {
   result.tile = job.tile;
   try {
     if (job.tile) {
-      result.image = std::make_shared<const TileImage>(decodeTile(job.bytes, job.tile->image_size));
+      TileImage image = decodeTile(job.bytes, job.tile->image_size);
+      if (job.tile->with_tail) makeTail(image);
+      result.image = std::make_shared<const TileImage>(std::move(image));
       return result;
     }
     auto mesh = std::make_shared<const Mesh>(decodePayload(job.bytes, job.step, job.expected));
@@ -129,7 +132,7 @@ void Engine::startDecode(const BlobRef& tile, std::vector<std::byte> bytes) {
   undecoded_bytes_ += bytes.size();
   DecodeJob job;
   job.bytes = std::move(bytes);
-  job.tile = {tile.number, textures_->imageSize(tile.number)};
+  job.tile = {tile.number, textures_->imageSize(tile.number), textures_->isCoarsest(tile.number)};
   jobs_.push_back(std::move(job));
 }
 

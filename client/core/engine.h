@@ -34,10 +34,11 @@ struct EngineOptions {
 struct TileOrder {
   uint32_t blob = 0;
   glm::uvec2 image_size{0};
+  bool with_tail = false;  ///< it is a coarsest level: see tile_tail.h
 };
 
 /// A payload to be decoded outside the core, on any thread: decodePayload(bytes, step, expected), and the
-/// footprint of the mesh where textures are known; or a tile: decodeTile(bytes, image_size).
+/// footprint of the mesh where textures are known; or a tile: decodeTile(bytes, image_size), and its tail.
 struct DecodeJob {
   MeshKey mesh;
   std::vector<std::byte> bytes;

@@ -10,7 +10,7 @@
 namespace lode::core {
 
 void TextureCache::insert(uint32_t blob, std::shared_ptr<const TileImage> image) {
-  const uint64_t room_bytes = tileRoomBytes(image->size);
+  const uint64_t room_bytes = tileRoomBytes(*image);
   if (entries_.try_emplace(blob, Entry{std::move(image), round_}).second) bytes_ += room_bytes;
 }
 
@@ -34,7 +34,7 @@ void TextureCache::use(std::span<const uint32_t> in_use) {
   for (const auto& [round, blob] : candidates) {
     if (bytes_ <= budget_bytes_) break;
     const auto entry = entries_.find(blob);
-    bytes_ -= tileRoomBytes(entry->second.image->size);
+    bytes_ -= tileRoomBytes(*entry->second.image);
     entries_.erase(entry);
   }
 }

@@ -26,11 +26,12 @@ void TextureStream::takeSet(std::span<const std::byte> bytes) {
     forEachTile(set->textures[number], number, [&](const TileKey& key) {
       const BlobRef& blob = tileBlob(*set, key);
       const glm::uvec2 image_size = tileImageSize(*set, key);
-      Keys& same = keys.try_emplace(blob.number, Keys{blob, image_size, {}}).first->second;
+      Keys& same = keys.try_emplace(blob.number, Keys{blob, image_size, {}, false}).first->second;
       if (same.blob != blob || same.image_size != image_size)
         throw Error(ErrorCode::kFormat, "damaged texture set: blob " + std::to_string(blob.number) +
                                             " is tiles that differ; rebuild the store");
       same.keys.push_back(key);
+      same.coarsest |= key.level + 1 == levelCount(set->textures[number]);
     });
   }
   set_ = std::move(set);

@@ -35,6 +35,8 @@ class TextureStream {
 
   /// Size that the image of a blob must have. @param blob  of a tile that was wanted.
   glm::uvec2 imageSize(uint32_t blob) const { return keys_.find(blob)->second.image_size; }
+  /// It is all of a texture's coarsest level, and is to have a tail.
+  bool isCoarsest(uint32_t blob) const { return keys_.find(blob)->second.coarsest; }
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image) {
     cache_.insert(blob, std::move(image));
   }
@@ -65,6 +67,7 @@ class TextureStream {
     BlobRef blob;
     glm::uvec2 image_size{0};
     std::vector<TileKey> keys;
+    bool coarsest = false;  // one of them is all of its texture's coarsest level
   };
 
   BlobRef set_blob_;

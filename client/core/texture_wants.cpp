@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "client/core/tile_tail.h"
+
 namespace lode::core {
 namespace {
 
@@ -98,6 +100,20 @@ uint64_t tileRoomBytes(glm::uvec2 image_size) noexcept {
   return edge * edge * sizeof(glm::u8vec4);
 }
 
+uint64_t tileRoomBytes(const TextureSet& set, const TileKey& key) {
+  const glm::uvec2 size = tileImageSize(set, key);
+  uint64_t bytes = tileRoomBytes(size);
+  if (key.level + 1 < levelCount(set.textures[key.texture])) return bytes;
+  for (const glm::uvec2 coarser : tailSizes(size)) bytes += tileRoomBytes(coarser);
+  return bytes;
+}
+
+uint64_t tileRoomBytes(const TileImage& image) noexcept {
+  uint64_t bytes = tileRoomBytes(image.size);
+  for (const TileImage& coarser : image.coarser) bytes += tileRoomBytes(coarser.size);
+  return bytes;
+}
+
 std::vector<WantedTile> wantTiles(const TextureSet& set, std::span<const TexturedPart> parts,
                                   const View& view, float threshold_px) {
   std::map<uint32_t, TextureDemand> textures;
@@ -131,7 +147,7 @@ std::vector<WantedTile> wantTiles(const TextureSet& set, std::span<const Texture
 size_t countFitting(const TextureSet& set, std::span<const WantedTile> wanted, uint64_t budget_bytes) {
   uint64_t room_bytes = 0;
   for (size_t i = 0; i < wanted.size(); ++i) {
-    room_bytes += tileRoomBytes(tileImageSize(set, wanted[i].key));
+    room_bytes += tileRoomBytes(set, wanted[i].key);
     if (room_bytes > budget_bytes) return i;
   }
   return wanted.size();

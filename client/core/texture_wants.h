@@ -9,6 +9,7 @@
 #include "client/core/tile_key.h"
 #include "client/core/view.h"
 #include "common/texture_set.h"
+#include "common/tile_image.h"
 
 namespace lode::core {
 
@@ -31,9 +32,13 @@ struct WantedTile {
   bool operator==(const WantedTile&) const = default;
 };
 
-/// Room that a tile of this size takes in the budget of textures, in memory and on the GPU alike: RGBA texels
-/// of a square with the next power of two for an edge, as the GPU packs them.
+/// Room that an image of this size takes in the budget of textures, in memory and on the GPU alike: RGBA
+/// texels of a square with the next power of two for an edge, as the GPU packs them.
 uint64_t tileRoomBytes(glm::uvec2 image_size) noexcept;
+/// The same for a tile, with its tail if it is of the coarsest level.
+uint64_t tileRoomBytes(const TextureSet& set, const TileKey& key);
+/// The same for a decoded tile.
+uint64_t tileRoomBytes(const TileImage& image) noexcept;
 constexpr uint32_t kLeastTileCellPx = 32;  ///< smaller images take as much as one of this edge
 
 /// The tiles that a view of a cut needs: of each tile of level 0 that visible parts touch, the level where

@@ -5,12 +5,13 @@
 #include <cstring>
 
 #include "client/core/texture_wants.h"
+#include "client/core/tile_tail.h"
 
 namespace lode::render {
 namespace {
 
 constexpr uint32_t kFirstLayers = 4;                     // of the array; doubled when it is full
-constexpr uint32_t kStagingBytes = 4 * kTileLayerBytes;  // of one frame
+constexpr uint32_t kStagingBytes = 4 * kTileLayerBytes;  // of one frame; a tile and its tail fit
 constexpr uint32_t kHeadWords = 4;                       // of a texture in the table
 constexpr uint32_t kPageThere = 1u << 31;
 
@@ -18,6 +19,16 @@ constexpr uint32_t kPageThere = 1u << 31;
 uint32_t pageOf(const TileCell& cell) {
   return kPageThere | cell.layer << 8 | cell.corner.y / core::kLeastTileCellPx << 4 |
          cell.corner.x / core::kLeastTileCellPx;
+}
+
+size_t tailLevels(const Texture& texture) {
+  return core::tailSizes(levelSize(texture, levelCount(texture) - 1) + 2 * kTileGutterPx).size();
+}
+
+uint64_t texelBytes(const TileImage& image) {
+  uint64_t texels = image.texels.size();
+  for (const TileImage& coarser : image.coarser) texels += coarser.texels.size();
+  return texels * sizeof(glm::u8vec4);
 }
 
 uint32_t layersOf(uint64_t budget_bytes) {
@@ -32,8 +43,8 @@ uint32_t layersOf(uint64_t budget_bytes) {
 TextureResidency::TextureResidency(uint64_t budget_bytes)
     : cells_(layersOf(budget_bytes)), most_layers_(layersOf(budget_bytes)) {}
 
-/// The table: for each texture its width, height, number of levels and where the places of its levels are;
-/// those places; the pages of the tiles, 0 for one that is not there.
+/// The table: for each texture its width, height, number of levels with the tail and where the places of its
+/// levels are; those places; the pages of the tiles and of the tail, 0 for one that is not there.
 void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   set_ = std::move(set);
   entries_.clear();
@@ -43,15 +54,19 @@ void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   std::vector<uint32_t> table(set_->textures.size() * kHeadWords);
   for (size_t i = 0; i < set_->textures.size(); ++i) {
     const Texture& texture = set_->textures[i];
-    const uint32_t levels = levelCount(texture);
+    const uint32_t stored = levelCount(texture);
+    const size_t tail = stored == 0 ? 0 : tailLevels(texture);
+    const auto levels = static_cast<uint32_t>(stored + tail);
     const auto places = static_cast<uint32_t>(table.size());
     const uint32_t first = places + levels;
     const uint32_t head[kHeadWords] = {texture.width, texture.height, levels, places};
     std::copy(std::begin(head), std::end(head), table.begin() + static_cast<std::ptrdiff_t>(i * kHeadWords));
-    for (uint32_t level = 0; level < levels; ++level)
+    for (uint32_t level = 0; level < stored; ++level)
       table.push_back(first + static_cast<uint32_t>(tileIndex(texture, level, 0, 0)));
+    for (uint32_t level = 0; level < tail; ++level)
+      table.push_back(first + static_cast<uint32_t>(texture.tiles.size()) + level);
     first_entries_.push_back(first);
-    table.resize(table.size() + texture.tiles.size(), 0);
+    table.resize(table.size() + texture.tiles.size() + tail, 0);
   }
   if (table.empty()) table.push_back(0);
   table_ = GlBuffer::create();
@@ -60,10 +75,17 @@ void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   if (!staging_) staging_.emplace(kStagingBytes);
 }
 
-void TextureResidency::setPage(const core::TileKey& key, uint32_t page) {
-  const size_t index =
-      first_entries_[key.texture] + tileIndex(set_->textures[key.texture], key.level, key.x, key.y);
-  glNamedBufferSubData(table_.get(), static_cast<GLintptr>(index * sizeof page), sizeof page, &page);
+/// @param cells  none: the tile is not there any more.
+void TextureResidency::setPages(const core::TileKey& key, std::span<const TileCell> cells) {
+  const Texture& texture = set_->textures[key.texture];
+  const auto write = [this](size_t index, uint32_t page) {
+    glNamedBufferSubData(table_.get(), static_cast<GLintptr>(index * sizeof page), sizeof page, &page);
+  };
+  const size_t first = first_entries_[key.texture];
+  write(first + tileIndex(texture, key.level, key.x, key.y), cells.empty() ? 0 : pageOf(cells[0]));
+  if (key.level + 1 < levelCount(texture)) return;
+  for (size_t i = 0; i < tailLevels(texture); ++i)
+    write(first + texture.tiles.size() + i, i + 1 < cells.size() ? pageOf(cells[i + 1]) : 0);
 }
 
 void TextureResidency::show(std::shared_ptr<const core::Cut> cut) {
@@ -88,8 +110,8 @@ void TextureResidency::show(std::shared_ptr<const core::Cut> cut) {
       ++entry;
       continue;
     }
-    for (const core::TileKey& key : entry->second.keys) setPage(key, 0);
-    cells_.release(entry->second.cell);
+    for (const core::TileKey& key : entry->second.keys) setPages(key, {});
+    release(entry->second.cells);
     entry = entries_.erase(entry);
   }
 }
@@ -97,12 +119,12 @@ void TextureResidency::show(std::shared_ptr<const core::Cut> cut) {
 /// Begins again with the largest images, which leaves no gaps: there is room for all that the budget holds.
 void TextureResidency::repack() {
   for (const auto& [image, entry] : entries_)
-    for (const core::TileKey& key : entry.keys) setPage(key, 0);
+    for (const core::TileKey& key : entry.keys) setPages(key, {});
   entries_.clear();
   cells_ = TileCells(most_layers_);
   waiting_ = cut_->tiles;
   std::stable_sort(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
-    return core::tileRoomBytes(a.image->size) < core::tileRoomBytes(b.image->size);
+    return core::tileRoomBytes(*a.image) < core::tileRoomBytes(*b.image);
   });
   repacked_ = true;
 }
@@ -119,7 +141,7 @@ uint64_t TextureResidency::uploadInRenderThread(const UploadBudget& budget) {
     uint32_t left_bytes = kStagingBytes;
     while (!waiting_.empty()) {
       const core::ResidentTile tile = waiting_.back();
-      const auto bytes = static_cast<uint32_t>(tile.image->texels.size() * sizeof(glm::u8vec4));
+      const auto bytes = static_cast<uint32_t>(texelBytes(*tile.image));
       const bool over =
           uploaded_bytes != 0 && (uploaded_bytes + bytes > budget.bytes || spent_ms() > budget.ms);
       if (bytes > left_bytes || (over && !budget.wait)) break;
@@ -137,26 +159,49 @@ uint64_t TextureResidency::uploadInRenderThread(const UploadBudget& budget) {
 bool TextureResidency::upload(const core::ResidentTile& tile) {
   if (const auto same = entries_.find(tile.image); same != entries_.end()) {
     same->second.keys.push_back(tile.key);
-    setPage(tile.key, pageOf(same->second.cell));
+    setPages(tile.key, same->second.cells);
     return false;
   }
-  const glm::uvec2 size = tile.image->size;
-  const std::optional<TileCell> cell = cells_.allocate(size);
-  if (!cell) {
+  std::vector<TileCell> cells = allocate(*tile.image);
+  if (cells.empty()) {
     if (!repacked_) repack();
     return false;
   }
-  if (cell->layer >= array_layers_ && !growTo(cell->layer + 1)) {
-    cells_.release(*cell);
+  if (cells_.layers() > array_layers_ && !growTo(cells_.layers())) {
+    repack();
     return false;
   }
-  const std::span<const std::byte> texels = std::as_bytes(std::span(tile.image->texels));
+  copy(*tile.image, cells[0]);
+  for (size_t i = 1; i < cells.size(); ++i) copy(tile.image->coarser[i - 1], cells[i]);
+  setPages(tile.key, cells);
+  entries_.emplace(tile.image, Entry{std::move(cells), {tile.key}});
+  return true;
+}
+
+/// @return a cell for the image and one for each of its tail, or none if there is no room for all.
+std::vector<TileCell> TextureResidency::allocate(const TileImage& image) {
+  std::vector<TileCell> cells;
+  for (size_t i = 0; i <= image.coarser.size(); ++i) {
+    const std::optional<TileCell> cell = cells_.allocate(i == 0 ? image.size : image.coarser[i - 1].size);
+    if (!cell) {
+      release(cells);
+      return {};
+    }
+    cells.push_back(*cell);
+  }
+  return cells;
+}
+
+void TextureResidency::release(std::span<const TileCell> cells) {
+  for (const TileCell& cell : cells) cells_.release(cell);
+}
+
+void TextureResidency::copy(const TileImage& image, const TileCell& cell) {
+  const std::span<const std::byte> texels = std::as_bytes(std::span(image.texels));
   const std::span<std::byte> room = staging_->take(static_cast<uint32_t>(texels.size()));
   std::memcpy(room.data(), texels.data(), texels.size());
-  staging_->copyTo(array_.get(), static_cast<GLint>(cell->layer), glm::ivec2(cell->corner), glm::ivec2(size));
-  entries_.emplace(tile.image, Entry{*cell, {tile.key}});
-  setPage(tile.key, pageOf(*cell));
-  return true;
+  staging_->copyTo(array_.get(), static_cast<GLint>(cell.layer), glm::ivec2(cell.corner),
+                   glm::ivec2(image.size));
 }
 
 /// @return false if the driver has no memory for it; then no more is asked for.
@@ -168,8 +213,7 @@ bool TextureResidency::growTo(uint32_t layers) {
   glTextureStorage3D(array.get(), 1, GL_SRGB8_ALPHA8, GLsizei{kTilePx}, GLsizei{kTilePx},
                      static_cast<GLsizei>(wanted));
   if (glGetError() != GL_NO_ERROR) {
-    most_layers_ = std::max(array_layers_, 1u);
-    cells_.setMostLayers(most_layers_);
+    most_layers_ = array_layers_;
     return false;
   }
   glTextureParameteri(array.get(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);

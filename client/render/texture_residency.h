@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "client/core/cut.h"
@@ -45,14 +46,17 @@ class TextureResidency {
  private:
   using Image = std::shared_ptr<const TileImage>;
   struct Entry {
-    TileCell cell;
+    std::vector<TileCell> cells;      ///< of the image, then of its tail
     std::vector<core::TileKey> keys;  ///< of the tiles that are this image
   };
   using Entries = std::map<std::weak_ptr<const TileImage>, Entry, std::owner_less<>>;
 
   void takeSet(std::shared_ptr<const TextureSet> set);
   void repack();
-  void setPage(const core::TileKey& key, uint32_t page);
+  void setPages(const core::TileKey& key, std::span<const TileCell> cells);
+  std::vector<TileCell> allocate(const TileImage& image);
+  void release(std::span<const TileCell> cells);
+  void copy(const TileImage& image, const TileCell& cell);
   bool upload(const core::ResidentTile& tile);
   bool growTo(uint32_t layers);
 
@@ -62,7 +66,7 @@ class TextureResidency {
   GlTextureArray array_;
   GlBuffer table_;
   std::shared_ptr<const TextureSet> set_;
-  std::vector<uint32_t> first_entries_;  ///< in the table, by texture
+  std::vector<uint32_t> first_entries_;  ///< in the table, by texture; its tail's come after its tiles'
   Entries entries_;
   std::shared_ptr<const core::Cut> cut_;     ///< the one whose tiles are wanted
   std::vector<core::ResidentTile> waiting_;  ///< to be uploaded, the next one last

@@ -33,7 +33,6 @@ class TileCells {
   void release(const TileCell& cell);
   /// Layers that were ever in use.
   uint32_t layers() const noexcept { return layers_; }
-  void setMostLayers(uint32_t most_layers) noexcept { most_layers_ = most_layers; }
 
  private:
   static constexpr uint32_t kOrders = 5;  // edges of 512, 256, 128, 64 and 32 texels

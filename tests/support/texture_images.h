@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <tuple>
@@ -16,8 +17,8 @@ namespace lode::test {
 /// Colour of a texel of level 0, counted from the top left.
 using TexelFunction = std::function<glm::u8vec4(uint32_t x, uint32_t y)>;
 
-/// The levels of an image as the format wants them, by averaging boxes of 2x2 sRGB values. Tiles are asked
-/// for by level, x and y.
+/// The levels of an image as the format wants them, by averaging boxes of 2x2 in linear light. Tiles are
+/// asked for by level, x and y.
 class TextureImages {
  public:
   TextureImages(uint32_t width, uint32_t height, const TexelFunction& texel) {
@@ -37,7 +38,7 @@ class TextureImages {
   TileImage tile(uint32_t level, uint32_t x, uint32_t y) const {
     const glm::uvec2 size = tileInnerSize(texture_, level, x, y) + 2 * kTileGutterPx;
     const glm::uvec2 whole = levelSize(texture_, level);
-    TileImage image{size, {}};
+    TileImage image{size, {}, {}};
     for (uint32_t row = 0; row < size.y; ++row)
       for (uint32_t column = 0; column < size.x; ++column) {
         const uint32_t from_x =
@@ -63,12 +64,18 @@ class TextureImages {
     std::vector<glm::u8vec4> coarser;
     for (uint32_t y = 0; y < to.y; ++y)
       for (uint32_t x = 0; x < to.x; ++x) {
-        glm::uvec4 sum(2);
+        glm::dvec4 sum(0);
         for (const glm::uvec2 corner : {glm::uvec2(0, 0), {1, 0}, {0, 1}, {1, 1}}) {
           const glm::uvec2 at = glm::min(2u * glm::uvec2(x, y) + corner, from - 1u);
-          sum += glm::uvec4(finer[size_t{at.y} * from.x + at.x]);
+          for (int channel = 0; channel < 4; ++channel)
+            sum[channel] +=
+                std::pow(finer[size_t{at.y} * from.x + at.x][channel] / 255.0, channel < 3 ? 2.2 : 1.0);
         }
-        coarser.emplace_back(sum / 4u);
+        glm::u8vec4 mean;
+        for (int channel = 0; channel < 4; ++channel)
+          mean[channel] = static_cast<uint8_t>(
+              std::lround(255 * std::pow(sum[channel] / 4, channel < 3 ? 1 / 2.2 : 1.0)));
+        coarser.push_back(mean);
       }
     levels_.push_back(std::move(coarser));
   }

@@ -18,7 +18,7 @@ using Bytes = std::vector<std::byte>;
 
 /// A smooth image, so that JPEG hardly changes it.
 TileImage gradient(uint32_t width, uint32_t height) {
-  TileImage image{{width, height}, {}};
+  TileImage image{{width, height}, {}, {}};
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x)
       image.texels.emplace_back(255 * x / width, 255 * y / height, 90, 255);

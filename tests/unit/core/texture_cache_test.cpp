@@ -11,7 +11,7 @@ namespace {
 
 std::shared_ptr<const TileImage> imageOf(uint32_t edge) {
   return std::make_shared<const TileImage>(
-      TileImage{glm::uvec2(edge), std::vector<glm::u8vec4>(edge * edge)});
+      TileImage{glm::uvec2(edge), std::vector<glm::u8vec4>(edge * edge), {}});
 }
 
 const uint64_t kRoom = tileRoomBytes(glm::uvec2(64));

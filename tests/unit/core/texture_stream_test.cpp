@@ -223,8 +223,8 @@ TEST_F(TexturedEngine, countsWhatTexturesTake) {
 
 TEST_F(TexturedEngine, leavesOutFinerTilesThatTheBudgetDoesNotAllowAndSettles) {
   EngineOptions options;
-  // The coarse tile takes a layer, and so do the fine ones: room for two of five.
-  options.memory_budget_bytes = kTextureBudgetShare * 2 * (1u << 20);
+  // The coarse tile takes a layer and more for its tail, each fine one a layer: room for two of five.
+  options.memory_budget_bytes = kTextureBudgetShare * 11 * (1u << 18);
   open(options);
   EXPECT_EQ(serve().size(), 1u + 2u);
   EXPECT_TRUE(engine_->settled());

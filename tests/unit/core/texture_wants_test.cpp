@@ -134,10 +134,19 @@ TEST(TextureWants, thatFitAreAPrefixWithinTheBudget) {
   const TextureSet set = twoTextures();
   const std::vector<WantedTile> wanted = wantTiles(set, parts, kView, 1);
   uint64_t all_bytes = 0;
-  for (const WantedTile& tile : wanted) all_bytes += tileRoomBytes(tileImageSize(set, tile.key));
+  for (const WantedTile& tile : wanted) all_bytes += tileRoomBytes(set, tile.key);
   EXPECT_EQ(countFitting(set, wanted, all_bytes), wanted.size());
   EXPECT_EQ(countFitting(set, wanted, all_bytes - 1), wanted.size() - 1);
   EXPECT_EQ(countFitting(set, wanted, 0), 0u);
+}
+
+TEST(TileRoom, ofACoarsestLevelIncludesItsTail) {
+  const TextureSet set = twoTextures();
+  EXPECT_EQ(tileRoomBytes(set, {0, 0, 1, 1}), tileRoomBytes({512, 512}));
+  uint64_t expected = 0;
+  for (const uint32_t edge : {128, 64, 32, 32, 32, 32, 32})
+    expected += edge * edge * 4;  // of 68 texels ... 5
+  EXPECT_EQ(tileRoomBytes(set, {0, 1, 0, 0}), expected);
 }
 
 TEST(TileRoom, isThatOfASquareOnTheGpu) {
