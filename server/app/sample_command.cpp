@@ -17,9 +17,9 @@ struct SampleArguments {
 AttributeSet parseAttributes(const std::vector<std::string>& names) {
   AttributeSet attributes;
   for (const std::string& name : names) {
-    if (name == "uv") notThereYet("--attributes uv");
     if (name == "normal") attributes.bits |= AttributeSet::kNormal;
     if (name == "color") attributes.bits |= AttributeSet::kColour;
+    if (name == "uv") attributes.bits |= AttributeSet::kTexture;
   }
   return attributes;
 }
@@ -46,7 +46,7 @@ void addSampleCommand(CLI::App& program) {
                    "make at most this many, the largest count that there is")
       ->required()
       ->type_name("N");
-  command->add_option("--attributes", arguments->attributes, "normal, color (uv is not there yet)")
+  command->add_option("--attributes", arguments->attributes, "normal, color, uv")
       ->delimiter(',')
       ->check(CLI::IsMember({"normal", "color", "uv"}))
       ->type_name("A,B");

@@ -24,9 +24,18 @@ namespace {
 constexpr double kLeastRatio = 0.8;
 constexpr size_t kRungsOfOneBelow = 100;  ///< of so many, one may have an error below the sampled one
 
-/// A triangle by its positions, and from which side it comes.
+/// A triangle's corner, with what the file says of it: no computed normal.
+struct Corner {
+  uint64_t position;
+  VertexAttributes attributes;
+  uint32_t padding = 0;  // written to temporary files, too
+
+  bool operator==(const Corner&) const = default;
+};
+
+/// A triangle, and from which side it comes.
 struct Side {
-  std::array<uint64_t, 3> corners;
+  std::array<Corner, 3> corners;
   int64_t balance;  ///< 1 of the input, -1 of the store
 };
 
@@ -68,12 +77,13 @@ class Comparison {
     settle(same_key);
   }
 
-  static void push(RecordSorter& sorter, PositionCode a, PositionCode b, PositionCode c, int64_t balance) {
-    Side side{{a.value, b.value, c.value}, balance};
-    std::rotate(side.corners.begin(), std::min_element(side.corners.begin(), side.corners.end()),
-                side.corners.end());
+  static void push(RecordSorter& sorter, Side side) {
+    const auto first =
+        std::min_element(side.corners.begin(), side.corners.end(),
+                         [](const Corner& a, const Corner& b) { return a.position < b.position; });
+    std::rotate(side.corners.begin(), first, side.corners.end());
     uint64_t key = 0;
-    for (const uint64_t corner : side.corners) key = NumberTable::hash(key * 31 + corner);
+    for (const Corner& corner : side.corners) key = NumberTable::hash(key * 31 + corner.position);
     sorter.push(key, std::as_bytes(std::span(&side, 1)));
   }
 
@@ -83,9 +93,17 @@ class Comparison {
     build_options.skip_bad = true;
     std::vector<std::string> warnings;
     const ScannedModel scanned = scan(build_options, folder_, {}, warnings);
-    const DereferenceCounts counts = dereference(
-        scanned.input, reader_.summary().lattice, memory_bytes_ / 4,
-        [&](const SoupTriangle& t) { push(sorter, t.corners[0], t.corners[1], t.corners[2], 1); }, {});
+    const DereferenceCounts counts = dereference(scanned.input, reader_.summary().lattice, memory_bytes_ / 4,
+                                                 [&](const SoupTriangle& t) {
+                                                   Side side{{}, 1};
+                                                   for (size_t k = 0; k < 3; ++k)
+                                                     side.corners[k] = {t.corners[k].value, t.attributes[k]};
+                                                   push(sorter, side);
+                                                 },
+                                                 {});
+    const UvGrid& grid = scanned.input.uvGrid();
+    if (grid != UvGrid{reader_.textures().uv_origin, reader_.textures().uv_scale_exponent})
+      fail("the input's texture coordinates have another range than the store's");
     report_.triangles = counts.triangles;
     report_.dropped = counts.dropped + scanned.counts.dropped_faces + scanned.counts.skipped_bad;
     if (report_.dropped != reader_.summary().dropped) {
@@ -99,7 +117,14 @@ class Comparison {
       if (!node.isLeaf()) continue;
       const Mesh mesh = store::readRung(reader_, node, 0);
       for (const glm::u32vec3& t : mesh.triangles) {
-        push(sorter, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z], -1);
+        Side side{{}, -1};
+        for (int k = 0; k < 3; ++k) {
+          Corner& corner = side.corners[static_cast<size_t>(k)];
+          corner.position = mesh.positions[t[k]].value;
+          if (!mesh.vertex_attributes.empty()) corner.attributes = mesh.vertex_attributes[t[k]];
+          if (mesh.attributes.has(AttributeSet::kComputedNormal)) corner.attributes.normal = 0;
+        }
+        push(sorter, side);
       }
     }
   }
@@ -118,13 +143,14 @@ class Comparison {
     for (const Side& side : same_key) {
       if (side.balance == 0) continue;
       std::string corners;
-      for (const uint64_t corner : side.corners) {
-        const glm::dvec3 at = reader_.summary().lattice.toWorld(unpackPosition(PositionCode{corner}));
+      for (const Corner& corner : side.corners) {
+        const glm::dvec3 at =
+            reader_.summary().lattice.toWorld(unpackPosition(PositionCode{corner.position}));
         corners +=
             " (" + std::to_string(at.x) + " " + std::to_string(at.y) + " " + std::to_string(at.z) + ")";
       }
       fail("triangle" + corners + " is " +
-           (side.balance > 0 ? "in the input, but not in a leaf (I1)"
+           (side.balance > 0 ? "in the input, but not with these attributes in a leaf (I1)"
                              : "in a leaf more often than in the input (I1)"));
     }
     same_key.clear();

@@ -23,6 +23,7 @@ class Against : public testing::Test {
     SampleOptions sample;
     sample.kind = "asteroid";
     sample.triangles = 12000;
+    sample.attributes.bits = AttributeSet::kColour | AttributeSet::kTexture;
     writeSample(sample, input_);
     BuildOptions options;
     options.input = input_;
@@ -72,6 +73,7 @@ class Against : public testing::Test {
       }
       if (alter_node) alter_node(node);
     }
+    writer.addTextures(reader.textures());
     writer.finish(reader.summary(), std::move(nodes));
   }
 
@@ -102,6 +104,15 @@ TEST_F(Against, findsATriangleThatIsThereTwiceInPlaceOfAnother) {
   alter({}, [&](Mesh& mesh) {
     if (is_done || mesh.triangles.size() < 2) return;
     mesh.triangles.back() = mesh.triangles.front();
+    is_done = true;
+  });
+  expectDifference("(I1)");
+}
+
+TEST_F(Against, findsACornerWithOtherTextureCoordinates) {
+  bool is_done = false;
+  alter({}, [&](Mesh& mesh) {
+    if (!is_done) mesh.vertex_attributes[mesh.triangles.back().x].texture.y ^= 1;
     is_done = true;
   });
   expectDifference("(I1)");
