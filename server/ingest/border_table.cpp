@@ -6,6 +6,11 @@
 #include "server/ingest/leaf_mesh.h"
 
 namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kListingsOfProgress = 1 << 16;  ///< between two words of progress
+
+}  // namespace
 
 BorderTable::BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes)
     : by_position_(std::make_unique<RecordSorter>(sizeof(Listing), memory_bytes / 2,
@@ -33,7 +38,7 @@ void BorderTable::add(PositionCode position, uint32_t leaf, glm::i64vec3 normal_
   by_position_->push(position.value, std::as_bytes(std::span(&listing, 1)));
 }
 
-void BorderTable::join(std::span<const NodeKey> leaves) {
+void BorderTable::join(std::span<const NodeKey> leaves, const RecordSorter::Progress& progress) {
   std::vector<uint32_t> sharing;
   PositionCode position;
   NodeKey ancestor;
@@ -51,6 +56,11 @@ void BorderTable::join(std::span<const NodeKey> leaves) {
     normal_sum = glm::i64vec3(0);
   };
 
+  const uint64_t listings = by_position_->size();
+  uint64_t done = 0;
+  const auto advance = [&] {
+    if (progress && ++done % kListingsOfProgress == 0) progress(done, 2 * listings);
+  };
   by_position_->finish();
   while (const auto record = by_position_->next()) {
     Listing listing;
@@ -60,6 +70,7 @@ void BorderTable::join(std::span<const NodeKey> leaves) {
     ancestor = sharing.empty() ? leaves[listing.leaf] : commonAncestor(ancestor, leaves[listing.leaf]);
     normal_sum += listing.normal_sum;
     sharing.push_back(listing.leaf);
+    advance();
   }
   giveToLeaves();
 
@@ -71,6 +82,7 @@ void BorderTable::join(std::span<const NodeKey> leaves) {
   while (const auto record = by_leaf_->next()) {
     ++first_of_leaf_[record->key + 1];
     joined_.append(record->bytes);
+    advance();
   }
   temporary_bytes_ += by_leaf_->temporaryBytes();
   by_leaf_.reset();

@@ -36,8 +36,9 @@ class BorderTable {
   /// @param leaf  number of the leaf; leaves are added in rising order, each position once a leaf.
   void add(PositionCode position, uint32_t leaf, glm::i64vec3 normal_sum);
 
-  /// @param leaves  keys by number.
-  void join(std::span<const NodeKey> leaves);
+  /// @param leaves    keys by number.
+  /// @param progress  in listings that were added, each counted twice.
+  void join(std::span<const NodeKey> leaves, const RecordSorter::Progress& progress = {});
 
   /// Writes the joined table to the disk for good, and notes in `record` where it is.
   void save(RecordWriter& record) const;

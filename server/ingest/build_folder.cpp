@@ -31,7 +31,8 @@ std::filesystem::path resolved(const std::filesystem::path& path) {
 
 void syncFolder(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file < 0) return;  // the temporary files' folder may not be there yet
+  if (file < 0)
+    throw Error(ErrorCode::kIo, "cannot open folder " + path.string() + ": " + std::strerror(errno));
   const int error = ::fsync(file) == 0 ? 0 : errno;
   ::close(file);
   // Some network file systems cannot sync a folder.
@@ -113,10 +114,12 @@ void BuildFolder::removeFilesBut(std::initializer_list<std::string_view> names) 
   }
 }
 
-void BuildFolder::sync() const {
+void BuildFolder::syncFolders() const {
   syncFolder(output_folder_);
   syncFolder(path_);
-  syncFolder(files_);
+  syncFolder(files_.parent_path());
 }
+
+void BuildFolder::syncFiles() const { syncFolder(files_); }
 
 }  // namespace lode::ingest

@@ -30,8 +30,9 @@ class BuildFolder {
   TemporaryFolder openFiles();
   /// Removes all temporary files but these.
   void removeFilesBut(std::initializer_list<std::string_view> names) const;
-  /// Returns when the names of files in the folders are on the disk. @throws Error kIo.
-  void sync() const;
+  /// Return when the names of all folders, or of the temporary files, are on the disk. @throws Error kIo.
+  void syncFolders() const;
+  void syncFiles() const;
   void keep(bool is_kept) noexcept { is_kept_ = is_kept; }
 
  private:

@@ -13,6 +13,7 @@ namespace lode::ingest {
 namespace {
 
 constexpr std::string_view kRunsFile = "runs";
+constexpr uint64_t kTrianglesBetweenLooks = 1 << 16;  ///< at the clock
 
 /// Attributes of the payloads: the file's, with computed normals where it has none.
 AttributeSet payloadAttributes(AttributeSet file) {
@@ -75,8 +76,9 @@ void BuildSteps::begin() {
   journal_.emplace(Journal::create(folder_.journal()));
   RecordWriter record;
   identity_.save(record);
-  note(BuildEntry::kBegun, record);
+  journal_->append(static_cast<uint32_t>(BuildEntry::kBegun), record.bytes());
   files_.emplace(folder_.openFiles());
+  folder_.syncFolders();
 }
 
 bool BuildSteps::isPackedAlready() {
@@ -96,7 +98,7 @@ bool BuildSteps::keep() noexcept {
 }
 
 void BuildSteps::note(BuildEntry kind, const RecordWriter& record) {
-  folder_.sync();
+  folder_.syncFiles();
   journal_->append(static_cast<uint32_t>(kind), record.bytes());
 }
 
@@ -195,7 +197,9 @@ void BuildSteps::dereference() {
     throw Error(ErrorCode::kInput,
                 options_.input.string() + ": no face has three distinct corners; check the file");
   }
-  sorter_->finish();
+  sorter_->finish([this](uint64_t done, uint64_t total) {
+    if (progress_) progress_("sort", static_cast<double>(done) / static_cast<double>(total), done, total);
+  });
   input_.reset();
   if (sorter_->runCount() > 0) {
     RecordWriter record;
@@ -216,6 +220,9 @@ void BuildSteps::sortSoup() {
     RecordReader record(recorded_.sorting);
     batch = record.get<DereferencePoint>();
     sorter_->restore(record);
+    if (sorter_->size() < batch.counts.triangles)
+      throw Error(ErrorCode::kFormat,
+                  "the journal of a build names no point of a sort; build without --resume");
     known = sorter_->size() - batch.counts.triangles;
   }
   const CellGrid grid(facts_.choice.extent);
@@ -223,9 +230,10 @@ void BuildSteps::sortSoup() {
   const std::span<std::byte> soup(bytes, soupBytes(facts_.soup_attributes));
   CheckpointClock clock(CheckpointClock::Clock::now());
   size_t runs = sorter_->runCount();
+  auto last_run = CheckpointClock::Clock::now();
   const auto noteRuns = [&] {
     runs = sorter_->runCount();
-    const auto began = CheckpointClock::Clock::now();
+    const auto began = last_run = CheckpointClock::Clock::now();
     if (!clock.isDue(began)) return;
     RecordWriter record;
     record.put(batch);
@@ -242,6 +250,10 @@ void BuildSteps::sortSoup() {
         }
         storeSoup(triangle, soup);
         sorter_->push(grid.code(triangle), soup);
+        // Where memory is ample, the first run may be long in coming.
+        if (sorter_->size() % kTrianglesBetweenLooks == 0 &&
+            CheckpointClock::Clock::now() - last_run > CheckpointClock::kLatest)
+          sorter_->spill();
         if (sorter_->runCount() != runs) noteRuns();
       },
       progress_, batch, [&](const DereferencePoint& point) { batch = point; });
@@ -297,9 +309,9 @@ void BuildSteps::simplify() {
   {
     SimplifyLog log(*files_, *payloads_, std::move(recorded_.finished),
                     [this](std::span<const std::byte> entry) {
-                      folder_.sync();
                       journal_->append(static_cast<uint32_t>(BuildEntry::kNodes), entry);
                     });
+    folder_.syncFiles();
     tree_ = ingest::simplify(settings(), *parts_, *payloads_, log, plan_.threads, progress_);
   }
   parts_.reset();

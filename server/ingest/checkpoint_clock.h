@@ -11,6 +11,7 @@ namespace lode::ingest {
 class CheckpointClock {
  public:
   using Clock = std::chrono::steady_clock;
+  static constexpr Clock::duration kLatest = std::chrono::seconds(10);
 
   explicit CheckpointClock(Clock::time_point now) : due_(now + kSoonest) {}
 
@@ -22,7 +23,6 @@ class CheckpointClock {
  private:
   static constexpr int kWorkOfNote = 100;
   static constexpr Clock::duration kSoonest = std::chrono::milliseconds(50);
-  static constexpr Clock::duration kLatest = std::chrono::seconds(10);
 
   Clock::time_point due_;
 };

@@ -73,7 +73,9 @@ Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t tria
   while (const auto record = sorted.next()) cutter.push(record->key, record->bytes);
   cutter.finish();
   result.soup.flush();
-  result.border.join(result.leaves);
+  result.border.join(result.leaves, [&](uint64_t done, uint64_t total) {
+    if (progress) progress("border", static_cast<double>(done) / static_cast<double>(total), done, total);
+  });
   return result;
 }
 

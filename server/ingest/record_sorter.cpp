@@ -5,6 +5,11 @@
 #include <utility>
 
 namespace lode::ingest {
+namespace {
+
+constexpr size_t kPieceRecords = 1 << 18;  ///< sorted, or written, between two words of progress
+
+}  // namespace
 
 struct RecordSorter::Run {
   uint64_t begin = 0, end = 0;  ///< in the spool
@@ -45,16 +50,31 @@ bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
   return std::pair(runs_[a]->key, a) > std::pair(runs_[b]->key, b);
 }
 
-void RecordSorter::sortHeld() { std::sort(order_.begin(), order_.end()); }
+/// Sorts piece by piece, so that it can be told how far it is.
+void RecordSorter::sortHeld(size_t begin, size_t end, const Progress& progress, uint64_t total) {
+  const auto at = [this](size_t index) { return order_.begin() + static_cast<ptrdiff_t>(index); };
+  if (end - begin > kPieceRecords) {
+    const size_t middle = begin + (end - begin) / 2;
+    std::nth_element(at(begin), at(middle), at(end));
+    sortHeld(begin, middle, progress, total);
+    sortHeld(middle, end, progress, total);
+    return;
+  }
+  std::sort(at(begin), at(end));
+  if (progress) progress(end, total);
+}
 
-void RecordSorter::spill() {
-  sortHeld();
+void RecordSorter::spill(const Progress& progress) {
+  const uint64_t total = 2 * order_.size();
+  sortHeld(0, order_.size(), progress, total);
   if (!spool_) spool_.emplace(file_);
   auto run = std::make_unique<Run>();
   run->begin = spool_->size();
+  uint64_t written = 0;
   for (const Order& at : order_) {
     spool_->append(std::as_bytes(std::span(&at.key, 1)));
     spool_->append(std::span<const std::byte>(held_.data() + at.index * record_bytes_, record_bytes_));
+    if (progress && ++written % kPieceRecords == 0) progress(order_.size() + written, total);
   }
   run->end = temporary_bytes_ = spool_->size();
   runs_.push_back(std::move(run));
@@ -89,12 +109,12 @@ void RecordSorter::restore(RecordReader& record) {
   size_ = begin / entry_bytes;
 }
 
-void RecordSorter::finish() {
+void RecordSorter::finish(const Progress& progress) {
   if (runs_.empty()) {
-    sortHeld();
+    sortHeld(0, order_.size(), progress, order_.size());
     return;
   }
-  if (!order_.empty()) spill();
+  if (!order_.empty()) spill(progress);
   order_ = {};
   held_ = {};
   spool_->flush();

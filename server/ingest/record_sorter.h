@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,6 +21,8 @@ namespace lode::ingest {
 /// buffers.
 class RecordSorter {
  public:
+  using Progress = std::function<void(uint64_t done, uint64_t total)>;
+
   /// @param memory_bytes  for the records held before a run is written, and for the buffers of the merge.
   /// @param runs  where they are written, if there are any.
   RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs);
@@ -33,7 +36,7 @@ class RecordSorter {
   size_t runCount() const noexcept { return runs_.size(); }
   uint64_t recordsInRuns() const noexcept { return size_ - order_.size(); }
   /// Writes what is held as a run.
-  void spill();
+  void spill(const Progress& progress = {});
   /// Writes the runs to the disk for good, and notes in `record` where they are.
   void save(RecordWriter& record);
   /// Takes over the runs that save() noted, before any push; records follow those in the runs.
@@ -41,7 +44,8 @@ class RecordSorter {
   void restore(RecordReader& record);
 
   /// No more records come in; next() gives them in order.
-  void finish();
+  /// @param progress  of sorting and writing what is still held.
+  void finish(const Progress& progress = {});
 
   struct Record {
     uint64_t key = 0;
@@ -59,7 +63,7 @@ class RecordSorter {
     }
   };
   bool later(uint32_t a, uint32_t b) const noexcept;
-  void sortHeld();
+  void sortHeld(size_t begin, size_t end, const Progress& progress, uint64_t total);
   std::optional<Record> nextOfMemory();
   std::optional<Record> nextOfRuns();
 

@@ -75,6 +75,67 @@ TEST(RecordSorter, keepsOneFileForAnyNumberOfRunsAndRemovesItWithTheLastRecord) 
   EXPECT_EQ(work.contents().size(), folder_alone);
 }
 
+TEST(RecordSorter, tellsHowFarItIsWithWhatItStillHolds) {
+  for (const uint64_t memory_bytes : {uint64_t{1} << 30, uint64_t{16} << 20}) {
+    const TemporaryFolder folder(testing::TempDir());
+    RecordSorter sorter(sizeof(uint64_t), memory_bytes, folder.file("test"));
+    for (const auto& [key, value] : randomPairs(1200000, 100))
+      sorter.push(key, std::as_bytes(std::span(&value, 1)));
+    std::vector<uint64_t> told;
+    sorter.finish([&](uint64_t done, uint64_t total) {
+      EXPECT_LE(done, total);
+      told.push_back(done);
+    });
+    EXPECT_GT(told.size(), 2u);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  }
+}
+
+TEST(RecordSorter, goesOnWithTheRunsThatWereSaved) {
+  const std::vector<Pair> pairs = randomPairs(20000, 100);
+  const auto push = [](RecordSorter& sorter, std::span<const Pair> some) {
+    for (const auto& [key, value] : some) sorter.push(key, std::as_bytes(std::span(&value, 1)));
+  };
+  const test::WorkFolder work;
+  const TemporaryFolder folder = TemporaryFolder::lasting(work / "files");
+  RecordWriter record;
+  uint64_t saved = 0;
+  {
+    RecordSorter sorter(sizeof(uint64_t), 40000, folder.lastingFile("runs"));
+    push(sorter, std::span(pairs).first(10000));
+    sorter.save(record);
+    saved = sorter.recordsInRuns();
+    push(sorter, std::span(pairs).subspan(10000, 3000));  // lost
+  }
+  RecordSorter sorter(sizeof(uint64_t), 60000, folder.lastingFile("runs"));
+  RecordReader reader(record.bytes());
+  sorter.restore(reader);
+  EXPECT_GT(saved, 5000u);
+  EXPECT_EQ(sorter.size(), saved);
+  push(sorter, std::span(pairs).subspan(saved));
+  sorter.finish();
+  std::vector<Pair> output;
+  while (const auto next = sorter.next()) {
+    uint64_t value = 0;
+    std::memcpy(&value, next->bytes.data(), sizeof(value));
+    output.emplace_back(next->key, value);
+  }
+  EXPECT_EQ(output, sortWith(1 << 30, pairs));
+}
+
+TEST(RecordSorter, refusesToGoOnWithRunsThatAreNotThere) {
+  const test::WorkFolder work;
+  const TemporaryFolder folder = TemporaryFolder::lasting(work / "files");
+  for (const std::vector<uint64_t>& ends :
+       {std::vector<uint64_t>{16}, std::vector<uint64_t>{17}, std::vector<uint64_t>{32, 16}}) {
+    RecordWriter record;
+    record.putAll(ends);
+    RecordReader reader(record.bytes());
+    RecordSorter sorter(sizeof(uint64_t), 40000, folder.lastingFile("runs"));
+    EXPECT_THROW(sorter.restore(reader), Error);
+  }
+}
+
 TEST(RecordSorter, givesNothingOfNothing) { EXPECT_TRUE(sortWith(1 << 20, {}).empty()); }
 
 }  // namespace

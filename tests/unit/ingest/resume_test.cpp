@@ -12,6 +12,7 @@
 #include "server/ingest/build_folder.h"
 #include "server/ingest/sample.h"
 #include "tests/support/work_folder.h"
+#include "tests/unit/ingest/image_files.h"
 
 namespace lode::ingest {
 namespace {
@@ -86,6 +87,26 @@ TEST_F(Resume, givesTheSameBytesAfterAnEndInEachStage) {
                                             {"pack", "pack"}}) {
     ASSERT_TRUE(interruptAt(options_, stage, 1)) << stage;
     EXPECT_FALSE(std::filesystem::exists(options_.output));
+    EXPECT_EQ(build(options_).resumed_from, resumed_from);
+    expectDone();
+  }
+}
+
+TEST_F(Resume, givesTheSameBytesOfAModelWithTextures) {
+  std::filesystem::remove(options_.input);
+  test::writeBytes(folder_ / "a.png", test::pngOf(test::makePhoto(300, 200)));
+  std::ofstream(options_.input) << "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\n"
+                                   "property float x\nproperty float y\nproperty float z\n"
+                                   "property float s\nproperty float t\n"
+                                   "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                                   "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2\n3 0 2 3\n";
+  before_ = folder_.contents();
+  build(options_);
+  expected_ = readBytes(options_.output);
+  std::filesystem::remove(options_.output);
+  for (const auto& [stage, resumed_from] :
+       {std::pair{"textures", "textures"}, {"dereference", "dereference"}, {"pack", "pack"}}) {
+    ASSERT_TRUE(interruptAt(options_, stage, 1)) << stage;
     EXPECT_EQ(build(options_).resumed_from, resumed_from);
     expectDone();
   }
