@@ -1,68 +1,14 @@
 // Pictures: drawn off-screen, and of the window under a display that is not there.
 
-#include <algorithm>
-#include <cstdint>
-#include <cstdlib>
-#include <set>
-#include <vector>
+#include "tests/integration/pictures/picture.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/integration/programs/models.h"
 #include "tests/integration/programs/programs.h"
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#include <stb/stb_image.h>
-#pragma GCC diagnostic pop
-
 namespace lode::test {
 namespace {
-
-/// A picture read back from its file.
-struct Picture {
-  int width_px = 0, height_px = 0;
-  std::vector<uint8_t> pixels;  ///< three bytes each
-
-  explicit Picture(const std::filesystem::path& file) {
-    int channels = 0;
-    stbi_uc* const read = stbi_load(file.c_str(), &width_px, &height_px, &channels, 3);
-    if (read == nullptr) return;
-    pixels.assign(read, read + static_cast<size_t>(width_px) * height_px * 3);
-    stbi_image_free(read);
-  }
-
-  const uint8_t* pixel(int x, int y) const {
-    return pixels.data() + (static_cast<size_t>(y) * width_px + x) * 3;
-  }
-  /// Of a part of the picture, from a corner to the picture's lower right one: how much is not background.
-  /// That is nearly one colour a row: it is dithered.
-  double covered(int left, int top) const {
-    constexpr int kDither = 8;
-    size_t drawn = 0;
-    for (int y = top; y < height_px; ++y)
-      for (int x = left; x < width_px; ++x) {
-        int difference = 0;
-        for (int c = 0; c < 3; ++c)
-          difference = std::max(difference, std::abs(pixel(x, y)[c] - pixel(width_px - 1, y)[c]));
-        drawn += difference > kDither;
-      }
-    return static_cast<double>(drawn) / ((width_px - left) * (height_px - top));
-  }
-  /// Levels of red in its middle row.
-  size_t shades() const {
-    std::set<uint8_t> seen;
-    for (int x = 0; x < width_px; ++x) seen.insert(*pixel(x, height_px / 2));
-    return seen.size();
-  }
-};
-
-bool cannotDraw(const Outcome& outcome, const char* why) {
-  return outcome.status == 1 && outcome.err.find(why) != std::string::npos;
-}
 
 class Pictures : public testing::TestWithParam<Model> {
  protected:
