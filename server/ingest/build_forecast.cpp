@@ -48,7 +48,8 @@ Trial runTrial(const ForecastInput& input) {
   return trial;
 }
 
-/// The most that lies on disk at once: the packed input and the sorted runs, or runs, soup and payloads.
+/// The most that lies on disk at once: the packed input and the sorted runs; what the soup was made of, which
+/// stays until it is noted as complete, and the soup; or soup and payloads.
 uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
   const uint64_t vertex_bytes =
       packedVertexBytes(vertexAttributes(input.attributes, input.corner_texture), input.double_positions);
@@ -63,7 +64,7 @@ uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_
   const uint64_t runs = soup + input.triangles * sizeof(uint64_t);
   const bool sorts_on_disk = runs + input.triangles * sizeof(uint64_t) > sort_bytes;
   return std::max(
-      {packed + (sorts_on_disk ? runs : 0), soup + (sorts_on_disk ? runs : 0), soup + payload_bytes});
+      {packed + (sorts_on_disk ? runs : 0), soup + (sorts_on_disk ? runs : packed), soup + payload_bytes});
 }
 
 }  // namespace
