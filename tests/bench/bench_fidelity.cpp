@@ -1,83 +1,46 @@
-// How far cuts of a model are from the original: bench_fidelity ORIGINAL.ply CUT.ply...
-// Prints the two-sided sampled distances of each cut as fractions of the original's box diagonal and, for
-// cuts of the bunny, the reference of meshoptimizer 1.2 on the whole mesh, interpolated in log-log at the
-// cut's triangle count.
+// How far simplified surfaces are from their originals. docs/benchmarks.md says what each part has shown.
 
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <span>
 #include <string_view>
-#include <vector>
 
-#include "server/ingest/ply_reader.h"
-#include "server/ingest/triangulate.h"
-#include "tests/support/surface_distance.h"
+#include "tests/bench/fidelity_parts.h"
 
-namespace lode::test {
 namespace {
 
-constexpr size_t kSamples = 1000000;  // each way
+constexpr const char* kUsage =
+    "usage: bench_fidelity ORIGINAL.ply CUT.ply...                two-sided distances\n"
+    "       bench_fidelity --paper BUNNY.ply                      the paper's operator\n"
+    "       bench_fidelity --equal-error ORIGINAL.ply CUT.ply...  triangles beside meshoptimizer's\n"
+    "       bench_fidelity --attributes MODEL.ply...              what attributes lose\n";
 
-struct Reference {
-  double triangles, rms;
-};
-constexpr Reference kBunny[] = {{642, 2.30e-3}, {1822, 9.16e-4}, {18799, 1.13e-4}};
-
-double bunnyReference(double triangles) {
-  const Reference* from = triangles < kBunny[1].triangles ? &kBunny[0] : &kBunny[1];
-  const double slope = std::log(from[1].rms / from[0].rms) / std::log(from[1].triangles / from[0].triangles);
-  return from[0].rms * std::pow(triangles / from[0].triangles, slope);
-}
-
-TriangleSoup readSoup(const char* path) {
-  ingest::PlyReader reader(path, {});
-  std::vector<glm::dvec3> positions, outline;
-  std::vector<glm::u32vec3> cut;
-  TriangleSoup soup;
-  reader.read(
-      [&](uint64_t, std::span<const ingest::PlyVertex> vertices) {
-        for (const auto& vertex : vertices) positions.push_back(vertex.position);
-      },
-      [&](const ingest::PlyFaces& faces) {
-        size_t first = 0;
-        for (const uint32_t corners : faces.corner_counts) {
-          outline.clear();
-          for (uint32_t c = 0; c < corners; ++c) outline.push_back(positions[faces.corners[first + c]]);
-          ingest::triangulate(outline, cut);
-          for (const glm::u32vec3& t : cut) soup.push_back({outline[t.x], outline[t.y], outline[t.z]});
-          first += corners;
-        }
-      });
-  return soup;
-}
-
-void measure(const TriangleSoup& original, const char* path, bool is_bunny) {
-  const TriangleSoup cut = readSoup(path);
-  const double diagonal = boxDiagonal(original);
-  const SurfaceDistance distance = surfaceDistance(original, cut, kSamples);
-  std::printf("%9zu triangles  rms %.3e  largest %.3e of the diagonal", cut.size(),
-              distance.both.rms / diagonal, distance.both.max / diagonal);
-  if (is_bunny) {
-    const double reference = bunnyReference(static_cast<double>(cut.size()));
-    std::printf("  reference %.3e  ours / reference %.3f", reference,
-                distance.both.rms / diagonal / reference);
+/// @return false if the arguments are none of the usage's.
+bool runPart(std::span<char* const> arguments) {
+  if (arguments.size() < 2) return false;
+  const std::string_view part = arguments[0];
+  if (part == "--paper" && arguments.size() == 2) {
+    lode::bench::comparePaper(arguments[1]);
+  } else if (part == "--equal-error" && arguments.size() > 2) {
+    lode::bench::compareAtEqualError(arguments[1], arguments.subspan(2));
+  } else if (part == "--attributes") {
+    lode::bench::compareAttributes(arguments.subspan(1));
+  } else if (!part.starts_with("--")) {
+    lode::bench::compareCuts(arguments[0], arguments.subspan(1));
+  } else {
+    return false;
   }
-  std::printf("  %s\n", path);
+  return true;
 }
 
 }  // namespace
-}  // namespace lode::test
 
 int main(int count, char** arguments) {
-  if (count < 3) {
-    std::fprintf(stderr, "usage: bench_fidelity ORIGINAL.ply CUT.ply...\n");
-    return 2;
-  }
+  std::setvbuf(stdout, nullptr, _IOLBF, 1 << 12);
   try {
-    const auto original = lode::test::readSoup(arguments[1]);
-    const bool is_bunny = std::string_view(arguments[1]).find("bun") != std::string_view::npos;
-    for (int i = 2; i < count; ++i) lode::test::measure(original, arguments[i], is_bunny);
+    if (runPart({arguments + 1, arguments + count})) return 0;
+    std::fputs(kUsage, stderr);
+    return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_fidelity: %s\n", error.what());
     return 1;

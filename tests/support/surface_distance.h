@@ -47,6 +47,8 @@ class DistanceField {
   }
   /// @param hint  number of a triangle that may be near (from the last answer); receives the nearest one's.
   double distance(glm::dvec3 point, uint32_t& hint) const;
+  /// The triangle of a number from distance(); numbers are not the soup's.
+  const Triangle3& triangle(uint32_t number) const { return triangles_[number]; }
 
  private:
   struct Node;

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/lattice.h"
+#include "server/ingest/node_mesh.h"
+#include "tests/support/surface_distance.h"
+
+namespace lode::bench {
+
+/// The surface of a PLY file as it is written: no lattice, no attributes.
+struct FileSurface {
+  std::vector<glm::dvec3> points;
+  std::vector<glm::u32vec3> triangles;
+
+  test::TriangleSoup soup() const;
+};
+
+/// @throws Error as ingest::PlyReader.
+FileSurface readSurface(const char* path);
+
+/// A whole file as one node's mesh on its lattice, nothing locked, with the file's attributes.
+struct FileNode {
+  ingest::NodeMesh mesh;
+  Lattice lattice;
+  glm::uvec3 extent{0};      ///< largest coordinates
+  double texture_scale = 1;  ///< true texture coordinates that a whole texture grid spans
+};
+
+/// @throws Error as ingest::PlyReader.
+FileNode readNode(const char* path);
+
+/// Triangles of a node's mesh in lattice steps.
+test::TriangleSoup latticeSoup(const ingest::NodeMesh& mesh);
+
+/// Two-sided distances of surfaces from one original, as fractions of its box diagonal: always the same
+/// points of the original, and as many of the other.
+class Original {
+ public:
+  Original(std::span<const test::Triangle3> soup, size_t samples);
+  test::SampledDistance distanceOf(std::span<const test::Triangle3> other) const;
+
+ private:
+  double diagonal_;
+  size_t samples_;
+  std::vector<glm::dvec3> points_;
+  test::DistanceField field_;
+};
+
+}  // namespace lode::bench

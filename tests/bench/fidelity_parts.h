@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+
+namespace lode::bench {
+
+/// The parts of bench_fidelity; each prints what it measures. @throws Error as ingest::PlyReader.
+
+/// Two-sided distances of cuts from their original; of the bunny's beside the reference.
+void compareCuts(const char* original, std::span<char* const> cuts);
+
+/// The paper's operator on the bunny: the cuts nearest to the reference's counts.
+void comparePaper(const char* original);
+
+/// Triangles of cuts beside those of meshoptimizer on the whole model at the same measured error.
+void compareAtEqualError(const char* original, std::span<char* const> cuts);
+
+/// What attributes lose with and without their quadrics, at equal triangle counts.
+void compareAttributes(std::span<char* const> models);
+
+/// Hoppe's form of attribute quadrics beside Garland's and Heckbert's.
+void compareForms(std::span<char* const> models);
+
+}  // namespace lode::bench
