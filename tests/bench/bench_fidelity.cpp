@@ -13,7 +13,8 @@ constexpr const char* kUsage =
     "usage: bench_fidelity ORIGINAL.ply CUT.ply...                two-sided distances\n"
     "       bench_fidelity --paper BUNNY.ply                      the paper's operator\n"
     "       bench_fidelity --equal-error ORIGINAL.ply CUT.ply...  triangles beside meshoptimizer's\n"
-    "       bench_fidelity --attributes MODEL.ply...              what attributes lose\n";
+    "       bench_fidelity --attributes MODEL.ply...              what attributes lose\n"
+    "       bench_fidelity --forms MODEL.ply...                   forms of attribute quadrics\n";
 
 /// @return false if the arguments are none of the usage's.
 bool runPart(std::span<char* const> arguments) {
@@ -25,6 +26,8 @@ bool runPart(std::span<char* const> arguments) {
     lode::bench::compareAtEqualError(arguments[1], arguments.subspan(2));
   } else if (part == "--attributes") {
     lode::bench::compareAttributes(arguments.subspan(1));
+  } else if (part == "--forms") {
+    lode::bench::compareForms(arguments.subspan(1));
   } else if (!part.starts_with("--")) {
     lode::bench::compareCuts(arguments[0], arguments.subspan(1));
   } else {

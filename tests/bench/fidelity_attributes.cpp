@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <vector>
@@ -19,6 +20,7 @@ std::vector<AttributeLoss> lossesAt(const FileNode& model, const AttributeField&
   triangles.clear();
   ingest::collapse(model.mesh, targets, {.max_position = model.extent, .attribute_weight = weight},
                    [&](size_t, ingest::SimplifiedMesh&& simple) {
+                     if (simple.mesh.triangles.empty()) return;
                      triangles.push_back(simple.mesh.triangles.size());
                      losses.push_back(attributeLoss(original, simple.mesh, kSamples));
                    });
@@ -39,7 +41,8 @@ void compareAttributes(std::span<char* const> models) {
     const AttributeField original(model.mesh);
     std::printf("%s: %zu triangles\n", path, model.mesh.triangles.size());
     std::vector<size_t> targets, triangles, plain_triangles;
-    for (const size_t reduction : kReductions) targets.push_back(model.mesh.triangles.size() / reduction);
+    for (const size_t reduction : kReductions)
+      targets.push_back(std::max<size_t>(model.mesh.triangles.size() / reduction, 4));
     const auto with = lossesAt(model, original, targets, 1, triangles);
     const auto without = lossesAt(model, original, targets, 0, plain_triangles);
     for (size_t i = 0; i < std::min(with.size(), without.size()); ++i) {

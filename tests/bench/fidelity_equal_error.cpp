@@ -15,7 +15,7 @@ namespace lode::bench {
 namespace {
 
 constexpr size_t kSamples = 500000;  // each way
-constexpr double kLadderStep = 0.7071;
+constexpr double kFirstStep = 0.9, kLadderStep = 0.5;
 
 using test::SampledDistance;
 
@@ -24,12 +24,11 @@ struct Measured {
   SampledDistance distance;
 };
 
-/// Triangle counts to which the whole model is reduced, falling: denser near the model's own, down to where
-/// errors are larger than any of the cuts'.
+/// Triangle counts to which the whole model is reduced, falling, down to where errors are larger than any of
+/// the cuts'.
 std::vector<size_t> ladderOf(size_t triangles, size_t fewest) {
-  std::vector<size_t> ladder;
   const auto whole = static_cast<double>(triangles);
-  for (const double share : {0.98, 0.95, 0.9, 0.8}) ladder.push_back(static_cast<size_t>(share * whole));
+  std::vector<size_t> ladder{static_cast<size_t>(kFirstStep * whole)};
   for (double count = kLadderStep * whole; count > static_cast<double>(fewest); count *= kLadderStep)
     ladder.push_back(static_cast<size_t>(count));
   return ladder;
@@ -131,7 +130,7 @@ void compareAtEqualError(const char* original, std::span<char* const> paths) {
     std::printf("%9zu triangles  largest %.3e  rms %.3e of the diagonal  %s\n", soup.size(), distance.max,
                 distance.rms, path);
   }
-  const std::vector<size_t> ladder = ladderOf(surface.triangles.size(), fewest / 4);
+  const std::vector<size_t> ladder = ladderOf(surface.triangles.size(), fewest / 3);
   const auto whole = static_cast<double>(surface.triangles.size());
   compareWith("meshoptimizer", measureMeshoptimizer(surface, measured, ladder), whole, cuts);
   compareWith("collapse()", measureCollapse(original, measured, ladder), whole, cuts);
