@@ -14,7 +14,8 @@ constexpr const char* kUsage =
     "       bench_fidelity --paper BUNNY.ply                      the paper's operator\n"
     "       bench_fidelity --equal-error ORIGINAL.ply CUT.ply...  triangles beside meshoptimizer's\n"
     "       bench_fidelity --attributes MODEL.ply...              what attributes lose\n"
-    "       bench_fidelity --forms MODEL.ply...                   forms of attribute quadrics\n";
+    "       bench_fidelity --forms MODEL.ply...                   forms of attribute quadrics\n"
+    "       bench_fidelity --pictures FULL.png OTHER.png...       pairs of pictures\n";
 
 /// @return false if the arguments are none of the usage's.
 bool runPart(std::span<char* const> arguments) {
@@ -28,6 +29,8 @@ bool runPart(std::span<char* const> arguments) {
     lode::bench::compareAttributes(arguments.subspan(1));
   } else if (part == "--forms") {
     lode::bench::compareForms(arguments.subspan(1));
+  } else if (part == "--pictures" && arguments.size() % 2 == 1) {
+    lode::bench::comparePictures(arguments.subspan(1));
   } else if (!part.starts_with("--")) {
     lode::bench::compareCuts(arguments[0], arguments.subspan(1));
   } else {

@@ -21,4 +21,7 @@ void compareAttributes(std::span<char* const> models);
 /// Hoppe's form of attribute quadrics beside Garland's and Heckbert's.
 void compareForms(std::span<char* const> models);
 
+/// Pictures in pairs, the full resolution's first: peak signal-to-noise ratio where both show the model.
+void comparePictures(std::span<char* const> pairs);
+
 }  // namespace lode::bench

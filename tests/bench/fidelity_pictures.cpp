@@ -1,0 +1,84 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "server/ingest/image.h"
+#include "tests/bench/fidelity_parts.h"
+
+namespace lode::bench {
+namespace {
+
+constexpr uint64_t kMemory = 1u << 30;
+constexpr int kDither = 8;  // of the background, which else is one colour a row
+
+using ingest::Image;
+
+Image readPicture(const char* path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  std::string damage;
+  return ingest::decodeImage(std::as_bytes(std::span(bytes)), kMemory, damage);
+}
+
+int largestDifference(glm::u8vec4 a, glm::u8vec4 b) {
+  int largest = 0;
+  for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(int{a[k]} - int{b[k]}));
+  return largest;
+}
+
+bool isDrawn(const Image& picture, uint32_t x, uint32_t y) {
+  return largestDifference(picture.at(x, y), picture.at(picture.size.x - 1, y)) > kDither;
+}
+
+struct Comparison {
+  double inside_db = 0;  ///< over the pixels that both show the model at
+  double all_db = 0;     ///< over those that either does: silhouettes count
+  double share = 0;      ///< of the picture, that the model covers
+};
+
+double decibels(double squares, double count) {
+  if (squares == 0) return std::numeric_limits<double>::infinity();
+  return 10 * std::log10(255.0 * 255.0 * 3 * count / squares);
+}
+
+Comparison compare(const Image& full, const Image& other) {
+  double inside = 0, all = 0, inside_count = 0, all_count = 0;
+  for (uint32_t y = 0; y < full.size.y; ++y) {
+    for (uint32_t x = 0; x < full.size.x; ++x) {
+      const bool a = isDrawn(full, x, y), b = isDrawn(other, x, y);
+      if (!a && !b) continue;
+      const glm::dvec3 d = glm::dvec3(full.at(x, y)) - glm::dvec3(other.at(x, y));
+      all += glm::dot(d, d);
+      ++all_count;
+      if (!a || !b) continue;
+      inside += glm::dot(d, d);
+      ++inside_count;
+    }
+  }
+  const double pixels = static_cast<double>(full.size.x) * full.size.y;
+  return {decibels(inside, inside_count), decibels(all, all_count), inside_count / pixels};
+}
+
+}  // namespace
+
+void comparePictures(std::span<char* const> pairs) {
+  for (size_t i = 0; i + 1 < pairs.size(); i += 2) {
+    const Image full = readPicture(pairs[i]), other = readPicture(pairs[i + 1]);
+    if (full.size != other.size) {
+      std::printf("of different sizes: %s %s\n", pairs[i], pairs[i + 1]);
+      continue;
+    }
+    const Comparison result = compare(full, other);
+    std::printf("%5.1f dB inside the silhouette  %5.1f dB with its rim  %4.1f %% of the picture  %s\n",
+                result.inside_db, result.all_db, 100 * result.share, pairs[i + 1]);
+  }
+}
+
+}  // namespace lode::bench
