@@ -8,7 +8,8 @@ namespace lode::ingest {
 namespace {
 
 constexpr int kFineStepDepth = 2;
-constexpr uint64_t kFineStepNodes = 16;  ///< node budgets that must lie below a node for fine steps
+constexpr uint64_t kFineStepNodes = 16;   ///< node budgets that must lie below a node for fine steps
+constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
 
 }  // namespace
 
@@ -19,9 +20,10 @@ std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   const double factor = is_root || (rule.depth <= kFineStepDepth && is_large) ? std::sqrt(0.5) : 0.5;
   std::vector<size_t> targets;
   if (rule.is_leaf && triangles <= enough) return targets;
+  const auto held = static_cast<double>(std::min(rule.locked, triangles));
   double target = static_cast<double>(triangles);
   do {
-    target *= factor;
+    target = std::max(factor * target, held + factor * kInnerFactor * (target - held));
     targets.push_back(static_cast<size_t>(target));
   } while (targets.back() > enough);
   return targets;

@@ -19,6 +19,11 @@ TEST(RungTargets, stopAtFourTimesTheLockedVertices) {
   EXPECT_EQ(rungTargets(40000, rule), (std::vector<size_t>{20000}));
 }
 
+TEST(RungTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
+  const RungRule rule{.depth = 5, .locked = 90, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
+  EXPECT_EQ(rungTargets(141, rule), (std::vector<size_t>{107}));
+}
+
 TEST(RungTargets, takeStepsOfTheSquareRootOfTwoNearTheRootOfALargeModel) {
   const RungRule rule{.depth = 2, .locked = 0, .original_triangles = 16 * 9000, .triangles_per_node = 9000};
   EXPECT_EQ(rungTargets(20000, rule), (std::vector<size_t>{14142, 10000, 7071}));
