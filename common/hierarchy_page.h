@@ -19,7 +19,7 @@ struct Rung {
   uint32_t vertices = 0;             ///< that the payload decodes to
   uint32_t locked = 0;               ///< locked vertices among them, by position
   float error_model = 0;             ///< largest deviation from the original surface, model units
-  float appearance_error_model = 0;  ///< size of lost colour and normal detail, model units; 0 until measured
+  float appearance_error_model = 0;  ///< size of lost detail in colours, normals and pictures, model units
 
   bool operator==(const Rung&) const = default;
 };

@@ -75,11 +75,11 @@ FinishedNode getFinishedNode(RecordReader& record) {
 }
 
 void putBuiltNode(RecordWriter& record, const BuiltNode& built) {
-  const auto& [node, payloads, coarsest, original_triangles, inherited_error_steps, samples] = built;
+  const auto& [node, payloads, coarsest, original_triangles, inherited, samples] = built;
   putFinishedNode(record, node, payloads);
   putMesh(record, coarsest);
   record.put(original_triangles);
-  record.put(inherited_error_steps);
+  record.put(inherited);
   record.putAll(samples);
 }
 
@@ -90,7 +90,7 @@ BuiltNode getBuiltNode(RecordReader& record) {
   built.payloads = std::move(finished.payloads);
   built.coarsest = getMesh(record);
   built.original_triangles = record.get<uint64_t>();
-  built.inherited_error_steps = record.get<float>();
+  built.inherited = record.get<RungError>();
   built.samples = record.getAll<SurfaceSample>();
   return built;
 }

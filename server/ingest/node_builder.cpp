@@ -9,6 +9,7 @@
 #include "server/ingest/cluster.h"
 #include "server/ingest/collapse.h"
 #include "server/ingest/leaf_mesh.h"
+#include "server/ingest/lost_detail.h"
 #include "server/ingest/rung_targets.h"
 
 namespace lode::ingest {
@@ -62,7 +63,7 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf) {
   built.node.key = partition_.leaves[leaf];
   NodeMesh mesh = loadLeaf(leaf);
   built.original_triangles = mesh.triangles.size();
-  addRung(built, mesh, kLatticeErrorSteps);
+  addRung(built, mesh, {.deviation_steps = kLatticeErrorSteps});
   if (built.node.key == kRootKey) {
     for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
     reduce(built, std::move(mesh));
@@ -80,9 +81,9 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children) {
     built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
     built.node.box.add(child.node.box);
     built.original_triangles += child.original_triangles;
-    built.inherited_error_steps =
-        std::max(built.inherited_error_steps,
-                 static_cast<float>(child.node.rungs.back().error_model / settings_.lattice.step));
+    const RungError error = errorOf(child.node.rungs.back());
+    built.inherited.deviation_steps = std::max(built.inherited.deviation_steps, error.deviation_steps);
+    built.inherited.lost_detail_steps = std::max(built.inherited.lost_detail_steps, error.lost_detail_steps);
     meshes.push_back(std::move(child.coarsest));
   }
   std::vector<std::vector<uint32_t>> became;
@@ -159,18 +160,25 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
     if (sample.near != kVanished) sample.near = became[sample.near];
 }
 
-float NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input) const {
-  const float finer = built.node.rungs.empty()
-                          ? built.inherited_error_steps
-                          : static_cast<float>(built.node.rungs.back().error_model / settings_.lattice.step);
-  if (rung.mesh.triangles.empty())
-    return std::max(finer, glm::length(glm::vec3(built.node.box.max - built.node.box.min)));
-  const float forward = kForwardMargin * measureDeviation(rung, built.samples);
+RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input) const {
+  const RungError finer = built.node.rungs.empty() ? built.inherited : errorOf(built.node.rungs.back());
+  if (rung.mesh.triangles.empty()) {
+    const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
+    return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
+  }
+  const SurfaceWalk walk(rung.mesh);
+  const float forward = kForwardMargin * measureDeviation(rung, walk, built.samples);
   const float backward = kBackwardMargin * farthestVertex(rung, input) + kLatticeErrorSteps / 2;
-  return std::max({finer, forward, std::hypot(backward, built.inherited_error_steps)});
+  return {std::max({finer.deviation_steps, forward, std::hypot(backward, built.inherited.deviation_steps)}),
+          std::max(finer.lost_detail_steps, lostDetail(rung, input, walk))};
 }
 
-void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, float error_steps) {
+RungError NodeBuilder::errorOf(const Rung& rung) const noexcept {
+  return {static_cast<float>(rung.error_model / settings_.lattice.step),
+          static_cast<float>(rung.appearance_error_model / settings_.lattice.step)};
+}
+
+void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, RungError error) {
   const EncodedPayload payload = encodePayload(toMesh(mesh), settings_.lattice.step);
   built.payloads.push_back(payloads_.append(payload.bytes));
   const int depth = built.node.key.depth();
@@ -179,7 +187,8 @@ void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, float error_st
   rung.vertices = payload.vertices;
   rung.locked = static_cast<uint32_t>(
       std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
-  rung.error_model = static_cast<float>(error_steps * settings_.lattice.step);
+  rung.error_model = static_cast<float>(error.deviation_steps * settings_.lattice.step);
+  rung.appearance_error_model = static_cast<float>(error.lost_detail_steps * settings_.lattice.step);
   built.node.rungs.push_back(rung);
   for (const PositionCode position : mesh.positions) built.node.box.add(unpackPosition(position));
 }

@@ -42,13 +42,19 @@ class PayloadSpool {
   Spool spool_;
 };
 
+/// What a rung is off by, in lattice steps.
+struct RungError {
+  float deviation_steps = 0;
+  float lost_detail_steps = 0;  ///< see lostDetail()
+};
+
 /// A node with all its rungs, and what its parent needs of it.
 struct BuiltNode {
   Node node;                                  ///< payloads not numbered yet
   std::vector<PayloadSpool::Place> payloads;  ///< one a rung
   NodeMesh coarsest;
   uint64_t original_triangles = 0;  ///< in the leaves below
-  float inherited_error_steps = 0;  ///< the largest of the children's coarsest rungs
+  RungError inherited;              ///< the largest of the children's coarsest rungs
   std::vector<SurfaceSample>
       samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
 };
@@ -76,12 +82,13 @@ class NodeBuilder {
   void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, const NodeMesh& input,
                      std::span<const std::vector<uint32_t>> became) const;
   void reduce(BuiltNode& built, NodeMesh input);
-  void addRung(BuiltNode& built, const NodeMesh& mesh, float error_steps);
+  void addRung(BuiltNode& built, const NodeMesh& mesh, RungError error);
   /// Error of a rung in lattice steps, from both directions: the original surface, sampled, to the rung, and
   /// the rung's vertices to the node's input, to which the error that the input came with is added as to an
   /// independent one. (Sums instead would be 2 to 5 times too large.) Never below the finer rung's error
   /// (I3).
-  float errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input) const;
+  RungError errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input) const;
+  RungError errorOf(const Rung& rung) const noexcept;
 
   const Settings settings_;
   const Partition& partition_;

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "server/ingest/number_table.h"
-#include "server/ingest/surface_walk.h"
 #include "server/ingest/triangle_grid.h"
 
 namespace lode::ingest {
@@ -79,8 +78,8 @@ void dropDuplicates(std::vector<SurfaceSample>& samples) {
       samples.end());
 }
 
-float measureDeviation(const SimplifiedMesh& rung, std::vector<SurfaceSample>& samples) {
-  const SurfaceWalk walk(rung.mesh);
+float measureDeviation(const SimplifiedMesh& rung, const SurfaceWalk& walk,
+                       std::vector<SurfaceSample>& samples) {
   std::optional<TriangleGrid> grid;  // where nothing is known to be near
   std::vector<float> distances;
   distances.reserve(samples.size());

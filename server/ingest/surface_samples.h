@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/ingest/simplified_mesh.h"
+#include "server/ingest/surface_walk.h"
 
 namespace lode::ingest {
 
@@ -26,7 +27,9 @@ void dropDuplicates(std::vector<SurfaceSample>& samples);
 
 /// Measures the samples, which are near positions of the mesh that `rung` was made of, against the rung and
 /// raises their deviations. @return the largest distance, lattice steps; never below the true one.
-float measureDeviation(const SimplifiedMesh& rung, std::vector<SurfaceSample>& samples);
+/// @param walk  over the rung's mesh.
+float measureDeviation(const SimplifiedMesh& rung, const SurfaceWalk& walk,
+                       std::vector<SurfaceSample>& samples);
 
 /// The largest distance of a rung's vertices from the mesh that it was made of, lattice steps; never below
 /// the true one.

@@ -35,12 +35,23 @@ SurfaceWalk::SurfaceWalk(const NodeMesh& mesh) : begin_(mesh.positions.size() + 
   }
 }
 
-float SurfaceWalk::distance(PositionCode code, uint32_t start, float enough) const noexcept {
+float SurfaceWalk::distance(PositionCode point, uint32_t start, float enough) const noexcept {
+  return std::sqrt(walk(glm::vec3(unpackPosition(point)), start, enough * enough).squared);
+}
+
+SurfaceWalk::Place SurfaceWalk::placeOf(PositionCode code, uint32_t start) const noexcept {
   const glm::vec3 point(unpackPosition(code));
-  const float enough_squared = enough * enough;
+  const uint32_t triangle = walk(point, start, 0).triangle;
+  const glm::u32vec3& t = triangles_[triangle];
+  const glm::vec3 a = points_[t.x];
+  const glm::vec2 shares = nearestInTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
+  return {triangle, {1 - shares.x - shares.y, shares.x, shares.y}};
+}
+
+SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept {
   Nearest best{std::numeric_limits<float>::infinity(), 0};
   lookAround(point, start, enough_squared, best);
-  if (std::isinf(best.squared)) return best.squared;
+  if (std::isinf(best.squared)) return best;
   glm::u32vec3 done(start);  // corners that have been looked around
   for (float before = std::numeric_limits<float>::infinity(); best.squared < before;) {
     if (best.squared <= enough_squared || isAbove(point, best.triangle)) break;
@@ -52,7 +63,7 @@ float SurfaceWalk::distance(PositionCode code, uint32_t start, float enough) con
     }
     done = corners;
   }
-  return std::sqrt(best.squared);
+  return best;
 }
 
 float SurfaceWalk::exactDistance(PositionCode code, float bound) const noexcept {

@@ -23,6 +23,13 @@ class SurfaceWalk {
   /// @param start  a position of the mesh that a triangle has; infinity if none has.
   /// @param enough  the walk ends where it is as near as this.
   float distance(PositionCode point, uint32_t start, float enough) const noexcept;
+  /// The place where a walk ends.
+  struct Place {
+    uint32_t triangle = 0;  ///< of the mesh
+    glm::vec3 shares{0};    ///< of its corners; they add up to 1
+  };
+  /// @param start  a position of the mesh that a triangle has.
+  Place placeOf(PositionCode point, uint32_t start) const noexcept;
   /// The true distance, by a look at every triangle. @param bound  not below it
   float exactDistance(PositionCode point, float bound) const noexcept;
 
@@ -31,6 +38,7 @@ class SurfaceWalk {
     float squared;
     uint32_t triangle;
   };
+  Nearest walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept;
   void lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
   void lookAround(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;

@@ -114,7 +114,7 @@ TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
       forward = std::max(forward, to_rung.distance(position));
     for (const PositionCode position : rung.mesh.positions)
       backward = std::max(backward, to_input.distance(position));
-    EXPECT_FLOAT_EQ(measureDeviation(rung, samples), forward);
+    EXPECT_FLOAT_EQ(measureDeviation(rung, SurfaceWalk(rung.mesh), samples), forward);
     EXPECT_FLOAT_EQ(farthestVertex(rung, input), backward);
   });
 }
@@ -126,7 +126,7 @@ TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
   const PositionCode away = packPosition(unpackPosition(mesh.positions[0]) + glm::uvec3(0, 0, 70));
   samples.push_back({away, 0, kVanished});
   samples.push_back({mesh.positions[0], 0, 0});
-  EXPECT_FLOAT_EQ(measureDeviation(rung, samples), TriangleGrid(mesh).distance(away));
+  EXPECT_FLOAT_EQ(measureDeviation(rung, SurfaceWalk(rung.mesh), samples), TriangleGrid(mesh).distance(away));
   EXPECT_EQ(samples[1].deviation, 0);
 }
 
