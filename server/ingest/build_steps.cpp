@@ -182,7 +182,7 @@ void BuildSteps::refuseWarnings() const {
 void BuildSteps::dereference() {
   if (!recorded_.partitioned.empty()) return;
   sorter_ = std::make_unique<RecordSorter>(soupBytes(facts_.soup_attributes), plan_.sort_bytes,
-                                           files_->lastingFile(kRunsFile));
+                                           files_->lastingFile(kRunsFile), plan_.threads);
   if (!recorded_.dereferenced.empty()) {
     RecordReader record(recorded_.dereferenced);
     counts_ = record.get<DereferenceCounts>();
@@ -269,7 +269,7 @@ void BuildSteps::partition() {
   noteResumed("partition");
   StageClock clock(report_, "partition");
   parts_.emplace(ingest::partition(*sorter_, facts_.soup_attributes, options_.triangles_per_node,
-                                   plan_.sort_bytes, *files_, progress_));
+                                   plan_.sort_bytes, plan_.threads, *files_, progress_));
   sorter_.reset();
   giveBackFreedMemory();
   RecordWriter record;

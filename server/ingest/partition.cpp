@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "common/error.h"
+#include "server/ingest/border_finder.h"
 #include "server/ingest/leaf_cutter.h"
-#include "server/ingest/leaf_mesh.h"
 
 namespace lode::ingest {
 namespace {
@@ -44,25 +44,20 @@ Partition Partition::load(const TemporaryFolder& folder, AttributeSet attributes
 }
 
 Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
-                    uint64_t memory_bytes, const TemporaryFolder& folder, const BuildProgress& progress) {
+                    uint64_t memory_bytes, unsigned threads, const TemporaryFolder& folder,
+                    const BuildProgress& progress) {
   Partition result{attributes,
                    {},
                    {0},
                    Spool(folder.lastingFile(Partition::kSoupFile)),
                    BorderTable(folder, memory_bytes)};
-  const bool has_normals = attributes.has(AttributeSet::kNormal);
-  MeshWelder welder;
-  NumberTable edges;
+  BorderFinder finder(result.border, attributes, threads > 1);
   const auto takeLeaf = [&](NodeKey key, std::span<const std::byte> records, uint32_t triangles) {
     const auto leaf = static_cast<uint32_t>(result.leaves.size());
     result.leaves.push_back(key);
     result.first.push_back(result.first.back() + triangles);
     result.soup.append(records);
-    const NodeMesh mesh = weldSoup(records, attributes, welder);
-    const std::vector<glm::i64vec3> normals = has_normals ? std::vector<glm::i64vec3>() : sumNormals(mesh);
-    for (const uint32_t position : findBorder(mesh, edges)) {
-      result.border.add(mesh.positions[position], leaf, has_normals ? glm::i64vec3(0) : normals[position]);
-    }
+    finder.add(leaf, records);
     if (progress) {
       const auto done = result.first.back();
       progress("partition", static_cast<double>(done) / static_cast<double>(sorted.size()), done,
@@ -72,6 +67,7 @@ Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t tria
   LeafCutter cutter(soupBytes(attributes), triangles_per_node, takeLeaf);
   while (const auto record = sorted.next()) cutter.push(record->key, record->bytes);
   cutter.finish();
+  finder.finish();
   result.soup.flush();
   result.border.join(result.leaves, [&](uint64_t done, uint64_t total) {
     if (progress) progress("border", static_cast<double>(done) / static_cast<double>(total), done, total);

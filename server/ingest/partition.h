@@ -34,8 +34,10 @@ struct Partition {
 };
 
 /// Stage 3: takes the sorted triangles, cuts them into leaves, and finds what the leaves share.
-/// @param sorted  finished; keys are cell codes.
+/// @param sorted   finished; keys are cell codes.
+/// @param threads  two are used where there are more.
 Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
-                    uint64_t memory_bytes, const TemporaryFolder& folder, const BuildProgress& progress);
+                    uint64_t memory_bytes, unsigned threads, const TemporaryFolder& folder,
+                    const BuildProgress& progress);
 
 }  // namespace lode::ingest

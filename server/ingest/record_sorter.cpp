@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 namespace lode::ingest {
@@ -26,11 +27,12 @@ struct RecordSorter::Run {
   }
 };
 
-RecordSorter::RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs)
+RecordSorter::RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs, unsigned threads)
     : record_bytes_(record_bytes),
       memory_bytes_(memory_bytes),
       capacity_(std::clamp<size_t>(memory_bytes / (record_bytes + sizeof(Order)), 1024, UINT32_MAX)),
-      file_(std::move(runs)) {}
+      file_(std::move(runs)),
+      threads_(threads) {}
 
 RecordSorter::~RecordSorter() = default;
 
@@ -50,14 +52,24 @@ bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
   return std::pair(runs_[a]->key, a) > std::pair(runs_[b]->key, b);
 }
 
-/// Sorts piece by piece, so that it can be told how far it is.
-void RecordSorter::sortHeld(size_t begin, size_t end, const Progress& progress, uint64_t total) {
+/// The two halves side by side, where there is a thread for it.
+void RecordSorter::sortHeld(const Progress& progress, uint64_t total) {
+  if (threads_ < 2 || order_.size() <= 2 * kPieceRecords)
+    return sortPieces(0, order_.size(), progress, total);
+  const size_t middle = order_.size() / 2;
+  std::nth_element(order_.begin(), order_.begin() + static_cast<ptrdiff_t>(middle), order_.end());
+  const std::jthread upper([&] { sortPieces(middle, order_.size(), {}, total); });
+  sortPieces(0, middle, progress, total);
+}
+
+/// Piece by piece, so that it can be told how far it is.
+void RecordSorter::sortPieces(size_t begin, size_t end, const Progress& progress, uint64_t total) {
   const auto at = [this](size_t index) { return order_.begin() + static_cast<ptrdiff_t>(index); };
   if (end - begin > kPieceRecords) {
     const size_t middle = begin + (end - begin) / 2;
     std::nth_element(at(begin), at(middle), at(end));
-    sortHeld(begin, middle, progress, total);
-    sortHeld(middle, end, progress, total);
+    sortPieces(begin, middle, progress, total);
+    sortPieces(middle, end, progress, total);
     return;
   }
   std::sort(at(begin), at(end));
@@ -66,7 +78,7 @@ void RecordSorter::sortHeld(size_t begin, size_t end, const Progress& progress, 
 
 void RecordSorter::spill(const Progress& progress) {
   const uint64_t total = 2 * order_.size();
-  sortHeld(0, order_.size(), progress, total);
+  sortHeld(progress, total);
   if (!spool_) spool_.emplace(file_);
   auto run = std::make_unique<Run>();
   run->begin = spool_->size();
@@ -111,7 +123,7 @@ void RecordSorter::restore(RecordReader& record) {
 
 void RecordSorter::finish(const Progress& progress) {
   if (runs_.empty()) {
-    sortHeld(0, order_.size(), progress, order_.size());
+    sortHeld(progress, order_.size());
     return;
   }
   if (!order_.empty()) spill(progress);

@@ -16,16 +16,17 @@ namespace lode::ingest {
 
 /// External sort of records of one size by a 64-bit key; records of equal keys keep the order in which they
 /// came, so that the result does not depend on the memory given. What fits in memory never touches the disk.
-/// For one thread. Source: Knuth, The Art of Computer Programming 3, 5.4.1 (replacement by sorted runs and
-/// merging). All runs lie in one file, behind each other, so that their number costs neither files nor
-/// buffers.
+/// To be called from one thread. Source: Knuth, The Art of Computer Programming 3, 5.4.1 (replacement by
+/// sorted runs and merging). All runs lie in one file, behind each other, so that their number costs neither
+/// files nor buffers.
 class RecordSorter {
  public:
   using Progress = std::function<void(uint64_t done, uint64_t total)>;
 
   /// @param memory_bytes  for the records held before a run is written, and for the buffers of the merge.
   /// @param runs  where they are written, if there are any.
-  RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs);
+  /// @param threads  two are used where there are more.
+  RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs, unsigned threads = 1);
   ~RecordSorter();
 
   void push(uint64_t key, std::span<const std::byte> record);
@@ -63,7 +64,8 @@ class RecordSorter {
     }
   };
   bool later(uint32_t a, uint32_t b) const noexcept;
-  void sortHeld(size_t begin, size_t end, const Progress& progress, uint64_t total);
+  void sortHeld(const Progress& progress, uint64_t total);
+  void sortPieces(size_t begin, size_t end, const Progress& progress, uint64_t total);
   std::optional<Record> nextOfMemory();
   std::optional<Record> nextOfRuns();
 
@@ -71,6 +73,7 @@ class RecordSorter {
   const uint64_t memory_bytes_;
   const size_t capacity_;
   const TemporaryFile file_;
+  const unsigned threads_;
   uint64_t size_ = 0;
   uint64_t temporary_bytes_ = 0;
   std::vector<std::byte> held_;

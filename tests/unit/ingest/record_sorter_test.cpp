@@ -14,9 +14,9 @@ namespace {
 using Pair = std::pair<uint64_t, uint64_t>;
 
 std::vector<Pair> sortWith(uint64_t memory_bytes, const std::vector<Pair>& input,
-                           uint64_t* temporary_bytes = nullptr) {
+                           uint64_t* temporary_bytes = nullptr, unsigned threads = 1) {
   const TemporaryFolder folder(testing::TempDir());
-  RecordSorter sorter(sizeof(uint64_t), memory_bytes, folder.file("test"));
+  RecordSorter sorter(sizeof(uint64_t), memory_bytes, folder.file("test"), threads);
   for (const auto& [key, value] : input) sorter.push(key, std::as_bytes(std::span(&value, 1)));
   sorter.finish();
   if (temporary_bytes) *temporary_bytes = sorter.temporaryBytes();
@@ -47,6 +47,11 @@ TEST(RecordSorter, sortsByKeyAndKeepsTheOrderOfEqualKeys) {
 TEST(RecordSorter, givesTheSameOrderWhateverTheMemory) {
   const std::vector<Pair> pairs = randomPairs(20000, 100);
   EXPECT_EQ(sortWith(1 << 30, pairs), sortWith(40000, pairs));
+}
+
+TEST(RecordSorter, givesTheSameOrderOnTwoThreads) {
+  const std::vector<Pair> pairs = randomPairs(700000, 1000);
+  EXPECT_EQ(sortWith(1 << 30, pairs), sortWith(1 << 30, pairs, nullptr, 2));
 }
 
 TEST(RecordSorter, writesNothingWhenTheRecordsFitInMemory) {

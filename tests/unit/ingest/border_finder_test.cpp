@@ -1,0 +1,65 @@
+#include "server/ingest/border_finder.h"
+
+#include <gtest/gtest.h>
+
+#include "server/ingest/soup.h"
+
+namespace lode::ingest {
+namespace {
+
+PositionCode at(uint32_t x, uint32_t y) { return packPosition({x, y, 0}); }
+
+/// Two triangles that share the edge from (1, 0) to (0, 1), moved to the right.
+std::vector<std::byte> squareAt(uint32_t x) {
+  const SoupTriangle triangles[] = {{{at(x, 0), at(x + 1, 0), at(x, 1)}, {}},
+                                    {{at(x + 1, 0), at(x + 1, 1), at(x, 1)}, {}}};
+  std::vector<std::byte> records(2 * kSoupPositionBytes);
+  for (size_t t = 0; t < 2; ++t)
+    storeSoup(triangles[t], std::span(records).subspan(t * kSoupPositionBytes, kSoupPositionBytes));
+  return records;
+}
+
+/// Of a row of squares, one a leaf.
+std::vector<std::vector<BorderVertex>> bordersOfARow(bool in_own_thread) {
+  const TemporaryFolder folder(testing::TempDir());
+  BorderTable table(folder, 1 << 20);
+  BorderFinder finder(table, {}, in_own_thread);
+  std::vector<NodeKey> leaves;
+  for (uint32_t leaf = 0; leaf < 8; ++leaf) {
+    leaves.push_back(kRootKey.child(leaf));
+    finder.add(leaf, squareAt(leaf));
+  }
+  finder.finish();
+  table.join(leaves);
+  std::vector<std::vector<BorderVertex>> borders;
+  for (uint32_t leaf = 0; leaf < 8; ++leaf) borders.push_back(table.read(leaf));
+  return borders;
+}
+
+TEST(BorderFinder, listsTheVerticesThatLeavesShare) {
+  const auto borders = bordersOfARow(false);
+  EXPECT_EQ(borders[0].size(), 2u);
+  EXPECT_EQ(borders[3].size(), 4u);
+  EXPECT_EQ(borders[3][0].lca_depth, 0);
+}
+
+TEST(BorderFinder, findsTheSameInAThreadOfItsOwn) {
+  const auto here = bordersOfARow(false), there = bordersOfARow(true);
+  for (size_t leaf = 0; leaf < here.size(); ++leaf) {
+    ASSERT_EQ(here[leaf].size(), there[leaf].size());
+    for (size_t i = 0; i < here[leaf].size(); ++i) {
+      EXPECT_EQ(here[leaf][i].position, there[leaf][i].position);
+      EXPECT_EQ(here[leaf][i].normal, there[leaf][i].normal);
+    }
+  }
+}
+
+TEST(BorderFinder, endsItsThreadWhenItIsGivenUp) {
+  const TemporaryFolder folder(testing::TempDir());
+  BorderTable table(folder, 1 << 20);
+  BorderFinder finder(table, {}, true);
+  finder.add(0, squareAt(0));
+}
+
+}  // namespace
+}  // namespace lode::ingest
