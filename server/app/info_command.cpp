@@ -91,7 +91,8 @@ void runInfo(const InfoArguments& arguments) {
   Json json = toJson(reader.summary());
   json["rungs"] = rungs;
   json["textures"] = Json::array();
-  for (const Texture& texture : reader.textures().textures) json["textures"].push_back(textureAsJson(texture));
+  for (const Texture& texture : reader.textures().textures)
+    json["textures"].push_back(textureAsJson(texture));
   printJson(json);
 }
 
