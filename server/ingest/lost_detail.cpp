@@ -11,9 +11,10 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kColourThreshold = 8;        ///< of 255, in any channel
-constexpr float kNormalThreshold = 0.3473f;  ///< length of a difference: about 20 degrees
-constexpr double kIgnoredArea = 1.0 / 1024;  ///< of the rung's
+constexpr float kColourThreshold = 8;         ///< of 255, in any channel
+constexpr float kNormalThreshold = 0.3473f;   ///< length of a difference: about 20 degrees
+constexpr float kComputedThreshold = 0.684f;  ///< the same of computed normals: about 40 degrees
+constexpr double kIgnoredArea = 1.0 / 1024;   ///< of the rung's
 
 /// Attributes of a point as numbers.
 struct Value {
@@ -29,9 +30,10 @@ class DetailMeter {
       : rung_(rung.mesh),
         input_(input),
         counts_colour_(input.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)),
-        counts_normal_(input.attributes.has(AttributeSet::kNormal) &&
-                       !input.attributes.has(AttributeSet::kComputedNormal)),
+        counts_normal_(input.attributes.has(AttributeSet::kNormal)),
         counts_texture_(input.attributes.has(AttributeSet::kTexture)),
+        normal_threshold_(input.attributes.has(AttributeSet::kComputedNormal) ? kComputedThreshold
+                                                                              : kNormalThreshold),
         found_(rung.mesh.triangles.size()) {
     if (!countsAny()) return;
     values_.reserve(rung_.wedge_attributes.size());
@@ -64,6 +66,7 @@ class DetailMeter {
   const NodeMesh& rung_;
   const NodeMesh& input_;
   const bool counts_colour_, counts_normal_, counts_texture_;
+  const float normal_threshold_;
   std::vector<Value> values_;  ///< a wedge of the rung
   std::vector<Found> found_;   ///< a triangle of the rung
 };
@@ -133,7 +136,7 @@ float DetailMeter::size() const {
     if (found.count == 0) continue;
     const glm::vec4 colour = glm::abs(found.colour / found.count);
     const bool is_off = std::max({colour.x, colour.y, colour.z, colour.w}) > kColourThreshold ||
-                        glm::length(found.normal / found.count) > kNormalThreshold;
+                        glm::length(found.normal / found.count) > normal_threshold_;
     const auto side = static_cast<float>(std::sqrt(triangle_area / 2));
     const float slide = counts_texture_ ? found.slide * stretchOf(t) : 0;
     const float size = is_off ? std::max(side, slide) : slide;

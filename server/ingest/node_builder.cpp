@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "common/draco_codec.h"
-#include "server/ingest/carried_normals.h"
 #include "server/ingest/cluster.h"
 #include "server/ingest/collapse.h"
+#include "server/ingest/computed_normals.h"
 #include "server/ingest/leaf_mesh.h"
 #include "server/ingest/lost_detail.h"
 #include "server/ingest/rung_targets.h"
@@ -24,12 +23,6 @@ constexpr float kForwardMargin = 1.5f;
 constexpr float kBackwardMargin = 1.5f;
 constexpr uint32_t kTrianglesPerSample = 4;  ///< of the node's budget, above the lowest inner nodes
 constexpr uint32_t kMinSamples = 2048;       ///< whatever the budget
-
-/// Whether all its attributes are one computed normal a position.
-bool hasOnlyComputedNormals(const NodeMesh& mesh) {
-  return mesh.attributes.bits == (AttributeSet::kNormal | AttributeSet::kComputedNormal) &&
-         mesh.wedge_position.size() == mesh.positions.size();
-}
 
 }  // namespace
 
@@ -143,24 +136,28 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
     built.coarsest = std::move(input);
     return;
   }
-  std::optional<CarriedNormals> normals;
-  if (hasOnlyComputedNormals(input)) normals.emplace(input, depth);
+  const bool gives_normals = hasComputedNormalsAlone(input);
+  const SurfaceWalk input_walk(input);
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
   std::vector<uint32_t> became;
-  (is_cluster ? cluster : collapse)(input, targets, options, [&](size_t, SimplifiedMesh&& rung) {
+  const auto take = [&](size_t, SimplifiedMesh&& rung) {
     const bool is_new =
         built.node.rungs.empty() || rung.mesh.triangles.size() < built.node.rungs.back().triangles;
-    if (normals) normals->giveTo(rung);
-    if (is_new) addRung(built, rung.mesh, errorOf(built, rung, input));
+    const std::vector<uint32_t> sources = sourcesOf(rung, input);
+    if (gives_normals) giveComputedNormals(rung, input, input_walk, sources);
+    if (is_new)
+      addRung(built, rung.mesh, errorOf(built, rung, input, farthestVertex(rung, sources, input_walk)));
     built.coarsest = std::move(rung.mesh);
     became = std::move(rung.became);
-  });
+  };
+  (is_cluster ? cluster : collapse)(gives_normals ? withoutAttributes(input) : input, targets, options, take);
   for (SurfaceSample& sample : built.samples)
     if (sample.near != kVanished) sample.near = became[sample.near];
 }
 
-RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input) const {
+RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input,
+                               float farthest_vertex) const {
   const RungError finer = built.node.rungs.empty() ? built.inherited : errorOf(built.node.rungs.back());
   if (rung.mesh.triangles.empty()) {
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
@@ -168,7 +165,7 @@ RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, con
   }
   const SurfaceWalk walk(rung.mesh);
   const float forward = kForwardMargin * measureDeviation(rung, walk, built.samples);
-  const float backward = kBackwardMargin * farthestVertex(rung, input) + kLatticeErrorSteps / 2;
+  const float backward = kBackwardMargin * farthest_vertex + kLatticeErrorSteps / 2;
   return {std::max({finer.deviation_steps, forward, std::hypot(backward, built.inherited.deviation_steps)}),
           std::max(finer.lost_detail_steps, lostDetail(rung, input, walk))};
 }

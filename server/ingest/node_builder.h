@@ -87,7 +87,8 @@ class NodeBuilder {
   /// the rung's vertices to the node's input, to which the error that the input came with is added as to an
   /// independent one. (Sums instead would be 2 to 5 times too large.) Never below the finer rung's error
   /// (I3).
-  RungError errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input) const;
+  RungError errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input,
+                    float farthest_vertex) const;
   RungError errorOf(const Rung& rung) const noexcept;
 
   const Settings settings_;

@@ -16,4 +16,7 @@ struct SimplifiedMesh {
                                  ///< last triangle has gone
 };
 
+/// Of each position of a simplified mesh, the nearest of those of the input that have become it.
+std::vector<uint32_t> sourcesOf(const SimplifiedMesh& simplified, const NodeMesh& input);
+
 }  // namespace lode::ingest

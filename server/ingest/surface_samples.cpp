@@ -1,7 +1,6 @@
 #include "server/ingest/surface_samples.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 
 #include "server/ingest/number_table.h"
@@ -15,23 +14,6 @@ constexpr float kRanks = 0.25f;
 constexpr int kMostConfirmed = 32;
 
 uint64_t hashOf(const SurfaceSample& sample) noexcept { return NumberTable::hash(sample.position.value); }
-
-/// Of each position of the rung, the nearest of those that have become it.
-std::vector<uint32_t> sourcesOf(const SimplifiedMesh& rung, const NodeMesh& input) {
-  std::vector<uint32_t> sources(rung.mesh.positions.size(), kVanished);
-  std::vector<float> nearest(sources.size(), std::numeric_limits<float>::infinity());
-  for (uint32_t i = 0; i < rung.became.size(); ++i) {
-    const uint32_t place = rung.became[i];
-    if (place == kVanished) continue;
-    const glm::vec3 away =
-        glm::vec3(unpackPosition(input.positions[i])) - glm::vec3(unpackPosition(rung.mesh.positions[place]));
-    const float squared = glm::dot(away, away);
-    if (squared >= nearest[place]) continue;
-    nearest[place] = squared;
-    sources[place] = i;
-  }
-  return sources;
-}
 
 /// Makes the largest of the distances that walks have found exact, as long as that takes few looks.
 /// @param pointOf  the point of each distance. @return the largest.
@@ -97,9 +79,7 @@ float measureDeviation(const SimplifiedMesh& rung, const SurfaceWalk& walk,
   return largest;
 }
 
-float farthestVertex(const SimplifiedMesh& rung, const NodeMesh& input) {
-  const SurfaceWalk walk(input);
-  const std::vector<uint32_t> sources = sourcesOf(rung, input);
+float farthestVertex(const SimplifiedMesh& rung, std::span<const uint32_t> sources, const SurfaceWalk& walk) {
   std::vector<float> distances;
   distances.reserve(sources.size());
   float largest = 0;

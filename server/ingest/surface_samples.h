@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "server/ingest/simplified_mesh.h"
@@ -33,6 +34,7 @@ float measureDeviation(const SimplifiedMesh& rung, const SurfaceWalk& walk,
 
 /// The largest distance of a rung's vertices from the mesh that it was made of, lattice steps; never below
 /// the true one.
-float farthestVertex(const SimplifiedMesh& rung, const NodeMesh& input);
+/// @param sources  see sourcesOf(). @param walk  over the mesh that the rung was made of.
+float farthestVertex(const SimplifiedMesh& rung, std::span<const uint32_t> sources, const SurfaceWalk& walk);
 
 }  // namespace lode::ingest

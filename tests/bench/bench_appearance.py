@@ -90,11 +90,11 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         model = folder / "model.ply"
-        for attributes in ("normal", "color", "normal,color"):
-            subprocess.run(
-                [options.lodestreamd, "sample", "asteroid", "--triangles", str(options.triangles), "--attributes",
-                 attributes, "-o", model], check=True, capture_output=True)
-            report(attributes, nodes_of(options.lodestreamd, model, folder))
+        for attributes in ([], ["normal"], ["color"], ["normal,color"]):
+            of_sample = ["--triangles", str(options.triangles), *(["--attributes", *attributes] if attributes else [])]
+            subprocess.run([options.lodestreamd, "sample", "asteroid", *of_sample, "-o", model],
+                           check=True, capture_output=True)
+            report(attributes[0] if attributes else "no attributes", nodes_of(options.lodestreamd, model, folder))
         write_wall(model)
         report("painted wall", nodes_of(options.lodestreamd, model, folder))
 

@@ -64,12 +64,11 @@ TEST(LostDetail, ofAPaintedFlatWallIsAboutAsLargeAsTheTrianglesThatLostIt) {
   }
 }
 
-TEST(LostDetail, countsNormalsOfTheFileButNotComputedOnes) {
+TEST(LostDetail, countsNormals) {
   const Paint waves = [](glm::vec2 at, VertexAttributes& attributes) {
     attributes.normal = encodeOctahedral({std::sin(60 * at.x), 0, 1});
   };
   EXPECT_GT(lostAt(500, wall(AttributeSet::kNormal, waves)), 0);
-  EXPECT_EQ(lostAt(500, wall(AttributeSet::kNormal | AttributeSet::kComputedNormal, waves)), 0);
 }
 
 TEST(LostDetail, ofAPictureIsHowFarItHasSlid) {
