@@ -9,6 +9,7 @@
 #include "server/ingest/computed_normals.h"
 #include "server/ingest/leaf_mesh.h"
 #include "server/ingest/lost_detail.h"
+#include "server/ingest/rim_gap.h"
 #include "server/ingest/rung_targets.h"
 
 namespace lode::ingest {
@@ -138,6 +139,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
   }
   const bool gives_normals = hasComputedNormalsAlone(input);
   const SurfaceWalk input_walk(input);
+  const std::vector<glm::u32vec2> rims = input_walk.openEdges();
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
   std::vector<uint32_t> became;
@@ -146,8 +148,10 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
         built.node.rungs.empty() || rung.mesh.triangles.size() < built.node.rungs.back().triangles;
     const std::vector<uint32_t> sources = sourcesOf(rung, input);
     if (gives_normals) giveComputedNormals(rung, input, input_walk, sources);
-    if (is_new)
-      addRung(built, rung.mesh, errorOf(built, rung, input, farthestVertex(rung, sources, input_walk)));
+    if (is_new) {
+      const float farthest = std::max(farthestVertex(rung, sources, input_walk), rimGap(rung, input, rims));
+      addRung(built, rung.mesh, errorOf(built, rung, input, farthest));
+    }
     built.coarsest = std::move(rung.mesh);
     became = std::move(rung.became);
   };
@@ -157,7 +161,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
 }
 
 RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input,
-                               float farthest_vertex) const {
+                               float farthest) const {
   const RungError finer = built.node.rungs.empty() ? built.inherited : errorOf(built.node.rungs.back());
   if (rung.mesh.triangles.empty()) {
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
@@ -165,7 +169,7 @@ RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, con
   }
   const SurfaceWalk walk(rung.mesh);
   const float forward = kForwardMargin * measureDeviation(rung, walk, built.samples);
-  const float backward = kBackwardMargin * farthest_vertex + kLatticeErrorSteps / 2;
+  const float backward = kBackwardMargin * farthest + kLatticeErrorSteps / 2;
   return {std::max({finer.deviation_steps, forward, std::hypot(backward, built.inherited.deviation_steps)}),
           std::max(finer.lost_detail_steps, lostDetail(rung, input, walk))};
 }

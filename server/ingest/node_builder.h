@@ -84,11 +84,11 @@ class NodeBuilder {
   void reduce(BuiltNode& built, NodeMesh input);
   void addRung(BuiltNode& built, const NodeMesh& mesh, RungError error);
   /// Error of a rung in lattice steps, from both directions: the original surface, sampled, to the rung, and
-  /// the rung's vertices to the node's input, to which the error that the input came with is added as to an
-  /// independent one. (Sums instead would be 2 to 5 times too large.) Never below the finer rung's error
-  /// (I3).
+  /// the rung's vertices and rims to those of the node's input, to which the error that the input came with
+  /// is added as to an independent one. (Sums instead would be 2 to 5 times too large.) Never below the finer
+  /// rung's error (I3).
   RungError errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input,
-                    float farthest_vertex) const;
+                    float farthest) const;
   RungError errorOf(const Rung& rung) const noexcept;
 
   const Settings settings_;

@@ -32,6 +32,8 @@ class SurfaceWalk {
   Place placeOf(PositionCode point, uint32_t start) const noexcept;
   /// The true distance, by a look at every triangle. @param bound  not below it
   float exactDistance(PositionCode point, float bound) const noexcept;
+  /// Edges, by position, that an odd number of triangles use; lower position first, in rising order.
+  std::vector<glm::u32vec2> openEdges() const;
 
  private:
   struct Nearest {
