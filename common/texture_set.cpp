@@ -13,7 +13,6 @@ namespace {
 
 constexpr uint8_t kVersion = 1;
 constexpr size_t kTileRefBytes = 24;
-constexpr double kMaxUvOrigin = 0x1p60;
 
 [[noreturn]] void refuse(const std::string& why) {
   throw Error(ErrorCode::kFormat, "damaged texture set: " + why + "; fetch it again or rebuild the store");

@@ -21,7 +21,8 @@ constexpr uint32_t kTileGutterPx = 2;   ///< texels of the neighbourhood on each
 constexpr uint32_t kTileInnerPx = 508;  ///< texels of the level that a tile is there for, at most, each way
 static_assert(kTileInnerPx + 2 * kTileGutterPx == kTilePx);
 
-constexpr uint32_t kMaxTextures = 4096;              ///< of one model
+constexpr uint32_t kMaxTextures = 4096;  ///< of one model
+constexpr double kMaxUvOrigin = 0x1p60;
 constexpr uint32_t kMaxTextureEdgePx = 65536;        ///< of one image
 constexpr uint32_t kMaxTextureTiles = 1u << 20;      ///< of one model
 constexpr uint32_t kMaxTileBytes = 2u << 20;         ///< of one tile's file

@@ -1,6 +1,6 @@
 #include "server/ingest/build.h"
 
-#include <new>
+#include <exception>
 
 #include "common/error.h"
 #include "server/ingest/build_steps.h"
@@ -26,7 +26,8 @@ BuildOptions withDefaults(BuildOptions options) {
 
 /// Whether the same build may well succeed when it is tried again.
 bool isWorthResuming(const Error& error) noexcept {
-  return error.code() == ErrorCode::kIo || error.code() == ErrorCode::kInternal;
+  return error.code() == ErrorCode::kIo || error.code() == ErrorCode::kLimit ||
+         error.code() == ErrorCode::kInternal;
 }
 
 }  // namespace
@@ -45,7 +46,7 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
     if (!given.resume || !isWorthResuming(error) || !steps.keep()) throw;
     throw Error(error.code(), std::string(error.what()) +
                                   "; what is finished is kept, the same command goes on from there");
-  } catch (const std::bad_alloc&) {
+  } catch (const std::exception&) {
     if (given.resume) steps.keep();
     throw;
   }

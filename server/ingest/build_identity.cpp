@@ -92,6 +92,7 @@ std::string BuildIdentity::difference(const BuildIdentity& now) const {
   const std::string begun = "it was begun with ", same = "; give the same, or build without --resume";
   const auto flag = [&](bool given, const char* name) { return begun + (given ? "" : "no ") + name + same; };
   if (input.path != now.input.path) return begun + "the input " + input.path + same;
+  if (now.input.bytes == 0) return "the input " + input.path + " cannot be read; bring it back";
   if (input != now.input) return "the input has changed since; build without --resume";
   if (program != now.program) return begun + "another version of lodestreamd; build without --resume";
   if (triangles_per_node != now.triangles_per_node)

@@ -72,12 +72,13 @@ void BuildSteps::resume() {
 }
 
 void BuildSteps::begin() {
+  folder_.keep(false);
   folder_.clear(options_.temporary_folder);
+  files_.emplace(folder_.openFiles());
   journal_.emplace(Journal::create(folder_.journal()));
   RecordWriter record;
   identity_.save(record);
   journal_->append(static_cast<uint32_t>(BuildEntry::kBegun), record.bytes());
-  files_.emplace(folder_.openFiles());
   folder_.syncFolders();
 }
 

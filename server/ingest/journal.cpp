@@ -88,6 +88,7 @@ Journal Journal::open(const std::filesystem::path& path, const Sink& sink) {
   struct stat status {};
   if (::fstat(journal.file_, &status) != 0) fail(path, "examine");
   const auto file_bytes = static_cast<uint64_t>(status.st_size);
+  if (file_bytes == 0) return create(path);
   journal.readHeader();
   while (journal.readEntry(file_bytes, sink)) {
   }

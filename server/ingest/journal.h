@@ -21,7 +21,8 @@ class Journal {
   /// An empty one, over what may be there. @throws Error kIo.
   static Journal create(const std::filesystem::path& path);
 
-  /// Gives the whole entries of a journal to `sink`, cuts off what is behind them, and goes on there.
+  /// Gives the whole entries of a journal to `sink`, cuts off what is behind them, and goes on there. One
+  /// that was killed while it was made is made anew.
   /// @throws Error kIo, kFormat (no journal of this version), and what the sink throws.
   static Journal open(const std::filesystem::path& path, const Sink& sink);
 

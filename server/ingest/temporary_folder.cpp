@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "common/error.h"
 
@@ -21,6 +22,22 @@ namespace {
 
 }  // namespace
 
+void makeOwnFolder(const std::filesystem::path& path) {
+  if (::mkdir(path.c_str(), 0700) == 0) return;
+  if (errno != EEXIST) fail(path.parent_path());
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) {
+    if (errno == ENOENT) return makeOwnFolder(path);  // a build that ended took it away
+    fail(path.parent_path());
+  }
+  if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() ||
+      (status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
+    throw Error(ErrorCode::kIo, path.string() +
+                                    ": is not a folder of yours alone; remove it, or name another " +
+                                    "place for the output or with --tmp");
+  }
+}
+
 TemporaryFolder::TemporaryFolder(const std::filesystem::path& parent) {
   std::string name = (parent / ".lodestream-build-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) fail(parent);
@@ -31,7 +48,7 @@ TemporaryFolder TemporaryFolder::lasting(std::filesystem::path path) {
   TemporaryFolder folder;
   folder.path_ = std::move(path);
   folder.is_lasting_ = true;
-  if (::mkdir(folder.path_.c_str(), 0700) != 0 && errno != EEXIST) fail(folder.path_.parent_path());
+  makeOwnFolder(folder.path_);
   return folder;
 }
 

@@ -7,6 +7,10 @@
 
 namespace lode::ingest {
 
+/// Makes a folder that none but this user can write to, unless it is there. A link in its place, or another
+/// user's folder, would have files written wherever that user likes. @throws Error kIo.
+void makeOwnFolder(const std::filesystem::path& path);
+
 /// A folder for temporary files.
 class TemporaryFolder {
  public:
@@ -15,7 +19,7 @@ class TemporaryFolder {
   explicit TemporaryFolder(const std::filesystem::path& parent);
 
   /// One under a name of its owner's choice, which may be there already and outlives this object, as its
-  /// lasting files do. @throws Error kIo.
+  /// lasting files do. @throws Error kIo, also if what is there is no folder of this user's alone.
   static TemporaryFolder lasting(std::filesystem::path path);
 
   ~TemporaryFolder();

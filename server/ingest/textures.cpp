@@ -27,7 +27,7 @@ std::string presentable(std::string name) {
   name.resize(std::min<size_t>(name.size(), kMaxTextureNameBytes));
   if (isPrintableUtf8(name)) return name;
   for (char& c : name)
-    if (c < ' ' || c == '\x7f') c = '?';
+    if (const auto byte = static_cast<unsigned char>(c); byte < ' ' || byte >= 0x7f) c = '?';
   return name;
 }
 

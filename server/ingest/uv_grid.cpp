@@ -28,6 +28,7 @@ UvGrid chooseUvGrid(const UvRange& range, const std::string& file) {
   for (; grid.scale_exponent <= kMaxUvExponent; ++grid.scale_exponent) {
     const double step = stepOf(grid.scale_exponent);
     grid.origin = glm::floor(range.min / step) * step;
+    if (glm::any(glm::greaterThan(glm::abs(grid.origin), glm::dvec2(kMaxUvOrigin)))) break;
     if (glm::all(glm::lessThanEqual((range.max - grid.origin) / step, glm::dvec2(kCodes)))) return grid;
   }
   throw Error(ErrorCode::kInput, file + ": texture coordinates run from " +

@@ -95,6 +95,11 @@ TEST_F(JournalFile, goesOnBehindTheLastWholeEntry) {
   EXPECT_EQ(read(), expected);
 }
 
+TEST_F(JournalFile, isMadeAnewWhenItWasKilledBeforeItsFirstByte) {
+  put("");
+  EXPECT_EQ(read(), Entries());
+}
+
 TEST_F(JournalFile, isRefusedWhenItIsOfAnotherVersion) {
   for (size_t at = 0; at < 8; ++at) {
     std::string changed = bytes_;

@@ -67,5 +67,7 @@ TEST(UvGrid, keepsEqualCoordinatesEqualAndWholeNumbersWhole) {
 
 TEST(UvGrid, ofAnAbsurdRangeIsRefused) { EXPECT_THROW(gridOf({{0, 0}, {1e30f, 0}}), Error); }
 
+TEST(UvGrid, ofAnAbsurdPlaceIsRefused) { EXPECT_THROW(gridOf({{1e20f, 0}, {1e20f, 1}}), Error); }
+
 }  // namespace
 }  // namespace lode::ingest
