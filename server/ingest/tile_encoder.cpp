@@ -65,7 +65,7 @@ std::vector<std::byte> encodeJpeg(const Image& tile) {
   const bool done = compressJpeg(tile, bytes, size);
   std::vector<std::byte> file;
   if (done) file.assign(reinterpret_cast<std::byte*>(bytes), reinterpret_cast<std::byte*>(bytes) + size);
-  std::free(bytes);
+  std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory): libjpeg took it
   if (!done) throw Error(ErrorCode::kInternal, "libjpeg cannot encode a texture's tile");
   return file;
 }
