@@ -168,18 +168,15 @@ Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) cons
   if (position.locked) return Freedom::kNone;
   switch (position.kind) {
     case PositionKind::kSmooth:
+    case PositionKind::kRim:
       return Freedom::kFree;
     case PositionKind::kSeam:
       return edge == EdgeKind::kSeam ? Freedom::kFree : Freedom::kPenalised;
     case PositionKind::kSeamCorner:
-      return Freedom::kPenalised;
-    case PositionKind::kRim:
-      if (edge == EdgeKind::kRim) return Freedom::kFree;
-      break;
     case PositionKind::kRimCorner:
       break;
   }
-  return level_ == 0 ? Freedom::kNone : Freedom::kPenalised;
+  return Freedom::kPenalised;
 }
 
 // Takes from the sum of both ends' quadrics what the best attributes of their wedges make up for, once the
@@ -210,7 +207,9 @@ Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
   const Quadric& q = quadric_;
   const bool smooth_u = end_u.kind == PositionKind::kSmooth && !end_u.locked;
   const bool smooth_v = end_v.kind == PositionKind::kSmooth && !end_v.locked;
-  if (smooth_u && smooth_v) return {bestPlacement(q, at_u, at_v), true};
+  const bool rim_u = end_u.kind == PositionKind::kRim && !end_u.locked;
+  const bool rim_v = end_v.kind == PositionKind::kRim && !end_v.locked;
+  if ((smooth_u || rim_u) && (smooth_v || rim_v)) return {bestPlacement(q, at_u, at_v), true};
   if (smooth_u) return {{at_v, q.at(at_v)}, true};
   if (smooth_v) return {{at_u, q.at(at_u)}, true};
   const EdgeKind kind = mesh_.edgeKind(u, v);
