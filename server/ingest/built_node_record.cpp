@@ -75,11 +75,12 @@ FinishedNode getFinishedNode(RecordReader& record) {
 }
 
 void putBuiltNode(RecordWriter& record, const BuiltNode& built) {
-  const auto& [node, payloads, coarsest, original_triangles, inherited, samples] = built;
+  const auto& [node, payloads, coarsest, original_triangles, inherited, rim_gap_steps, samples] = built;
   putFinishedNode(record, node, payloads);
   putMesh(record, coarsest);
   record.put(original_triangles);
   record.put(inherited);
+  record.put(rim_gap_steps);
   record.putAll(samples);
 }
 
@@ -91,6 +92,7 @@ BuiltNode getBuiltNode(RecordReader& record) {
   built.coarsest = getMesh(record);
   built.original_triangles = record.get<uint64_t>();
   built.inherited = record.get<RungError>();
+  built.rim_gap_steps = record.get<float>();
   built.samples = record.getAll<SurfaceSample>();
   return built;
 }

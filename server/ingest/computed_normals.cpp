@@ -26,7 +26,8 @@ void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, const Surfa
     uint16_t& code = rung.mesh.wedge_attributes[i].normal;
     code = mesh.wedge_attributes[sources[i]].normal;
     if (rung.mesh.positions[i] == mesh.positions[sources[i]]) continue;
-    const SurfaceWalk::Place place = walk.placeOf(rung.mesh.positions[i], sources[i]);
+    const SurfaceWalk::Place place =
+        walk.placeOf(glm::vec3(unpackPosition(rung.mesh.positions[i])), sources[i]);
     glm::vec3 sum(0);
     for (int k = 0; k < 3; ++k) {
       const uint32_t corner = mesh.triangles[place.triangle][k];

@@ -166,7 +166,7 @@ float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input, const Surfac
     const uint32_t start = rung.became[i];
     if (start == kVanished) continue;
     meter.add(std::span(wedges).subspan(begin[i], begin[i + 1] - begin[i]),
-              walk.placeOf(input.positions[i], start));
+              walk.placeOf(glm::vec3(unpackPosition(input.positions[i])), start));
   }
   return meter.size();
 }

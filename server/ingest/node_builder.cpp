@@ -16,14 +16,13 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kLatticeErrorSteps = 0.8660254f;  ///< of snapping: half the diagonal of a lattice cell
-// What sampling may have missed: of the original surface, sampled at its vertices, and of the rung, sampled
-// at its own. Found by trial on the four models of the integration tests. On seven others, at budgets of 1024
-// and 16384, no rung's error is below 0.87 of what dense sampling of both surfaces finds (lodestreamd verify
-// --against); in three of those fourteen stores some rung is below it at all.
-constexpr float kForwardMargin = 1.5f;
-constexpr float kBackwardMargin = 1.5f;
-constexpr uint32_t kTrianglesPerSample = 4;  ///< of the node's budget, above the lowest inner nodes
-constexpr uint32_t kMinSamples = 2048;       ///< whatever the budget
+// What sampling may have missed, of the original surface and of the rung. (At 1.5, the least ratio of a
+// stored error to what dense sampling of both surfaces finds was 1.12, in stores of nine models at budgets of
+// 256 to 16384: docs/benchmarks.md, Errors.)
+constexpr float kMargin = 1.4f;
+constexpr float kRimMargin = 1.05f;          ///< rims are looked at in steps along them
+constexpr uint32_t kTrianglesPerSample = 2;  ///< of the node's budget, above the lowest inner nodes
+constexpr uint32_t kMinSamples = 4096;       ///< whatever the budget
 
 }  // namespace
 
@@ -60,6 +59,9 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf) {
   addRung(built, mesh, {.deviation_steps = kLatticeErrorSteps});
   if (built.node.key == kRootKey) {
     for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
+    const std::vector<SurfaceSample> inside = samplesInside(mesh);
+    built.samples.insert(built.samples.end(), inside.begin(), inside.end());
+    dropDuplicates(built.samples);
     reduce(built, std::move(mesh));
   } else {
     built.coarsest = std::move(mesh);
@@ -78,12 +80,13 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children) {
     const RungError error = errorOf(child.node.rungs.back());
     built.inherited.deviation_steps = std::max(built.inherited.deviation_steps, error.deviation_steps);
     built.inherited.lost_detail_steps = std::max(built.inherited.lost_detail_steps, error.lost_detail_steps);
+    built.rim_gap_steps = std::max(built.rim_gap_steps, child.rim_gap_steps);
     meshes.push_back(std::move(child.coarsest));
   }
   std::vector<std::vector<uint32_t>> became;
   NodeMesh input = mergeMeshes(meshes, welder_, became);
+  gatherSamples(built, children, meshes, input, became);
   meshes.clear();
-  gatherSamples(built, children, input, became);
   reduce(built, std::move(input));
   selectSamples(built.samples, sampleCapacity());
   return built;
@@ -93,33 +96,31 @@ size_t NodeBuilder::sampleCapacity() const noexcept {
   return std::max(kMinSamples, settings_.triangles_per_node / kTrianglesPerSample);
 }
 
-// Where the children are leaves, all their vertices are at hand: the deviations that travel up begin
-// complete.
-void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children, const NodeMesh& input,
+// Leaves' vertices, and points of their large triangles, are all at hand: no rung has been measured by them
+// yet, so that they are thinned out by themselves.
+void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
+                                std::span<const NodeMesh> meshes, const NodeMesh& input,
                                 std::span<const std::vector<uint32_t>> became) const {
-  size_t leaves = 0;
+  std::vector<SurfaceSample> of_leaves;
   std::vector<bool> taken(input.positions.size());
   for (size_t i = 0; i < children.size(); ++i) {
-    BuiltNode& child = children[i];
-    if (!child.node.isLeaf()) {
-      for (SurfaceSample& sample : child.samples) {
-        if (sample.near != kVanished) sample.near = became[i][sample.near];
+    if (children[i].node.isLeaf()) {
+      for (const uint32_t position : became[i]) {
+        if (!taken[position]) of_leaves.push_back({input.positions[position], 0, position});
+        taken[position] = true;
       }
-      built.samples.insert(built.samples.end(), child.samples.begin(), child.samples.end());
-      child.samples = {};
-      continue;
+      children[i].samples = samplesInside(meshes[i]);
     }
-    ++leaves;
-    for (const uint32_t position : became[i]) {
-      if (!taken[position]) built.samples.push_back({input.positions[position], 0, position});
-      taken[position] = true;
-    }
+    for (SurfaceSample& sample : children[i].samples)
+      if (sample.near != kVanished) sample.near = became[i][sample.near];
+    std::vector<SurfaceSample>& samples = children[i].node.isLeaf() ? of_leaves : built.samples;
+    samples.insert(samples.end(), children[i].samples.begin(), children[i].samples.end());
+    children[i].samples = {};
   }
-  if (leaves < children.size()) dropDuplicates(built.samples);
-  const size_t capacity = sampleCapacity();
-  selectSamples(built.samples, leaves == children.size()
-                                   ? std::max<size_t>(capacity, settings_.triangles_per_node)
-                                   : capacity);
+  dropDuplicates(built.samples);
+  selectSamples(built.samples, sampleCapacity());
+  selectSamples(of_leaves, std::max<size_t>(sampleCapacity(), settings_.triangles_per_node));
+  built.samples.insert(built.samples.end(), of_leaves.begin(), of_leaves.end());
 }
 
 /// Adds the reduced rungs of a node, all from one sequence.
@@ -140,6 +141,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
   const bool gives_normals = hasComputedNormalsAlone(input);
   const SurfaceWalk input_walk(input);
   const std::vector<glm::u32vec2> rims = input_walk.openEdges();
+  const float gap_of_input = built.rim_gap_steps;
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
   std::vector<uint32_t> became;
@@ -149,8 +151,8 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
     const std::vector<uint32_t> sources = sourcesOf(rung, input);
     if (gives_normals) giveComputedNormals(rung, input, input_walk, sources);
     if (is_new) {
-      const float farthest = std::max(farthestVertex(rung, sources, input_walk), rimGap(rung, input, rims));
-      addRung(built, rung.mesh, errorOf(built, rung, input, farthest));
+      built.rim_gap_steps = gap_of_input + kRimMargin * rimGap(rung, input, rims);
+      addRung(built, rung.mesh, errorOf(built, rung, input, farthestPlace(rung, input, sources, input_walk)));
     }
     built.coarsest = std::move(rung.mesh);
     became = std::move(rung.became);
@@ -168,9 +170,10 @@ RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, con
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
   const SurfaceWalk walk(rung.mesh);
-  const float forward = kForwardMargin * measureDeviation(rung, walk, built.samples);
-  const float backward = kBackwardMargin * farthest + kLatticeErrorSteps / 2;
-  return {std::max({finer.deviation_steps, forward, std::hypot(backward, built.inherited.deviation_steps)}),
+  const float forward = kMargin * measureDeviation(rung, walk, built.samples);
+  const float backward = kMargin * farthest + kLatticeErrorSteps / 2;
+  const float both = std::hypot(backward, built.inherited.deviation_steps);
+  return {std::max({finer.deviation_steps, forward, both, built.rim_gap_steps}),
           std::max(finer.lost_detail_steps, lostDetail(rung, input, walk))};
 }
 

@@ -55,6 +55,7 @@ struct BuiltNode {
   NodeMesh coarsest;
   uint64_t original_triangles = 0;  ///< in the leaves below
   RungError inherited;              ///< the largest of the children's coarsest rungs
+  float rim_gap_steps = 0;          ///< of `coarsest`: no rim is farther from one of the original's
   std::vector<SurfaceSample>
       samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
 };
@@ -79,14 +80,15 @@ class NodeBuilder {
   NodeMesh loadLeaf(uint32_t leaf);
   size_t sampleCapacity() const noexcept;
   /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
-  void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, const NodeMesh& input,
-                     std::span<const std::vector<uint32_t>> became) const;
+  void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
+                     const NodeMesh& input, std::span<const std::vector<uint32_t>> became) const;
   void reduce(BuiltNode& built, NodeMesh input);
   void addRung(BuiltNode& built, const NodeMesh& mesh, RungError error);
   /// Error of a rung in lattice steps, from both directions: the original surface, sampled, to the rung, and
-  /// the rung's vertices and rims to those of the node's input, to which the error that the input came with
-  /// is added as to an independent one. (Sums instead would be 2 to 5 times too large.) Never below the finer
-  /// rung's error (I3).
+  /// the rung to the node's input, to which the error that the input came with is added as to an independent
+  /// one. (Sums instead would be 2 to 5 times too large; rims, which I2 bounds strictly, are summed.) Never
+  /// below the finer rung's error (I3).
+  /// @param farthest  the rung's largest distance from the node's input.
   RungError errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input,
                     float farthest) const;
   RungError errorOf(const Rung& rung) const noexcept;

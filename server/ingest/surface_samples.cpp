@@ -11,23 +11,52 @@ namespace {
 
 // Deviations below this share of the largest need not be exact: they only rank samples.
 constexpr float kRanks = 0.25f;
-constexpr int kMostConfirmed = 32;
+constexpr int kMostLooks = 32;  ///< at every triangle, before a grid is built for the further ones
+constexpr uint32_t kMostPointsInside = 64;  ///< of one triangle
 
 uint64_t hashOf(const SurfaceSample& sample) noexcept { return NumberTable::hash(sample.position.value); }
 
-/// Makes the largest of the distances that walks have found exact, as long as that takes few looks.
+glm::vec3 pointOf(const SurfaceSample& sample) noexcept { return glm::vec3(unpackPosition(sample.position)); }
+glm::vec3 pointOf(const NodeMesh& mesh, uint32_t position) noexcept {
+  return glm::vec3(unpackPosition(mesh.positions[position]));
+}
+
+/// Points that cover a triangle evenly however many of them there are: of the n-th, the shares of two
+/// corners. Source: Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (its R2 sequence).
+glm::vec2 sharesOf(uint32_t n) noexcept {
+  const glm::vec2 square = glm::fract(static_cast<float>(n) * glm::vec2(0.7548777f, 0.5698403f));
+  return square.x + square.y > 1 ? 1.f - square : square;
+}
+
+/// For how many times the mean area a triangle gets a point inside, in a mesh of so many.
+double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
+
+/// Into how many steps edges are divided, and triangles with them, to measure a rung of so many triangles:
+/// where there are few, their corners may miss the worst.
+uint32_t stepsAlongEdge(size_t triangles) noexcept {
+  return triangles <= 1024 ? 6 : triangles <= 8192 ? 3 : 1;
+}
+
+/// Makes the largest of the distances that walks over a mesh have found exact.
 /// @param pointOf  the point of each distance. @return the largest.
 template <typename PointOf>
-float confirmLargest(const SurfaceWalk& walk, std::vector<float>& distances, PointOf&& pointOf) {
-  std::vector<bool> exact(distances.size());
-  for (int looks = 0;; ++looks) {
-    const auto largest = std::max_element(distances.begin(), distances.end());
-    const auto at = static_cast<size_t>(largest - distances.begin());
-    if (largest == distances.end()) return 0;
-    if (exact[at] || looks == kMostConfirmed) return *largest;
-    *largest = walk.exactDistance(pointOf(at), *largest);
-    exact[at] = true;
+float confirmLargest(const SurfaceWalk& walk, const NodeMesh& mesh, std::vector<float>& distances,
+                     PointOf&& pointOf) {
+  std::vector<uint32_t> order(distances.size());
+  for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto is_less = [&](uint32_t a, uint32_t b) { return distances[a] < distances[b]; };
+  std::make_heap(order.begin(), order.end(), is_less);
+  std::optional<TriangleGrid> grid;
+  float largest = 0;
+  for (int looks = 0; !order.empty() && distances[order.front()] > largest; ++looks) {
+    std::pop_heap(order.begin(), order.end(), is_less);
+    const uint32_t at = order.back();
+    order.pop_back();
+    if (looks == kMostLooks) grid.emplace(mesh);
+    distances[at] = grid ? grid->distance(pointOf(at)) : walk.exactDistance(pointOf(at), distances[at]);
+    largest = std::max(largest, distances[at]);
   }
+  return largest;
 }
 
 }  // namespace
@@ -70,24 +99,72 @@ float measureDeviation(const SimplifiedMesh& rung, const SurfaceWalk& walk,
     const uint32_t start = sample.near == kVanished ? kVanished : rung.became[sample.near];
     if (start == kVanished && !grid) grid.emplace(rung.mesh);
     distances.push_back(start == kVanished ? grid->distance(sample.position)
-                                           : walk.distance(sample.position, start, kRanks * largest));
+                                           : walk.distance(pointOf(sample), start, kRanks * largest));
     largest = std::max(largest, distances.back());
   }
-  largest = confirmLargest(walk, distances, [&](size_t i) { return samples[i].position; });
+  largest = confirmLargest(walk, rung.mesh, distances, [&](size_t i) { return pointOf(samples[i]); });
   for (size_t i = 0; i < samples.size(); ++i)
     samples[i].deviation = std::max(samples[i].deviation, distances[i]);
   return largest;
 }
 
-float farthestVertex(const SimplifiedMesh& rung, std::span<const uint32_t> sources, const SurfaceWalk& walk) {
-  std::vector<float> distances;
-  distances.reserve(sources.size());
-  float largest = 0;
-  for (size_t i = 0; i < sources.size(); ++i) {
-    distances.push_back(walk.distance(rung.mesh.positions[i], sources[i], largest));
-    largest = std::max(largest, distances.back());
+std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh) {
+  std::vector<float> areas;
+  double total = 0;
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const glm::vec3 a = pointOf(mesh, mesh.wedge_position[t.x]);
+    areas.push_back(glm::length(glm::cross(pointOf(mesh, mesh.wedge_position[t.y]) - a,
+                                           pointOf(mesh, mesh.wedge_position[t.z]) - a)));
+    total += areas.back();
   }
-  return confirmLargest(walk, distances, [&](size_t i) { return rung.mesh.positions[i]; });
+  const double area_of_point = meansPerPoint(areas.size()) * total / static_cast<double>(areas.size());
+  std::vector<SurfaceSample> samples;
+  for (size_t i = 0; i < areas.size(); ++i) {
+    if (areas[i] < area_of_point) continue;
+    const glm::u32vec3& t = mesh.triangles[i];
+    const glm::vec3 a = pointOf(mesh, mesh.wedge_position[t.x]),
+                    ab = pointOf(mesh, mesh.wedge_position[t.y]) - a,
+                    ac = pointOf(mesh, mesh.wedge_position[t.z]) - a;
+    const auto count = static_cast<uint32_t>(std::min<double>(areas[i] / area_of_point, kMostPointsInside));
+    for (uint32_t n = 1; n <= count; ++n) {
+      const glm::vec2 shares = sharesOf(n);
+      const glm::vec3 point = glm::round(a + shares.x * ab + shares.y * ac);
+      samples.push_back({packPosition(glm::uvec3(point)), 0, mesh.wedge_position[t.x]});
+    }
+  }
+  return samples;
+}
+
+float farthestPlace(const SimplifiedMesh& rung, const NodeMesh& input, std::span<const uint32_t> sources,
+                    const SurfaceWalk& walk) {
+  const NodeMesh& mesh = rung.mesh;
+  std::vector<float> distances;
+  std::vector<glm::vec3> points;
+  float largest = 0;
+  const auto measure = [&](glm::vec3 point, uint32_t near) {
+    points.push_back(point);
+    distances.push_back(walk.distance(point, sources[near], largest));
+    largest = std::max(largest, distances.back());
+  };
+  for (uint32_t i = 0; i < sources.size(); ++i) measure(pointOf(mesh, i), i);
+  const uint32_t steps = stepsAlongEdge(mesh.triangles.size());
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const glm::u32vec3 at(mesh.wedge_position[t.x], mesh.wedge_position[t.y], mesh.wedge_position[t.z]);
+    const glm::vec3 a = pointOf(mesh, at.x), b = pointOf(mesh, at.y), c = pointOf(mesh, at.z);
+    for (uint32_t i = 0; i <= steps; ++i) {
+      for (uint32_t j = 0; i + j <= steps; ++j) {
+        const uint32_t k = steps - i - j;
+        const bool is_corner = i == steps || j == steps || k == steps;
+        const bool is_of_other =
+            (i == 0 && at.y > at.z) || (j == 0 && at.z > at.x) || (k == 0 && at.x > at.y);
+        if (is_corner || is_of_other) continue;
+        const glm::vec3 point =
+            (static_cast<float>(i) * a + static_cast<float>(j) * b + static_cast<float>(k) * c);
+        measure(point / static_cast<float>(steps), i >= j && i >= k ? at.x : j >= k ? at.y : at.z);
+      }
+    }
+  }
+  return confirmLargest(walk, input, distances, [&](size_t i) { return points[i]; });
 }
 
 }  // namespace lode::ingest

@@ -32,9 +32,15 @@ void dropDuplicates(std::vector<SurfaceSample>& samples);
 float measureDeviation(const SimplifiedMesh& rung, const SurfaceWalk& walk,
                        std::vector<SurfaceSample>& samples);
 
-/// The largest distance of a rung's vertices from the mesh that it was made of, lattice steps; never below
-/// the true one.
-/// @param sources  see sourcesOf(). @param walk  over the mesh that the rung was made of.
-float farthestVertex(const SimplifiedMesh& rung, std::span<const uint32_t> sources, const SurfaceWalk& walk);
+/// Points inside the triangles of a mesh that are large beside the others, where its positions alone would
+/// say little: one for every two mean areas, in a small mesh for every half.
+std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh);
+
+/// The largest distance of a rung from the mesh that it was made of, lattice steps: of its vertices, and
+/// where it has so few triangles that these may miss the worst, of points between them. Never below theirs.
+/// @param input  the mesh that the rung was made of. @param sources  see sourcesOf(). @param walk  over
+/// input.
+float farthestPlace(const SimplifiedMesh& rung, const NodeMesh& input, std::span<const uint32_t> sources,
+                    const SurfaceWalk& walk);
 
 }  // namespace lode::ingest

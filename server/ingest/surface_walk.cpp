@@ -35,12 +35,11 @@ SurfaceWalk::SurfaceWalk(const NodeMesh& mesh) : begin_(mesh.positions.size() + 
   }
 }
 
-float SurfaceWalk::distance(PositionCode point, uint32_t start, float enough) const noexcept {
-  return std::sqrt(walk(glm::vec3(unpackPosition(point)), start, enough * enough).squared);
+float SurfaceWalk::distance(glm::vec3 point, uint32_t start, float enough) const noexcept {
+  return std::sqrt(walk(point, start, enough * enough).squared);
 }
 
-SurfaceWalk::Place SurfaceWalk::placeOf(PositionCode code, uint32_t start) const noexcept {
-  const glm::vec3 point(unpackPosition(code));
+SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const noexcept {
   const uint32_t triangle = walk(point, start, 0).triangle;
   const glm::u32vec3& t = triangles_[triangle];
   const glm::vec3 a = points_[t.x];
@@ -66,8 +65,7 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float en
   return best;
 }
 
-float SurfaceWalk::exactDistance(PositionCode code, float bound) const noexcept {
-  const glm::vec3 point(unpackPosition(code));
+float SurfaceWalk::exactDistance(glm::vec3 point, float bound) const noexcept {
   Nearest best{bound * bound, 0};
   float reach = bound + longest_edge_;
   for (uint32_t t = 0; t < triangles_.size(); ++t) {

@@ -20,18 +20,19 @@ class SurfaceWalk {
   /// @param mesh  its positions' numbers are what walks start at.
   explicit SurfaceWalk(const NodeMesh& mesh);
 
+  /// @param point  lattice steps, like all here
   /// @param start  a position of the mesh that a triangle has; infinity if none has.
   /// @param enough  the walk ends where it is as near as this.
-  float distance(PositionCode point, uint32_t start, float enough) const noexcept;
+  float distance(glm::vec3 point, uint32_t start, float enough) const noexcept;
   /// The place where a walk ends.
   struct Place {
     uint32_t triangle = 0;  ///< of the mesh
     glm::vec3 shares{0};    ///< of its corners; they add up to 1
   };
   /// @param start  a position of the mesh that a triangle has.
-  Place placeOf(PositionCode point, uint32_t start) const noexcept;
+  Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
   /// The true distance, by a look at every triangle. @param bound  not below it
-  float exactDistance(PositionCode point, float bound) const noexcept;
+  float exactDistance(glm::vec3 point, float bound) const noexcept;
   /// Edges, by position, that an odd number of triangles use; lower position first, in rising order.
   std::vector<glm::u32vec2> openEdges() const;
 

@@ -84,11 +84,10 @@ void TriangleGrid::fillCells(const std::vector<Cover>& covers) {
   }
 }
 
-float TriangleGrid::distance(PositionCode code) const noexcept {
+float TriangleGrid::distance(glm::vec3 point) const noexcept {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Nearest best{kInfinity, kInfinity};
   if (triangles_.empty()) return kInfinity;
-  const glm::vec3 point(unpackPosition(code));
   const glm::ivec3 centre = cellOf(point);
   int radius = 0;
   for (; std::isinf(best.distance); ++radius) searchShell(point, centre, radius, best);

@@ -16,7 +16,8 @@ class TriangleGrid {
   explicit TriangleGrid(const NodeMesh& mesh);
 
   /// Infinity if the mesh has no triangles.
-  float distance(PositionCode point) const noexcept;
+  float distance(glm::vec3 point) const noexcept;
+  float distance(PositionCode point) const noexcept { return distance(glm::vec3(unpackPosition(point))); }
   /// Entries of triangles in cells: what the grid's memory goes with.
   size_t memberCount() const noexcept { return members_.size(); }
 

@@ -31,21 +31,25 @@ NodeMesh randomTriangles(size_t count, uint32_t extent, uint32_t size) {
   return welder.finish();
 }
 
-/// Smallest distance over a fine barycentric grid of every triangle: never below the true one.
-double bruteDistance(const NodeMesh& mesh, glm::dvec3 point) {
-  double best = 1e30;
-  constexpr int kSteps = 24;
+/// A fine barycentric grid over every triangle.
+std::vector<glm::dvec3> pointsOver(const NodeMesh& mesh, int steps) {
+  std::vector<glm::dvec3> points;
   for (const glm::u32vec3& t : mesh.triangles) {
     const glm::dvec3 a(unpackPosition(mesh.positions[mesh.wedge_position[t.x]]));
     const glm::dvec3 b(unpackPosition(mesh.positions[mesh.wedge_position[t.y]]));
     const glm::dvec3 c(unpackPosition(mesh.positions[mesh.wedge_position[t.z]]));
-    for (int i = 0; i <= kSteps; ++i) {
-      for (int j = 0; i + j <= kSteps; ++j) {
-        const glm::dvec3 on = a + (b - a) * (double(i) / kSteps) + (c - a) * (double(j) / kSteps);
-        best = std::min(best, glm::distance(on, point));
-      }
+    for (int i = 0; i <= steps; ++i) {
+      for (int j = 0; i + j <= steps; ++j)
+        points.push_back(a + (b - a) * (double(i) / steps) + (c - a) * (double(j) / steps));
     }
   }
+  return points;
+}
+
+/// Smallest distance to a fine grid over every triangle: never below the true one.
+double bruteDistance(const NodeMesh& mesh, glm::dvec3 point) {
+  double best = 1e30;
+  for (const glm::dvec3 on : pointsOver(mesh, 24)) best = std::min(best, glm::distance(on, point));
   return best;
 }
 
@@ -110,13 +114,40 @@ TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
   collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
     const TriangleGrid to_rung(rung.mesh), to_input(input);
     float forward = 0, backward = 0;
+    double between = 0;
     for (const PositionCode position : input.positions)
       forward = std::max(forward, to_rung.distance(position));
     for (const PositionCode position : rung.mesh.positions)
       backward = std::max(backward, to_input.distance(position));
+    for (const glm::dvec3 point : pointsOver(rung.mesh, 24))
+      between = std::max<double>(between, to_input.distance(glm::vec3(point)));
     EXPECT_FLOAT_EQ(measureDeviation(rung, SurfaceWalk(rung.mesh), samples), forward);
-    EXPECT_FLOAT_EQ(farthestVertex(rung, sourcesOf(rung, input), SurfaceWalk(input)), backward);
+    const float farthest = farthestPlace(rung, input, sourcesOf(rung, input), SurfaceWalk(input));
+    EXPECT_GE(farthest, backward);
+    EXPECT_GE(farthest, 0.9 * between);
+    EXPECT_LE(farthest, 1.001 * between);
   });
+}
+
+TEST(SurfaceSamples, lieInsideTrianglesThatAreLargeBesideTheOthers) {
+  NodeMesh mesh = test::nodeOf(test::makeGrid(40, 40));
+  EXPECT_TRUE(samplesInside(mesh).empty());
+  const auto first = static_cast<uint32_t>(mesh.positions.size());
+  const auto wedge = static_cast<uint32_t>(mesh.wedge_position.size());
+  for (const glm::uvec3 corner :
+       {glm::uvec3(0, 0, 9), glm::uvec3(1 << 20, 0, 9), glm::uvec3(0, 1 << 20, 9)}) {
+    mesh.wedge_position.push_back(static_cast<uint32_t>(mesh.positions.size()));
+    mesh.positions.push_back(packPosition(corner));
+  }
+  mesh.triangles.emplace_back(wedge, wedge + 1, wedge + 2);
+  const std::vector<SurfaceSample> samples = samplesInside(mesh);
+  EXPECT_GT(samples.size(), 30u);
+  for (const SurfaceSample& sample : samples) {
+    const glm::uvec3 at = unpackPosition(sample.position);
+    EXPECT_EQ(sample.near, first);
+    EXPECT_EQ(at.z, 9u);
+    EXPECT_LE(at.x + at.y, 1u << 20);
+  }
 }
 
 TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {

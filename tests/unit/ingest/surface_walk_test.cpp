@@ -19,7 +19,7 @@ TEST(SurfaceWalk, isAsFarAsTheGridSaysFromASmoothSurface) {
   for (uint32_t i = 0; i < mesh.positions.size(); ++i) {
     const glm::uvec3 point =
         unpackPosition(mesh.positions[i]) + glm::uvec3(random() % 9, random() % 9, random() % 9);
-    EXPECT_FLOAT_EQ(walk.distance(packPosition(point), i, 0), grid.distance(packPosition(point)));
+    EXPECT_FLOAT_EQ(walk.distance(glm::vec3(point), i, 0), grid.distance(packPosition(point)));
   }
 }
 
@@ -29,9 +29,10 @@ TEST(SurfaceWalk, isNeverNearerThanTheTruthWhereverItStarts) {
   const SurfaceWalk walk(mesh);
   std::mt19937 random(4);
   for (int i = 0; i < 500; ++i) {
-    const PositionCode point = packPosition({random() % 64, random() % 64, random() % 64});
-    const float distance = walk.distance(point, mesh.wedge_position[mesh.triangles[random() % 300].x], 0);
-    EXPECT_GE(distance * 1.0001f + 1e-4f, grid.distance(point));
+    const glm::uvec3 point(random() % 64, random() % 64, random() % 64);
+    const float distance =
+        walk.distance(glm::vec3(point), mesh.wedge_position[mesh.triangles[random() % 300].x], 0);
+    EXPECT_GE(distance * 1.0001f + 1e-4f, grid.distance(packPosition(point)));
   }
 }
 
@@ -41,15 +42,15 @@ TEST(SurfaceWalk, looksAtEveryTriangleForTheExactDistance) {
   const SurfaceWalk walk(mesh);
   std::mt19937 random(5);
   for (int i = 0; i < 500; ++i) {
-    const PositionCode point = packPosition({random() % 64, random() % 64, random() % 64});
-    EXPECT_NEAR(walk.exactDistance(point, 1e3f), grid.distance(point), 1e-3);
+    const glm::uvec3 point(random() % 64, random() % 64, random() % 64);
+    EXPECT_NEAR(walk.exactDistance(glm::vec3(point), 1e3f), grid.distance(packPosition(point)), 1e-3);
   }
 }
 
 TEST(SurfaceWalk, isInfinitelyFarWhereItStartsAtNoTriangle) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   mesh.triangles.clear();
-  EXPECT_TRUE(std::isinf(SurfaceWalk(mesh).distance(packPosition({1, 2, 3}), 0, 0)));
+  EXPECT_TRUE(std::isinf(SurfaceWalk(mesh).distance({1, 2, 3}, 0, 0)));
 }
 
 }  // namespace
