@@ -20,7 +20,7 @@ constexpr float kLatticeErrorSteps = 0.8660254f;  ///< of snapping: half the dia
 // stored error to what dense sampling of both surfaces finds was 1.12, in stores of nine models at budgets of
 // 256 to 16384: docs/benchmarks.md, Errors.)
 constexpr float kMargin = 1.4f;
-constexpr float kRimMargin = 1.05f;          ///< rims are looked at in steps along them
+constexpr float kRimMargin = 1.03f;          ///< what rimGap() may miss, and rounding
 constexpr uint32_t kTrianglesPerSample = 2;  ///< of the node's budget, above the lowest inner nodes
 constexpr uint32_t kMinSamples = 4096;       ///< whatever the budget
 
@@ -140,7 +140,10 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
   }
   const bool gives_normals = hasComputedNormalsAlone(input);
   const SurfaceWalk input_walk(input);
-  const std::vector<glm::u32vec2> rims = input_walk.openEdges();
+  std::vector<glm::u32vec2> rims = input_walk.openEdges();
+  const auto is_locked = [&](uint32_t position) { return input.lca_depth[position] < depth; };
+  std::erase_if(rims,
+                [&](glm::u32vec2 edge) { return is_locked(edge.x) && is_locked(edge.y); });  // or a border
   const float gap_of_input = built.rim_gap_steps;
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;

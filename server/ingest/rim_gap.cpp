@@ -9,7 +9,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr int kStepsAlongRim = 4;
+constexpr float kPrecision = 1.02f;
+constexpr float kShortestStep = 0.5f;  ///< lattice steps; rims are not divided further
 
 /// A position of the simplified mesh, and a rim of the input with an end that has become it.
 struct Meeting {
@@ -22,6 +23,31 @@ float squaredDistanceToSegment(glm::vec3 point, glm::vec3 a, glm::vec3 b) noexce
   const float t = length > 0 ? std::clamp(glm::dot(point - a, along) / length, 0.f, 1.f) : 0;
   const glm::vec3 away = point - (a + t * along);
   return glm::dot(away, away);
+}
+
+/// The largest distance on a segment, as far as it is larger than one that is known: within kPrecision.
+/// @param distanceAt  changes no faster than the place does.
+template <typename DistanceAt>
+float largestOnSegment(glm::vec3 from, glm::vec3 to, float largest, DistanceAt&& distanceAt) {
+  struct Part {
+    glm::vec3 from, to;
+    float from_distance, to_distance;
+  };
+  std::vector<Part> parts{{from, to, distanceAt(from), distanceAt(to)}};
+  largest = std::max({largest, parts[0].from_distance, parts[0].to_distance});
+  while (!parts.empty()) {
+    const Part part = parts.back();
+    parts.pop_back();
+    const float length = glm::distance(part.from, part.to);
+    const float at_most = (part.from_distance + part.to_distance + length) / 2;
+    if (length <= kShortestStep || at_most <= kPrecision * largest) continue;
+    const glm::vec3 middle = (part.from + part.to) / 2.f;
+    const float distance = distanceAt(middle);
+    largest = std::max(largest, distance);
+    parts.push_back({part.from, middle, part.from_distance, distance});
+    parts.push_back({middle, part.to, distance, part.to_distance});
+  }
+  return largest;
 }
 
 }  // namespace
@@ -56,13 +82,13 @@ float rimGap(const SimplifiedMesh& simplified, const NodeMesh& input, std::span<
   };
   float largest = 0;
   for (const glm::u32vec2 image : images) {
-    const glm::vec3 from = pointOf(simplified.mesh, image.x), to = pointOf(simplified.mesh, image.y);
-    for (int i = 0; i <= kStepsAlongRim; ++i) {
-      const glm::vec3 point = glm::mix(from, to, static_cast<float>(i) / kStepsAlongRim);
-      largest = std::max(largest, std::min(nearest(point, image.x), nearest(point, image.y)));
-    }
+    const auto gapAt = [&](glm::vec3 point) {
+      return std::sqrt(std::min(nearest(point, image.x), nearest(point, image.y)));
+    };
+    largest = largestOnSegment(pointOf(simplified.mesh, image.x), pointOf(simplified.mesh, image.y), largest,
+                               gapAt);
   }
-  return std::sqrt(largest);
+  return largest;
 }
 
 }  // namespace lode::ingest

@@ -18,3 +18,7 @@ if [[ -z "$data" ]]; then
 fi
 "$daemon" build "$data/a_bunny_zipper_ascii.ply" -o "$out/bunny.lode" --quiet >/dev/null
 "$daemon" build "$data/a_armadillo86k_le.ply" -o "$out/armadillo.lode" --triangles-per-node 2048 --quiet >/dev/null
+"$daemon" build "$data/a_bunny_zipper_ascii.ply" -o "$out/bunny_in_small_nodes.lode" --triangles-per-node 256 --quiet \
+  >/dev/null
+"$daemon" build "$data/b_parasaurolophus_nrm_ascii.ply" -o "$out/parasaurolophus.lode" --triangles-per-node 256 --quiet \
+  >/dev/null
