@@ -20,10 +20,13 @@ uint64_t meshBytes(const Mesh& mesh) noexcept {
 
 void MeshCache::insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
                        std::shared_ptr<const TextureFootprint> footprint) {
-  const uint64_t mesh_bytes = meshBytes(*mesh);
-  const auto [entry, is_new] = entries_.try_emplace(
-      key, Entry{std::move(mesh), std::move(footprint), mesh_bytes, round_, round_, false});
-  if (is_new) bytes_ += mesh_bytes;
+  const auto [entry, is_new] =
+      entries_.try_emplace(key, Entry{std::move(mesh), std::move(footprint), round_, round_, false});
+  if (is_new) bytes_ += bytesOf(entry->second);
+}
+
+uint64_t MeshCache::bytesOf(const Entry& entry) noexcept {
+  return meshBytes(*entry.mesh) + (entry.footprint ? footprintBytes(*entry.footprint) : 0);
 }
 
 void MeshCache::pin(MeshKey key) {
@@ -36,8 +39,11 @@ std::shared_ptr<const Mesh> MeshCache::find(MeshKey key) const noexcept {
 }
 
 void MeshCache::setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint) {
-  if (const auto entry = entries_.find(key); entry != entries_.end())
-    entry->second.footprint = std::move(footprint);
+  const auto entry = entries_.find(key);
+  if (entry == entries_.end()) return;
+  bytes_ -= bytesOf(entry->second);
+  entry->second.footprint = std::move(footprint);
+  bytes_ += bytesOf(entry->second);
 }
 
 const TextureFootprint* MeshCache::footprint(MeshKey key) const noexcept {
@@ -70,7 +76,7 @@ void MeshCache::use(std::span<const MeshKey> in_use, std::span<const MeshKey> re
 
 void MeshCache::evict(MeshKey key) {
   const auto entry = entries_.find(key);
-  bytes_ -= entry->second.bytes;
+  bytes_ -= bytesOf(entry->second);
   entries_.erase(entry);
 }
 

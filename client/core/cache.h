@@ -26,9 +26,9 @@ uint64_t meshBytes(const Mesh& mesh) noexcept;
 /// The same, before it is there.
 uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept;
 
-/// The decoded meshes that are resident, within a budget. What is in use (the cut and what it waits for) and
-/// what is pinned stays; of the rest the least recently used goes first, and of equals the deeper node, so
-/// that ancestors go last. Not thread safe.
+/// The decoded meshes that are resident and their footprints, within a budget. What is in use (the cut and
+/// what it waits for) and what is pinned stays; of the rest the least recently used goes first, and of equals
+/// the deeper node, so that ancestors go last. Not thread safe.
 class MeshCache {
  public:
   explicit MeshCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
@@ -50,6 +50,7 @@ class MeshCache {
   /// @param recently  meshes that were looked at: evicted after all that were not.
   void use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently);
 
+  /// Of meshes and footprints.
   uint64_t bytes() const noexcept { return bytes_; }
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
   size_t size() const noexcept { return entries_.size(); }
@@ -63,11 +64,11 @@ class MeshCache {
   struct Entry {
     std::shared_ptr<const Mesh> mesh;
     std::shared_ptr<const TextureFootprint> footprint;
-    uint64_t bytes = 0;
     uint64_t used_round = 0;
     uint64_t in_use_round = 0;
     bool pinned = false;
   };
+  static uint64_t bytesOf(const Entry& entry) noexcept;
   void evict(MeshKey key);
 
   uint64_t budget_bytes_;

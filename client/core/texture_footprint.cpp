@@ -40,14 +40,22 @@ class TouchedGrid {
     noteArea(whole_, corners, model_area);
   }
 
-  void appendTo(std::vector<TouchedTile>& out, uint32_t texture) const {
+  bool isWhole() const noexcept { return all_; }
+  void makeWhole() noexcept { all_ = true; }
+  uint64_t touchedTiles() const noexcept {
+    return static_cast<uint64_t>(
+        std::count_if(cells_.begin(), cells_.end(), [](const Cell& cell) { return cell.touched; }));
+  }
+
+  void appendTo(TextureFootprint& out, uint32_t texture) const {
+    if (all_) {
+      out.whole.push_back({texture, density(whole_)});
+      return;
+    }
     for (uint32_t y = 0; y < down_; ++y)
       for (uint32_t x = 0; x < across_; ++x) {
         const Cell& cell = cells_[size_t{y} * across_ + x];
-        if (!all_ && !cell.touched) continue;
-        const Cell& areas = !all_ && cell.texel_area > 0 ? cell : whole_;
-        const double density = areas.model_area > 0 ? std::sqrt(areas.texel_area / areas.model_area) : 0;
-        out.push_back({texture, y, x, static_cast<float>(std::min(density, 1e30))});
+        if (cell.touched) out.tiles.push_back({texture, y, x, density(cell.texel_area > 0 ? cell : whole_)});
       }
   }
 
@@ -56,6 +64,11 @@ class TouchedGrid {
     double texel_area = 0, model_area = 0;
     bool touched = false;
   };
+
+  static float density(const Cell& areas) {
+    const double texels = areas.model_area > 0 ? std::sqrt(areas.texel_area / areas.model_area) : 0;
+    return static_cast<float>(std::min(texels, 1e30));
+  }
 
   /// Number of the last whole range that ends at `most` or holds it: what only touches it does not count.
   static glm::dvec2 lastBefore(glm::dvec2 most, glm::dvec2 first) {
@@ -118,6 +131,11 @@ class TouchedGrid {
 
 }  // namespace
 
+uint64_t footprintBytes(const TextureFootprint& footprint) noexcept {
+  return sizeof(TextureFootprint) + footprint.tiles.size() * sizeof(TouchedTile) +
+         footprint.whole.size() * sizeof(WornTexture);
+}
+
 TextureFootprint makeFootprint(const Mesh& mesh, const TextureSet& set, double step) {
   TextureFootprint footprint;
   if (mesh.vertex_attributes.empty() || !mesh.attributes.has(AttributeSet::kTexture)) return footprint;
@@ -140,8 +158,22 @@ TextureFootprint makeFootprint(const Mesh& mesh, const TextureSet& set, double s
     const double model_area = glm::length(glm::cross(model[1] - model[0], model[2] - model[0])) / 2;
     grids[number]->add(texels, model_area, tests_left);
   }
+  uint64_t tiles_left = maxTouchedTiles(mesh.triangles.size()), tiles = 0, whole = 0;
+  for (const auto& grid : grids) {
+    if (!grid) continue;
+    const uint64_t touched = grid->isWhole() ? 0 : grid->touchedTiles();
+    if (touched > tiles_left) grid->makeWhole();
+    if (grid->isWhole()) {
+      ++whole;
+    } else {
+      tiles_left -= touched;
+      tiles += touched;
+    }
+  }
+  footprint.tiles.reserve(tiles);
+  footprint.whole.reserve(whole);
   for (uint32_t number = 0; number < grids.size(); ++number)
-    if (grids[number]) grids[number]->appendTo(footprint.tiles, number);
+    if (grids[number]) grids[number]->appendTo(footprint, number);
   return footprint;
 }
 

@@ -17,9 +17,18 @@ struct TouchedTile {
   bool operator==(const TouchedTile&) const = default;
 };
 
-/// What a mesh needs of the textures, by texture, row and column, each tile once.
+/// A texture that a mesh wears as a whole: all tiles of level 0, as closely everywhere.
+struct WornTexture {
+  uint32_t texture = 0;
+  float texels_per_model = 0;  ///< as that of a tile
+
+  bool operator==(const WornTexture&) const = default;
+};
+
+/// What a mesh needs of the textures. No texture is in both lists.
 struct TextureFootprint {
-  std::vector<TouchedTile> tiles;
+  std::vector<TouchedTile> tiles;  ///< by texture, row and column, each once
+  std::vector<WornTexture> whole;  ///< by texture, each once
 
   bool operator==(const TextureFootprint&) const = default;
 };
@@ -27,6 +36,13 @@ struct TextureFootprint {
 /// Tests of a triangle against a tile that one mesh is worth. A mesh that would take more, as only hostile
 /// or very coarse ones do, is taken to touch all of the textures that it has not finished.
 constexpr uint64_t kMaxTileTests = 1u << 20;
+
+/// Tiles that a footprint names at most, so that it takes no more memory than about that of its mesh: of
+/// textures that touch more than what is left of it, in their order, the whole is said to be touched.
+constexpr uint64_t maxTouchedTiles(uint64_t triangles) noexcept { return 512 + 2 * triangles; }
+
+/// Bytes that a footprint takes in memory.
+uint64_t footprintBytes(const TextureFootprint& footprint) noexcept;
 
 /// The footprint of a mesh. A triangle touches the tiles that it overlaps once the coordinates outside 0..1
 /// have been brought back by repeating the image. Triangles without extent on the image touch tiles too, but

@@ -41,13 +41,15 @@ class TextureDemand {
   }
 
   void add(const TouchedTile& tile, double pixel_model, bool visible) {
-    Demand& demand = demands_[size_t{tile.y} * across_ + tile.x];
-    const double texels_px = std::max(double{tile.texels_per_model} * pixel_model, 1e-9);
-    if (demand.visible == visible) {
-      demand.texels_px = std::min(demand.texels_px, texels_px);
-    } else if (visible) {
-      demand = {texels_px, true};
-    }
+    raise(demands_[size_t{tile.y} * across_ + tile.x],
+          demandFor(tile.texels_per_model, pixel_model, visible));
+  }
+  void addWhole(float texels_per_model, double pixel_model, bool visible) {
+    raise(whole_, demandFor(texels_per_model, pixel_model, visible));
+  }
+  /// To be called when all is added.
+  void spreadWhole() {
+    for (Demand& demand : demands_) raise(demand, whole_);
   }
 
   void appendTo(std::vector<WantedTile>& wanted, double threshold_px, double most_px) const {
@@ -55,6 +57,18 @@ class TextureDemand {
   }
 
  private:
+  static Demand demandFor(float texels_per_model, double pixel_model, bool visible) {
+    return {std::max(double{texels_per_model} * pixel_model, 1e-9), visible};
+  }
+
+  static void raise(Demand& demand, const Demand& other) {
+    if (demand.visible == other.visible) {
+      demand.texels_px = std::min(demand.texels_px, other.texels_px);
+    } else if (other.visible) {
+      demand = other;
+    }
+  }
+
   uint32_t neededLevel(const Demand& demand, double threshold_px) const {
     const double level = std::floor(std::log2(std::max(demand.texels_px * threshold_px, 1.0)));
     return std::min(static_cast<uint32_t>(std::min(level, 64.0)), levels_ - 1);
@@ -91,6 +105,7 @@ class TextureDemand {
   const Texture& texture_;
   uint32_t number_, levels_, across_;
   Demands demands_;
+  Demand whole_;  // of all tiles
 };
 
 }  // namespace
@@ -117,6 +132,9 @@ uint64_t tileRoomBytes(const TileImage& image) noexcept {
 std::vector<WantedTile> wantTiles(const TextureSet& set, std::span<const TexturedPart> parts,
                                   const View& view, float threshold_px) {
   std::map<uint32_t, TextureDemand> textures;
+  const auto demandOf = [&](uint32_t number) {
+    return &textures.try_emplace(number, set.textures[number], number).first->second;
+  };
   for (const TexturedPart& part : parts) {
     const double pixel_model = pixelModel(part.distance_model, view);
     TextureDemand* texture = nullptr;
@@ -124,14 +142,18 @@ std::vector<WantedTile> wantTiles(const TextureSet& set, std::span<const Texture
     for (const TouchedTile& tile : part.footprint->tiles) {
       if (texture == nullptr || number != tile.texture) {
         number = tile.texture;
-        texture = &textures.try_emplace(number, set.textures[number], number).first->second;
+        texture = demandOf(number);
       }
       texture->add(tile, pixel_model, part.visible);
     }
+    for (const WornTexture& worn : part.footprint->whole)
+      demandOf(worn.texture)->addWhole(worn.texels_per_model, pixel_model, part.visible);
   }
   std::vector<WantedTile> wanted;
-  for (const auto& [number, texture] : textures)
+  for (auto& [number, texture] : textures) {
+    texture.spreadWhole();
     texture.appendTo(wanted, std::max(threshold_px, 1.0f), std::max(view.width_px, view.height_px));
+  }
   const auto coarsest = [&](const WantedTile& tile) {
     return tile.key.level + 1 == levelCount(set.textures[tile.key.texture]);
   };

@@ -24,6 +24,29 @@ TEST(MeshCache, countsTheBytesOfItsMeshes) {
   EXPECT_GE(kMeshBytes, 100 * sizeof(glm::u32vec3));
 }
 
+std::shared_ptr<const TextureFootprint> footprintOf(size_t tiles, size_t whole) {
+  TextureFootprint footprint;
+  footprint.tiles.resize(tiles);
+  footprint.whole.resize(whole);
+  return std::make_shared<const TextureFootprint>(std::move(footprint));
+}
+
+TEST(MeshCache, countsTheBytesOfFootprintsWheneverTheyCome) {
+  const auto footprint = footprintOf(50, 3);
+  const uint64_t footprint_bytes = footprintBytes(*footprint);
+  EXPECT_GE(footprint_bytes, 50 * sizeof(TouchedTile) + 3 * sizeof(WornTexture));
+  MeshCache cache(0);
+  cache.insert({kChild, 0}, meshOf(100), footprint);
+  EXPECT_EQ(cache.bytes(), kMeshBytes + footprint_bytes);
+  cache.insert({kGrandchild, 0}, meshOf(100));
+  cache.setFootprint({kGrandchild, 0}, footprint);
+  cache.setFootprint({kGrandchild, 0}, footprint);
+  EXPECT_EQ(cache.bytes(), 2 * (kMeshBytes + footprint_bytes));
+  cache.use({}, {});
+  EXPECT_EQ(cache.size(), 0u);
+  EXPECT_EQ(cache.bytes(), 0u);
+}
+
 TEST(MeshCache, predictsTheBytesOfAMesh) {
   Mesh mesh;
   mesh.attributes = {AttributeSet::kColour};

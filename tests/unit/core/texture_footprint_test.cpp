@@ -67,7 +67,11 @@ TEST(TextureFootprint, bringsRepeatsBackIntoTheImage) {
 
 TEST(TextureFootprint, hasAllTilesWhenATriangleSpansMoreThanTheImage) {
   const Mesh wide = triangleOf({{{0, 0}, {3, 0}, {0, 0.1}}});
-  EXPECT_EQ(makeFootprint(wide, setOf(), 1).tiles.size(), 6u);
+  const TextureFootprint footprint = makeFootprint(wide, setOf(), 1);
+  EXPECT_TRUE(footprint.tiles.empty());
+  ASSERT_EQ(footprint.whole.size(), 1u);
+  // 3 x 1500 texels along 1000 steps, a tenth of 1000 texels along as many.
+  EXPECT_NEAR(footprint.whole[0].texels_per_model, std::sqrt(4.5 * 0.1), 0.01);
 }
 
 TEST(TextureFootprint, endsAtTheRimOfTheImage) {
@@ -113,15 +117,39 @@ TEST(TextureFootprint, ofAMeshThatCostsTooMuchIsTheWholeImage) {
   Mesh mesh = triangleOf({{{0.01, 0.99}, {0.99, 0.01}, {0.99, 0.02}}});
   const size_t tiles = size_t{tilesAcross(set.textures[0], 0)} * tilesDown(set.textures[0], 0);
   EXPECT_LT(makeFootprint(mesh, set, 1).tiles.size(), tiles / 10);
+  EXPECT_TRUE(makeFootprint(mesh, set, 1).whole.empty());
   mesh.triangles.resize(2 * kMaxTileTests / tiles, mesh.triangles[0]);
-  EXPECT_EQ(makeFootprint(mesh, set, 1).tiles.size(), tiles);
+  EXPECT_TRUE(makeFootprint(mesh, set, 1).tiles.empty());
+  EXPECT_EQ(makeFootprint(mesh, set, 1).whole.size(), 1u);
+}
+
+TEST(TextureFootprint, namesNoMoreTilesThanItsMeshIsWorth) {
+  // Half of a texture of 33 x 33 tiles, more than a triangle is worth; then a small one, that has room.
+  TextureSet set = setOf(32 * kTileInnerPx + 1, 32 * kTileInnerPx + 1);
+  set.textures.push_back({"b", 1500, 1000, {}});
+  Mesh mesh = triangleOf({{{0, 0}, {1, 0}, {0, 1}}});
+  const Mesh small = triangleOf({{{0.05, 0.95}, {0.2, 0.95}, {0.05, 0.8}}}, 1);
+  mesh.positions.insert(mesh.positions.end(), small.positions.begin(), small.positions.end());
+  mesh.vertex_attributes.insert(mesh.vertex_attributes.end(), small.vertex_attributes.begin(),
+                                small.vertex_attributes.end());
+  mesh.triangles.push_back({3, 4, 5});
+  const TextureFootprint footprint = makeFootprint(mesh, set, 1);
+  ASSERT_EQ(footprint.whole.size(), 1u);
+  EXPECT_EQ(footprint.whole[0].texture, 0u);
+  EXPECT_NEAR(footprint.whole[0].texels_per_model, set.textures[0].width / 1000.0, 0.1);
+  ASSERT_EQ(footprint.tiles.size(), 1u);
+  EXPECT_EQ(footprint.tiles[0].texture, 1u);
+
+  mesh.triangles.resize(200, mesh.triangles[0]);  // worth more than those tiles
+  EXPECT_TRUE(makeFootprint(mesh, set, 1).whole.empty());
+  EXPECT_GT(makeFootprint(mesh, set, 1).tiles.size(), maxTouchedTiles(2));
 }
 
 TEST(TextureFootprint, survivesCoordinatesBeyondAllBounds) {
   TextureSet set = setOf();
   set.uv_origin = {0x1p60, -0x1p60};
   set.uv_scale_exponent = kMaxUvExponent;
-  EXPECT_EQ(makeFootprint(triangleOf({{{0, 0}, {3, 0}, {0, 3}}}), set, 1).tiles.size(), 6u);
+  EXPECT_EQ(makeFootprint(triangleOf({{{0, 0}, {3, 0}, {0, 3}}}), set, 1).whole.size(), 1u);
 }
 
 }  // namespace

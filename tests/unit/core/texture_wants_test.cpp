@@ -68,6 +68,19 @@ TEST(TextureWants, coverTheTouchedTilesAtEveryLevel) {
   EXPECT_EQ(keys, expected);
 }
 
+TEST(TextureWants, ofAWholeTextureAreThoseOfAllItsTiles) {
+  TextureFootprint all;
+  for (uint32_t y = 0; y < 5; ++y)
+    for (uint32_t x = 0; x < 5; ++x) all.tiles.push_back({0, y, x, kTexelsPerModel});
+  const TextureFootprint whole{{}, {{0, kTexelsPerModel}}}, corner = footprintOf({{4, 4}});
+  const double far_model = distanceFor(2.5, kView), close_model = distanceFor(0.5, kView);
+  for (const bool visible : {true, false}) {
+    const TexturedPart with_tiles[] = {{&all, far_model, visible}, {&corner, close_model, true}};
+    const TexturedPart as_whole[] = {{&whole, far_model, visible}, {&corner, close_model, true}};
+    EXPECT_EQ(wantTiles(twoTextures(), as_whole, kView, 1), wantTiles(twoTextures(), with_tiles, kView, 1));
+  }
+}
+
 TEST(TextureWants, comeCoarserBeforeFiner) {
   const TextureFootprint large = footprintOf({{1, 1}, {2, 2}}), small = footprintOf({{0, 0}}, 1);
   const TexturedPart parts[] = {{&large, 3, true}, {&small, 70, true}};
