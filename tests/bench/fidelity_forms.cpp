@@ -33,9 +33,9 @@ std::vector<Channel> channelsOf(const FileNode& model) {
     for (int i = 0; i < count; ++i) channels.push_back({first + i, diagonal * scale});
   };
   const AttributeSet has = model.mesh.attributes;
-  if (has.has(AttributeSet::kNormal)) add(WedgeValue::kNormal, 3, 0.01);
-  if (has.has(AttributeSet::kColour)) add(WedgeValue::kColour, 3, 0.01 / 255);
-  if (has.has(AttributeSet::kTexture)) add(WedgeValue::kTexture, 2, 0.5 / 65535);
+  if (has.has(AttributeSet::kNormal)) add(WedgeValue::kNormal, 3, 0.007);
+  if (has.has(AttributeSet::kColour)) add(WedgeValue::kColour, 3, 0.03 / 255);
+  if (has.has(AttributeSet::kTexture)) add(WedgeValue::kTexture, 2, 0.1 / 65535);
   return channels;
 }
 
