@@ -16,7 +16,7 @@ namespace lode::core {
 /// gutters included.
 std::vector<glm::uvec2> tailSizes(glm::uvec2 coarsest);
 
-/// Fills coarsest.coarser from its texels: means of 2 x 2 in linear light, weighted by alpha.
+/// Fills coarsest.coarser from its texels: each level the finer one halved (common/image.h).
 void makeTail(TileImage& coarsest);
 
 }  // namespace lode::core

@@ -1,21 +1,18 @@
 #include <algorithm>
-#include <csetjmp>
-#include <cstdio>
 #include <cstring>
 #include <string_view>
 
-#include <jpeglib.h>
 #include <png.h>
 #include <webp/decode.h>
 
 #include "common/error.h"
+#include "common/jpeg_decoder.h"
 #include "common/texture_set.h"
 #include "server/ingest/image.h"
 
 namespace lode::ingest {
 namespace {
 
-constexpr int kMaxJpegScans = 100;  ///< of a progressive file: each takes as long as the whole picture
 constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
 /// Of a texel beside the picture itself: a JPEG's coefficients; the next level, or a decoder's rows.
 constexpr uint64_t kJpegTexelBytes = 6, kOtherTexelBytes = 2;
@@ -64,82 +61,12 @@ Image decodePng(std::span<const std::byte> file, const Budget& budget) {
   return image;
 }
 
-/// libjpeg reports errors by a jump: nothing with a destructor may be made between setjmp() and it.
-struct JpegErrors {
-  jpeg_error_mgr manager{};  // first: libjpeg knows no more of it
-  std::jmp_buf jump{};
-  char message[JMSG_LENGTH_MAX]{};
-  char warning[JMSG_LENGTH_MAX]{};
-};
-
-[[noreturn]] void jumpOut(j_common_ptr info) {
-  auto* const errors = reinterpret_cast<JpegErrors*>(info->err);
-  errors->manager.format_message(info, errors->message);
-  std::longjmp(errors->jump, 1);
-}
-
-void noteWarning(j_common_ptr info, int level) {
-  auto* const errors = reinterpret_cast<JpegErrors*>(info->err);
-  if (level < 0 && errors->warning[0] == 0) errors->manager.format_message(info, errors->warning);
-}
-
-void stopEndlessScans(j_common_ptr info) {
-  if (reinterpret_cast<j_decompress_ptr>(info)->input_scan_number <= kMaxJpegScans) return;
-  auto* const errors = reinterpret_cast<JpegErrors*>(info->err);
-  std::snprintf(errors->message, sizeof errors->message, "more than %d scans", kMaxJpegScans);
-  std::longjmp(errors->jump, 1);
-}
-
-/// An open JPEG file. After each call that returns false, errors().message says why.
-class JpegDecoder {
- public:
-  explicit JpegDecoder(std::span<const std::byte> file) : file_(file) {
-    info_.err = jpeg_std_error(&errors_.manager);
-    errors_.manager.error_exit = jumpOut;
-    errors_.manager.emit_message = noteWarning;
-    progress_.progress_monitor = stopEndlessScans;
-  }
-  ~JpegDecoder() { jpeg_destroy_decompress(&info_); }
-  JpegDecoder(const JpegDecoder&) = delete;
-  JpegDecoder& operator=(const JpegDecoder&) = delete;
-
-  bool readHeader() {
-    if (setjmp(errors_.jump) != 0) return false;
-    jpeg_create_decompress(&info_);
-    info_.progress = &progress_;
-    jpeg_mem_src(&info_, reinterpret_cast<const unsigned char*>(file_.data()), file_.size());
-    jpeg_read_header(&info_, TRUE);
-    return true;
-  }
-  glm::uvec2 size() const { return {info_.image_width, info_.image_height}; }
-
-  bool readTexels(glm::u8vec4* texels) {
-    if (setjmp(errors_.jump) != 0) return false;
-    info_.out_color_space = JCS_EXT_RGBA;
-    jpeg_start_decompress(&info_);
-    while (info_.output_scanline < info_.output_height) {
-      auto* row = reinterpret_cast<JSAMPLE*>(texels + size_t{info_.output_scanline} * info_.output_width);
-      jpeg_read_scanlines(&info_, &row, 1);
-    }
-    jpeg_finish_decompress(&info_);
-    return true;
-  }
-  const JpegErrors& errors() const { return errors_; }
-
- private:
-  const std::span<const std::byte> file_;
-  jpeg_decompress_struct info_{};
-  jpeg_progress_mgr progress_{};
-  JpegErrors errors_;
-};
-
 Image decodeJpeg(std::span<const std::byte> file, const Budget& budget, std::string& damage) {
-  JpegDecoder decoder(file);
-  if (!decoder.readHeader()) refuse(std::string("is a damaged JPEG: ") + decoder.errors().message);
+  JpegDecoder decoder(file, false);
+  if (!decoder.readHeader()) refuse(std::string("is a damaged JPEG: ") + decoder.failure());
   Image image = budget.makeImage(decoder.size().x, decoder.size().y, kJpegTexelBytes);
-  if (!decoder.readTexels(image.texels.data()))
-    refuse(std::string("is a damaged JPEG: ") + decoder.errors().message);
-  damage = decoder.errors().warning;
+  if (!decoder.readTexels(image.texels)) refuse(std::string("is a damaged JPEG: ") + decoder.failure());
+  damage = decoder.warning();
   return image;
 }
 

@@ -1,16 +1,15 @@
 #include "server/ingest/tile_encoder.h"
 
 #include <algorithm>
-#include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <unordered_set>
 
-#include <jpeglib.h>
 #include <webp/encode.h>
 
 #include "common/error.h"
+#include "common/jpeg_errors.h"
 
 namespace lode::ingest {
 namespace {
@@ -18,22 +17,12 @@ namespace {
 constexpr int kQuality = 90;
 constexpr size_t kDrawingColours = 256;
 
-struct JpegErrors {
-  jpeg_error_mgr manager{};
-  std::jmp_buf jump{};
-};
-
-[[noreturn]] void jumpOut(j_common_ptr info) {
-  std::longjmp(reinterpret_cast<JpegErrors*>(info->err)->jump, 1);
-}
-
 /// Nothing with a destructor may be made in here: libjpeg reports errors by a jump.
 /// @param bytes  allocated with malloc.
 bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size) {
   jpeg_compress_struct info{};
   JpegErrors errors;
-  info.err = jpeg_std_error(&errors.manager);
-  errors.manager.error_exit = jumpOut;
+  info.err = errors.install(false);
   if (setjmp(errors.jump) != 0) {
     jpeg_destroy_compress(&info);
     return false;

@@ -18,8 +18,6 @@ namespace {
 constexpr uint64_t kMemory = 1u << 30;
 constexpr int kDither = 8;  // of the background, which else is one colour a row
 
-using ingest::Image;
-
 Image readPicture(const char* path) {
   std::ifstream file(path, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(file)), {});

@@ -1,20 +1,22 @@
 #include "common/tile_image.h"
 
-#include <cstdio>
 #include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
-#include <jpeglib.h>
 
 #include "common/error.h"
+#include "common/jpeg_decoder.h"
 #include "common/texture_set.h"
+#include "tests/support/jpeg_files.h"
 #include "tests/support/texture_images.h"
 
 namespace lode {
 namespace {
 
 using Bytes = std::vector<std::byte>;
+using test::jpegOf;
+using test::jpegScans;
 
 /// A smooth image, so that JPEG hardly changes it.
 TileImage gradient(uint32_t width, uint32_t height) {
@@ -23,45 +25,6 @@ TileImage gradient(uint32_t width, uint32_t height) {
     for (uint32_t x = 0; x < width; ++x)
       image.texels.emplace_back(255 * x / width, 255 * y / height, 90, 255);
   return image;
-}
-
-Bytes jpegOf(const TileImage& image, bool progressive = false, int components = 3,
-             std::span<const jpeg_scan_info> scans = {}) {
-  jpeg_compress_struct encoder{};
-  jpeg_error_mgr errors{};
-  encoder.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&encoder);
-  unsigned char* file = nullptr;
-  unsigned long bytes = 0;
-  jpeg_mem_dest(&encoder, &file, &bytes);
-  encoder.image_width = image.size.x;
-  encoder.image_height = image.size.y;
-  encoder.input_components = components == 1 ? 1 : 4;
-  encoder.in_color_space = components == 1 ? JCS_GRAYSCALE : JCS_EXT_RGBA;
-  jpeg_set_defaults(&encoder);
-  jpeg_set_quality(&encoder, 95, TRUE);
-  if (progressive) jpeg_simple_progression(&encoder);
-  if (!scans.empty()) {
-    encoder.scan_info = scans.data();
-    encoder.num_scans = static_cast<int>(scans.size());
-  }
-  jpeg_start_compress(&encoder, TRUE);
-  std::vector<unsigned char> row;
-  while (encoder.next_scanline < encoder.image_height) {
-    row.clear();
-    for (uint32_t x = 0; x < image.size.x; ++x) {
-      const glm::u8vec4 texel = image.texels[encoder.next_scanline * image.size.x + x];
-      for (int c = 0; c < encoder.input_components; ++c) row.push_back(texel[c]);
-    }
-    JSAMPROW rows = row.data();
-    jpeg_write_scanlines(&encoder, &rows, 1);
-  }
-  jpeg_finish_compress(&encoder);
-  const auto* const begin = reinterpret_cast<const std::byte*>(file);
-  Bytes result(begin, begin + bytes);
-  jpeg_destroy_compress(&encoder);
-  std::free(file);
-  return result;
 }
 
 int worstDifference(const TileImage& a, const TileImage& b) {
@@ -135,19 +98,11 @@ TEST(TileImage, ofDamagedBytesIsRefusedOrOfTheRightSize) {
     }
 }
 
-/// One scan for each coefficient of each component, as the format allows.
-std::vector<jpeg_scan_info> manyScans(int coefficients) {
-  std::vector<jpeg_scan_info> scans{{3, {0, 1, 2}, 0, 0, 0, 0}};
-  for (int component = 0; component < 3; ++component)
-    for (int i = 1; i < coefficients; ++i) scans.push_back({1, {component}, i, i, 0, 0});
-  return scans;
-}
-
 TEST(TileImage, ofAJpegWithTooManyScansIsRefused) {
   const TileImage image = gradient(64, 64);
-  EXPECT_NO_THROW(decodeTile(jpegOf(image, false, 3, manyScans(20)), {64, 64}));
+  EXPECT_NO_THROW(decodeTile(jpegOf(image, false, 3, jpegScans(kMaxJpegScans)), {64, 64}));
   try {
-    decodeTile(jpegOf(image, false, 3, manyScans(64)), {64, 64});
+    decodeTile(jpegOf(image, false, 3, jpegScans(kMaxJpegScans + 1)), {64, 64});
     FAIL() << "it was decoded";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("scans"), std::string::npos) << error.what();

@@ -16,8 +16,8 @@
 namespace lode::test {
 
 /// Many colours that change smoothly; alpha of 255, or varying too.
-inline ingest::Image makePhoto(uint32_t width, uint32_t height, bool alpha = false) {
-  ingest::Image image{{width, height}, {}};
+inline Image makePhoto(uint32_t width, uint32_t height, bool alpha = false) {
+  Image image{{width, height}, {}};
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) {
       const auto wave = [&](double fx, double fy) {
@@ -29,7 +29,7 @@ inline ingest::Image makePhoto(uint32_t width, uint32_t height, bool alpha = fal
   return image;
 }
 
-inline std::vector<std::byte> pngOf(const ingest::Image& image) {
+inline std::vector<std::byte> pngOf(const Image& image) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   png.width = image.size.x;

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "common/jpeg_decoder.h"
 #include "server/ingest/tile_encoder.h"
+#include "tests/support/jpeg_files.h"
 #include "tests/unit/ingest/image_files.h"
 
 namespace lode::ingest {
@@ -103,48 +105,10 @@ TEST(DecodeImage, saysWhenAJpegIsDamagedButShown) {
   EXPECT_NE(damage, "");
 }
 
-TEST(Halved, keepsAPlainColour) {
-  for (const glm::uvec2 size : {glm::uvec2(8, 8), {7, 5}, {1, 9}, {3, 1}, {2, 2}}) {
-    const Image image{size, std::vector<glm::u8vec4>(size_t{size.x} * size.y, {17, 200, 3, 99})};
-    const Image half = halved(image);
-    EXPECT_EQ(half.size, (size + 1u) / 2u);
-    for (const glm::u8vec4 texel : half.texels) EXPECT_EQ(texel, glm::u8vec4(17, 200, 3, 99));
-  }
-}
-
-TEST(Halved, keepsEverySrgbValue) {
-  for (unsigned value = 0; value < 256; ++value) {
-    const auto byte = static_cast<uint8_t>(value);
-    const Image image{{2, 2}, std::vector<glm::u8vec4>(4, {byte, byte, byte, 255})};
-    EXPECT_EQ(halved(image).texels[0], glm::u8vec4(byte, byte, byte, 255));
-  }
-}
-
-TEST(Halved, mixesInLinearLight) {
-  const Image image{{2, 1}, {{0, 0, 0, 255}, {255, 255, 255, 255}}};
-  EXPECT_EQ(halved(image).texels[0], glm::u8vec4(188, 188, 188, 255));
-}
-
-TEST(Halved, weighsColoursByTheirAlpha) {
-  const Image image{{2, 1}, {{255, 0, 0, 255}, {0, 255, 0, 0}}};
-  EXPECT_EQ(halved(image).texels[0], glm::u8vec4(255, 0, 0, 128));
-}
-
-TEST(Halved, dividesOddSizesEvenly) {
-  // Of three texels, each of two covers one and a half: 2/3 and 1/3 of the light.
-  const Image image{{3, 1}, {{255, 255, 255, 255}, {0, 0, 0, 255}, {0, 0, 0, 255}}};
-  const Image half = halved(image);
-  ASSERT_EQ(half.size, glm::uvec2(2, 1));
-  EXPECT_EQ(half.texels[0].r, 213);  // sRGB of 2/3
-  EXPECT_EQ(half.texels[1].r, 0);
-}
-
-TEST(CutOut, repeatsThePictureBeyondItsRims) {
-  const Image image{{2, 2}, {{0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1}}};
-  const Image part = cutOut(image, {-3, -2}, {6, 5});
-  ASSERT_EQ(part.size, glm::uvec2(6, 5));
-  for (uint32_t y = 0; y < 5; ++y)
-    for (uint32_t x = 0; x < 6; ++x) EXPECT_EQ(part.at(x, y), glm::u8vec4((x + 1) % 2, y % 2, 0, 1));
+TEST(DecodeImage, refusesAJpegOfMoreScansThanATileMayHave) {
+  const Image image = makePhoto(64, 64);
+  EXPECT_EQ(decoded(test::jpegOf(image, false, 3, test::jpegScans(kMaxJpegScans))).size, image.size);
+  expectRefused(test::jpegOf(image, false, 3, test::jpegScans(kMaxJpegScans + 1)), "more than 64 scans");
 }
 
 TEST(ChooseCodec, goesByColoursAndAlpha) {

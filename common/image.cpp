@@ -1,10 +1,10 @@
-#include "server/ingest/image.h"
+#include "common/image.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace lode::ingest {
+namespace lode {
 namespace {
 
 constexpr int kLinearSteps = 65536;
@@ -105,4 +105,4 @@ Image cutOut(const Image& image, glm::ivec2 first, glm::uvec2 size) {
   return part;
 }
 
-}  // namespace lode::ingest
+}  // namespace lode
