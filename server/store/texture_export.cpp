@@ -15,18 +15,24 @@
 namespace lode::store {
 namespace {
 
+/// What libpng holds for a file that it writes; null if there was no memory.
+struct PngHandle {
+  PngHandle() = default;
+  ~PngHandle() { png_destroy_write_struct(&writer, &info); }
+  PngHandle(const PngHandle&) = delete;
+  PngHandle& operator=(const PngHandle&) = delete;
+
+  png_structp writer = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = writer ? png_create_info_struct(writer) : nullptr;
+};
+
 /// Writes a PNG file row by row. libpng reports errors by a jump; no call but its own lies between that and
 /// where it lands.
 class PngWriter {
  public:
   PngWriter(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha) : path_(path), file_(path) {
-    png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-    info_ = png_ ? png_create_info_struct(png_) : nullptr;
-    if (!info_ || !begin(size, has_alpha)) fail();
+    if (!png_.info || !begin(size, has_alpha)) fail();
   }
-  ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
-  PngWriter(const PngWriter&) = delete;
-  PngWriter& operator=(const PngWriter&) = delete;
 
   /// @param row  of the image's width; without alpha that channel is left out.
   void write(std::span<const glm::u8vec4> row) {
@@ -44,24 +50,25 @@ class PngWriter {
   }
 
   bool begin(glm::uvec2 size, bool has_alpha) {
-    if (setjmp(png_jmpbuf(png_)) != 0) return false;
-    png_set_write_fn(png_, this, append, nullptr);
-    png_set_user_limits(png_, kMaxTextureEdgePx, kMaxTextureEdgePx);
-    png_set_IHDR(png_, info_, size.x, size.y, 8, has_alpha ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_RGB,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_sRGB(png_, info_, PNG_sRGB_INTENT_PERCEPTUAL);
-    png_write_info(png_, info_);
-    if (!has_alpha) png_set_filler(png_, 0, PNG_FILLER_AFTER);
+    if (setjmp(png_jmpbuf(png_.writer)) != 0) return false;
+    png_set_write_fn(png_.writer, this, append, nullptr);
+    png_set_user_limits(png_.writer, kMaxTextureEdgePx, kMaxTextureEdgePx);
+    png_set_IHDR(png_.writer, png_.info, size.x, size.y, 8,
+                 has_alpha ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB(png_.writer, png_.info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_write_info(png_.writer, png_.info);
+    if (!has_alpha) png_set_filler(png_.writer, 0, PNG_FILLER_AFTER);
     return true;
   }
   bool tryToWrite(const glm::u8vec4* row) {
-    if (setjmp(png_jmpbuf(png_)) != 0) return false;
-    png_write_row(png_, reinterpret_cast<png_const_bytep>(row));
+    if (setjmp(png_jmpbuf(png_.writer)) != 0) return false;
+    png_write_row(png_.writer, reinterpret_cast<png_const_bytep>(row));
     return true;
   }
   bool tryToEnd() {
-    if (setjmp(png_jmpbuf(png_)) != 0) return false;
-    png_write_end(png_, nullptr);
+    if (setjmp(png_jmpbuf(png_.writer)) != 0) return false;
+    png_write_end(png_.writer, nullptr);
     return true;
   }
 
@@ -79,8 +86,7 @@ class PngWriter {
   const std::filesystem::path path_;
   AtomicFile file_;
   std::exception_ptr failure_;
-  png_structp png_ = nullptr;
-  png_infop info_ = nullptr;
+  PngHandle png_;
 };
 
 void exportImage(const Reader& reader, const Texture& texture, const std::filesystem::path& path) {
