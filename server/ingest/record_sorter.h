@@ -33,9 +33,8 @@ class RecordSorter {
   uint64_t size() const noexcept { return size_; }
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_; }
 
-  /// The number of runs on the disk, and of the records in them.
+  /// The number of runs on the disk.
   size_t runCount() const noexcept { return runs_.size(); }
-  uint64_t recordsInRuns() const noexcept { return size_ - order_.size(); }
   /// Writes what is held as a run.
   void spill(const Progress& progress = {});
   /// Writes the runs to the disk for good, and notes in `record` where they are.
