@@ -5,6 +5,7 @@
 
 #include "common/error.h"
 #include "common/octahedral.h"
+#include "server/ingest/vertex_set.h"
 
 namespace lode::ingest {
 
@@ -125,6 +126,22 @@ void PackedInput::addFaces(const PlyFaces& faces) {
   faces_ += faces.corner_counts.size();
 }
 
+UvRange PackedInput::usedUvRange() const {
+  if (corner_texture_ || uv_range_.withinImage()) return uv_range_;
+  VertexSet used(vertices_);
+  FaceCursor faces(*this);
+  for (FaceBlock block; faces.next(block);)
+    for (const uint32_t corner : block.corners) used.add(corner);
+  UvRange range;
+  SpoolCursor cursor(vertex_spool_, 0, vertices_ * vertex_bytes_);
+  for (uint64_t vertex = 0; vertex < vertices_; ++vertex) {
+    glm::vec2 uv;  // the last of a vertex
+    std::memcpy(&uv, cursor.take(vertex_bytes_).last(sizeof(uv)).data(), sizeof(uv));
+    if (used.contains(vertex)) range.add(uv);
+  }
+  return range;
+}
+
 void PackedInput::flush() {
   vertex_spool_.flush();
   face_spool_.flush();
@@ -178,7 +195,7 @@ ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, co
           progress("scan", total ? static_cast<double>(done) / static_cast<double>(total) : 1, done, total);
       });
   model.input.flush();
-  model.input.setUvGrid(chooseUvGrid(model.input.uvRange(), options.input.string()));
+  model.input.setUvGrid(chooseUvGrid(model.input.usedUvRange(), options.input.string()));
   if (model.counts.extra_tokens > 0) {
     warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.extra_tokens) +
                        " surplus values at the ends of lines were ignored");

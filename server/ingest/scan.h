@@ -41,7 +41,11 @@ class PackedInput {
   void addFaces(const PlyFaces& faces);
   void flush();
 
+  /// Of all texture coordinates.
   const UvRange& uvRange() const noexcept { return uv_range_; }
+  /// Of those that faces use, of a flushed input. Reads it, if some vertices have coordinates outside 0
+  /// ... 1.
+  UvRange usedUvRange() const;
   /// Of texture coordinates, as they are read from now on.
   void setUvGrid(const UvGrid& grid) noexcept { uv_grid_ = grid; }
   const UvGrid& uvGrid() const noexcept { return uv_grid_; }

@@ -22,9 +22,7 @@ glm::u16vec2 UvGrid::snap(glm::vec2 uv) const noexcept {
 
 UvGrid chooseUvGrid(const UvRange& range, const std::string& file) {
   UvGrid grid;
-  if (range.empty() || (glm::all(glm::greaterThanEqual(range.min, glm::dvec2(0))) &&
-                        glm::all(glm::lessThanEqual(range.max, glm::dvec2(1)))))
-    return grid;
+  if (range.withinImage()) return grid;
   for (; grid.scale_exponent <= kMaxUvExponent; ++grid.scale_exponent) {
     const double step = stepOf(grid.scale_exponent);
     grid.origin = glm::floor(range.min / step) * step;

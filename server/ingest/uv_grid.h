@@ -18,6 +18,11 @@ struct UvRange {
     max = glm::max(max, glm::dvec2(uv));
   }
   bool empty() const noexcept { return !(min.x <= max.x); }
+  /// Nothing of it lies outside 0 ... 1.
+  bool withinImage() const noexcept {
+    return empty() || (glm::all(glm::greaterThanEqual(min, glm::dvec2(0))) &&
+                       glm::all(glm::lessThanEqual(max, glm::dvec2(1))));
+  }
 };
 
 /// The grid of a model's texture coordinates, see TextureSet: origin + code * 2^(scale_exponent - 16).
