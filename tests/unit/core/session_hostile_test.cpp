@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include "client/core/session.h"
+#include "tests/unit/core/session_fixture.h"
+
+namespace lode::core {
+namespace {
+
+using namespace test;
+
+TEST_F(SessionTest, refusesMoreBytesThanTheServerCanHaveBeenGranted) {
+  open();
+  constexpr size_t kSize = proto::kFixedWindowBytes + proto::kMaxChunkBytes;
+  const uint32_t wish = wishFor(blobRef(5, kSize));
+  expectRefused(blobFrames(wish, 5, kSize), "credit");
+}
+
+TEST_F(SessionTest, refusesMoreThanTheFirstWindowBeforeACreditWasSent) {
+  session_.takeOutgoing();
+  give(welcome() + opened() + blobFrames(0, kPageBlob, kPageBytes));
+  session_.expectUnasked(blobRef(5, proto::kInitialWindowBytes));
+  expectRefused(blobFrames(0, 5, proto::kInitialWindowBytes), "credit");
+}
+
+TEST_F(SessionTest, refusesAnAnswerOutOfTurn) { expectRefused(opened(), "out of turn"); }
+
+TEST_F(SessionTest, refusesASecondWelcome) {
+  give(welcome());
+  expectRefused(welcome(), "out of turn");
+}
+
+TEST_F(SessionTest, refusesAnAnswerToAnotherRequest) {
+  expectRefused(proto::encode(proto::Welcome{1, 0, 16, ""}, 9), "out of turn");
+}
+
+TEST_F(SessionTest, refusesAVersionThatItDidNotOffer) {
+  expectRefused(proto::encode(proto::Welcome{2, 0, 16, ""}, 1), "version 2");
+}
+
+TEST_F(SessionTest, refusesAServerWithoutWishes) {
+  expectRefused(proto::encode(proto::Welcome{1, 0, 0, ""}, 1), "no wishes");
+}
+
+TEST_F(SessionTest, refusesABlobThatWasNotWishedFor) {
+  open();
+  expectRefused(blobFrames(99, 5, 100), "not wished for");
+}
+
+TEST_F(SessionTest, refusesAnUnaskedBlobBeyondTheAnnouncedOnes) {
+  open();
+  expectRefused(blobFrames(0, 5, 100), "not wished for");
+}
+
+TEST_F(SessionTest, refusesABlobOfAnotherSize) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  expectRefused(blobFrames(wish, 5, 101), "another size");
+}
+
+TEST_F(SessionTest, refusesAChunkOutOfOrder) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  expectRefused(chunkFrame(wish, 100, 50, blobBytes(5, 50)), "out of order");
+}
+
+TEST_F(SessionTest, refusesAChunkThatOverlapsTheOneBefore) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  give(chunkFrame(wish, 100, 0, blobBytes(5, 60)));
+  expectRefused(chunkFrame(wish, 100, 50, blobBytes(5, 50)), "out of order");
+}
+
+TEST_F(SessionTest, refusesAChunkBeyondTheEndOfItsBlob) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  give(chunkFrame(wish, 100, 0, blobBytes(5, 60)));
+  expectRefused(chunkFrame(wish, 100, 60, blobBytes(5, 41)), "beyond");
+}
+
+TEST_F(SessionTest, refusesABlobWhoseBytesAreNotWhatItsNameSays) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  expectRefused(blobFrames(wish, 6, 100), "name");
+}
+
+TEST_F(SessionTest, refusesAnErrorForAWishThatIsNotOpen) {
+  open();
+  expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kInternal, 44, false, "x"}, 0),
+                "not open");
+}
+
+TEST_F(SessionTest, refusesACancellationThatWasNotAskedFor) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  expectRefused(proto::encode(proto::Cancelled{wish}, 0), "cancelled");
+}
+
+TEST_F(SessionTest, refusesAPongWithoutAPing) {
+  give(welcome());
+  expectRefused(proto::encode(proto::Pong{5}, 0), "Pong");
+}
+
+TEST_F(SessionTest, refusesAFrameThatIsNotForAClient) {
+  expectRefused(proto::encode(proto::Hello{}, 1), "not for a client");
+}
+
+TEST_F(SessionTest, refusesAnUnknownFrameThatIsNotOptional) {
+  expectRefused(frameOf(static_cast<FrameType>(77), 0, blobBytes(1, 20)), "77");
+}
+
+TEST_F(SessionTest, refusesAFrameLongerThanTheLimitBeforeItsBodyHasCome) {
+  const auto header = proto::encodeFrameHeader({proto::kMaxFrameBodyBytes + 1, 2, 0, 0});
+  expectRefused({header.begin(), header.end()}, "limit");
+}
+
+TEST_F(SessionTest, refusesEveryTruncatedBody) {
+  const Bytes whole = welcome();
+  for (size_t size = 0; size + proto::kFrameHeaderBytes < whole.size(); size += 4) {
+    Session session(optionsFor("model"), kStart);
+    const Bytes body(whole.begin() + proto::kFrameHeaderBytes,
+                     whole.begin() + static_cast<ptrdiff_t>(proto::kFrameHeaderBytes + size));
+    session.receive(frameOf(FrameType::kWelcome, 0, body), kStart);
+    EXPECT_THROW(session.nextEvent(), Error) << size;
+  }
+}
+
+}  // namespace
+}  // namespace lode::core

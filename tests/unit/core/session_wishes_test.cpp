@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include "client/core/session.h"
+#include "tests/unit/core/session_fixture.h"
+
+namespace lode::core {
+namespace {
+
+using namespace test;
+
+TEST_F(SessionTest, wishesOnceForABlobAndDeliversItsBytes) {
+  open();
+  const BlobRef blob = blobRef(5, 100'000);
+  const uint32_t wish = wishFor(blob);
+  EXPECT_NE(wish, 0u);
+  EXPECT_EQ(wishFor(blob), 0u);
+  const auto events = give(blobFrames(wish, 5, 100'000));
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(std::get<BlobArrived>(events[0]).blob, blob);
+  EXPECT_EQ(std::get<BlobArrived>(events[0]).bytes, blobBytes(5, 100'000));
+  EXPECT_EQ(session_.openWishes(), 0u);
+  EXPECT_EQ(session_.wishedBytes(), 0u);
+}
+
+TEST_F(SessionTest, sendsAChangeOfPriorityOnlyIfItIsLarge) {
+  open();
+  const BlobRef blob = blobRef(5, 100);
+  wishFor(blob);
+  session_.setWishes(std::vector<BlobWish>{{blob, proto::WishClass::kVisible, 11}});
+  EXPECT_TRUE(changesOf(session_.takeOutgoing()).empty());
+  session_.setWishes(std::vector<BlobWish>{{blob, proto::WishClass::kVisible, 20}});
+  const auto changes = changesOf(session_.takeOutgoing());
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].action, proto::WishAction::kReprioritise);
+  EXPECT_EQ(changes[0].priority_px, 20);
+}
+
+TEST_F(SessionTest, cancelsWhatIsNoLongerWantedAndEndsItOnce) {
+  open();
+  const BlobRef blob = blobRef(5, 100);
+  const uint32_t wish = wishFor(blob);
+  session_.setWishes({});
+  const auto changes = changesOf(session_.takeOutgoing());
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].action, proto::WishAction::kCancel);
+  session_.setWishes({});
+  EXPECT_TRUE(changesOf(session_.takeOutgoing()).empty());
+  give(proto::encode(proto::Cancelled{wish}, 0));
+  EXPECT_EQ(session_.openWishes(), 0u);
+  expectRefused(proto::encode(proto::Cancelled{wish}, 0), "cancelled");
+}
+
+TEST_F(SessionTest, takesABlobThatCompletesWhileItIsCancelled) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  session_.setWishes({});
+  EXPECT_EQ(give(blobFrames(wish, 5, 100)).size(), 1u);
+  EXPECT_EQ(session_.openWishes(), 0u);
+}
+
+TEST_F(SessionTest, wishesAgainOnlyAfterACancelledWishHasEnded) {
+  open();
+  const BlobRef blob = blobRef(5, 100);
+  const uint32_t wish = wishFor(blob);
+  session_.setWishes({});
+  session_.takeOutgoing();
+  EXPECT_EQ(wishFor(blob), 0u);
+  give(proto::encode(proto::Cancelled{wish}, 0));
+  EXPECT_NE(wishFor(blob), 0u);
+}
+
+TEST_F(SessionTest, reportsAWishThatTheServerRefuses) {
+  open();
+  const BlobRef blob = blobRef(5, 100);
+  const uint32_t wish = wishFor(blob);
+  const auto events =
+      give(proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, wish, false, "damaged"}, 0));
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(std::get<BlobRefused>(events[0]).blob, blob);
+  EXPECT_EQ(session_.openWishes(), 0u);
+}
+
+TEST_F(SessionTest, keepsWishesWithinItsLimitOfBytes) {
+  SessionOptions options = optionsFor("model");
+  options.max_wished_bytes = 1000;
+  Session session(options, kStart);
+  session.receive(welcome() + opened(), kStart);
+  while (session.nextEvent()) {
+  }
+  std::vector<BlobWish> wishes;
+  for (uint32_t i = 0; i < 10; ++i) wishes.push_back({blobRef(10 + i, 400), proto::WishClass::kVisible, 1});
+  session.setWishes(wishes);
+  EXPECT_EQ(session.openWishes(), 2u);
+  EXPECT_LE(session.wishedBytes(), 1000u);
+}
+
+TEST_F(SessionTest, wishesForABlobLargerThanTheLimitAlone) {
+  SessionOptions options = optionsFor("model");
+  options.max_wished_bytes = 1000;
+  Session session(options, kStart);
+  session.receive(welcome() + opened(), kStart);
+  while (session.nextEvent()) {
+  }
+  session.setWishes(std::vector<BlobWish>{{blobRef(10, 4000)}, {blobRef(11, 10)}});
+  EXPECT_EQ(session.openWishes(), 1u);
+}
+
+TEST_F(SessionTest, keepsWishesWithinTheNumberThatTheServerAllows) {
+  Session session(optionsFor("model"), kStart);
+  session.receive(proto::encode(proto::Welcome{1, 0, 3, "test"}, 1) + opened(), kStart);
+  while (session.nextEvent()) {
+  }
+  std::vector<BlobWish> wishes;
+  for (uint32_t i = 0; i < 10; ++i) wishes.push_back({blobRef(10 + i, 4), proto::WishClass::kVisible, 1});
+  session.setWishes(wishes);
+  EXPECT_EQ(session.openWishes(), 3u);
+}
+
+TEST_F(SessionTest, keepsTheServerAWindowAhead) {
+  give(welcome());
+  auto credits = messagesOf<proto::Credit>(session_.takeOutgoing(), FrameType::kCredit);
+  ASSERT_EQ(credits.size(), 1u);
+  EXPECT_EQ(credits[0].granted_bytes, proto::kFixedWindowBytes);
+  give(opened() + blobFrames(0, kPageBlob, kPageBytes));
+  constexpr size_t kSize = 3u << 20;
+  const uint32_t wish = wishFor(blobRef(5, kSize));
+  const Bytes frames = blobFrames(wish, 5, kSize);
+  uint64_t sent = kPageBytes + proto::kBlobChunkHeaderBytes, granted = proto::kFixedWindowBytes;
+  for (const SentFrame& frame : framesOf(frames)) {
+    sent += frame.body.size();
+    ASSERT_LE(sent, granted);
+    give(frameOf(FrameType::kBlob, 0, frame.body));
+    for (const auto& credit : messagesOf<proto::Credit>(session_.takeOutgoing(), FrameType::kCredit)) {
+      EXPECT_GT(credit.granted_bytes, granted);
+      granted = credit.granted_bytes;
+      EXPECT_EQ(granted, sent + proto::kFixedWindowBytes);
+    }
+  }
+  EXPECT_EQ(session_.openWishes(), 0u);
+}
+
+}  // namespace
+}  // namespace lode::core
