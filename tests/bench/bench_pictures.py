@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Pictures of one-pixel cuts beside full resolution: bench_pictures.py BIN_DIR MODEL.ply ... [--pixels P]
 
+With --painted N it also makes a sample of N triangles with texture coordinates and a picture of
+rings, stripes and a gradient, which has hard edges everywhere.
 Builds each model, draws it from eight places (along the axes, and two close ones) at an error of P pixels and of 0.01,
 which is all leaves, and has bench_fidelity compare each pair.
 """
@@ -8,24 +10,60 @@ import argparse
 import json
 import math
 import pathlib
+import struct
 import subprocess
 import tempfile
+import zlib
 
 FULL_PX = "0.01"
 DIRECTIONS = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1), (1, 1, 1), (-1, 1, -1)]
+PICTURE_SIDE = 2048
 CLOSE = 6  # directions from here on are seen from half the distance
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin_dir", type=pathlib.Path)
-    parser.add_argument("models", nargs="+", type=pathlib.Path)
+    parser.add_argument("models", nargs="*", type=pathlib.Path)
+    parser.add_argument("--painted", type=int, metavar="N")
     parser.add_argument("--pixels", default="1")
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
+    if options.painted:
+        with tempfile.TemporaryDirectory() as folder:
+            compare(options, painted_sample(options, pathlib.Path(folder)), pathlib.Path(folder))
     for model in options.models:
         with tempfile.TemporaryDirectory() as folder:
             compare(options, model, pathlib.Path(folder))
+
+
+def painted_sample(options, folder):
+    model, bare = folder / "painted.ply", folder / "bare.ply"
+    subprocess.run([str(options.bin_dir / "lodestreamd"), "sample", "asteroid", "--triangles", str(options.painted),
+                    "--attributes", "uv", "-o", str(bare)], check=True, stdout=subprocess.DEVNULL)
+    header, rest = bare.read_bytes().split(b"element vertex", 1)
+    model.write_bytes(header + b"comment TextureFile painted.png\nelement vertex" + rest)
+    (folder / "painted.png").write_bytes(png(PICTURE_SIDE, painted_rows()))
+    return model
+
+
+def painted_rows():
+    for y in range(PICTURE_SIDE):
+        row = bytearray(b"\0")
+        for x in range(PICTURE_SIDE):
+            ring = math.hypot(x - PICTURE_SIDE / 2, y - PICTURE_SIDE / 2) // 64 % 2
+            stripe = (x + y) // 96 % 2
+            row += bytes((round(60 + 120 * ring), round(40 + 140 * stripe), 80 + 100 * x // PICTURE_SIDE))
+        yield bytes(row)
+
+
+def png(side, rows):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"".join(rows), 6)) +
+            chunk(b"IEND", b""))
 
 
 def compare(options, model, folder):
