@@ -28,6 +28,9 @@ class JpegDecoder {
   bool readHeader();
   /// Of a file whose header was read.
   glm::uvec2 size() const noexcept { return {info_.image_width, info_.image_height}; }
+  /// Of a file whose header was read: whether readTexels() takes two bytes a texel and channel, for the
+  /// coefficients of the whole picture.
+  bool hasSeveralScans() noexcept { return jpeg_has_multiple_scans(&info_) != FALSE; }
   /// After readHeader(), once. @param texels  room for all of size(), by rows; alpha becomes 255.
   /// @return false if the file is damaged: failure() says how.
   bool readTexels(std::span<glm::u8vec4> texels);

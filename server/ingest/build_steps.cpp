@@ -113,6 +113,7 @@ void BuildSteps::scan() {
     return;
   }
   StageClock clock(report_, "scan");
+  surveyImages();
   ScannedModel scanned = ingest::scan(options_, *files_, progress_, report_.warnings);
   facts_.choice = chooseLattice(scanned.input, options_.input);
   facts_.soup_attributes = scanned.input.attributes();
@@ -155,6 +156,13 @@ void BuildSteps::textures() {
   refuseWarnings();
 }
 
+/// So early that what is wrong with the images as a whole costs no time.
+void BuildSteps::surveyImages() {
+  const PlyReader reader(options_.input, {.skip_bad = options_.skip_bad});
+  if (reader.attributes().has(AttributeSet::kTexture))
+    images_ = surveyTextures(options_.input, reader.header().texture_files, plan_.image_bytes);
+}
+
 void BuildSteps::readImages() {
   if (!facts_.soup_attributes.has(AttributeSet::kTexture)) {
     report_.warnings.push_back(options_.input.string() +
@@ -163,8 +171,9 @@ void BuildSteps::readImages() {
   }
   noteResumed("textures");
   StageClock clock(report_, "textures");
-  textures_ = stageTextures(options_, texture_files_, facts_.uv_grid, *tiles_, options_.memory_bytes,
-                            progress_, report_.warnings);
+  if (images_.empty()) images_ = surveyTextures(options_.input, texture_files_, plan_.image_bytes);
+  textures_ = stageTextures(options_, images_, facts_.uv_grid, *tiles_, plan_.image_bytes, progress_,
+                            report_.warnings);
   giveBackFreedMemory();
   tiles_->sync();
   RecordWriter record;

@@ -53,6 +53,7 @@ class BuildSteps {
   void note(BuildEntry kind, const RecordWriter& record);
   void noteResumed(const char* stage);
   void restoreScan();
+  void surveyImages();
   void readImages();
   void refuseWarnings() const;
   void sortSoup();
@@ -71,6 +72,7 @@ class BuildSteps {
 
   Facts facts_;
   std::vector<std::string> texture_files_;
+  std::vector<TextureImage> images_;  ///< of these, once they were looked for
   StagedTextures textures_;
   std::optional<Spool> tiles_;            ///< textures to pack
   std::unique_ptr<PackedInput> input_;    ///< scan to dereference

@@ -9,12 +9,22 @@ namespace lode::ingest {
 /// How a build divides its memory (I7). What stages need was measured with samples of 2 and 10 million
 /// triangles, and is proportional to the triangles of a node.
 struct MemoryPlan {
-  uint64_t sort_bytes = 0;     ///< for what a sort, or a batch of faces with their vertices, holds
-  unsigned threads = 1;        ///< that simplify: as many as asked for, fewer where their nodes would not fit
+  uint64_t sort_bytes = 0;  ///< for what a sort, or a batch of faces with their vertices, holds
+  unsigned threads = 1;     ///< that simplify: as many as asked for, fewer where their nodes would not fit
+  /// For one texture image: its file, its texels and what decoding and halving them takes. All but what the
+  /// program and one encoder of tiles take; of a small budget, half.
+  uint64_t image_bytes = 0;
   uint64_t minimum_bytes = 0;  ///< below, not even one thread's nodes fit; small models need less
 };
 
 MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangles_per_node) noexcept;
+
+/// The least budget that leaves an image so many bytes.
+uint64_t budgetForImage(uint64_t image_bytes) noexcept;
+
+/// How many threads may encode the tiles of an image that takes so many bytes: as many as asked for, fewer
+/// where their encoders would not fit beside it.
+unsigned encoderThreads(uint64_t memory_bytes, uint64_t image_bytes, unsigned threads) noexcept;
 
 /// The peak to expect of a build by a plan.
 uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,

@@ -4,23 +4,18 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
-#include <fstream>
 #include <thread>
 
 #include "common/error.h"
 #include "common/printable.h"
 #include "common/texture_set.h"
-#include "server/ingest/ply_input.h"
+#include "server/ingest/memory_plan.h"
 #include "server/ingest/tile_encoder.h"
 
 namespace lode::ingest {
 namespace {
 
 constexpr size_t kTilesAtOnce = 8;  ///< a thread, before they are written
-
-bool isInside(const std::filesystem::path& path, const std::filesystem::path& folder) {
-  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
-}
 
 /// A name that a texture set takes.
 std::string presentable(std::string name) {
@@ -29,17 +24,6 @@ std::string presentable(std::string name) {
   for (char& c : name)
     if (const auto byte = static_cast<unsigned char>(c); byte < ' ' || byte >= 0x7f) c = '?';
   return name;
-}
-
-std::vector<std::byte> readFile(const std::filesystem::path& path, uint64_t memory_bytes) {
-  const uint64_t size = std::filesystem::file_size(path);
-  if (size > memory_bytes / 2)
-    throw Error(ErrorCode::kLimit, "has " + std::to_string(size) + " bytes; raise --memory or scale it down");
-  std::vector<std::byte> bytes(size);
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
-    throw Error(ErrorCode::kInput, "cannot be read; check the file and its permissions");
-  return bytes;
 }
 
 /// Runs work(0) ... work(count - 1) on threads; throws what the first that failed met.
@@ -66,41 +50,44 @@ void forEach(size_t count, unsigned threads, const Work& work) {
 
 class Stager {
  public:
-  Stager(const BuildOptions& options, Spool& tiles, uint64_t memory_bytes, const BuildProgress& progress,
+  Stager(const BuildOptions& options, Spool& tiles, uint64_t image_bytes, const BuildProgress& progress,
          std::vector<std::string>& warnings, size_t textures)
       : options_(options),
         tiles_(tiles),
-        memory_bytes_(memory_bytes),
+        image_bytes_(image_bytes),
         progress_(progress),
         warnings_(warnings),
         textures_(textures) {}
 
-  StagedTextures::Texture stage(const std::string& name) {
-    StagedTextures::Texture staged{presentable(name), 0, 0, {}};
-    const std::string quoted = options_.input.string() + ": texture " + quotedText(name, 4096);
-    const TextureFile file = findTexture(options_.input, name);
-    if (!file.problem.empty()) {
-      warnings_.push_back(quoted + " " + file.problem);
-    } else {
+  StagedTextures::Texture stage(const TextureImage& image) {
+    StagedTextures::Texture staged{presentable(image.name), 0, 0, {}};
+    const std::string words = textureInWords(options_.input, image.name);
+    std::string problem = image.problem;
+    threads_ = encoderThreads(options_.memory_bytes, image.memoryBytes(), options_.threads);
+    if (problem.empty()) {
       try {
-        addLevels(readImage(file.path, quoted), staged);
+        addLevels(readImage(image.path, words), staged);
       } catch (const Error& error) {
-        const std::string text = quoted + " " + error.what();
-        if (error.code() != ErrorCode::kInput) throw Error(error.code(), text);
-        warnings_.push_back(text + "; it is built without");
+        if (!isOfImage(error)) throw Error(error.code(), words + " " + error.what());
+        problem = error.what();
       }
     }
+    if (!problem.empty()) warnings_.push_back(words + " " + problem + "; it is built without");
     ++done_textures_;
     return staged;
   }
 
  private:
-  Image readImage(const std::filesystem::path& path, const std::string& quoted) {
-    const std::vector<std::byte> file = readFile(path, memory_bytes_);
+  static bool isOfImage(const Error& error) {
+    return error.code() == ErrorCode::kInput || error.code() == ErrorCode::kLimit;
+  }
+
+  Image readImage(const std::filesystem::path& path, const std::string& words) {
+    const std::vector<std::byte> file = readImageFile(path, image_bytes_);
     std::string damage;
-    Image image = decodeImage(file, memory_bytes_ - file.size(), damage);
+    Image image = decodeImage(file, image_bytes_ - file.size(), damage);
     if (!damage.empty())
-      warnings_.push_back(quoted + " is damaged (" + damage + "): what could be read of it is used");
+      warnings_.push_back(words + " is damaged (" + damage + "): what could be read of it is used");
     return image;
   }
 
@@ -123,8 +110,8 @@ class Stager {
     const size_t first = tileIndex(shape, level, 0, 0), count = size_t{across} * tilesDown(shape, level);
     std::vector<std::vector<std::byte>> files;
     for (size_t done = 0; done < count; done += files.size()) {
-      files.assign(std::min(count - done, kTilesAtOnce * options_.threads), {});
-      forEach(files.size(), options_.threads, [&](size_t i) {
+      files.assign(std::min(count - done, kTilesAtOnce * threads_), {});
+      forEach(files.size(), threads_, [&](size_t i) {
         const auto number = static_cast<uint32_t>(done + i);
         const glm::uvec2 tile(number % across, number / across);
         const glm::ivec2 corner(tile * kTileInnerPx);
@@ -151,13 +138,14 @@ class Stager {
 
   const BuildOptions& options_;
   Spool& tiles_;
-  const uint64_t memory_bytes_;
+  const uint64_t image_bytes_;
   const BuildProgress& progress_;
   std::vector<std::string>& warnings_;
   const size_t textures_;
   size_t done_textures_ = 0;
+  unsigned threads_ = 1;  ///< for the texture at hand, as are the next
   TileCodec codec_ = TileCodec::kJpeg;
-  size_t staged_tiles_ = 0;  ///< of the texture at hand
+  size_t staged_tiles_ = 0;
   uint64_t all_tiles_ = 0;
 };
 
@@ -176,24 +164,6 @@ void checkPrecision(const StagedTextures& staged, const std::string& ply,
 }
 
 }  // namespace
-
-TextureFile findTexture(const std::filesystem::path& ply, const std::string& name) {
-  const std::filesystem::path relative(name);
-  const auto is_up = [](const std::filesystem::path& part) { return part == ".."; };
-  if (relative.is_absolute() || std::any_of(relative.begin(), relative.end(), is_up))
-    return {{}, "is outside the PLY file's folder; put it there and name it without a path"};
-  std::error_code failed;
-  const std::filesystem::path folder =
-      std::filesystem::canonical(ply.has_parent_path() ? ply.parent_path() : ".", failed);
-  if (failed) return {{}, "is not there; put it into the PLY file's folder"};
-  const std::filesystem::path path = std::filesystem::canonical(folder / relative, failed);
-  if (failed || !std::filesystem::exists(path, failed))
-    return {{}, "is not there; put it into the PLY file's folder"};
-  if (!isInside(path, folder))
-    return {{}, "is a link out of the PLY file's folder; put the image itself there"};
-  if (!std::filesystem::is_regular_file(path, failed)) return {{}, "is no file; put the image there"};
-  return {path, {}};
-}
 
 void StagedTextures::save(RecordWriter& record) const {
   record.put(grid);
@@ -220,16 +190,12 @@ StagedTextures StagedTextures::load(RecordReader& record) {
   return staged;
 }
 
-StagedTextures stageTextures(const BuildOptions& options, std::span<const std::string> names,
-                             const UvGrid& grid, Spool& tiles, uint64_t memory_bytes,
+StagedTextures stageTextures(const BuildOptions& options, std::span<const TextureImage> images,
+                             const UvGrid& grid, Spool& tiles, uint64_t image_bytes,
                              const BuildProgress& progress, std::vector<std::string>& warnings) {
-  if (names.size() > kMaxTextures)
-    throw Error(ErrorCode::kInput, options.input.string() + ": " + std::to_string(names.size()) +
-                                       " texture files, the limit is " + std::to_string(kMaxTextures) +
-                                       "; join some of them");
   StagedTextures staged{grid, {}};
-  Stager stager(options, tiles, memory_bytes, progress, warnings, names.size());
-  for (const std::string& name : names) staged.textures.push_back(stager.stage(name));
+  Stager stager(options, tiles, image_bytes, progress, warnings, images.size());
+  for (const TextureImage& image : images) staged.textures.push_back(stager.stage(image));
   tiles.flush();
   checkPrecision(staged, options.input.string(), warnings);
   return staged;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,18 +9,10 @@
 #include "server/ingest/build.h"
 #include "server/ingest/record_bytes.h"
 #include "server/ingest/spool.h"
+#include "server/ingest/texture_images.h"
 #include "server/ingest/uv_grid.h"
 
 namespace lode::ingest {
-
-/// Where the image of a `comment TextureFile` is.
-struct TextureFile {
-  std::filesystem::path path;
-  std::string problem;  ///< why there is none to be read, with a remedy; empty if there is
-};
-
-/// Looks for an image in the PLY file's folder or below; links are followed, but not out of it. Thread safe.
-TextureFile findTexture(const std::filesystem::path& ply, const std::string& name);
 
 /// Tiles of the images, encoded, in a temporary file.
 struct StagedTextures {
@@ -46,12 +37,12 @@ struct StagedTextures {
 };
 
 /// Stage "textures": decodes the images, makes their levels and encodes the tiles, on options.threads
-/// threads; the tiles do not depend on how many. One image is in memory at a time. An image that is missing
-/// or cannot be read is a warning, and its texture has no tiles.
-/// @param memory_bytes  that an image may take.
-/// @throws Error kInput if there are too many, kLimit if one takes more memory, kIo.
-StagedTextures stageTextures(const BuildOptions& options, std::span<const std::string> names,
-                             const UvGrid& grid, Spool& tiles, uint64_t memory_bytes,
+/// threads at most; the tiles do not depend on how many. One image is in memory at a time. An image that has
+/// a problem or cannot be read is a warning, and its texture has no tiles.
+/// @param image_bytes  that an image may take (MemoryPlan).
+/// @throws Error kIo.
+StagedTextures stageTextures(const BuildOptions& options, std::span<const TextureImage> images,
+                             const UvGrid& grid, Spool& tiles, uint64_t image_bytes,
                              const BuildProgress& progress, std::vector<std::string>& warnings);
 
 }  // namespace lode::ingest

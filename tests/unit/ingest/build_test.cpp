@@ -130,6 +130,21 @@ TEST_F(Build, simplifiesOnFewerThreadsWhereMemoryIsShort) {
   EXPECT_EQ(planMemory(4096 * kMega, 8, 16384).threads, 8u);
 }
 
+TEST(MemoryPlan, leavesAnImageWhatTheBudgetForItSaysAndNotAByteLess) {
+  for (const uint64_t image : {uint64_t{1000}, kMega, 40 * kMega, 60 * kMega, 4096 * kMega}) {
+    const uint64_t budget = budgetForImage(image);
+    EXPECT_GE(planMemory(budget, 8, 16384).image_bytes, image);
+    EXPECT_LT(planMemory(budget - 1, 8, 16384).image_bytes, image);
+    EXPECT_LT(image, budget) << "nothing is left for the program";
+  }
+}
+
+TEST(MemoryPlan, encodesTilesWithAsManyThreadsAsHaveRoomBesideTheImage) {
+  EXPECT_EQ(encoderThreads(4096 * kMega, 100 * kMega, 8), 8u);
+  EXPECT_EQ(encoderThreads(256 * kMega, 170 * kMega, 8), 3u);
+  EXPECT_EQ(encoderThreads(256 * kMega, 256 * kMega, 8), 1u);
+}
+
 TEST_F(Build, warnsWhenTheMemoryCannotBeKept) {
   makeSample(60000, 0);
   built(1, kMega, 16384);

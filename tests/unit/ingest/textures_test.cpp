@@ -46,41 +46,11 @@ class Textures : public testing::Test {
     return build(options);
   }
 
-  std::string problemOf(const std::string& name) const {
-    return findTexture(models_ / "a.ply", name).problem;
-  }
-
   test::WorkFolder folder_;
   std::filesystem::path models_ = folder_ / "models", store_ = folder_ / "a.lode";
   std::string low_ = "0", high_ = "1";
   uint64_t memory_bytes_ = 256 << 20;
 };
-
-TEST_F(Textures, areFoundBesideTheFileAndBelow) {
-  std::filesystem::create_directories(models_ / "maps");
-  writeBytes(models_ / "two words.png", pngOf(makePhoto(2, 2)));
-  writeBytes(models_ / "maps" / "b.png", pngOf(makePhoto(2, 2)));
-  std::filesystem::create_symlink("maps/b.png", models_ / "inner.png");
-  for (const char* name : {"two words.png", "maps/b.png", "inner.png"})
-    EXPECT_EQ(problemOf(name), "") << name;
-}
-
-TEST_F(Textures, outsideTheFolderAreNotRead) {
-  writeBytes(folder_ / "outside.png", pngOf(makePhoto(2, 2)));
-  std::filesystem::create_symlink(folder_ / "outside.png", models_ / "link.png");
-  std::filesystem::create_directories(models_ / "maps");
-  for (const std::string& name : {(folder_ / "outside.png").string(), std::string("../outside.png"),
-                                  std::string("maps/../../outside.png"), std::string("link.png")})
-    EXPECT_NE(problemOf(name).find("PLY file's folder"), std::string::npos) << name;
-}
-
-TEST_F(Textures, thatAreNoFilesAreNotRead) {
-  std::filesystem::create_directories(models_ / "folder.png");
-  EXPECT_NE(problemOf("folder.png"), "");
-  EXPECT_NE(problemOf("missing.png"), "");
-  EXPECT_NE(problemOf(std::string("nul\0.png", 8)), "");
-  EXPECT_NE(problemOf(std::string(5000, 'x')), "");
-}
 
 TEST_F(Textures, goIntoTheStoreWithNamesSizesAndAllTiles) {
   writeBytes(models_ / "two words.png", pngOf(makePhoto(600, 300)));
@@ -155,15 +125,45 @@ TEST_F(Textures, thatAreMissingFailAStrictBuild) {
   EXPECT_FALSE(std::filesystem::exists(store_));
 }
 
-TEST_F(Textures, thatDoNotFitTheMemoryFailTheBuildAndSayWhatToDo) {
-  writeBytes(models_ / "a.png", pngOf(makePhoto(2000, 2000)));
+TEST_F(Textures, thatDoNotFitTheMemoryAreLeftOutWithAWarning) {
+  writeBytes(models_ / "large.png", pngOf(makePhoto(2000, 2000)));
+  writeBytes(models_ / "small.png", pngOf(makePhoto(20, 20)));
   memory_bytes_ = 20 << 20;
+  const BuildReport report = built({"large.png", "small.png"});
+  ASSERT_FALSE(report.warnings.empty());
+  EXPECT_NE(report.warnings[0].find("'large.png' has 2000 x 2000 pixels"), std::string::npos)
+      << report.warnings[0];
+  EXPECT_NE(report.warnings[0].find("--memory"), std::string::npos) << report.warnings[0];
+  const store::Reader reader(store_);
+  EXPECT_EQ(reader.textures().textures[0].width, 0u);
+  EXPECT_EQ(reader.textures().textures[1].width, 20u);
+}
+
+TEST_F(Textures, thatDoNotFitTheMemoryFailAStrictBuild) {
+  writeBytes(models_ / "a.png", test::pngHeader(60000, 60000));
   try {
-    built({"a.png"});
+    built({"a.png"}, true);
     ADD_FAILURE() << "built";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kLimit);
-    EXPECT_NE(std::string(error.what()).find("--memory"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("60000 x 60000 pixels"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(std::filesystem::exists(store_));
+}
+
+TEST_F(Textures, ofTooManyTilesFailTheBuildBeforeTheModelIsRead) {
+  writeBytes(models_ / "a.png", test::pngHeader(65536, 65536));
+  write("a.ply", quad(std::vector<std::string>(60, "a.png")) + "what is not read is not refused");
+  std::filesystem::resize_file(models_ / "a.ply", std::filesystem::file_size(models_ / "a.ply") - 60);
+  BuildOptions options;
+  options.input = models_ / "a.ply";
+  options.output = store_;
+  options.memory_bytes = 1ull << 40;
+  try {
+    build(options);
+    ADD_FAILURE() << "built";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("tiles, the limit is 1048576"), std::string::npos)
+        << error.what();
   }
 }
 
