@@ -9,6 +9,11 @@
 #include <unistd.h>
 
 #include "common/blob.h"
+#include "common/error.h"
+#include "common/texture_set.h"
+#include "server/ingest/ply_header.h"
+#include "server/ingest/ply_input.h"
+#include "server/ingest/texture_images.h"
 
 namespace lode::ingest {
 namespace {
@@ -31,6 +36,39 @@ uint64_t hashContent(int file, uint64_t bytes) {
   return checksum(taken);
 }
 
+/// Of the images that a model names. Nothing of a file that cannot be read, nor of more images than can be
+/// built: whoever reads them says so better.
+std::vector<BuildIdentity::Texture> texturesOf(const std::filesystem::path& ply) {
+  std::vector<BuildIdentity::Texture> textures;
+  try {
+    const PlyHeader header = readPlyHeader(ply);
+    if (header.texture_files.size() > kMaxTextures) return textures;
+    for (const std::string& name : header.texture_files) {
+      const TextureFile file = findTexture(ply, name);
+      textures.push_back({name, file.problem.empty() ? fingerprint(file.path) : FileFingerprint()});
+    }
+  } catch (const Error&) {
+    textures.clear();
+  }
+  return textures;
+}
+
+void saveFile(RecordWriter& record, const FileFingerprint& file) {
+  record.putText(file.path);
+  record.put(file.bytes);
+  record.put(file.modified_ns);
+  record.put(file.content);
+}
+
+FileFingerprint loadFile(RecordReader& record) {
+  FileFingerprint file;
+  file.path = record.getText();
+  file.bytes = record.get<uint64_t>();
+  file.modified_ns = record.get<int64_t>();
+  file.content = record.get<uint64_t>();
+  return file;
+}
+
 }  // namespace
 
 FileFingerprint fingerprint(const std::filesystem::path& path) {
@@ -50,6 +88,7 @@ FileFingerprint fingerprint(const std::filesystem::path& path) {
 BuildIdentity BuildIdentity::of(const BuildOptions& options) {
   BuildIdentity identity;
   identity.input = fingerprint(options.input);
+  identity.textures = texturesOf(options.input);
   identity.program = fingerprint("/proc/self/exe").content;
   std::error_code ignored;
   identity.temporary_folder = std::filesystem::weakly_canonical(options.temporary_folder, ignored).string();
@@ -61,10 +100,12 @@ BuildIdentity BuildIdentity::of(const BuildOptions& options) {
 }
 
 void BuildIdentity::save(RecordWriter& record) const {
-  record.putText(input.path);
-  record.put(input.bytes);
-  record.put(input.modified_ns);
-  record.put(input.content);
+  saveFile(record, input);
+  record.put(static_cast<uint32_t>(textures.size()));
+  for (const Texture& texture : textures) {
+    record.putText(texture.name);
+    saveFile(record, texture.image);
+  }
   record.put(program);
   record.putText(temporary_folder);
   record.put(triangles_per_node);
@@ -75,10 +116,11 @@ void BuildIdentity::save(RecordWriter& record) const {
 
 BuildIdentity BuildIdentity::load(RecordReader& record) {
   BuildIdentity identity;
-  identity.input.path = record.getText();
-  identity.input.bytes = record.get<uint64_t>();
-  identity.input.modified_ns = record.get<int64_t>();
-  identity.input.content = record.get<uint64_t>();
+  identity.input = loadFile(record);
+  for (auto count = record.get<uint32_t>(); count > 0; --count) {
+    std::string name = record.getText();
+    identity.textures.push_back({std::move(name), loadFile(record)});
+  }
   identity.program = record.get<uint64_t>();
   identity.temporary_folder = record.getText();
   identity.triangles_per_node = record.get<uint32_t>();
@@ -88,12 +130,26 @@ BuildIdentity BuildIdentity::load(RecordReader& record) {
   return identity;
 }
 
+/// The input is the same, so the names are.
+std::string BuildIdentity::textureDifference(const BuildIdentity& now) const {
+  for (size_t i = 0; i < std::min(textures.size(), now.textures.size()); ++i) {
+    const FileFingerprint &then = textures[i].image, &today = now.textures[i].image;
+    if (then == today) continue;
+    const char* const what = then.path.empty()    ? " was not there when it was begun; take it away"
+                             : today.path.empty() ? " is no longer there; bring it back"
+                                                  : " has changed since; bring the former one back";
+    return "the texture image " + quotedText(textures[i].name, 4096) + what + ", or build without --resume";
+  }
+  return {};
+}
+
 std::string BuildIdentity::difference(const BuildIdentity& now) const {
   const std::string begun = "it was begun with ", same = "; give the same, or build without --resume";
   const auto flag = [&](bool given, const char* name) { return begun + (given ? "" : "no ") + name + same; };
   if (input.path != now.input.path) return begun + "the input " + input.path + same;
   if (now.input.bytes == 0) return "the input " + input.path + " cannot be read; bring it back";
   if (input != now.input) return "the input has changed since; build without --resume";
+  if (std::string texture = textureDifference(now); !texture.empty()) return texture;
   if (program != now.program) return begun + "another version of lodestreamd; build without --resume";
   if (triangles_per_node != now.triangles_per_node)
     return begun + "--triangles-per-node " + std::to_string(triangles_per_node) + same;

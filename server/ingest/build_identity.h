@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "server/ingest/build.h"
 #include "server/ingest/record_bytes.h"
@@ -25,8 +26,13 @@ FileFingerprint fingerprint(const std::filesystem::path& path);
 /// What must be the same for a build to be gone on with: all that the store's bytes follow from. Threads and
 /// memory are not among it (I6).
 struct BuildIdentity {
+  struct Texture {
+    std::string name;       ///< as the input has it
+    FileFingerprint image;  ///< without a path: there is none
+  };
   FileFingerprint input;
-  uint64_t program = 0;  ///< content of the executable
+  std::vector<Texture> textures;  ///< that the input names
+  uint64_t program = 0;           ///< content of the executable
   std::string temporary_folder;
   uint32_t triangles_per_node = 0;
   uint8_t simplifier = 0;
@@ -40,6 +46,9 @@ struct BuildIdentity {
 
   /// In words, what is different in `now`, and what to do; empty if nothing is.
   std::string difference(const BuildIdentity& now) const;
+
+ private:
+  std::string textureDifference(const BuildIdentity& now) const;
 };
 
 }  // namespace lode::ingest

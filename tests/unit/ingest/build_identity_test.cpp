@@ -70,6 +70,31 @@ TEST_F(BuildIdentityOf, differsAfterAChangeOfTheInputsTimeOrSize) {
   EXPECT_NE(before.difference(BuildIdentity::of(options)), "");
 }
 
+TEST_F(BuildIdentityOf, differsAfterAChangeOfATextureImageAndNamesIt) {
+  std::ofstream(options.input, std::ios::binary)
+      << "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile maps/b c.png\n"
+         "element vertex 0\nproperty float x\nend_header\n";
+  std::filesystem::create_directory(folder / "maps");
+  const auto image = folder / "maps" / "b c.png";
+  const auto now = [&] { return BuildIdentity::of(options); };
+  const BuildIdentity without = now();
+  std::ofstream(image) << "one";
+  const BuildIdentity before = now();
+  EXPECT_NE(without.difference(before).find("'maps/b c.png' was not there"), std::string::npos);
+  EXPECT_NE(before.difference(without).find("'maps/b c.png' is no longer there"), std::string::npos);
+  RecordWriter writer;
+  before.save(writer);
+  RecordReader reader(writer.bytes());
+  EXPECT_EQ(BuildIdentity::load(reader).difference(now()), "");
+  const auto time = std::filesystem::last_write_time(image);
+  std::ofstream(image) << "two";
+  std::filesystem::last_write_time(image, time);
+  EXPECT_NE(before.difference(now()).find("'maps/b c.png' has changed"), std::string::npos) << "content";
+  std::ofstream(image) << "one";
+  std::filesystem::last_write_time(image, time + std::chrono::seconds(1));
+  EXPECT_NE(before.difference(now()).find("'maps/b c.png' has changed"), std::string::npos) << "time";
+}
+
 TEST_F(BuildIdentityOf, differsWithEachOptionThatTheBytesFollowFromAndNamesIt) {
   const auto names = [&](const char* name, const std::function<void(BuildOptions&)>& change_options) {
     EXPECT_NE(differenceAfter(change_options).find(name), std::string::npos) << name;

@@ -44,6 +44,17 @@ class Resume : public testing::Test {
     std::filesystem::remove(options_.output);
   }
 
+  /// Puts a model with a texture image in the place of the other.
+  void makeTextured() const {
+    std::filesystem::remove(options_.input);
+    test::writeBytes(folder_ / "a.png", test::pngOf(test::makePhoto(300, 200)));
+    std::ofstream(options_.input) << "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\n"
+                                     "property float x\nproperty float y\nproperty float z\n"
+                                     "property float s\nproperty float t\n"
+                                     "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                                     "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2\n3 0 2 3\n";
+  }
+
   /// Builds until progress tells of the stage for the n-th time. @return whether that was reached.
   bool interruptAt(const BuildOptions& options, std::string_view stage, int n) const {
     try {
@@ -93,13 +104,7 @@ TEST_F(Resume, givesTheSameBytesAfterAnEndInEachStage) {
 }
 
 TEST_F(Resume, givesTheSameBytesOfAModelWithTextures) {
-  std::filesystem::remove(options_.input);
-  test::writeBytes(folder_ / "a.png", test::pngOf(test::makePhoto(300, 200)));
-  std::ofstream(options_.input) << "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\n"
-                                   "property float x\nproperty float y\nproperty float z\n"
-                                   "property float s\nproperty float t\n"
-                                   "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-                                   "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2\n3 0 2 3\n";
+  makeTextured();
   before_ = folder_.contents();
   build(options_);
   expected_ = readBytes(options_.output);
@@ -109,6 +114,21 @@ TEST_F(Resume, givesTheSameBytesOfAModelWithTextures) {
     ASSERT_TRUE(interruptAt(options_, stage, 1)) << stage;
     EXPECT_EQ(build(options_).resumed_from, resumed_from);
     expectDone();
+  }
+}
+
+TEST_F(Resume, isRefusedWhenATextureImageHasChangedWithItsName) {
+  makeTextured();
+  for (const char* stage : {"textures", "simplify"}) {
+    ASSERT_TRUE(interruptAt(options_, stage, 1)) << stage;
+    const auto kept = folder_.contents();
+    std::filesystem::rename(folder_ / "a.png", folder_ / "former.png");
+    test::writeBytes(folder_ / "a.png", test::pngOf(test::makePhoto(200, 300)));
+    EXPECT_NE(failure(options_).find("the texture image 'a.png' has changed since"), std::string::npos);
+    std::filesystem::rename(folder_ / "former.png", folder_ / "a.png");
+    EXPECT_EQ(folder_.contents(), kept);
+    EXPECT_EQ(build(options_).resumed_from, stage) << "with the former one again";
+    std::filesystem::remove(options_.output);
   }
 }
 
