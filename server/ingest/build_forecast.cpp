@@ -8,6 +8,7 @@
 #include "server/ingest/scan.h"
 #include "server/ingest/soup.h"
 #include "server/ingest/temporary_folder.h"
+#include "server/ingest/texture_forecast.h"
 
 namespace lode::ingest {
 namespace {
@@ -71,19 +72,22 @@ uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_
 
 BuildForecast forecastBuild(const ForecastInput& input) {
   const Trial trial = runTrial(input);
+  const TextureForecast textures = forecastTextures(input.images, input.memory_bytes, input.threads);
   const bool is_large = input.triangles > 2 * kTrialTriangles;
   const double triangles = static_cast<double>(input.triangles) * (is_large ? kLargeModelShare : 1);
-  const double serial = input.scan_cpu_seconds + trial.serial_cpu_seconds * triangles;
-  const double parallel = trial.parallel_cpu_seconds * triangles;
+  const double serial =
+      input.scan_cpu_seconds + textures.serial_cpu_seconds + trial.serial_cpu_seconds * triangles;
+  const double parallel = textures.parallel_cpu_seconds + trial.parallel_cpu_seconds * triangles;
+  const auto payload_bytes = static_cast<uint64_t>(trial.store_bytes * triangles);
   BuildForecast forecast;
   forecast.cpu_seconds = serial + parallel;
   forecast.seconds = serial + parallel / input.threads;
-  forecast.store_bytes = static_cast<uint64_t>(trial.store_bytes * triangles);
+  forecast.store_bytes = payload_bytes + textures.tile_bytes;
   const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
   const MemoryPlan plan = planMemory(input.memory_bytes, input.threads, triangles_per_node);
-  forecast.temporary_bytes = temporaryBytes(input, plan.sort_bytes, forecast.store_bytes);
-  forecast.memory_bytes =
-      expectedPeakBytes(plan, input.vertices, input.triangles, input.attributes, triangles_per_node);
+  forecast.temporary_bytes = temporaryBytes(input, plan.sort_bytes, payload_bytes) + textures.tile_bytes;
+  forecast.memory_bytes = expectedPeakBytes(plan, input.vertices, input.triangles, input.attributes,
+                                            triangles_per_node, textures.memory_bytes);
   return forecast;
 }
 

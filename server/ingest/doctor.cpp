@@ -5,9 +5,10 @@
 
 #include "common/error.h"
 #include "server/ingest/machine.h"
+#include "server/ingest/memory_plan.h"
 #include "server/ingest/ply_input.h"
 #include "server/ingest/scan.h"
-#include "server/ingest/textures.h"
+#include "server/ingest/texture_images.h"
 
 namespace lode::ingest {
 namespace {
@@ -22,8 +23,8 @@ class Doctor {
   DoctorReport run() {
     report_.file_bytes = PlyInput(options_.input).size();
     if (!tryTo([&] { report_.header = readPlyHeader(options_.input); })) return report_;
-    lookForTextures();
     report_.is_readable = tryTo([&] { readBody(); });
+    lookForTextures();
     sayDefects();
     if (report_.is_readable) report_.topology = topology_.count();
     if (report_.is_readable) judgeWhole();
@@ -58,12 +59,26 @@ class Doctor {
   }
 
   void lookForTextures() {
-    for (const std::string& texture : report_.header->texture_files) {
-      const TextureFile file = findTexture(options_.input, texture);
-      report_.textures.push_back({texture, file.problem.empty()});
-      if (!file.problem.empty())
-        say(false, name_ + ": texture " + quotedText(texture, 4096) + " " + file.problem);
+    const std::vector<std::string>& names = report_.header->texture_files;
+    // Of a model without coordinates a build does not look at images.
+    if (report_.attributes.has(AttributeSet::kTexture) && !tryTo([&] {
+          images_ = surveyTextures(options_.input, names, planMemory(budget(), 1, 1).image_bytes);
+        }))
+      report_.is_readable = false;
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (i >= images_.size()) {
+        const TextureFile file = findTexture(options_.input, names[i]);
+        noteTexture(names[i], !file.path.empty(), file.problem);
+      } else {
+        noteTexture(names[i], !images_[i].path.empty(), images_[i].problem);
+      }
     }
+  }
+
+  void noteTexture(const std::string& name, bool is_found, const std::string& problem) {
+    report_.textures.push_back({name, is_found});
+    if (!problem.empty())
+      say(false, textureInWords(options_.input, name) + " " + problem + "; a build goes on without it");
   }
 
   void readBody() {
@@ -154,6 +169,7 @@ class Doctor {
     input.double_positions = hasDoublePositions(*report_.header);
     input.corner_texture = corner_texture_;
     input.scan_cpu_seconds = read_cpu_seconds_;
+    input.images = images_;
     input.memory_bytes = budget();
     input.threads = options_.threads ? options_.threads : defaultThreads();
     input.temporary_folder = options_.temporary_folder.empty() ? std::filesystem::temp_directory_path()
@@ -165,6 +181,7 @@ class Doctor {
   const std::string name_;
   TopologyCounter topology_;
   Defects bad_, dropped_;
+  std::vector<TextureImage> images_;
   double read_cpu_seconds_ = 0;
   bool corner_texture_ = false;
   DoctorReport report_;

@@ -44,7 +44,7 @@ struct DoctorReport {
 };
 
 /// Says what is in a PLY file, all that is wrong with it, and what a build will cost. Memory: the topology's,
-/// up to the budget; without topology a few megabytes.
+/// up to the budget; without topology a few megabytes, and at any one time what a build takes for one image.
 /// @throws Error kIo if there is no such file; what is wrong inside it is in the report.
 DoctorReport examine(const DoctorOptions& options);
 

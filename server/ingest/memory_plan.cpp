@@ -51,7 +51,7 @@ unsigned encoderThreads(uint64_t memory_bytes, uint64_t image_bytes, unsigned th
 }
 
 uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,
-                           uint32_t triangles_per_node) noexcept {
+                           uint32_t triangles_per_node, uint64_t texture_bytes) noexcept {
   const uint64_t records = triangles * (soupBytes(file) + kSortOrderBytes);
   const uint64_t corner_bytes = sizeof(uint32_t) + (file.has(AttributeSet::kTexture) ? sizeof(uint32_t) : 0);
   const uint64_t batch = triangles * 3 * corner_bytes + vertices * kBytesOfBatchVertex;
@@ -64,7 +64,7 @@ uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t t
       std::min(triangles_per_node * kFrontierBytes / 2, triangles * kGrowingFrontierBytes);
   const double share = file.bits == 0 ? kUsualShareWithoutAttributes : kUsualShare;
   const auto simplify = static_cast<uint64_t>(share * static_cast<double>(workers + frontier));
-  return kUsualProgramBytes + std::max(sort, simplify);
+  return kUsualProgramBytes + std::max({sort, simplify, texture_bytes});
 }
 
 }  // namespace lode::ingest

@@ -27,7 +27,8 @@ uint64_t budgetForImage(uint64_t image_bytes) noexcept;
 unsigned encoderThreads(uint64_t memory_bytes, uint64_t image_bytes, unsigned threads) noexcept;
 
 /// The peak to expect of a build by a plan.
+/// @param texture_bytes  that the stage "textures" takes beside the program.
 uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,
-                           uint32_t triangles_per_node) noexcept;
+                           uint32_t triangles_per_node, uint64_t texture_bytes) noexcept;
 
 }  // namespace lode::ingest

@@ -3,6 +3,7 @@
 #include <optional>
 #include <sstream>
 
+#include "tests/unit/ingest/image_files.h"
 #include "tests/unit/ingest/ply_fixture.h"
 
 namespace lode::ingest {
@@ -102,6 +103,36 @@ TEST(Doctor, looksForTexturesBesideTheFile) {
   EXPECT_FALSE(report.textures[1].is_found);
   EXPECT_TRUE(mentions(report, false, "gone.png"));
   EXPECT_TRUE(report.is_buildable);
+}
+
+TEST(Doctor, saysOfTextureImagesWhatABuildLeavesOutAndForecastsTheOthers) {
+  const PlyFolder folder;
+  const auto examined = [&](const std::string& images) {
+    return examineFile(folder.write("ply\nformat ascii 1.0\n" + images +
+                                    "element vertex 3\nproperty float x\nproperty float y\n"
+                                    "property float z\nproperty float s\nproperty float t\n"
+                                    "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                                    "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"));
+  };
+  const std::filesystem::path text = folder.write("no picture", "text.png");
+  test::writeBytes(text.parent_path() / "huge.png", test::pngHeader(60000, 60000));
+  test::writeBytes(text.parent_path() / "good.png", test::pngOf(test::makePhoto(900, 900)));
+  const DoctorReport without = examined("comment TextureFile text.png\ncomment TextureFile huge.png\n");
+  EXPECT_TRUE(mentions(without, false, "'text.png' is no JPEG, PNG or WebP picture"));
+  EXPECT_TRUE(mentions(without, false, "'huge.png' has 60000 x 60000 pixels"));
+  EXPECT_TRUE(without.is_buildable);
+  const DoctorReport with = examined("comment TextureFile good.png\n");
+  ASSERT_TRUE(with.forecast && without.forecast);
+  EXPECT_TRUE(with.problems.empty());
+  EXPECT_GT(with.forecast->store_bytes, without.forecast->store_bytes + 5000);
+  EXPECT_GT(with.forecast->temporary_bytes, without.forecast->temporary_bytes + 5000);
+  EXPECT_GT(with.forecast->memory_bytes, without.forecast->memory_bytes + 900 * 900 * 4);
+
+  std::string many;
+  for (int i = 0; i < 5000; ++i) many += "comment TextureFile good.png\n";
+  const DoctorReport refused = examined(many);
+  EXPECT_FALSE(refused.is_buildable);
+  EXPECT_TRUE(mentions(refused, true, "5000 texture files"));
 }
 
 TEST(Doctor, doesNotCountTopologyBeyondItsMemory) {

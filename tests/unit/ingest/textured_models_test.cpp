@@ -9,6 +9,7 @@
 
 #include "server/ingest/against.h"
 #include "server/ingest/build.h"
+#include "server/ingest/doctor.h"
 #include "server/store/cut.h"
 #include "server/store/export.h"
 #include "server/store/reader.h"
@@ -76,6 +77,21 @@ TEST_P(TexturedModels, wearOneMaterialATriangleInEveryRung) {
         ASSERT_EQ(mesh.vertex_attributes[t.z].material, material) << node.key.value << " rung " << r;
       }
     }
+}
+
+TEST_P(TexturedModels, areForecastToBeAsLargeWithinHalf) {
+  if (GetParam().textures == 0) GTEST_SKIP() << "it has no images";
+  const DoctorReport report =
+      examine({.input = input_, .memory_bytes = 0, .threads = 1, .temporary_folder = folder_.path()});
+  ASSERT_TRUE(report.forecast);
+  const auto forecast = static_cast<double>(report.forecast->store_bytes);
+  std::filesystem::remove(store_);
+  BuildOptions options;
+  options.input = input_;
+  options.output = store_;
+  const BuildReport built = build(options);
+  EXPECT_LE(forecast, 1.5 * static_cast<double>(built.summary.bytes));
+  EXPECT_GE(forecast, static_cast<double>(built.summary.bytes) / 1.5);
 }
 
 /// New seams of a cut: edges between two nodes at which the picture jumps although it does not in the leaves.
