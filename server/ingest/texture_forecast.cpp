@@ -105,14 +105,12 @@ uint64_t usualMemory(const TextureImage& image, uint64_t encoder_texel_bytes, ui
                      unsigned threads) {
   const lode::Texture shape = shapeOf(image);
   const uint64_t texels = texelsOf(image);
-  const uint64_t tiles = uint64_t{tilesAcross(shape, 0)} * tilesDown(shape, 0);
   const glm::u64vec2 tile(tileInnerSize(shape, 0, 0, 0));
-  const uint64_t encoders =
-      std::min<uint64_t>(encoderThreads(memory_bytes, image.memoryBytes(), threads), tiles) *
-      encoder_texel_bytes * tile.x * tile.y;
+  const uint64_t at_once = encoderThreads(memory_bytes, image.memoryBytes(), threads) * tile.x * tile.y;
+  const uint64_t encoders = encoder_texel_bytes * std::min(at_once, texels);
   // In the header's count is room for levels, which are made only when the decoder is gone.
   const uint64_t decoding = image.memoryBytes() - 2 * texels;
-  const bool is_halved = tiles > 1;
+  const bool is_halved = levelCount(shape) > 1;
   return std::max(decoding, texels * (is_halved ? kLevelsTexelBytes : kDecodedTexelBytes) + encoders);
 }
 

@@ -60,6 +60,11 @@ class ServerCommands : public testing::Test {
     for (const std::string& key : keys) EXPECT_TRUE(json.contains(key)) << key;
   }
 
+  static void expectWithinHalf(double forecast, double actual) {
+    EXPECT_LE(forecast, 1.5 * actual);
+    EXPECT_GE(forecast, actual / 1.5);
+  }
+
   static void expectOneLine(const std::string& text) {
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
     EXPECT_TRUE(text.ends_with('\n'));
@@ -113,12 +118,21 @@ TEST_F(ServerCommands, doctorSaysWhatABuildWillCostWithinHalf) {
   EXPECT_EQ(doctor["topology"]["pieces"], 1);
   const Json built = Json::parse(run("build a.ply -o a.lode --json").out);
   EXPECT_EQ(doctor["triangles"], built["triangles"]);
-  const auto expectWithinHalf = [](double forecast, double actual) {
-    EXPECT_LE(forecast, 1.5 * actual);
-    EXPECT_GE(forecast, actual / 1.5);
-  };
   expectWithinHalf(doctor["forecast"]["memory_bytes"], built["peak_rss_bytes"]);
   expectWithinHalf(doctor["forecast"]["store_bytes"], built["bytes"]);
+}
+
+TEST_F(ServerCommands, doctorSaysWhatABuildWithTexturesWillCostWithinHalf) {
+  const char* const data = std::getenv("LODESTREAM_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "set LODESTREAM_TEST_DATA to the folder with MANIFEST.tsv";
+  for (const char* model : {"c_steampunk_3tex_le", "c_jungle_multitex_le", "c_fuze_spaces_le"}) {
+    SCOPED_TRACE(model);
+    const std::string input = "'" + std::string(data) + "/" + model + ".ply' --json";
+    const Json forecast = Json::parse(run("doctor " + input).out)["forecast"];
+    const Json built = Json::parse(run("build " + input + " -o a.lode").out);
+    expectWithinHalf(forecast["memory_bytes"], built["peak_rss_bytes"]);
+    expectWithinHalf(forecast["store_bytes"], built["bytes"]);
+  }
 }
 
 TEST_F(ServerCommands, doctorExitsWithOneForWhatCannotBeBuiltAndStillSaysWhatIsInIt) {
