@@ -161,6 +161,10 @@ void BuildSteps::surveyImages() {
   const PlyReader reader(options_.input, {.skip_bad = options_.skip_bad});
   if (reader.attributes().has(AttributeSet::kTexture))
     images_ = surveyTextures(options_.input, reader.header().texture_files, plan_.image_bytes);
+  for (const TextureImage& image : images_) {
+    if (image.needs_memory)
+      throw Error(ErrorCode::kLimit, textureInWords(options_.input, image.name) + " " + image.problem);
+  }
 }
 
 void BuildSteps::readImages() {

@@ -34,10 +34,12 @@ void examine(TextureImage& image, uint64_t memory_bytes) {
     image.header = readImageHeader(file);
   } catch (const Error& error) {
     image.problem = error.what();
+    image.needs_memory = error.code() == ErrorCode::kLimit && image.file_bytes == 0;
     return;
   }
   if (image.memoryBytes() <= memory_bytes) return;
   image.problem = "has " + inPixels(image.header) + " and " + tooLarge(image.memoryBytes(), memory_bytes);
+  image.needs_memory = true;
   image.header = {};
 }
 
@@ -88,7 +90,7 @@ std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply, std::
   std::vector<TextureImage> images;
   for (const std::string& name : names) {
     TextureFile file = findTexture(ply, name);
-    images.push_back({name, std::move(file.path), std::move(file.problem), 0, {}});
+    images.push_back({name, std::move(file.path), std::move(file.problem), false, 0, {}});
     if (images.back().problem.empty()) examine(images.back(), memory_bytes);
   }
   checkTiles(ply, images);

@@ -25,6 +25,7 @@ struct TextureImage {
   std::string name;            ///< as the model's file has it
   std::filesystem::path path;  ///< empty: there is none
   std::string problem;         ///< why it is left out, with a remedy; empty if it is not
+  bool needs_memory = false;   ///< the problem is this build's budget, from which no store may follow
   uint64_t file_bytes = 0;
   ImageHeader header;  ///< no pixels if there is a problem
 

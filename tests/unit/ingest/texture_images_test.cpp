@@ -79,15 +79,17 @@ TEST_F(TextureImages, haveTheSizesOfTheirHeadersOrAProblem) {
               images[i].file_bytes + images[i].header.width * images[i].header.height * 5);
   }
   EXPECT_NE(images[3].problem.find("the limit is 65536"), std::string::npos);
+  EXPECT_FALSE(images[3].needs_memory);
   EXPECT_NE(images[4].problem, "");
 }
 
-TEST_F(TextureImages, thatAnnounceMoreThanTheyMayTakeAreLeftOutWithTheRemedy) {
+TEST_F(TextureImages, thatAnnounceMoreThanTheyMayTakeNameTheRemedy) {
   writeBytes(models_ / "huge.png", pngHeader(65536, 65536));
   const std::vector<TextureImage> images = surveyed({"huge.png"}, 1ull << 30);
   EXPECT_NE(images[0].problem.find("has 65536 x 65536 pixels"), std::string::npos) << images[0].problem;
   EXPECT_NE(images[0].problem.find("raise it to 258"), std::string::npos) << images[0].problem;
   EXPECT_NE(images[0].problem.find("scale the image down"), std::string::npos) << images[0].problem;
+  EXPECT_TRUE(images[0].needs_memory);
   EXPECT_EQ(images[0].header.width, 0u);
 }
 
@@ -107,6 +109,7 @@ TEST_F(TextureImages, whoseFilesAloneTakeTooMuchAreNotRead) {
   std::filesystem::resize_file(models_ / "a.png", 1ull << 36);
   const std::vector<TextureImage> images = surveyed({"a.png"}, 1 << 20);
   EXPECT_NE(images[0].problem.find("takes 68719476736 bytes"), std::string::npos) << images[0].problem;
+  EXPECT_TRUE(images[0].needs_memory);
 }
 
 TEST_F(TextureImages, ofMoreTilesThanAStoreTakesAreRefusedWithTheirNumber) {

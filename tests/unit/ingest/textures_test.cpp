@@ -125,27 +125,17 @@ TEST_F(Textures, thatAreMissingFailAStrictBuild) {
   EXPECT_FALSE(std::filesystem::exists(store_));
 }
 
-TEST_F(Textures, thatDoNotFitTheMemoryAreLeftOutWithAWarning) {
+TEST_F(Textures, thatDoNotFitTheMemoryFailTheBuildAndSayWhatToDo) {
   writeBytes(models_ / "large.png", pngOf(makePhoto(2000, 2000)));
-  writeBytes(models_ / "small.png", pngOf(makePhoto(20, 20)));
   memory_bytes_ = 20 << 20;
-  const BuildReport report = built({"large.png", "small.png"});
-  ASSERT_FALSE(report.warnings.empty());
-  EXPECT_NE(report.warnings[0].find("'large.png' has 2000 x 2000 pixels"), std::string::npos)
-      << report.warnings[0];
-  EXPECT_NE(report.warnings[0].find("--memory"), std::string::npos) << report.warnings[0];
-  const store::Reader reader(store_);
-  EXPECT_EQ(reader.textures().textures[0].width, 0u);
-  EXPECT_EQ(reader.textures().textures[1].width, 20u);
-}
-
-TEST_F(Textures, thatDoNotFitTheMemoryFailAStrictBuild) {
-  writeBytes(models_ / "a.png", test::pngHeader(60000, 60000));
   try {
-    built({"a.png"}, true);
+    built({"large.png"});
     ADD_FAILURE() << "built";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("60000 x 60000 pixels"), std::string::npos) << error.what();
+    EXPECT_EQ(error.code(), ErrorCode::kLimit);
+    EXPECT_NE(std::string(error.what()).find("'large.png' has 2000 x 2000 pixels"), std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find("--memory: raise it to"), std::string::npos) << error.what();
   }
   EXPECT_FALSE(std::filesystem::exists(store_));
 }
