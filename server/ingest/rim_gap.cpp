@@ -10,7 +10,8 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kPrecision = 1.02f;
-constexpr float kShortestStep = 0.5f;  ///< lattice steps; rims are not divided further
+constexpr float kNegligible = 0.25f;   ///< lattice steps, as far as large coordinates can be told apart
+constexpr float kShortestPart = 0.5f;  ///< lattice steps; rims are not divided further
 
 /// A position of the simplified mesh, and a rim of the input with an end that has become it.
 struct Meeting {
@@ -25,27 +26,40 @@ float squaredDistanceToSegment(glm::vec3 point, glm::vec3 a, glm::vec3 b) noexce
   return glm::dot(away, away);
 }
 
-/// The largest distance on a segment, as far as it is larger than one that is known: within kPrecision.
-/// @param distanceAt  changes no faster than the place does.
-template <typename DistanceAt>
-float largestOnSegment(glm::vec3 from, glm::vec3 to, float largest, DistanceAt&& distanceAt) {
-  struct Part {
-    glm::vec3 from, to;
-    float from_distance, to_distance;
-  };
-  std::vector<Part> parts{{from, to, distanceAt(from), distanceAt(to)}};
-  largest = std::max({largest, parts[0].from_distance, parts[0].to_distance});
+struct Segment {
+  glm::vec3 from, to;
+};
+
+float squaredDistance(glm::vec3 point, std::span<const Segment> rims) noexcept {
+  float squared = std::numeric_limits<float>::infinity();
+  for (const Segment& rim : rims)
+    squared = std::min(squared, squaredDistanceToSegment(point, rim.from, rim.to));
+  return squared;
+}
+
+/// What no point of a part is farther away than: the distance from one rim is largest at an end of the part.
+float squaredBound(const Segment& part, std::span<const Segment> rims) noexcept {
+  float squared = std::numeric_limits<float>::infinity();
+  for (const Segment& rim : rims)
+    squared = std::min(squared, std::max(squaredDistanceToSegment(part.from, rim.from, rim.to),
+                                         squaredDistanceToSegment(part.to, rim.from, rim.to)));
+  return squared;
+}
+
+/// The largest squared distance of a segment's points from rims, or `largest` if none is farther; within
+/// kPrecision or kNegligible.
+float farthestOn(const Segment& segment, std::span<const Segment> rims, float largest) {
+  std::vector<Segment> parts{segment};
+  largest = std::max({largest, squaredDistance(segment.from, rims), squaredDistance(segment.to, rims)});
   while (!parts.empty()) {
-    const Part part = parts.back();
+    const Segment part = parts.back();
     parts.pop_back();
-    const float length = glm::distance(part.from, part.to);
-    const float at_most = (part.from_distance + part.to_distance + length) / 2;
-    if (length <= kShortestStep || at_most <= kPrecision * largest) continue;
+    const float enough = std::max(kPrecision * kPrecision * largest, kNegligible * kNegligible);
+    if (squaredBound(part, rims) <= enough || glm::distance(part.from, part.to) <= kShortestPart) continue;
     const glm::vec3 middle = (part.from + part.to) / 2.f;
-    const float distance = distanceAt(middle);
-    largest = std::max(largest, distance);
-    parts.push_back({part.from, middle, part.from_distance, distance});
-    parts.push_back({middle, part.to, distance, part.to_distance});
+    largest = std::max(largest, squaredDistance(middle, rims));
+    parts.push_back({part.from, middle});
+    parts.push_back({middle, part.to});
   }
   return largest;
 }
@@ -69,26 +83,20 @@ float rimGap(const SimplifiedMesh& simplified, const NodeMesh& input, std::span<
   images.erase(std::unique(images.begin(), images.end()), images.end());
   std::sort(meetings.begin(), meetings.end(),
             [](Meeting m, Meeting n) { return std::tie(m.place, m.rim) < std::tie(n.place, n.rim); });
-  const auto nearest = [&](glm::vec3 point, uint32_t place) {
-    float squared = std::numeric_limits<float>::infinity();
-    auto m = std::partition_point(meetings.begin(), meetings.end(),
-                                  [=](Meeting meeting) { return meeting.place < place; });
-    for (; m != meetings.end() && m->place == place; ++m) {
-      const glm::u32vec2 rim = rims[m->rim];
-      squared =
-          std::min(squared, squaredDistanceToSegment(point, pointOf(input, rim.x), pointOf(input, rim.y)));
-    }
-    return squared;
-  };
+  std::vector<Segment> near;
   float largest = 0;
   for (const glm::u32vec2 image : images) {
-    const auto gapAt = [&](glm::vec3 point) {
-      return std::sqrt(std::min(nearest(point, image.x), nearest(point, image.y)));
-    };
-    largest = largestOnSegment(pointOf(simplified.mesh, image.x), pointOf(simplified.mesh, image.y), largest,
-                               gapAt);
+    near.clear();
+    for (const uint32_t place : {image.x, image.y}) {
+      auto m = std::partition_point(meetings.begin(), meetings.end(),
+                                    [=](Meeting meeting) { return meeting.place < place; });
+      for (; m != meetings.end() && m->place == place; ++m)
+        near.push_back({pointOf(input, rims[m->rim].x), pointOf(input, rims[m->rim].y)});
+    }
+    largest =
+        farthestOn({pointOf(simplified.mesh, image.x), pointOf(simplified.mesh, image.y)}, near, largest);
   }
-  return largest;
+  return std::sqrt(largest);
 }
 
 }  // namespace lode::ingest

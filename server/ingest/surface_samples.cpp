@@ -117,6 +117,7 @@ std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh) {
                                            pointOf(mesh, mesh.wedge_position[t.z]) - a)));
     total += areas.back();
   }
+  if (total == 0) return {};
   const double area_of_point = meansPerPoint(areas.size()) * total / static_cast<double>(areas.size());
   std::vector<SurfaceSample> samples;
   for (size_t i = 0; i < areas.size(); ++i) {

@@ -150,6 +150,13 @@ TEST(SurfaceSamples, lieInsideTrianglesThatAreLargeBesideTheOthers) {
   }
 }
 
+TEST(SurfaceSamples, areNoneInsideAMeshWithoutArea) {
+  NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
+  mesh.positions.assign(mesh.positions.size(), mesh.positions[0]);
+  EXPECT_TRUE(samplesInside(mesh).empty());
+  EXPECT_TRUE(samplesInside(NodeMesh{}).empty());
+}
+
 TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   SimplifiedMesh rung{mesh, std::vector<uint32_t>(mesh.positions.size(), kVanished)};
