@@ -137,7 +137,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
     built.coarsest = std::move(input);
     return;
   }
-  const bool gives_normals = hasComputedNormalsAlone(input);
+  const bool gives_normals = input.attributes.has(AttributeSet::kComputedNormal);
   const SurfaceWalk input_walk(input);
   std::vector<glm::u32vec2> rims = input_walk.openEdges();
   const auto is_locked = [&](uint32_t position) { return input.lca_depth[position] < depth; };
@@ -151,7 +151,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
     const bool is_new =
         built.node.rungs.empty() || rung.mesh.triangles.size() < built.node.rungs.back().triangles;
     const std::vector<uint32_t> sources = sourcesOf(rung, input);
-    if (gives_normals) giveComputedNormals(rung, input, input_walk, sources);
+    if (gives_normals) giveComputedNormals(rung, input, sources);
     if (is_new) {
       built.rim_gap_steps = gap_of_input + kRimMargin * rimGap(rung, input, rims);
       addRung(built, rung.mesh, errorOf(built, rung, input, farthestPlace(rung, input, sources, input_walk)));
@@ -159,7 +159,8 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
     built.coarsest = std::move(rung.mesh);
     became = std::move(rung.became);
   };
-  (is_cluster ? cluster : collapse)(gives_normals ? withoutAttributes(input) : input, targets, options, take);
+  (is_cluster ? cluster : collapse)(gives_normals ? withoutComputedNormals(input) : input, targets, options,
+                                    take);
   for (SurfaceSample& sample : built.samples)
     if (sample.near != kVanished) sample.near = became[sample.near];
 }

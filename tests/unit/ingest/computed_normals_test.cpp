@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint8_t kComputed = AttributeSet::kNormal | AttributeSet::kComputedNormal;
 
-/// One triangle whose corners look along the axes, and a rung whose only position lies somewhere on it.
+/// One triangle whose corners look along the axes, of which the first two become a rung's only position.
 uint16_t normalAt(PositionCode place) {
   NodeMesh mesh;
   mesh.attributes.bits = kComputed;
@@ -26,14 +26,13 @@ uint16_t normalAt(PositionCode place) {
   SimplifiedMesh rung;
   rung.mesh.positions = {place};
   rung.mesh.wedge_position = {0};
-  rung.became = {0, 0, 0};
-  giveComputedNormals(rung, mesh, SurfaceWalk(mesh), sourcesOf(rung, mesh));
+  rung.became = {0, 0, kVanished};
+  giveComputedNormals(rung, mesh, sourcesOf(rung, mesh));
   return rung.mesh.wedge_attributes[0].normal;
 }
 
-TEST(ComputedNormals, areMixedFromTheTriangleThatAPositionLiesOn) {
-  EXPECT_EQ(normalAt(packPosition({10, 10, 0})), encodeOctahedral({1, 1, 1}));
-  EXPECT_EQ(normalAt(packPosition({15, 15, 0})), encodeOctahedral({0, 1, 1}));
+TEST(ComputedNormals, areTheMeanOfThoseThatHaveBecomeAPosition) {
+  EXPECT_EQ(normalAt(packPosition({10, 10, 0})), encodeOctahedral({1, 1, 0}));
 }
 
 TEST(ComputedNormals, stayToTheBitWhereAPositionHasNotMoved) {
@@ -43,13 +42,26 @@ TEST(ComputedNormals, stayToTheBitWhereAPositionHasNotMoved) {
 TEST(ComputedNormals, areGivenToEveryVertexOfARung) {
   NodeMesh mesh = test::nodeOf(test::makeSphere(30, 20, {.attributes = {AttributeSet::kNormal}}));
   mesh.attributes.bits = kComputed;
-  ASSERT_TRUE(hasComputedNormalsAlone(mesh));
-  collapse(withoutAttributes(mesh), std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
+  collapse(withoutComputedNormals(mesh), std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
     EXPECT_TRUE(rung.mesh.wedge_attributes.empty());
-    giveComputedNormals(rung, mesh, SurfaceWalk(mesh), sourcesOf(rung, mesh));
+    giveComputedNormals(rung, mesh, sourcesOf(rung, mesh));
     EXPECT_EQ(rung.mesh.attributes.bits, kComputed);
     EXPECT_EQ(rung.mesh.wedge_attributes.size(), rung.mesh.positions.size());
   });
+}
+
+TEST(ComputedNormals, leaveOtherAttributesAsTheyAre) {
+  constexpr uint8_t kColoured = kComputed | AttributeSet::kColour;
+  NodeMesh mesh = test::nodeOf(test::makeSphere(30, 20, {.attributes = {AttributeSet::kColour}}));
+  for (VertexAttributes& attributes : mesh.wedge_attributes) attributes.normal = 77;
+  mesh.attributes.bits = kColoured;
+  const NodeMesh bare = withoutComputedNormals(mesh);
+  EXPECT_EQ(bare.attributes.bits, AttributeSet::kColour);
+  ASSERT_EQ(bare.wedge_attributes.size(), mesh.wedge_attributes.size());
+  for (size_t i = 0; i < bare.wedge_attributes.size(); ++i) {
+    EXPECT_EQ(bare.wedge_attributes[i].normal, 0);
+    EXPECT_EQ(bare.wedge_attributes[i].colour, mesh.wedge_attributes[i].colour);
+  }
 }
 
 }  // namespace
