@@ -161,6 +161,11 @@ void BuildSteps::surveyImages() {
   const PlyReader reader(options_.input, {.skip_bad = options_.skip_bad});
   if (reader.attributes().has(AttributeSet::kTexture))
     images_ = surveyTextures(options_.input, reader.header().texture_files, plan_.image_bytes);
+  refuseLargeImages();
+}
+
+/// To leave one out would make the store follow from --memory.
+void BuildSteps::refuseLargeImages() const {
   for (const TextureImage& image : images_) {
     if (image.needs_memory)
       throw Error(ErrorCode::kLimit, textureInWords(options_.input, image.name) + " " + image.problem);
@@ -176,6 +181,7 @@ void BuildSteps::readImages() {
   noteResumed("textures");
   StageClock clock(report_, "textures");
   if (images_.empty()) images_ = surveyTextures(options_.input, texture_files_, plan_.image_bytes);
+  refuseLargeImages();
   textures_ = stageTextures(options_, images_, facts_.uv_grid, *tiles_, plan_.image_bytes, progress_,
                             report_.warnings);
   giveBackFreedMemory();

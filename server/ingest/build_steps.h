@@ -54,6 +54,7 @@ class BuildSteps {
   void noteResumed(const char* stage);
   void restoreScan();
   void surveyImages();
+  void refuseLargeImages() const;
   void readImages();
   void refuseWarnings() const;
   void sortSoup();

@@ -61,24 +61,23 @@ class Doctor {
   void lookForTextures() {
     const std::vector<std::string>& names = report_.header->texture_files;
     // Of a model without coordinates a build does not look at images.
-    if (report_.attributes.has(AttributeSet::kTexture) && !tryTo([&] {
-          images_ = surveyTextures(options_.input, names, planMemory(budget(), 1, 1).image_bytes);
-        }))
-      report_.is_readable = false;
+    if (report_.attributes.has(AttributeSet::kTexture))
+      tryTo([&] { images_ = surveyTextures(options_.input, names, planMemory(budget(), 1, 1).image_bytes); });
     for (size_t i = 0; i < names.size(); ++i) {
       if (i >= images_.size()) {
         const TextureFile file = findTexture(options_.input, names[i]);
-        noteTexture(names[i], !file.path.empty(), file.problem);
+        noteTexture(names[i], !file.path.empty(), file.problem, false);
       } else {
-        noteTexture(names[i], !images_[i].path.empty(), images_[i].problem);
+        noteTexture(names[i], !images_[i].path.empty(), images_[i].problem, images_[i].needs_memory);
       }
     }
   }
 
-  void noteTexture(const std::string& name, bool is_found, const std::string& problem) {
+  void noteTexture(const std::string& name, bool is_found, const std::string& problem, bool needs_memory) {
     report_.textures.push_back({name, is_found});
-    if (!problem.empty())
-      say(false, textureInWords(options_.input, name) + " " + problem + "; a build goes on without it");
+    if (problem.empty()) return;
+    const std::string words = textureInWords(options_.input, name) + " " + problem;
+    say(needs_memory, needs_memory ? words : words + "; a build goes on without it");
   }
 
   void readBody() {

@@ -19,7 +19,7 @@ constexpr float kLatticeErrorSteps = 0.8660254f;  ///< of snapping: half the dia
 // What sampling may have missed, of the original surface and of the rung. docs/benchmarks.md (Errors) has the
 // ratios of stored errors to densely sampled ones that it leads to; it was chosen on those models.
 constexpr float kMargin = 1.4f;
-constexpr float kRimMargin = 1.03f;          ///< what rimGap() may miss, and rounding
+constexpr float kRimMargin = 1.001f;         ///< rounding
 constexpr uint32_t kTrianglesPerSample = 2;  ///< of the node's budget, above the lowest inner nodes
 constexpr uint32_t kMinSamples = 4096;       ///< whatever the budget
 
@@ -55,6 +55,7 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf) {
   built.node.key = partition_.leaves[leaf];
   NodeMesh mesh = loadLeaf(leaf);
   built.original_triangles = mesh.triangles.size();
+  built.rim_gap_steps = kLatticeErrorSteps;
   addRung(built, mesh, {.deviation_steps = kLatticeErrorSteps});
   if (built.node.key == kRootKey) {
     for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
@@ -118,6 +119,7 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
   }
   dropDuplicates(built.samples);
   selectSamples(built.samples, sampleCapacity());
+  dropDuplicates(of_leaves);
   selectSamples(of_leaves, std::max<size_t>(sampleCapacity(), settings_.triangles_per_node));
   built.samples.insert(built.samples.end(), of_leaves.begin(), of_leaves.end());
 }

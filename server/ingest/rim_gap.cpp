@@ -46,22 +46,31 @@ float squaredBound(const Segment& part, std::span<const Segment> rims) noexcept 
   return squared;
 }
 
-/// The largest squared distance of a segment's points from rims, or `largest` if none is farther; within
-/// kPrecision or kNegligible.
-float farthestOn(const Segment& segment, std::span<const Segment> rims, float largest) {
+/// Squared distances.
+struct Farthest {
+  float reached = 0;  ///< by a point that was looked at
+  float at_most = 0;  ///< by any
+};
+
+/// Looks for a segment's farthest points from rims, as long as they may be farther than what is known.
+void look(const Segment& segment, std::span<const Segment> rims, Farthest& farthest) {
   std::vector<Segment> parts{segment};
-  largest = std::max({largest, squaredDistance(segment.from, rims), squaredDistance(segment.to, rims)});
+  for (const glm::vec3 end : {segment.from, segment.to})
+    farthest.reached = std::max(farthest.reached, squaredDistance(end, rims));
   while (!parts.empty()) {
     const Segment part = parts.back();
     parts.pop_back();
-    const float enough = std::max(kPrecision * kPrecision * largest, kNegligible * kNegligible);
-    if (squaredBound(part, rims) <= enough || glm::distance(part.from, part.to) <= kShortestPart) continue;
+    const float bound = squaredBound(part, rims);
+    const float enough = std::max(kPrecision * kPrecision * farthest.reached, kNegligible * kNegligible);
+    if (bound <= enough || glm::distance(part.from, part.to) <= kShortestPart) {
+      farthest.at_most = std::max(farthest.at_most, bound);
+      continue;
+    }
     const glm::vec3 middle = (part.from + part.to) / 2.f;
-    largest = std::max(largest, squaredDistance(middle, rims));
+    farthest.reached = std::max(farthest.reached, squaredDistance(middle, rims));
     parts.push_back({part.from, middle});
     parts.push_back({middle, part.to});
   }
-  return largest;
 }
 
 }  // namespace
@@ -84,7 +93,7 @@ float rimGap(const SimplifiedMesh& simplified, const NodeMesh& input, std::span<
   std::sort(meetings.begin(), meetings.end(),
             [](Meeting m, Meeting n) { return std::tie(m.place, m.rim) < std::tie(n.place, n.rim); });
   std::vector<Segment> near;
-  float largest = 0;
+  Farthest farthest;
   for (const glm::u32vec2 image : images) {
     near.clear();
     for (const uint32_t place : {image.x, image.y}) {
@@ -93,10 +102,9 @@ float rimGap(const SimplifiedMesh& simplified, const NodeMesh& input, std::span<
       for (; m != meetings.end() && m->place == place; ++m)
         near.push_back({pointOf(input, rims[m->rim].x), pointOf(input, rims[m->rim].y)});
     }
-    largest =
-        farthestOn({pointOf(simplified.mesh, image.x), pointOf(simplified.mesh, image.y)}, near, largest);
+    look({pointOf(simplified.mesh, image.x), pointOf(simplified.mesh, image.y)}, near, farthest);
   }
-  return std::sqrt(largest);
+  return std::sqrt(farthest.at_most);
 }
 
 }  // namespace lode::ingest

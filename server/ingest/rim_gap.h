@@ -8,9 +8,9 @@
 
 namespace lode::ingest {
 
-/// How far the rims of a simplified mesh are from those of the mesh that it was made of, in lattice steps,
-/// within 2 %. A rim is the image of rims, and is compared with those alone that have become it or what meets
-/// its ends.
+/// What no rim of a simplified mesh is farther from those of the mesh that it was made of, in lattice steps:
+/// at most 2 % or a quarter of a step too much. A rim is the image of rims, and is compared with those alone
+/// that have become it or what meets its ends.
 /// @param rims  open edges of the input, by position.
 float rimGap(const SimplifiedMesh& simplified, const NodeMesh& input, std::span<const glm::u32vec2> rims);
 

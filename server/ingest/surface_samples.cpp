@@ -156,9 +156,7 @@ float farthestPlace(const SimplifiedMesh& rung, const NodeMesh& input, std::span
       for (uint32_t j = 0; i + j <= steps; ++j) {
         const uint32_t k = steps - i - j;
         const bool is_corner = i == steps || j == steps || k == steps;
-        const bool is_of_other =
-            (i == 0 && at.y > at.z) || (j == 0 && at.z > at.x) || (k == 0 && at.x > at.y);
-        if (is_corner || is_of_other) continue;
+        if (is_corner) continue;
         const glm::vec3 point =
             (static_cast<float>(i) * a + static_cast<float>(j) * b + static_cast<float>(k) * c);
         measure(point / static_cast<float>(steps), i >= j && i >= k ? at.x : j >= k ? at.y : at.z);

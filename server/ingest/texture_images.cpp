@@ -34,7 +34,7 @@ void examine(TextureImage& image, uint64_t memory_bytes) {
     image.header = readImageHeader(file);
   } catch (const Error& error) {
     image.problem = error.what();
-    image.needs_memory = error.code() == ErrorCode::kLimit && image.file_bytes == 0;
+    image.needs_memory = error.code() == ErrorCode::kLimit;
     return;
   }
   if (image.memoryBytes() <= memory_bytes) return;

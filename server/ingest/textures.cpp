@@ -68,7 +68,7 @@ class Stager {
       try {
         addLevels(readImage(image.path, words), staged);
       } catch (const Error& error) {
-        if (!isOfImage(error)) throw Error(error.code(), words + " " + error.what());
+        if (error.code() != ErrorCode::kInput) throw Error(error.code(), words + " " + error.what());
         problem = error.what();
       }
     }
@@ -78,10 +78,6 @@ class Stager {
   }
 
  private:
-  static bool isOfImage(const Error& error) {
-    return error.code() == ErrorCode::kInput || error.code() == ErrorCode::kLimit;
-  }
-
   Image readImage(const std::filesystem::path& path, const std::string& words) {
     const std::vector<std::byte> file = readImageFile(path, image_bytes_);
     std::string damage;

@@ -10,7 +10,7 @@ namespace {
 // At these weights a sample of 100,000 triangles with attributes that is reduced to a quarter loses 0.48 of
 // the colour and 0.44 of the normals that it loses without, for 1.07 and 1.74 times the error of the surface
 // (docs/benchmarks.md, Attributes). Larger ones give little more and cost the surface as much again; with
-// textures, up to 1.8 times the surface for as good as nothing.
+// textures, up to 1.7 times the surface for little.
 constexpr double kColourWeight = 0.03;   // full range of a colour, of the diagonal
 constexpr double kNormalWeight = 0.007;  // one radian
 constexpr double kTextureWeight = 0.1;   // the whole texture grid
@@ -37,12 +37,10 @@ void WedgeQuadrics::chooseChannels(AttributeSet attributes, double diagonal, dou
   const auto add = [&](int first, int count, double scale) {
     for (int i = 0; i < count; ++i) channels_.push_back({first + i, weight * diagonal * scale});
   };
-  if (attributes.has(AttributeSet::kNormal) && !attributes.has(AttributeSet::kComputedNormal))
-    add(WedgeValue::kNormal, 3, kNormalWeight);
+  if (attributes.has(AttributeSet::kNormal)) add(WedgeValue::kNormal, 3, kNormalWeight);
   if (attributes.has(AttributeSet::kColour)) add(WedgeValue::kColour, 3, kColourWeight / 255);
   if (attributes.has(AttributeSet::kTexture)) add(WedgeValue::kTexture, 2, kTextureWeight / 65535);
-  covers_all_ = !channels_.empty() && !attributes.has(AttributeSet::kComputedNormal) &&
-                !attributes.has(AttributeSet::kAlpha);
+  covers_all_ = !channels_.empty() && !attributes.has(AttributeSet::kAlpha);
 }
 
 void WedgeQuadrics::addTriangle(CollapseMesh& mesh, uint32_t corner) {

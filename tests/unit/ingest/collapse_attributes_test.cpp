@@ -118,11 +118,5 @@ TEST(CollapseAttributes, halvesTheErrorOfAStretchedTexture) {
   EXPECT_LT(with.surface, 1.25 * without.surface);
 }
 
-TEST(CollapseAttributes, areNotWeighedWhereTheNormalsAreComputed) {
-  const Mesh sheet = paintedSheet(AttributeSet::kNormal | AttributeSet::kComputedNormal);
-  const Loss with = lossOf(sheet, 1000, 1), without = lossOf(sheet, 1000, 0);
-  EXPECT_EQ(with.surface, without.surface);
-}
-
 }  // namespace
 }  // namespace lode::ingest

@@ -62,6 +62,14 @@ TEST(ComputedNormals, leaveOtherAttributesAsTheyAre) {
     EXPECT_EQ(bare.wedge_attributes[i].normal, 0);
     EXPECT_EQ(bare.wedge_attributes[i].colour, mesh.wedge_attributes[i].colour);
   }
+  collapse(bare, std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    const std::vector<VertexAttributes> before = rung.mesh.wedge_attributes;
+    giveComputedNormals(rung, mesh, sourcesOf(rung, mesh));
+    EXPECT_EQ(rung.mesh.attributes.bits, kColoured);
+    ASSERT_EQ(rung.mesh.wedge_attributes.size(), before.size());
+    for (size_t i = 0; i < before.size(); ++i)
+      EXPECT_EQ(rung.mesh.wedge_attributes[i].colour, before[i].colour);
+  });
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ TEST(Doctor, looksForTexturesBesideTheFile) {
   EXPECT_TRUE(report.is_buildable);
 }
 
-TEST(Doctor, saysOfTextureImagesWhatABuildLeavesOutAndForecastsTheOthers) {
+TEST(Doctor, saysWhatABuildWillDoWithTextureImages) {
   const PlyFolder folder;
   const auto examined = [&](const std::string& images) {
     return examineFile(folder.write("ply\nformat ascii 1.0\n" + images +
@@ -117,9 +117,11 @@ TEST(Doctor, saysOfTextureImagesWhatABuildLeavesOutAndForecastsTheOthers) {
   const std::filesystem::path text = folder.write("no picture", "text.png");
   test::writeBytes(text.parent_path() / "huge.png", test::pngHeader(60000, 60000));
   test::writeBytes(text.parent_path() / "good.png", test::pngOf(test::makePhoto(900, 900)));
-  const DoctorReport without = examined("comment TextureFile text.png\ncomment TextureFile huge.png\n");
+  const DoctorReport large = examined("comment TextureFile huge.png\n");
+  EXPECT_TRUE(mentions(large, true, "'huge.png' has 60000 x 60000 pixels"));
+  EXPECT_FALSE(large.is_buildable);
+  const DoctorReport without = examined("comment TextureFile text.png\n");
   EXPECT_TRUE(mentions(without, false, "'text.png' is no JPEG, PNG or WebP picture"));
-  EXPECT_TRUE(mentions(without, false, "'huge.png' has 60000 x 60000 pixels"));
   EXPECT_TRUE(without.is_buildable);
   const DoctorReport with = examined("comment TextureFile good.png\n");
   ASSERT_TRUE(with.forecast && without.forecast);

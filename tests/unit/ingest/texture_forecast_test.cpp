@@ -51,13 +51,11 @@ TEST_F(ForecastTextures, saysWithinHalfHowLargeTheTilesWillBe) {
   }
 }
 
-TEST_F(ForecastTextures, countsEachImageInTimeAndBytesAndTheLargestInMemory) {
+TEST_F(ForecastTextures, countsEachImageInBytesAndTheLargestInMemory) {
   writeBytes(folder_ / "a.png", pngOf(makePhoto(1200, 1100)));
   const TextureForecast one = forecastTextures(surveyed({"a.png"}), kBudget, 1);
   const TextureForecast four = forecastTextures(surveyed({"a.png", "a.png", "a.png", "a.png"}), kBudget, 1);
   EXPECT_NEAR(static_cast<double>(four.tile_bytes), 4 * static_cast<double>(one.tile_bytes), 4);
-  EXPECT_GT(four.serial_cpu_seconds, 1.5 * one.serial_cpu_seconds);
-  EXPECT_GT(four.parallel_cpu_seconds, 1.5 * one.parallel_cpu_seconds);
   EXPECT_EQ(four.memory_bytes, one.memory_bytes);
   EXPECT_GE(one.memory_bytes, uint64_t{1200} * 1100 * 5);
   EXPECT_GT(forecastTextures(surveyed({"a.png"}), kBudget, 3).memory_bytes, one.memory_bytes);
