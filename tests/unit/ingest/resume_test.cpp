@@ -132,6 +132,20 @@ TEST_F(Resume, isRefusedWhenATextureImageHasChangedWithItsName) {
   }
 }
 
+TEST_F(Resume, isRefusedWithTooLittleMemoryForATextureImageAndGoesOnWithMore) {
+  makeTextured();
+  before_ = folder_.contents();
+  build(options_);
+  expected_ = readBytes(options_.output);
+  std::filesystem::remove(options_.output);
+  ASSERT_TRUE(interruptAt(options_, "textures", 1));
+  BuildOptions small = options_;
+  small.memory_bytes = kMega / 4;
+  EXPECT_NE(failure(small).find("'a.png' has 300 x 200 pixels"), std::string::npos);
+  EXPECT_EQ(build(options_).resumed_from, "textures");
+  expectDone();
+}
+
 TEST_F(Resume, givesTheSameBytesWithOtherThreadsAndMemoryInEachPart) {
   BuildOptions first = options_, second = options_;
   first.threads = 1;
