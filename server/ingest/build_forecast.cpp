@@ -13,6 +13,7 @@
 namespace lode::ingest {
 namespace {
 
+constexpr double kTrianglesOfOneThread = 1e5;  ///< nodes near the root are simplified one after another
 constexpr uint64_t kTrialTriangles = 400000, kLeastTrialTriangles = 5000;
 /// Of a model many times the trial's size, a triangle's share of the upper levels of the tree is smaller:
 /// what it costs in time and bytes, relative to the trial's. Measured with samples of 1 to 10 million.
@@ -77,11 +78,12 @@ BuildForecast forecastBuild(const ForecastInput& input) {
   const double triangles = static_cast<double>(input.triangles) * (is_large ? kLargeModelShare : 1);
   const double serial =
       input.scan_cpu_seconds + textures.serial_cpu_seconds + trial.serial_cpu_seconds * triangles;
+  const double alone = trial.parallel_cpu_seconds * std::min(triangles, kTrianglesOfOneThread);
   const double parallel = textures.parallel_cpu_seconds + trial.parallel_cpu_seconds * triangles;
   const auto payload_bytes = static_cast<uint64_t>(trial.store_bytes * triangles);
   BuildForecast forecast;
   forecast.cpu_seconds = serial + parallel;
-  forecast.seconds = serial + parallel / input.threads;
+  forecast.seconds = serial + alone + (parallel - alone) / input.threads;
   forecast.store_bytes = payload_bytes + textures.tile_bytes;
   const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
   const MemoryPlan plan = planMemory(input.memory_bytes, input.threads, triangles_per_node);
