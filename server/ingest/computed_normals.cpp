@@ -1,6 +1,5 @@
 #include "server/ingest/computed_normals.h"
 
-#include <utility>
 #include <vector>
 
 #include "common/octahedral.h"
