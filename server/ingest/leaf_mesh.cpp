@@ -9,7 +9,7 @@ namespace lode::ingest {
 NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, MeshWelder& welder) {
   const size_t record_bytes = soupBytes(attributes);
   const size_t triangles = records.size() / record_bytes;
-  welder.begin(attributes, 3 * triangles, triangles);
+  welder.begin(attributes, triangles, triangles);
   for (size_t t = 0; t < triangles; ++t) {
     const SoupTriangle triangle = loadSoup(records.subspan(t * record_bytes, record_bytes));
     glm::u32vec3 wedges;
@@ -45,7 +45,7 @@ std::vector<uint32_t> findBorder(const NodeMesh& mesh, NumberTable& edges) {
   std::vector<uint64_t> ends;
   std::vector<uint8_t> uses;
   ends.reserve(mesh.triangles.size() * 2);
-  edges.reset(mesh.triangles.size() * 3);
+  edges.reset(mesh.triangles.size() * 2);
   for (const glm::u32vec3& t : mesh.triangles) {
     for (int k = 0; k < 3; ++k) {
       const uint64_t a = mesh.wedge_position[t[k]], b = mesh.wedge_position[t[(k + 1) % 3]];

@@ -153,7 +153,8 @@ float DetailMeter::size() const {
 
 }  // namespace
 
-float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk) {
+float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input,
+                 std::span<const SurfaceWalk::Place> places) {
   DetailMeter meter(rung, input);
   if (!meter.countsAny() || rung.mesh.triangles.empty()) return 0;
   std::vector<uint32_t> begin(input.positions.size() + 1), wedges(input.wedge_position.size());
@@ -163,10 +164,8 @@ float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input, const Surfac
   for (auto wedge = static_cast<uint32_t>(wedges.size()); wedge-- > 0;)
     wedges[--begin[input.wedge_position[wedge]]] = wedge;
   for (size_t i = 0; i < input.positions.size(); ++i) {
-    const uint32_t start = rung.became[i];
-    if (start == kVanished) continue;
-    meter.add(std::span(wedges).subspan(begin[i], begin[i + 1] - begin[i]),
-              walk.placeOf(glm::vec3(unpackPosition(input.positions[i])), start));
+    if (rung.became[i] == kVanished) continue;
+    meter.add(std::span(wedges).subspan(begin[i], begin[i + 1] - begin[i]), places[i]);
   }
   return meter.size();
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "server/ingest/simplified_mesh.h"
 #include "server/ingest/surface_walk.h"
 
@@ -13,7 +15,8 @@ namespace lode::ingest {
 /// texture coordinates it is how far the picture has slid over the surface. The worst thousandth of the area
 /// is left out: a single stray point asks for nothing. (docs/lod-selection.md has the measurements behind
 /// these choices.)
-/// @param walk  over the rung's mesh.
-float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk);
+/// @param places  of the input's positions on the rung; see placesOn().
+float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input,
+                 std::span<const SurfaceWalk::Place> places);
 
 }  // namespace lode::ingest

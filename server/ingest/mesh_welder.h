@@ -13,7 +13,7 @@ namespace lode::ingest {
 /// attributes. Numbers follow the order of addition. Reused between nodes. For one thread.
 class MeshWelder {
  public:
-  /// @param expected_positions  how many to make room for; more are an error of the caller.
+  /// @param expected_positions  how many to make room for; there may be more.
   void begin(AttributeSet attributes, size_t expected_positions, size_t expected_triangles);
 
   /// @return the wedge's number.

@@ -119,7 +119,6 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
   }
   dropDuplicates(built.samples);
   selectSamples(built.samples, sampleCapacity());
-  dropDuplicates(of_leaves);
   selectSamples(of_leaves, std::max<size_t>(sampleCapacity(), settings_.triangles_per_node));
   built.samples.insert(built.samples.end(), of_leaves.begin(), of_leaves.end());
 }
@@ -175,11 +174,12 @@ RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, con
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
   const SurfaceWalk walk(rung.mesh);
-  const float forward = kMargin * measureDeviation(rung, walk, built.samples);
+  const std::vector<SurfaceWalk::Place> places = placesOn(rung, input, walk);
+  const float forward = kMargin * measureDeviation(rung, input, walk, places, built.samples);
   const float backward = kMargin * farthest + kLatticeErrorSteps / 2;
   const float both = std::hypot(backward, built.inherited.deviation_steps);
   return {std::max({finer.deviation_steps, forward, both, built.rim_gap_steps}),
-          std::max(finer.lost_detail_steps, lostDetail(rung, input, walk))};
+          std::max(finer.lost_detail_steps, lostDetail(rung, input, places))};
 }
 
 RungError NodeBuilder::errorOf(const Rung& rung) const noexcept {

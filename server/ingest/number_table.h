@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <vector>
@@ -14,32 +15,25 @@ class NumberTable {
  public:
   static constexpr uint32_t kAbsent = UINT32_MAX;
 
+  /// Empties it. @param expected  how many keys to make room for; it grows for more.
   void reset(size_t expected) {
-    const size_t wanted = std::bit_ceil(expected * 2 + 16);
+    const size_t wanted = std::bit_ceil(std::max<size_t>(expected, 8) * 2);
     if (slots_.size() < wanted) slots_.resize(wanted);
     mask_ = wanted - 1;
+    count_ = 0;
     for (size_t i = 0; i < wanted; ++i) slots_[i].number = kAbsent;
   }
 
   /// The number of a key, after entering `number` for it if it had none.
-  uint32_t findOrAdd(uint64_t key, uint32_t number) noexcept {
-    size_t at = hash(key) & mask_;
-    while (slots_[at].number != kAbsent) {
-      if (slots_[at].key == key) return slots_[at].number;
-      at = (at + 1) & mask_;
-    }
+  uint32_t findOrAdd(uint64_t key, uint32_t number) {
+    const size_t at = slotOf(key);
+    if (slots_[at].number != kAbsent) return slots_[at].number;
     slots_[at] = {key, number};
+    if (++count_ * 2 > mask_ + 1) grow();
     return number;
   }
 
-  uint32_t find(uint64_t key) const noexcept {
-    size_t at = hash(key) & mask_;
-    while (slots_[at].number != kAbsent) {
-      if (slots_[at].key == key) return slots_[at].number;
-      at = (at + 1) & mask_;
-    }
-    return kAbsent;
-  }
+  uint32_t find(uint64_t key) const noexcept { return slots_[slotOf(key)].number; }
 
   /// Finalizer of MurmurHash3 (Appleby, public domain): full avalanche, so that lattice neighbours spread.
   static constexpr uint64_t hash(uint64_t x) noexcept {
@@ -53,8 +47,25 @@ class NumberTable {
     uint64_t key;
     uint32_t number;
   };
+
+  /// Where the key is, or would be.
+  size_t slotOf(uint64_t key) const noexcept {
+    size_t at = hash(key) & mask_;
+    while (slots_[at].number != kAbsent && slots_[at].key != key) at = (at + 1) & mask_;
+    return at;
+  }
+
+  void grow() {
+    const std::vector<Slot> before(slots_.begin(), slots_.begin() + static_cast<ptrdiff_t>(mask_ + 1));
+    const size_t keys = count_;
+    reset(mask_ + 1);
+    count_ = keys;
+    for (const Slot& slot : before)
+      if (slot.number != kAbsent) slots_[slotOf(slot.key)] = slot;
+  }
+
   std::vector<Slot> slots_;
-  size_t mask_ = 0;
+  size_t mask_ = 0, count_ = 0;
 };
 
 }  // namespace lode::ingest

@@ -63,19 +63,28 @@ float confirmLargest(const SurfaceWalk& walk, const NodeMesh& mesh, std::vector<
 
 void selectSamples(std::vector<SurfaceSample>& samples, size_t capacity) {
   if (samples.size() <= capacity) return;
-  std::vector<uint32_t> order(samples.size());
-  for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  const auto by_deviation = [&](uint32_t a, uint32_t b) {
-    return samples[a].deviation != samples[b].deviation ? samples[a].deviation > samples[b].deviation
-                                                        : hashOf(samples[a]) < hashOf(samples[b]);
+  struct Ranked {
+    float deviation;
+    uint32_t at;
+    uint64_t hash;
   };
-  const auto by_hash = [&](uint32_t a, uint32_t b) { return hashOf(samples[a]) < hashOf(samples[b]); };
+  std::vector<Ranked> order;
+  order.reserve(samples.size());
+  for (const SurfaceSample& sample : samples)
+    order.push_back({sample.deviation, static_cast<uint32_t>(order.size()), hashOf(sample)});
+  const auto by_hash = [](const Ranked& a, const Ranked& b) { return a.hash < b.hash; };
+  const auto by_deviation = [](const Ranked& a, const Ranked& b) {
+    return a.deviation != b.deviation ? a.deviation > b.deviation : a.hash < b.hash;
+  };
   const auto half = order.begin() + static_cast<ptrdiff_t>(capacity / 2);
   const auto end = order.begin() + static_cast<ptrdiff_t>(capacity);
   std::nth_element(order.begin(), half, order.end(), by_deviation);
   std::nth_element(half, end, order.end(), by_hash);
-  std::sort(order.begin(), end);
-  for (size_t i = 0; i < capacity; ++i) samples[i] = samples[order[i]];
+  std::vector<bool> is_kept(samples.size());
+  for (auto kept = order.begin(); kept != end; ++kept) is_kept[kept->at] = true;
+  size_t count = 0;
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (is_kept[i]) samples[count++] = samples[i];
   samples.resize(capacity);
 }
 
@@ -89,17 +98,32 @@ void dropDuplicates(std::vector<SurfaceSample>& samples) {
       samples.end());
 }
 
-float measureDeviation(const SimplifiedMesh& rung, const SurfaceWalk& walk,
-                       std::vector<SurfaceSample>& samples) {
+std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
+                                         const SurfaceWalk& walk) {
+  std::vector<SurfaceWalk::Place> places(input.positions.size());
+  for (uint32_t i = 0; i < places.size(); ++i)
+    if (rung.became[i] != kVanished) places[i] = walk.placeOf(pointOf(input, i), rung.became[i]);
+  return places;
+}
+
+float measureDeviation(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
+                       std::span<const SurfaceWalk::Place> places, std::vector<SurfaceSample>& samples) {
   std::optional<TriangleGrid> grid;  // where nothing is known to be near
+  float largest = 0;
+  const auto distanceOf = [&](const SurfaceSample& sample) {
+    const uint32_t start = sample.near == kVanished ? kVanished : rung.became[sample.near];
+    if (start == kVanished) {
+      if (!grid) grid.emplace(rung.mesh);
+      return grid->distance(sample.position);
+    }
+    const bool is_position = sample.position == input.positions[sample.near];
+    return is_position ? places[sample.near].distance
+                       : walk.distance(pointOf(sample), start, kRanks * largest);
+  };
   std::vector<float> distances;
   distances.reserve(samples.size());
-  float largest = 0;
   for (const SurfaceSample& sample : samples) {
-    const uint32_t start = sample.near == kVanished ? kVanished : rung.became[sample.near];
-    if (start == kVanished && !grid) grid.emplace(rung.mesh);
-    distances.push_back(start == kVanished ? grid->distance(sample.position)
-                                           : walk.distance(pointOf(sample), start, kRanks * largest));
+    distances.push_back(distanceOf(sample));
     largest = std::max(largest, distances.back());
   }
   largest = confirmLargest(walk, rung.mesh, distances, [&](size_t i) { return pointOf(samples[i]); });

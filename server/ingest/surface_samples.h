@@ -19,18 +19,23 @@ struct SurfaceSample {
 };
 
 /// Keeps at most `capacity` samples, in their order: half of them those with the largest deviations, the
-/// others those with the lowest hash of position, an unbiased choice that does not depend on the order.
-/// Positions must be distinct.
+/// others those with the lowest hash of position, an unbiased choice that does not depend on the order where
+/// positions are distinct.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t capacity);
 
 /// Of samples with one position, leaves the one with the largest deviation; sorts by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
+/// Where each position of the mesh that a rung was made of lies on the rung; of those that have vanished,
+/// anything. @param walk  over the rung's mesh.
+std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
+                                         const SurfaceWalk& walk);
+
 /// Measures the samples, which are near positions of the mesh that `rung` was made of, against the rung and
 /// raises their deviations. @return the largest distance, lattice steps; never below the true one.
-/// @param walk  over the rung's mesh.
-float measureDeviation(const SimplifiedMesh& rung, const SurfaceWalk& walk,
-                       std::vector<SurfaceSample>& samples);
+/// @param walk  over the rung's mesh. @param places  of the input's positions, which samples may be.
+float measureDeviation(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
+                       std::span<const SurfaceWalk::Place> places, std::vector<SurfaceSample>& samples);
 
 /// Points inside the triangles of a mesh that are large beside the others, where its positions alone would
 /// say little: one for every two mean areas, in a small mesh for every half.

@@ -40,11 +40,32 @@ float SurfaceWalk::distance(glm::vec3 point, uint32_t start, float enough) const
 }
 
 SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const noexcept {
-  const uint32_t triangle = walk(point, start, 0).triangle;
-  const glm::u32vec3& t = triangles_[triangle];
+  if (const std::optional<Place> above = placeAround(point, start)) return *above;
+  const Nearest nearest = walk(point, start, 0);
+  const glm::u32vec3& t = triangles_[nearest.triangle];
   const glm::vec3 a = points_[t.x];
   const glm::vec2 shares = nearestInTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
-  return {triangle, {1 - shares.x - shares.y, shares.x, shares.y}};
+  return {nearest.triangle, {1 - shares.x - shares.y, shares}, std::sqrt(nearest.squared)};
+}
+
+/// Most points lie above a triangle around the start; edges and corners then need no look.
+std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
+                                                           uint32_t position) const noexcept {
+  float nearest = std::numeric_limits<float>::infinity();
+  Place place;
+  for (uint32_t i = begin_[position]; i < begin_[position + 1]; ++i) {
+    const glm::u32vec3& t = triangles_[around_[i]];
+    const glm::vec3 a = points_[t.x], ap = point - a, ab = points_[t.y] - a, ac = points_[t.z] - a;
+    const glm::vec3 normal = glm::cross(ab, ac);
+    const float all = glm::dot(normal, normal), height = glm::dot(normal, ap);
+    const float of_b = glm::dot(normal, glm::cross(ap, ac)), of_c = glm::dot(normal, glm::cross(ab, ap));
+    const float of_a = all - of_b - of_c;
+    const bool is_above = std::min({of_a, of_b, of_c}) > 0;
+    if (!is_above || height * height >= nearest * all) continue;
+    nearest = height * height / all;
+    place = {around_[i], glm::vec3(of_a, of_b, of_c) / all, std::abs(height) / std::sqrt(all)};
+  }
+  return std::isinf(nearest) ? std::nullopt : std::optional(place);
 }
 
 SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept {
@@ -81,20 +102,23 @@ std::vector<glm::u32vec2> SurfaceWalk::openEdges() const {
   std::vector<uint8_t> is_odd(points_.size());
   std::vector<uint32_t> others;
   for (uint32_t from = 0; from < points_.size(); ++from) {
-    others.clear();
-    for (uint32_t i = begin_[from]; i < begin_[from + 1]; ++i) {
-      const glm::u32vec3& t = triangles_[around_[i]];
-      for (int k = 0; k < 3; ++k) {
-        if (t[k] <= from) continue;
-        is_odd[t[k]] ^= 1;
-        others.push_back(t[k]);
+    const auto forEachOther = [&](auto&& look) {
+      for (uint32_t i = begin_[from]; i < begin_[from + 1]; ++i) {
+        const glm::u32vec3& t = triangles_[around_[i]];
+        for (int k = 0; k < 3; ++k)
+          if (t[k] > from) look(t[k]);
       }
-    }
-    std::sort(others.begin(), others.end());
-    for (const uint32_t to : others) {
-      if (is_odd[to]) open.emplace_back(from, to);
+    };
+    int odd = 0;
+    forEachOther([&](uint32_t to) { odd += (is_odd[to] ^= 1) ? 1 : -1; });
+    if (odd == 0) continue;
+    others.clear();
+    forEachOther([&](uint32_t to) {
+      if (is_odd[to]) others.push_back(to);
       is_odd[to] = 0;
-    }
+    });
+    std::sort(others.begin(), others.end());
+    for (const uint32_t to : others) open.emplace_back(from, to);
   }
   return open;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,7 @@ class SurfaceWalk {
   struct Place {
     uint32_t triangle = 0;  ///< of the mesh
     glm::vec3 shares{0};    ///< of its corners; they add up to 1
+    float distance = 0;     ///< of the point; like that of distance()
   };
   /// @param start  a position of the mesh that a triangle has.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
@@ -42,6 +44,7 @@ class SurfaceWalk {
     uint32_t triangle;
   };
   Nearest walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept;
+  std::optional<Place> placeAround(glm::vec3 point, uint32_t position) const noexcept;
   void lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
   void lookAround(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;

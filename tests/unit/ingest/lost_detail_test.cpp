@@ -8,6 +8,7 @@
 
 #include "common/octahedral.h"
 #include "server/ingest/collapse.h"
+#include "server/ingest/surface_samples.h"
 #include "tests/support/node_meshes.h"
 
 namespace lode::ingest {
@@ -32,8 +33,9 @@ NodeMesh wall(uint8_t attributes, const Paint& paint) {
 /// Of a wall that only its geometry guides: flat, so that nothing but the paint can be lost.
 float lostAt(size_t triangles, const NodeMesh& input) {
   float lost = -1;
-  collapse(input, std::array{triangles}, {.attribute_weight = 0},
-           [&](size_t, SimplifiedMesh&& rung) { lost = lostDetail(rung, input, SurfaceWalk(rung.mesh)); });
+  collapse(input, std::array{triangles}, {.attribute_weight = 0}, [&](size_t, SimplifiedMesh&& rung) {
+    lost = lostDetail(rung, input, placesOn(rung, input, SurfaceWalk(rung.mesh)));
+  });
   return lost;
 }
 

@@ -121,7 +121,8 @@ TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
       backward = std::max(backward, to_input.distance(position));
     for (const glm::dvec3 point : pointsOver(rung.mesh, 24))
       between = std::max<double>(between, to_input.distance(glm::vec3(point)));
-    EXPECT_FLOAT_EQ(measureDeviation(rung, SurfaceWalk(rung.mesh), samples), forward);
+    const SurfaceWalk walk(rung.mesh);
+    EXPECT_FLOAT_EQ(measureDeviation(rung, input, walk, placesOn(rung, input, walk), samples), forward);
     const float farthest = farthestPlace(rung, input, sourcesOf(rung, input), SurfaceWalk(input));
     EXPECT_GE(farthest, backward);
     EXPECT_GE(farthest, 0.9 * between);
@@ -164,7 +165,9 @@ TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
   const PositionCode away = packPosition(unpackPosition(mesh.positions[0]) + glm::uvec3(0, 0, 70));
   samples.push_back({away, 0, kVanished});
   samples.push_back({mesh.positions[0], 0, 0});
-  EXPECT_FLOAT_EQ(measureDeviation(rung, SurfaceWalk(rung.mesh), samples), TriangleGrid(mesh).distance(away));
+  const SurfaceWalk walk(mesh);
+  EXPECT_FLOAT_EQ(measureDeviation(rung, mesh, walk, placesOn(rung, mesh, walk), samples),
+                  TriangleGrid(mesh).distance(away));
   EXPECT_EQ(samples[1].deviation, 0);
 }
 
