@@ -19,6 +19,7 @@ std::vector<uint16_t> normalsOf(const NodeMesh& mesh) {
 }  // namespace
 
 NodeMesh withoutComputedNormals(NodeMesh mesh) {
+  if (!mesh.attributes.has(AttributeSet::kComputedNormal)) return mesh;
   mesh.attributes.bits &= static_cast<uint8_t>(~(AttributeSet::kNormal | AttributeSet::kComputedNormal));
   if (mesh.attributes.bits == 0) mesh.wedge_attributes.clear();
   for (VertexAttributes& attributes : mesh.wedge_attributes) attributes.normal = 0;
@@ -27,6 +28,7 @@ NodeMesh withoutComputedNormals(NodeMesh mesh) {
 
 void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<const uint32_t> sources) {
   constexpr float kShortest = 1e-3f;
+  if (!mesh.attributes.has(AttributeSet::kComputedNormal)) return;
   const std::vector<uint16_t> given = normalsOf(mesh);
   std::vector<glm::vec3> sums(sources.size(), glm::vec3(0));
   for (size_t i = 0; i < given.size(); ++i)

@@ -7,9 +7,9 @@
 #include "server/ingest/cluster.h"
 #include "server/ingest/collapse.h"
 #include "server/ingest/computed_normals.h"
+#include "server/ingest/finished_rung.h"
 #include "server/ingest/leaf_mesh.h"
-#include "server/ingest/lost_detail.h"
-#include "server/ingest/rim_gap.h"
+#include "server/ingest/rung_line.h"
 #include "server/ingest/rung_targets.h"
 
 namespace lode::ingest {
@@ -50,26 +50,27 @@ std::vector<std::byte> PayloadSpool::read(Place place) const {
 NodeBuilder::NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads)
     : settings_(settings), partition_(partition), payloads_(payloads) {}
 
-BuiltNode NodeBuilder::buildLeaf(uint32_t leaf) {
+BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, unsigned helpers) {
   BuiltNode built;
   built.node.key = partition_.leaves[leaf];
   NodeMesh mesh = loadLeaf(leaf);
   built.original_triangles = mesh.triangles.size();
   built.rim_gap_steps = kLatticeErrorSteps;
-  addRung(built, mesh, {.deviation_steps = kLatticeErrorSteps});
+  addRung(built, mesh, encodePayload(toMesh(mesh), settings_.lattice.step),
+          {.deviation_steps = kLatticeErrorSteps});
   if (built.node.key == kRootKey) {
     for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
     const std::vector<SurfaceSample> inside = samplesInside(mesh);
     built.samples.insert(built.samples.end(), inside.begin(), inside.end());
     dropDuplicates(built.samples);
-    reduce(built, std::move(mesh));
+    reduce(built, std::move(mesh), helpers);
   } else {
     built.coarsest = std::move(mesh);
   }
   return built;
 }
 
-BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children) {
+BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, unsigned helpers) {
   BuiltNode built;
   built.node.key = key;
   std::vector<NodeMesh> meshes;
@@ -87,7 +88,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children) {
   NodeMesh input = mergeMeshes(meshes, welder_, became);
   gatherSamples(built, children, meshes, input, became);
   meshes.clear();
-  reduce(built, std::move(input));
+  reduce(built, std::move(input), helpers);
   selectSamples(built.samples, sampleCapacity());
   return built;
 }
@@ -124,71 +125,73 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
 }
 
 /// Adds the reduced rungs of a node, all from one sequence.
-void NodeBuilder::reduce(BuiltNode& built, NodeMesh input) {
+void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
   const int depth = built.node.key.depth();
-  const auto locked = static_cast<size_t>(std::count_if(input.lca_depth.begin(), input.lca_depth.end(),
-                                                        [&](uint8_t lca) { return lca < depth; }));
+  const auto locked = static_cast<size_t>(
+      std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
   const std::vector<size_t> targets =
-      rungTargets(input.triangles.size(), {.depth = depth,
-                                           .is_leaf = built.node.isLeaf(),
-                                           .locked = locked,
-                                           .original_triangles = built.original_triangles,
-                                           .triangles_per_node = settings_.triangles_per_node});
+      rungTargets(mesh.triangles.size(), {.depth = depth,
+                                          .is_leaf = built.node.isLeaf(),
+                                          .locked = locked,
+                                          .original_triangles = built.original_triangles,
+                                          .triangles_per_node = settings_.triangles_per_node});
   if (targets.empty()) {
-    built.coarsest = std::move(input);
+    built.coarsest = std::move(mesh);
     return;
   }
-  const bool gives_normals = input.attributes.has(AttributeSet::kComputedNormal);
-  const SurfaceWalk input_walk(input);
-  std::vector<glm::u32vec2> rims = input_walk.openEdges();
-  const auto is_locked = [&](uint32_t position) { return input.lca_depth[position] < depth; };
-  std::erase_if(rims,
-                [&](glm::u32vec2 edge) { return is_locked(edge.x) && is_locked(edge.y); });  // or a border
+  const RungInput input(std::move(mesh), depth);
   const float gap_of_input = built.rim_gap_steps;
+  std::vector<float> deviations(built.samples.size());  // the largest of any rung
+  std::vector<uint32_t> became;
+  RungLine line(input, built.samples, settings_.lattice.step, helpers, [&](FinishedRung&& rung) {
+    for (size_t i = 0; i < rung.deviations.size(); ++i)
+      deviations[i] = std::max(deviations[i], rung.deviations[i]);
+    if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
+      addRung(built, rung, gap_of_input);
+    built.coarsest = std::move(rung.simplified.mesh);
+    became = std::move(rung.simplified.became);
+  });
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
-  std::vector<uint32_t> became;
-  const auto take = [&](size_t, SimplifiedMesh&& rung) {
-    const bool is_new =
-        built.node.rungs.empty() || rung.mesh.triangles.size() < built.node.rungs.back().triangles;
-    const std::vector<uint32_t> sources = sourcesOf(rung, input);
-    if (gives_normals) giveComputedNormals(rung, input, sources);
-    if (is_new) {
-      built.rim_gap_steps = gap_of_input + kRimMargin * rimGap(rung, input, rims);
-      addRung(built, rung.mesh, errorOf(built, rung, input, farthestPlace(rung, input, sources, input_walk)));
-    }
-    built.coarsest = std::move(rung.mesh);
-    became = std::move(rung.became);
-  };
-  (is_cluster ? cluster : collapse)(gives_normals ? withoutComputedNormals(input) : input, targets, options,
-                                    take);
-  for (SurfaceSample& sample : built.samples)
+  (is_cluster ? cluster : collapse)(withoutComputedNormals(input.mesh()), targets, options,
+                                    [&](size_t, SimplifiedMesh&& rung) { line.push(std::move(rung)); });
+  line.finish();
+  for (size_t i = 0; i < deviations.size(); ++i) {
+    SurfaceSample& sample = built.samples[i];
+    sample.deviation = std::max(sample.deviation, deviations[i]);
     if (sample.near != kVanished) sample.near = became[sample.near];
+  }
 }
 
-RungError NodeBuilder::errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input,
-                               float farthest) const {
+/// Adds a reduced rung. @param gap_of_input_steps  of rims, in what it was made of
+void NodeBuilder::addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps) {
+  built.rim_gap_steps = gap_of_input_steps + kRimMargin * rung.rim_gap_steps;
+  addRung(built, rung.simplified.mesh, rung.payload, errorOf(built, rung));
+}
+
+RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung) const {
   const RungError finer = built.node.rungs.empty() ? built.inherited : errorOf(built.node.rungs.back());
-  if (rung.mesh.triangles.empty()) {
+  if (rung.simplified.mesh.triangles.empty()) {
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
-  const SurfaceWalk walk(rung.mesh);
-  const std::vector<SurfaceWalk::Place> places = placesOn(rung, input, walk);
-  const float forward = kMargin * measureDeviation(rung, input, walk, places, built.samples);
-  const float backward = kMargin * farthest + kLatticeErrorSteps / 2;
+  const float forward = rung.deviations.empty()
+                            ? 0
+                            : kMargin * *std::max_element(rung.deviations.begin(), rung.deviations.end());
+  const float backward = kMargin * rung.farthest_steps + kLatticeErrorSteps / 2;
   const float both = std::hypot(backward, built.inherited.deviation_steps);
   return {std::max({finer.deviation_steps, forward, both, built.rim_gap_steps}),
-          std::max(finer.lost_detail_steps, lostDetail(rung, input, places))};
+          std::max(finer.lost_detail_steps, rung.lost_detail_steps)};
 }
+
 
 RungError NodeBuilder::errorOf(const Rung& rung) const noexcept {
   return {static_cast<float>(rung.error_model / settings_.lattice.step),
           static_cast<float>(rung.appearance_error_model / settings_.lattice.step)};
 }
 
-void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, RungError error) {
-  const EncodedPayload payload = encodePayload(toMesh(mesh), settings_.lattice.step);
+void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload,
+                          RungError error) {
   built.payloads.push_back(payloads_.append(payload.bytes));
   const int depth = built.node.key.depth();
   Rung rung;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/hierarchy_page.h"
+#include "server/ingest/finished_rung.h"
 #include "server/ingest/mesh_welder.h"
 #include "server/ingest/partition.h"
 #include "server/ingest/simplifier.h"
@@ -72,9 +73,10 @@ class NodeBuilder {
   };
   NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads);
 
-  BuiltNode buildLeaf(uint32_t leaf);
+  /// @param helpers  rungs that may be finished on other threads meanwhile.
+  BuiltNode buildLeaf(uint32_t leaf, unsigned helpers);
   /// @param children  non-empty, in octant order; their coarsest rungs and samples are used up.
-  BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children);
+  BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children, unsigned helpers);
 
  private:
   NodeMesh loadLeaf(uint32_t leaf);
@@ -82,15 +84,14 @@ class NodeBuilder {
   /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
   void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
                      const NodeMesh& input, std::span<const std::vector<uint32_t>> became) const;
-  void reduce(BuiltNode& built, NodeMesh input);
-  void addRung(BuiltNode& built, const NodeMesh& mesh, RungError error);
+  void reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers);
+  void addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
+  void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);
   /// Error of a rung in lattice steps, from both directions: the original surface, sampled, to the rung, and
   /// the rung to the node's input, to which the error that the input came with is added as to an independent
   /// one. (Sums instead would be 2 to 5 times too large; rims, which I2 bounds strictly, are summed.) Never
   /// below the finer rung's error (I3).
-  /// @param farthest  the rung's largest distance from the node's input.
-  RungError errorOf(BuiltNode& built, const SimplifiedMesh& rung, const NodeMesh& input,
-                    float farthest) const;
+  RungError errorOf(const BuiltNode& built, const FinishedRung& rung) const;
   RungError errorOf(const Rung& rung) const noexcept;
 
   const Settings settings_;

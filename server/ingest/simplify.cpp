@@ -55,15 +55,17 @@ struct Plan {
 /// Shared state of the workers; everything in it is guarded by the mutex but `plan`, which does not change.
 class Scheduler {
  public:
-  Scheduler(const Plan& plan, SimplifyLog& log)
+  Scheduler(const Plan& plan, SimplifyLog& log, unsigned threads)
       : plan_(plan),
         log_(log),
+        threads_(threads),
         built_(plan.entries.size()),
         noted_(plan.entries.size()),
         waiting_for_(plan.entries.size()) {
     tree_.nodes.resize(plan.entries.size());
     tree_.payloads.resize(plan.entries.size());
     takeOverFinished();
+    taken_ = done_;
     for (uint32_t i = 0; i < plan.entries.size(); ++i) {
       if (noted_[i]) continue;
       const std::vector<uint32_t>& children = plan.entries[i].children;
@@ -81,13 +83,13 @@ class Scheduler {
   void work(MakeBuilder&& make_builder) noexcept {
     try {
       NodeBuilder builder = make_builder();
-      while (const auto number = take()) {
-        const Plan::Entry& entry = plan_.entries[*number];
+      while (const auto taken = take()) {
+        const Plan::Entry& entry = plan_.entries[taken->number];
         if (entry.children.empty()) {
-          give(*number, builder.buildLeaf(entry.leaf));
+          give(taken->number, builder.buildLeaf(entry.leaf, taken->helpers));
         } else {
           std::vector<BuiltNode> children = takeChildren(entry);
-          give(*number, builder.buildInner(entry.key, children));
+          give(taken->number, builder.buildInner(entry.key, children, taken->helpers));
         }
       }
     } catch (...) {
@@ -140,20 +142,32 @@ class Scheduler {
   }
 
  private:
+  struct Taken {
+    uint32_t number = 0;
+    unsigned helpers = 0;  ///< threads that will find nothing to do meanwhile, and this one, which waits
+  };
+
   /// The next node to build, or nothing when all are taken or one failed. Inner nodes first: they free
   /// memory.
-  std::optional<uint32_t> take() {
+  std::optional<Taken> take() {
     std::unique_lock lock(mutex_);
     while (true) {
       if (failure_ || done_ == built_.size()) return std::nullopt;
       if (!ready_.empty()) {
         const uint32_t number = ready_.top();
         ready_.pop();
-        return number;
+        return Taken{number, helpersOfNext()};
       }
-      if (next_leaf_ < leaf_entries_.size()) return leaf_entries_[next_leaf_++];
+      if (next_leaf_ < leaf_entries_.size()) return Taken{leaf_entries_[next_leaf_++], helpersOfNext()};
       changed_.wait(lock);
     }
+  }
+
+  /// Of the node that is taken now. @return none while there are nodes for all threads.
+  unsigned helpersOfNext() {
+    const size_t under_way = ++taken_ - done_;
+    const size_t busy = under_way + ready_.size() + (leaf_entries_.size() - next_leaf_);
+    return busy < threads_ ? static_cast<unsigned>(threads_ - busy + 1) : 0;
   }
 
   std::vector<BuiltNode> takeChildren(const Plan::Entry& entry) {
@@ -230,6 +244,7 @@ class Scheduler {
 
   const Plan& plan_;
   SimplifyLog& log_;
+  const unsigned threads_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::optional<BuiltNode>> built_;  ///< between a node's building and its parent's
@@ -239,7 +254,7 @@ class Scheduler {
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   std::vector<uint32_t> leaf_entries_;
   size_t next_leaf_ = 0;
-  size_t done_ = 0;
+  size_t taken_ = 0, done_ = 0;
   SimplifiedTree tree_;
   std::exception_ptr failure_;
 };
@@ -261,7 +276,7 @@ SimplifiedTree simplify(const NodeBuilder::Settings& settings, const Partition& 
                         PayloadSpool& payloads, SimplifyLog& log, unsigned threads,
                         const BuildProgress& progress) {
   const Plan plan(partition.leaves);
-  Scheduler scheduler(plan, log);
+  Scheduler scheduler(plan, log, threads);
   {
     std::vector<std::jthread> workers;
     for (unsigned i = 0; i < threads; ++i) {

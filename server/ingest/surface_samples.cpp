@@ -38,25 +38,23 @@ uint32_t stepsAlongEdge(size_t triangles) noexcept {
 }
 
 /// Makes the largest of the distances that walks over a mesh have found exact.
-/// @param pointOf  the point of each distance. @return the largest.
-template <typename PointOf>
-float confirmLargest(const SurfaceWalk& walk, const NodeMesh& mesh, std::vector<float>& distances,
-                     PointOf&& pointOf) {
+/// @param pointOf  the point of each distance. @param gridOver  the mesh, made where many need a look.
+template <typename PointOf, typename GridOver>
+void confirmLargest(const SurfaceWalk& walk, std::vector<float>& distances, PointOf&& pointOf,
+                    GridOver&& gridOver) {
   std::vector<uint32_t> order(distances.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   const auto is_less = [&](uint32_t a, uint32_t b) { return distances[a] < distances[b]; };
   std::make_heap(order.begin(), order.end(), is_less);
-  std::optional<TriangleGrid> grid;
   float largest = 0;
   for (int looks = 0; !order.empty() && distances[order.front()] > largest; ++looks) {
     std::pop_heap(order.begin(), order.end(), is_less);
     const uint32_t at = order.back();
     order.pop_back();
-    if (looks == kMostLooks) grid.emplace(mesh);
-    distances[at] = grid ? grid->distance(pointOf(at)) : walk.exactDistance(pointOf(at), distances[at]);
+    distances[at] = looks < kMostLooks ? walk.exactDistance(pointOf(at), distances[at])
+                                       : gridOver().distance(pointOf(at));
     largest = std::max(largest, distances[at]);
   }
-  return largest;
 }
 
 }  // namespace
@@ -106,16 +104,18 @@ std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeM
   return places;
 }
 
-float measureDeviation(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
-                       std::span<const SurfaceWalk::Place> places, std::vector<SurfaceSample>& samples) {
-  std::optional<TriangleGrid> grid;  // where nothing is known to be near
+std::vector<float> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
+                                  std::span<const SurfaceWalk::Place> places,
+                                  std::span<const SurfaceSample> samples) {
+  std::optional<TriangleGrid> grid;
+  const auto gridOver = [&]() -> const TriangleGrid& {
+    if (!grid) grid.emplace(rung.mesh);
+    return *grid;
+  };
   float largest = 0;
   const auto distanceOf = [&](const SurfaceSample& sample) {
     const uint32_t start = sample.near == kVanished ? kVanished : rung.became[sample.near];
-    if (start == kVanished) {
-      if (!grid) grid.emplace(rung.mesh);
-      return grid->distance(sample.position);
-    }
+    if (start == kVanished) return gridOver().distance(sample.position);  // nothing is known to be near
     const bool is_position = sample.position == input.positions[sample.near];
     return is_position ? places[sample.near].distance
                        : walk.distance(pointOf(sample), start, kRanks * largest);
@@ -126,10 +126,8 @@ float measureDeviation(const SimplifiedMesh& rung, const NodeMesh& input, const 
     distances.push_back(distanceOf(sample));
     largest = std::max(largest, distances.back());
   }
-  largest = confirmLargest(walk, rung.mesh, distances, [&](size_t i) { return pointOf(samples[i]); });
-  for (size_t i = 0; i < samples.size(); ++i)
-    samples[i].deviation = std::max(samples[i].deviation, distances[i]);
-  return largest;
+  confirmLargest(walk, distances, [&](size_t i) { return pointOf(samples[i]); }, gridOver);
+  return distances;
 }
 
 std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh) {
@@ -160,15 +158,14 @@ std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh) {
   return samples;
 }
 
-float farthestPlace(const SimplifiedMesh& rung, const NodeMesh& input, std::span<const uint32_t> sources,
-                    const SurfaceWalk& walk) {
+float farthestPlace(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources) {
   const NodeMesh& mesh = rung.mesh;
   std::vector<float> distances;
   std::vector<glm::vec3> points;
   float largest = 0;
   const auto measure = [&](glm::vec3 point, uint32_t near) {
     points.push_back(point);
-    distances.push_back(walk.distance(point, sources[near], largest));
+    distances.push_back(input.walk().distance(point, sources[near], largest));
     largest = std::max(largest, distances.back());
   };
   for (uint32_t i = 0; i < sources.size(); ++i) measure(pointOf(mesh, i), i);
@@ -187,7 +184,10 @@ float farthestPlace(const SimplifiedMesh& rung, const NodeMesh& input, std::span
       }
     }
   }
-  return confirmLargest(walk, input, distances, [&](size_t i) { return points[i]; });
+  confirmLargest(
+      input.walk(), distances, [&](size_t i) { return points[i]; },
+      [&]() -> const TriangleGrid& { return input.grid(); });
+  return distances.empty() ? 0 : *std::max_element(distances.begin(), distances.end());
 }
 
 }  // namespace lode::ingest

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "server/ingest/rung_input.h"
 #include "server/ingest/simplified_mesh.h"
 #include "server/ingest/surface_walk.h"
 
@@ -31,11 +32,12 @@ void dropDuplicates(std::vector<SurfaceSample>& samples);
 std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
                                          const SurfaceWalk& walk);
 
-/// Measures the samples, which are near positions of the mesh that `rung` was made of, against the rung and
-/// raises their deviations. @return the largest distance, lattice steps; never below the true one.
+/// Distances of samples, which are near positions of the mesh that `rung` was made of, from the rung, lattice
+/// steps: the largest is exact, and no other below the true one.
 /// @param walk  over the rung's mesh. @param places  of the input's positions, which samples may be.
-float measureDeviation(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
-                       std::span<const SurfaceWalk::Place> places, std::vector<SurfaceSample>& samples);
+std::vector<float> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
+                                  std::span<const SurfaceWalk::Place> places,
+                                  std::span<const SurfaceSample> samples);
 
 /// Points inside the triangles of a mesh that are large beside the others, where its positions alone would
 /// say little: one for every two mean areas, in a small mesh for every half.
@@ -43,9 +45,7 @@ std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh);
 
 /// The largest distance of a rung from the mesh that it was made of, lattice steps: of its vertices, and
 /// where it has so few triangles that these may miss the worst, of points between them. Never below theirs.
-/// @param input  the mesh that the rung was made of. @param sources  see sourcesOf(). @param walk  over
-/// input.
-float farthestPlace(const SimplifiedMesh& rung, const NodeMesh& input, std::span<const uint32_t> sources,
-                    const SurfaceWalk& walk);
+/// @param sources  see sourcesOf().
+float farthestPlace(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources);
 
 }  // namespace lode::ingest
