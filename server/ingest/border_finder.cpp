@@ -3,49 +3,30 @@
 #include "server/ingest/leaf_mesh.h"
 
 namespace lode::ingest {
-namespace {
 
-constexpr size_t kWaitingLeaves = 2;
-
-}  // namespace
-
-BorderFinder::BorderFinder(BorderTable& table, AttributeSet attributes, bool in_own_thread)
-    : table_(table), attributes_(attributes), waiting_(kWaitingLeaves) {
-  if (in_own_thread) thread_ = std::thread([this] { listInOwnThread(); });
-}
-
-BorderFinder::~BorderFinder() { stop(); }
+BorderFinder::BorderFinder(BorderTable& table, AttributeSet attributes, unsigned threads)
+    : attributes_(attributes), desks_(threads), found_(threads > 1 ? threads : 0, [&table](Found&& found) {
+        for (size_t i = 0; i < found.positions.size(); ++i)
+          table.add(found.positions[i], found.leaf, found.normals[i]);
+      }) {}
 
 void BorderFinder::add(uint32_t leaf, std::span<const std::byte> records) {
-  if (!thread_.joinable()) return list(leaf, records);
-  if (!waiting_.push({leaf, {records.begin(), records.end()}})) finish();
+  Desk& desk = desks_[next_desk_++ % desks_.size()];
+  found_.push([this, leaf, &desk, copy = std::vector(records.begin(), records.end())] {
+    return find(leaf, copy, desk);
+  });
 }
 
-void BorderFinder::finish() {
-  stop();
-  if (failure_) std::rethrow_exception(failure_);
-}
-
-void BorderFinder::stop() noexcept {
-  waiting_.close();
-  if (thread_.joinable()) thread_.join();
-}
-
-void BorderFinder::listInOwnThread() noexcept {
-  try {
-    while (const auto leaf = waiting_.pop()) list(leaf->number, leaf->records);
-  } catch (...) {
-    failure_ = std::current_exception();
-    waiting_.close();
-  }
-}
-
-void BorderFinder::list(uint32_t leaf, std::span<const std::byte> records) {
+BorderFinder::Found BorderFinder::find(uint32_t leaf, std::span<const std::byte> records, Desk& desk) const {
   const bool has_normals = attributes_.has(AttributeSet::kNormal);
-  const NodeMesh mesh = weldSoup(records, attributes_, welder_);
+  const NodeMesh mesh = weldSoup(records, attributes_, desk.welder);
   const std::vector<glm::i64vec3> normals = has_normals ? std::vector<glm::i64vec3>() : sumNormals(mesh);
-  for (const uint32_t position : findBorder(mesh, edges_))
-    table_.add(mesh.positions[position], leaf, has_normals ? glm::i64vec3(0) : normals[position]);
+  Found found{leaf, {}, {}};
+  for (const uint32_t position : findBorder(mesh, desk.edges)) {
+    found.positions.push_back(mesh.positions[position]);
+    found.normals.push_back(has_normals ? glm::i64vec3(0) : normals[position]);
+  }
+  return found;
 }
 
 }  // namespace lode::ingest

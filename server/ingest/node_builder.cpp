@@ -8,8 +8,8 @@
 #include "server/ingest/collapse.h"
 #include "server/ingest/computed_normals.h"
 #include "server/ingest/finished_rung.h"
+#include "server/ingest/in_order.h"
 #include "server/ingest/leaf_mesh.h"
-#include "server/ingest/rung_line.h"
 #include "server/ingest/rung_targets.h"
 
 namespace lode::ingest {
@@ -143,7 +143,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
   const float gap_of_input = built.rim_gap_steps;
   std::vector<float> deviations(built.samples.size());  // the largest of any rung
   std::vector<uint32_t> became;
-  RungLine line(input, built.samples, settings_.lattice.step, helpers, [&](FinishedRung&& rung) {
+  InOrder<FinishedRung> rungs(helpers, [&](FinishedRung&& rung) {
     for (size_t i = 0; i < rung.deviations.size(); ++i)
       deviations[i] = std::max(deviations[i], rung.deviations[i]);
     if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
@@ -154,8 +154,12 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
   (is_cluster ? cluster : collapse)(withoutComputedNormals(input.mesh()), targets, options,
-                                    [&](size_t, SimplifiedMesh&& rung) { line.push(std::move(rung)); });
-  line.finish();
+                                    [&](size_t, SimplifiedMesh&& rung) {
+    rungs.push([&, rung = std::move(rung)]() mutable {
+      return finishRung(std::move(rung), input, built.samples, settings_.lattice.step);
+    });
+  });
+  rungs.finish();
   for (size_t i = 0; i < deviations.size(); ++i) {
     SurfaceSample& sample = built.samples[i];
     sample.deviation = std::max(sample.deviation, deviations[i]);

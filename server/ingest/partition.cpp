@@ -51,7 +51,7 @@ Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t tria
                    {0},
                    Spool(folder.lastingFile(Partition::kSoupFile)),
                    BorderTable(folder, memory_bytes)};
-  BorderFinder finder(result.border, attributes, threads > 1);
+  BorderFinder finder(result.border, attributes, threads);
   const auto takeLeaf = [&](NodeKey key, std::span<const std::byte> records, uint32_t triangles) {
     const auto leaf = static_cast<uint32_t>(result.leaves.size());
     result.leaves.push_back(key);

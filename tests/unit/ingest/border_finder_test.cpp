@@ -20,10 +20,10 @@ std::vector<std::byte> squareAt(uint32_t x) {
 }
 
 /// Of a row of squares, one a leaf.
-std::vector<std::vector<BorderVertex>> bordersOfARow(bool in_own_thread) {
+std::vector<std::vector<BorderVertex>> bordersOfARow(unsigned threads) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  BorderFinder finder(table, {}, in_own_thread);
+  BorderFinder finder(table, {}, threads);
   std::vector<NodeKey> leaves;
   for (uint32_t leaf = 0; leaf < 8; ++leaf) {
     leaves.push_back(kRootKey.child(leaf));
@@ -37,14 +37,14 @@ std::vector<std::vector<BorderVertex>> bordersOfARow(bool in_own_thread) {
 }
 
 TEST(BorderFinder, listsTheVerticesThatLeavesShare) {
-  const auto borders = bordersOfARow(false);
+  const auto borders = bordersOfARow(1);
   EXPECT_EQ(borders[0].size(), 2u);
   EXPECT_EQ(borders[3].size(), 4u);
   EXPECT_EQ(borders[3][0].lca_depth, 0);
 }
 
-TEST(BorderFinder, findsTheSameInAThreadOfItsOwn) {
-  const auto here = bordersOfARow(false), there = bordersOfARow(true);
+TEST(BorderFinder, findsTheSameOnSeveralThreads) {
+  const auto here = bordersOfARow(1), there = bordersOfARow(3);
   for (size_t leaf = 0; leaf < here.size(); ++leaf) {
     ASSERT_EQ(here[leaf].size(), there[leaf].size());
     for (size_t i = 0; i < here[leaf].size(); ++i) {
@@ -54,10 +54,10 @@ TEST(BorderFinder, findsTheSameInAThreadOfItsOwn) {
   }
 }
 
-TEST(BorderFinder, endsItsThreadWhenItIsGivenUp) {
+TEST(BorderFinder, endsItsThreadsWhenItIsGivenUp) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  BorderFinder finder(table, {}, true);
+  BorderFinder finder(table, {}, 2);
   finder.add(0, squareAt(0));
 }
 
