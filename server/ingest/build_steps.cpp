@@ -246,6 +246,7 @@ void BuildSteps::sortSoup() {
     known = sorter_->size() - batch.counts.triangles;
   }
   const CellGrid grid(facts_.choice.extent);
+  sorter_->reserve(input_->faceCount());
   std::byte bytes[kMaxSoupBytes];
   const std::span<std::byte> soup(bytes, soupBytes(facts_.soup_attributes));
   CheckpointClock clock(CheckpointClock::Clock::now());

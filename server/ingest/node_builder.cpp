@@ -153,12 +153,12 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
   });
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
-  (is_cluster ? cluster : collapse)(withoutComputedNormals(input.mesh()), targets, options,
-                                    [&](size_t, SimplifiedMesh&& rung) {
-    rungs.push([&, rung = std::move(rung)]() mutable {
-      return finishRung(std::move(rung), input, built.samples, settings_.lattice.step);
-    });
-  });
+  (is_cluster ? cluster : collapse)(
+      withoutComputedNormals(input.mesh()), targets, options, [&](size_t, SimplifiedMesh&& rung) {
+        rungs.push([&, rung = std::move(rung)]() mutable {
+          return finishRung(std::move(rung), input, built.samples, settings_.lattice.step);
+        });
+      });
   rungs.finish();
   for (size_t i = 0; i < deviations.size(); ++i) {
     SurfaceSample& sample = built.samples[i];
@@ -187,7 +187,6 @@ RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung)
   return {std::max({finer.deviation_steps, forward, both, built.rim_gap_steps}),
           std::max(finer.lost_detail_steps, rung.lost_detail_steps)};
 }
-
 
 RungError NodeBuilder::errorOf(const Rung& rung) const noexcept {
   return {static_cast<float>(rung.error_model / settings_.lattice.step),

@@ -36,13 +36,15 @@ RecordSorter::RecordSorter(size_t record_bytes, uint64_t memory_bytes, Temporary
 
 RecordSorter::~RecordSorter() = default;
 
+void RecordSorter::reserve(uint64_t records) {
+  const size_t held = std::min<uint64_t>(capacity_, records);
+  order_.reserve(held);
+  held_.reserve(held * record_bytes_);
+}
+
 void RecordSorter::push(uint64_t key, std::span<const std::byte> record) {
   if (order_.size() == capacity_) spill();
-  if (order_.size() == order_.capacity()) {
-    const size_t more = std::min(capacity_, std::max<size_t>(1024, order_.size() * 3 / 2));
-    order_.reserve(more);
-    held_.reserve(more * record_bytes_);
-  }
+  if (order_.size() == order_.capacity()) reserve(std::max<size_t>(1024, order_.size() * 3 / 2));
   order_.push_back({key, static_cast<uint32_t>(order_.size())});
   held_.insert(held_.end(), record.begin(), record.end());
   ++size_;

@@ -29,6 +29,8 @@ class RecordSorter {
   RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs, unsigned threads = 1);
   ~RecordSorter();
 
+  /// Makes room for so many records, or what is held at most.
+  void reserve(uint64_t records);
   void push(uint64_t key, std::span<const std::byte> record);
   uint64_t size() const noexcept { return size_; }
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_; }

@@ -126,7 +126,8 @@ std::vector<float> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& in
     distances.push_back(distanceOf(sample));
     largest = std::max(largest, distances.back());
   }
-  confirmLargest(walk, distances, [&](size_t i) { return pointOf(samples[i]); }, gridOver);
+  confirmLargest(
+      walk, distances, [&](size_t i) { return pointOf(samples[i]); }, gridOver);
   return distances;
 }
 
@@ -163,24 +164,30 @@ float farthestPlace(const SimplifiedMesh& rung, const RungInput& input, std::spa
   std::vector<float> distances;
   std::vector<glm::vec3> points;
   float largest = 0;
-  const auto measure = [&](glm::vec3 point, uint32_t near) {
+  const auto measure = [&](glm::vec3 point, uint32_t& near) {
     points.push_back(point);
-    distances.push_back(input.walk().distance(point, sources[near], largest));
+    distances.push_back(input.walk().distanceOnwards(point, near, largest));
     largest = std::max(largest, distances.back());
   };
-  for (uint32_t i = 0; i < sources.size(); ++i) measure(pointOf(mesh, i), i);
+  for (uint32_t i = 0; i < sources.size(); ++i) {
+    uint32_t near = sources[i];
+    measure(pointOf(mesh, i), near);
+  }
   const uint32_t steps = stepsAlongEdge(mesh.triangles.size());
   for (const glm::u32vec3& t : mesh.triangles) {
     const glm::u32vec3 at(mesh.wedge_position[t.x], mesh.wedge_position[t.y], mesh.wedge_position[t.z]);
     const glm::vec3 a = pointOf(mesh, at.x), b = pointOf(mesh, at.y), c = pointOf(mesh, at.z);
+    uint32_t near_row = sources[at.z];  // where walks to the points of a row begin
     for (uint32_t i = 0; i <= steps; ++i) {
+      uint32_t near = near_row;
       for (uint32_t j = 0; i + j <= steps; ++j) {
         const uint32_t k = steps - i - j;
         const bool is_corner = i == steps || j == steps || k == steps;
         if (is_corner) continue;
         const glm::vec3 point =
             (static_cast<float>(i) * a + static_cast<float>(j) * b + static_cast<float>(k) * c);
-        measure(point / static_cast<float>(steps), i >= j && i >= k ? at.x : j >= k ? at.y : at.z);
+        measure(point / static_cast<float>(steps), near);
+        if (j == 0) near_row = near;
       }
     }
   }

@@ -39,6 +39,12 @@ float SurfaceWalk::distance(glm::vec3 point, uint32_t start, float enough) const
   return std::sqrt(walk(point, start, enough * enough).squared);
 }
 
+float SurfaceWalk::distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept {
+  const Nearest nearest = walk(point, start, enough * enough);
+  if (!std::isinf(nearest.squared)) start = triangles_[nearest.triangle].x;
+  return std::sqrt(nearest.squared);
+}
+
 SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const noexcept {
   if (const std::optional<Place> above = placeAround(point, start)) return *above;
   const Nearest nearest = walk(point, start, 0);

@@ -25,6 +25,9 @@ class SurfaceWalk {
   /// @param start  a position of the mesh that a triangle has; infinity if none has.
   /// @param enough  the walk ends where it is as near as this.
   float distance(glm::vec3 point, uint32_t start, float enough) const noexcept;
+  /// The same; `start` becomes a position where the walk has ended, from which that of a point nearby is
+  /// shorter.
+  float distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept;
   /// The place where a walk ends.
   struct Place {
     uint32_t triangle = 0;  ///< of the mesh

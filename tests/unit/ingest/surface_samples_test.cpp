@@ -168,8 +168,7 @@ TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
   samples.push_back({away, 0, kVanished});
   samples.push_back({mesh.positions[0], 0, 0});
   const SurfaceWalk walk(mesh);
-  const std::vector<float> deviations =
-      deviationsFrom(rung, mesh, walk, placesOn(rung, mesh, walk), samples);
+  const std::vector<float> deviations = deviationsFrom(rung, mesh, walk, placesOn(rung, mesh, walk), samples);
   EXPECT_FLOAT_EQ(deviations[0], TriangleGrid(mesh).distance(away));
   EXPECT_EQ(deviations[1], 0);
 }
