@@ -50,8 +50,8 @@ Trial runTrial(const ForecastInput& input) {
   return trial;
 }
 
-/// The most that lies on disk at once: the packed input and the sorted runs; what the soup was made of, which
-/// stays until it is noted as complete, and the soup; or soup and payloads.
+/// The most that lies on disk at once: the packed input and the sorted runs; what leaves were made of, which
+/// stays until they are noted as complete, and the leaves; or leaves and payloads.
 uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
   const uint64_t vertex_bytes =
       packedVertexBytes(vertexAttributes(input.attributes, input.corner_texture), input.double_positions);
@@ -62,11 +62,13 @@ uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_
           (sizeof(uint32_t) + (input.corner_texture ? sizeof(glm::vec2) : 0)) +
       (input.attributes.has(AttributeSet::kMaterial) ? input.faces * sizeof(uint16_t) : 0) +
       (only_triangles ? 0 : input.faces * sizeof(uint32_t));
-  const uint64_t soup = input.triangles * soupBytes(input.attributes);
-  const uint64_t runs = soup + input.triangles * sizeof(uint64_t);
+  const uint64_t runs = input.triangles * (soupBytes(input.attributes) + sizeof(uint64_t));
+  const uint64_t wedge_bytes = input.attributes.bits == 0 ? 0 : sizeof(uint32_t) + sizeof(VertexAttributes);
+  const uint64_t leaves =
+      input.triangles * sizeof(glm::u32vec3) + input.vertices * (sizeof(PositionCode) + wedge_bytes);
   const bool sorts_on_disk = runs + input.triangles * sizeof(uint64_t) > sort_bytes;
-  return std::max(
-      {packed + (sorts_on_disk ? runs : 0), soup + (sorts_on_disk ? runs : packed), soup + payload_bytes});
+  return std::max({packed + (sorts_on_disk ? runs : 0), leaves + (sorts_on_disk ? runs : packed),
+                   leaves + payload_bytes});
 }
 
 }  // namespace

@@ -297,8 +297,8 @@ void BuildSteps::partition() {
   record.put(counts_);
   parts_->save(record);
   note(BuildEntry::kPartitioned, record);
-  folder_.removeFilesBut({StagedTextures::kFile, Partition::kSoupFile, BorderTable::kFile});
-  clock.finish(parts_->triangleCount(), parts_->soup.size() + parts_->border.temporaryBytes());
+  folder_.removeFilesBut({StagedTextures::kFile, Partition::kLeafFile, BorderTable::kFile});
+  clock.finish(parts_->triangles, parts_->meshes.size() + parts_->border.temporaryBytes());
 }
 
 NodeBuilder::Settings BuildSteps::settings() const {

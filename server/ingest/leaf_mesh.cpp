@@ -1,7 +1,9 @@
 #include "server/ingest/leaf_mesh.h"
 
 #include <algorithm>
+#include <numeric>
 
+#include "common/error.h"
 #include "common/octahedral.h"
 
 namespace lode::ingest {
@@ -19,6 +21,39 @@ NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, M
     welder.addTriangle(wedges);
   }
   return welder.finish();
+}
+
+// Without attributes, wedges are positions.
+void putLeaf(RecordWriter& record, const NodeMesh& mesh) {
+  record.putAll(mesh.positions);
+  record.putAll(mesh.triangles);
+  if (mesh.attributes.bits == 0) return;
+  record.putAll(mesh.wedge_position);
+  record.putAll(mesh.wedge_attributes);
+}
+
+NodeMesh getLeaf(RecordReader& record, AttributeSet attributes) {
+  NodeMesh mesh;
+  mesh.attributes = attributes;
+  mesh.positions = record.getAll<PositionCode>();
+  mesh.triangles = record.getAll<glm::u32vec3>();
+  if (attributes.bits != 0) {
+    mesh.wedge_position = record.getAll<uint32_t>();
+    mesh.wedge_attributes = record.getAll<VertexAttributes>();
+  } else {
+    mesh.wedge_position.resize(mesh.positions.size());
+    std::iota(mesh.wedge_position.begin(), mesh.wedge_position.end(), 0u);
+  }
+  mesh.lca_depth.assign(mesh.positions.size(), kNeverLocked);
+  const size_t wedges = mesh.wedge_position.size();
+  const bool is_sound =
+      (attributes.bits == 0 || mesh.wedge_attributes.size() == wedges) &&
+      std::ranges::all_of(mesh.wedge_position, [&](uint32_t at) { return at < mesh.positions.size(); }) &&
+      std::ranges::all_of(mesh.triangles,
+                          [&](glm::u32vec3 t) { return t.x < wedges && t.y < wedges && t.z < wedges; });
+  if (!is_sound)
+    throw Error(ErrorCode::kFormat, "a build's temporary file of leaves is damaged; build without --resume");
+  return mesh;
 }
 
 std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh) {

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "server/ingest/mesh_welder.h"
+#include "server/ingest/record_bytes.h"
 #include "server/ingest/soup.h"
 
 namespace lode::ingest {
@@ -14,6 +15,11 @@ namespace lode::ingest {
 /// A leaf's soup as a mesh, nothing locked yet. @param records  storeSoup's bytes, one triangle after the
 /// other.
 NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, MeshWelder& welder);
+
+/// Notes a leaf's mesh, of which nothing is locked yet.
+void putLeaf(RecordWriter& record, const NodeMesh& mesh);
+/// @throws Error kFormat where the record is no leaf's mesh.
+NodeMesh getLeaf(RecordReader& record, AttributeSet attributes);
 
 /// Sum of the triangles' cross products at each position, in lattice steps: integers, so that sums over
 /// leaves do not depend on their order. Twice the area weighs each triangle's normal.

@@ -209,7 +209,7 @@ void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedP
 }
 
 NodeMesh NodeBuilder::loadLeaf(uint32_t leaf) {
-  NodeMesh mesh = weldSoup(partition_.readLeaf(leaf), partition_.attributes, welder_);
+  NodeMesh mesh = partition_.readLeaf(leaf);
   mesh.attributes = settings_.attributes;
   const std::vector<BorderVertex> border = partition_.border.read(leaf);
   const auto sharedAt = [&](PositionCode position) -> const BorderVertex* {

@@ -7,35 +7,35 @@
 #include "server/ingest/border_table.h"
 #include "server/ingest/build.h"
 #include "server/ingest/cell_code.h"
+#include "server/ingest/node_mesh.h"
 #include "server/ingest/record_sorter.h"
 #include "server/ingest/soup.h"
 #include "server/ingest/spool.h"
 
 namespace lode::ingest {
 
-/// The leaves of the octree and their triangles.
+/// The leaves of the octree and their meshes.
 struct Partition {
-  /// Name of the soup's file, which lasts.
-  static constexpr std::string_view kSoupFile = "soup";
+  /// Name of the meshes' file, which lasts.
+  static constexpr std::string_view kLeafFile = "leaves";
 
-  AttributeSet attributes;      ///< of the soup: those of the file
+  AttributeSet attributes;      ///< those of the file
   std::vector<NodeKey> leaves;  ///< in Morton order
-  std::vector<uint64_t> first;  ///< triangle in the soup with which each leaf begins, and the end
-  Spool soup;                   ///< storeSoup's records, leaf by leaf
+  std::vector<uint64_t> begin;  ///< byte with which each leaf begins in `meshes`, and the end
+  uint64_t triangles = 0;
+  Spool meshes;  ///< putLeaf's records
   BorderTable border;
 
-  /// A leaf's records. Thread safe.
-  std::vector<std::byte> readLeaf(uint32_t leaf) const;
+  /// A leaf's mesh; nothing is locked yet. @throws Error kFormat, kIo. Thread safe.
+  NodeMesh readLeaf(uint32_t leaf) const;
   /// Writes the partition to the disk for good, and notes in `record` where it is.
   void save(RecordWriter& record) const;
   /// What save() noted. @throws Error kIo, kFormat.
   static Partition load(const TemporaryFolder& folder, AttributeSet attributes, RecordReader& record);
-  uint64_t triangleCount() const noexcept { return first.back(); }
 };
 
-/// Stage 3: takes the sorted triangles, cuts them into leaves, and finds what the leaves share.
+/// Stage 3: takes the sorted triangles, cuts them into leaves, welds these, and finds what they share.
 /// @param sorted   finished; keys are cell codes.
-/// @param threads  two are used where there are more.
 Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
                     uint64_t memory_bytes, unsigned threads, const TemporaryFolder& folder,
                     const BuildProgress& progress);

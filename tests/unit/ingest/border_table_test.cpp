@@ -49,25 +49,5 @@ TEST(BorderTable, addsUpTheNormalsOfAllLeaves) {
   EXPECT_EQ(table.read(1).front().normal, normalOf({1, 1, 0}));
 }
 
-TEST(LeafMesh, listsTheVerticesOfEdgesNotUsedTwiceAsBorder) {
-  // A square of four triangles about its centre: the centre alone is inside.
-  std::vector<std::byte> records;
-  const PositionCode corner[] = {packPosition({0, 0, 0}), packPosition({8, 0, 0}), packPosition({8, 8, 0}),
-                                 packPosition({0, 8, 0})};
-  for (int k = 0; k < 4; ++k) {
-    SoupTriangle triangle{{corner[k], corner[(k + 1) % 4], packPosition({4, 4, 0})}, {}};
-    records.resize(records.size() + kSoupPositionBytes);
-    storeSoup(triangle, std::span(records).last(kSoupPositionBytes));
-  }
-  MeshWelder welder;
-  NumberTable edges;
-  const NodeMesh mesh = weldSoup(records, {}, welder);
-  ASSERT_EQ(mesh.positions.size(), 5u);
-  std::vector<PositionCode> border;
-  for (const uint32_t position : findBorder(mesh, edges)) border.push_back(mesh.positions[position]);
-  EXPECT_EQ(border.size(), 4u);
-  EXPECT_EQ(std::count(border.begin(), border.end(), packPosition({4, 4, 0})), 0);
-}
-
 }  // namespace
 }  // namespace lode::ingest

@@ -221,7 +221,7 @@ TEST_F(Resume, isRefusedWhenTheInputHasChanged) {
 
 TEST_F(Resume, isRefusedInOneLineWhenWhatWasLeftIsDamaged) {
   ASSERT_TRUE(interruptAt(options_, "simplify", 1));
-  std::filesystem::resize_file(folder_ / ".a.lode.building/files/soup", 1000);
+  std::filesystem::resize_file(folder_ / ".a.lode.building/files/leaves", 1000);
   const std::string message = failure(options_);
   EXPECT_NE(message.find("build without --resume"), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos);

@@ -1,4 +1,4 @@
-#include "server/ingest/border_finder.h"
+#include "server/ingest/leaf_welder.h"
 
 #include <gtest/gtest.h>
 
@@ -23,27 +23,27 @@ std::vector<std::byte> squareAt(uint32_t x) {
 std::vector<std::vector<BorderVertex>> bordersOfARow(unsigned threads) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  BorderFinder finder(table, {}, threads);
+  LeafWelder welder(table, {}, threads, [](std::span<const std::byte>) {});
   std::vector<NodeKey> leaves;
   for (uint32_t leaf = 0; leaf < 8; ++leaf) {
     leaves.push_back(kRootKey.child(leaf));
-    finder.add(leaf, squareAt(leaf));
+    welder.add(leaf, squareAt(leaf));
   }
-  finder.finish();
+  welder.finish();
   table.join(leaves);
   std::vector<std::vector<BorderVertex>> borders;
   for (uint32_t leaf = 0; leaf < 8; ++leaf) borders.push_back(table.read(leaf));
   return borders;
 }
 
-TEST(BorderFinder, listsTheVerticesThatLeavesShare) {
+TEST(LeafWelder, listsTheVerticesThatLeavesShare) {
   const auto borders = bordersOfARow(1);
   EXPECT_EQ(borders[0].size(), 2u);
   EXPECT_EQ(borders[3].size(), 4u);
   EXPECT_EQ(borders[3][0].lca_depth, 0);
 }
 
-TEST(BorderFinder, findsTheSameOnSeveralThreads) {
+TEST(LeafWelder, findsTheSameOnSeveralThreads) {
   const auto here = bordersOfARow(1), there = bordersOfARow(3);
   for (size_t leaf = 0; leaf < here.size(); ++leaf) {
     ASSERT_EQ(here[leaf].size(), there[leaf].size());
@@ -54,11 +54,11 @@ TEST(BorderFinder, findsTheSameOnSeveralThreads) {
   }
 }
 
-TEST(BorderFinder, endsItsThreadsWhenItIsGivenUp) {
+TEST(LeafWelder, endsItsThreadsWhenItIsGivenUp) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  BorderFinder finder(table, {}, 2);
-  finder.add(0, squareAt(0));
+  LeafWelder welder(table, {}, 2, [](std::span<const std::byte>) {});
+  welder.add(0, squareAt(0));
 }
 
 }  // namespace

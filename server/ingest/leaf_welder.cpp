@@ -1,0 +1,39 @@
+#include "server/ingest/leaf_welder.h"
+
+#include <utility>
+
+#include "server/ingest/leaf_mesh.h"
+
+namespace lode::ingest {
+
+LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink)
+    : attributes_(attributes),
+      desks_(threads),
+      welded_(threads > 1 ? threads : 0, [&table, sink = std::move(sink)](Welded&& welded) {
+        sink(welded.mesh.bytes());
+        for (size_t i = 0; i < welded.border.size(); ++i)
+          table.add(welded.border[i], welded.leaf, welded.normals[i]);
+      }) {}
+
+void LeafWelder::add(uint32_t leaf, std::span<const std::byte> records) {
+  Desk& desk = desks_[next_desk_++ % desks_.size()];
+  welded_.push([this, leaf, &desk, copy = std::vector(records.begin(), records.end())] {
+    return weld(leaf, copy, desk);
+  });
+}
+
+LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> records, Desk& desk) const {
+  const bool has_normals = attributes_.has(AttributeSet::kNormal);
+  const NodeMesh mesh = weldSoup(records, attributes_, desk.welder);
+  const std::vector<glm::i64vec3> normals = has_normals ? std::vector<glm::i64vec3>() : sumNormals(mesh);
+  Welded welded;
+  welded.leaf = leaf;
+  putLeaf(welded.mesh, mesh);
+  for (const uint32_t position : findBorder(mesh, desk.edges)) {
+    welded.border.push_back(mesh.positions[position]);
+    welded.normals.push_back(has_normals ? glm::i64vec3(0) : normals[position]);
+  }
+  return welded;
+}
+
+}  // namespace lode::ingest

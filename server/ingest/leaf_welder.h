@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "server/ingest/border_table.h"
+#include "server/ingest/in_order.h"
+#include "server/ingest/mesh_welder.h"
+#include "server/ingest/number_table.h"
+#include "server/ingest/record_bytes.h"
+
+namespace lode::ingest {
+
+/// Makes meshes of leaves' soup, and lists their border vertices in a border table: those on an edge that the
+/// leaf does not use exactly twice, with their share of the computed normals. The table is the welder's until
+/// finish() returns.
+class LeafWelder {
+ public:
+  /// Takes each leaf's mesh, as putLeaf() has written it, in the order in which leaves came.
+  using Sink = std::function<void(std::span<const std::byte> mesh)>;
+
+  /// @param threads  with more than one, leaves are welded on so many, beside the caller. @param sink  called
+  /// by add() and finish().
+  LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink);
+
+  /// @param leaf     its number; leaves come in rising order.
+  /// @param records  soup; copied where the work is done later.
+  void add(uint32_t leaf, std::span<const std::byte> records);
+  /// Ends when all leaves are in the table. @throws what welding them threw, as add() does.
+  void finish() { welded_.finish(); }
+
+ private:
+  struct Welded {
+    uint32_t leaf = 0;
+    RecordWriter mesh;
+    std::vector<PositionCode> border;
+    std::vector<glm::i64vec3> normals;  ///< one a border position
+  };
+  /// What welding a leaf takes.
+  struct Desk {
+    MeshWelder welder;
+    NumberTable edges;
+  };
+  Welded weld(uint32_t leaf, std::span<const std::byte> records, Desk& desk) const;
+
+  const AttributeSet attributes_;
+  std::vector<Desk> desks_;  ///< leaves take turns at them
+  size_t next_desk_ = 0;
+  InOrder<Welded> welded_;
+};
+
+}  // namespace lode::ingest
