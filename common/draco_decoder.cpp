@@ -9,6 +9,7 @@
 #include <draco/mesh/mesh.h>
 
 #include "common/draco_codec.h"
+#include "common/draco_header.h"
 #include "common/draco_settings.h"
 #include "common/error.h"
 #include "common/limits.h"
@@ -20,33 +21,7 @@ using draco::GeometryAttribute;
 using draco::PointAttribute;
 using namespace draco_settings;
 
-[[noreturn]] void refuse(const std::string& why) {
-  throw Error(ErrorCode::kFormat, "damaged payload: " + why + "; fetch it again or rebuild the store");
-}
-
-// Reads the first bytes of a Draco stream, which the guards need before Draco sees them.
-class HeaderCursor {
- public:
-  explicit HeaderCursor(std::span<const std::byte> bytes) : bytes_(bytes) {}
-
-  uint8_t u8() {
-    if (at_ == bytes_.size()) refuse("its header is cut off");
-    return std::to_integer<uint8_t>(bytes_[at_++]);
-  }
-  uint32_t varint() {
-    uint64_t value = 0;
-    for (int shift = 0; shift < 35; shift += 7) {
-      const uint8_t byte = u8();
-      value |= static_cast<uint64_t>(byte & 127) << shift;
-      if (byte < 128 && value <= UINT32_MAX) return static_cast<uint32_t>(value);
-    }
-    refuse("a count in its header is too long");
-  }
-
- private:
-  std::span<const std::byte> bytes_;
-  size_t at_ = 0;
-};
+using draco_header::refuse;
 
 // Everything by which Draco sizes its tables. Source: Draco's bitstream specification 2.2, sections 3 and 6.
 void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& expected) {
@@ -54,10 +29,8 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
     throw Error(ErrorCode::kLimit, "a payload of " + std::to_string(expected.triangles) + " triangles and " +
                                        std::to_string(expected.vertices) +
                                        " vertices is announced: above the limits");
-  HeaderCursor header(bytes);
-  constexpr uint8_t kStart[] = {'D', 'R', 'A', 'C', 'O', 2, 2, /*mesh*/ 1, /*edgebreaker*/ 1, /*flags*/ 0, 0};
-  for (const uint8_t byte : kStart)
-    if (header.u8() != byte) refuse("it does not begin like a Draco 2.2 edgebreaker mesh");
+  draco_header::Cursor header(bytes);
+  header.skipStart();
   const uint8_t traversal = header.u8();
   if (traversal != draco::MESH_EDGEBREAKER_STANDARD_ENCODING &&
       traversal != draco::MESH_EDGEBREAKER_VALENCE_ENCODING)

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "common/error.h"
+
+namespace lode::draco_header {
+
+[[noreturn]] inline void refuse(const std::string& why) {
+  throw Error(ErrorCode::kFormat, "damaged payload: " + why + "; fetch it again or rebuild the store");
+}
+
+/// Reads the first bytes of a Draco stream. All functions throw Error kFormat.
+/// Source: Draco's bitstream specification 2.2, sections 3 and 6.
+class Cursor {
+ public:
+  explicit Cursor(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  /// What every payload begins with; the kind of traversal, vertices and triangles follow.
+  void skipStart() {
+    constexpr uint8_t kStart[] = {'D', 'R', 'A', 'C', 'O', 2, 2, /*mesh*/ 1, /*edgebreaker*/ 1, /*flags*/ 0, 0};
+    for (const uint8_t byte : kStart)
+      if (u8() != byte) refuse("it does not begin like a Draco 2.2 edgebreaker mesh");
+  }
+  uint8_t u8() {
+    if (at_ == bytes_.size()) refuse("its header is cut off");
+    return std::to_integer<uint8_t>(bytes_[at_++]);
+  }
+  uint32_t varint() {
+    uint64_t value = 0;
+    for (int shift = 0; shift < 35; shift += 7) {
+      const uint8_t byte = u8();
+      value |= static_cast<uint64_t>(byte & 127) << shift;
+      if (byte < 128 && value <= UINT32_MAX) return static_cast<uint32_t>(value);
+    }
+    refuse("a count in its header is too long");
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  size_t at_ = 0;
+};
+
+}  // namespace lode::draco_header
