@@ -21,7 +21,8 @@ class Cursor {
 
   /// What every payload begins with; the kind of traversal, vertices and triangles follow.
   void skipStart() {
-    constexpr uint8_t kStart[] = {'D', 'R', 'A', 'C', 'O', 2, 2, /*mesh*/ 1, /*edgebreaker*/ 1, /*flags*/ 0, 0};
+    constexpr uint8_t kStart[] = {'D',         'R', 'A', 'C', 'O', 2, 2, /*mesh*/ 1, /*edgebreaker*/ 1,
+                                  /*flags*/ 0, 0};
     for (const uint8_t byte : kStart)
       if (u8() != byte) refuse("it does not begin like a Draco 2.2 edgebreaker mesh");
   }

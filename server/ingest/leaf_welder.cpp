@@ -8,7 +8,7 @@ namespace lode::ingest {
 
 LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink)
     : attributes_(attributes),
-      desks_(threads),
+      welders_(threads),
       welded_(threads > 1 ? threads : 0, [&table, sink = std::move(sink)](Welded&& welded) {
         sink(welded.mesh.bytes());
         for (size_t i = 0; i < welded.border.size(); ++i)
@@ -16,20 +16,21 @@ LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, unsigned thr
       }) {}
 
 void LeafWelder::add(uint32_t leaf, std::span<const std::byte> records) {
-  Desk& desk = desks_[next_desk_++ % desks_.size()];
-  welded_.push([this, leaf, &desk, copy = std::vector(records.begin(), records.end())] {
-    return weld(leaf, copy, desk);
+  MeshWelder& welder = welders_[next_welder_++ % welders_.size()];
+  welded_.push([this, leaf, &welder, copy = std::vector(records.begin(), records.end())] {
+    return weld(leaf, copy, welder);
   });
 }
 
-LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> records, Desk& desk) const {
+LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> records,
+                                    MeshWelder& welder) const {
   const bool has_normals = attributes_.has(AttributeSet::kNormal);
-  const NodeMesh mesh = weldSoup(records, attributes_, desk.welder);
+  const NodeMesh mesh = weldSoup(records, attributes_, welder);
   const std::vector<glm::i64vec3> normals = has_normals ? std::vector<glm::i64vec3>() : sumNormals(mesh);
   Welded welded;
   welded.leaf = leaf;
   putLeaf(welded.mesh, mesh);
-  for (const uint32_t position : findBorder(mesh, desk.edges)) {
+  for (const uint32_t position : findBorder(mesh)) {
     welded.border.push_back(mesh.positions[position]);
     welded.normals.push_back(has_normals ? glm::i64vec3(0) : normals[position]);
   }

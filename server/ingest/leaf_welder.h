@@ -9,7 +9,6 @@
 #include "server/ingest/border_table.h"
 #include "server/ingest/in_order.h"
 #include "server/ingest/mesh_welder.h"
-#include "server/ingest/number_table.h"
 #include "server/ingest/record_bytes.h"
 
 namespace lode::ingest {
@@ -39,16 +38,11 @@ class LeafWelder {
     std::vector<PositionCode> border;
     std::vector<glm::i64vec3> normals;  ///< one a border position
   };
-  /// What welding a leaf takes.
-  struct Desk {
-    MeshWelder welder;
-    NumberTable edges;
-  };
-  Welded weld(uint32_t leaf, std::span<const std::byte> records, Desk& desk) const;
+  Welded weld(uint32_t leaf, std::span<const std::byte> records, MeshWelder& welder) const;
 
   const AttributeSet attributes_;
-  std::vector<Desk> desks_;  ///< leaves take turns at them
-  size_t next_desk_ = 0;
+  std::vector<MeshWelder> welders_;  ///< leaves take turns at them
+  size_t next_welder_ = 0;
   InOrder<Welded> welded_;
 };
 

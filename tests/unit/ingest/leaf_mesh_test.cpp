@@ -50,11 +50,10 @@ TEST(LeafMesh, listsTheVerticesOfEdgesNotUsedTwiceAsBorder) {
     storeSoup(triangle, std::span(records).last(kSoupPositionBytes));
   }
   MeshWelder welder;
-  NumberTable edges;
   const NodeMesh mesh = weldSoup(records, {}, welder);
   ASSERT_EQ(mesh.positions.size(), 5u);
   std::vector<PositionCode> border;
-  for (const uint32_t position : findBorder(mesh, edges)) border.push_back(mesh.positions[position]);
+  for (const uint32_t position : findBorder(mesh)) border.push_back(mesh.positions[position]);
   EXPECT_EQ(border.size(), 4u);
   EXPECT_EQ(std::count(border.begin(), border.end(), packPosition({4, 4, 0})), 0);
 }
