@@ -4,6 +4,7 @@
 #include <span>
 
 #include "server/ingest/simplified_mesh.h"
+#include "server/ingest/surface_walk.h"
 
 namespace lode::ingest {
 
@@ -11,9 +12,12 @@ namespace lode::ingest {
 /// surface, so that quadrics gain nothing from them.
 NodeMesh withoutComputedNormals(NodeMesh mesh);
 
-/// Gives a rung the computed normals of the mesh that it was made of, where that has such: each of its
-/// positions the mean of those that have become it, or its own, to the bit, where it has not moved.
-/// @param mesh  wedges of one position share its normal. @param sources  see sourcesOf().
-void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<const uint32_t> sources);
+/// Gives a rung computed normals, where the mesh that it was made of has such: those with which its shading,
+/// between its corners, comes near that of the mesh. A position that leaves share keeps its own, to the bit,
+/// while it stays where it was.
+/// @param mesh  wedges of one position share its normal. @param sources  see sourcesOf(). @param places  see
+/// placesOn().
+void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<const uint32_t> sources,
+                         std::span<const SurfaceWalk::Place> places);
 
 }  // namespace lode::ingest

@@ -15,11 +15,11 @@ FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
   finished.simplified = std::move(simplified);
   SimplifiedMesh& rung = finished.simplified;
   const std::vector<uint32_t> sources = sourcesOf(rung, input.mesh());
-  giveComputedNormals(rung, input.mesh(), sources);
-  finished.payload = encodePayload(toMesh(rung.mesh), step_model);
-  if (rung.mesh.triangles.empty()) return finished;
   const SurfaceWalk walk(rung.mesh);
   const std::vector<SurfaceWalk::Place> places = placesOn(rung, input.mesh(), walk);
+  giveComputedNormals(rung, input.mesh(), sources, places);
+  finished.payload = encodePayload(toMesh(rung.mesh), step_model);
+  if (rung.mesh.triangles.empty()) return finished;
   finished.deviations = deviationsFrom(rung, input.mesh(), walk, places, samples);
   finished.farthest_steps = farthestPlace(rung, input, sources);
   finished.rim_gap_steps = rimGap(rung, input.mesh(), input.rims());

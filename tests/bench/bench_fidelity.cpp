@@ -1,6 +1,7 @@
 // How far simplified surfaces are from their originals. docs/benchmarks.md says what each part has shown.
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <span>
 #include <string_view>
@@ -15,7 +16,8 @@ constexpr const char* kUsage =
     "       bench_fidelity --equal-error ORIGINAL.ply CUT.ply...  triangles beside meshoptimizer's\n"
     "       bench_fidelity --attributes MODEL.ply...              what attributes lose\n"
     "       bench_fidelity --forms MODEL.ply...                   forms of attribute quadrics\n"
-    "       bench_fidelity --pictures FULL.png OTHER.png...       pairs of pictures\n";
+    "       bench_fidelity --pictures FULL.png OTHER.png...       pairs of pictures\n"
+    "       bench_fidelity --pictures-halved N FULL.png OTHER.png...  of so many times halved ones\n";
 
 /// @return false if the arguments are none of the usage's.
 bool runPart(std::span<char* const> arguments) {
@@ -30,7 +32,9 @@ bool runPart(std::span<char* const> arguments) {
   } else if (part == "--forms") {
     lode::bench::compareForms(arguments.subspan(1));
   } else if (part == "--pictures" && arguments.size() % 2 == 1) {
-    lode::bench::comparePictures(arguments.subspan(1));
+    lode::bench::comparePictures(arguments.subspan(1), 0);
+  } else if (part == "--pictures-halved" && arguments.size() % 2 == 0) {
+    lode::bench::comparePictures(arguments.subspan(2), std::atoi(arguments[1]));
   } else if (!part.starts_with("--")) {
     lode::bench::compareCuts(arguments[0], arguments.subspan(1));
   } else {

@@ -22,6 +22,6 @@ void compareAttributes(std::span<char* const> models);
 void compareForms(std::span<char* const> models);
 
 /// Pictures in pairs, the full resolution's first: peak signal-to-noise ratio where both show the model.
-void comparePictures(std::span<char* const> pairs);
+void comparePictures(std::span<char* const> pairs, int halvings);
 
 }  // namespace lode::bench

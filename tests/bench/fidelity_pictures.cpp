@@ -18,11 +18,13 @@ namespace {
 constexpr uint64_t kMemory = 1u << 30;
 constexpr int kDither = 8;  // of the background, which else is one colour a row
 
-Image readPicture(const char* path) {
+Image readPicture(const char* path, int halvings) {
   std::ifstream file(path, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(file)), {});
   std::string damage;
-  return ingest::decodeImage(std::as_bytes(std::span(bytes)), kMemory, damage);
+  Image picture = ingest::decodeImage(std::as_bytes(std::span(bytes)), kMemory, damage);
+  for (; halvings > 0; --halvings) picture = halved(picture);
+  return picture;
 }
 
 int largestDifference(glm::u8vec4 a, glm::u8vec4 b) {
@@ -66,9 +68,9 @@ Comparison compare(const Image& full, const Image& other) {
 
 }  // namespace
 
-void comparePictures(std::span<char* const> pairs) {
+void comparePictures(std::span<char* const> pairs, int halvings) {
   for (size_t i = 0; i + 1 < pairs.size(); i += 2) {
-    const Image full = readPicture(pairs[i]), other = readPicture(pairs[i + 1]);
+    const Image full = readPicture(pairs[i], halvings), other = readPicture(pairs[i + 1], halvings);
     if (full.size != other.size) {
       std::printf("of different sizes: %s %s\n", pairs[i], pairs[i + 1]);
       continue;
