@@ -9,6 +9,11 @@ namespace lode::core {
 namespace {
 
 using Corners = std::array<glm::dvec2, 3>;
+using ModelCorners = std::array<glm::dvec3, 3>;
+
+/// How much farther apart texels may lie in one direction than in the other for it to count: what sampling
+/// along the pixel makes up for.
+constexpr double kMostStretch = 8;
 
 /// Level 0 tiles of one texture, as they are touched.
 class TouchedGrid {
@@ -20,7 +25,9 @@ class TouchedGrid {
         cells_(size_t{across_} * down_) {}
 
   /// @param corners  in texels from the image's top left, not brought back into the image.
-  void add(const Corners& corners, double model_area, uint64_t& tests_left) {
+  /// @param model  the triangle's corners in the model.
+  void add(const Corners& corners, const ModelCorners& model, uint64_t& tests_left) {
+    const Worn worn = wornBy(corners, model);
     const glm::dvec2 least = glm::min(corners[0], glm::min(corners[1], corners[2]));
     const glm::dvec2 most = glm::max(corners[0], glm::max(corners[1], corners[2]));
     if (!all_) {
@@ -34,10 +41,10 @@ class TouchedGrid {
       } else {
         for (double row = first.y; row <= last.y; ++row)
           for (double column = first.x; column <= last.x; ++column)
-            addToImage(corners, model_area, glm::dvec2(column, row) * size_, tests_left);
+            addToImage(corners, worn, glm::dvec2(column, row) * size_, tests_left);
       }
     }
-    noteArea(whole_, corners, model_area);
+    note(whole_, worn);
   }
 
   bool isWhole() const noexcept { return all_; }
@@ -55,19 +62,47 @@ class TouchedGrid {
     for (uint32_t y = 0; y < down_; ++y)
       for (uint32_t x = 0; x < across_; ++x) {
         const Cell& cell = cells_[size_t{y} * across_ + x];
-        if (cell.touched) out.tiles.push_back({texture, y, x, density(cell.texel_area > 0 ? cell : whole_)});
+        if (cell.touched) out.tiles.push_back({texture, y, x, density(cell.model_area > 0 ? cell : whole_)});
       }
   }
 
  private:
+  /// What a triangle wears: texels a model unit along which they lie farthest apart, 0 if it has no extent.
+  struct Worn {
+    double model_area = 0, texels_per_model = 0;
+  };
   struct Cell {
-    double texel_area = 0, model_area = 0;
+    double model_area = 0;
+    double spread = 0;  ///< of each triangle the area over the square of its texels a model unit
     bool touched = false;
   };
 
-  static float density(const Cell& areas) {
-    const double texels = areas.model_area > 0 ? std::sqrt(areas.texel_area / areas.model_area) : 0;
+  static Worn wornBy(const Corners& texels, const ModelCorners& model) {
+    const glm::dvec3 ab = model[1] - model[0], ac = model[2] - model[0];
+    const double length = glm::length(ab), doubled_area = glm::length(glm::cross(ab, ac));
+    if (!(doubled_area > 0)) return {};
+    // Texels a model unit along ab and across it: the columns of a matrix whose singular values are the most
+    // and the fewest texels along any direction.
+    const glm::dvec2 along = (texels[1] - texels[0]) / length;
+    const glm::dvec2 across =
+        (texels[2] - texels[0] - along * (glm::dot(ab, ac) / length)) * (length / doubled_area);
+    const double squares = glm::dot(along, along) + glm::dot(across, across);
+    const double product = std::abs(cross(along, across));
+    const double most =
+        std::sqrt((squares + std::sqrt(std::max(0.0, squares * squares - 4 * product * product))) / 2);
+    if (!(most > 0)) return {};
+    return {doubled_area / 2, std::max(product / most, most / kMostStretch)};
+  }
+
+  static float density(const Cell& cell) {
+    const double texels = cell.model_area > 0 ? std::sqrt(cell.model_area / cell.spread) : 0;
     return static_cast<float>(std::min(texels, 1e30));
+  }
+
+  static void note(Cell& cell, const Worn& worn) {
+    if (worn.model_area == 0) return;
+    cell.model_area += worn.model_area;
+    cell.spread += worn.model_area / (worn.texels_per_model * worn.texels_per_model);
   }
 
   /// Number of the last whole range that ends at `most` or holds it: what only touches it does not count.
@@ -76,13 +111,6 @@ class TouchedGrid {
   }
 
   static double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
-
-  static void noteArea(Cell& cell, const Corners& corners, double model_area) {
-    const double texel_area = std::abs(cross(corners[1] - corners[0], corners[2] - corners[0])) / 2;
-    if (!(texel_area > 0) || !(model_area > 0)) return;
-    cell.texel_area += texel_area;
-    cell.model_area += model_area;
-  }
 
   /// Separating axes of a triangle and a box that touch at least by their bounding boxes.
   static bool overlaps(const Corners& corners, glm::dvec2 least, glm::dvec2 most) {
@@ -99,7 +127,7 @@ class TouchedGrid {
   }
 
   /// Adds the part of a triangle on one repeat of the image.
-  void addToImage(const Corners& corners, double model_area, glm::dvec2 image_origin, uint64_t& tests_left) {
+  void addToImage(const Corners& corners, const Worn& worn, glm::dvec2 image_origin, uint64_t& tests_left) {
     Corners here;
     for (int i = 0; i < 3; ++i) here[i] = corners[i] - image_origin;
     const glm::dvec2 least = glm::max(glm::min(here[0], glm::min(here[1], here[2])), glm::dvec2(0));
@@ -118,7 +146,7 @@ class TouchedGrid {
         if (!overlaps(here, corner, glm::min(corner + double{kTileInnerPx}, size_))) continue;
         Cell& cell = cells_[size_t{y} * across_ + x];
         cell.touched = true;
-        noteArea(cell, corners, model_area);
+        note(cell, worn);
       }
   }
 
@@ -148,15 +176,14 @@ TextureFootprint makeFootprint(const Mesh& mesh, const TextureSet& set, double s
     const Texture& texture = set.textures[number];
     if (!grids[number]) grids[number] = std::make_unique<TouchedGrid>(texture);
     Corners texels;
-    std::array<glm::dvec3, 3> model;
+    ModelCorners model;
     for (int i = 0; i < 3; ++i) {
       const uint32_t vertex = triangle[i];
       const glm::dvec2 uv = set.uv_origin + glm::dvec2(mesh.vertex_attributes[vertex].texture) * uv_step;
       texels[i] = glm::dvec2(uv.x * texture.width, (1 - uv.y) * texture.height);
       model[i] = glm::dvec3(unpackPosition(mesh.positions[vertex])) * step;
     }
-    const double model_area = glm::length(glm::cross(model[1] - model[0], model[2] - model[0])) / 2;
-    grids[number]->add(texels, model_area, tests_left);
+    grids[number]->add(texels, model, tests_left);
   }
   uint64_t tiles_left = maxTouchedTiles(mesh.triangles.size()), tiles = 0, whole = 0;
   for (const auto& grid : grids) {

@@ -9,10 +9,14 @@
 namespace lode::core {
 
 /// A tile of a texture's level 0 that a mesh wears, and how closely its texels lie on the surface there.
+///
+/// That is counted where they lie farthest apart, so that nothing is blurred: on each triangle along the
+/// direction with the fewest (but not below an eighth of the most, which is what sampling along the pixel
+/// makes up for), and over the triangles by the mean of squared distances, which leans towards the greater.
 struct TouchedTile {
   uint32_t texture = 0;
   uint32_t y = 0, x = 0;
-  float texels_per_model = 0;  ///< level 0 texels a model unit, the mean over the triangles that touch it
+  float texels_per_model = 0;  ///< level 0 texels a model unit
 
   bool operator==(const TouchedTile&) const = default;
 };

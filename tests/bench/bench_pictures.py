@@ -51,7 +51,7 @@ def painted_rows():
     for y in range(PICTURE_SIDE):
         row = bytearray(b"\0")
         for x in range(PICTURE_SIDE):
-            ring = math.hypot(x - PICTURE_SIDE / 2, y - PICTURE_SIDE / 2) // 60 % 2
+            ring = math.hypot(x - PICTURE_SIDE / 2, y - PICTURE_SIDE / 2) // 64 % 2
             stripe = (x + y) // 96 % 2
             row += bytes((round(60 + 120 * ring), round(40 + 140 * stripe), 80 + 100 * x // PICTURE_SIDE))
         yield bytes(row)

@@ -70,8 +70,8 @@ TEST(TextureFootprint, hasAllTilesWhenATriangleSpansMoreThanTheImage) {
   const TextureFootprint footprint = makeFootprint(wide, setOf(), 1);
   EXPECT_TRUE(footprint.tiles.empty());
   ASSERT_EQ(footprint.whole.size(), 1u);
-  // 3 x 1500 texels along 1000 steps, a tenth of 1000 texels along as many.
-  EXPECT_NEAR(footprint.whole[0].texels_per_model, std::sqrt(4.5 * 0.1), 0.01);
+  // 3 x 1500 texels along 1000 steps, a tenth of 1000 texels along as many: more than 8 times apart.
+  EXPECT_NEAR(footprint.whole[0].texels_per_model, 4.5 / 8, 0.01);
 }
 
 TEST(TextureFootprint, endsAtTheRimOfTheImage) {
@@ -79,11 +79,26 @@ TEST(TextureFootprint, endsAtTheRimOfTheImage) {
   for (const glm::uvec2 place : placesOf(makeFootprint(whole, setOf(), 1))) EXPECT_GE(place.x, 1u);
 }
 
-TEST(TextureFootprint, knowsHowCloselyTexelsLie) {
+TEST(TextureFootprint, knowsHowFarApartTexelsLieWhereTheyLieFarthestApart) {
   // Half of 1500 texels along 1000 steps of 0.5, half of 1000 texels along as many.
   const Mesh mesh = triangleOf({{{0, 0.5}, {0.5, 0.5}, {0, 1}}});
   for (const TouchedTile& tile : makeFootprint(mesh, setOf(), 0.5).tiles)
-    EXPECT_NEAR(tile.texels_per_model, std::sqrt(1.5 * 1.0), 0.01);
+    EXPECT_NEAR(tile.texels_per_model, 1.0, 0.01);
+}
+
+TEST(TextureFootprint, leansTowardsTheTrianglesOnWhichTexelsLieFartherApart) {
+  // Two triangles of one size, on one of which texels lie ten times as far apart.
+  Mesh mesh = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.75}}});
+  const Mesh sparse = triangleOf({{{0.1, 0.9}, {0.11, 0.9}, {0.1, 0.885}}});
+  const float close = makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model;
+  for (size_t i = 0; i < 3; ++i) {
+    mesh.positions.push_back(sparse.positions[i]);
+    mesh.vertex_attributes.push_back(sparse.vertex_attributes[i]);
+  }
+  mesh.triangles.push_back({3, 4, 5});
+  const float both = makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model;
+  EXPECT_GT(both, 0.1f * close);
+  EXPECT_LT(both, 0.2f * close);
 }
 
 TEST(TextureFootprint, countsTrianglesWithoutExtentForTheirTileButNotForItsTexels) {
