@@ -13,7 +13,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr double kTrianglesOfOneThread = 1e5;  ///< nodes near the root are simplified one after another
+/// Nodes near the root are collapsed one after another, and only measured and encoded on several threads.
+constexpr double kTrianglesOfOneThread = 1e5;
 constexpr uint64_t kTrialTriangles = 400000, kLeastTrialTriangles = 5000;
 /// Of a model many times the trial's size, a triangle's share of the upper levels of the tree is smaller:
 /// what it costs in time and bytes, relative to the trial's. Measured with samples of 1 to 10 million.
@@ -64,8 +65,8 @@ uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_
       (only_triangles ? 0 : input.faces * sizeof(uint32_t));
   const uint64_t runs = input.triangles * (soupBytes(input.attributes) + sizeof(uint64_t));
   const uint64_t wedge_bytes = input.attributes.bits == 0 ? 0 : sizeof(uint32_t) + sizeof(VertexAttributes);
-  const uint64_t leaves =
-      input.triangles * sizeof(glm::u32vec3) + input.vertices * (sizeof(PositionCode) + wedge_bytes);
+  const uint64_t leaves = input.triangles * sizeof(glm::u32vec3) + input.vertices * sizeof(PositionCode) +
+                          (input.corner_texture ? 3 * input.triangles : input.vertices) * wedge_bytes;
   const bool sorts_on_disk = runs + input.triangles * sizeof(uint64_t) > sort_bytes;
   return std::max({packed + (sorts_on_disk ? runs : 0), leaves + (sorts_on_disk ? runs : packed),
                    leaves + payload_bytes});

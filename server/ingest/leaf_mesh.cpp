@@ -47,11 +47,15 @@ NodeMesh getLeaf(RecordReader& record, AttributeSet attributes) {
   }
   mesh.lca_depth.assign(mesh.positions.size(), kNeverLocked);
   const size_t wedges = mesh.wedge_position.size();
+  const auto isTriangle = [&](glm::u32vec3 t) {
+    if (t.x >= wedges || t.y >= wedges || t.z >= wedges) return false;
+    const uint32_t a = mesh.wedge_position[t.x], b = mesh.wedge_position[t.y], c = mesh.wedge_position[t.z];
+    return a != b && b != c && c != a;
+  };
   const bool is_sound =
-      (attributes.bits == 0 || mesh.wedge_attributes.size() == wedges) &&
+      record.atEnd() && (attributes.bits == 0 || mesh.wedge_attributes.size() == wedges) &&
       std::ranges::all_of(mesh.wedge_position, [&](uint32_t at) { return at < mesh.positions.size(); }) &&
-      std::ranges::all_of(mesh.triangles,
-                          [&](glm::u32vec3 t) { return t.x < wedges && t.y < wedges && t.z < wedges; });
+      std::ranges::all_of(mesh.triangles, isTriangle);
   if (!is_sound)
     throw Error(ErrorCode::kFormat, "a build's temporary file of leaves is damaged; build without --resume");
   return mesh;

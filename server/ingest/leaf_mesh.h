@@ -18,7 +18,7 @@ NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, M
 
 /// Notes a leaf's mesh, of which nothing is locked yet.
 void putLeaf(RecordWriter& record, const NodeMesh& mesh);
-/// @throws Error kFormat where the record is no leaf's mesh.
+/// @throws Error kFormat where the record is of another length or a triangle has no three corners.
 NodeMesh getLeaf(RecordReader& record, AttributeSet attributes);
 
 /// Sum of the triangles' cross products at each position, in lattice steps: integers, so that sums over

@@ -26,7 +26,7 @@ class LeafWelder {
   LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink);
 
   /// @param leaf     its number; leaves come in rising order.
-  /// @param records  soup; copied where the work is done later.
+  /// @param records  soup; copied.
   void add(uint32_t leaf, std::span<const std::byte> records);
   /// Ends when all leaves are in the table. @throws what welding them threw, as add() does.
   void finish() { welded_.finish(); }

@@ -33,8 +33,6 @@ class NumberTable {
     return number;
   }
 
-  uint32_t find(uint64_t key) const noexcept { return slots_[slotOf(key)].number; }
-
   /// Finalizer of MurmurHash3 (Appleby, public domain): full avalanche, so that lattice neighbours spread.
   static constexpr uint64_t hash(uint64_t x) noexcept {
     x = (x ^ x >> 33) * 0xff51afd7ed558ccdULL;

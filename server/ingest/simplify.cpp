@@ -86,10 +86,10 @@ class Scheduler {
       while (const auto taken = take()) {
         const Plan::Entry& entry = plan_.entries[taken->number];
         if (entry.children.empty()) {
-          give(taken->number, builder.buildLeaf(entry.leaf, taken->helpers));
+          give(*taken, builder.buildLeaf(entry.leaf, taken->helpers()));
         } else {
           std::vector<BuiltNode> children = takeChildren(entry);
-          give(taken->number, builder.buildInner(entry.key, children, taken->helpers));
+          give(*taken, builder.buildInner(entry.key, children, taken->helpers()));
         }
       }
     } catch (...) {
@@ -144,7 +144,10 @@ class Scheduler {
  private:
   struct Taken {
     uint32_t number = 0;
-    unsigned helpers = 0;  ///< threads that will find nothing to do meanwhile, and this one, which waits
+    unsigned lent = 0;  ///< threads that find nothing to do now, for this node until it is given
+
+    /// One more than are idle: the builder, once its node is collapsed, waits for them.
+    unsigned helpers() const noexcept { return lent == 0 ? 0 : lent + 1; }
   };
 
   /// The next node to build, or nothing when all are taken or one failed. Inner nodes first: they free
@@ -156,18 +159,20 @@ class Scheduler {
       if (!ready_.empty()) {
         const uint32_t number = ready_.top();
         ready_.pop();
-        return Taken{number, helpersOfNext()};
+        return Taken{number, lendToNext()};
       }
-      if (next_leaf_ < leaf_entries_.size()) return Taken{leaf_entries_[next_leaf_++], helpersOfNext()};
+      if (next_leaf_ < leaf_entries_.size()) return Taken{leaf_entries_[next_leaf_++], lendToNext()};
       changed_.wait(lock);
     }
   }
 
-  /// Of the node that is taken now. @return none while there are nodes for all threads.
-  unsigned helpersOfNext() {
+  /// To the node that is taken now. @return none while there are nodes for all threads.
+  unsigned lendToNext() {
     const size_t under_way = ++taken_ - done_;
-    const size_t busy = under_way + ready_.size() + (leaf_entries_.size() - next_leaf_);
-    return busy < threads_ ? static_cast<unsigned>(threads_ - busy + 1) : 0;
+    const size_t busy = under_way + ready_.size() + (leaf_entries_.size() - next_leaf_) + lent_;
+    const unsigned idle = busy < threads_ ? static_cast<unsigned>(threads_ - busy) : 0;
+    lent_ += idle;
+    return idle;
   }
 
   std::vector<BuiltNode> takeChildren(const Plan::Entry& entry) {
@@ -230,8 +235,10 @@ class Scheduler {
     finished_ = std::move(left);
   }
 
-  void give(uint32_t number, BuiltNode&& built) {
+  void give(const Taken& taken, BuiltNode&& built) {
+    const uint32_t number = taken.number;
     std::lock_guard lock(mutex_);
+    lent_ -= taken.lent;
     tree_.nodes[number] = built.node;
     tree_.payloads[number] = built.payloads;
     built_[number] = std::move(built);
@@ -254,7 +261,7 @@ class Scheduler {
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   std::vector<uint32_t> leaf_entries_;
   size_t next_leaf_ = 0;
-  size_t taken_ = 0, done_ = 0;
+  size_t taken_ = 0, done_ = 0, lent_ = 0;
   SimplifiedTree tree_;
   std::exception_ptr failure_;
 };

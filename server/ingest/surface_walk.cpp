@@ -63,13 +63,15 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
     const glm::u32vec3& t = triangles_[around_[i]];
     const glm::vec3 a = points_[t.x], ap = point - a, ab = points_[t.y] - a, ac = points_[t.z] - a;
     const glm::vec3 normal = glm::cross(ab, ac);
-    const float all = glm::dot(normal, normal), height = glm::dot(normal, ap);
+    const float all = glm::dot(normal, normal);
     const float of_b = glm::dot(normal, glm::cross(ap, ac)), of_c = glm::dot(normal, glm::cross(ab, ap));
     const float of_a = all - of_b - of_c;
-    const bool is_above = std::min({of_a, of_b, of_c}) > 0;
-    if (!is_above || height * height >= nearest * all) continue;
-    nearest = height * height / all;
-    place = {around_[i], glm::vec3(of_a, of_b, of_c) / all, std::abs(height) / std::sqrt(all)};
+    if (!(std::min({of_a, of_b, of_c}) > 0)) continue;
+    // From the foot, not along the normal: a sliver's is rounding noise, which may be much too short.
+    const float squared = squaredLength(ap - (of_b * ab + of_c * ac) / all);
+    if (squared >= nearest) continue;
+    nearest = squared;
+    place = {around_[i], glm::vec3(of_a, of_b, of_c) / all, std::sqrt(squared)};
   }
   return std::isinf(nearest) ? std::nullopt : std::optional(place);
 }

@@ -37,6 +37,11 @@ TEST(LeafMesh, isRefusedWhereItNamesWhatIsNotThere) {
   EXPECT_THROW(getLeaf(record, mesh.attributes), Error);
   RecordReader cut(noted.bytes().first(noted.bytes().size() - 1));
   EXPECT_THROW(getLeaf(cut, mesh.attributes), Error);
+  mesh.triangles[3].y = mesh.triangles[3].x;
+  RecordWriter flat;
+  putLeaf(flat, mesh);
+  RecordReader flat_record(flat.bytes());
+  EXPECT_THROW(getLeaf(flat_record, mesh.attributes), Error);
 }
 
 TEST(LeafMesh, listsTheVerticesOfEdgesNotUsedTwiceAsBorder) {
@@ -56,6 +61,21 @@ TEST(LeafMesh, listsTheVerticesOfEdgesNotUsedTwiceAsBorder) {
   for (const uint32_t position : findBorder(mesh)) border.push_back(mesh.positions[position]);
   EXPECT_EQ(border.size(), 4u);
   EXPECT_EQ(std::count(border.begin(), border.end(), packPosition({4, 4, 0})), 0);
+}
+
+TEST(LeafMesh, listsTheVerticesOfEdgesThatMoreThanTwoTrianglesUseAsBorder) {
+  // A closed surface with a fin on one of its edges.
+  NodeMesh mesh = test::nodeOf(test::makeSphere(12, 8));
+  ASSERT_TRUE(findBorder(mesh).empty());
+  const glm::u32vec3 t = mesh.triangles[0];
+  mesh.wedge_position.push_back(static_cast<uint32_t>(mesh.positions.size()));
+  mesh.positions.push_back(packPosition({1, 2, 3}));
+  const auto tip = static_cast<uint32_t>(mesh.wedge_position.size() - 1);
+  mesh.triangles.emplace_back(t.x, t.y, tip);
+  EXPECT_EQ(findBorder(mesh).size(), 3u);
+  mesh.triangles.emplace_back(t.y, t.x,
+                              tip);  // the fin's other side: its rims are used twice, its foot 4 times
+  EXPECT_EQ(findBorder(mesh).size(), 2u);
 }
 
 }  // namespace

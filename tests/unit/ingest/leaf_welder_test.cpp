@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/ingest/leaf_mesh.h"
 #include "server/ingest/soup.h"
 
 namespace lode::ingest {
@@ -52,6 +53,27 @@ TEST(LeafWelder, findsTheSameOnSeveralThreads) {
       EXPECT_EQ(here[leaf][i].normal, there[leaf][i].normal);
     }
   }
+}
+
+std::vector<PositionCode> positionsOfARow(unsigned threads) {
+  const TemporaryFolder folder(testing::TempDir());
+  BorderTable table(folder, 1 << 20);
+  std::vector<PositionCode> positions;
+  LeafWelder welder(table, {}, threads, [&](std::span<const std::byte> mesh) {
+    RecordReader record(mesh);
+    const NodeMesh leaf = getLeaf(record, {});
+    positions.insert(positions.end(), leaf.positions.begin(), leaf.positions.end());
+  });
+  for (uint32_t leaf = 0; leaf < 8; ++leaf) welder.add(leaf, squareAt(leaf));
+  welder.finish();
+  return positions;
+}
+
+TEST(LeafWelder, givesTheMeshesOfLeavesInTheirOrder) {
+  const std::vector<PositionCode> positions = positionsOfARow(1);
+  ASSERT_EQ(positions.size(), 8u * 4);
+  EXPECT_EQ(unpackPosition(positions[4 * 5]).x, 5u);
+  EXPECT_EQ(positionsOfARow(3), positions);
 }
 
 TEST(LeafWelder, endsItsThreadsWhenItIsGivenUp) {

@@ -47,6 +47,28 @@ TEST(SurfaceWalk, looksAtEveryTriangleForTheExactDistance) {
   }
 }
 
+TEST(SurfaceWalk, endsAtAPlaceThatIsAsFarAsItSaysOnSliversToo) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 2000; ++i) {
+    NodeMesh sliver = test::nodeOf(test::makeGrid(1, 1));
+    sliver.triangles.resize(1);
+    const auto at = [&](uint32_t corner) -> PositionCode& {
+      return sliver.positions[sliver.wedge_position[sliver.triangles[0][static_cast<int>(corner)]]];
+    };
+    const auto aside = [&] { return static_cast<uint32_t>(random() % 64); };
+    at(0) = packPosition({100 + aside(), 100 + aside(), 100 + aside()});
+    at(1) = packPosition({30000 + aside(), 27000 + aside(), 32000 + aside()});
+    at(2) = packPosition({15000 + aside(), 13500 + aside(), 16000 + aside()});
+    const glm::vec3 point(15000 + aside(), 13500 + aside(), 16000 + aside());
+    const uint32_t start = sliver.wedge_position[sliver.triangles[0].x];
+    const SurfaceWalk::Place place = SurfaceWalk(sliver).placeOf(point, start);
+    glm::dvec3 foot(0);
+    for (uint32_t k = 0; k < 3; ++k)
+      foot += static_cast<double>(place.shares[static_cast<int>(k)]) * glm::dvec3(unpackPosition(at(k)));
+    EXPECT_NEAR(place.distance, glm::distance(foot, glm::dvec3(point)), 0.05);
+  }
+}
+
 TEST(SurfaceWalk, isInfinitelyFarWhereItStartsAtNoTriangle) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   mesh.triangles.clear();
