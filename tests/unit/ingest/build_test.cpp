@@ -246,6 +246,17 @@ class SlowBuild : public Build {
   }
 };
 
+TEST_F(SlowBuild, staysBelowItsMemoryWhereManyThreadsFinishTheRungsOfANode) {
+  makeSample(700000, AttributeSet::kNormal | AttributeSet::kColour);
+  BuildOptions many = options();
+  many.memory_bytes = 512 * kMega;
+  many.threads = 8;
+  ASSERT_EQ(planMemory(many.memory_bytes, 8, many.triangles_per_node).threads, 8u);
+  const uint64_t peak = peakOfBuild(many);
+  EXPECT_GT(peak, 0u);
+  EXPECT_LE(peak, many.memory_bytes);
+}
+
 TEST_F(SlowBuild, staysBelowItsMemoryAndGivesTheSameBytesWithMore) {
   makeSample(2500000, 0);
   BuildOptions small = options("small.lode"), large = options("large.lode");
