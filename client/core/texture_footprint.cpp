@@ -11,8 +11,8 @@ namespace {
 using Corners = std::array<glm::dvec2, 3>;
 using ModelCorners = std::array<glm::dvec3, 3>;
 
-/// How much farther apart texels may lie in one direction than in the other for it to count: what sampling
-/// along the pixel makes up for.
+/// How much farther apart texels may lie in one direction than in the other, or on one triangle than in the
+/// mean, for it to count. Source of the former: as often is a pixel sampled along its length (shaders.cpp).
 constexpr double kMostStretch = 8;
 
 /// Level 0 tiles of one texture, as they are touched.
@@ -67,13 +67,14 @@ class TouchedGrid {
   }
 
  private:
-  /// What a triangle wears: texels a model unit along which they lie farthest apart, 0 if it has no extent.
+  /// What a triangle wears; nothing if all its corners lie at one place of the image.
   struct Worn {
-    double model_area = 0, texels_per_model = 0;
+    double model_area = 0, texel_area = 0;
+    double texels_per_model = 0;  ///< along the direction with the fewest
   };
   struct Cell {
-    double model_area = 0;
-    double spread = 0;  ///< of each triangle the area over the square of its texels a model unit
+    double model_area = 0, texel_area = 0;
+    double spread = 0;  ///< sum of each triangle's area over the square of its texels a model unit
     bool touched = false;
   };
 
@@ -91,17 +92,21 @@ class TouchedGrid {
     const double most =
         std::sqrt((squares + std::sqrt(std::max(0.0, squares * squares - 4 * product * product))) / 2);
     if (!(most > 0)) return {};
-    return {doubled_area / 2, std::max(product / most, most / kMostStretch)};
+    return {doubled_area / 2, product * doubled_area / 2, std::max(product / most, most / kMostStretch)};
   }
 
+  // Of the mean at least an eighth: a few triangles whose coordinates hardly differ ask for no more.
   static float density(const Cell& cell) {
-    const double texels = cell.model_area > 0 ? std::sqrt(cell.model_area / cell.spread) : 0;
-    return static_cast<float>(std::min(texels, 1e30));
+    if (!(cell.model_area > 0)) return 0;
+    const double leaning = std::sqrt(cell.model_area / cell.spread);
+    const double mean = std::sqrt(cell.texel_area / cell.model_area);
+    return static_cast<float>(std::min(std::max(leaning, mean / kMostStretch), 1e30));
   }
 
   static void note(Cell& cell, const Worn& worn) {
     if (worn.model_area == 0) return;
     cell.model_area += worn.model_area;
+    cell.texel_area += worn.texel_area;
     cell.spread += worn.model_area / (worn.texels_per_model * worn.texels_per_model);
   }
 

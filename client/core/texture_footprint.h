@@ -10,9 +10,10 @@ namespace lode::core {
 
 /// A tile of a texture's level 0 that a mesh wears, and how closely its texels lie on the surface there.
 ///
-/// That is counted where they lie farthest apart, so that nothing is blurred: on each triangle along the
-/// direction with the fewest (but not below an eighth of the most, which is what sampling along the pixel
-/// makes up for), and over the triangles by the mean of squared distances, which leans towards the greater.
+/// It is counted with a view to where they lie farthest apart, which would be blurred first: on each triangle
+/// along the direction with the fewest, but not below an eighth of the most; over the triangles by the mean
+/// of the squared distances between texels, which leans towards the greater, but not below an eighth of what
+/// areas say.
 struct TouchedTile {
   uint32_t texture = 0;
   uint32_t y = 0, x = 0;
@@ -49,8 +50,8 @@ constexpr uint64_t maxTouchedTiles(uint64_t triangles) noexcept { return 512 + 2
 uint64_t footprintBytes(const TextureFootprint& footprint) noexcept;
 
 /// The footprint of a mesh. A triangle touches the tiles that it overlaps once the coordinates outside 0..1
-/// have been brought back by repeating the image. Triangles without extent on the image touch tiles too, but
-/// count for nothing in the mean, if there are others. Vertices of a material that the set lacks, or whose
+/// have been brought back by repeating the image. Triangles all at one place of the image touch its tile
+/// too, but count for nothing else, if there are others. Vertices of a material that the set lacks, or whose
 /// image is missing, touch nothing. Never throws but for want of memory; thread safe.
 /// @param step  of the lattice.
 TextureFootprint makeFootprint(const Mesh& mesh, const TextureSet& set, double step);

@@ -8,7 +8,8 @@ namespace lode::ingest {
 
 namespace {
 
-constexpr float kShortest = 1e-3f;
+constexpr float kShortest = 1e-3f;    ///< of a sum of normals
+constexpr float kLeastShare = 1e-3f;  ///< of a corner, in all places together
 
 /// A normal a position; wedges of one position share it.
 std::vector<uint16_t> normalsOf(const NodeMesh& mesh) {
@@ -54,7 +55,7 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& rung, std::span<const glm
   }
   std::vector<glm::vec3> normals(means.begin(), means.end());
   for (size_t i = 0; i < normals.size(); ++i)
-    if (sums[i].w > kShortest) normals[i] += glm::vec3(sums[i]) / sums[i].w;
+    if (sums[i].w > kLeastShare) normals[i] += glm::vec3(sums[i]) / sums[i].w;
   return normals;
 }
 

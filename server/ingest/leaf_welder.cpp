@@ -9,7 +9,7 @@ namespace lode::ingest {
 LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink)
     : attributes_(attributes),
       welders_(threads),
-      welded_(threads > 1 ? threads : 0, [&table, sink = std::move(sink)](Welded&& welded) {
+      welded_(threads - 1, [&table, sink = std::move(sink)](Welded&& welded) {
         sink(welded.mesh.bytes());
         for (size_t i = 0; i < welded.border.size(); ++i)
           table.add(welded.border[i], welded.leaf, welded.normals[i]);

@@ -21,8 +21,8 @@ class LeafWelder {
   /// Takes each leaf's mesh, as putLeaf() has written it, in the order in which leaves came.
   using Sink = std::function<void(std::span<const std::byte> mesh)>;
 
-  /// @param threads  with more than one, leaves are welded on so many, beside the caller. @param sink  called
-  /// by add() and finish().
+  /// @param threads  at least one, the caller's: leaves are welded on so many. @param sink  called by add()
+  /// and finish().
   LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink);
 
   /// @param leaf     its number; leaves come in rising order.

@@ -86,10 +86,10 @@ class Scheduler {
       while (const auto taken = take()) {
         const Plan::Entry& entry = plan_.entries[taken->number];
         if (entry.children.empty()) {
-          give(*taken, builder.buildLeaf(entry.leaf, taken->helpers()));
+          give(*taken, builder.buildLeaf(entry.leaf, taken->lent));
         } else {
           std::vector<BuiltNode> children = takeChildren(entry);
-          give(*taken, builder.buildInner(entry.key, children, taken->helpers()));
+          give(*taken, builder.buildInner(entry.key, children, taken->lent));
         }
       }
     } catch (...) {
@@ -145,9 +145,6 @@ class Scheduler {
   struct Taken {
     uint32_t number = 0;
     unsigned lent = 0;  ///< threads that find nothing to do now, for this node until it is given
-
-    /// One more than are idle: the builder, once its node is collapsed, waits for them.
-    unsigned helpers() const noexcept { return lent == 0 ? 0 : lent + 1; }
   };
 
   /// The next node to build, or nothing when all are taken or one failed. Inner nodes first: they free

@@ -54,15 +54,19 @@ SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const n
   return {nearest.triangle, {1 - shares.x - shares.y, shares}, std::sqrt(nearest.squared)};
 }
 
-/// Most points lie above a triangle around the start; edges and corners then need no look.
+/// Most points lie above a triangle around the start; edges and corners then need no look, unless the
+/// triangles there look to different sides: across the rim of a plate lies its other side.
 std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
   float nearest = std::numeric_limits<float>::infinity();
   Place place;
+  glm::vec3 first_normal(0);
   for (uint32_t i = begin_[position]; i < begin_[position + 1]; ++i) {
     const glm::u32vec3& t = triangles_[around_[i]];
     const glm::vec3 a = points_[t.x], ap = point - a, ab = points_[t.y] - a, ac = points_[t.z] - a;
     const glm::vec3 normal = glm::cross(ab, ac);
+    if (i == begin_[position]) first_normal = normal;
+    if (glm::dot(normal, first_normal) < 0) return std::nullopt;
     const float all = glm::dot(normal, normal);
     const float of_b = glm::dot(normal, glm::cross(ap, ac)), of_c = glm::dot(normal, glm::cross(ab, ap));
     const float of_a = all - of_b - of_c;

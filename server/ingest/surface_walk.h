@@ -28,12 +28,13 @@ class SurfaceWalk {
   /// The same; `start` becomes a position where the walk has ended, from which that of a point nearby is
   /// shorter.
   float distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept;
-  /// The place where a walk ends.
+  /// A place on the mesh near a point.
   struct Place {
     uint32_t triangle = 0;  ///< of the mesh
     glm::vec3 shares{0};    ///< of its corners; they add up to 1
     float distance = 0;     ///< of the point; like that of distance()
   };
+  /// Where a walk ends, or before it a triangle around the start that the point lies above.
   /// @param start  a position of the mesh that a triangle has.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
   /// The true distance, by a look at every triangle. @param bound  not below it

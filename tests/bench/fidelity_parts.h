@@ -22,6 +22,7 @@ void compareAttributes(std::span<char* const> models);
 void compareForms(std::span<char* const> models);
 
 /// Pictures in pairs, the full resolution's first: peak signal-to-noise ratio where both show the model.
+/// @param halvings  how often they are halved before, in linear light.
 void comparePictures(std::span<char* const> pairs, int halvings);
 
 }  // namespace lode::bench

@@ -86,6 +86,24 @@ TEST(TextureFootprint, knowsHowFarApartTexelsLieWhereTheyLieFarthestApart) {
     EXPECT_NEAR(tile.texels_per_model, 1.0, 0.01);
 }
 
+TEST(TextureFootprint, asksForNoMoreThanEightTimesTheMeanForATriangleWhoseCoordinatesHardlyDiffer) {
+  Mesh mesh = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.75}}});
+  const float alone = makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model;
+  const Mesh dot = triangleOf({{{0.1, 0.9}, {0.1 + 1.0 / kCodes, 0.9}, {0.1, 0.9 - 1.0 / kCodes}}});
+  for (size_t i = 0; i < 3; ++i) {
+    mesh.positions.push_back(dot.positions[i]);
+    mesh.vertex_attributes.push_back(dot.vertex_attributes[i]);
+  }
+  mesh.triangles.push_back({3, 4, 5});
+  const float both = makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model;
+  EXPECT_NEAR(both, alone / std::sqrt(2.f) / 8, 0.01 * alone);
+}
+
+TEST(TextureFootprint, countsATriangleWhoseCoordinatesAreALineWithAnEighthOfItsTexels) {
+  const Mesh line = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.9}}});
+  EXPECT_NEAR(makeFootprint(line, setOf(), 1).tiles.at(0).texels_per_model, 0.15 / 8, 0.001);
+}
+
 TEST(TextureFootprint, leansTowardsTheTrianglesOnWhichTexelsLieFartherApart) {
   // Two triangles of one size, on one of which texels lie ten times as far apart.
   Mesh mesh = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.75}}});

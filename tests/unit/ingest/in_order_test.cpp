@@ -29,7 +29,7 @@ TEST(InOrder, handsResultsOnAsThePiecesCameThoughALaterOneEndsSooner) {
 
 TEST(InOrder, hasNoMoreUnderWayThanItMay) {
   std::atomic<int> under_way = 0, most = 0;
-  InOrder<int> pieces(3, [&](int&&) { --under_way; });
+  InOrder<int> pieces(2, [&](int&&) { --under_way; });
   for (int i = 0; i < 50; ++i) {
     pieces.push([&] {
       const int now = ++under_way;
@@ -53,6 +53,24 @@ TEST(InOrder, worksOnTheCallersThreadWhereNoneMayBeUnderWay) {
   });
   EXPECT_EQ(where, std::this_thread::get_id());
   EXPECT_TRUE(is_handed_on);
+}
+
+TEST(InOrder, doesAPieceItselfWhenAsManyAreUnderWayAsMayBe) {
+  std::latch second_begun(1);
+  std::thread::id where;
+  std::vector<int> results;
+  InOrder<int> pieces(1, [&](int&& result) { results.push_back(result); });
+  pieces.push([&] {
+    second_begun.wait();
+    return 1;
+  });
+  pieces.push([&] {
+    where = std::this_thread::get_id();
+    second_begun.count_down();
+    return 2;
+  });
+  EXPECT_EQ(where, std::this_thread::get_id());
+  EXPECT_EQ(results, (std::vector<int>{1, 2}));
 }
 
 TEST(InOrder, throwsWhatAPieceHasThrown) {

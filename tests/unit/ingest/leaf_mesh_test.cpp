@@ -37,6 +37,14 @@ TEST(LeafMesh, isRefusedWhereItNamesWhatIsNotThere) {
   EXPECT_THROW(getLeaf(record, mesh.attributes), Error);
   RecordReader cut(noted.bytes().first(noted.bytes().size() - 1));
   EXPECT_THROW(getLeaf(cut, mesh.attributes), Error);
+  NodeMesh coloured = mesh;
+  coloured.attributes.bits = AttributeSet::kColour;
+  coloured.triangles[3].y = 0;
+  coloured.wedge_attributes.resize(coloured.wedge_position.size() - 1);
+  RecordWriter fewer;
+  putLeaf(fewer, coloured);
+  RecordReader fewer_record(fewer.bytes());
+  EXPECT_THROW(getLeaf(fewer_record, coloured.attributes), Error);
   mesh.triangles[3].y = mesh.triangles[3].x;
   RecordWriter flat;
   putLeaf(flat, mesh);
