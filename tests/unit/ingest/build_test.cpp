@@ -246,7 +246,7 @@ class SlowBuild : public Build {
   }
 };
 
-TEST_F(SlowBuild, staysBelowItsMemoryWhereManyThreadsFinishTheRungsOfANode) {
+TEST_F(SlowBuild, staysBelowItsMemoryOnEightThreads) {
   makeSample(700000, AttributeSet::kNormal | AttributeSet::kColour);
   BuildOptions many = options();
   many.memory_bytes = 512 * kMega;
