@@ -12,12 +12,12 @@ set(LODE_LAYER_render core common)
 set(LODE_LAYER_app_cli net core proto common)
 
 # lode_target(NAME [EXECUTABLE] [SOURCES files...] [LAYERS layers...] [LIBRARIES outside...] [PUBLIC_LIBRARIES outside...])
-#   NAME      lode_<layer> for a library; its folder's *.cpp are its sources unless SOURCES names them
+#   NAME      lode_<layer> for a library; the *.cpp in and below its folder are its sources unless SOURCES names them
 #   LAYERS    the layers it may use; a library asking for one that its layer does not allow is a configure error
 function(lode_target name)
   cmake_parse_arguments(arg "EXECUTABLE" "" "SOURCES;LAYERS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   if(NOT arg_SOURCES)
-    file(GLOB arg_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+    file(GLOB_RECURSE arg_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   endif()
   if(arg_EXECUTABLE)
     add_executable(${name} ${arg_SOURCES})

@@ -42,6 +42,12 @@ ALLOWED = {
     "client_app": {"window", "client_app", "render", "net", "core", "proto", "frame_stream", "common"},
 }
 
+# The folders of server/ingest, as the build flows: each may use itself and those before it.
+INGEST_FLOW = [
+    "disk", "mesh", "plan", "ply", "soup", "textures", "partition", "simplify", "measure", "nodes", "build", "sample",
+    "inspect",
+]
+
 # Libraries that only some files may include: name, pattern of the include, path prefixes of those files.
 CONFINED = [
     ("OpenGL and GLFW", re.compile(r"(GL|GLES\w*|KHR|EGL|GLFW|epoxy|imgui)/|(backends/)?(imgui|glad)\w*\.h$"),
@@ -60,6 +66,18 @@ def layer_of(path):
     return next((layer for prefix, layer in LAYER_OF if path.startswith(prefix)), None)
 
 
+def ingest_folder(path):
+    """The folder of server/ingest that a path lies in, or None."""
+    parts = path.split("/")
+    return parts[2] if parts[:2] == ["server", "ingest"] and len(parts) == 4 else None
+
+
+def breaks_the_flow(path, included):
+    """Whether a file of server/ingest includes one of a later folder."""
+    own, other = ingest_folder(path), ingest_folder(included)
+    return own is not None and other is not None and INGEST_FLOW.index(other) > INGEST_FLOW.index(own)
+
+
 def complaints_about(path, text):
     """One line for each forbidden include of the file at `path` (from the root, with slashes)."""
     own = layer_of(path)
@@ -72,6 +90,8 @@ def complaints_about(path, text):
         layer = layer_of(included)
         if layer is not None and layer not in ALLOWED[own]:
             yield f"{where}: layer {own} must not use layer {layer}"
+        if breaks_the_flow(path, included):
+            yield f"{where}: {ingest_folder(path)} comes before {ingest_folder(included)} in the build"
         if included.startswith("tests/"):
             yield f"{where}: only tests may use tests"
         for library, pattern, homes in CONFINED:

@@ -19,14 +19,18 @@ def complaints(path, *includes):
 
 class LayerCheck(unittest.TestCase):
     def test_accepts_the_layers_below(self):
-        self.assertEqual(complaints("server/ingest/build.cpp", '"server/store/writer.h"', '"common/mesh.h"'), [])
+        self.assertEqual(complaints("server/ingest/build/build.cpp", '"server/store/writer.h"', '"common/mesh.h"'), [])
         self.assertEqual(complaints("client/core/session.cpp", '"proto/messages.h"', "<vector>"), [])
         self.assertEqual(complaints("client/app/cli/view.cpp", '"client/net/connection.h"'), [])
 
     def test_refuses_a_layer_above(self):
         self.assertEqual(len(complaints("common/mesh.h", '"proto/frame.h"')), 1)
-        self.assertEqual(len(complaints("server/store/reader.cpp", '"server/ingest/build.h"')), 1)
+        self.assertEqual(len(complaints("server/store/reader.cpp", '"server/ingest/build/build.h"')), 1)
         self.assertEqual(len(complaints("client/core/refiner.cpp", '"client/render/renderer.h"')), 1)
+
+    def test_refuses_a_later_folder_of_the_build(self):
+        self.assertEqual(complaints("server/ingest/nodes/node_builder.h", '"server/ingest/simplify/collapse.h"'), [])
+        self.assertEqual(len(complaints("server/ingest/simplify/collapse.h", '"server/ingest/nodes/node_builder.h"')), 1)
 
     def test_refuses_server_in_client_and_client_in_server(self):
         self.assertEqual(len(complaints("client/app/cli/fetch.cpp", '"server/store/reader.h"')), 1)

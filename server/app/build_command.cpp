@@ -5,7 +5,7 @@
 #include "server/app/interruption.h"
 #include "server/app/json_output.h"
 #include "server/app/progress_bar.h"
-#include "server/ingest/build.h"
+#include "server/ingest/build/build.h"
 
 namespace lode::app {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
-#include "server/ingest/doctor.h"
+#include "server/ingest/inspect/doctor.h"
 
 namespace lode::app {
 namespace {

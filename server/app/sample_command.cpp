@@ -2,7 +2,7 @@
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
-#include "server/ingest/sample.h"
+#include "server/ingest/sample/sample.h"
 
 namespace lode::app {
 namespace {

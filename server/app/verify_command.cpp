@@ -2,7 +2,7 @@
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
-#include "server/ingest/against.h"
+#include "server/ingest/inspect/against.h"
 #include "server/store/verify.h"
 
 namespace lode::app {

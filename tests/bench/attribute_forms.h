@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "server/ingest/quadric.h"
+#include "server/ingest/simplify/quadric.h"
 
 /// Two forms of quadrics over position and K attributes, which are lengths, for the same driver. Both weigh a
 /// triangle by its area. A place is a position and its attributes.

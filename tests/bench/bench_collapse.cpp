@@ -19,8 +19,8 @@
 #include <meshoptimizer.h>
 
 #include "common/octahedral.h"
-#include "server/ingest/cluster.h"
-#include "server/ingest/collapse.h"
+#include "server/ingest/simplify/cluster.h"
+#include "server/ingest/simplify/collapse.h"
 #include "tests/support/surface_distance.h"
 
 namespace {

@@ -6,11 +6,11 @@
 #include <limits>
 
 #include "common/octahedral.h"
-#include "server/ingest/lattice_choice.h"
-#include "server/ingest/mesh_welder.h"
-#include "server/ingest/ply_reader.h"
-#include "server/ingest/triangulate.h"
-#include "server/ingest/uv_grid.h"
+#include "server/ingest/mesh/mesh_welder.h"
+#include "server/ingest/ply/ply_reader.h"
+#include "server/ingest/soup/lattice_choice.h"
+#include "server/ingest/soup/triangulate.h"
+#include "server/ingest/soup/uv_grid.h"
 
 namespace lode::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "common/lattice.h"
-#include "server/ingest/node_mesh.h"
+#include "server/ingest/mesh/node_mesh.h"
 #include "tests/support/surface_distance.h"
 
 namespace lode::bench {

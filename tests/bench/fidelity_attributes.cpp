@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "server/ingest/collapse.h"
+#include "server/ingest/simplify/collapse.h"
 #include "tests/bench/attribute_loss.h"
 #include "tests/bench/fidelity_parts.h"
 

@@ -7,7 +7,7 @@
 
 #include <meshoptimizer.h>
 
-#include "server/ingest/collapse.h"
+#include "server/ingest/simplify/collapse.h"
 #include "tests/bench/bench_models.h"
 #include "tests/bench/fidelity_parts.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/octahedral.h"
-#include "server/ingest/wedge_values.h"
+#include "server/ingest/simplify/wedge_values.h"
 #include "tests/bench/attribute_loss.h"
 #include "tests/bench/fidelity_parts.h"
 #include "tests/bench/form_collapse.h"

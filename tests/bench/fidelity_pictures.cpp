@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/ingest/image.h"
+#include "server/ingest/textures/image_decoder.h"
 #include "tests/bench/fidelity_parts.h"
 
 namespace lode::bench {

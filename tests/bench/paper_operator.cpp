@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/node_key.h"
-#include "server/ingest/cluster.h"
-#include "server/ingest/mesh_welder.h"
+#include "server/ingest/mesh/mesh_welder.h"
+#include "server/ingest/simplify/cluster.h"
 
 namespace lode::bench {
 namespace {

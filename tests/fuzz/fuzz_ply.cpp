@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/error.h"
-#include "server/ingest/ply_reader.h"
-#include "server/ingest/triangulate.h"
+#include "server/ingest/ply/ply_reader.h"
+#include "server/ingest/soup/triangulate.h"
 #include "tests/support/memory_file.h"
 
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/mesh.h"
-#include "server/ingest/node_mesh.h"
+#include "server/ingest/mesh/node_mesh.h"
 #include "tests/support/test_meshes.h"
 
 /// Nodes of the build, made from meshes and from a seed, and what tests ask of them.

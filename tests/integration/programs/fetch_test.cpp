@@ -12,7 +12,7 @@
 
 #include "models.h"
 #include "programs.h"
-#include "server/ingest/ply_reader.h"
+#include "server/ingest/ply/ply_reader.h"
 #include "server/store/reader.h"
 
 namespace lode::test {

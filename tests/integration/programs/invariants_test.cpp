@@ -6,7 +6,7 @@
 #include <unordered_map>
 
 #include "models.h"
-#include "server/ingest/ply_reader.h"
+#include "server/ingest/ply/ply_reader.h"
 #include "server/store/cut.h"
 #include "server/store/export.h"
 #include "server/store/node_tree.h"

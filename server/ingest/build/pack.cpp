@@ -1,0 +1,46 @@
+#include "server/ingest/build/pack.h"
+
+#include <algorithm>
+
+namespace lode::ingest {
+
+void packTextures(const StagedTextures& textures, const Spool& tiles, store::Writer& writer) {
+  TextureSet set{textures.grid.origin, textures.grid.scale_exponent, {}};
+  uint32_t levels = 0;
+  for (const StagedTextures::Texture& texture : textures.textures) {
+    set.textures.push_back({texture.name, texture.width, texture.height, {}});
+    set.textures.back().tiles.resize(texture.tiles.size());
+    levels = std::max(levels, levelCount(set.textures.back()));
+  }
+  std::vector<std::byte> bytes;
+  for (uint32_t rank = 0; rank < levels; ++rank)  // of a level, from each texture's coarsest
+    for (size_t t = 0; t < set.textures.size(); ++t) {
+      Texture& texture = set.textures[t];
+      if (rank >= levelCount(texture)) continue;
+      const uint32_t level = levelCount(texture) - 1 - rank;
+      const size_t first = tileIndex(texture, level, 0, 0);
+      const size_t end = first + size_t{tilesAcross(texture, level)} * tilesDown(texture, level);
+      for (size_t i = first; i < end; ++i) {
+        bytes.resize(textures.textures[t].tiles[i].bytes);
+        tiles.readAt(textures.textures[t].tiles[i].offset, bytes);
+        texture.tiles[i] = writer.addBlob(bytes);
+      }
+    }
+  writer.addTextures(set);
+}
+
+ModelSummary pack(store::Writer& writer, ModelSummary summary, SimplifiedTree tree,
+                  const PayloadSpool& payloads, const BuildProgress& progress) {
+  for (size_t n = 0; n < tree.nodes.size(); ++n) {
+    for (size_t r = tree.nodes[n].rungs.size(); r-- > 0;) {
+      const PayloadSpool::Place place = tree.payloads[n][r];
+      if (place.bytes > 0) tree.nodes[n].rungs[r].payload = writer.addBlob(payloads.read(place));
+    }
+    if (progress && n % 256 == 0) {
+      progress("pack", static_cast<double>(n) / static_cast<double>(tree.nodes.size()), n, tree.nodes.size());
+    }
+  }
+  return writer.finish(std::move(summary), std::move(tree.nodes));
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "common/model_summary.h"
+#include "server/ingest/nodes/tree_builder.h"
+#include "server/ingest/textures/textures.h"
+#include "server/store/writer.h"
+
+namespace lode::ingest {
+
+/// Tiles and texture set to a store, coarse levels first.
+/// @param tiles  where they wait.
+void packTextures(const StagedTextures& textures, const Spool& tiles, store::Writer& writer);
+
+/// Stage 6: payloads and hierarchy into one store, coarse nodes first, siblings together, a node's coarse
+/// rungs first.
+/// @param writer   of the store; it may have textures already.
+/// @param summary  see store::Writer::finish.
+ModelSummary pack(store::Writer& writer, ModelSummary summary, SimplifiedTree tree,
+                  const PayloadSpool& payloads, const BuildProgress& progress);
+
+}  // namespace lode::ingest

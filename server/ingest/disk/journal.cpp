@@ -1,0 +1,142 @@
+#include "server/ingest/disk/journal.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/blob.h"
+#include "common/error.h"
+
+namespace lode::ingest {
+namespace {
+
+// To be changed with the meaning of any entry.
+constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', 'J', 'N', '0', '3'};
+
+/// Stands before each entry's bytes; the checksum is of the other fields and the bytes.
+struct EntryHeader {
+  uint64_t checksum = 0;
+  uint64_t number = 0;  ///< entries before it
+  uint64_t bytes = 0;
+  uint64_t kind = 0;
+};
+constexpr size_t kCheckedFrom = sizeof(EntryHeader::checksum);
+
+[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
+  const std::string remedy =
+      errno == ENOSPC || errno == EDQUOT ? "the disk is full; free some space" : std::strerror(errno);
+  throw Error(ErrorCode::kIo, std::string("cannot ") + what + " " + path.string() + ": " + remedy);
+}
+
+/// @return false if the file ends before.
+bool readAt(int file, const std::filesystem::path& path, uint64_t offset, std::span<std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t got = ::pread(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail(path, "read");
+    if (got == 0) return false;
+    offset += static_cast<uint64_t>(got);
+    bytes = bytes.subspan(static_cast<size_t>(got));
+  }
+  return true;
+}
+
+void writeAt(int file, const std::filesystem::path& path, uint64_t offset, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) fail(path, "write");
+    offset += static_cast<uint64_t>(done);
+    bytes = bytes.subspan(static_cast<size_t>(done));
+  }
+  if (::fdatasync(file) != 0) fail(path, "sync");
+}
+
+}  // namespace
+
+Journal::Journal(std::filesystem::path path, int flags) : path_(std::move(path)) {
+  file_ = ::open(path_.c_str(), O_RDWR | O_CLOEXEC | flags, 0600);
+  if (file_ < 0) fail(path_, "open");
+}
+
+Journal::~Journal() {
+  if (file_ >= 0) ::close(file_);
+}
+
+Journal::Journal(Journal&& other) noexcept
+    : path_(std::move(other.path_)),
+      file_(std::exchange(other.file_, -1)),
+      end_(other.end_),
+      entries_(other.entries_) {}
+
+Journal Journal::create(const std::filesystem::path& path) {
+  Journal journal(path, O_CREAT | O_TRUNC);
+  writeAt(journal.file_, path, 0, std::as_bytes(std::span(kMagic)));
+  journal.end_ = kMagic.size();
+  return journal;
+}
+
+Journal Journal::open(const std::filesystem::path& path, const Sink& sink) {
+  Journal journal(path, 0);
+  struct stat status {};
+  if (::fstat(journal.file_, &status) != 0) fail(path, "examine");
+  const auto file_bytes = static_cast<uint64_t>(status.st_size);
+  if (file_bytes == 0) return create(path);
+  journal.readHeader();
+  while (journal.readEntry(file_bytes, sink)) {
+  }
+  if (::ftruncate(journal.file_, static_cast<off_t>(journal.end_)) != 0) fail(path, "cut");
+  return journal;
+}
+
+void Journal::readHeader() {
+  std::array<char, kMagic.size()> magic{};
+  if (!readAt(file_, path_, 0, std::as_writable_bytes(std::span(magic))) || magic != kMagic) {
+    throw Error(ErrorCode::kFormat,
+                path_.string() + ": is not the journal of a build by this version; build without --resume");
+  }
+  end_ = kMagic.size();
+}
+
+/// @return false if no whole entry stands at the end of the last.
+bool Journal::readEntry(uint64_t file_bytes, const Sink& sink) {
+  EntryHeader header;
+  if (file_bytes < end_ || file_bytes - end_ < sizeof(header)) return false;
+  if (!readAt(file_, path_, end_, std::as_writable_bytes(std::span(&header, 1)))) return false;
+  if (header.number != entries_ || header.bytes > kMaxEntryBytes ||
+      header.bytes > file_bytes - end_ - sizeof(header)) {
+    return false;
+  }
+  std::vector<std::byte> entry(sizeof(header) + header.bytes);
+  if (!readAt(file_, path_, end_, entry)) return false;
+  if (checksum(std::span(entry).subspan(kCheckedFrom)) != header.checksum) return false;
+  sink(static_cast<uint32_t>(header.kind), std::span(entry).subspan(sizeof(header)));
+  end_ += entry.size();
+  ++entries_;
+  return true;
+}
+
+void Journal::append(uint32_t kind, std::span<const std::byte> bytes) {
+  if (bytes.size() > kMaxEntryBytes) {
+    throw Error(ErrorCode::kLimit, path_.string() + ": an entry of " + std::to_string(bytes.size()) +
+                                       " bytes, the limit is " + std::to_string(kMaxEntryBytes));
+  }
+  EntryHeader header{0, entries_, bytes.size(), kind};
+  std::vector<std::byte> entry(sizeof(header) + bytes.size());
+  std::memcpy(entry.data(), &header, sizeof(header));
+  if (!bytes.empty()) std::memcpy(entry.data() + sizeof(header), bytes.data(), bytes.size());
+  header.checksum = checksum(std::span(entry).subspan(kCheckedFrom));
+  std::memcpy(entry.data(), &header, sizeof(header));
+  writeAt(file_, path_, end_, entry);
+  end_ += entry.size();
+  ++entries_;
+}
+
+}  // namespace lode::ingest

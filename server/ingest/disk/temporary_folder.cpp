@@ -1,0 +1,64 @@
+#include "server/ingest/disk/temporary_folder.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace lode::ingest {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& parent) {
+  throw Error(ErrorCode::kIo, "cannot make a folder for temporary files in " + parent.string() + ": " +
+                                  std::strerror(errno) + "; name another with --tmp");
+}
+
+}  // namespace
+
+void makeOwnFolder(const std::filesystem::path& path) {
+  if (::mkdir(path.c_str(), 0700) == 0) return;
+  if (errno != EEXIST) fail(path.parent_path());
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) {
+    if (errno == ENOENT) return makeOwnFolder(path);  // a build that ended took it away
+    fail(path.parent_path());
+  }
+  if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() ||
+      (status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
+    throw Error(ErrorCode::kIo, path.string() +
+                                    ": is not a folder of yours alone; remove it, or name another " +
+                                    "place for the output or with --tmp");
+  }
+}
+
+TemporaryFolder::TemporaryFolder(const std::filesystem::path& parent) {
+  std::string name = (parent / ".lodestream-build-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) fail(parent);
+  path_ = name;
+}
+
+TemporaryFolder TemporaryFolder::lasting(std::filesystem::path path) {
+  TemporaryFolder folder;
+  folder.path_ = std::move(path);
+  folder.is_lasting_ = true;
+  makeOwnFolder(folder.path_);
+  return folder;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  if (is_lasting_ || path_.empty()) return;
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept
+    : path_(std::exchange(other.path_, {})), is_lasting_(other.is_lasting_) {}
+
+}  // namespace lode::ingest

@@ -1,0 +1,215 @@
+#include "server/ingest/inspect/against.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "server/ingest/disk/record_sorter.h"
+#include "server/ingest/inspect/dense_error.h"
+#include "server/ingest/mesh/number_table.h"
+#include "server/ingest/plan/machine.h"
+#include "server/ingest/soup/dereference.h"
+#include "server/ingest/soup/scan.h"
+#include "server/store/export.h"
+#include "server/store/node_tree.h"
+#include "server/store/reader.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr double kLeastRatio = 0.8;
+constexpr size_t kRungsOfOneBelow = 100;  ///< of so many, one may have an error below the sampled one
+
+/// A triangle's corner, with what the file says of it: no computed normal.
+struct Corner {
+  uint64_t position;
+  VertexAttributes attributes;
+  uint32_t padding = 0;  // written to temporary files, too
+
+  bool operator==(const Corner&) const = default;
+};
+
+/// A triangle, and from which side it comes.
+struct Side {
+  std::array<Corner, 3> corners;
+  int64_t balance;  ///< 1 of the input, -1 of the store
+};
+
+class Comparison {
+ public:
+  explicit Comparison(const AgainstOptions& options)
+      : options_(options),
+        reader_(options.store),
+        folder_(options.temporary_folder.empty() ? std::filesystem::temp_directory_path()
+                                                 : options.temporary_folder),
+        memory_bytes_(options.memory_bytes ? options.memory_bytes : defaultMemoryBytes()) {}
+
+  AgainstReport run() {
+    compareTriangles();
+    compareErrors();
+    return report_;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorCode::kFormat, options_.store.string() + " against " + options_.input.string() + ": " +
+                                        what + "; build the store again");
+  }
+
+  void compareTriangles() {
+    RecordSorter sorter(sizeof(Side), memory_bytes_ / 4, folder_.file("against"));
+    pushInput(sorter);
+    pushStore(sorter);
+    sorter.finish();
+    std::vector<Side> same_key;
+    uint64_t key = 0;
+    while (const auto record = sorter.next()) {
+      if (record->key != key) settle(same_key);
+      key = record->key;
+      Side side;
+      std::memcpy(&side, record->bytes.data(), sizeof(side));
+      add(side, same_key);
+    }
+    settle(same_key);
+  }
+
+  static void push(RecordSorter& sorter, Side side) {
+    const auto first =
+        std::min_element(side.corners.begin(), side.corners.end(),
+                         [](const Corner& a, const Corner& b) { return a.position < b.position; });
+    std::rotate(side.corners.begin(), first, side.corners.end());
+    uint64_t key = 0;
+    for (const Corner& corner : side.corners) key = NumberTable::hash(key * 31 + corner.position);
+    sorter.push(key, std::as_bytes(std::span(&side, 1)));
+  }
+
+  void pushInput(RecordSorter& sorter) {
+    BuildOptions build_options;
+    build_options.input = options_.input;
+    build_options.skip_bad = true;
+    std::vector<std::string> warnings;
+    const ScannedModel scanned = scan(build_options, folder_, {}, warnings);
+    const DereferenceCounts counts = dereference(scanned.input, reader_.summary().lattice, memory_bytes_ / 4,
+                                                 [&](const SoupTriangle& t) {
+                                                   Side side{{}, 1};
+                                                   for (size_t k = 0; k < 3; ++k)
+                                                     side.corners[k] = {t.corners[k].value, t.attributes[k]};
+                                                   push(sorter, side);
+                                                 },
+                                                 {});
+    const UvGrid& grid = scanned.input.uvGrid();
+    if (grid != UvGrid{reader_.textures().uv_origin, reader_.textures().uv_scale_exponent})
+      fail("the input's texture coordinates have another range than the store's");
+    report_.triangles = counts.triangles;
+    report_.dropped = counts.dropped + scanned.counts.dropped_faces + scanned.counts.skipped_bad;
+    if (report_.dropped != reader_.summary().dropped) {
+      fail("the store says that " + std::to_string(reader_.summary().dropped) +
+           " faces were dropped, the input has " + std::to_string(report_.dropped) + " such (I1)");
+    }
+  }
+
+  void pushStore(RecordSorter& sorter) const {
+    for (const Node& node : reader_.nodes()) {
+      if (!node.isLeaf()) continue;
+      const Mesh mesh = store::readRung(reader_, node, 0);
+      for (const glm::u32vec3& t : mesh.triangles) {
+        Side side{{}, -1};
+        for (int k = 0; k < 3; ++k) {
+          Corner& corner = side.corners[static_cast<size_t>(k)];
+          corner.position = mesh.positions[t[k]].value;
+          if (!mesh.vertex_attributes.empty()) corner.attributes = mesh.vertex_attributes[t[k]];
+          if (mesh.attributes.has(AttributeSet::kComputedNormal)) corner.attributes.normal = 0;
+        }
+        push(sorter, side);
+      }
+    }
+  }
+
+  static void add(const Side& side, std::vector<Side>& same_key) {
+    const auto at = std::find_if(same_key.begin(), same_key.end(),
+                                 [&](const Side& other) { return other.corners == side.corners; });
+    if (at == same_key.end()) {
+      same_key.push_back(side);
+    } else {
+      at->balance += side.balance;
+    }
+  }
+
+  void settle(std::vector<Side>& same_key) const {
+    for (const Side& side : same_key) {
+      if (side.balance == 0) continue;
+      std::string corners;
+      for (const Corner& corner : side.corners) {
+        const glm::dvec3 at =
+            reader_.summary().lattice.toWorld(unpackPosition(PositionCode{corner.position}));
+        corners +=
+            " (" + std::to_string(at.x) + " " + std::to_string(at.y) + " " + std::to_string(at.z) + ")";
+      }
+      fail("triangle" + corners + " is " +
+           (side.balance > 0 ? "in the input, but not with these attributes in a leaf (I1)"
+                             : "in a leaf more often than in the input (I1)"));
+    }
+    same_key.clear();
+  }
+
+  struct RungAt {
+    const Node* node;
+    uint32_t rung;
+  };
+
+  /// Those that are no copy of the input, evenly spread over the tree in key order.
+  std::vector<RungAt> chooseRungs() const {
+    std::vector<RungAt> all, chosen;
+    for (const Node& node : reader_.nodes()) {
+      for (uint32_t r = node.isLeaf() ? 1 : 0; r < node.rungs.size(); ++r) {
+        if (node.rungs[r].triangles > 0) all.push_back({&node, r});
+      }
+    }
+    const size_t stride = (all.size() + options_.rungs - 1) / std::max<size_t>(1, options_.rungs);
+    if (stride == 0) return {};
+    for (size_t i = options_.seed % stride; i < all.size(); i += stride) chosen.push_back(all[i]);
+    return chosen;
+  }
+
+  void compareErrors() {
+    std::vector<double> ratios;
+    for (const auto& [node, rung] : chooseRungs()) {
+      const DenseError error = measureDenseError(reader_, *node, rung, options_.samples, options_.seed);
+      const double sampled = std::max(error.forward_steps, error.backward_steps);
+      const double ratio = sampled > 0 ? error.stored_steps / sampled : INFINITY;
+      if (ratio < kLeastRatio) {
+        const double step = reader_.summary().lattice.step;
+        fail("node " + store::describeKey(node->key) + ", rung " + std::to_string(rung) +
+             ": its error is given as " + std::to_string(error.stored_steps * step) + ", sampling finds " +
+             std::to_string(sampled * step) + " (I4)");
+      }
+      report_.rungs_below += ratio < 1;
+      ratios.push_back(ratio);
+    }
+    report_.rungs = ratios.size();
+    if (ratios.empty()) return;
+    std::sort(ratios.begin(), ratios.end());
+    report_.least_ratio = ratios.front();
+    report_.median_ratio = ratios[ratios.size() / 2];
+    if (report_.rungs_below > (report_.rungs + kRungsOfOneBelow - 1) / kRungsOfOneBelow) {
+      fail(std::to_string(report_.rungs_below) + " of " + std::to_string(report_.rungs) +
+           " rungs have an error below what sampling finds (I4)");
+    }
+  }
+
+  const AgainstOptions& options_;
+  const store::Reader reader_;
+  const TemporaryFolder folder_;
+  const uint64_t memory_bytes_;
+  AgainstReport report_;
+};
+
+}  // namespace
+
+AgainstReport compareWithInput(const AgainstOptions& options) { return Comparison(options).run(); }
+
+}  // namespace lode::ingest

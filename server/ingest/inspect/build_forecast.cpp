@@ -1,0 +1,99 @@
+#include "server/ingest/inspect/build_forecast.h"
+
+#include <algorithm>
+
+#include "server/ingest/build/build.h"
+#include "server/ingest/disk/temporary_folder.h"
+#include "server/ingest/inspect/texture_forecast.h"
+#include "server/ingest/mesh/soup_triangle.h"
+#include "server/ingest/plan/memory_plan.h"
+#include "server/ingest/sample/sample.h"
+#include "server/ingest/soup/scan.h"
+
+namespace lode::ingest {
+namespace {
+
+/// Nodes near the root are collapsed one after another, and only measured and encoded on several threads.
+constexpr double kTrianglesOfOneThread = 1e5;
+constexpr uint64_t kTrialTriangles = 400000, kLeastTrialTriangles = 5000;
+/// Of a model many times the trial's size, a triangle's share of the upper levels of the tree is smaller:
+/// what it costs in time and bytes, relative to the trial's. Measured with samples of 1 to 10 million.
+constexpr double kLargeModelShare = 0.85;
+
+/// Of a build of the sample: what it took a triangle.
+struct Trial {
+  double serial_cpu_seconds = 0;    ///< dereference, partition, pack
+  double parallel_cpu_seconds = 0;  ///< simplify
+  double store_bytes = 0;
+};
+
+Trial runTrial(const ForecastInput& input) {
+  const TemporaryFolder folder(input.temporary_folder);
+  SampleOptions sample;
+  sample.kind = "asteroid";
+  sample.triangles = std::clamp(input.triangles, kLeastTrialTriangles, kTrialTriangles);
+  sample.attributes.bits =
+      input.attributes.bits & (AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kTexture);
+  BuildOptions options;
+  options.input = folder.path() / "trial.ply";
+  options.output = folder.path() / "trial.lode";
+  options.temporary_folder = folder.path();
+  options.threads = input.threads;
+  const auto triangles = static_cast<double>(writeSample(sample, options.input));
+  const BuildReport report = build(options);
+  Trial trial;
+  for (const BuildReport::Stage& stage : report.stages) {
+    if (stage.name == "scan") continue;
+    (stage.name == "simplify" ? trial.parallel_cpu_seconds : trial.serial_cpu_seconds) +=
+        stage.cpu_seconds / triangles;
+  }
+  trial.store_bytes = static_cast<double>(report.summary.bytes) / triangles;
+  return trial;
+}
+
+/// The most that lies on disk at once: the packed input and the sorted runs; what leaves were made of, which
+/// stays until they are noted as complete, and the leaves; or leaves and payloads.
+uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
+  const uint64_t vertex_bytes =
+      packedVertexBytes(vertexAttributes(input.attributes, input.corner_texture), input.double_positions);
+  const bool only_triangles = input.faces == input.triangles;
+  const uint64_t packed =
+      input.vertices * vertex_bytes +
+      (input.triangles + 2 * input.faces) *
+          (sizeof(uint32_t) + (input.corner_texture ? sizeof(glm::vec2) : 0)) +
+      (input.attributes.has(AttributeSet::kMaterial) ? input.faces * sizeof(uint16_t) : 0) +
+      (only_triangles ? 0 : input.faces * sizeof(uint32_t));
+  const uint64_t runs = input.triangles * (soupBytes(input.attributes) + sizeof(uint64_t));
+  const uint64_t wedge_bytes = input.attributes.bits == 0 ? 0 : sizeof(uint32_t) + sizeof(VertexAttributes);
+  const uint64_t leaves = input.triangles * sizeof(glm::u32vec3) + input.vertices * sizeof(PositionCode) +
+                          (input.corner_texture ? 3 * input.triangles : input.vertices) * wedge_bytes;
+  const bool sorts_on_disk = runs + input.triangles * sizeof(uint64_t) > sort_bytes;
+  return std::max({packed + (sorts_on_disk ? runs : 0), leaves + (sorts_on_disk ? runs : packed),
+                   leaves + payload_bytes});
+}
+
+}  // namespace
+
+BuildForecast forecastBuild(const ForecastInput& input) {
+  const Trial trial = runTrial(input);
+  const TextureForecast textures = forecastTextures(input.images, input.memory_bytes, input.threads);
+  const bool is_large = input.triangles > 2 * kTrialTriangles;
+  const double triangles = static_cast<double>(input.triangles) * (is_large ? kLargeModelShare : 1);
+  const double serial =
+      input.scan_cpu_seconds + textures.serial_cpu_seconds + trial.serial_cpu_seconds * triangles;
+  const double alone = trial.parallel_cpu_seconds * std::min(triangles, kTrianglesOfOneThread);
+  const double parallel = textures.parallel_cpu_seconds + trial.parallel_cpu_seconds * triangles;
+  const auto payload_bytes = static_cast<uint64_t>(trial.store_bytes * triangles);
+  BuildForecast forecast;
+  forecast.cpu_seconds = serial + parallel;
+  forecast.seconds = serial + alone + (parallel - alone) / input.threads;
+  forecast.store_bytes = payload_bytes + textures.tile_bytes;
+  const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
+  const MemoryPlan plan = planMemory(input.memory_bytes, input.threads, triangles_per_node);
+  forecast.temporary_bytes = temporaryBytes(input, plan.sort_bytes, payload_bytes) + textures.tile_bytes;
+  forecast.memory_bytes = expectedPeakBytes(plan, input.vertices, input.triangles, input.attributes,
+                                            triangles_per_node, textures.memory_bytes);
+  return forecast;
+}
+
+}  // namespace lode::ingest

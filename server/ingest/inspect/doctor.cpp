@@ -1,0 +1,193 @@
+#include "server/ingest/inspect/doctor.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/error.h"
+#include "server/ingest/plan/machine.h"
+#include "server/ingest/plan/memory_plan.h"
+#include "server/ingest/ply/ply_input.h"
+#include "server/ingest/soup/scan.h"
+#include "server/ingest/textures/texture_images.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kShownDefects = 5;  ///< of a kind, with their places
+
+class Doctor {
+ public:
+  explicit Doctor(const DoctorOptions& given)
+      : options_(given), name_(given.input.string()), topology_(budget()) {}
+
+  DoctorReport run() {
+    report_.file_bytes = PlyInput(options_.input).size();
+    if (!tryTo([&] { report_.header = readPlyHeader(options_.input); })) return report_;
+    report_.is_readable = tryTo([&] { readBody(); });
+    lookForTextures();
+    sayDefects();
+    if (report_.is_readable) report_.topology = topology_.count();
+    if (report_.is_readable) judgeWhole();
+    report_.is_buildable =
+        report_.is_readable && std::none_of(report_.problems.begin(), report_.problems.end(),
+                                            [](const auto& problem) { return problem.is_fatal; });
+    if (report_.is_readable) forecast();
+    return report_;
+  }
+
+ private:
+  struct Defects {
+    uint64_t count = 0;
+    std::vector<std::string> first;
+  };
+
+  uint64_t budget() const { return options_.memory_bytes ? options_.memory_bytes : defaultMemoryBytes(); }
+
+  void say(bool is_fatal, const std::string& text) { report_.problems.push_back({is_fatal, text}); }
+
+  /// @return false, with the error among the problems, if it failed.
+  template <typename Work>
+  bool tryTo(Work&& work) {
+    try {
+      work();
+      return true;
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::kIo) throw;
+      say(true, error.what());
+      return false;
+    }
+  }
+
+  void lookForTextures() {
+    const std::vector<std::string>& names = report_.header->texture_files;
+    // Of a model without coordinates a build does not look at images.
+    if (report_.attributes.has(AttributeSet::kTexture))
+      tryTo([&] { images_ = surveyTextures(options_.input, names, planMemory(budget(), 1, 1).image_bytes); });
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (i >= images_.size()) {
+        const TextureFile file = findTexture(options_.input, names[i]);
+        noteTexture(names[i], !file.path.empty(), file.problem, false);
+      } else {
+        noteTexture(names[i], !images_[i].path.empty(), images_[i].problem, images_[i].needs_memory);
+      }
+    }
+  }
+
+  void noteTexture(const std::string& name, bool is_found, const std::string& problem, bool needs_memory) {
+    report_.textures.push_back({name, is_found});
+    if (problem.empty()) return;
+    const std::string words = textureInWords(options_.input, name) + " " + problem;
+    say(needs_memory, needs_memory ? words : words + "; a build goes on without it");
+  }
+
+  void readBody() {
+    const auto start = cpuSeconds();
+    PlyReadOptions read_options{.skip_bad = true};
+    read_options.on_defect = [&](const PlyDefect& defect) {
+      Defects& defects = defect.is_bad ? bad_ : dropped_;
+      if (++defects.count <= kShownDefects) defects.first.push_back(defect.text);
+    };
+    PlyReader reader(options_.input, read_options);
+    report_.attributes = reader.attributes();
+    corner_texture_ = reader.hasCornerTexture();
+    report_.min = glm::dvec3(std::numeric_limits<double>::max());
+    report_.max = -report_.min;
+    report_.counts = reader.read(
+        [&](uint64_t, std::span<const PlyVertex> vertices) {
+          for (const PlyVertex& vertex : vertices) {
+            report_.min = glm::min(report_.min, vertex.position);
+            report_.max = glm::max(report_.max, vertex.position);
+          }
+          topology_.addVertices(vertices);
+        },
+        [&](const PlyFaces& faces) { topology_.addFaces(faces); });
+    read_cpu_seconds_ = cpuSeconds() - start;
+  }
+
+  void sayDefects() {
+    for (const std::string& text : bad_.first)
+      say(true, name_ + ": " + text + "; repair the file or build with --skip-bad");
+    if (bad_.count > bad_.first.size())
+      say(true, name_ + ": " + std::to_string(bad_.count - bad_.first.size()) +
+                    " more of this kind; repair the file or build with --skip-bad");
+    for (const std::string& text : dropped_.first)
+      say(false, name_ + ": " + text + "; a build drops and counts the face");
+    if (dropped_.count > dropped_.first.size())
+      say(false, name_ + ": " + std::to_string(dropped_.count - dropped_.first.size()) +
+                     " more such faces; a build drops and counts them");
+  }
+
+  void failWhole(const std::string& what) {
+    say(true, name_ + ": " + what);
+    report_.is_readable = false;
+  }
+
+  void judgeWhole() {
+    const PlyCounts& counts = report_.counts;
+    if (counts.vertices > UINT32_MAX)
+      failWhole(std::to_string(counts.vertices) +
+                " vertices; at most 4294967295 can be indexed: split the model");
+    if (counts.triangles == 0) failWhole("no usable face; export the model again, with its faces");
+    if (counts.extra_tokens > 0)
+      say(false, name_ + ": " + std::to_string(counts.extra_tokens) +
+                     " surplus values at the ends of lines; a build ignores them");
+    if (counts.trailing_bytes > 0)
+      say(false, name_ + ": " + std::to_string(counts.trailing_bytes) +
+                     " bytes behind the last element, from byte " +
+                     std::to_string(report_.file_bytes - counts.trailing_bytes) +
+                     "; a build ignores them, but check that the header counts all");
+    if (report_.attributes.has(AttributeSet::kTexture) && report_.textures.empty())
+      say(false,
+          name_ + ": texture coordinates, but no comment TextureFile names a texture; add one to the header");
+    if (!report_.topology) return;
+    report_.min = report_.topology->used_min;
+    report_.max = report_.topology->used_max;
+    if (counts.triangles > 0 && report_.min == report_.max)
+      failWhole("all vertices that faces use coincide; nothing can be built of it");
+    judgeTopology(*report_.topology);
+  }
+
+  void judgeTopology(const Topology& topology) {
+    const auto warn = [&](uint64_t count, const char* what) {
+      if (count > 0) say(false, name_ + ": " + std::to_string(count) + what);
+    };
+    warn(topology.unused_vertices, " vertices that no face uses; a build leaves them out");
+    warn(topology.flat_faces, " faces with fewer than three distinct places; a build drops and counts them");
+    warn(topology.non_manifold_edges,
+         " edges of three or more faces; a build keeps them, but simplifies less well around them");
+    warn(topology.misoriented_edges,
+         " edges whose two faces are oriented against each other; turn the faces round to shade them right");
+  }
+
+  void forecast() {
+    ForecastInput input;
+    input.vertices = report_.counts.vertices;
+    input.faces = report_.counts.faces;
+    input.triangles = report_.counts.triangles;
+    input.attributes = report_.attributes;
+    input.double_positions = hasDoublePositions(*report_.header);
+    input.corner_texture = corner_texture_;
+    input.scan_cpu_seconds = read_cpu_seconds_;
+    input.images = images_;
+    input.memory_bytes = budget();
+    input.threads = options_.threads ? options_.threads : defaultThreads();
+    input.temporary_folder = options_.temporary_folder.empty() ? std::filesystem::temp_directory_path()
+                                                               : options_.temporary_folder;
+    report_.forecast = forecastBuild(input);
+  }
+
+  const DoctorOptions options_;
+  const std::string name_;
+  TopologyCounter topology_;
+  Defects bad_, dropped_;
+  std::vector<TextureImage> images_;
+  double read_cpu_seconds_ = 0;
+  bool corner_texture_ = false;
+  DoctorReport report_;
+};
+
+}  // namespace
+
+DoctorReport examine(const DoctorOptions& options) { return Doctor(options).run(); }
+
+}  // namespace lode::ingest

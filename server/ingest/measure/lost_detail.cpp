@@ -1,0 +1,173 @@
+#include "server/ingest/measure/lost_detail.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "common/octahedral.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr float kColourThreshold = 8;         ///< of 255, in any channel
+constexpr float kNormalThreshold = 0.3473f;   ///< length of a difference: about 20 degrees
+constexpr float kComputedThreshold = 0.684f;  ///< the same of computed normals: about 40 degrees
+constexpr double kIgnoredArea = 1.0 / 1024;   ///< of the rung's
+
+/// Attributes of a point as numbers.
+struct Value {
+  glm::vec4 colour{0};
+  glm::vec3 normal{0};
+  glm::vec2 texture{0};
+};
+
+/// Measures the positions of the input against the triangles of the rung that they lie on.
+class DetailMeter {
+ public:
+  DetailMeter(const SimplifiedMesh& rung, const NodeMesh& input)
+      : rung_(rung.mesh),
+        input_(input),
+        counts_colour_(input.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)),
+        counts_normal_(input.attributes.has(AttributeSet::kNormal)),
+        counts_texture_(input.attributes.has(AttributeSet::kTexture)),
+        normal_threshold_(input.attributes.has(AttributeSet::kComputedNormal) ? kComputedThreshold
+                                                                              : kNormalThreshold),
+        found_(rung.mesh.triangles.size()) {
+    if (!countsAny()) return;
+    values_.reserve(rung_.wedge_attributes.size());
+    for (const VertexAttributes& attributes : rung_.wedge_attributes) values_.push_back(valueOf(attributes));
+  }
+
+  bool countsAny() const noexcept { return counts_colour_ || counts_normal_ || counts_texture_; }
+
+  /// One position of the input, with the wedges there; of several the most alike counts, as the point lies on
+  /// one side of a seam only.
+  void add(std::span<const uint32_t> wedges, SurfaceWalk::Place place);
+  float size() const;
+
+ private:
+  /// What was found on a triangle.
+  struct Found {
+    glm::vec4 colour{0};  ///< sums of differences
+    glm::vec3 normal{0};
+    float count = 0;
+    float slide = 0;  ///< the largest, in lattice steps
+  };
+
+  Value valueOf(const VertexAttributes& attributes) const;
+  glm::vec3 pointOf(uint32_t wedge) const {
+    return glm::vec3(unpackPosition(rung_.positions[rung_.wedge_position[wedge]]));
+  }
+  /// Lattice steps for each step of the texture grid, on a triangle.
+  float stretchOf(const glm::u32vec3& t) const;
+
+  const NodeMesh& rung_;
+  const NodeMesh& input_;
+  const bool counts_colour_, counts_normal_, counts_texture_;
+  const float normal_threshold_;
+  std::vector<Value> values_;  ///< a wedge of the rung
+  std::vector<Found> found_;   ///< a triangle of the rung
+};
+
+Value DetailMeter::valueOf(const VertexAttributes& attributes) const {
+  Value value;
+  if (counts_colour_) value.colour = glm::vec4(attributes.colour);
+  if (counts_normal_) value.normal = decodeOctahedral(attributes.normal);
+  if (counts_texture_) value.texture = glm::vec2(attributes.texture);
+  return value;
+}
+
+float DetailMeter::stretchOf(const glm::u32vec3& t) const {
+  const glm::vec3 a = pointOf(t.x);
+  const float area = glm::length(glm::cross(pointOf(t.y) - a, pointOf(t.z) - a));
+  const glm::vec2 u(rung_.wedge_attributes[t.x].texture), v(rung_.wedge_attributes[t.y].texture),
+      w(rung_.wedge_attributes[t.z].texture);
+  const float mapped = std::abs((v.x - u.x) * (w.y - u.y) - (v.y - u.y) * (w.x - u.x));
+  return mapped > 0 ? std::sqrt(area / mapped) : 0;
+}
+
+void DetailMeter::add(std::span<const uint32_t> wedges, SurfaceWalk::Place place) {
+  const glm::u32vec3& t = rung_.triangles[place.triangle];
+  Value here;
+  for (int k = 0; k < 3; ++k) {
+    const Value& corner = values_[t[k]];
+    here.colour += place.shares[k] * corner.colour;
+    here.normal += place.shares[k] * corner.normal;
+    here.texture += place.shares[k] * corner.texture;
+  }
+  const uint16_t material = rung_.wedge_attributes[t.x].material;
+  Value least;
+  float least_sum = std::numeric_limits<float>::infinity();
+  for (const uint32_t wedge : wedges) {
+    const VertexAttributes& attributes = input_.wedge_attributes[wedge];
+    if (attributes.material != material) continue;
+    const Value value = valueOf(attributes);
+    const Value off{value.colour - here.colour, value.normal - here.normal, value.texture - here.texture};
+    const float sum = wedges.size() == 1 ? 0
+                                         : glm::length(off.colour) / 255 + glm::length(off.normal) +
+                                               glm::length(off.texture) / 65535;
+    if (sum >= least_sum) continue;
+    least_sum = sum;
+    least = off;
+  }
+  if (std::isinf(least_sum)) return;
+  Found& found = found_[place.triangle];
+  found.colour += least.colour;
+  found.normal += least.normal;
+  found.count += 1;
+  found.slide = std::max(found.slide, glm::length(least.texture));
+}
+
+float DetailMeter::size() const {
+  struct Lost {
+    float size;
+    double area;
+  };
+  std::vector<Lost> lost;
+  double area = 0;
+  for (size_t i = 0; i < found_.size(); ++i) {
+    const glm::u32vec3& t = rung_.triangles[i];
+    const glm::vec3 a = pointOf(t.x), ab = pointOf(t.y) - a, ac = pointOf(t.z) - a;
+    const double triangle_area = glm::length(glm::cross(ab, ac));
+    area += triangle_area;
+    const Found& found = found_[i];
+    if (found.count == 0) continue;
+    const glm::vec4 colour = glm::abs(found.colour / found.count);
+    const bool is_off = std::max({colour.x, colour.y, colour.z, colour.w}) > kColourThreshold ||
+                        glm::length(found.normal / found.count) > normal_threshold_;
+    const auto side = static_cast<float>(std::sqrt(triangle_area / 2));
+    const float slide = counts_texture_ ? found.slide * stretchOf(t) : 0;
+    const float size = is_off ? std::max(side, slide) : slide;
+    if (size > 0) lost.push_back({size, triangle_area});
+  }
+  std::sort(lost.begin(), lost.end(), [](const Lost& a, const Lost& b) { return a.size > b.size; });
+  double above = 0;
+  for (const Lost& l : lost) {
+    above += l.area;
+    if (above > kIgnoredArea * area) return l.size;
+  }
+  return 0;
+}
+
+}  // namespace
+
+float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input,
+                 std::span<const SurfaceWalk::Place> places) {
+  DetailMeter meter(rung, input);
+  if (!meter.countsAny() || rung.mesh.triangles.empty()) return 0;
+  std::vector<uint32_t> begin(input.positions.size() + 1), wedges(input.wedge_position.size());
+  for (const uint32_t position : input.wedge_position) ++begin[position];
+  uint32_t end = 0;
+  for (uint32_t& first : begin) first = end += first;
+  for (auto wedge = static_cast<uint32_t>(wedges.size()); wedge-- > 0;)
+    wedges[--begin[input.wedge_position[wedge]]] = wedge;
+  for (size_t i = 0; i < input.positions.size(); ++i) {
+    if (rung.became[i] == kVanished) continue;
+    meter.add(std::span(wedges).subspan(begin[i], begin[i + 1] - begin[i]), places[i]);
+  }
+  return meter.size();
+}
+
+}  // namespace lode::ingest

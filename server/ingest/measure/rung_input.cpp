@@ -1,0 +1,18 @@
+#include "server/ingest/measure/rung_input.h"
+
+#include <utility>
+
+namespace lode::ingest {
+
+RungInput::RungInput(NodeMesh mesh, int depth)
+    : mesh_(std::move(mesh)), walk_(mesh_), rims_(walk_.openEdges()) {
+  const auto is_locked = [&](uint32_t position) { return mesh_.lca_depth[position] < depth; };
+  std::erase_if(rims_, [&](glm::u32vec2 edge) { return is_locked(edge.x) && is_locked(edge.y); });
+}
+
+const TriangleGrid& RungInput::grid() const {
+  std::call_once(grid_made_, [this] { grid_.emplace(mesh_); });
+  return *grid_;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "server/ingest/measure/surface_walk.h"
+#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/mesh/node_mesh.h"
+
+namespace lode::ingest {
+
+/// What the rungs of a node are made of and measured against. Const functions are thread safe.
+class RungInput {
+ public:
+  /// @param depth  the node's: positions that are locked there lie on its borders.
+  RungInput(NodeMesh mesh, int depth);
+
+  const NodeMesh& mesh() const noexcept { return mesh_; }
+  const SurfaceWalk& walk() const noexcept { return walk_; }
+  /// Open edges, by position; borders of the node are none.
+  const std::vector<glm::u32vec2>& rims() const noexcept { return rims_; }
+  /// Made when it is first asked for: few nodes need it.
+  const TriangleGrid& grid() const;
+
+ private:
+  NodeMesh mesh_;
+  SurfaceWalk walk_;
+  std::vector<glm::u32vec2> rims_;
+  mutable std::once_flag grid_made_;
+  mutable std::optional<TriangleGrid> grid_;
+};
+
+}  // namespace lode::ingest

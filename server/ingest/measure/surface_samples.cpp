@@ -1,0 +1,200 @@
+#include "server/ingest/measure/surface_samples.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/mesh/number_table.h"
+
+namespace lode::ingest {
+namespace {
+
+// Deviations below this share of the largest need not be exact: they only rank samples.
+constexpr float kRanks = 0.25f;
+constexpr int kMostLooks = 32;  ///< at every triangle, before a grid is built for the further ones
+constexpr uint32_t kMostPointsInside = 64;  ///< of one triangle
+
+uint64_t hashOf(const SurfaceSample& sample) noexcept { return NumberTable::hash(sample.position.value); }
+
+glm::vec3 pointOf(const SurfaceSample& sample) noexcept { return glm::vec3(unpackPosition(sample.position)); }
+glm::vec3 pointOf(const NodeMesh& mesh, uint32_t position) noexcept {
+  return glm::vec3(unpackPosition(mesh.positions[position]));
+}
+
+/// Points that cover a triangle evenly however many of them there are: of the n-th, the shares of two
+/// corners. Source: Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (its R2 sequence).
+glm::vec2 sharesOf(uint32_t n) noexcept {
+  const glm::vec2 square = glm::fract(static_cast<float>(n) * glm::vec2(0.7548777f, 0.5698403f));
+  return square.x + square.y > 1 ? 1.f - square : square;
+}
+
+/// For how many times the mean area a triangle gets a point inside, in a mesh of so many.
+double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
+
+/// Into how many steps edges are divided, and triangles with them, to measure a rung of so many triangles:
+/// where there are few, their corners may miss the worst.
+uint32_t stepsAlongEdge(size_t triangles) noexcept {
+  return triangles <= 1024 ? 6 : triangles <= 8192 ? 3 : 1;
+}
+
+/// Makes the largest of the distances that walks over a mesh have found exact.
+/// @param pointOf  the point of each distance. @param gridOver  the mesh, made where many need a look.
+template <typename PointOf, typename GridOver>
+void confirmLargest(const SurfaceWalk& walk, std::vector<float>& distances, PointOf&& pointOf,
+                    GridOver&& gridOver) {
+  std::vector<uint32_t> order(distances.size());
+  for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto is_less = [&](uint32_t a, uint32_t b) { return distances[a] < distances[b]; };
+  std::make_heap(order.begin(), order.end(), is_less);
+  float largest = 0;
+  for (int looks = 0; !order.empty() && distances[order.front()] > largest; ++looks) {
+    std::pop_heap(order.begin(), order.end(), is_less);
+    const uint32_t at = order.back();
+    order.pop_back();
+    distances[at] = looks < kMostLooks ? walk.exactDistance(pointOf(at), distances[at])
+                                       : gridOver().distance(pointOf(at));
+    largest = std::max(largest, distances[at]);
+  }
+}
+
+}  // namespace
+
+void selectSamples(std::vector<SurfaceSample>& samples, size_t capacity) {
+  if (samples.size() <= capacity) return;
+  struct Ranked {
+    float deviation;
+    uint32_t at;
+    uint64_t hash;
+  };
+  std::vector<Ranked> order;
+  order.reserve(samples.size());
+  for (const SurfaceSample& sample : samples)
+    order.push_back({sample.deviation, static_cast<uint32_t>(order.size()), hashOf(sample)});
+  const auto by_hash = [](const Ranked& a, const Ranked& b) { return a.hash < b.hash; };
+  const auto by_deviation = [](const Ranked& a, const Ranked& b) {
+    return a.deviation != b.deviation ? a.deviation > b.deviation : a.hash < b.hash;
+  };
+  const auto half = order.begin() + static_cast<ptrdiff_t>(capacity / 2);
+  const auto end = order.begin() + static_cast<ptrdiff_t>(capacity);
+  std::nth_element(order.begin(), half, order.end(), by_deviation);
+  std::nth_element(half, end, order.end(), by_hash);
+  std::vector<bool> is_kept(samples.size());
+  for (auto kept = order.begin(); kept != end; ++kept) is_kept[kept->at] = true;
+  size_t count = 0;
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (is_kept[i]) samples[count++] = samples[i];
+  samples.resize(capacity);
+}
+
+void dropDuplicates(std::vector<SurfaceSample>& samples) {
+  std::sort(samples.begin(), samples.end(), [](const SurfaceSample& a, const SurfaceSample& b) {
+    return a.position != b.position ? a.position < b.position : a.deviation > b.deviation;
+  });
+  samples.erase(
+      std::unique(samples.begin(), samples.end(),
+                  [](const SurfaceSample& a, const SurfaceSample& b) { return a.position == b.position; }),
+      samples.end());
+}
+
+std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
+                                         const SurfaceWalk& walk) {
+  std::vector<SurfaceWalk::Place> places(input.positions.size());
+  for (uint32_t i = 0; i < places.size(); ++i)
+    if (rung.became[i] != kVanished) places[i] = walk.placeOf(pointOf(input, i), rung.became[i]);
+  return places;
+}
+
+std::vector<float> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
+                                  std::span<const SurfaceWalk::Place> places,
+                                  std::span<const SurfaceSample> samples) {
+  std::optional<TriangleGrid> grid;
+  const auto gridOver = [&]() -> const TriangleGrid& {
+    if (!grid) grid.emplace(rung.mesh);
+    return *grid;
+  };
+  float largest = 0;
+  const auto distanceOf = [&](const SurfaceSample& sample) {
+    const uint32_t start = sample.near == kVanished ? kVanished : rung.became[sample.near];
+    if (start == kVanished) return gridOver().distance(sample.position);  // nothing is known to be near
+    const bool is_position = sample.position == input.positions[sample.near];
+    return is_position ? places[sample.near].distance
+                       : walk.distance(pointOf(sample), start, kRanks * largest);
+  };
+  std::vector<float> distances;
+  distances.reserve(samples.size());
+  for (const SurfaceSample& sample : samples) {
+    distances.push_back(distanceOf(sample));
+    largest = std::max(largest, distances.back());
+  }
+  confirmLargest(
+      walk, distances, [&](size_t i) { return pointOf(samples[i]); }, gridOver);
+  return distances;
+}
+
+std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh) {
+  std::vector<float> areas;
+  double total = 0;
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const glm::vec3 a = pointOf(mesh, mesh.wedge_position[t.x]);
+    areas.push_back(glm::length(glm::cross(pointOf(mesh, mesh.wedge_position[t.y]) - a,
+                                           pointOf(mesh, mesh.wedge_position[t.z]) - a)));
+    total += areas.back();
+  }
+  if (total == 0) return {};
+  const double area_of_point = meansPerPoint(areas.size()) * total / static_cast<double>(areas.size());
+  std::vector<SurfaceSample> samples;
+  for (size_t i = 0; i < areas.size(); ++i) {
+    if (areas[i] < area_of_point) continue;
+    const glm::u32vec3& t = mesh.triangles[i];
+    const glm::vec3 a = pointOf(mesh, mesh.wedge_position[t.x]),
+                    ab = pointOf(mesh, mesh.wedge_position[t.y]) - a,
+                    ac = pointOf(mesh, mesh.wedge_position[t.z]) - a;
+    const auto count = static_cast<uint32_t>(std::min<double>(areas[i] / area_of_point, kMostPointsInside));
+    for (uint32_t n = 1; n <= count; ++n) {
+      const glm::vec2 shares = sharesOf(n);
+      const glm::vec3 point = glm::round(a + shares.x * ab + shares.y * ac);
+      samples.push_back({packPosition(glm::uvec3(point)), 0, mesh.wedge_position[t.x]});
+    }
+  }
+  return samples;
+}
+
+float farthestPlace(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources) {
+  const NodeMesh& mesh = rung.mesh;
+  std::vector<float> distances;
+  std::vector<glm::vec3> points;
+  float largest = 0;
+  const auto measure = [&](glm::vec3 point, uint32_t& near) {
+    points.push_back(point);
+    distances.push_back(input.walk().distanceOnwards(point, near, largest));
+    largest = std::max(largest, distances.back());
+  };
+  for (uint32_t i = 0; i < sources.size(); ++i) {
+    uint32_t near = sources[i];
+    measure(pointOf(mesh, i), near);
+  }
+  const uint32_t steps = stepsAlongEdge(mesh.triangles.size());
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const glm::u32vec3 at(mesh.wedge_position[t.x], mesh.wedge_position[t.y], mesh.wedge_position[t.z]);
+    const glm::vec3 a = pointOf(mesh, at.x), b = pointOf(mesh, at.y), c = pointOf(mesh, at.z);
+    uint32_t near_row = sources[at.z];  // where walks to the points of a row begin
+    for (uint32_t i = 0; i <= steps; ++i) {
+      uint32_t near = near_row;
+      for (uint32_t j = 0; i + j <= steps; ++j) {
+        const uint32_t k = steps - i - j;
+        const bool is_corner = i == steps || j == steps || k == steps;
+        if (is_corner) continue;
+        const glm::vec3 point =
+            (static_cast<float>(i) * a + static_cast<float>(j) * b + static_cast<float>(k) * c);
+        measure(point / static_cast<float>(steps), near);
+        if (j == 0) near_row = near;
+      }
+    }
+  }
+  confirmLargest(
+      input.walk(), distances, [&](size_t i) { return points[i]; },
+      [&]() -> const TriangleGrid& { return input.grid(); });
+  return distances.empty() ? 0 : *std::max_element(distances.begin(), distances.end());
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,160 @@
+#include "server/ingest/measure/surface_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/ingest/measure/point_triangle.h"
+
+namespace lode::ingest {
+namespace {
+
+float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
+
+}  // namespace
+
+SurfaceWalk::SurfaceWalk(const NodeMesh& mesh) : begin_(mesh.positions.size() + 1) {
+  points_.reserve(mesh.positions.size());
+  for (const PositionCode code : mesh.positions) points_.emplace_back(unpackPosition(code));
+  triangles_.reserve(mesh.triangles.size());
+  for (const glm::u32vec3& t : mesh.triangles) {
+    triangles_.emplace_back(mesh.wedge_position[t.x], mesh.wedge_position[t.y], mesh.wedge_position[t.z]);
+    const glm::u32vec3& corners = triangles_.back();
+    for (int k = 0; k < 3; ++k) {
+      ++begin_[corners[k]];
+      longest_edge_ =
+          std::max(longest_edge_, squaredLength(points_[corners[k]] - points_[corners[(k + 1) % 3]]));
+    }
+  }
+  longest_edge_ = std::sqrt(longest_edge_);
+  uint32_t end = 0;
+  for (uint32_t& begin : begin_) begin = end += begin;
+  around_.resize(end);
+  for (auto t = static_cast<uint32_t>(triangles_.size()); t-- > 0;) {
+    for (int k = 0; k < 3; ++k) around_[--begin_[triangles_[t][k]]] = t;
+  }
+}
+
+float SurfaceWalk::distance(glm::vec3 point, uint32_t start, float enough) const noexcept {
+  return std::sqrt(walk(point, start, enough * enough).squared);
+}
+
+float SurfaceWalk::distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept {
+  const Nearest nearest = walk(point, start, enough * enough);
+  if (!std::isinf(nearest.squared)) start = triangles_[nearest.triangle].x;
+  return std::sqrt(nearest.squared);
+}
+
+SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const noexcept {
+  if (const std::optional<Place> above = placeAround(point, start)) return *above;
+  const Nearest nearest = walk(point, start, 0);
+  const glm::u32vec3& t = triangles_[nearest.triangle];
+  const glm::vec3 a = points_[t.x];
+  const glm::vec2 shares = nearestInTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
+  return {nearest.triangle, {1 - shares.x - shares.y, shares}, std::sqrt(nearest.squared)};
+}
+
+/// Most points lie above a triangle around the start; edges and corners then need no look, unless the
+/// triangles there look to different sides: across the rim of a plate lies its other side.
+std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
+                                                           uint32_t position) const noexcept {
+  float nearest = std::numeric_limits<float>::infinity();
+  Place place;
+  glm::vec3 first_normal(0);
+  for (uint32_t i = begin_[position]; i < begin_[position + 1]; ++i) {
+    const glm::u32vec3& t = triangles_[around_[i]];
+    const glm::vec3 a = points_[t.x], ap = point - a, ab = points_[t.y] - a, ac = points_[t.z] - a;
+    const glm::vec3 normal = glm::cross(ab, ac);
+    if (i == begin_[position]) first_normal = normal;
+    if (glm::dot(normal, first_normal) < 0) return std::nullopt;
+    const float all = glm::dot(normal, normal);
+    const float of_b = glm::dot(normal, glm::cross(ap, ac)), of_c = glm::dot(normal, glm::cross(ab, ap));
+    const float of_a = all - of_b - of_c;
+    if (!(std::min({of_a, of_b, of_c}) > 0)) continue;
+    // From the foot, not along the normal: a sliver's is rounding noise, which may be much too short.
+    const float squared = squaredLength(ap - (of_b * ab + of_c * ac) / all);
+    if (squared >= nearest) continue;
+    nearest = squared;
+    place = {around_[i], glm::vec3(of_a, of_b, of_c) / all, std::sqrt(squared)};
+  }
+  return std::isinf(nearest) ? std::nullopt : std::optional(place);
+}
+
+SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept {
+  Nearest best{std::numeric_limits<float>::infinity(), 0};
+  lookAround(point, start, enough_squared, best);
+  if (std::isinf(best.squared)) return best;
+  glm::u32vec3 done(start);  // corners that have been looked around
+  for (float before = std::numeric_limits<float>::infinity(); best.squared < before;) {
+    if (best.squared <= enough_squared || isAbove(point, best.triangle)) break;
+    before = best.squared;
+    const glm::u32vec3 corners = triangles_[best.triangle];
+    for (int k = 0; k < 3; ++k) {
+      if (corners[k] != done.x && corners[k] != done.y && corners[k] != done.z)
+        lookAround(point, corners[k], enough_squared, best);
+    }
+    done = corners;
+  }
+  return best;
+}
+
+float SurfaceWalk::exactDistance(glm::vec3 point, float bound) const noexcept {
+  Nearest best{bound * bound, 0};
+  float reach = bound + longest_edge_;
+  for (uint32_t t = 0; t < triangles_.size(); ++t) {
+    if (squaredLength(point - points_[triangles_[t].x]) > reach * reach) continue;
+    lookAt(point, t, best);
+    reach = std::sqrt(best.squared) + longest_edge_;
+  }
+  return std::sqrt(best.squared);
+}
+
+std::vector<glm::u32vec2> SurfaceWalk::openEdges() const {
+  std::vector<glm::u32vec2> open;
+  std::vector<uint8_t> is_odd(points_.size());
+  std::vector<uint32_t> others;
+  for (uint32_t from = 0; from < points_.size(); ++from) {
+    const auto forEachOther = [&](auto&& look) {
+      for (uint32_t i = begin_[from]; i < begin_[from + 1]; ++i) {
+        const glm::u32vec3& t = triangles_[around_[i]];
+        for (int k = 0; k < 3; ++k)
+          if (t[k] > from) look(t[k]);
+      }
+    };
+    int odd = 0;
+    forEachOther([&](uint32_t to) { odd += (is_odd[to] ^= 1) ? 1 : -1; });
+    if (odd == 0) continue;
+    others.clear();
+    forEachOther([&](uint32_t to) {
+      if (is_odd[to]) others.push_back(to);
+      is_odd[to] = 0;
+    });
+    std::sort(others.begin(), others.end());
+    for (const uint32_t to : others) open.emplace_back(from, to);
+  }
+  return open;
+}
+
+/// Whether the triangle's nearest place is inside it, so that its neighbours are farther away.
+bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
+  const glm::u32vec3& t = triangles_[triangle];
+  const glm::vec3 a = points_[t.x] - point, b = points_[t.y] - point, c = points_[t.z] - point;
+  const glm::vec3 normal = glm::cross(b - a, c - a);
+  return glm::dot(normal, glm::cross(a, b)) > 0 && glm::dot(normal, glm::cross(b, c)) > 0 &&
+         glm::dot(normal, glm::cross(c, a)) > 0;
+}
+
+void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_squared,
+                             Nearest& best) const noexcept {
+  for (uint32_t i = begin_[position]; i < begin_[position + 1] && best.squared > enough_squared; ++i)
+    lookAt(point, around_[i], best);
+}
+
+void SurfaceWalk::lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept {
+  const glm::u32vec3& t = triangles_[triangle];
+  const glm::vec3 a = points_[t.x];
+  const float squared = squaredDistanceToTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
+  if (squared < best.squared) best = {squared, triangle};
+}
+
+}  // namespace lode::ingest

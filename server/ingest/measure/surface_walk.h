@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "server/ingest/mesh/node_mesh.h"
+
+namespace lode::ingest {
+
+/// Distance from points to a mesh, in lattice steps, by walking over it: from the triangles around a position
+/// to those around the next, as long as they come nearer. Never below the true distance; above it where the
+/// mesh, as seen from the start, first leads away from the nearest place or where that is on another piece.
+/// Many times faster than TriangleGrid where a position near the point is known. Const functions are thread
+/// safe.
+class SurfaceWalk {
+ public:
+  /// @param mesh  its positions' numbers are what walks start at.
+  explicit SurfaceWalk(const NodeMesh& mesh);
+
+  /// @param point  lattice steps, like all here
+  /// @param start  a position of the mesh that a triangle has; infinity if none has.
+  /// @param enough  the walk ends where it is as near as this.
+  float distance(glm::vec3 point, uint32_t start, float enough) const noexcept;
+  /// The same; `start` becomes a position where the walk has ended, from which that of a point nearby is
+  /// shorter.
+  float distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept;
+  /// A place on the mesh near a point.
+  struct Place {
+    uint32_t triangle = 0;  ///< of the mesh
+    glm::vec3 shares{0};    ///< of its corners; they add up to 1
+    float distance = 0;     ///< of the point; like that of distance()
+  };
+  /// Where a walk ends, or before it a triangle around the start that the point lies above.
+  /// @param start  a position of the mesh that a triangle has.
+  Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
+  /// The true distance, by a look at every triangle. @param bound  not below it
+  float exactDistance(glm::vec3 point, float bound) const noexcept;
+  /// Edges, by position, that an odd number of triangles use; lower position first, in rising order.
+  std::vector<glm::u32vec2> openEdges() const;
+
+ private:
+  struct Nearest {
+    float squared;
+    uint32_t triangle;
+  };
+  Nearest walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept;
+  std::optional<Place> placeAround(glm::vec3 point, uint32_t position) const noexcept;
+  void lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
+  bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
+  void lookAround(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;
+
+  std::vector<glm::vec3> points_;  ///< a position
+  float longest_edge_ = 0;
+  std::vector<glm::u32vec3> triangles_;   ///< positions
+  std::vector<uint32_t> begin_, around_;  ///< triangles around each position
+};
+
+}  // namespace lode::ingest

@@ -1,0 +1,145 @@
+#include "server/ingest/measure/triangle_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/ingest/measure/point_triangle.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr float kMaxCellsAlongAxis = 64;
+constexpr uint64_t kMaxCellsOfTriangle = 16;  ///< on average
+
+float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
+
+}  // namespace
+
+TriangleGrid::TriangleGrid(const NodeMesh& mesh) {
+  LatticeBox box;
+  for (const PositionCode position : mesh.positions) box.add(unpackPosition(position));
+  if (mesh.triangles.empty()) return;
+  triangles_.reserve(mesh.triangles.size());
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const auto corner = [&](uint32_t wedge) {
+      return glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[wedge]]));
+    };
+    const glm::vec3 a = corner(t.x);
+    triangles_.push_back({a, corner(t.y) - a, corner(t.z) - a});
+  }
+  fillCells(chooseCells(glm::vec3(box.min), glm::vec3(box.max - box.min) + 1.f));
+}
+
+TriangleGrid::Cover TriangleGrid::coverOf(const Triangle& triangle) const noexcept {
+  const glm::vec3 b = triangle.a + triangle.ab, c = triangle.a + triangle.ac;
+  return {cellOf(glm::min(triangle.a, glm::min(b, c))), cellOf(glm::max(triangle.a, glm::max(b, c)))};
+}
+
+/// Cells of about an edge's length; coarser where long triangles would stand in too many of them.
+/// @return the cells of every triangle.
+std::vector<TriangleGrid::Cover> TriangleGrid::chooseCells(glm::vec3 min, glm::vec3 size) {
+  min_ = min;
+  const float longest = std::max({size.x, size.y, size.z});
+  float along = std::clamp(std::sqrt(static_cast<float>(triangles_.size())) * 0.75f, 1.f, kMaxCellsAlongAxis);
+  std::vector<Cover> covers(triangles_.size());
+  for (;; along /= 2) {
+    cell_ = longest / std::max(along, 1.f);
+    cells_per_step_ = 1 / cell_;
+    dims_ = glm::max(glm::ivec3(glm::ceil(size / cell_)), 1);
+    uint64_t members = 0;
+    for (size_t t = 0; t < triangles_.size(); ++t) {
+      covers[t] = coverOf(triangles_[t]);
+      const glm::u64vec3 cells(covers[t].high - covers[t].low + 1);
+      members += cells.x * cells.y * cells.z;
+    }
+    if (along <= 1 || members <= kMaxCellsOfTriangle * triangles_.size()) return covers;
+  }
+}
+
+void TriangleGrid::fillCells(const std::vector<Cover>& covers) {
+  const auto forCells = [&](const Cover& cover, auto&& visit) {
+    for (int z = cover.low.z; z <= cover.high.z; ++z) {
+      for (int y = cover.low.y; y <= cover.high.y; ++y) {
+        for (int x = cover.low.x; x <= cover.high.x; ++x) visit(indexOf({x, y, z}));
+      }
+    }
+  };
+  begin_.assign(static_cast<size_t>(dims_.x) * dims_.y * dims_.z + 1, 0);
+  for (const Cover& cover : covers) forCells(cover, [&](size_t cell) { ++begin_[cell + 1]; });
+  for (size_t cell = 1; cell < begin_.size(); ++cell) begin_[cell] += begin_[cell - 1];
+  members_.resize(begin_.back());
+  spheres_.resize(begin_.back());
+  std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
+  for (uint32_t t = 0; t < triangles_.size(); ++t) {
+    const Triangle& triangle = triangles_[t];
+    const glm::vec3 to_centre = (triangle.ab + triangle.ac) / 3.f;
+    const float radius = std::sqrt(std::max({squaredLength(to_centre), squaredLength(triangle.ab - to_centre),
+                                             squaredLength(triangle.ac - to_centre)}));
+    const glm::vec4 sphere(triangle.a + to_centre, radius);
+    forCells(covers[t], [&](size_t cell) {
+      spheres_[next[cell]] = sphere;
+      members_[next[cell]++] = t;
+    });
+  }
+}
+
+float TriangleGrid::distance(glm::vec3 point) const noexcept {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Nearest best{kInfinity, kInfinity};
+  if (triangles_.empty()) return kInfinity;
+  const glm::ivec3 centre = cellOf(point);
+  int radius = 0;
+  for (; std::isinf(best.distance); ++radius) searchShell(point, centre, radius, best);
+  const glm::vec3 inside = point - (min_ + glm::vec3(centre) * cell_);
+  if (glm::all(glm::greaterThan(glm::min(inside, cell_ - inside), glm::vec3(best.distance))))
+    return best.distance;
+  // Whatever is nearer reaches into the ball around the point; cells of the shells before have been looked
+  // at.
+  const glm::ivec3 low = cellOf(point - best.distance), high = cellOf(point + best.distance);
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      for (int x = low.x; x <= high.x; ++x) {
+        const glm::ivec3 away = glm::abs(glm::ivec3(x, y, z) - centre);
+        if (std::max({away.x, away.y, away.z}) >= radius) searchCell(point, {x, y, z}, best);
+      }
+    }
+  }
+  return best.distance;
+}
+
+glm::ivec3 TriangleGrid::cellOf(glm::vec3 point) const noexcept {
+  return glm::clamp(glm::ivec3((point - min_) * cells_per_step_), glm::ivec3(0), dims_ - 1);
+}
+
+void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, Nearest& best) const noexcept {
+  const glm::ivec3 low = glm::max(centre - radius, 0), high = glm::min(centre + radius, dims_ - 1);
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      const bool is_face = std::abs(z - centre.z) == radius || std::abs(y - centre.y) == radius;
+      for (int x = low.x; x <= high.x; ++x) {
+        if (is_face || std::abs(x - centre.x) == radius) {
+          searchCell(point, {x, y, z}, best);
+        } else if (x < centre.x + radius) {
+          x = std::min(centre.x + radius, high.x + 1) - 1;
+        }
+      }
+    }
+  }
+}
+
+void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, Nearest& best) const noexcept {
+  const size_t index = indexOf(cell);
+  const glm::vec3 low = min_ + glm::vec3(cell) * cell_;
+  const glm::vec3 outside = glm::max(glm::max(low - point, point - (low + cell_)), 0.f);
+  if (squaredLength(outside) > best.squared) return;
+  for (uint32_t i = begin_[index]; i < begin_[index + 1]; ++i) {
+    const float reach = best.distance + spheres_[i].w;
+    if (squaredLength(point - glm::vec3(spheres_[i])) > reach * reach) continue;
+    const Triangle& triangle = triangles_[members_[i]];
+    const float squared = squaredDistanceToTriangle(point - triangle.a, triangle.ab, triangle.ac);
+    if (squared < best.squared) best = {squared, std::sqrt(squared)};
+  }
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "server/ingest/mesh/node_mesh.h"
+
+namespace lode::ingest {
+
+/// Distance from points to a mesh, in lattice steps, by a uniform grid: shells of cells until one holds
+/// something, then what the ball of that distance touches. Const functions are thread safe.
+class TriangleGrid {
+ public:
+  explicit TriangleGrid(const NodeMesh& mesh);
+
+  /// Infinity if the mesh has no triangles.
+  float distance(glm::vec3 point) const noexcept;
+  float distance(PositionCode point) const noexcept { return distance(glm::vec3(unpackPosition(point))); }
+  /// Entries of triangles in cells: what the grid's memory goes with.
+  size_t memberCount() const noexcept { return members_.size(); }
+
+ private:
+  struct Triangle {
+    glm::vec3 a, ab, ac;
+  };
+  /// The cells that a triangle's box touches, both ends inside.
+  struct Cover {
+    glm::ivec3 low, high;
+  };
+  std::vector<Cover> chooseCells(glm::vec3 min, glm::vec3 size);
+  void fillCells(const std::vector<Cover>& covers);
+  Cover coverOf(const Triangle& triangle) const noexcept;
+  glm::ivec3 cellOf(glm::vec3 point) const noexcept;
+  size_t indexOf(glm::ivec3 cell) const noexcept {
+    return static_cast<size_t>((cell.z * dims_.y + cell.y) * dims_.x + cell.x);
+  }
+  /// The nearest found so far: squared distance, and the distance itself.
+  struct Nearest {
+    float squared;
+    float distance;
+  };
+  void searchShell(glm::vec3 point, glm::ivec3 centre, int radius, Nearest& best) const noexcept;
+  void searchCell(glm::vec3 point, glm::ivec3 cell, Nearest& best) const noexcept;
+
+  std::vector<Triangle> triangles_;
+  glm::vec3 min_{0};
+  float cell_ = 1;
+  float cells_per_step_ = 1;
+  glm::ivec3 dims_{1};
+  std::vector<uint32_t> begin_;    ///< of each cell in members_, and the end
+  std::vector<uint32_t> members_;  ///< triangles whose box touches the cell
+  std::vector<glm::vec4>
+      spheres_;  ///< around each member, centre and radius: most are too far away to look closer
+};
+
+}  // namespace lode::ingest

@@ -1,0 +1,100 @@
+#include "server/ingest/nodes/built_node_record.h"
+
+#include <utility>
+
+#include "common/limits.h"
+
+namespace lode::ingest {
+namespace {
+
+struct RungRecord {
+  uint32_t triangles, vertices, locked;
+  float error_model, appearance_error_model;
+  uint32_t payload_bytes;
+  uint64_t payload_offset;
+};
+
+void putMesh(RecordWriter& record, const NodeMesh& mesh) {
+  // Named one by one, so that a member more does not compile.
+  const auto& [attributes, positions, lca_depth, wedge_position, wedge_attributes, triangles] = mesh;
+  record.put(attributes);
+  record.putAll(positions);
+  record.putAll(lca_depth);
+  record.putAll(wedge_position);
+  record.putAll(wedge_attributes);
+  record.putAll(triangles);
+}
+
+NodeMesh getMesh(RecordReader& record) {
+  NodeMesh mesh;
+  mesh.attributes = record.get<AttributeSet>();
+  mesh.positions = record.getAll<PositionCode>();
+  mesh.lca_depth = record.getAll<uint8_t>();
+  mesh.wedge_position = record.getAll<uint32_t>();
+  mesh.wedge_attributes = record.getAll<VertexAttributes>();
+  mesh.triangles = record.getAll<glm::u32vec3>();
+  return mesh;
+}
+
+}  // namespace
+
+void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadSpool::Place> payloads) {
+  record.put(node.key);
+  record.put(node.box);
+  record.put(node.child_mask);
+  std::vector<RungRecord> rungs;
+  for (size_t r = 0; r < node.rungs.size(); ++r) {
+    const Rung& rung = node.rungs[r];
+    rungs.push_back({rung.triangles, rung.vertices, rung.locked, rung.error_model,
+                     rung.appearance_error_model, payloads[r].bytes, payloads[r].offset});
+  }
+  record.putAll(rungs);
+}
+
+FinishedNode getFinishedNode(RecordReader& record) {
+  FinishedNode finished;
+  finished.node.key = record.get<NodeKey>();
+  finished.node.box = record.get<LatticeBox>();
+  finished.node.child_mask = record.get<uint8_t>();
+  for (const RungRecord& from : record.getAll<RungRecord>()) {
+    Rung rung;
+    rung.triangles = from.triangles;
+    rung.vertices = from.vertices;
+    rung.locked = from.locked;
+    rung.error_model = from.error_model;
+    rung.appearance_error_model = from.appearance_error_model;
+    finished.node.rungs.push_back(rung);
+    finished.payloads.push_back({from.payload_offset, from.payload_bytes});
+  }
+  if (finished.node.rungs.empty() || finished.node.rungs.size() > kMaxRungs) {
+    throw Error(ErrorCode::kLimit, "the journal of a build names a node of " +
+                                       std::to_string(finished.node.rungs.size()) +
+                                       " rungs; build without --resume");
+  }
+  return finished;
+}
+
+void putBuiltNode(RecordWriter& record, const BuiltNode& built) {
+  const auto& [node, payloads, coarsest, original_triangles, inherited, rim_gap_steps, samples] = built;
+  putFinishedNode(record, node, payloads);
+  putMesh(record, coarsest);
+  record.put(original_triangles);
+  record.put(inherited);
+  record.put(rim_gap_steps);
+  record.putAll(samples);
+}
+
+BuiltNode getBuiltNode(RecordReader& record) {
+  FinishedNode finished = getFinishedNode(record);
+  BuiltNode built;
+  built.node = std::move(finished.node);
+  built.payloads = std::move(finished.payloads);
+  built.coarsest = getMesh(record);
+  built.original_triangles = record.get<uint64_t>();
+  built.inherited = record.get<RungError>();
+  built.rim_gap_steps = record.get<float>();
+  built.samples = record.getAll<SurfaceSample>();
+  return built;
+}
+
+}  // namespace lode::ingest

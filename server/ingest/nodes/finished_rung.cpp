@@ -1,0 +1,30 @@
+#include "server/ingest/nodes/finished_rung.h"
+
+#include <utility>
+
+#include "server/ingest/measure/lost_detail.h"
+#include "server/ingest/measure/rim_gap.h"
+#include "server/ingest/mesh/mesh_welder.h"
+#include "server/ingest/nodes/computed_normals.h"
+
+namespace lode::ingest {
+
+FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
+                        std::span<const SurfaceSample> samples, double step_model) {
+  FinishedRung finished;
+  finished.simplified = std::move(simplified);
+  SimplifiedMesh& rung = finished.simplified;
+  const std::vector<uint32_t> sources = sourcesOf(rung, input.mesh());
+  const SurfaceWalk walk(rung.mesh);
+  const std::vector<SurfaceWalk::Place> places = placesOn(rung, input.mesh(), walk);
+  giveComputedNormals(rung, input.mesh(), sources, places);
+  finished.payload = encodePayload(toMesh(rung.mesh), step_model);
+  if (rung.mesh.triangles.empty()) return finished;
+  finished.deviations = deviationsFrom(rung, input.mesh(), walk, places, samples);
+  finished.farthest_steps = farthestPlace(rung, input, sources);
+  finished.rim_gap_steps = rimGap(rung, input.mesh(), input.rims());
+  finished.lost_detail_steps = lostDetail(rung, input.mesh(), places);
+  return finished;
+}
+
+}  // namespace lode::ingest

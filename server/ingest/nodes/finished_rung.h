@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/draco_codec.h"
+#include "server/ingest/measure/rung_input.h"
+#include "server/ingest/measure/surface_samples.h"
+#include "server/ingest/mesh/simplified_mesh.h"
+
+namespace lode::ingest {
+
+/// A rung, encoded and measured against what it was made of; lengths are in lattice steps.
+struct FinishedRung {
+  SimplifiedMesh simplified;
+  EncodedPayload payload;
+  std::vector<float> deviations;  ///< of the samples from it; see deviationsFrom()
+  float farthest_steps = 0;       ///< see farthestPlace()
+  float rim_gap_steps = 0;        ///< see rimGap()
+  float lost_detail_steps = 0;    ///< see lostDetail()
+};
+
+/// Gives a simplified mesh its computed normals, where they are not the file's, measures and encodes it.
+/// @param samples  near positions of the input. @param step_model  the lattice's. Thread safe.
+FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
+                        std::span<const SurfaceSample> samples, double step_model);
+
+}  // namespace lode::ingest

@@ -1,0 +1,240 @@
+#include "server/ingest/nodes/node_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/draco_codec.h"
+#include "server/ingest/nodes/computed_normals.h"
+#include "server/ingest/nodes/finished_rung.h"
+#include "server/ingest/nodes/rung_targets.h"
+#include "server/ingest/partition/in_order.h"
+#include "server/ingest/partition/leaf_mesh.h"
+#include "server/ingest/simplify/cluster.h"
+#include "server/ingest/simplify/collapse.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr float kLatticeErrorSteps = 0.8660254f;  ///< of snapping: half the diagonal of a lattice cell
+// What sampling may have missed, of the original surface and of the rung. docs/benchmarks.md (Errors) has the
+// ratios of stored errors to densely sampled ones that it leads to; it was chosen on those models.
+constexpr float kMargin = 1.4f;
+constexpr float kRimMargin = 1.001f;         ///< rounding
+constexpr uint32_t kTrianglesPerSample = 2;  ///< of the node's budget, above the lowest inner nodes
+constexpr uint32_t kMinSamples = 4096;       ///< whatever the budget
+
+}  // namespace
+
+PayloadSpool::Place PayloadSpool::append(std::span<const std::byte> payload) {
+  std::lock_guard lock(mutex_);
+  const Place place{spool_.size(), static_cast<uint32_t>(payload.size())};
+  spool_.append(payload);
+  return place;
+}
+
+uint64_t PayloadSpool::sync() {
+  std::unique_lock lock(mutex_);
+  spool_.flush();
+  const uint64_t bytes = spool_.size();
+  lock.unlock();
+  spool_.sync();
+  return bytes;
+}
+
+std::vector<std::byte> PayloadSpool::read(Place place) const {
+  std::vector<std::byte> payload(place.bytes);
+  spool_.readAt(place.offset, payload);
+  return payload;
+}
+
+NodeBuilder::NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads)
+    : settings_(settings), partition_(partition), payloads_(payloads) {}
+
+BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, unsigned helpers) {
+  BuiltNode built;
+  built.node.key = partition_.leaves[leaf];
+  NodeMesh mesh = loadLeaf(leaf);
+  built.original_triangles = mesh.triangles.size();
+  built.rim_gap_steps = kLatticeErrorSteps;
+  addRung(built, mesh, encodePayload(toMesh(mesh), settings_.lattice.step),
+          {.deviation_steps = kLatticeErrorSteps});
+  if (built.node.key == kRootKey) {
+    for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
+    const std::vector<SurfaceSample> inside = samplesInside(mesh);
+    built.samples.insert(built.samples.end(), inside.begin(), inside.end());
+    dropDuplicates(built.samples);
+    reduce(built, std::move(mesh), helpers);
+  } else {
+    built.coarsest = std::move(mesh);
+  }
+  return built;
+}
+
+BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, unsigned helpers) {
+  BuiltNode built;
+  built.node.key = key;
+  std::vector<NodeMesh> meshes;
+  for (BuiltNode& child : children) {
+    built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
+    built.node.box.add(child.node.box);
+    built.original_triangles += child.original_triangles;
+    const RungError error = errorOf(child.node.rungs.back());
+    built.inherited.deviation_steps = std::max(built.inherited.deviation_steps, error.deviation_steps);
+    built.inherited.lost_detail_steps = std::max(built.inherited.lost_detail_steps, error.lost_detail_steps);
+    built.rim_gap_steps = std::max(built.rim_gap_steps, child.rim_gap_steps);
+    meshes.push_back(std::move(child.coarsest));
+  }
+  std::vector<std::vector<uint32_t>> became;
+  NodeMesh input = mergeMeshes(meshes, welder_, became);
+  gatherSamples(built, children, meshes, input, became);
+  meshes.clear();
+  reduce(built, std::move(input), helpers);
+  selectSamples(built.samples, sampleCapacity());
+  return built;
+}
+
+size_t NodeBuilder::sampleCapacity() const noexcept {
+  return std::max(kMinSamples, settings_.triangles_per_node / kTrianglesPerSample);
+}
+
+// Leaves' vertices, and points of their large triangles, are all at hand: no rung has been measured by them
+// yet, so that they are thinned out by themselves.
+void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
+                                std::span<const NodeMesh> meshes, const NodeMesh& input,
+                                std::span<const std::vector<uint32_t>> became) const {
+  std::vector<SurfaceSample> of_leaves;
+  std::vector<bool> taken(input.positions.size());
+  for (size_t i = 0; i < children.size(); ++i) {
+    if (children[i].node.isLeaf()) {
+      for (const uint32_t position : became[i]) {
+        if (!taken[position]) of_leaves.push_back({input.positions[position], 0, position});
+        taken[position] = true;
+      }
+      children[i].samples = samplesInside(meshes[i]);
+    }
+    for (SurfaceSample& sample : children[i].samples)
+      if (sample.near != kVanished) sample.near = became[i][sample.near];
+    std::vector<SurfaceSample>& samples = children[i].node.isLeaf() ? of_leaves : built.samples;
+    samples.insert(samples.end(), children[i].samples.begin(), children[i].samples.end());
+    children[i].samples = {};
+  }
+  dropDuplicates(built.samples);
+  selectSamples(built.samples, sampleCapacity());
+  selectSamples(of_leaves, std::max<size_t>(sampleCapacity(), settings_.triangles_per_node));
+  built.samples.insert(built.samples.end(), of_leaves.begin(), of_leaves.end());
+}
+
+/// Adds the reduced rungs of a node, all from one sequence.
+void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
+  const int depth = built.node.key.depth();
+  const auto locked = static_cast<size_t>(
+      std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
+  const std::vector<size_t> targets =
+      rungTargets(mesh.triangles.size(), {.depth = depth,
+                                          .is_leaf = built.node.isLeaf(),
+                                          .locked = locked,
+                                          .original_triangles = built.original_triangles,
+                                          .triangles_per_node = settings_.triangles_per_node});
+  if (targets.empty()) {
+    built.coarsest = std::move(mesh);
+    return;
+  }
+  const RungInput input(std::move(mesh), depth);
+  const float gap_of_input = built.rim_gap_steps;
+  std::vector<float> deviations(built.samples.size());  // the largest of any rung
+  std::vector<uint32_t> became;
+  InOrder<FinishedRung> rungs(helpers, [&](FinishedRung&& rung) {
+    for (size_t i = 0; i < rung.deviations.size(); ++i)
+      deviations[i] = std::max(deviations[i], rung.deviations[i]);
+    if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
+      addRung(built, rung, gap_of_input);
+    built.coarsest = std::move(rung.simplified.mesh);
+    became = std::move(rung.simplified.became);
+  });
+  const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
+  const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
+  (is_cluster ? cluster : collapse)(
+      withoutComputedNormals(input.mesh()), targets, options, [&](size_t, SimplifiedMesh&& rung) {
+        rungs.push([&, rung = std::move(rung)]() mutable {
+          return finishRung(std::move(rung), input, built.samples, settings_.lattice.step);
+        });
+      });
+  rungs.finish();
+  for (size_t i = 0; i < deviations.size(); ++i) {
+    SurfaceSample& sample = built.samples[i];
+    sample.deviation = std::max(sample.deviation, deviations[i]);
+    if (sample.near != kVanished) sample.near = became[sample.near];
+  }
+}
+
+/// Adds a reduced rung. @param gap_of_input_steps  of rims, in what it was made of
+void NodeBuilder::addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps) {
+  built.rim_gap_steps = gap_of_input_steps + kRimMargin * rung.rim_gap_steps;
+  addRung(built, rung.simplified.mesh, rung.payload, errorOf(built, rung));
+}
+
+RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung) const {
+  const RungError finer = built.node.rungs.empty() ? built.inherited : errorOf(built.node.rungs.back());
+  if (rung.simplified.mesh.triangles.empty()) {
+    const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
+    return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
+  }
+  const float forward = rung.deviations.empty()
+                            ? 0
+                            : kMargin * *std::max_element(rung.deviations.begin(), rung.deviations.end());
+  const float backward = kMargin * rung.farthest_steps + kLatticeErrorSteps / 2;
+  const float both = std::hypot(backward, built.inherited.deviation_steps);
+  return {std::max({finer.deviation_steps, forward, both, built.rim_gap_steps}),
+          std::max(finer.lost_detail_steps, rung.lost_detail_steps)};
+}
+
+RungError NodeBuilder::errorOf(const Rung& rung) const noexcept {
+  return {static_cast<float>(rung.error_model / settings_.lattice.step),
+          static_cast<float>(rung.appearance_error_model / settings_.lattice.step)};
+}
+
+void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload,
+                          RungError error) {
+  built.payloads.push_back(payloads_.append(payload.bytes));
+  const int depth = built.node.key.depth();
+  Rung rung;
+  rung.triangles = static_cast<uint32_t>(mesh.triangles.size());
+  rung.vertices = payload.vertices;
+  rung.locked = static_cast<uint32_t>(
+      std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
+  rung.error_model = static_cast<float>(error.deviation_steps * settings_.lattice.step);
+  rung.appearance_error_model = static_cast<float>(error.lost_detail_steps * settings_.lattice.step);
+  built.node.rungs.push_back(rung);
+  for (const PositionCode position : mesh.positions) built.node.box.add(unpackPosition(position));
+}
+
+NodeMesh NodeBuilder::loadLeaf(uint32_t leaf) {
+  NodeMesh mesh = partition_.readLeaf(leaf);
+  mesh.attributes = settings_.attributes;
+  const std::vector<BorderVertex> border = partition_.border.read(leaf);
+  const auto sharedAt = [&](PositionCode position) -> const BorderVertex* {
+    const auto at = std::lower_bound(border.begin(), border.end(), position,
+                                     [](const BorderVertex& a, PositionCode b) { return a.position < b; });
+    return at != border.end() && at->position == position ? &*at : nullptr;
+  };
+  const bool computes_normals = settings_.attributes.has(AttributeSet::kComputedNormal);
+  std::vector<uint16_t> normals;
+  if (computes_normals) {
+    for (const glm::i64vec3& sum : sumNormals(mesh)) normals.push_back(normalOf(sum));
+    mesh.wedge_attributes.resize(mesh.wedge_position.size());
+  }
+  for (size_t p = 0; p < mesh.positions.size() && !border.empty(); ++p) {
+    const BorderVertex* shared = sharedAt(mesh.positions[p]);
+    if (shared == nullptr) continue;
+    mesh.lca_depth[p] = shared->lca_depth;
+    if (computes_normals) normals[p] = shared->normal;
+  }
+  if (computes_normals) {
+    for (size_t w = 0; w < mesh.wedge_position.size(); ++w) {
+      mesh.wedge_attributes[w].normal = normals[mesh.wedge_position[w]];
+    }
+  }
+  return mesh;
+}
+
+}  // namespace lode::ingest

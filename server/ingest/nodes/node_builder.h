@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "common/hierarchy_page.h"
+#include "server/ingest/disk/spool.h"
+#include "server/ingest/measure/surface_samples.h"
+#include "server/ingest/mesh/mesh_welder.h"
+#include "server/ingest/nodes/finished_rung.h"
+#include "server/ingest/partition/partition.h"
+#include "server/ingest/plan/simplifier.h"
+
+namespace lode::ingest {
+
+/// Encoded payloads on their way to the store. Thread safe.
+class PayloadSpool {
+ public:
+  struct Place {
+    uint64_t offset = 0;
+    uint32_t bytes = 0;
+  };
+  /// Name of the file, which lasts.
+  static constexpr std::string_view kFile = "payloads";
+
+  explicit PayloadSpool(const TemporaryFolder& folder) : spool_(folder.lastingFile(kFile)) {}
+  /// The first `bytes` that a killed build wrote; more is appended behind them. @throws Error kIo, kFormat.
+  PayloadSpool(const TemporaryFolder& folder, uint64_t bytes) : spool_(folder.lastingFile(kFile), bytes) {}
+
+  Place append(std::span<const std::byte> payload);
+  void flush() { spool_.flush(); }
+  /// Writes what was appended to the disk for good. @return its bytes.
+  uint64_t sync();
+  std::vector<std::byte> read(Place place) const;
+  uint64_t size() const noexcept { return spool_.size(); }
+
+ private:
+  std::mutex mutex_;
+  Spool spool_;
+};
+
+/// What a rung is off by, in lattice steps.
+struct RungError {
+  float deviation_steps = 0;
+  float lost_detail_steps = 0;  ///< see lostDetail()
+};
+
+/// A node with all its rungs, and what its parent needs of it.
+struct BuiltNode {
+  Node node;                                  ///< payloads not numbered yet
+  std::vector<PayloadSpool::Place> payloads;  ///< one a rung
+  NodeMesh coarsest;
+  uint64_t original_triangles = 0;  ///< in the leaves below
+  RungError inherited;              ///< the largest of the children's coarsest rungs
+  float rim_gap_steps = 0;          ///< of `coarsest`: no rim is farther from one of the original's
+  std::vector<SurfaceSample>
+      samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
+};
+
+/// Stage 4 for one node. One builder a thread; what it shares is thread safe.
+class NodeBuilder {
+ public:
+  struct Settings {
+    Lattice lattice;
+    glm::uvec3 extent{0};
+    AttributeSet attributes;  ///< of payloads: the file's, and computed normals where it has none
+    uint32_t triangles_per_node = 0;
+    Simplifier simplifier = Simplifier::kCollapse;
+  };
+  NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads);
+
+  /// @param helpers  rungs that may be finished on other threads meanwhile.
+  BuiltNode buildLeaf(uint32_t leaf, unsigned helpers);
+  /// @param children  non-empty, in octant order; their coarsest rungs and samples are used up.
+  BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children, unsigned helpers);
+
+ private:
+  NodeMesh loadLeaf(uint32_t leaf);
+  size_t sampleCapacity() const noexcept;
+  /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
+  void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
+                     const NodeMesh& input, std::span<const std::vector<uint32_t>> became) const;
+  void reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers);
+  void addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
+  void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);
+  /// Error of a rung in lattice steps, from both directions: the original surface, sampled, to the rung, and
+  /// the rung to the node's input, to which the error that the input came with is added as to an independent
+  /// one. (Sums instead would be 2 to 5 times too large; rims, which I2 bounds strictly, are summed.) Never
+  /// below the finer rung's error (I3).
+  RungError errorOf(const BuiltNode& built, const FinishedRung& rung) const;
+  RungError errorOf(const Rung& rung) const noexcept;
+
+  const Settings settings_;
+  const Partition& partition_;
+  PayloadSpool& payloads_;
+  MeshWelder welder_;
+};
+
+}  // namespace lode::ingest

@@ -1,0 +1,32 @@
+#include "server/ingest/nodes/rung_targets.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lode::ingest {
+
+namespace {
+
+constexpr int kFineStepDepth = 2;
+constexpr uint64_t kFineStepNodes = 16;   ///< node budgets that must lie below a node for fine steps
+constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
+
+}  // namespace
+
+std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
+  const bool is_root = rule.depth == 0;
+  const size_t enough = is_root ? kRootTriangles : std::max(rule.triangles_per_node, 4 * rule.locked);
+  const bool is_large = rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
+  const double factor = is_root || (rule.depth <= kFineStepDepth && is_large) ? std::sqrt(0.5) : 0.5;
+  std::vector<size_t> targets;
+  if (rule.is_leaf && triangles <= enough) return targets;
+  const auto held = static_cast<double>(std::min(rule.locked, triangles));
+  double target = static_cast<double>(triangles);
+  do {
+    target = std::max(factor * target, held + factor * kInnerFactor * (target - held));
+    targets.push_back(static_cast<size_t>(target));
+  } while (targets.back() > enough);
+  return targets;
+}
+
+}  // namespace lode::ingest

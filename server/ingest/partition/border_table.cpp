@@ -1,0 +1,99 @@
+#include "server/ingest/partition/border_table.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "server/ingest/partition/leaf_mesh.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kListingsOfProgress = 1 << 16;  ///< between two words of progress
+
+}  // namespace
+
+BorderTable::BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes)
+    : by_position_(std::make_unique<RecordSorter>(sizeof(Listing), memory_bytes / 2,
+                                                  folder.file("border-by-position"))),
+      by_leaf_(std::make_unique<RecordSorter>(sizeof(BorderVertex), memory_bytes / 2,
+                                              folder.file("border-by-leaf"))),
+      joined_(folder.lastingFile(kFile)) {}
+
+BorderTable::BorderTable(const TemporaryFolder& folder, RecordReader& record)
+    : joined_(folder.lastingFile(kFile), record.get<uint64_t>()), first_of_leaf_(record.getAll<uint64_t>()) {
+  if (first_of_leaf_.empty() || !std::is_sorted(first_of_leaf_.begin(), first_of_leaf_.end()) ||
+      first_of_leaf_.back() != joined_.size() / sizeof(BorderVertex)) {
+    throw Error(ErrorCode::kFormat, "the journal of a build names no border table; build without --resume");
+  }
+}
+
+void BorderTable::save(RecordWriter& record) const {
+  joined_.sync();
+  record.put(joined_.size());
+  record.putAll(first_of_leaf_);
+}
+
+void BorderTable::add(PositionCode position, uint32_t leaf, glm::i64vec3 normal_sum) {
+  const Listing listing{leaf, normal_sum};
+  by_position_->push(position.value, std::as_bytes(std::span(&listing, 1)));
+}
+
+void BorderTable::join(std::span<const NodeKey> leaves, const RecordSorter::Progress& progress) {
+  std::vector<uint32_t> sharing;
+  PositionCode position;
+  NodeKey ancestor;
+  glm::i64vec3 normal_sum(0);
+  const auto giveToLeaves = [&] {
+    if (sharing.size() > 1) {
+      BorderVertex vertex;
+      std::memset(static_cast<void*>(&vertex), 0, sizeof(vertex));
+      vertex.position = position;
+      vertex.lca_depth = static_cast<uint8_t>(ancestor.depth());
+      vertex.normal = normalOf(normal_sum);
+      for (const uint32_t leaf : sharing) by_leaf_->push(leaf, std::as_bytes(std::span(&vertex, 1)));
+    }
+    sharing.clear();
+    normal_sum = glm::i64vec3(0);
+  };
+
+  const uint64_t listings = by_position_->size();
+  uint64_t done = 0;
+  const auto advance = [&] {
+    if (progress && ++done % kListingsOfProgress == 0) progress(done, 2 * listings);
+  };
+  by_position_->finish();
+  while (const auto record = by_position_->next()) {
+    Listing listing;
+    std::memcpy(&listing, record->bytes.data(), sizeof(listing));
+    if (PositionCode{record->key} != position) giveToLeaves();
+    position = PositionCode{record->key};
+    ancestor = sharing.empty() ? leaves[listing.leaf] : commonAncestor(ancestor, leaves[listing.leaf]);
+    normal_sum += listing.normal_sum;
+    sharing.push_back(listing.leaf);
+    advance();
+  }
+  giveToLeaves();
+
+  temporary_bytes_ += by_position_->temporaryBytes();
+  by_position_.reset();
+
+  by_leaf_->finish();
+  first_of_leaf_.assign(leaves.size() + 1, 0);
+  while (const auto record = by_leaf_->next()) {
+    ++first_of_leaf_[record->key + 1];
+    joined_.append(record->bytes);
+    advance();
+  }
+  temporary_bytes_ += by_leaf_->temporaryBytes();
+  by_leaf_.reset();
+  joined_.flush();
+  for (size_t leaf = 0; leaf < leaves.size(); ++leaf) first_of_leaf_[leaf + 1] += first_of_leaf_[leaf];
+}
+
+std::vector<BorderVertex> BorderTable::read(uint32_t leaf) const {
+  std::vector<BorderVertex> vertices(first_of_leaf_[leaf + 1] - first_of_leaf_[leaf]);
+  joined_.readAt(first_of_leaf_[leaf] * sizeof(BorderVertex), std::as_writable_bytes(std::span(vertices)));
+  return vertices;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,116 @@
+#include "server/ingest/partition/leaf_mesh.h"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+
+#include "common/error.h"
+#include "common/octahedral.h"
+
+namespace lode::ingest {
+
+NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, MeshWelder& welder) {
+  const size_t record_bytes = soupBytes(attributes);
+  const size_t triangles = records.size() / record_bytes;
+  welder.begin(attributes, triangles, triangles);
+  for (size_t t = 0; t < triangles; ++t) {
+    const SoupTriangle triangle = loadSoup(records.subspan(t * record_bytes, record_bytes));
+    glm::u32vec3 wedges;
+    for (int k = 0; k < 3; ++k) {
+      wedges[k] = welder.addCorner(triangle.corners[k], kNeverLocked, triangle.attributes[k]);
+    }
+    welder.addTriangle(wedges);
+  }
+  return welder.finish();
+}
+
+// Without attributes, wedges are positions.
+void putLeaf(RecordWriter& record, const NodeMesh& mesh) {
+  record.putAll(mesh.positions);
+  record.putAll(mesh.triangles);
+  if (mesh.attributes.bits == 0) return;
+  record.putAll(mesh.wedge_position);
+  record.putAll(mesh.wedge_attributes);
+}
+
+NodeMesh getLeaf(RecordReader& record, AttributeSet attributes) {
+  NodeMesh mesh;
+  mesh.attributes = attributes;
+  mesh.positions = record.getAll<PositionCode>();
+  mesh.triangles = record.getAll<glm::u32vec3>();
+  if (attributes.bits != 0) {
+    mesh.wedge_position = record.getAll<uint32_t>();
+    mesh.wedge_attributes = record.getAll<VertexAttributes>();
+  } else {
+    mesh.wedge_position.resize(mesh.positions.size());
+    std::iota(mesh.wedge_position.begin(), mesh.wedge_position.end(), 0u);
+  }
+  mesh.lca_depth.assign(mesh.positions.size(), kNeverLocked);
+  const size_t wedges = mesh.wedge_position.size();
+  const auto isTriangle = [&](glm::u32vec3 t) {
+    if (t.x >= wedges || t.y >= wedges || t.z >= wedges) return false;
+    const uint32_t a = mesh.wedge_position[t.x], b = mesh.wedge_position[t.y], c = mesh.wedge_position[t.z];
+    return a != b && b != c && c != a;
+  };
+  const bool is_sound =
+      record.atEnd() && (attributes.bits == 0 || mesh.wedge_attributes.size() == wedges) &&
+      std::ranges::all_of(mesh.wedge_position, [&](uint32_t at) { return at < mesh.positions.size(); }) &&
+      std::ranges::all_of(mesh.triangles, isTriangle);
+  if (!is_sound)
+    throw Error(ErrorCode::kFormat, "a build's temporary file of leaves is damaged; build without --resume");
+  return mesh;
+}
+
+std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh) {
+  std::vector<glm::i64vec3> sums(mesh.positions.size(), glm::i64vec3(0));
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const uint32_t corners[3] = {mesh.wedge_position[t.x], mesh.wedge_position[t.y],
+                                 mesh.wedge_position[t.z]};
+    const glm::i64vec3 a(unpackPosition(mesh.positions[corners[0]]));
+    const glm::i64vec3 u = glm::i64vec3(unpackPosition(mesh.positions[corners[1]])) - a;
+    const glm::i64vec3 v = glm::i64vec3(unpackPosition(mesh.positions[corners[2]])) - a;
+    const glm::i64vec3 cross(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+    for (const uint32_t corner : corners) sums[corner] += cross;
+  }
+  return sums;
+}
+
+uint16_t normalOf(glm::i64vec3 sum) noexcept {
+  const glm::dvec3 exact(sum);
+  const double length = glm::length(exact);
+  return encodeOctahedral(length > 0 ? glm::vec3(exact / length) : glm::vec3(0, 0, 1));
+}
+
+std::vector<uint32_t> findBorder(const NodeMesh& mesh) {
+  const size_t positions = mesh.positions.size();
+  const auto forEachEdge = [&mesh](auto&& visit) {
+    for (const glm::u32vec3& t : mesh.triangles) {
+      for (int k = 0; k < 3; ++k) {
+        const uint32_t a = mesh.wedge_position[t[k]], b = mesh.wedge_position[t[(k + 1) % 3]];
+        visit(std::min(a, b), std::max(a, b));
+      }
+    }
+  };
+  std::vector<uint32_t> begin(positions + 1),
+      upper_ends(3 * mesh.triangles.size());  // of edges, by lower end
+  forEachEdge([&](uint32_t lower, uint32_t) { ++begin[lower]; });
+  uint32_t end = 0;
+  for (uint32_t& first : begin) first = end += first;
+  forEachEdge([&](uint32_t lower, uint32_t upper) { upper_ends[--begin[lower]] = upper; });
+
+  std::vector<bool> is_border(positions);
+  std::vector<uint32_t> uses(positions);  // of the edges of one lower end, by the upper
+  for (size_t lower = 0; lower < positions; ++lower) {
+    const auto ends = std::span(upper_ends).subspan(begin[lower], begin[lower + 1] - begin[lower]);
+    for (const uint32_t upper : ends) ++uses[upper];
+    for (const uint32_t upper : ends)
+      if (uses[upper] != 2) is_border[lower] = is_border[upper] = true;
+    for (const uint32_t upper : ends) uses[upper] = 0;
+  }
+  std::vector<uint32_t> border;
+  for (uint32_t position = 0; position < positions; ++position)
+    if (is_border[position]) border.push_back(position);
+  return border;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "server/ingest/disk/record_bytes.h"
+#include "server/ingest/mesh/mesh_welder.h"
+#include "server/ingest/partition/border_table.h"
+#include "server/ingest/partition/in_order.h"
+
+namespace lode::ingest {
+
+/// Makes meshes of leaves' soup, and lists their border vertices in a border table: those on an edge that the
+/// leaf does not use exactly twice, with their share of the computed normals. The table is the welder's until
+/// finish() returns.
+class LeafWelder {
+ public:
+  /// Takes each leaf's mesh, as putLeaf() has written it, in the order in which leaves came.
+  using Sink = std::function<void(std::span<const std::byte> mesh)>;
+
+  /// @param threads  at least one, the caller's: leaves are welded on so many. @param sink  called by add()
+  /// and finish().
+  LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink);
+
+  /// @param leaf     its number; leaves come in rising order.
+  /// @param records  soup; copied.
+  void add(uint32_t leaf, std::span<const std::byte> records);
+  /// Ends when all leaves are in the table. @throws what welding them threw, as add() does.
+  void finish() { welded_.finish(); }
+
+ private:
+  struct Welded {
+    uint32_t leaf = 0;
+    RecordWriter mesh;
+    std::vector<PositionCode> border;
+    std::vector<glm::i64vec3> normals;  ///< one a border position
+  };
+  Welded weld(uint32_t leaf, std::span<const std::byte> records, MeshWelder& welder) const;
+
+  const AttributeSet attributes_;
+  std::vector<MeshWelder> welders_;  ///< leaves take turns at them
+  size_t next_welder_ = 0;
+  InOrder<Welded> welded_;
+};
+
+}  // namespace lode::ingest

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/model_summary.h"
+#include "server/ingest/plan/simplifier.h"
+
+namespace lode::ingest {
+
+/// What a build is asked for.
+struct BuildOptions {
+  std::filesystem::path input, output;
+  std::filesystem::path temporary_folder;  ///< for temporary files; empty: the output's folder
+  uint64_t memory_bytes = 0;               ///< 0: half of the machine's
+  unsigned threads = 0;                    ///< 0: one a core
+  uint32_t triangles_per_node = 16384;
+  Simplifier simplifier = Simplifier::kCollapse;
+  bool skip_bad = false;  ///< bad indices and coordinates are dropped and counted, not an error
+  bool strict = false;    ///< warnings are errors
+  /// Go on where a build of the same input, output and options ended that was killed or failed, and keep what
+  /// is there if this one fails for a reason that is not in the input.
+  bool resume = false;
+};
+
+/// What a build has done.
+struct BuildReport {
+  struct Stage {
+    std::string name;
+    double seconds = 0, cpu_seconds = 0;
+    uint64_t items = 0;            ///< vertices and faces, triangles, nodes: what the stage counts
+    uint64_t temporary_bytes = 0;  ///< written to temporary files during the stage
+    uint64_t peak_rss_bytes = 0;   ///< of the process, at the stage's end
+  };
+  ModelSummary summary;
+  std::vector<Stage> stages;  ///< those of this run
+  std::string resumed_from;   ///< the stage with which this run went on; empty: it began at the beginning
+  std::vector<std::string> warnings;
+  uint64_t peak_rss_bytes = 0;
+  double seconds = 0, cpu_seconds = 0;
+};
+
+/// Called from the building thread a few times a second: fraction of the stage that is done, and its items.
+/// What it throws ends the build, as any failure does.
+using BuildProgress =
+    std::function<void(std::string_view stage, double fraction, uint64_t done, uint64_t total)>;
+
+}  // namespace lode::ingest

@@ -1,0 +1,41 @@
+#include "server/ingest/plan/machine.h"
+
+#include <algorithm>
+#include <cstdlib>  // defines __GLIBC__
+#include <ctime>
+#include <thread>
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace lode::ingest {
+
+uint64_t defaultMemoryBytes() noexcept {
+  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+}
+
+unsigned defaultThreads() noexcept { return std::max(1u, std::thread::hardware_concurrency()); }
+
+double cpuSeconds() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+uint64_t peakRssBytes() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+void giveBackFreedMemory() noexcept {
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,70 @@
+#include "server/ingest/plan/memory_plan.h"
+
+#include <algorithm>
+
+#include "server/ingest/mesh/soup_triangle.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kProgramBytes = 24 << 20;  ///< code, buffers of files
+constexpr uint64_t kMarginBytes = 24 << 20;   ///< what the allocator keeps of earlier stages
+constexpr uint64_t kFrontierBytes =
+    5 << 10;  ///< nodes between their building and their parent's: at most; half is usual
+constexpr uint64_t kWorkerBytes = 2816;  ///< a thread's own node, with its quadrics and queue
+// What a triangle of a model costs that is too small for nodes of all threads, or for all levels of the tree.
+constexpr uint64_t kSmallModelBytes = 704, kGrowingFrontierBytes = 64;
+/// A thread's tile, its encoder, and encoded tiles; 8 to 13 MiB were measured.
+constexpr uint64_t kEncoderBytes = 20 << 20;
+constexpr uint64_t kBesideImage = kProgramBytes + kEncoderBytes;
+constexpr uint64_t kSortOrderBytes = 16;      ///< of a record in a sort
+constexpr uint64_t kBytesOfBatchVertex = 20;  ///< of a dereference: position and attributes
+// What is usual, for a forecast: of the program, and as a share of what the plan allows nodes. Measured with
+// samples of 20 thousand to 2 million triangles, with normals and colours and without.
+constexpr uint64_t kUsualProgramBytes = 14 << 20;
+constexpr double kUsualShare = 0.75, kUsualShareWithoutAttributes = 0.5;
+constexpr double kGrowth = 1.25;  ///< of a buffer that grows, over what it holds
+
+}  // namespace
+
+MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangles_per_node) noexcept {
+  const uint64_t base = kProgramBytes + kMarginBytes + triangles_per_node * kFrontierBytes;
+  const uint64_t worker = triangles_per_node * kWorkerBytes;
+  const uint64_t left = memory_bytes > base ? memory_bytes - base : 0;
+  const uint64_t fitting = std::clamp<uint64_t>(left / worker, 1, std::max(1u, threads));
+  MemoryPlan plan;
+  plan.sort_bytes = memory_bytes / 4;
+  plan.threads = static_cast<unsigned>(fitting);
+  plan.image_bytes = std::max(memory_bytes / 2, memory_bytes - std::min(memory_bytes, kBesideImage));
+  plan.minimum_bytes = base + worker;
+  return plan;
+}
+
+uint64_t budgetForImage(uint64_t image_bytes) noexcept {
+  return image_bytes + std::min(image_bytes, kBesideImage);
+}
+
+unsigned encoderThreads(uint64_t memory_bytes, uint64_t image_bytes, unsigned threads) noexcept {
+  const uint64_t used = kProgramBytes + image_bytes;
+  const uint64_t fitting = memory_bytes > used ? (memory_bytes - used) / kEncoderBytes : 0;
+  return static_cast<unsigned>(std::clamp<uint64_t>(fitting, 1, std::max(1u, threads)));
+}
+
+uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,
+                           uint32_t triangles_per_node, uint64_t texture_bytes) noexcept {
+  const uint64_t records = triangles * (soupBytes(file) + kSortOrderBytes);
+  const uint64_t corner_bytes = sizeof(uint32_t) + (file.has(AttributeSet::kTexture) ? sizeof(uint32_t) : 0);
+  const uint64_t batch = triangles * 3 * corner_bytes + vertices * kBytesOfBatchVertex;
+  const uint64_t sort =
+      static_cast<uint64_t>(kGrowth * static_cast<double>(std::min(records, plan.sort_bytes))) +
+      std::min(batch, plan.sort_bytes / 2);
+  const uint64_t workers =
+      std::min(triangles_per_node * plan.threads * kWorkerBytes, triangles * kSmallModelBytes);
+  const uint64_t frontier =
+      std::min(triangles_per_node * kFrontierBytes / 2, triangles * kGrowingFrontierBytes);
+  const double share = file.bits == 0 ? kUsualShareWithoutAttributes : kUsualShare;
+  const auto simplify = static_cast<uint64_t>(share * static_cast<double>(workers + frontier));
+  return kUsualProgramBytes + std::max({sort, simplify, texture_bytes});
+}
+
+}  // namespace lode::ingest

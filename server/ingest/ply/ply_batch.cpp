@@ -1,0 +1,114 @@
+#include "server/ingest/ply/ply_batch.h"
+
+#include <algorithm>
+
+namespace lode::ingest {
+
+void SkippedVertices::add(uint64_t vertex) {
+  const size_t page = static_cast<size_t>(vertex / kPageBits);
+  if (page >= pages_.size()) pages_.resize(page + 1);
+  if (!pages_[page]) pages_[page] = std::make_unique<Page>();
+  (*pages_[page])[vertex % kPageBits / 64] |= uint64_t{1} << (vertex % 64);
+}
+
+bool SkippedVertices::contains(uint64_t vertex) const noexcept {
+  const size_t page = static_cast<size_t>(vertex / kPageBits);
+  if (page >= pages_.size() || !pages_[page]) return false;
+  return ((*pages_[page])[vertex % kPageBits / 64] >> (vertex % 64) & 1) != 0;
+}
+
+VertexBatch::VertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
+                         SkippedVertices& skipped)
+    : sink_(sink),
+      counts_(counts),
+      skipped_(skipped),
+      rows_(static_cast<size_t>(std::min<uint64_t>(vertices, kPlyBatchRows))) {}
+
+void VertexBatch::countDefect(size_t index, VertexDefect defect) {
+  ++counts_.skipped_bad;
+  if (defect == VertexDefect::kPosition) skipped_.add(counts_.vertices + used_ + index);
+}
+
+void VertexBatch::commit(size_t vertices) {
+  used_ += vertices;
+  if (used_ == rows_.size()) flush();
+}
+
+void VertexBatch::flush() {
+  if (used_ == 0) return;
+  const uint64_t first = counts_.vertices;
+  counts_.vertices += used_;
+  if (sink_) sink_(first, std::span<const PlyVertex>(rows_).first(used_));
+  used_ = 0;
+}
+
+FaceBatch::FaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,
+                     const SkippedVertices& skipped)
+    : vertex_count_(plan.vertices.element->count),
+      corner_texture_(plan.corner_texture),
+      materials_(plan.materials),
+      sink_(sink),
+      counts_(counts),
+      skipped_(skipped) {}
+
+FaceVerdict FaceBatch::judge(std::span<const int64_t> corners) {
+  for (const int64_t corner : corners) {
+    if (!isVertex(corner)) return FaceVerdict::kBadIndex;
+  }
+  if (corners.size() < 3) return FaceVerdict::kDropped;
+  if (corners.size() == 3) {
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+      return FaceVerdict::kDropped;
+  } else {
+    sorted_.assign(corners.begin(), corners.end());
+    std::sort(sorted_.begin(), sorted_.end());
+    if (std::adjacent_find(sorted_.begin(), sorted_.end()) != sorted_.end()) return FaceVerdict::kDropped;
+  }
+  if (skipped_.any()) {
+    for (const int64_t corner : corners) {
+      if (skipped_.contains(static_cast<uint64_t>(corner))) return FaceVerdict::kSkippedVertex;
+    }
+  }
+  return FaceVerdict::kAccepted;
+}
+
+FaceVerdict FaceBatch::add(std::span<const int64_t> corners, std::span<const float> texture,
+                           uint16_t material) {
+  const FaceVerdict verdict = judge(corners);
+  if (verdict != FaceVerdict::kAccepted) {
+    ++(verdict == FaceVerdict::kDropped ? counts_.dropped_faces : counts_.skipped_bad);
+    return verdict;
+  }
+  counts_.triangles += corners.size() - 2;
+  faces_.corner_counts.push_back(static_cast<uint32_t>(corners.size()));
+  for (const int64_t corner : corners) faces_.corners.push_back(static_cast<uint64_t>(corner));
+  if (corner_texture_) {
+    for (size_t i = 0; i < corners.size(); ++i) {
+      faces_.texture.push_back(texture.empty() ? glm::vec2(0)
+                                               : glm::vec2(texture[2 * i], texture[2 * i + 1]));
+    }
+  }
+  if (materials_) faces_.materials.push_back(material);
+  if (faces_.corner_counts.size() >= kPlyBatchRows || faces_.corners.size() >= 8 * kPlyBatchRows) flush();
+  return verdict;
+}
+
+void FaceBatch::flush() {
+  if (faces_.corner_counts.empty()) return;
+  if (sink_) sink_(faces_);
+  faces_.clear();
+}
+
+void StripCutter::add(int64_t index) {
+  if (isRestart(index)) return end();
+  if (length_ == 0) batch_.countFace();
+  if (length_ >= 2) {
+    const bool odd = length_ % 2 != 0;
+    batch_.addTriangle({odd ? last_ : before_last_, odd ? before_last_ : last_, index});
+  }
+  before_last_ = last_;
+  last_ = index;
+  ++length_;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,273 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <type_traits>
+
+#include "common/error.h"
+#include "server/ingest/ply/ply_body.h"
+
+namespace lode::ingest {
+namespace {
+
+template <class T>
+T load(const char* from, bool swap) noexcept {
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), from, sizeof(T));
+  if (swap) std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
+/// Converts one property of many rows; false if some value is NaN or infinite.
+template <class T, bool kSwap, class Store>
+bool convertColumn(const char* from, size_t stride, std::span<PlyVertex> rows, Store store) {
+  bool finite = true;
+  for (PlyVertex& row : rows) {
+    const T value = load<T>(from, kSwap);
+    from += stride;
+    if constexpr (std::is_floating_point_v<T>) {
+      finite = finite && std::fabs(value) <= static_cast<T>(std::numeric_limits<float>::max());
+    }
+    store(row, value);
+  }
+  return finite;
+}
+
+template <class T, bool kSwap>
+bool convertField(VertexField field, const char* from, size_t stride, std::span<PlyVertex> rows) {
+  using enum VertexField;
+  const auto convert = [&](auto store) { return convertColumn<T, kSwap>(from, stride, rows, store); };
+  if (field < kNx) {
+    const int i = static_cast<int>(field);
+    return convert([i](PlyVertex& row, T value) { row.position[i] = static_cast<double>(value); });
+  }
+  if (field < kRed) {
+    const int i = static_cast<int>(field) - static_cast<int>(kNx);
+    return convert([i](PlyVertex& row, T value) { row.normal[i] = static_cast<float>(value); });
+  }
+  if (field < kS) {
+    const int i = static_cast<int>(field) - static_cast<int>(kRed);
+    return convert([i](PlyVertex& row, T value) { row.colour[i] = colourByte(value); });
+  }
+  const int i = static_cast<int>(field) - static_cast<int>(kS);
+  return convert([i](PlyVertex& row, T value) { row.texture[i] = static_cast<float>(value); });
+}
+
+class BinaryBody final : public PlyBody {
+ public:
+  BinaryBody(PlyInput& input, bool swap, PlyReadOptions options) : PlyBody(input, options), swap_(swap) {}
+
+  void readVertices(const VertexPlan& plan, VertexBatch& batch) override {
+    element_ = plan.element;
+    row_ = 0;
+    while (row_ < element_->count) {
+      row_offset_ = input_.offset();
+      if (plan.row_bytes > 0) {
+        readVertexColumns(plan, batch);
+      } else {
+        readVertexRow(plan, batch);
+      }
+    }
+    batch.flush();
+  }
+
+  void readFaces(const FacePlan& plan, FaceBatch& batch) override {
+    element_ = plan.element;
+    for (row_ = 0; row_ < element_->count; ++row_) {
+      row_offset_ = input_.offset();
+      if (plan.strips) {
+        readStripRow(plan, batch);
+      } else {
+        readFaceRow(plan, batch);
+      }
+    }
+    batch.flush();
+  }
+
+  void skip(const PlyElement& element) override {
+    element_ = &element;
+    row_ = 0;
+    row_offset_ = input_.offset();
+    const bool fixed = std::none_of(element.properties.begin(), element.properties.end(),
+                                    [](const PlyProperty& property) { return property.is_list; });
+    if (fixed) {
+      const uint64_t row_bytes = leastRowBytes(element);
+      if (row_bytes > 0 && element.count > input_.remaining() / row_bytes) failTruncated();
+      input_.seek(input_.offset() + element.count * row_bytes);
+      return;
+    }
+    for (; row_ < element.count; ++row_) {
+      row_offset_ = input_.offset();
+      for (const PlyProperty& property : element.properties) skipProperty(property);
+    }
+  }
+
+  PlyPlace place() const noexcept override { return {input_.offset(), 0}; }
+  void goTo(PlyPlace place) override { input_.seek(place.offset); }
+
+  uint64_t leastRowBytes(const PlyElement& element) const noexcept override {
+    uint64_t row_bytes = 0;
+    for (const PlyProperty& property : element.properties) {
+      row_bytes += plyTypeBytes(property.is_list ? property.count_type : property.type);
+    }
+    return row_bytes;
+  }
+
+ private:
+  std::string where() const override { return "byte " + std::to_string(row_offset_); }
+
+  /// The next n bytes, which are consumed.
+  const char* take(size_t n) {
+    if (!input_.fill(n)) failTruncated();
+    const char* data = input_.data();
+    input_.consume(n);
+    return data;
+  }
+
+  uint64_t takeListCount(const PlyProperty& list) {
+    const char* from = take(plyTypeBytes(list.count_type));
+    const int64_t count = withPlyType(list.count_type, [&]<class T>(std::type_identity<T>) {
+      return static_cast<int64_t>(load<T>(from, swap_));
+    });
+    if (count < 0) {
+      fail("list " + list.name + " has " + std::to_string(count) + " items",
+           "the file is damaged: export it again");
+    }
+    const uint64_t items = static_cast<uint64_t>(count);
+    if (items * plyTypeBytes(list.type) > input_.remaining()) failTruncated();
+    return items;
+  }
+
+  double loadDouble(PlyType type, const char* from) const noexcept {
+    return withPlyType(
+        type, [&]<class T>(std::type_identity<T>) { return static_cast<double>(load<T>(from, swap_)); });
+  }
+
+  double takeDouble(PlyType type) { return loadDouble(type, take(plyTypeBytes(type))); }
+
+  template <class Item>
+  void takeItems(const PlyProperty& list, uint64_t count, std::vector<Item>& items) {
+    const size_t size = static_cast<size_t>(count);
+    const char* from = take(size * plyTypeBytes(list.type));
+    items.resize(size);
+    withPlyType(list.type, [&]<class T>(std::type_identity<T>) {
+      for (size_t i = 0; i < size; ++i) items[i] = static_cast<Item>(load<T>(from + i * sizeof(T), swap_));
+    });
+  }
+
+  void skipProperty(const PlyProperty& property) {
+    const uint64_t bytes = (property.is_list ? takeListCount(property) : 1) * plyTypeBytes(property.type);
+    if (bytes > input_.remaining()) failTruncated();
+    input_.seek(input_.offset() + bytes);
+  }
+
+  void readVertexColumns(const VertexPlan& plan, VertexBatch& batch) {
+    if (!input_.fill(plan.row_bytes)) failTruncated();
+    const uint64_t whole_rows = input_.available() / plan.row_bytes;
+    const std::span<PlyVertex> room = batch.room();
+    const std::span<PlyVertex> rows = room.first(
+        static_cast<size_t>(std::min({uint64_t{room.size()}, whole_rows, element_->count - row_})));
+    std::fill(rows.begin(), rows.end(), PlyVertex{});
+    bool finite = true;
+    for (const VertexField field : plan.fields) {
+      if (field == VertexField::kNone) continue;
+      const size_t i = static_cast<size_t>(field);
+      const char* from = input_.data() + plan.offsets[i];
+      const bool column_finite = withPlyType(plan.types[i], [&]<class T>(std::type_identity<T>) {
+        return swap_ ? convertField<T, true>(field, from, plan.row_bytes, rows)
+                     : convertField<T, false>(field, from, plan.row_bytes, rows);
+      });
+      finite = finite && column_finite;
+    }
+    if (!finite) readVertexRowsOneByOne(plan, batch, rows);
+    input_.consume(rows.size() * plan.row_bytes);
+    row_ += rows.size();
+    batch.commit(rows.size());
+  }
+
+  /// The slow way, for a batch with a value that is NaN, infinite, or beyond the range of float.
+  void readVertexRowsOneByOne(const VertexPlan& plan, VertexBatch& batch, std::span<PlyVertex> rows) {
+    const uint64_t first_row = row_;
+    VertexValues values{};
+    for (size_t i = 0; i < rows.size(); ++i) {
+      for (const VertexField field : plan.fields) {
+        if (field == VertexField::kNone) continue;
+        const size_t f = static_cast<size_t>(field);
+        values[f] = loadDouble(plan.types[f], input_.data() + i * plan.row_bytes + plan.offsets[f]);
+      }
+      row_ = first_row + i;
+      row_offset_ = input_.offset() + i * plan.row_bytes;
+      judgeVertex(makeVertex(plan, values, rows[i]), i, batch);
+    }
+    row_ = first_row;
+  }
+
+  void readVertexRow(const VertexPlan& plan, VertexBatch& batch) {
+    VertexValues values{};
+    for (size_t i = 0; i < plan.fields.size(); ++i) {
+      const PlyProperty& property = element_->properties[i];
+      if (plan.fields[i] == VertexField::kNone) {
+        skipProperty(property);
+      } else {
+        values[static_cast<size_t>(plan.fields[i])] = takeDouble(property.type);
+      }
+    }
+    judgeVertex(makeVertex(plan, values, batch.room().front()), 0, batch);
+    ++row_;
+    batch.commit(1);
+  }
+
+  void readFaceRow(const FacePlan& plan, FaceBatch& batch) {
+    texture_.clear();
+    uint16_t material = 0;
+    for (size_t i = 0; i < plan.roles.size(); ++i) {
+      const PlyProperty& property = element_->properties[i];
+      const FaceRole role = plan.roles[i];
+      if (role == FaceRole::kSkipped) {
+        skipProperty(property);
+      } else if (role == FaceRole::kMaterial) {
+        material = materialNumber(takeDouble(property.type));
+      } else {
+        const uint64_t count = takeListCount(property);
+        checkListLength(property, role, count);
+        if (role == FaceRole::kIndices) {
+          takeItems(property, count, corners_);
+        } else {
+          takeItems(property, count, texture_);
+        }
+      }
+    }
+    giveFace(material, batch);
+  }
+
+  void readStripRow(const FacePlan& plan, FaceBatch& batch) {
+    for (size_t i = 0; i < plan.roles.size(); ++i) {
+      const PlyProperty& property = element_->properties[i];
+      if (plan.roles[i] != FaceRole::kIndices) {
+        skipProperty(property);
+        continue;
+      }
+      StripCutter strip(batch);
+      for (uint64_t left = takeListCount(property); left > 0;) {
+        const uint64_t count = std::min(left, kMaxFaceCorners);
+        takeItems(property, count, corners_);
+        for (const int64_t index : corners_) giveStripIndex(index, strip, batch);
+        left -= count;
+      }
+    }
+  }
+
+  bool swap_;
+  uint64_t row_offset_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<PlyBody> makeBinaryBody(PlyInput& input, PlyEncoding encoding, PlyReadOptions options) {
+  const bool little = std::endian::native == std::endian::little;
+  return std::make_unique<BinaryBody>(input, (encoding == PlyEncoding::kLittleEndian) != little, options);
+}
+
+}  // namespace lode::ingest

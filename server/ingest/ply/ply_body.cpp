@@ -1,0 +1,93 @@
+#include "server/ingest/ply/ply_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr const char* kRepair = "repair the file or use --skip-bad";
+
+}  // namespace
+
+void PlyBody::fail(const std::string& what, const std::string& remedy) const {
+  throw Error(ErrorCode::kInput, input_.name() + ": " + element_->name + " " + std::to_string(row_) + " at " +
+                                     where() + ": " + what + "; " + remedy);
+}
+
+void PlyBody::failTruncated() const {
+  throw Error(ErrorCode::kInput, input_.name() + " is truncated: it ends at byte " +
+                                     std::to_string(input_.size()) + ", before the end of " + element_->name +
+                                     " " + std::to_string(row_) + " of " + std::to_string(element_->count) +
+                                     " at " + where() + "; copy or export the file again");
+}
+
+void PlyBody::tellDefect(bool is_bad, const std::string& what) const {
+  if (!options_.on_defect) return;
+  options_.on_defect({is_bad, element_->name + " " + std::to_string(row_) + " at " + where() + ": " + what});
+}
+
+void PlyBody::judgeIndex(int64_t index) const {
+  const std::string what = "there is no vertex " + std::to_string(index);
+  if (!options_.skip_bad) fail(what, kRepair);
+  tellDefect(true, what);
+}
+
+void PlyBody::judgeVertex(VertexDefect defect, size_t index, VertexBatch& batch) const {
+  if (defect == VertexDefect::kNone) return;
+  const char* what = defect == VertexDefect::kPosition ? "its position is NaN or infinite"
+                                                       : "an attribute is NaN or infinite";
+  if (!options_.skip_bad) fail(what, kRepair);
+  tellDefect(true, what);
+  batch.countDefect(index, defect);
+}
+
+void PlyBody::giveFace(uint16_t material, FaceBatch& batch) {
+  batch.countFace();
+  const bool is_face = corners_.size() >= 3;
+  if (is_face && !texture_.empty()) {
+    std::string defect;
+    if (texture_.size() != 2 * corners_.size()) {
+      defect = std::to_string(texture_.size()) + " texture coordinates for " +
+               std::to_string(corners_.size()) + " corners, which need two each";
+    } else if (!std::all_of(texture_.begin(), texture_.end(),
+                            [](float value) { return std::isfinite(value); })) {
+      defect = "a texture coordinate is NaN or infinite";
+    }
+    if (!defect.empty() && !options_.skip_bad) fail(defect, kRepair);
+    if (!defect.empty()) {
+      tellDefect(true, defect);
+      return batch.countSkipped();
+    }
+  }
+  const std::span<const float> texture =
+      is_face ? std::span<const float>(texture_) : std::span<const float>();
+  const FaceVerdict verdict = batch.add(corners_, texture, material);
+  if (verdict == FaceVerdict::kBadIndex) {
+    judgeIndex(
+        *std::find_if(corners_.begin(), corners_.end(), [&](int64_t i) { return !batch.isVertex(i); }));
+  } else if (verdict == FaceVerdict::kDropped) {
+    tellDefect(false,
+               corners_.size() < 3 ? "it has fewer than three corners" : "a vertex occurs twice in it");
+  }
+}
+
+void PlyBody::giveStripIndex(int64_t index, StripCutter& strip, const FaceBatch& batch) const {
+  if (!StripCutter::isRestart(index) && !batch.isVertex(index)) judgeIndex(index);
+  strip.add(index);
+}
+
+void PlyBody::checkListLength(const PlyProperty& list, FaceRole role, uint64_t count) const {
+  const uint64_t limit = role == FaceRole::kTexture ? 2 * kMaxFaceCorners : kMaxFaceCorners;
+  if (count <= limit) return;
+  fail("list " + list.name + " has " + std::to_string(count) + " items, more than " + std::to_string(limit),
+       "cut the face into smaller ones");
+}
+
+uint16_t PlyBody::materialNumber(double texnumber) noexcept {
+  return texnumber >= 0 && texnumber < kNoMaterial ? static_cast<uint16_t>(texnumber) : kNoMaterial;
+}
+
+}  // namespace lode::ingest

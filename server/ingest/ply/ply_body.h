@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/ingest/ply/ply_batch.h"
+#include "server/ingest/ply/ply_input.h"
+#include "server/ingest/ply/ply_plan.h"
+
+namespace lode::ingest {
+
+/// A place between two elements of the body.
+struct PlyPlace {
+  uint64_t offset = 0;  ///< bytes from the file's start
+  uint64_t line = 0;    ///< from 1; ascii only
+};
+
+/// Reads the elements of a body in one encoding. All functions throw Error kInput with the element's name,
+/// the row's number (from 0), and the byte or, in ascii, the line.
+class PlyBody {
+ public:
+  virtual ~PlyBody() = default;
+  PlyBody(const PlyBody&) = delete;
+  PlyBody& operator=(const PlyBody&) = delete;
+
+  virtual void readVertices(const VertexPlan& plan, VertexBatch& batch) = 0;
+  virtual void readFaces(const FacePlan& plan, FaceBatch& batch) = 0;
+  virtual void skip(const PlyElement& element) = 0;
+
+  virtual PlyPlace place() const noexcept = 0;
+  virtual void goTo(PlyPlace place) = 0;
+  /// The fewest bytes that a row of an element can take.
+  virtual uint64_t leastRowBytes(const PlyElement& element) const noexcept = 0;
+
+ protected:
+  PlyBody(PlyInput& input, PlyReadOptions options) : input_(input), options_(options) {}
+
+  /// Where the row lies: "byte 12" or "line 3".
+  virtual std::string where() const = 0;
+  [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
+  [[noreturn]] void failTruncated() const;
+
+  /// Tells the caller of a defect of the row at hand, if it asked for that.
+  void tellDefect(bool is_bad, const std::string& what) const;
+  /// Fails or counts, as the options say, for the vertex at batch.room()[index].
+  void judgeVertex(VertexDefect defect, size_t index, VertexBatch& batch) const;
+  /// Gives the face in corners_ and texture_ to the batch.
+  void giveFace(uint16_t material, FaceBatch& batch);
+  void giveStripIndex(int64_t index, StripCutter& strip, const FaceBatch& batch) const;
+  void checkListLength(const PlyProperty& list, FaceRole role, uint64_t count) const;
+  /// A texnumber as a material; what is no texture's number becomes kNoMaterial.
+  static uint16_t materialNumber(double texnumber) noexcept;
+
+  PlyInput& input_;
+  PlyReadOptions options_;
+  const PlyElement* element_ = nullptr;
+  uint64_t row_ = 0;
+  std::vector<int64_t> corners_;  ///< of the face at hand
+  std::vector<float> texture_;    ///< of the face at hand, two a corner
+
+ private:
+  /// Fails or tells, as the options say, for a corner that is no vertex.
+  void judgeIndex(int64_t index) const;
+};
+
+std::unique_ptr<PlyBody> makeBinaryBody(PlyInput& input, PlyEncoding encoding, PlyReadOptions options);
+/// @param first_line    of the body, from 1.
+/// @param extra_tokens  receives the number of values behind the ends of rows.
+std::unique_ptr<PlyBody> makeAsciiBody(PlyInput& input, PlyReadOptions options, uint64_t first_line,
+                                       uint64_t& extra_tokens);
+
+}  // namespace lode::ingest

@@ -1,0 +1,88 @@
+#include "server/ingest/ply/ply_input.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace lode::ingest {
+
+std::string quotedText(std::string_view text, size_t max_bytes) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  std::string result = "'";
+  for (const char c : text.substr(0, max_bytes)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) {
+      result += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+    } else {
+      result += c;
+    }
+  }
+  return result + (text.size() > max_bytes ? "...'" : "'");
+}
+
+PlyInput::PlyInput(const std::filesystem::path& path) : name_(quotedText(path.string(), 4096)) {
+  file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file_ < 0) {
+    throw Error(ErrorCode::kIo, "cannot open " + name_ + ": " + std::strerror(errno) +
+                                    "; check the name and the permissions");
+  }
+  struct stat status {};
+  if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    const bool directory = S_ISDIR(status.st_mode);
+    ::close(file_);
+    throw Error(ErrorCode::kIo,
+                name_ + (directory ? " is a directory; name the PLY file inside it"
+                                   : " is not a regular file; save the PLY to disk first, it is "
+                                     "read more than once"));
+  }
+  size_ = static_cast<uint64_t>(status.st_size);
+  capacity_ = static_cast<size_t>(std::min<uint64_t>(kBufferBytes, std::max<uint64_t>(size_, 1)));
+  buffer_ = std::make_unique_for_overwrite<char[]>(capacity_);
+  (void)::posix_fadvise(file_, 0, 0, POSIX_FADV_SEQUENTIAL);
+}
+
+PlyInput::~PlyInput() { ::close(file_); }
+
+void PlyInput::seek(uint64_t offset) {
+  if (offset >= window_offset_ && offset <= window_offset_ + end_) {
+    begin_ = static_cast<size_t>(offset - window_offset_);
+    return;
+  }
+  window_offset_ = offset;
+  begin_ = end_ = 0;
+}
+
+bool PlyInput::refill(size_t n) {
+  if (n > remaining()) return false;
+  std::memmove(buffer_.get(), buffer_.get() + begin_, available());
+  window_offset_ += begin_;
+  end_ -= begin_;
+  begin_ = 0;
+  while (end_ < n) {
+    const uint64_t left = size_ - (window_offset_ + end_);
+    const size_t wanted = static_cast<size_t>(std::min<uint64_t>(capacity_ - end_, left));
+    const ssize_t got =
+        ::pread(file_, buffer_.get() + end_, wanted, static_cast<off_t>(window_offset_ + end_));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) {
+      throw Error(ErrorCode::kIo, "cannot read " + name_ + " at byte " +
+                                      std::to_string(window_offset_ + end_) + ": " + std::strerror(errno) +
+                                      "; check the disk");
+    }
+    if (got == 0) {
+      throw Error(ErrorCode::kIo, name_ + " became shorter while it was read, at byte " +
+                                      std::to_string(window_offset_ + end_) +
+                                      "; read it when it is complete");
+    }
+    end_ += static_cast<size_t>(got);
+  }
+  return true;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,179 @@
+#include "server/ingest/ply/ply_plan.h"
+
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+
+#include "common/error.h"
+#include "server/ingest/ply/ply_input.h"
+
+namespace lode::ingest {
+namespace {
+
+using Names = std::initializer_list<std::pair<VertexField, std::string_view>>;
+
+/// The first scalar property of a name, or null.
+const PlyProperty* findScalar(const PlyElement& element, std::string_view name) {
+  for (const PlyProperty& property : element.properties) {
+    if (property.name == name && !property.is_list) return &property;
+  }
+  return nullptr;
+}
+
+/// Takes a group of properties into the plan if the element has all of them.
+bool takeGroup(VertexPlan& plan, Names names) {
+  const std::vector<PlyProperty>& properties = plan.element->properties;
+  for (const auto& [field, name] : names) {
+    if (findScalar(*plan.element, name) == nullptr) return false;
+  }
+  for (const auto& [field, name] : names) {
+    const PlyProperty* property = findScalar(*plan.element, name);
+    plan.fields[static_cast<size_t>(property - properties.data())] = field;
+    plan.types[static_cast<size_t>(field)] = property->type;
+    plan.has[static_cast<size_t>(field)] = true;
+  }
+  return true;
+}
+
+void layOutRow(VertexPlan& plan) {
+  uint32_t offset = 0;
+  for (size_t i = 0; i < plan.fields.size(); ++i) {
+    const PlyProperty& property = plan.element->properties[i];
+    if (property.is_list) return;
+    if (plan.fields[i] != VertexField::kNone) plan.offsets[static_cast<size_t>(plan.fields[i])] = offset;
+    offset += static_cast<uint32_t>(plyTypeBytes(property.type));
+  }
+  plan.row_bytes = offset;
+}
+
+VertexPlan planVertices(const PlyElement& element, const std::string& file) {
+  using enum VertexField;
+  VertexPlan plan;
+  plan.element = &element;
+  plan.fields.assign(element.properties.size(), kNone);
+  if (!takeGroup(plan, {{kX, "x"}, {kY, "y"}, {kZ, "z"}})) {
+    throw Error(ErrorCode::kInput,
+                file + ": its vertices lack x, y or z; export the mesh again with positions");
+  }
+  if (takeGroup(plan, {{kNx, "nx"}, {kNy, "ny"}, {kNz, "nz"}})) plan.attributes.bits |= AttributeSet::kNormal;
+  const bool plain = takeGroup(plan, {{kRed, "red"}, {kGreen, "green"}, {kBlue, "blue"}});
+  const bool diffuse =
+      !plain && takeGroup(plan, {{kRed, "diffuse_red"}, {kGreen, "diffuse_green"}, {kBlue, "diffuse_blue"}});
+  const bool shorthand = !plain && !diffuse && takeGroup(plan, {{kRed, "r"}, {kGreen, "g"}, {kBlue, "b"}});
+  if (plain || diffuse || shorthand) {
+    plan.attributes.bits |= AttributeSet::kColour;
+    const std::string_view alpha = plain ? "alpha" : diffuse ? "diffuse_alpha" : "a";
+    if (takeGroup(plan, {{kAlpha, alpha}})) plan.attributes.bits |= AttributeSet::kAlpha;
+  }
+  if (takeGroup(plan, {{kS, "s"}, {kT, "t"}}) || takeGroup(plan, {{kS, "u"}, {kT, "v"}}) ||
+      takeGroup(plan, {{kS, "texture_u"}, {kT, "texture_v"}}) ||
+      takeGroup(plan, {{kS, "texture_s"}, {kT, "texture_t"}})) {
+    plan.attributes.bits |= AttributeSet::kTexture;
+  }
+  layOutRow(plan);
+  return plan;
+}
+
+FacePlan planFaces(const PlyElement& element, bool strips, const std::string& file) {
+  FacePlan plan;
+  plan.element = &element;
+  plan.strips = strips;
+  bool has_indices = false;
+  for (const PlyProperty& property : element.properties) {
+    FaceRole role = FaceRole::kSkipped;
+    if (property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index") &&
+        !has_indices) {
+      if (isFloating(property.type)) {
+        throw Error(ErrorCode::kInput,
+                    file + ": the " + element.name +
+                        " element has vertex numbers of a floating type; export them as int");
+      }
+      role = FaceRole::kIndices;
+      has_indices = true;
+    } else if (!strips && property.is_list && property.name == "texcoord" && isFloating(property.type)) {
+      role = FaceRole::kTexture;
+    } else if (!strips && !property.is_list && property.name == "texnumber" && !isFloating(property.type)) {
+      role = FaceRole::kMaterial;
+    }
+    plan.roles.push_back(role);
+  }
+  if (!has_indices) {
+    throw Error(ErrorCode::kInput,
+                file + ": the " + element.name +
+                    " element has no list vertex_indices; export the mesh again with its faces");
+  }
+  return plan;
+}
+
+bool hasRole(const FacePlan& plan, FaceRole role) {
+  for (const FaceRole each : plan.roles) {
+    if (each == role) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+AttributeSet PlyPlan::attributes() const noexcept {
+  AttributeSet result = vertices.attributes;
+  if (corner_texture) result.bits |= AttributeSet::kTexture;
+  if (materials) result.bits |= AttributeSet::kMaterial;
+  return result;
+}
+
+PlyPlan planBody(const PlyHeader& header, const std::string& file) {
+  PlyPlan plan;
+  const PlyElement* vertices = header.find("vertex");
+  if (vertices == nullptr || vertices->count == 0) {
+    throw Error(ErrorCode::kInput, file + " has no vertices; export the mesh again");
+  }
+  plan.vertices = planVertices(*vertices, file);
+  for (const PlyElement& element : header.elements) {
+    const bool strips = element.name == "tristrips";
+    if ((element.name != "face" && !strips) || element.count == 0) continue;
+    plan.faces.push_back(planFaces(element, strips, file));
+    plan.corner_texture = plan.corner_texture || hasRole(plan.faces.back(), FaceRole::kTexture);
+    plan.materials = plan.materials || hasRole(plan.faces.back(), FaceRole::kMaterial);
+  }
+  if (plan.faces.empty()) {
+    throw Error(ErrorCode::kInput, file + " has no faces: it is a point cloud; make a surface of it first");
+  }
+  return plan;
+}
+
+VertexDefect makeVertex(const VertexPlan& plan, const VertexValues& values, PlyVertex& vertex) {
+  using enum VertexField;
+  const auto at = [&](VertexField field, int add) { return values[static_cast<size_t>(field) + add]; };
+  vertex = {};
+  const glm::dvec3 position(at(kX, 0), at(kY, 0), at(kZ, 0));
+  if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
+    return VertexDefect::kPosition;
+  }
+  vertex.position = position;
+  bool finite = true;
+  const auto single = [&](VertexField field, int add) {
+    const double value = at(field, add);
+    const bool fits = std::fabs(value) <= static_cast<double>(std::numeric_limits<float>::max());
+    finite = finite && fits;
+    return fits ? static_cast<float>(value) : 0.0f;
+  };
+  if (plan.attributes.has(AttributeSet::kNormal)) {
+    for (int i = 0; i < 3; ++i) vertex.normal[i] = single(kNx, i);
+  }
+  if (plan.attributes.has(AttributeSet::kColour)) {
+    const int channels = plan.attributes.has(AttributeSet::kAlpha) ? 4 : 3;
+    for (int i = 0; i < channels; ++i) {
+      const double value = at(kRed, i);
+      finite = finite && std::isfinite(value);
+      vertex.colour[i] =
+          withPlyType(plan.types[static_cast<size_t>(kRed) + i],
+                      [&]<class T>(std::type_identity<T>) { return colourByte(static_cast<T>(value)); });
+    }
+  }
+  if (plan.has[static_cast<size_t>(kS)]) {
+    for (int i = 0; i < 2; ++i) vertex.texture[i] = single(kS, i);
+  }
+  return finite ? VertexDefect::kNone : VertexDefect::kAttribute;
+}
+
+}  // namespace lode::ingest

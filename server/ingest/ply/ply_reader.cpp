@@ -1,0 +1,142 @@
+#include "server/ingest/ply/ply_reader.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "common/error.h"
+#include "server/ingest/ply/ply_batch.h"
+#include "server/ingest/ply/ply_body.h"
+#include "server/ingest/ply/ply_input.h"
+#include "server/ingest/ply/ply_plan.h"
+
+namespace lode::ingest {
+namespace {
+
+/// Refuses counts that the file cannot hold, before anything is done about them.
+void checkSize(const PlyHeader& header, const PlyBody& body, const PlyInput& input) {
+  uint64_t left = input.remaining() + 1;  // the last line of an ascii file may lack its end
+  for (const PlyElement& element : header.elements) {
+    const uint64_t row_bytes = body.leastRowBytes(element);
+    if (row_bytes > 0 && element.count > left / row_bytes) {
+      throw Error(ErrorCode::kInput,
+                  input.name() + " is truncated: its header declares " + std::to_string(element.count) +
+                      " rows of " + quotedText(element.name) + " of " + std::to_string(row_bytes) +
+                      " bytes or more, but the body has only " + std::to_string(input.remaining()) +
+                      " bytes; copy or export the file again");
+    }
+    left -= element.count * row_bytes;
+  }
+}
+
+/// Counts what lies behind the last element.
+uint64_t countTrailingBytes(PlyInput& input, PlyEncoding encoding) {
+  if (encoding != PlyEncoding::kAscii) return input.remaining();
+  for (; input.fill(1); input.consume(1)) {
+    if (std::string_view(" \t\v\f\r\n").find(*input.data()) == std::string_view::npos) break;
+  }
+  return input.remaining();
+}
+
+class BodyWalk {
+ public:
+  BodyWalk(const PlyHeader& header, const PlyPlan& plan, PlyBody& body)
+      : header_(header), plan_(plan), body_(body) {}
+
+  void run(VertexBatch& vertices, FaceBatch& faces) {
+    bool vertices_read = false;
+    std::vector<std::pair<const FacePlan*, PlyPlace>> postponed;
+    for (const PlyElement& element : header_.elements) {
+      const FacePlan* face_plan = findFaces(element);
+      if (&element == plan_.vertices.element) {
+        body_.readVertices(plan_.vertices, vertices);
+        vertices_read = true;
+        readPostponed(postponed, faces);
+      } else if (face_plan != nullptr && vertices_read) {
+        body_.readFaces(*face_plan, faces);
+      } else {
+        if (face_plan != nullptr) postponed.emplace_back(face_plan, body_.place());
+        body_.skip(element);
+      }
+    }
+  }
+
+ private:
+  const FacePlan* findFaces(const PlyElement& element) const {
+    const auto found = std::find_if(plan_.faces.begin(), plan_.faces.end(),
+                                    [&](const FacePlan& plan) { return plan.element == &element; });
+    return found == plan_.faces.end() ? nullptr : &*found;
+  }
+
+  /// Reads the faces that lie before the vertices, and comes back.
+  void readPostponed(const std::vector<std::pair<const FacePlan*, PlyPlace>>& postponed, FaceBatch& faces) {
+    if (postponed.empty()) return;
+    const PlyPlace here = body_.place();
+    for (const auto& [plan, place] : postponed) {
+      body_.goTo(place);
+      body_.readFaces(*plan, faces);
+    }
+    body_.goTo(here);
+  }
+
+  const PlyHeader& header_;
+  const PlyPlan& plan_;
+  PlyBody& body_;
+};
+
+}  // namespace
+
+void PlyFaces::clear() {
+  corner_counts.clear();
+  corners.clear();
+  texture.clear();
+  materials.clear();
+}
+
+PlyReader::PlyReader(const std::filesystem::path& path, PlyReadOptions options)
+    : path_(path), options_(options), header_(readPlyHeader(path)) {
+  const PlyPlan plan = planBody(header_, quotedText(path.string(), 4096));
+  attributes_ = plan.attributes();
+  corner_texture_ = plan.corner_texture;
+}
+
+PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress) {
+  PlyInput input(path_);
+  if (input.size() < header_.body_offset) {
+    throw Error(ErrorCode::kIo, input.name() + " changed while it was read; read it when it is complete");
+  }
+  input.seek(header_.body_offset);
+  const PlyPlan plan = planBody(header_, input.name());
+  PlyCounts counts;
+  const std::unique_ptr<PlyBody> body =
+      header_.encoding == PlyEncoding::kAscii
+          ? makeAsciiBody(input, options_, header_.header_lines + 1, counts.extra_tokens)
+          : makeBinaryBody(input, header_.encoding, options_);
+  checkSize(header_, *body, input);
+
+  const uint64_t total_bytes = input.remaining();
+  uint64_t done_bytes = 0;
+  const auto report = [&] {
+    if (!progress) return;
+    done_bytes = std::max(done_bytes, input.offset() - header_.body_offset);
+    progress(done_bytes, total_bytes);
+  };
+  const VertexSink vertex_sink = [&](uint64_t first, std::span<const PlyVertex> rows) {
+    if (vertices) vertices(first, rows);
+    report();
+  };
+  const FaceSink face_sink = [&](const PlyFaces& batch) {
+    if (faces) faces(batch);
+    report();
+  };
+  SkippedVertices skipped;
+  VertexBatch vertex_batch(plan.vertices.element->count, vertex_sink, counts, skipped);
+  FaceBatch face_batch(plan, face_sink, counts, skipped);
+  BodyWalk(header_, plan, *body).run(vertex_batch, face_batch);
+  counts.trailing_bytes = countTrailingBytes(input, header_.encoding);
+  if (progress) progress(total_bytes, total_bytes);
+  return counts;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/mesh.h"
+#include "server/ingest/ply/ply_header.h"
+
+namespace lode::ingest {
+
+/// The material of a face whose texnumber is no texture's number (negative, or too large).
+constexpr uint16_t kNoMaterial = 0xffff;
+
+/// A vertex as the file has it: true coordinates in double, attributes as written.
+struct PlyVertex {
+  glm::dvec3 position{0};
+  glm::vec3 normal{0};
+  glm::u8vec4 colour{255};
+  glm::vec2 texture{0};
+};
+
+/// Faces as the file has them, flattened. Strips are cut into triangles already; polygons are not: they are
+/// cut where positions are known (triangulate.h). Every face has at least 3 corners, none repeated.
+struct PlyFaces {
+  std::vector<uint32_t> corner_counts;  ///< one a face
+  std::vector<uint64_t> corners;        ///< vertex numbers, all below the vertex element's count
+  std::vector<glm::vec2> texture;   ///< one a corner, or empty where the file has no per-corner coordinates
+  std::vector<uint16_t> materials;  ///< texnumber, one a face, or empty
+
+  void clear();
+};
+
+struct PlyCounts {
+  uint64_t vertices = 0;
+  uint64_t faces = 0;           ///< rows of the face element, or strips
+  uint64_t triangles = 0;       ///< sum of (corners - 2) over the faces given out
+  uint64_t dropped_faces = 0;   ///< fewer than 3 corners, or a repeated index; of a strip, triangles
+  uint64_t skipped_bad = 0;     ///< with skip_bad: bad indices, NaN, infinity
+  uint64_t extra_tokens = 0;    ///< ascii only, ignored
+  uint64_t trailing_bytes = 0;  ///< behind the last element, ignored (ascii: beyond blanks and line ends)
+};
+
+/// Something in the body that costs geometry.
+struct PlyDefect {
+  bool is_bad = false;  ///< skip_bad skips it, and without it reading fails; otherwise the face is none
+  std::string text;     ///< element, number, byte or line, and what is wrong; no remedy
+};
+
+struct PlyReadOptions {
+  /// Go on after a bad value: a vertex whose position is NaN or infinite is given out as all zero, to keep
+  /// the numbers of those behind it, and no face that uses it is; an attribute that is NaN or infinite
+  /// becomes zero; a face with an index out of range or with bad texture coordinates is left out. Each counts
+  /// once.
+  bool skip_bad = false;
+  /// With skip_bad: is told each defect where it is found. Faces that use a skipped vertex are not among
+  /// them.
+  std::function<void(const PlyDefect&)> on_defect = {};
+};
+
+/// Streams the body of a PLY file in bounded memory; the counts of the header are never trusted with memory.
+/// Vertices come first, then faces, each in batches in the file's order, whichever element the file has
+/// first.
+class PlyReader {
+ public:
+  /// @throws Error as readPlyHeader; kInput if there are no vertices or no faces.
+  PlyReader(const std::filesystem::path& path, PlyReadOptions options);
+
+  const PlyHeader& header() const noexcept { return header_; }
+  /// Attributes found; normals as kNormal, alpha only if the file declares it.
+  AttributeSet attributes() const noexcept { return attributes_; }
+  /// Texture coordinates come with the faces' corners; those of vertices, if there are any, do not count.
+  bool hasCornerTexture() const noexcept { return corner_texture_; }
+
+  using VertexSink = std::function<void(uint64_t first, std::span<const PlyVertex>)>;
+  using FaceSink = std::function<void(const PlyFaces&)>;
+  /// Fraction of the body read so far, in bytes.
+  using Progress = std::function<void(uint64_t done_bytes, uint64_t total_bytes)>;
+
+  /// May be called again: it starts anew.
+  /// @throws Error kIo, kInput (element number and byte offset; in ascii the line).
+  PlyCounts read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress = {});
+
+ private:
+  std::filesystem::path path_;
+  PlyReadOptions options_;
+  PlyHeader header_;
+  AttributeSet attributes_;
+  bool corner_texture_ = false;
+};
+
+}  // namespace lode::ingest

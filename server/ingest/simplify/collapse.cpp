@@ -1,0 +1,373 @@
+#include "server/ingest/simplify/collapse.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "server/ingest/simplify/cluster.h"
+#include "server/ingest/simplify/collapse_check.h"
+#include "server/ingest/simplify/collapse_mesh.h"
+#include "server/ingest/simplify/edge_queue.h"
+#include "server/ingest/simplify/mesh_quadrics.h"
+#include "server/ingest/simplify/quadric.h"
+#include "server/ingest/simplify/taken_places.h"
+#include "server/ingest/simplify/wedge_quadrics.h"
+
+namespace lode::ingest {
+
+namespace {
+
+// Each level allows what the one before could not do; a mesh that collapses well never leaves the first.
+constexpr std::array<CollapseLimits, 3> kLimits{{
+    {.least_cosine = 0.3, .least_shape = 0.05, .link_condition = true, .most_triangles = 256},
+    {.least_cosine = 0.0, .least_shape = 0.0, .link_condition = false, .most_triangles = 4096},
+    {.least_cosine = -1.0, .least_shape = 0.0, .link_condition = false},
+}};
+constexpr double kPostponed = 4;            // cost of a collapse that is not possible now, times this,
+constexpr uint32_t kMostPostponements = 6;  // so often; then it waits for the next round
+constexpr double kBreaksFeature = 8;  // cost of a collapse that pulls a position off its seam, times this
+constexpr size_t kProgress = 32;      // a round that collapses fewer than 1 of so many edges ends its level
+
+/// Whether a collapse may move an end of an edge.
+enum class Freedom { kFree, kPenalised, kNone };
+
+/// What meets where two positions have become one, until the next round looks again.
+PositionKind joined(PositionKind a, PositionKind b) {
+  if (a > b) std::swap(a, b);
+  const bool seam_meets_rim = a != PositionKind::kSmooth && a < PositionKind::kRim && b == PositionKind::kRim;
+  return seam_meets_rim ? PositionKind::kRimCorner : b;
+}
+
+float keyOf(double cost) noexcept { return static_cast<float>(std::clamp(cost, 0.0, 1e37)); }
+
+class Collapser {
+ public:
+  Collapser(NodeMesh&& mesh, const CollapseOptions& options);
+  void run(std::span<const size_t> targets, const SnapshotSink& sink);
+
+ private:
+  /// An edge in the queue. Ends may have been merged into others since.
+  struct Record {
+    uint32_t u, v;
+    uint32_t evaluated_at;  ///< clock_ then
+    uint32_t postponed;     ///< how often
+  };
+  struct Candidate {
+    Placement placement;
+    bool possible = false;
+  };
+  /// An edge that has been evaluated anew; see alreadyQueued().
+  struct Seen {
+    uint32_t u = 0, v = 0, changed_at = 0;
+  };
+
+  size_t startRound(std::span<const CollapseMesh::Edge> edges);
+  bool collapseNext();
+  void collapseEdge(Record record, const Candidate& candidate);
+  /// What the ends of an edge say together.
+  Quadric quadricOf(uint32_t u, uint32_t v) {
+    Quadric q = mesh_.quadrics[u] + mesh_.quadrics[v];
+    if (!attributes_.empty()) reduceWedges(q, u, v);
+    return q;
+  }
+  void reduceWedges(Quadric& q, uint32_t u, uint32_t v);
+  Candidate evaluate(uint32_t u, uint32_t v);
+  Freedom freedom(const CollapsePosition& position, EdgeKind edge) const;
+  bool alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at);
+  void put(Record record, double cost);
+  glm::dvec3 settle(const Placement& placement, uint32_t u, uint32_t v);
+  void apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds);
+  SimplifiedMesh snapshot();
+  uint32_t find(uint32_t position) noexcept;
+  void fetch(Record& record) noexcept;
+  Seen& seenPlace(uint32_t u, uint32_t v) noexcept;
+
+  const CollapseOptions options_;
+  CollapseMesh mesh_;
+  WedgeQuadrics attributes_;
+  CollapseCheck check_;
+  glm::dvec3 max_point_;
+  EdgeQueue<Record> queue_;
+  TakenPlaces taken_;
+  std::vector<Seen> seen_;
+  Quadric quadric_;                      ///< of both ends of the edge that was evaluated last
+  std::vector<WedgeTable::Pair> pairs_;  ///< scratch
+  std::vector<uint32_t> forward_;        ///< the position that each was merged into; itself while it lives
+  uint32_t clock_ = 0;                   ///< collapses so far
+  size_t level_ = 0;
+};
+
+Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
+    : options_(options),
+      mesh_(std::move(mesh), options.node_depth),
+      attributes_(mesh_, glm::length(glm::dvec3(options.max_position)), options.attribute_weight),
+      check_(mesh_),
+      max_point_(glm::dvec3(options.max_position)),
+      taken_(mesh_.positions.size()) {
+  for (uint32_t i = 0; i < mesh_.positions.size(); ++i) taken_.add(mesh_.point(i));
+  mesh_.mixes_values = !attributes_.coversAll();
+  seen_.resize(std::bit_ceil(mesh_.positions.size() / 2 + 1));
+  forward_.resize(mesh_.positions.size());
+  std::iota(forward_.begin(), forward_.end(), 0u);
+}
+
+uint32_t Collapser::find(uint32_t position) noexcept {
+  while (forward_[position] != position) {
+    forward_[position] = forward_[forward_[position]];
+    position = forward_[position];
+  }
+  return position;
+}
+
+Collapser::Seen& Collapser::seenPlace(uint32_t u, uint32_t v) noexcept {
+  return seen_[(u * 0x9E3779B1u ^ v * 0x85EBCA77u) >> 7 & (seen_.size() - 1)];
+}
+
+// Gets ready for a record that will be taken soon.
+void Collapser::fetch(Record& record) noexcept {
+  record.u = find(record.u);
+  record.v = find(record.v);
+  if (record.u > record.v) std::swap(record.u, record.v);
+  for (const uint32_t end : {record.u, record.v}) {
+    const char* const line = reinterpret_cast<const char*>(&mesh_.quadrics[end]);
+    __builtin_prefetch(line);
+    __builtin_prefetch(&mesh_.positions[end]);
+    __builtin_prefetch(&mesh_.points[end]);
+    __builtin_prefetch(line + 64);
+    if (!attributes_.empty() && mesh_.only_wedge[end] != kManyWedges)
+      attributes_.fetch(mesh_.only_wedge[end]);
+  }
+  __builtin_prefetch(&seenPlace(record.u, record.v));
+}
+
+void Collapser::put(Record record, double cost) {
+  for (uint32_t i = 0; i < record.postponed; ++i) cost *= kPostponed;
+  record.evaluated_at = clock_;
+  queue_.push(record, keyOf(cost));
+}
+
+// Fills the queue; returns how many edges it holds.
+size_t Collapser::startRound(std::span<const CollapseMesh::Edge> edges) {
+  mesh_.classifyPositions(edges);
+  queue_.clear();
+  size_t count = 0;
+  for (const CollapseMesh::Edge& edge : edges) {
+    if (mesh_.positions[edge.u].locked && mesh_.positions[edge.v].locked) continue;
+    const Candidate candidate = evaluate(edge.u, edge.v);
+    if (!candidate.possible) continue;
+    put({edge.u, edge.v, 0, 0}, candidate.placement.cost);
+    ++count;
+  }
+  return count;
+}
+
+Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) const {
+  if (position.locked) return Freedom::kNone;
+  switch (position.kind) {
+    case PositionKind::kSmooth:
+    case PositionKind::kRim:
+      return Freedom::kFree;
+    case PositionKind::kSeam:
+      return edge == EdgeKind::kSeam ? Freedom::kFree : Freedom::kPenalised;
+    case PositionKind::kSeamCorner:
+    case PositionKind::kRimCorner:
+      break;
+  }
+  return Freedom::kPenalised;
+}
+
+// Takes from the sum of both ends' quadrics what the best attributes of their wedges make up for, once the
+// edge has joined those.
+void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
+  const uint32_t wedge_u = mesh_.only_wedge[u], wedge_v = mesh_.only_wedge[v];
+  if (wedge_u != kManyWedges && wedge_v != kManyWedges) return attributes_.reduce(q, wedge_u, wedge_v);
+  mesh_.findPairs(v, u, pairs_);
+  mesh_.forEachWedge(u, [&](uint32_t wedge) {
+    if (std::none_of(pairs_.begin(), pairs_.end(), [=](const auto& pair) { return pair.gone == wedge; }))
+      attributes_.reduce(q, wedge);
+  });
+  mesh_.forEachWedge(v, [&](uint32_t wedge) {
+    const auto joins = [=](const auto& pair) { return pair.keep == wedge; };
+    const auto pair = std::find_if(pairs_.begin(), pairs_.end(), joins);
+    if (pair == pairs_.end()) return attributes_.reduce(q, wedge);
+    attributes_.reduce(q, wedge, pair->gone);
+    for (auto more = std::find_if(pair + 1, pairs_.end(), joins); more != pairs_.end();
+         more = std::find_if(more + 1, pairs_.end(), joins))
+      attributes_.reduce(q, more->gone);
+  });
+}
+
+Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
+  const CollapsePosition &end_u = mesh_.positions[u], &end_v = mesh_.positions[v];
+  const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
+  quadric_ = quadricOf(u, v);
+  const Quadric& q = quadric_;
+  const bool smooth_u = end_u.kind == PositionKind::kSmooth && !end_u.locked;
+  const bool smooth_v = end_v.kind == PositionKind::kSmooth && !end_v.locked;
+  const bool rim_u = end_u.kind == PositionKind::kRim && !end_u.locked;
+  const bool rim_v = end_v.kind == PositionKind::kRim && !end_v.locked;
+  if ((smooth_u || rim_u) && (smooth_v || rim_v)) return {bestPlacement(q, at_u, at_v), true};
+  if (smooth_u) return {{at_v, q.at(at_v)}, true};
+  if (smooth_v) return {{at_u, q.at(at_u)}, true};
+  const EdgeKind kind = mesh_.edgeKind(u, v);
+  const Freedom free_u = freedom(end_u, kind), free_v = freedom(end_v, kind);
+  const Freedom freer = std::min(free_u, free_v);
+  if (freer == Freedom::kNone) return {};
+  Candidate result{free_u == free_v  ? bestPlacement(q, at_u, at_v)
+                   : free_u < free_v ? Placement{at_v, q.at(at_v)}
+                                     : Placement{at_u, q.at(at_u)},
+                   true};
+  if (freer == Freedom::kPenalised) result.placement.cost *= kBreaksFeature;
+  return result;
+}
+
+// For the edge that was evaluated last: the best by the quadric of the eight lattice points around a place,
+// of those inside the box that are no other position's; the better end where all are taken. (Rounding to the
+// nearest would add the lattice's noise to the surface; of eight points one is usually close to it.)
+glm::dvec3 Collapser::settle(const Placement& placement, uint32_t u, uint32_t v) {
+  const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
+  if (placement.point == at_u || placement.point == at_v) return placement.point;
+  const Quadric& q = quadric_;
+  const glm::dvec3 low = glm::floor(placement.point), gradient = 2.0 * (q.timesA(low) + q.b);
+  // Costs of the eight, less that of `low`.
+  const double x = q.xx + gradient.x, y = q.yy + gradient.y, z = q.zz + gradient.z;
+  const double xy = x + y + 2 * q.xy, xz = x + z + 2 * q.xz, yz = y + z + 2 * q.yz;
+  std::array<std::pair<double, uint32_t>, 8> corners{
+      {{0, 0}, {x, 1}, {y, 2}, {xy, 3}, {z, 4}, {xz, 5}, {yz, 6}, {xy + z + 2 * (q.xz + q.yz), 7}}};
+  const glm::dvec3 highest = max_point_ - mesh_.origin;
+  for (auto next = corners.begin(); next != corners.end(); ++next) {
+    std::iter_swap(next, std::min_element(next, corners.end()));
+    const uint32_t bits = next->second;
+    const glm::dvec3 place =
+        glm::clamp(low + glm::dvec3(bits & 1, bits >> 1 & 1, bits >> 2), -mesh_.origin, highest);
+    if (place == at_u || place == at_v || !taken_.contains(place)) return place;
+  }
+  return q.at(at_u) < q.at(at_v) ? at_u : at_v;
+}
+
+void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
+  const CollapsePosition &end_u = mesh_.positions[u], &end_v = mesh_.positions[v];
+  const glm::dvec3 at_u = mesh_.point(u), along = mesh_.point(v) - at_u;
+  const double t = std::clamp(glm::dot(to - at_u, along) / glm::dot(along, along), 0.0, 1.0);
+  const bool keep_v = end_v.locked || (!end_u.locked && end_v.capacity >= end_u.capacity);
+  const uint32_t keep = keep_v ? v : u, gone = keep_v ? u : v;
+  CollapsePosition& kept = mesh_.positions[keep];
+  if (to != mesh_.point(keep))
+    kept.lca_depth = to == mesh_.point(gone) ? mesh_.positions[gone].lca_depth : kNeverLocked;
+  kept.kind = joined(kept.kind, mesh_.positions[gone].kind);
+  mesh_.merge(keep, gone, to, keep_v ? 1 - t : t);
+  if (!attributes_.empty()) {
+    for (const WedgeTable::Pair& pair : mesh_.joined()) attributes_.join(pair.keep, pair.gone);
+    if (!kept.locked)
+      mesh_.forEachWedge(keep, [&](uint32_t wedge) { attributes_.setValues(mesh_.wedges, wedge, to); });
+  }
+  forward_[gone] = keep;
+  kept.merged_at = ++clock_;
+  taken_.add(to);
+  if (folds) mesh_.removeFolds(keep);
+}
+
+// Merging makes two edges one, and both stay in the queue. Whether (u, v), which last changed at changed_at,
+// has been queued again since; sometimes forgets, which costs time alone.
+bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
+  Seen& seen = seenPlace(u, v);
+  if (seen.u == u && seen.v == v && seen.changed_at == changed_at) return true;
+  seen = {u, v, changed_at};
+  return false;
+}
+
+// Takes the next edge from the queue; false when it is empty. Costs only grow as quadrics are summed, so that
+// the key of an edge that has changed since is a lower bound: it is evaluated again only when its turn comes.
+bool Collapser::collapseNext() {
+  Record record;
+  if (!queue_.pop(record, [this](Record& soon) { fetch(soon); })) return false;
+  record.u = find(record.u);
+  record.v = find(record.v);
+  if (record.u == record.v) return true;
+  if (record.u > record.v) std::swap(record.u, record.v);
+  const uint32_t changed_at =
+      std::max(mesh_.positions[record.u].merged_at, mesh_.positions[record.v].merged_at);
+  const bool stale = changed_at > record.evaluated_at;
+  if (stale && alreadyQueued(record.u, record.v, changed_at)) return true;
+  const Candidate candidate = evaluate(record.u, record.v);
+  if (!candidate.possible) return true;
+  if (stale) {
+    record.postponed = 0;
+    if (EdgeQueue<Record>::bucketOf(keyOf(candidate.placement.cost)) > queue_.current()) {
+      put(record, candidate.placement.cost);
+      return true;
+    }
+  }
+  collapseEdge(record, candidate);
+  return true;
+}
+
+void Collapser::collapseEdge(Record record, const Candidate& candidate) {
+  const glm::dvec3 to = settle(candidate.placement, record.u, record.v);
+  const CollapseFinding finding = check_.look(record.u, record.v, to, kLimits[level_]);
+  if (finding.removed == 0) return;
+  if (!finding.allowed) {
+    if (record.postponed++ < kMostPostponements) put(record, candidate.placement.cost);
+    return;
+  }
+  if (finding.folds) {  // a piece or a fin vanishes: that costs what it was
+    const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
+    const double lost = finding.folded_area * glm::dot(along, along);
+    if (EdgeQueue<Record>::bucketOf(keyOf(lost)) > queue_.current()) {
+      record.postponed = 0;
+      return put(record, lost);
+    }
+  }
+  apply(record.u, record.v, to, finding.folds);
+}
+
+SimplifiedMesh Collapser::snapshot() {
+  SimplifiedMesh result;
+  std::vector<uint32_t> new_position;
+  result.mesh = mesh_.compact(new_position);
+  result.became.resize(forward_.size());
+  for (uint32_t i = 0; i < forward_.size(); ++i) result.became[i] = new_position[find(i)];
+  return result;
+}
+
+void Collapser::run(std::span<const size_t> targets, const SnapshotSink& sink) {
+  size_t reached = 0;
+  const auto report = [&] {
+    while (reached < targets.size() && mesh_.live_triangles <= targets[reached]) {
+      sink(reached, snapshot());
+      ++reached;
+    }
+    return reached == targets.size();
+  };
+  if (report()) return;
+  for (bool first = true; level_ < kLimits.size(); first = false) {
+    const std::vector<CollapseMesh::Edge> edges = mesh_.edges();
+    if (first) addQuadrics(mesh_, edges);
+    const size_t queued = startRound(edges);
+    const uint32_t before = clock_;
+    while (collapseNext()) {
+      if (mesh_.live_triangles <= targets[reached] && report()) return;
+    }
+    if ((clock_ - before) * kProgress <= queued) ++level_;
+  }
+  SimplifiedMesh rest = snapshot();
+  cluster(std::move(rest.mesh), targets.subspan(reached), options_,
+          [&](size_t target, SimplifiedMesh&& clustered) {
+            std::vector<uint32_t> became = rest.became;
+            for (uint32_t& place : became)
+              if (place != kVanished) place = clustered.became[place];
+            sink(reached + target, {std::move(clustered.mesh), std::move(became)});
+          });
+}
+
+}  // namespace
+
+void collapse(NodeMesh mesh, std::span<const size_t> targets, const CollapseOptions& options,
+              const SnapshotSink& sink) {
+  Collapser(std::move(mesh), options).run(targets, sink);
+}
+
+}  // namespace lode::ingest

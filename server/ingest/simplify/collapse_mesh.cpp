@@ -1,0 +1,310 @@
+#include "server/ingest/simplify/collapse_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+#include "server/ingest/mesh/simplified_mesh.h"
+
+namespace lode::ingest {
+
+namespace {
+
+constexpr uint32_t kNone = ~0u;
+constexpr uint32_t kSlack = 4;  // places kept free in a list of corners that has to move
+
+}  // namespace
+
+CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
+    : attributes(mesh.attributes),
+      points(mesh.positions.size()),
+      positions(mesh.positions.size()),
+      quadrics(mesh.positions.size()) {
+  LatticeBox box;
+  for (const PositionCode code : mesh.positions) box.add(unpackPosition(code));
+  if (!box.empty()) origin = glm::floor(0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)));
+  for (uint32_t i = 0; i < positions.size(); ++i) {
+    CollapsePosition& position = positions[i];
+    points[i] = glm::ivec4(glm::ivec3(unpackPosition(mesh.positions[i])) - glm::ivec3(origin), 0);
+    position.lca_depth = mesh.lca_depth[i];
+    position.locked = mesh.lca_depth[i] < node_depth;
+  }
+  live_triangles = mesh.triangles.size();
+  const bool has_wedges = !mesh.wedge_attributes.empty();
+  corner_position.resize(4 * live_triangles);
+  if (has_wedges) corner_wedge.resize(4 * live_triangles);
+  for (size_t t = 0; t < live_triangles; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t wedge = mesh.triangles[t][k];
+      corner_position[4 * t + k] = mesh.wedge_position[wedge];
+      if (has_wedges) corner_wedge[4 * t + k] = wedge;
+    }
+  }
+  wedges = WedgeTable(attributes, std::move(mesh.wedge_attributes));
+  gatherCorners();
+  if (has_wedges) {
+    only_wedge.resize(positions.size());
+    for (uint32_t i = 0; i < positions.size(); ++i) only_wedge[i] = findOnlyWedge(i);
+  }
+}
+
+void CollapseMesh::gatherCorners() {
+  const uint32_t corners = static_cast<uint32_t>(4 * live_triangles);
+  for (uint32_t c = 0; c < corners; c += 4) {
+    for (uint32_t k = 0; k < 3; ++k) ++positions[corner_position[c + k]].capacity;
+  }
+  uint32_t first = 0;
+  for (CollapsePosition& position : positions) {
+    position.first = first;
+    first += position.capacity;
+  }
+  pool.reserve(3 * static_cast<size_t>(first));
+  pool.resize(first);
+  for (uint32_t c = 0; c < corners; c += 4) {
+    for (uint32_t k = 0; k < 3; ++k) {
+      CollapsePosition& position = positions[corner_position[c + k]];
+      pool[position.first + position.count++] = c + k;
+    }
+  }
+}
+
+std::vector<CollapseMesh::Edge> CollapseMesh::edges() const {
+  std::vector<Edge> result;
+  result.reserve(live_triangles * 3 / 2 + positions.size() / 16);
+  std::vector<uint32_t> slot(positions.size(), kNone);
+  const uint32_t count = static_cast<uint32_t>(positions.size());
+  for (uint32_t u = 0; u < count; ++u) {
+    const size_t first = result.size();
+    for (const uint32_t corner : around(u)) {
+      for (const uint32_t other : {next(corner), previous(corner)}) {
+        const uint32_t v = corner_position[other];
+        if (v < u) continue;
+        const uint32_t wedge_u = hasWedges() ? corner_wedge[corner] : 0;
+        const uint32_t wedge_v = hasWedges() ? corner_wedge[other] : 0;
+        if (slot[v] != kNone && slot[v] >= first) {
+          Edge& edge = result[slot[v]];
+          ++edge.uses;
+          edge.seam |= edge.wedge_u != wedge_u || edge.wedge_v != wedge_v;
+        } else {
+          slot[v] = static_cast<uint32_t>(result.size());
+          result.push_back({u, v, 1, corner, wedge_u, wedge_v, false});
+        }
+      }
+    }
+  }
+  return result;
+}
+
+EdgeKind CollapseMesh::edgeKind(uint32_t u, uint32_t v) const noexcept {
+  uint32_t uses = 0, wedge_u = 0, wedge_v = 0;
+  bool seam = false;
+  for (const uint32_t corner : around(u)) {
+    for (const uint32_t other : {next(corner), previous(corner)}) {
+      if (corner_position[other] != v) continue;
+      if (hasWedges()) {
+        seam |= uses > 0 && (wedge_u != corner_wedge[corner] || wedge_v != corner_wedge[other]);
+        wedge_u = corner_wedge[corner];
+        wedge_v = corner_wedge[other];
+      }
+      ++uses;
+    }
+  }
+  if (uses == 0) return EdgeKind::kSmooth;
+  return uses != 2 ? EdgeKind::kRim : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
+}
+
+void CollapseMesh::classifyPositions(std::span<const Edge> edges) {
+  struct Features {
+    uint8_t seams = 0, rims = 0;
+  };
+  std::vector<Features> features(positions.size());
+  const auto count = [](uint8_t& n) { n = static_cast<uint8_t>(std::min(n + 1, 3)); };
+  for (const Edge& edge : edges) {
+    const EdgeKind kind = edge.kind();
+    if (kind == EdgeKind::kSmooth) continue;
+    for (const uint32_t end : {edge.u, edge.v})
+      count(kind == EdgeKind::kSeam ? features[end].seams : features[end].rims);
+  }
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const auto [seams, rims] = features[i];
+    positions[i].kind = rims == 0                 ? seams == 0   ? PositionKind::kSmooth
+                                                    : seams == 2 ? PositionKind::kSeam
+                                                                 : PositionKind::kSeamCorner
+                        : rims == 2 && seams == 0 ? PositionKind::kRim
+                                                  : PositionKind::kRimCorner;
+  }
+}
+
+void CollapseMesh::kill(uint32_t triangle, uint32_t except) {
+  for (uint32_t corner = 4 * triangle; corner < 4 * triangle + 3; ++corner) {
+    const uint32_t position = corner_position[corner];
+    corner_position[corner] = kNone;
+    if (position == except) continue;
+    CollapsePosition& list = positions[position];
+    uint32_t* const begin = pool.data() + list.first;
+    *std::find(begin, begin + list.count, corner) = begin[list.count - 1];
+    --list.count;
+  }
+  --live_triangles;
+}
+
+void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double gone_share) {
+  if (hasWedges()) mergeWedges(keep, gone, gone_share);
+  CollapsePosition& kept = positions[keep];
+  CollapsePosition& left = positions[gone];
+  dying_.assign(around(gone).begin(), around(gone).end());
+  const auto shared = std::partition(dying_.begin(), dying_.end(), [&](uint32_t corner) {
+    return corner_position[next(corner)] != keep && corner_position[previous(corner)] != keep;
+  });
+  for (auto i = shared; i != dying_.end(); ++i) kill(*i / 4, gone);
+  const uint32_t moving = static_cast<uint32_t>(shared - dying_.begin());
+  if (kept.count + moving > kept.capacity) {
+    const uint32_t total = kept.count + moving;
+    if (total <= left.capacity) {
+      std::copy_n(pool.data() + kept.first, kept.count, pool.data() + left.first);
+      kept.first = left.first;
+      kept.capacity = left.capacity;
+    } else {
+      const uint32_t capacity = total + kSlack + total / 8, first = static_cast<uint32_t>(pool.size());
+      pool.resize(first + capacity);
+      std::copy_n(pool.data() + kept.first, kept.count, pool.data() + first);
+      kept.first = first;
+      kept.capacity = capacity;
+    }
+  }
+  for (uint32_t i = 0; i < moving; ++i) {
+    pool[kept.first + kept.count++] = dying_[i];
+    corner_position[dying_[i]] = keep;
+  }
+  left.count = left.capacity = 0;
+  points[keep] = glm::ivec4(point, 0);
+  quadrics[keep] += quadrics[gone];
+  if (hasWedges() && (only_wedge[keep] == kManyWedges || only_wedge[gone] == kManyWedges))
+    only_wedge[keep] = findOnlyWedge(keep);
+}
+
+uint32_t CollapseMesh::findOnlyWedge(uint32_t position) const noexcept {
+  uint32_t wedge = kManyWedges;
+  for (const uint32_t corner : around(position)) {
+    if (wedge != kManyWedges && wedge != corner_wedge[corner]) return kManyWedges;
+    wedge = corner_wedge[corner];
+  }
+  return wedge;
+}
+
+void CollapseMesh::findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs) const {
+  pairs.clear();
+  for (const uint32_t corner : around(gone)) {
+    for (const uint32_t other : {next(corner), previous(corner)}) {
+      if (corner_position[other] != keep) continue;
+      const uint32_t wedge = corner_wedge[corner];
+      const auto known = std::find_if(pairs.begin(), pairs.end(),
+                                      [wedge](const WedgeTable::Pair& pair) { return pair.gone == wedge; });
+      if (known == pairs.end()) pairs.push_back({corner_wedge[other], wedge});
+    }
+  }
+}
+
+// Whether a triangle has both.
+bool CollapseMesh::share(uint32_t keep, uint32_t gone) const noexcept {
+  return std::ranges::any_of(around(gone), [&](uint32_t corner) {
+    return corner_position[next(corner)] == keep || corner_position[previous(corner)] == keep;
+  });
+}
+
+// Wedges of `gone` that share a triangle of the edge with one of `keep` become one with it; the others stay
+// as they are. A locked position's wedges are never joined to one another.
+void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) {
+  const uint32_t wedge_keep = only_wedge[keep], wedge_gone = only_wedge[gone];
+  if (wedge_keep != kManyWedges && wedge_gone != kManyWedges && share(keep, gone)) {
+    pairs_.assign(1, {wedge_keep, wedge_gone});
+    if (mixes_values) wedges.mix(wedge_keep, wedge_gone, gone_share);
+    for (const uint32_t corner : around(gone)) corner_wedge[corner] = wedge_keep;
+    return;
+  }
+  findPairs(keep, gone, pairs_);
+  for (size_t i = 0; i < pairs_.size(); ++i) {
+    const bool again = std::any_of(pairs_.begin(), pairs_.begin() + static_cast<ptrdiff_t>(i),
+                                   [&](const WedgeTable::Pair& pair) { return pair.keep == pairs_[i].keep; });
+    if (!again && mixes_values) wedges.mix(pairs_[i].keep, pairs_[i].gone, gone_share);
+  }
+  for (const uint32_t corner : around(gone)) {
+    for (const WedgeTable::Pair& pair : pairs_) {
+      if (corner_wedge[corner] == pair.gone) {
+        corner_wedge[corner] = pair.keep;
+        break;
+      }
+    }
+  }
+}
+
+void CollapseMesh::removeFolds(uint32_t position) {
+  // Others at the triangle, lower first; true where the lower follows the position; the corner.
+  using Side = std::tuple<uint32_t, uint32_t, bool, uint32_t>;
+  std::vector<Side> sides;
+  for (const uint32_t corner : around(position)) {
+    const uint32_t a = corner_position[next(corner)], b = corner_position[previous(corner)];
+    sides.emplace_back(std::min(a, b), std::max(a, b), a < b, corner);
+  }
+  std::sort(sides.begin(), sides.end());
+  for (size_t begin = 0, end; begin < sides.size(); begin = end) {
+    const auto same = [&](const Side& side) {
+      return std::get<0>(side) == std::get<0>(sides[begin]) && std::get<1>(side) == std::get<1>(sides[begin]);
+    };
+    for (end = begin; end < sides.size() && same(sides[end]);) ++end;
+    size_t backward = begin;
+    while (backward < end && !std::get<2>(sides[backward])) ++backward;
+    const size_t pairs = std::min(backward - begin, end - backward);
+    for (size_t i = 0; i < pairs; ++i) {
+      kill(std::get<3>(sides[begin + i]) / 4, kNone);
+      kill(std::get<3>(sides[backward + i]) / 4, kNone);
+    }
+  }
+}
+
+NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {
+  NodeMesh result;
+  result.attributes = attributes;
+  new_position.assign(positions.size(), kVanished);
+  for (uint32_t i = 0; i < positions.size(); ++i) {
+    if (positions[i].count == 0) continue;
+    new_position[i] = static_cast<uint32_t>(result.positions.size());
+    result.positions.push_back(packPosition(glm::uvec3(point(i) + origin)));
+    result.lca_depth.push_back(positions[i].lca_depth);
+  }
+  result.triangles.reserve(live_triangles);
+  if (!hasWedges()) {
+    result.wedge_position.resize(result.positions.size());
+    for (size_t i = 0; i < result.positions.size(); ++i) result.wedge_position[i] = static_cast<uint32_t>(i);
+    for (size_t c = 0; c < corner_position.size(); c += 4) {
+      if (corner_position[c] == kNone) continue;
+      result.triangles.emplace_back(new_position[corner_position[c]], new_position[corner_position[c + 1]],
+                                    new_position[corner_position[c + 2]]);
+    }
+    return result;
+  }
+  // Wedges of one position whose attributes have become equal are one.
+  std::vector<uint32_t> new_wedge(wedges.size(), kNone);
+  for (uint32_t i = 0; i < positions.size(); ++i) {
+    const size_t first = result.wedge_position.size();
+    for (const uint32_t corner : around(i)) {
+      uint32_t& wedge = new_wedge[corner_wedge[corner]];
+      if (wedge != kNone) continue;
+      const VertexAttributes code = wedges.code(corner_wedge[corner]);
+      const auto known = std::find(result.wedge_attributes.begin() + static_cast<ptrdiff_t>(first),
+                                   result.wedge_attributes.end(), code);
+      wedge = static_cast<uint32_t>(known - result.wedge_attributes.begin());
+      if (known != result.wedge_attributes.end()) continue;
+      result.wedge_position.push_back(new_position[i]);
+      result.wedge_attributes.push_back(code);
+    }
+  }
+  for (size_t c = 0; c < corner_position.size(); c += 4) {
+    if (corner_position[c] == kNone) continue;
+    result.triangles.emplace_back(new_wedge[corner_wedge[c]], new_wedge[corner_wedge[c + 1]],
+                                  new_wedge[corner_wedge[c + 2]]);
+  }
+  return result;
+}
+
+}  // namespace lode::ingest

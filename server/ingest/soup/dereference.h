@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "server/ingest/mesh/soup_triangle.h"
+#include "server/ingest/plan/build_options.h"
+#include "server/ingest/soup/lattice_choice.h"
+#include "server/ingest/soup/packed_input.h"
+
+namespace lode::ingest {
+
+struct DereferenceCounts {
+  uint64_t triangles = 0;  ///< given out
+  uint64_t dropped = 0;    ///< triangles whose corners do not stay distinct on the lattice
+};
+
+/// Where a batch of faces begins, and what was given out before.
+struct DereferencePoint {
+  uint64_t face_offset = 0;  ///< of PackedInput's cursor
+  uint64_t faces = 0;
+  DereferenceCounts counts;
+};
+
+using SoupSink = std::function<void(const SoupTriangle&)>;
+using BatchSink = std::function<void(const DereferencePoint&)>;
+
+/// Stage 2: indices become positions and attributes. Polygons are cut into triangles here, where positions
+/// are known. As many faces as fit in half of the memory are read, the vertices that they use are swept up
+/// from the packed file in one pass over it that skips what is not needed, and the triangles are given out,
+/// in the file's order; then the next.
+/// @param from      a point that on_batch was told, to go on from; the counts returned include those before.
+/// @param on_batch  told of each batch before its first triangle is given out.
+DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes,
+                              const SoupSink& sink, const BuildProgress& progress,
+                              const DereferencePoint& from = {}, const BatchSink& on_batch = {});
+
+}  // namespace lode::ingest

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/mesh.h"
+#include "server/ingest/disk/record_bytes.h"
+#include "server/ingest/disk/spool.h"
+#include "server/ingest/disk/temporary_folder.h"
+#include "server/ingest/ply/ply_reader.h"
+#include "server/ingest/soup/uv_grid.h"
+
+namespace lode::ingest {
+
+/// The input, packed: what later stages read instead of the PLY. Vertices have a fixed size, faces lie in
+/// blocks, both in the file's order. Attributes are quantized already; positions and texture coordinates are
+/// not yet: their grids follow from them.
+class PackedInput {
+ public:
+  /// @param corner_texture  texture coordinates come with the faces' corners, not with vertices.
+  PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
+              bool corner_texture = false);
+
+  /// Writes a flushed input to the disk for good, and notes in `record` where it is.
+  void save(RecordWriter& record) const;
+  /// What save() noted. @throws Error kIo, kFormat.
+  static PackedInput load(const TemporaryFolder& folder, RecordReader& record);
+
+  AttributeSet attributes() const noexcept { return attributes_; }
+  uint64_t vertexCount() const noexcept { return vertices_; }
+  uint64_t faceCount() const noexcept { return faces_; }
+  uint64_t temporaryBytes() const noexcept { return vertex_spool_.size() + face_spool_.size(); }
+
+  void addVertices(std::span<const PlyVertex> vertices);
+  void addFaces(const PlyFaces& faces);
+  void flush();
+
+  /// Of all texture coordinates.
+  const UvRange& uvRange() const noexcept { return uv_range_; }
+  /// Of those that faces use, of a flushed input. Reads it, if some vertices have coordinates outside 0
+  /// ... 1.
+  UvRange usedUvRange() const;
+  /// Of texture coordinates, as they are read from now on.
+  void setUvGrid(const UvGrid& grid) noexcept { uv_grid_ = grid; }
+  const UvGrid& uvGrid() const noexcept { return uv_grid_; }
+
+  /// Whether vertices have attributes, as against corners and faces.
+  bool hasVertexAttributes() const noexcept { return vertex_attributes_.bits != 0; }
+  /// Vertices first..first+count, to a sink of (number, position, attributes).
+  template <typename Sink>
+  void readVertices(uint64_t first, uint64_t count, Sink&& sink) const;
+  size_t vertexBytes() const noexcept { return vertex_bytes_; }
+
+  /// Polygons as flat arrays; triangles only where corner_counts is empty.
+  struct FaceBlock {
+    std::vector<uint32_t> corner_counts;
+    std::vector<uint32_t> corners;
+    std::vector<glm::u16vec2> texture;  ///< one a corner, or empty
+    std::vector<uint16_t> materials;    ///< one a face, or empty
+    size_t faceCount() const noexcept {
+      return corner_counts.empty() ? corners.size() / 3 : corner_counts.size();
+    }
+    uint64_t bytes() const noexcept {
+      return (corner_counts.size() + corners.size()) * sizeof(uint32_t) +
+             texture.size() * sizeof(glm::u16vec2) + materials.size() * sizeof(uint16_t);
+    }
+  };
+  /// Reads blocks from front to end.
+  class FaceCursor {
+   public:
+    explicit FaceCursor(const PackedInput& input, uint64_t offset = 0);
+    uint64_t offset() const noexcept { return cursor_.offset(); }  ///< of the next block
+    bool next(FaceBlock& block);
+
+   private:
+    const PackedInput* input_;
+    SpoolCursor cursor_;
+    std::vector<glm::vec2> texture_;
+  };
+
+ private:
+  struct Place {
+    uint64_t vertex_bytes = 0, face_bytes = 0, vertices = 0, faces = 0;
+    UvGrid uv_grid;
+    AttributeSet attributes;
+    uint8_t double_positions = 0, corner_texture = 0;
+  };
+  PackedInput(const TemporaryFolder& folder, const Place& place);
+
+  const AttributeSet attributes_;
+  const bool double_positions_, corner_texture_;
+  const AttributeSet vertex_attributes_;
+  const size_t vertex_bytes_;
+  Spool vertex_spool_, face_spool_;
+  uint64_t vertices_ = 0, faces_ = 0;
+  UvRange uv_range_;
+  UvGrid uv_grid_;
+  std::vector<std::byte> packed_;
+};
+
+/// Of a model's attributes, those that come with vertices, as against corners and faces.
+AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept;
+
+/// Bytes of a vertex in temporary files.
+size_t packedVertexBytes(AttributeSet vertex_attributes, bool double_positions) noexcept;
+
+template <typename Sink>
+void PackedInput::readVertices(uint64_t first, uint64_t count, Sink&& sink) const {
+  SpoolCursor cursor(vertex_spool_, first * vertex_bytes_, (first + count) * vertex_bytes_);
+  for (uint64_t i = first; i < first + count; ++i) {
+    const std::byte* bytes = cursor.take(vertex_bytes_).data();
+    glm::dvec3 position;
+    size_t position_bytes = sizeof(glm::dvec3);
+    if (double_positions_) {
+      std::memcpy(&position, bytes, sizeof(position));
+    } else {
+      glm::vec3 single;
+      std::memcpy(&single, bytes, sizeof(single));
+      position = single;
+      position_bytes = sizeof(single);
+    }
+    VertexAttributes attributes;
+    if (hasVertexAttributes()) std::memcpy(&attributes, bytes + position_bytes, sizeof(attributes));
+    if (vertex_attributes_.has(AttributeSet::kTexture)) {
+      glm::vec2 uv;
+      std::memcpy(&uv, bytes + position_bytes + sizeof(attributes), sizeof(uv));
+      attributes.texture = uv_grid_.snap(uv);
+    }
+    sink(i, position, attributes);
+  }
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/ingest/plan/build_options.h"
+#include "server/ingest/soup/packed_input.h"
+
+namespace lode::ingest {
+
+struct ScannedModel {
+  PackedInput input;
+  PlyCounts counts;
+  std::vector<std::string> texture_files;  ///< as the header names them
+};
+
+/// Whether the file's positions need more than float.
+bool hasDoublePositions(const PlyHeader& header);
+
+/// Stage 1: reads the PLY file once and packs it.
+ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
+                  std::vector<std::string>& warnings);
+
+}  // namespace lode::ingest

@@ -1,0 +1,123 @@
+#include "server/ingest/textures/image_decoder.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+
+#include <png.h>
+#include <webp/decode.h>
+
+#include "common/error.h"
+#include "common/jpeg_decoder.h"
+#include "common/texture_set.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
+/// Of a texel beside the picture itself: the next level, or a decoder's rows.
+constexpr uint64_t kUsualTexelBytes = 2;
+/// Beside that: the coefficients of a JPEG that is read in several scans, in blocks; WebP's own picture.
+constexpr uint64_t kCoefficientBytes = 6, kJpegBlockPx = 32;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }
+
+/// @param decoder_bytes  of a texel, that its decoder takes for the whole picture.
+ImageHeader headerOf(uint64_t width, uint64_t height, uint64_t decoder_bytes) {
+  if (width == 0 || height == 0) refuse("has no pixels");
+  if (std::max(width, height) > kMaxTextureEdgePx)
+    refuse("has " + std::to_string(width) + " x " + std::to_string(height) + " pixels, the limit is " +
+           std::to_string(kMaxTextureEdgePx) + " each way; scale it down");
+  return {width, height, width * height * (kTexelBytes + kUsualTexelBytes + decoder_bytes)};
+}
+
+ImageHeader readPngHeader(std::span<const std::byte> file) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&png, file.data(), file.size()) == 0)
+    refuse(std::string("is a damaged PNG: ") + png.message);
+  png_image_free(&png);
+  return headerOf(png.width, png.height, 0);
+}
+
+void decodePng(std::span<const std::byte> file, Image& image) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&png, file.data(), file.size()) != 0) {
+    png.format = PNG_FORMAT_RGBA;
+    if (png_image_finish_read(&png, nullptr, image.texels.data(), 0, nullptr) != 0) return;
+  }
+  refuse(std::string("is a damaged PNG: ") + png.message);
+}
+
+ImageHeader readJpegHeader(std::span<const std::byte> file) {
+  JpegDecoder decoder(file, false);
+  if (!decoder.readHeader()) refuse(std::string("is a damaged JPEG: ") + decoder.failure());
+  ImageHeader header = headerOf(decoder.size().x, decoder.size().y, 0);
+  if (decoder.hasSeveralScans()) {
+    const glm::u64vec2 blocks =
+        (glm::u64vec2(decoder.size()) + (kJpegBlockPx - 1)) / kJpegBlockPx * kJpegBlockPx;
+    header.working_bytes += blocks.x * blocks.y * kCoefficientBytes;
+  }
+  return header;
+}
+
+void decodeJpeg(std::span<const std::byte> file, Image& image, std::string& damage) {
+  JpegDecoder decoder(file, false);
+  if (!decoder.readHeader() || !decoder.readTexels(image.texels))
+    refuse(std::string("is a damaged JPEG: ") + decoder.failure());
+  damage = decoder.warning();
+}
+
+ImageHeader readWebpHeader(std::span<const std::byte> file) {
+  WebPBitstreamFeatures features;
+  if (WebPGetFeatures(reinterpret_cast<const uint8_t*>(file.data()), file.size(), &features) != VP8_STATUS_OK)
+    refuse("is a damaged WebP");
+  if (features.has_animation != 0) refuse("is an animated WebP");
+  return headerOf(static_cast<uint64_t>(features.width), static_cast<uint64_t>(features.height), kTexelBytes);
+}
+
+void decodeWebp(std::span<const std::byte> file, Image& image) {
+  const size_t row_bytes = size_t{image.size.x} * kTexelBytes;
+  if (WebPDecodeRGBAInto(reinterpret_cast<const uint8_t*>(file.data()), file.size(),
+                         reinterpret_cast<uint8_t*>(image.texels.data()), image.texels.size() * kTexelBytes,
+                         static_cast<int>(row_bytes)) == nullptr)
+    refuse("is a damaged WebP");
+}
+
+bool isPng(std::span<const std::byte> file) {
+  constexpr std::string_view kMagic = "\x89PNG\r\n\x1a\n";
+  return file.size() >= kMagic.size() && std::memcmp(file.data(), kMagic.data(), kMagic.size()) == 0;
+}
+
+}  // namespace
+
+ImageHeader readImageHeader(std::span<const std::byte> file) {
+  if (isPng(file)) return readPngHeader(file);
+  const auto kind = tileKind(file);
+  if (!kind) refuse("is no JPEG, PNG or WebP picture: convert it to one");
+  return *kind == TileKind::kJpeg ? readJpegHeader(file) : readWebpHeader(file);
+}
+
+Image decodeImage(std::span<const std::byte> file, uint64_t memory_bytes, std::string& damage) {
+  damage.clear();
+  const ImageHeader header = readImageHeader(file);
+  if (header.working_bytes > memory_bytes)
+    throw Error(ErrorCode::kLimit, "has " + std::to_string(header.width) + " x " +
+                                       std::to_string(header.height) + " pixels, which take " +
+                                       std::to_string(header.working_bytes) +
+                                       " bytes of memory; raise --memory or scale it down");
+  Image image;
+  image.size = {header.width, header.height};
+  image.texels.resize(header.width * header.height);
+  if (isPng(file)) {
+    decodePng(file, image);
+  } else if (tileKind(file) == TileKind::kJpeg) {
+    decodeJpeg(file, image, damage);
+  } else {
+    decodeWebp(file, image);
+  }
+  return image;
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,117 @@
+#include "server/ingest/textures/texture_images.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include "common/error.h"
+#include "common/texture_set.h"
+#include "server/ingest/plan/memory_plan.h"
+#include "server/ingest/ply/ply_input.h"
+
+namespace lode::ingest {
+namespace {
+
+bool isInside(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+/// "takes N bytes of memory, ...": why an image is left out, and what to do.
+std::string tooLarge(uint64_t needed, uint64_t memory_bytes) {
+  return "takes " + std::to_string(needed) + " bytes of memory, and an image may take " +
+         std::to_string(memory_bytes) + " of --memory: raise it to " +
+         std::to_string(budgetForImage(needed)) + " or scale the image down";
+}
+
+std::string inPixels(const ImageHeader& header) {
+  return std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels";
+}
+
+/// Reads the header, or says in `problem` why the image is left out.
+void examine(TextureImage& image, uint64_t memory_bytes) {
+  try {
+    const std::vector<std::byte> file = readImageFile(image.path, memory_bytes);
+    image.file_bytes = file.size();
+    image.header = readImageHeader(file);
+  } catch (const Error& error) {
+    image.problem = error.what();
+    image.needs_memory = error.code() == ErrorCode::kLimit;
+    return;
+  }
+  if (image.memoryBytes() <= memory_bytes) return;
+  image.problem = "has " + inPixels(image.header) + " and " + tooLarge(image.memoryBytes(), memory_bytes);
+  image.needs_memory = true;
+  image.header = {};
+}
+
+uint64_t tilesOf(const TextureImage& image) {
+  if (!image.problem.empty()) return 0;
+  return tileCount(lode::Texture{
+      {}, static_cast<uint32_t>(image.header.width), static_cast<uint32_t>(image.header.height), {}});
+}
+
+void checkTiles(const std::filesystem::path& ply, const std::vector<TextureImage>& images) {
+  uint64_t tiles = 0;
+  for (const TextureImage& image : images) tiles += tilesOf(image);
+  if (tiles <= kMaxTextureTiles) return;
+  const auto largest = std::max_element(images.begin(), images.end(),
+                                        [](const auto& a, const auto& b) { return tilesOf(a) < tilesOf(b); });
+  throw Error(ErrorCode::kInput, ply.string() + ": its texture images make " + std::to_string(tiles) +
+                                     " tiles, the limit is " + std::to_string(kMaxTextureTiles) +
+                                     "; scale them down (the largest, " + quotedText(largest->name, 4096) +
+                                     ", has " + inPixels(largest->header) + ") or split the model");
+}
+
+}  // namespace
+
+TextureFile findTexture(const std::filesystem::path& ply, const std::string& name) {
+  const std::filesystem::path relative(name);
+  const auto is_up = [](const std::filesystem::path& part) { return part == ".."; };
+  if (relative.is_absolute() || std::any_of(relative.begin(), relative.end(), is_up))
+    return {{}, "is outside the PLY file's folder; put it there and name it without a path"};
+  std::error_code failed;
+  const std::filesystem::path folder =
+      std::filesystem::canonical(ply.has_parent_path() ? ply.parent_path() : ".", failed);
+  if (failed) return {{}, "is not there; put it into the PLY file's folder"};
+  const std::filesystem::path path = std::filesystem::canonical(folder / relative, failed);
+  if (failed || !std::filesystem::exists(path, failed))
+    return {{}, "is not there; put it into the PLY file's folder"};
+  if (!isInside(path, folder))
+    return {{}, "is a link out of the PLY file's folder; put the image itself there"};
+  if (!std::filesystem::is_regular_file(path, failed)) return {{}, "is no file; put the image there"};
+  return {path, {}};
+}
+
+std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply, std::span<const std::string> names,
+                                         uint64_t memory_bytes) {
+  if (names.size() > kMaxTextures)
+    throw Error(ErrorCode::kInput, ply.string() + ": " + std::to_string(names.size()) +
+                                       " texture files, the limit is " + std::to_string(kMaxTextures) +
+                                       "; join some of them");
+  std::vector<TextureImage> images;
+  for (const std::string& name : names) {
+    TextureFile file = findTexture(ply, name);
+    images.push_back({name, std::move(file.path), std::move(file.problem), false, 0, {}});
+    if (images.back().problem.empty()) examine(images.back(), memory_bytes);
+  }
+  checkTiles(ply, images);
+  return images;
+}
+
+std::vector<std::byte> readImageFile(const std::filesystem::path& path, uint64_t memory_bytes) {
+  constexpr const char* kUnreadable = "cannot be read; check the file and its permissions";
+  std::error_code failed;
+  const uint64_t size = std::filesystem::file_size(path, failed);
+  if (failed) throw Error(ErrorCode::kInput, kUnreadable);
+  if (size > memory_bytes) throw Error(ErrorCode::kLimit, tooLarge(size, memory_bytes));
+  std::vector<std::byte> bytes(size);
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
+    throw Error(ErrorCode::kInput, kUnreadable);
+  return bytes;
+}
+
+std::string textureInWords(const std::filesystem::path& ply, const std::string& name) {
+  return ply.string() + ": texture " + quotedText(name, 4096);
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,274 @@
+#include "server/ingest/build/build.h"
+
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "server/ingest/plan/machine.h"
+#include "server/ingest/plan/memory_plan.h"
+#include "server/ingest/sample/sample.h"
+#include "server/store/export.h"
+#include "server/store/reader.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kMega = 1 << 20;
+
+std::string readBytes(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class Build : public testing::Test {
+ protected:
+  void makeSample(uint64_t triangles, uint8_t attributes) const {
+    SampleOptions sample;
+    sample.kind = "asteroid";
+    sample.triangles = triangles;
+    sample.attributes.bits = attributes;
+    writeSample(sample, folder_ / "a.ply");
+  }
+
+  BuildOptions options(const std::string& output = "a.lode") const {
+    BuildOptions options;
+    options.input = folder_ / "a.ply";
+    options.output = folder_ / output;
+    return options;
+  }
+
+  std::string built(unsigned threads, uint64_t memory_bytes, uint32_t triangles_per_node) const {
+    BuildOptions given = options();
+    given.threads = threads;
+    given.memory_bytes = memory_bytes;
+    given.triangles_per_node = triangles_per_node;
+    report_ = build(given);
+    return readBytes(given.output);
+  }
+
+  uint64_t temporaryBytes(const std::string& stage) const {
+    for (const BuildReport::Stage& done : report_.stages)
+      if (done.name == stage) return done.temporary_bytes;
+    ADD_FAILURE() << "no stage " << stage;
+    return 0;
+  }
+
+  test::WorkFolder folder_;
+  mutable BuildReport report_;
+};
+
+TEST_F(Build, givesTheSameBytesForAnyNumberOfThreadsAndAnyMemory) {
+  constexpr uint8_t kBoth = AttributeSet::kNormal | AttributeSet::kColour;
+  for (const uint8_t attributes : {uint8_t{0}, kBoth}) {
+    makeSample(40000, attributes);
+    const std::string expected = built(1, 1024 * kMega, 1024);
+    EXPECT_EQ(temporaryBytes("dereference"), 0u) << "all in memory";
+    EXPECT_EQ(built(2, 1024 * kMega, 1024), expected);
+    EXPECT_EQ(built(8, 1024 * kMega, 1024), expected);
+    EXPECT_EQ(built(2, kMega, 1024), expected);
+    EXPECT_GT(temporaryBytes("dereference"), 0u) << "sorted on disk";
+  }
+}
+
+/// Computed normals of a rung, by position.
+std::map<uint64_t, uint16_t> normalsOf(const store::Reader& reader, const Node& node, uint32_t rung) {
+  const Mesh mesh = store::readRung(reader, node, rung);
+  std::map<uint64_t, uint16_t> normals;
+  for (size_t i = 0; i < mesh.positions.size(); ++i)
+    normals[mesh.positions[i].value] = mesh.vertex_attributes[i].normal;
+  return normals;
+}
+
+TEST_F(Build, givesPositionsOnBordersOneComputedNormalInAllRungs) {
+  makeSample(20000, 0);
+  built(2, 256 * kMega, 512);
+  const store::Reader reader(folder_ / "a.lode");
+  size_t shared = 0;
+  for (int depth = 1; depth <= 2; ++depth) {
+    std::map<uint64_t, uint16_t> known;  // by any rung of any node of the depth before
+    for (const Node& node : reader.nodes()) {
+      if (node.key.depth() != depth) continue;
+      std::map<uint64_t, uint16_t> here;
+      for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
+        for (const auto& [position, normal] : normalsOf(reader, node, rung)) {
+          const auto other = known.find(position);
+          if (other != known.end()) {
+            EXPECT_EQ(other->second, normal) << "depth " << depth;
+            ++shared;
+          }
+          here[position] = normal;
+        }
+      known.insert(here.begin(), here.end());
+    }
+  }
+  EXPECT_GT(shared, 500u);
+}
+
+TEST_F(Build, leavesNothingBehindWhenItFails) {
+  makeSample(40000, 0);
+  const auto before = folder_.contents();
+  // At the end, when all stages' files are there.
+  BuildOptions given = options();
+  given.memory_bytes = kMega;
+  EXPECT_THROW(build(given,
+                     [](std::string_view stage, double, uint64_t, uint64_t) {
+                       if (stage == "pack") throw Error(ErrorCode::kIo, "asked to fail");
+                     }),
+               Error);
+  EXPECT_EQ(folder_.contents(), before);
+  // In the middle of the input.
+  std::fstream input(given.input, std::ios::in | std::ios::out | std::ios::binary);
+  input.seekp(-8, std::ios::end);
+  input.write("\xff\xff\xff\x7f", 4);
+  input.close();
+  EXPECT_THROW(build(given), Error);
+  EXPECT_EQ(folder_.contents(), before);
+}
+
+TEST_F(Build, endsAndClearsUpWhenProgressThrowsInTheMiddle) {
+  makeSample(400000, 0);
+  const auto before = folder_.contents();
+  BuildOptions given = options();
+  given.triangles_per_node = 1024;
+  uint64_t calls = 0, done_at_last = 0, all = 0;
+  EXPECT_THROW(build(given,
+                     [&](std::string_view stage, double, uint64_t done, uint64_t total) {
+                       if (stage != "simplify") return;
+                       ++calls;
+                       done_at_last = done;
+                       all = total;
+                       throw Error(ErrorCode::kIo, "asked to end");
+                     }),
+               Error);
+  EXPECT_EQ(calls, 1u);
+  EXPECT_LT(done_at_last, all);
+  EXPECT_EQ(folder_.contents(), before);
+}
+
+TEST_F(Build, keepsTheStoreThatIsThereWhenItFails) {
+  makeSample(5000, 0);
+  const std::string expected = built(1, 64 * kMega, 1024);
+  std::filesystem::resize_file(folder_ / "a.ply", 1000);
+  EXPECT_THROW(build(options()), Error);
+  EXPECT_EQ(readBytes(folder_ / "a.lode"), expected);
+}
+
+TEST_F(Build, simplifiesOnFewerThreadsWhereMemoryIsShort) {
+  EXPECT_EQ(planMemory(256 * kMega, 8, 16384).threads, 2u);
+  EXPECT_EQ(planMemory(kMega, 8, 16384).threads, 1u);
+  EXPECT_EQ(planMemory(4096 * kMega, 8, 16384).threads, 8u);
+}
+
+TEST(MemoryPlan, leavesAnImageWhatTheBudgetForItSaysAndNotAByteLess) {
+  for (const uint64_t image : {uint64_t{1000}, kMega, 40 * kMega, 60 * kMega, 4096 * kMega}) {
+    const uint64_t budget = budgetForImage(image);
+    EXPECT_GE(planMemory(budget, 8, 16384).image_bytes, image);
+    EXPECT_LT(planMemory(budget - 1, 8, 16384).image_bytes, image);
+    EXPECT_LT(image, budget) << "nothing is left for the program";
+  }
+}
+
+TEST(MemoryPlan, encodesTilesWithAsManyThreadsAsHaveRoomBesideTheImage) {
+  EXPECT_EQ(encoderThreads(4096 * kMega, 100 * kMega, 8), 8u);
+  EXPECT_EQ(encoderThreads(256 * kMega, 170 * kMega, 8), 3u);
+  EXPECT_EQ(encoderThreads(256 * kMega, 256 * kMega, 8), 1u);
+}
+
+TEST_F(Build, warnsWhenTheMemoryCannotBeKept) {
+  makeSample(60000, 0);
+  built(1, kMega, 16384);
+  ASSERT_EQ(report_.warnings.size(), 1u);
+  EXPECT_NE(report_.warnings[0].find("--memory"), std::string::npos);
+}
+
+// Builds on a small file system of its own, mounted in a namespace of a child process. Exit status: 0 said
+// that the disk is full and left nothing there, 1 did not, 77 this system has no such namespaces.
+int buildOnTinyDisk(BuildOptions options, const std::filesystem::path& disk) {
+  const bool root = ::geteuid() == 0;
+  if (::unshare(root ? CLONE_NEWNS : CLONE_NEWNS | CLONE_NEWUSER) != 0) return 77;
+  if (::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return 77;
+  if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=1m") != 0) return 77;
+  try {
+    build(options);
+  } catch (const Error& error) {
+    const bool is_clear = std::string_view(error.what()).find("disk is full") != std::string_view::npos;
+    return error.code() == ErrorCode::kIo && is_clear && std::filesystem::is_empty(disk) ? 0 : 1;
+  }
+  return 1;
+}
+
+TEST_F(Build, saysThatTheDiskIsFullAndClearsIt) {
+  makeSample(100000, 0);
+  BuildOptions given = options();
+  given.temporary_folder = folder_ / "disk";
+  std::filesystem::create_directory(given.temporary_folder);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) ::_exit(buildOnTinyDisk(given, given.temporary_folder));
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "no mount namespaces on this system";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_FALSE(std::filesystem::exists(given.output));
+}
+
+/// I7 with more threads than have room, I6 with memory that makes sorts go to disk.
+class SlowBuild : public Build {
+ protected:
+  /// The peak of a process that does nothing but build.
+  uint64_t peakOfBuild(const BuildOptions& options) const {
+    int pipe_ends[2];
+    if (::pipe(pipe_ends) != 0) return 0;
+    const pid_t child = ::fork();
+    if (child == 0) {
+      uint64_t peak = 0;
+      try {
+        peak = build(options).peak_rss_bytes;
+      } catch (const Error&) {
+      }
+      ::_exit(::write(pipe_ends[1], &peak, sizeof peak) == sizeof peak ? 0 : 1);
+    }
+    ::close(pipe_ends[1]);
+    uint64_t peak = 0;
+    EXPECT_EQ(::read(pipe_ends[0], &peak, sizeof peak), static_cast<ssize_t>(sizeof peak));
+    ::close(pipe_ends[0]);
+    ::waitpid(child, nullptr, 0);
+    return peak;
+  }
+};
+
+TEST_F(SlowBuild, staysBelowItsMemoryOnEightThreads) {
+  makeSample(700000, AttributeSet::kNormal | AttributeSet::kColour);
+  BuildOptions many = options();
+  many.memory_bytes = 512 * kMega;
+  many.threads = 8;
+  ASSERT_EQ(planMemory(many.memory_bytes, 8, many.triangles_per_node).threads, 8u);
+  const uint64_t peak = peakOfBuild(many);
+  EXPECT_GT(peak, 0u);
+  EXPECT_LE(peak, many.memory_bytes);
+}
+
+TEST_F(SlowBuild, staysBelowItsMemoryAndGivesTheSameBytesWithMore) {
+  makeSample(2500000, 0);
+  BuildOptions small = options("small.lode"), large = options("large.lode");
+  small.memory_bytes = 256 * kMega;
+  large.memory_bytes = 4096 * kMega;
+  small.threads = large.threads = 8;
+  const uint64_t peak = peakOfBuild(small);
+  EXPECT_GT(peak, 0u);
+  EXPECT_LE(peak, small.memory_bytes);
+  EXPECT_GT(peakOfBuild(large), 0u);
+  EXPECT_TRUE(readBytes(small.output) == readBytes(large.output));
+}
+
+}  // namespace
+}  // namespace lode::ingest

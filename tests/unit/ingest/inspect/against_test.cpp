@@ -1,0 +1,131 @@
+#include "server/ingest/inspect/against.h"
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "common/draco_codec.h"
+#include "common/error.h"
+#include "server/ingest/build/build.h"
+#include "server/ingest/sample/sample.h"
+#include "server/store/export.h"
+#include "server/store/reader.h"
+#include "server/store/writer.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::ingest {
+namespace {
+
+/// A sample, its store, and altered copies of that.
+class Against : public testing::Test {
+ protected:
+  void SetUp() override {
+    SampleOptions sample;
+    sample.kind = "asteroid";
+    sample.triangles = 12000;
+    sample.attributes.bits = AttributeSet::kColour | AttributeSet::kTexture;
+    writeSample(sample, input_);
+    BuildOptions options;
+    options.input = input_;
+    options.output = store_;
+    options.triangles_per_node = 1024;
+    build(options);
+  }
+
+  AgainstReport compare(const std::filesystem::path& store) const {
+    AgainstOptions options;
+    options.store = store;
+    options.input = input_;
+    options.memory_bytes = 1 << 20;
+    return compareWithInput(options);
+  }
+
+  void expectDifference(const std::string& words) const {
+    try {
+      compare(altered_);
+      ADD_FAILURE() << "no difference found";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kFormat);
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
+
+  /// Writes a sound store whose nodes and leaf meshes went through the functions.
+  void alter(const std::function<void(Node&)>& alter_node,
+             const std::function<void(Mesh&)>& alter_leaf) const {
+    const store::Reader reader(store_);
+    const double step = reader.summary().lattice.step;
+    std::vector<Node> nodes(reader.nodes().begin(), reader.nodes().end());
+    store::Writer writer(altered_);
+    for (Node& node : nodes) {
+      node.child_page = {};
+      for (uint32_t r = 0; r < node.rungs.size(); ++r) {
+        if (!node.rungs[r].payload) continue;
+        std::vector<std::byte> bytes = reader.readBlob(node.rungs[r].payload.number);
+        if (node.isLeaf() && alter_leaf) {
+          Mesh mesh = store::readRung(reader, node, r);
+          alter_leaf(mesh);
+          const EncodedPayload payload = encodePayload(mesh, step);
+          node.rungs[r].vertices = payload.vertices;
+          bytes = payload.bytes;
+        }
+        node.rungs[r].payload = writer.addBlob(bytes);
+      }
+      if (alter_node) alter_node(node);
+    }
+    writer.addTextures(reader.textures());
+    writer.finish(reader.summary(), std::move(nodes));
+  }
+
+  test::WorkFolder folder_;
+  const std::filesystem::path input_ = folder_ / "a.ply", store_ = folder_ / "a.lode",
+                              altered_ = folder_ / "b.lode";
+};
+
+TEST_F(Against, findsNoDifferenceInWhatWasBuilt) {
+  const AgainstReport report = compare(store_);
+  EXPECT_EQ(report.triangles, store::Reader(store_).summary().triangles);
+  EXPECT_GT(report.rungs, 10u);
+  EXPECT_GE(report.least_ratio, 0.8);
+  EXPECT_LT(report.median_ratio, 3);
+}
+
+TEST_F(Against, findsATriangleThatIsTurnedRound) {
+  bool is_done = false;
+  alter({}, [&](Mesh& mesh) {
+    if (!is_done) std::swap(mesh.triangles.back().x, mesh.triangles.back().y);
+    is_done = true;
+  });
+  expectDifference("(I1)");
+}
+
+TEST_F(Against, findsATriangleThatIsThereTwiceInPlaceOfAnother) {
+  bool is_done = false;
+  alter({}, [&](Mesh& mesh) {
+    if (is_done || mesh.triangles.size() < 2) return;
+    mesh.triangles.back() = mesh.triangles.front();
+    is_done = true;
+  });
+  expectDifference("(I1)");
+}
+
+TEST_F(Against, findsACornerWithOtherTextureCoordinates) {
+  bool is_done = false;
+  alter({}, [&](Mesh& mesh) {
+    if (!is_done) mesh.vertex_attributes[mesh.triangles.back().x].texture.y ^= 1;
+    is_done = true;
+  });
+  expectDifference("(I1)");
+}
+
+TEST_F(Against, findsErrorsThatAreGivenTooSmall) {
+  alter(
+      [](Node& node) {
+        for (Rung& rung : node.rungs) rung.error_model *= 0.4f;
+      },
+      {});
+  expectDifference("(I4)");
+}
+
+}  // namespace
+}  // namespace lode::ingest

@@ -1,0 +1,182 @@
+#include "server/ingest/inspect/doctor.h"
+
+#include <optional>
+#include <sstream>
+
+#include "tests/unit/ingest/ply/ply_fixture.h"
+#include "tests/unit/ingest/textures/image_files.h"
+
+namespace lode::ingest {
+namespace {
+
+DoctorReport examineFile(const std::filesystem::path& path, uint64_t memory_bytes = 256 << 20) {
+  return examine({.input = path, .memory_bytes = memory_bytes, .threads = 1, .temporary_folder = {}});
+}
+
+std::string header(const std::string& vertices, const std::string& faces, const std::string& comment = "") {
+  return "ply\nformat ascii 1.0\n" + comment + "element vertex " + vertices +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face " + faces +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+/// Two triangles that share an edge, in the same orientation, and one far away that repeats a place.
+const std::string kThreeTriangles = header("8", "3") +
+                                    "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 0\n5 5 5\n6 5 5\n9 9 9\n"
+                                    "3 0 1 2\n3 4 2 3\n3 5 6 0\n";
+
+bool mentions(const DoctorReport& report, bool is_fatal, const std::string& words) {
+  return std::any_of(report.problems.begin(), report.problems.end(), [&](const auto& problem) {
+    return problem.is_fatal == is_fatal && problem.text.find(words) != std::string::npos;
+  });
+}
+
+TEST(Doctor, countsEdgesPiecesAndDuplicatesAfterJoiningEqualPlaces) {
+  const PlyFolder folder;
+  const DoctorReport report = examineFile(folder.write(kThreeTriangles));
+  ASSERT_TRUE(report.topology);
+  EXPECT_EQ(report.topology->duplicate_vertices, 1u);
+  EXPECT_EQ(report.topology->unused_vertices, 1u);
+  EXPECT_EQ(report.topology->open_edges, 7u);
+  EXPECT_EQ(report.topology->non_manifold_edges, 0u);
+  EXPECT_EQ(report.topology->misoriented_edges, 0u);
+  EXPECT_EQ(report.topology->pieces, 1u) << "the third hangs on the others by a vertex";
+  EXPECT_EQ(report.max, glm::dvec3(6, 5, 5)) << "no face uses the farthest vertex";
+  EXPECT_TRUE(report.is_buildable);
+}
+
+TEST(Doctor, findsNonManifoldAndMisorientedEdges) {
+  const PlyFolder folder;
+  const DoctorReport report = examineFile(folder.write(
+      header("6", "4") + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 -1 0\n1 1 0\n3 0 1 2\n3 0 1 3\n3 1 0 4\n3 1 2 5\n"));
+  ASSERT_TRUE(report.topology);
+  EXPECT_EQ(report.topology->non_manifold_edges, 1u);
+  EXPECT_EQ(report.topology->misoriented_edges, 1u);
+}
+
+TEST(Doctor, saysWhereEveryBadValueIs) {
+  const PlyFolder folder;
+  const DoctorReport report = examineFile(folder.write(
+      header("5", "4") + "0 0 0\n1 0 0\n0 1 0\nnan 0 0\n1 1 1\n3 0 1 2\n3 0 1 9\n3 1 2 1\n3 0 2 4\n"));
+  EXPECT_FALSE(report.is_buildable);
+  EXPECT_TRUE(report.is_readable);
+  EXPECT_TRUE(mentions(report, true, "vertex 3 at line 13: its position is NaN or infinite"));
+  EXPECT_TRUE(mentions(report, true, "face 1 at line 16: there is no vertex 9"));
+  EXPECT_TRUE(mentions(report, false, "face 2 at line 17: a vertex occurs twice in it"));
+  EXPECT_TRUE(report.forecast) << "of a build with --skip-bad";
+}
+
+TEST(Doctor, showsTheFirstFewDefectsAndCountsTheOthers) {
+  const PlyFolder folder;
+  std::string text = header("3", "1000") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (int i = 1; i < 1000; ++i) text += "3 0 1 7\n";
+  const DoctorReport report = examineFile(folder.write(text));
+  EXPECT_LT(report.problems.size(), 10u);
+  EXPECT_TRUE(mentions(report, true, "994 more"));
+}
+
+TEST(Doctor, saysOfAFileThatEndsTooEarlyThatItCannotBeBuilt) {
+  const PlyFolder folder;
+  const DoctorReport report = examineFile(folder.write(header("3", "1") + "0 0 0\n1 0 0\n"));
+  EXPECT_TRUE(report.header);
+  EXPECT_FALSE(report.is_readable);
+  EXPECT_TRUE(mentions(report, true, "truncated"));
+  EXPECT_FALSE(report.forecast);
+}
+
+TEST(Doctor, refusesWhatABuildRefuses) {
+  const PlyFolder folder;
+  EXPECT_FALSE(examineFile(folder.write("no ply at all")).is_readable);
+  EXPECT_FALSE(examineFile(folder.write(header("3", "1") + "0 0 0\n1 0 0\n0 1 0\n3 0 0 1\n")).is_readable)
+      << "no face is left";
+  EXPECT_FALSE(examineFile(folder.write(header("3", "1") + "2 2 2\n2 2 2\n2 2 2\n3 0 1 2\n")).is_readable)
+      << "all at one place";
+}
+
+TEST(Doctor, looksForTexturesBesideTheFile) {
+  const PlyFolder folder;
+  folder.write("not looked into", "here.png");
+  const DoctorReport report = examineFile(
+      folder.write(header("3", "1", "comment TextureFile here.png\ncomment TextureFile gone.png\n") +
+                   "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+  ASSERT_EQ(report.textures.size(), 2u);
+  EXPECT_TRUE(report.textures[0].is_found);
+  EXPECT_FALSE(report.textures[1].is_found);
+  EXPECT_TRUE(mentions(report, false, "gone.png"));
+  EXPECT_TRUE(report.is_buildable);
+}
+
+TEST(Doctor, saysWhatABuildWillDoWithTextureImages) {
+  const PlyFolder folder;
+  const auto examined = [&](const std::string& images) {
+    return examineFile(folder.write("ply\nformat ascii 1.0\n" + images +
+                                    "element vertex 3\nproperty float x\nproperty float y\n"
+                                    "property float z\nproperty float s\nproperty float t\n"
+                                    "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                                    "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"));
+  };
+  const std::filesystem::path text = folder.write("no picture", "text.png");
+  test::writeBytes(text.parent_path() / "huge.png", test::pngHeader(60000, 60000));
+  test::writeBytes(text.parent_path() / "good.png", test::pngOf(test::makePhoto(900, 900)));
+  const DoctorReport large = examined("comment TextureFile huge.png\n");
+  EXPECT_TRUE(mentions(large, true, "'huge.png' has 60000 x 60000 pixels"));
+  EXPECT_FALSE(large.is_buildable);
+  const DoctorReport without = examined("comment TextureFile text.png\n");
+  EXPECT_TRUE(mentions(without, false, "'text.png' is no JPEG, PNG or WebP picture"));
+  EXPECT_TRUE(without.is_buildable);
+  const DoctorReport with = examined("comment TextureFile good.png\n");
+  ASSERT_TRUE(with.forecast && without.forecast);
+  EXPECT_TRUE(with.problems.empty());
+  EXPECT_GT(with.forecast->store_bytes, without.forecast->store_bytes + 5000);
+  EXPECT_GT(with.forecast->temporary_bytes, without.forecast->temporary_bytes + 5000);
+  EXPECT_GT(with.forecast->memory_bytes, without.forecast->memory_bytes + 900 * 900 * 4);
+
+  std::string many;
+  for (int i = 0; i < 5000; ++i) many += "comment TextureFile good.png\n";
+  const DoctorReport refused = examined(many);
+  EXPECT_FALSE(refused.is_buildable);
+  EXPECT_TRUE(mentions(refused, true, "5000 texture files"));
+}
+
+TEST(Doctor, doesNotCountTopologyBeyondItsMemory) {
+  const PlyFolder folder;
+  const DoctorReport report = examineFile(folder.write(kThreeTriangles), 200);
+  EXPECT_FALSE(report.topology);
+  EXPECT_EQ(report.counts.triangles, 3u);
+  EXPECT_TRUE(report.is_buildable);
+}
+
+/// The number behind `name=` in a manifest's topology; of the mesh with equal places joined, if it has both.
+std::optional<uint64_t> numberOf(const std::string& topology, const std::string& name) {
+  const std::string counts = topology.substr(0, topology.find("||"));
+  const size_t at = counts.rfind(name + "=");
+  if (at == std::string::npos) return std::nullopt;
+  return std::stoull(counts.substr(at + name.size() + 1));
+}
+
+TEST(Doctor, countsWhatTheManifestOfTheTestDataSays) {
+  const char* folder = std::getenv("LODESTREAM_TEST_DATA");
+  if (folder == nullptr) GTEST_SKIP() << "set LODESTREAM_TEST_DATA to the folder with MANIFEST.tsv";
+  std::ifstream file(std::filesystem::path(folder) / "MANIFEST.tsv");
+  size_t checked = 0;
+  for (std::string line; std::getline(file, line);) {
+    std::vector<std::string> cells;
+    std::istringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, '\t');) cells.push_back(cell);
+    if (cells.size() < 13 || !cells[12].starts_with("accept") || !numberOf(cells[8], "bnd")) continue;
+    SCOPED_TRACE(cells[0]);
+    const DoctorReport report = examineFile(std::filesystem::path(folder) / cells[0]);
+    if (!report.topology || report.counts.dropped_faces > 0) continue;
+    EXPECT_EQ(report.topology->open_edges, numberOf(cells[8], "bnd"));
+    EXPECT_EQ(report.topology->pieces, numberOf(cells[8], "comps"));
+    EXPECT_EQ(report.topology->duplicate_vertices, numberOf(cells[8], "dupvert"));
+    EXPECT_EQ(report.topology->unused_vertices, numberOf(cells[8], "unref"));
+    if (numberOf(cells[8], "degen") == 0u) {
+      EXPECT_EQ(report.topology->non_manifold_edges, numberOf(cells[8], "nonman"));
+    }
+    ++checked;
+  }
+  EXPECT_GE(checked, 20u);
+}
+
+}  // namespace
+}  // namespace lode::ingest

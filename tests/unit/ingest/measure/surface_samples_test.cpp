@@ -1,0 +1,177 @@
+#include "server/ingest/measure/surface_samples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/mesh/mesh_welder.h"
+#include "server/ingest/simplify/collapse.h"
+#include "tests/support/node_meshes.h"
+
+namespace lode::ingest {
+namespace {
+
+NodeMesh randomTriangles(size_t count, uint32_t extent, uint32_t size) {
+  std::mt19937 random(5);
+  MeshWelder welder;
+  welder.begin({}, 3 * count, count);
+  for (size_t t = 0; t < count; ++t) {
+    const glm::uvec3 base(random() % extent, random() % extent, random() % extent);
+    glm::u32vec3 corners;
+    for (int k = 0; k < 3; ++k) {
+      const glm::uvec3 at = base + glm::uvec3(random() % size, random() % size, random() % size);
+      corners[k] = welder.addCorner(packPosition(at), kNeverLocked, {});
+    }
+    welder.addTriangle(corners);
+  }
+  return welder.finish();
+}
+
+/// A fine barycentric grid over every triangle.
+std::vector<glm::dvec3> pointsOver(const NodeMesh& mesh, int steps) {
+  std::vector<glm::dvec3> points;
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const glm::dvec3 a(unpackPosition(mesh.positions[mesh.wedge_position[t.x]]));
+    const glm::dvec3 b(unpackPosition(mesh.positions[mesh.wedge_position[t.y]]));
+    const glm::dvec3 c(unpackPosition(mesh.positions[mesh.wedge_position[t.z]]));
+    for (int i = 0; i <= steps; ++i) {
+      for (int j = 0; i + j <= steps; ++j)
+        points.push_back(a + (b - a) * (double(i) / steps) + (c - a) * (double(j) / steps));
+    }
+  }
+  return points;
+}
+
+/// Smallest distance to a fine grid over every triangle: never below the true one.
+double bruteDistance(const NodeMesh& mesh, glm::dvec3 point) {
+  double best = 1e30;
+  for (const glm::dvec3 on : pointsOver(mesh, 24)) best = std::min(best, glm::distance(on, point));
+  return best;
+}
+
+TEST(TriangleGrid, findsTheDistanceThatBruteForceFinds) {
+  std::mt19937 random(9);
+  for (const uint32_t size : {20u, 400u}) {
+    const NodeMesh mesh = randomTriangles(200, 1000, size);
+    const TriangleGrid grid(mesh);
+    for (int i = 0; i < 100; ++i) {
+      const glm::uvec3 point(random() % 1400, random() % 1400, random() % 1400);
+      const double expected = bruteDistance(mesh, glm::dvec3(point));
+      const double found = grid.distance(packPosition(point));
+      EXPECT_LE(found, expected + 1e-2);
+      EXPECT_GE(found, expected - size / 12.0);  // what the barycentric grid may miss
+    }
+  }
+}
+
+TEST(TriangleGrid, takesMemoryInProportionToTheTrianglesHoweverLongTheyAre) {
+  // 8000 triangles across the whole box would stand in some 200 million cells of an edge's length.
+  const NodeMesh mesh = randomTriangles(8000, 1, 100000);
+  const TriangleGrid grid(mesh);
+  EXPECT_EQ(grid.distance(mesh.positions[0]), 0);
+  EXPECT_LE(grid.memberCount(), 16 * mesh.triangles.size());
+}
+
+TEST(TriangleGrid, isInfinitelyFarFromAnEmptyMesh) {
+  EXPECT_TRUE(std::isinf(TriangleGrid(NodeMesh{}).distance(packPosition({1, 2, 3}))));
+}
+
+TEST(SurfaceSamples, keepTheLargestDeviationsAndAHashedChoiceOfTheRest) {
+  std::vector<SurfaceSample> samples;
+  for (uint32_t i = 0; i < 1000; ++i)
+    samples.push_back({packPosition({i, 0, 0}), i < 40 ? 100.f + static_cast<float>(i) : 1.f, i});
+  std::vector<SurfaceSample> shuffled = samples;
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(4));
+  selectSamples(samples, 100);
+  selectSamples(shuffled, 100);
+  const auto byPosition = [](const SurfaceSample& a, const SurfaceSample& b) {
+    return a.position < b.position;
+  };
+  std::sort(samples.begin(), samples.end(), byPosition);
+  std::sort(shuffled.begin(), shuffled.end(), byPosition);
+  ASSERT_EQ(samples.size(), 100u);
+  for (size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(samples[i].position, shuffled[i].position);
+  EXPECT_GE(std::count_if(samples.begin(), samples.end(),
+                          [](const SurfaceSample& s) { return s.deviation >= 100; }),
+            40);
+}
+
+TEST(SurfaceSamples, countAPositionOnceWithItsLargestDeviation) {
+  std::vector<SurfaceSample> samples{{packPosition({1, 1, 1}), 1}, {packPosition({1, 1, 1}), 3}};
+  dropDuplicates(samples);
+  ASSERT_EQ(samples.size(), 1u);
+  EXPECT_EQ(samples[0].deviation, 3);
+}
+
+TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
+  const NodeMesh input = test::nodeOf(test::makeSphere(60, 40));
+  std::vector<SurfaceSample> samples;
+  for (uint32_t i = 0; i < input.positions.size(); ++i) samples.push_back({input.positions[i], 0, i});
+  collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    const TriangleGrid to_rung(rung.mesh), to_input(input);
+    float forward = 0, backward = 0;
+    double between = 0;
+    for (const PositionCode position : input.positions)
+      forward = std::max(forward, to_rung.distance(position));
+    for (const PositionCode position : rung.mesh.positions)
+      backward = std::max(backward, to_input.distance(position));
+    for (const glm::dvec3 point : pointsOver(rung.mesh, 24))
+      between = std::max<double>(between, to_input.distance(glm::vec3(point)));
+    const SurfaceWalk walk(rung.mesh);
+    const std::vector<float> deviations =
+        deviationsFrom(rung, input, walk, placesOn(rung, input, walk), samples);
+    EXPECT_FLOAT_EQ(*std::max_element(deviations.begin(), deviations.end()), forward);
+    const float farthest = farthestPlace(rung, RungInput(input, 0), sourcesOf(rung, input));
+    EXPECT_GE(farthest, backward);
+    EXPECT_GE(farthest, 0.9 * between);
+    EXPECT_LE(farthest, 1.001 * between);
+  });
+}
+
+TEST(SurfaceSamples, lieInsideTrianglesThatAreLargeBesideTheOthers) {
+  NodeMesh mesh = test::nodeOf(test::makeGrid(40, 40));
+  EXPECT_TRUE(samplesInside(mesh).empty());
+  const auto first = static_cast<uint32_t>(mesh.positions.size());
+  const auto wedge = static_cast<uint32_t>(mesh.wedge_position.size());
+  for (const glm::uvec3 corner :
+       {glm::uvec3(0, 0, 9), glm::uvec3(1 << 20, 0, 9), glm::uvec3(0, 1 << 20, 9)}) {
+    mesh.wedge_position.push_back(static_cast<uint32_t>(mesh.positions.size()));
+    mesh.positions.push_back(packPosition(corner));
+  }
+  mesh.triangles.emplace_back(wedge, wedge + 1, wedge + 2);
+  const std::vector<SurfaceSample> samples = samplesInside(mesh);
+  EXPECT_GT(samples.size(), 30u);
+  for (const SurfaceSample& sample : samples) {
+    const glm::uvec3 at = unpackPosition(sample.position);
+    EXPECT_EQ(sample.near, first);
+    EXPECT_EQ(at.z, 9u);
+    EXPECT_LE(at.x + at.y, 1u << 20);
+  }
+}
+
+TEST(SurfaceSamples, areNoneInsideAMeshWithoutArea) {
+  NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
+  mesh.positions.assign(mesh.positions.size(), mesh.positions[0]);
+  EXPECT_TRUE(samplesInside(mesh).empty());
+  EXPECT_TRUE(samplesInside(NodeMesh{}).empty());
+}
+
+TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
+  const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
+  SimplifiedMesh rung{mesh, std::vector<uint32_t>(mesh.positions.size(), kVanished)};
+  std::vector<SurfaceSample> samples;
+  const PositionCode away = packPosition(unpackPosition(mesh.positions[0]) + glm::uvec3(0, 0, 70));
+  samples.push_back({away, 0, kVanished});
+  samples.push_back({mesh.positions[0], 0, 0});
+  const SurfaceWalk walk(mesh);
+  const std::vector<float> deviations = deviationsFrom(rung, mesh, walk, placesOn(rung, mesh, walk), samples);
+  EXPECT_FLOAT_EQ(deviations[0], TriangleGrid(mesh).distance(away));
+  EXPECT_EQ(deviations[1], 0);
+}
+
+}  // namespace
+}  // namespace lode::ingest

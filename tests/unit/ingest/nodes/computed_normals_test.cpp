@@ -1,0 +1,123 @@
+#include "server/ingest/nodes/computed_normals.h"
+
+#include <array>
+
+#include <gtest/gtest.h>
+
+#include "common/octahedral.h"
+#include "server/ingest/measure/surface_samples.h"
+#include "server/ingest/simplify/collapse.h"
+#include "tests/support/node_meshes.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint8_t kComputed = AttributeSet::kNormal | AttributeSet::kComputedNormal;
+
+void giveNormals(SimplifiedMesh& rung, const NodeMesh& mesh) {
+  giveComputedNormals(rung, mesh, sourcesOf(rung, mesh), placesOn(rung, mesh, SurfaceWalk(rung.mesh)));
+}
+
+/// A square whose corners look along x, y, z and z, of which the first two become a corner of a triangle.
+uint16_t normalAt(PositionCode place, uint8_t lca_depth) {
+  NodeMesh mesh;
+  mesh.attributes.bits = kComputed;
+  mesh.positions = {packPosition({0, 0, 0}), packPosition({30, 0, 0}), packPosition({30, 30, 0}),
+                    packPosition({0, 30, 0})};
+  mesh.lca_depth.assign(4, lca_depth);
+  mesh.wedge_position = {0, 1, 2, 3};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  for (const glm::vec3 axis :
+       {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1), glm::vec3(0, 0, 1)})
+    mesh.wedge_attributes.push_back({.normal = encodeOctahedral(axis), .material = 0});
+  SimplifiedMesh rung;
+  rung.mesh.positions = {place, mesh.positions[2], mesh.positions[3]};
+  rung.mesh.lca_depth.assign(3, lca_depth);
+  rung.mesh.wedge_position = {0, 1, 2};
+  rung.mesh.triangles = {{0, 1, 2}};
+  rung.became = {0, 0, 1, 2};
+  giveNormals(rung, mesh);
+  return rung.mesh.wedge_attributes[0].normal;
+}
+
+TEST(ComputedNormals, lookAboutAsThoseThatHaveBecomeAPositionDoInTheMean) {
+  const glm::vec3 normal = decodeOctahedral(normalAt(packPosition({15, 0, 0}), kNeverLocked));
+  EXPECT_NEAR(normal.x, normal.y, 0.02);
+  EXPECT_GT(glm::dot(normal, glm::normalize(glm::vec3(1, 1, 0))), 0.9f);
+}
+
+TEST(ComputedNormals, stayToTheBitWhereAPositionThatLeavesShareHasNotMoved) {
+  EXPECT_EQ(normalAt(packPosition({30, 0, 0}), 2), encodeOctahedral({0, 1, 0}));
+}
+
+/// Sum over the input's positions of the squares by which a rung's normals, between its corners, miss theirs.
+float missed(const SimplifiedMesh& rung, const NodeMesh& mesh) {
+  const std::vector<SurfaceWalk::Place> places = placesOn(rung, mesh, SurfaceWalk(rung.mesh));
+  float sum = 0;
+  for (size_t wedge = 0; wedge < mesh.wedge_position.size(); ++wedge) {
+    const SurfaceWalk::Place& place = places[mesh.wedge_position[wedge]];
+    glm::vec3 off = decodeOctahedral(mesh.wedge_attributes[wedge].normal);
+    for (int k = 0; k < 3; ++k)
+      off -= place.shares[k] *
+             decodeOctahedral(rung.mesh.wedge_attributes[rung.mesh.triangles[place.triangle][k]].normal);
+    sum += glm::dot(off, off);
+  }
+  return sum;
+}
+
+TEST(ComputedNormals, areSharperThanTheMeansOfThoseThatWereMerged) {
+  NodeMesh mesh = test::nodeOf(test::makeSphere(60, 40, {.attributes = {AttributeSet::kNormal}}));
+  mesh.attributes.bits = kComputed;
+  for (size_t wedge = 0; wedge < mesh.wedge_position.size(); ++wedge) {
+    VertexAttributes& attributes = mesh.wedge_attributes[wedge];
+    const glm::vec3 outward = decodeOctahedral(attributes.normal);
+    attributes.normal = encodeOctahedral(outward + 0.5f * glm::sin(8.f * outward));
+  }
+  collapse(withoutComputedNormals(mesh), std::array<size_t, 1>{800}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    giveNormals(rung, mesh);
+    SimplifiedMesh with_means = rung;
+    std::vector<glm::vec3> sums(rung.mesh.positions.size(), glm::vec3(0));
+    for (size_t wedge = 0; wedge < mesh.wedge_position.size(); ++wedge)
+      sums[rung.became[mesh.wedge_position[wedge]]] += decodeOctahedral(mesh.wedge_attributes[wedge].normal);
+    for (size_t wedge = 0; wedge < rung.mesh.wedge_position.size(); ++wedge)
+      with_means.mesh.wedge_attributes[wedge].normal =
+          encodeOctahedral(sums[rung.mesh.wedge_position[wedge]]);
+    EXPECT_LT(missed(rung, mesh), 0.95f * missed(with_means, mesh));
+  });
+}
+
+TEST(ComputedNormals, areGivenToEveryVertexOfARung) {
+  NodeMesh mesh = test::nodeOf(test::makeSphere(30, 20, {.attributes = {AttributeSet::kNormal}}));
+  mesh.attributes.bits = kComputed;
+  collapse(withoutComputedNormals(mesh), std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    EXPECT_TRUE(rung.mesh.wedge_attributes.empty());
+    giveNormals(rung, mesh);
+    EXPECT_EQ(rung.mesh.attributes.bits, kComputed);
+    EXPECT_EQ(rung.mesh.wedge_attributes.size(), rung.mesh.positions.size());
+  });
+}
+
+TEST(ComputedNormals, leaveOtherAttributesAsTheyAre) {
+  constexpr uint8_t kColoured = kComputed | AttributeSet::kColour;
+  NodeMesh mesh = test::nodeOf(test::makeSphere(30, 20, {.attributes = {AttributeSet::kColour}}));
+  for (VertexAttributes& attributes : mesh.wedge_attributes) attributes.normal = 77;
+  mesh.attributes.bits = kColoured;
+  const NodeMesh bare = withoutComputedNormals(mesh);
+  EXPECT_EQ(bare.attributes.bits, AttributeSet::kColour);
+  ASSERT_EQ(bare.wedge_attributes.size(), mesh.wedge_attributes.size());
+  for (size_t i = 0; i < bare.wedge_attributes.size(); ++i) {
+    EXPECT_EQ(bare.wedge_attributes[i].normal, 0);
+    EXPECT_EQ(bare.wedge_attributes[i].colour, mesh.wedge_attributes[i].colour);
+  }
+  collapse(bare, std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    const std::vector<VertexAttributes> before = rung.mesh.wedge_attributes;
+    giveNormals(rung, mesh);
+    EXPECT_EQ(rung.mesh.attributes.bits, kColoured);
+    ASSERT_EQ(rung.mesh.wedge_attributes.size(), before.size());
+    for (size_t i = 0; i < before.size(); ++i)
+      EXPECT_EQ(rung.mesh.wedge_attributes[i].colour, before[i].colour);
+  });
+}
+
+}  // namespace
+}  // namespace lode::ingest

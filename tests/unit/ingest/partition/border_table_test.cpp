@@ -1,0 +1,53 @@
+#include "server/ingest/partition/border_table.h"
+
+#include <gtest/gtest.h>
+
+#include "server/ingest/partition/leaf_mesh.h"
+
+namespace lode::ingest {
+namespace {
+
+TEST(BorderTable, locksSharedVerticesBelowTheLowestCommonAncestorOfTheirLeaves) {
+  const TemporaryFolder folder(testing::TempDir());
+  BorderTable table(folder, 1 << 20);
+  // Leaves 0 and 1 are siblings at depth 2; leaf 2 is a shallower one at depth 1.
+  const NodeKey leaves[] = {kRootKey.child(0).child(0), kRootKey.child(0).child(1), kRootKey.child(1)};
+  table.add({10}, 0, {0, 0, 4});
+  table.add({10}, 1, {0, 0, 4});
+  table.add({20}, 0, {0, 0, 1});
+  table.add({20}, 2, {0, 0, 1});
+  table.add({30}, 0, {0, 0, 1});
+  table.join(leaves);
+
+  const auto first = table.read(0);
+  ASSERT_EQ(first.size(), 2u);
+  EXPECT_EQ(first[0].position, PositionCode{10});
+  EXPECT_EQ(first[0].lca_depth, 1);
+  EXPECT_EQ(first[1].position, PositionCode{20});
+  EXPECT_EQ(first[1].lca_depth, 0);
+  EXPECT_EQ(table.read(1).size(), 1u);
+  EXPECT_EQ(table.read(2).size(), 1u);
+}
+
+TEST(BorderTable, leavesVerticesThatOnlyOneLeafListsUnlocked) {
+  const TemporaryFolder folder(testing::TempDir());
+  BorderTable table(folder, 1 << 20);
+  const NodeKey leaves[] = {kRootKey.child(0), kRootKey.child(1)};
+  table.add({30}, 0, {1, 0, 0});
+  table.join(leaves);
+  EXPECT_TRUE(table.read(0).empty());
+}
+
+TEST(BorderTable, addsUpTheNormalsOfAllLeaves) {
+  const TemporaryFolder folder(testing::TempDir());
+  BorderTable table(folder, 1 << 20);
+  const NodeKey leaves[] = {kRootKey.child(0), kRootKey.child(1)};
+  table.add({30}, 0, {1000, 0, 0});
+  table.add({30}, 1, {0, 1000, 0});
+  table.join(leaves);
+  EXPECT_EQ(table.read(0).front().normal, normalOf({1, 1, 0}));
+  EXPECT_EQ(table.read(1).front().normal, normalOf({1, 1, 0}));
+}
+
+}  // namespace
+}  // namespace lode::ingest

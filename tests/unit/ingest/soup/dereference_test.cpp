@@ -1,0 +1,138 @@
+#include "server/ingest/soup/dereference.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace lode::ingest {
+namespace {
+
+/// Random faces of 3 to 5 corners over random vertices with colours, in several blocks.
+void fill(PackedInput& input) {
+  std::mt19937 random(3);
+  constexpr uint32_t kVertices = 20000;
+  std::vector<PlyVertex> vertices;
+  for (uint32_t v = 0; v < kVertices; ++v) {
+    vertices.push_back({.position = {random() % 1000, random() % 1000, random() % 1000},
+                        .colour = {static_cast<uint8_t>(v), static_cast<uint8_t>(v >> 8), 7, 255}});
+  }
+  input.addVertices(vertices);
+  for (int block = 0; block < 20; ++block) {
+    PlyFaces faces;
+    for (int f = 0; f < 100; ++f) {
+      const uint32_t corners = block % 3 == 0 ? 3 : 3 + static_cast<uint32_t>(random() % 3);
+      faces.corner_counts.push_back(corners);
+      const uint64_t first = random() % (kVertices - 8);
+      for (uint32_t c = 0; c < corners; ++c) faces.corners.push_back(first + c);
+    }
+    input.addFaces(faces);
+  }
+  input.flush();
+}
+
+std::vector<SoupTriangle> run(const PackedInput& input, uint64_t memory_bytes, DereferenceCounts& counts) {
+  std::vector<SoupTriangle> soup;
+  counts = dereference(input, Lattice{}, memory_bytes,
+                       [&](const SoupTriangle& triangle) { soup.push_back(triangle); }, {});
+  return soup;
+}
+
+TEST(Dereference, givesTheSameTrianglesInTheSameOrderWhateverTheMemory) {
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{AttributeSet::kColour}, false);
+  fill(input);
+  DereferenceCounts at_once, in_batches;
+  const auto whole = run(input, 1 << 30, at_once);
+  const auto parts = run(input, 1, in_batches);
+  ASSERT_EQ(whole.size(), parts.size());
+  EXPECT_EQ(at_once.triangles, whole.size());
+  EXPECT_EQ(at_once.dropped, in_batches.dropped);
+  for (size_t t = 0; t < whole.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_EQ(whole[t].corners[k], parts[t].corners[k]);
+      ASSERT_EQ(whole[t].attributes[k], parts[t].attributes[k]);
+    }
+  }
+}
+
+TEST(Dereference, dropsAndCountsTrianglesWhoseCornersCoincideOnTheLattice) {
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{}, true);
+  const std::vector<PlyVertex> vertices{
+      {.position = {0, 0, 0}}, {.position = {0.3, 0, 0}}, {.position = {5, 0, 0}}, {.position = {0, 5, 0}}};
+  input.addVertices(vertices);
+  PlyFaces faces;
+  faces.corner_counts = {3, 3};
+  faces.corners = {0, 1, 2, 0, 2, 3};
+  input.addFaces(faces);
+  input.flush();
+  DereferenceCounts counts;
+  EXPECT_EQ(run(input, 1 << 20, counts).size(), 1u);
+  EXPECT_EQ(counts.triangles, 1u);
+  EXPECT_EQ(counts.dropped, 1u);
+}
+
+/// A quad and a triangle over five vertices.
+struct TwoFaces {
+  std::vector<PlyVertex> vertices{{.position = {0, 0, 0}, .texture = {0, 0}},
+                                  {.position = {10, 0, 0}, .texture = {1.25, 0}},
+                                  {.position = {10, 10, 0}, .texture = {1.25, 0.5}},
+                                  {.position = {0, 10, 0}, .texture = {0, 0.5}},
+                                  {.position = {5, 20, 0}, .texture = {-0.5, 0.25}}};
+  PlyFaces faces{.corner_counts = {4, 3}, .corners = {0, 1, 2, 3, 3, 2, 4}, .texture = {}, .materials = {}};
+};
+
+glm::dvec2 uvOf(const PackedInput& input, const VertexAttributes& attributes) {
+  return input.uvGrid().origin +
+         glm::dvec2(attributes.texture) * std::ldexp(1.0, input.uvGrid().scale_exponent - 16);
+}
+
+TEST(Dereference, givesEachCornerTheTextureCoordinatesOfItsVertex) {
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{AttributeSet::kTexture | AttributeSet::kColour}, false);
+  const TwoFaces model;
+  input.addVertices(model.vertices);
+  input.addFaces(model.faces);
+  input.flush();
+  input.setUvGrid(chooseUvGrid(input.uvRange(), "a.ply"));
+  DereferenceCounts counts;
+  const auto soup = run(input, 1 << 20, counts);
+  ASSERT_EQ(soup.size(), 3u);
+  for (const SoupTriangle& triangle : soup)
+    for (int k = 0; k < 3; ++k)
+      for (const PlyVertex& vertex : model.vertices)
+        if (packPosition(Lattice{}.snap(vertex.position)) == triangle.corners[k]) {
+          EXPECT_EQ(uvOf(input, triangle.attributes[k]), glm::dvec2(vertex.texture));
+        }
+}
+
+TEST(Dereference, givesEachCornerItsOwnTextureCoordinatesAndItsFacesMaterial) {
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{AttributeSet::kTexture | AttributeSet::kMaterial}, false, true);
+  TwoFaces model;
+  for (uint32_t c = 0; c < 7; ++c) model.faces.texture.emplace_back(-0.125f * static_cast<float>(c), 0.5f);
+  model.faces.materials = {3, kNoMaterial};
+  input.addVertices(model.vertices);
+  input.addFaces(model.faces);
+  input.flush();
+  input.setUvGrid(chooseUvGrid(input.uvRange(), "a.ply"));
+  DereferenceCounts counts;
+  const auto soup = run(input, 1 << 20, counts);
+  ASSERT_EQ(soup.size(), 3u);
+  for (size_t t = 0; t < 3; ++t)
+    for (int k = 0; k < 3; ++k) {
+      const VertexAttributes& attributes = soup[t].attributes[k];
+      EXPECT_EQ(attributes.material, t < 2 ? 3 : kNoMaterial);
+      const size_t first = t < 2 ? 0 : 4, end = t < 2 ? 4 : 7;
+      bool found = false;
+      for (size_t c = first; c < end; ++c)
+        found = found || (packPosition(Lattice{}.snap(model.vertices[model.faces.corners[c]].position)) ==
+                              soup[t].corners[k] &&
+                          uvOf(input, attributes) == glm::dvec2(model.faces.texture[c]));
+      EXPECT_TRUE(found) << t << " " << k;
+    }
+}
+
+}  // namespace
+}  // namespace lode::ingest

@@ -1,0 +1,139 @@
+#include "server/ingest/textures/image_decoder.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "common/jpeg_decoder.h"
+#include "server/ingest/textures/tile_encoder.h"
+#include "tests/support/jpeg_files.h"
+#include "tests/unit/ingest/textures/image_files.h"
+
+namespace lode::ingest {
+namespace {
+
+using test::makePhoto;
+using test::pngHeader;
+using test::pngOf;
+
+constexpr uint64_t kMega = 1 << 20;
+
+Image decoded(std::span<const std::byte> file, uint64_t memory_bytes = 64 * kMega) {
+  std::string damage;
+  return decodeImage(file, memory_bytes, damage);
+}
+
+void expectRefused(std::span<const std::byte> file, const std::string& why,
+                   ErrorCode code = ErrorCode::kInput, uint64_t memory_bytes = 64 * kMega) {
+  try {
+    decoded(file, memory_bytes);
+    ADD_FAILURE() << "accepted, not refused for: " << why;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code);
+    EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+  }
+}
+
+double meanDifference(const Image& a, const Image& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.texels.size(); ++i)
+    for (int c = 0; c < 4; ++c) sum += std::abs(int{a.texels[i][c]} - int{b.texels[i][c]});
+  return sum / (4.0 * static_cast<double>(a.texels.size()));
+}
+
+TEST(DecodeImage, readsPngJpegAndWebp) {
+  const Image opaque = makePhoto(70, 50), clear = makePhoto(70, 50, true);
+  EXPECT_EQ(decoded(pngOf(opaque)), opaque);
+  EXPECT_EQ(decoded(pngOf(clear)), clear);
+  EXPECT_EQ(decoded(encodeTile(clear, TileCodec::kLossless)), clear);
+  const Image photo = decoded(encodeTile(opaque, TileCodec::kJpeg));
+  ASSERT_EQ(photo.size, opaque.size);
+  EXPECT_LT(meanDifference(photo, opaque), 1.5);
+}
+
+TEST(DecodeImage, refusesWhatIsNoPicture) {
+  expectRefused({}, "no JPEG, PNG or WebP");
+  const std::string text = "GIF89a and so on";
+  expectRefused(std::as_bytes(std::span(text)), "convert it");
+}
+
+TEST(DecodeImage, survivesFilesCutOffAnywhere) {
+  const Image image = makePhoto(40, 30);
+  for (const auto& file : {pngOf(image), encodeTile(image, TileCodec::kJpeg),
+                           encodeTile(image, TileCodec::kWebp), encodeTile(image, TileCodec::kLossless)})
+    for (size_t length = 0; length < file.size(); length += 7) {
+      std::string damage;
+      try {
+        const Image part = decodeImage(std::span(file).first(length), 64 * kMega, damage);
+        EXPECT_TRUE(!damage.empty() || part == decoded(file)) << length << " bytes are said to be whole";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kInput);
+      }
+    }
+}
+
+TEST(DecodeImage, survivesDamageAnywhere) {
+  std::mt19937 random(5);
+  const Image image = makePhoto(40, 30);
+  for (const auto& whole : {pngOf(image), encodeTile(image, TileCodec::kJpeg),
+                            encodeTile(image, TileCodec::kWebp), encodeTile(image, TileCodec::kLossless)})
+    for (int i = 0; i < 500; ++i) {
+      std::vector<std::byte> file = whole;
+      file[random() % file.size()] ^= static_cast<std::byte>(1 + random() % 255);
+      try {
+        decoded(file);
+      } catch (const Error&) {
+      }
+    }
+}
+
+TEST(DecodeImage, refusesSizesAboveTheLimitBeforeItTakesMemory) {
+  expectRefused(pngHeader(65537, 1), "the limit is 65536");
+  expectRefused(pngHeader(1, 65537), "the limit is 65536");
+}
+
+TEST(DecodeImage, refusesWhatDoesNotFitTheMemoryBeforeItTakesAny) {
+  expectRefused(pngHeader(65536, 65536), "raise --memory", ErrorCode::kLimit);
+  expectRefused(pngOf(makePhoto(100, 100)), "raise --memory", ErrorCode::kLimit, 50000);
+}
+
+TEST(DecodeImage, saysWhenAJpegIsDamagedButShown) {
+  std::vector<std::byte> file = encodeTile(makePhoto(200, 200), TileCodec::kJpeg);
+  file.resize(file.size() / 2);
+  std::string damage;
+  EXPECT_EQ(decodeImage(file, 64 * kMega, damage).size, glm::uvec2(200, 200));
+  EXPECT_NE(damage, "");
+}
+
+TEST(DecodeImage, refusesAJpegOfMoreScansThanATileMayHave) {
+  const Image image = makePhoto(64, 64);
+  EXPECT_EQ(decoded(test::jpegOf(image, false, 3, test::jpegScans(kMaxJpegScans))).size, image.size);
+  expectRefused(test::jpegOf(image, false, 3, test::jpegScans(kMaxJpegScans + 1)), "more than 64 scans");
+}
+
+TEST(ChooseCodec, goesByColoursAndAlpha) {
+  EXPECT_EQ(chooseCodec(makePhoto(100, 100)), TileCodec::kJpeg);
+  EXPECT_EQ(chooseCodec(makePhoto(100, 100, true)), TileCodec::kWebp);
+  Image drawing = makePhoto(100, 100);
+  for (glm::u8vec4& texel : drawing.texels) texel &= glm::u8vec4(0xc0);
+  EXPECT_EQ(chooseCodec(drawing), TileCodec::kLossless);
+}
+
+TEST(EncodeTile, keepsAlphaAndColoursCloseToTheTexels) {
+  const Image clear = makePhoto(128, 100, true);
+  const Image back = decoded(encodeTile(clear, TileCodec::kWebp));
+  EXPECT_LT(meanDifference(back, clear), 2.5);
+  for (size_t i = 0; i < back.texels.size(); ++i) EXPECT_EQ(back.texels[i].a, clear.texels[i].a);
+}
+
+TEST(EncodeTile, staysBelowTheLimitOfATileForNoise) {
+  std::mt19937 random(1);
+  Image noise{{512, 512}, {}};
+  for (int i = 0; i < 512 * 512; ++i)
+    noise.texels.emplace_back(random() & 255, random() & 255, random() & 255, random() & 255);
+  for (const TileCodec codec : {TileCodec::kJpeg, TileCodec::kWebp, TileCodec::kLossless})
+    EXPECT_LE(encodeTile(noise, codec).size(), size_t{2} << 20);
+}
+
+}  // namespace
+}  // namespace lode::ingest

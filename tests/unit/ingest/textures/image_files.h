@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <png.h>
+
+#include "common/error.h"
+#include "server/ingest/textures/image_decoder.h"
+
+/// Pictures made for tests, and files of them.
+namespace lode::test {
+
+/// Many colours that change smoothly; alpha of 255, or varying too.
+inline Image makePhoto(uint32_t width, uint32_t height, bool alpha = false) {
+  Image image{{width, height}, {}};
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const auto wave = [&](double fx, double fy) {
+        return static_cast<uint8_t>(127.5 + 127 * std::sin(fx * x + fy * y + 1));
+      };
+      image.texels.emplace_back(wave(0.021, 0.004), wave(0.003, 0.017), wave(0.011, 0.013),
+                                alpha ? wave(0.005, 0.02) : 255);
+    }
+  return image;
+}
+
+inline std::vector<std::byte> pngOf(const Image& image) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = image.size.x;
+  png.height = image.size.y;
+  png.format = PNG_FORMAT_RGBA;
+  png_alloc_size_t size = 0;
+  png_image_write_to_memory(&png, nullptr, &size, 0, image.texels.data(), 0, nullptr);
+  std::vector<std::byte> file(size);
+  if (png_image_write_to_memory(&png, file.data(), &size, 0, image.texels.data(), 0, nullptr) == 0)
+    throw Error(ErrorCode::kInternal, "a PNG could not be made");
+  file.resize(size);
+  return file;
+}
+
+inline void writeBytes(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// A PNG file whose header announces a size of one's own, its checksum right, with data for one texel.
+inline std::vector<std::byte> pngHeader(uint32_t width, uint32_t height) {
+  std::vector<std::byte> file = pngOf(makePhoto(1, 1));
+  for (int i = 0; i < 4; ++i) {
+    file[16 + static_cast<size_t>(i)] = static_cast<std::byte>(width >> (24 - 8 * i) & 255);
+    file[20 + static_cast<size_t>(i)] = static_cast<std::byte>(height >> (24 - 8 * i) & 255);
+  }
+  uint32_t crc = 0xffffffff;
+  for (size_t i = 12; i < 29; ++i) {
+    crc ^= std::to_integer<uint32_t>(file[i]);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320 : 0);
+  }
+  crc = ~crc;
+  for (int i = 0; i < 4; ++i)
+    file[29 + static_cast<size_t>(i)] = static_cast<std::byte>(crc >> (24 - 8 * i) & 255);
+  return file;
+}
+
+}  // namespace lode::test
