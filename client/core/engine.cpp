@@ -93,6 +93,8 @@ void Engine::handle(BlobRefused event) {
   changed_ = true;
 }
 
+void Engine::handle(WishCancelled) { wishes_waiting_ = true; }
+
 void Engine::handle(ServerLeaving event) {
   throw Error(ErrorCode::kNetwork, "the server is going away (" + event.reason + "): connect again");
 }
@@ -179,6 +181,7 @@ void Engine::setView(const View& view, float threshold_px) {
 
 void Engine::step(TimePoint now) {
   session_.tick(now);
+  if (std::exchange(wishes_waiting_, false) && !changed_) renewWishes();
   if (!changed_ || !view_ || !hierarchy_ || !hierarchy_->root()) return;
   changed_ = false;
   Refinement refinement =

@@ -110,6 +110,7 @@ class Engine {
   void handle(ModelsListed event);
   void handle(BlobArrived event);
   void handle(BlobRefused event);
+  void handle(WishCancelled event);
   void handle(ServerLeaving event);
   void handle(ModelChanged event);
 
@@ -139,6 +140,7 @@ class Engine {
   std::optional<View> view_;
   RefineOptions refine_options_;
   bool changed_ = false;
+  bool wishes_waiting_ = false;                  // some may be sent that could not be before
   std::map<uint32_t, Purpose> purposes_;         // by blob number
   std::optional<TextureStream> textures_;        // of a model that has any
   std::map<MeshKey, uint64_t> decoding_;         // handed out; size of the encoded payload

@@ -187,6 +187,7 @@ void Session::handleCancelled(std::span<const std::byte> body) {
   const uint32_t wish = proto::decode<proto::Cancelled>(body).wish;
   const auto found = wishes_.find(wish);
   require(found != wishes_.end() && found->second.cancelling, "it cancelled what was not to be cancelled");
+  event_ = WishCancelled{found->second.incoming.blob};
   endWish(wish);
 }
 
@@ -205,10 +206,15 @@ void Session::handleError(std::span<const std::byte> body) {
 
 void Session::endWish(uint32_t wish) {
   const auto found = wishes_.find(wish);
-  const BlobRef& blob = found->second.incoming.blob;
-  wished_bytes_ -= blob.bytes;
-  wish_of_blob_.erase(blob.number);
+  if (!found->second.cancelling) release(found->second);
+  wish_of_blob_.erase(found->second.incoming.blob.number);
   wishes_.erase(found);
+}
+
+/// A wish no longer counts in the limits.
+void Session::release(const Wish& wish) {
+  wished_bytes_ -= wish.incoming.blob.bytes;
+  --wished_;
 }
 
 void Session::grantCredit() {
@@ -247,16 +253,18 @@ void Session::setWishes(std::span<const BlobWish> wanted) {
   for (auto& [number, wish] : wishes_) {
     if (wish.cancelling || accepted.contains(wish.incoming.blob.number)) continue;
     wish.cancelling = true;
+    release(wish);
     changes.push_back({proto::WishAction::kCancel, wish.wish_class, number, wish.incoming.blob.number, 0});
   }
   for (const BlobWish* wanting : additions) {
     const BlobRef& blob = wanting->blob;
-    if (wishes_.size() >= max_open_wishes_) break;
-    if (!wishes_.empty() && wished_bytes_ + blob.bytes > options_.max_wished_bytes) break;
+    if (wished_ >= max_open_wishes_) break;
+    if (wished_ != 0 && wished_bytes_ + blob.bytes > options_.max_wished_bytes) break;
     const uint32_t number = next_wish_++;
     wishes_.emplace(number, Wish{{blob, {}}, wanting->wish_class, wanting->priority_px, false});
     wish_of_blob_.emplace(blob.number, number);
     wished_bytes_ += blob.bytes;
+    ++wished_;
     changes.push_back(
         {proto::WishAction::kAdd, wanting->wish_class, number, blob.number, wanting->priority_px});
   }

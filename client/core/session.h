@@ -49,13 +49,17 @@ struct BlobRefused {
   BlobRef blob;
   std::string message;
 };
+/// A wish that was taken back has ended without its blob, which may be wished for again from now on.
+struct WishCancelled {
+  BlobRef blob;
+};
 /// The server will close: reconnect.
 struct ServerLeaving {
   std::string reason;
 };
 struct ModelChanged {};
-using SessionEvent =
-    std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, ServerLeaving, ModelChanged>;
+using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, WishCancelled,
+                                  ServerLeaving, ModelChanged>;
 
 struct BlobWish {
   BlobRef blob;
@@ -83,7 +87,9 @@ class Session {
   void expectUnasked(const BlobRef& blob);
 
   /// What the client wants now, best first: wishes for what is new, re-prioritises, and cancels the rest.
-  /// What goes beyond the limits of the session is left for a later call.
+  /// What goes beyond the limits of the session is left for a later call; so is what is wanted again while
+  /// its cancel is under way, until the WishCancelled or the blob that ends it. Wishes taken back count in no
+  /// limit: the server reads the cancels before the adds.
   void setWishes(std::span<const BlobWish> wanted);
 
   /// Keeps the connection alive. @throws Error kTimeout after kSilenceLimit without a byte.
@@ -93,7 +99,7 @@ class Session {
   proto::Bytes takeOutgoing();
 
   bool opened() const noexcept { return state_ == State::kOpen; }
-  size_t openWishes() const noexcept { return wishes_.size(); }
+  size_t openWishes() const noexcept { return wishes_.size(); }  ///< those taken back, too
   uint64_t wishedBytes() const noexcept { return wished_bytes_; }
   uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all that came from the transport
   /// Smallest round trip that a Ping has measured.
@@ -122,6 +128,7 @@ class Session {
   void handleError(std::span<const std::byte> body);
   void handlePong(std::span<const std::byte> body);
   void endWish(uint32_t wish);
+  void release(const Wish& wish);
   void grantCredit();
   void send(const proto::Bytes& frame);
   void sendPing();
@@ -137,7 +144,8 @@ class Session {
   uint32_t next_wish_ = 1;
   std::map<uint32_t, Wish> wishes_;                      // by wish
   std::unordered_map<uint32_t, uint32_t> wish_of_blob_;  // blob number -> wish
-  uint64_t wished_bytes_ = 0;
+  uint64_t wished_bytes_ = 0;  // of wishes that are not taken back, and how many these are
+  size_t wished_ = 0;
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
   uint64_t sent_grant_bytes_;    // what the server can know of: handed out by takeOutgoing()

@@ -208,22 +208,23 @@ void MeshResidency::finish() {
 
 /// Evicts, oldest first, until meshes that are neither drawn nor wanted take at most spare_bytes.
 void MeshResidency::trimTo(uint64_t spare_bytes) {
-  std::vector<Entries::iterator> spare;
+  struct Spare {
+    uint64_t age = 0;
+    Entries::iterator entry;
+  };
+  constexpr uint64_t kNeverAgain = 0;
+  std::vector<Spare> spare;
   uint64_t bytes = 0;
   for (auto it = entries_.begin(); it != entries_.end(); ++it) {
     if (pinned(it->second)) continue;
     bytes += it->second.block.bytes;
-    spare.push_back(it);
+    // Meshes that nobody holds any more can never be asked for again: they go first. Looked at once, since
+    // another thread may let go of one at any time.
+    spare.push_back({it->first.expired() ? kNeverAgain : it->second.used_by, it});
   }
-  // Meshes that nobody holds any more can never be asked for again: they go first.
-  const auto before = [](Entries::iterator a, Entries::iterator b) {
-    const uint64_t age_a = a->first.expired() ? 0 : a->second.used_by;
-    const uint64_t age_b = b->first.expired() ? 0 : b->second.used_by;
-    return age_a < age_b;
-  };
-  std::sort(spare.begin(), spare.end(), before);
-  for (const Entries::iterator it : spare) {
-    if (bytes <= spare_bytes && !it->first.expired()) break;
+  std::stable_sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) { return a.age < b.age; });
+  for (const auto& [age, it] : spare) {
+    if (bytes <= spare_bytes && age != kNeverAgain) break;
     bytes -= it->second.block.bytes;
     pages_.release(it->second.block);
     entries_.erase(it);

@@ -125,6 +125,19 @@ TEST_F(EngineTest, convergesWhenTheWishedPayloadHasCome) {
   EXPECT_EQ(engine_.counts().open_wishes, 0u);
 }
 
+TEST_F(EngineTest, wishesAgainForWhatIsWantedAgainBeforeItsCancelHasEnded) {
+  const uint32_t wish = openAndShowCoarse();
+  engine_.setView(view_, 1e6f);  // too coarse to want it
+  engine_.step(kStart);
+  engine_.setView(view_, 1);
+  engine_.step(kStart);
+  engine_.takeOutgoing();
+  engine_.receive(proto::encode(proto::Cancelled{wish}, 0), kStart);
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.counts().open_wishes, 1u);
+  EXPECT_FALSE(engine_.takeOutgoing().empty());
+}
+
 TEST_F(EngineTest, doesNotWishAgainForWhatIsBeingDecoded) {
   const uint32_t wish = openAndShowCoarse();
   engine_.receive(blobFrame(wish, 1), kStart);

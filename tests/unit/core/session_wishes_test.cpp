@@ -94,6 +94,22 @@ TEST_F(SessionTest, keepsWishesWithinItsLimitOfBytes) {
   EXPECT_LE(session.wishedBytes(), 1000u);
 }
 
+TEST_F(SessionTest, doesNotCountWishesThatItHasTakenBackInItsLimits) {
+  SessionOptions options = optionsFor("model");
+  options.max_wished_bytes = 1000;
+  Session session(options, kStart);
+  session.receive(welcome() + opened(), kStart);
+  while (session.nextEvent()) {
+  }
+  session.setWishes(std::vector<BlobWish>{{blobRef(10, 1000)}});
+  session.takeOutgoing();
+  session.setWishes(std::vector<BlobWish>{{blobRef(11, 1000)}});
+  const auto changes = changesOf(session.takeOutgoing());
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].action, proto::WishAction::kCancel);
+  EXPECT_EQ(changes[1].action, proto::WishAction::kAdd);
+}
+
 TEST_F(SessionTest, wishesForABlobLargerThanTheLimitAlone) {
   SessionOptions options = optionsFor("model");
   options.max_wished_bytes = 1000;

@@ -1,0 +1,173 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/core/session.h"
+#include "common/hierarchy_page.h"
+#include "proto/limits.h"
+#include "tests/unit/core/session_fixture.h"
+#include "tests/unit/core/synthetic_model.h"
+
+namespace lode::core::test {
+
+/// The server's side of the protocol about one synthetic model, without a socket: frames in, frames out. Its
+/// payloads are bytes of the announced size; meshes come from the model.
+class ScriptedServer {
+ public:
+  explicit ScriptedServer(const SyntheticModel& model) {
+    for (const auto& [key, node] : model.nodes()) nodes_.emplace(key, node);
+    for (auto& [key, node] : nodes_)
+      for (Rung& rung : node.rungs)
+        if (rung.payload)
+          rung.payload = keep(rung.payload.number, blobBytes(rung.payload.number, rung.payload.bytes));
+    for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node)  // deepest first
+      if (node->second.child_page)
+        node->second.child_page =
+            keep(node->second.child_page.number, encodePage({collect(node->first, 1, 2)}));
+    summary_.name = "model";
+    summary_.lattice = SyntheticModel::lattice();
+    summary_.attributes = SyntheticModel::attributes();
+    summary_.nodes = nodes_.size();
+    summary_.root_page = keep(kRootPageBlob, encodePage({collect(kRootKey, 0, 2)}));
+  }
+
+  /// A new connection: what the last one had under way is forgotten.
+  void accept() {
+    open_.clear();
+    answers_.clear();
+    granted_ = proto::kInitialWindowBytes;
+    sent_ = 0;
+  }
+
+  /// Takes whole frames.
+  void receive(const Bytes& bytes) {
+    for (const SentFrame& frame : framesOf(bytes)) {
+      switch (static_cast<FrameType>(frame.header.type)) {
+        case FrameType::kHello:
+          append(welcome());
+          break;
+        case FrameType::kOpen:
+          answerOpen();
+          break;
+        case FrameType::kWishes:
+          for (const auto& change : proto::decode<proto::Wishes>(frame.body).changes) take(change);
+          break;
+        case FrameType::kCredit:
+          granted_ = std::max(granted_, proto::decode<proto::Credit>(frame.body).granted_bytes);
+          break;
+        case FrameType::kPing:
+          append(proto::encode(proto::Pong{proto::decode<proto::Ping>(frame.body).payload}, 0));
+          break;
+        default:
+          break;
+      }
+    }
+  }
+
+  /// Answers, then at most so many chunks of wishes, best first. @return whole frames.
+  Bytes give(size_t max_chunks) {
+    for (; max_chunks > 0 && !open_.empty(); --max_chunks) {
+      auto best = open_.begin();
+      for (auto wish = open_.begin(); wish != open_.end(); ++wish)
+        if (wish->second.before(best->second)) best = wish;
+      if (!sendChunk(best->first, best->second)) break;
+      if (best->second.sent_bytes < blobs_.at(best->second.blob).size()) continue;
+      ++completed_[best->second.blob];
+      open_.erase(best);
+    }
+    return std::exchange(answers_, {});
+  }
+
+  const std::map<NodeKey, Node>& nodes() const { return nodes_; }
+  const ModelSummary& summary() const { return summary_; }
+  /// How often a blob was sent as the end of a wish.
+  const std::map<uint32_t, unsigned>& completed() const { return completed_; }
+  size_t openWishes() const { return open_.size(); }
+
+ private:
+  static constexpr uint32_t kRootPageBlob = 1u << 30;
+
+  struct OpenWish {
+    uint32_t blob = 0;
+    proto::WishClass wish_class = proto::WishClass::kVisible;
+    float priority_px = 0;
+    size_t sent_bytes = 0;
+    bool before(const OpenWish& other) const {
+      if (wish_class != other.wish_class) return wish_class < other.wish_class;
+      return priority_px > other.priority_px;
+    }
+  };
+
+  BlobRef keep(uint32_t number, Bytes bytes) {
+    const BlobRef ref{number, static_cast<uint32_t>(bytes.size()), nameBlob(bytes)};
+    blobs_[number] = std::move(bytes);
+    return ref;
+  }
+
+  void append(const Bytes& bytes) { answers_.insert(answers_.end(), bytes.begin(), bytes.end()); }
+
+  void answerOpen() {
+    proto::Opened message;
+    message.handle = 1;
+    message.summary = summary_;
+    append(proto::encode(message, 2));
+    sendUnasked(kRootPageBlob);
+    sendUnasked(nodes_.at(kRootKey).rungs.back().payload.number);
+  }
+
+  void sendUnasked(uint32_t blob) {
+    const Bytes& bytes = blobs_.at(blob);
+    for (size_t at = 0; at < bytes.size(); at += proto::kMaxChunkBytes) sendPiece(0, bytes, at);
+  }
+
+  size_t sendPiece(uint32_t wish, const Bytes& bytes, size_t at) {
+    const size_t size = std::min<size_t>(proto::kMaxChunkBytes, bytes.size() - at);
+    append(chunkFrame(wish, static_cast<uint32_t>(bytes.size()), static_cast<uint32_t>(at),
+                      std::span(bytes).subspan(at, size)));
+    sent_ += size + proto::kBlobChunkHeaderBytes;
+    return size;
+  }
+
+  bool sendChunk(uint32_t number, OpenWish& wish) {
+    const Bytes& bytes = blobs_.at(wish.blob);
+    if (sent_ + proto::kMaxChunkBytes + proto::kBlobChunkHeaderBytes > granted_) return false;
+    wish.sent_bytes += sendPiece(number, bytes, wish.sent_bytes);
+    return true;
+  }
+
+  void take(const proto::WishChange& change) {
+    const auto open = open_.find(change.wish);
+    if (change.action == proto::WishAction::kAdd) {
+      open_[change.wish] = {change.blob, change.wish_class, change.priority_px, 0};
+    } else if (open != open_.end() && change.action == proto::WishAction::kCancel) {
+      open_.erase(open);
+      append(proto::encode(proto::Cancelled{change.wish}, 0));
+    } else if (open != open_.end()) {
+      open->second.wish_class = change.wish_class;
+      open->second.priority_px = change.priority_px;
+    }
+  }
+
+  std::vector<Node> collect(NodeKey owner, int from_level, int to_level) const {
+    std::vector<Node> found;
+    for (const auto& [key, node] : nodes_) {
+      const int level = key.depth() - owner.depth();
+      if (level >= from_level && level <= to_level && owner.contains(key)) found.push_back(node);
+    }
+    return found;
+  }
+
+  std::map<NodeKey, Node> nodes_;
+  std::map<uint32_t, Bytes> blobs_;
+  ModelSummary summary_;
+  std::map<uint32_t, OpenWish> open_;  // by wish
+  std::map<uint32_t, unsigned> completed_;
+  Bytes answers_;
+  uint64_t granted_ = proto::kInitialWindowBytes, sent_ = 0;
+};
+
+}  // namespace lode::core::test
