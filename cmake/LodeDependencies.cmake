@@ -11,11 +11,17 @@ pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 find_package(JPEG REQUIRED)
 find_package(PNG REQUIRED)
+find_package(spdlog REQUIRED)
 
 # Debian's draco package config misses its include folder; the library itself is all that is needed.
 find_library(LODE_DRACO_LIBRARY draco REQUIRED)
 add_library(lode_draco INTERFACE)
 target_link_libraries(lode_draco INTERFACE ${LODE_DRACO_LIBRARY})
+
+# Debian's prometheus-cpp package config asks for what its other parts need; its core is all that is needed.
+find_library(LODE_PROMETHEUS_LIBRARY prometheus-cpp-core REQUIRED)
+add_library(lode_prometheus INTERFACE)
+target_link_libraries(lode_prometheus INTERFACE ${LODE_PROMETHEUS_LIBRARY})
 
 # Asio is headers only. The definitions make clang's tools see the coroutines that g++ sees by itself.
 find_path(LODE_ASIO_INCLUDE asio.hpp REQUIRED)

@@ -1,0 +1,41 @@
+#include "server/serve/listener.h"
+
+#include "common/error.h"
+#include "server/serve/listen_address.h"
+
+namespace lode::serve {
+
+using asio::ip::tcp;
+
+tcp::endpoint resolveListen(asio::io_context& context, const std::string& listen) {
+  const ListenAddress wanted = parseListenAddress(listen);
+  asio::error_code error;
+  const auto found =
+      tcp::resolver(context).resolve(wanted.host, std::to_string(wanted.port), tcp::resolver::passive, error);
+  if (error || found.empty())
+    throw Error(ErrorCode::kUsage,
+                "cannot listen on " + listen + ": " + error.message() + "; name an address of this machine");
+  return found.begin()->endpoint();
+}
+
+tcp::acceptor openListener(asio::io_context& context, const tcp::endpoint& endpoint,
+                           const std::string& option) {
+  tcp::acceptor acceptor(context);
+  asio::error_code error;
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.listen(tcp::acceptor::max_listen_connections, error);
+  if (error)
+    throw Error(ErrorCode::kIo, "cannot listen on " + toString(endpoint) + ": " + error.message() +
+                                    "; stop what uses it or choose another with " + option +
+                                    " (port 0 picks a free one)");
+  return acceptor;
+}
+
+std::string toString(const tcp::endpoint& endpoint) {
+  const std::string host = endpoint.address().to_string();
+  return (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(endpoint.port());
+}
+
+}  // namespace lode::serve

@@ -1,0 +1,172 @@
+#include "server/serve/metrics.h"
+
+#include <functional>
+#include <span>
+#include <sstream>
+#include <utility>
+
+#include <prometheus/metric_family.h>
+#include <prometheus/text_serializer.h>
+
+namespace lode::serve {
+
+namespace {
+
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+using Threads = std::span<const std::unique_ptr<ThreadTallies>>;
+
+constexpr std::array<std::string_view, kWishClasses> kClassNames{"visible", "margin", "prefetch"};
+
+ClientMetric labelled(const char* label, std::string_view value) {
+  ClientMetric metric;
+  metric.label.push_back({label, std::string(value)});
+  return metric;
+}
+
+MetricFamily number(const char* name, const char* help, MetricType type, uint64_t value) {
+  MetricFamily family{name, help, type, {ClientMetric()}};
+  (type == MetricType::Gauge ? family.metric[0].gauge.value : family.metric[0].counter.value) =
+      static_cast<double>(value);
+  return family;
+}
+
+/// Sum over the threads of what `tally` picks of each.
+uint64_t sum(Threads threads, const auto& tally) {
+  uint64_t total = 0;
+  for (const auto& thread : threads) total += tally(*thread).read();
+  return total;
+}
+
+/// A counter for each of `count` values of a label.
+MetricFamily counters(const char* name, const char* help, const char* label, size_t count, Threads threads,
+                      const auto& name_of, const auto& tally) {
+  MetricFamily family{name, help, MetricType::Counter, {}};
+  for (size_t i = 0; i < count; ++i) {
+    ClientMetric metric = labelled(label, name_of(i));
+    metric.counter.value = static_cast<double>(
+        sum(threads, [&](const ThreadTallies& t) -> const Tally& { return tally(t)[i]; }));
+    family.metric.push_back(std::move(metric));
+  }
+  return family;
+}
+
+MetricFamily latencies(const char* name, const char* help, Threads threads, const auto& tally) {
+  MetricFamily family{name, help, MetricType::Histogram, {}};
+  for (size_t c = 0; c < kWishClasses; ++c) {
+    ClientMetric metric = labelled("class", kClassNames[c]);
+    auto& histogram = metric.histogram;
+    for (size_t bucket = 0; bucket < LatencyTally::kBuckets; ++bucket) {
+      for (const auto& thread : threads) histogram.sample_count += tally(*thread)[c].bucket(bucket);
+      if (bucket < kLatencyBounds_s.size())
+        histogram.bucket.push_back({histogram.sample_count, kLatencyBounds_s[bucket]});
+    }
+    for (const auto& thread : threads)
+      histogram.sample_sum += static_cast<double>(tally(*thread)[c].sumNs()) * 1e-9;
+    family.metric.push_back(std::move(metric));
+  }
+  return family;
+}
+
+struct ModelFigure {
+  const char *name, *help;
+  Tally ModelTallies::*tally;
+};
+constexpr std::array kModelFigures{
+    ModelFigure{"lodestream_model_opened_total", "Times that clients opened the model",
+                &ModelTallies::opened},
+    ModelFigure{"lodestream_model_blobs_sent_total", "Blobs sent whole", &ModelTallies::blobs},
+    ModelFigure{"lodestream_model_sent_bytes_total", "Bytes of blobs sent", &ModelTallies::bytes},
+    ModelFigure{"lodestream_model_cold_reads_total", "Reads that had to wait for the disk",
+                &ModelTallies::cold_reads},
+    ModelFigure{"lodestream_model_damaged_blobs_total", "Wishes ended because the store is damaged",
+                &ModelTallies::damaged},
+};
+
+MetricFamily ofModels(const ModelFigure& figure, Threads threads) {
+  std::map<std::string, uint64_t> by_name;
+  for (const auto& thread : threads)
+    thread->forEachModel([&](const std::string& name, const ModelTallies& tallies) {
+      by_name[name] += (tallies.*figure.tally).read();
+    });
+  MetricFamily family{figure.name, figure.help, MetricType::Counter, {}};
+  for (const auto& [name, value] : by_name) {
+    family.metric.push_back(labelled("model", name));
+    family.metric.back().counter.value = static_cast<double>(value);
+  }
+  return family;
+}
+
+void addGauges(std::vector<MetricFamily>& families, const ServerGauges& gauges) {
+  const auto add = [&](const char* name, const char* help, MetricType type, uint64_t value) {
+    families.push_back(number(name, help, type, value));
+  };
+  add("lodestream_connections", "Connections that are open", MetricType::Gauge, gauges.connections);
+  add("lodestream_models", "Models that are offered", MetricType::Gauge, gauges.models);
+  add("lodestream_memory_bytes", "Memory that sessions hold of the budget", MetricType::Gauge,
+      gauges.memory_bytes);
+  add("lodestream_memory_budget_bytes", "Memory that all sessions may hold together", MetricType::Gauge,
+      gauges.memory_budget_bytes);
+  add("lodestream_stopping", "1 once the server was told to stop", MetricType::Gauge, gauges.stopping);
+  add("lodestream_log_lines_dropped_total", "Lines of the log that nobody took", MetricType::Counter,
+      gauges.log_lines_dropped);
+  add("lodestream_log_lines_left_out_total", "Lines of the log beyond the limit of their kind",
+      MetricType::Counter, gauges.log_lines_left_out);
+}
+
+}  // namespace
+
+std::string_view refusalName(RefusalReason reason) noexcept {
+  constexpr std::array<std::string_view, kRefusalReasons> kNames{
+      "connections", "address", "memory", "descriptors", "token", "proxy_header", "tls", "stopping"};
+  return kNames[static_cast<size_t>(reason)];
+}
+
+std::string_view endName(EndReason reason) noexcept {
+  constexpr std::array<std::string_view, kEndReasons> kNames{"client", "broken",  "mistake", "handshake",
+                                                             "idle",   "stalled", "memory",  "stopping"};
+  return kNames[static_cast<size_t>(reason)];
+}
+
+ModelTallies& ThreadTallies::model(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  return models_[name];
+}
+
+Metrics::Metrics(size_t threads) {
+  for (size_t i = 0; i < threads; ++i) threads_.push_back(std::make_unique<ThreadTallies>());
+}
+
+std::string Metrics::text(const ServerGauges& gauges) const {
+  std::vector<MetricFamily> families;
+  addGauges(families, gauges);
+  families.push_back(
+      number("lodestream_connections_accepted_total", "Connections that were let in", MetricType::Counter,
+             sum(threads_, [](const ThreadTallies& t) -> const Tally& { return t.accepted; })));
+  families.push_back(counters(
+      "lodestream_connections_refused_total", "Connections that were not let in, by reason", "reason",
+      kRefusalReasons, threads_, [](size_t i) { return refusalName(static_cast<RefusalReason>(i)); },
+      [](const ThreadTallies& t) -> const auto& { return t.refused; }));
+  families.push_back(counters(
+      "lodestream_connections_ended_total", "Connections that have ended, by reason", "reason", kEndReasons,
+      threads_, [](size_t i) { return endName(static_cast<EndReason>(i)); },
+      [](const ThreadTallies& t) -> const auto& { return t.ended; }));
+  families.push_back(counters(
+      "lodestream_wishes_total", "Wishes taken, by class", "class", kWishClasses, threads_,
+      [](size_t i) { return kClassNames[i]; },
+      [](const ThreadTallies& t) -> const auto& { return t.wishes; }));
+  families.push_back(latencies(
+      "lodestream_wish_queue_seconds", "From a wish to its first chunk", threads_,
+      [](const ThreadTallies& t) -> const auto& { return t.queue; }));
+  families.push_back(latencies(
+      "lodestream_wish_send_seconds", "From a wish to its last chunk", threads_,
+      [](const ThreadTallies& t) -> const auto& { return t.send; }));
+  for (const ModelFigure& figure : kModelFigures) families.push_back(ofModels(figure, threads_));
+  std::erase_if(families, [](const MetricFamily& family) { return family.metric.empty(); });
+  std::ostringstream out;
+  prometheus::TextSerializer().Serialize(out, families);
+  return out.str();
+}
+
+}  // namespace lode::serve

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/serve/tally.h"
+
+namespace lode::serve {
+
+/// Why a client was not let in.
+enum class RefusalReason : uint8_t {
+  kConnections,  ///< --max-connections
+  kAddress,      ///< --max-connections-per-address
+  kMemory,       ///< --memory-budget
+  kDescriptors,  ///< the system's limit of open files
+  kToken,        ///< none, unknown or expired
+  kProxyHeader,  ///< with --proxy-protocol
+  kTls,          ///< the handshake failed
+  kStopping,
+};
+constexpr size_t kRefusalReasons = 8;
+std::string_view refusalName(RefusalReason reason) noexcept;
+
+/// Why a connection that was let in has ended.
+enum class EndReason : uint8_t {
+  kClient,     ///< it closed
+  kBroken,     ///< reset, or gone in the middle of a frame
+  kMistake,    ///< it broke a rule of the protocol
+  kHandshake,  ///< no Hello in time
+  kIdle,       ///< no frame in time
+  kStalled,    ///< it took nothing in time
+  kMemory,     ///< the greediest, when the budget was used up
+  kStopping,
+};
+constexpr size_t kEndReasons = 8;
+std::string_view endName(EndReason reason) noexcept;
+
+constexpr size_t kWishClasses = 3;
+
+/// What one model has cost one thread.
+struct ModelTallies {
+  Tally opened, blobs, bytes, cold_reads, damaged;
+};
+
+/// What one thread of the server counts; it alone adds, whoever asks for the metrics reads.
+class ThreadTallies {
+ public:
+  Tally accepted;
+  std::array<Tally, kRefusalReasons> refused;
+  std::array<Tally, kEndReasons> ended;
+  std::array<Tally, kWishClasses> wishes;
+  std::array<LatencyTally, kWishClasses> queue;  ///< from a wish to its first chunk
+  std::array<LatencyTally, kWishClasses> send;   ///< from a wish to its last chunk
+
+  /// The tallies of a model, by its name; they stay where they are. Takes a lock: ask once an Open.
+  ModelTallies& model(const std::string& name);
+  template <typename Visit>  ///< visit(name, tallies)
+  void forEachModel(const Visit& visit) const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, tallies] : models_) visit(name, tallies);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, ModelTallies> models_;
+};
+
+/// What is so at the moment, beside what was counted.
+struct ServerGauges {
+  uint64_t connections = 0, models = 0;
+  uint64_t memory_bytes = 0, memory_budget_bytes = 0;
+  uint64_t log_lines_dropped = 0, log_lines_left_out = 0;
+  bool stopping = false;
+};
+
+/// The tallies of all threads. Thread safe but for what ThreadTallies says.
+class Metrics {
+ public:
+  /// @param threads  that count.
+  explicit Metrics(size_t threads);
+
+  ThreadTallies& ofThread(size_t thread) noexcept { return *threads_[thread]; }
+  /// All of it summed, in Prometheus' text format 0.0.4.
+  std::string text(const ServerGauges& gauges) const;
+
+ private:
+  std::vector<std::unique_ptr<ThreadTallies>> threads_;
+};
+
+}  // namespace lode::serve

@@ -1,0 +1,50 @@
+#include "server/serve/log_limit.h"
+
+#include <gtest/gtest.h>
+
+namespace lode::serve {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LogLimit::TimePoint kStart{1000s};
+
+/// @return how many of `lines` were admitted.
+int admitted(LogLimit& limit, LogKind kind, int lines, LogLimit::TimePoint now) {
+  int count = 0;
+  for (int i = 0; i < lines; ++i) count += limit.admit(kind, now);
+  return count;
+}
+
+TEST(LogLimit, letsABurstThroughAndThenSoManyASecond) {
+  LogLimit limit;
+  EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kStart), 50);
+  EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kStart + 1s), 5);
+  EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kStart + 1s), 0);
+  EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kStart + 1h), 50);
+}
+
+TEST(LogLimit, ofOneKindDoesNotTouchAnother) {
+  LogLimit limit;
+  admitted(limit, LogKind::kDamagedStore, 10'000, kStart);
+  EXPECT_TRUE(limit.admit(LogKind::kRefused, kStart));
+}
+
+TEST(LogLimit, tellsOnceHowManyWereLeftOutWhenThereIsRoomAgain) {
+  LogLimit limit;
+  admitted(limit, LogKind::kRefused, 60, kStart);
+  EXPECT_EQ(limit.takeLeftOut(LogKind::kRefused, kStart), 0u);
+  EXPECT_EQ(limit.takeLeftOut(LogKind::kRefused, kStart + 1s), 10u);
+  EXPECT_EQ(limit.takeLeftOut(LogKind::kRefused, kStart + 2s), 0u);
+  EXPECT_EQ(limit.takeLeftOut(LogKind::kDamagedStore, kStart + 2s), 0u);
+}
+
+TEST(LogLimit, bearsAClockThatStandsOrGoesBack) {
+  LogLimit limit;
+  EXPECT_EQ(admitted(limit, LogKind::kSystem, 100, kStart), 50);
+  EXPECT_EQ(admitted(limit, LogKind::kSystem, 100, kStart - 10s), 0);
+  EXPECT_EQ(admitted(limit, LogKind::kSystem, 100, kStart + 1s), 5);
+}
+
+}  // namespace
+}  // namespace lode::serve

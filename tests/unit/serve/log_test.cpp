@@ -1,0 +1,154 @@
+#include "server/serve/log.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace lode::serve {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Two descriptors: what is written to one is read from the other.
+class LogTest : public testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(GetParam() ? socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) : pipe(ends.data()), 0);
+    reader_ = ends[0];
+    writer_ = ends[1];
+  }
+  void TearDown() override {
+    closeReader();
+    close(writer_);
+  }
+  void closeReader() {
+    if (reader_ >= 0) close(reader_);
+    reader_ = -1;
+  }
+  LogOptions options() const {
+    LogOptions options;
+    options.descriptor = writer_;
+    options.clock = [this] { return now_; };
+    return options;
+  }
+  /// All that is there, once the log is gone.
+  std::string readAll() {
+    fcntl(reader_, F_SETFL, O_NONBLOCK);
+    std::string text;
+    std::array<char, 65536> part;
+    for (ssize_t got = 0; (got = read(reader_, part.data(), part.size())) > 0;)
+      text.append(part.data(), static_cast<size_t>(got));
+    return text;
+  }
+  void fill() {
+    const int flags = fcntl(writer_, F_GETFL);
+    fcntl(writer_, F_SETFL, flags | O_NONBLOCK);
+    const std::string much(4096, 'x');
+    while (write(writer_, much.data(), much.size()) > 0) continue;
+    fcntl(writer_, F_SETFL, flags);
+  }
+
+  int reader_ = -1, writer_ = -1;
+  std::chrono::steady_clock::time_point now_{1000s};
+};
+
+size_t lines(const std::string& text) { return static_cast<size_t>(std::ranges::count(text, '\n')); }
+
+TEST_P(LogTest, writesItsLinesInOrderBeforeItEnds) {
+  {
+    Log log(options());
+    for (uint64_t i = 0; i < 20; ++i) log.write(LogKind::kServer, "line", {{"i", i}});
+  }
+  const std::string text = readAll();
+  EXPECT_EQ(lines(text), 20u);
+  EXPECT_LT(text.find("i=3)"), text.find("i=17)"));
+}
+
+TEST_P(LogTest, livesOnAndCountsWhenItsReaderIsGone) {
+  closeReader();
+  Log log(options());
+  for (int i = 0; i < 20; ++i) log.write(LogKind::kServer, "nobody reads this");
+  while (log.linesDropped() < 20) std::this_thread::yield();
+  EXPECT_EQ(log.linesDropped(), 20u);
+}
+
+TEST_P(LogTest, neverWaitsForAReaderThatStandsStill) {
+  fill();
+  {
+    Log log(options());
+    for (int i = 0; i < 20; ++i) log.write(LogKind::kServer, "nobody reads this");
+    while (log.linesDropped() < 20) std::this_thread::yield();
+  }
+  EXPECT_EQ(readAll().find("nobody"), std::string::npos);
+}
+
+TEST_P(LogTest, saysWhatWasLostWhenItsReaderGoesOn) {
+  fill();
+  {
+    Log log(options());
+    log.write(LogKind::kServer, "lost");
+    while (log.linesDropped() < 1) std::this_thread::yield();
+    readAll();
+    log.write(LogKind::kServer, "heard");
+  }
+  const std::string text = readAll();
+  EXPECT_NE(text.find("lines of the log were lost"), std::string::npos) << text;
+  EXPECT_LT(text.find("(lines=1)"), text.find("heard")) << text;
+}
+
+TEST_P(LogTest, leavesTheFlagsThatOthersShareAsTheyAre) {
+  const int before = fcntl(writer_, F_GETFL);
+  const Log log(options());
+  EXPECT_EQ(fcntl(writer_, F_GETFL), before);
+}
+
+TEST_P(LogTest, boundsTenThousandLinesOfOneKindAndSaysHowManyMore) {
+  {
+    Log log(options());
+    for (int i = 0; i < 10'000; ++i) log.write(LogKind::kDamagedStore, "a blob is damaged");
+    EXPECT_EQ(log.linesLeftOut(), 9'950u);
+    now_ += 1s;
+    log.tick();
+    log.tick();
+  }
+  const std::string text = readAll();
+  EXPECT_EQ(lines(text), 51u);
+  EXPECT_NE(text.find("damage: 9950 more like this were left out"), std::string::npos);
+}
+
+TEST_P(LogTest, saysHowManyMoreBeforeTheNextOfTheKind) {
+  {
+    Log log(options());
+    for (int i = 0; i < 60; ++i) log.write(LogKind::kRefused, "full");
+    now_ += 1s;
+    log.write(LogKind::kRefused, "full again");
+  }
+  const std::string text = readAll();
+  EXPECT_LT(text.find("10 more like this"), text.find("full again"));
+}
+
+TEST_P(LogTest, takesLinesFromManyThreads) {
+  {
+    Log log(options());
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 4; ++t)
+      threads.emplace_back([&log] {
+        for (int i = 0; i < 12; ++i) log.write(LogKind::kConnectionEnd, "ended");
+      });
+  }
+  EXPECT_EQ(lines(readAll()), 48u);
+}
+
+INSTANTIATE_TEST_SUITE_P(ThroughA, LogTest, testing::Values(false, true),
+                         [](const auto& about) { return about.param ? "Socket" : "Pipe"; });
+
+}  // namespace
+}  // namespace lode::serve
