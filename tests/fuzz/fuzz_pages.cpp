@@ -1,0 +1,39 @@
+// Hierarchy pages: the first byte says whether it is the root's page, or below which node it hangs. A page
+// that is taken must be encoded to the very same bytes.
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+
+#include "common/error.h"
+#include "common/hierarchy_page.h"
+
+namespace {
+
+using namespace lode;
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+NodeKey ownerAt(int depth) {
+  NodeKey owner = kRootKey;
+  while (owner.depth() < depth) owner = owner.child(static_cast<unsigned>(owner.depth()) % 8);
+  return owner;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  if (size == 0) return 0;
+  const auto bytes = std::as_bytes(std::span(data + 1, size - 1));
+  const int depth = data[0] % 10 * 2;  // a page hangs below a node of even depth
+  try {
+    const HierarchyPage page = decodePage(bytes, ownerAt(depth), depth == 0);
+    require(std::ranges::equal(encodePage(page), bytes));
+  } catch (const Error& error) {
+    require(std::strpbrk(error.what(), "\r\n") == nullptr);
+  }
+  return 0;
+}
