@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "server/ingest/measure/triangle_grid.h"
 #include "server/ingest/mesh/number_table.h"
@@ -59,41 +61,42 @@ void confirmLargest(const SurfaceWalk& walk, std::vector<float>& distances, Poin
 
 }  // namespace
 
-void selectSamples(std::vector<SurfaceSample>& samples, size_t capacity) {
-  if (samples.size() <= capacity) return;
-  struct Ranked {
-    float deviation;
-    uint32_t at;
-    uint64_t hash;
+void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity) {
+  constexpr uint32_t kNone = UINT32_MAX;
+  std::vector<uint32_t> order(samples.size());
+  for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto goes_first = [&](uint32_t a, uint32_t b) {
+    if (samples[a].deviation != samples[b].deviation) return samples[a].deviation > samples[b].deviation;
+    return std::pair(hashOf(samples[a]), a) < std::pair(hashOf(samples[b]), b);
   };
-  std::vector<Ranked> order;
-  order.reserve(samples.size());
-  for (const SurfaceSample& sample : samples)
-    order.push_back({sample.deviation, static_cast<uint32_t>(order.size()), hashOf(sample)});
-  const auto by_hash = [](const Ranked& a, const Ranked& b) { return a.hash < b.hash; };
-  const auto by_deviation = [](const Ranked& a, const Ranked& b) {
-    return a.deviation != b.deviation ? a.deviation > b.deviation : a.hash < b.hash;
-  };
-  const auto half = order.begin() + static_cast<ptrdiff_t>(capacity / 2);
-  const auto end = order.begin() + static_cast<ptrdiff_t>(capacity);
-  std::nth_element(order.begin(), half, order.end(), by_deviation);
-  std::nth_element(half, end, order.end(), by_hash);
+  std::vector<uint32_t> worst(positions, kNone);
+  for (uint32_t i = 0; i < samples.size(); ++i) {
+    if (samples[i].near == kVanished) continue;
+    uint32_t& of_position = worst[samples[i].near];
+    if (of_position == kNone || goes_first(i, of_position)) of_position = i;
+  }
   std::vector<bool> is_kept(samples.size());
-  for (auto kept = order.begin(); kept != end; ++kept) is_kept[kept->at] = true;
+  for (const uint32_t i : worst)
+    if (i != kNone) is_kept[i] = true;
+  const auto others = std::partition(order.begin(), order.end(), [&](uint32_t i) { return is_kept[i]; });
+  const auto room = static_cast<ptrdiff_t>(capacity) - (others - order.begin());
+  const auto end = others + std::clamp<ptrdiff_t>(room, 0, order.end() - others);
+  if (end != order.end()) std::nth_element(others, end, order.end(), goes_first);
+  for (auto kept = others; kept != end; ++kept) is_kept[*kept] = true;
   size_t count = 0;
   for (size_t i = 0; i < samples.size(); ++i)
     if (is_kept[i]) samples[count++] = samples[i];
-  samples.resize(capacity);
+  samples.resize(count);
 }
 
 void dropDuplicates(std::vector<SurfaceSample>& samples) {
   std::sort(samples.begin(), samples.end(), [](const SurfaceSample& a, const SurfaceSample& b) {
-    return a.position != b.position ? a.position < b.position : a.deviation > b.deviation;
+    return std::tie(a.position, a.near, b.deviation) < std::tie(b.position, b.near, a.deviation);
   });
-  samples.erase(
-      std::unique(samples.begin(), samples.end(),
-                  [](const SurfaceSample& a, const SurfaceSample& b) { return a.position == b.position; }),
-      samples.end());
+  const auto is_same = [](const SurfaceSample& a, const SurfaceSample& b) {
+    return a.position == b.position && a.near == b.near;
+  };
+  samples.erase(std::unique(samples.begin(), samples.end(), is_same), samples.end());
 }
 
 std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
@@ -104,31 +107,39 @@ std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeM
   return places;
 }
 
-std::vector<float> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
-                                  std::span<const SurfaceWalk::Place> places,
-                                  std::span<const SurfaceSample> samples) {
+std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input,
+                                      const SurfaceWalk& walk, std::span<const SurfaceWalk::Place> places,
+                                      std::span<const SurfaceSample> samples) {
   std::optional<TriangleGrid> grid;
   const auto gridOver = [&]() -> const TriangleGrid& {
     if (!grid) grid.emplace(rung.mesh);
     return *grid;
   };
-  float largest = 0;
-  const auto distanceOf = [&](const SurfaceSample& sample) {
-    const uint32_t start = sample.near == kVanished ? kVanished : rung.became[sample.near];
-    if (start == kVanished) return gridOver().distance(sample.position);  // nothing is known to be near
-    const bool is_position = sample.position == input.positions[sample.near];
-    return is_position ? places[sample.near].distance
-                       : walk.distance(pointOf(sample), start, kRanks * largest);
-  };
   std::vector<float> distances;
+  std::vector<uint32_t> nears;
   distances.reserve(samples.size());
+  nears.reserve(samples.size());
+  float largest = 0;
   for (const SurfaceSample& sample : samples) {
-    distances.push_back(distanceOf(sample));
+    uint32_t near = sample.near == kVanished ? kVanished : rung.became[sample.near];
+    if (near == kVanished) {  // where its triangles have gone, the nearest of those that are left
+      const TriangleGrid::Nearest found = gridOver().nearest(pointOf(sample), kRanks * largest);
+      near = rung.mesh.wedge_position[rung.mesh.triangles[found.triangle].x];
+      distances.push_back(found.distance);
+    } else if (sample.position == input.positions[sample.near]) {
+      distances.push_back(places[sample.near].distance);
+    } else {
+      distances.push_back(walk.distance(pointOf(sample), near, kRanks * largest));
+    }
+    nears.push_back(near);
     largest = std::max(largest, distances.back());
   }
   confirmLargest(
       walk, distances, [&](size_t i) { return pointOf(samples[i]); }, gridOver);
-  return distances;
+  std::vector<Deviation> deviations;
+  deviations.reserve(samples.size());
+  for (size_t i = 0; i < samples.size(); ++i) deviations.push_back({distances[i], nears[i]});
+  return deviations;
 }
 
 std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh) {

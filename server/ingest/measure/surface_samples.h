@@ -11,20 +11,23 @@
 
 namespace lode::ingest {
 
-/// A point of the original surface that travels up the tree, with the largest deviation from it that any rung
-/// on the way had, in lattice steps.
+/// A point of the original surface that travels up the tree, with its distance from the mesh at hand, in
+/// lattice steps.
 struct SurfaceSample {
   PositionCode position;
-  float deviation = 0;
-  uint32_t near = kVanished;  ///< what has become of the place in the mesh at hand: one of its positions
+  float deviation = 0;        ///< at most a quarter of the mesh's largest too much
+  uint32_t near = kVanished;  ///< what has become of the place in the mesh at hand: one of its positions, or
+                              ///< one near it where the place's own triangles have gone
 };
 
-/// Keeps at most `capacity` samples, in their order: half of them those with the largest deviations, the
-/// others those with the lowest hash of position, an unbiased choice that does not depend on the order where
-/// positions are distinct.
-void selectSamples(std::vector<SurfaceSample>& samples, size_t capacity);
+/// Thins samples out, in their order: of those near each position the one with the largest deviation stays,
+/// so that no piece of the mesh is ever without one; of the others those with the largest, to `capacity` in
+/// all.
+/// @param positions  of the mesh that samples are near to.
+void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 
-/// Of samples with one position, leaves the one with the largest deviation; sorts by position.
+/// Of samples that have the same position and are near the same, leaves the one with the largest deviation;
+/// sorts by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
 /// Where each position of the mesh that a rung was made of lies on the rung; of those that have vanished,
@@ -32,12 +35,19 @@ void dropDuplicates(std::vector<SurfaceSample>& samples);
 std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
                                          const SurfaceWalk& walk);
 
-/// Distances of samples, which are near positions of the mesh that `rung` was made of, from the rung, lattice
-/// steps: the largest is exact, and no other below the true one.
-/// @param walk  over the rung's mesh. @param places  of the input's positions, which samples may be.
-std::vector<float> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
-                                  std::span<const SurfaceWalk::Place> places,
-                                  std::span<const SurfaceSample> samples);
+/// Distance of a sample from a rung, lattice steps.
+struct Deviation {
+  float steps;
+  uint32_t near;  ///< as SurfaceSample's, in the rung
+};
+
+/// Distances of samples, which are near positions of the mesh that `rung` was made of, from the rung: the
+/// largest is exact, and no other below the true one.
+/// @param rung  with triangles. @param walk  over its mesh.
+/// @param places  of the input's positions, which samples may be.
+std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input,
+                                      const SurfaceWalk& walk, std::span<const SurfaceWalk::Place> places,
+                                      std::span<const SurfaceSample> samples);
 
 /// Points inside the triangles of a mesh that are large beside the others, where its positions alone would
 /// say little: one for every two mean areas, in a small mesh for every half.

@@ -84,16 +84,16 @@ void TriangleGrid::fillCells(const std::vector<Cover>& covers) {
   }
 }
 
-float TriangleGrid::distance(glm::vec3 point) const noexcept {
+TriangleGrid::Nearest TriangleGrid::nearest(glm::vec3 point, float enough) const noexcept {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Nearest best{kInfinity, kInfinity};
-  if (triangles_.empty()) return kInfinity;
+  if (triangles_.empty()) return best;
   const glm::ivec3 centre = cellOf(point);
   int radius = 0;
-  for (; std::isinf(best.distance); ++radius) searchShell(point, centre, radius, best);
+  for (; std::isinf(best.distance); ++radius) searchShell(point, centre, radius, enough, best);
+  if (best.distance <= enough) return best;
   const glm::vec3 inside = point - (min_ + glm::vec3(centre) * cell_);
-  if (glm::all(glm::greaterThan(glm::min(inside, cell_ - inside), glm::vec3(best.distance))))
-    return best.distance;
+  if (glm::all(glm::greaterThan(glm::min(inside, cell_ - inside), glm::vec3(best.distance)))) return best;
   // Whatever is nearer reaches into the ball around the point; cells of the shells before have been looked
   // at.
   const glm::ivec3 low = cellOf(point - best.distance), high = cellOf(point + best.distance);
@@ -101,25 +101,26 @@ float TriangleGrid::distance(glm::vec3 point) const noexcept {
     for (int y = low.y; y <= high.y; ++y) {
       for (int x = low.x; x <= high.x; ++x) {
         const glm::ivec3 away = glm::abs(glm::ivec3(x, y, z) - centre);
-        if (std::max({away.x, away.y, away.z}) >= radius) searchCell(point, {x, y, z}, best);
+        if (std::max({away.x, away.y, away.z}) >= radius) searchCell(point, {x, y, z}, enough, best);
       }
     }
   }
-  return best.distance;
+  return best;
 }
 
 glm::ivec3 TriangleGrid::cellOf(glm::vec3 point) const noexcept {
   return glm::clamp(glm::ivec3((point - min_) * cells_per_step_), glm::ivec3(0), dims_ - 1);
 }
 
-void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, Nearest& best) const noexcept {
+void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, float enough,
+                               Nearest& best) const noexcept {
   const glm::ivec3 low = glm::max(centre - radius, 0), high = glm::min(centre + radius, dims_ - 1);
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {
       const bool is_face = std::abs(z - centre.z) == radius || std::abs(y - centre.y) == radius;
       for (int x = low.x; x <= high.x; ++x) {
         if (is_face || std::abs(x - centre.x) == radius) {
-          searchCell(point, {x, y, z}, best);
+          searchCell(point, {x, y, z}, enough, best);
         } else if (x < centre.x + radius) {
           x = std::min(centre.x + radius, high.x + 1) - 1;
         }
@@ -128,17 +129,17 @@ void TriangleGrid::searchShell(glm::vec3 point, glm::ivec3 centre, int radius, N
   }
 }
 
-void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, Nearest& best) const noexcept {
+void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, float enough, Nearest& best) const noexcept {
   const size_t index = indexOf(cell);
   const glm::vec3 low = min_ + glm::vec3(cell) * cell_;
   const glm::vec3 outside = glm::max(glm::max(low - point, point - (low + cell_)), 0.f);
   if (squaredLength(outside) > best.squared) return;
-  for (uint32_t i = begin_[index]; i < begin_[index + 1]; ++i) {
+  for (uint32_t i = begin_[index]; i < begin_[index + 1] && best.distance > enough; ++i) {
     const float reach = best.distance + spheres_[i].w;
     if (squaredLength(point - glm::vec3(spheres_[i])) > reach * reach) continue;
     const Triangle& triangle = triangles_[members_[i]];
     const float squared = squaredDistanceToTriangle(point - triangle.a, triangle.ab, triangle.ac);
-    if (squared < best.squared) best = {squared, std::sqrt(squared)};
+    if (squared < best.squared) best = {squared, std::sqrt(squared), members_[i]};
   }
 }
 

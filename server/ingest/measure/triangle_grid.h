@@ -15,8 +15,14 @@ class TriangleGrid {
  public:
   explicit TriangleGrid(const NodeMesh& mesh);
 
-  /// Infinity if the mesh has no triangles.
-  float distance(glm::vec3 point) const noexcept;
+  struct Nearest {
+    float squared;   ///< of the distance
+    float distance;  ///< infinity if the mesh has no triangles
+    uint32_t triangle = 0;
+  };
+  /// @param enough  the search ends at a triangle that is as near as this, which need not be the nearest.
+  Nearest nearest(glm::vec3 point, float enough = 0) const noexcept;
+  float distance(glm::vec3 point) const noexcept { return nearest(point).distance; }
   float distance(PositionCode point) const noexcept { return distance(glm::vec3(unpackPosition(point))); }
   /// Entries of triangles in cells: what the grid's memory goes with.
   size_t memberCount() const noexcept { return members_.size(); }
@@ -36,13 +42,9 @@ class TriangleGrid {
   size_t indexOf(glm::ivec3 cell) const noexcept {
     return static_cast<size_t>((cell.z * dims_.y + cell.y) * dims_.x + cell.x);
   }
-  /// The nearest found so far: squared distance, and the distance itself.
-  struct Nearest {
-    float squared;
-    float distance;
-  };
-  void searchShell(glm::vec3 point, glm::ivec3 centre, int radius, Nearest& best) const noexcept;
-  void searchCell(glm::vec3 point, glm::ivec3 cell, Nearest& best) const noexcept;
+  void searchShell(glm::vec3 point, glm::ivec3 centre, int radius, float enough,
+                   Nearest& best) const noexcept;
+  void searchCell(glm::vec3 point, glm::ivec3 cell, float enough, Nearest& best) const noexcept;
 
   std::vector<Triangle> triangles_;
   glm::vec3 min_{0};

@@ -14,10 +14,10 @@ namespace lode::ingest {
 struct FinishedRung {
   SimplifiedMesh simplified;
   EncodedPayload payload;
-  std::vector<float> deviations;  ///< of the samples from it; see deviationsFrom()
-  float farthest_steps = 0;       ///< see farthestPlace()
-  float rim_gap_steps = 0;        ///< see rimGap()
-  float lost_detail_steps = 0;    ///< see lostDetail()
+  std::vector<Deviation> deviations;  ///< of the samples; see deviationsFrom()
+  float farthest_steps = 0;           ///< see farthestPlace()
+  float rim_gap_steps = 0;            ///< see rimGap()
+  float lost_detail_steps = 0;        ///< see lostDetail()
 };
 
 /// Gives a simplified mesh its computed normals, where they are not the file's, measures and encodes it.

@@ -89,7 +89,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, un
   gatherSamples(built, children, meshes, input, became);
   meshes.clear();
   reduce(built, std::move(input), helpers);
-  selectSamples(built.samples, sampleCapacity());
+  selectSamples(built.samples, built.coarsest.positions.size(), sampleCapacity());
   return built;
 }
 
@@ -97,11 +97,9 @@ size_t NodeBuilder::sampleCapacity() const noexcept {
   return std::max(kMinSamples, settings_.triangles_per_node / kTrianglesPerSample);
 }
 
-// Leaves' vertices, and points of their large triangles, are all at hand: no rung has been measured by them
-// yet, so that they are thinned out by themselves.
 void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
                                 std::span<const NodeMesh> meshes, const NodeMesh& input,
-                                std::span<const std::vector<uint32_t>> became) const {
+                                std::span<const std::vector<uint32_t>> became) {
   std::vector<SurfaceSample> of_leaves;
   std::vector<bool> taken(input.positions.size());
   for (size_t i = 0; i < children.size(); ++i) {
@@ -119,8 +117,6 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
     children[i].samples = {};
   }
   dropDuplicates(built.samples);
-  selectSamples(built.samples, sampleCapacity());
-  selectSamples(of_leaves, std::max<size_t>(sampleCapacity(), settings_.triangles_per_node));
   built.samples.insert(built.samples.end(), of_leaves.begin(), of_leaves.end());
 }
 
@@ -141,15 +137,12 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
   }
   const RungInput input(std::move(mesh), depth);
   const float gap_of_input = built.rim_gap_steps;
-  std::vector<float> deviations(built.samples.size());  // the largest of any rung
-  std::vector<uint32_t> became;
+  std::vector<Deviation> deviations;  // from the coarsest rung
   InOrder<FinishedRung> rungs(helpers, [&](FinishedRung&& rung) {
-    for (size_t i = 0; i < rung.deviations.size(); ++i)
-      deviations[i] = std::max(deviations[i], rung.deviations[i]);
     if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
       addRung(built, rung, gap_of_input);
     built.coarsest = std::move(rung.simplified.mesh);
-    became = std::move(rung.simplified.became);
+    deviations = std::move(rung.deviations);
   });
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
@@ -160,10 +153,10 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
         });
       });
   rungs.finish();
-  for (size_t i = 0; i < deviations.size(); ++i) {
+  for (size_t i = 0; i < built.samples.size(); ++i) {
     SurfaceSample& sample = built.samples[i];
-    sample.deviation = std::max(sample.deviation, deviations[i]);
-    if (sample.near != kVanished) sample.near = became[sample.near];
+    sample.near = deviations.empty() ? kVanished : deviations[i].near;
+    if (!deviations.empty()) sample.deviation = deviations[i].steps;
   }
 }
 
@@ -179,9 +172,8 @@ RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung)
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
-  const float forward = rung.deviations.empty()
-                            ? 0
-                            : kMargin * *std::max_element(rung.deviations.begin(), rung.deviations.end());
+  float forward = 0;
+  for (const Deviation& deviation : rung.deviations) forward = std::max(forward, kMargin * deviation.steps);
   const float backward = kMargin * rung.farthest_steps + kLatticeErrorSteps / 2;
   const float both = std::hypot(backward, built.inherited.deviation_steps);
   return {std::max({finer.deviation_steps, forward, both, built.rim_gap_steps}),

@@ -82,8 +82,8 @@ class NodeBuilder {
   NodeMesh loadLeaf(uint32_t leaf);
   size_t sampleCapacity() const noexcept;
   /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
-  void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
-                     const NodeMesh& input, std::span<const std::vector<uint32_t>> became) const;
+  static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
+                            const NodeMesh& input, std::span<const std::vector<uint32_t>> became);
   void reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers);
   void addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
   void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -80,31 +81,42 @@ TEST(TriangleGrid, isInfinitelyFarFromAnEmptyMesh) {
   EXPECT_TRUE(std::isinf(TriangleGrid(NodeMesh{}).distance(packPosition({1, 2, 3}))));
 }
 
-TEST(SurfaceSamples, keepTheLargestDeviationsAndAHashedChoiceOfTheRest) {
+TEST(SurfaceSamples, keepTheWorstNearEachPositionAndTheLargestOfTheOthers) {
   std::vector<SurfaceSample> samples;
   for (uint32_t i = 0; i < 1000; ++i)
-    samples.push_back({packPosition({i, 0, 0}), i < 40 ? 100.f + static_cast<float>(i) : 1.f, i});
+    samples.push_back({packPosition({i, 0, 0}), i >= 900 ? 100.f + static_cast<float>(i) : 1.f, i / 10});
   std::vector<SurfaceSample> shuffled = samples;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(4));
-  selectSamples(samples, 100);
-  selectSamples(shuffled, 100);
+  selectSamples(samples, 100, 150);
+  selectSamples(shuffled, 100, 150);
   const auto byPosition = [](const SurfaceSample& a, const SurfaceSample& b) {
     return a.position < b.position;
   };
   std::sort(samples.begin(), samples.end(), byPosition);
   std::sort(shuffled.begin(), shuffled.end(), byPosition);
-  ASSERT_EQ(samples.size(), 100u);
+  ASSERT_EQ(samples.size(), 150u);
   for (size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(samples[i].position, shuffled[i].position);
-  EXPECT_GE(std::count_if(samples.begin(), samples.end(),
-                          [](const SurfaceSample& s) { return s.deviation >= 100; }),
-            40);
+  std::set<uint32_t> near;
+  for (const SurfaceSample& sample : samples) near.insert(sample.near);
+  EXPECT_EQ(near.size(), 100u);
+  EXPECT_EQ(samples[90].deviation, 1009);  // the worst near position 90, after 90 of the others
+  EXPECT_EQ(samples.back().deviation, 1099);
 }
 
-TEST(SurfaceSamples, countAPositionOnceWithItsLargestDeviation) {
-  std::vector<SurfaceSample> samples{{packPosition({1, 1, 1}), 1}, {packPosition({1, 1, 1}), 3}};
+TEST(SurfaceSamples, stayNearEveryPositionHoweverManyThereAre) {
+  std::vector<SurfaceSample> samples;
+  for (uint32_t i = 0; i < 1000; ++i) samples.push_back({packPosition({i, 0, 0}), 1, i / 2});
+  selectSamples(samples, 500, 10);
+  EXPECT_EQ(samples.size(), 500u);
+}
+
+TEST(SurfaceSamples, countAPlaceOnceWithItsLargestDeviation) {
+  const PositionCode place = packPosition({1, 1, 1});
+  std::vector<SurfaceSample> samples{{place, 1, 5}, {place, 3, 5}, {place, 2, 6}};
   dropDuplicates(samples);
-  ASSERT_EQ(samples.size(), 1u);
+  ASSERT_EQ(samples.size(), 2u);
   EXPECT_EQ(samples[0].deviation, 3);
+  EXPECT_EQ(samples[1].near, 6u);
 }
 
 TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
@@ -122,9 +134,10 @@ TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
     for (const glm::dvec3 point : pointsOver(rung.mesh, 24))
       between = std::max<double>(between, to_input.distance(glm::vec3(point)));
     const SurfaceWalk walk(rung.mesh);
-    const std::vector<float> deviations =
-        deviationsFrom(rung, input, walk, placesOn(rung, input, walk), samples);
-    EXPECT_FLOAT_EQ(*std::max_element(deviations.begin(), deviations.end()), forward);
+    float largest = 0;
+    for (const Deviation& d : deviationsFrom(rung, input, walk, placesOn(rung, input, walk), samples))
+      largest = std::max(largest, d.steps);
+    EXPECT_FLOAT_EQ(largest, forward);
     const float farthest = farthestPlace(rung, RungInput(input, 0), sourcesOf(rung, input));
     EXPECT_GE(farthest, backward);
     EXPECT_GE(farthest, 0.9 * between);
@@ -168,9 +181,11 @@ TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
   samples.push_back({away, 0, kVanished});
   samples.push_back({mesh.positions[0], 0, 0});
   const SurfaceWalk walk(mesh);
-  const std::vector<float> deviations = deviationsFrom(rung, mesh, walk, placesOn(rung, mesh, walk), samples);
-  EXPECT_FLOAT_EQ(deviations[0], TriangleGrid(mesh).distance(away));
-  EXPECT_EQ(deviations[1], 0);
+  const std::vector<Deviation> deviations =
+      deviationsFrom(rung, mesh, walk, placesOn(rung, mesh, walk), samples);
+  EXPECT_FLOAT_EQ(deviations[0].steps, TriangleGrid(mesh).distance(away));
+  EXPECT_NE(deviations[0].near, kVanished);
+  EXPECT_EQ(deviations[1].steps, 0);
 }
 
 }  // namespace

@@ -1,0 +1,73 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "common/ply_writer.h"
+#include "server/ingest/build/build.h"
+#include "server/store/export.h"
+#include "server/store/reader.h"
+#include "tests/support/loose_pieces.h"
+#include "tests/support/surface_distance.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::ingest {
+namespace {
+
+/// Builds a model and compares every rung's stored error with the corners of all triangles below its node.
+class HonestErrorOf {
+ public:
+  HonestErrorOf(const Mesh& model, uint32_t triangles_per_node) {
+    writePly(folder_ / "a.ply", model, {});
+    BuildOptions options;
+    options.input = folder_ / "a.ply";
+    options.output = folder_ / "a.lode";
+    options.triangles_per_node = triangles_per_node;
+    build(options);
+  }
+
+  /// The least stored error, as a share of the largest distance of a corner from the rung.
+  double leastRatio() const {
+    const store::Reader reader(folder_ / "a.lode");
+    double least = INFINITY;
+    for (const Node& node : reader.nodes()) {
+      const test::TriangleSoup original = leavesBelow(reader, node.key);
+      for (uint32_t r = node.isLeaf() ? 1 : 0; r < node.rungs.size(); ++r) {
+        if (node.rungs[r].triangles == 0) continue;
+        const test::DistanceField field(test::latticeSoup(store::readRung(reader, node, r)));
+        double farthest = 0;
+        for (const test::Triangle3& t : original)
+          farthest = std::max({farthest, field.distance(t.a), field.distance(t.b), field.distance(t.c)});
+        if (farthest > 0)
+          least = std::min(least, node.rungs[r].error_model / reader.summary().lattice.step / farthest);
+      }
+    }
+    return least;
+  }
+
+ private:
+  static test::TriangleSoup leavesBelow(const store::Reader& reader, NodeKey key) {
+    test::TriangleSoup soup;
+    for (const Node& node : reader.nodes()) {
+      if (!node.isLeaf() || !key.contains(node.key)) continue;
+      const test::TriangleSoup part = test::latticeSoup(store::readRung(reader, node, 0));
+      soup.insert(soup.end(), part.begin(), part.end());
+    }
+    return soup;
+  }
+
+  test::WorkFolder folder_;
+};
+
+TEST(HonestError, countsPiecesThatVanishFarFromTheRest) {
+  const HonestErrorOf scan(test::makeScanWithLoosePieces(160, 100, {.pieces = 60, .largest = 4}), 512);
+  EXPECT_GE(scan.leastRatio(), 1);
+}
+
+TEST(HonestError, countsPiecesThatVanishInASoupOfThem) {
+  Mesh soup;
+  test::addLoosePieces(soup, {.pieces = 1500});
+  EXPECT_GE(HonestErrorOf(soup, 512).leastRatio(), 1);
+}
+
+}  // namespace
+}  // namespace lode::ingest
