@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/app/cli/common_options.h"
+#include "client/app/cli/loadtest_command.h"
 #include "common/error.h"
 #ifdef LODE_GL
 #include "client/app/window/render_command.h"
@@ -40,7 +41,8 @@ void declareCommands(CLI::App& program, int& exit_status) {
     declareMissing(program, name, "built without OpenGL; use a build with it");
 #endif
   lode::app::declareFetch(program, exit_status);
-  for (const char* name : {"replay", "loadtest"}) declareMissing(program, name, "not there yet");
+  declareMissing(program, "replay", "not there yet");
+  lode::app::declareLoadtest(program, exit_status);
   lode::app::declareList(program, exit_status);
 }
 

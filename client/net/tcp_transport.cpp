@@ -31,10 +31,32 @@ using asio::ip::tcp;
 
 }  // namespace
 
-struct TcpTransport::State {
-  State(Address to, std::chrono::milliseconds timeout, std::function<void()> on_wake)
-      : address(std::move(to)), connect_timeout(timeout), wake(std::move(on_wake)) {}
+/// A loop with a thread that runs it.
+struct TcpTransport::Thread {
+  asio::io_context io{1};
+  std::thread thread;
+};
 
+/// The coroutines keep it; on a caller's loop they end some time after the transport.
+struct TcpTransport::State : std::enable_shared_from_this<State> {
+  State(asio::io_context& loop, Address to, std::chrono::milliseconds timeout, std::function<void()> on_wake)
+      : io(loop), address(std::move(to)), connect_timeout(timeout), wake(std::move(on_wake)) {}
+
+  void start() {
+    asio::co_spawn(
+        io, [self = shared_from_this()] { return self->run(); }, asio::detached);
+  }
+  void abandon() {
+    abandoned = true;
+    asio::error_code ignored;
+    resolver.cancel();
+    socket.close(ignored);
+    room.cancel();
+    work.cancel();
+  }
+  void wakeUp() const {
+    if (!abandoned) wake();
+  }
   asio::awaitable<void> connect();
   asio::awaitable<void> run();
   asio::awaitable<void> readAll();
@@ -42,11 +64,11 @@ struct TcpTransport::State {
   asio::awaitable<void> writeUntilClosed();
   void fail(ErrorCode code, const std::string& message);
 
+  asio::io_context& io;
   const Address address;
   const std::chrono::milliseconds connect_timeout;
   const std::function<void()> wake;
-
-  asio::io_context io{1};
+  bool abandoned = false;  // the transport is gone
   tcp::socket socket{io};
   tcp::resolver resolver{io};
   bool connected = false, timed_out = false;  // of connect() and its deadline, which may fire after it
@@ -57,8 +79,6 @@ struct TcpTransport::State {
   std::mutex mutex;  // of what follows
   proto::Bytes received, unsent;
   std::optional<Error> failure;
-
-  std::thread thread;
 };
 
 void TcpTransport::State::fail(ErrorCode code, const std::string& message) {
@@ -67,12 +87,12 @@ void TcpTransport::State::fail(ErrorCode code, const std::string& message) {
     if (failure) return;
     failure.emplace(code, message);
   }
-  wake();
+  wakeUp();
 }
 
 asio::awaitable<void> TcpTransport::State::connect() {
   asio::steady_timer deadline(io, connect_timeout);
-  deadline.async_wait([this](const asio::error_code& error) {
+  deadline.async_wait([this, self = shared_from_this()](const asio::error_code& error) {
     if (error || connected) return;
     timed_out = true;
     resolver.cancel();
@@ -104,7 +124,8 @@ asio::awaitable<void> TcpTransport::State::connect() {
 asio::awaitable<void> TcpTransport::State::run() {
   try {
     co_await connect();
-    asio::co_spawn(io, writeUntilClosed(), asio::detached);
+    asio::co_spawn(
+        io, [self = shared_from_this()] { return self->writeUntilClosed(); }, asio::detached);
     co_await readAll();
   } catch (const Error& error) {
     fail(error.code(), error.what());
@@ -128,8 +149,8 @@ asio::awaitable<void> TcpTransport::State::readAll() {
       received.insert(received.end(), buffer.begin(), buffer.begin() + static_cast<ptrdiff_t>(count));
       full = received.size() >= kMaxReceivedBytes;
     }
-    wake();
-    while (full) {
+    wakeUp();
+    while (full && !abandoned) {
       asio::error_code cancelled;
       co_await room.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
       const std::lock_guard lock(mutex);
@@ -139,7 +160,7 @@ asio::awaitable<void> TcpTransport::State::readAll() {
 }
 
 asio::awaitable<void> TcpTransport::State::writeAll() {
-  while (true) {
+  while (!abandoned) {
     proto::Bytes bytes;
     {
       const std::lock_guard lock(mutex);
@@ -164,14 +185,24 @@ asio::awaitable<void> TcpTransport::State::writeUntilClosed() {
 
 TcpTransport::TcpTransport(Address address, std::chrono::milliseconds connect_timeout,
                            std::function<void()> wake)
-    : state_(std::make_unique<State>(std::move(address), connect_timeout, std::move(wake))) {
-  asio::co_spawn(state_->io, state_->run(), asio::detached);
-  state_->thread = std::thread([state = state_.get()] { state->io.run(); });
+    : own_thread_(std::make_unique<Thread>()),
+      state_(std::make_shared<State>(own_thread_->io, std::move(address), connect_timeout, std::move(wake))) {
+  state_->start();
+  own_thread_->thread = std::thread([io = &own_thread_->io] { io->run(); });
+}
+
+TcpTransport::TcpTransport(asio::io_context& io, Address address, std::chrono::milliseconds connect_timeout,
+                           std::function<void()> wake)
+    : state_(std::make_shared<State>(io, std::move(address), connect_timeout, std::move(wake))) {
+  state_->start();
 }
 
 TcpTransport::~TcpTransport() {
-  state_->io.stop();
-  state_->thread.join();
+  if (own_thread_) {
+    own_thread_->io.stop();
+    own_thread_->thread.join();
+  }
+  state_->abandon();
 }
 
 void TcpTransport::send(proto::Bytes bytes) {
@@ -183,7 +214,7 @@ void TcpTransport::send(proto::Bytes bytes) {
                   toString(state_->address) + " takes no bytes: check the server and try again");
     state_->unsent.insert(state_->unsent.end(), bytes.begin(), bytes.end());
   }
-  asio::post(state_->io, [state = state_.get()] { state->work.cancel(); });
+  asio::post(state_->io, [state = state_] { state->work.cancel(); });
 }
 
 proto::Bytes TcpTransport::takeReceived() {
@@ -193,8 +224,7 @@ proto::Bytes TcpTransport::takeReceived() {
     if (state_->received.empty() && state_->failure) throw *state_->failure;
     bytes.swap(state_->received);
   }
-  if (bytes.size() >= kMaxReceivedBytes)
-    asio::post(state_->io, [state = state_.get()] { state->room.cancel(); });
+  if (bytes.size() >= kMaxReceivedBytes) asio::post(state_->io, [state = state_] { state->room.cancel(); });
   return bytes;
 }
 

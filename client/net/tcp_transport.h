@@ -4,6 +4,8 @@
 #include <functional>
 #include <memory>
 
+#include <asio/io_context.hpp>
+
 #include "client/net/address.h"
 #include "proto/messages.h"
 
@@ -12,7 +14,8 @@ namespace lode::net {
 constexpr size_t kMaxReceivedBytes = 4u << 20;  ///< waiting to be taken; reading pauses above it
 constexpr size_t kMaxUnsentBytes = 16u << 20;   ///< waiting to be sent; more is an error
 
-/// A TCP connection to a server on a thread of its own, which the destructor joins. Thread safe.
+/// A TCP connection to a server, on a thread of its own, which the destructor joins (then it is thread safe),
+/// or on the loop of a caller that steps many connections on one thread.
 class TcpTransport {
  public:
   /// Starts to connect.
@@ -20,6 +23,10 @@ class TcpTransport {
   /// bytes,
   ///              or the end of the connection.
   TcpTransport(Address address, std::chrono::milliseconds connect_timeout, std::function<void()> wake);
+  /// The same on a loop that the caller runs, from whose thread all calls come, the destructor's too.
+  /// @param io  outlives the transport.
+  TcpTransport(asio::io_context& io, Address address, std::chrono::milliseconds connect_timeout,
+               std::function<void()> wake);
   ~TcpTransport();
   TcpTransport(const TcpTransport&) = delete;
   TcpTransport& operator=(const TcpTransport&) = delete;
@@ -33,7 +40,9 @@ class TcpTransport {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  struct Thread;
+  std::unique_ptr<Thread> own_thread_;  ///< none on the caller's loop
+  std::shared_ptr<State> state_;
 };
 
 }  // namespace lode::net

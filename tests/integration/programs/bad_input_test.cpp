@@ -199,11 +199,12 @@ TEST(WrongUsageOfLodestream, endsWithTwoAndOneLine) {
       {"fetch", "lode://127.0.0.1:1/a", "--memory-budget", "1X"},
       {"fetch", "lode://127.0.0.1:1/a", "--bogus"},
       {"fetch", "lode://127.0.0.1:1/a", "more"},
+      {"loadtest", "lode://127.0.0.1:1/a"},
+      {"loadtest", "lode://127.0.0.1:1/a", "--clients", "0"},
       // not there yet
       {"fetch", "lodes://127.0.0.1:1/a"},
       {"fetch", "lode://127.0.0.1:1/a", "--cache", "off"},
-      {"replay", "lode://127.0.0.1:1/a"},
-      {"loadtest", "lode://127.0.0.1:1/a"}};
+      {"replay", "lode://127.0.0.1:1/a"}};
   for (const auto& arguments : wrong) {
     const Outcome outcome = lodestream(arguments);
     const std::string last = arguments.empty() ? "" : arguments.back();

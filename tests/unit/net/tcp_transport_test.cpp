@@ -1,9 +1,11 @@
 #include "client/net/tcp_transport.h"
 
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
@@ -66,6 +68,7 @@ class TcpTransportTest : public testing::Test {
 
   asio::io_context io_;
   tcp::acceptor acceptor_{io_, tcp::endpoint(asio::ip::address_v4::loopback(), 0)};
+  std::vector<tcp::socket> peers_;
   Bell bell_;
 };
 
@@ -135,6 +138,43 @@ TEST_F(TcpTransportTest, endsWhileItConnectsSendsOrReceives) {
   }
   TcpTransport transport(address(), 10s, [] {});
   transport.send(proto::Bytes(1u << 20));
+}
+
+TEST_F(TcpTransportTest, sharesACallersLoopWithManyOthers) {
+  asio::io_context loop;
+  size_t wakes = 0;
+  std::vector<std::unique_ptr<TcpTransport>> transports;
+  for (int i = 0; i < 20; ++i) {
+    transports.push_back(std::make_unique<TcpTransport>(loop, address(), 10s, [&wakes] { ++wakes; }));
+    transports.back()->send(proto::Bytes(100, static_cast<std::byte>(i)));
+  }
+  std::thread peer([this] {
+    for (int i = 0; i < 20; ++i) {
+      tcp::socket socket = acceptor_.accept();
+      proto::Bytes got(100);
+      asio::read(socket, asio::buffer(got));
+      asio::write(socket, asio::buffer(got));
+      peers_.push_back(std::move(socket));
+    }
+  });
+  while (wakes < transports.size() && loop.run_one_for(30s) > 0) continue;
+  peer.join();
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(transports[static_cast<size_t>(i)]->takeReceived(),
+              proto::Bytes(100, static_cast<std::byte>(i)));
+}
+
+TEST_F(TcpTransportTest, wakesNobodyOnceItIsGone) {
+  asio::io_context loop;
+  bool woken = false;
+  {
+    TcpTransport transport(loop, address(), 10s, [&woken] { woken = true; });
+    transport.send(proto::Bytes(1000));
+    loop.poll();
+  }
+  loop.restart();
+  loop.run();  // ends, as nothing of the transport is left on it
+  EXPECT_FALSE(woken);
 }
 
 }  // namespace

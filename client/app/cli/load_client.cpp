@@ -1,0 +1,169 @@
+#include "client/app/cli/load_client.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "common/error.h"
+#include "common/hierarchy_page.h"
+
+namespace lode::app {
+namespace {
+
+constexpr auto kNever = core::TimePoint::max();
+constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
+constexpr size_t kRefillBelow = 64;     ///< open wishes; the session holds back what is above its own limits
+constexpr double kShortestTrace_s = 1;  ///< a path that stands still is replayed this often
+
+core::TimePoint::duration seconds(double count) {
+  return std::chrono::duration_cast<core::TimePoint::duration>(std::chrono::duration<double>(count));
+}
+
+}  // namespace
+
+void LoadTally::add(const LoadTally& other) {
+  for (size_t i = 0; i < latency.size(); ++i) latency[i].add(other.latency[i]);
+  first_image.add(other.first_image);
+  blobs += other.blobs;
+  bytes += other.bytes;
+  errors += other.errors;
+  unanswered += other.unanswered;
+  if (first_error.empty()) first_error = other.first_error;
+}
+
+LoadClient::LoadClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
+                       LoadTally& tally)
+    : io_(io), plan_(plan), tally_(tally), start_(start), due_(start) {
+  const auto& wishes = plan.trace.wishes;
+  const auto at = std::ranges::lower_bound(wishes, phase_s, {}, &TracedWish::t_s);
+  first_ = at == wishes.end() ? 0 : static_cast<size_t>(at - wishes.begin());
+}
+
+/// The time of the replay's n-th wish: places after the trace's end are those of its next round.
+core::TimePoint LoadClient::intendedTime(uint64_t replay) const noexcept {
+  const auto& wishes = plan_.trace.wishes;
+  const uint64_t place = first_ + replay;
+  const double round_s = std::max(plan_.trace.duration_s, kShortestTrace_s);
+  const double t_s = static_cast<double>(place / wishes.size()) * round_s + wishes[place % wishes.size()].t_s;
+  return start_ + seconds(t_s - wishes[first_].t_s);
+}
+
+/// What goes wrong with one client is counted and ends it; the others go on.
+template <typename Action>
+void LoadClient::guarded(const Action& action) {
+  if (gone_) return;
+  try {
+    action();
+  } catch (const std::exception& error) {
+    if (tally_.first_error.empty()) tally_.first_error = error.what();
+    ++tally_.errors;
+    gone_ = true;
+    due_ = kNever;
+  }
+}
+
+void LoadClient::step(core::TimePoint now) {
+  guarded([&] {
+    if (!session_) {
+      core::SessionOptions options;
+      options.model = plan_.model.model;
+      options.token = plan_.options.token;
+      session_.emplace(options, now);
+      transport_.emplace(io_, plan_.model.address, plan_.options.connect_timeout, [this] { receive(); });
+    }
+    session_->tick(now);
+    addDueWishes(now);
+    transport_->send(session_->takeOutgoing());
+    scheduleNext(now);
+  });
+}
+
+void LoadClient::addDueWishes(core::TimePoint now) {
+  const auto& wishes = plan_.trace.wishes;
+  bool added = false;
+  while (!wishes.empty() && intendedTime(replayed_) <= std::min(now, plan_.end)) {
+    const size_t traced = (first_ + replayed_) % wishes.size();
+    const core::BlobWish& wish = wishes[traced].wish;
+    added |= pending_.try_emplace(wish.blob.number, Pending{wish, intendedTime(replayed_), traced}).second;
+    ++replayed_;
+  }
+  if (added) sendWishes();
+}
+
+void LoadClient::sendWishes() {
+  if (!session_->opened()) return;
+  std::vector<core::BlobWish> wishes;
+  wishes.reserve(pending_.size());
+  for (const auto& [number, pending] : pending_) wishes.push_back(pending.wish);
+  std::ranges::stable_sort(wishes, [](const core::BlobWish& a, const core::BlobWish& b) {
+    return a.wish_class != b.wish_class ? a.wish_class < b.wish_class : a.priority_px > b.priority_px;
+  });
+  session_->setWishes(wishes);
+}
+
+void LoadClient::scheduleNext(core::TimePoint now) {
+  due_ = now + kKeepAliveEvery;
+  if (!plan_.trace.wishes.empty()) due_ = std::min(due_, intendedTime(replayed_));
+}
+
+void LoadClient::receive() {
+  guarded([&] {
+    const core::TimePoint now = std::chrono::steady_clock::now();
+    session_->receive(transport_->takeReceived(), now);
+    while (const auto event = session_->nextEvent()) handle(*event, now);
+    transport_->send(session_->takeOutgoing());
+  });
+}
+
+void LoadClient::handle(const core::SessionEvent& event, core::TimePoint now) {
+  if (std::holds_alternative<core::ModelOpened>(event)) return sendWishes();
+  if (const auto* blob = std::get_if<core::BlobArrived>(&event)) return arrived(*blob, now);
+  if (const auto* refused = std::get_if<core::BlobRefused>(&event))
+    throw Error(ErrorCode::kNetwork, "the server cannot give a blob: " + refused->message);
+  if (const auto* leaving = std::get_if<core::ServerLeaving>(&event))
+    throw Error(ErrorCode::kNetwork, "the server is going away: " + leaving->reason);
+}
+
+void LoadClient::arrived(const core::BlobArrived& blob, core::TimePoint now) {
+  ++tally_.blobs;
+  tally_.bytes += blob.bytes.size();
+  const auto found = pending_.find(blob.blob.number);
+  if (found != pending_.end()) {
+    const Pending pending = found->second;
+    pending_.erase(found);
+    if (plan_.decode && plan_.trace.wishes[pending.traced].decode) {
+      core::DecodeJob job = *plan_.trace.wishes[pending.traced].decode;
+      job.bytes = blob.bytes;
+      const core::DecodeResult result = core::runDecodeJob(job);
+      if (!result.failure.empty())
+        throw Error(ErrorCode::kFormat, "a blob cannot be decoded: " + result.failure);
+    }
+    tally_.latency[static_cast<size_t>(pending.wish.wish_class)].add(now - pending.intended);
+    const size_t open = session_->openWishes();
+    if (open < kRefillBelow && open < pending_.size()) sendWishes();
+  }
+  if (image_seen_) return;
+  if (blob.blob.number == first_rung_) {
+    image_seen_ = true;
+    tally_.first_image.add(now - start_);
+  } else if (first_rung_ == 0) {
+    const HierarchyPage page =
+        decodePage(blob.bytes, kRootKey, true);  // the root's page comes before all others
+    const BlobRef& coarsest = page.nodes.front().rungs.back().payload;
+    first_rung_ = coarsest.number;
+    if (coarsest) session_->expectUnasked(coarsest);
+  }
+}
+
+void LoadClient::finish(core::TimePoint now) {
+  if (gone_) return;
+  for (const auto& [number, pending] : pending_) {
+    if (pending.intended > now) continue;
+    ++tally_.unanswered;
+    tally_.latency[static_cast<size_t>(pending.wish.wish_class)].add(now - pending.intended);
+  }
+}
+
+}  // namespace lode::app

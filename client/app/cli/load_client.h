@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <asio/io_context.hpp>
+
+#include "client/app/cli/latency_histogram.h"
+#include "client/app/cli/wish_trace.h"
+#include "client/core/session.h"
+#include "client/net/tcp_transport.h"
+
+namespace lode::app {
+
+/// What the clients of one thread have seen.
+struct LoadTally {
+  std::array<LatencyHistogram, 3> latency;  ///< by class, from a wish's intended time to its last byte
+  LatencyHistogram first_image;             ///< from a client's intended start to the root's coarsest rung
+  uint64_t blobs = 0, bytes = 0, errors = 0, unanswered = 0;
+  std::string first_error;
+
+  void add(const LoadTally& other);
+};
+
+/// What all clients of a load test are told.
+struct LoadPlan {
+  ServedModel model;
+  StreamOptions options;
+  WishTrace trace;
+  bool decode = true;
+  core::TimePoint end;
+};
+
+/// One client: it replays the trace over and over from a place of its own in it, each wish at its intended
+/// time whether or not those before are there. What is late counts from that time. Lives on the thread that
+/// runs its context.
+class LoadClient {
+ public:
+  /// @param start    when it connects. @param phase_s  where in the trace it begins.
+  LoadClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
+             LoadTally& tally);
+
+  /// When step() has something to do next; the end of time if never.
+  core::TimePoint due() const noexcept { return due_; }
+  /// Connects, wishes for what is due, keeps the connection alive.
+  void step(core::TimePoint now);
+  /// What is not there yet counts as late as it is.
+  void finish(core::TimePoint now);
+
+ private:
+  struct Pending {
+    core::BlobWish wish;
+    core::TimePoint intended;
+    size_t traced = 0;  ///< its place in the trace
+  };
+
+  template <typename Action>
+  void guarded(const Action& action);
+  void receive();
+  void handle(const core::SessionEvent& event, core::TimePoint now);
+  void arrived(const core::BlobArrived& blob, core::TimePoint now);
+  void addDueWishes(core::TimePoint now);
+  void sendWishes();
+  void scheduleNext(core::TimePoint now);
+  core::TimePoint intendedTime(uint64_t replay) const noexcept;
+
+  asio::io_context& io_;
+  const LoadPlan& plan_;
+  LoadTally& tally_;
+  const core::TimePoint start_;
+  size_t first_;           ///< place in the trace at which it begins
+  uint64_t replayed_ = 0;  ///< wishes that were due so far
+  core::TimePoint due_;
+  std::optional<core::Session> session_;
+  std::map<uint32_t, Pending> pending_;  ///< by blob number
+  bool image_seen_ = false, gone_ = false;
+  uint32_t first_rung_ = 0;  ///< number of the blob that makes the first image
+  std::optional<net::TcpTransport> transport_;
+};
+
+}  // namespace lode::app

@@ -1,0 +1,141 @@
+#include "client/app/cli/wish_trace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+
+#include <asio/io_context.hpp>
+#include <glm/gtc/constants.hpp>
+
+#include "client/app/cli/overheard_wishes.h"
+#include "client/net/tcp_transport.h"
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kStep_s = 0.1;
+constexpr size_t kMaxSteps = 36'000;  ///< an hour of a path
+constexpr unsigned kOrbitKeys = 16;
+constexpr double kOrbit_s = 20;
+
+core::EngineOptions engineOptions(const ServedModel& model, const StreamOptions& options) {
+  core::EngineOptions engine_options;
+  engine_options.session.model = model.model;
+  engine_options.session.token = options.token;
+  engine_options.memory_budget_bytes = options.memory_budget_bytes;
+  return engine_options;
+}
+
+/// One client that goes along the path as fast as it can, and notes what it wishes for.
+class Recorder {
+ public:
+  Recorder(const ServedModel& model, const StreamOptions& options, Clock::time_point deadline)
+      : deadline_(deadline),
+        where_(net::toString(model.address) + '/' + model.model),
+        engine_(engineOptions(model, options), Clock::now()),
+        transport_(io_, model.address, options.connect_timeout, [] {}) {}
+
+  const ModelSummary& open() {
+    while (engine_.summary() == nullptr) exchange();
+    return *engine_.summary();
+  }
+
+  /// @param t_s  of the trace.
+  void see(const core::View& view, float pixels, double t_s) {
+    t_s_ = t_s;
+    engine_.setView(view, pixels);
+    do {
+      exchange();
+    } while (!settled());
+  }
+
+  std::vector<TracedWish> take() {
+    for (TracedWish& traced : wishes_)
+      if (const auto job = jobs_.find(traced.wish.blob.name); job != jobs_.end()) traced.decode = job->second;
+    std::ranges::stable_sort(wishes_, {}, &TracedWish::t_s);
+    return std::move(wishes_);
+  }
+
+ private:
+  bool settled() const { return engine_.settled() && engine_.cut(); }
+
+  /// One step of the engine, and if it misses anything, what the server has to say.
+  void exchange() {
+    engine_.step(Clock::now());
+    if (settled()) return;
+    proto::Bytes frames = engine_.takeOutgoing();
+    overheard_.sent(frames, t_s_);
+    transport_.send(std::move(frames));
+    io_.run_one_for(std::chrono::milliseconds(10));
+    const proto::Bytes bytes = transport_.takeReceived();
+    overheard_.received(bytes);
+    engine_.receive(bytes, Clock::now());
+    for (core::DecodeJob& job : engine_.takeDecodeJobs()) {
+      engine_.finishDecode(core::runDecodeJob(job));
+      const BlobName name = nameBlob(job.bytes);
+      job.bytes = {};
+      jobs_.emplace(name, std::move(job));
+    }
+    if (!engine_.failure().empty()) throw Error(ErrorCode::kNetwork, where_ + ": " + engine_.failure());
+    if (Clock::now() > deadline_)
+      throw Error(ErrorCode::kTimeout,
+                  where_ + ": the path was not recorded in time; allow more with --timeout, or a larger " +
+                      "error with --pixels");
+  }
+
+  const Clock::time_point deadline_;
+  const std::string where_;
+  double t_s_ = 0;
+  std::vector<TracedWish> wishes_;
+  OverheardWishes overheard_{[this](const core::BlobWish& wish, double t_s) {
+    wishes_.push_back({t_s, wish, {}});
+  }};
+  std::map<BlobName, core::DecodeJob> jobs_;
+  core::Engine engine_;
+  asio::io_context io_{1};
+  net::TcpTransport transport_;
+};
+
+}  // namespace
+
+core::CameraPath orbit(const ModelSummary& model) {
+  core::CameraPath path = core::framingCamera(model);
+  const core::CameraKey first = path.keys.front();
+  const glm::dvec3 arm = first.eye - first.target;
+  path.keys.clear();
+  for (unsigned i = 0; i <= kOrbitKeys; ++i) {
+    const double part = static_cast<double>(i) / kOrbitKeys, angle = 2 * glm::pi<double>() * part;
+    const glm::dvec3 turned(arm.x * std::cos(angle) + arm.z * std::sin(angle), arm.y,
+                            arm.z * std::cos(angle) - arm.x * std::sin(angle));
+    path.keys.push_back({kOrbit_s * part, first.target + turned * (1 - part / 2), first.target, first.up});
+  }
+  return path;
+}
+
+WishTrace recordTrace(const ServedModel& model, const StreamOptions& options,
+                      const std::optional<core::CameraPath>& wanted_path, glm::uvec2 size_px, float pixels,
+                      std::chrono::milliseconds timeout) {
+  Recorder recorder(model, options, Clock::now() + timeout);
+  const ModelSummary& summary = recorder.open();
+  const core::CameraPath path = wanted_path ? *wanted_path : orbit(summary);
+  const double begin_s = path.keys.front().t;
+  WishTrace trace;
+  trace.duration_s = path.keys.back().t - begin_s;
+  if (trace.duration_s > kStep_s * kMaxSteps)
+    throw Error(ErrorCode::kUsage, "a camera path of more than an hour: shorten it");
+  const auto steps = static_cast<size_t>(std::ceil(trace.duration_s / kStep_s));
+  for (size_t i = 0; i <= steps; ++i) {
+    const double t_s = std::min(kStep_s * static_cast<double>(i), trace.duration_s);
+    const core::CameraKey camera = core::cameraAt(path, begin_s + t_s);
+    recorder.see(core::toView(camera, path.fov_y_deg, size_px.x, size_px.y, summary), pixels, t_s);
+  }
+  trace.wishes = recorder.take();
+  return trace;
+}
+
+}  // namespace lode::app
