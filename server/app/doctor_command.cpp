@@ -33,7 +33,9 @@ Json toJson(const ingest::Topology& topology) {
           {"open_edges", topology.open_edges},
           {"non_manifold_edges", topology.non_manifold_edges},
           {"misoriented_edges", topology.misoriented_edges},
-          {"pieces", topology.pieces}};
+          {"pieces", topology.pieces},
+          {"lost_faces", topology.lost_faces},
+          {"lattice_step", topology.lattice_step}};
 }
 
 Json toJson(const ingest::BuildForecast& forecast) {

@@ -38,6 +38,7 @@ double msSince(Clock::time_point start) {
 struct KeyResult {
   double t = 0;
   std::optional<double> first_image_ms, converged_ms;  // since the key's start
+  bool is_complete = false;  ///< there is nothing finer to ask for, in what the budget allows
   StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
@@ -47,6 +48,7 @@ Json toJson(const KeyResult& key) {
   Json json;
   json["t"] = key.t;
   json["converged"] = key.converged();
+  json["finest"] = key.is_complete && !key.converged();
   json["first_image_ms"] = key.first_image_ms ? Json(*key.first_image_ms) : Json();
   json["converged_ms"] = key.converged_ms ? Json(*key.converged_ms) : Json();
   json["bytes_received"] = key.status.counts.received_bytes;
@@ -88,15 +90,16 @@ class Fetch {
     if (!path) path = core::framingCamera(model);
     for (const core::CameraKey& camera : path->keys) {
       keys_.push_back(converge(streamer, camera, *path, model));
-      if (!keys_.back().converged()) break;
+      if (!keys_.back().is_complete) break;
     }
     const double total_ms = msSince(start_);
     const KeyResult& last = keys_.back();
-    if (last.converged() && !options_.output.empty())
+    if (last.is_complete && !options_.output.empty())
       writePly(options_.output, weldCut(*last.status.cut, model.attributes), model.lattice,
                last.status.cut->textures ? *last.status.cut->textures : TextureSet());
     print(total_ms);
-    if (!last.converged()) refuse(last);
+    for (const KeyResult& key : keys_)
+      if (!key.converged()) refuse(key);
   }
 
  private:
@@ -114,7 +117,9 @@ class Fetch {
                      options_.common.pixels);
     if (streamer.waitForCut(left()).cut) key.first_image_ms = msSince(start);
     key.status = streamer.waitForConvergence(left());
-    if (key.status.settled && key.status.cut && key.status.cut->converged) key.converged_ms = msSince(start);
+    key.is_complete = key.status.settled && key.status.cut && key.status.cut->converged;
+    if (key.is_complete && key.status.cut->max_error_px <= options_.common.pixels)
+      key.converged_ms = msSince(start);
     return key;
   }
 
@@ -124,7 +129,7 @@ class Fetch {
       return;
     }
     const KeyResult& last = keys_.back();
-    if (!last.converged()) return;
+    if (!std::ranges::all_of(keys_, &KeyResult::converged)) return;
     std::printf(
         "converged in %.0f ms, first image after %.0f ms: %llu triangles in %zu nodes, %llu bytes received\n",
         total_ms, keys_.front().first_image_ms.value_or(total_ms),
@@ -133,8 +138,14 @@ class Fetch {
   }
 
   [[noreturn]] void refuse(const KeyResult& key) const {
-    const std::string where =
-        options_.common.target + " did not converge at key " + std::to_string(keys_.size() - 1);
+    const std::string where = options_.common.target + " did not converge at key " +
+                              std::to_string(static_cast<size_t>(&key - keys_.data()));
+    if (key.is_complete)
+      throw Error(ErrorCode::kInput,
+                  where + ": even the original triangles are off by " +
+                      std::to_string(key.status.cut->max_error_px) +
+                      " pixels so near, that is the lattice's step: the cut holds them all; allow a larger "
+                      "error with --pixels");
     if (!key.status.failure.empty()) throw Error(ErrorCode::kNetwork, where + ": " + key.status.failure);
     if (key.status.limited)
       throw Error(ErrorCode::kLimit,

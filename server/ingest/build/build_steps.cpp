@@ -15,6 +15,8 @@ namespace {
 constexpr std::string_view kRunsFile = "runs";
 constexpr uint64_t kTrianglesBetweenLooks = 1 << 16;  ///< at the clock
 
+constexpr double kRounding = 1.0001;  ///< of an error that is noted as a float
+
 /// Attributes of the payloads: the file's, with computed normals where it has none.
 AttributeSet payloadAttributes(AttributeSet file) {
   if (!file.has(AttributeSet::kNormal)) file.bits |= AttributeSet::kNormal | AttributeSet::kComputedNormal;
@@ -208,7 +210,7 @@ void BuildSteps::dereference() {
     counts_ = record.get<DereferenceCounts>();
     sorter_->restore(record);
     sorter_->finish();
-    return;
+    return warnOfLost();
   }
   noteResumed("dereference");
   StageClock clock(report_, "dereference");
@@ -229,6 +231,14 @@ void BuildSteps::dereference() {
     folder_.removeFilesBut({StagedTextures::kFile, kRunsFile});
   }
   clock.finish(counts_.triangles, sorter_->temporaryBytes());
+  warnOfLost();
+}
+
+void BuildSteps::warnOfLost() {
+  if (counts_.lost == 0) return;
+  report_.warnings.push_back(options_.input.string() + ": " +
+                             inWordsOfLost(counts_.lost, facts_.choice.lattice.step));
+  refuseWarnings();
 }
 
 /// Pushes the soup to the sorter, and notes runs that are written. What a killed build had in runs is not
@@ -284,6 +294,7 @@ void BuildSteps::partition() {
   if (!recorded_.partitioned.empty()) {
     RecordReader record(recorded_.partitioned);
     counts_ = record.get<DereferenceCounts>();
+    warnOfLost();
     if (!recorded_.is_simplified) parts_.emplace(Partition::load(*files_, facts_.soup_attributes, record));
     return;
   }
@@ -302,8 +313,12 @@ void BuildSteps::partition() {
 }
 
 NodeBuilder::Settings BuildSteps::settings() const {
-  return {facts_.choice.lattice, facts_.choice.extent, payloadAttributes(facts_.soup_attributes),
-          options_.triangles_per_node, options_.simplifier};
+  return {facts_.choice.lattice,
+          facts_.choice.extent,
+          payloadAttributes(facts_.soup_attributes),
+          options_.triangles_per_node,
+          options_.simplifier,
+          static_cast<float>(kRounding * counts_.snap_error_steps)};
 }
 
 void BuildSteps::simplify() {

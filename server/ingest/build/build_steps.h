@@ -57,6 +57,7 @@ class BuildSteps {
   void refuseLargeImages() const;
   void readImages();
   void refuseWarnings() const;
+  void warnOfLost();
   void sortSoup();
   NodeBuilder::Settings settings() const;
   ModelSummary summary() const;

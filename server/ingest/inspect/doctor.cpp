@@ -7,6 +7,7 @@
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/ply/ply_input.h"
+#include "server/ingest/soup/lattice_choice.h"
 #include "server/ingest/soup/scan.h"
 #include "server/ingest/textures/texture_images.h"
 
@@ -153,6 +154,8 @@ class Doctor {
     };
     warn(topology.unused_vertices, " vertices that no face uses; a build leaves them out");
     warn(topology.flat_faces, " faces with fewer than three distinct places; a build drops and counts them");
+    if (topology.lost_faces > 0)
+      say(false, name_ + ": " + inWordsOfLost(topology.lost_faces, topology.lattice_step));
     warn(topology.non_manifold_edges,
          " edges of three or more faces; a build keeps them, but simplifies less well around them");
     warn(topology.misoriented_edges,

@@ -6,6 +6,7 @@
 
 #include "server/ingest/mesh/number_table.h"
 #include "server/ingest/mesh/vertex_set.h"
+#include "server/ingest/soup/lattice_choice.h"
 
 namespace lode::ingest {
 namespace {
@@ -57,6 +58,7 @@ std::optional<Topology> TopologyCounter::count() {
   joinVertices();
   countPieces();
   pieces_ = {};
+  countLost();
   positions_ = {};
   countEdges();
   return topology_;
@@ -113,6 +115,27 @@ void TopologyCounter::countPieces() {
     }
     first += corners;
   }
+}
+
+void TopologyCounter::countLost() {
+  const glm::dvec3 box_min = topology_.used_min, box_max = topology_.used_max;
+  if (box_min == box_max) return;
+  const auto positionOf = [this](uint32_t vertex) { return positions_[vertex]; };
+  const auto forEachFace = [this](auto&& visit) {
+    size_t first = 0;
+    for (size_t f = 0; f < corner_counts_.size(); first += corner_counts_[f++])
+      visit(f, std::span<const uint32_t>(corners_).subspan(first, corner_counts_[f]));
+  };
+  const uint64_t stride = faceStride(corner_counts_.size());
+  std::vector<SampledFace> faces;
+  forEachFace([&](size_t f, std::span<const uint32_t> corners) {
+    if (f % stride == 0) faces.push_back(sampledFace(corners));
+  });
+  const Lattice lattice = chooseLattice(faces, positionOf, box_min, box_max);
+  topology_.lattice_step = lattice.step;
+  forEachFace([&](size_t, std::span<const uint32_t> corners) {
+    topology_.lost_faces += isLost(corners, positionOf, lattice);
+  });
 }
 
 void TopologyCounter::countEdges() {

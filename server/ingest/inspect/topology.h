@@ -21,6 +21,8 @@ struct Topology {
   uint64_t non_manifold_edges = 0;  ///< of three or more
   uint64_t misoriented_edges = 0;   ///< of two faces that run along it in the same direction
   uint64_t pieces = 0;              ///< of faces joined by vertices
+  uint64_t lost_faces = 0;          ///< see isLost(), on the lattice that a build chooses
+  double lattice_step = 0;          ///< of that; zero if all vertices coincide
   glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; zero if there are none
 };
 
@@ -39,6 +41,7 @@ class TopologyCounter {
   bool fits(uint64_t vertices, uint64_t faces, uint64_t corners);
   void joinVertices();
   void countUsed();
+  void countLost();
   void countEdges();
   uint32_t pieceOf(uint32_t vertex) noexcept;
   void countPieces();

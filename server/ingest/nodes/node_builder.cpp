@@ -55,9 +55,9 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, unsigned helpers) {
   built.node.key = partition_.leaves[leaf];
   NodeMesh mesh = loadLeaf(leaf);
   built.original_triangles = mesh.triangles.size();
-  built.rim_gap_steps = kLatticeErrorSteps;
+  built.rim_gap_steps = settings_.snap_error_steps;
   addRung(built, mesh, encodePayload(toMesh(mesh), settings_.lattice.step),
-          {.deviation_steps = kLatticeErrorSteps});
+          {.deviation_steps = settings_.snap_error_steps});
   if (built.node.key == kRootKey) {
     for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
     const std::vector<SurfaceSample> inside = samplesInside(mesh);

@@ -70,6 +70,7 @@ class NodeBuilder {
     AttributeSet attributes;  ///< of payloads: the file's, and computed normals where it has none
     uint32_t triangles_per_node = 0;
     Simplifier simplifier = Simplifier::kCollapse;
+    float snap_error_steps = 0;  ///< of the leaves' vertices
   };
   NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads);
 

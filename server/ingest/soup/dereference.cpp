@@ -37,14 +37,17 @@ class Batch {
     return !blocks_.empty();
   }
 
-  void sweepVertices() {
+  void sweepVertices(DereferenceCounts& counts) {
     const uint64_t members = used_.countRanks();
     positions_.resize(members);
     if (input_.hasVertexAttributes()) attributes_.resize(members);
     uint64_t next = 0;
     const auto take = [&](uint64_t number, glm::dvec3 position, const VertexAttributes& attributes) {
       if (!used_.contains(number)) return;
-      positions_[next] = packPosition(lattice_.snap(position));
+      const glm::uvec3 snapped = lattice_.snap(position);
+      positions_[next] = packPosition(snapped);
+      counts.snap_error_steps = std::max(counts.snap_error_steps,
+                                         glm::distance(position, lattice_.toWorld(snapped)) / lattice_.step);
       if (!attributes_.empty()) attributes_[next] = attributes;
       ++next;
     };
@@ -84,6 +87,14 @@ class Batch {
     for (const glm::u32vec3& t : cut_) giveOut(block, first + t, material, counts, sink);
   }
 
+  /// Of a triangle that was dropped. Few are, so that their places are looked up one by one.
+  bool isLost(const PackedInput::FaceBlock& block, glm::u32vec3 corners) const {
+    const glm::u32vec3 t(block.corners[corners.x], block.corners[corners.y], block.corners[corners.z]);
+    if (t.x == t.y || t.y == t.z || t.z == t.x) return false;
+    const glm::dvec3 a = input_.positionOf(t.x), b = input_.positionOf(t.y), c = input_.positionOf(t.z);
+    return a != b && b != c && c != a;
+  }
+
   bool isNeeded(uint64_t first) const noexcept {
     const uint64_t end = std::min(used_.wordCount(), (first + kSweepVertices) / 64);
     for (uint64_t word = first / 64; word < end; ++word) {
@@ -106,6 +117,7 @@ class Batch {
     if (triangle.corners[0] == triangle.corners[1] || triangle.corners[1] == triangle.corners[2] ||
         triangle.corners[2] == triangle.corners[0]) {
       ++counts.dropped;
+      counts.lost += isLost(block, corners);
       return;
     }
     ++counts.triangles;
@@ -135,7 +147,7 @@ DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, 
   uint64_t faces = from.faces, begin = cursor.offset();
   for (; batch.readFaces(cursor); begin = cursor.offset()) {
     if (on_batch) on_batch({begin, faces, counts});
-    batch.sweepVertices();
+    batch.sweepVertices(counts);
     for (const PackedInput::FaceBlock& block : batch.blocks()) {
       batch.giveOut(block, counts, sink);
       faces += block.faceCount();

@@ -11,8 +11,10 @@
 namespace lode::ingest {
 
 struct DereferenceCounts {
-  uint64_t triangles = 0;  ///< given out
-  uint64_t dropped = 0;    ///< triangles whose corners do not stay distinct on the lattice
+  uint64_t triangles = 0;       ///< given out
+  uint64_t dropped = 0;         ///< triangles whose corners do not stay distinct on the lattice
+  uint64_t lost = 0;            ///< of these, those whose corners the file has in three places
+  double snap_error_steps = 0;  ///< the farthest that a vertex was moved
 };
 
 /// Where a batch of faces begins, and what was given out before.

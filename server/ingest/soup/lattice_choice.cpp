@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <iterator>
 #include <limits>
 
 #include "common/error.h"
@@ -10,21 +12,25 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kSampledFaces = 1 << 16;
+constexpr uint64_t kSampledFaces = 1 << 17;
 // What payloads and stores can hold: docs/store-format.md.
 constexpr double kSmallestStep = 0x1p-100;
 constexpr double kLargestStep = 0x1p60;
 constexpr double kStepsInShortEdge = 32;
-constexpr double kStepsInBox = (1 << kLatticeBits) - 2;
+/// Of the longest side, at least. Snapping moves a corner by half the diagonal of a cell, 0.87 steps, at
+/// most; where the side fills 3840 pixels, those are 0.81 of a pixel.
+constexpr double kLeastStepsInBox = 4096;
+constexpr double kMostStepsInBox = (1 << kLatticeBits) - 2;
+constexpr uint64_t kFacesForEachLost = 1'000'000;
 
 struct UsedVertices {
   VertexSet used;
-  std::vector<uint32_t> edge_ends;  ///< pairs of vertices of sampled edges
+  std::vector<SampledFace> faces;
 };
 
 UsedVertices findUsedVertices(const PackedInput& input) {
   UsedVertices result{VertexSet(input.vertexCount()), {}};
-  const uint64_t stride = std::max<uint64_t>(1, input.faceCount() / kSampledFaces);
+  const uint64_t stride = faceStride(input.faceCount());
   PackedInput::FaceCursor cursor(input);
   PackedInput::FaceBlock block;
   uint64_t face = 0;
@@ -32,13 +38,9 @@ UsedVertices findUsedVertices(const PackedInput& input) {
     size_t first = 0;
     for (size_t f = 0; f < block.faceCount(); ++f, ++face) {
       const size_t corners = block.corner_counts.empty() ? 3 : block.corner_counts[f];
-      for (size_t c = 0; c < corners; ++c) result.used.add(block.corners[first + c]);
-      if (face % stride == 0) {
-        for (size_t c = 0; c < std::min<size_t>(corners, 4); ++c) {
-          result.edge_ends.push_back(block.corners[first + c]);
-          result.edge_ends.push_back(block.corners[first + (c + 1) % corners]);
-        }
-      }
+      const auto of_face = std::span<const uint32_t>(block.corners).subspan(first, corners);
+      for (const uint32_t corner : of_face) result.used.add(corner);
+      if (face % stride == 0) result.faces.push_back(sampledFace(of_face));
       first += corners;
     }
   }
@@ -48,63 +50,134 @@ UsedVertices findUsedVertices(const PackedInput& input) {
 double powerOfTwoAtMost(double value) { return std::exp2(std::floor(std::log2(value))); }
 double powerOfTwoAtLeast(double value) { return std::exp2(std::ceil(std::log2(value))); }
 
+double finestStep(glm::dvec3 box_min, glm::dvec3 box_max) {
+  const glm::dvec3 size = box_max - box_min;
+  const glm::dvec3 farthest = glm::max(glm::abs(box_min), glm::abs(box_max));
+  return std::max(powerOfTwoAtLeast(std::max({size.x, size.y, size.z}) / kMostStepsInBox),
+                  powerOfTwoAtLeast(std::max({farthest.x, farthest.y, farthest.z}) *
+                                    std::numeric_limits<double>::epsilon()));
+}
+
+Lattice latticeOf(double step, glm::dvec3 box_min) { return {glm::floor(box_min / step) * step, step}; }
+
+std::vector<double> edgesOf(std::span<const SampledFace> faces, const PositionOf& position_of) {
+  std::vector<double> edges;
+  edges.reserve(faces.size() * 4);
+  for (const SampledFace& face : faces) {
+    for (size_t c = 0; c < 4; ++c) {
+      const uint32_t from = face[c], to = face[(c + 1) % 4];
+      if (from != to) edges.push_back(glm::distance(position_of(from), position_of(to)));
+    }
+  }
+  return edges;
+}
+
 }  // namespace
 
 double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box_max) {
-  const glm::dvec3 size = box_max - box_min;
-  const double longest = std::max({size.x, size.y, size.z});
-  const glm::dvec3 farthest = glm::max(glm::abs(box_min), glm::abs(box_max));
-  const double largest = std::max({farthest.x, farthest.y, farthest.z});
-  const double finest = std::max(powerOfTwoAtLeast(longest / kStepsInBox),
-                                 powerOfTwoAtLeast(largest * std::numeric_limits<double>::epsilon()));
+  const double finest = finestStep(box_min, box_max);
   std::erase(edges, 0.0);
   if (edges.empty()) return finest;
   const auto at = edges.begin() + static_cast<ptrdiff_t>(edges.size() / 20);
   std::nth_element(edges.begin(), at, edges.end());
-  return std::max(finest, powerOfTwoAtMost(*at / kStepsInShortEdge));
+  const glm::dvec3 size = box_max - box_min;
+  const double side = std::max({size.x, size.y, size.z});
+  return std::max(finest, powerOfTwoAtMost(std::min(*at / kStepsInShortEdge, side / kLeastStepsInBox)));
+}
+
+SampledFace sampledFace(std::span<const uint32_t> corners) {
+  return {corners[0], corners[1], corners[2], corners[corners.size() > 3 ? 3 : 0]};
+}
+
+uint64_t faceStride(uint64_t faces) noexcept { return std::max<uint64_t>(1, faces / kSampledFaces); }
+
+bool isLost(std::span<const uint32_t> corners, const PositionOf& position_of, const Lattice& lattice) {
+  bool meets = false;
+  size_t sides = 0;
+  glm::dvec3 from = position_of(corners.back());
+  uint32_t from_vertex = corners.back();
+  for (const uint32_t to_vertex : corners) {
+    if (to_vertex == from_vertex) continue;
+    const glm::dvec3 to = position_of(to_vertex);
+    sides += from != to;
+    meets |= from != to && lattice.snap(from) == lattice.snap(to);
+    from = to;
+    from_vertex = to_vertex;
+  }
+  return meets && sides > 2;
+}
+
+std::string inWordsOfLost(uint64_t faces, double step) {
+  char size[32];
+  std::snprintf(size, sizeof size, "%.3g", step);
+  return std::to_string(faces) + " faces with corners less than " + size +
+         " apart, the step of the finest lattice that pays for so large a model, are dropped; split the "
+         "model "
+         "or join such corners to keep or to close what is around them";
+}
+
+Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& position_of, glm::dvec3 box_min,
+                      glm::dvec3 box_max) {
+  std::vector<double> edges = edgesOf(faces, position_of);
+  const double coarsest = chooseStep(edges, box_min, box_max), finest = finestStep(box_min, box_max);
+  edges = {};
+  std::vector<SampledFace> at_risk;  // nothing else is lost on a finer lattice
+  const auto reaches = [&](const SampledFace& face) {
+    for (size_t c = 0; c < 4; ++c) {
+      if (face[c] == face[(c + 1) % 4]) continue;
+      const glm::dvec3 along = glm::abs(position_of(face[c]) - position_of(face[(c + 1) % 4]));
+      if (std::max({along.x, along.y, along.z}) <= coarsest) return true;
+    }
+    return false;
+  };
+  std::ranges::copy_if(faces, std::back_inserter(at_risk), reaches);
+  const auto lostAt = [&](double step) {
+    const Lattice lattice = latticeOf(step, box_min);
+    return static_cast<uint64_t>(std::ranges::count_if(
+        at_risk, [&](const SampledFace& face) { return isLost(face, position_of, lattice); }));
+  };
+  const uint64_t bound = std::max(lostAt(finest), faces.size() / kFacesForEachLost);
+  double step = coarsest;
+  while (step > finest && lostAt(step) > bound) step /= 2;
+  return latticeOf(step, box_min);
 }
 
 LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name) {
   UsedVertices found = findUsedVertices(input);
-  std::vector<uint32_t> ends = found.edge_ends;
-  std::sort(ends.begin(), ends.end());
-  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  std::vector<glm::dvec3> end_positions(ends.size());
+  std::vector<uint32_t> corners;
+  corners.reserve(found.faces.size() * 4);
+  for (const SampledFace& face : found.faces) corners.insert(corners.end(), face.begin(), face.end());
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  std::vector<glm::dvec3> positions(corners.size());
 
   glm::dvec3 box_min(std::numeric_limits<double>::max()), box_max(std::numeric_limits<double>::lowest());
-  size_t next_end = 0;
+  size_t next = 0;
   input.readVertices(0, input.vertexCount(),
                      [&](uint64_t number, glm::dvec3 position, const VertexAttributes&) {
                        if (!found.used.contains(number)) return;
                        box_min = glm::min(box_min, position);
                        box_max = glm::max(box_max, position);
-                       if (next_end < ends.size() && ends[next_end] == number)
-                         end_positions[next_end++] = position;
+                       if (next < corners.size() && corners[next] == number) positions[next++] = position;
                      });
   if (!glm::any(glm::lessThan(box_min, box_max))) {
     throw Error(ErrorCode::kInput,
                 name.string() + ": all vertices that faces use coincide; nothing can be built of it");
   }
-
-  const auto positionOf = [&](uint32_t vertex) {
-    return end_positions[static_cast<size_t>(std::lower_bound(ends.begin(), ends.end(), vertex) -
-                                             ends.begin())];
-  };
-  std::vector<double> edges;
-  edges.reserve(found.edge_ends.size() / 2);
-  for (size_t i = 0; i < found.edge_ends.size(); i += 2) {
-    edges.push_back(glm::distance(positionOf(found.edge_ends[i]), positionOf(found.edge_ends[i + 1])));
-  }
+  for (SampledFace& face : found.faces)
+    for (uint32_t& corner : face)
+      corner =
+          static_cast<uint32_t>(std::lower_bound(corners.begin(), corners.end(), corner) - corners.begin());
 
   LatticeChoice choice;
-  choice.lattice.step = chooseStep(edges, box_min, box_max);
+  choice.lattice = chooseLattice(
+      found.faces, [&](uint32_t corner) { return positions[corner]; }, box_min, box_max);
   if (!(choice.lattice.step >= kSmallestStep && choice.lattice.step <= kLargestStep)) {
     throw Error(ErrorCode::kInput,
                 name.string() +
                     ": the coordinates are too small or too large to be stored; give the model "
                     "in another unit");
   }
-  choice.lattice.origin = glm::floor(box_min / choice.lattice.step) * choice.lattice.step;
   choice.extent = choice.lattice.snap(box_max);
   return choice;
 }

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <functional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "common/lattice.h"
@@ -7,19 +11,41 @@
 
 namespace lode::ingest {
 
-/// Step of a model's lattice: the largest power of two that is at most 1/16 of the 5th-percentile edge, but
-/// coarse enough that the box fits 21 bits and that double holds the coordinates. See docs/store-format.md.
+/// Step of a model's lattice: the largest power of two that is at most 1/32 of the 5th-percentile edge and
+/// 1/4096 of the longest side of the box, but coarse enough that the box fits 21 bits and that double holds
+/// the coordinates. See docs/store-format.md.
 /// @param edges  lengths of a sample of edges, true units; zero lengths are left out; changed (partly
 /// sorted).
 double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box_max);
+
+/// A face that is looked at: its first corners, at most four; the fourth of a triangle is its first.
+using SampledFace = std::array<uint32_t, 4>;
+SampledFace sampledFace(std::span<const uint32_t> corners);
+/// Every how manieth face is looked at: all of the first quarter of a million.
+uint64_t faceStride(uint64_t faces) noexcept;
+
+/// The place of a vertex, in true units.
+using PositionOf = std::function<glm::dvec3(uint32_t vertex)>;
+
+/// Whether the lattice makes neighbouring corners of a face one that the file has apart. (A face that has
+/// corners in one place in the file is flat, not lost.)
+bool isLost(std::span<const uint32_t> corners, const PositionOf& position_of, const Lattice& lattice);
+
+/// Says that a build drops so many faces because they are lost.
+std::string inWordsOfLost(uint64_t faces, double step);
+
+/// The step above, made finer by halves until no more than a millionth of the faces that are looked at is
+/// lost, or until finer ones keep no more of them. The origin is a multiple of it.
+Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& position_of, glm::dvec3 box_min,
+                      glm::dvec3 box_max);
 
 struct LatticeChoice {
   Lattice lattice;
   glm::uvec3 extent{0};  ///< largest lattice coordinates of the referenced vertices
 };
 
-/// The second look: the box of the vertices that faces use (a stray vertex must not cost precision), and edge
-/// lengths from evenly spread faces.
+/// The second look: the box of the vertices that faces use (a stray vertex must not cost precision), and
+/// evenly spread faces.
 /// @throws Error kInput if all used vertices coincide.
 LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name);
 

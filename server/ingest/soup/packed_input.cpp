@@ -1,6 +1,7 @@
 #include "server/ingest/soup/packed_input.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "common/error.h"
@@ -109,6 +110,13 @@ void PackedInput::addFaces(const PlyFaces& faces) {
   if (attributes_.has(AttributeSet::kMaterial))
     face_spool_.append(std::span<const uint16_t>(faces.materials));
   faces_ += faces.corner_counts.size();
+}
+
+glm::dvec3 PackedInput::positionOf(uint64_t vertex) const {
+  std::array<std::byte, sizeof(glm::dvec3)> bytes;
+  const size_t position_bytes = double_positions_ ? sizeof(glm::dvec3) : sizeof(glm::vec3);
+  vertex_spool_.readAt(vertex * vertex_bytes_, std::span(bytes).first(position_bytes));
+  return positionIn(bytes.data());
 }
 
 UvRange PackedInput::usedUvRange() const {

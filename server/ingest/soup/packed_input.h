@@ -54,6 +54,8 @@ class PackedInput {
   template <typename Sink>
   void readVertices(uint64_t first, uint64_t count, Sink&& sink) const;
   size_t vertexBytes() const noexcept { return vertex_bytes_; }
+  /// Of one vertex, of a flushed input: a look at the file.
+  glm::dvec3 positionOf(uint64_t vertex) const;
 
   /// Polygons as flat arrays; triangles only where corner_counts is empty.
   struct FaceBlock {
@@ -90,6 +92,17 @@ class PackedInput {
     uint8_t double_positions = 0, corner_texture = 0;
   };
   PackedInput(const TemporaryFolder& folder, const Place& place);
+  glm::dvec3 positionIn(const std::byte* vertex) const noexcept {
+    glm::dvec3 position;
+    glm::vec3 single;
+    if (double_positions_) {
+      std::memcpy(&position, vertex, sizeof(position));
+    } else {
+      std::memcpy(&single, vertex, sizeof(single));
+      position = single;
+    }
+    return position;
+  }
 
   const AttributeSet attributes_;
   const bool double_positions_, corner_texture_;
@@ -113,16 +126,8 @@ void PackedInput::readVertices(uint64_t first, uint64_t count, Sink&& sink) cons
   SpoolCursor cursor(vertex_spool_, first * vertex_bytes_, (first + count) * vertex_bytes_);
   for (uint64_t i = first; i < first + count; ++i) {
     const std::byte* bytes = cursor.take(vertex_bytes_).data();
-    glm::dvec3 position;
-    size_t position_bytes = sizeof(glm::dvec3);
-    if (double_positions_) {
-      std::memcpy(&position, bytes, sizeof(position));
-    } else {
-      glm::vec3 single;
-      std::memcpy(&single, bytes, sizeof(single));
-      position = single;
-      position_bytes = sizeof(single);
-    }
+    const glm::dvec3 position = positionIn(bytes);
+    const size_t position_bytes = double_positions_ ? sizeof(glm::dvec3) : sizeof(glm::vec3);
     VertexAttributes attributes;
     if (hasVertexAttributes()) std::memcpy(&attributes, bytes + position_bytes, sizeof(attributes));
     if (vertex_attributes_.has(AttributeSet::kTexture)) {

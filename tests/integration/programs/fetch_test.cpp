@@ -151,6 +151,28 @@ TEST(FetchOfAFile, servesAStoreByAChildThatEndsWithIt) {
   EXPECT_EQ(folder.contents(), before);
 }
 
+TEST(FetchOfAFile, saysThatItIsNotConvergedWhereTheLatticeIsSeenAndGivesTheFinestCut) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  const store::Reader reader(store);
+  const LatticeBox leaf = reader.nodes().back().box;
+  const glm::dvec3 eye = reader.summary().lattice.toWorld((leaf.min + leaf.max) / 2u);
+  const Json near{
+      {"fov_y_deg", 45},
+      {"keys", {{{"t", 0}, {"eye", {eye.x, eye.y, eye.z}}, {"target", {0, 0, 0}}, {"up", {0, 1, 0}}}}}};
+  writeBytes(folder / "near.json", near.dump());
+  const Outcome outcome =
+      lodestream({"fetch", store, "--json", "--camera", folder / "near.json", "-o", folder / "cut.ply"},
+                 {"XDG_CACHE_HOME=" + (folder / "cache").string()});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("even the original triangles"), std::string::npos) << outcome.err;
+  const Json json = Json::parse(outcome.out, nullptr, false);
+  EXPECT_FALSE(json["converged"]);
+  EXPECT_TRUE(json["finest"]);
+  EXPECT_GT(json["max_error_px"], 1);
+  EXPECT_EQ(CutFile(folder / "cut.ply").triangles.size(), json["triangles"]);
+}
+
 TEST(FetchOfAFile, buildsAPlyIntoTheCacheOnce) {
   const WorkFolder folder;
   makeSmallStore(folder);

@@ -189,6 +189,25 @@ TEST_F(Build, warnsWhenTheMemoryCannotBeKept) {
   EXPECT_NE(report_.warnings[0].find("--memory"), std::string::npos);
 }
 
+TEST_F(Build, warnsOfFacesThatTheFinestLatticeLosesAndRefusesThemIfStrict) {
+  std::ofstream file(folder_ / "a.ply");
+  file << "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\n"
+          "property double y\nproperty double z\nelement face 41\n"
+          "property list uchar int vertex_indices\nend_header\n"
+          "0 0 0\n1000 0 0\n0 1000 0\n1e-5 1e-5 0\n3 0 3 1\n";
+  for (int i = 0; i < 40; ++i) file << "3 0 1 2\n";
+  file.close();
+  BuildOptions given = options();
+  const BuildReport report = build(given);
+  EXPECT_EQ(report.summary.triangles, 40u);
+  EXPECT_EQ(report.summary.dropped, 1u);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("1 faces with corners less than 0.125"), std::string::npos)
+      << report.warnings[0];
+  given.strict = true;
+  EXPECT_THROW(build(given), Error);
+}
+
 // Builds on a small file system of its own, mounted in a namespace of a child process. Exit status: 0 said
 // that the disk is full and left nothing there, 1 did not, 77 this system has no such namespaces.
 int buildOnTinyDisk(BuildOptions options, const std::filesystem::path& disk) {

@@ -53,6 +53,16 @@ TEST(Doctor, findsNonManifoldAndMisorientedEdges) {
   EXPECT_EQ(report.topology->misoriented_edges, 1u);
 }
 
+TEST(Doctor, countsFacesThatTheLatticeLosesButNotFlatOnes) {
+  const PlyFolder folder;
+  const DoctorReport report = examineFile(folder.write(
+      header("5", "3") + "0 0 0\n1000 0 0\n0 1000 0\n1e-5 1e-5 0\n0 0 0\n3 0 1 2\n3 0 3 1\n3 0 4 2\n"));
+  ASSERT_TRUE(report.topology);
+  EXPECT_EQ(report.topology->lost_faces, 1u);
+  EXPECT_EQ(report.topology->flat_faces, 1u);
+  EXPECT_TRUE(mentions(report, false, "1 faces with corners less than"));
+}
+
 TEST(Doctor, saysWhereEveryBadValueIs) {
   const PlyFolder folder;
   const DoctorReport report = examineFile(folder.write(

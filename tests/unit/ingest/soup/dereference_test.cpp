@@ -73,6 +73,41 @@ TEST(Dereference, dropsAndCountsTrianglesWhoseCornersCoincideOnTheLattice) {
   EXPECT_EQ(counts.dropped, 1u);
 }
 
+TEST(Dereference, tellsTrianglesThatTheLatticeLosesFromThoseThatTheFileHasFlat) {
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{}, false);
+  const std::vector<PlyVertex> vertices{
+      {.position = {0, 0, 0}}, {.position = {0.3, 0, 0}}, {.position = {5, 0, 0}}, {.position = {0, 0, 0}}};
+  input.addVertices(vertices);
+  PlyFaces faces;
+  faces.corner_counts = {3, 3, 3};
+  faces.corners = {0, 1, 2, 0, 3, 2, 0, 0, 2};
+  input.addFaces(faces);
+  input.flush();
+  DereferenceCounts counts;
+  run(input, 1 << 20, counts);
+  EXPECT_EQ(counts.dropped, 3u);
+  EXPECT_EQ(counts.lost, 1u);
+}
+
+TEST(Dereference, saysHowFarItHasMovedVerticesThatFacesUse) {
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{}, true);
+  const std::vector<PlyVertex> vertices{{.position = {0, 0, 0}},
+                                        {.position = {7.25, 0, 0.125}},
+                                        {.position = {0, 5, 0}},
+                                        {.position = {0.5, 0.5, 0.5}}};
+  input.addVertices(vertices);
+  PlyFaces faces;
+  faces.corner_counts = {3};
+  faces.corners = {0, 1, 2};
+  input.addFaces(faces);
+  input.flush();
+  DereferenceCounts counts;
+  run(input, 1 << 20, counts);
+  EXPECT_DOUBLE_EQ(counts.snap_error_steps, std::hypot(0.25, 0.125));
+}
+
 /// A quad and a triangle over five vertices.
 struct TwoFaces {
   std::vector<PlyVertex> vertices{{.position = {0, 0, 0}, .texture = {0, 0}},

@@ -12,13 +12,23 @@ namespace {
 TEST(ChooseStep, isThePowerOfTwoBelowAThirtySecondOfTheFifthPercentileEdge) {
   std::vector<double> edges;
   for (int i = 1; i <= 100; ++i) edges.push_back(i);
-  EXPECT_EQ(chooseStep(edges, {0, 0, 0}, {100, 100, 100}), 0.125);
+  EXPECT_EQ(chooseStep(edges, {0, 0, 0}, {1000, 100, 100}), 0.125);
+}
+
+TEST(ChooseStep, isSoFineThatACornerOfAModelThatFillsTheScreenIsWithinAPixel) {
+  for (const double side : {1.0, 3.0, 1.9, 1e-3, 777.0}) {
+    std::vector<double> edges(10, side);
+    const double step = chooseStep(edges, {0, 0, 0}, {side, side, side});
+    constexpr double kScreenPx = 3840;
+    EXPECT_LE(std::sqrt(3) / 2 * step * kScreenPx / side, 1) << side;
+    EXPECT_GE(step, side / 8192) << side;
+  }
 }
 
 TEST(ChooseStep, leavesOutEdgesWithoutLength) {
   std::vector<double> edges(1000, 0.0);
   edges.insert(edges.end(), 100, 64.0);
-  EXPECT_EQ(chooseStep(edges, {0, 0, 0}, {100, 100, 100}), 2.0);
+  EXPECT_EQ(chooseStep(edges, {0, 0, 0}, {1e4, 100, 100}), 2.0);
 }
 
 TEST(ChooseStep, isCoarseEnoughForTheBoxToFitTheLattice) {
@@ -56,8 +66,8 @@ TEST_F(LatticeFixture, isNotStretchedByAVertexThatNoFaceUses) {
   add({{5e5, 5e5, 0}, {5e5 + 1, 5e5, 0}, {5e5, 5e5 + 1, 1}, {0, 0, 0}}, {0, 1, 2});
   const LatticeChoice choice = chooseLattice(input, "stray.ply");
   EXPECT_NEAR(choice.lattice.origin.x, 5e5, choice.lattice.step);
-  EXPECT_EQ(choice.lattice.step, 1.0 / 32);
-  EXPECT_EQ(choice.extent, glm::uvec3(32));
+  EXPECT_EQ(choice.lattice.step, 1.0 / 4096);
+  EXPECT_EQ(choice.extent, glm::uvec3(4096));
 }
 
 TEST_F(LatticeFixture, putsTheOriginOnAMultipleOfTheStepAtOrBelowTheBox) {
@@ -66,6 +76,29 @@ TEST_F(LatticeFixture, putsTheOriginOnAMultipleOfTheStepAtOrBelowTheBox) {
   EXPECT_EQ(std::fmod(lattice.origin.x, lattice.step), 0.0);
   EXPECT_LE(lattice.origin.x, -7.3);
   EXPECT_GT(lattice.origin.x, -7.3 - lattice.step);
+}
+
+/// So many that one short edge decides no percentile.
+std::vector<uint64_t> amongManyFaces(std::vector<uint64_t> corners) {
+  for (int i = 0; i < 40; ++i) corners.insert(corners.end(), {0, 1, 2});
+  return corners;
+}
+
+TEST_F(LatticeFixture, isMadeFinerUntilCornersThatTheFileHasApartStayApart) {
+  add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e-5, 1e-5, 0}}, amongManyFaces({0, 3, 1}));
+  const Lattice lattice = chooseLattice(input, "sliver.ply").lattice;
+  EXPECT_NE(lattice.snap({0, 0, 0}), lattice.snap({1e-5, 1e-5, 0}));
+  EXPECT_GT(lattice.step, 1e-6) << "and no finer";
+}
+
+TEST_F(LatticeFixture, isNotMadeFinerForFacesThatAreFlatInTheFile) {
+  add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}}, amongManyFaces({0, 3, 1}));
+  EXPECT_EQ(chooseLattice(input, "flat.ply").lattice.step, 1.0 / 4096);
+}
+
+TEST_F(LatticeFixture, isNotMadeFinerForCornersThatNoLatticeHoldsApart) {
+  add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e-12, 0, 0}}, amongManyFaces({0, 3, 2}));
+  EXPECT_EQ(chooseLattice(input, "nearly-flat.ply").lattice.step, 1.0 / 4096);
 }
 
 TEST_F(LatticeFixture, refusesCoordinatesTooSmallForAStore) {
