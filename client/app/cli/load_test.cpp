@@ -18,6 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
+constexpr unsigned kMostAtOnce = 1024;  ///< events between two looks at the clock
 constexpr double kMostRamp_s = 2;
 constexpr rlim_t kOtherDescriptors = 64;  ///< that the process needs besides its connections
 
@@ -50,9 +51,9 @@ class Stepper {
     for (Clock::time_point now = Clock::now(); now < plan_.end; now = Clock::now()) {
       const Clock::time_point next = due_.empty() ? plan_.end : std::min(due_.top().first, plan_.end);
       if (next > now) io_.run_one_until(std::min(next, now + kLongestWait));
-      io_.poll();
+      for (unsigned i = 0; i < kMostAtOnce && io_.poll_one() > 0; ++i) continue;
       io_.restart();
-      stepDue();
+      stepDue(std::min(Clock::now(), plan_.end));
     }
     for (const auto& client : clients_) client->finish(plan_.end);
     clients_.clear();
@@ -61,8 +62,8 @@ class Stepper {
   const LoadTally& tally() const noexcept { return tally_; }
 
  private:
-  void stepDue() {
-    const Clock::time_point now = Clock::now();
+  /// @param now  not after the end: clients have nothing to do from then on.
+  void stepDue(Clock::time_point now) {
     while (!due_.empty() && due_.top().first <= now) {
       const size_t client = due_.top().second;
       due_.pop();

@@ -43,6 +43,12 @@ TEST_F(Loadtest, answersEveryClientWithoutAnError) {
   }
 }
 
+TEST_F(Loadtest, endsInTimeWithManyClients) {
+  const Json told = run({"--clients", "300", "--seconds", "2", "--decode-off"});
+  EXPECT_EQ(told["errors"], 0) << told["first_error"];
+  EXPECT_EQ(told["first_image_ms"]["count"], 300);
+}
+
 TEST_F(Loadtest, thatNobodyAnswersFailsWithOneLine) {
   const std::string url = server_.url("nothing");
   expectFailure(lodestream({"loadtest", url, "--clients", "2", "--seconds", "1"}), {"nothing"});
