@@ -1,0 +1,78 @@
+#!/usr/bin/python3
+"""How long an urgent wish takes behind a queue of others: urgent_wish.py HOST:PORT MODEL FIRST LAST COUNT
+
+Prefetches blobs FIRST to LAST over and over with a window of 96 KB, and now and then wishes for one as visible. Prints one
+JSON object. tests/bench/bench_serving.py runs it; it needs what read_model.py needs.
+"""
+import json
+import random
+import statistics
+import sys
+import time
+
+import lodestream_generated as wire
+from read_model import BLOB, Connection
+
+WINDOW, OPEN_PREFETCHES, VISIBLE, PREFETCH = 96 << 10, 64, 0, 2
+
+
+class Client:
+    def __init__(self, address, model, first, last):
+        self.first, self.last, self.next_wish = first, last, 1
+        self.connection = Connection(address)
+        self.connection.send("Hello", 1, minVersion=1, maxVersion=1, program="urgent_wish.py")
+        self.connection.send("Open", 2, model=model)
+        self.connection.send("Credit", grantedBytes=WINDOW)
+        self.connection.receive()
+        _, _, opened = self.connection.receive()
+        self.handle, self.open = opened.Handle(), set()
+
+    def wish(self, wish_class, count):
+        changes = []
+        for _ in range(count):
+            change = wire.WishChangeT()
+            change.wish, change.wishClass, change.priorityPx = self.next_wish, wish_class, 1.0
+            change.blob = random.randint(self.first, self.last)
+            changes.append(change)
+            self.open.add(self.next_wish)
+            self.next_wish += 1
+        if changes:
+            self.connection.send("Wishes", 3, handle=self.handle, changes=changes)
+        return self.next_wish - 1
+
+    def take(self):
+        """The number of the wish that has ended with the next chunk, or None."""
+        _, _, body = self.connection.receive()
+        wish, total, offset = BLOB.unpack_from(body)
+        self.connection.send("Credit", grantedBytes=self.connection.credited + WINDOW)
+        if offset + len(body) - BLOB.size < total:
+            return None
+        self.open.discard(wish)
+        return wish
+
+    def flow(self, until):
+        """Takes prefetches until a wish has ended (a number) or the clock has come so far (a float)."""
+        while True:
+            self.wish(PREFETCH, max(0, OPEN_PREFETCHES - len(self.open)))
+            ended = self.take()
+            if ended == until or (isinstance(until, float) and time.monotonic() >= until):
+                return
+
+
+def main():
+    address, model, first, last, count = sys.argv[1:]
+    random.seed(1)
+    client, times_ms = Client(address, model, int(first), int(last)), []
+    client.flow(time.monotonic() + 3.0)
+    start, taken = time.monotonic(), client.connection.credited
+    for _ in range(int(count)):
+        client.flow(time.monotonic() + random.uniform(0.2, 0.6))
+        asked = time.monotonic()
+        client.flow(client.wish(VISIBLE, 1))
+        times_ms.append(1000 * (time.monotonic() - asked))
+    mbit_s = (client.connection.credited - taken) * 8e-6 / (time.monotonic() - start)
+    print(json.dumps(dict(median_ms=statistics.median(times_ms), max_ms=max(times_ms), bulk_mbit_s=mbit_s)))
+
+
+if __name__ == "__main__":
+    main()
