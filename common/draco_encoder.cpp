@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ using namespace draco_settings;
 
 // Below 4, texture coordinates take a predictor that damaged input keeps busy for seconds.
 constexpr int kSpeed = 4;
+// Draco looks for an edge's other triangle among all of those around its end.
+constexpr uint32_t kMostTrianglesOfVertex = 1024;
 
 // n * 2^exponent as text that strtof reads back exactly, whatever the locale's decimal point. Draco keeps
 // options as text; numbers that it writes itself have six decimals.
@@ -49,6 +52,33 @@ void requireSound(const Mesh& mesh) {
     if (t.x == t.y || t.y == t.z || t.z == t.x)
       throw Error(ErrorCode::kInternal, "a mesh to encode has a triangle that uses a vertex twice");
   }
+}
+
+/// The same mesh with copies of those vertices that very many triangles use: it decodes to the same
+/// triangles, and takes time in proportion to them. @return nothing where no vertex has so many.
+std::optional<Mesh> spreadTriangles(const Mesh& mesh) {
+  std::vector<uint32_t> uses(mesh.positions.size());
+  for (const glm::u32vec3 t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) ++uses[t[k]];
+  if (std::ranges::all_of(uses, [](uint32_t count) { return count <= kMostTrianglesOfVertex; }))
+    return std::nullopt;
+  Mesh spread = mesh;
+  std::vector<uint32_t> copy(uses.size());  // that the next triangle uses, and of how many before
+  std::iota(copy.begin(), copy.end(), 0u);
+  std::ranges::fill(uses, 0);
+  for (glm::u32vec3& t : spread.triangles)
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t vertex = t[k];
+      if (uses[vertex]++ == kMostTrianglesOfVertex) {
+        uses[vertex] = 1;
+        copy[vertex] = static_cast<uint32_t>(spread.positions.size());
+        spread.positions.push_back(mesh.positions[vertex]);
+        if (!mesh.vertex_attributes.empty())
+          spread.vertex_attributes.push_back(mesh.vertex_attributes[vertex]);
+      }
+      t[k] = copy[vertex];
+    }
+  return spread;
 }
 
 LatticeBox boxOf(const Mesh& mesh) {
@@ -155,12 +185,14 @@ uint32_t verticesOf(std::span<const std::byte> payload) {
 
 }  // namespace
 
-EncodedPayload encodePayload(const Mesh& mesh, double step) {
-  if (mesh.triangles.empty()) return {};
+EncodedPayload encodePayload(const Mesh& given, double step) {
+  if (given.triangles.empty()) return {};
   if (!isLatticeStep(step))
     throw Error(ErrorCode::kInternal,
                 "a mesh to encode lies on a lattice whose step is no power of two in range");
-  requireSound(mesh);
+  requireSound(given);
+  const std::optional<Mesh> spread = spreadTriangles(given);
+  const Mesh& mesh = spread ? *spread : given;
   draco::Mesh in;
   in.SetNumFaces(mesh.triangles.size());
   for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {

@@ -79,7 +79,7 @@ void addBuildCommand(CLI::App& program) {
   command->add_option("-o,--output", options.output, "the store to write")->required()->type_name("OUT.lode");
   command
       ->add_option("--memory", options.memory_bytes,
-                   "memory to use at most, 512MB or 4GB (default: half of the machine's)")
+                   "memory to use at most, 512MB or 4GB (default: half of the machine's or the container's)")
       ->transform(CLI::AsSizeValue(true))
       ->type_name("BYTES");
   command->add_option("--threads", options.threads, "threads to use (default: one a core)")

@@ -151,9 +151,9 @@ void addDoctorCommand(CLI::App& program) {
       addCommand(program, "doctor", "Say what is in a PLY file, what is wrong, and what a build will cost");
   command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
   command
-      ->add_option(
-          "--memory", options.memory_bytes,
-          "memory to count topology in, and of the build to forecast (default: half of the machine's)")
+      ->add_option("--memory", options.memory_bytes,
+                   "memory to count topology in, and of the build to forecast (default: half of the "
+                   "machine's or the container's)")
       ->transform(CLI::AsSizeValue(true))
       ->type_name("BYTES");
   command->add_option("--threads", options.threads, "of the build to forecast (default: one a core)")

@@ -94,7 +94,7 @@ void addVerifyCommand(CLI::App& program) {
       ->capture_default_str();
   command
       ->add_option("--memory", against.memory_bytes,
-                   "memory to use with --against (default: half of the machine's)")
+                   "memory to use with --against (default: half of the machine's or the container's)")
       ->transform(CLI::AsSizeValue(true))
       ->type_name("BYTES");
   command

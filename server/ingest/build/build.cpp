@@ -1,6 +1,8 @@
 #include "server/ingest/build/build.h"
 
 #include <exception>
+#include <string>
+#include <string_view>
 
 #include "common/error.h"
 #include "server/ingest/build/build_steps.h"
@@ -24,10 +26,10 @@ BuildOptions withDefaults(BuildOptions options) {
   return options;
 }
 
-/// Whether the same build may well succeed when it is tried again.
-bool isWorthResuming(const Error& error) noexcept {
-  return error.code() == ErrorCode::kIo || error.code() == ErrorCode::kLimit ||
-         error.code() == ErrorCode::kInternal;
+/// How a build that failed may go on; empty where it would only fail again.
+std::string_view wayOn(const Error& error, const BuildSteps& steps) noexcept {
+  if (error.code() == ErrorCode::kIo) return "the same command goes on from there";
+  return steps.lacksMemory() ? "with more memory the same command goes on from there" : "";
 }
 
 }  // namespace
@@ -43,9 +45,10 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
     steps.pack();
     return steps.report();
   } catch (const Error& error) {
-    if (!given.resume || !isWorthResuming(error) || !steps.keep()) throw;
-    throw Error(error.code(), std::string(error.what()) +
-                                  "; what is finished is kept, the same command goes on from there");
+    const std::string_view way_on = wayOn(error, steps);
+    if (!given.resume || way_on.empty() || !steps.keep()) throw;
+    throw Error(error.code(),
+                std::string(error.what()) + "; what is finished is kept, " + std::string(way_on));
   } catch (const std::exception&) {
     if (given.resume) steps.keep();
     throw;

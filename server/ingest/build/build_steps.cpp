@@ -166,6 +166,10 @@ void BuildSteps::surveyImages() {
   refuseLargeImages();
 }
 
+bool BuildSteps::lacksMemory() const noexcept {
+  return std::ranges::any_of(images_, &TextureImage::needs_memory);
+}
+
 /// To leave one out would make the store follow from --memory.
 void BuildSteps::refuseLargeImages() const {
   for (const TextureImage& image : images_) {

@@ -37,6 +37,8 @@ class BuildSteps {
 
   /// Leaves what is there for a build that is to go on. @return whether there is anything.
   bool keep() noexcept;
+  /// Whether what has failed would not have with more memory.
+  bool lacksMemory() const noexcept;
 
  private:
   /// What all stages after the scan need to know.

@@ -8,7 +8,7 @@ namespace lode::ingest {
 struct AgainstOptions {
   std::filesystem::path store, input;
   std::filesystem::path temporary_folder;  ///< empty: the system's
-  uint64_t memory_bytes = 0;               ///< for sorting; 0: half of the machine's
+  uint64_t memory_bytes = 0;               ///< for sorting; 0: defaultMemoryBytes()
   size_t rungs = 200;                      ///< at most, that are sampled
   size_t samples = 20000;                  ///< points each way of a rung
   uint64_t seed = 1;                       ///< of the choice of rungs and points

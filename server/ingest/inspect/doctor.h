@@ -16,7 +16,7 @@ namespace lode::ingest {
 
 struct DoctorOptions {
   std::filesystem::path input;
-  uint64_t memory_bytes = 0;               ///< budget of the build to forecast; 0: half of the machine's
+  uint64_t memory_bytes = 0;               ///< budget of the build to forecast; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< of the build to forecast; 0: one a core
   std::filesystem::path temporary_folder;  ///< for the trial of the forecast; empty: the system's
 };

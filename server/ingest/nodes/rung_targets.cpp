@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/limits.h"
+
 namespace lode::ingest {
 
 namespace {
@@ -15,7 +17,9 @@ constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do 
 
 std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   const bool is_root = rule.depth == 0;
-  const size_t enough = is_root ? kRootTriangles : std::max(rule.triangles_per_node, 4 * rule.locked);
+  const size_t enough =
+      is_root ? kRootTriangles
+              : std::min<size_t>(std::max(rule.triangles_per_node, 4 * rule.locked), kMaxRungTriangles);
   const bool is_large = rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
   const double factor = is_root || (rule.depth <= kFineStepDepth && is_large) ? std::sqrt(0.5) : 0.5;
   std::vector<size_t> targets;
@@ -24,8 +28,8 @@ std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   double target = static_cast<double>(triangles);
   do {
     target = std::max(factor * target, held + factor * kInnerFactor * (target - held));
-    targets.push_back(static_cast<size_t>(target));
-  } while (targets.back() > enough);
+    if (target < kMaxRungTriangles + 1.0) targets.push_back(static_cast<size_t>(target));
+  } while (target >= static_cast<double>(enough) + 1);
   return targets;
 }
 

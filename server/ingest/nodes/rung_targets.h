@@ -18,7 +18,7 @@ struct RungRule {
 
 /// Triangle counts of the reduced rungs of a node, falling, until at most max(triangles_per_node, 4 *
 /// locked); at the root, which locks nothing, until kRootTriangles. At least one, but for a root that is
-/// small enough already.
+/// small enough already. Steps above kMaxRungTriangles, which no store takes, are left out.
 ///
 /// Steps are of 2; of the square root of 2 at the root, and at depths 1 and 2 where much lies below the node,
 /// so that the finer steps, which a view of the whole model profits from most, cost the store little: with

@@ -47,7 +47,7 @@ void LeafCutter::cutOne() {
                                         [&](uint64_t code) { return cellAt(code, depth) == leaf; });
   const size_t triangles = static_cast<size_t>(end - codes_.begin()) - begin_;
   if (triangles > kMaxRungTriangles) {
-    throw Error(ErrorCode::kLimit,
+    throw Error(ErrorCode::kInput,
                 "more than " + std::to_string(kMaxRungTriangles) + " triangles lie in cell " +
                     std::to_string(leaf.value) +
                     " of the finest level: coincident triangles; remove duplicates from the input");

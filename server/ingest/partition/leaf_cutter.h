@@ -20,7 +20,7 @@ class LeafCutter {
   /// @param max_triangles  of a leaf; at depth 20 kMaxRungTriangles.
   LeafCutter(size_t record_bytes, uint32_t max_triangles, Sink sink);
 
-  /// @throws Error kLimit if more than kMaxRungTriangles triangles lie in one cell of depth 20.
+  /// @throws Error kInput if more than kMaxRungTriangles triangles lie in one cell of depth 20.
   void push(uint64_t code, std::span<const std::byte> record);
   void finish();
 

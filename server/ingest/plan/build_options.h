@@ -16,7 +16,7 @@ namespace lode::ingest {
 struct BuildOptions {
   std::filesystem::path input, output;
   std::filesystem::path temporary_folder;  ///< for temporary files; empty: the output's folder
-  uint64_t memory_bytes = 0;               ///< 0: half of the machine's
+  uint64_t memory_bytes = 0;               ///< 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< 0: one a core
   uint32_t triangles_per_node = 16384;
   Simplifier simplifier = Simplifier::kCollapse;

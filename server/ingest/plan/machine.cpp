@@ -12,10 +12,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "server/ingest/plan/control_groups.h"
+
 namespace lode::ingest {
 
-uint64_t defaultMemoryBytes() noexcept {
-  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+uint64_t defaultMemoryBytes() {
+  const auto machine =
+      static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+  return std::min(machine, controlGroupMemoryBytes()) / 2;
 }
 
 unsigned defaultThreads() noexcept { return std::max(1u, std::thread::hardware_concurrency()); }

@@ -4,8 +4,9 @@
 
 namespace lode::ingest {
 
-/// Half of the machine's memory: what a build uses at most unless it is told otherwise.
-uint64_t defaultMemoryBytes() noexcept;
+/// Half of the machine's memory, or of what a control group leaves this process: what a build uses at most
+/// unless it is told otherwise. Thread safe.
+uint64_t defaultMemoryBytes();
 
 /// One a core.
 unsigned defaultThreads() noexcept;

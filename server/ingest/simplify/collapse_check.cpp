@@ -44,7 +44,7 @@ CollapseFinding CollapseCheck::look(uint32_t u, uint32_t v, glm::dvec3 to, const
     return finding;
   }
   const std::vector<uint32_t>& position = mesh_.corner_position;
-  stamp_ += 2;
+  stamp_ += kMarks;
   const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
   const bool moves_u = to != at_u, moves_v = to != at_v;
   bool shapes = true;
@@ -64,8 +64,8 @@ CollapseFinding CollapseCheck::look(uint32_t u, uint32_t v, glm::dvec3 to, const
     if (a == u || b == u) {
       const uint32_t apex = a == u ? b : a;
       if (marks_[apex] == stamp_) ++common;
-      if (marks_[apex] != stamp_ + 2) ++apexes;
-      marks_[apex] = stamp_ + 2;
+      if (marks_[apex] != stamp_ + kApex) ++apexes;
+      marks_[apex] = stamp_ + kApex;
       continue;
     }
     if (moves_v && !keepsShape(corner, at_v, to, limits)) return finding;
@@ -74,7 +74,7 @@ CollapseFinding CollapseCheck::look(uint32_t u, uint32_t v, glm::dvec3 to, const
       both &= marks_[w] >= stamp_;
       if (marks_[w] != stamp_) continue;
       ++common;
-      marks_[w] = stamp_ + 1;
+      marks_[w] = stamp_ + kCounted;
     }
     if (!both) continue;
     const double area = areaOfOthers(u, a, b);
@@ -82,7 +82,6 @@ CollapseFinding CollapseCheck::look(uint32_t u, uint32_t v, glm::dvec3 to, const
     finding.folds = true;
     finding.folded_area += area;
   }
-  stamp_ += 1;
   finding.allowed = !limits.link_condition || common == apexes;
   return finding;
 }

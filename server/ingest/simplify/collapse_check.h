@@ -38,10 +38,14 @@ class CollapseCheck {
   bool keepsShape(uint32_t corner, glm::dvec3 from, glm::dvec3 to, const CollapseLimits& limits) const;
   double areaOfOthers(uint32_t u, uint32_t a, uint32_t b) const;
 
+  /// What a look adds to its stamp where it marks more than a neighbour of u.
+  static constexpr uint32_t kCounted = 1;  ///< a neighbour of v too
+  static constexpr uint32_t kApex = 2;     ///< of the edge
+  static constexpr uint32_t kMarks = 3;
+
   const CollapseMesh& mesh_;
-  std::vector<uint32_t>
-      marks_;  ///< stamp_: neighbour of u; stamp_ + 1: of v too, apex of the edge or counted
-  uint32_t stamp_ = 0;
+  std::vector<uint32_t> marks_;
+  uint32_t stamp_ = 0;  ///< of the look at hand; marks below it are of earlier ones
 };
 
 }  // namespace lode::ingest

@@ -12,6 +12,7 @@ namespace {
 
 constexpr uint32_t kNone = ~0u;
 constexpr uint32_t kSlack = 4;  // places kept free in a list of corners that has to move
+constexpr size_t kMany = 64;    // triangles, from which on lists are gone through once for all of them
 
 }  // namespace
 
@@ -148,6 +149,30 @@ void CollapseMesh::kill(uint32_t triangle, uint32_t except) {
   --live_triangles;
 }
 
+void CollapseMesh::killAll(std::span<const uint32_t> corners, uint32_t except) {
+  if (corners.size() < kMany) {
+    for (const uint32_t corner : corners) kill(corner / 4, except);
+    return;
+  }
+  std::vector<uint32_t> touched;
+  for (const uint32_t corner : corners) {
+    for (uint32_t c = corner / 4 * 4; c < corner / 4 * 4 + 3; ++c) {
+      if (corner_position[c] != except) touched.push_back(corner_position[c]);
+      corner_position[c] = kNone;
+    }
+  }
+  live_triangles -= corners.size();
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  for (const uint32_t position : touched) {
+    CollapsePosition& list = positions[position];
+    uint32_t* const begin = pool.data() + list.first;
+    uint32_t* const end = std::remove_if(begin, begin + list.count,
+                                         [&](uint32_t corner) { return corner_position[corner] == kNone; });
+    list.count = static_cast<uint32_t>(end - begin);
+  }
+}
+
 void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double gone_share) {
   if (hasWedges()) mergeWedges(keep, gone, gone_share);
   CollapsePosition& kept = positions[keep];
@@ -156,7 +181,7 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
   const auto shared = std::partition(dying_.begin(), dying_.end(), [&](uint32_t corner) {
     return corner_position[next(corner)] != keep && corner_position[previous(corner)] != keep;
   });
-  for (auto i = shared; i != dying_.end(); ++i) kill(*i / 4, gone);
+  killAll(std::span(shared, dying_.end()), gone);
   const uint32_t moving = static_cast<uint32_t>(shared - dying_.begin());
   if (kept.count + moving > kept.capacity) {
     const uint32_t total = kept.count + moving;
@@ -247,6 +272,7 @@ void CollapseMesh::removeFolds(uint32_t position) {
     sides.emplace_back(std::min(a, b), std::max(a, b), a < b, corner);
   }
   std::sort(sides.begin(), sides.end());
+  dying_.clear();
   for (size_t begin = 0, end; begin < sides.size(); begin = end) {
     const auto same = [&](const Side& side) {
       return std::get<0>(side) == std::get<0>(sides[begin]) && std::get<1>(side) == std::get<1>(sides[begin]);
@@ -256,10 +282,11 @@ void CollapseMesh::removeFolds(uint32_t position) {
     while (backward < end && !std::get<2>(sides[backward])) ++backward;
     const size_t pairs = std::min(backward - begin, end - backward);
     for (size_t i = 0; i < pairs; ++i) {
-      kill(std::get<3>(sides[begin + i]) / 4, kNone);
-      kill(std::get<3>(sides[backward + i]) / 4, kNone);
+      dying_.push_back(std::get<3>(sides[begin + i]));
+      dying_.push_back(std::get<3>(sides[backward + i]));
     }
   }
+  killAll(dying_, kNone);
 }
 
 NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {

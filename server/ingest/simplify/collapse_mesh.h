@@ -119,11 +119,13 @@ struct CollapseMesh {
  private:
   void gatherCorners();
   void kill(uint32_t triangle, uint32_t except);
+  /// kill() of the triangle of each corner, in time proportional to them and the lists that they stand in.
+  void killAll(std::span<const uint32_t> corners, uint32_t except);
   uint32_t findOnlyWedge(uint32_t position) const noexcept;
   bool share(uint32_t keep, uint32_t gone) const noexcept;
   void mergeWedges(uint32_t keep, uint32_t gone, double gone_share);
 
-  std::vector<uint32_t> dying_;          // corners of `gone`, scratch
+  std::vector<uint32_t> dying_;          // corners, scratch
   std::vector<WedgeTable::Pair> pairs_;  // scratch
 };
 

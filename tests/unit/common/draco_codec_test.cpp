@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <map>
 #include <random>
 #include <tuple>
@@ -293,6 +294,26 @@ TEST(DracoCodec, refusesMoreTrianglesThanARungMayHave) {
   Mesh mesh = makeMesh({{0, 0, 0}, {9, 0, 0}, {0, 9, 4}}, {});
   mesh.triangles.assign(kMaxRungTriangles + 1, {0, 1, 2});
   EXPECT_THROW(encodePayload(mesh, kStep), Error);
+}
+
+double cpuSecondsOfCoincident(uint32_t triangles) {
+  Mesh mesh;
+  mesh.positions = {packPosition({0, 0, 0}), packPosition({5, 0, 0}), packPosition({0, 7, 0})};
+  mesh.triangles.assign(triangles, {0, 1, 2});
+  const clock_t before = std::clock();
+  const EncodedPayload payload = encodePayload(mesh, kStep);
+  const Mesh decoded = decodePayload(payload.bytes, kStep, expectationOf(mesh, payload));
+  const double seconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  EXPECT_EQ(decoded.triangles.size(), triangles);
+  for (const glm::u32vec3& t : decoded.triangles)
+    EXPECT_EQ(cornerOf(decoded, t.x)[0] + cornerOf(decoded, t.y)[0] + cornerOf(decoded, t.z)[0],
+              mesh.positions[0].value + mesh.positions[1].value + mesh.positions[2].value);
+  return seconds;
+}
+
+TEST(DracoCodec, takesTimeInProportionToCoincidentTriangles) {
+  const double few = cpuSecondsOfCoincident(25000);
+  EXPECT_LT(cpuSecondsOfCoincident(200000), 20 * few + 0.1);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "common/image.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace lode {
@@ -25,6 +27,19 @@ TEST(Halved, keepsEverySrgbValue) {
 TEST(Halved, mixesInLinearLight) {
   const Image image{{2, 1}, {{0, 0, 0, 255}, {255, 255, 255, 255}}};
   EXPECT_EQ(halved(image).texels[0], glm::u8vec4(188, 188, 188, 255));
+}
+
+TEST(Halved, takesTheLightOfEveryValueFromTheFormulaOfSrgb) {
+  const auto lightOf = [](double srgb) {
+    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+  };
+  for (unsigned value = 0; value < 256; ++value) {  // beside black: half the light
+    const auto byte = static_cast<uint8_t>(value);
+    const Image image{{2, 1}, {{0, 0, 0, 255}, {byte, byte, byte, 255}}};
+    const double light = lightOf(value / 255.0) / 2, found = halved(image).texels[0].r;
+    EXPECT_GE(light, lightOf((found - 0.51) / 255)) << value;
+    EXPECT_LE(light, lightOf((found + 0.51) / 255)) << value;
+  }
 }
 
 TEST(Halved, weighsColoursByTheirAlpha) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/limits.h"
+
 namespace lode::ingest {
 namespace {
 
@@ -33,6 +35,25 @@ TEST(RungTargets, halveNearTheRootOfASmallModel) {
   const RungRule rule{
       .depth = 2, .locked = 0, .original_triangles = 16 * 9000 - 1, .triangles_per_node = 9000};
   EXPECT_EQ(rungTargets(20000, rule), (std::vector<size_t>{10000, 5000}));
+}
+
+TEST(RungTargets, leaveOutWhatNoStoreTakes) {
+  constexpr size_t kTooMany = 8 * size_t{kMaxRungTriangles};
+  const RungRule rule{.depth = 5, .original_triangles = kTooMany, .triangles_per_node = 300000};
+  EXPECT_EQ(rungTargets(kTooMany, rule), (std::vector<size_t>{1 << 20, 1 << 19, 1 << 18}));
+  for (size_t triangles = kTooMany; triangles > kMaxRungTriangles; triangles /= 3)
+    for (const int depth : {0, 1, 5})
+      EXPECT_LE(rungTargets(triangles, {.depth = depth, .triangles_per_node = 300000}).front(),
+                kMaxRungTriangles);
+}
+
+TEST(RungTargets, goOnToWhatAStoreTakesThoughLockedVerticesAllowLess) {
+  const RungRule rule{
+      .depth = 5, .locked = 700000, .original_triangles = uint64_t{1} << 30, .triangles_per_node = kBudget};
+  const std::vector<size_t> targets = rungTargets(4 * size_t{kMaxRungTriangles}, rule);
+  ASSERT_EQ(targets.size(), 1u);
+  EXPECT_LE(targets[0], kMaxRungTriangles);
+  EXPECT_GT(targets[0], 700000u);
 }
 
 TEST(RungTargets, alwaysReduceOnce) {

@@ -75,7 +75,14 @@ TEST(LeafCutter, allowsMoreThanTheMaximumInACellOfTheFinestLevel) {
 }
 
 TEST(LeafCutter, refusesMoreTrianglesInOneFinestCellThanARungMayHave) {
-  EXPECT_THROW(cut(std::vector<uint64_t>(kMaxRungTriangles + 1, 5), 10), Error);
+  try {
+    cut(std::vector<uint64_t>(kMaxRungTriangles + 1, 5), 10);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInput) << "to try again is of no use";
+    EXPECT_NE(std::string_view(error.what()).find(std::to_string(cellAt(5, kMaxDepth).value)),
+              std::string_view::npos);
+  }
   EXPECT_NO_THROW(cut(std::vector<uint64_t>(kMaxRungTriangles, 5), 10));
 }
 

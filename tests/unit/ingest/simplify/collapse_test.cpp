@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/ingest/plan/machine.h"
 #include "tests/support/node_meshes.h"
 #include "tests/support/surface_distance.h"
 #include "tests/unit/ingest/simplify/simplifier_fixture.h"
@@ -239,6 +240,22 @@ TEST(Collapse, copesWithAFanOfThousands) {
   const std::vector<Snapshot> snapshots = run(mesh, {20000, 1000, 10});
   ASSERT_EQ(snapshots.size(), 3u);
   for (const Snapshot& snapshot : snapshots) EXPECT_TRUE(test::oddEdges(snapshot.mesh).empty());
+}
+
+double cpuSecondsOfCoincident(uint32_t triangles) {
+  NodeMesh mesh;
+  mesh.positions = {packPosition({0, 0, 0}), packPosition({1, 0, 0}), packPosition({0, 1, 0})};
+  mesh.lca_depth.assign(3, kNeverLocked);
+  mesh.wedge_position = {0, 1, 2};
+  mesh.triangles.assign(triangles, {0, 1, 2});
+  const double before = cpuSeconds();
+  EXPECT_EQ(run(mesh, {triangles / 2}).size(), 1u);
+  return cpuSeconds() - before;
+}
+
+TEST(Collapse, takesTimeInProportionToCoincidentTriangles) {
+  const double few = cpuSecondsOfCoincident(100000);
+  EXPECT_LT(cpuSecondsOfCoincident(800000), 20 * few + 0.1);
 }
 
 }  // namespace

@@ -1,0 +1,106 @@
+#include "server/ingest/plan/control_groups.h"
+
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/work_folder.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kNoLimit = ~uint64_t{0};
+
+/// A tree of the files that the system would show.
+class ControlGroups : public testing::Test {
+ protected:
+  void write(const std::string& file, const std::string& text) const {
+    std::filesystem::create_directories((root_ / file).parent_path());
+    std::ofstream(root_ / file) << text << '\n';
+  }
+  uint64_t limit() const { return controlGroupMemoryBytes(root_.path()); }
+
+  test::WorkFolder root_;
+};
+
+TEST_F(ControlGroups, limitNothingOnASystemWithoutThem) { EXPECT_EQ(limit(), kNoLimit); }
+
+TEST_F(ControlGroups, ofVersion2LimitByMemoryMax) {
+  write("proc/self/cgroup", "0::/user.slice/job");
+  write("sys/fs/cgroup/user.slice/job/memory.max", "536870912");
+  EXPECT_EQ(limit(), 536870912u);
+}
+
+TEST_F(ControlGroups, ofVersion2LimitByMemoryHighWhereThatIsLess) {
+  write("proc/self/cgroup", "0::/job");
+  write("sys/fs/cgroup/job/memory.max", "536870912");
+  write("sys/fs/cgroup/job/memory.high", "400000000");
+  EXPECT_EQ(limit(), 400000000u);
+}
+
+TEST_F(ControlGroups, limitNothingWhereTheySayMax) {
+  write("proc/self/cgroup", "0::/job");
+  write("sys/fs/cgroup/job/memory.max", "max");
+  write("sys/fs/cgroup/job/memory.high", "max");
+  EXPECT_EQ(limit(), kNoLimit);
+}
+
+TEST_F(ControlGroups, limitByTheLeastOfTheirAncestors) {
+  write("proc/self/cgroup", "0::/a/b/c");
+  write("sys/fs/cgroup/a/b/c/memory.max", "max");
+  write("sys/fs/cgroup/a/b/memory.max", "300000000");
+  write("sys/fs/cgroup/a/memory.max", "200000000");
+  write("sys/fs/cgroup/beside/memory.max", "100000000");
+  EXPECT_EQ(limit(), 200000000u);
+}
+
+TEST_F(ControlGroups, ofAContainerWithATreeOfItsOwnLimitByItsTop) {
+  write("proc/self/cgroup", "0::/");
+  write("sys/fs/cgroup/memory.max", "123456789");
+  EXPECT_EQ(limit(), 123456789u);
+}
+
+TEST_F(ControlGroups, ofVersion1LimitByTheControllerOfMemory) {
+  write("proc/self/cgroup", "12:cpu,cpuacct:/x\n5:memory:/x\n1:name=systemd:/x\n");
+  write("sys/fs/cgroup/memory/x/memory.limit_in_bytes", "1073741824");
+  write("sys/fs/cgroup/cpu,cpuacct/x/memory.limit_in_bytes", "1");
+  EXPECT_EQ(limit(), 1073741824u);
+}
+
+TEST_F(ControlGroups, ofVersion1LimitByTheirAncestorsToo) {
+  write("proc/self/cgroup", "5:hugetlb,memory:/kubepods/pod");
+  write("sys/fs/cgroup/memory/kubepods/pod/memory.limit_in_bytes", "9223372036854771712");
+  write("sys/fs/cgroup/memory/kubepods/memory.limit_in_bytes", "700000000");
+  EXPECT_EQ(limit(), 700000000u);
+}
+
+TEST_F(ControlGroups, ofAContainerThatIsToldItsPathOutsideLimitByTheTopThatItSees) {
+  write("proc/self/cgroup", "5:memory:/docker/0123abcd\n0::/system.slice/docker.service\n");
+  write("sys/fs/cgroup/memory/memory.limit_in_bytes", "268435456");
+  EXPECT_EQ(limit(), 268435456u);
+}
+
+TEST_F(ControlGroups, ofBothVersionsLimitByTheLess) {
+  write("proc/self/cgroup", "5:memory:/x\n0::/y\n");
+  write("sys/fs/cgroup/memory/x/memory.limit_in_bytes", "900000000");
+  write("sys/fs/cgroup/unified/y/memory.max", "800000000");
+  EXPECT_EQ(limit(), 800000000u);
+}
+
+TEST_F(ControlGroups, areNotLookedForAboveTheTreeThatIsSeen) {
+  write("proc/self/cgroup", "0::/../../other");
+  write("sys/other/memory.max", "1000");
+  write("other/memory.max", "1000");
+  EXPECT_EQ(limit(), kNoLimit);
+}
+
+TEST_F(ControlGroups, limitNothingByWhatIsNoNumber) {
+  write("proc/self/cgroup", "0::/job\nno line of a group\n::\n:\n");
+  write("sys/fs/cgroup/job/memory.max", "-1");
+  write("sys/fs/cgroup/job/memory.high", "12bytes");
+  EXPECT_EQ(limit(), kNoLimit);
+}
+
+}  // namespace
+}  // namespace lode::ingest
