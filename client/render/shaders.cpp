@@ -19,6 +19,7 @@ layout(location = 5) uniform vec3 uv_frame;    // origin, distance of neighbouri
 invariant gl_Position;
 out vec3 position_view;
 out vec3 normal_view;
+out vec3 normal_squares, normal_products;
 out vec3 colour;
 out vec2 uv;
 flat out uint material;
@@ -36,6 +37,8 @@ void main() {
   vec3 relative = (vec3(position - eye_high) - eye_low) * lattice_step;
   position_view = view_rotation * relative;
   normal_view = view_rotation * normal.xyz;
+  normal_squares = normal_view * normal_view;
+  normal_products = normal_view.yzx * normal_view.zxy;
   colour = toLinear(colour_srgb.rgb);
   uv = uv_frame.xy + vec2(texture_code.xy) * uv_frame.z;
   material = texture_code.z;
@@ -47,6 +50,7 @@ void main() {
 const char* const kMeshFragmentShader = R"glsl(#version 450 core
 in vec3 position_view;
 in vec3 normal_view;
+in vec3 normal_squares, normal_products;
 in vec3 colour;
 in vec2 uv;
 flat in uint material;
@@ -116,6 +120,17 @@ bool sampleTexture(out vec4 texel) {
   return true;
 }
 
+/// The vertex normal, turned to the side that the triangle shows: both sides are lit. Where vertices' normals
+/// point to different sides and would cancel out, each is turned by itself before they are mixed: with the
+/// products of their parts, which do not tell the sides, the sum of (n . facet) n is known.
+vec3 shownNormal(vec3 facet) {
+  float agreement = dot(normal_view, normal_view) / max(dot(normal_squares, vec3(1.0)), 1e-6);
+  vec3 mixed = normal_view * (dot(normal_view, facet) < 0.0 ? -1.0 : 1.0);
+  if (agreement > 0.5) return normalize(mixed);
+  vec3 turned = normal_squares * facet + normal_products.zxy * facet.yzx + normal_products.yzx * facet.zxy;
+  return normalize(mix(normalize(turned + 1e-4 * facet), mixed, smoothstep(0.25, 0.5, agreement)));
+}
+
 vec3 hueOf(float turn) {
   return clamp(abs(fract(turn + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
 }
@@ -125,11 +140,7 @@ void main() {
   vec3 facet = normalize(cross(dFdx(position_view), dFdy(position_view)));
   if (dot(facet, to_eye) < 0.0) facet = -facet;
   vec3 n = facet;
-  // Both sides are lit: the vertex normal is turned to the side that the triangle shows.
-  if ((flags & 1u) != 0u && dot(normal_view, normal_view) > 1e-6) {
-    n = normalize(normal_view);
-    if (dot(n, facet) < 0.0) n = -n;
-  }
+  if ((flags & 1u) != 0u && dot(normal_squares, vec3(1.0)) > 1e-6) n = shownNormal(facet);
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
   float coverage = 1.0;
   vec4 texel;

@@ -34,6 +34,7 @@ Json toJson(const ingest::Topology& topology) {
           {"non_manifold_edges", topology.non_manifold_edges},
           {"misoriented_edges", topology.misoriented_edges},
           {"pieces", topology.pieces},
+          {"opposed_faces", topology.opposed_faces},
           {"lost_faces", topology.lost_faces},
           {"lattice_step", topology.lattice_step}};
 }

@@ -99,7 +99,7 @@ class Doctor {
             report_.min = glm::min(report_.min, vertex.position);
             report_.max = glm::max(report_.max, vertex.position);
           }
-          topology_.addVertices(vertices);
+          topology_.addVertices(vertices, report_.attributes.has(AttributeSet::kNormal));
         },
         [&](const PlyFaces& faces) { topology_.addFaces(faces); });
     read_cpu_seconds_ = cpuSeconds() - start;
@@ -156,6 +156,9 @@ class Doctor {
     warn(topology.flat_faces, " faces with fewer than three distinct places; a build drops and counts them");
     if (topology.lost_faces > 0)
       say(false, name_ + ": " + inWordsOfLost(topology.lost_faces, topology.lattice_step));
+    warn(topology.opposed_faces,
+         " faces whose normals in the file point to their back; a build keeps both, and either side that is "
+         "seen is lit; for an even surface leave the normals out, so that a build computes them");
     warn(topology.non_manifold_edges,
          " edges of three or more faces; a build keeps them, but simplifies less well around them");
     warn(topology.misoriented_edges,

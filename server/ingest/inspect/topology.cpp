@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "common/octahedral.h"
 #include "server/ingest/mesh/number_table.h"
 #include "server/ingest/mesh/vertex_set.h"
 #include "server/ingest/soup/lattice_choice.h"
@@ -25,22 +26,28 @@ uint64_t hashOf(glm::dvec3 position) noexcept {
 
 }  // namespace
 
-/// Bytes a vertex: place, its slots in the table that joins, its piece. Bytes a corner: its number, its edge.
+/// Bytes a vertex: place, normal, its slots in the table that joins, its piece. Bytes a corner: its number,
+/// its edge.
 bool TopologyCounter::fits(uint64_t vertices, uint64_t faces, uint64_t corners) {
-  constexpr uint64_t kVertexBytes = sizeof(glm::dvec3) + 4 * sizeof(uint32_t) + 2 * sizeof(uint32_t);
+  constexpr uint64_t kVertexBytes =
+      sizeof(glm::dvec3) + sizeof(uint16_t) + 4 * sizeof(uint32_t) + 2 * sizeof(uint32_t);
   constexpr uint64_t kCornerBytes = sizeof(uint32_t) + sizeof(uint64_t);
   const uint64_t bytes = vertices * kVertexBytes + corners * kCornerBytes + faces * sizeof(uint32_t);
   if (bytes <= memory_bytes_ && vertices < kMaxVertices) return true;
   is_too_large_ = true;
   positions_ = {};
+  normals_ = {};
   corner_counts_ = {};
   corners_ = {};
   return false;
 }
 
-void TopologyCounter::addVertices(std::span<const PlyVertex> vertices) {
+void TopologyCounter::addVertices(std::span<const PlyVertex> vertices, bool has_normals) {
   if (is_too_large_ || !fits(positions_.size() + vertices.size(), 0, 0)) return;
-  for (const PlyVertex& vertex : vertices) positions_.push_back(vertex.position);
+  for (const PlyVertex& vertex : vertices) {
+    positions_.push_back(vertex.position);
+    if (has_normals) normals_.push_back(encodeOctahedral(vertex.normal));
+  }
 }
 
 void TopologyCounter::addFaces(const PlyFaces& faces) {
@@ -55,6 +62,7 @@ void TopologyCounter::addFaces(const PlyFaces& faces) {
 std::optional<Topology> TopologyCounter::count() {
   if (is_too_large_) return std::nullopt;
   countUsed();
+  if (!normals_.empty()) countOpposed();
   joinVertices();
   countPieces();
   pieces_ = {};
@@ -77,6 +85,22 @@ void TopologyCounter::countUsed() {
   }
   if (members == 0) topology_.used_min = topology_.used_max = glm::dvec3(0);
   topology_.unused_vertices = positions_.size() - members;
+}
+
+/// Before vertices are joined: those at one place may have several normals.
+void TopologyCounter::countOpposed() {
+  size_t first = 0;
+  for (const uint32_t corners : corner_counts_) {
+    const auto at = [&](size_t corner) { return positions_[corners_[first + corner]]; };
+    glm::dvec3 front(0), mean(0);
+    for (size_t c = 0; c < corners; ++c) {
+      if (c >= 2) front += glm::cross(at(c - 1) - at(0), at(c) - at(0));
+      mean += glm::dvec3(decodeOctahedral(normals_[corners_[first + c]]));
+    }
+    topology_.opposed_faces += glm::dot(front, mean) < 0;
+    first += corners;
+  }
+  normals_ = {};
 }
 
 /// Makes all corners at one place the first vertex there.

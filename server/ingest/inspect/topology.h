@@ -21,6 +21,7 @@ struct Topology {
   uint64_t non_manifold_edges = 0;  ///< of three or more
   uint64_t misoriented_edges = 0;   ///< of two faces that run along it in the same direction
   uint64_t pieces = 0;              ///< of faces joined by vertices
+  uint64_t opposed_faces = 0;       ///< whose vertices' normals, in the mean, point to their back
   uint64_t lost_faces = 0;          ///< see isLost(), on the lattice that a build chooses
   double lattice_step = 0;          ///< of that; zero if all vertices coincide
   glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; zero if there are none
@@ -32,7 +33,8 @@ class TopologyCounter {
   /// @param memory_bytes  when more is needed, everything is let go, and count() gives nothing.
   explicit TopologyCounter(uint64_t memory_bytes) : memory_bytes_(memory_bytes) {}
 
-  void addVertices(std::span<const PlyVertex> vertices);
+  /// @param has_normals  the file's
+  void addVertices(std::span<const PlyVertex> vertices, bool has_normals);
   void addFaces(const PlyFaces& faces);
   /// Once, after all vertices and faces.
   std::optional<Topology> count();
@@ -40,6 +42,7 @@ class TopologyCounter {
  private:
   bool fits(uint64_t vertices, uint64_t faces, uint64_t corners);
   void joinVertices();
+  void countOpposed();
   void countUsed();
   void countLost();
   void countEdges();
@@ -49,6 +52,7 @@ class TopologyCounter {
   const uint64_t memory_bytes_;
   bool is_too_large_ = false;
   std::vector<glm::dvec3> positions_;
+  std::vector<uint16_t> normals_;  ///< octahedral; empty if the file has none
   std::vector<uint32_t> corner_counts_, corners_;
   std::vector<uint32_t> pieces_;  ///< union-find by vertex
   Topology topology_;

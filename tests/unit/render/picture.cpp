@@ -207,6 +207,26 @@ TEST_F(Picture, isSmoothWithNormalsAndFacettedWithout) {
   EXPECT_GE(roughestStep(drawMeshes({flat}, 1, view)), 2 * smooth_step);
 }
 
+TEST_F(Picture, isTheSameWhicheverSideTheNormalsOfItsVerticesPointTo) {
+  const core::View view = lookAt({2048, 2048, 9000}, {2048, 2048, 2048});
+  const Mesh even = makeSphere(40, 20, {.attributes = {AttributeSet::kNormal}, .bump = 0});
+  Mesh mixed = even;
+  for (size_t i = 0; i < mixed.vertex_attributes.size(); ++i) {
+    uint16_t& normal = mixed.vertex_attributes[i].normal;
+    if (i * 2654435761u >> 4 & 1) normal = encodeOctahedral(-decodeOctahedral(normal));
+  }
+  const render::Image expected = drawMeshes({even}, 1, view), image = drawMeshes({mixed}, 1, view);
+  int inside = 0, off = 0;
+  for (uint32_t y = 0; y < image.height_px; ++y)
+    for (uint32_t x = 0; x < image.width_px; ++x) {
+      if (showsMagenta(expected.pixel(x, y))) continue;
+      ++inside;
+      off += std::abs(int{image.pixel(x, y)[1]} - int{expected.pixel(x, y)[1]}) > 12;
+    }
+  EXPECT_GT(inside, 2000);
+  EXPECT_LT(off, inside / 50);
+}
+
 TEST_F(Picture, ofAnEmptyCutIsTheBackground) {
   const render::Image image = drawMeshes({}, 1, lookAt({0, 0, 10}, {0, 0, 0}));
   EXPECT_TRUE(isMagenta(image.pixel(0, 0)));

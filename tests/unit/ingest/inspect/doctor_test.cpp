@@ -63,6 +63,20 @@ TEST(Doctor, countsFacesThatTheLatticeLosesButNotFlatOnes) {
   EXPECT_TRUE(mentions(report, false, "1 faces with corners less than"));
 }
 
+TEST(Doctor, countsFacesWhoseNormalsPointToTheirBack) {
+  const PlyFolder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nelement face 2\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  const DoctorReport report = examineFile(folder.write(
+      head +
+      "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 -1\n5 0 0 0 0 -1\n6 0 0 0 0 -1\n5 1 0 0 0 1\n3 0 1 2\n3 3 4 5\n"));
+  ASSERT_TRUE(report.topology);
+  EXPECT_EQ(report.topology->opposed_faces, 1u);
+  EXPECT_TRUE(mentions(report, false, "1 faces whose normals"));
+}
+
 TEST(Doctor, saysWhereEveryBadValueIs) {
   const PlyFolder folder;
   const DoctorReport report = examineFile(folder.write(
