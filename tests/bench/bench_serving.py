@@ -47,7 +47,7 @@ def lodestreamd(bench, store, listen="127.0.0.1:0", prefix=()):
     """Yields its process and where it listens."""
     command = [*prefix, "taskset", "-c", SERVER_CORE, bench.bin / "lodestreamd", "serve", store, "--listen", listen,
                "--threads", 1, "--public", "--insecure"]
-    with running(command, stdout=subprocess.PIPE, text=True) as process:
+    with running(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
         yield process, json.loads(process.stdout.readline())["listen"]
 
 
@@ -125,26 +125,30 @@ def throughput(bench):
               f"{web_cpu:.0f} MB | {our_cpu:.0f} MB | **{cpu:.2f}** |", flush=True)
 
 
+def sample_store(bench):
+    model, store = bench.folder / "asteroid.ply", bench.folder / "asteroid.lode"
+    for command in (["sample", "asteroid", "--triangles", "2000000", "-o", model], ["build", model, "-o", store, "--quiet"]):
+        subprocess.run([bench.bin / "lodestreamd", *command], check=True, stdout=subprocess.DEVNULL)
+    return store
+
+
 def latency(bench):
-    model = bench.folder / "asteroid"
-    subprocess.run([bench.bin / "lodestreamd", "sample", "asteroid", "--triangles", "2000000", "-o", f"{model}.ply"],
-                   check=True, stdout=subprocess.DEVNULL)
-    subprocess.run([bench.bin / "lodestreamd", "build", f"{model}.ply", "-o", f"{model}.lode", "--quiet"], check=True,
-                   stdout=subprocess.DEVNULL)
+    store = bench.store or sample_store(bench)
     print("| clients | wishes a second | MB/s | visible, median | p99 | longest | margin, p99 | first image, p99 | "
-          "unanswered | errors | server's CPU |")
-    print("|" + " --- |" * 11)
+          "unanswered | errors | server's CPU | clients' CPU |")
+    print("|" + " --- |" * 12)
     for clients in bench.clients:
-        with lodestreamd(bench, f"{model}.lode") as (server, listen):
+        with lodestreamd(bench, store) as (server, listen):
             before = cpu_seconds(server)
             run = json.loads(on_client_core(
-                [bench.bin / "lodestream", "loadtest", f"lode://{listen}/asteroid", "--clients", clients, "--seconds",
+                [bench.bin / "lodestream", "loadtest", f"lode://{listen}/{store.stem}", "--clients", clients, "--seconds",
                  bench.load_seconds, "--decode-off", "--json"]))
             used = (cpu_seconds(server) - before) / bench.load_seconds
         visible, margin, image = run["latency_ms"]["visible"], run["latency_ms"]["margin"], run["first_image_ms"]
         print(f"| {clients} | {run['blobs'] / run['seconds']:.0f} | {run['bytes'] / run['seconds'] / 1e6:.0f} | "
               f"{visible['p50']:.1f} ms | **{visible['p99']:.1f} ms** | {visible['max']:.0f} ms | {margin['p99']:.1f} ms | "
-              f"{image['p99']:.1f} ms | {run['unanswered']} | {run['errors']} | {100 * used:.0f} % |", flush=True)
+              f"{image['p99']:.1f} ms | {run['unanswered']} | {run['errors']} | {100 * used:.0f} % | "
+              f"{100 * run['cpu_seconds'] / run['seconds']:.0f} % |", flush=True)
 
 
 @contextlib.contextmanager
@@ -205,6 +209,7 @@ def main():
     parser.add_argument("parts", nargs="*", metavar="PART", help="throughput, latency, urgent; all by default")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--seconds", type=int, default=4, help="of a run of throughput")
+    parser.add_argument("--store", type=pathlib.Path, help="of latency; by default a sample of 2 million triangles")
     parser.add_argument("--load-seconds", type=int, default=20)
     parser.add_argument("--clients", type=int, nargs="*", default=[1, 16, 256, 1000, 2000, 3000])
     parser.add_argument("--wishes", type=int, default=40, help="urgent ones")

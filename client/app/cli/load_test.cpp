@@ -18,8 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
-constexpr unsigned kMostAtOnce = 1024;  ///< events between two looks at the clock
-constexpr double kMostRamp_s = 2;
+constexpr unsigned kMostAtOnce = 1024;    ///< events between two looks at the clock
 constexpr rlim_t kOtherDescriptors = 64;  ///< that the process needs besides its connections
 
 void allowDescriptors(uint32_t clients) {
@@ -86,7 +85,7 @@ LoadTally runLoadTest(LoadPlan plan, const LoadOptions& options) {
   allowDescriptors(options.clients);
   const Clock::time_point start = Clock::now();
   plan.end = start + seconds(options.seconds);
-  const double ramp_s = std::min(options.seconds / 10, kMostRamp_s);
+  const double ramp_s = options.seconds / 4;
   std::vector<std::unique_ptr<Stepper>> steppers;
   for (unsigned i = 0; i < options.threads; ++i) steppers.push_back(std::make_unique<Stepper>(plan));
   for (uint32_t i = 0; i < options.clients; ++i) {

@@ -13,7 +13,7 @@ struct LoadOptions {
 };
 
 /// Lets clients replay a trace against a server for a time, on a few threads. They start one after the other
-/// within a tenth of it, at most two seconds, each at another place of the trace.
+/// within a quarter of it, each at another place of the trace.
 /// @param plan  but for its end. @throws Error kUsage if the system does not allow so many connections.
 LoadTally runLoadTest(LoadPlan plan, const LoadOptions& options);
 
