@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the sections of docker/packages.txt that are named: docker/install-packages.sh run build test
 # Touches nothing, not even apt's lists, where all packages are there already.
-# LODESTREAM_PACKAGES=skip trusts that they are (systems other than Debian 12, where they bear other names).
+# LODESTREAM_PACKAGES=skip trusts that they are (on systems where they bear names that the list does not know).
 set -euo pipefail
 
 list="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/packages.txt"
@@ -11,7 +11,7 @@ fail() {
   exit 1
 }
 
-packages_of() {  # SECTION...
+packages_of() {  # SECTION...; a line a package: its names, separated by '|'
   local section
   for section in "$@"; do
     grep -qx "\[$section\]" "$list" || fail "no section [$section] in $list: it has $(grep -o '^\[.*\]' "$list" | tr '\n' ' ')"
@@ -21,25 +21,48 @@ packages_of() {  # SECTION...
 
 is_installed() { dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed; }
 
-[[ $# -gt 0 ]] || fail "name the sections to install: run, build, test"
-names="$(packages_of "$@")"
+is_installed_by_any_name() {  # NAME|NAME...
+  local name
+  for name in ${1//|/ }; do
+    if is_installed "$name"; then return; fi
+  done
+  return 1
+}
+
+names_here() {  # NAME|NAME...; of each package the name that apt offers, or its first, for apt to say what is wrong
+  local names name found
+  for names in "$@"; do
+    found="${names%%|*}"
+    for name in ${names//|/ }; do
+      if LC_ALL=C apt-cache policy "$name" 2>/dev/null | grep -q 'Candidate: [^(]'; then
+        found="$name"
+        break
+      fi
+    done
+    echo "$found"
+  done
+}
+
+[[ $# -gt 0 ]] || fail "name the sections to install: run, build, test, check"
+packages="$(packages_of "$@")"
 [[ "${LODESTREAM_PACKAGES:-}" != skip ]] || exit 0
 
 by_hand="install what docker/packages.txt lists by hand, then set LODESTREAM_PACKAGES=skip"
 command -v dpkg-query >/dev/null || fail "this is no Debian system: $by_hand"
 missing=()
-for name in $names; do
-  is_installed "$name" || missing+=("$name")
+for names in $packages; do
+  is_installed_by_any_name "$names" || missing+=("$names")
 done
 [[ ${#missing[@]} -gt 0 ]] || exit 0
 
 command -v apt-get >/dev/null || fail "no apt-get here, and these packages are missing: ${missing[*]}; $by_hand"
 as_root=()
 if [[ $EUID -ne 0 ]]; then
-  command -v sudo >/dev/null || fail "neither root nor sudo; as root, run: apt-get install ${missing[*]}"
+  command -v sudo >/dev/null || fail "neither root nor sudo; as root, run: apt-get install $(names_here "${missing[@]}" | tr '\n' ' ')"
   as_root=(sudo)
 fi
-echo "Installing ${#missing[@]} packages: ${missing[*]}" >&2
 "${as_root[@]}" apt-get update -q >&2 || echo "install-packages: apt-get update failed; going on with the lists that are there" >&2
-"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >&2 ||
-  fail "apt-get could not install all of: ${missing[*]}; its own message above says why"
+mapfile -t chosen < <(names_here "${missing[@]}")
+echo "Installing ${#chosen[@]} packages: ${chosen[*]}" >&2
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${chosen[@]}" >&2 ||
+  fail "apt-get could not install all of: ${chosen[*]}; its own message above says why"

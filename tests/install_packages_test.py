@@ -22,12 +22,11 @@ class InstallPackages(unittest.TestCase):
         for tool in TOOLS:
             (self.folder / tool).symlink_to(shutil.which(tool))
         shutil.copytree(SCRIPT.parent, self.folder / "docker")
-        (self.folder / "docker" / "packages.txt").write_text(
-            "# a comment\n[run]\nlibone  # why\n\n[build]\nlibone\ntool\n[test]\nother\n"
-        )
+        self.listed("# a comment\n[run]\nlibone  # why\n\n[build]\nlibone\ntool\n[test]\nother\n")
         self.calls = self.folder / "calls"
         self.calls.touch()
         self.fake("apt-get", f'echo "apt-get $*" >> {self.calls}')
+        self.offered("libone", "tool", "other")
         self.fake("sudo", f'echo "sudo" >> {self.calls}; exec "$@"')
         self.installed("libone", "tool", "other")
 
@@ -39,6 +38,13 @@ class InstallPackages(unittest.TestCase):
     def installed(self, *names):
         cases = "|".join(names) or "-"
         self.fake("dpkg-query", f"case \"${{!#}}\" in {cases}) echo installed;; *) echo not-installed; exit 1;; esac")
+
+    def offered(self, *names):
+        cases = "|".join(names)
+        self.fake("apt-cache", f"case \"${{!#}}\" in {cases}) echo '  Candidate: 1.0';; *) echo '  Candidate: (none)';; esac")
+
+    def listed(self, text):
+        (self.folder / "docker" / "packages.txt").write_text(text)
 
     def run_script(self, *sections, **environment):
         return subprocess.run(
@@ -59,6 +65,25 @@ class InstallPackages(unittest.TestCase):
         update, install = self.apt_calls()
         self.assertIn("update", update)
         self.assertTrue(install.endswith("--no-install-recommends tool"), install)
+
+    def test_takes_the_first_of_several_names_that_apt_offers(self):
+        self.listed("[run]\nlibnine | libeight | libseven  # why\n")
+        self.installed()
+        self.offered("libeight", "libseven")
+        self.assertEqual(self.run_script("run").returncode, 0)
+        self.assertTrue(self.apt_calls()[1].endswith("--no-install-recommends libeight"), self.apt_calls())
+
+    def test_is_content_with_any_of_several_names(self):
+        self.listed("[run]\nlibnine | libeight | libseven\n")
+        self.installed("libseven")
+        self.assertEqual(self.run_script("run").returncode, 0)
+        self.assertEqual(self.apt_calls(), [])
+
+    def test_lets_apt_say_what_is_wrong_where_it_offers_none_of_the_names(self):
+        self.listed("[run]\nlibnine | libeight\n")
+        self.installed()
+        self.fake("apt-get", f'echo "apt-get $*" >> {self.calls}; [[ $1 == update ]]')
+        self.assert_one_line_failure(self.run_script("run"), "could not install all of: libnine", lines=2)
 
     def test_goes_on_when_the_lists_cannot_be_updated(self):
         self.installed()
