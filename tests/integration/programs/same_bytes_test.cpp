@@ -1,0 +1,24 @@
+// The bytes of a store depend on the input and the options alone (I6): not on the compiler, the libraries or
+// the release of the system.
+
+#include <gtest/gtest.h>
+
+#include "tests/integration/programs/programs.h"
+
+namespace lode::test {
+namespace {
+
+// A change that is meant to change stores changes this line: the failing test prints what it is to be. A
+// failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
+// both shows.
+constexpr const char* kSha256 = "2c984b928ff99447b552273bf4a903641d2cec7df89fd0a1c67f8789df279c1e";
+
+TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
+  const WorkFolder folder;
+  const std::filesystem::path store = makeSmallStore(folder);
+  const std::string said = Program("sha256sum", {store.string()}).wait().out;
+  EXPECT_EQ(said.substr(0, said.find(' ')), kSha256);
+}
+
+}  // namespace
+}  // namespace lode::test
