@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
@@ -56,9 +58,15 @@ int main(int argc, char** argv) {
     program.require_subcommand(1);
     declareCommands(program, exit_status);
     program.parse(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      return fail(std::string("standard output cannot be written: ") + std::strerror(errno), kWorkFailed);
     return exit_status;
   } catch (const CLI::Success& asked) {  // --help, --version
     return program.exit(asked);
+  } catch (const CLI::ExtrasError&) {
+    return fail(
+        "not known here: " + CLI::detail::join(program.remaining(true), " ") + ": see lodestream --help",
+        kWrongUsage);
   } catch (const CLI::ParseError& error) {
     return fail(std::string(error.what()) + ": see lodestream --help", kWrongUsage);
   } catch (const lode::Error& error) {

@@ -117,4 +117,10 @@ void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice
   file.commit();
 }
 
+void requirePlyName(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending.empty() || ending == ".ply" || ending == ".PLY") return;
+  throw Error(ErrorCode::kUsage, path.string() + ": only PLY is written: give a name that ends in .ply");
+}
+
 }  // namespace lode

@@ -16,4 +16,8 @@ namespace lode {
 void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const TextureSet& textures = {});
 
+/// What writePly() writes is PLY, whatever the name says: asked before the work that comes before it.
+/// @throws Error kUsage if the name ends in another format's ending.
+void requirePlyName(const std::filesystem::path& path);
+
 }  // namespace lode

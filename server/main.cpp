@@ -40,6 +40,10 @@ int main(int argc, char** argv) {
     return kDone;
   } catch (const CLI::Success& asked) {  // --help, --version
     return program.exit(asked);
+  } catch (const CLI::ExtrasError&) {
+    return fail(
+        "not known here: " + CLI::detail::join(program.remaining(true), " ") + ": see lodestreamd --help",
+        kWrongUsage);
   } catch (const CLI::ParseError& error) {
     return fail(std::string(error.what()) + ": see lodestreamd --help", kWrongUsage);
   } catch (const lode::Error& error) {

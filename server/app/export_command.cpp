@@ -61,6 +61,7 @@ std::string describeFailure(const ExportArguments& arguments, const store::Cut& 
 }
 
 void runExport(const ExportArguments& arguments) {
+  requirePlyName(arguments.output);
   const store::Reader reader(arguments.store);
   std::error_code ignored;
   if (std::filesystem::equivalent(arguments.store, arguments.output, ignored))

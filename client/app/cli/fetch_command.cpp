@@ -162,6 +162,7 @@ class Fetch {
 };
 
 void fetch(const FetchOptions& options) {
+  requirePlyName(options.output);
   Fetch run(options);
   run.run();
 }

@@ -198,6 +198,13 @@ TEST(FetchOfAFile, buildsAPlyIntoTheCacheOnce) {
   EXPECT_EQ(cut.openEdges(), 0u);
 }
 
+TEST(FetchOfAFile, failsWhenStandardOutputTakesNoMore) {
+  const WorkFolder folder;
+  const std::string command = std::string(LODE_BIN_DIR "/bin/lodestream fetch --json ") +
+                              makeSmallStore(folder).string() + " > /dev/full";
+  expectFailure(Program("sh", {"-c", command}).wait(), {"standard output"});
+}
+
 TEST(List, namesTheModelsOfAServerInOrder) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);

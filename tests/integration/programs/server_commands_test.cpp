@@ -181,6 +181,18 @@ TEST_F(ServerCommands, endWithTwoAndOneLineAtWrongUsage) {
   EXPECT_EQ(files(), (std::vector<std::string>{"a.lode", "a.ply"}));
 }
 
+TEST_F(ServerCommands, listUnknownOptionsInTheOrderInWhichTheyWereGiven) {
+  EXPECT_NE(run("doctor a.ply --one --two --three").err.find("--one --two --three"), std::string::npos);
+}
+
+TEST_F(ServerCommands, exportRefusesToWritePlyUnderAnotherFormatsEnding) {
+  build();
+  const Outcome outcome = run("export a.lode --error 0.01 -o cut.obj");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("cut.obj: only PLY is written"), std::string::npos) << outcome.err;
+  EXPECT_EQ(files(), (std::vector<std::string>{"a.lode", "a.ply"}));
+}
+
 TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind) {
   build();
   std::ofstream(folder_ / "empty.ply");
