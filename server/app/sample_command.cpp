@@ -38,7 +38,7 @@ void runSample(SampleArguments& arguments) {
 void addSampleCommand(CLI::App& program) {
   const auto arguments = std::make_shared<SampleArguments>();
   CLI::App* command = addCommand(program, "sample", "Write a procedural test model of any size");
-  command->add_option("kind", arguments->options.kind, "what to make: asteroid")
+  command->add_option("kind", arguments->options.kind, "what to make: asteroid, gyroid or terrain")
       ->required()
       ->type_name("KIND");
   command

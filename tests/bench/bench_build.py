@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Build speed, stage by stage: bench_build.py BIN_DIR [MODEL.ply ...] [--triangles N] [--runs R] [--threads T ...]
 
-Without a model it makes a sample of N triangles. Prints, for each number of threads, the medians over R runs: million
-triangles per CPU second of each stage and of the whole, wall seconds, peak memory, and what a stored triangle costs.
+Without a model it makes the samples asteroid, gyroid and terrain, of N triangles each. Prints, for each number of threads,
+the medians over R runs: million triangles per CPU second of each stage and of the whole, wall seconds, peak memory, and
+what a stored triangle costs.
 """
 import argparse
 import json
@@ -17,21 +18,25 @@ def main():
     parser.add_argument("bin_dir", type=pathlib.Path)
     parser.add_argument("models", nargs="*", type=pathlib.Path)
     parser.add_argument("--triangles", type=int, default=2_000_000)
-    parser.add_argument("--attributes", default="", help="of the sample: normal,color")
+    parser.add_argument("--samples", nargs="*", default=["asteroid", "gyroid", "terrain"], help="which samples to make")
+    parser.add_argument("--attributes", default="", help="of the samples: normal,color")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--threads", type=int, nargs="*", default=[1, 2])
     options = parser.parse_args()
     daemon = str(options.bin_dir / "lodestreamd")
     with tempfile.TemporaryDirectory() as folder:
-        models = options.models
-        if not models:
-            models = [pathlib.Path(folder) / "asteroid.ply"]
-            attributes = ["--attributes", options.attributes] if options.attributes else []
-            subprocess.run([daemon, "sample", "asteroid", "--triangles", str(options.triangles), *attributes, "-o",
-                            str(models[0])], check=True, stdout=subprocess.DEVNULL)
+        models = options.models or [sample(daemon, kind, options, folder) for kind in options.samples]
         for model in models:
             for threads in options.threads:
                 report(daemon, model, threads, options.runs, folder)
+
+
+def sample(daemon, kind, options, folder):
+    path = pathlib.Path(folder) / f"{kind}.ply"
+    attributes = ["--attributes", options.attributes] if options.attributes else []
+    subprocess.run([daemon, "sample", kind, "--triangles", str(options.triangles), *attributes, "-o", str(path)],
+                   check=True, stdout=subprocess.DEVNULL)
+    return path
 
 
 def report(daemon, model, threads, runs, folder):

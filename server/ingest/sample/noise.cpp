@@ -1,17 +1,11 @@
-#include "server/ingest/sample/asteroid_relief.h"
+#include "server/ingest/sample/noise.h"
 
 #include <array>
 #include <cmath>
-#include <random>
+#include <cstddef>
 
 namespace lode::ingest {
 namespace {
-
-constexpr double kFirstFrequency = 1.3;
-constexpr double kFirstHeight = 0.22;
-constexpr double kLacunarity = 2.03;  // not 2, so that the zeros of the octaves do not fall together
-constexpr double kGain = 0.49;
-constexpr size_t kMaxOctaves = 24;
 
 constexpr std::array<std::array<float, 4>, 16> kGradients{{
     {1, 1, 0, 0},
@@ -32,15 +26,11 @@ constexpr std::array<std::array<float, 4>, 16> kGradients{{
     {0, -1, -1, 0},
 }};
 
-/// Value and gradient of the noise, or of a plane that is blended into it.
-struct Sample {
-  float value, x, y, z;
-};
-
 /// Blends two samples; `slope` is the blend's derivative along the axis.
 template <bool kGradient>
-Sample blend(const Sample& a, const Sample& b, float weight, float slope, float Sample::*axis) {
-  Sample result;
+NoiseSample blend(const NoiseSample& a, const NoiseSample& b, float weight, float slope,
+                  float NoiseSample::*axis) {
+  NoiseSample result;
   const float step = b.value - a.value;
   result.value = a.value + weight * step;
   if constexpr (kGradient) {
@@ -55,8 +45,10 @@ Sample blend(const Sample& a, const Sample& b, float weight, float slope, float 
 float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 float fadeSlope(float t) { return 30 * t * t * (t * (t - 2) + 1); }
 
+}  // namespace
+
 template <bool kGradient>
-Sample noise(const glm::dvec3& point, uint32_t seed) {
+NoiseSample noise(const glm::dvec3& point, uint32_t seed) {
   const glm::dvec3 floor(std::floor(point.x), std::floor(point.y), std::floor(point.z));
   const float fx = static_cast<float>(point.x - floor.x);
   const float fy = static_cast<float>(point.y - floor.y);
@@ -75,58 +67,21 @@ Sample noise(const glm::dvec3& point, uint32_t seed) {
     const std::array<float, 4>& g = kGradients[hash >> 28];
     const float value = g[0] * (fx - static_cast<float>(x)) + g[1] * (fy - static_cast<float>(y)) +
                         g[2] * (fz - static_cast<float>(z));
-    return Sample{value, g[0], g[1], g[2]};
+    return NoiseSample{value, g[0], g[1], g[2]};
   };
   const float u = fade(fx), v = fade(fy), w = fade(fz);
   const float du = kGradient ? fadeSlope(fx) : 0, dv = kGradient ? fadeSlope(fy) : 0,
               dw = kGradient ? fadeSlope(fz) : 0;
   const auto along_x = [&](size_t y, size_t z) {
-    return blend<kGradient>(corner(0, y, z), corner(1, y, z), u, du, &Sample::x);
+    return blend<kGradient>(corner(0, y, z), corner(1, y, z), u, du, &NoiseSample::x);
   };
   const auto along_y = [&](size_t z) {
-    return blend<kGradient>(along_x(0, z), along_x(1, z), v, dv, &Sample::y);
+    return blend<kGradient>(along_x(0, z), along_x(1, z), v, dv, &NoiseSample::y);
   };
-  return blend<kGradient>(along_y(0), along_y(1), w, dw, &Sample::z);
+  return blend<kGradient>(along_y(0), along_y(1), w, dw, &NoiseSample::z);
 }
 
-}  // namespace
-
-Relief::Relief(uint64_t seed, double finest) {
-  std::mt19937_64 random(seed);
-  const auto offset = [&] { return static_cast<double>(random() >> 40) * 0x1p-16; };
-  double frequency = kFirstFrequency;
-  double height = kFirstHeight;
-  for (size_t i = 0; i < kMaxOctaves && frequency * finest < 1; ++i) {
-    const double fade_in = std::fmin(1, 2 * (1 - frequency * finest));
-    const double x = offset(), y = offset(), z = offset();
-    octaves_.push_back({frequency, height * fade_in, {x, y, z}, static_cast<uint32_t>(random())});
-    frequency *= kLacunarity;
-    height *= kGain;
-  }
-  double fine = 0;
-  for (size_t i = octaves_.size() / 2; i < octaves_.size(); ++i) fine += octaves_[i].height;
-  fine_scale_ = fine > 0 ? 1 / fine : 0;
-}
-
-template <bool kGradient>
-ReliefPoint Relief::sum(const glm::dvec3& point) const {
-  ReliefPoint result;
-  double coarse = 0;
-  for (size_t i = 0; i < octaves_.size(); ++i) {
-    const Octave& octave = octaves_[i];
-    if (i == octaves_.size() / 2) coarse = result.height;
-    const Sample sample = noise<kGradient>(point * octave.frequency + octave.offset, octave.seed);
-    result.height += octave.height * static_cast<double>(sample.value);
-    if constexpr (kGradient) {
-      const double steepness = octave.height * octave.frequency;
-      result.gradient += steepness * glm::dvec3(sample.x, sample.y, sample.z);
-    }
-  }
-  result.fine_height = (result.height - coarse) * fine_scale_;
-  return result;
-}
-
-template ReliefPoint Relief::sum<false>(const glm::dvec3&) const;
-template ReliefPoint Relief::sum<true>(const glm::dvec3&) const;
+template NoiseSample noise<false>(const glm::dvec3&, uint32_t);
+template NoiseSample noise<true>(const glm::dvec3&, uint32_t);
 
 }  // namespace lode::ingest

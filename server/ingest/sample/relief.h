@@ -15,8 +15,7 @@ struct ReliefPoint {
 };
 
 /// Gradient noise summed over octaves: each has about twice the frequency and half the height of the one
-/// before, so that the surface is equally rough at every scale. Source: Perlin, Improving Noise, 2002; the
-/// gradients lie at the edges of a cube, chosen by an integer hash.
+/// before, so that the surface is equally rough at every scale.
 class Relief {
  public:
   /// @param finest  no octave has a shorter wave length; an octave that begins to fit fades in.

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/mesh.h"
+
+namespace lode::ingest {
+
+struct SampleVertex {
+  glm::vec3 position{0};
+  glm::vec3 normal{0};  ///< unit length
+  glm::u8vec3 colour{0};
+  glm::vec2 uv{0};  ///< within 0 .. 1
+};
+
+/// A procedural mesh of any size that is never in memory as a whole: it comes in blocks of some ten thousand
+/// rows, each computed from its number alone, by any thread. All functions are const and thread safe.
+class SampleModel {
+ public:
+  /// @param attributes  what of a vertex is asked for; a model need not compute the rest.
+  explicit SampleModel(AttributeSet attributes) : attributes_(attributes) {}
+  virtual ~SampleModel() = default;
+  SampleModel(const SampleModel&) = delete;
+  SampleModel& operator=(const SampleModel&) = delete;
+
+  virtual uint64_t vertices() const = 0;
+  virtual uint64_t triangles() const = 0;
+
+  /// Of vertices and of triangles, each; blocks follow one another without a gap.
+  virtual uint64_t blocks() const = 0;
+  virtual void addVertices(uint64_t block, std::vector<SampleVertex>& to) const = 0;
+  /// By numbers of vertices over the whole model, counter-clockwise seen from outside or above.
+  virtual void addTriangles(uint64_t block, std::vector<glm::u32vec3>& to) const = 0;
+
+ protected:
+  bool wants(uint8_t attribute) const { return attributes_.has(attribute); }
+
+ private:
+  AttributeSet attributes_;
+};
+
+/// A share of rows that are numbered by formula: those of one block.
+struct RowRange {
+  uint64_t first = 0, end = 0;
+
+  static constexpr uint64_t kBlockRows = 1u << 15;
+
+  static uint64_t blocksOf(uint64_t rows) { return rows / kBlockRows + 1; }
+  static RowRange ofBlock(uint64_t block, uint64_t blocks, uint64_t rows) {
+    const uint64_t each = (rows + blocks - 1) / blocks;
+    return {std::min(rows, block * each), std::min(rows, (block + 1) * each)};
+  }
+};
+
+}  // namespace lode::ingest
