@@ -96,7 +96,7 @@ class Fetch : public testing::TestWithParam<Model> {
                   {"target", {target.x, target.y, target.z}},
                   {"up", {0, 1, 0}}};
     };
-    const glm::dvec3 corner = low + (high - low) * glm::dvec3(0.8, 0.7, 1.05);
+    const glm::dvec3 corner = low + (high - low) * glm::dvec3(0.8, 0.7, 1.1);
     const Json path{{"fov_y_deg", 45}, {"keys", {key(0, middle + away, middle), key(1, corner, middle)}}};
     writeBytes(folder_ / "approach.json", path.dump());
     return folder_ / "approach.json";

@@ -37,8 +37,11 @@ class TexturedModels : public testing::TestWithParam<TexturedFile> {
     options.input = input_;
     options.output = store_;
     options.triangles_per_node = 2048;  // several nodes even of small models
-    options.strict = true;
-    build(options);
+    const BuildReport report = build(options);
+    for (const std::string& warning : report.warnings)  // of faces and properties, but none of an image
+      EXPECT_TRUE(warning.find("are dropped") != std::string::npos ||
+                  warning.find("are not read") != std::string::npos)
+          << warning;
   }
 
   test::WorkFolder folder_;
