@@ -23,9 +23,9 @@ uint32_t getU32(const std::byte* at) noexcept {
 }  // namespace
 
 std::string_view frameName(uint8_t type) noexcept {
-  constexpr std::array<std::string_view, 16> kNames{
-      "unknown", "Hello", "Welcome",   "List",  "Models", "Open",          "Opened", "Wishes",
-      "Credit",  "Blob",  "Cancelled", "Error", "GoAway", "ModelReplaced", "Ping",   "Pong"};
+  constexpr std::array<std::string_view, 18> kNames{
+      "unknown", "Hello",     "Welcome", "List",   "Models",        "Open", "Opened", "Wishes", "Credit",
+      "Blob",    "Cancelled", "Error",   "GoAway", "ModelReplaced", "Ping", "Pong",   "Close",  "Closed"};
   return type < kNames.size() ? kNames[type] : kNames[0];
 }
 

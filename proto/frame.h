@@ -24,6 +24,8 @@ enum class FrameType : uint8_t {
   kModelReplaced = 13,
   kPing = 14,
   kPong = 15,
+  kClose = 16,
+  kClosed = 17,
 };
 
 /// "Hello" and so on, for messages to people; "unknown" for a type that this version does not know.

@@ -6,16 +6,14 @@
 #include <utility>
 
 #include <asio/error.hpp>
-#include <asio/read.hpp>
-#include <asio/redirect_error.hpp>
-#include <asio/use_awaitable.hpp>
-#include <asio/write.hpp>
 
 #include "common/error.h"
 
 namespace lode::proto {
 
 namespace {
+
+constexpr size_t kFirstBodyBytes = 4096;  ///< taken for a body before any of it has come
 
 [[noreturn]] void lost(const char* doing, const asio::error_code& error) {
   throw Error(ErrorCode::kNetwork,
@@ -24,8 +22,10 @@ namespace {
 
 }  // namespace
 
-FrameStream::FrameStream(asio::ip::tcp::socket socket, size_t read_ahead_bytes)
-    : socket_(std::move(socket)), ahead_(std::max(read_ahead_bytes, kFrameHeaderBytes)) {}
+FrameStream::FrameStream(ByteStream stream, size_t read_ahead_bytes, Room room)
+    : stream_(std::move(stream)),
+      room_(std::move(room)),
+      ahead_(std::max(read_ahead_bytes, kFrameHeaderBytes)) {}
 
 asio::awaitable<bool> FrameStream::fill(size_t needed) {
   while (end_ - begin_ < needed) {
@@ -33,12 +33,33 @@ asio::awaitable<bool> FrameStream::fill(size_t needed) {
     end_ -= begin_;
     begin_ = 0;
     asio::error_code error;
-    end_ += co_await socket_.async_read_some(asio::buffer(ahead_.data() + end_, ahead_.size() - end_),
-                                             asio::redirect_error(asio::use_awaitable, error));
+    end_ += co_await stream_.readSome(asio::buffer(ahead_.data() + end_, ahead_.size() - end_), error);
     if (error == asio::error::eof && end_ == 0) co_return false;
     if (error) lost("reading a frame's header", error);
   }
   co_return true;
+}
+
+asio::awaitable<void> FrameStream::readBody(std::vector<std::byte>& body, size_t announced) {
+  size_t have = std::min(announced, end_ - begin_);
+  body.clear();
+  body.reserve(std::min(announced, std::max(have, kFirstBodyBytes)));
+  body.insert(body.end(), ahead_.data() + begin_, ahead_.data() + begin_ + have);
+  begin_ += have;
+  while (have < announced) {
+    if (have == body.capacity()) {
+      const size_t capacity = std::min(announced, 2 * body.capacity());
+      if (room_ && !room_(capacity - have))
+        throw Error(ErrorCode::kLimit, "there is no memory for a frame of " + std::to_string(announced) +
+                                           " bytes now; send less at a time");
+      body.reserve(capacity);
+    }
+    body.resize(std::min(announced, body.capacity()));
+    asio::error_code error;
+    have += co_await stream_.readSome(asio::buffer(body.data() + have, body.size() - have), error);
+    if (error) lost("reading a frame's body", error);
+    body.resize(have);
+  }
 }
 
 asio::awaitable<bool> FrameStream::read(Frame& frame, uint32_t max_body_bytes) {
@@ -51,34 +72,24 @@ asio::awaitable<bool> FrameStream::read(Frame& frame, uint32_t max_body_bytes) {
                                        " bytes; at this point the limit is " +
                                        std::to_string(max_body_bytes));
   begin_ += kFrameHeaderBytes;
-  frame.body.resize(frame.header.body_bytes);
-  const size_t there = std::min(frame.body.size(), end_ - begin_);
-  std::copy_n(ahead_.data() + begin_, there, frame.body.data());
-  begin_ += there;
-  if (there < frame.body.size()) {
-    asio::error_code error;
-    co_await asio::async_read(socket_, asio::buffer(frame.body.data() + there, frame.body.size() - there),
-                              asio::redirect_error(asio::use_awaitable, error));
-    if (error) lost("reading a frame's body", error);
+  if (frame.header.body_bytes <= end_ - begin_) {
+    frame.body.assign(ahead_.data() + begin_, ahead_.data() + begin_ + frame.header.body_bytes);
+    begin_ += frame.header.body_bytes;
+  } else {
+    co_await readBody(frame.body, frame.header.body_bytes);
   }
   co_return true;
 }
 
 asio::awaitable<void> FrameStream::write(std::span<const asio::const_buffer> parts) {
   asio::error_code error;
-  co_await asio::async_write(socket_, parts, asio::redirect_error(asio::use_awaitable, error));
+  co_await stream_.write(parts, error);
   if (error) lost("writing", error);
 }
 
 asio::awaitable<void> FrameStream::discard() {
   asio::error_code error;
-  while (!error)
-    co_await socket_.async_read_some(asio::buffer(ahead_), asio::redirect_error(asio::use_awaitable, error));
-}
-
-void FrameStream::close() noexcept {
-  asio::error_code ignored;
-  socket_.close(ignored);
+  while (!error) co_await stream_.readSome(asio::buffer(ahead_), error);
 }
 
 }  // namespace lode::proto

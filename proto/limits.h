@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 
 /// Every limit of the wire, checked before memory is taken. docs/protocol.md lists them.
@@ -17,6 +18,16 @@ constexpr uint32_t kMaxListedModels = 1024;          ///< of a List answer
 constexpr uint32_t kMaxStringBytes = 1024;           ///< of any string in a message
 constexpr uint32_t kMaxTokenBytes = 512;
 constexpr uint64_t kInitialWindowBytes = 64u << 10;  ///< granted before the first Credit frame
+constexpr uint64_t kFeatureClose = 1;  ///< bit of Hello and Welcome: Close and Closed are understood
 constexpr uint64_t kFixedWindowBytes = 1u << 20;  ///< what a client grants ahead until it measures the link
+constexpr uint64_t kMaxQueuedAnswerBytes = 64u << 10;  ///< above it a server reads nothing more
+
+// What `lodestreamd serve` starts from; each has a flag.
+constexpr uint32_t kMaxConnections = 10'000;
+constexpr uint32_t kMaxConnectionsPerAddress = 256;
+constexpr std::chrono::milliseconds kHandshakeDeadline{10'000};  ///< from the connection to Hello, with TLS
+constexpr std::chrono::milliseconds kIdleDeadline{120'000};      ///< from one frame of the client to the next
+constexpr std::chrono::milliseconds kWriteDeadline{30'000};  ///< for a write that the client does not take
+constexpr std::chrono::milliseconds kDrainDeadline{5'000};   ///< for open wishes, after GoAway
 
 }  // namespace lode::proto

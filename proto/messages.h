@@ -125,6 +125,17 @@ struct Pong {
   bool operator==(const Pong&) const = default;
 };
 
+/// The client is done with a model. Its open wishes end with Cancelled, then Closed comes.
+struct Close {
+  uint32_t handle = 0;
+  bool operator==(const Close&) const = default;
+};
+
+struct Closed {
+  uint32_t handle = 0;
+  bool operator==(const Closed&) const = default;
+};
+
 /// Whether a string may be sent: UTF-8 without control characters (it may end up on a terminal). encode()
 /// makes texts for people fit by itself; it throws Error kProtocol or kLimit for names and tokens that are
 /// not.
@@ -144,6 +155,8 @@ Bytes encode(const GoAway& message, uint32_t request);
 Bytes encode(const ModelReplaced& message, uint32_t request);
 Bytes encode(const Ping& message, uint32_t request);
 Bytes encode(const Pong& message, uint32_t request);
+Bytes encode(const Close& message, uint32_t request);
+Bytes encode(const Closed& message, uint32_t request);
 
 /// decode<Hello>(body) and so on, for every message above.
 template <typename Message>

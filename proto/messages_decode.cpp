@@ -140,6 +140,14 @@ template <>
 struct WireOf<Pong> {
   using Type = wire::Pong;
 };
+template <>
+struct WireOf<Close> {
+  using Type = wire::Close;
+};
+template <>
+struct WireOf<Closed> {
+  using Type = wire::Closed;
+};
 
 /// Calls `read` with the body's root table, once the body is known to hold one.
 template <typename Root, typename Read>
@@ -235,6 +243,8 @@ GoAway fromWire(const wire::GoAway& from) {
 ModelReplaced fromWire(const wire::ModelReplaced& from) { return {from.handle()}; }
 Ping fromWire(const wire::Ping& from) { return {from.payload()}; }
 Pong fromWire(const wire::Pong& from) { return {from.payload()}; }
+Close fromWire(const wire::Close& from) { return {from.handle()}; }
+Closed fromWire(const wire::Closed& from) { return {from.handle()}; }
 
 }  // namespace
 
@@ -257,5 +267,7 @@ template GoAway decode<GoAway>(std::span<const std::byte>);
 template ModelReplaced decode<ModelReplaced>(std::span<const std::byte>);
 template Ping decode<Ping>(std::span<const std::byte>);
 template Pong decode<Pong>(std::span<const std::byte>);
+template Close decode<Close>(std::span<const std::byte>);
+template Closed decode<Closed>(std::span<const std::byte>);
 
 }  // namespace lode::proto

@@ -182,4 +182,14 @@ Bytes encode(const Pong& message, uint32_t request) {
   return finish(builder, wire::CreatePong(builder, message.payload), FrameType::kPong, request);
 }
 
+Bytes encode(const Close& message, uint32_t request) {
+  Builder builder(64);
+  return finish(builder, wire::CreateClose(builder, message.handle), FrameType::kClose, request);
+}
+
+Bytes encode(const Closed& message, uint32_t request) {
+  Builder builder(64);
+  return finish(builder, wire::CreateClosed(builder, message.handle), FrameType::kClosed, request);
+}
+
 }  // namespace lode::proto

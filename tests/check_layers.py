@@ -14,6 +14,7 @@ from pathlib import Path
 # A file belongs to the first layer whose prefix its path has.
 LAYER_OF = [
     ("common/", "common"),
+    ("proto/byte_stream", "frame_stream"),
     ("proto/frame_stream", "frame_stream"),
     ("proto/", "proto"),
     ("server/store/", "store"),
@@ -53,7 +54,7 @@ CONFINED = [
     ("OpenGL and GLFW", re.compile(r"(GL|GLES\w*|KHR|EGL|GLFW|epoxy|imgui)/|(backends/)?(imgui|glad)\w*\.h$"),
      ("client/render/", "client/app/window/")),
     ("Asio", re.compile(r"(boost/)?asio(\.hpp$|/)"),
-     ("proto/frame_stream", "server/serve/", "server/app/", "server/main", "client/net/", "client/app/", "client/main")),
+     ("proto/byte_stream", "proto/frame_stream", "server/serve/", "server/app/", "server/main", "client/net/", "client/app/", "client/main")),
     ("FlatBuffers", re.compile(r"flatbuffers/|.*_generated\.h$"), ("proto/",)),
     ("Draco", re.compile(r"draco/"), ("common/draco_",)),
 ]

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <csignal>
 #include <exception>
 #include <memory>
@@ -7,35 +8,90 @@
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
+#include "server/app/service_notice.h"
 #include "server/serve/server.h"
 
 namespace lode::app {
 namespace {
 
-/// Stops a server at SIGTERM or SIGINT, from its construction to its end.
-class StopOnSignal {
+/// Stops a server at SIGTERM or SIGINT and reloads it at SIGHUP, from its construction to its end.
+class Signals {
  public:
-  explicit StopOnSignal(serve::Server& server) : signals_(context_, SIGTERM, SIGINT) {
-    signals_.async_wait([&server](const asio::error_code& error, int) {
-      if (!error) server.stop();
-    });
+  explicit Signals(serve::Server& server) : server_(server), signals_(context_, SIGTERM, SIGINT, SIGHUP) {
+    wait();
     thread_ = std::jthread([this] { context_.run(); });
   }
-  ~StopOnSignal() { context_.stop(); }
-  StopOnSignal(const StopOnSignal&) = delete;
-  StopOnSignal& operator=(const StopOnSignal&) = delete;
+  ~Signals() { context_.stop(); }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
 
  private:
+  void wait() {
+    signals_.async_wait([this](const asio::error_code& error, int signal) {
+      if (error) return;
+      if (signal == SIGHUP) {
+        notifyService("RELOADING=1\nMONOTONIC_USEC=" + monotonicMicroseconds());
+        server_.reload();
+        notifyService("READY=1");
+      } else {
+        notifyService("STOPPING=1");
+        server_.stop();
+      }
+      wait();
+    });
+  }
+
+  serve::Server& server_;
   asio::io_context context_{1};
   asio::signal_set signals_;
   std::jthread thread_;
 };
 
 void runServe(const serve::ServeOptions& options) {
+  std::signal(SIGPIPE, SIG_IGN);  // who reads our output may go; we stay
   serve::Server server(options);
-  StopOnSignal stop(server);
-  printJson({{"listen", server.address()}, {"metrics", nullptr}, {"models", server.models()}});
+  Signals signals(server);
+  nlohmann::json metrics = nullptr;
+  if (const auto address = server.metricsAddress()) metrics = *address;
+  printJson({{"listen", server.address()}, {"metrics", metrics}, {"models", server.models()}});
+  notifyService("READY=1");
   server.run();
+}
+
+/// An option of so many seconds, which may have a fraction.
+void addSeconds(CLI::App& command, const std::string& name, std::chrono::milliseconds& value,
+                const std::string& help) {
+  command
+      .add_option_function<double>(
+          name, [&value](double seconds) { value = std::chrono::milliseconds(std::llround(1000 * seconds)); },
+          help)
+      ->check(CLI::Range(0.0, 86400.0))
+      ->type_name("SECONDS")
+      ->default_str(std::to_string(value.count() / 1000));
+}
+
+void addLimits(CLI::App& command, serve::ServeOptions& options) {
+  command.add_option("--max-connections", options.max_connections, "connections at a time")
+      ->check(CLI::Range(1u, 1000000u))
+      ->capture_default_str();
+  command
+      .add_option("--max-connections-per-address", options.max_connections_per_address,
+                  "of one client's address (default: " + std::to_string(proto::kMaxConnectionsPerAddress) +
+                      ", loopback not limited)")
+      ->check(CLI::Range(1u, 1000000u));
+  command.add_option("--max-wishes", options.max_open_wishes, "open wishes of a connection")
+      ->check(CLI::Range(1u, proto::kMaxOpenWishes))
+      ->capture_default_str();
+  command
+      .add_option("--memory-budget", options.memory_budget_bytes,
+                  "bytes for all connections together, as 512MB (default: an eighth of what there is)")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(uint64_t{1} << 20, uint64_t{1} << 50));
+  addSeconds(command, "--handshake-deadline", options.handshake_deadline, "from the connection to Hello");
+  addSeconds(command, "--idle-deadline", options.idle_deadline, "from one frame of a client to the next");
+  addSeconds(command, "--write-deadline", options.write_deadline, "for a write that a client does not take");
+  addSeconds(command, "--drain-delay", options.drain_delay, "to go on accepting after SIGTERM");
+  addSeconds(command, "--drain-deadline", options.drain_deadline, "for open wishes, after that");
 }
 
 }  // namespace
@@ -49,22 +105,20 @@ void addServeCommand(CLI::App& program) {
   command->add_option("--listen", options->listen, "address and port; port 0 picks one")
       ->type_name("ADDR:PORT")
       ->capture_default_str();
-  command->add_flag("--public", options->public_ok, "allow an address beyond loopback");
-  command->add_flag("--insecure", options->insecure, "allow it without tokens and TLS");
+  command->add_flag("--public", options->public_ok, "allow an address beyond loopback without tokens");
+  command->add_flag("--insecure", options->insecure, "allow an address beyond loopback without TLS");
+  command->add_option("--token-file", options->token_file, "tokens that clients must show")
+      ->type_name("FILE");
+  command->add_option("--tls-cert", options->tls_certificate, "certificate chain, PEM")->type_name("FILE");
+  command->add_option("--tls-key", options->tls_key, "its private key, PEM")->type_name("FILE");
+  command->add_flag("--proxy-protocol", options->proxy_protocol,
+                    "expect HAProxy's header (version 1 or 2) on every connection");
+  command->add_option("--metrics", options->metrics, "address and port of metrics and health")
+      ->type_name("ADDR:PORT");
+  command->add_flag("--log-json", options->log.json, "a JSON object a line of the log");
   command->add_option("--threads", options->threads, "threads to use (default: one a core)")
       ->check(CLI::Range(1u, 1024u));
-  command->add_option("--max-connections", options->max_connections, "connections at a time")
-      ->check(CLI::Range(1u, 1000000u))
-      ->capture_default_str();
-  addMissingOption(*command, "--metrics", "address and port of the metrics");
-  addMissingOption(*command, "--token-file", "tokens that clients must show");
-  addMissingOption(*command, "--tls-cert", "certificate chain");
-  addMissingOption(*command, "--tls-key", "private key");
-  addMissingFlag(*command, "--proxy-protocol", "expect HAProxy's header on every connection");
-  addMissingOption(*command, "--drain-delay", "seconds to go on accepting after SIGTERM");
-  options->log = [](std::string_view line) {
-    std::fprintf(stderr, "lodestreamd: %.*s\n", static_cast<int>(line.size()), line.data());
-  };
+  addLimits(*command, *options);
   command->callback([options] { runServe(*options); });
 }
 

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <memory_resource>
 #include <optional>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include <asio/awaitable.hpp>
@@ -12,7 +14,12 @@
 #include <asio/thread_pool.hpp>
 
 #include "proto/frame_stream.h"
-#include "server/serve/model_set.h"
+#include "server/serve/admission.h"
+#include "server/serve/blob_reader.h"
+#include "server/serve/log.h"
+#include "server/serve/memory_budget.h"
+#include "server/serve/metrics.h"
+#include "server/serve/offer.h"
 #include "server/serve/session.h"
 
 namespace lode::serve {
@@ -35,45 +42,92 @@ class BufferPool {
   std::vector<ChunkBuffer> free_;
 };
 
-/// What the connections of one thread share; it outlives them.
+class Connection;
+
+/// What the connections of one thread share; it outlives them. Touched on that thread only.
 struct ConnectionHost {
-  const ModelSet* models = nullptr;
+  Offer offer;
+  std::shared_ptr<asio::ssl::context> tls;  ///< of new connections; none: they are plain
+  Log* log = nullptr;
+  ThreadTallies* tallies = nullptr;
   asio::thread_pool* readers = nullptr;  ///< threads that may wait for the disk
-  BufferPool* buffers = nullptr;
+  BufferPool buffers;
+  std::pmr::unsynchronized_pool_resource wishes;
+  std::unordered_set<Connection*> connections;
 };
 
-/// A client's connection: a Session, its socket, one coroutine that reads and one that writes, both on the
+struct ConnectionLimits {
+  SessionLimits session;
+  Clock::duration write = proto::kWriteDeadline;  ///< for a write that the client does not take
+  bool proxy_protocol = false;                    ///< a balancer says first who the client is
+};
+
+/// What a connection is taken to cost that does nothing.
+constexpr uint64_t kPlainConnectionBytes = 8u << 10, kTlsConnectionBytes = 80u << 10;
+
+/// A client's connection: a Session, its stream, one coroutine that reads and one that writes, both on the
 /// thread of the socket. It keeps itself alive while either runs. Not thread safe.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(asio::ip::tcp::socket socket, ConnectionHost host, SessionLimits limits);
-  virtual ~Connection() = default;
+  /// @param client  its address, for the log.
+  Connection(proto::ByteStream stream, Place place, MemoryAccount memory, ConnectionHost& host,
+             ConnectionLimits limits, std::string client);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
 
   void start();
-  /// Starts it only to refuse it.
-  void startRefusing(proto::WireError code, const std::string& why);
   void drain(const std::string& reason);
+  void offerChanged();
   /// Gives it up if its time has come.
   void sweep(Clock::time_point now);
-  void close() noexcept { stream_.close(); }
+  /// Gives it up for the memory that it holds.
+  void giveUpForMemory();
+  uint64_t heldBytes() const noexcept { return memory_.held(); }
 
  private:
+  /// A chunk that the disk is asked for; its wish is parked meanwhile.
+  struct ColdRead {
+    Chunk chunk;
+    std::vector<std::byte> bytes;
+    ReadResult result = ReadResult::kCold;  ///< kCold: not there yet
+  };
+
   asio::awaitable<void> read();
+  asio::awaitable<void> greet();
   asio::awaitable<void> readFrames();
   asio::awaitable<void> write();
   asio::awaitable<void> writeFrames();
-  asio::awaitable<void> gather(ChunkBuffer& buffer, bool may_wait);
+  asio::awaitable<void> fetch(std::shared_ptr<ColdRead> cold, std::shared_ptr<const BlobReader> blobs);
   asio::awaitable<void> sleep(asio::steady_timer& until, bool& woken);
+  void startWriting();
+  void gather(ChunkBuffer& buffer);
+  ReadResult readChunk(const Chunk& chunk, std::span<std::byte> into);
+  bool startFetching(const Chunk& chunk);
+  void fail(const Chunk& chunk, ReadResult result);
+  void noteRead(const Chunk& chunk) noexcept;
+  bool linkIsSlow();
+  void end(EndReason reason);
   void wakeWriter();
   void wakeReader();
 
+  Place place_;
+  MemoryAccount memory_;
+  ConnectionHost& host_;
+  ConnectionLimits limits_;
   proto::FrameStream stream_;
-  ConnectionHost host_;
   Session session_;
+  std::vector<std::shared_ptr<ColdRead>> cold_;
   asio::steady_timer to_write_, to_read_;  ///< never expire; cancelled when there is work again
   bool write_woken_ = false, read_woken_ = false;
-  bool gone_ = false;                              ///< the client has closed, or the connection broke
-  std::optional<Clock::time_point> linger_until_;  ///< all is said; the client should close before this
+  bool gone_ = false;                               ///< the client has closed, or the connection broke
+  bool slow_ = true;                                ///< more than a little waits in the kernel, or may
+  std::optional<Clock::time_point> linger_until_;   ///< all is said; the client should close before this
+  std::optional<Clock::time_point> writing_since_;  ///< something is to be written
+  std::optional<EndReason> end_;
+  std::string client_;
+  Clock::time_point began_ = Clock::now();
+  uint64_t frames_ = 0, sent_bytes_ = 0, blobs_ = 0;  ///< of the connection so far
 };
 
 }  // namespace lode::serve

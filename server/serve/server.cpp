@@ -3,276 +3,241 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <mutex>
 #include <system_error>
-#include <thread>
-#include <unordered_set>
 #include <utility>
 
-#include <asio/co_spawn.hpp>
-#include <asio/detached.hpp>
-#include <asio/executor_work_guard.hpp>
-#include <asio/io_context.hpp>
-#include <asio/ip/tcp.hpp>
 #include <asio/post.hpp>
-#include <asio/redirect_error.hpp>
-#include <asio/steady_timer.hpp>
-#include <asio/thread_pool.hpp>
-#include <asio/use_awaitable.hpp>
-#include <netinet/tcp.h>
 
 #include "common/error.h"
-#include "server/serve/connection.h"
-#include "server/serve/listen_address.h"
-#include "server/serve/model_set.h"
-#include "server/serve/session.h"
+#include "server/serve/admission.h"
+#include "server/serve/door.h"
+#include "server/serve/health_endpoint.h"
+#include "server/serve/listener.h"
+#include "server/serve/metrics.h"
+#include "server/serve/open_files.h"
+#include "server/serve/tls.h"
+#include "server/serve/worker.h"
 
 namespace lode::serve {
 
 namespace {
 
-using asio::ip::tcp;
+constexpr size_t kReaderThreads = 4;        ///< that may wait for the disk
+constexpr uint64_t kOtherDescriptors = 64;  ///< beside connections, stores and refusals
 
-constexpr size_t kReaderThreads = 4;           ///< that may wait for the disk
-constexpr uint32_t kMaxRefusedLingering = 64;  ///< connections above the limit that are told so
-constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< after the system refused a connection
-constexpr int kNotSentLowBytes =
-    64 << 10;  ///< TCP_NOTSENT_LOWAT: what waits in the kernel cannot be overtaken
+unsigned threadsOf(const ServeOptions& options) {
+  return options.threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : options.threads;
+}
+
+/// Who may be let in from beyond loopback, and how.
+void requireCareBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint) {
+  if (endpoint.address().is_loopback()) return;
+  const auto refuse = [&](const std::string& remedy) {
+    throw Error(ErrorCode::kUsage, "listening on " + options.listen + " would let other machines in: " +
+                                       remedy + ", or listen on 127.0.0.1");
+  };
+  if (options.token_file.empty() && !options.public_ok)
+    refuse("give --token-file, or --public if everybody may read every model");
+  if (options.tls_certificate.empty() && !options.insecure)
+    refuse("give --tls-cert and --tls-key, or --insecure if everything may be read on its way");
+}
 
 }  // namespace
 
-/// One thread of the server: its event loop and the connections that live on it.
-class Worker {
- public:
-  Worker() : context_(1), guard_(context_.get_executor()), tick_(context_) {}
-
-  asio::io_context& context() noexcept { return context_; }
-  uint32_t load() const noexcept { return load_.load(std::memory_order_relaxed); }
-  BufferPool& buffers() noexcept { return buffers_; }
-
-  void start(Clock::duration sweep_every) {
-    asio::co_spawn(context_, sweep(sweep_every), asio::detached);
-    thread_ = std::thread([this] { context_.run(); });
-  }
-  void halt() { context_.stop(); }
-  void join() {
-    if (thread_.joinable()) thread_.join();
-  }
-
-  void reserve() noexcept { load_.fetch_add(1, std::memory_order_relaxed); }
-  void add(Connection& connection) { connections_.insert(&connection); }
-  void remove(Connection& connection) noexcept {
-    connections_.erase(&connection);
-    load_.fetch_sub(1, std::memory_order_relaxed);
-  }
-  void drain(const std::string& reason) {
-    asio::post(context_, [this, reason] {
-      for (Connection* connection : connections_) connection->drain(reason);
-    });
-  }
-
- private:
-  asio::awaitable<void> sweep(Clock::duration every) {
-    asio::error_code error;
-    while (!error) {
-      tick_.expires_after(every);
-      co_await tick_.async_wait(asio::redirect_error(asio::use_awaitable, error));
-      const auto now = Clock::now();
-      for (Connection* connection : connections_) connection->sweep(now);
-    }
-  }
-
-  std::atomic<uint32_t> load_{0};
-  std::unordered_set<Connection*> connections_;  ///< touched on this thread only
-  BufferPool buffers_;
-  asio::io_context context_;
-  asio::executor_work_guard<asio::io_context::executor_type> guard_;
-  asio::steady_timer tick_;
-  std::thread thread_;
-};
-
 struct Server::State {
-  explicit State(ServeOptions given)
-      : options(std::move(given)), models(options.stores, options.log), acceptor(context) {
-    listen();
-  }
+  explicit State(ServeOptions given);
+  ~State();
 
-  ~State() {
-    halt();
-    for (auto& worker : workers) worker->join();
-    readers.join();  // before the loops go, which own what the readers write into
-  }
-
+  BlobReaderOptions readerOptions();
+  Published published() const { return {offer, tls}; }
+  std::shared_ptr<const TokenFile> openTokens() const;
+  std::shared_ptr<asio::ssl::context> openCertificate() const;
+  uint32_t possibleConnections();
+  ConnectionLimits limits() const;
+  ServerGauges gauges() const;
   void listen();
+  void startWorkers();
   void run();
+  void reload();
   void halt();
   void stopNow();
-  void connectionEnded();
-  asio::awaitable<void> accept();
-  void hand(tcp::socket socket);
-  void admit(Worker& worker, tcp::socket socket, bool full);
+  void closeDoor();
 
   ServeOptions options;
-  ModelSet models;
-  std::atomic<uint32_t> connections{0};
-  std::atomic<bool> draining{false};
+  Log log;
+  std::mutex reload_mutex;  ///< one at a time
+  Offer offer;              ///< touched by construction and reload alone
+  std::shared_ptr<asio::ssl::context> tls;
+  MemoryBudget budget;
+  Admission admission;
+  Metrics metrics;
+  std::atomic<bool> stopping{false};
+  std::atomic<size_t> models{0};
   std::string address;
   uint16_t port = 0;
-  asio::io_context context{1};  ///< accepts; runs in run()'s thread
-  tcp::acceptor acceptor;
+  asio::io_context context{1};  ///< accepts, and answers for health; runs in run()'s thread
+  std::unique_ptr<Door> door;
+  std::unique_ptr<HealthEndpoint> health;
+  asio::steady_timer drain_timer{context};
+  std::mutex workers_mutex;  ///< of the list, which run() fills
   std::vector<std::unique_ptr<Worker>> workers;
   asio::thread_pool readers{kReaderThreads};
 };
 
-namespace {
-
-/// A connection that the server's books know of.
-class CountedConnection : public Connection {
- public:
-  CountedConnection(tcp::socket socket, ConnectionHost host, SessionLimits limits, Worker& worker,
-                    std::function<void()> ended)
-      : Connection(std::move(socket), host, limits), worker_(worker), ended_(std::move(ended)) {
-    worker_.add(*this);
-  }
-  ~CountedConnection() override {
-    worker_.remove(*this);
-    ended_();
-  }
-
- private:
-  Worker& worker_;
-  std::function<void()> ended_;
-};
-
-}  // namespace
-
-void Server::State::listen() {
-  const ListenAddress wanted = parseListenAddress(options.listen);
-  asio::error_code error;
-  const auto found =
-      tcp::resolver(context).resolve(wanted.host, std::to_string(wanted.port), tcp::resolver::passive, error);
-  if (error || found.empty())
-    throw Error(ErrorCode::kUsage, "cannot listen on " + options.listen + ": " + error.message() +
-                                       "; name an address of this machine");
-  const tcp::endpoint endpoint = found.begin()->endpoint();
-  if (!endpoint.address().is_loopback() && !(options.public_ok && options.insecure))
-    throw Error(ErrorCode::kUsage,
-                "listening on " + options.listen +
-                    " would let other machines in: give --public, and --insecure with it as there are no "
-                    "tokens and no TLS yet, or listen on 127.0.0.1");
-  acceptor.open(endpoint.protocol(), error);
-  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor.bind(endpoint, error);
-  if (!error) acceptor.listen(tcp::acceptor::max_listen_connections, error);
-  if (error)
-    throw Error(ErrorCode::kIo, "cannot listen on " + options.listen + ": " + error.message() +
-                                    "; stop what uses it or choose another with --listen (port 0 picks a "
-                                    "free one)");
-  const tcp::endpoint local = acceptor.local_endpoint();
-  port = local.port();
-  const std::string host = local.address().to_string();
-  address = (local.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(local.port());
+Server::State::State(ServeOptions given)
+    : options(std::move(given)),
+      log(options.log),
+      offer{openCatalog(options.stores, readerOptions()), openTokens()},
+      tls(openCertificate()),
+      budget(options.memory_budget_bytes == 0 ? defaultMemoryBudget() : options.memory_budget_bytes),
+      admission(possibleConnections(), options.max_connections_per_address),
+      metrics(threadsOf(options) + 1),
+      models(offer.catalog->models().size()) {
+  listen();
 }
 
-void Server::State::run() {
-  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-  const unsigned threads = options.threads == 0 ? cores : options.threads;
-  const auto shortest = std::min(options.handshake_deadline, options.idle_deadline) / 4;
+Server::State::~State() {
+  halt();
+  for (auto& worker : workers) worker->join();
+  readers.join();  // before the loops go, which own what the readers write into
+}
+
+BlobReaderOptions Server::State::readerOptions() {
+  return {.look_every = options.look_at_stores_every,
+          .report = [this](std::string_view line) { log.write(LogKind::kDamagedStore, line); }};
+}
+
+std::shared_ptr<const TokenFile> Server::State::openTokens() const {
+  if (options.token_file.empty()) return nullptr;
+  return std::make_shared<const TokenFile>(TokenFile::read(options.token_file));
+}
+
+std::shared_ptr<asio::ssl::context> Server::State::openCertificate() const {
+  if (options.tls_certificate.empty() != options.tls_key.empty())
+    throw Error(ErrorCode::kUsage, "--tls-cert and --tls-key belong together; give both");
+  return options.tls_certificate.empty() ? nullptr : openTls(options.tls_certificate, options.tls_key);
+}
+
+/// As many as were asked for, or as many as the system lets this process have files open for.
+uint32_t Server::State::possibleConnections() {
+  const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * offer.catalog->models().size();
+  const uint64_t open_files = raiseOpenFileLimit();
+  const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
+  if (room >= options.max_connections) return options.max_connections;
+  log.write(LogKind::kServer,
+            "fewer connections are possible than --max-connections; raise the limit of open files",
+            {{"possible", room}, {"wanted", uint64_t{options.max_connections}}, {"open_files", open_files}});
+  return static_cast<uint32_t>(room);
+}
+
+ConnectionLimits Server::State::limits() const {
+  return {{options.max_open_wishes, options.handshake_deadline, options.idle_deadline},
+          options.write_deadline,
+          options.proxy_protocol};
+}
+
+ServerGauges Server::State::gauges() const {
+  return {.connections = admission.count(),
+          .models = models,
+          .memory_bytes = budget.used(),
+          .memory_budget_bytes = budget.limit(),
+          .log_lines_dropped = log.linesDropped(),
+          .log_lines_left_out = log.linesLeftOut(),
+          .stopping = stopping};
+}
+
+void Server::State::listen() {
+  const asio::ip::tcp::endpoint endpoint = resolveListen(context, options.listen);
+  requireCareBeyondLoopback(options, endpoint);
+  asio::ip::tcp::acceptor acceptor = openListener(context, endpoint, "--listen");
+  port = acceptor.local_endpoint().port();
+  address = toString(acceptor.local_endpoint());
+  const DoorOptions door_options{.count_addresses = !options.proxy_protocol,
+                                 .tell = !tls,
+                                 .connection_bytes = tls ? kTlsConnectionBytes : kPlainConnectionBytes};
+  door = std::make_unique<Door>(
+      std::move(acceptor), door_options, admission, budget, metrics.ofThread(0), log,
+      [this](asio::ip::tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
+        Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
+        worker.give(std::move(socket), std::move(place), std::move(memory), std::move(client));
+      });
+  if (options.metrics.empty()) return;
+  health = std::make_unique<HealthEndpoint>(
+      context, options.metrics,
+      HealthAnswers{[this] { return metrics.text(gauges()); }, [this] { return !stopping; }});
+}
+
+void Server::State::startWorkers() {
+  const unsigned threads = threadsOf(options);
+  const auto shortest =
+      std::min({options.handshake_deadline, options.idle_deadline, options.write_deadline}) / 4;
   const auto sweep_every =
       std::clamp<std::chrono::milliseconds>(shortest, std::chrono::milliseconds(5), std::chrono::seconds(1));
+  const std::scoped_lock lock(reload_mutex, workers_mutex);
   try {
-    for (unsigned i = 0; i < threads; ++i) workers.push_back(std::make_unique<Worker>());
+    for (unsigned i = 0; i < threads; ++i)
+      workers.push_back(
+          std::make_unique<Worker>(published(), log, metrics.ofThread(i + 1), readers, budget, limits()));
     for (auto& worker : workers) worker->start(sweep_every);
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::kIo, "cannot start " + std::to_string(threads) + " threads: " + error.what() +
                                     "; give a smaller --threads");
   }
-  asio::co_spawn(context, accept(), asio::detached);
+}
+
+void Server::State::run() {
+  startWorkers();
   const auto guard = asio::make_work_guard(context);
-  context.run();
+  while (true) try {
+      door->open();
+      context.run();
+      break;
+    } catch (const std::exception& error) {  // out of memory, most likely: the next may be taken again
+      log.write(LogKind::kSystem, error.what());
+    }
   halt();
   for (auto& worker : workers) worker->join();
 }
 
+void Server::State::reload() {
+  const std::lock_guard lock(reload_mutex);
+  const auto keeping = [&](const char* what, const auto& action) {
+    try {
+      action();
+    } catch (const std::exception& error) {  // its message may name a path: for the operator's eyes elsewhere
+      log.write(LogKind::kServer, std::string(what) + " could not be reloaded; what there was stays",
+                {{"why", error.what()}});
+    }
+  };
+  keeping("stores", [&] { offer.catalog = reopenCatalog(*offer.catalog, options.stores, readerOptions()); });
+  keeping("tokens", [&] { offer.tokens = openTokens(); });
+  keeping("the certificate", [&] { tls = openCertificate(); });
+  models = offer.catalog->models().size();
+  const std::lock_guard workers_lock(workers_mutex);
+  for (auto& worker : workers) worker->publish(published());
+  log.write(LogKind::kServer, "reloaded", {{"models", uint64_t{models}}});
+}
+
 void Server::State::halt() {
   context.stop();
+  const std::lock_guard lock(workers_mutex);
   for (auto& worker : workers) worker->halt();
 }
 
 void Server::State::stopNow() {
-  if (draining.exchange(true)) return;
-  asio::error_code ignored;
-  acceptor.close(ignored);
+  if (stopping.exchange(true)) return;
+  log.write(LogKind::kServer, "stopping");
+  drain_timer.expires_after(options.drain_delay);
+  drain_timer.async_wait([this](const asio::error_code&) { closeDoor(); });
+}
+
+void Server::State::closeDoor() {
+  door->close();
   for (auto& worker : workers) worker->drain("the server is stopping");
-  const auto deadline = std::make_shared<asio::steady_timer>(context, options.drain_deadline);
-  deadline->async_wait([this, deadline](const asio::error_code&) { context.stop(); });
-  if (connections == 0) context.stop();
-}
-
-void Server::State::connectionEnded() {
-  if (connections.fetch_sub(1) == 1 && draining) context.stop();
-}
-
-asio::awaitable<void> Server::State::accept() {
-  while (acceptor.is_open()) {
-    tcp::socket socket(context);
-    asio::error_code error;
-    co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
-    if (!acceptor.is_open()) co_return;
-    std::string failure = error.message();
-    try {
-      if (!error) {
-        hand(std::move(socket));
-        continue;
-      }
-    } catch (const std::exception& thrown) {  // no memory for it
-      failure = thrown.what();
-    }
-    options.log("a connection could not be accepted: " + failure);
-    asio::steady_timer pause(context, kAcceptPause);
-    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-  }
-}
-
-void Server::State::hand(tcp::socket socket) {
-  const uint32_t already = connections.load();
-  const bool full = already >= options.max_connections;
-  if (already >= uint64_t{options.max_connections} + kMaxRefusedLingering) return;
-
-  asio::error_code error;
-  socket.set_option(tcp::no_delay(true), error);
-  using NotSentLow = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_NOTSENT_LOWAT>;
-  socket.set_option(NotSentLow(kNotSentLowBytes), error);
-
-  Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
-  const auto protocol = acceptor.local_endpoint(error).protocol();
-  tcp::socket moved(worker.context());
-  const auto handle = socket.release(error);
-  if (error) return;
-  moved.assign(protocol, handle, error);
-  if (error) return;
-  worker.reserve();
-  connections.fetch_add(1);
-  asio::post(worker.context(), [this, &worker, full, moved = std::move(moved)]() mutable {
-    admit(worker, std::move(moved), full);
-  });
-}
-
-void Server::State::admit(Worker& worker, tcp::socket socket, bool full) {
-  try {
-    const ConnectionHost host{&models, &readers, &worker.buffers()};
-    const SessionLimits limits{proto::kMaxOpenWishes, options.handshake_deadline, options.idle_deadline};
-    const auto connection = std::make_shared<CountedConnection>(std::move(socket), host, limits, worker,
-                                                                [this] { connectionEnded(); });
-    if (full)
-      connection->startRefusing(proto::WireError::kLimit,
-                                "this server has its " + std::to_string(options.max_connections) +
-                                    " connections; try again later, or another server");
-    else
-      connection->start();
-    if (draining) connection->drain("the server is stopping");
-  } catch (const std::exception& error) {  // no memory for it; the others go on
-    options.log(std::string("a connection was given up: ") + error.what());
-  }
+  drain_timer.expires_after(options.drain_deadline);
+  drain_timer.async_wait([this](const asio::error_code&) { context.stop(); });
+  admission.whenEmpty([this] { context.stop(); });
 }
 
 Server::Server(ServeOptions options) : state_(std::make_unique<State>(std::move(options))) {}
@@ -282,13 +247,20 @@ uint16_t Server::port() const noexcept { return state_->port; }
 
 std::string Server::address() const { return state_->address; }
 
+std::optional<std::string> Server::metricsAddress() const {
+  if (!state_->health) return {};
+  return state_->health->address();
+}
+
 std::vector<std::string> Server::models() const {
   std::vector<std::string> names;
-  for (const OfferedModel& model : state_->models.offered()) names.push_back(model.summary.name);
+  for (const auto& model : state_->offer.catalog->models()) names.push_back(model->summary.name);
   return names;
 }
 
 void Server::run() { state_->run(); }
+
+void Server::reload() { state_->reload(); }
 
 void Server::stop() {
   asio::post(state_->context, [state = state_.get()] { state->stopNow(); });

@@ -3,26 +3,37 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "proto/limits.h"
+#include "server/serve/log.h"
 
 namespace lode::serve {
 
 struct ServeOptions {
-  std::vector<std::filesystem::path> stores;  ///< .lode files, and folders of them
-  std::string listen = "127.0.0.1:7400";      ///< ADDRESS:PORT, [V6]:PORT or NAME:PORT; port 0 picks one
-  bool public_ok = false;                     ///< may listen beyond loopback,
-  bool insecure = false;                      ///< and that without tokens and TLS
-  unsigned threads = 0;                       ///< 0: one a core
-  uint32_t max_connections = 10000;
-  std::chrono::milliseconds handshake_deadline{10'000};  ///< until Hello has come
-  std::chrono::milliseconds idle_deadline{120'000};      ///< without a frame from the client
-  std::chrono::milliseconds drain_deadline{5'000};       ///< for open wishes, after stop()
-  /// One line for the operator (a damaged blob, no file handles left). Called from any thread.
-  std::function<void(std::string_view)> log = [](std::string_view) {};
+  std::vector<std::filesystem::path> stores;       ///< .lode files, and folders of them
+  std::string listen = "127.0.0.1:7400";           ///< ADDRESS:PORT, [V6]:PORT or NAME:PORT; port 0 picks one
+  std::string metrics;                             ///< the same, of metrics and health; empty: none
+  bool public_ok = false;                          ///< may listen beyond loopback without tokens,
+  bool insecure = false;                           ///< and without TLS
+  std::filesystem::path token_file;                ///< empty: no token is asked for
+  std::filesystem::path tls_certificate, tls_key;  ///< PEM; both or none
+  bool proxy_protocol = false;                     ///< a balancer says first who the client is
+  unsigned threads = 0;                            ///< 0: one a core
+  uint32_t max_connections = proto::kMaxConnections;
+  std::optional<uint32_t> max_connections_per_address;  ///< none: kMaxConnectionsPerAddress but for loopback
+  uint64_t memory_budget_bytes = 0;                     ///< 0: an eighth of what there is
+  uint32_t max_open_wishes = proto::kMaxOpenWishes;     ///< of a connection
+  std::chrono::milliseconds handshake_deadline = proto::kHandshakeDeadline;
+  std::chrono::milliseconds idle_deadline = proto::kIdleDeadline;
+  std::chrono::milliseconds write_deadline = proto::kWriteDeadline;
+  std::chrono::milliseconds drain_delay{0};  ///< from stop() to the listener's close
+  std::chrono::milliseconds drain_deadline = proto::kDrainDeadline;
+  std::chrono::milliseconds look_at_stores_every{20};  ///< for changes in place
+  LogOptions log;
 };
 
 /// Serves stores over TCP as docs/protocol.md says. Constructed, it listens; connections are answered while
@@ -39,14 +50,20 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   uint16_t port() const noexcept;
-  std::string address() const;              ///< "127.0.0.1:7400": where it listens
-  std::vector<std::string> models() const;  ///< names, sorted
+  std::string address() const;                        ///< "127.0.0.1:7400": where it listens
+  std::optional<std::string> metricsAddress() const;  ///< none without metrics
+  std::vector<std::string> models() const;            ///< names, sorted
 
   /// Answers connections until stop(); starts the threads and joins them. Call it once. @throws Error kIo.
   void run();
 
-  /// Takes no more connections, says GoAway to those there are, lets their wishes end and makes run() return,
-  /// at the latest after the drain deadline. Thread safe, and good before run(); not for a signal handler.
+  /// Looks at stores, tokens and certificate again and goes on with what it finds; what is wrong with them is
+  /// logged, and what there was stays. Takes as long as opening them. Thread safe.
+  void reload();
+
+  /// Is no longer ready; after the drain delay takes no more connections, says GoAway to those there are,
+  /// lets their wishes end and makes run() return, at the latest after the drain deadline. Thread safe, and
+  /// good before run(); not for a signal handler.
   void stop();
 
  private:

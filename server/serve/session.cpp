@@ -1,7 +1,6 @@
 #include "server/serve/session.h"
 
 #include <algorithm>
-#include <tuple>
 
 #include "common/error.h"
 
@@ -11,6 +10,9 @@ using proto::FrameType;
 using proto::WireError;
 
 namespace {
+
+/// Wishes are refused one by one up to this many bytes of answers, where there is no memory for them.
+constexpr size_t kRefusedAnswerBytes = 4u << 10;
 
 /// Thrown by a handler to answer with an Error that closes the connection.
 struct Refusal {
@@ -24,26 +26,38 @@ WireError wireCode(const Error& error) {
 
 }  // namespace
 
-bool Session::Rank::operator<(const Rank& other) const noexcept {
-  return std::tuple(wish_class, -priority_px, wish) <
-         std::tuple(other.wish_class, -other.priority_px, other.wish);
-}
+Session::Session(SessionHost host, SessionLimits limits, Clock::time_point now)
+    : host_(host), limits_(limits), deadline_(now + limits.handshake), now_(now), wishes_(host.wishes) {}
 
-Session::Session(std::span<const OfferedModel> models, SessionLimits limits, Clock::time_point now)
-    : models_(models), limits_(limits), deadline_(now + limits.handshake) {}
+Session::~Session() { host_.memory->give(wishes_.size() * kWishBytes + control_.size()); }
+
+/// For what must be said whatever it costs: it is little.
+template <typename Message>
+void Session::say(const Message& message, uint32_t request) {
+  const proto::Bytes frame = proto::encode(message, request);
+  control_.insert(control_.end(), frame.begin(), frame.end());
+  host_.memory->take(frame.size());
+}
 
 template <typename Message>
 void Session::answer(const Message& message, uint32_t request) {
   const proto::Bytes frame = proto::encode(message, request);
+  if (!host_.memory->tryTake(frame.size())) {
+    host_.memory->give(control_.size());
+    control_.clear();
+    throw Refusal{WireError::kLimit,
+                  "this connection takes more of the server's memory than there is for it now; "
+                  "read answers as they come, and wish for less at a time"};
+  }
   control_.insert(control_.end(), frame.begin(), frame.end());
 }
 
 void Session::refuse(WireError code, const std::string& why, uint32_t request) {
   if (closing_) return;
-  answer(proto::ErrorMessage{code, 0, true, why}, request);
+  say(proto::ErrorMessage{code, 0, true, why}, request);
   closing_ = true;
+  host_.memory->give(wishes_.size() * kWishBytes);
   wishes_.clear();
-  queue_.clear();
   unasked_.clear();
   under_way_.reset();
 }
@@ -51,15 +65,46 @@ void Session::refuse(WireError code, const std::string& why, uint32_t request) {
 void Session::drain(const std::string& reason) {
   if (closing_ || draining_) return;
   draining_ = true;
-  answer(proto::GoAway{reason}, 0);
+  say(proto::GoAway{reason}, 0);
+}
+
+bool Session::authorize() {
+  if (!host_.offer->tokens) return true;
+  tokens_ = host_.offer->tokens;
+  grant_ = tokens_->find(token_, std::chrono::system_clock::now());
+  unauthorized_ = grant_ == nullptr;
+  return !unauthorized_;
+}
+
+bool Session::allows(const Model& model) const noexcept {
+  return grant_ == nullptr || grant_->allows(model.summary.name);
+}
+
+void Session::offerChanged() {
+  if (closing_) return;
+  if (greeted_ && !authorize()) return refuse(WireError::kUnauthorized, "the token is not good any more");
+  for (auto& [handle, opened] : opened_) {
+    const auto now = host_.offer->catalog->find(opened.model->summary.name);
+    if (!now || now->summary.build_id == opened.told) continue;
+    opened.told = now->summary.build_id;
+    say(proto::ModelReplaced{handle}, 0);
+  }
+}
+
+void Session::checkExpiry(std::chrono::system_clock::time_point now) {
+  if (closing_ || grant_ == nullptr || !grant_->expires || now < *grant_->expires) return;
+  unauthorized_ = true;
+  refuse(WireError::kUnauthorized, "the token has expired");
 }
 
 void Session::receive(const proto::FrameHeader& header, std::span<const std::byte> body,
                       Clock::time_point now) {
   if (closing_) return;
+  now_ = now;
   try {
     dispatch(header, body);
-    if (greeted_) deadline_ = now + limits_.idle;
+    const bool known = proto::frameName(header.type) != proto::frameName(0);
+    if (greeted_ && known) deadline_ = now + limits_.idle;
   } catch (const Error& error) {
     refuse(wireCode(error), std::string(proto::frameName(header.type)) + " frame: " + error.what(),
            header.request);
@@ -70,7 +115,7 @@ void Session::receive(const proto::FrameHeader& header, std::span<const std::byt
 
 void Session::dispatch(const proto::FrameHeader& header, std::span<const std::byte> body) {
   const auto type = static_cast<FrameType>(header.type);
-  const bool known = type >= FrameType::kHello && type <= FrameType::kPong;
+  const bool known = type >= FrameType::kHello && type <= FrameType::kClosed;
   if (!known && (header.flags & proto::kFlagOptional) != 0) return;
   if (!known)
     throw Refusal{WireError::kUnknownFrame, "frame type " + std::to_string(header.type) +
@@ -82,14 +127,13 @@ void Session::dispatch(const proto::FrameHeader& header, std::span<const std::by
   switch (type) {
     case FrameType::kHello:
       return hello(proto::decode<proto::Hello>(body), header.request);
-    case FrameType::kList: {
+    case FrameType::kList:
       proto::decode<proto::List>(body);
-      proto::Models models;
-      for (const OfferedModel& model : models_) models.models.push_back(model.summary);
-      return answer(models, header.request);
-    }
+      return list(header.request);
     case FrameType::kOpen:
       return open(proto::decode<proto::Open>(body), header.request);
+    case FrameType::kClose:
+      return close(proto::decode<proto::Close>(body), header.request);
     case FrameType::kWishes:
       return wishes(proto::decode<proto::Wishes>(body), header.request);
     case FrameType::kCredit:
@@ -113,13 +157,27 @@ void Session::hello(const proto::Hello& message, uint32_t request) {
                   "this server speaks version " + std::to_string(proto::kProtocolVersion) +
                       " of the protocol, the client " + std::to_string(message.min_version) +
                       " or newer; update the server"};
+  token_ = message.token;
+  if (!authorize())
+    throw Refusal{WireError::kUnauthorized, message.token.empty()
+                                                ? "this server asks for a token"
+                                                : "the token is unknown here, or it has expired"};
   greeted_ = true;
-  answer(proto::Welcome{proto::kProtocolVersion, 0, limits_.max_open_wishes, "lodestreamd"}, request);
+  answer(proto::Welcome{proto::kProtocolVersion, message.features & proto::kFeatureClose,
+                        limits_.max_open_wishes, "lodestreamd"},
+         request);
+}
+
+void Session::list(uint32_t request) {
+  proto::Models models;
+  for (const auto& model : host_.offer->catalog->models())
+    if (allows(*model)) models.models.push_back(model->summary);
+  answer(models, request);
 }
 
 void Session::open(const proto::Open& message, uint32_t request) {
-  const auto model = std::ranges::find(models_, message.model, [](const auto& m) { return m.summary.name; });
-  if (model == models_.end()) {
+  std::shared_ptr<const Model> model = host_.offer->catalog->find(message.model);
+  if (!model || !allows(*model)) {
     answer(proto::ErrorMessage{WireError::kNoSuchModel, 0, false,
                                "there is no model '" + message.model + "' here; List names those there are"},
            request);
@@ -127,82 +185,119 @@ void Session::open(const proto::Open& message, uint32_t request) {
   }
   if (opened_.size() >= proto::kMaxOpenModels) {
     answer(proto::ErrorMessage{WireError::kLimit, 0, false,
-                               "a connection opens at most " + std::to_string(proto::kMaxOpenModels) +
-                                   " models; open another connection"},
+                               "a connection has at most " + std::to_string(proto::kMaxOpenModels) +
+                                   " models open; close one, or open another connection"},
            request);
     return;
   }
-  const auto index = static_cast<uint32_t>(model - models_.begin());
-  opened_.push_back(index);
-  const auto handle = static_cast<uint32_t>(opened_.size());
+  const uint32_t handle = ++last_handle_;
   answer(proto::Opened{handle, model->summary}, request);
-  unasked_.push_back({handle, index, model->summary.root_page.number, 0, request});
-  if (model->coarsest_blob != 0) unasked_.push_back({handle, index, model->coarsest_blob, 0, request});
+  const Model& offered = *model;
+  ModelTallies* const tallies =
+      host_.tallies != nullptr ? &host_.tallies->model(offered.summary.name) : nullptr;
+  if (tallies != nullptr) tallies->opened.add();
+  const BlobName build = offered.summary.build_id;
+  const OpenedModel& opened =
+      opened_.emplace(handle, OpenedModel{std::move(model), build, tallies}).first->second;
+  for (const uint32_t blob : {offered.summary.root_page.number, offered.coarsest_blob})
+    if (blob != 0) unasked_.push_back({handle, &opened, blob, 0, request, ++last_serial_, now_, false});
+}
+
+const OpenedModel& Session::openedAs(uint32_t handle, const char* frame) {
+  const auto opened = opened_.find(handle);
+  if (opened == opened_.end())
+    throw Refusal{WireError::kMalformed, std::string(frame) + " names handle " + std::to_string(handle) +
+                                             ", which no Opened gave or Close has ended"};
+  return opened->second;
+}
+
+void Session::close(const proto::Close& message, uint32_t request) {
+  openedAs(message.handle, "Close");
+  wishes_.endAll(message.handle, [&](OpenWish& wish) {
+    say(proto::Cancelled{wish.rank.wish}, wish.request);
+    if (under_way_ && under_way_->wish == wish.rank.wish) under_way_.reset();
+    host_.memory->give(kWishBytes);
+  });
+  if (under_way_ && under_way_->wish == 0 && unasked_.front().handle == message.handle) under_way_.reset();
+  std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == message.handle; });
+  opened_.erase(message.handle);
+  answer(proto::Closed{message.handle}, request);
 }
 
 void Session::wishes(const proto::Wishes& message, uint32_t request) {
-  if (message.handle == 0 || message.handle > opened_.size())
-    throw Refusal{WireError::kMalformed,
-                  "Wishes name handle " + std::to_string(message.handle) + ", which no Opened gave"};
-  const uint32_t model = opened_[message.handle - 1];
+  const OpenedModel& opened = openedAs(message.handle, "Wishes");
   for (const proto::WishChange& change : message.changes) {
     if (change.action == proto::WishAction::kAdd) {
-      addWish(change, model, request);
+      addWish(change, message.handle, opened, request);
       continue;
     }
-    const auto wish = wishes_.find(change.wish);
-    if (wish == wishes_.end()) continue;  // it ended while the change was on its way
+    OpenWish* const wish = wishes_.find(change.wish);
+    if (wish == nullptr) continue;  // it ended while the change was on its way
     if (change.action == proto::WishAction::kCancel) {
-      answer(proto::Cancelled{change.wish}, wish->second.request);
-      endWish(wish);
+      answer(proto::Cancelled{change.wish}, wish->request);
+      endWish(*wish);
     } else {
-      queue_.erase(wish->second.rank);
-      wish->second.rank = {change.wish_class, change.priority_px, change.wish};
-      queue_.insert(wish->second.rank);
+      wishes_.reprioritise(*wish, change.wish_class, change.priority_px);
     }
   }
 }
 
-void Session::addWish(const proto::WishChange& change, uint32_t model, uint32_t request) {
-  if (wishes_.contains(change.wish))
+void Session::addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened,
+                      uint32_t request) {
+  if (wishes_.find(change.wish) != nullptr)
     throw Refusal{WireError::kMalformed, "wish " + std::to_string(change.wish) + " is open already"};
   if (wishes_.size() >= limits_.max_open_wishes)
     throw Refusal{WireError::kLimit,
                   "more than " + std::to_string(limits_.max_open_wishes) + " wishes are open at one time"};
-  if (models_[model].blobBytes(change.blob) == 0) {
+  if (opened.model->blobBytes(change.blob) == 0) {
     answer(proto::ErrorMessage{WireError::kNoSuchBlob, change.wish, false,
                                "no blob " + std::to_string(change.blob)},
            request);
     return;
   }
+  if (!host_.memory->tryTake(kWishBytes)) {
+    const proto::ErrorMessage refused{
+        WireError::kNotReady, change.wish, false,
+        "the server is short of memory; wish again later, and for less at a time"};
+    return control_.size() < kRefusedAnswerBytes ? say(refused, request) : answer(refused, request);
+  }
   const Rank rank{change.wish_class, change.priority_px, change.wish};
-  wishes_.emplace(change.wish, Wish{rank, model, change.blob, 0, request});
-  queue_.insert(rank);
+  wishes_.add({rank, handle, &opened, change.blob, 0, request, ++last_serial_, now_, false});
+  if (host_.tallies != nullptr) host_.tallies->wishes[static_cast<size_t>(change.wish_class)].add();
 }
 
-void Session::endWish(std::unordered_map<uint32_t, Wish>::iterator wish) {
-  if (under_way_ && under_way_->wish == wish->first) under_way_.reset();
-  queue_.erase(wish->second.rank);
-  wishes_.erase(wish);
+void Session::endWish(OpenWish& wish) {
+  if (under_way_ && under_way_->wish == wish.rank.wish) under_way_.reset();
+  wishes_.end(wish);
+  host_.memory->give(kWishBytes);
 }
 
 std::optional<Chunk> Session::beginChunk(uint32_t max_bytes) {
-  if (closing_ || !control_.empty() || under_way_ || (unasked_.empty() && queue_.empty())) return {};
+  if (closing_ || !control_.empty() || under_way_) return {};
   const uint64_t room = granted_bytes_ > sent_bytes_ ? granted_bytes_ - sent_bytes_ : 0;
   if (room <= proto::kBlobChunkHeaderBytes) return {};
 
   Chunk chunk;
   uint32_t sent = 0;
-  if (!unasked_.empty()) {
+  if (!unasked_.empty() && !unasked_.front().parked) {
     const Unasked& first = unasked_.front();
-    chunk = {first.model, first.blob, 0, first.request, {}};
+    chunk = {first.opened, first.blob, 0, first.request, first.serial, proto::WishClass::kVisible,
+             first.asked,  {}};
     sent = first.sent_bytes;
+  } else if (const OpenWish* const first = wishes_.first(); first != nullptr) {
+    chunk = {first->opened,
+             first->blob,
+             0,
+             first->request,
+             first->serial,
+             first->rank.wish_class,
+             first->asked,
+             {first->rank.wish, 0, 0}};
+    sent = first->sent_bytes;
   } else {
-    const Wish& first = wishes_.at(queue_.begin()->wish);
-    chunk = {first.model, first.blob, 0, first.request, {first.rank.wish, 0, 0}};
-    sent = first.sent_bytes;
+    return {};
   }
-  const uint32_t total = models_[chunk.model].blobBytes(chunk.blob);
+  const uint32_t total = chunk.opened->model->blobBytes(chunk.blob);
   const uint32_t rest = total - sent;
   chunk.header.total_bytes = total;
   chunk.header.offset_bytes = sent;
@@ -221,10 +316,31 @@ bool Session::finishChunk() {
     unasked_.front().sent_bytes += done.bytes;
     if (done.last) unasked_.pop_front();
   } else {
-    const auto wish = wishes_.find(done.wish);
-    wish->second.sent_bytes += done.bytes;
+    OpenWish& wish = *wishes_.find(done.wish);
+    wish.sent_bytes += done.bytes;
     if (done.last) endWish(wish);
   }
+  return true;
+}
+
+void Session::parkChunk() {
+  if (!under_way_) return;
+  const UnderWay parked = *std::exchange(under_way_, {});
+  if (parked.wish == 0)
+    unasked_.front().parked = true;
+  else
+    wishes_.park(*wishes_.find(parked.wish));
+}
+
+bool Session::unpark(const Chunk& chunk) {
+  if (chunk.header.wish == 0) {
+    if (unasked_.empty() || unasked_.front().serial != chunk.serial) return false;
+    unasked_.front().parked = false;
+    return true;
+  }
+  OpenWish* const wish = wishes_.find(chunk.header.wish);
+  if (wish == nullptr || wish->serial != chunk.serial) return false;
+  wishes_.unpark(*wish);
   return true;
 }
 
@@ -233,11 +349,11 @@ void Session::failChunk(WireError code, const std::string& why) {
   const UnderWay failed = *std::exchange(under_way_, {});
   if (failed.wish == 0) {
     const Unasked first = unasked_.front();
-    answer(proto::ErrorMessage{code, 0, false, why}, first.request);
+    say(proto::ErrorMessage{code, 0, false, why}, first.request);
     std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == first.handle; });
   } else {
-    const auto wish = wishes_.find(failed.wish);
-    answer(proto::ErrorMessage{code, failed.wish, false, why}, wish->second.request);
+    OpenWish& wish = *wishes_.find(failed.wish);
+    say(proto::ErrorMessage{code, failed.wish, false, why}, wish.request);
     endWish(wish);
   }
 }

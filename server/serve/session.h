@@ -3,38 +3,39 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <map>
+#include <memory>
+#include <memory_resource>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
-#include <vector>
 
-#include "common/model_summary.h"
 #include "proto/frame.h"
 #include "proto/limits.h"
 #include "proto/messages.h"
+#include "server/serve/memory_budget.h"
+#include "server/serve/metrics.h"
+#include "server/serve/model.h"
+#include "server/serve/offer.h"
+#include "server/serve/wish_queue.h"
 
 namespace lode::serve {
-
-/// What a session must know of a model; the bytes of its blobs are somebody else's.
-struct OfferedModel {
-  ModelSummary summary;
-  std::vector<uint32_t> blob_bytes;  ///< size of each blob by number; 0 is no blob
-  uint32_t coarsest_blob = 0;        ///< the root's coarsest rung; 0 if it has no triangles
-
-  uint32_t blobBytes(uint32_t number) const noexcept {
-    return number < blob_bytes.size() ? blob_bytes[number] : 0;
-  }
-};
 
 using Clock = std::chrono::steady_clock;
 
 struct SessionLimits {
   uint32_t max_open_wishes = proto::kMaxOpenWishes;
-  Clock::duration handshake = std::chrono::seconds(10);  ///< until Hello has come
-  Clock::duration idle = std::chrono::seconds(120);      ///< between two frames of the client
+  Clock::duration handshake = proto::kHandshakeDeadline;  ///< until Hello has come
+  Clock::duration idle = proto::kIdleDeadline;            ///< between two frames of the client
+};
+
+/// What a session has from its owner, all of which outlives it.
+struct SessionHost {
+  const Offer* offer = nullptr;      ///< as it is now; its owner may swap it
+  MemoryAccount* memory = nullptr;   ///< open wishes and queued answers are charged
+  ThreadTallies* tallies = nullptr;  ///< none: nothing is counted
+  std::pmr::memory_resource* wishes = std::pmr::get_default_resource();  ///< where open wishes live
 };
 
 /// A rest of a blob shorter than this, or this much of it, must fit in the window before a chunk is sent: a
@@ -43,23 +44,32 @@ constexpr uint32_t kMinChunkBytes = 4096;
 
 /// Piece of a blob that shall be sent next.
 struct Chunk {
-  uint32_t model = 0;  ///< index of the offered model
+  const OpenedModel* opened = nullptr;  ///< as long as its wish is open
   uint32_t blob = 0;
   uint32_t bytes = 0;
   uint32_t request = 0;
+  uint64_t serial = 0;  ///< of its wish
+  proto::WishClass wish_class = proto::WishClass::kVisible;
+  Clock::time_point asked;
   proto::BlobChunkHeader header;
+
+  bool first() const noexcept { return header.offset_bytes == 0; }
+  bool last() const noexcept { return header.offset_bytes + bytes == header.total_bytes; }
 };
 
 /// The server's side of one connection, without sockets, files or clocks: frames go in, control frames and
 /// chunks to send come out. It owns the wishes' queue and the byte window. All memory is bounded: open wishes
 /// and models by the limits of proto/limits.h, control frames by what one frame can be answered with, if the
-/// caller reads no further frame while controlBytes() is above kMaxQueuedControlBytes. Not thread safe.
+/// caller reads no further frame while controlBytes() is above kMaxQueuedControlBytes; and both are charged.
+/// Not thread safe.
 ///
 /// Order: everything of takeControl() goes out before a chunk begun after it was queued.
 class Session {
  public:
-  /// @param models  outlive the session.
-  Session(std::span<const OfferedModel> models, SessionLimits limits, Clock::time_point now);
+  Session(SessionHost host, SessionLimits limits, Clock::time_point now);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
   /// Takes one frame of the client's. Whatever is wrong with it is answered, never thrown.
   void receive(const proto::FrameHeader& header, std::span<const std::byte> body, Clock::time_point now);
@@ -67,19 +77,29 @@ class Session {
   void refuse(proto::WireError code, const std::string& why, uint32_t request = 0);
   /// Says GoAway; the session is finished once no wish is open.
   void drain(const std::string& reason);
+  /// Another offer is made: says ModelReplaced of handles whose model has another build in it, and ends the
+  /// session if its token is no longer good.
+  void offerChanged();
+  /// Ends the session if its token has expired.
+  void checkExpiry(std::chrono::system_clock::time_point now);
 
-  /// All control frames queued, in order.
+  /// All control frames queued, in order. They stay charged: controlSent() when they are out.
   proto::Bytes takeControl() { return std::exchange(control_, {}); }
+  void controlSent(size_t bytes) noexcept { host_.memory->give(bytes); }
   size_t controlBytes() const noexcept { return control_.size(); }
 
   /// The chunk to send next, the most urgent wish's, if the window has room for it and no control frame
-  /// waits. Until finishChunk(), abandonChunk() or failChunk() it is under way, and no other can begin.
+  /// waits. Until one of the functions below is called it is under way, and no other can begin.
   /// @param max_bytes  at most this much of the blob.
   std::optional<Chunk> beginChunk(uint32_t max_bytes = proto::kMaxChunkBytes);
   /// The chunk was read: it counts as sent. @return false if its wish ended meanwhile; it must not be sent.
   bool finishChunk();
   /// As if it had never begun.
   void abandonChunk() noexcept { under_way_.reset(); }
+  /// As if it had never begun, and its wish is passed by until unpark().
+  void parkChunk();
+  /// @return false if the wish has ended meanwhile.
+  bool unpark(const Chunk& chunk);
   /// The blob cannot be read: its wish ends with an Error.
   void failChunk(proto::WireError code, const std::string& why);
 
@@ -90,22 +110,18 @@ class Session {
   /// When the connection must be given up unless another frame comes.
   Clock::time_point deadline() const noexcept { return deadline_; }
   bool greeted() const noexcept { return greeted_; }
+  bool unauthorized() const noexcept { return unauthorized_; }
+  size_t openWishes() const noexcept { return wishes_.size(); }
 
  private:
-  /// Where a wish stands in the queue: by class, then priority, then number.
-  struct Rank {
-    proto::WishClass wish_class;
-    float priority_px;
-    uint32_t wish;
-    bool operator<(const Rank& other) const noexcept;
-  };
-  struct Wish {
-    Rank rank;
-    uint32_t model, blob, sent_bytes, request;
-  };
   /// A blob that follows Opened, as wish 0.
   struct Unasked {
-    uint32_t handle, model, blob, sent_bytes, request;
+    uint32_t handle = 0;
+    const OpenedModel* opened = nullptr;
+    uint32_t blob = 0, sent_bytes = 0, request = 0;
+    uint64_t serial = 0;
+    Clock::time_point asked;
+    bool parked = false;
   };
   struct UnderWay {
     uint32_t wish;  ///< 0: the first unasked blob
@@ -115,28 +131,40 @@ class Session {
 
   void dispatch(const proto::FrameHeader& header, std::span<const std::byte> body);
   void hello(const proto::Hello& message, uint32_t request);
+  bool authorize();
+  bool allows(const Model& model) const noexcept;
+  void list(uint32_t request);
   void open(const proto::Open& message, uint32_t request);
+  void close(const proto::Close& message, uint32_t request);
   void wishes(const proto::Wishes& message, uint32_t request);
-  void addWish(const proto::WishChange& change, uint32_t model, uint32_t request);
-  void endWish(std::unordered_map<uint32_t, Wish>::iterator wish);
+  void addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened, uint32_t request);
+  void endWish(OpenWish& wish);
+  const OpenedModel& openedAs(uint32_t handle, const char* frame);
   template <typename Message>
   void answer(const Message& message, uint32_t request);
+  template <typename Message>
+  void say(const Message& message, uint32_t request);
 
-  std::span<const OfferedModel> models_;
+  SessionHost host_;
   SessionLimits limits_;
   Clock::time_point deadline_;
-  bool greeted_ = false, closing_ = false, draining_ = false;
+  Clock::time_point now_;  ///< of the last frame
+  bool greeted_ = false, closing_ = false, draining_ = false, unauthorized_ = false;
+  std::string token_;
+  std::shared_ptr<const TokenFile> tokens_;  ///< the file that grant_ lies in
+  const TokenGrant* grant_ = nullptr;        ///< none: everything is allowed
   proto::Bytes control_;
-  std::vector<uint32_t> opened_;  ///< model of each handle; handle 1 is the first
+  std::map<uint32_t, OpenedModel> opened_;  ///< by handle
+  uint32_t last_handle_ = 0;
   std::deque<Unasked> unasked_;
-  std::unordered_map<uint32_t, Wish> wishes_;
-  std::set<Rank> queue_;
+  WishQueue wishes_;
+  uint64_t last_serial_ = 0;
   std::optional<UnderWay> under_way_;
   uint64_t granted_bytes_ = proto::kInitialWindowBytes;
   uint64_t sent_bytes_ = 0;  ///< of Blob frame bodies
 };
 
 /// The caller reads no further frame while more than this waits to be sent.
-constexpr size_t kMaxQueuedControlBytes = 64u << 10;
+constexpr size_t kMaxQueuedControlBytes = proto::kMaxQueuedAnswerBytes;
 
 }  // namespace lode::serve

@@ -170,9 +170,7 @@ TEST_F(ServerCommands, endWithTwoAndOneLineAtWrongUsage) {
         "build a.ply -o a.ply", "build a.ply -o b.lode --threads 0", "export a.lode -o b.ply",
         "export a.lode --error 1 --triangles 2 -o b.ply", "export a.lode --error -1 -o b.ply",
         "export a.lode --error 0.1 -o a.lode", "sample cube --triangles 100 -o b.ply", "serve",
-        "serve a.lode --listen 0.0.0.0:0",
-        // not there yet
-        "serve a.lode --tls-cert x"}) {
+        "serve a.lode --listen 0.0.0.0:0", "serve a.lode --tls-cert x"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments;
     EXPECT_EQ(outcome.out, "") << arguments;

@@ -24,7 +24,7 @@ class FrameStreamTest : public testing::Test {
   FrameStreamTest() {
     tcp::acceptor acceptor(context_, {asio::ip::address_v4::loopback(), 0});
     peer_.connect(acceptor.local_endpoint());
-    stream_.emplace(acceptor.accept(), 64);
+    stream_.emplace(ByteStream(acceptor.accept()), 64);
   }
 
   /// Runs a coroutine to its end. @return the Error it ended with.
@@ -102,7 +102,7 @@ TEST_F(FrameStreamTest, anEndInTheMiddleOfAFrameIsANetworkError) {
     tcp::acceptor acceptor(context_, {asio::ip::address_v4::loopback(), 0});
     peer_ = tcp::socket(context_);
     peer_.connect(acceptor.local_endpoint());
-    stream_.emplace(acceptor.accept(), 64);
+    stream_.emplace(ByteStream(acceptor.accept()), 64);
     send(std::span(frame_bytes).first(cut));
     peer_.close();
     const auto failure = run([&]() -> asio::awaitable<void> {
@@ -130,6 +130,34 @@ TEST_F(FrameStreamTest, theCallersOwnLimitIsKeptToo) {
   ASSERT_TRUE(failure);
   EXPECT_EQ(failure->code(), ErrorCode::kLimit);
   EXPECT_EQ(frame.body.capacity(), 0u);
+}
+
+TEST_F(FrameStreamTest, aBodyTakesMemoryAsItsBytesCome) {
+  send(encodeFrameHeader({kMaxFrameBodyBytes, 1, 0, 0}));
+  send(Bytes(100));
+  peer_.close();
+  Frame frame;
+  EXPECT_TRUE(run([&]() -> asio::awaitable<void> { co_await stream_->read(frame); }));
+  EXPECT_LE(frame.body.capacity(), 4096u);
+}
+
+TEST_F(FrameStreamTest, aBodyGrowsOnlyAsFarAsThereIsRoom) {
+  tcp::acceptor acceptor(context_, {asio::ip::address_v4::loopback(), 0});
+  peer_ = tcp::socket(context_);
+  peer_.connect(acceptor.local_endpoint());
+  size_t room = 12'000;
+  stream_.emplace(ByteStream(acceptor.accept()), 64, [&](size_t more) {
+    if (more > room) return false;
+    room -= more;
+    return true;
+  });
+  send(encodeFrameHeader({50'000, 1, 0, 0}));
+  send(Bytes(50'000));
+  Frame frame;
+  const auto failure = run([&]() -> asio::awaitable<void> { co_await stream_->read(frame); });
+  ASSERT_TRUE(failure);
+  EXPECT_EQ(failure->code(), ErrorCode::kLimit);
+  EXPECT_LE(frame.body.capacity(), 16'384u);
 }
 
 TEST_F(FrameStreamTest, bytesThatAreNoFrameAreAProtocolError) {

@@ -60,9 +60,9 @@ TEST(FrameHeader, refusesEveryReservedBit) {
 
 TEST(FrameName, namesEveryTypeAndNoOther) {
   EXPECT_EQ(frameName(1), "Hello");
-  EXPECT_EQ(frameName(static_cast<uint8_t>(FrameType::kPong)), "Pong");
+  EXPECT_EQ(frameName(static_cast<uint8_t>(FrameType::kClosed)), "Closed");
   EXPECT_EQ(frameName(0), "unknown");
-  EXPECT_EQ(frameName(16), "unknown");
+  EXPECT_EQ(frameName(18), "unknown");
   EXPECT_EQ(frameName(255), "unknown");
 }
 

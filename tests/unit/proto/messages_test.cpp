@@ -53,7 +53,7 @@ TEST(Messages, theFrameAnnouncesItsBodyTypeAndRequest) {
     const auto body_bytes = static_cast<uint32_t>(frame.size() - kFrameHeaderBytes);
     EXPECT_EQ(headerOf(frame), (FrameHeader{body_bytes, type, 0, 4711}));
   });
-  EXPECT_EQ(type, static_cast<uint8_t>(FrameType::kPong));
+  EXPECT_EQ(type, static_cast<uint8_t>(FrameType::kClosed));
 }
 
 /// The exchange of docs/protocol.md: other people's clients are written from it.

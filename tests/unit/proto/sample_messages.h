@@ -57,7 +57,9 @@ inline auto sampleMessages() {
                     GoAway{"the server is stopping"},
                     ModelReplaced{6},
                     Ping{0x1122334455667788},
-                    Pong{0x8877665544332211}};
+                    Pong{0x8877665544332211},
+                    Close{7},
+                    Closed{8}};
 }
 
 /// Calls action(message) for each of them.

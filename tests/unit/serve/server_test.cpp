@@ -5,71 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "proto/limits.h"
-#include "server/store/reader.h"
-#include "tests/unit/serve/small_store.h"
-#include "tests/unit/serve/test_client.h"
+#include "tests/unit/serve/server_fixture.h"
 
 namespace lode::serve {
 namespace {
 
-using namespace std::chrono_literals;
-using proto::FrameType;
-using proto::WireError;
-using proto::WishAction;
-using proto::WishClass;
-using test::TestClient;
-
-/// A server over loopback with the models "a" and "b".
-class ServerTest : public testing::Test {
- protected:
-  ServerTest() {
-    test::writeSmallStore(store_, 1);
-    test::writeSmallStore(folder_.path() / "b.lode", 2);
-    options_.stores = {folder_.path()};
-    options_.listen = "127.0.0.1:0";
-    options_.threads = 2;
-  }
-  ~ServerTest() override { stop(); }
-
-  void start() {
-    server_.emplace(options_);
-    thread_ = std::thread([this] { server_->run(); });
-  }
-  void stop() {
-    if (server_) server_->stop();
-    if (thread_.joinable()) thread_.join();
-  }
-  TestClient connect() { return TestClient(server_->port()); }
-
-  proto::Wishes wishesForAll(uint32_t handle) const {
-    proto::Wishes wishes{handle, {}};
-    for (uint32_t blob = 1; blob <= reader().blobCount(); ++blob)
-      wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, blob, blob, static_cast<float>(blob)});
-    return wishes;
-  }
-  /// A client that opens "a" and gets every blob of it.
-  void expectServed() {
-    TestClient client = connect();
-    const proto::Opened opened = client.open("a");
-    client.blobs(2);
-    client.send(wishesForAll(opened.handle));
-    const auto blobs = client.blobs(reader().blobCount());
-    ASSERT_EQ(blobs.size(), reader().blobCount());
-    for (const auto& [wish, bytes] : blobs) EXPECT_EQ(bytes, reader().readBlob(wish)) << wish;
-  }
-  const store::Reader& reader() const {
-    if (!reader_) reader_.emplace(store_);
-    return *reader_;
-  }
-
-  test::TemporaryFolder folder_;
-  const std::filesystem::path store_ = folder_.path() / "a.lode";
-  mutable std::optional<store::Reader> reader_;
-  ServeOptions options_;
-  std::optional<Server> server_;
-  std::thread thread_;
-};
+using namespace test;
 
 TEST_F(ServerTest, saysWhereItListensAndWhatItServes) {
   start();
@@ -138,7 +79,7 @@ TEST_F(ServerTest, aClientThatDoesNotReadHoldsNobodyUp) {
 
 TEST_F(ServerTest, aClientThatOnlyAsksAndNeverReadsIsHeldBack) {
   options_.threads = 1;
-  options_.idle_deadline = 1000ms;
+  options_.write_deadline = 500ms;
   start();
   TestClient flood = connect();
   flood.send(proto::Hello{});

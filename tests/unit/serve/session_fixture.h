@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,9 +23,10 @@ using proto::WishClass;
 constexpr uint32_t kSmall = 1000, kLarge = 200'000, kPageBlob = 1, kRootRungBlob = 2, kFirstBlob = 3;
 
 /// A model whose blobs 3 to 29 are small, 30 to 39 large.
-inline OfferedModel offer(const std::string& name) {
-  OfferedModel model;
+inline Model model(const std::string& name, uint8_t build = 1) {
+  Model model;
   model.summary.name = name;
+  model.summary.build_id.bytes[0] = std::byte{build};
   model.summary.lattice.step = 0.5;
   model.summary.root_page = {kPageBlob, 300, {}};
   model.blob_bytes.assign(40, kSmall);
@@ -33,6 +35,12 @@ inline OfferedModel offer(const std::string& name) {
   std::fill(model.blob_bytes.begin() + 30, model.blob_bytes.end(), kLarge);
   model.coarsest_blob = kRootRungBlob;
   return model;
+}
+
+inline std::shared_ptr<const Catalog> catalogOf(std::vector<Model> models) {
+  std::vector<std::shared_ptr<const Model>> shared;
+  for (Model& each : models) shared.push_back(std::make_shared<const Model>(std::move(each)));
+  return std::make_shared<const Catalog>(std::move(shared));
 }
 
 /// A session with a scripted client and a disk that always answers.
@@ -113,10 +121,15 @@ class SessionTest : public testing::Test {
         std::span<const std::byte, proto::kFrameHeaderBytes>(frame.data(), proto::kFrameHeaderBytes));
   }
 
-  const std::vector<OfferedModel> models_{offer("a"), offer("b")};
+  const Model& modelAt(size_t index) const { return *offer_.catalog->models()[index]; }
+
+  Offer offer_{catalogOf({model("a"), model("b")}), nullptr};
+  MemoryBudget budget_{256u << 20};
+  MemoryAccount memory_{budget_};
+  SessionHost host_{&offer_, &memory_};
   Clock::time_point now_{1000s};
   SessionLimits limits_{100, 10s, 120s};
-  Session session_{models_, limits_, now_};
+  Session session_{host_, limits_, now_};
   uint64_t sent_bytes_ = 0;
 };
 

@@ -39,8 +39,8 @@ TEST_F(SessionTest, listsTheModelsInOrder) {
   send(proto::List{}, 8);
   const auto list = only<proto::Models>(FrameType::kModels, 8);
   ASSERT_EQ(list.models.size(), 2u);
-  EXPECT_EQ(list.models[0], models_[0].summary);
-  EXPECT_EQ(list.models[1], models_[1].summary);
+  EXPECT_EQ(list.models[0], modelAt(0).summary);
+  EXPECT_EQ(list.models[1], modelAt(1).summary);
 }
 
 TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestRung) {
@@ -50,23 +50,24 @@ TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestRung) {
   const auto frames = control();
   ASSERT_EQ(frames.size(), 2u);
   EXPECT_EQ(frames[1].header.request, 5u);
-  EXPECT_EQ(proto::decode<proto::Opened>(frames[1].body), (proto::Opened{1, models_[1].summary}));
+  EXPECT_EQ(proto::decode<proto::Opened>(frames[1].body), (proto::Opened{1, modelAt(1).summary}));
   for (const uint32_t blob : {kPageBlob, kRootRungBlob}) {
     const auto chunk = session_.beginChunk();
     ASSERT_TRUE(chunk);
     EXPECT_EQ(chunk->blob, blob);
-    EXPECT_EQ(chunk->model, 1u);
+    EXPECT_EQ(chunk->opened->model->summary.name, "b");
     EXPECT_EQ(chunk->request, 5u);
-    EXPECT_EQ(chunk->header, (proto::BlobChunkHeader{0, models_[1].blob_bytes[blob], 0}));
+    EXPECT_EQ(chunk->header, (proto::BlobChunkHeader{0, modelAt(1).blobBytes(blob), 0}));
     EXPECT_TRUE(session_.finishChunk());
   }
   EXPECT_FALSE(session_.beginChunk());
 }
 
 TEST_F(SessionTest, aRootWithoutTrianglesIsFollowedByItsPageAlone) {
-  std::vector<OfferedModel> models{offer("a")};
-  models[0].coarsest_blob = 0;
-  Session session(models, limits_, now_);
+  Model empty = model("a");
+  empty.coarsest_blob = 0;
+  offer_.catalog = catalogOf({empty});
+  Session session(host_, limits_, now_);
   sendTo(session, proto::Hello{});
   sendTo(session, proto::Open{"a", {}});
   session.takeControl();
@@ -152,6 +153,14 @@ TEST_F(SessionTest, eachFrameWinsTheClientAnotherIdleDeadline) {
   now_ += 100s;
   send(proto::Ping{1});
   EXPECT_EQ(session_.deadline(), now_ + limits_.idle);
+}
+
+TEST_F(SessionTest, anUnknownFrameWinsNoTimeHoweverOptional) {
+  send(proto::Hello{});
+  const auto deadline = session_.deadline();
+  now_ += 100s;
+  sendRaw(200, proto::kFlagOptional);
+  EXPECT_EQ(session_.deadline(), deadline);
 }
 
 TEST_F(SessionTest, drainingSaysGoAwayAndLetsWishesEnd) {

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include <asio/awaitable.hpp>
+#include <asio/buffer.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/ssl/context.hpp>
+#include <asio/ssl/stream.hpp>
+
+namespace lode::proto {
+
+/// A TCP connection, plain or under TLS. One coroutine may read while another writes, all on the socket's one
+/// thread.
+class ByteStream {
+ public:
+  explicit ByteStream(asio::ip::tcp::socket socket);
+  /// Under TLS: handshake() comes before anything else.
+  ByteStream(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls);
+
+  /// The server's side of the TLS handshake; nothing on a plain stream. @throws Error kNetwork.
+  asio::awaitable<void> handshake();
+
+  /// @param error  outlives the awaitable; asio::error::eof if the peer has closed its side.
+  asio::awaitable<size_t> readSome(asio::mutable_buffer into, asio::error_code& error);
+  /// Writes all of it. Under TLS several parts are cheaper in one.
+  asio::awaitable<void> write(std::span<const asio::const_buffer> parts, asio::error_code& error);
+  /// Until the kernel's send buffer takes more.
+  asio::awaitable<void> waitWritable(asio::error_code& error);
+
+  asio::any_io_executor executor() { return socket().get_executor(); }
+  asio::ip::tcp::socket& socket() noexcept { return tls_ ? tls_->next_layer() : *plain_; }
+  bool encrypted() const noexcept { return tls_.has_value(); }
+
+  void shutdownSend() noexcept;
+  void close() noexcept;  ///< whatever is under way ends with an error
+
+ private:
+  std::shared_ptr<asio::ssl::context> context_;
+  std::optional<asio::ip::tcp::socket> plain_;
+  std::optional<asio::ssl::stream<asio::ip::tcp::socket>> tls_;
+};
+
+}  // namespace lode::proto

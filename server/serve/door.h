@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <asio/awaitable.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/steady_timer.hpp>
+
+#include "proto/messages.h"
+#include "server/serve/admission.h"
+#include "server/serve/log.h"
+#include "server/serve/memory_budget.h"
+#include "server/serve/metrics.h"
+#include "server/serve/open_files.h"
+#include "server/serve/refusals.h"
+
+namespace lode::serve {
+
+struct DoorOptions {
+  bool count_addresses = true;    ///< false behind a balancer: its header says them later
+  bool tell = true;               ///< what is refused gets an Error frame; false: under TLS it cannot
+  uint64_t connection_bytes = 0;  ///< what each is taken to cost
+};
+
+/// Takes connections in, or says why not. Not thread safe; it lives on the thread of its context.
+class Door {
+ public:
+  /// What a connection that was let in is handed to.
+  using Hand = std::function<void(asio::ip::tcp::socket, Place, MemoryAccount, std::string client)>;
+
+  Door(asio::ip::tcp::acceptor acceptor, DoorOptions options, Admission& admission, MemoryBudget& budget,
+       ThreadTallies& tallies, Log& log, Hand hand);
+
+  /// Until close(); whatever goes wrong with one connection, the next is taken. Call it again when something
+  /// was thrown out of the context's run().
+  void open();
+  void close();
+
+ private:
+  asio::awaitable<void> accept();
+  asio::awaitable<void> sweepRefused();
+  asio::awaitable<void> pauseAfter(const std::string& failure);
+  void take(asio::ip::tcp::socket socket);
+  void refuse(asio::ip::tcp::socket socket, RefusalReason reason, const std::string& why);
+  void refuseForDescriptors();
+  bool outOfDescriptors(const asio::error_code& error) const noexcept;
+
+  asio::ip::tcp::acceptor acceptor_;
+  DoorOptions options_;
+  Admission& admission_;
+  MemoryBudget& budget_;
+  ThreadTallies& tallies_;
+  Log& log_;
+  Hand hand_;
+  Refusals refusals_;
+  ReserveDescriptor reserve_;
+  asio::steady_timer sweep_;
+  bool accepting_ = false, sweeping_ = false;
+};
+
+}  // namespace lode::serve

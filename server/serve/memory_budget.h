@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace lode::serve {
+
+/// What a connection may hold as long as the budget has it at all, whatever others hold.
+constexpr uint64_t kPoliteBytes = 64u << 10;
+/// A connection that holds more than that may hold this part of what is left of three quarters: the more the
+/// greedy have taken, the less each of them may take, and a quarter is the others'.
+constexpr uint64_t kGreedyPart = 64;
+
+/// An eighth of what the machine has, or the cgroup that this process is in.
+uint64_t defaultMemoryBudget();
+
+/// The memory that all connections of a server together may take, in bytes. Thread safe.
+class MemoryBudget {
+ public:
+  explicit MemoryBudget(uint64_t limit_bytes) noexcept : limit_(limit_bytes) {}
+
+  uint64_t limit() const noexcept { return limit_; }
+  uint64_t used() const noexcept { return used_.load(std::memory_order_relaxed); }
+  /// So little is left that connections must be closed.
+  bool pressed() const noexcept { return used() > limit_ / 16 * 15; }
+
+ private:
+  friend class MemoryAccount;
+  bool take(uint64_t bytes, uint64_t up_to) noexcept;
+
+  uint64_t limit_;
+  std::atomic<uint64_t> used_{0};
+};
+
+/// What one connection holds of the budget; all of it goes back at the end. Not thread safe.
+class MemoryAccount {
+ public:
+  explicit MemoryAccount(MemoryBudget& budget) noexcept : budget_(&budget) {}
+  MemoryAccount(MemoryAccount&& other) noexcept;
+  MemoryAccount& operator=(MemoryAccount&&) = delete;
+  ~MemoryAccount() { budget_->used_.fetch_sub(base_ + held_, std::memory_order_relaxed); }
+
+  /// What every connection costs, once. @return false: the server has no room for another.
+  bool admit(uint64_t base_bytes) noexcept;
+  /// @return false if the connection would hold too much for what is left; nothing was taken then.
+  bool tryTake(uint64_t bytes) noexcept;
+  /// For what must be, as a last word.
+  void take(uint64_t bytes) noexcept;
+  void give(uint64_t bytes) noexcept;
+  /// Without what every connection costs.
+  uint64_t held() const noexcept { return held_; }
+
+ private:
+  MemoryBudget* budget_;
+  uint64_t base_ = 0, held_ = 0;
+};
+
+}  // namespace lode::serve

@@ -1,0 +1,101 @@
+#include "server/serve/worker.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include <asio/co_spawn.hpp>
+#include <asio/detached.hpp>
+#include <asio/post.hpp>
+#include <asio/redirect_error.hpp>
+#include <asio/use_awaitable.hpp>
+
+namespace lode::serve {
+
+using asio::ip::tcp;
+
+Worker::Worker(Published published, Log& log, ThreadTallies& tallies, asio::thread_pool& readers,
+               MemoryBudget& budget, ConnectionLimits limits)
+    : budget_(budget), limits_(limits), guard_(context_.get_executor()), tick_(context_) {
+  host_.offer = std::move(published.offer);
+  host_.tls = std::move(published.tls);
+  host_.log = &log;
+  host_.tallies = &tallies;
+  host_.readers = &readers;
+}
+
+void Worker::start(Clock::duration sweep_every) {
+  asio::co_spawn(context_, sweep(sweep_every), asio::detached);
+  thread_ = std::thread([this] {
+    while (true) try {
+        context_.run();
+        return;
+      } catch (const std::exception& error) {  // out of memory, most likely: whom it hit is gone, others go on
+        host_.log->write(LogKind::kSystem, error.what());
+      }
+  });
+}
+
+void Worker::join() {
+  if (thread_.joinable()) thread_.join();
+}
+
+void Worker::give(tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
+  place.countIn(load_);
+  const auto protocol = socket.local_endpoint().protocol();
+  tcp::socket own(context_);
+  own.assign(protocol, socket.release());
+  asio::post(context_, [this, own = std::move(own), place = std::move(place), memory = std::move(memory),
+                        client = std::move(client)]() mutable {
+    admit(std::move(own), std::move(place), std::move(memory), std::move(client));
+  });
+}
+
+void Worker::admit(tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
+  try {
+    proto::ByteStream stream = host_.tls ? proto::ByteStream(std::move(socket), host_.tls)
+                                         : proto::ByteStream(std::move(socket));
+    const auto connection = std::make_shared<Connection>(std::move(stream), std::move(place),
+                                                         std::move(memory), host_, limits_, std::move(client));
+    connection->start();
+    if (!draining_.empty()) connection->drain(draining_);
+  } catch (const std::exception& error) {  // no memory for it; the others go on
+    host_.log->write(LogKind::kSystem, "a connection was given up", {{"why", error.what()}});
+  }
+}
+
+void Worker::publish(const Published& published) {
+  asio::post(context_, [this, published] {
+    host_.offer = published.offer;
+    host_.tls = published.tls;
+    for (Connection* connection : host_.connections) connection->offerChanged();
+  });
+}
+
+void Worker::drain(const std::string& reason) {
+  asio::post(context_, [this, reason] {
+    draining_ = reason;
+    for (Connection* connection : host_.connections) connection->drain(reason);
+  });
+}
+
+asio::awaitable<void> Worker::sweep(Clock::duration every) {
+  while (true) {
+    asio::error_code error;
+    tick_.expires_after(every);
+    co_await tick_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    sweepNow();
+  }
+}
+
+void Worker::sweepNow() {
+  const auto now = Clock::now();
+  for (Connection* connection : host_.connections) connection->sweep(now);
+  if (!budget_.pressed() || host_.connections.empty()) return;
+  Connection* const greediest =
+      *std::ranges::max_element(host_.connections, {}, [](const Connection* c) { return c->heldBytes(); });
+  if (greediest->heldBytes() > kPoliteBytes / 2) greediest->giveUpForMemory();
+}
+
+}  // namespace lode::serve

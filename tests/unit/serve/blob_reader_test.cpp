@@ -1,0 +1,147 @@
+#include "server/serve/blob_reader.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/serve/small_store.h"
+
+namespace lode::serve {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BlobReaderTest : public testing::Test {
+ protected:
+  BlobReaderTest() { test::writeSmallStore(path_); }
+
+  BlobReader open() { return BlobReader(store::Reader(path_), options_); }
+  std::vector<std::byte> blob(uint32_t number) const { return store::Reader(path_).readBlob(number); }
+  static BlobRange whole(const BlobReader& reader, uint32_t number) {
+    return {number, 0, reader.store().blob(number).bytes};
+  }
+  void damageBlob(uint32_t number) { test::damage(path_, store::Reader(path_).blob(number).offset + 5000); }
+  /// As the page cache has it: small stores were just written.
+  static ReadResult read(const BlobReader& reader, const BlobRange& range, std::vector<std::byte>& into) {
+    into.resize(range.bytes);
+    const ReadResult hot = reader.readHot(range, into);
+    return hot == ReadResult::kCold ? reader.readCold(range, into) : hot;
+  }
+
+  test::TemporaryFolder folder_;
+  const fs::path path_ = folder_.path() / "a.lode";
+  std::vector<std::string> reports_;
+  BlobReaderOptions options_{.look_every = std::chrono::nanoseconds(0),
+                             .retry_damaged = std::chrono::seconds(1000),
+                             .report = [this](std::string_view line) { reports_.emplace_back(line); }};
+  std::vector<std::byte> bytes_;
+};
+
+TEST_F(BlobReaderTest, theFirstReadOfABlobIsHotIfThePageCacheHasIt) {
+  const BlobReader reader = open();
+  const BlobRange range = whole(reader, 2);
+  bytes_.resize(range.bytes);
+  const ReadResult first = reader.readHot(range, bytes_);
+  if (first == ReadResult::kCold) GTEST_SKIP() << "this file system cannot say what is in the page cache";
+  EXPECT_EQ(first, ReadResult::kDone);
+  EXPECT_EQ(bytes_, blob(2));
+}
+
+TEST_F(BlobReaderTest, onTmpfsEveryReadIsHot) {
+  if (!fs::is_directory("/dev/shm")) GTEST_SKIP();
+  std::string name = "/dev/shm/lode-serve-XXXXXX";
+  const fs::path folder = mkdtemp(name.data());
+  test::writeSmallStore(folder / "a.lode");
+  const BlobReader reader(store::Reader(folder / "a.lode"), options_);
+  const BlobRange range = whole(reader, 2);
+  std::vector<std::byte> bytes(range.bytes);
+  EXPECT_EQ(reader.readHot(range, bytes), ReadResult::kDone);
+  EXPECT_EQ(reader.readHot(range, bytes), ReadResult::kDone);
+  EXPECT_EQ(bytes, blob(2));
+  fs::remove_all(folder);
+}
+
+TEST_F(BlobReaderTest, aRangeIsThePartThatItsOffsetNames) {
+  const std::vector<std::byte> all = blob(1);
+  const std::vector<std::byte> expected(all.begin() + 700, all.begin() + 1200);
+  const BlobReader reader = open();
+  for (int time = 0; time < 2; ++time) {  // the first is checked in whole, the second read alone
+    EXPECT_EQ(read(reader, {1, 700, 500}, bytes_), ReadResult::kDone);
+    EXPECT_EQ(bytes_, expected);
+  }
+}
+
+TEST_F(BlobReaderTest, theColdWayGivesTheSameBytes) {
+  const std::vector<std::byte> all = blob(1);
+  const BlobReader reader = open();
+  for (int time = 0; time < 2; ++time) {
+    std::vector<std::byte> bytes(500);
+    EXPECT_EQ(reader.readCold({1, 700, 500}, bytes), ReadResult::kDone);
+    EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), all.begin() + 700));
+  }
+}
+
+TEST_F(BlobReaderTest, aDamagedBlobIsReportedOnceHoweverOftenItIsAskedFor) {
+  const BlobReader reader = open();
+  damageBlob(2);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDamaged);
+  EXPECT_EQ(reader.damagedReads(), 100u);
+  size_t lines = 0;
+  for (const std::string& line : reports_) lines += line.find("blob 2 of model 'a'") != std::string::npos;
+  EXPECT_EQ(lines, 1u);
+  for (const std::string& line : reports_) EXPECT_EQ(line.find(path_.string()), std::string::npos) << line;
+}
+
+TEST_F(BlobReaderTest, aBlobOverwrittenAfterItsCheckIsNoticed) {
+  const BlobReader reader = open();
+  ASSERT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDone);
+  ASSERT_EQ(read(reader, {3, 0, 100}, bytes_), ReadResult::kDone);
+  damageBlob(2);
+  EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDamaged);
+  EXPECT_EQ(read(reader, {3, 0, 100}, bytes_), ReadResult::kDone) << "the others are as they were";
+  EXPECT_EQ(reports_.size(), 2u) << "the change, and the blob";
+}
+
+TEST_F(BlobReaderTest, aDamagedBlobThatIsMendedIsServedAgain) {
+  const BlobReader reader = open();
+  damageBlob(2);
+  EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDamaged);
+  damageBlob(2);  // the same bit, back
+  EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDone);
+}
+
+TEST_F(BlobReaderTest, aDamagedBlobIsTriedAgainAfterItsTimeEvenIfNothingSeemsChanged) {
+  options_.retry_damaged = std::chrono::seconds(0);
+  options_.look_every = std::chrono::hours(1);
+  const BlobReader reader = open();
+  damageBlob(2);
+  EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDamaged);
+  damageBlob(2);
+  EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDone);
+}
+
+TEST_F(BlobReaderTest, aFileThatWasTruncatedIsDamagedAndReportedByBlob) {
+  const BlobReader reader = open();
+  ASSERT_EQ(read(reader, whole(reader, 3), bytes_), ReadResult::kDone);
+  fs::resize_file(path_, 1000);
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_EQ(read(reader, {3, 0, 100}, bytes_), ReadResult::kDamaged);
+    EXPECT_EQ(read(reader, {4, 0, 100}, bytes_), ReadResult::kDamaged);
+  }
+  EXPECT_EQ(reports_.size(), 3u) << "the change and two blobs";
+}
+
+TEST_F(BlobReaderTest, knowsWhetherAFileIsTheOneThatItHasOpen) {
+  const BlobReader reader = open();
+  struct stat file {};
+  ASSERT_EQ(::stat(path_.c_str(), &file), 0);
+  EXPECT_TRUE(reader.isStill(file));
+  test::writeSmallStore(folder_.path() / "b.lode", 2);
+  fs::rename(folder_.path() / "b.lode", path_);
+  ASSERT_EQ(::stat(path_.c_str(), &file), 0);
+  EXPECT_FALSE(reader.isStill(file));
+}
+
+}  // namespace
+}  // namespace lode::serve

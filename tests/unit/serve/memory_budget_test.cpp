@@ -1,0 +1,121 @@
+#include "server/serve/memory_budget.h"
+
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/serve/session_fixture.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+
+TEST(MemoryBudget, isNeverExceededAndAllComesBack) {
+  MemoryBudget budget(1 << 20);
+  {
+    std::vector<std::unique_ptr<MemoryAccount>> accounts;
+    for (int i = 0; i < 1000; ++i) {
+      accounts.push_back(std::make_unique<MemoryAccount>(budget));
+      while (accounts.back()->tryTake(1000)) {
+      }
+      ASSERT_LE(budget.used(), budget.limit());
+    }
+  }
+  EXPECT_EQ(budget.used(), 0u);
+}
+
+TEST(MemoryBudget, aPoliteConnectionHasRoomHoweverManyAreGreedy) {
+  MemoryBudget budget(64 << 20);
+  std::vector<std::unique_ptr<MemoryAccount>> greedy;
+  for (int i = 0; i < 200; ++i) {
+    greedy.push_back(std::make_unique<MemoryAccount>(budget));
+    while (greedy.back()->tryTake(4096)) {
+    }
+  }
+  for (int i = 0; i < 50; ++i) {
+    greedy.push_back(std::make_unique<MemoryAccount>(budget));
+    EXPECT_TRUE(greedy.back()->tryTake(kPoliteBytes)) << i;
+  }
+}
+
+TEST(MemoryBudget, theMoreGreedyThereAreTheLessEachMayTake) {
+  MemoryBudget budget(64 << 20);
+  std::vector<std::unique_ptr<MemoryAccount>> greedy;
+  for (int i = 0; i < 100; ++i) {
+    greedy.push_back(std::make_unique<MemoryAccount>(budget));
+    while (greedy.back()->tryTake(4096)) {
+    }
+  }
+  EXPECT_LT(greedy.back()->held(), greedy.front()->held() / 2);
+}
+
+TEST(MemoryBudget, leavesAnEighthToThoseWhoAreIn) {
+  MemoryBudget budget(1 << 20);
+  std::vector<std::unique_ptr<MemoryAccount>> accounts;
+  while (true) {
+    accounts.push_back(std::make_unique<MemoryAccount>(budget));
+    if (!accounts.back()->admit(8 << 10)) break;
+  }
+  EXPECT_LE(budget.used(), budget.limit() / 8 * 7);
+  EXPECT_TRUE(accounts[0]->tryTake(32 << 10));
+}
+
+TEST(MemoryBudget, isAnEighthOfWhatThereIs) {
+  EXPECT_GT(defaultMemoryBudget(), 1u << 20);
+  EXPECT_LT(defaultMemoryBudget(), uint64_t{1} << 44);
+}
+
+using SessionMemoryTest = SessionTest;
+
+TEST_F(SessionMemoryTest, wishesAndAnswersAreChargedAndGivenBack) {
+  open();
+  const uint64_t before = memory_.held();
+  wish(WishClass::kVisible, 1, 30, 1);
+  EXPECT_EQ(memory_.held(), before + kWishBytes);
+  change(WishAction::kCancel, WishClass::kVisible, 1);
+  const size_t answered = session_.controlBytes();
+  EXPECT_EQ(memory_.held(), before + answered);
+  session_.takeControl();
+  session_.controlSent(answered);
+  EXPECT_EQ(memory_.held(), before);
+}
+
+TEST_F(SessionMemoryTest, aWishThatThereIsNoMemoryForIsRefusedAndTheSessionGoesOn) {
+  open();
+  MemoryAccount others(budget_);
+  others.take(budget_.limit() / 4 * 3);
+  memory_.take(kPoliteBytes - 200);
+  wish(WishClass::kVisible, 1, 30, 1);
+  wish(WishClass::kVisible, 2, 3, 1);
+  const auto refused = only<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_EQ(refused.code, WireError::kNotReady);
+  EXPECT_EQ(refused.wish, 2u);
+  EXPECT_EQ(session_.openWishes(), 1u);
+  EXPECT_FALSE(session_.closing());
+}
+
+TEST_F(SessionMemoryTest, aGreedySessionIsRefusedWhereAPoliteOneIsServed) {
+  limits_.max_open_wishes = proto::kMaxOpenWishes;
+  MemoryBudget budget(8u << 20);
+  MemoryAccount greedy_memory(budget), polite_memory(budget);
+  Session greedy({&offer_, &greedy_memory}, limits_, now_), polite({&offer_, &polite_memory}, limits_, now_);
+  for (Session* session : {&greedy, &polite}) {
+    sendTo(*session, proto::Hello{});
+    sendTo(*session, proto::Open{"a", {}});
+  }
+  for (uint32_t frame = 0; frame < 4; ++frame) {
+    proto::Wishes wishes{1, {}};
+    for (uint32_t i = 1; i <= proto::kMaxWishesPerFrame; ++i)
+      wishes.changes.push_back(
+          {WishAction::kAdd, WishClass::kVisible, frame * proto::kMaxWishesPerFrame + i, 30, 1});
+    sendTo(greedy, wishes);
+  }
+  EXPECT_TRUE(greedy.closing()) << greedy.openWishes();
+  sendTo(polite, proto::Wishes{1, {{WishAction::kAdd, WishClass::kVisible, 1, 30, 1}}});
+  EXPECT_EQ(polite.openWishes(), 1u);
+}
+
+}  // namespace
+}  // namespace lode::serve

@@ -1,0 +1,255 @@
+// Who is let in, and what he sees: tokens, TLS, the balancer's header, reloads.
+
+#include <fstream>
+
+#include <asio/ssl/context.hpp>
+#include <asio/ssl/stream.hpp>
+
+#include "common/error.h"
+#include "tests/unit/serve/server_fixture.h"
+#include "tests/unit/serve/test_certificate.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+
+class ServerAccess : public ServerTest {
+ protected:
+  void writeTokens(const std::string& text) {
+    options_.token_file = folder_.path() / "tokens";
+    std::ofstream(options_.token_file) << text;
+  }
+  void writePair(const std::string& name) {
+    options_.tls_certificate = folder_.path() / (name + ".crt");
+    options_.tls_key = folder_.path() / (name + ".key");
+    writeCertificate(options_.tls_certificate, options_.tls_key);
+  }
+  /// Says Hello with a token. @return the answer's type.
+  FrameType greet(TestClient& client, const std::string& token) {
+    client.send(proto::Hello{1, 1, 0, token, "test"});
+    const auto answer = client.receive();
+    return answer ? static_cast<FrameType>(answer->header.type) : FrameType{};
+  }
+  std::vector<std::string> list(TestClient& client) {
+    client.send(proto::List{});
+    std::vector<std::string> names;
+    for (const ModelSummary& model : client.expect<proto::Models>(FrameType::kModels).models)
+      names.push_back(model.name);
+    return names;
+  }
+};
+
+TEST_F(ServerAccess, withoutAKnownTokenNobodyIsLetIn) {
+  writeTokens("right never *\n");
+  start();
+  for (const char* token : {"", "wrong", "right "}) {
+    TestClient client = connect();
+    client.send(proto::Hello{1, 1, 0, token, "test"});
+    client.expectErrorAndEnd(WireError::kUnauthorized);
+  }
+  TestClient client = connect();
+  EXPECT_EQ(greet(client, "right"), FrameType::kWelcome);
+}
+
+TEST_F(ServerAccess, aTokenThatHasExpiredIsNone) {
+  writeTokens("old 2020-01-31T12:00:00Z *\n");
+  start();
+  TestClient client = connect();
+  client.send(proto::Hello{1, 1, 0, "old", "test"});
+  client.expectErrorAndEnd(WireError::kUnauthorized);
+}
+
+TEST_F(ServerAccess, aTokenListsAndOpensItsModelsAndNoOther) {
+  writeTokens("some never b\n");
+  start();
+  TestClient client = connect();
+  ASSERT_EQ(greet(client, "some"), FrameType::kWelcome);
+  EXPECT_EQ(list(client), std::vector<std::string>{"b"});
+  client.send(proto::Open{"a", {}});
+  EXPECT_EQ(client.expect<proto::ErrorMessage>(FrameType::kError).code, WireError::kNoSuchModel);
+  client.send(proto::Open{"b", {}});
+  client.expect<proto::Opened>(FrameType::kOpened);
+}
+
+TEST_F(ServerAccess, aTokenTakenAwayEndsItsSessionsAtTheReloadAndNoOther) {
+  writeTokens("one never *\ntwo never *\n");
+  start();
+  TestClient first = connect(), second = connect();
+  ASSERT_EQ(greet(first, "one"), FrameType::kWelcome);
+  ASSERT_EQ(greet(second, "two"), FrameType::kWelcome);
+  writeTokens("two never *\n");
+  server_->reload();
+  first.expectErrorAndEnd(WireError::kUnauthorized);
+  EXPECT_EQ(list(second), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST_F(ServerAccess, aTokenFileThatIsWrongAtTheReloadLeavesWhatThereWas) {
+  writeTokens("one never *\n");
+  start();
+  writeTokens("one sometimes *\n");
+  server_->reload();
+  TestClient client = connect();
+  EXPECT_EQ(greet(client, "one"), FrameType::kWelcome);
+}
+
+TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.blobs(2);
+  writeSmallStore(folder_.path() / "new.tmp", 77);
+  std::filesystem::rename(folder_.path() / "new.tmp", store_);
+  writeSmallStore(folder_.path() / "c.lode", 3);
+  std::filesystem::remove(folder_.path() / "b.lode");
+  server_->reload();
+  EXPECT_EQ(client.expect<proto::ModelReplaced>(FrameType::kModelReplaced).handle, opened.handle);
+  EXPECT_EQ(list(client), (std::vector<std::string>{"a", "c"}));
+  const uint32_t blob = 5;
+  client.send(proto::Wishes{opened.handle, {{WishAction::kAdd, WishClass::kVisible, 1, blob, 5}}});
+  const auto old = client.blobs(1);
+  ASSERT_EQ(old.size(), 1u);
+  EXPECT_NE(old[0].second, reader().readBlob(blob)) << "the open handle keeps what it opened";
+  TestClient later = connect();
+  EXPECT_NE(later.open("a").summary.build_id, opened.summary.build_id);
+}
+
+TEST_F(ServerAccess, behindABalancerItsHeaderSaysWhoTheClientIs) {
+  options_.proxy_protocol = true;
+  options_.max_connections_per_address = 1;
+  start();
+  TestClient first = connect();
+  first.sendText("PROXY TCP4 192.0.2.1 192.0.2.9 5000 7400\r\n");
+  first.open("a");
+  TestClient same = connect();
+  same.sendText("PROXY TCP4 192.0.2.1 192.0.2.9 5001 7400\r\n");
+  same.expectErrorAndEnd(WireError::kLimit);
+  TestClient other = connect();
+  for (const char byte : std::string("PROXY TCP4 192.0.2.2 192.0.2.9 5001 7400\r\n"))
+    other.sendText(std::string_view(&byte, 1));
+  other.open("a");
+}
+
+TEST_F(ServerAccess, behindABalancerAConnectionWithoutItsHeaderIsClosed) {
+  options_.proxy_protocol = true;
+  start();
+  TestClient client = connect();
+  client.send(proto::Hello{});
+  EXPECT_FALSE(client.receive());
+}
+
+/// A client under TLS that blocks.
+class TlsClient {
+ public:
+  explicit TlsClient(uint16_t port, int newest = TLS1_3_VERSION) {
+    SSL_set_max_proto_version(stream_.native_handle(), newest);
+    stream_.next_layer().connect({asio::ip::address_v4::loopback(), port});
+    stream_.handshake(asio::ssl::stream_base::client, error_);
+  }
+  bool connected() const { return !error_; }
+  template <typename Message>
+  void send(const Message& message) {
+    asio::write(stream_, asio::buffer(proto::encode(message, 0)), error_);
+  }
+  FrameType receive() {
+    std::array<std::byte, proto::kFrameHeaderBytes> head{};
+    asio::read(stream_, asio::buffer(head), error_);
+    if (error_) return {};
+    const auto header = proto::decodeFrameHeader(head);
+    proto::Bytes body(header.body_bytes);
+    asio::read(stream_, asio::buffer(body), error_);
+    return static_cast<FrameType>(header.type);
+  }
+
+ private:
+  asio::io_context context_;
+  asio::ssl::context tls_{asio::ssl::context::tls_client};
+  asio::ssl::stream<asio::ip::tcp::socket> stream_{context_, tls_};
+  asio::error_code error_;
+};
+
+TEST_F(ServerAccess, underTlsASessionIsTheSame) {
+  writePair("first");
+  start();
+  TlsClient client(server_->port());
+  ASSERT_TRUE(client.connected());
+  client.send(proto::Hello{});
+  EXPECT_EQ(client.receive(), FrameType::kWelcome);
+  client.send(proto::Open{"a", {}});
+  EXPECT_EQ(client.receive(), FrameType::kOpened);
+  EXPECT_EQ(client.receive(), FrameType::kBlob);
+}
+
+TEST_F(ServerAccess, nothingOlderThanTls13IsSpoken) {
+  writePair("first");
+  start();
+  EXPECT_FALSE(TlsClient(server_->port(), TLS1_2_VERSION).connected());
+}
+
+TEST_F(ServerAccess, aPlainClientOfATlsServerIsLetGoAndOthersServed) {
+  writePair("first");
+  start();
+  TestClient plain = connect();
+  plain.send(proto::Hello{});
+  while (plain.receive()) {
+  }
+  TlsClient client(server_->port());
+  EXPECT_TRUE(client.connected());
+}
+
+TEST_F(ServerAccess, aClientThatNeverShakesHandsIsLetGo) {
+  options_.handshake_deadline = 40ms;
+  writePair("first");
+  start();
+  TestClient silent = connect();
+  EXPECT_FALSE(silent.receive());
+}
+
+TEST_F(ServerAccess, aNewCertificateIsTakenAndSessionsOfTheOldGoOn) {
+  writePair("first");
+  start();
+  TlsClient before(server_->port());
+  ASSERT_TRUE(before.connected());
+  writeCertificate(options_.tls_certificate, options_.tls_key);
+  server_->reload();
+  TlsClient after(server_->port());
+  EXPECT_TRUE(after.connected());
+  before.send(proto::Hello{});
+  EXPECT_EQ(before.receive(), FrameType::kWelcome);
+  std::ofstream(options_.tls_key) << "no key";
+  server_->reload();
+  EXPECT_TRUE(TlsClient(server_->port()).connected()) << "what is wrong leaves what there was";
+}
+
+TEST_F(ServerAccess, beyondLoopbackTokensOrPublicAndTlsOrInsecureAreNeeded) {
+  options_.listen = "0.0.0.0:0";
+  const auto starts = [&](bool tokens, bool tls, bool public_ok, bool insecure) {
+    ServeOptions options = options_;
+    options.public_ok = public_ok;
+    options.insecure = insecure;
+    if (!tokens) options.token_file.clear();
+    if (!tls) options.tls_certificate = options.tls_key = "";
+    try {
+      Server server(options);
+      return true;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage) << error.what();
+      return false;
+    }
+  };
+  writeTokens("one never *\n");
+  writePair("first");
+  for (int given = 0; given < 16; ++given) {
+    const bool tokens = given & 1, tls = given & 2, public_ok = given & 4, insecure = given & 8;
+    EXPECT_EQ(starts(tokens, tls, public_ok, insecure), (tokens || public_ok) && (tls || insecure)) << given;
+  }
+}
+
+TEST_F(ServerAccess, aKeyThatIsNotTheCertificatesIsOneLineThatSaysSo) {
+  writePair("first");
+  writeCertificate(folder_.path() / "other.crt", options_.tls_key);
+  EXPECT_THROW(Server{options_}, Error);
+}
+
+}  // namespace
+}  // namespace lode::serve

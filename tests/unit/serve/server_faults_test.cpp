@@ -1,0 +1,205 @@
+// What may happen to a server on a public address, a case each: other sessions are unharmed.
+
+#include <filesystem>
+#include <vector>
+
+#include <asio/steady_timer.hpp>
+#include <sys/resource.h>
+
+#include "server/serve/open_files.h"
+#include "tests/unit/serve/server_fixture.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+
+using ServerFaults = ServerTest;
+using Clock = std::chrono::steady_clock;
+
+/// Pings until the connection breaks or the time is over. @return whether it broke.
+bool isGivenUp(TestClient& client, Clock::duration within) {
+  const auto end = Clock::now() + within;
+  asio::error_code error;
+  while (!error && Clock::now() < end) {
+    asio::write(client.socket(), asio::buffer(proto::encode(proto::Ping{1}, 0)), error);
+    std::this_thread::sleep_for(5ms);
+  }
+  return static_cast<bool>(error);
+}
+
+TEST_F(ServerFaults, aClientThatPingsAndNeverReadsIsGivenUp) {
+  options_.write_deadline = 100ms;
+  start();
+  TestClient client = connect();
+  client.socket().set_option(asio::socket_base::receive_buffer_size(4096));
+  const proto::Opened opened = client.open("a");
+  client.send(proto::Credit{1ull << 40});
+  proto::Wishes wishes{opened.handle, {}};
+  for (uint32_t i = 0; i < 4000; ++i)
+    wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, i + 1, i % 10 + 1, 1});
+  client.send(wishes);
+  EXPECT_TRUE(isGivenUp(client, 20s));
+  expectServed();
+}
+
+TEST_F(ServerFaults, aClientThatReadsIsNotGivenUpHoweverLongItsWindowIsShut) {
+  options_.write_deadline = 50ms;
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.send(wishesForAll(opened.handle));
+  EXPECT_FALSE(isGivenUp(client, 300ms));
+}
+
+TEST_F(ServerFaults, everyRefusedConnectionIsToldWhyAndTakesNobodysPlace) {
+  options_.max_connections = 2;
+  start();
+  std::optional<TestClient> first(std::in_place, server_->port());
+  TestClient second = connect();
+  first->open("a");
+  second.open("a");
+  std::vector<std::unique_ptr<TestClient>> refused;
+  for (int i = 0; i < 120; ++i) {
+    refused.push_back(std::make_unique<TestClient>(server_->port()));
+    refused.back()->send(proto::Hello{});
+  }
+  for (auto& client : refused) client->expectErrorAndEnd(WireError::kLimit);
+  first.reset();
+  bool welcomed = false;  // the server hears of the first one's end in its own time; the refused are still there
+  for (int i = 0; i < 1000 && !welcomed; ++i) {
+    TestClient third = connect();
+    third.send(proto::Hello{});
+    const auto answer = third.receive();
+    ASSERT_TRUE(answer);
+    welcomed = answer->is(FrameType::kWelcome);
+  }
+  EXPECT_TRUE(welcomed);
+}
+
+TEST_F(ServerFaults, anAddressHasAsManyConnectionsAsItMay) {
+  options_.max_connections_per_address = 1;
+  start();
+  TestClient first = connect();
+  first.open("a");
+  connect().expectErrorAndEnd(WireError::kLimit);
+}
+
+TEST_F(ServerFaults, withoutADescriptorLeftAConnectionIsToldSo) {
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  start();
+  rlimit few = before;
+  few.rlim_cur = 400;
+  setrlimit(RLIMIT_NOFILE, &few);
+  asio::io_context context;
+  std::vector<asio::ip::tcp::socket> clients;
+  for (int i = 0; i < 3; ++i) {
+    clients.emplace_back(context);
+    clients.back().open(asio::ip::tcp::v4());
+  }
+  std::vector<int> taken;
+  for (int copy = ::dup(2); copy >= 0; copy = ::dup(2)) taken.push_back(copy);
+  for (auto& client : clients) {
+    client.connect({asio::ip::address_v4::loopback(), server_->port()});
+    std::array<std::byte, proto::kFrameHeaderBytes> head{};
+    asio::error_code error;
+    asio::read(client, asio::buffer(head), error);
+    EXPECT_FALSE(error) << error.message();
+    EXPECT_EQ(head[4], static_cast<std::byte>(FrameType::kError));
+  }
+  for (const int copy : taken) ::close(copy);
+  setrlimit(RLIMIT_NOFILE, &before);
+  expectServed();
+}
+
+TEST_F(ServerFaults, theLimitOfOpenFilesIsRaisedToWhatItMayBe) {
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  rlimit few = before;
+  few.rlim_cur = 300;
+  setrlimit(RLIMIT_NOFILE, &few);
+  EXPECT_EQ(raiseOpenFileLimit(), before.rlim_max);
+  rlimit now{};
+  getrlimit(RLIMIT_NOFILE, &now);
+  EXPECT_EQ(now.rlim_cur, before.rlim_max);
+  setrlimit(RLIMIT_NOFILE, &before);
+}
+
+TEST_F(ServerFaults, memoryIsTakenByWhatHasComeNotByWhatIsAnnounced) {
+  options_.memory_budget_bytes = 4u << 20;
+  start();
+  std::vector<std::unique_ptr<TestClient>> many;
+  for (int i = 0; i < 100; ++i) {  // 25 MB of announcements
+    many.push_back(std::make_unique<TestClient>(server_->port()));
+    many.back()->send(proto::Hello{});
+    many.back()->expect<proto::Welcome>(FrameType::kWelcome);
+    many.back()->sendBytes(proto::encodeFrameHeader(
+        {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+  }
+  expectServed();
+}
+
+TEST_F(ServerFaults, greedyConnectionsAreRefusedAndPoliteOnesServed) {
+  options_.memory_budget_bytes = 4u << 20;
+  start();
+  std::vector<std::unique_ptr<TestClient>> greedy;
+  for (int i = 0; i < 40; ++i) {
+    greedy.push_back(std::make_unique<TestClient>(server_->port()));
+    const proto::Opened opened = greedy.back()->open("a");
+    for (uint32_t frame = 0; frame < 4; ++frame) {
+      proto::Wishes wishes{opened.handle, {}};
+      for (uint32_t n = 1; n <= proto::kMaxWishesPerFrame; ++n)
+        wishes.changes.push_back(
+            {WishAction::kAdd, WishClass::kVisible, frame * proto::kMaxWishesPerFrame + n, 5, 1});
+      greedy.back()->send(wishes);
+    }
+  }
+  for (int i = 0; i < 5; ++i) expectServed();
+}
+
+TEST_F(ServerFaults, whenMemoryIsShortTheNextConnectionIsToldSo) {
+  options_.memory_budget_bytes = 64u << 10;  // seven connections
+  start();
+  std::vector<std::unique_ptr<TestClient>> clients;
+  for (int i = 0; i < 7; ++i) {
+    clients.push_back(std::make_unique<TestClient>(server_->port()));
+    clients.back()->send(proto::Hello{});
+    clients.back()->expect<proto::Welcome>(FrameType::kWelcome);
+  }
+  connect().expectErrorAndEnd(WireError::kLimit);
+}
+
+TEST_F(ServerFaults, aBlobOverwrittenUnderASessionEndsItsWishAsDamaged) {
+  start();
+  expectServed();
+  const uint32_t bad = reader().find(kRootKey.child(3))->rungs[0].payload.number;
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.blobs(2);
+  test::damage(store_, reader().blob(bad).offset + 100);
+  client.send(proto::Wishes{opened.handle, {{WishAction::kAdd, WishClass::kVisible, 1, bad, 5}}});
+  const auto error = client.expect<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_EQ(error.code, WireError::kDamagedStore);
+  EXPECT_EQ(error.wish, 1u);
+}
+
+TEST_F(ServerFaults, everyFrameCutAtEveryLengthHarmsNobody) {
+  start();
+  const std::vector<proto::Bytes> frames{proto::encode(proto::Hello{}, 1), proto::encode(proto::Open{"a", {}}, 2),
+                                         proto::encode(proto::Wishes{1, {{}}}, 3), proto::encode(proto::Credit{1}, 0),
+                                         proto::encode(proto::Close{1}, 4)};
+  proto::Bytes before;
+  for (const proto::Bytes& frame : frames) {
+    for (size_t cut = 0; cut < frame.size(); cut += 3) {
+      TestClient client = connect();
+      client.sendBytes(before);
+      client.sendBytes(std::span(frame).first(cut));
+    }
+    before.insert(before.end(), frame.begin(), frame.end());
+  }
+  expectServed();
+}
+
+}  // namespace
+}  // namespace lode::serve

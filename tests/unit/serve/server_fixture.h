@@ -1,0 +1,82 @@
+#pragma once
+
+#include <optional>
+#include <thread>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "proto/limits.h"
+#include "server/serve/server.h"
+#include "server/store/reader.h"
+#include "tests/unit/serve/small_store.h"
+#include "tests/unit/serve/test_client.h"
+
+namespace lode::serve::test {
+
+using namespace std::chrono_literals;
+using proto::FrameType;
+using proto::WireError;
+using proto::WishAction;
+using proto::WishClass;
+
+/// A server over loopback with the models "a" and "b".
+class ServerTest : public testing::Test {
+ protected:
+  ServerTest() {
+    writeSmallStore(store_, 1);
+    writeSmallStore(folder_.path() / "b.lode", 2);
+    options_.stores = {folder_.path()};
+    options_.listen = "127.0.0.1:0";
+    options_.threads = 2;
+    options_.look_at_stores_every = 0ms;
+    options_.log.descriptor = quiet_;
+  }
+  ~ServerTest() override {
+    stop();
+    server_.reset();
+    ::close(quiet_);
+  }
+
+  void start() {
+    server_.emplace(options_);
+    thread_ = std::thread([this] { server_->run(); });
+  }
+  void stop() {
+    if (server_) server_->stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  TestClient connect() { return TestClient(server_->port()); }
+
+  proto::Wishes wishesForAll(uint32_t handle) const {
+    proto::Wishes wishes{handle, {}};
+    for (uint32_t blob = 1; blob <= reader().blobCount(); ++blob)
+      wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, blob, blob, static_cast<float>(blob)});
+    return wishes;
+  }
+  /// A client that opens "a" and gets every blob of it.
+  void expectServed() {
+    TestClient client = connect();
+    const proto::Opened opened = client.open("a");
+    client.blobs(2);
+    client.send(wishesForAll(opened.handle));
+    const auto blobs = client.blobs(reader().blobCount());
+    ASSERT_EQ(blobs.size(), reader().blobCount());
+    for (const auto& [wish, bytes] : blobs) EXPECT_EQ(bytes, reader().readBlob(wish)) << wish;
+  }
+  const store::Reader& reader() const {
+    if (!reader_) reader_.emplace(store_);
+    return *reader_;
+  }
+
+  const int quiet_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  TemporaryFolder folder_;
+  const std::filesystem::path store_ = folder_.path() / "a.lode";
+  mutable std::optional<store::Reader> reader_;
+  ServeOptions options_;
+  std::optional<Server> server_;
+  std::thread thread_;
+};
+
+}  // namespace lode::serve::test

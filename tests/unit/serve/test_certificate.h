@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include <openssl/ec.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+namespace lode::serve::test {
+
+/// Writes a certificate that signs itself, of an hour, and its key.
+inline void writeCertificate(const std::filesystem::path& certificate, const std::filesystem::path& key) {
+  const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> pair(EVP_EC_gen("P-256"), EVP_PKEY_free);
+  const std::unique_ptr<X509, decltype(&X509_free)> x509(X509_new(), X509_free);
+  ASN1_INTEGER_set(X509_get_serialNumber(x509.get()), 1);
+  X509_gmtime_adj(X509_getm_notBefore(x509.get()), 0);
+  X509_gmtime_adj(X509_getm_notAfter(x509.get()), 3600);
+  X509_set_pubkey(x509.get(), pair.get());
+  X509_NAME* const name = X509_get_subject_name(x509.get());
+  X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("localhost"), -1,
+                             -1, 0);
+  X509_set_issuer_name(x509.get(), name);
+  X509_sign(x509.get(), pair.get(), EVP_sha256());
+  using File = std::unique_ptr<FILE, int (*)(FILE*)>;
+  PEM_write_X509(File(std::fopen(certificate.c_str(), "w"), std::fclose).get(), x509.get());
+  PEM_write_PrivateKey(File(std::fopen(key.c_str(), "w"), std::fclose).get(), pair.get(), nullptr, nullptr, 0,
+                       nullptr, nullptr);
+}
+
+}  // namespace lode::serve::test
