@@ -21,11 +21,4 @@ void addSampleCommand(CLI::App& program);
 /// Adds a command with what all have in common (--version).
 CLI::App* addCommand(CLI::App& program, const std::string& name, const std::string& description);
 
-/// Adds an option or flag that the contract names but this version does not have: using it is an error.
-void addMissingOption(CLI::App& command, const std::string& name, const std::string& description);
-void addMissingFlag(CLI::App& command, const std::string& name, const std::string& description);
-
-/// @throws Error kUsage: exit status 2.
-[[noreturn]] void notThereYet(const std::string& what);
-
 }  // namespace lode::app
