@@ -86,7 +86,7 @@ TEST_F(SessionMemoryTest, aWishThatThereIsNoMemoryForIsRefusedAndTheSessionGoesO
   open();
   MemoryAccount others(budget_);
   others.take(budget_.limit() / 4 * 3);
-  memory_.take(kPoliteBytes - 200);
+  memory_.take(kPoliteBytes - 200 - memory_.held());
   wish(WishClass::kVisible, 1, 30, 1);
   wish(WishClass::kVisible, 2, 3, 1);
   const auto refused = only<proto::ErrorMessage>(FrameType::kError);

@@ -89,6 +89,8 @@ TEST_F(ServerFaults, withoutADescriptorLeftAConnectionIsToldSo) {
   rlimit before{};
   getrlimit(RLIMIT_NOFILE, &before);
   start();
+  TestClient served = connect();
+  served.open("a");
   rlimit few = before;
   few.rlim_cur = 400;
   setrlimit(RLIMIT_NOFILE, &few);
