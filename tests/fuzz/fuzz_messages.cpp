@@ -56,6 +56,10 @@ void checkTyped(uint8_t type, std::span<const std::byte> body) {
       return check<Ping>(body);
     case FrameType::kPong:
       return check<Pong>(body);
+    case FrameType::kClose:
+      return check<Close>(body);
+    case FrameType::kClosed:
+      return check<Closed>(body);
   }
 }
 
