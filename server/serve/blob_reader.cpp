@@ -45,8 +45,8 @@ struct stat statusOf(int descriptor) {
 /// File systems that are memory answer RWF_NOWAIT with an error, and never wait.
 int flagsForHot(int descriptor) noexcept {
   struct statfs system {};
-  const bool in_memory = fstatfs(descriptor, &system) == 0 &&
-                         (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
+  const bool in_memory =
+      fstatfs(descriptor, &system) == 0 && (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
   return in_memory ? 0 : RWF_NOWAIT;
 }
 

@@ -13,8 +13,8 @@
 
 namespace lode::serve {
 
-/// What a server offers at one time: models by name. Immutable, and swapped whole at a reload; who has a model
-/// open keeps it alive. Thread safe.
+/// What a server offers at one time: models by name. Immutable, and swapped whole at a reload; who has a
+/// model open keeps it alive. Thread safe.
 class Catalog {
  public:
   Catalog() = default;
@@ -36,8 +36,8 @@ class Catalog {
 std::shared_ptr<const Catalog> openCatalog(std::span<const std::filesystem::path> stores,
                                            const BlobReaderOptions& options);
 
-/// The same, again: stores that are as they were stay open, and one that cannot be opened keeps what there was
-/// of its name and is reported. @throws Error as openCatalog() where the list of stores is wrong.
+/// The same, again: stores that are as they were stay open, and one that cannot be opened keeps what there
+/// was of its name and is reported. @throws Error as openCatalog() where the list of stores is wrong.
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before,
                                              std::span<const std::filesystem::path> stores,
                                              const BlobReaderOptions& options);

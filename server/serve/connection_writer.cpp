@@ -18,8 +18,8 @@ namespace lode::serve {
 namespace {
 
 constexpr size_t kChunkFrameHeadBytes = proto::kFrameHeaderBytes + proto::kBlobChunkHeaderBytes;
-constexpr size_t kMaxFreeBuffers = 64;   ///< of a thread; more are given back to the system
-constexpr size_t kMaxColdReads = 8;      ///< of a connection at one time
+constexpr size_t kMaxFreeBuffers = 64;         ///< of a thread; more are given back to the system
+constexpr size_t kMaxColdReads = 8;            ///< of a connection at one time
 constexpr size_t kSlowWriteBytes = 16u << 10;  ///< a write to a link that is slower than the server
 constexpr int kLittleUnsentBytes = 8 << 10;    ///< in the kernel: the link takes what it is given
 constexpr auto kLinger = std::chrono::seconds(2);
@@ -181,8 +181,8 @@ void Connection::fail(const Chunk& chunk, ReadResult result) {
                        "blob " + std::to_string(chunk.blob) +
                            " of the store is damaged; the server's operator should run lodestreamd verify");
   } else {
-    session_.failChunk(proto::WireError::kInternal, "the server could not read blob " +
-                                                        std::to_string(chunk.blob) + "; try again later");
+    session_.failChunk(proto::WireError::kInternal,
+                       "the server could not read blob " + std::to_string(chunk.blob) + "; try again later");
   }
 }
 

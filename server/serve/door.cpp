@@ -16,7 +16,8 @@ using asio::ip::tcp;
 
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< after the system refused a connection
 constexpr auto kSweepEvery = std::chrono::milliseconds(100);
-constexpr int kNotSentLowBytes = 16 << 10;  ///< TCP_NOTSENT_LOWAT: what waits in the kernel cannot be overtaken
+constexpr int kNotSentLowBytes =
+    16 << 10;  ///< TCP_NOTSENT_LOWAT: what waits in the kernel cannot be overtaken
 
 void tune(tcp::socket& socket) {
   asio::error_code ignored;

@@ -23,7 +23,8 @@ bool drop(tcp::socket& socket) {
 void say(tcp::socket& socket, std::span<const std::byte> last_word) {
   asio::error_code ignored;
   socket.non_blocking(true, ignored);
-  socket.write_some(asio::buffer(last_word.data(), last_word.size()), ignored);  // a new socket has room for it
+  socket.write_some(asio::buffer(last_word.data(), last_word.size()),
+                    ignored);  // a new socket has room for it
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
@@ -41,8 +42,7 @@ void Refusals::refuseAtOnce(tcp::socket socket, std::span<const std::byte> last_
 }
 
 void Refusals::sweep(Clock::time_point now) {
-  std::erase_if(lingering_,
-                [&](Lingering& refused) { return drop(refused.socket) || now >= refused.until; });
+  std::erase_if(lingering_, [&](Lingering& refused) { return drop(refused.socket) || now >= refused.until; });
 }
 
 }  // namespace lode::serve

@@ -9,8 +9,8 @@
 
 namespace lode::serve {
 
-/// Connections that were told to go and are given time to read it: closed at once with bytes unread they would
-/// be reset, and lose it. They take a descriptor and nothing else. Not thread safe.
+/// Connections that were told to go and are given time to read it: closed at once with bytes unread they
+/// would be reset, and lose it. They take a descriptor and nothing else. Not thread safe.
 class Refusals {
  public:
   using Clock = std::chrono::steady_clock;

@@ -31,7 +31,8 @@ void Worker::start(Clock::duration sweep_every) {
     while (true) try {
         context_.run();
         return;
-      } catch (const std::exception& error) {  // out of memory, most likely: whom it hit is gone, others go on
+      } catch (
+          const std::exception& error) {  // out of memory, most likely: whom it hit is gone, others go on
         host_.log->write(LogKind::kSystem, error.what());
       }
   });
@@ -54,10 +55,10 @@ void Worker::give(tcp::socket socket, Place place, MemoryAccount memory, std::st
 
 void Worker::admit(tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
   try {
-    proto::ByteStream stream = host_.tls ? proto::ByteStream(std::move(socket), host_.tls)
-                                         : proto::ByteStream(std::move(socket));
-    const auto connection = std::make_shared<Connection>(std::move(stream), std::move(place),
-                                                         std::move(memory), host_, limits_, std::move(client));
+    proto::ByteStream stream =
+        host_.tls ? proto::ByteStream(std::move(socket), host_.tls) : proto::ByteStream(std::move(socket));
+    const auto connection = std::make_shared<Connection>(
+        std::move(stream), std::move(place), std::move(memory), host_, limits_, std::move(client));
     connection->start();
     if (!draining_.empty()) connection->drain(draining_);
   } catch (const std::exception& error) {  // no memory for it; the others go on

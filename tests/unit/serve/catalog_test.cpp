@@ -40,8 +40,7 @@ class CatalogTest : public testing::Test {
 
   TemporaryFolder folder_;
   std::vector<std::string> reports_;
-  BlobReaderOptions options_{
-      .report = [this](std::string_view line) { reports_.emplace_back(line); }};
+  BlobReaderOptions options_{.report = [this](std::string_view line) { reports_.emplace_back(line); }};
 };
 
 TEST_F(CatalogTest, offersTheStoresOfFoldersAndFilesByName) {

@@ -66,7 +66,8 @@ TEST_F(ServerFaults, everyRefusedConnectionIsToldWhyAndTakesNobodysPlace) {
   }
   for (auto& client : refused) client->expectErrorAndEnd(WireError::kLimit);
   first.reset();
-  bool welcomed = false;  // the server hears of the first one's end in its own time; the refused are still there
+  bool welcomed =
+      false;  // the server hears of the first one's end in its own time; the refused are still there
   for (int i = 0; i < 1000 && !welcomed; ++i) {
     TestClient third = connect();
     third.send(proto::Hello{});
@@ -188,9 +189,10 @@ TEST_F(ServerFaults, aBlobOverwrittenUnderASessionEndsItsWishAsDamaged) {
 
 TEST_F(ServerFaults, everyFrameCutAtEveryLengthHarmsNobody) {
   start();
-  const std::vector<proto::Bytes> frames{proto::encode(proto::Hello{}, 1), proto::encode(proto::Open{"a", {}}, 2),
-                                         proto::encode(proto::Wishes{1, {{}}}, 3), proto::encode(proto::Credit{1}, 0),
-                                         proto::encode(proto::Close{1}, 4)};
+  const std::vector<proto::Bytes> frames{
+      proto::encode(proto::Hello{}, 1), proto::encode(proto::Open{"a", {}}, 2),
+      proto::encode(proto::Wishes{1, {{}}}, 3), proto::encode(proto::Credit{1}, 0),
+      proto::encode(proto::Close{1}, 4)};
   proto::Bytes before;
   for (const proto::Bytes& frame : frames) {
     for (size_t cut = 0; cut < frame.size(); cut += 3) {

@@ -20,8 +20,8 @@ inline void writeCertificate(const std::filesystem::path& certificate, const std
   X509_gmtime_adj(X509_getm_notAfter(x509.get()), 3600);
   X509_set_pubkey(x509.get(), pair.get());
   X509_NAME* const name = X509_get_subject_name(x509.get());
-  X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("localhost"), -1,
-                             -1, 0);
+  X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("localhost"),
+                             -1, -1, 0);
   X509_set_issuer_name(x509.get(), name);
   X509_sign(x509.get(), pair.get(), EVP_sha256());
   using File = std::unique_ptr<FILE, int (*)(FILE*)>;
