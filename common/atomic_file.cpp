@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <cstring>
+#include <span>
 #include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/file_io.h"
 
 namespace lode {
 namespace {
@@ -17,12 +18,8 @@ namespace {
 constexpr size_t kBufferBytes = 256u << 10;
 
 [[noreturn]] void fail(const char* what, const std::filesystem::path& path, int error) {
-  std::string message = "cannot " + std::string(what) + " " + path.string() + ": ";
-  if (error == ENOSPC || error == EDQUOT)
-    message += "the disk is full; free some space or choose another place";
-  else
-    message += std::strerror(error);
-  throw Error(ErrorCode::kIo, message);
+  throw Error(ErrorCode::kIo, "cannot " + std::string(what) + " " + path.string() + ": " +
+                                  fileErrorInWords(error, "free some space or choose another place"));
 }
 
 std::filesystem::path directoryOf(const std::filesystem::path& path) {
@@ -85,24 +82,14 @@ void AtomicFile::writeAt(uint64_t offset, std::span<const std::byte> bytes) {
   if (offset > size_ || bytes.size() > size_ - offset)
     throw Error(ErrorCode::kInternal, "write beyond the end of " + path_.string());
   flush();
-  while (!bytes.empty()) {
-    const ssize_t done = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (done < 0 && errno == EINTR) continue;
-    if (done < 0) fail("write", path_, errno);
-    bytes = bytes.subspan(static_cast<size_t>(done));
-    offset += static_cast<uint64_t>(done);
-  }
+  if (!lode::writeAt(file_, offset, bytes)) fail("write", path_, errno);
 }
 
 uint64_t AtomicFile::size() const noexcept { return size_; }
 
 void AtomicFile::flush() {
-  for (size_t done = 0; done < buffer_.size();) {
-    const ssize_t more = ::write(file_, buffer_.data() + done, buffer_.size() - done);
-    if (more < 0 && errno == EINTR) continue;
-    if (more < 0) fail("write", path_, errno);
-    done += static_cast<size_t>(more);
-  }
+  const auto bytes = std::as_bytes(std::span(buffer_));
+  if (!lode::writeAt(file_, size_ - bytes.size(), bytes)) fail("write", path_, errno);
   buffer_.clear();
 }
 

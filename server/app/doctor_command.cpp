@@ -63,6 +63,7 @@ Json describeAsJson(const ingest::DoctorReport& report) {
   json["dropped_faces"] = report.counts.dropped_faces;
   json["skipped_bad"] = report.counts.skipped_bad;
   json["attributes"] = attributeNames(report.attributes);
+  json["skipped_properties"] = report.skipped_properties;
   json["textures"] = Json::array();
   for (const auto& texture : report.textures)
     json["textures"].push_back({{"name", texture.name}, {"found", texture.is_found}});

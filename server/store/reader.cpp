@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <string>
 
 #include <fcntl.h>
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/file_io.h"
 #include "common/limits.h"
 #include "server/store/format.h"
 #include "server/store/node_tree.h"
@@ -44,16 +46,11 @@ class File {
   }
 
   void readAt(uint64_t offset, std::span<std::byte> into) const {
-    while (!into.empty()) {
-      const ssize_t got = ::pread(descriptor_, into.data(), into.size(), static_cast<off_t>(offset));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0)
-        throw Error(ErrorCode::kIo,
-                    "cannot be read at byte " + std::to_string(offset) + ": " + std::strerror(errno));
-      if (got == 0) fail("ends at byte " + std::to_string(offset) + " while it is being read");
-      into = into.subspan(static_cast<size_t>(got));
-      offset += static_cast<uint64_t>(got);
-    }
+    const std::optional<size_t> got = lode::readAt(descriptor_, offset, into);
+    if (!got)
+      throw Error(ErrorCode::kIo,
+                  "cannot be read at byte " + std::to_string(offset) + ": " + std::strerror(errno));
+    if (*got < into.size()) fail("ends at byte " + std::to_string(offset + *got) + " while it is being read");
   }
 
  private:

@@ -1,6 +1,7 @@
 #include "server/ingest/build/build_identity.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "common/blob.h"
 #include "common/error.h"
+#include "common/file_io.h"
 #include "common/texture_set.h"
 #include "server/ingest/ply/ply_header.h"
 #include "server/ingest/ply/ply_input.h"
@@ -24,8 +26,7 @@ constexpr uint64_t kSamples = 64, kSampleBytes = 4096;
 void append(int file, uint64_t offset, uint64_t bytes, std::vector<std::byte>& to) {
   const size_t before = to.size();
   to.resize(before + bytes);
-  const ssize_t got = ::pread(file, to.data() + before, bytes, static_cast<off_t>(offset));
-  to.resize(before + static_cast<size_t>(std::max<ssize_t>(0, got)));
+  to.resize(before + readAt(file, offset, std::span(to).subspan(before)).value_or(0));
 }
 
 uint64_t hashContent(int file, uint64_t bytes) {

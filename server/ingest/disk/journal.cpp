@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 
 #include "common/blob.h"
 #include "common/error.h"
+#include "common/file_io.h"
 
 namespace lode::ingest {
 namespace {
@@ -30,32 +32,20 @@ struct EntryHeader {
 constexpr size_t kCheckedFrom = sizeof(EntryHeader::checksum);
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
-  const std::string remedy =
-      errno == ENOSPC || errno == EDQUOT ? "the disk is full; free some space" : std::strerror(errno);
-  throw Error(ErrorCode::kIo, std::string("cannot ") + what + " " + path.string() + ": " + remedy);
+  throw Error(ErrorCode::kIo,
+              std::string("cannot ") + what + " " + path.string() + ": " + fileErrorInWords(errno));
 }
 
 /// @return false if the file ends before.
-bool readAt(int file, const std::filesystem::path& path, uint64_t offset, std::span<std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t got = ::pread(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail(path, "read");
-    if (got == 0) return false;
-    offset += static_cast<uint64_t>(got);
-    bytes = bytes.subspan(static_cast<size_t>(got));
-  }
-  return true;
+bool readWhole(int file, const std::filesystem::path& path, uint64_t offset, std::span<std::byte> bytes) {
+  const std::optional<size_t> got = readAt(file, offset, bytes);
+  if (!got) fail(path, "read");
+  return *got == bytes.size();
 }
 
-void writeAt(int file, const std::filesystem::path& path, uint64_t offset, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t done = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (done < 0 && errno == EINTR) continue;
-    if (done < 0) fail(path, "write");
-    offset += static_cast<uint64_t>(done);
-    bytes = bytes.subspan(static_cast<size_t>(done));
-  }
+void writeToDisk(int file, const std::filesystem::path& path, uint64_t offset,
+                 std::span<const std::byte> bytes) {
+  if (!writeAt(file, offset, bytes)) fail(path, "write");
   if (::fdatasync(file) != 0) fail(path, "sync");
 }
 
@@ -78,7 +68,7 @@ Journal::Journal(Journal&& other) noexcept
 
 Journal Journal::create(const std::filesystem::path& path) {
   Journal journal(path, O_CREAT | O_TRUNC);
-  writeAt(journal.file_, path, 0, std::as_bytes(std::span(kMagic)));
+  writeToDisk(journal.file_, path, 0, std::as_bytes(std::span(kMagic)));
   journal.end_ = kMagic.size();
   return journal;
 }
@@ -98,7 +88,7 @@ Journal Journal::open(const std::filesystem::path& path, const Sink& sink) {
 
 void Journal::readHeader() {
   std::array<char, kMagic.size()> magic{};
-  if (!readAt(file_, path_, 0, std::as_writable_bytes(std::span(magic))) || magic != kMagic) {
+  if (!readWhole(file_, path_, 0, std::as_writable_bytes(std::span(magic))) || magic != kMagic) {
     throw Error(ErrorCode::kFormat,
                 path_.string() + ": is not the journal of a build by this version; build without --resume");
   }
@@ -109,13 +99,13 @@ void Journal::readHeader() {
 bool Journal::readEntry(uint64_t file_bytes, const Sink& sink) {
   EntryHeader header;
   if (file_bytes < end_ || file_bytes - end_ < sizeof(header)) return false;
-  if (!readAt(file_, path_, end_, std::as_writable_bytes(std::span(&header, 1)))) return false;
+  if (!readWhole(file_, path_, end_, std::as_writable_bytes(std::span(&header, 1)))) return false;
   if (header.number != entries_ || header.bytes > kMaxEntryBytes ||
       header.bytes > file_bytes - end_ - sizeof(header)) {
     return false;
   }
   std::vector<std::byte> entry(sizeof(header) + header.bytes);
-  if (!readAt(file_, path_, end_, entry)) return false;
+  if (!readWhole(file_, path_, end_, entry)) return false;
   if (checksum(std::span(entry).subspan(kCheckedFrom)) != header.checksum) return false;
   sink(static_cast<uint32_t>(header.kind), std::span(entry).subspan(sizeof(header)));
   end_ += entry.size();
@@ -134,7 +124,7 @@ void Journal::append(uint32_t kind, std::span<const std::byte> bytes) {
   if (!bytes.empty()) std::memcpy(entry.data() + sizeof(header), bytes.data(), bytes.size());
   header.checksum = checksum(std::span(entry).subspan(kCheckedFrom));
   std::memcpy(entry.data(), &header, sizeof(header));
-  writeAt(file_, path_, end_, entry);
+  writeToDisk(file_, path_, end_, entry);
   end_ += entry.size();
   ++entries_;
 }

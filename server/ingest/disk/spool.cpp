@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/file_io.h"
 
 namespace lode::ingest {
 namespace {
@@ -17,11 +19,9 @@ namespace {
 constexpr size_t kWriteBufferBytes = 1 << 20;
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
-  const std::string remedy = errno == ENOSPC
-                                 ? "the disk is full; free some space, or name another folder with --tmp"
-                                 : std::string(std::strerror(errno));
   throw Error(ErrorCode::kIo,
-              std::string("cannot ") + what + " temporary file " + path.string() + ": " + remedy);
+              std::string("cannot ") + what + " temporary file " + path.string() + ": " +
+                  fileErrorInWords(errno, "free some space, or name another folder with --tmp"));
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ Spool::Spool(TemporaryFile file) : path_(std::move(file.path)), lasts_(file.last
 }
 
 Spool::Spool(TemporaryFile file, uint64_t size)
-    : path_(std::move(file.path)), lasts_(file.lasts), size_(size) {
+    : path_(std::move(file.path)), lasts_(file.lasts), size_(size), written_(size) {
   file_ = open(path_.c_str(), O_RDWR | O_CLOEXEC);
   if (file_ < 0) fail(path_, "open");
   const off_t there = lseek(file_, 0, SEEK_END);
@@ -41,7 +41,7 @@ Spool::Spool(TemporaryFile file, uint64_t size)
     throw Error(ErrorCode::kFormat,
                 "temporary file " + path_.string() + " is shorter than it was; build without --resume");
   }
-  if (ftruncate(file_, static_cast<off_t>(size)) != 0 || lseek(file_, 0, SEEK_END) < 0) {
+  if (ftruncate(file_, static_cast<off_t>(size)) != 0) {
     close(file_);
     fail(path_, "cut");
   }
@@ -58,6 +58,7 @@ Spool::Spool(Spool&& other) noexcept
       lasts_(other.lasts_),
       file_(std::exchange(other.file_, -1)),
       size_(other.size_),
+      written_(other.written_),
       buffer_(std::move(other.buffer_)) {}
 
 void Spool::append(std::span<const std::byte> bytes) {
@@ -81,24 +82,15 @@ void Spool::sync() const {
 }
 
 void Spool::writeBuffer() {
-  for (size_t done = 0; done < buffer_.size();) {
-    const ssize_t written = write(file_, buffer_.data() + done, buffer_.size() - done);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(path_, "write");
-    done += static_cast<size_t>(written);
-  }
+  if (!lode::writeAt(file_, written_, buffer_)) fail(path_, "write");
+  written_ += buffer_.size();
   buffer_.clear();
 }
 
 void Spool::readAt(uint64_t offset, std::span<std::byte> bytes) const {
-  while (!bytes.empty()) {
-    const ssize_t got = pread(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got == 0) errno = EIO;
-    if (got <= 0) fail(path_, "read");
-    offset += static_cast<uint64_t>(got);
-    bytes = bytes.subspan(static_cast<size_t>(got));
-  }
+  const std::optional<size_t> got = lode::readAt(file_, offset, bytes);
+  if (got && *got < bytes.size()) errno = EIO;
+  if (got != bytes.size()) fail(path_, "read");
 }
 
 SpoolCursor::SpoolCursor(const Spool& spool, uint64_t begin, uint64_t end, size_t buffer_bytes)

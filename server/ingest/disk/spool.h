@@ -50,6 +50,7 @@ class Spool {
   bool lasts_ = false;
   int file_ = -1;
   uint64_t size_ = 0;
+  uint64_t written_ = 0;  ///< of these; the rest is in the buffer
   std::vector<std::byte> buffer_;
 };
 

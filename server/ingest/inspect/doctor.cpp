@@ -91,6 +91,7 @@ class Doctor {
     PlyReader reader(options_.input, read_options);
     report_.attributes = reader.attributes();
     corner_texture_ = reader.hasCornerTexture();
+    report_.skipped_properties = reader.skippedProperties();
     report_.min = glm::dvec3(std::numeric_limits<double>::max());
     report_.max = -report_.min;
     report_.counts = reader.read(
@@ -129,6 +130,8 @@ class Doctor {
       failWhole(std::to_string(counts.vertices) +
                 " vertices; at most 4294967295 can be indexed: split the model");
     if (counts.triangles == 0) failWhole("no usable face; export the model again, with its faces");
+    if (!report_.skipped_properties.empty())
+      say(false, name_ + ": " + skippedInWords(report_.skipped_properties) + "; a build leaves them out");
     if (counts.extra_tokens > 0)
       say(false, name_ + ": " + std::to_string(counts.extra_tokens) +
                      " surplus values at the ends of lines; a build ignores them");

@@ -33,7 +33,8 @@ struct DoctorReport {
   std::optional<PlyHeader> header;  ///< nothing if it cannot be read
   uint64_t file_bytes = 0;
   AttributeSet attributes;
-  PlyCounts counts;  ///< with skip_bad; as far as the file could be read
+  PlyCounts counts;                             ///< with skip_bad; as far as the file could be read
+  std::vector<std::string> skipped_properties;  ///< see PlyReader; a build leaves them out
   std::vector<Texture> textures;
   glm::dvec3 min{0}, max{0};         ///< of the vertices that faces use; of all where topology is not counted
   std::optional<Topology> topology;  ///< nothing if the body cannot be read, or if it needs more memory

@@ -230,6 +230,13 @@ class HeaderParser {
   bool has_format_ = false;
 };
 
+/// Writers that name a texture after the PLY file itself say "<this>" for its name without the extension.
+void putStem(std::string& texture_file, const std::string& stem) {
+  constexpr std::string_view kThis = "<this>";
+  const size_t at = texture_file.find(kThis);
+  if (at != std::string::npos) texture_file.replace(at, kThis.size(), stem);
+}
+
 }  // namespace
 
 size_t plyTypeBytes(PlyType type) noexcept {
@@ -256,7 +263,9 @@ PlyHeader readPlyHeader(const std::filesystem::path& path) {
   const size_t bytes = static_cast<size_t>(std::min<uint64_t>(input.size(), kMaxPlyHeaderBytes));
   input.fill(bytes);
   const std::string_view text(input.data(), bytes);
-  return HeaderParser(input.name(), text, bytes == input.size()).parse();
+  PlyHeader header = HeaderParser(input.name(), text, bytes == input.size()).parse();
+  for (std::string& name : header.texture_files) putStem(name, path.stem().string());
+  return header;
 }
 
 }  // namespace lode::ingest

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
+#include <span>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/file_io.h"
 
 namespace lode::ingest {
 
@@ -64,24 +67,20 @@ bool PlyInput::refill(size_t n) {
   window_offset_ += begin_;
   end_ -= begin_;
   begin_ = 0;
-  while (end_ < n) {
-    const uint64_t left = size_ - (window_offset_ + end_);
-    const size_t wanted = static_cast<size_t>(std::min<uint64_t>(capacity_ - end_, left));
-    const ssize_t got =
-        ::pread(file_, buffer_.get() + end_, wanted, static_cast<off_t>(window_offset_ + end_));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) {
-      throw Error(ErrorCode::kIo, "cannot read " + name_ + " at byte " +
-                                      std::to_string(window_offset_ + end_) + ": " + std::strerror(errno) +
-                                      "; check the disk");
-    }
-    if (got == 0) {
-      throw Error(ErrorCode::kIo, name_ + " became shorter while it was read, at byte " +
-                                      std::to_string(window_offset_ + end_) +
-                                      "; read it when it is complete");
-    }
-    end_ += static_cast<size_t>(got);
+  if (end_ >= n) return true;
+  const uint64_t offset = window_offset_ + end_;
+  const auto wanted = static_cast<size_t>(std::min<uint64_t>(capacity_ - end_, size_ - offset));
+  const std::optional<size_t> got =
+      readAt(file_, offset, std::as_writable_bytes(std::span(buffer_.get() + end_, wanted)));
+  if (!got) {
+    throw Error(ErrorCode::kIo, "cannot read " + name_ + " at byte " + std::to_string(offset) + ": " +
+                                    std::strerror(errno) + "; check the disk");
   }
+  if (*got < wanted) {
+    throw Error(ErrorCode::kIo, name_ + " became shorter while it was read, at byte " +
+                                    std::to_string(offset + *got) + "; read it when it is complete");
+  }
+  end_ += *got;
   return true;
 }
 

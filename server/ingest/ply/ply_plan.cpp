@@ -1,5 +1,6 @@
 #include "server/ingest/ply/ply_plan.h"
 
+#include <algorithm>
 #include <initializer_list>
 #include <string_view>
 #include <utility>
@@ -9,6 +10,8 @@
 
 namespace lode::ingest {
 namespace {
+
+constexpr size_t kShownName = 64;  ///< bytes
 
 using Names = std::initializer_list<std::pair<VertexField, std::string_view>>;
 
@@ -139,6 +142,34 @@ PlyPlan planBody(const PlyHeader& header, const std::string& file) {
     throw Error(ErrorCode::kInput, file + " has no faces: it is a point cloud; make a surface of it first");
   }
   return plan;
+}
+
+std::vector<std::string> skippedProperties(const PlyHeader& header, const PlyPlan& plan) {
+  std::vector<std::string> skipped;
+  const auto skip = [&](const PlyElement& element, size_t property) {
+    skipped.push_back(element.name + " " + quotedText(element.properties[property].name, kShownName));
+  };
+  for (const PlyElement& element : header.elements) {
+    if (element.count == 0) continue;
+    const auto faces = std::find_if(plan.faces.begin(), plan.faces.end(),
+                                    [&](const FacePlan& each) { return each.element == &element; });
+    if (&element == plan.vertices.element) {
+      for (size_t i = 0; i < element.properties.size(); ++i) {
+        const VertexField field = plan.vertices.fields[i];
+        // Texture coordinates of corners stand above those of vertices.
+        const bool is_superseded =
+            plan.corner_texture && (field == VertexField::kS || field == VertexField::kT);
+        if (field == VertexField::kNone || is_superseded) skip(element, i);
+      }
+    } else if (faces != plan.faces.end()) {
+      for (size_t i = 0; i < element.properties.size(); ++i) {
+        if (faces->roles[i] == FaceRole::kSkipped) skip(element, i);
+      }
+    } else {
+      skipped.push_back("all of " + quotedText(element.name, kShownName));
+    }
+  }
+  return skipped;
 }
 
 VertexDefect makeVertex(const VertexPlan& plan, const VertexValues& values, PlyVertex& vertex) {

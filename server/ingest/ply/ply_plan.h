@@ -55,6 +55,11 @@ struct PlyPlan {
 /// @throws Error kInput: no vertices, no faces, or an element that lacks what it needs.
 PlyPlan planBody(const PlyHeader& header, const std::string& file);
 
+/// The properties of elements with rows that nothing is read from, in the header's order, each as
+/// "element 'property'", quoted for messages; an element of which nothing is read is one entry, "all of
+/// 'element'".
+std::vector<std::string> skippedProperties(const PlyHeader& header, const PlyPlan& plan);
+
 /// Calls visit(std::type_identity<T>) with the C++ type behind a PLY type.
 template <class Visit>
 decltype(auto) withPlyType(PlyType type, Visit&& visit) {

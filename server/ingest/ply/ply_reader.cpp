@@ -99,6 +99,16 @@ PlyReader::PlyReader(const std::filesystem::path& path, PlyReadOptions options)
   const PlyPlan plan = planBody(header_, quotedText(path.string(), 4096));
   attributes_ = plan.attributes();
   corner_texture_ = plan.corner_texture;
+  skipped_properties_ = ingest::skippedProperties(header_, plan);
+}
+
+std::string skippedInWords(const std::vector<std::string>& skipped) {
+  constexpr size_t kShown = 12;
+  if (skipped.empty()) return {};
+  std::string words = "it has properties that are not read: ";
+  for (size_t i = 0; i < std::min(skipped.size(), kShown); ++i) words += (i == 0 ? "" : ", ") + skipped[i];
+  if (skipped.size() > kShown) words += " and " + std::to_string(skipped.size() - kShown) + " more";
+  return words;
 }
 
 PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress) {

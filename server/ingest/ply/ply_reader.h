@@ -76,6 +76,8 @@ class PlyReader {
   AttributeSet attributes() const noexcept { return attributes_; }
   /// Texture coordinates come with the faces' corners; those of vertices, if there are any, do not count.
   bool hasCornerTexture() const noexcept { return corner_texture_; }
+  /// What the file has that is not read: see skippedProperties in ply_plan.h.
+  const std::vector<std::string>& skippedProperties() const noexcept { return skipped_properties_; }
 
   using VertexSink = std::function<void(uint64_t first, std::span<const PlyVertex>)>;
   using FaceSink = std::function<void(const PlyFaces&)>;
@@ -92,6 +94,10 @@ class PlyReader {
   PlyHeader header_;
   AttributeSet attributes_;
   bool corner_texture_ = false;
+  std::vector<std::string> skipped_properties_;
 };
+
+/// "it has properties that are not read: ...", the first few of them, for warnings; empty if there are none.
+std::string skippedInWords(const std::vector<std::string>& skipped);
 
 }  // namespace lode::ingest

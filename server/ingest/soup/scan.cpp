@@ -43,6 +43,8 @@ ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, co
       });
   model.input.flush();
   model.input.setUvGrid(chooseUvGrid(model.input.usedUvRange(), options.input.string()));
+  const std::string skipped = skippedInWords(reader.skippedProperties());
+  if (!skipped.empty()) warnings.push_back(options.input.string() + ": " + skipped);
   if (model.counts.extra_tokens > 0) {
     warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.extra_tokens) +
                        " surplus values at the ends of lines were ignored");

@@ -202,5 +202,16 @@ TEST(Doctor, countsWhatTheManifestOfTheTestDataSays) {
   EXPECT_GE(checked, 20u);
 }
 
+TEST(Doctor, saysWhichPropertiesABuildLeavesOut) {
+  const PlyFolder folder;
+  const DoctorReport report = examineFile(folder.write(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float confidence\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "end_header\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"));
+  EXPECT_EQ(report.skipped_properties, std::vector<std::string>{"vertex 'confidence'"});
+  EXPECT_TRUE(mentions(report, false, "vertex 'confidence'; a build leaves them out"));
+  EXPECT_TRUE(report.is_buildable);
+}
+
 }  // namespace
 }  // namespace lode::ingest

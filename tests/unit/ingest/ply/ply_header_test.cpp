@@ -84,6 +84,13 @@ TEST(PlyHeader, keepsTheBlanksInsideATextureName) {
   EXPECT_EQ(header.texture_files, (std::vector<std::string>{"my own  map.jpg", "b.png"}));
 }
 
+TEST(PlyHeader, readsThisInATextureNameAsTheNameOfTheFileItself) {
+  const PlyFolder folder;
+  const std::filesystem::path path =
+      folder.write("ply\nformat ascii 1.0\ncomment TextureFile <this>_0.png\nend_header\n");
+  EXPECT_EQ(readPlyHeader(path).texture_files, (std::vector<std::string>{path.stem().string() + "_0.png"}));
+}
+
 TEST(PlyHeader, saysWhatIsWrongAndWhere) {
   const std::string start = "ply\nformat ascii 1.0\n";
   expectMentions(headerError(""), {"is empty"});

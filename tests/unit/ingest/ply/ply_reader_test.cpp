@@ -364,5 +364,44 @@ TEST(PlyReader, refusesFacesOfMoreCornersThanTheLimit) {
   }
 }
 
+TEST(PlyReader, namesEveryPropertyThatItDoesNotRead) {
+  const PlyFolder folder;
+  const auto skippedOf = [&](const std::string& header) {
+    return PlyReader(folder.write("ply\nformat ascii 1.0\n" + header + "end_header\n"), {})
+        .skippedProperties();
+  };
+  const std::string positions = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n";
+  EXPECT_EQ(skippedOf(positions + faces), std::vector<std::string>{});
+  EXPECT_EQ(skippedOf(positions + "property float confidence\n" + faces +
+                      "property list uchar float texcoord\nproperty uchar flags\n"),
+            (std::vector<std::string>{"vertex 'confidence'", "face 'flags'"}));
+  EXPECT_EQ(skippedOf(positions + "property uchar color_0\nproperty uchar color_1\nproperty uchar color_2\n" +
+                      faces + "element multi_texture_vertex 2\nproperty uchar tx\nproperty float u\n"),
+            (std::vector<std::string>{"vertex 'color_0'", "vertex 'color_1'", "vertex 'color_2'",
+                                      "all of 'multi_texture_vertex'"}));
+  EXPECT_EQ(skippedOf(positions + faces + "element edge 0\nproperty int a\n"), std::vector<std::string>{})
+      << "there is nothing to lose";
+}
+
+TEST(PlyReader, namesCoordinatesOfVerticesThatThoseOfCornersReplace) {
+  const PlyFolder folder;
+  const PlyReader reader(
+      folder.write(
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\n"
+          "property list uchar float texcoord\nend_header\n"),
+      {});
+  EXPECT_EQ(reader.skippedProperties(), (std::vector<std::string>{"vertex 's'", "vertex 't'"}));
+}
+
+TEST(PlyReader, saysOfManySkippedPropertiesTheFirstAndHowManyMore) {
+  EXPECT_EQ(skippedInWords({}), "");
+  EXPECT_EQ(skippedInWords({"a 'b'", "c 'd'"}), "it has properties that are not read: a 'b', c 'd'");
+  const std::string many = skippedInWords(std::vector<std::string>(100, "a 'b'"));
+  EXPECT_LT(many.size(), 200u);
+  EXPECT_NE(many.find(" and 88 more"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lode::ingest
