@@ -5,6 +5,7 @@
 #include "server/ingest/build/build.h"
 #include "server/ingest/disk/temporary_folder.h"
 #include "server/ingest/inspect/texture_forecast.h"
+#include "server/ingest/inspect/trial_model.h"
 #include "server/ingest/mesh/soup_triangle.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/sample/sample.h"
@@ -15,32 +16,50 @@ namespace {
 
 /// Nodes near the root are collapsed one after another, and only measured and encoded on several threads.
 constexpr double kTrianglesOfOneThread = 1e5;
-constexpr uint64_t kTrialTriangles = 400000, kLeastTrialTriangles = 5000;
+constexpr uint64_t kTrialTriangles = 400000;
+/// A stretch of faces has a border: it has more vertices than its share. Beyond this it is scattered.
+constexpr double kMostVerticesOfPart = 1.5;
 /// Of a model many times the trial's size, a triangle's share of the upper levels of the tree is smaller:
 /// what it costs in time and bytes, relative to the trial's. Measured with samples of 1 to 10 million.
 constexpr double kLargeModelShare = 0.85;
 
-/// Of a build of the sample: what it took a triangle.
+/// Of a build of a part: what it took a triangle.
 struct Trial {
   double serial_cpu_seconds = 0;    ///< dereference, partition, pack
   double parallel_cpu_seconds = 0;  ///< simplify
   double store_bytes = 0;
 };
 
-Trial runTrial(const ForecastInput& input) {
-  const TemporaryFolder folder(input.temporary_folder);
+/// A sample that stands for a model which has no coherent part.
+void writeStandIn(const ForecastInput& input, const std::filesystem::path& output) {
   SampleOptions sample;
   sample.kind = "asteroid";
-  sample.triangles = std::clamp(input.triangles, kLeastTrialTriangles, kTrialTriangles);
+  sample.triangles = kTrialTriangles;
   sample.attributes.bits =
       input.attributes.bits & (AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kTexture);
+  writeSample(sample, output);
+}
+
+/// Whether a stretch of faces shares vertices about as the whole model does, rather than lying scattered.
+bool isCoherent(const TrialModel& part, const ForecastInput& input) {
+  return static_cast<double>(part.vertices) * static_cast<double>(input.faces) <=
+         kMostVerticesOfPart * static_cast<double>(input.vertices) * static_cast<double>(part.faces);
+}
+
+Trial runTrial(const ForecastInput& input) {
+  const TemporaryFolder folder(input.temporary_folder);
   BuildOptions options;
   options.input = folder.path() / "trial.ply";
   options.output = folder.path() / "trial.lode";
   options.temporary_folder = folder.path();
   options.threads = input.threads;
-  const auto triangles = static_cast<double>(writeSample(sample, options.input));
+  const uint64_t faces = input.triangles <= kTrialTriangles
+                             ? input.faces
+                             : std::max<uint64_t>(1, input.faces * kTrialTriangles / input.triangles);
+  if (!isCoherent(writeTrialModel(input.model, input.faces, faces, options.input), input))
+    writeStandIn(input, options.input);
   const BuildReport report = build(options);
+  const auto triangles = static_cast<double>(report.summary.triangles);
   Trial trial;
   for (const BuildReport::Stage& stage : report.stages) {
     if (stage.name == "scan") continue;

@@ -11,6 +11,7 @@ namespace lode::ingest {
 
 /// What a build counts on; enough to say what it will cost.
 struct ForecastInput {
+  std::filesystem::path model;  ///< a PLY that can be read
   uint64_t vertices = 0, faces = 0, triangles = 0;
   AttributeSet attributes;           ///< of the file
   bool double_positions = false;     ///< positions need more than float
@@ -29,9 +30,10 @@ struct BuildForecast {
   uint64_t store_bytes = 0;
 };
 
-/// Builds a small sample with the same attributes and encodes some of the texture images' tiles, here and
-/// now, and scales up what that took: a forecast for this machine as it is loaded now.
-/// @throws Error kIo if there is no place for the sample.
+/// Builds a part of the model, the whole of a small one, and encodes some of the texture images' tiles, here
+/// and now, and scales up what that took: a forecast for this machine as it is loaded now. Of a model whose
+/// faces lie in the file without order a sample with the same attributes is built instead.
+/// @throws Error kIo if there is no place for the part.
 BuildForecast forecastBuild(const ForecastInput& input);
 
 }  // namespace lode::ingest

@@ -170,6 +170,7 @@ class Doctor {
 
   void forecast() {
     ForecastInput input;
+    input.model = options_.input;
     input.vertices = report_.counts.vertices;
     input.faces = report_.counts.faces;
     input.triangles = report_.counts.triangles;
@@ -182,7 +183,11 @@ class Doctor {
     input.threads = options_.threads ? options_.threads : defaultThreads();
     input.temporary_folder = options_.temporary_folder.empty() ? std::filesystem::temp_directory_path()
                                                                : options_.temporary_folder;
-    report_.forecast = forecastBuild(input);
+    try {
+      report_.forecast = forecastBuild(input);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kInput) throw;  // a part of which nothing can be built says little
+    }
   }
 
   const DoctorOptions options_;

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "server/ingest/ply/ply_reader.h"
+
+namespace lode::ingest {
+
+/// How much of a model was written.
+struct TrialModel {
+  uint64_t vertices = 0;
+  uint64_t faces = 0;
+};
+
+/// Writes a stretch of a model's faces, from the middle of the file, with their vertices and attributes, as a
+/// PLY without textures: what a build of it costs says what the whole will. Bad values are skipped. Takes
+/// memory for the stretch, and reads the file twice.
+/// @param faces  at most this many; the whole model if it has fewer.
+/// @throws Error kIo, kInput.
+TrialModel writeTrialModel(const std::filesystem::path& input, uint64_t model_faces, uint64_t faces,
+                           const std::filesystem::path& output);
+
+}  // namespace lode::ingest
