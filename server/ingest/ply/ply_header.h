@@ -40,7 +40,7 @@ struct PlyHeader {
   std::vector<std::string> comments;       ///< of `comment` and `obj_info`, trimmed
   std::vector<std::string> texture_files;  ///< of `comment TextureFile NAME`: trimmed, inner blanks kept,
                                            ///< "<this>" being the file's own name without its extension
-  uint64_t body_offset = 0;  ///< bytes from the file's start
+  uint64_t body_offset = 0;                ///< bytes from the file's start
   uint64_t header_lines = 0;
 
   /// The element of this name, or null.

@@ -74,7 +74,8 @@ class DamagePlan {
 
 class DamagedStore : public testing::Test {
  protected:
-  /// Streams every leaf's original triangles. @return how it ended; the cut is in cut.ply.
+  /// Streams every leaf's original triangles. @return how it ended: not converged, since no lattice is as
+  /// fine as what it asks for; the cut, where all of it came, is in cut.ply.
   Outcome fetchAll(const std::filesystem::path& store) const {
     std::filesystem::remove(cut_);
     return lodestream({"fetch", store, "--pixels", "0.01", "--timeout", "60", "-o", cut_});
@@ -108,14 +109,15 @@ TEST_F(DamagedStore, isNotServedIfItsIndexHasChanged) {
 
 TEST_F(DamagedStore, givesNoWrongCut) {
   DamagePlan plan(sound_);
-  ASSERT_EQ(fetchAll(sound_).status, 0);
+  fetchAll(sound_);
+  ASSERT_TRUE(std::filesystem::exists(cut_));
   const std::string right_cut = readBytes(cut_);
   for (const Damage& damage : plan.places()) {
     if (damage.part != Part::kPayload && damage.part != Part::kOriginal) continue;
     SCOPED_TRACE("byte " + std::to_string(damage.offset));
     writeBytes(damaged_, plan.apply(readBytes(sound_), damage));
     const Outcome outcome = fetchAll(damaged_);
-    if (outcome.status == 0 && damage.part == Part::kPayload) {  // a rung that was not needed
+    if (std::filesystem::exists(cut_) && damage.part == Part::kPayload) {  // a rung that was not needed
       EXPECT_TRUE(readBytes(cut_) == right_cut);
     } else {
       expectFailure(outcome, {"damaged.lode"});
