@@ -227,6 +227,7 @@ void BuildSteps::dereference() {
     if (progress_) progress_("sort", static_cast<double>(done) / static_cast<double>(total), done, total);
   });
   input_.reset();
+  giveBackFreedMemory();
   if (sorter_->runCount() > 0) {
     RecordWriter record;
     record.put(counts_);
@@ -328,9 +329,11 @@ NodeBuilder::Settings BuildSteps::settings() const {
 void BuildSteps::simplify() {
   if (recorded_.packed) return;
   const uint64_t payload_bytes = recorded_.finished.payload_bytes;
+  nodes_.emplace(files_->file(NodeSpool::kFile));
   if (recorded_.is_simplified) {
     payloads_.emplace(*files_, payload_bytes);
-    tree_ = treeOf(std::move(recorded_.finished));
+    for (const FinishedNode& finished : std::exchange(recorded_.finished, {}).nodes)
+      nodes_->append(finished.node, finished.payloads);
     return;
   }
   noteResumed("simplify");
@@ -352,12 +355,14 @@ void BuildSteps::simplify() {
                       journal_->append(static_cast<uint32_t>(BuildEntry::kNodes), entry);
                     });
     folder_.syncFiles();
-    tree_ = ingest::simplify(settings(), *parts_, *payloads_, log, plan_.threads, progress_);
+    ingest::simplify(settings(), *parts_, *payloads_, log, *nodes_, {plan_.threads, plan_.node_bytes},
+                     progress_);
   }
   parts_.reset();
   note(BuildEntry::kSimplified, {});
-  folder_.removeFilesBut({StagedTextures::kFile, PayloadSpool::kFile});
-  clock.finish(tree_->nodes.size(), payloads_->size());
+  giveBackFreedMemory();
+  folder_.removeFilesBut({StagedTextures::kFile, PayloadSpool::kFile, NodeSpool::kFile});
+  clock.finish(nodes_->size(), payloads_->size());
 }
 
 ModelSummary BuildSteps::summary() const {
@@ -368,9 +373,6 @@ ModelSummary BuildSteps::summary() const {
   summary.triangles = counts_.triangles;
   summary.dropped = counts_.dropped + facts_.dropped;
   summary.triangles_per_node = options_.triangles_per_node;
-  for (const Node& node : tree_->nodes) {
-    if (node.key == kRootKey) summary.box = node.box;
-  }
   return summary;
 }
 
@@ -381,7 +383,7 @@ void BuildSteps::pack() {
   ModelSummary described = summary();
   store::Writer writer(options_.output, folder_.store());
   if (described.attributes.has(AttributeSet::kTexture)) packTextures(textures_, *tiles_, writer);
-  report_.summary = ingest::pack(writer, std::move(described), std::move(*tree_), *payloads_, progress_);
+  report_.summary = ingest::pack(writer, std::move(described), *nodes_, *payloads_, progress_);
   RecordWriter record;
   record.put(PackedStore{report_.summary.build_id, report_.summary.bytes});
   note(BuildEntry::kPacked, record);

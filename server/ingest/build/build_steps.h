@@ -84,7 +84,7 @@ class BuildSteps {
   DereferenceCounts counts_;
   std::optional<Partition> parts_;        ///< partition to simplify
   std::optional<PayloadSpool> payloads_;  ///< simplify to pack
-  std::optional<SimplifiedTree> tree_;
+  std::optional<NodeSpool> nodes_;        ///< simplify to pack
 };
 
 }  // namespace lode::ingest

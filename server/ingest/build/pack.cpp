@@ -29,18 +29,25 @@ void packTextures(const StagedTextures& textures, const Spool& tiles, store::Wri
   writer.addTextures(set);
 }
 
-ModelSummary pack(store::Writer& writer, ModelSummary summary, SimplifiedTree tree,
-                  const PayloadSpool& payloads, const BuildProgress& progress) {
-  for (size_t n = 0; n < tree.nodes.size(); ++n) {
-    for (size_t r = tree.nodes[n].rungs.size(); r-- > 0;) {
-      const PayloadSpool::Place place = tree.payloads[n][r];
-      if (place.bytes > 0) tree.nodes[n].rungs[r].payload = writer.addBlob(payloads.read(place));
+ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,
+                  const BuildProgress& progress) {
+  std::vector<Node> packed;
+  packed.reserve(nodes.size());
+  for (const NodeSpool::Place& place : nodes.takeSorted()) {
+    const std::vector<std::byte> bytes = nodes.read(place);
+    RecordReader record(bytes);
+    FinishedNode finished = getFinishedNode(record);
+    for (size_t r = finished.node.rungs.size(); r-- > 0;) {
+      const PayloadSpool::Place payload = finished.payloads[r];
+      if (payload.bytes > 0) finished.node.rungs[r].payload = writer.addBlob(payloads.read(payload));
     }
-    if (progress && n % 256 == 0) {
-      progress("pack", static_cast<double>(n) / static_cast<double>(tree.nodes.size()), n, tree.nodes.size());
+    packed.push_back(std::move(finished.node));
+    if (progress && packed.size() % 256 == 1) {
+      progress("pack", static_cast<double>(packed.size()) / static_cast<double>(packed.capacity()),
+               packed.size(), packed.capacity());
     }
   }
-  return writer.finish(std::move(summary), std::move(tree.nodes));
+  return writer.finish(std::move(summary), std::move(packed));
 }
 
 }  // namespace lode::ingest

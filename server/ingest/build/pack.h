@@ -1,7 +1,8 @@
 #pragma once
 
 #include "common/model_summary.h"
-#include "server/ingest/nodes/tree_builder.h"
+#include "server/ingest/nodes/node_spool.h"
+#include "server/ingest/plan/build_options.h"
 #include "server/ingest/textures/textures.h"
 #include "server/store/writer.h"
 
@@ -14,8 +15,8 @@ void packTextures(const StagedTextures& textures, const Spool& tiles, store::Wri
 /// Stage 6: payloads and hierarchy into one store, coarse nodes first, siblings together, a node's coarse
 /// rungs first.
 /// @param writer   of the store; it may have textures already.
-/// @param summary  see store::Writer::finish.
-ModelSummary pack(store::Writer& writer, ModelSummary summary, SimplifiedTree tree,
-                  const PayloadSpool& payloads, const BuildProgress& progress);
+/// @param summary  see store::Writer::finish. @param nodes  all of them; used up.
+ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,
+                  const BuildProgress& progress);
 
 }  // namespace lode::ingest

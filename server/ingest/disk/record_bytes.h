@@ -31,7 +31,8 @@ class RecordWriter {
     putBytes(std::as_bytes(std::span(text)));
   }
 
-  void append(const RecordWriter& other) { putBytes(other.bytes()); }
+  /// Bytes of another record, without their number.
+  void append(std::span<const std::byte> bytes) { putBytes(bytes); }
 
   std::span<const std::byte> bytes() const noexcept { return bytes_; }
 

@@ -56,7 +56,9 @@ FinishedNode getFinishedNode(RecordReader& record) {
   finished.node.key = record.get<NodeKey>();
   finished.node.box = record.get<LatticeBox>();
   finished.node.child_mask = record.get<uint8_t>();
-  for (const RungRecord& from : record.getAll<RungRecord>()) {
+  const std::vector<RungRecord> rungs = record.getAll<RungRecord>();
+  finished.node.rungs.reserve(rungs.size());
+  for (const RungRecord& from : rungs) {
     Rung rung;
     rung.triangles = from.triangles;
     rung.vertices = from.vertices;

@@ -57,9 +57,9 @@ BuiltNode SimplifyLog::readRoot(NodeKey key) const {
   return getBuiltNode(record);
 }
 
-void SimplifyLog::addFinished(const Node& node, std::span<const PayloadSpool::Place> payloads) {
+void SimplifyLog::addFinished(std::span<const std::byte> record) {
   if (finished_count_++ == 0) began_ = CheckpointClock::Clock::now();
-  putFinishedNode(finished_, node, payloads);
+  finished_.append(record);
 }
 
 void SimplifyLog::addRoot(const BuiltNode& built) {
@@ -80,7 +80,7 @@ void SimplifyLog::write() {
   entry.put(roots_.size());
   entry.putAll(roots);
   entry.put(finished_count_);
-  entry.append(finished_);
+  entry.append(finished_.bytes());
   append_(entry.bytes());
   clock_.noted(began_, CheckpointClock::Clock::now());
   finished_count_ = 0;

@@ -28,8 +28,8 @@ struct FinishedNodes {
   void add(RecordReader& record);
 };
 
-/// Notes finished nodes while a tree is simplified. An entry is collected while nobody changes the nodes,
-/// then written. For one thread, but readRoot.
+/// Notes finished nodes while a tree is simplified: an entry is collected, then written. For one thread, but
+/// what is said to be thread safe.
 class SimplifyLog {
  public:
   /// Name of the file with what parents need of the roots of finished subtrees; it lasts.
@@ -39,12 +39,16 @@ class SimplifyLog {
   /// @param before  what a killed build had finished. @param append  puts an entry in the journal.
   SimplifyLog(const TemporaryFolder& folder, PayloadSpool& payloads, FinishedNodes before, Append append);
 
-  const FinishedNodes& before() const noexcept { return before_; }
-  /// What a parent needs of one of before()'s roots. Thread safe. @throws Error kIo, kFormat.
+  /// What a killed build had finished; gone afterwards.
+  std::vector<FinishedNode> takeFinished() { return std::move(before_.nodes); }
+  /// Whether what its parent needs of a node was kept by a killed build. Thread safe, as the next one is.
+  bool hasRoot(NodeKey key) const { return before_.roots.contains(key); }
+  /// @throws Error kIo, kFormat.
   BuiltNode readRoot(NodeKey key) const;
 
   bool isDue() const noexcept { return clock_.isDue(CheckpointClock::Clock::now()); }
-  void addFinished(const Node& node, std::span<const PayloadSpool::Place> payloads);
+  /// @param record  of a finished node, as putFinishedNode() wrote it.
+  void addFinished(std::span<const std::byte> record);
   /// A finished node whose parent is not finished and has not taken it yet.
   void addRoot(const BuiltNode& built);
   /// Returns when what was added since the last entry is on the disk.
@@ -52,7 +56,7 @@ class SimplifyLog {
 
  private:
   PayloadSpool& payloads_;
-  const FinishedNodes before_;
+  FinishedNodes before_;
   const Append append_;
   Spool roots_;
   CheckpointClock clock_;

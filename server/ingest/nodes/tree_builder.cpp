@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <queue>
@@ -12,67 +13,50 @@
 #include <unordered_map>
 
 #include "common/error.h"
+#include "server/ingest/nodes/tree_plan.h"
+#include "server/ingest/plan/machine.h"
+#include "server/ingest/plan/memory_plan.h"
 
 namespace lode::ingest {
 namespace {
 
 constexpr auto kProgressInterval = std::chrono::milliseconds(200);
+constexpr uint32_t kNoNode = ~0u;
+constexpr uint64_t kLargeShare = 4;  ///< a node that takes more than 1 part of so many of the memory is large
 
-/// Nodes of the tree in post-order: a child's number is below its parent's, and a node's children are the
-/// roots of the subtrees that end before it.
-struct Plan {
-  struct Entry {
-    NodeKey key;
-    uint32_t parent = 0;
-    uint32_t leaf = 0;  ///< number of the leaf, where children is empty
-    std::vector<uint32_t> children;
-  };
-  std::vector<Entry> entries;
+uint64_t memoryOf(const BuiltNode& built) noexcept {
+  const auto bytesOf = [](const auto& items) { return items.capacity() * sizeof(items[0]); };
+  const NodeMesh& mesh = built.coarsest;
+  return sizeof(BuiltNode) + bytesOf(built.samples) + bytesOf(mesh.positions) + bytesOf(mesh.lca_depth) +
+         bytesOf(mesh.wedge_position) + bytesOf(mesh.wedge_attributes) + bytesOf(mesh.triangles);
+}
 
-  explicit Plan(const std::vector<NodeKey>& leaves) {
-    size_t next = 0;
-    plan(kRootKey, leaves, next);
-  }
-
- private:
-  uint32_t plan(NodeKey key, const std::vector<NodeKey>& leaves, size_t& next) {
-    Entry entry{key, 0, static_cast<uint32_t>(next), {}};
-    if (leaves[next] == key) {
-      ++next;
-    } else {
-      for (unsigned octant = 0; octant < 8 && next < leaves.size(); ++octant) {
-        const NodeKey child = key.child(octant);
-        if (child.contains(leaves[next])) entry.children.push_back(plan(child, leaves, next));
-      }
-    }
-    const auto number = static_cast<uint32_t>(entries.size());
-    for (const uint32_t child : entry.children) entries[child].parent = number;
-    entries.push_back(std::move(entry));
-    return number;
-  }
-};
-
-/// Shared state of the workers; everything in it is guarded by the mutex but `plan`, which does not change.
+/// Shared state of the workers; everything in it is guarded by the mutex but what does not change.
 class Scheduler {
  public:
-  Scheduler(const Plan& plan, SimplifyLog& log, unsigned threads)
+  Scheduler(const TreePlan& plan, SimplifyLog& log, NodeSpool& nodes, const TreeResources& resources,
+            uint32_t triangles_per_node)
       : plan_(plan),
         log_(log),
-        threads_(threads),
-        built_(plan.entries.size()),
-        noted_(plan.entries.size()),
-        waiting_for_(plan.entries.size()) {
-    tree_.nodes.resize(plan.entries.size());
-    tree_.payloads.resize(plan.entries.size());
+        nodes_(nodes),
+        threads_(resources.threads),
+        memory_bytes_(resources.memory_bytes -
+                      std::min(resources.memory_bytes, plan.size() * kNodeRecordBytes)),
+        leaf_bytes_(memoryOfNode(triangles_per_node)),
+        built_(plan.size()),
+        noted_(plan.size()),
+        input_triangles_(plan.size()),
+        waiting_for_(plan.size()) {
+    nodes.reserve(plan.size());
     takeOverFinished();
     taken_ = done_;
-    for (uint32_t i = 0; i < plan.entries.size(); ++i) {
+    for (uint32_t i = 0; i < plan.size(); ++i) {
       if (noted_[i]) continue;
-      const std::vector<uint32_t>& children = plan.entries[i].children;
-      waiting_for_[i] = static_cast<size_t>(
+      const std::vector<uint32_t> children = plan.children(i);
+      waiting_for_[i] = static_cast<uint8_t>(
           std::count_if(children.begin(), children.end(), [&](uint32_t child) { return !noted_[child]; }));
       if (children.empty()) {
-        leaf_entries_.push_back(i);
+        ++leaves_left_;
       } else if (waiting_for_[i] == 0) {
         ready_.push(i);
       }
@@ -84,13 +68,8 @@ class Scheduler {
     try {
       NodeBuilder builder = make_builder();
       while (const auto taken = take()) {
-        const Plan::Entry& entry = plan_.entries[taken->number];
-        if (entry.children.empty()) {
-          give(*taken, builder.buildLeaf(entry.leaf, taken->lent));
-        } else {
-          std::vector<BuiltNode> children = takeChildren(entry);
-          give(*taken, builder.buildInner(entry.key, children, taken->lent));
-        }
+        if (taken->is_large) giveBackFreedMemory();
+        give(*taken, build(builder, *taken));
       }
     } catch (...) {
       std::lock_guard lock(mutex_);
@@ -102,49 +81,43 @@ class Scheduler {
   /// Ends when all is built, or when a worker or `progress` has thrown.
   void waitUntilDone(const BuildProgress& progress) {
     std::unique_lock lock(mutex_);
-    while (done_ < built_.size() && !failure_) {
+    while (done_ < plan_.size() && !failure_) {
       changed_.wait_for(lock, kProgressInterval);
       const bool is_noting = log_.isDue();
       if (!progress && !is_noting) continue;
       const size_t done = done_;
       std::exception_ptr failure;
+      lock.unlock();
       try {
-        if (is_noting) collectFinished();
-        lock.unlock();
-        if (is_noting) log_.write();
+        if (is_noting) note();
         if (progress) {
-          progress("simplify", static_cast<double>(done) / static_cast<double>(built_.size()), done,
-                   built_.size());
+          progress("simplify", static_cast<double>(done) / static_cast<double>(plan_.size()), done,
+                   plan_.size());
         }
       } catch (...) {
         failure = std::current_exception();
       }
-      if (!lock.owns_lock()) lock.lock();
+      lock.lock();
       if (failure && !failure_) failure_ = failure;
     }
     changed_.notify_all();
   }
 
-  SimplifiedTree result() {
+  void finish() {
     if (failure_) std::rethrow_exception(failure_);
-    collectFinished();
-    log_.write();
-    std::vector<uint32_t> order(plan_.entries.size());
-    for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return plan_.entries[a].key < plan_.entries[b].key; });
-    SimplifiedTree sorted;
-    for (const uint32_t number : order) {
-      sorted.nodes.push_back(std::move(tree_.nodes[number]));
-      sorted.payloads.push_back(std::move(tree_.payloads[number]));
-    }
-    return sorted;
+    note();
   }
 
  private:
   struct Taken {
     uint32_t number = 0;
     unsigned lent = 0;  ///< threads that find nothing to do now, for this node until it is given
+    uint64_t bytes = 0;
+    bool is_large = false;  ///< beside the memory that there is
+  };
+  struct Finished {
+    uint32_t number = 0;
+    NodeSpool::Place place;
   };
 
   /// The next node to build, or nothing when all are taken or one failed. Inner nodes first: they free
@@ -152,58 +125,88 @@ class Scheduler {
   std::optional<Taken> take() {
     std::unique_lock lock(mutex_);
     while (true) {
-      if (failure_ || done_ == built_.size()) return std::nullopt;
+      if (failure_ || done_ == plan_.size()) return std::nullopt;
       if (!ready_.empty()) {
         const uint32_t number = ready_.top();
-        ready_.pop();
-        return Taken{number, lendToNext()};
+        if (hasRoomFor(memoryOfNode(input_triangles_[number]))) {
+          ready_.pop();
+          return started(number, memoryOfNode(input_triangles_[number]));
+        }
+      } else if (leaves_left_ > 0 && hasRoomFor(leaf_bytes_)) {
+        while (noted_[next_leaf_] || !plan_.isLeaf(next_leaf_)) ++next_leaf_;
+        --leaves_left_;
+        return started(next_leaf_++, leaf_bytes_);
       }
-      if (next_leaf_ < leaf_entries_.size()) return Taken{leaf_entries_[next_leaf_++], lendToNext()};
       changed_.wait(lock);
     }
   }
 
-  /// To the node that is taken now. @return none while there are nodes for all threads.
-  unsigned lendToNext() {
-    const size_t under_way = ++taken_ - done_;
-    const size_t busy = under_way + ready_.size() + (leaf_entries_.size() - next_leaf_) + lent_;
-    const unsigned idle = busy < threads_ ? static_cast<unsigned>(threads_ - busy) : 0;
-    lent_ += idle;
-    return idle;
+  /// One node at a time is built whatever it takes.
+  bool hasRoomFor(uint64_t bytes) const noexcept {
+    return taken_ == done_ || held_bytes_ + bytes <= memory_bytes_;
   }
 
-  std::vector<BuiltNode> takeChildren(const Plan::Entry& entry) {
+  Taken started(uint32_t number, uint64_t bytes) {
+    held_bytes_ += bytes;
+    ++taken_;
+    const bool is_large = bytes > memory_bytes_ / kLargeShare;
+    return {number, lend(bytes), bytes, is_large};
+  }
+
+  /// To the node that is taken now, as many as there is memory for. @return none while there are nodes for
+  /// all threads.
+  unsigned lend(uint64_t bytes) {
+    const size_t busy = taken_ - done_ + ready_.size() + leaves_left_ + lent_;
+    const uint64_t left = memory_bytes_ - std::min(memory_bytes_, held_bytes_);
+    const uint64_t idle = busy < threads_ ? threads_ - busy : 0;
+    const auto lent = static_cast<unsigned>(std::min(idle, left / std::max<uint64_t>(bytes, 1)));
+    lent_ += lent;
+    return lent;
+  }
+
+  BuiltNode build(NodeBuilder& builder, const Taken& taken) {
+    if (plan_.isLeaf(taken.number)) return builder.buildLeaf(plan_.leaf(taken.number), taken.lent);
+    std::vector<BuiltNode> children = takeChildren(taken.number);
+    return builder.buildInner(plan_.key(taken.number), children, taken.lent);
+  }
+
+  std::vector<BuiltNode> takeChildren(uint32_t number) {
+    const std::vector<uint32_t> numbers = plan_.children(number);
+    std::vector<BuiltNode> children(numbers.size());
     std::unique_lock lock(mutex_);
-    std::vector<BuiltNode> children(entry.children.size());
     for (size_t i = 0; i < children.size(); ++i) {
-      auto& built = built_[entry.children[i]];
+      changed_.wait(lock, [&] { return being_noted_ != numbers[i] || failure_; });
+      std::unique_ptr<BuiltNode>& built = built_[numbers[i]];
       if (!built) continue;
+      held_bytes_ -= memoryOf(*built);
       children[i] = std::move(*built);
       built.reset();
     }
     lock.unlock();
     for (size_t i = 0; i < children.size(); ++i) {
-      if (children[i].node.rungs.empty()) children[i] = log_.readRoot(plan_.entries[entry.children[i]].key);
+      if (children[i].node.rungs.empty()) children[i] = log_.readRoot(plan_.key(numbers[i]));
     }
     return children;
   }
 
   /// What a killed build had finished; its meshes stay on the disk until they are needed.
   void takeOverFinished() {
+    const std::vector<FinishedNode> before = log_.takeFinished();
+    if (before.empty()) return;
     std::unordered_map<uint64_t, uint32_t> numbers;
-    for (uint32_t i = 0; i < plan_.entries.size(); ++i) numbers.emplace(plan_.entries[i].key.value, i);
-    for (const FinishedNode& finished : log_.before().nodes) {
+    for (uint32_t i = 0; i < plan_.size(); ++i) numbers.emplace(plan_.key(i).value, i);
+    for (const FinishedNode& finished : before) {
       const auto at = numbers.find(finished.node.key.value);
       if (at == numbers.end() || noted_[at->second]) failResume();
       noted_[at->second] = true;
-      tree_.nodes[at->second] = finished.node;
-      tree_.payloads[at->second] = finished.payloads;
+      nodes_.append(finished.node, finished.payloads);
+      if (!plan_.isRoot(at->second))
+        input_triangles_[plan_.parent(at->second)] += finished.node.rungs.back().triangles;
       ++done_;
     }
-    for (uint32_t i = 0; i < plan_.entries.size(); ++i) {
-      const Plan::Entry& entry = plan_.entries[i];
-      const bool is_open = noted_[i] && i + 1 < plan_.entries.size() && !noted_[entry.parent];
-      if (is_open && !log_.before().roots.contains(entry.key)) failResume();
+    for (uint32_t i = 0; i < plan_.size(); ++i) {
+      const bool is_open = noted_[i] && !plan_.isRoot(i) && !noted_[plan_.parent(i)];
+      if (is_open && !log_.hasRoot(plan_.key(i))) failResume();
     }
   }
 
@@ -213,84 +216,113 @@ class Scheduler {
   }
 
   /// Gives the log those nodes that another build could go on from: a node's parent is among them, or has not
-  /// taken it yet, so that what it needs of it can be kept. A leaf is built again rather than kept.
-  void collectFinished() {
-    std::sort(finished_.begin(), finished_.end(), std::greater<>());  // parents before children
-    std::vector<uint32_t> left;
-    for (const uint32_t number : finished_) {
-      const Plan::Entry& entry = plan_.entries[number];
-      const bool is_root = number + 1 == plan_.entries.size();
-      const bool is_below_noted = is_root || noted_[entry.parent];
-      if (!is_below_noted && (entry.children.empty() || !built_[number])) {
-        left.push_back(number);
-        continue;
-      }
-      noted_[number] = true;
-      if (!is_below_noted) log_.addRoot(*built_[number]);
-      log_.addFinished(tree_.nodes[number], tree_.payloads[number]);
+  /// taken it yet, so that what it needs of it can be kept. A leaf is built again rather than kept. Workers
+  /// do not wait for the disk but where they need the very node that is being written.
+  void note() {
+    std::vector<Finished> finished;
+    {
+      std::lock_guard lock(mutex_);
+      finished.swap(finished_);
     }
-    finished_ = std::move(left);
+    std::sort(finished.begin(), finished.end(),
+              [](const Finished& a, const Finished& b) { return a.number > b.number; });  // parents first
+    std::vector<Finished> left;
+    for (const Finished& node : finished) {
+      if (isBelowNoted(node.number) || keepRoot(node.number)) {
+        log_.addFinished(nodes_.read(node.place));
+      } else {
+        left.push_back(node);
+      }
+    }
+    log_.write();
+    std::lock_guard lock(mutex_);
+    finished_.insert(finished_.end(), left.begin(), left.end());
+  }
+
+  bool isBelowNoted(uint32_t number) {
+    std::lock_guard lock(mutex_);
+    const bool is_below = plan_.isRoot(number) || noted_[plan_.parent(number)];
+    if (is_below) noted_[number] = true;
+    return is_below;
+  }
+
+  /// @return false if the node is a leaf, or its parent has taken it.
+  bool keepRoot(uint32_t number) {
+    if (plan_.isLeaf(number)) return false;
+    std::unique_ptr<BuiltNode> root;
+    {
+      std::lock_guard lock(mutex_);
+      if (!built_[number]) return false;
+      root = std::move(built_[number]);
+      being_noted_ = number;
+      noted_[number] = true;
+    }
+    log_.addRoot(*root);
+    {
+      std::lock_guard lock(mutex_);
+      built_[number] = std::move(root);
+      being_noted_ = kNoNode;
+    }
+    changed_.notify_all();
+    return true;
   }
 
   void give(const Taken& taken, BuiltNode&& built) {
     const uint32_t number = taken.number;
+    const NodeSpool::Place place = nodes_.append(built.node, built.payloads);
+    auto waiting = std::make_unique<BuiltNode>(std::move(built));
     std::lock_guard lock(mutex_);
     lent_ -= taken.lent;
-    tree_.nodes[number] = built.node;
-    tree_.payloads[number] = built.payloads;
-    built_[number] = std::move(built);
-    finished_.push_back(number);
+    held_bytes_ += memoryOf(*waiting);
+    held_bytes_ -= taken.bytes;
+    finished_.push_back({number, place});
     ++done_;
-    const uint32_t parent = plan_.entries[number].parent;
-    if (number + 1 < built_.size() && --waiting_for_[parent] == 0) ready_.push(parent);
+    if (!plan_.isRoot(number)) {
+      const uint32_t parent = plan_.parent(number);
+      input_triangles_[parent] += static_cast<uint32_t>(waiting->coarsest.triangles.size());
+      if (--waiting_for_[parent] == 0) ready_.push(parent);
+    }
+    built_[number] = std::move(waiting);
     changed_.notify_all();
   }
 
-  const Plan& plan_;
+  const TreePlan& plan_;
   SimplifyLog& log_;
+  NodeSpool& nodes_;
   const unsigned threads_;
+  const uint64_t memory_bytes_, leaf_bytes_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::optional<BuiltNode>> built_;  ///< between a node's building and its parent's
-  std::vector<uint32_t> finished_;               ///< and not in the log
-  std::vector<bool> noted_;                      ///< in the log
-  std::vector<size_t> waiting_for_;              ///< children not built yet
+  std::vector<std::unique_ptr<BuiltNode>> built_;  ///< between a node's building and its parent's
+  std::vector<Finished> finished_;                 ///< and not in the log
+  std::vector<bool> noted_;                        ///< in the log
+  uint32_t being_noted_ = kNoNode;                 ///< is with the log, which gives it back
+  std::vector<uint32_t> input_triangles_;          ///< of the children that are built
+  std::vector<uint8_t> waiting_for_;               ///< children not built yet
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
-  std::vector<uint32_t> leaf_entries_;
-  size_t next_leaf_ = 0;
-  size_t taken_ = 0, done_ = 0, lent_ = 0;
-  SimplifiedTree tree_;
+  uint32_t next_leaf_ = 0;
+  size_t leaves_left_ = 0, taken_ = 0, done_ = 0, lent_ = 0;
+  uint64_t held_bytes_ = 0;  ///< by nodes under way, as far as can be told, and by built_
   std::exception_ptr failure_;
 };
 
 }  // namespace
 
-SimplifiedTree treeOf(FinishedNodes finished) {
-  std::sort(finished.nodes.begin(), finished.nodes.end(),
-            [](const FinishedNode& a, const FinishedNode& b) { return a.node.key < b.node.key; });
-  SimplifiedTree tree;
-  for (FinishedNode& node : finished.nodes) {
-    tree.nodes.push_back(std::move(node.node));
-    tree.payloads.push_back(std::move(node.payloads));
-  }
-  return tree;
-}
-
-SimplifiedTree simplify(const NodeBuilder::Settings& settings, const Partition& partition,
-                        PayloadSpool& payloads, SimplifyLog& log, unsigned threads,
-                        const BuildProgress& progress) {
-  const Plan plan(partition.leaves);
-  Scheduler scheduler(plan, log, threads);
+void simplify(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
+              SimplifyLog& log, NodeSpool& nodes, const TreeResources& resources,
+              const BuildProgress& progress) {
+  const TreePlan plan(partition.leaves);
+  Scheduler scheduler(plan, log, nodes, resources, settings.triangles_per_node);
   {
     std::vector<std::jthread> workers;
-    for (unsigned i = 0; i < threads; ++i) {
+    for (unsigned i = 0; i < resources.threads; ++i) {
       workers.emplace_back(
           [&] { scheduler.work([&] { return NodeBuilder(settings, partition, payloads); }); });
     }
     scheduler.waitUntilDone(progress);
   }
   payloads.flush();
-  return scheduler.result();
+  scheduler.finish();
 }
 
 }  // namespace lode::ingest

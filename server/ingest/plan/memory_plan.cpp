@@ -36,6 +36,7 @@ MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangle
   plan.sort_bytes = memory_bytes / 4;
   plan.threads = static_cast<unsigned>(fitting);
   plan.image_bytes = std::max(memory_bytes / 2, memory_bytes - std::min(memory_bytes, kBesideImage));
+  plan.node_bytes = memory_bytes - std::min(memory_bytes, kProgramBytes + kMarginBytes);
   plan.minimum_bytes = base + worker;
   return plan;
 }

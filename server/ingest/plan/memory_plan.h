@@ -14,10 +14,19 @@ struct MemoryPlan {
   /// For one texture image: its file, its texels and what decoding and halving them takes. All but what the
   /// program and one encoder of tiles take; of a small budget, half.
   uint64_t image_bytes = 0;
+  uint64_t node_bytes = 0;     ///< for the nodes that are simplified, and the records of all
   uint64_t minimum_bytes = 0;  ///< below, not even one thread's nodes fit; small models need less
 };
 
 MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangles_per_node) noexcept;
+
+constexpr uint64_t kNodeRecordBytes = 96;  ///< of each node of a tree, while it is simplified
+
+/// What a node takes while it is reduced and measured. @param triangles  of its input.
+constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
+  constexpr uint64_t kTriangleBytes = 1024;  ///< quadrics, queue, rungs, the walk; with a measuring grid
+  return triangles * kTriangleBytes;
+}
 
 /// The least budget that leaves an image so many bytes.
 uint64_t budgetForImage(uint64_t image_bytes) noexcept;

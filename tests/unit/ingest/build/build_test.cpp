@@ -11,11 +11,13 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/limits.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/sample/sample.h"
 #include "server/store/export.h"
 #include "server/store/reader.h"
+#include "tests/support/porous_surface.h"
 #include "tests/support/work_folder.h"
 
 namespace lode::ingest {
@@ -274,6 +276,43 @@ TEST_F(SlowBuild, staysBelowItsMemoryOnEightThreads) {
   const uint64_t peak = peakOfBuild(many);
   EXPECT_GT(peak, 0u);
   EXPECT_LE(peak, many.memory_bytes);
+}
+
+TEST_F(SlowBuild, staysBelowLittleMemoryWithVeryManyNodes) {
+  makeSample(2000000, 0);
+  BuildOptions few = options("few.lode"), many = options("many.lode");
+  few.memory_bytes = many.memory_bytes = 64'000'000;
+  few.triangles_per_node = many.triangles_per_node = 64;
+  few.threads = 1;
+  many.threads = 8;
+  for (const BuildOptions& given : {few, many}) {
+    const uint64_t peak = peakOfBuild(given);
+    EXPECT_GT(peak, 0u);
+    EXPECT_LE(peak, given.memory_bytes) << given.threads << " threads";
+  }
+  EXPECT_TRUE(readBytes(few.output) == readBytes(many.output));
+}
+
+TEST_F(SlowBuild, staysBelowLittleMemoryWithASurfaceThatIsAllBorders) {
+  test::PorousSurface(100, 5).write(folder_ / "a.ply");
+  for (const unsigned threads : {1u, 8u}) {
+    BuildOptions given = options();
+    given.memory_bytes = 96 * kMega;
+    given.triangles_per_node = 512;
+    given.threads = threads;
+    const uint64_t peak = peakOfBuild(given);
+    EXPECT_GT(peak, 0u);
+    EXPECT_LE(peak, given.memory_bytes) << threads << " threads";
+  }
+}
+
+TEST_F(SlowBuild, storesNoRungThatIsTooLargeAndGoesOnToCoarserOnes) {
+  makeSample(2000000, 0);
+  BuildOptions large = options();
+  large.triangles_per_node = 300000;
+  EXPECT_NO_THROW(build(large));
+  for (const Node& node : store::Reader(large.output).nodes())
+    for (const Rung& rung : node.rungs) EXPECT_LE(rung.triangles, kMaxRungTriangles);
 }
 
 TEST_F(SlowBuild, staysBelowItsMemoryAndGivesTheSameBytesWithMore) {

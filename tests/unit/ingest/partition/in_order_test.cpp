@@ -73,6 +73,33 @@ TEST(InOrder, doesAPieceItselfWhenAsManyAreUnderWayAsMayBe) {
   EXPECT_EQ(results, (std::vector<int>{1, 2}));
 }
 
+std::atomic<int> threads_made = 0;
+struct ThreadMark {
+  ThreadMark() { ++threads_made; }
+  int one = 1;
+};
+
+TEST(InOrder, makesNoMoreThreadsThanMayBeUnderWay) {
+  threads_made = 0;
+  InOrder<int> pieces(2, [](int&&) {});
+  for (int i = 0; i < 200; ++i)
+    pieces.push([] {
+      thread_local ThreadMark mark;
+      return mark.one;
+    });
+  pieces.finish();
+  EXPECT_LE(threads_made, 3) << "two of its own, and the caller's";
+}
+
+TEST(InOrder, waitsForPiecesUnderWayWhenItGoes) {
+  std::atomic<int> done = 0;
+  {
+    InOrder<int> pieces(3, [](int&&) {});
+    for (int i = 0; i < 3; ++i) pieces.push([&] { return ++done; });
+  }
+  EXPECT_EQ(done, 3);
+}
+
 TEST(InOrder, throwsWhatAPieceHasThrown) {
   InOrder<int> pieces(2, [](int&&) {});
   pieces.push([]() -> int { throw std::runtime_error("of a piece"); });

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/node_key.h"
+
+namespace lode::ingest {
+
+/// The nodes above and with some leaves, numbered in post-order: a child's number is below its parent's, and
+/// the root's is the last. Const functions are thread safe.
+class TreePlan {
+ public:
+  /// @param leaves  of one tree, in Morton order.
+  explicit TreePlan(const std::vector<NodeKey>& leaves);
+
+  size_t size() const noexcept { return entries_.size(); }
+  NodeKey key(uint32_t number) const noexcept { return entries_[number].key; }
+  bool isRoot(uint32_t number) const noexcept { return number + 1 == entries_.size(); }
+  /// Of any node but the root.
+  uint32_t parent(uint32_t number) const noexcept { return entries_[number].parent; }
+  bool isLeaf(uint32_t number) const noexcept { return entries_[number].first == number; }
+  /// Which of the leaves a leaf is.
+  uint32_t leaf(uint32_t number) const noexcept { return entries_[number].leaf; }
+  /// In octant order.
+  std::vector<uint32_t> children(uint32_t number) const;
+
+ private:
+  struct Entry {
+    NodeKey key;
+    uint32_t parent = 0;
+    uint32_t first = 0;  ///< lowest number of the subtree
+    uint32_t leaf = 0;   ///< next one when the subtree begins
+  };
+  void plan(NodeKey key, const std::vector<NodeKey>& leaves, size_t& next);
+
+  std::vector<Entry> entries_;
+};
+
+}  // namespace lode::ingest
