@@ -14,8 +14,8 @@ namespace {
 
 constexpr auto kNever = core::TimePoint::max();
 constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
-constexpr size_t kRefillBelow = 64;     ///< open wishes; the session holds back what is above its own limits
-constexpr double kShortestTrace_s = 1;  ///< a path that stands still is replayed this often
+constexpr size_t kRefillBelow = 64;  ///< open wishes; the session holds back what is above its own limits
+constexpr double kShortestTraceSeconds = 1;  ///< a path that stands still is replayed this often
 
 core::TimePoint::duration seconds(double count) {
   return std::chrono::duration_cast<core::TimePoint::duration>(std::chrono::duration<double>(count));
@@ -45,8 +45,9 @@ LoadClient::LoadClient(asio::io_context& io, const LoadPlan& plan, core::TimePoi
 core::TimePoint LoadClient::intendedTime(uint64_t replay) const noexcept {
   const auto& wishes = plan_.trace.wishes;
   const uint64_t place = first_ + replay;
-  const double round_s = std::max(plan_.trace.duration_s, kShortestTrace_s);
-  const double t_s = static_cast<double>(place / wishes.size()) * round_s + wishes[place % wishes.size()].t_s;
+  const double round_s = std::max(plan_.trace.duration_s, kShortestTraceSeconds);
+  const size_t rounds = place / wishes.size();
+  const double t_s = static_cast<double>(rounds) * round_s + wishes[place % wishes.size()].t_s;
   return start_ + seconds(t_s - wishes[first_].t_s);
 }
 

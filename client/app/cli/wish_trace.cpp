@@ -18,10 +18,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kStep_s = 0.1;
+constexpr double kStepSeconds = 0.1;
 constexpr size_t kMaxSteps = 36'000;  ///< an hour of a path
 constexpr unsigned kOrbitKeys = 16;
-constexpr double kOrbit_s = 20;
+constexpr double kOrbitSeconds = 20;
 
 core::EngineOptions engineOptions(const ServedModel& model, const StreamOptions& options) {
   core::EngineOptions engine_options;
@@ -112,7 +112,8 @@ core::CameraPath orbit(const ModelSummary& model) {
     const double part = static_cast<double>(i) / kOrbitKeys, angle = 2 * glm::pi<double>() * part;
     const glm::dvec3 turned(arm.x * std::cos(angle) + arm.z * std::sin(angle), arm.y,
                             arm.z * std::cos(angle) - arm.x * std::sin(angle));
-    path.keys.push_back({kOrbit_s * part, first.target + turned * (1 - part / 2), first.target, first.up});
+    path.keys.push_back(
+        {kOrbitSeconds * part, first.target + turned * (1 - part / 2), first.target, first.up});
   }
   return path;
 }
@@ -126,11 +127,11 @@ WishTrace recordTrace(const ServedModel& model, const StreamOptions& options,
   const double begin_s = path.keys.front().t;
   WishTrace trace;
   trace.duration_s = path.keys.back().t - begin_s;
-  if (trace.duration_s > kStep_s * kMaxSteps)
+  if (trace.duration_s > kStepSeconds * kMaxSteps)
     throw Error(ErrorCode::kUsage, "a camera path of more than an hour: shorten it");
-  const auto steps = static_cast<size_t>(std::ceil(trace.duration_s / kStep_s));
+  const auto steps = static_cast<size_t>(std::ceil(trace.duration_s / kStepSeconds));
   for (size_t i = 0; i <= steps; ++i) {
-    const double t_s = std::min(kStep_s * static_cast<double>(i), trace.duration_s);
+    const double t_s = std::min(kStepSeconds * static_cast<double>(i), trace.duration_s);
     const core::CameraKey camera = core::cameraAt(path, begin_s + t_s);
     recorder.see(core::toView(camera, path.fov_y_deg, size_px.x, size_px.y, summary), pixels, t_s);
   }
