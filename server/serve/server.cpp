@@ -26,6 +26,17 @@ namespace {
 constexpr size_t kReaderThreads = 4;        ///< that may wait for the disk
 constexpr uint64_t kOtherDescriptors = 64;  ///< beside connections, stores and refusals
 
+/// A message as it may stand in a log, which others may read than those who know the machine's folders: each
+/// path is cut to its last name.
+std::string withoutFolders(std::string_view message) {
+  std::string said;
+  for (const char c : message) {
+    if (c == '/') said.erase(said.find_last_of(" '\"(") + 1);
+    if (c != '/') said += c;
+  }
+  return said;
+}
+
 unsigned threadsOf(const ServeOptions& options) {
   return options.threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : options.threads;
 }
@@ -205,9 +216,9 @@ void Server::State::reload() {
   const auto keeping = [&](const char* what, const auto& action) {
     try {
       action();
-    } catch (const std::exception& error) {  // its message may name a path: for the operator's eyes elsewhere
+    } catch (const std::exception& error) {
       log.write(LogKind::kServer, std::string(what) + " could not be reloaded; what there was stays",
-                {{"why", error.what()}});
+                {{"why", withoutFolders(error.what())}});
     }
   };
   keeping("stores", [&] { offer.catalog = reopenCatalog(*offer.catalog, options.stores, readerOptions()); });

@@ -1,6 +1,7 @@
 // Who is let in, and what he sees: tokens, TLS, the balancer's header, reloads.
 
 #include <fstream>
+#include <sstream>
 
 #include <asio/ssl/context.hpp>
 #include <asio/ssl/stream.hpp>
@@ -91,6 +92,23 @@ TEST_F(ServerAccess, aTokenFileThatIsWrongAtTheReloadLeavesWhatThereWas) {
   server_->reload();
   TestClient client = connect();
   EXPECT_EQ(greet(client, "one"), FrameType::kWelcome);
+}
+
+TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
+  const std::filesystem::path log = folder_.path() / "log.txt";
+  const int descriptor = ::open(log.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+  options_.log.descriptor = descriptor;
+  writeTokens("one never *\n");
+  start();
+  writeTokens("one sometimes *\n");
+  server_->reload();
+  stop();
+  server_.reset();
+  ::close(descriptor);
+  std::ostringstream said;
+  said << std::ifstream(log).rdbuf();
+  EXPECT_NE(said.str().find("tokens could not be reloaded"), std::string::npos) << said.str();
+  EXPECT_EQ(said.str().find(folder_.path().string()), std::string::npos) << said.str();
 }
 
 TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {
