@@ -15,7 +15,6 @@ namespace lode::serve {
 namespace {
 
 constexpr size_t kMaxKeptBodyBytes = 4u << 10;  ///< of the last frame, kept for the next
-constexpr auto kLinger = std::chrono::seconds(2);
 
 }  // namespace
 

@@ -59,8 +59,8 @@ MetricFamily latencies(const char* name, const char* help, Threads threads, cons
     auto& histogram = metric.histogram;
     for (size_t bucket = 0; bucket < LatencyTally::kBuckets; ++bucket) {
       for (const auto& thread : threads) histogram.sample_count += tally(*thread)[c].bucket(bucket);
-      if (bucket < kLatencyBounds_s.size())
-        histogram.bucket.push_back({histogram.sample_count, kLatencyBounds_s[bucket]});
+      if (bucket < kLatencyBoundsSeconds.size())
+        histogram.bucket.push_back({histogram.sample_count, kLatencyBoundsSeconds[bucket]});
     }
     for (const auto& thread : threads)
       histogram.sample_sum += static_cast<double>(tally(*thread)[c].sumNs()) * 1e-9;

@@ -21,18 +21,18 @@ class Tally {
 };
 
 /// Upper ends of a latency's buckets, seconds; one more holds what is beyond.
-constexpr std::array kLatencyBounds_s{0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02,
-                                      0.05,   0.1,    0.2,    0.5,   1.0,   2.0,   5.0,  10.0};
+constexpr std::array kLatencyBoundsSeconds{0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02,
+                                           0.05,   0.1,    0.2,    0.5,   1.0,   2.0,   5.0,  10.0};
 
 /// Durations, counted by bucket. One thread adds, any reads.
 class LatencyTally {
  public:
-  static constexpr size_t kBuckets = kLatencyBounds_s.size() + 1;
+  static constexpr size_t kBuckets = kLatencyBoundsSeconds.size() + 1;
 
   void add(std::chrono::nanoseconds duration) noexcept {
     const double seconds = std::chrono::duration<double>(duration).count();
     size_t bucket = 0;
-    while (bucket < kLatencyBounds_s.size() && seconds > kLatencyBounds_s[bucket]) ++bucket;
+    while (bucket < kLatencyBoundsSeconds.size() && seconds > kLatencyBoundsSeconds[bucket]) ++bucket;
     buckets_[bucket].add();
     sum_ns_.add(duration.count() > 0 ? static_cast<uint64_t>(duration.count()) : 0);
   }
