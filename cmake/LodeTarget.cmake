@@ -9,7 +9,8 @@ set(LODE_LAYER_serve store proto frame_stream common)
 set(LODE_LAYER_core proto common)
 set(LODE_LAYER_net core proto frame_stream common)
 set(LODE_LAYER_render core common)
-set(LODE_LAYER_app_cli net core proto common)
+set(LODE_LAYER_stream net core proto common)
+set(LODE_LAYER_app_cli stream net core proto common)
 
 # lode_target(NAME [EXECUTABLE] [SOURCES files...] [LAYERS layers...] [LIBRARIES outside...] [PUBLIC_LIBRARIES outside...])
 #   NAME      lode_<layer> for a library; the *.cpp in and below its folder are its sources unless SOURCES names them

@@ -4,6 +4,16 @@
 
 namespace lode {
 
+namespace {
+
+/// Marks that change the direction of the text around them, so that it reads as another.
+bool turnsText(uint32_t code) {
+  return code == 0x61C || code == 0x200E || code == 0x200F || (code >= 0x202A && code <= 0x202E) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
+}  // namespace
+
 bool isPrintableUtf8(std::string_view text) noexcept {
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -25,7 +35,7 @@ bool isPrintableUtf8(std::string_view text) noexcept {
     const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
     const bool surrogate = code >= 0xD800 && code < 0xE000;
     const bool control = code >= 0x80 && code < 0xA0;
-    if (overlong || surrogate || control || code > 0x10FFFF) return false;
+    if (overlong || surrogate || control || turnsText(code) || code > 0x10FFFF) return false;
     at += length;
   }
   return true;

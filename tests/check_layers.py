@@ -23,6 +23,7 @@ LAYER_OF = [
     ("server/", "server_app"),
     ("client/core/", "core"),
     ("client/net/", "net"),
+    ("client/stream/", "stream"),
     ("client/render/", "render"),
     ("client/app/window/", "window"),
     ("client/", "client_app"),
@@ -38,9 +39,10 @@ ALLOWED = {
     "server_app": {"server_app", "serve", "ingest", "store", "proto", "frame_stream", "common"},
     "core": {"core", "proto", "common"},
     "net": {"net", "core", "proto", "frame_stream", "common"},
+    "stream": {"stream", "net", "core", "proto", "common"},
     "render": {"render", "core", "common"},
-    "window": {"window", "client_app", "render", "net", "core", "proto", "frame_stream", "common"},
-    "client_app": {"window", "client_app", "render", "net", "core", "proto", "frame_stream", "common"},
+    "window": {"window", "client_app", "render", "stream", "net", "core", "proto", "frame_stream", "common"},
+    "client_app": {"window", "client_app", "render", "stream", "net", "core", "proto", "frame_stream", "common"},
 }
 
 # The folders of server/ingest, as the build flows: each may use itself and those before it.

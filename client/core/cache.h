@@ -1,25 +1,16 @@
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <memory>
-#include <set>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "client/core/mesh_key.h"
 #include "client/core/texture_footprint.h"
 #include "common/mesh.h"
-#include "common/node_key.h"
 
 namespace lode::core {
-
-/// Names one mesh of a model.
-struct MeshKey {
-  NodeKey node;
-  uint32_t rung = 0;
-  friend constexpr auto operator<=>(const MeshKey&, const MeshKey&) = default;
-};
 
 /// Bytes that a decoded mesh takes in memory.
 uint64_t meshBytes(const Mesh& mesh) noexcept;

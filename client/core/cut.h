@@ -34,9 +34,10 @@ struct Cut {
   View view;  ///< for which it was refined
   std::vector<CutPart> parts;
   uint64_t triangles = 0;
-  float max_error_px = 0;  ///< of the visible parts
-  bool converged = false;  ///< nothing visible is above the threshold, but leaves at their original
-                           ///< triangles, and every tile that the memory allows for textures is there
+  uint64_t blob_bytes = 0;  ///< of the blobs that it is made of
+  float max_error_px = 0;   ///< of the visible parts
+  bool converged = false;   ///< nothing visible is above the threshold, but leaves at their original
+                            ///< triangles, and every tile that the memory allows for textures is there
   std::shared_ptr<const TextureSet> textures;  ///< null: the model has none, or they are not there yet
   std::vector<ResidentTile> tiles;             ///< by key, coarse levels first
 };

@@ -275,6 +275,7 @@ class Run {
     in_use_.push_back(key);
     cut_->parts.push_back({key.node, rung, planned.visible, errorPx(planned, rung), cache_.find(key)});
     cut_->triangles += shown.triangles;
+    cut_->blob_bytes += shown.payload.bytes;
     if (planned.visible) cut_->max_error_px = std::max(cut_->max_error_px, cut_->parts.back().error_px);
   }
 
@@ -306,8 +307,7 @@ class Run {
     const Node& node = *planned.node;
     const float priority_px = std::min(shown_px, std::numeric_limits<float>::max() / kPagePriorityFactor);
     wanted_.push_back({node.child_page,
-                       {node.key, 0},
-                       true,
+                       {BlobKind::kPage, {node.key, 0}},
                        proto::WishClass::kVisible,
                        priority_px * kPagePriorityFactor});
   }
@@ -319,17 +319,19 @@ class Run {
       in_use_.push_back(key);
       return;
     }
-    wanted_.push_back({rung.payload, key, false,
-                       visible ? proto::WishClass::kVisible : proto::WishClass::kMargin, priority_px});
+    wanted_.push_back({rung.payload,
+                       {BlobKind::kMesh, key},
+                       visible ? proto::WishClass::kVisible : proto::WishClass::kMargin,
+                       priority_px});
   }
 
   Refinement finish(bool has_cut) {
     std::sort(cut_->parts.begin(), cut_->parts.end(),
               [](const CutPart& a, const CutPart& b) { return a.node < b.node; });
-    std::sort(wanted_.begin(), wanted_.end(), [](const Wanted& a, const Wanted& b) {
+    std::sort(wanted_.begin(), wanted_.end(), [](const Wish& a, const Wish& b) {
       if (a.wish_class != b.wish_class) return a.wish_class < b.wish_class;
       if (a.priority_px != b.priority_px) return a.priority_px > b.priority_px;
-      return std::tie(a.mesh, a.is_page) < std::tie(b.mesh, b.is_page);
+      return std::tie(a.use.mesh, a.use.kind) < std::tie(b.use.mesh, b.use.kind);
     });
     const bool settled = exact_ && !blocked_;
     cut_->converged = settled && !limited_;
@@ -358,7 +360,7 @@ class Run {
 
   std::shared_ptr<Cut> cut_;
   bool exact_ = true;  // the published cut is the wanted one
-  std::vector<Wanted> wanted_;
+  std::vector<Wish> wanted_;
   std::vector<MeshKey> in_use_, ancestors_;
 };
 

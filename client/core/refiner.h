@@ -10,8 +10,7 @@
 #include "client/core/cut.h"
 #include "client/core/hierarchy.h"
 #include "client/core/view.h"
-#include "common/blob.h"
-#include "proto/messages.h"
+#include "client/core/wish.h"
 
 namespace lode::core {
 
@@ -21,18 +20,9 @@ struct RefineOptions {
   uint64_t cut_budget_bytes = std::numeric_limits<uint64_t>::max();  ///< of decoded meshes in the wanted cut
 };
 
-/// A blob that the view asks for: the page below a node, or the payload of a mesh.
-struct Wanted {
-  BlobRef blob;
-  MeshKey mesh;  ///< of a page: the node that owns it, rung 0
-  bool is_page = false;
-  proto::WishClass wish_class = proto::WishClass::kVisible;
-  float priority_px = 0;  ///< error in the picture that its arrival helps to remove
-};
-
 struct Refinement {
   std::shared_ptr<Cut> cut;        ///< without its textures; null while nothing covers the model yet
-  std::vector<Wanted> wanted;      ///< not resident; best first
+  std::vector<Wish> wanted;        ///< pages and payloads, not resident; best first
   std::vector<MeshKey> in_use;     ///< resident: the cut's meshes, and those that wait for their siblings
   std::vector<MeshKey> ancestors;  ///< resident: coarser stand-ins for the cut
   bool limited = false;            ///< a budget stopped the wanted cut above the threshold

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/limits.h"
 #include "proto/limits.h"
 
 namespace lode::core {
@@ -26,7 +27,7 @@ Session::Session(SessionOptions options, TimePoint now)
       granted_bytes_(proto::kInitialWindowBytes),
       sent_grant_bytes_(proto::kInitialWindowBytes),
       now_(now),
-      last_received_(now),
+      last_sent_(now),
       last_ping_(now) {
   proto::Hello hello;
   hello.min_version = hello.max_version = proto::kProtocolVersion;
@@ -36,7 +37,7 @@ Session::Session(SessionOptions options, TimePoint now)
   if (options_.model.empty()) {
     send(proto::encode(proto::List{}, kSecondRequest));
   } else {
-    send(proto::encode(proto::Open{options_.model, {}}, kSecondRequest));
+    send(proto::encode(proto::Open{options_.model, options_.known_build_id}, kSecondRequest));
   }
   next_request_ = kSecondRequest + 1;
 }
@@ -47,13 +48,14 @@ void Session::send(const proto::Bytes& frame) {
 
 proto::Bytes Session::takeOutgoing() {
   sent_grant_bytes_ = granted_bytes_;
+  if (!outgoing_.empty()) last_sent_ = now_;
   return std::exchange(outgoing_, {});
 }
 
 void Session::receive(std::span<const std::byte> bytes, TimePoint now) {
-  now_ = now;
+  pass(now);
   if (bytes.empty()) return;
-  last_received_ = now;
+  silence_ = {};
   received_bytes_ += bytes.size();
   if (input_begin_ == input_.size()) {
     input_.clear();
@@ -127,9 +129,13 @@ void Session::handleOpened(const proto::FrameHeader& header, std::span<const std
   require(state_ == State::kAnswer && !options_.model.empty() && header.request == kSecondRequest,
           "an Opened out of turn");
   auto opened = proto::decode<proto::Opened>(body);
+  require(opened.summary.name == options_.model, "it opened another model than '" + options_.model + "'");
+  const BlobRef& root_page = opened.summary.root_page;
+  require(root_page && root_page.bytes > 0 && root_page.bytes <= kMaxPageBytes,
+          "the model's first page has " + std::to_string(root_page.bytes) + " bytes");
   handle_ = opened.handle;
   state_ = State::kOpen;
-  expectUnasked(opened.summary.root_page);
+  expectUnasked(opened.summary.root_page, {BlobKind::kRootPage, {kRootKey, 0}});
   sendPing();
   event_ = ModelOpened{std::move(opened.summary)};
 }
@@ -141,7 +147,7 @@ void Session::handleModels(const proto::FrameHeader& header, std::span<const std
   event_ = ModelsListed{proto::decode<proto::Models>(body).models};
 }
 
-void Session::expectUnasked(const BlobRef& blob) { unasked_ = Incoming{blob, {}}; }
+void Session::expectUnasked(const BlobRef& blob, const BlobUse& use) { unasked_ = Incoming{blob, use, {}}; }
 
 void Session::handleBlob(std::span<const std::byte> body) {
   const proto::BlobChunk chunk = proto::decodeBlobChunk(body);
@@ -180,7 +186,7 @@ SessionEvent Session::completed(Incoming incoming) {
   require(
       nameBlob(incoming.bytes) == incoming.blob.name,
       "blob " + std::to_string(incoming.blob.number) + " does not have the bytes that its name stands for");
-  return BlobArrived{incoming.blob, std::move(incoming.bytes)};
+  return BlobArrived{incoming.blob, incoming.use, std::move(incoming.bytes)};
 }
 
 void Session::handleCancelled(std::span<const std::byte> body) {
@@ -193,15 +199,31 @@ void Session::handleCancelled(std::span<const std::byte> body) {
 
 void Session::handleError(std::span<const std::byte> body) {
   const auto error = proto::decode<proto::ErrorMessage>(body);
-  if (error.wish == 0) {
-    std::string message = "the server says: " + error.message;
-    if (error.code == proto::WireError::kNoSuchModel) message += "; lodestream list shows what it has";
-    throw Error(ErrorCode::kNetwork, message);
-  }
+  if (error.wish == 0) return handleRefusal(error);
   const auto found = wishes_.find(error.wish);
   require(found != wishes_.end(), "an error for a wish that is not open");
-  event_ = BlobRefused{found->second.incoming.blob, error.message};
+  const Incoming& incoming = found->second.incoming;
+  event_ = BlobRefused{incoming.blob, incoming.use, error.message};
   endWish(error.wish);
+}
+
+/// The server refuses the session or the model.
+void Session::handleRefusal(const proto::ErrorMessage& error) {
+  const std::string message = "the server says: " + error.message;
+  switch (error.code) {
+    case proto::WireError::kLimit:
+    case proto::WireError::kNotReady:
+      event_ = ServerLeaving{error.message};
+      return;
+    case proto::WireError::kInternal:
+      throw Error(ErrorCode::kNetwork, message);
+    case proto::WireError::kNoSuchModel:
+      throw Error(ErrorCode::kInput, message + "; lodestream list shows what it has");
+    case proto::WireError::kUnauthorized:
+      throw Error(ErrorCode::kInput, message + "; give a token with --token-file or LODESTREAM_TOKEN");
+    default:
+      throw Error(ErrorCode::kInput, message);
+  }
 }
 
 void Session::endWish(uint32_t wish) {
@@ -212,7 +234,7 @@ void Session::endWish(uint32_t wish) {
 }
 
 /// A wish no longer counts in the limits.
-void Session::release(const Wish& wish) {
+void Session::release(const OpenWish& wish) {
   wished_bytes_ -= wish.incoming.blob.bytes;
   --wished_;
 }
@@ -220,16 +242,18 @@ void Session::release(const Wish& wish) {
 void Session::grantCredit() {
   if (state_ == State::kWelcome || granted_bytes_ - credited_bytes_ > proto::kFixedWindowBytes / 2) return;
   granted_bytes_ = credited_bytes_ + proto::kFixedWindowBytes;
-  send(proto::encode(proto::Credit{granted_bytes_}, next_request_++));
+  sendCredit();
 }
 
-void Session::setWishes(std::span<const BlobWish> wanted) {
+void Session::sendCredit() { send(proto::encode(proto::Credit{granted_bytes_}, next_request_++)); }
+
+void Session::setWishes(std::span<const Wish> wanted) {
   if (state_ != State::kOpen) return;
   std::unordered_set<uint32_t> accepted;
   std::vector<proto::WishChange> changes;
-  std::vector<const BlobWish*> additions;
+  std::vector<const Wish*> additions;
   uint64_t accepted_bytes = 0;
-  for (const BlobWish& wanting : wanted) {
+  for (const Wish& wanting : wanted) {
     const BlobRef& blob = wanting.blob;
     if (accepted.size() >= max_open_wishes_) break;
     if (!accepted.empty() && accepted_bytes + blob.bytes > options_.max_wished_bytes) break;
@@ -241,7 +265,7 @@ void Session::setWishes(std::span<const BlobWish> wanted) {
       additions.push_back(&wanting);
       continue;
     }
-    Wish& wish = wishes_.at(open->second);
+    OpenWish& wish = wishes_.at(open->second);
     const bool moved =
         wish.wish_class != wanting.wish_class || differsMuch(wish.priority_px, wanting.priority_px);
     if (wish.cancelling || !moved) continue;
@@ -256,12 +280,13 @@ void Session::setWishes(std::span<const BlobWish> wanted) {
     release(wish);
     changes.push_back({proto::WishAction::kCancel, wish.wish_class, number, wish.incoming.blob.number, 0});
   }
-  for (const BlobWish* wanting : additions) {
+  for (const Wish* wanting : additions) {
     const BlobRef& blob = wanting->blob;
     if (wished_ >= max_open_wishes_) break;
     if (wished_ != 0 && wished_bytes_ + blob.bytes > options_.max_wished_bytes) break;
     const uint32_t number = next_wish_++;
-    wishes_.emplace(number, Wish{{blob, {}}, wanting->wish_class, wanting->priority_px, false});
+    wishes_.emplace(number,
+                    OpenWish{{blob, wanting->use, {}}, wanting->wish_class, wanting->priority_px, false});
     wish_of_blob_.emplace(blob.number, number);
     wished_bytes_ += blob.bytes;
     ++wished_;
@@ -293,13 +318,20 @@ void Session::handlePong(std::span<const std::byte> body) {
 }
 
 void Session::tick(TimePoint now) {
-  now_ = now;
-  const auto silence = now - last_received_;
-  if (silence >= kSilenceLimit)
+  pass(now);
+  if (silence_ >= kSilenceLimit)
     throw Error(ErrorCode::kTimeout, "the server has said nothing for " +
                                          std::to_string(kSilenceLimit.count()) +
                                          " seconds: check the network and the server, then try again");
-  if (state_ != State::kWelcome && !ping_open_ && silence >= kPingInterval) sendPing();
+  if (state_ == State::kWelcome) return;
+  if (!ping_open_ && silence_ >= kPingInterval) sendPing();
+  // A slow link brings bytes for minutes in which a client has nothing to say; the server must hear of it.
+  if (outgoing_.empty() && now - last_sent_ >= kPingInterval) sendCredit();
+}
+
+void Session::pass(TimePoint now) {
+  silence_ += std::min<std::chrono::nanoseconds>(now - now_, kLongestPause);
+  now_ = now;
 }
 
 }  // namespace lode::core

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/core/wish.h"
 #include "common/blob.h"
 #include "common/model_summary.h"
 #include "proto/frame.h"
@@ -22,12 +23,14 @@ using TimePoint = std::chrono::steady_clock::time_point;
 
 constexpr std::chrono::seconds kPingInterval{10};  ///< of silence, after which a Ping is sent
 constexpr std::chrono::seconds kSilenceLimit{30};  ///< after which the server counts as gone
+constexpr std::chrono::seconds kLongestPause{2};   ///< between two calls that counts as silence of the server
 constexpr uint64_t kMaxWishedBytes = 32ull << 20;  ///< of open wishes together, unless one alone is larger
 constexpr uint32_t kMaxWishesAtOnce = 1024;        ///< enough to fill any window, few enough to re-sort
 constexpr float kReprioritiseFactor = 1.19f;       ///< 2^1/4: smaller changes of priority are not sent
 
 struct SessionOptions {
-  std::string model;  ///< empty: asks for the list of models and opens none
+  std::string model;        ///< empty: asks for the list of models and opens none
+  BlobName known_build_id;  ///< of the model as the client knows it; zeros for none
   std::string token;
   std::string program = "lodestream";
   uint64_t max_wished_bytes = kMaxWishedBytes;
@@ -42,30 +45,26 @@ struct ModelsListed {
 /// A blob is complete, and its bytes have the announced name.
 struct BlobArrived {
   BlobRef blob;
+  BlobUse use;
   std::vector<std::byte> bytes;
 };
 /// The server cannot give the blob.
 struct BlobRefused {
   BlobRef blob;
+  BlobUse use;
   std::string message;
 };
 /// A wish that was taken back has ended without its blob, which may be wished for again from now on.
 struct WishCancelled {
   BlobRef blob;
 };
-/// The server will close: reconnect.
+/// The server closes, for now: connect again.
 struct ServerLeaving {
   std::string reason;
 };
 struct ModelChanged {};
 using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, WishCancelled,
                                   ServerLeaving, ModelChanged>;
-
-struct BlobWish {
-  BlobRef blob;
-  proto::WishClass wish_class = proto::WishClass::kVisible;
-  float priority_px = 0;
-};
 
 /// One side of a conversation with a server, without a socket: bytes in, events out, bytes out. Everything
 /// that comes in is checked; what the protocol does not allow throws Error kProtocol (kLimit, kFormat), and
@@ -84,15 +83,16 @@ class Session {
 
   /// The next unasked blob (wish 0) that the server may send: the root's page is expected by itself, the
   /// root's coarsest payload is named by who reads the page.
-  void expectUnasked(const BlobRef& blob);
+  void expectUnasked(const BlobRef& blob, const BlobUse& use);
 
   /// What the client wants now, best first: wishes for what is new, re-prioritises, and cancels the rest.
   /// What goes beyond the limits of the session is left for a later call; so is what is wanted again while
   /// its cancel is under way, until the WishCancelled or the blob that ends it. Wishes taken back count in no
   /// limit: the server reads the cancels before the adds.
-  void setWishes(std::span<const BlobWish> wanted);
+  void setWishes(std::span<const Wish> wanted);
 
-  /// Keeps the connection alive. @throws Error kTimeout after kSilenceLimit without a byte.
+  /// Keeps the connection alive in both directions. @throws Error kTimeout after kSilenceLimit without a
+  /// byte. Time in which nobody called counts as kLongestPause: what came then waits to be received.
   void tick(TimePoint now);
 
   /// Frames to be sent, in order; the first call gives Hello and Open (or List) together.
@@ -109,9 +109,10 @@ class Session {
   enum class State { kWelcome, kAnswer, kOpen, kListed };
   struct Incoming {
     BlobRef blob;
+    BlobUse use;
     std::vector<std::byte> bytes;  // received so far; room for all of it is taken with the first chunk
   };
-  struct Wish {
+  struct OpenWish {
     Incoming incoming;
     proto::WishClass wish_class = proto::WishClass::kVisible;
     float priority_px = 0;
@@ -127,9 +128,12 @@ class Session {
   void handleCancelled(std::span<const std::byte> body);
   void handleError(std::span<const std::byte> body);
   void handlePong(std::span<const std::byte> body);
+  void handleRefusal(const proto::ErrorMessage& error);
   void endWish(uint32_t wish);
-  void release(const Wish& wish);
+  void release(const OpenWish& wish);
   void grantCredit();
+  void sendCredit();
+  void pass(TimePoint now);
   void send(const proto::Bytes& frame);
   void sendPing();
   void sendChanges(std::span<const proto::WishChange> changes);
@@ -142,7 +146,7 @@ class Session {
   uint32_t max_open_wishes_ = 0;
   uint32_t next_request_ = 1;
   uint32_t next_wish_ = 1;
-  std::map<uint32_t, Wish> wishes_;                      // by wish
+  std::map<uint32_t, OpenWish> wishes_;                  // by wish
   std::unordered_map<uint32_t, uint32_t> wish_of_blob_;  // blob number -> wish
   uint64_t wished_bytes_ = 0;  // of wishes that are not taken back, and how many these are
   size_t wished_ = 0;
@@ -151,7 +155,8 @@ class Session {
   uint64_t sent_grant_bytes_;    // what the server can know of: handed out by takeOutgoing()
   uint64_t credited_bytes_ = 0;  // received bodies of Blob frames
   uint64_t received_bytes_ = 0;
-  TimePoint now_, last_received_, last_ping_;
+  TimePoint now_, last_sent_, last_ping_;
+  std::chrono::nanoseconds silence_{0};  // of the server, while it was listened to
   std::optional<std::chrono::nanoseconds> round_trip_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;

@@ -1,6 +1,7 @@
 #include "client/core/texture_stream.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -19,6 +20,12 @@ void forEachTile(const Texture& texture, uint32_t number, Use&& use) {
 
 }  // namespace
 
+TextureStream::TextureStream(const BlobRef& set_blob, uint64_t budget_bytes)
+    : set_blob_(set_blob), cache_(budget_bytes) {
+  constexpr float kFirst = std::numeric_limits<float>::max();
+  missing_.push_back({set_blob_, {BlobKind::kTextureSet, {}}, proto::WishClass::kVisible, kFirst});
+}
+
 void TextureStream::takeSet(std::span<const std::byte> bytes) {
   auto set = std::make_shared<const TextureSet>(decodeTextureSet(bytes));
   std::map<uint32_t, Keys> keys;
@@ -35,6 +42,7 @@ void TextureStream::takeSet(std::span<const std::byte> bytes) {
     });
   }
   set_ = std::move(set);
+  missing_.clear();
   keys_ = std::move(keys);
 }
 
@@ -55,7 +63,10 @@ void TextureStream::refine(std::span<const TexturedPart> parts, const View& view
       in_use.push_back(blob.number);
       blob_bytes_in_use_ += blob.bytes;
     } else {
-      missing_.push_back({blob, tile.visible, tile.priority_px});
+      missing_.push_back({blob,
+                          {BlobKind::kTile, {}},
+                          tile.visible ? proto::WishClass::kVisible : proto::WishClass::kMargin,
+                          tile.priority_px});
     }
   }
   cache_.use(in_use);

@@ -12,6 +12,7 @@
 #include "client/core/texture_cache.h"
 #include "client/core/texture_wants.h"
 #include "client/core/tile_key.h"
+#include "client/core/wish.h"
 #include "common/blob.h"
 #include "common/texture_set.h"
 
@@ -25,9 +26,8 @@ constexpr uint64_t kTextureBudgetShare = 4;
 class TextureStream {
  public:
   /// @param set_blob  of the encoded set.
-  TextureStream(const BlobRef& set_blob, uint64_t budget_bytes) : set_blob_(set_blob), cache_(budget_bytes) {}
+  TextureStream(const BlobRef& set_blob, uint64_t budget_bytes);
 
-  const BlobRef& setBlob() const noexcept { return set_blob_; }
   /// @throws Error kFormat or kLimit.
   void takeSet(std::span<const std::byte> bytes);
   /// Null until it is there.
@@ -43,13 +43,8 @@ class TextureStream {
 
   /// Decides what is needed, and evicts what is not where room is short. Does nothing without the set.
   void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
-  /// Needed and not resident, each blob once, best first.
-  struct Missing {
-    BlobRef blob;
-    bool visible = true;
-    float priority_px = 0;
-  };
-  const std::vector<Missing>& missing() const noexcept { return missing_; }
+  /// Needed and not resident, each blob once, best first; the set alone until it is there.
+  const std::vector<Wish>& missing() const noexcept { return missing_; }
   /// The set is there, and so is all that the view needs and the budget allows.
   bool complete() const noexcept { return set_ && refined_ && missing_.empty(); }
   /// Tiles that the view needs and the budget does not allow.
@@ -74,7 +69,7 @@ class TextureStream {
   TextureCache cache_;
   std::shared_ptr<const TextureSet> set_;
   std::map<uint32_t, Keys> keys_;  // by blob number
-  std::vector<Missing> missing_;
+  std::vector<Wish> missing_;
   size_t left_out_ = 0;
   uint64_t blob_bytes_in_use_ = 0;
   bool refined_ = false;

@@ -32,17 +32,17 @@ void checkHeader(std::span<const std::byte> bytes) {
 
 /// A few small blobs under the numbers that the corpus uses, so that chunks and refusals of wishes are
 /// reached.
-std::vector<core::BlobWish> fewWishes() {
-  std::vector<core::BlobWish> wishes;
+std::vector<core::Wish> fewWishes() {
+  std::vector<core::Wish> wishes;
   for (uint32_t number = 2; number < 8; ++number)
-    wishes.push_back({{number, 40 * number, {}}, proto::WishClass::kVisible, 1.0f});
+    wishes.push_back({{number, 40 * number, {}}, {}, proto::WishClass::kVisible, 1.0f});
   return wishes;
 }
 
 void take(core::Session& session) {
   while (const auto event = session.nextEvent()) {
     if (const auto* opened = std::get_if<core::ModelOpened>(&*event)) {
-      if (opened->summary.root_page) session.expectUnasked(opened->summary.root_page);
+      if (opened->summary.root_page) session.expectUnasked(opened->summary.root_page, {});
       session.setWishes(fewWishes());
     }
     if (const auto* arrived = std::get_if<core::BlobArrived>(&*event))

@@ -28,7 +28,7 @@ std::string childFailure(const ChildProcess& child, const std::string& what) {
   return said.empty() ? what : said;
 }
 
-ServedModel readReadyLine(ChildProcess& child, const fs::path& store) {
+stream::ServedModel readReadyLine(ChildProcess& child, const fs::path& store) {
   const std::string line = child.readLine(kReadyTimeout);
   const auto json = nlohmann::json::parse(line, nullptr, false);
   if (line.empty() || !json.is_object() || !json.contains("listen") || !json["listen"].is_string() ||
@@ -113,19 +113,19 @@ ChildServer::ChildServer(const fs::path& store)
       served_(readReadyLine(process_, store)) {}
 
 ResolvedTarget resolveTarget(const Target& target, bool announce, std::stop_token stop) {
-  if (const auto* served = std::get_if<ServedModel>(&target)) return {*served, nullptr, {}};
+  if (const auto* served = std::get_if<stream::ServedModel>(&target)) return {*served, nullptr, {}};
   const auto* ply = std::get_if<PlyFile>(&target);
   const fs::path file = ply ? ply->path : std::get<StoreFile>(target).path;
   const fs::path store = ply ? buildIntoCache(file, announce, stop) : file;
   auto child = std::make_unique<ChildServer>(store);
-  ServedModel served = child->served();
+  stream::ServedModel served = child->served();
   return {std::move(served), std::move(child), file};
 }
 
-const ModelSummary& openModel(Streamer& streamer, const ResolvedTarget& target,
-                              std::chrono::milliseconds timeout) {
+const ModelSummary& openModel(stream::Streamer& streamer, const ResolvedTarget& target,
+                              std::chrono::milliseconds timeout, std::stop_token stop) {
   try {
-    return streamer.waitForModel(timeout);
+    return streamer.waitForModel(timeout, std::move(stop));
   } catch (const Error& failed) {
     if (target.file.empty()) throw;
     throw Error(failed.code(), target.file.string() + ": " + failed.what());

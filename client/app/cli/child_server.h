@@ -6,8 +6,8 @@
 #include <stop_token>
 
 #include "client/app/cli/child_process.h"
-#include "client/app/cli/streamer.h"
 #include "client/app/cli/target.h"
+#include "client/stream/streamer.h"
 
 namespace lode::app {
 
@@ -18,17 +18,17 @@ class ChildServer {
   /// Starts it and waits until it is ready. @throws Error kIo naming what failed and what the child said.
   explicit ChildServer(const std::filesystem::path& store);
 
-  const ServedModel& served() const noexcept { return served_; }
+  const stream::ServedModel& served() const noexcept { return served_; }
 
  private:
   ChildProcess process_;
-  ServedModel served_;
+  stream::ServedModel served_;
 };
 
 /// A target that can be connected to: starts a child server where the target is a file, after building a PLY
 /// into the XDG cache (keyed by path, size, time, options and builder) unless that was done before.
 struct ResolvedTarget {
-  ServedModel served;
+  stream::ServedModel served;
   std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
   std::filesystem::path file;          ///< as the user named it; empty: on a server
 };
@@ -37,9 +37,9 @@ struct ResolvedTarget {
 /// @throws Error.
 ResolvedTarget resolveTarget(const Target& target, bool announce, std::stop_token stop = {});
 
-/// Waits until the model of a target is open. @throws Error as Streamer::waitForModel, naming the target's
-/// file.
-const ModelSummary& openModel(Streamer& streamer, const ResolvedTarget& target,
-                              std::chrono::milliseconds timeout);
+/// Waits until the model of a target is open. @throws Error as stream::Streamer::waitForModel, naming the
+/// target's file.
+const ModelSummary& openModel(stream::Streamer& streamer, const ResolvedTarget& target,
+                              std::chrono::milliseconds timeout, std::stop_token stop = {});
 
 }  // namespace lode::app

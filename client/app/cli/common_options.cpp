@@ -83,8 +83,8 @@ std::chrono::milliseconds CommonOptions::timeout() const {
   return std::chrono::milliseconds(static_cast<int64_t>(std::ceil(timeout_s * 1000)));
 }
 
-StreamOptions CommonOptions::streamOptions() const {
-  StreamOptions options;
+stream::StreamOptions CommonOptions::streamOptions() const {
+  stream::StreamOptions options;
   options.token = readToken(token_file);
   if (options.token.size() > proto::kMaxTokenBytes)
     throw Error(ErrorCode::kUsage,

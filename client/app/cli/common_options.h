@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "client/app/cli/streamer.h"
+#include "client/stream/streamer.h"
 
 namespace CLI {
 class App;
@@ -37,7 +37,7 @@ struct CommonOptions {
   PictureSize size() const { return parseSize(size_text); }
   std::chrono::milliseconds timeout() const;
   /// Memory budget, and the token from the file or LODESTREAM_TOKEN. @throws Error.
-  StreamOptions streamOptions() const;
+  stream::StreamOptions streamOptions() const;
 };
 
 /// Declares what every client command has: the target (as the command names it), --timeout and --token-file.

@@ -12,9 +12,9 @@
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/cut_mesh.h"
-#include "client/app/cli/streamer.h"
 #include "client/app/cli/target.h"
 #include "client/core/camera_path.h"
+#include "client/stream/streamer.h"
 #include "common/error.h"
 #include "common/ply_writer.h"
 
@@ -39,7 +39,7 @@ struct KeyResult {
   double t = 0;
   std::optional<double> first_image_ms, converged_ms;  // since the key's start
   bool is_complete = false;  ///< there is nothing finer to ask for, in what the budget allows
-  StreamStatus status;
+  stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
 };
@@ -55,7 +55,7 @@ Json toJson(const KeyResult& key) {
   json["texture_bytes"] = key.status.counts.texture_blob_bytes;
   json["tiles"] = key.status.counts.tiles;
   json["tiles_left_out"] = key.status.counts.tiles_left_out;
-  json["final_cut_bytes"] = key.status.cut_blob_bytes;
+  json["final_cut_bytes"] = key.status.cut ? key.status.cut->blob_bytes : 0;
   json["triangles"] = key.status.cut ? key.status.cut->triangles : 0;
   json["nodes"] = key.status.cut ? key.status.cut->parts.size() : 0;
   json["max_error_px"] = key.status.cut ? Json(key.status.cut->max_error_px) : Json();
@@ -82,10 +82,10 @@ class Fetch {
   void run() {
     std::optional<core::CameraPath> path;
     if (!options_.common.camera_file.empty()) path = core::readCameraPath(options_.common.camera_file);
-    const StreamOptions stream_options = options_.common.streamOptions();
+    const stream::StreamOptions stream_options = options_.common.streamOptions();
     const ResolvedTarget target = resolveTarget(parseTarget(options_.common.target), !options_.json);
     start_ = Clock::now();
-    Streamer streamer(target.served, stream_options);
+    stream::Streamer streamer(target.served, stream_options);
     const ModelSummary& model = openModel(streamer, target, left());
     if (!path) path = core::framingCamera(model);
     for (const core::CameraKey& camera : path->keys) {
@@ -108,7 +108,7 @@ class Fetch {
     return std::max(options_.common.timeout() - spent, std::chrono::milliseconds(0));
   }
 
-  KeyResult converge(Streamer& streamer, const core::CameraKey& camera, const core::CameraPath& path,
+  KeyResult converge(stream::Streamer& streamer, const core::CameraKey& camera, const core::CameraPath& path,
                      const ModelSummary& model) {
     const Clock::time_point start = keys_.empty() ? start_ : Clock::now();
     KeyResult key;
@@ -151,8 +151,10 @@ class Fetch {
       throw Error(ErrorCode::kLimit,
                   where + ": the memory budget does not hold it; allow more with --memory-budget, " +
                       "or a larger error with --pixels");
+    const std::string why = key.status.trouble.empty() ? "" : " (" + key.status.trouble + ")";
     throw Error(ErrorCode::kTimeout, where + " within " + std::to_string(options_.common.timeout().count()) +
-                                         " ms; allow more with --timeout, or a larger error with --pixels");
+                                         " ms" + why +
+                                         "; allow more with --timeout, or a larger error with --pixels");
   }
 
   const FetchOptions& options_;

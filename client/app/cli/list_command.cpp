@@ -48,7 +48,7 @@ class Bell {
   bool rung_ = false;
 };
 
-std::vector<ModelSummary> askForModels(const net::Address& address, const StreamOptions& options,
+std::vector<ModelSummary> askForModels(const net::Address& address, const stream::StreamOptions& options,
                                        std::chrono::milliseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
   Bell bell;
@@ -59,8 +59,12 @@ std::vector<ModelSummary> askForModels(const net::Address& address, const Stream
   transport.send(session.takeOutgoing());
   while (bell.waitUntil(deadline)) {
     session.receive(transport.takeReceived(), Clock::now());
-    while (auto event = session.nextEvent())
+    while (auto event = session.nextEvent()) {
       if (auto* listed = std::get_if<core::ModelsListed>(&*event)) return std::move(listed->models);
+      if (const auto* leaving = std::get_if<core::ServerLeaving>(&*event))
+        throw Error(ErrorCode::kNetwork, net::toString(address) + " takes no more clients now (" +
+                                             leaving->reason + "): try again later");
+    }
     transport.send(session.takeOutgoing());
   }
   throw Error(ErrorCode::kTimeout, "no list from " + net::toString(address) + " within " +

@@ -86,7 +86,7 @@ void LoadClient::addDueWishes(core::TimePoint now) {
   bool added = false;
   while (!wishes.empty() && intendedTime(replayed_) <= std::min(now, plan_.end)) {
     const size_t traced = (first_ + replayed_) % wishes.size();
-    const core::BlobWish& wish = wishes[traced].wish;
+    const core::Wish& wish = wishes[traced].wish;
     added |= pending_.try_emplace(wish.blob.number, Pending{wish, intendedTime(replayed_), traced}).second;
     ++replayed_;
   }
@@ -95,10 +95,10 @@ void LoadClient::addDueWishes(core::TimePoint now) {
 
 void LoadClient::sendWishes() {
   if (!session_->opened()) return;
-  std::vector<core::BlobWish> wishes;
+  std::vector<core::Wish> wishes;
   wishes.reserve(pending_.size());
   for (const auto& [number, pending] : pending_) wishes.push_back(pending.wish);
-  std::ranges::stable_sort(wishes, [](const core::BlobWish& a, const core::BlobWish& b) {
+  std::ranges::stable_sort(wishes, [](const core::Wish& a, const core::Wish& b) {
     return a.wish_class != b.wish_class ? a.wish_class < b.wish_class : a.priority_px > b.priority_px;
   });
   session_->setWishes(wishes);
@@ -154,7 +154,7 @@ void LoadClient::arrived(const core::BlobArrived& blob, core::TimePoint now) {
         decodePage(blob.bytes, kRootKey, true);  // the root's page comes before all others
     const BlobRef& coarsest = page.nodes.front().rungs.back().payload;
     first_rung_ = coarsest.number;
-    if (coarsest) session_->expectUnasked(coarsest);
+    if (coarsest) session_->expectUnasked(coarsest, {});
   }
 }
 

@@ -29,8 +29,8 @@ struct LoadTally {
 
 /// What all clients of a load test are told.
 struct LoadPlan {
-  ServedModel model;
-  StreamOptions options;
+  stream::ServedModel model;
+  stream::StreamOptions options;
   WishTrace trace;
   bool decode = true;
   core::TimePoint end;
@@ -54,7 +54,7 @@ class LoadClient {
 
  private:
   struct Pending {
-    core::BlobWish wish;
+    core::Wish wish;
     core::TimePoint intended;
     size_t traced = 0;  ///< its place in the trace
   };

@@ -47,7 +47,7 @@ void OverheardWishes::takeChunk(const proto::BlobChunk& chunk) {
   wish.bytes.insert(wish.bytes.end(), chunk.bytes.begin(), chunk.bytes.end());
   if (wish.bytes.size() < chunk.header.total_bytes) return;
   const BlobRef blob{wish.asked.blob, chunk.header.total_bytes, nameBlob(wish.bytes)};
-  tell_({blob, wish.asked.wish_class, wish.asked.priority_px}, wish.asked_at);
+  tell_({blob, {}, wish.asked.wish_class, wish.asked.priority_px}, wish.asked_at);
   wishes_.erase(found);
 }
 

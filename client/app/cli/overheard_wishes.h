@@ -17,7 +17,7 @@ namespace lode::app {
 class OverheardWishes {
  public:
   /// @param asked_at  what sent() was told with the wish.
-  using Tell = std::function<void(const core::BlobWish& wish, double asked_at)>;
+  using Tell = std::function<void(const core::Wish& wish, double asked_at)>;
   explicit OverheardWishes(Tell tell) : tell_(std::move(tell)) {}
 
   /// Whole frames that the client sends. @param now  any clock.

@@ -48,7 +48,7 @@ Target parseTarget(std::string_view text) {
   if (model.size() > kMaxModelNameBytes || model.find('/') != std::string::npos)
     throw Error(ErrorCode::kUsage, "'" + std::string(text) + "': a model's name has no slash and at most " +
                                        std::to_string(kMaxModelNameBytes) + " bytes");
-  return ServedModel{net::parseAddress(rest.substr(0, slash)), std::move(model)};
+  return stream::ServedModel{net::parseAddress(rest.substr(0, slash)), std::move(model)};
 }
 
 net::Address parseServerUrl(std::string_view text) {

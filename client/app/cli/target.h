@@ -1,20 +1,13 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <string_view>
 #include <variant>
 
 #include "client/net/address.h"
+#include "client/stream/served_model.h"
 
 namespace lode::app {
-
-/// lode://host[:port]/model
-struct ServedModel {
-  net::Address address;
-  std::string model;
-  bool operator==(const ServedModel&) const = default;
-};
 
 /// What a command works on: a model on a server, or a local file that a child server will serve.
 struct StoreFile {
@@ -23,7 +16,7 @@ struct StoreFile {
 struct PlyFile {
   std::filesystem::path path;
 };
-using Target = std::variant<ServedModel, StoreFile, PlyFile>;
+using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 
 /// @throws Error kUsage for what cannot be a target, kIo for a file that is not there.
 Target parseTarget(std::string_view text);

@@ -23,7 +23,7 @@ constexpr size_t kMaxSteps = 36'000;  ///< an hour of a path
 constexpr unsigned kOrbitKeys = 16;
 constexpr double kOrbitSeconds = 20;
 
-core::EngineOptions engineOptions(const ServedModel& model, const StreamOptions& options) {
+core::EngineOptions engineOptions(const stream::ServedModel& model, const stream::StreamOptions& options) {
   core::EngineOptions engine_options;
   engine_options.session.model = model.model;
   engine_options.session.token = options.token;
@@ -34,11 +34,13 @@ core::EngineOptions engineOptions(const ServedModel& model, const StreamOptions&
 /// One client that goes along the path as fast as it can, and notes what it wishes for.
 class Recorder {
  public:
-  Recorder(const ServedModel& model, const StreamOptions& options, Clock::time_point deadline)
+  Recorder(const stream::ServedModel& model, const stream::StreamOptions& options, Clock::time_point deadline)
       : deadline_(deadline),
         where_(net::toString(model.address) + '/' + model.model),
-        engine_(engineOptions(model, options), Clock::now()),
-        transport_(io_, model.address, options.connect_timeout, [] {}) {}
+        engine_(engineOptions(model, options)),
+        transport_(io_, model.address, options.connect_timeout, [] {}) {
+    engine_.connect(Clock::now());
+  }
 
   const ModelSummary& open() {
     while (engine_.summary() == nullptr) exchange();
@@ -92,7 +94,7 @@ class Recorder {
   const std::string where_;
   double t_s_ = 0;
   std::vector<TracedWish> wishes_;
-  OverheardWishes overheard_{[this](const core::BlobWish& wish, double t_s) {
+  OverheardWishes overheard_{[this](const core::Wish& wish, double t_s) {
     wishes_.push_back({t_s, wish, {}});
   }};
   std::map<BlobName, core::DecodeJob> jobs_;
@@ -118,7 +120,7 @@ core::CameraPath orbit(const ModelSummary& model) {
   return path;
 }
 
-WishTrace recordTrace(const ServedModel& model, const StreamOptions& options,
+WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
                       const std::optional<core::CameraPath>& wanted_path, glm::uvec2 size_px, float pixels,
                       std::chrono::milliseconds timeout) {
   Recorder recorder(model, options, Clock::now() + timeout);

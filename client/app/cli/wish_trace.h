@@ -6,17 +6,17 @@
 
 #include <glm/glm.hpp>
 
-#include "client/app/cli/streamer.h"
 #include "client/app/cli/target.h"
 #include "client/core/camera_path.h"
 #include "client/core/engine.h"
+#include "client/stream/streamer.h"
 
 namespace lode::app {
 
 /// A wish, at the time at which a client makes it whose link takes no time.
 struct TracedWish {
   double t_s = 0;  ///< from the path's beginning
-  core::BlobWish wish;
+  core::Wish wish;
   std::optional<core::DecodeJob> decode;  ///< without bytes: how to decode the blob; none of pages
 };
 
@@ -31,7 +31,7 @@ core::CameraPath orbit(const ModelSummary& model);
 
 /// Goes along a path in steps of a tenth of a second, waiting at each until nothing is missing.
 /// @param path  none: orbit(). @throws Error kNetwork and so on as a Session does, kTimeout.
-WishTrace recordTrace(const ServedModel& model, const StreamOptions& options,
+WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
                       const std::optional<core::CameraPath>& path, glm::uvec2 size_px, float pixels,
                       std::chrono::milliseconds timeout);
 

@@ -13,12 +13,12 @@ std::string firstPhase(const Target& target) {
   }
   if (const auto* store = std::get_if<StoreFile>(&target))
     return "Opening " + store->path.filename().string();
-  return "Connecting to " + net::toString(std::get<ServedModel>(target).address);
+  return "Connecting to " + net::toString(std::get<stream::ServedModel>(target).address);
 }
 
 }  // namespace
 
-ModelOpener::ModelOpener(Target target, StreamOptions options, std::chrono::milliseconds timeout)
+ModelOpener::ModelOpener(Target target, stream::StreamOptions options, std::chrono::milliseconds timeout)
     : target_(std::move(target)), options_(std::move(options)), timeout_(timeout) {
   progress_.phase = firstPhase(target_);
   thread_ = std::thread([this] { run(); });
@@ -47,8 +47,8 @@ void ModelOpener::run() {
   try {
     const ResolvedTarget resolved = resolveTarget(target_, true, stopping_.get_token());
     say("Connecting to " + net::toString(resolved.served.address));
-    Streamer streamer(resolved.served, options_);
-    const ModelSummary& model = openModel(streamer, resolved, timeout_);
+    stream::Streamer streamer(resolved.served, options_);
+    const ModelSummary& model = openModel(streamer, resolved, timeout_, stopping_.get_token());
     std::unique_lock lock(mutex_);
     progress_.phase.clear();
     progress_.streamer = &streamer;

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "client/app/cli/common_options.h"
-#include "client/app/cli/streamer.h"
 #include "client/app/cli/target.h"
+#include "client/stream/streamer.h"
 #include "common/error.h"
 #include "common/model_summary.h"
 
@@ -20,14 +20,14 @@ namespace lode::app {
 /// thread lives as long as this object, since a child process ends with the thread that started it.
 class ModelOpener {
  public:
-  ModelOpener(Target target, StreamOptions options, std::chrono::milliseconds timeout);
+  ModelOpener(Target target, stream::StreamOptions options, std::chrono::milliseconds timeout);
   ~ModelOpener();
   ModelOpener(const ModelOpener&) = delete;
   ModelOpener& operator=(const ModelOpener&) = delete;
 
   struct Progress {
-    std::string phase;             ///< what is being done
-    Streamer* streamer = nullptr;  ///< once the model is open; lives as long as the opener
+    std::string phase;                     ///< what is being done
+    stream::Streamer* streamer = nullptr;  ///< once the model is open; lives as long as the opener
     const ModelSummary* model = nullptr;
     std::optional<Error> error;
   };
@@ -38,7 +38,7 @@ class ModelOpener {
   void say(std::string phase);
 
   const Target target_;
-  const StreamOptions options_;
+  const stream::StreamOptions options_;
   const std::chrono::milliseconds timeout_;
   mutable std::mutex mutex_;
   std::condition_variable stop_;

@@ -13,13 +13,13 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
-#include "client/app/cli/streamer.h"
 #include "client/app/cli/target.h"
 #include "client/core/camera_path.h"
 #include "client/render/framebuffer.h"
 #include "client/render/image.h"
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
+#include "client/stream/streamer.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -70,8 +70,9 @@ void makeFolder(const std::string& folder) {
 }
 
 /// Waits until the stream has converged for its view. @throws Error if it cannot, or not in time.
-std::shared_ptr<const core::Cut> converge(Streamer& streamer, const RenderOptions& options, double t) {
-  const StreamStatus status = streamer.waitForConvergence(options.common.timeout());
+std::shared_ptr<const core::Cut> converge(stream::Streamer& streamer, const RenderOptions& options,
+                                          double t) {
+  const stream::StreamStatus status = streamer.waitForConvergence(options.common.timeout());
   if (status.settled && status.cut && status.cut->converged) return status.cut;
   const std::string where =
       options.common.target + " did not converge for the picture at t = " + std::to_string(t);
@@ -90,7 +91,7 @@ void render(const RenderOptions& options) {
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png and --frames DIR");
   }
   const PictureSize size = options.common.size();
-  const StreamOptions stream_options = options.common.streamOptions();
+  const stream::StreamOptions stream_options = options.common.streamOptions();
   std::optional<core::CameraPath> path;
   if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
   const Target parsed = parseTarget(options.common.target);
@@ -100,7 +101,7 @@ void render(const RenderOptions& options) {
   makeFolder(options.folder);
 
   const ResolvedTarget resolved = resolveTarget(parsed, true);
-  Streamer streamer(resolved.served, stream_options);
+  stream::Streamer streamer(resolved.served, stream_options);
   const ModelSummary& model = openModel(streamer, resolved, options.common.timeout());
   if (!path) path = core::framingCamera(model);
   render::Renderer renderer(model.lattice.step, render::residencyFor(stream_options.memory_budget_bytes));

@@ -157,6 +157,8 @@ void Viewer::describe() {
   content_.flying = rig_ && rig_->flying();
   if (!status_.failure.empty()) {
     content_.message = status_.failure;
+  } else if (!status_.trouble.empty()) {
+    content_.message = "connecting anew: " + status_.trouble;
   } else if (renderer_.meshes().overBudget()) {
     content_.message = "not enough graphics memory for more detail";
   } else if (status_.settled && status_.limited) {

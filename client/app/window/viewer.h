@@ -21,7 +21,8 @@ struct ViewOptions {
 };
 
 /// The window: takes input, tells the stream what is looked at, uploads within each frame's budget and draws.
-/// Refinement, network and decoding happen on the threads of the Streamer. For the program's first thread.
+/// Refinement, network and decoding happen on the threads of the stream::Streamer. For the program's first
+/// thread.
 class Viewer {
  public:
   /// Opens the window and begins to open the target. @throws Error.
@@ -55,9 +56,9 @@ class Viewer {
   std::optional<render::Framebuffer> target_;
   std::optional<CameraRig> rig_;
   ModelOpener opener_;
-  Streamer* streamer_ = nullptr;  ///< opener_'s, once the model is open
+  stream::Streamer* streamer_ = nullptr;  ///< opener_'s, once the model is open
 
-  StreamStatus status_;
+  stream::StreamStatus status_;
   render::DrawStyle style_;
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), last_frame_ = started_, noted_ = started_;

@@ -1,7 +1,7 @@
 // Server and client in one process, so that sanitizers see both sides' threads: views that change while blobs
 // are under way, streams that end in the middle, a server that goes.
 
-#include "client/app/cli/streamer.h"
+#include "client/stream/streamer.h"
 
 #include <atomic>
 #include <cmath>
@@ -22,13 +22,13 @@ namespace lode::test {
 namespace {
 
 using namespace std::chrono_literals;
-using app::Streamer;
-using app::StreamStatus;
+using stream::Streamer;
+using stream::StreamStatus;
 
 constexpr auto kPatience = 60s;
 
-app::StreamOptions threads(unsigned count) {
-  app::StreamOptions options;
+stream::StreamOptions threads(unsigned count) {
+  stream::StreamOptions options;
   options.decode_threads = count;
   return options;
 }
@@ -40,16 +40,21 @@ class Streaming : public testing::Test {
     SyntheticModel model = makeModel(
         makeSphere(96, 64, {.attributes = {AttributeSet::kColour}, .extent = 4000}), {.leaf_triangles = 200});
     writeStore(folder_ / "a.lode", model);
+    startServer();
+  }
+  ~Streaming() override { stopServer(); }
+
+  /// On a port of its own choice, and then always on that.
+  void startServer() {
     serve::ServeOptions options;
     options.stores = {folder_ / "a.lode"};
-    options.listen = "127.0.0.1:0";
+    options.listen = "127.0.0.1:" + std::to_string(served_.address.port);
     options.threads = 2;
     options.drain_deadline = 100ms;
     server_.emplace(options);
     served_ = {{"127.0.0.1", server_->port()}, "a"};
     thread_ = std::thread([this] { server_->run(); });
   }
-  ~Streaming() override { stopServer(); }
 
   void stopServer() {
     if (server_) server_->stop();
@@ -69,7 +74,7 @@ class Streaming : public testing::Test {
 
   const WorkFolder folder_;
   std::optional<serve::Server> server_;
-  app::ServedModel served_;
+  stream::ServedModel served_{{"127.0.0.1", 0}, "a"};
   std::thread thread_;
 };
 
@@ -132,15 +137,30 @@ TEST_F(Streaming, mayEndAtAnyTime) {
   }
 }
 
-TEST_F(Streaming, endsAndKeepsItsCutWhenTheServerGoes) {
+TEST_F(Streaming, goesOnWhenTheServerComesBack) {
+  Streamer streamer(served_, threads(2));
+  const ModelSummary& model = streamer.waitForModel(kPatience);
+  streamer.setView(viewAt(1, model), 5);
+  ASSERT_TRUE(streamer.waitForConvergence(kPatience).settled);
+  stopServer();
+  streamer.setView(viewAt(2, model), 0.1f);
+  startServer();
+  const StreamStatus status = streamer.waitForConvergence(kPatience);
+  EXPECT_EQ(status.failure, "");
+  EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
+}
+
+TEST_F(Streaming, keepsItsCutAndSaysWhyWhenTheServerGoes) {
   Streamer streamer(served_, {});
   const ModelSummary& model = streamer.waitForModel(kPatience);
-  streamer.setView(viewAt(1, model), 0.5f);
+  streamer.setView(viewAt(1, model), 50);
   ASSERT_TRUE(streamer.waitForConvergence(kPatience).settled);
   stopServer();
   streamer.setView(viewAt(2, model), 0.001f);
-  const StreamStatus status = streamer.waitForConvergence(kPatience);
-  EXPECT_TRUE(status.ended || status.settled || !status.failure.empty());
+  const StreamStatus status = streamer.waitForConvergence(1s);
+  EXPECT_FALSE(status.settled);
+  EXPECT_FALSE(status.ended) << status.failure;
+  EXPECT_NE(status.trouble, "");
   EXPECT_TRUE(status.cut);
 }
 

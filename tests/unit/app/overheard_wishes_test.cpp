@@ -30,11 +30,11 @@ class OverheardWishesTest : public testing::Test {
   }
 
   struct Told {
-    core::BlobWish wish;
+    core::Wish wish;
     double asked_at;
   };
   std::vector<Told> told_;
-  OverheardWishes overheard_{[this](const core::BlobWish& wish, double at) { told_.push_back({wish, at}); }};
+  OverheardWishes overheard_{[this](const core::Wish& wish, double at) { told_.push_back({wish, at}); }};
   const std::vector<std::byte> blob_ = std::vector<std::byte>(300, std::byte{7});
 };
 

@@ -26,12 +26,12 @@ ErrorCode codeOf(const std::function<void()>& work) {
 }
 
 TEST(Target, isAModelOfAServer) {
-  EXPECT_EQ(std::get<ServedModel>(parseTarget("lode://example.org:81/bunny")),
-            (ServedModel{{"example.org", 81}, "bunny"}));
-  EXPECT_EQ(std::get<ServedModel>(parseTarget("lode://[::1]/a b.c")),
-            (ServedModel{{"::1", proto::kDefaultPort}, "a b.c"}));
+  EXPECT_EQ(std::get<stream::ServedModel>(parseTarget("lode://example.org:81/bunny")),
+            (stream::ServedModel{{"example.org", 81}, "bunny"}));
+  EXPECT_EQ(std::get<stream::ServedModel>(parseTarget("lode://[::1]/a b.c")),
+            (stream::ServedModel{{"::1", proto::kDefaultPort}, "a b.c"}));
   const std::string longest(kMaxModelNameBytes, 'x');
-  EXPECT_EQ(std::get<ServedModel>(parseTarget("lode://h/" + longest)).model, longest);
+  EXPECT_EQ(std::get<stream::ServedModel>(parseTarget("lode://h/" + longest)).model, longest);
 }
 
 TEST(Target, isRefusedIfItIsAUrlOfSomethingElse) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "client/core/engine.h"
+#include "common/error.h"
 #include "tests/unit/core/scripted_server.h"
 
 namespace lode::core {
@@ -16,22 +17,35 @@ using std::chrono::milliseconds;
 class World {
  public:
   World(uint32_t seed, uint64_t memory_budget_bytes)
-      : random_(seed), model_({seed, 4}), server_(model_), engine_(options(memory_budget_bytes), now_) {}
+      : random_(seed), model_({seed, 4}), server_(model_), engine_(options(seed, memory_budget_bytes)) {}
 
   /// A step of the clock: bytes that are due arrive, some decoding ends, the engine is stepped.
   void step(milliseconds time) {
     now_ += time;
+    if (engine_.wantsConnection(now_)) {
+      to_server_.clear();
+      to_client_.clear();
+      server_.accept();
+      engine_.connect(now_);
+    }
     deliver(to_server_, [this](const Bytes& bytes) { server_.receive(bytes); });
     post(to_client_, server_.give(random_() % 4));
     deliver(to_client_, [this](const Bytes& bytes) { engine_.receive(bytes, now_); });
-    for (DecodeJob& job : engine_.takeDecodeJobs()) decoding_.push_back(job.mesh);
+    for (DecodeJob& job : engine_.takeDecodeJobs()) decoding_.push_back(std::move(job));
     for (size_t some = 1 + random_() % 4; some > 0 && !decoding_.empty(); --some) {
-      engine_.finishDecode({decoding_.front(), model_.mesh(decoding_.front()), ""});
+      const DecodeJob& job = decoding_.front();
+      engine_.finishDecode({job.blob, job.use, model_.mesh(job.use.mesh), nullptr, nullptr, ""});
       decoding_.pop_front();
     }
     engine_.step(now_);
     post(to_server_, engine_.takeOutgoing());
     check();
+  }
+
+  /// The connection breaks; what is under way is lost when the next one begins.
+  void breakConnection() {
+    if (!engine_.connected() || !engine_.cut()) return;
+    engine_.disconnect(Error(ErrorCode::kNetwork, "broken"), now_);
   }
 
   /// Looks from a place around or within the model.
@@ -57,8 +71,9 @@ class World {
     Bytes bytes;
   };
 
-  static EngineOptions options(uint64_t memory_budget_bytes) {
+  static EngineOptions options(uint32_t seed, uint64_t memory_budget_bytes) {
     EngineOptions options;
+    options.jitter_seed = seed;
     options.session.model = "model";
     options.session.max_wished_bytes = 20'000;
     options.memory_budget_bytes = memory_budget_bytes;
@@ -100,7 +115,7 @@ class World {
   ScriptedServer server_;
   Engine engine_;
   std::deque<Parcel> to_server_, to_client_;
-  std::deque<MeshKey> decoding_;
+  std::deque<DecodeJob> decoding_;
 };
 
 class EngineProperties : public testing::TestWithParam<uint32_t> {};
@@ -123,6 +138,33 @@ TEST_P(EngineProperties, turningBackWithinARoundTripNeverFreezesTheStream) {
     for (uint32_t some = world.random() % 6; some > 0; --some) world.step(milliseconds(5));
   }
   convergeFor(world, one);
+}
+
+TEST_P(EngineProperties, turningAwayAndBackAtOnceNeverFreezesTheStream) {
+  World world(GetParam(), 1ull << 30);
+  View away;
+  away.eye_model = glm::dvec3(1e7);
+  for (int turn = 0; turn < 8; ++turn) {
+    convergeFor(world, away);
+    const View near = world.randomView();
+    world.engine().setView(near, 1);
+    for (uint32_t some = 1 + world.random() % 12; some > 0; --some) world.step(milliseconds(10));
+    world.engine().setView(away, 1);
+    world.step(milliseconds(1));
+    convergeFor(world, near);
+  }
+}
+
+TEST_P(EngineProperties, convergesHoweverOftenTheConnectionBreaks) {
+  World world(GetParam(), 1ull << 30);
+  for (int place = 0; place < 10; ++place) {
+    world.engine().setView(world.randomView(), 1);
+    for (uint32_t some = world.random() % 60; some > 0; --some) world.step(milliseconds(10));
+    world.breakConnection();
+    world.step(milliseconds(10));
+  }
+  convergeFor(world, world.randomView());
+  EXPECT_EQ(world.engine().trouble(), "");
 }
 
 TEST_P(EngineProperties, wanderingCamerasAlwaysSeeAWholePictureAndConvergeWhereTheyStay) {

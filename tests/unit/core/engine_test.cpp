@@ -27,12 +27,11 @@ class EngineTest : public testing::Test {
   void SetUp() override {
     const EncodedPayload fine = encodePayload(stripOf(40), 1), coarse = encodePayload(stripOf(4), 1);
     blobs_ = {fine.bytes, coarse.bytes};
-    Node root;
-    root.key = kRootKey;
-    root.box.add(glm::uvec3(0));
-    root.box.add(glm::uvec3(21, 1, 0));
-    root.rungs = {{refOf(1), 40, fine.vertices, 0, 0.001f, 0}, {refOf(2), 4, coarse.vertices, 0, 10, 0}};
-    blobs_.push_back(encodePage({{root}}));
+    root_.key = kRootKey;
+    root_.box.add(glm::uvec3(0));
+    root_.box.add(glm::uvec3(21, 1, 0));
+    root_.rungs = {{refOf(1), 40, fine.vertices, 0, 0.001f, 0}, {refOf(2), 4, coarse.vertices, 0, 10, 0}};
+    blobs_.push_back(encodePage({{root_}}));
     view_.eye_model = {10, 0, 40};
   }
 
@@ -60,6 +59,7 @@ class EngineTest : public testing::Test {
     opened.handle = 1;
     opened.summary.name = "strip";
     opened.summary.nodes = 1;
+    opened.summary.build_id = build_id_;
     opened.summary.root_page = refOf(3);
     Bytes bytes = proto::encode(proto::Welcome{1, 0, 100, ""}, 1);
     append(bytes, proto::encode(opened, 2));
@@ -75,6 +75,7 @@ class EngineTest : public testing::Test {
   /// The wish for the fine rung, once the coarse one is shown.
   uint32_t openAndShowCoarse() {
     engine_.setView(view_, 1);
+    engine_.connect(kStart);
     engine_.receive(greeting(), kStart);
     engine_.takeOutgoing();
     decodeAll();
@@ -99,9 +100,11 @@ class EngineTest : public testing::Test {
   }
 
   std::vector<Bytes> blobs_;
+  Node root_;
+  BlobName build_id_;
   View view_;
   Bytes sent_;
-  Engine engine_{options(), kStart};
+  Engine engine_{options()};
 };
 
 TEST_F(EngineTest, showsTheRootsCoarsestRungFromWhatComesUnasked) {
@@ -110,7 +113,7 @@ TEST_F(EngineTest, showsTheRootsCoarsestRungFromWhatComesUnasked) {
   ASSERT_TRUE(engine_.cut());
   EXPECT_EQ(engine_.cut()->triangles, 4u);
   EXPECT_FALSE(engine_.cut()->converged);
-  EXPECT_EQ(engine_.cutBlobBytes(), blobs_[1].size());
+  EXPECT_EQ(engine_.cut()->blob_bytes, blobs_[1].size());
 }
 
 TEST_F(EngineTest, convergesWhenTheWishedPayloadHasCome) {
@@ -160,7 +163,8 @@ TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenABlobCannotBeHad) {
 TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenAPayloadCannotBeDecoded) {
   const uint32_t wish = openAndShowCoarse();
   engine_.receive(blobFrame(wish, 1), kStart);
-  for (const DecodeJob& job : engine_.takeDecodeJobs()) engine_.finishDecode({job.mesh, nullptr, "broken"});
+  for (const DecodeJob& job : engine_.takeDecodeJobs())
+    engine_.finishDecode({job.blob, job.use, nullptr, nullptr, nullptr, "broken"});
   engine_.step(kStart);
   EXPECT_NE(engine_.failure().find("broken"), std::string::npos);
   EXPECT_EQ(engine_.cut()->triangles, 4u);
@@ -168,7 +172,7 @@ TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenAPayloadCannotBeDecoded) {
 }
 
 TEST_F(EngineTest, aJobWithBytesThatAreNoPayloadFailsWithoutThrowing) {
-  const DecodeResult result = runDecodeJob({{kRootKey, 0}, Bytes(50), 1, {}});
+  const DecodeResult result = runDecodeJob({{}, {}, Bytes(50), 1, {}});
   EXPECT_FALSE(result.decoded);
   EXPECT_FALSE(result.failure.empty());
 }
@@ -176,13 +180,64 @@ TEST_F(EngineTest, aJobWithBytesThatAreNoPayloadFailsWithoutThrowing) {
 TEST_F(EngineTest, givesUpOnAPageThatIsNoPage) {
   blobs_[2] = Bytes(64);
   engine_.setView(view_, 1);
+  engine_.connect(kStart);
   EXPECT_THROW(engine_.receive(greeting(), kStart), Error);
 }
 
-TEST_F(EngineTest, givesUpWhenTheServerLeavesOrTheModelIsReplaced) {
+TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerGoesAway) {
   openAndShowCoarse();
-  EXPECT_THROW(engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart), Error);
-  EXPECT_THROW(engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart), Error);
+  engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
+  EXPECT_FALSE(engine_.connected());
+  EXPECT_NE(engine_.trouble().find("drain"), std::string::npos);
+  EXPECT_FALSE(engine_.wantsConnection(kStart));
+  EXPECT_TRUE(engine_.wantsConnection(kStart + kFirstRetry));
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.cut()->triangles, 4u);
+}
+
+TEST_F(EngineTest, asksAnewForWhatWasUnderWayWhenTheConnectionBroke) {
+  openAndShowCoarse();
+  engine_.disconnect(Error(ErrorCode::kNetwork, "broken"), kStart);
+  engine_.connect(kStart + kFirstRetry);
+  engine_.receive(greeting(), kStart + kFirstRetry);
+  decodeAll();
+  engine_.step(kStart + kFirstRetry);
+  EXPECT_EQ(engine_.trouble(), "");
+  EXPECT_EQ(engine_.counts().open_wishes, 1u);
+  EXPECT_EQ(engine_.cut()->triangles, 4u);
+}
+
+TEST_F(EngineTest, opensTheNewBuildOfAModelThatWasReplacedAndShowsTheOldOneMeanwhile) {
+  openAndShowCoarse();
+  engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart);
+  EXPECT_TRUE(engine_.wantsConnection(kStart));
+  engine_.connect(kStart);
+  build_id_.bytes[0] = std::byte{1};
+  engine_.receive(greeting(), kStart);
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.cut()->triangles, 4u);
+  EXPECT_EQ(engine_.summary()->build_id, build_id_);
+  decodeAll();
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.counts().open_wishes, 1u);
+}
+
+TEST_F(EngineTest, givesUpWhereANewTryWouldFailToo) {
+  EXPECT_THROW(engine_.disconnect(Error(ErrorCode::kNetwork, "nobody there"), kStart), Error);
+  openAndShowCoarse();
+  EXPECT_THROW(engine_.disconnect(Error(ErrorCode::kInput, "no such model"), kStart), Error);
+}
+
+TEST_F(EngineTest, fetchesWhatTwoRungsShareOnce) {
+  root_.rungs = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.002f, 0}, root_.rungs[1]};
+  blobs_[2] = encodePage({{root_}});
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(blobFrame(wish, 1), kStart);
+  decodeAll();
+  engine_.step(kStart);
+  engine_.setView(view_, 0.5f);
+  engine_.step(kStart);
+  EXPECT_TRUE(engine_.settled());
 }
 
 }  // namespace

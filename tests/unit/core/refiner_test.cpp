@@ -85,12 +85,13 @@ class Scripted {
     return last_;
   }
 
-  void deliver(const Wanted& wanted) {
-    if (wanted.is_page) {
-      hierarchy_.addPage(wanted.mesh.node, model_.pageBelow(wanted.mesh.node));
+  void deliver(const Wish& wanted) {
+    const MeshKey& mesh = wanted.use.mesh;
+    if (wanted.use.kind == BlobKind::kPage) {
+      hierarchy_.addPage(mesh.node, model_.pageBelow(mesh.node));
     } else {
       delivered_payload_bytes_ += wanted.blob.bytes;
-      cache_.insert(wanted.mesh, model_.mesh(wanted.mesh));
+      cache_.insert(mesh, model_.mesh(mesh));
     }
   }
 
@@ -257,7 +258,7 @@ TEST(Refiner, wishesForTheBiggestErrorFirst) {
   std::mt19937 random(1);
   const auto check = [](const Refinement& now) {
     for (size_t i = 1; i < now.wanted.size(); ++i) {
-      const Wanted &a = now.wanted[i - 1], &b = now.wanted[i];
+      const Wish &a = now.wanted[i - 1], &b = now.wanted[i];
       EXPECT_TRUE(a.wish_class < b.wish_class ||
                   (a.wish_class == b.wish_class && a.priority_px >= b.priority_px));
     }
@@ -271,7 +272,7 @@ TEST(Refiner, asksForTheRootFirstAndShowsNothingBeforeIt) {
   const Refinement& first = client.refineFor(closeView(), {.threshold_px = 2});
   EXPECT_FALSE(first.cut);
   ASSERT_EQ(first.wanted.size(), 1u);
-  EXPECT_EQ(first.wanted[0].mesh, (MeshKey{kRootKey, 3}));
+  EXPECT_EQ(first.wanted[0].use.mesh, (MeshKey{kRootKey, 3}));
 }
 
 TEST(Refiner, showsACoveringStepBeforeMostOfTheDetailHasCome) {
@@ -318,12 +319,12 @@ TEST(Refiner, refinesOnTheAppearanceErrorToo) {
   MeshCache cache(1u << 20);
   const Lattice lattice{{0, 0, 0}, 1};
   const View view = lookingAt({512, 512, 2000}, {512, 512, 0});
-  EXPECT_EQ(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted[0].mesh.rung, 1u);
+  EXPECT_EQ(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted[0].use.mesh.rung, 1u);
   cache.insert({kRootKey, 1}, std::make_shared<const Mesh>());
   EXPECT_TRUE(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted.empty());
   const Refinement sharp = refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 0.1f});
   ASSERT_EQ(sharp.wanted.size(), 1u);
-  EXPECT_EQ(sharp.wanted[0].mesh.rung, 0u);
+  EXPECT_EQ(sharp.wanted[0].use.mesh.rung, 0u);
 }
 
 TEST(Refiner, publishesPartsInKeyOrderWithTheirMeshes) {

@@ -127,9 +127,14 @@ class SessionTest : public testing::Test {
   }
   /// Wishes for one blob. @return the number of the wish.
   uint32_t wishFor(const BlobRef& blob) {
-    session_.setWishes(std::vector<BlobWish>{{blob, proto::WishClass::kVisible, 10}});
+    session_.setWishes(std::vector<Wish>{{blob, {}, proto::WishClass::kVisible, 10}});
     const auto changes = changesOf(session_.takeOutgoing());
     return changes.empty() ? 0 : changes.back().wish;
+  }
+  /// Calls every second. @return the time of the last call.
+  TimePoint listen(TimePoint from, int seconds) {
+    for (; seconds > 0; --seconds) session_.tick(from += std::chrono::seconds(1));
+    return from;
   }
   void expectRefused(const Bytes& bytes, const std::string& part_of_message) {
     try {

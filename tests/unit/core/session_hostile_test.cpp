@@ -18,7 +18,7 @@ TEST_F(SessionTest, refusesMoreBytesThanTheServerCanHaveBeenGranted) {
 TEST_F(SessionTest, refusesMoreThanTheFirstWindowBeforeACreditWasSent) {
   session_.takeOutgoing();
   give(welcome() + opened() + blobFrames(0, kPageBlob, kPageBytes));
-  session_.expectUnasked(blobRef(5, proto::kInitialWindowBytes));
+  session_.expectUnasked(blobRef(5, proto::kInitialWindowBytes), {});
   expectRefused(blobFrames(0, 5, proto::kInitialWindowBytes), "credit");
 }
 
@@ -122,6 +122,24 @@ TEST_F(SessionTest, refusesEveryTruncatedBody) {
     session.receive(frameOf(FrameType::kWelcome, 0, body), kStart);
     EXPECT_THROW(session.nextEvent(), Error) << size;
   }
+}
+
+TEST_F(SessionTest, refusesAnotherModelThanTheOneThatItOpened) {
+  proto::Opened message;
+  message.handle = 1;
+  message.summary.name = "other";
+  message.summary.root_page = blobRef(kPageBlob, kPageBytes);
+  give(welcome());
+  expectRefused(proto::encode(message, 2), "another model");
+}
+
+TEST_F(SessionTest, refusesAFirstPageWithoutBytes) {
+  proto::Opened message;
+  message.handle = 1;
+  message.summary.name = "model";
+  message.summary.root_page = {kPageBlob, 0, {}};
+  give(welcome());
+  expectRefused(proto::encode(message, 2), "0 bytes");
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST_F(SessionTest, listsModels) {
 
 TEST_F(SessionTest, takesTheSecondUnaskedBlobOnceItIsNamed) {
   open();
-  session_.expectUnasked(blobRef(5, 100));
+  session_.expectUnasked(blobRef(5, 100), {});
   EXPECT_EQ(wishFor(blobRef(5, 100)), 0u);
   EXPECT_EQ(give(blobFrames(0, 5, 100)).size(), 1u);
 }
@@ -80,10 +80,9 @@ TEST_F(SessionTest, pingsASilentServerAndMeasuresTheRoundTrip) {
   open();
   give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(70));
   EXPECT_EQ(session_.roundTrip(), std::chrono::milliseconds(70));
-  session_.tick(kStart + std::chrono::seconds(9));
+  listen(kStart, 9);
   EXPECT_TRUE(session_.takeOutgoing().empty());
-  const TimePoint late = kStart + std::chrono::seconds(11);
-  session_.tick(late);
+  const TimePoint late = listen(kStart + std::chrono::seconds(9), 2);
   const auto pings = messagesOf<proto::Ping>(session_.takeOutgoing(), FrameType::kPing);
   ASSERT_EQ(pings.size(), 1u);
   give(proto::encode(proto::Pong{pings[0].payload}, 0), late + std::chrono::milliseconds(50));
@@ -92,8 +91,34 @@ TEST_F(SessionTest, pingsASilentServerAndMeasuresTheRoundTrip) {
 
 TEST_F(SessionTest, givesUpOnAServerThatSaysNothing) {
   open();
-  EXPECT_NO_THROW(session_.tick(kStart + kSilenceLimit - std::chrono::seconds(1)));
-  EXPECT_THROW(session_.tick(kStart + kSilenceLimit), Error);
+  const TimePoint last = listen(kStart, 29);
+  EXPECT_THROW(session_.tick(last + std::chrono::seconds(1)), Error);
+}
+
+TEST_F(SessionTest, doesNotTakeAPauseOfItsCallerForSilenceOfTheServer) {
+  open();
+  EXPECT_NO_THROW(session_.tick(kStart + std::chrono::minutes(5)));
+  EXPECT_NO_THROW(session_.tick(kStart + std::chrono::minutes(6)));
+}
+
+TEST_F(SessionTest, saysSomethingToAServerThatSendsForLong) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  const Bytes blob = blobBytes(5, 100);
+  int heard = 0;
+  for (uint32_t second = 0; second < 60; ++second) {
+    give(chunkFrame(wish, 100, second, std::span(blob).subspan(second, 1)),
+         kStart + std::chrono::seconds(second));
+    session_.tick(kStart + std::chrono::seconds(second));
+    heard += session_.takeOutgoing().empty() ? 0 : 1;
+  }
+  EXPECT_GE(heard, 5);
+}
+
+TEST_F(SessionTest, saysThatAFullServerIsOneToTryLater) {
+  const auto events = give(proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, "full"}, 0));
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "full");
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ TEST_F(SessionTest, sendsAChangeOfPriorityOnlyIfItIsLarge) {
   open();
   const BlobRef blob = blobRef(5, 100);
   wishFor(blob);
-  session_.setWishes(std::vector<BlobWish>{{blob, proto::WishClass::kVisible, 11}});
+  session_.setWishes(std::vector<Wish>{{blob, {}, proto::WishClass::kVisible, 11}});
   EXPECT_TRUE(changesOf(session_.takeOutgoing()).empty());
-  session_.setWishes(std::vector<BlobWish>{{blob, proto::WishClass::kVisible, 20}});
+  session_.setWishes(std::vector<Wish>{{blob, {}, proto::WishClass::kVisible, 20}});
   const auto changes = changesOf(session_.takeOutgoing());
   ASSERT_EQ(changes.size(), 1u);
   EXPECT_EQ(changes[0].action, proto::WishAction::kReprioritise);
@@ -87,8 +87,9 @@ TEST_F(SessionTest, keepsWishesWithinItsLimitOfBytes) {
   session.receive(welcome() + opened(), kStart);
   while (session.nextEvent()) {
   }
-  std::vector<BlobWish> wishes;
-  for (uint32_t i = 0; i < 10; ++i) wishes.push_back({blobRef(10 + i, 400), proto::WishClass::kVisible, 1});
+  std::vector<Wish> wishes;
+  for (uint32_t i = 0; i < 10; ++i)
+    wishes.push_back({blobRef(10 + i, 400), {}, proto::WishClass::kVisible, 1});
   session.setWishes(wishes);
   EXPECT_EQ(session.openWishes(), 2u);
   EXPECT_LE(session.wishedBytes(), 1000u);
@@ -101,9 +102,9 @@ TEST_F(SessionTest, doesNotCountWishesThatItHasTakenBackInItsLimits) {
   session.receive(welcome() + opened(), kStart);
   while (session.nextEvent()) {
   }
-  session.setWishes(std::vector<BlobWish>{{blobRef(10, 1000)}});
+  session.setWishes(std::vector<Wish>{{blobRef(10, 1000)}});
   session.takeOutgoing();
-  session.setWishes(std::vector<BlobWish>{{blobRef(11, 1000)}});
+  session.setWishes(std::vector<Wish>{{blobRef(11, 1000)}});
   const auto changes = changesOf(session.takeOutgoing());
   ASSERT_EQ(changes.size(), 2u);
   EXPECT_EQ(changes[0].action, proto::WishAction::kCancel);
@@ -117,7 +118,7 @@ TEST_F(SessionTest, wishesForABlobLargerThanTheLimitAlone) {
   session.receive(welcome() + opened(), kStart);
   while (session.nextEvent()) {
   }
-  session.setWishes(std::vector<BlobWish>{{blobRef(10, 4000)}, {blobRef(11, 10)}});
+  session.setWishes(std::vector<Wish>{{blobRef(10, 4000)}, {blobRef(11, 10)}});
   EXPECT_EQ(session.openWishes(), 1u);
 }
 
@@ -126,8 +127,8 @@ TEST_F(SessionTest, keepsWishesWithinTheNumberThatTheServerAllows) {
   session.receive(proto::encode(proto::Welcome{1, 0, 3, "test"}, 1) + opened(), kStart);
   while (session.nextEvent()) {
   }
-  std::vector<BlobWish> wishes;
-  for (uint32_t i = 0; i < 10; ++i) wishes.push_back({blobRef(10 + i, 4), proto::WishClass::kVisible, 1});
+  std::vector<Wish> wishes;
+  for (uint32_t i = 0; i < 10; ++i) wishes.push_back({blobRef(10 + i, 4), {}, proto::WishClass::kVisible, 1});
   session.setWishes(wishes);
   EXPECT_EQ(session.openWishes(), 3u);
 }

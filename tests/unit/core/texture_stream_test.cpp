@@ -99,7 +99,8 @@ class TexturedEngine : public testing::Test {
 
   void open(EngineOptions options = {}) {
     options.session.model = "square";
-    engine_.emplace(std::move(options), kStart);
+    engine_.emplace(std::move(options));
+    engine_->connect(kStart);
     engine_->setView(near_, 1);
     proto::Opened opened;
     opened.handle = 1;
@@ -119,7 +120,7 @@ class TexturedEngine : public testing::Test {
   void decodeAll() {
     for (const DecodeJob& job : engine_->takeDecodeJobs()) {
       engine_->finishDecode(runDecodeJob(job));
-      if (job.tile) decoded_.push_back(job.tile->blob);
+      if (job.use.kind == BlobKind::kTile) decoded_.push_back(job.blob.number);
     }
   }
 
@@ -218,7 +219,7 @@ TEST_F(TexturedEngine, countsWhatTexturesTake) {
   EXPECT_EQ(engine_->counts().texture_blob_bytes, texture_bytes);
   EXPECT_EQ(engine_->counts().tiles, tiles());
   EXPECT_EQ(engine_->counts().tiles_left_out, 0u);
-  EXPECT_EQ(engine_->cutBlobBytes(), texture_bytes + blobs_.at(kMesh).size());
+  EXPECT_EQ(engine_->cut()->blob_bytes, texture_bytes + blobs_.at(kMesh).size());
 }
 
 TEST_F(TexturedEngine, leavesOutFinerTilesThatTheBudgetDoesNotAllowAndSettles) {

@@ -135,6 +135,8 @@ TEST(WireText, isPrintableUtf8) {
   EXPECT_FALSE(isWireText(std::string_view("nul\0", 4)));
   EXPECT_FALSE(isWireText("del\x7F"));
   EXPECT_FALSE(isWireText("c1 \xC2\x9B"));
+  EXPECT_FALSE(isWireText("turned \u202E"));
+  EXPECT_FALSE(isWireText("isolated \u2066"));
   EXPECT_FALSE(isWireText("cut \xC3"));
   EXPECT_FALSE(isWireText("overlong \xC0\xAF"));
   EXPECT_FALSE(isWireText("overlong \xE0\x80\xAF"));

@@ -1,16 +1,17 @@
 #pragma once
 
 #include <chrono>
+#include <limits>
 #include <memory>
-#include <optional>
+#include <stop_token>
 #include <string>
 
-#include "client/app/cli/target.h"
 #include "client/core/cut.h"
 #include "client/core/engine.h"
 #include "client/core/view.h"
+#include "client/stream/served_model.h"
 
-namespace lode::app {
+namespace lode::stream {
 
 struct StreamOptions {
   std::string token;
@@ -23,16 +24,17 @@ struct StreamOptions {
 /// What the last step of a stream has left.
 struct StreamStatus {
   std::shared_ptr<const core::Cut> cut;  ///< null until there is something to show
-  uint64_t cut_blob_bytes = 0;           ///< of the blobs that the cut is made of
   core::EngineCounts counts;
   bool limited = false;  ///< a budget keeps the cut from converging
   bool settled = false;  ///< the cut is all that the view and the budgets will ever give
   std::string failure;   ///< why the stream has ended or a part cannot be had; empty while all is well
+  std::string trouble;   ///< why there is no connection, while a new one is tried for; empty otherwise
   bool ended = false;    ///< nothing more will come
 };
 
-/// A model streamed from a server: transport, refine thread and decode pool around a core::Engine. All
-/// threads are joined by the destructor. Thread safe.
+/// A model streamed from a server: transport, refine thread and decode pool around a core::Engine. Connects
+/// anew when the connection ends, while the last cut stays. All threads are joined by the destructor. Thread
+/// safe.
 class Streamer {
  public:
   /// Starts to connect.
@@ -41,8 +43,9 @@ class Streamer {
   Streamer(const Streamer&) = delete;
   Streamer& operator=(const Streamer&) = delete;
 
-  /// Waits until the model is open. @throws Error if it cannot be, kTimeout after the time.
-  const ModelSummary& waitForModel(std::chrono::milliseconds timeout);
+  /// Waits until the model is open. @throws Error if it cannot be, kTimeout after the time or when it is
+  /// stopped.
+  const ModelSummary& waitForModel(std::chrono::milliseconds timeout, std::stop_token stop = {});
   /// Refines for this view from now on; never waits for the network.
   void setView(const core::View& view, float threshold_px);
   /// Never waits for the network.
@@ -57,4 +60,4 @@ class Streamer {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace lode::app
+}  // namespace lode::stream

@@ -9,7 +9,7 @@
 #include "client/core/engine.h"
 #include "common/bounded_queue.h"
 
-namespace lode::app {
+namespace lode::stream {
 
 /// Threads of low priority that decode payloads. The destructor drops what waits and joins them. Thread safe.
 class DecodePool {
@@ -38,4 +38,4 @@ class DecodePool {
 
 constexpr size_t kMaxWaitingJobs = 4096;
 
-}  // namespace lode::app
+}  // namespace lode::stream

@@ -1,18 +1,21 @@
-#include "client/app/cli/streamer.h"
+#include "client/stream/streamer.h"
 
 #include <condition_variable>
 #include <mutex>
+#include <random>
+#include <string_view>
 #include <thread>
 #include <utility>
 
-#include "client/app/cli/decode_pool.h"
 #include "client/net/tcp_transport.h"
+#include "client/stream/decode_pool.h"
 #include "common/error.h"
 
-namespace lode::app {
+namespace lode::stream {
 namespace {
 
-constexpr std::chrono::seconds kTick{1};  // how often a stream without events looks at the clock
+constexpr std::chrono::seconds kTick{1};             // how often a stream without events looks at the clock
+constexpr std::chrono::milliseconds kRetryTick{50};  // and while it waits to connect anew
 
 using Clock = std::chrono::steady_clock;
 
@@ -24,10 +27,11 @@ struct Streamer::State {
 
   void run();
   void stream();
-  void stepOnce(core::Engine& engine, net::TcpTransport& transport, DecodePool& pool);
+  void keepConnected(core::Engine& engine, std::unique_ptr<net::TcpTransport>& transport);
+  void stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool);
   void publish(const core::Engine& engine, uint64_t view_number);
   void end(ErrorCode code, const std::string& message);
-  bool waitForWork();
+  bool waitForWork(std::chrono::milliseconds longest);
   void wakeUp();
   /// Waits until `done` holds for the status of the view last set, or nothing more will come.
   template <typename Done>
@@ -37,7 +41,8 @@ struct Streamer::State {
   const StreamOptions options;
 
   mutable std::mutex mutex;  // of what follows
-  std::condition_variable work, news;
+  std::condition_variable work;
+  std::condition_variable_any news;
   bool woken = true, stopping = false;
   core::View view;
   float threshold_px = 1;
@@ -80,43 +85,62 @@ void Streamer::State::stream() {
   engine_options.session.token = options.token;
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   engine_options.triangle_budget = options.triangle_budget;
-  core::Engine engine(std::move(engine_options), Clock::now());
-  net::TcpTransport transport(model.address, options.connect_timeout, [this] { wakeUp(); });
+  engine_options.jitter_seed = std::random_device()();
+  core::Engine engine(std::move(engine_options));
+  std::unique_ptr<net::TcpTransport> transport;
   DecodePool pool(options.decode_threads, [this] { wakeUp(); });
-  while (waitForWork()) stepOnce(engine, transport, pool);
+  while (waitForWork(transport ? kTick : kRetryTick)) {
+    try {
+      keepConnected(engine, transport);
+      stepOnce(engine, transport.get(), pool);
+    } catch (const Error& failed) {
+      const std::string where = net::toString(model.address);
+      const bool named = std::string_view(failed.what()).find(where) != std::string_view::npos;
+      throw Error(failed.code(), named ? failed.what() : where + ": " + failed.what());
+    }
+  }
 }
 
-void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport& transport, DecodePool& pool) {
-  const proto::Bytes bytes = transport.takeReceived();
-  try {
-    engine.receive(bytes, Clock::now());
-    for (core::DecodeResult& result : pool.takeResults()) engine.finishDecode(std::move(result));
-    uint64_t number = 0;
-    {
-      const std::lock_guard lock(mutex);
-      number = view_number;
-      if (number != 0) engine.setView(view, threshold_px);
-    }
-    engine.step(Clock::now());
-    transport.send(engine.takeOutgoing());
-    pool.add(engine.takeDecodeJobs());
-    publish(engine, number);
-  } catch (const Error& failed) {
-    throw Error(failed.code(), net::toString(model.address) + ": " + failed.what());
+/// Gives the engine what came from the transport, and a new transport where it wants one.
+void Streamer::State::keepConnected(core::Engine& engine, std::unique_ptr<net::TcpTransport>& transport) {
+  if (engine.wantsConnection(Clock::now())) {
+    transport =
+        std::make_unique<net::TcpTransport>(model.address, options.connect_timeout, [this] { wakeUp(); });
+    engine.connect(Clock::now());
   }
+  if (!transport) return;
+  try {
+    for (proto::Bytes bytes = transport->takeReceived(); !bytes.empty(); bytes = transport->takeReceived())
+      engine.receive(bytes, Clock::now());
+  } catch (const Error& failed) {
+    engine.disconnect(failed, Clock::now());
+  }
+  if (!engine.connected()) transport.reset();
+}
+
+void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool) {
+  for (core::DecodeResult& result : pool.takeResults()) engine.finishDecode(std::move(result));
+  uint64_t number = 0;
+  {
+    const std::lock_guard lock(mutex);
+    number = view_number;
+    if (number != 0) engine.setView(view, threshold_px);
+  }
+  engine.step(Clock::now());
+  if (transport) transport->send(engine.takeOutgoing());
+  pool.add(engine.takeDecodeJobs());
+  publish(engine, number);
 }
 
 void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   const std::lock_guard lock(mutex);
   if (!summary && engine.summary()) summary = *engine.summary();
-  if (status.cut != engine.cut()) {
-    status.cut = engine.cut();
-    status.cut_blob_bytes = engine.cutBlobBytes();
-  }
+  status.cut = engine.cut();
   status.counts = engine.counts();
   status.limited = engine.limited();
   status.settled = engine.settled();
   status.failure = engine.failure();
+  status.trouble = engine.trouble();
   status_view_number = number;
   news.notify_all();
 }
@@ -129,9 +153,9 @@ void Streamer::State::end(ErrorCode code, const std::string& message) {
   news.notify_all();
 }
 
-bool Streamer::State::waitForWork() {
+bool Streamer::State::waitForWork(std::chrono::milliseconds longest) {
   std::unique_lock lock(mutex);
-  work.wait_for(lock, kTick, [this] { return woken || stopping; });
+  work.wait_for(lock, longest, [this] { return woken || stopping; });
   woken = false;
   return !stopping;
 }
@@ -153,14 +177,16 @@ StreamStatus Streamer::State::waitFor(std::chrono::milliseconds timeout, Done do
   return result;
 }
 
-const ModelSummary& Streamer::waitForModel(std::chrono::milliseconds timeout) {
+const ModelSummary& Streamer::waitForModel(std::chrono::milliseconds timeout, std::stop_token stop) {
   std::unique_lock lock(state_->mutex);
-  state_->news.wait_for(lock, timeout, [this] { return state_->summary || state_->error; });
+  state_->news.wait_for(lock, std::move(stop), timeout, [this] { return state_->summary || state_->error; });
   if (state_->summary) return *state_->summary;
   if (state_->error) throw *state_->error;
-  throw Error(ErrorCode::kTimeout, "no answer from " + net::toString(state_->model.address) + " within " +
-                                       std::to_string(timeout.count()) +
-                                       " ms: check the server, or allow more time");
+  throw Error(ErrorCode::kTimeout,
+              "no answer from " + net::toString(state_->model.address) + " within " +
+                  std::to_string(timeout.count()) + " ms" +
+                  (state_->status.trouble.empty() ? "" : " (" + state_->status.trouble + ")") +
+                  ": check the server, or allow more time");
 }
 
 void Streamer::setView(const core::View& view, float threshold_px) {
@@ -186,4 +212,4 @@ StreamStatus Streamer::waitForCut(std::chrono::milliseconds timeout) {
   return state_->waitFor(timeout, [](const StreamStatus& status) { return status.cut != nullptr; });
 }
 
-}  // namespace lode::app
+}  // namespace lode::stream

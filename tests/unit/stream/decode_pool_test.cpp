@@ -1,4 +1,4 @@
-#include "client/app/cli/decode_pool.h"
+#include "client/stream/decode_pool.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lode::app {
+namespace lode::stream {
 namespace {
 
 /// Counts what a pool wakes for.
@@ -68,4 +68,4 @@ TEST(DecodePool, mayEndWhileJobsWait) {
 }
 
 }  // namespace
-}  // namespace lode::app
+}  // namespace lode::stream

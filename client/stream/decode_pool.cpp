@@ -1,4 +1,4 @@
-#include "client/app/cli/decode_pool.h"
+#include "client/stream/decode_pool.h"
 
 #include <algorithm>
 #include <utility>
@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace lode::app {
+namespace lode::stream {
 namespace {
 
 constexpr int kNice = 10;  // decoding must not take the renderer's time
@@ -52,4 +52,4 @@ void DecodePool::work() {
   }
 }
 
-}  // namespace lode::app
+}  // namespace lode::stream

@@ -1,0 +1,65 @@
+#include "client/core/instance.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lode::core {
+
+void Instance::setView(const View& view, float threshold_px) {
+  if (view_ == view && options_.threshold_px == threshold_px) return;
+  view_ = view;
+  options_.threshold_px = threshold_px;
+  view_changed_ = true;
+}
+
+bool Instance::refine(Model& model) {
+  if (!view_ || !model.hierarchy().root()) return false;
+  if (!view_changed_ && model_version_ == model.version()) return false;
+  view_changed_ = false;
+  model_version_ = model.version();
+  // Half for the wanted cut, half for the one still shown, so that neither waits for the other.
+  options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
+  Refinement refinement = core::refine(model.hierarchy(), model.meshes(), model.summary().lattice,
+                                       model.summary().attributes, *view_, options_);
+  model.meshes().use(refinement.in_use, refinement.ancestors);
+  settled_ = refinement.settled;
+  limited_ = refinement.limited;
+  if (refinement.cut) {
+    if (model.textures()) dress(*refinement.cut, model);
+    cut_ = std::move(refinement.cut);
+  }
+  wishes_ = std::move(refinement.wanted);
+  if (!model.textures()) return true;
+  const std::vector<Wish>& missing = model.textures()->missing();
+  wishes_.insert(wishes_.end(), missing.begin(), missing.end());
+  std::stable_sort(wishes_.begin(), wishes_.end(), [](const Wish& a, const Wish& b) {
+    if (a.wish_class != b.wish_class) return a.wish_class < b.wish_class;
+    return a.priority_px > b.priority_px;
+  });
+  return true;
+}
+
+/// Says which tiles the cut needs, and gives it those that are there.
+void Instance::dress(Cut& cut, Model& model) {
+  TextureStream& textures = *model.textures();
+  const double step = model.summary().lattice.step;
+  const std::shared_ptr<const TextureSet>& set = textures.set();
+  std::vector<TexturedPart> parts;
+  for (const CutPart& part : cut.parts) {
+    if (!set) break;
+    const MeshKey key{part.node, part.rung};
+    if (model.meshes().footprint(key) == nullptr)  // decoded before the set was there
+      model.meshes().setFootprint(
+          key, std::make_shared<const TextureFootprint>(makeFootprint(*part.mesh, *set, step)));
+    const ModelBox box = toModelBox(model.hierarchy().find(part.node)->box, step);
+    parts.push_back({model.meshes().footprint(key), distanceToBox(view_->eye_model, box), part.visible});
+  }
+  textures.refine(parts, *view_, options_.threshold_px);
+  cut.textures = set;
+  cut.tiles = textures.residentTiles();
+  cut.blob_bytes += textures.blobBytesInUse();
+  settled_ = settled_ && textures.complete();
+  cut.converged = cut.converged && textures.complete();
+}
+
+}  // namespace lode::core

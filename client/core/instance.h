@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "client/core/cut.h"
+#include "client/core/model.h"
+#include "client/core/refiner.h"
+#include "client/core/view.h"
+#include "client/core/wish.h"
+
+namespace lode::core {
+
+/// A view of a model: from the view and what is resident, the cut to draw and the wishes for the rest.
+/// Not thread safe; the cuts it gives are.
+class Instance {
+ public:
+  explicit Instance(uint64_t triangle_budget) { options_.triangle_budget = triangle_budget; }
+
+  /// @param view  in the model frame.
+  void setView(const View& view, float threshold_px);
+  /// Another build has taken the model's place: the last cut stays until the new one has one.
+  void forgetModel() noexcept { model_version_ = 0; }
+
+  /// Refines if the view or the model has changed. @return whether it did.
+  bool refine(Model& model);
+
+  /// The last cut; null until the root's coarsest rung is there and a view is set.
+  const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }
+  /// What the last refinement asks for, best first.
+  const std::vector<Wish>& wishes() const noexcept { return wishes_; }
+  /// A budget keeps the last cut from converging.
+  bool limited() const noexcept { return limited_; }
+  /// The last cut is all that the view and the budgets will ever give.
+  bool settled() const noexcept { return settled_; }
+
+ private:
+  void dress(Cut& cut, Model& model);
+
+  RefineOptions options_;
+  std::optional<View> view_;
+  uint64_t model_version_ = 0;  // that the last refinement saw
+  bool view_changed_ = false;
+  std::shared_ptr<const Cut> cut_;
+  std::vector<Wish> wishes_;
+  bool limited_ = false, settled_ = false;
+};
+
+}  // namespace lode::core

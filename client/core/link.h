@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <random>
+#include <string>
+
+#include "client/core/session.h"
+#include "common/error.h"
+
+namespace lode::core {
+
+constexpr std::chrono::milliseconds kFirstRetry{500};  ///< longest wait before the first new try
+constexpr std::chrono::seconds kLastRetry{30};         ///< and before any; it doubles in between
+
+/// A session with a server that is begun anew when its connection ends. Says when, and waits longer after
+/// each try that fails, with jitter, so that the clients of a server that restarts do not come all at once.
+/// Not thread safe.
+class Link {
+ public:
+  /// @param jitter_seed  of the waiting times.
+  Link(SessionOptions options, uint32_t jitter_seed) : options_(std::move(options)), random_(jitter_seed) {}
+
+  /// A connection is to be made now: make a transport, then begin().
+  bool due(TimePoint now) const noexcept { return !session_ && now >= retry_at_; }
+  /// There is a transport: a session begins, whose first bytes can be taken.
+  /// @param known_build_id  of the model as the client has it; zeros for none.
+  void begin(const BlobName& known_build_id, TimePoint now);
+  /// Null while there is no connection.
+  Session* session() noexcept { return session_ ? &*session_ : nullptr; }
+  const Session* session() const noexcept { return session_ ? &*session_ : nullptr; }
+
+  /// The model is open: the next failure is the first again.
+  void succeeded() noexcept;
+  /// The session has ended; another is due after a while. @param why  for people.
+  void end(std::string why, TimePoint now);
+  /// The connection failed. @throws the error where a new try would fail too: a server that was never
+  /// reached, or a mistake that is not the network's.
+  void fail(const Error& error, TimePoint now);
+  /// The session has ended; another is due at once.
+  void restart(TimePoint now);
+
+  /// Why there is no connection; empty while there is one that works.
+  const std::string& trouble() const noexcept { return trouble_; }
+  /// By all sessions.
+  uint64_t receivedBytes() const noexcept;
+
+ private:
+  void drop() noexcept;
+
+  SessionOptions options_;
+  std::mt19937 random_;
+  std::optional<Session> session_;
+  TimePoint retry_at_ = TimePoint::min();
+  unsigned failures_ = 0;  // since the model was open
+  bool ever_open_ = false;
+  uint64_t received_before_bytes_ = 0;
+  std::string trouble_;
+};
+
+}  // namespace lode::core

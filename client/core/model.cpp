@@ -1,0 +1,118 @@
+#include "client/core/model.h"
+
+#include <limits>
+
+namespace lode::core {
+namespace {
+
+uint64_t textureShare(const ModelSummary& summary, uint64_t budget_bytes) {
+  return summary.textures ? budget_bytes / kTextureBudgetShare : 0;
+}
+
+}  // namespace
+
+Model::Model(ModelSummary summary, uint64_t memory_budget_bytes)
+    : summary_(std::move(summary)),
+      hierarchy_(summary_.nodes),
+      meshes_(memory_budget_bytes - textureShare(summary_, memory_budget_bytes)) {
+  if (summary_.textures) textures_.emplace(summary_.textures, textureShare(summary_, memory_budget_bytes));
+}
+
+MeshKey Model::coarsest() const {
+  return {kRootKey, static_cast<uint32_t>(hierarchy_.root()->rungs.size()) - 1};
+}
+
+std::optional<Wish> Model::firstWish() const {
+  constexpr float kFirst = std::numeric_limits<float>::max();
+  Wish wish{summary_.root_page, {BlobKind::kRootPage, {kRootKey, 0}}, proto::WishClass::kVisible, kFirst};
+  if (const Node* root = hierarchy_.root()) {
+    const BlobRef& payload = root->rungs.back().payload;
+    if (!payload || meshes_.contains(coarsest())) return std::nullopt;
+    wish.blob = payload;
+    wish.use = {BlobKind::kMesh, coarsest()};
+  }
+  if (!wants(wish)) return std::nullopt;
+  return wish;
+}
+
+bool Model::wants(const Wish& wish) const {
+  return !refused_.contains(wish.blob.number) && !decoding_.contains({wish.use, wish.blob.number});
+}
+
+void Model::take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
+  ++version_;
+  switch (use.kind) {
+    case BlobKind::kPage:
+    case BlobKind::kRootPage:
+      return addPage(use, bytes);
+    case BlobKind::kTextureSet:
+      texture_blob_bytes_ += bytes.size();
+      return textures_->takeSet(bytes);
+    case BlobKind::kTile:
+      texture_blob_bytes_ += bytes.size();
+      return startDecode(blob, use, std::move(bytes));
+    case BlobKind::kMesh:
+      if (!meshes_.contains(use.mesh)) startDecode(blob, use, std::move(bytes));
+      return;
+  }
+}
+
+/// A page that is there already may come again: a new connection begins with the root's.
+void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
+  const Node* owner = hierarchy_.find(use.mesh.node);
+  const bool is_root_page = use.kind == BlobKind::kRootPage;
+  if (owner && (is_root_page || hierarchy_.childrenKnown(*owner))) return;
+  HierarchyPage page = decodePage(bytes, use.mesh.node, is_root_page);
+  if (is_root_page) {
+    hierarchy_.addRootPage(std::move(page));
+  } else {
+    hierarchy_.addPage(use.mesh.node, std::move(page));
+  }
+}
+
+void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
+  if (!decoding_.try_emplace({use, blob.number}, blob).second) return;
+  undecoded_bytes_ += blob.bytes;
+  DecodeJob job;
+  job.blob = blob;
+  job.use = use;
+  job.bytes = std::move(bytes);
+  job.step = summary_.lattice.step;
+  if (use.kind == BlobKind::kTile) {
+    job.image_size = textures_->imageSize(blob.number);
+    job.with_tail = textures_->isCoarsest(blob.number);
+  } else {
+    const Node& node = *hierarchy_.find(use.mesh.node);
+    const Rung& rung = node.rungs[use.mesh.rung];
+    job.expected = {rung.triangles, rung.vertices, summary_.attributes, node.box};
+    if (textures_) job.textures = textures_->set();
+  }
+  jobs_.push_back(std::move(job));
+}
+
+void Model::finishDecode(DecodeResult result) {
+  const auto found = decoding_.find({result.use, result.blob.number});
+  if (found == decoding_.end() || found->second != result.blob) return;
+  undecoded_bytes_ -= found->second.bytes;
+  decoding_.erase(found);
+  ++version_;
+  if (result.image) return textures_->insert(result.blob.number, std::move(result.image));
+  if (!result.decoded) {
+    const std::string what = result.use.kind == BlobKind::kTile
+                                 ? "blob " + std::to_string(result.blob.number)
+                                 : "node " + std::to_string(result.use.mesh.node.value) + " rung " +
+                                       std::to_string(result.use.mesh.rung);
+    return refuse(result.blob,
+                  what + " cannot be decoded: " + result.failure + ": run lodestreamd verify on the store");
+  }
+  meshes_.insert(result.use.mesh, std::move(result.decoded), std::move(result.footprint));
+  if (result.use.mesh == coarsest()) meshes_.pin(result.use.mesh);
+}
+
+void Model::refuse(const BlobRef& blob, const std::string& why) {
+  ++version_;
+  refused_.insert(blob.number);
+  if (failure_.empty()) failure_ = why;
+}
+
+}  // namespace lode::core

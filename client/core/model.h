@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/core/cache.h"
+#include "client/core/decode_job.h"
+#include "client/core/hierarchy.h"
+#include "client/core/texture_stream.h"
+#include "client/core/wish.h"
+#include "common/model_summary.h"
+
+namespace lode::core {
+
+constexpr uint64_t kMaxUndecodedBytes = 64ull << 20;  ///< encoded payloads waiting to be decoded
+
+/// One build of a model, as far as it is known and resident: its hierarchy, meshes and textures. Blobs go in,
+/// wherever they come from; decode jobs come out, and their results go in. Knows no view and no connection;
+/// every view of the model shares it. Not thread safe.
+class Model {
+ public:
+  /// @param memory_budget_bytes  of decoded meshes and textures.
+  Model(ModelSummary summary, uint64_t memory_budget_bytes);
+
+  const ModelSummary& summary() const noexcept { return summary_; }
+  const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
+  MeshCache& meshes() noexcept { return meshes_; }
+  const MeshCache& meshes() const noexcept { return meshes_; }
+  /// Null: it has none.
+  TextureStream* textures() noexcept { return textures_ ? &*textures_ : nullptr; }
+  const TextureStream* textures() const noexcept { return textures_ ? &*textures_ : nullptr; }
+
+  /// What comes before any view: the root's page, then its coarsest rung; nothing once they are there or
+  /// being decoded.
+  std::optional<Wish> firstWish() const;
+  /// Whether a blob would help: it is not being decoded and not refused.
+  bool wants(const Wish& wish) const;
+
+  /// Takes the bytes of a blob, whose name was checked. @throws Error kFormat or kLimit for a page or texture
+  /// set that breaks a rule.
+  void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
+  /// A blob cannot be had.
+  void refuse(const BlobRef& blob, const std::string& why);
+
+  std::vector<DecodeJob> takeDecodeJobs() { return std::exchange(jobs_, {}); }
+  /// Takes a job's result; one that belongs to another build is dropped.
+  void finishDecode(DecodeResult result);
+
+  /// Grows with every change that a view may show.
+  uint64_t version() const noexcept { return version_; }
+  /// Why a part of the model cannot be had; empty if nothing is wrong.
+  const std::string& failure() const noexcept { return failure_; }
+  uint64_t undecodedBytes() const noexcept { return undecoded_bytes_; }
+  size_t decoding() const noexcept { return decoding_.size(); }
+  /// Of all texture blobs that came.
+  uint64_t textureBlobBytes() const noexcept { return texture_blob_bytes_; }
+
+ private:
+  using Decoding = std::pair<BlobUse, uint32_t>;  // and the blob's number
+
+  void addPage(const BlobUse& use, std::span<const std::byte> bytes);
+  void startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
+  MeshKey coarsest() const;
+
+  ModelSummary summary_;
+  Hierarchy hierarchy_;
+  MeshCache meshes_;
+  std::optional<TextureStream> textures_;
+  std::map<Decoding, BlobRef> decoding_;  // handed out
+  uint64_t undecoded_bytes_ = 0;
+  std::vector<DecodeJob> jobs_;
+  std::set<uint32_t> refused_;  // blob numbers
+  uint64_t texture_blob_bytes_ = 0;
+  uint64_t version_ = 1;
+  std::string failure_;
+};
+
+}  // namespace lode::core

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "client/core/mesh_key.h"
+#include "common/blob.h"
+#include "proto/messages.h"
+
+namespace lode::core {
+
+enum class BlobKind : uint8_t { kMesh, kPage, kRootPage, kTextureSet, kTile };
+
+/// What a blob is wished for. Travels with the wish and comes back with its ending.
+struct BlobUse {
+  BlobKind kind = BlobKind::kMesh;
+  MeshKey mesh;  ///< of a page: the node that owns it, rung 0
+
+  friend constexpr auto operator<=>(const BlobUse&, const BlobUse&) = default;
+};
+
+/// A blob that a view asks for.
+struct Wish {
+  BlobRef blob = {};
+  BlobUse use = {};
+  proto::WishClass wish_class = proto::WishClass::kVisible;
+  float priority_px = 0;  ///< error in the picture that its arrival helps to remove
+};
+
+}  // namespace lode::core
