@@ -26,6 +26,7 @@ using stream::Streamer;
 using stream::StreamStatus;
 
 constexpr auto kPatience = 60s;
+constexpr float kOnlyTheRootPx = 1e6f;  // a threshold that the root's coarsest rung meets
 
 stream::StreamOptions threads(unsigned count) {
   stream::StreamOptions options;
@@ -140,7 +141,7 @@ TEST_F(Streaming, mayEndAtAnyTime) {
 TEST_F(Streaming, goesOnWhenTheServerComesBack) {
   Streamer streamer(served_, threads(2));
   const ModelSummary& model = streamer.waitForModel(kPatience);
-  streamer.setView(viewAt(1, model), 5);
+  streamer.setView(viewAt(1, model), kOnlyTheRootPx);
   ASSERT_TRUE(streamer.waitForConvergence(kPatience).settled);
   stopServer();
   streamer.setView(viewAt(2, model), 0.1f);
@@ -153,15 +154,30 @@ TEST_F(Streaming, goesOnWhenTheServerComesBack) {
 TEST_F(Streaming, keepsItsCutAndSaysWhyWhenTheServerGoes) {
   Streamer streamer(served_, {});
   const ModelSummary& model = streamer.waitForModel(kPatience);
-  streamer.setView(viewAt(1, model), 50);
-  ASSERT_TRUE(streamer.waitForConvergence(kPatience).settled);
+  streamer.setView(viewAt(1, model), kOnlyTheRootPx);
+  const StreamStatus before = streamer.waitForConvergence(kPatience);
+  ASSERT_TRUE(before.settled && before.cut);
   stopServer();
   streamer.setView(viewAt(2, model), 0.001f);
   const StreamStatus status = streamer.waitForConvergence(1s);
   EXPECT_FALSE(status.settled);
   EXPECT_FALSE(status.ended) << status.failure;
   EXPECT_NE(status.trouble, "");
-  EXPECT_TRUE(status.cut);
+  ASSERT_TRUE(status.cut);
+  EXPECT_FALSE(status.cut->converged);
+  EXPECT_EQ(status.cut->triangles, before.cut->triangles);
+}
+
+TEST_F(Streaming, convergesWithoutAServerWhereAllIsThere) {
+  Streamer streamer(served_, {});
+  const ModelSummary& model = streamer.waitForModel(kPatience);
+  streamer.setView(viewAt(1, model), 5);
+  ASSERT_TRUE(streamer.waitForConvergence(kPatience).settled);
+  stopServer();
+  streamer.setView(viewAt(1, model), kOnlyTheRootPx);
+  const StreamStatus status = streamer.waitForConvergence(kPatience);
+  EXPECT_EQ(status.failure, "");
+  EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
 }
 
 TEST_F(Streaming, saysThatNoServerIsThere) {
