@@ -54,6 +54,10 @@ uint64_t defaultMemoryBudget() {
   return std::min(pages * page_bytes, cgroupBytes()) / 8;
 }
 
+uint64_t MemoryBudget::mean() const noexcept {
+  return used() / std::max<uint64_t>(1, accounts_.load(std::memory_order_relaxed));
+}
+
 bool MemoryBudget::take(uint64_t bytes, uint64_t up_to) noexcept {
   uint64_t used = used_.load(std::memory_order_relaxed);
   do {
@@ -67,8 +71,14 @@ MemoryAccount::MemoryAccount(MemoryAccount&& other) noexcept
 
 bool MemoryAccount::admit(uint64_t base_bytes) noexcept {
   if (!budget_->take(base_bytes, budget_->limit() / 8 * 7)) return false;
+  if (base_ == 0) budget_->accounts_.fetch_add(1, std::memory_order_relaxed);
   base_ += base_bytes;
   return true;
+}
+
+MemoryAccount::~MemoryAccount() {
+  if (base_ > 0) budget_->accounts_.fetch_sub(1, std::memory_order_relaxed);
+  budget_->used_.fetch_sub(base_ + held_, std::memory_order_relaxed);
 }
 
 bool MemoryAccount::tryTake(uint64_t bytes) noexcept {
@@ -77,7 +87,8 @@ bool MemoryAccount::tryTake(uint64_t bytes) noexcept {
     const uint64_t left = for_greedy - std::min(for_greedy, budget_->used());
     if (held_ + bytes > left / kGreedyPart) return false;
   }
-  if (!budget_->take(bytes, budget_->limit())) return false;
+  const uint64_t limit = budget_->limit();
+  if (!budget_->take(bytes, held_ + bytes > kModestBytes ? limit / 16 * 15 : limit)) return false;
   held_ += bytes;
   return true;
 }

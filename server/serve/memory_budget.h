@@ -7,8 +7,10 @@ namespace lode::serve {
 
 /// What a connection may hold as long as the budget has it at all, whatever others hold.
 constexpr uint64_t kPoliteBytes = 64u << 10;
-/// A connection that holds more than that may hold this part of what is left of three quarters: the more the
-/// greedy have taken, the less each of them may take, and a quarter is the others'.
+/// The last sixteenth of the budget is for those that hold no more than this.
+constexpr uint64_t kModestBytes = 16u << 10;
+/// A connection that holds more than kPoliteBytes may hold this part of what is left of three quarters: the
+/// more the greedy have taken, the less each of them may take, and a quarter is the others'.
 constexpr uint64_t kGreedyPart = 64;
 
 /// An eighth of what the machine has, or the cgroup that this process is in.
@@ -21,15 +23,19 @@ class MemoryBudget {
 
   uint64_t limit() const noexcept { return limit_; }
   uint64_t used() const noexcept { return used_.load(std::memory_order_relaxed); }
-  /// So little is left that connections must be closed.
-  bool pressed() const noexcept { return used() > limit_ / 16 * 15; }
+  /// So little is left that connections must be closed, those that hold the most, until relieved(). It is
+  /// less than what new ones are refused from, so that they are not kept out by who stays.
+  bool pressed() const noexcept { return used() > limit_ / 16 * 13; }
+  bool relieved() const noexcept { return used() <= limit_ / 16 * 12; }
+  /// What a connection holds on the average, with what it costs by itself.
+  uint64_t mean() const noexcept;
 
  private:
   friend class MemoryAccount;
   bool take(uint64_t bytes, uint64_t up_to) noexcept;
 
   uint64_t limit_;
-  std::atomic<uint64_t> used_{0};
+  std::atomic<uint64_t> used_{0}, accounts_{0};
 };
 
 /// What one connection holds of the budget; all of it goes back at the end. Not thread safe.
@@ -38,7 +44,7 @@ class MemoryAccount {
   explicit MemoryAccount(MemoryBudget& budget) noexcept : budget_(&budget) {}
   MemoryAccount(MemoryAccount&& other) noexcept;
   MemoryAccount& operator=(MemoryAccount&&) = delete;
-  ~MemoryAccount() { budget_->used_.fetch_sub(base_ + held_, std::memory_order_relaxed); }
+  ~MemoryAccount();
 
   /// What every connection costs, once. @return false: the server has no room for another.
   bool admit(uint64_t base_bytes) noexcept;
@@ -47,8 +53,7 @@ class MemoryAccount {
   /// For what must be, as a last word.
   void take(uint64_t bytes) noexcept;
   void give(uint64_t bytes) noexcept;
-  /// Without what every connection costs.
-  uint64_t held() const noexcept { return held_; }
+  uint64_t held() const noexcept { return base_ + held_; }
 
  private:
   MemoryBudget* budget_;

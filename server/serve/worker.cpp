@@ -93,10 +93,18 @@ asio::awaitable<void> Worker::sweep(Clock::duration every) {
 void Worker::sweepNow() {
   const auto now = Clock::now();
   for (Connection* connection : host_.connections) connection->sweep(now);
-  if (!budget_.pressed() || host_.connections.empty()) return;
-  Connection* const greediest =
-      *std::ranges::max_element(host_.connections, {}, [](const Connection* c) { return c->heldBytes(); });
-  if (greediest->heldBytes() > kPoliteBytes / 2) greediest->giveUpForMemory();
+  if (budget_.pressed()) giveUpTheGreediest();
+}
+
+/// Who holds less than the average of the whole server is let be; some thread has one that does not.
+void Worker::giveUpTheGreediest() {
+  const uint64_t mean = budget_.mean();
+  std::vector<Connection*> greedy;
+  for (Connection* connection : host_.connections)
+    if (connection->heldBytes() >= std::max(mean, kPoliteBytes / 2)) greedy.push_back(connection);
+  std::ranges::sort(greedy, std::ranges::greater(), [](const Connection* c) { return c->heldBytes(); });
+  for (auto next = greedy.begin(); next != greedy.end() && !budget_.relieved(); ++next)
+    (*next)->giveUpForMemory();
 }
 
 }  // namespace lode::serve

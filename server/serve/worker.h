@@ -44,6 +44,7 @@ class Worker {
  private:
   asio::awaitable<void> sweep(Clock::duration every);
   void sweepNow();
+  void giveUpTheGreediest();
   void admit(asio::ip::tcp::socket socket, Place place, MemoryAccount memory, std::string client);
 
   MemoryBudget& budget_;

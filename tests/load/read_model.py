@@ -95,6 +95,10 @@ class Connection:
         self.input = self.socket.makefile("rb")
         self.credited = 0
 
+    def close(self):
+        self.input.close()
+        self.socket.close()
+
     def send(self, name, request=0, **fields):
         message = getattr(wire, name + "T")()
         for field, value in fields.items():

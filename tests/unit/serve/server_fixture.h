@@ -55,6 +55,18 @@ class ServerTest : public testing::Test {
       wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, blob, blob, static_cast<float>(blob)});
     return wishes;
   }
+  /// Whether a client is welcome, of many that come one after the other: the server hears of another's end in
+  /// its own time.
+  bool isLetInSoon() {
+    const auto end = std::chrono::steady_clock::now() + 20s;
+    while (std::chrono::steady_clock::now() < end) {
+      TestClient client = connect();
+      client.send(proto::Hello{});
+      const auto answer = client.receive();
+      if (answer && answer->is(FrameType::kWelcome)) return true;
+    }
+    return false;
+  }
   /// A client that opens "a" and gets every blob of it.
   void expectServed() {
     TestClient client = connect();

@@ -11,6 +11,7 @@
 #include <asio/read.hpp>
 #include <asio/write.hpp>
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include "proto/frame.h"
 #include "proto/messages.h"
@@ -38,8 +39,10 @@ class TestClient {
     sendBytes(proto::encode(message, request));
   }
 
-  /// @return nothing at the end of the connection.
+  /// @return nothing at the end of the connection, or where nothing comes for long.
   std::optional<Received> receive() {
+    pollfd waiting{socket_.native_handle(), POLLIN, 0};
+    if (poll(&waiting, 1, 30'000) != 1) return {};
     std::array<std::byte, proto::kFrameHeaderBytes> head;
     asio::error_code error;
     asio::read(socket_, asio::buffer(head), error);

@@ -1,0 +1,295 @@
+#!/usr/bin/python3
+"""lodestreamd as its surroundings treat it: who reads its log, its limits, its service manager, signals under load.
+
+    daemon_test.py BIN_DIR MODELS_DIR SOURCE_DIR
+"""
+import contextlib
+import json
+import os
+import re
+import resource
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+import lodestream_generated as wire
+from read_model import HEADER, Connection, Reader
+
+BIN, MODELS, SOURCE = (os.path.abspath(sys.argv.pop(1)) for _ in range(3))
+STORE = os.path.join(MODELS, "painted.lode")
+LIMIT = 7
+
+
+class Daemon:
+    """lodestreamd serve on ports of loopback that it picks; ended with the `with`, by SIGTERM, with exit status 0."""
+
+    def __init__(self, *arguments, shell="", **options):
+        command = [os.path.join(BIN, "lodestreamd"), "serve", *arguments, "--listen", "127.0.0.1:0", "--metrics", "127.0.0.1:0"]
+        if shell:
+            command = ["sh", "-c", f'{shell} exec "$0" "$@"', *command]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **options)
+        ready = json.loads(self.process.stdout.readline())
+        self.address, self.health = ready["listen"], ready["metrics"]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, failed, *_):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM if not failed else signal.SIGKILL)
+        self.status = self.process.wait(timeout=60)
+        self.process.stdout.close()
+        if not failed:
+            assert self.status == 0, f"it ended with {self.status}"
+
+    def ask(self, path):
+        try:
+            with urllib.request.urlopen(f"http://{self.health}{path}", timeout=10) as answer:
+                return answer.status, answer.read().decode()
+        except urllib.error.HTTPError as error:
+            with error:
+                return error.code, ""
+
+    def metric(self, name):
+        return float(re.search(rf"^{re.escape(name)} (\S+)$", self.ask("/metrics")[1], re.M).group(1))
+
+    def open(self, model="painted"):
+        """A connection that has the model open, and its Opened."""
+        with contextlib.ExitStack() as failing:
+            connection = failing.enter_context(contextlib.closing(Connection(self.address)))
+            connection.send("Hello", 1, minVersion=1, maxVersion=1, program="daemon_test.py")
+            connection.send("Open", 2, model=model)
+            _, _, welcome = connection.receive()
+            _, _, opened = connection.receive()
+            failing.pop_all()
+        return connection, opened, welcome.MaxOpenWishes()
+
+    def read_whole(self, model="painted"):
+        connection, opened, most = self.open(model)
+        with contextlib.closing(connection):
+            return Reader(connection, opened, most).run()
+
+
+def eventually(what, seconds=20):
+    end = time.monotonic() + seconds
+    while not what():
+        assert time.monotonic() < end, "it did not come to that"
+        time.sleep(0.01)
+
+
+def refusal(address):
+    """The Error that a connection gets before it says anything, or None."""
+    host, port = address.rsplit(":", 1)
+    with socket.create_connection((host, int(port)), timeout=0.2) as client, contextlib.suppress(TimeoutError):
+        head = client.recv(HEADER.size, socket.MSG_WAITALL)
+        size, kind, *_ = HEADER.unpack(head)
+        return wire.Error.GetRootAs(client.recv(size, socket.MSG_WAITALL)) if kind == 11 else None
+
+
+class Log(unittest.TestCase):
+    def descriptors(self):
+        """Pairs of ends, the reader's and the writer's, of what a log may go to."""
+        yield os.pipe()
+        reader, writer = socket.socketpair()
+        yield reader.detach(), writer.detach()
+
+    def expect_served_and_counted(self, daemon):
+        for _ in range(30):  # a line each
+            with contextlib.closing(daemon.open()[0]):
+                pass
+        eventually(lambda: daemon.metric("lodestream_log_lines_dropped_total") >= 10)
+        self.assertGreater(daemon.read_whole()["payloads"], 20)
+
+    def test_whose_reader_is_gone_costs_lines_and_nothing_else(self):
+        for reader, writer in self.descriptors():
+            with self.subTest(writer=writer), Daemon(STORE, stderr=writer) as daemon:
+                os.close(writer)
+                os.close(reader)
+                self.expect_served_and_counted(daemon)
+
+    def test_that_stands_still_costs_lines_and_nothing_else(self):
+        for reader, writer in self.descriptors():
+            os.set_blocking(writer, False)
+            with contextlib.suppress(BlockingIOError):
+                while True:
+                    os.write(writer, b"x" * 4096)
+            os.set_blocking(writer, True)
+            with self.subTest(writer=writer), Daemon(STORE, stderr=writer) as daemon:
+                os.close(writer)
+                self.expect_served_and_counted(daemon)
+            os.close(reader)
+
+
+class OpenFiles(unittest.TestCase):
+    def start(self, log, *arguments):
+        few = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (800, 800))
+        return Daemon(STORE, *arguments, stderr=log, preexec_fn=few)
+
+    def said(self, log):
+        log.seek(0)
+        return log.read()
+
+    def test_fewer_connections_than_asked_for_are_said_at_the_start_and_are_possible(self):
+        with tempfile.TemporaryFile("w+") as log, contextlib.ExitStack() as clients:
+            with self.start(log, "--max-connections", "1000") as daemon:
+                eventually(lambda: "fewer connections are possible" in self.said(log))
+                possible = int(re.search(r"possible=(\d+)", self.said(log)).group(1))
+                for _ in range(possible):
+                    clients.enter_context(contextlib.closing(daemon.open()[0]))
+                for _ in range(300):
+                    self.assertEqual(refusal(daemon.address).Code(), LIMIT)
+                self.assertEqual(daemon.metric('lodestream_connections_refused_total{reason="descriptors"}'), 0)
+
+    def test_nothing_is_said_where_there_are_enough(self):
+        with tempfile.TemporaryFile("w+") as log:
+            with self.start(log, "--max-connections", "100"):
+                pass
+            self.assertNotIn("fewer", self.said(log))
+
+
+class ServiceManager(unittest.TestCase):
+    def test_hears_when_it_is_ready_reloads_and_stops(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in (os.path.join(folder, "notify"), f"\0lodestream-test-{os.getpid()}"):
+                with self.subTest(name=name), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+                    manager.bind(name)
+                    manager.settimeout(20)
+                    hear = lambda: manager.recv(4096).decode()
+                    with Daemon(STORE, env=dict(os.environ, NOTIFY_SOCKET=name.replace("\0", "@"))) as daemon:
+                        self.assertEqual(hear(), "READY=1")
+                        before = time.monotonic_ns() // 1000
+                        daemon.process.send_signal(signal.SIGHUP)
+                        reloading, since = hear().split("\n")
+                        self.assertEqual(reloading, "RELOADING=1")
+                        self.assertTrue(before <= int(since.removeprefix("MONOTONIC_USEC=")) <= time.monotonic_ns() // 1000)
+                        self.assertEqual(hear(), "READY=1")
+                    self.assertEqual(hear(), "STOPPING=1")
+
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze comes with Debian's package systemd")
+    def test_finds_nothing_wrong_with_the_unit_of_the_operators_page(self):
+        with open(os.path.join(SOURCE, "docs", "operations.md")) as page:
+            unit = re.search(r"^```\n(\[Unit\].*?)^```", page.read(), re.M | re.S).group(1)
+        unit = unit.replace("/usr/bin/lodestreamd", os.path.join(BIN, "lodestreamd"))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "lodestream.service")
+            with open(path, "w") as file:
+                file.write(unit)
+            done = subprocess.run(["systemd-analyze", "verify", "--man=no", path], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            done = subprocess.run(["systemd-analyze", "security", "--offline=true", "--threshold=20", path],
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_sees_it_not_ready_for_the_drain_delay_while_it_still_takes_connections(self):
+        with Daemon(STORE, "--drain-delay", "2") as daemon:
+            self.assertEqual(daemon.ask("/readyz")[0], 200)
+            daemon.process.send_signal(signal.SIGTERM)
+            eventually(lambda: daemon.ask("/readyz")[0] == 503)
+            self.assertEqual(daemon.ask("/healthz")[0], 200)
+            self.assertGreater(daemon.read_whole()["payloads"], 20)
+            self.assertIsNone(daemon.process.poll())
+
+
+@unittest.skipUnless(shutil.which("promtool"), "promtool comes with Debian's package prometheus")
+class Metrics(unittest.TestCase):
+    def test_of_a_server_that_has_served_pass_promtool(self):
+        with Daemon(STORE) as daemon:
+            daemon.read_whole()
+            text = daemon.ask("/metrics")[1]
+        done = subprocess.run(["promtool", "check", "metrics"], input=text, capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+
+class UnderLoad(unittest.TestCase):
+    """Eight clients read whole models, every blob's name compared, while an operator works."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        for model in ("steady", "changing"):
+            shutil.copy(STORE, self.path(model))
+        self.other = os.path.join(MODELS, "gyroid.lode")
+        self.stop, self.mistakes, self.reads = threading.Event(), [], {"steady": 0, "changing": 0}
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def path(self, model):
+        return os.path.join(self.folder.name, model + ".lode")
+
+    def read(self, daemon, model, allowed):
+        while not self.stop.is_set():
+            try:
+                daemon.read_whole(model)
+                self.reads[model] += 1
+            except (SystemExit, Exception) as error:  # what the server said, a broken connection, wrong bytes
+                if not self.stop.is_set() and not any(text in str(error) for text in allowed):
+                    self.mistakes.append(f"{model}: {error!r}")
+                time.sleep(0.01)
+
+    @contextlib.contextmanager
+    def readers(self, daemon, allowed=()):
+        threads = [threading.Thread(target=self.read, args=(daemon, model, texts))
+                   for model, texts in (("steady", ()), ("changing", allowed)) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        try:
+            yield
+        finally:
+            self.stop.set()
+            for thread in threads:
+                thread.join()
+        self.assertEqual(self.mistakes, [])
+
+    def replace(self, model, store):
+        """By renaming, as builds do."""
+        shutil.copy(store, self.path(model) + ".new")
+        os.rename(self.path(model) + ".new", self.path(model))
+
+    def reload(self, daemon):
+        before = self.reads["steady"]
+        daemon.process.send_signal(signal.SIGHUP)
+        eventually(lambda: self.reads["steady"] >= before + 2 or self.mistakes)
+
+    def test_stores_are_replaced_and_removed_and_nobody_else_notices(self):
+        with Daemon(self.folder.name, stderr=subprocess.DEVNULL) as daemon:
+            with self.readers(daemon, allowed=("(code 5)",)):
+                for _ in range(4):
+                    self.replace("changing", self.other)
+                    self.reload(daemon)
+                    os.remove(self.path("changing"))
+                    self.reload(daemon)
+                    self.replace("changing", STORE)
+                    self.reload(daemon)
+            self.assertGreater(self.reads["changing"], 0)
+
+    def test_a_store_that_is_overwritten_in_place_is_damaged_to_its_readers_and_to_nobody_else(self):
+        with Daemon(self.folder.name, stderr=subprocess.DEVNULL) as daemon:
+            # A chunk that is read within the 20 ms between two looks at the file may be wrong: its name tells the client.
+            with self.readers(daemon, allowed=("(code 8)", "has another name")):
+                with open(self.path("changing"), "r+b") as store:
+                    for at in range(2000, os.path.getsize(self.path("changing")) - 2000, 5000):
+                        store.seek(at)
+                        store.write(b"overwritten")
+                eventually(lambda: daemon.metric('lodestream_model_damaged_blobs_total{model="changing"}') > 0)
+                before = self.reads["steady"]
+                eventually(lambda: self.reads["steady"] >= before + 4 or self.mistakes)
+
+    def test_it_ends_with_0_within_its_deadline(self):
+        with Daemon(self.folder.name, "--drain-deadline", "1", stderr=subprocess.DEVNULL) as daemon:
+            with self.readers(daemon):
+                eventually(lambda: self.reads["steady"] > 2)
+                self.stop.set()  # from here on connections may break
+                daemon.process.send_signal(signal.SIGTERM)
+                self.assertEqual(daemon.process.wait(timeout=20), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,103 @@
+#include "server/serve/door.h"
+
+#include <memory>
+#include <new>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/unit/serve/failing_allocations.h"
+
+namespace lode::serve {
+namespace {
+
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+
+/// A door without a server: its loop is turned by hand, as Server::run() does.
+class DoorTest : public testing::Test {
+ protected:
+  DoorTest() {
+    tcp::acceptor acceptor(context_, {asio::ip::address_v4::loopback(), 0});
+    address_ = acceptor.local_endpoint();
+    door_.emplace(std::move(acceptor), DoorOptions{}, admission_, budget_, tallies_, log_,
+                  [this](const tcp::socket&, const Place&, const MemoryAccount&, const std::string&) {
+                    if (hand_throws_) throw std::bad_alloc();
+                    if (hand_throws_what_nobody_catches_) throw 1;
+                    ++handed_;
+                  });
+  }
+  ~DoorTest() override {
+    door_.reset();
+    ::close(quiet_);
+  }
+
+  void turn() {
+    try {
+      door_->open();
+      context_.run_one_for(10ms);
+    } catch (...) {  // NOLINT(bugprone-empty-catch): as Server::run() goes on
+    }
+  }
+  void connect() {
+    clients_.emplace_back(client_context_);
+    clients_.back().connect(address_);
+  }
+  bool isTakenWithin(std::chrono::steady_clock::duration time) {
+    const auto end = std::chrono::steady_clock::now() + time;
+    const int before = handed_;
+    connect();
+    while (handed_ == before && std::chrono::steady_clock::now() < end) turn();
+    return handed_ > before;
+  }
+
+  const int quiet_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  asio::io_context context_, client_context_;
+  Admission admission_{1000, {}};
+  MemoryBudget budget_{1u << 20};
+  ThreadTallies tallies_;
+  Log log_{{.descriptor = quiet_}};
+  std::optional<Door> door_;
+  tcp::endpoint address_;
+  std::vector<tcp::socket> clients_;
+  bool hand_throws_ = false, hand_throws_what_nobody_catches_ = false;
+  int handed_ = 0;
+};
+
+TEST_F(DoorTest, aConnectionThatThereIsNoMemoryForLosesItsPlaceAndTheNextIsTaken) {
+  hand_throws_ = true;
+  EXPECT_FALSE(isTakenWithin(50ms));
+  EXPECT_EQ(admission_.count(), 0u);
+  EXPECT_EQ(budget_.used(), 0u);
+  hand_throws_ = false;
+  EXPECT_TRUE(isTakenWithin(5s));
+}
+
+TEST_F(DoorTest, openedAgainAfterItsLoopWasThrownOutItTakesTheNext) {
+  hand_throws_what_nobody_catches_ = true;
+  EXPECT_FALSE(isTakenWithin(50ms));
+  hand_throws_what_nobody_catches_ = false;
+  EXPECT_TRUE(isTakenWithin(5s));
+}
+
+TEST_F(DoorTest, whereverMemoryRunsOutTheNextConnectionIsTaken) {
+  ASSERT_TRUE(isTakenWithin(5s));
+  for (size_t nth = 0, failed = 1; failed > 0; ++nth) {
+    connect();
+    hand_throws_ = true;  // so that the way out of the first failure is tried too
+    {
+      const auto failing = test::FailingAllocations::nthOf(std::this_thread::get_id(), nth);
+      const auto end = std::chrono::steady_clock::now() + 20ms;
+      while (std::chrono::steady_clock::now() < end) turn();
+      failed = failing.failed();
+    }
+    hand_throws_ = false;
+    ASSERT_TRUE(isTakenWithin(5s)) << "after allocation " << nth << " had failed";
+  }
+  EXPECT_EQ(admission_.count(), 0u);
+}
+
+}  // namespace
+}  // namespace lode::serve

@@ -1,0 +1,133 @@
+// A server that is short of memory: the greedy are refused and closed, the polite are served, nothing is
+// lost.
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "server/serve/connection.h"
+#include "tests/unit/serve/failing_allocations.h"
+#include "tests/unit/serve/server_fixture.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+
+class ServerMemory : public ServerTest {
+ protected:
+  using Clients = std::vector<std::unique_ptr<TestClient>>;
+
+  /// So many clients that have "a" open and read nothing from then on.
+  Clients openMany(int count) {
+    Clients clients;
+    for (int i = 0; i < count; ++i) {
+      clients.push_back(std::make_unique<TestClient>(server_->port()));
+      clients.back()->open("a");
+    }
+    return clients;
+  }
+  static void wishTimes(TestClient& client, uint32_t count) {
+    for (uint32_t wish = 1; wish <= count;) {
+      proto::Wishes wishes{1, {}};
+      for (uint32_t n = 0; n < proto::kMaxWishesPerFrame && wish <= count; ++n)
+        wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, wish++, 5, 1});
+      client.send(wishes);
+    }
+  }
+  /// Whether the connection has ended, after what it was sent.
+  static bool hasEnded(TestClient& client) {
+    client.socket().non_blocking(true);
+    std::array<std::byte, 4096> dropped;
+    asio::error_code error;
+    while (!error) client.socket().read_some(asio::buffer(dropped), error);
+    return error != asio::error::would_block;
+  }
+};
+
+TEST_F(ServerMemory, memoryIsTakenByWhatHasComeNotByWhatIsAnnounced) {
+  options_.memory_budget_bytes = 4u << 20;
+  start();
+  std::vector<std::unique_ptr<TestClient>> many;
+  for (int i = 0; i < 100; ++i) {  // 25 MB of announcements
+    many.push_back(std::make_unique<TestClient>(server_->port()));
+    many.back()->send(proto::Hello{});
+    many.back()->expect<proto::Welcome>(FrameType::kWelcome);
+    many.back()->sendBytes(proto::encodeFrameHeader(
+        {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+  }
+  expectServed();
+}
+
+TEST_F(ServerMemory, greedyConnectionsAreRefusedAndPoliteOnesServed) {
+  options_.memory_budget_bytes = 4u << 20;
+  start();
+  const Clients greedy = openMany(40);
+  for (const auto& client : greedy) wishTimes(*client, 4 * proto::kMaxWishesPerFrame);
+  for (int i = 0; i < 5; ++i) expectServed();
+}
+
+TEST_F(ServerMemory, whenItIsUsedUpThoseWhoHoldMoreThanMostAreClosedAndThePoliteAreNot) {
+  options_.memory_budget_bytes = 4u << 20;
+  options_.handshake_deadline = 400ms;  // memory is looked at four times within the shortest deadline
+  start();
+  TestClient polite = connect();
+  const proto::Opened opened = polite.open("a");
+  polite.blobs(2);
+  Clients quiet = openMany(20);
+  const Clients greedy = openMany(70);
+  for (const auto& client : greedy) wishTimes(*client, 480);  // each asks for less than it may: 60 KB
+  const auto end = std::chrono::steady_clock::now() + 20s;
+  size_t closed = 0;
+  while (closed == 0 && std::chrono::steady_clock::now() < end) {
+    polite.send(wishesForAll(opened.handle));
+    ASSERT_EQ(polite.blobs(reader().blobCount()).size(), reader().blobCount());
+    closed = static_cast<size_t>(std::ranges::count_if(greedy, [](const auto& c) { return hasEnded(*c); }));
+  }
+  EXPECT_GT(closed, 0u) << "nobody was closed";
+  EXPECT_LT(closed, 40u) << "more than was needed";
+  for (const auto& client : quiet) EXPECT_FALSE(hasEnded(*client));
+  EXPECT_TRUE(isLetInSoon());
+}
+
+TEST_F(ServerMemory, whenMemoryIsShortTheNextConnectionIsToldSo) {
+  // Seven eighths of it are for what connections cost by themselves: seven, and what their Hellos take for a
+  // moment.
+  options_.memory_budget_bytes = kPlainConnectionBytes * 15 / 2 * 8 / 7;
+  start();
+  std::vector<std::unique_ptr<TestClient>> clients;
+  for (int i = 0; i < 7; ++i) {
+    clients.push_back(std::make_unique<TestClient>(server_->port()));
+    clients.back()->send(proto::Hello{});
+    clients.back()->expect<proto::Welcome>(FrameType::kWelcome);
+  }
+  connect().expectErrorAndEnd(WireError::kLimit);
+}
+
+TEST_F(ServerMemory, aConnectionThatThereIsNoMemoryForGivesItsPlaceBack) {
+  options_.max_connections = 1;
+  start();
+  {
+    const auto failing =
+        FailingAllocations::ofSize(sizeof(Connection), sizeof(Connection) + 64);  // with what shares it
+    connect().receive();
+    EXPECT_EQ(failing.failed(), 1u);
+  }
+  EXPECT_TRUE(isLetInSoon());
+}
+
+TEST_F(ServerMemory, whereverItRunsOutWhileAConnectionIsTakenTheNextIsServed) {
+  start();
+  expectServed();
+  for (size_t nth = 0, failed = 1; failed > 0; ++nth) {
+    const auto failing = FailingAllocations::nthOf(thread_.get_id(), nth);
+    TestClient client = connect();
+    client.send(proto::Hello{});
+    client.receive();  // Welcome, or the end
+    failed = failing.failed();
+  }
+  expectServed();
+}
+
+}  // namespace
+}  // namespace lode::serve
