@@ -11,10 +11,17 @@ namespace lode::core {
 Engine::Engine(EngineOptions options)
     : options_(std::move(options)),
       link_(options_.session, options_.jitter_seed),
-      instance_(options_.triangle_budget) {}
+      instance_(options_.triangle_budget) {
+  if (options_.offline && options_.cached_model)
+    model_.emplace(*options_.cached_model, options_.memory_budget_bytes);
+  wishes_waiting_ = model_.has_value();
+}
 
 void Engine::connect(TimePoint now) {
-  link_.begin(model_ && model_->hierarchy().root() ? model_->summary().build_id : BlobName{}, now);
+  const ModelSummary* const known = model_                  ? &model_->summary()
+                                    : options_.cached_model ? &*options_.cached_model
+                                                            : nullptr;
+  link_.begin(known ? known->build_id : BlobName(), now);
 }
 
 void Engine::receive(std::span<const std::byte> bytes, TimePoint now) {
@@ -32,11 +39,12 @@ void Engine::handle(ModelOpened event) {
   link_.succeeded();
   wishes_waiting_ = true;
   if (model_ && model_->summary().build_id == event.summary.build_id) return;
-  if (model_ && (model_->summary().lattice != event.summary.lattice))
+  if (model_ && instance_.cut() && model_->summary().lattice != event.summary.lattice)
     throw Error(ErrorCode::kInput,
                 "the server has replaced the model by one of another size or place: open it again");
   model_.emplace(std::move(event.summary), options_.memory_budget_bytes);
   instance_.forgetModel();
+  queries_ = {};
 }
 
 void Engine::handle(ModelsListed) {
@@ -44,15 +52,32 @@ void Engine::handle(ModelsListed) {
 }
 
 void Engine::handle(BlobArrived event) {
+  queries_.arrived(event.blob);
+  if (options_.has_cache) arrivals_.push_back({event.blob, event.bytes});
+  const bool was_root_page = event.use.kind == BlobKind::kRootPage;
+  deliver(event.blob, event.use, std::move(event.bytes));
+  if (!was_root_page || !link_.session()->givesFirstBlobs()) return;
+  if (const auto coarsest = model_->firstWish())
+    link_.session()->expectUnasked(coarsest->blob, coarsest->use);
+}
+
+void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   // What several rungs share is fetched once.
   for (const Wish& wish : instance_.wishes())
-    if (wish.blob == event.blob && wish.use != event.use) model_->take(wish.blob, wish.use, event.bytes);
-  const bool was_root_page = event.use.kind == BlobKind::kRootPage;
-  model_->take(event.blob, event.use, std::move(event.bytes));
-  if (!was_root_page) return;
-  const Rung& coarsest = model_->hierarchy().root()->rungs.back();
-  const auto rung = static_cast<uint32_t>(model_->hierarchy().root()->rungs.size()) - 1;
-  if (coarsest.payload) link_.session()->expectUnasked(coarsest.payload, {BlobKind::kMesh, {kRootKey, rung}});
+    if (wish.blob == blob && wish.use != use) model_->take(wish.blob, wish.use, bytes);
+  model_->take(blob, use, std::move(bytes));
+}
+
+void Engine::finishCacheQuery(const BlobRef& blob, std::optional<std::vector<std::byte>> bytes) {
+  const auto use = queries_.finish(blob, bytes.has_value());
+  wishes_waiting_ = true;
+  if (!use || !bytes) return;
+  cache_bytes_ += bytes->size();
+  deliver(blob, *use, std::move(*bytes));
+}
+
+bool Engine::exhausted() const noexcept {
+  return options_.offline && queries_.idle() && !wishes_waiting_ && (!model_ || model_->decoding() == 0);
 }
 
 void Engine::handle(BlobRefused event) {
@@ -88,19 +113,21 @@ void Engine::step(TimePoint now) {
 
 void Engine::renewWishes() {
   wishes_waiting_ = false;
-  Session* const session = link_.session();
-  if (!session) return;
+  if (!link_.session() && !options_.has_cache) return;
   std::vector<Wish> wishes;
-  if (const auto first = model_->firstWish()) wishes.push_back(*first);
   uint64_t waiting_bytes = model_->undecodedBytes();
-  for (const Wish& wish : instance_.wishes()) {
-    if (!model_->wants(wish)) continue;
+  /// @return false if no more may be asked for.
+  const auto ask = [&](const Wish& wish) {
+    if (!model_->wants(wish)) return true;
     waiting_bytes += wish.blob.bytes;
-    if (waiting_bytes > kMaxUndecodedBytes && !wishes.empty()) break;
-    if (wishes.size() >= kMaxWishesAtOnce) break;
-    wishes.push_back(wish);
-  }
-  session->setWishes(wishes);
+    if (waiting_bytes > kMaxUndecodedBytes && !wishes.empty()) return false;
+    if (!options_.has_cache || queries_.lacks(wish)) wishes.push_back(wish);
+    return wishes.size() < kMaxWishesAtOnce;
+  };
+  if (const auto first = model_->firstWish()) ask(*first);
+  for (const Wish& wish : instance_.wishes())
+    if (!ask(wish)) break;
+  if (link_.session()) link_.session()->setWishes(wishes);
 }
 
 proto::Bytes Engine::takeOutgoing() {
@@ -119,6 +146,7 @@ const std::string& Engine::failure() const noexcept {
 EngineCounts Engine::counts() const noexcept {
   EngineCounts counts;
   counts.received_bytes = link_.receivedBytes();
+  counts.cache_bytes = cache_bytes_;
   if (link_.session()) counts.open_wishes = link_.session()->openWishes();
   if (!model_) return counts;
   counts.decoding = model_->decoding();

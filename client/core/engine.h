@@ -7,8 +7,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "client/core/cache_queries.h"
 #include "client/core/cut.h"
 #include "client/core/decode_job.h"
 #include "client/core/instance.h"
@@ -25,10 +27,15 @@ struct EngineOptions {
   uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   uint32_t jitter_seed = 0;  ///< of the times between tries to connect
+  bool has_cache = false;    ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
+  /// Of the model as the cache has it, from an earlier run.
+  std::optional<ModelSummary> cached_model = std::nullopt;
+  bool offline = false;  ///< shows cached_model from the cache and never wants a connection
 };
 
 struct EngineCounts {
   uint64_t received_bytes = 0;  ///< everything from the server
+  uint64_t cache_bytes = 0;     ///< of blobs from the cache
   uint64_t open_wishes = 0;
   uint64_t decoding = 0;        ///< jobs handed out
   uint64_t resident_bytes = 0;  ///< decoded meshes
@@ -39,15 +46,16 @@ struct EngineCounts {
   uint64_t tiles_left_out = 0;      ///< that the view needs and the memory budget does not allow
 };
 
-/// A link to a server, a model and a view of it, stepped together: bytes, decoded meshes and tiles and a
-/// camera in; bytes, decode jobs and cuts out. The model and the last cut outlive the connection. Owns no
-/// thread, knows no clock and no socket. Not thread safe; the cuts it gives are.
+/// A link to a server, a model and a view of it, stepped together: bytes, blobs from a cache, decoded meshes
+/// and tiles and a camera in; bytes, decode jobs and cuts out. Blobs are asked of the cache first. The model
+/// and the last cut outlive the connection. Owns no thread, knows no clock and no socket. Not thread safe;
+/// the cuts it gives are.
 class Engine {
  public:
   explicit Engine(EngineOptions options);
 
   /// A transport is to be made, and then connect() called.
-  bool wantsConnection(TimePoint now) const noexcept { return link_.due(now); }
+  bool wantsConnection(TimePoint now) const noexcept { return !options_.offline && link_.due(now); }
   void connect(TimePoint now);
   /// False: the transport, if there is one, is of no more use.
   bool connected() const noexcept { return link_.session() != nullptr; }
@@ -69,6 +77,19 @@ class Engine {
   proto::Bytes takeOutgoing();
   std::vector<DecodeJob> takeDecodeJobs();
 
+  /// Blobs to be looked for in the cache; each is to be answered by finishCacheQuery().
+  std::vector<BlobRef> takeCacheQueries() { return queries_.take(); }
+  /// @param bytes  none: the cache does not have the blob. They must have its name.
+  void finishCacheQuery(const BlobRef& blob, std::optional<std::vector<std::byte>> bytes);
+  struct Arrival {
+    BlobRef blob;
+    std::vector<std::byte> bytes;
+  };
+  /// Blobs that came from the server, for the cache; none without one.
+  std::vector<Arrival> takeArrivals() { return std::exchange(arrivals_, {}); }
+  /// Nothing more will come: it is offline, and the cache has given what it has.
+  bool exhausted() const noexcept;
+
   /// Null until the model is open.
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
   /// The last cut published; null until the root's coarsest rung is there and a view is set.
@@ -87,10 +108,14 @@ class Engine {
   void handle(WishCancelled event);
   void handle(ServerLeaving event);
   void handle(ModelChanged event);
+  void deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
   void renewWishes();
 
   EngineOptions options_;
   Link link_;
+  CacheQueries queries_;
+  std::vector<Arrival> arrivals_;
+  uint64_t cache_bytes_ = 0;
   std::optional<Model> model_;
   Instance instance_;
   TimePoint now_{};

@@ -81,7 +81,7 @@ class Session {
   /// words if it refused the session or the model.
   std::optional<SessionEvent> nextEvent();
 
-  /// The next unasked blob (wish 0) that the server may send: the root's page is expected by itself, the
+  /// The next unasked blob (wish 0) that the server sends: the root's page is expected by itself, the
   /// root's coarsest payload is named by who reads the page.
   void expectUnasked(const BlobRef& blob, const BlobUse& use);
 
@@ -98,6 +98,8 @@ class Session {
   /// Frames to be sent, in order; the first call gives Hello and Open (or List) together.
   proto::Bytes takeOutgoing();
 
+  /// The server sends the root's page and its coarsest rung by itself: it does to who knows another build.
+  bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
   size_t openWishes() const noexcept { return wishes_.size(); }  ///< those taken back, too
   uint64_t wishedBytes() const noexcept { return wished_bytes_; }
@@ -143,6 +145,7 @@ class Session {
   SessionOptions options_;
   State state_ = State::kWelcome;
   uint32_t handle_ = 0;
+  bool gives_first_blobs_ = false;
   uint32_t max_open_wishes_ = 0;
   uint32_t next_request_ = 1;
   uint32_t next_wish_ = 1;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "client/net/tcp_transport.h"
+#include "client/stream/cache_thread.h"
 #include "client/stream/decode_pool.h"
 #include "common/error.h"
 
@@ -28,7 +29,9 @@ struct Streamer::State {
   void run();
   void stream();
   void keepConnected(core::Engine& engine, std::unique_ptr<net::TcpTransport>& transport);
-  void stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool);
+  std::unique_ptr<CacheThread> openCache(core::EngineOptions& engine_options);
+  void askCache(core::Engine& engine, CacheThread& cache);
+  void stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool, CacheThread* cache);
   void publish(const core::Engine& engine, uint64_t view_number);
   void end(ErrorCode code, const std::string& message);
   bool waitForWork(std::chrono::milliseconds longest);
@@ -52,6 +55,7 @@ struct Streamer::State {
   std::optional<ModelSummary> summary;
   std::optional<Error> error;
 
+  BlobName kept_build_id;  // of the summary in the cache; of the thread
   std::thread thread;
 };
 
@@ -86,19 +90,48 @@ void Streamer::State::stream() {
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   engine_options.triangle_budget = options.triangle_budget;
   engine_options.jitter_seed = std::random_device()();
+  std::unique_ptr<CacheThread> cache = openCache(engine_options);
   core::Engine engine(std::move(engine_options));
   std::unique_ptr<net::TcpTransport> transport;
   DecodePool pool(options.decode_threads, [this] { wakeUp(); });
   while (waitForWork(transport ? kTick : kRetryTick)) {
     try {
       keepConnected(engine, transport);
-      stepOnce(engine, transport.get(), pool);
+      if (cache) askCache(engine, *cache);
+      stepOnce(engine, transport.get(), pool, cache.get());
     } catch (const Error& failed) {
       const std::string where = net::toString(model.address);
       const bool named = std::string_view(failed.what()).find(where) != std::string_view::npos;
       throw Error(failed.code(), named ? failed.what() : where + ": " + failed.what());
     }
   }
+}
+
+/// @return null if there is to be none. @throws Error if it is offline and knows nothing of the model.
+std::unique_ptr<CacheThread> Streamer::State::openCache(core::EngineOptions& engine_options) {
+  if (options.cache_folder.empty()) return nullptr;
+  const BlobCache cache(options.cache_folder, options.cache_bytes);
+  engine_options.has_cache = true;
+  engine_options.offline = options.offline;
+  engine_options.cached_model = cache.summary(model);
+  if (options.offline && !engine_options.cached_model)
+    throw Error(ErrorCode::kInput, net::toString(model.address) + "/" + model.model +
+                                       " is not in the cache " + options.cache_folder.string() +
+                                       ": run once without --offline");
+  return std::make_unique<CacheThread>(cache, [this] { wakeUp(); });
+}
+
+/// Carries blobs between the engine and the cache.
+void Streamer::State::askCache(core::Engine& engine, CacheThread& cache) {
+  for (CacheThread::Answer& answer : cache.takeAnswers())
+    engine.finishCacheQuery(answer.blob, std::move(answer.bytes));
+  if (const ModelSummary* opened = engine.summary();
+      opened && opened->build_id != kept_build_id && !options.offline) {
+    kept_build_id = opened->build_id;
+    BlobCache(options.cache_folder, options.cache_bytes).keepSummary(model, *opened);
+  }
+  for (core::Engine::Arrival& arrival : engine.takeArrivals())
+    cache.keep(arrival.blob, std::move(arrival.bytes));
 }
 
 /// Gives the engine what came from the transport, and a new transport where it wants one.
@@ -118,7 +151,8 @@ void Streamer::State::keepConnected(core::Engine& engine, std::unique_ptr<net::T
   if (!engine.connected()) transport.reset();
 }
 
-void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool) {
+void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool,
+                               CacheThread* cache) {
   for (core::DecodeResult& result : pool.takeResults()) engine.finishDecode(std::move(result));
   uint64_t number = 0;
   {
@@ -129,6 +163,7 @@ void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport* transpor
   engine.step(Clock::now());
   if (transport) transport->send(engine.takeOutgoing());
   pool.add(engine.takeDecodeJobs());
+  if (cache) cache->find(engine.takeCacheQueries());
   publish(engine, number);
 }
 
@@ -141,6 +176,8 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   status.settled = engine.settled();
   status.failure = engine.failure();
   status.trouble = engine.trouble();
+  if (number != 0 && engine.exhausted() && !status.settled && status.failure.empty())
+    status.failure = "the cache does not have all that the view needs: run without --offline";
   status_view_number = number;
   news.notify_all();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <stop_token>
@@ -9,6 +10,7 @@
 #include "client/core/cut.h"
 #include "client/core/engine.h"
 #include "client/core/view.h"
+#include "client/stream/blob_cache.h"
 #include "client/stream/served_model.h"
 
 namespace lode::stream {
@@ -18,6 +20,9 @@ struct StreamOptions {
   uint64_t memory_budget_bytes = core::kDefaultMemoryBudgetBytes;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   std::chrono::milliseconds connect_timeout{10'000};
+  std::filesystem::path cache_folder;  ///< empty: nothing is kept between runs
+  uint64_t cache_bytes = kDefaultCacheBytes;
+  bool offline = false;         ///< shows what the cache has; needs one
   unsigned decode_threads = 0;  ///< 0: as many as there are cores but two, at least one
 };
 

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "client/app/cli/cache_folder.h"
 #include "common/blob.h"
 #include "common/error.h"
 
@@ -37,13 +38,6 @@ stream::ServedModel readReadyLine(ChildProcess& child, const fs::path& store) {
     throw Error(ErrorCode::kIo,
                 childFailure(child, "lodestreamd did not get ready to serve " + store.string()));
   return {net::parseAddress(json["listen"].get<std::string>()), json["models"][0].get<std::string>()};
-}
-
-fs::path cacheFolder() {
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && fs::path(xdg).is_absolute())
-    return fs::path(xdg) / "lodestream";
-  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "lodestream";
-  return fs::temp_directory_path() / ("lodestream-" + std::to_string(getuid()));
 }
 
 struct stat statOf(const fs::path& path) {

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/app/cli/cache_folder.h"
 #include "client/core/camera_path.h"
 #include "common/error.h"
 #include "proto/limits.h"
@@ -93,6 +94,12 @@ stream::StreamOptions CommonOptions::streamOptions() const {
   if (options.memory_budget_bytes < kMinMemoryBudgetBytes)
     throw Error(ErrorCode::kUsage, "--memory-budget must be at least 16M");
   options.connect_timeout = std::min(options.connect_timeout, timeout());
+  const bool on_server = target.find("://") != std::string::npos;
+  if (on_server && cache_text != "off")
+    options.cache_folder = cache_text.empty() ? cacheFolder() : std::filesystem::path(cache_text);
+  options.offline = offline;
+  if (offline && options.cache_folder.empty())
+    throw Error(ErrorCode::kUsage, "--offline shows what the cache has of a model on a server: it needs one");
   return options;
 }
 
@@ -119,8 +126,12 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
       ->capture_default_str();
   command.add_option("--memory-budget", options.memory_text, "bytes of decoded meshes (default: 1G)")
       ->type_name("BYTES");
-  addMissing(command, "--cache", true);
-  for (const char* name : {"--offline", "--no-fade"}) addMissing(command, name, false);
+  command
+      .add_option("--cache", options.cache_text,
+                  "keep blobs from servers in this folder (default: the user's cache), or off")
+      ->type_name("DIR|off");
+  command.add_flag("--offline", options.offline, "show what the cache has, without a server");
+  addMissing(command, "--no-fade", false);
 }
 
 }  // namespace lode::app

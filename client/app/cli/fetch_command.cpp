@@ -52,6 +52,7 @@ Json toJson(const KeyResult& key) {
   json["first_image_ms"] = key.first_image_ms ? Json(*key.first_image_ms) : Json();
   json["converged_ms"] = key.converged_ms ? Json(*key.converged_ms) : Json();
   json["bytes_received"] = key.status.counts.received_bytes;
+  json["cache_bytes"] = key.status.counts.cache_bytes;
   json["texture_bytes"] = key.status.counts.texture_blob_bytes;
   json["tiles"] = key.status.counts.tiles;
   json["tiles_left_out"] = key.status.counts.tiles_left_out;

@@ -203,7 +203,7 @@ TEST(WrongUsageOfLodestream, endsWithTwoAndOneLine) {
       {"loadtest", "lode://127.0.0.1:1/a", "--clients", "0"},
       // not there yet
       {"fetch", "lodes://127.0.0.1:1/a"},
-      {"fetch", "lode://127.0.0.1:1/a", "--cache", "off"},
+      {"fetch", "lode://127.0.0.1:1/a", "--cache", "off", "--offline"},
       {"replay", "lode://127.0.0.1:1/a"}};
   for (const auto& arguments : wrong) {
     const Outcome outcome = lodestream(arguments);

@@ -142,6 +142,21 @@ TEST_P(Fetch, leavesNoCrackBetweenNearAndFarParts) {
   EXPECT_EQ(cut.openEdges() == 0, GetParam().is_closed) << cut.openEdges();
 }
 
+TEST_P(Fetch, receivesAFiftiethAtMostOnASecondVisitAndNothingOffline) {
+  RunningServer server({GetParam().store()});
+  const std::vector<std::string> cache{"--cache", folder_ / "kept"};
+  const Json first = fetch(server, "a.ply", cache);
+  const Json second = fetch(server, "b.ply", cache);
+  EXPECT_EQ(first["cache_bytes"], 0);
+  EXPECT_LT(second["bytes_received"].get<uint64_t>(),
+            std::max<uint64_t>(first["bytes_received"].get<uint64_t>() / 50, 1000));
+  EXPECT_TRUE(readBytes(folder_ / "a.ply") == readBytes(folder_ / "b.ply"));
+  server.stop();
+  const Json offline = fetch(server, "c.ply", {"--cache", folder_ / "kept", "--offline"});
+  EXPECT_EQ(offline["bytes_received"], 0);
+  EXPECT_TRUE(readBytes(folder_ / "a.ply") == readBytes(folder_ / "c.ply"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, Fetch, testing::ValuesIn(models()), nameOf);
 
 TEST(FetchOfAFile, servesAStoreByAChildThatEndsWithIt) {

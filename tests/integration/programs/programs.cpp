@@ -141,7 +141,9 @@ Outcome lodestreamd(const std::vector<std::string>& arguments, const std::vector
 }
 
 Outcome lodestream(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
-  return Program("lodestream", arguments, environment).wait();
+  // The user's own cache is none of a test's business.
+  static const std::vector<std::string> kNoCache{"XDG_CACHE_HOME=/dev/null"};
+  return Program("lodestream", arguments, environment.empty() ? kNoCache : environment).wait();
 }
 
 namespace {

@@ -48,6 +48,7 @@ class Program {
 
 Outcome lodestreamd(const std::vector<std::string>& arguments,
                     const std::vector<std::string>& environment = {});
+/// @param environment  if it names nothing, the program finds no cache.
 Outcome lodestream(const std::vector<std::string>& arguments,
                    const std::vector<std::string>& environment = {});
 

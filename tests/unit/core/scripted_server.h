@@ -33,6 +33,7 @@ class ScriptedServer {
     summary_.attributes = SyntheticModel::attributes();
     summary_.nodes = nodes_.size();
     summary_.root_page = keep(kRootPageBlob, encodePage({collect(kRootKey, 0, 2)}));
+    summary_.build_id = summary_.root_page.name;
   }
 
   /// A new connection: what the last one had under way is forgotten.
@@ -51,7 +52,7 @@ class ScriptedServer {
           append(welcome());
           break;
         case FrameType::kOpen:
-          answerOpen();
+          answerOpen(proto::decode<proto::Open>(frame.body).known_build_id);
           break;
         case FrameType::kWishes:
           for (const auto& change : proto::decode<proto::Wishes>(frame.body).changes) take(change);
@@ -110,11 +111,12 @@ class ScriptedServer {
 
   void append(const Bytes& bytes) { answers_.insert(answers_.end(), bytes.begin(), bytes.end()); }
 
-  void answerOpen() {
+  void answerOpen(const BlobName& known_build_id) {
     proto::Opened message;
     message.handle = 1;
     message.summary = summary_;
     append(proto::encode(message, 2));
+    if (known_build_id == summary_.build_id) return;
     sendUnasked(kRootPageBlob);
     sendUnasked(nodes_.at(kRootKey).rungs.back().payload.number);
   }

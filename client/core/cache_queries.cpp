@@ -1,0 +1,24 @@
+#include "client/core/cache_queries.h"
+
+namespace lode::core {
+
+bool CacheQueries::lacks(const Wish& wish) {
+  if (misses_.contains(wish.blob.name)) return true;
+  if (asked_.size() >= kMaxCacheQueries) return false;
+  if (asked_.try_emplace(wish.blob.name, wish.use).second) new_.push_back(wish.blob);
+  return false;
+}
+
+std::optional<BlobUse> CacheQueries::finish(const BlobRef& blob, bool found) {
+  const auto asked = asked_.find(blob.name);
+  if (asked == asked_.end()) return std::nullopt;
+  const BlobUse use = asked->second;
+  asked_.erase(asked);
+  if (!found) {
+    if (misses_.size() >= kMaxRememberedMisses) misses_.clear();
+    misses_.insert(blob.name);
+  }
+  return use;
+}
+
+}  // namespace lode::core

@@ -1,0 +1,141 @@
+#include "client/stream/blob_cache.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include <unistd.h>
+
+#include "proto/limits.h"
+#include "proto/messages.h"
+
+namespace lode::stream {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kTrimShare = 16;               // of the limit, kept between two looks at all files
+constexpr std::chrono::hours kUseGranularity{1};  // a file's time is not renewed more often
+constexpr std::chrono::hours kAbandoned{1};       // age of a temporary file that nobody will finish
+constexpr std::string_view kTemporary = ".new-";
+
+/// @return empty for what cannot be a blob: nothing at all, or more than so many bytes.
+std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t max_bytes) {
+  std::error_code missing;
+  if (!fs::is_regular_file(path, missing)) return std::nullopt;  // opening a pipe would wait
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return std::nullopt;
+  const auto size = static_cast<uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
+  if (size == 0 || size > max_bytes) return std::vector<std::byte>();
+  std::vector<std::byte> bytes(size);
+  file.seekg(0);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!file) bytes.clear();
+  return bytes;
+}
+
+/// A reader sees the whole file or none. Not synced: what a crash leaves half written does not have its name.
+bool writeFile(const fs::path& path, std::span<const std::byte> bytes) {
+  static std::atomic<uint64_t> serial{0};
+  std::error_code failed;
+  fs::create_directories(path.parent_path(), failed);
+  const fs::path temporary = path.parent_path() / (std::string(kTemporary) + std::to_string(getpid()) + "-" +
+                                                   std::to_string(++serial));
+  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (file) fs::rename(temporary, path, failed);
+  if (file && !failed) return true;
+  fs::remove(temporary, failed);
+  return false;
+}
+
+fs::path summaryFile(const fs::path& folder, const ServedModel& model) {
+  const std::string key = net::toString(model.address) + "/" + model.model;
+  return folder / "models" / toHex(nameBlob(std::as_bytes(std::span(key))));
+}
+
+}  // namespace
+
+BlobCache::BlobCache(fs::path folder, uint64_t max_bytes)
+    : folder_(std::move(folder)), max_bytes_(max_bytes), kept_bytes_(max_bytes) {}
+
+fs::path BlobCache::fileOf(const BlobName& name) const {
+  const std::string hex = toHex(name);
+  return folder_ / "blobs" / hex.substr(0, 2) / hex;
+}
+
+std::optional<std::vector<std::byte>> BlobCache::find(const BlobRef& blob) {
+  const fs::path path = fileOf(blob.name);
+  auto bytes = readFile(path, blob.bytes);
+  if (!bytes) return std::nullopt;
+  std::error_code ignored;
+  if (bytes->size() != blob.bytes || nameBlob(*bytes) != blob.name) {
+    fs::remove(path, ignored);
+    return std::nullopt;
+  }
+  const auto now = fs::file_time_type::clock::now();
+  if (now - fs::last_write_time(path, ignored) > kUseGranularity) fs::last_write_time(path, now, ignored);
+  return bytes;
+}
+
+void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {
+  if (bytes.size() > max_bytes_ / kTrimShare) return;
+  kept_bytes_ += bytes.size();
+  if (kept_bytes_ > max_bytes_ / kTrimShare) trim();
+  writeFile(fileOf(blob.name), bytes);
+}
+
+std::optional<ModelSummary> BlobCache::summary(const ServedModel& model) const {
+  const auto bytes = readFile(summaryFile(folder_, model), proto::kMaxFrameBodyBytes);
+  if (!bytes || bytes->size() < proto::kFrameHeaderBytes) return std::nullopt;
+  try {
+    auto opened = proto::decode<proto::Opened>(std::span(*bytes).subspan(proto::kFrameHeaderBytes));
+    if (opened.summary.name != model.model) return std::nullopt;
+    return std::move(opened.summary);
+  } catch (const std::exception&) {
+    return std::nullopt;  // damaged: as if it were not there
+  }
+}
+
+void BlobCache::keepSummary(const ServedModel& model, const ModelSummary& summary) {
+  writeFile(summaryFile(folder_, model), proto::encode(proto::Opened{1, summary}, 0));
+}
+
+void BlobCache::trim() {
+  struct File {
+    fs::file_time_type used;
+    uint64_t bytes = 0;
+    fs::path path;
+  };
+  kept_bytes_ = 0;
+  const auto now = fs::file_time_type::clock::now();
+  std::vector<File> files;
+  uint64_t bytes = 0;
+  std::error_code failed;
+  for (fs::recursive_directory_iterator entry(folder_ / "blobs", failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    std::error_code gone;  // another process may remove it meanwhile
+    if (!entry->is_regular_file(gone)) continue;
+    const File file{entry->last_write_time(gone), entry->file_size(gone), entry->path()};
+    if (gone) continue;
+    if (file.path.filename().string().starts_with(kTemporary)) {
+      if (now - file.used > kAbandoned) fs::remove(file.path, gone);
+      continue;
+    }
+    bytes += file.bytes;
+    files.push_back(file);
+  }
+  const uint64_t target = max_bytes_ - max_bytes_ / kTrimShare;
+  if (bytes <= target) return;
+  std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used < b.used; });
+  for (const File& file : files) {
+    if (bytes <= target) return;
+    if (fs::remove(file.path, failed)) bytes -= file.bytes;
+  }
+}
+
+}  // namespace lode::stream

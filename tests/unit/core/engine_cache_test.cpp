@@ -1,0 +1,123 @@
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "client/core/engine.h"
+#include "tests/unit/core/scripted_server.h"
+
+namespace lode::core {
+namespace {
+
+using namespace test;
+
+/// Runs of an engine with one cache, against one server.
+class CachedEngine : public testing::Test {
+ protected:
+  static EngineOptions options() {
+    EngineOptions options;
+    options.session.model = "model";
+    options.has_cache = true;
+    return options;
+  }
+
+  static View near() {
+    View view;
+    view.eye_model = glm::dvec3(SyntheticModel::boxSide() / 2);
+    return view;
+  }
+
+  /// Steps an engine until it has settled or can get no further.
+  void run(Engine& engine) {
+    engine.setView(near(), 1);
+    for (int steps = 0; steps < 5000 && !engine.settled() && !engine.exhausted(); ++steps) {
+      if (engine.wantsConnection(kStart)) {
+        server_.accept();
+        engine.connect(kStart);
+      }
+      engine.receive(server_.give(4), kStart);
+      for (const BlobRef& blob : engine.takeCacheQueries()) {
+        const auto found = cache_.find(blob.name);
+        engine.finishCacheQuery(blob, found == cache_.end() ? std::nullopt : std::optional(found->second));
+      }
+      for (const DecodeJob& job : engine.takeDecodeJobs())
+        engine.finishDecode({job.blob, job.use, model_.mesh(job.use.mesh), nullptr, nullptr, ""});
+      engine.step(kStart);
+      for (Engine::Arrival& arrival : engine.takeArrivals())
+        cache_[arrival.blob.name] = std::move(arrival.bytes);
+      server_.receive(engine.takeOutgoing());
+    }
+  }
+
+  std::map<BlobName, Bytes> cache_;
+  SyntheticModel model_{{7, 4}};
+  ScriptedServer server_{model_};
+};
+
+TEST_F(CachedEngine, receivesAFiftiethAtMostOnASecondVisit) {
+  Engine first(options());
+  run(first);
+  ASSERT_TRUE(first.settled());
+  EXPECT_EQ(first.counts().cache_bytes, 0u);
+  EngineOptions again = options();
+  again.cached_model = *first.summary();
+  Engine second(again);
+  run(second);
+  ASSERT_TRUE(second.settled());
+  EXPECT_EQ(second.cut()->triangles, first.cut()->triangles);
+  EXPECT_LT(second.counts().received_bytes * 50, first.counts().received_bytes);
+  EXPECT_GT(second.counts().cache_bytes, first.counts().received_bytes * 9 / 10);
+}
+
+TEST_F(CachedEngine, fetchesWhatTheCacheHasLostAndKeepsItAgain) {
+  Engine first(options());
+  run(first);
+  const size_t kept = cache_.size();
+  for (auto blob = cache_.begin(); blob != cache_.end();) {
+    blob = cache_.erase(blob);
+    if (blob != cache_.end()) ++blob;
+  }
+  EngineOptions again = options();
+  again.cached_model = *first.summary();
+  Engine second(again);
+  run(second);
+  EXPECT_TRUE(second.settled());
+  EXPECT_EQ(cache_.size(), kept);
+}
+
+TEST_F(CachedEngine, showsOfflineWhatTheCacheHas) {
+  Engine first(options());
+  run(first);
+  EngineOptions offline = options();
+  offline.cached_model = *first.summary();
+  offline.offline = true;
+  Engine whole(offline);
+  run(whole);
+  EXPECT_TRUE(whole.settled());
+  EXPECT_EQ(whole.cut()->triangles, first.cut()->triangles);
+  EXPECT_EQ(whole.counts().received_bytes, 0u);
+
+  const Node& root = server_.nodes().at(kRootKey);
+  std::map<BlobName, Bytes> few;
+  for (const BlobRef& blob : {first.summary()->root_page, root.rungs.back().payload})
+    few[blob.name] = cache_.at(blob.name);
+  cache_ = few;
+  Engine part(offline);
+  run(part);
+  EXPECT_TRUE(part.exhausted());
+  EXPECT_FALSE(part.settled());
+  ASSERT_TRUE(part.cut());
+  EXPECT_EQ(part.cut()->parts.size(), 1u);
+}
+
+TEST_F(CachedEngine, takesAnotherBuildFromTheServerWhateverTheCacheKnew) {
+  EngineOptions stale = options();
+  stale.cached_model = server_.summary();
+  stale.cached_model->build_id.bytes[5] ^= std::byte{1};
+  Engine engine(stale);
+  run(engine);
+  EXPECT_TRUE(engine.settled());
+  EXPECT_EQ(engine.summary()->build_id, server_.summary().build_id);
+}
+
+}  // namespace
+}  // namespace lode::core

@@ -1,0 +1,165 @@
+#include "client/stream/blob_cache.h"
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "tests/support/work_folder.h"
+
+namespace lode::stream {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::byte> bytesOf(uint32_t number, size_t size) {
+  std::vector<std::byte> bytes(size);
+  for (size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::byte>(number * 31 + i * 7 + (i >> 8));
+  return bytes;
+}
+
+BlobRef refOf(uint32_t number, size_t size) {
+  return {number, static_cast<uint32_t>(size), nameBlob(bytesOf(number, size))};
+}
+
+class BlobCacheTest : public testing::Test {
+ protected:
+  static constexpr uint64_t kLimit = 1u << 20;
+
+  void keep(uint32_t number, size_t size) { cache_.keep(refOf(number, size), bytesOf(number, size)); }
+
+  std::vector<fs::path> files() const {
+    std::vector<fs::path> found;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
+      if (entry.is_regular_file()) found.push_back(entry.path());
+    return found;
+  }
+
+  uint64_t bytesOnDisk() const {
+    uint64_t bytes = 0;
+    for (const fs::path& file : files()) bytes += fs::file_size(file);
+    return bytes;
+  }
+
+  const test::WorkFolder folder_;
+  BlobCache cache_{folder_ / "cache", kLimit};
+};
+
+TEST_F(BlobCacheTest, givesWhatItWasGivenToEveryProcess) {
+  keep(1, 5000);
+  BlobCache other(folder_ / "cache", kLimit);
+  EXPECT_EQ(other.find(refOf(1, 5000)), bytesOf(1, 5000));
+  EXPECT_FALSE(other.find(refOf(2, 5000)));
+}
+
+TEST_F(BlobCacheTest, removesAnEntryThatIsDamagedOrCut) {
+  keep(1, 5000);
+  keep(2, 5000);
+  for (const fs::path& file : files()) {
+    if (fs::file_size(file) == 5000 && file.filename() == toHex(refOf(1, 5000).name)) {
+      std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(100).put('x');
+    } else {
+      fs::resize_file(file, 1234);
+    }
+  }
+  EXPECT_FALSE(cache_.find(refOf(1, 5000)));
+  EXPECT_FALSE(cache_.find(refOf(2, 5000)));
+  EXPECT_TRUE(files().empty());
+  keep(1, 5000);
+  EXPECT_TRUE(cache_.find(refOf(1, 5000)));
+}
+
+TEST_F(BlobCacheTest, readsNothingButFilesOfTheBlobsOwnSize) {
+  keep(1, 5000);
+  const fs::path file = files().front();
+  fs::resize_file(file, 1u << 30);
+  EXPECT_FALSE(cache_.find(refOf(1, 5000)));
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  EXPECT_FALSE(cache_.find(refOf(1, 5000)));
+  fs::remove(file);
+  fs::create_directory(file);
+  EXPECT_FALSE(cache_.find(refOf(1, 5000)));
+}
+
+TEST_F(BlobCacheTest, staysWithinItsLimitWhateverIsKept) {
+  for (uint32_t number = 1; number <= 200; ++number) {
+    keep(number, 20'000);
+    EXPECT_LE(bytesOnDisk(), kLimit + kLimit / 16);
+  }
+  EXPECT_TRUE(cache_.find(refOf(200, 20'000)));
+  EXPECT_FALSE(cache_.find(refOf(1, 20'000)));
+}
+
+TEST_F(BlobCacheTest, removesTheLeastRecentlyUsedFirst) {
+  for (uint32_t number = 1; number <= 40; ++number) keep(number, 20'000);
+  const auto old = fs::file_time_type::clock::now() - std::chrono::hours(24);
+  for (const fs::path& file : files()) fs::last_write_time(file, old);
+  EXPECT_TRUE(cache_.find(refOf(7, 20'000)));
+  for (uint32_t number = 41; number <= 80; ++number) keep(number, 20'000);
+  cache_.trim();
+  EXPECT_TRUE(cache_.find(refOf(7, 20'000)));
+  EXPECT_FALSE(cache_.find(refOf(6, 20'000)));
+}
+
+TEST_F(BlobCacheTest, removesTheTemporaryFilesOfProcessesThatDied) {
+  keep(1, 100);
+  const fs::path left = files().front().parent_path() / ".new-1-1";
+  std::ofstream(left) << "half";
+  cache_.trim();
+  EXPECT_TRUE(fs::exists(left));
+  fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::hours(2));
+  cache_.trim();
+  EXPECT_FALSE(fs::exists(left));
+}
+
+TEST_F(BlobCacheTest, forgetsWithoutAnErrorWhereTheFolderCannotBeMade) {
+  std::ofstream(folder_ / "file") << "no folder";
+  BlobCache cache(folder_ / "file" / "below", kLimit);
+  cache.keep(refOf(1, 100), bytesOf(1, 100));
+  EXPECT_FALSE(cache.find(refOf(1, 100)));
+  EXPECT_FALSE(cache.summary({{"host", 1}, "model"}));
+}
+
+TEST_F(BlobCacheTest, writersOfOneBlobDoNotMix) {
+  std::vector<std::thread> writers;
+  for (int writer = 0; writer < 4; ++writer)
+    writers.emplace_back([&] {
+      BlobCache own(folder_ / "cache", kLimit);
+      for (int round = 0; round < 50; ++round) {
+        own.keep(refOf(1, 30'000), bytesOf(1, 30'000));
+        EXPECT_EQ(own.find(refOf(1, 30'000)), bytesOf(1, 30'000));
+      }
+    });
+  for (std::thread& writer : writers) writer.join();
+  EXPECT_EQ(files().size(), 1u);
+}
+
+TEST_F(BlobCacheTest, remembersWhichBuildOfAModelAServerHad) {
+  const ServedModel model{{"host", 7400}, "model"};
+  EXPECT_FALSE(cache_.summary(model));
+  ModelSummary summary;
+  summary.name = "model";
+  summary.build_id = nameBlob(bytesOf(1, 10));
+  summary.root_page = refOf(1, 300);
+  cache_.keepSummary(model, summary);
+  EXPECT_EQ(cache_.summary(model), summary);
+  EXPECT_FALSE(cache_.summary({{"host", 7401}, "model"}));
+}
+
+TEST_F(BlobCacheTest, takesADamagedSummaryForNone) {
+  const ServedModel model{{"host", 7400}, "model"};
+  ModelSummary summary;
+  summary.name = "model";
+  summary.root_page = refOf(1, 300);
+  cache_.keepSummary(model, summary);
+  const fs::path file = files().front();
+  for (uintmax_t size = fs::file_size(file); size-- > 0;) {
+    fs::resize_file(file, size);
+    EXPECT_FALSE(cache_.summary(model));
+  }
+}
+
+}  // namespace
+}  // namespace lode::stream
