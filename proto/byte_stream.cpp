@@ -3,9 +3,12 @@
 #include <string>
 #include <utility>
 
+#include <asio/ip/address.hpp>
 #include <asio/redirect_error.hpp>
 #include <asio/use_awaitable.hpp>
 #include <asio/write.hpp>
+#include <openssl/ssl.h>
+#include <openssl/x509_vfy.h>
 
 #include "common/error.h"
 
@@ -20,12 +23,32 @@ ByteStream::ByteStream(tcp::socket socket, std::shared_ptr<asio::ssl::context> t
   tls_.emplace(std::move(socket), *context_);
 }
 
-asio::awaitable<void> ByteStream::handshake() {
+asio::awaitable<void> ByteStream::acceptHandshake() {
   if (!tls_) co_return;
   asio::error_code error;
   co_await tls_->async_handshake(asio::ssl::stream_base::server,
                                  asio::redirect_error(asio::use_awaitable, error));
   if (error) throw Error(ErrorCode::kNetwork, "the TLS handshake failed: " + error.message());
+}
+
+asio::awaitable<void> ByteStream::connectHandshake(std::string host) {
+  if (!tls_) co_return;
+  SSL* const native = tls_->native_handle();
+  asio::error_code error;
+  asio::ip::make_address(host, error);
+  const bool is_name = static_cast<bool>(error);
+  if (is_name) SSL_set_tlsext_host_name(native, host.c_str());
+  const int checked = is_name ? SSL_set1_host(native, host.c_str())
+                              : X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(native), host.c_str());
+  if (checked != 1) throw Error(ErrorCode::kNetwork, "no certificate can be for the host '" + host + "'");
+  co_await tls_->async_handshake(asio::ssl::stream_base::client,
+                                 asio::redirect_error(asio::use_awaitable, error));
+  if (!error) co_return;
+  const long verdict = SSL_get_verify_result(native);
+  if (verdict != X509_V_OK)
+    throw Error(ErrorCode::kNetwork, "the server's certificate is not believed: " +
+                                         std::string(X509_verify_cert_error_string(verdict)));
+  throw Error(ErrorCode::kNetwork, "the TLS handshake failed: " + error.message());
 }
 
 asio::awaitable<size_t> ByteStream::readSome(asio::mutable_buffer into, asio::error_code& error) {

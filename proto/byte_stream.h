@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include <asio/awaitable.hpp>
 #include <asio/buffer.hpp>
@@ -18,11 +19,14 @@ namespace lode::proto {
 class ByteStream {
  public:
   explicit ByteStream(asio::ip::tcp::socket socket);
-  /// Under TLS: handshake() comes before anything else.
+  /// Under TLS: a handshake comes before anything else.
   ByteStream(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls);
 
   /// The server's side of the TLS handshake; nothing on a plain stream. @throws Error kNetwork.
-  asio::awaitable<void> handshake();
+  asio::awaitable<void> acceptHandshake();
+  /// The client's side: the peer must prove to be this host. Nothing on a plain stream.
+  /// @param host  name or number. @throws Error kNetwork: why it does not.
+  asio::awaitable<void> connectHandshake(std::string host);
 
   /// @param error  outlives the awaitable; asio::error::eof if the peer has closed its side.
   asio::awaitable<size_t> readSome(asio::mutable_buffer into, asio::error_code& error);

@@ -135,7 +135,8 @@ void Session::handleOpened(const proto::FrameHeader& header, std::span<const std
           "the model's first page has " + std::to_string(root_page.bytes) + " bytes");
   handle_ = opened.handle;
   state_ = State::kOpen;
-  gives_first_blobs_ = opened.summary.build_id != options_.known_build_id;
+  const BlobName& known = options_.known_build_id;
+  gives_first_blobs_ = known == BlobName() || known != opened.summary.build_id;
   if (gives_first_blobs_) expectUnasked(root_page, {BlobKind::kRootPage, {kRootKey, 0}});
   sendPing();
   event_ = ModelOpened{std::move(opened.summary)};

@@ -16,11 +16,12 @@
 #include <asio/ip/tcp.hpp>
 #include <asio/post.hpp>
 #include <asio/redirect_error.hpp>
+#include <asio/ssl/error.hpp>
 #include <asio/steady_timer.hpp>
 #include <asio/use_awaitable.hpp>
-#include <asio/write.hpp>
 
 #include "common/error.h"
+#include "proto/byte_stream.h"
 
 namespace lode::net {
 namespace {
@@ -39,8 +40,8 @@ struct TcpTransport::Thread {
 
 /// The coroutines keep it; on a caller's loop they end some time after the transport.
 struct TcpTransport::State : std::enable_shared_from_this<State> {
-  State(asio::io_context& loop, Address to, std::chrono::milliseconds timeout, std::function<void()> on_wake)
-      : io(loop), address(std::move(to)), connect_timeout(timeout), wake(std::move(on_wake)) {}
+  State(asio::io_context& loop, Route to, std::function<void()> on_wake)
+      : io(loop), route(std::move(to)), wake(std::move(on_wake)) {}
 
   void start() {
     asio::co_spawn(
@@ -48,16 +49,23 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   }
   void abandon() {
     abandoned = true;
-    asio::error_code ignored;
-    resolver.cancel();
-    socket.close(ignored);
+    closeAll();
     room.cancel();
     work.cancel();
+  }
+  void closeAll() {
+    resolver.cancel();
+    asio::error_code ignored;
+    connecting.close(ignored);
+    if (stream) stream->close();
   }
   void wakeUp() const {
     if (!abandoned) wake();
   }
   asio::awaitable<void> connect();
+  asio::awaitable<void> connectSocket();
+  asio::awaitable<void> shakeHands();
+  std::string describe(const asio::error_code& error) const;
   asio::awaitable<void> run();
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
@@ -65,12 +73,13 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   void fail(ErrorCode code, const std::string& message);
 
   asio::io_context& io;
-  const Address address;
-  const std::chrono::milliseconds connect_timeout;
+  const Route route;
   const std::function<void()> wake;
   bool abandoned = false;  // the transport is gone
-  tcp::socket socket{io};
   tcp::resolver resolver{io};
+  tcp::socket connecting{io};               // until it is connected
+  std::optional<proto::ByteStream> stream;  // from then on
+  bool any_received = false;
   bool connected = false, timed_out = false;  // of connect() and its deadline, which may fire after it
   asio::steady_timer room{io, asio::steady_timer::time_point::max()};  // cancelled: received bytes were taken
   asio::steady_timer work{io,
@@ -91,34 +100,67 @@ void TcpTransport::State::fail(ErrorCode code, const std::string& message) {
 }
 
 asio::awaitable<void> TcpTransport::State::connect() {
-  asio::steady_timer deadline(io, connect_timeout);
+  asio::steady_timer deadline(io, route.connect_timeout);
   deadline.async_wait([this, self = shared_from_this()](const asio::error_code& error) {
     if (error || connected) return;
     timed_out = true;
-    resolver.cancel();
-    socket.close();
+    closeAll();
   });
-  bool resolved = false;
   try {
-    const auto found =
-        co_await resolver.async_resolve(address.host, std::to_string(address.port), asio::use_awaitable);
-    resolved = true;
-    co_await asio::async_connect(socket, found, asio::use_awaitable);
+    co_await connectSocket();
+    co_await shakeHands();
     connected = true;
-    socket.set_option(tcp::no_delay(true));
-  } catch (const std::system_error& error) {
-    if (timed_out)
-      throw Error(ErrorCode::kTimeout, "no answer from " + toString(address) + " within " +
-                                           std::to_string(connect_timeout.count()) +
-                                           " ms: check the address, the network and the firewall");
-    if (!resolved)
-      throw Error(ErrorCode::kNetwork, "cannot find the host of " + toString(address) + " (" +
-                                           error.code().message() + "): check the name");
-    throw Error(ErrorCode::kNetwork, "cannot connect to " + toString(address) + " (" +
-                                         error.code().message() +
-                                         "): check that lodestreamd serve runs there");
+  } catch (const Error&) {
+    if (!timed_out) throw;
   }
   deadline.cancel();
+  if (timed_out)
+    throw Error(ErrorCode::kTimeout, "no answer from " + toString(route.address) + " within " +
+                                         std::to_string(route.connect_timeout.count()) +
+                                         " ms: check the address, the network and the firewall");
+}
+
+asio::awaitable<void> TcpTransport::State::connectSocket() {
+  const std::string where = toString(route.address);
+  bool resolved = false;
+  try {
+    const auto found = co_await resolver.async_resolve(route.address.host, std::to_string(route.address.port),
+                                                       asio::use_awaitable);
+    resolved = true;
+    co_await asio::async_connect(connecting, found, asio::use_awaitable);
+    connecting.set_option(tcp::no_delay(true));
+  } catch (const std::system_error& error) {
+    const std::string why = where + " (" + error.code().message() + "): check ";
+    throw Error(ErrorCode::kNetwork, resolved
+                                         ? "cannot connect to " + why + "that lodestreamd serve runs there"
+                                         : "cannot find the host of " + why + "the name");
+  }
+}
+
+asio::awaitable<void> TcpTransport::State::shakeHands() {
+  if (!route.tls) {
+    stream.emplace(std::move(connecting));
+    co_return;
+  }
+  stream.emplace(std::move(connecting), route.tls);
+  try {
+    co_await stream->connectHandshake(route.address.host);
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kNetwork, toString(route.address) + ": " + error.what() +
+                                         "; check that it serves TLS, and the authorities in --ca-file");
+  }
+}
+
+/// Why a connection that there was has ended.
+std::string TcpTransport::State::describe(const asio::error_code& error) const {
+  const std::string where = toString(route.address);
+  if (error != asio::error::eof && error != asio::ssl::error::stream_truncated)
+    return "the connection to " + where + " broke (" + error.message() +
+           "): check the network and the server";
+  if (!any_received && !route.tls)
+    return where +
+           " closed the connection without a word: use lodes:// if it serves TLS, or look into its log";
+  return where + " closed the connection: look into the server's log";
 }
 
 asio::awaitable<void> TcpTransport::State::run() {
@@ -129,11 +171,6 @@ asio::awaitable<void> TcpTransport::State::run() {
     co_await readAll();
   } catch (const Error& error) {
     fail(error.code(), error.what());
-  } catch (const std::system_error& error) {
-    fail(ErrorCode::kNetwork, error.code() == asio::error::eof
-                                  ? toString(address) + " closed the connection: look into the server's log"
-                                  : "the connection to " + toString(address) + " broke (" +
-                                        error.code().message() + "): check the network and the server");
   } catch (const std::exception& error) {
     fail(ErrorCode::kInternal, error.what());
   }
@@ -142,7 +179,10 @@ asio::awaitable<void> TcpTransport::State::run() {
 asio::awaitable<void> TcpTransport::State::readAll() {
   std::vector<std::byte> buffer(kReadBytes);
   while (true) {
-    const size_t count = co_await socket.async_read_some(asio::buffer(buffer), asio::use_awaitable);
+    asio::error_code error;
+    const size_t count = co_await stream->readSome(asio::buffer(buffer), error);
+    if (error) throw Error(ErrorCode::kNetwork, describe(error));
+    any_received = true;
     bool full = false;
     {
       const std::lock_guard lock(mutex);
@@ -170,7 +210,10 @@ asio::awaitable<void> TcpTransport::State::writeAll() {
       asio::error_code cancelled;
       co_await work.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
     } else {
-      co_await asio::async_write(socket, asio::buffer(bytes), asio::use_awaitable);
+      const asio::const_buffer whole = asio::buffer(bytes);
+      asio::error_code error;
+      co_await stream->write(std::span(&whole, 1), error);
+      if (error) co_return;  // the reader sees the end too, after all that came before it, and reports it
     }
   }
 }
@@ -183,17 +226,15 @@ asio::awaitable<void> TcpTransport::State::writeUntilClosed() {
   }
 }
 
-TcpTransport::TcpTransport(Address address, std::chrono::milliseconds connect_timeout,
-                           std::function<void()> wake)
+TcpTransport::TcpTransport(Route route, std::function<void()> wake)
     : own_thread_(std::make_unique<Thread>()),
-      state_(std::make_shared<State>(own_thread_->io, std::move(address), connect_timeout, std::move(wake))) {
+      state_(std::make_shared<State>(own_thread_->io, std::move(route), std::move(wake))) {
   state_->start();
   own_thread_->thread = std::thread([io = &own_thread_->io] { io->run(); });
 }
 
-TcpTransport::TcpTransport(asio::io_context& io, Address address, std::chrono::milliseconds connect_timeout,
-                           std::function<void()> wake)
-    : state_(std::make_shared<State>(io, std::move(address), connect_timeout, std::move(wake))) {
+TcpTransport::TcpTransport(asio::io_context& io, Route route, std::function<void()> wake)
+    : state_(std::make_shared<State>(io, std::move(route), std::move(wake))) {
   state_->start();
 }
 
@@ -211,7 +252,7 @@ void TcpTransport::send(proto::Bytes bytes) {
     const std::lock_guard lock(state_->mutex);
     if (state_->unsent.size() + bytes.size() > kMaxUnsentBytes)
       throw Error(ErrorCode::kNetwork,
-                  toString(state_->address) + " takes no bytes: check the server and try again");
+                  toString(state_->route.address) + " takes no bytes: check the server and try again");
     state_->unsent.insert(state_->unsent.end(), bytes.begin(), bytes.end());
   }
   asio::post(state_->io, [state = state_] { state->work.cancel(); });

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <memory>
 
 #include <asio/io_context.hpp>
 
-#include "client/net/address.h"
+#include "client/net/route.h"
 #include "proto/messages.h"
 
 namespace lode::net {
@@ -14,19 +13,18 @@ namespace lode::net {
 constexpr size_t kMaxReceivedBytes = 4u << 20;  ///< waiting to be taken; reading pauses above it
 constexpr size_t kMaxUnsentBytes = 16u << 20;   ///< waiting to be sent; more is an error
 
-/// A TCP connection to a server, on a thread of its own, which the destructor joins (then it is thread safe),
-/// or on the loop of a caller that steps many connections on one thread.
+/// A connection to a server, plain or under TLS, on a thread of its own, which the destructor joins (then it
+/// is thread safe), or on the loop of a caller that steps many connections on one thread.
 class TcpTransport {
  public:
   /// Starts to connect.
   /// @param wake  called on the transport's thread, and must be quick, when there is something to take:
   /// bytes,
   ///              or the end of the connection.
-  TcpTransport(Address address, std::chrono::milliseconds connect_timeout, std::function<void()> wake);
+  TcpTransport(Route route, std::function<void()> wake);
   /// The same on a loop that the caller runs, from whose thread all calls come, the destructor's too.
   /// @param io  outlives the transport.
-  TcpTransport(asio::io_context& io, Address address, std::chrono::milliseconds connect_timeout,
-               std::function<void()> wake);
+  TcpTransport(asio::io_context& io, Route route, std::function<void()> wake);
   ~TcpTransport();
   TcpTransport(const TcpTransport&) = delete;
   TcpTransport& operator=(const TcpTransport&) = delete;

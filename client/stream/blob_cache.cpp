@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 constexpr uint64_t kTrimShare = 16;               // of the limit, kept between two looks at all files
 constexpr std::chrono::hours kUseGranularity{1};  // a file's time is not renewed more often
 constexpr std::chrono::hours kAbandoned{1};       // age of a temporary file that nobody will finish
+constexpr uint64_t kMaxSummaryBytes = sizeof(BlobName) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
 constexpr std::string_view kTemporary = ".new-";
 
 /// @return empty for what cannot be a blob: nothing at all, or more than so many bytes.
@@ -54,7 +55,7 @@ bool writeFile(const fs::path& path, std::span<const std::byte> bytes) {
 }
 
 fs::path summaryFile(const fs::path& folder, const ServedModel& model) {
-  const std::string key = net::toString(model.address) + "/" + model.model;
+  const std::string key = toString(model);
   return folder / "models" / toHex(nameBlob(std::as_bytes(std::span(key))));
 }
 
@@ -89,20 +90,28 @@ void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {
   writeFile(fileOf(blob.name), bytes);
 }
 
+/// The name of what follows, then an Opened frame.
 std::optional<ModelSummary> BlobCache::summary(const ServedModel& model) const {
-  const auto bytes = readFile(summaryFile(folder_, model), proto::kMaxFrameBodyBytes);
-  if (!bytes || bytes->size() < proto::kFrameHeaderBytes) return std::nullopt;
+  const auto bytes = readFile(summaryFile(folder_, model), kMaxSummaryBytes);
+  if (!bytes || bytes->size() < sizeof(BlobName) + proto::kFrameHeaderBytes) return std::nullopt;
+  const std::span<const std::byte> frame = std::span(*bytes).subspan(sizeof(BlobName));
+  if (!std::ranges::equal(nameBlob(frame).bytes, std::span(*bytes).first(sizeof(BlobName))))
+    return std::nullopt;
   try {
-    auto opened = proto::decode<proto::Opened>(std::span(*bytes).subspan(proto::kFrameHeaderBytes));
+    auto opened = proto::decode<proto::Opened>(frame.subspan(proto::kFrameHeaderBytes));
     if (opened.summary.name != model.model) return std::nullopt;
     return std::move(opened.summary);
   } catch (const std::exception&) {
-    return std::nullopt;  // damaged: as if it were not there
+    return std::nullopt;  // of another version
   }
 }
 
 void BlobCache::keepSummary(const ServedModel& model, const ModelSummary& summary) {
-  writeFile(summaryFile(folder_, model), proto::encode(proto::Opened{1, summary}, 0));
+  const proto::Bytes frame = proto::encode(proto::Opened{1, summary}, 0);
+  const BlobName name = nameBlob(frame);
+  std::vector<std::byte> bytes(name.bytes.begin(), name.bytes.end());
+  bytes.insert(bytes.end(), frame.begin(), frame.end());
+  writeFile(summaryFile(folder_, model), bytes);
 }
 
 void BlobCache::trim() {

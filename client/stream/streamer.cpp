@@ -28,7 +28,8 @@ struct Streamer::State {
 
   void run();
   void stream();
-  void keepConnected(core::Engine& engine, std::unique_ptr<net::TcpTransport>& transport);
+  void keepConnected(core::Engine& engine, const net::Route& route,
+                     std::unique_ptr<net::TcpTransport>& transport);
   std::unique_ptr<CacheThread> openCache(core::EngineOptions& engine_options);
   void askCache(core::Engine& engine, CacheThread& cache);
   void stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool, CacheThread* cache);
@@ -58,6 +59,11 @@ struct Streamer::State {
   BlobName kept_build_id;  // of the summary in the cache; of the thread
   std::thread thread;
 };
+
+net::Route routeTo(const ServedModel& model, const StreamOptions& options) {
+  return {model.address, options.connect_timeout,
+          model.encrypted ? net::trustAuthorities(options.ca_file) : nullptr};
+}
 
 Streamer::Streamer(ServedModel model, StreamOptions options)
     : state_(std::make_unique<State>(std::move(model), std::move(options))) {
@@ -92,11 +98,12 @@ void Streamer::State::stream() {
   engine_options.jitter_seed = std::random_device()();
   std::unique_ptr<CacheThread> cache = openCache(engine_options);
   core::Engine engine(std::move(engine_options));
+  const net::Route route = routeTo(model, options);
   std::unique_ptr<net::TcpTransport> transport;
   DecodePool pool(options.decode_threads, [this] { wakeUp(); });
   while (waitForWork(transport ? kTick : kRetryTick)) {
     try {
-      keepConnected(engine, transport);
+      keepConnected(engine, route, transport);
       if (cache) askCache(engine, *cache);
       stepOnce(engine, transport.get(), pool, cache.get());
     } catch (const Error& failed) {
@@ -115,8 +122,7 @@ std::unique_ptr<CacheThread> Streamer::State::openCache(core::EngineOptions& eng
   engine_options.offline = options.offline;
   engine_options.cached_model = cache.summary(model);
   if (options.offline && !engine_options.cached_model)
-    throw Error(ErrorCode::kInput, net::toString(model.address) + "/" + model.model +
-                                       " is not in the cache " + options.cache_folder.string() +
+    throw Error(ErrorCode::kInput, toString(model) + " is not in the cache " + options.cache_folder.string() +
                                        ": run once without --offline");
   return std::make_unique<CacheThread>(cache, [this] { wakeUp(); });
 }
@@ -135,10 +141,10 @@ void Streamer::State::askCache(core::Engine& engine, CacheThread& cache) {
 }
 
 /// Gives the engine what came from the transport, and a new transport where it wants one.
-void Streamer::State::keepConnected(core::Engine& engine, std::unique_ptr<net::TcpTransport>& transport) {
+void Streamer::State::keepConnected(core::Engine& engine, const net::Route& route,
+                                    std::unique_ptr<net::TcpTransport>& transport) {
   if (engine.wantsConnection(Clock::now())) {
-    transport =
-        std::make_unique<net::TcpTransport>(model.address, options.connect_timeout, [this] { wakeUp(); });
+    transport = std::make_unique<net::TcpTransport>(route, [this] { wakeUp(); });
     engine.connect(Clock::now());
   }
   if (!transport) return;

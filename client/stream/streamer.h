@@ -10,6 +10,7 @@
 #include "client/core/cut.h"
 #include "client/core/engine.h"
 #include "client/core/view.h"
+#include "client/net/route.h"
 #include "client/stream/blob_cache.h"
 #include "client/stream/served_model.h"
 
@@ -17,6 +18,7 @@ namespace lode::stream {
 
 struct StreamOptions {
   std::string token;
+  std::filesystem::path ca_file;  ///< authorities that vouch for the server under TLS; empty: the system's
   uint64_t memory_budget_bytes = core::kDefaultMemoryBudgetBytes;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   std::chrono::milliseconds connect_timeout{10'000};
@@ -25,6 +27,9 @@ struct StreamOptions {
   bool offline = false;         ///< shows what the cache has; needs one
   unsigned decode_threads = 0;  ///< 0: as many as there are cores but two, at least one
 };
+
+/// How the server of a model is reached. @throws Error kUsage as net::trustAuthorities().
+net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 
 /// What the last step of a stream has left.
 struct StreamStatus {

@@ -150,7 +150,7 @@ asio::awaitable<void> Connection::greet() {
   }
   if (!stream_.bytes().encrypted()) co_return;
   try {
-    co_await stream_.bytes().handshake();
+    co_await stream_.bytes().acceptHandshake();
   } catch (const Error&) {
     if (!end_) host_.tallies->refused[static_cast<size_t>(RefusalReason::kTls)].add();
     throw;

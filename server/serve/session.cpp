@@ -199,7 +199,7 @@ void Session::open(const proto::Open& message, uint32_t request) {
   const BlobName build = offered.summary.build_id;
   const OpenedModel& opened =
       opened_.emplace(handle, OpenedModel{std::move(model), build, tallies}).first->second;
-  if (message.known_build_id == build) return;  // the client has the first blobs, or asks
+  if (build != BlobName() && build == message.known_build_id) return;  // it has the first blobs, or asks
   for (const uint32_t blob : {offered.summary.root_page.number, offered.coarsest_blob})
     if (blob != 0) unasked_.push_back({handle, &opened, blob, 0, request, ++last_serial_, now_, false});
 }

@@ -86,6 +86,7 @@ std::chrono::milliseconds CommonOptions::timeout() const {
 
 stream::StreamOptions CommonOptions::streamOptions() const {
   stream::StreamOptions options;
+  options.ca_file = ca_file;
   options.token = readToken(token_file);
   if (options.token.size() > proto::kMaxTokenBytes)
     throw Error(ErrorCode::kUsage,
@@ -110,12 +111,15 @@ void addServerOptions(CLI::App& command, CommonOptions& options, const char* tar
       ->capture_default_str();
   command.add_option("--token-file", options.token_file,
                      "file that holds the token (default: LODESTREAM_TOKEN)");
-  addMissing(command, "--ca-file", true);
+  command
+      .add_option("--ca-file", options.ca_file,
+                  "authorities that vouch for a lodes:// server, in PEM (default: the system's)")
+      ->type_name("FILE");
   command.set_version_flag("--version", "lodestream " LODE_VERSION);
 }
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
-  addServerOptions(command, options, "lode://HOST[:PORT]/MODEL, a store or a PLY");
+  addServerOptions(command, options, "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store or a PLY");
   command.add_option("--camera", options.camera_file, "camera path (default: one that frames the model)")
       ->type_name("PATH.json");
   command.add_option("--size", options.size_text, "size of the picture")

@@ -31,6 +31,7 @@ struct CommonOptions {
   std::string memory_text;
   std::string camera_file;  ///< empty: the camera that frames the model
   std::string token_file;
+  std::string ca_file;
   std::string cache_text;  ///< --cache: a folder, "off", or empty for the user's own
   bool offline = false;
   float pixels = 1;
@@ -38,8 +39,8 @@ struct CommonOptions {
 
   PictureSize size() const { return parseSize(size_text); }
   std::chrono::milliseconds timeout() const;
-  /// Memory budget, the token from the file or LODESTREAM_TOKEN, and the cache of blobs, which only targets
-  /// on a server have. @throws Error.
+  /// Memory budget, the token from the file or LODESTREAM_TOKEN, authorities for TLS, and the cache of blobs,
+  /// which only targets on a server have. @throws Error.
   stream::StreamOptions streamOptions() const;
 };
 

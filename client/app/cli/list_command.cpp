@@ -48,27 +48,27 @@ class Bell {
   bool rung_ = false;
 };
 
-std::vector<ModelSummary> askForModels(const net::Address& address, const stream::StreamOptions& options,
+std::vector<ModelSummary> askForModels(const net::Route& route, const std::string& token,
                                        std::chrono::milliseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
+  const std::string where = net::toString(route.address);
   Bell bell;
   core::SessionOptions session_options;
-  session_options.token = options.token;
+  session_options.token = token;
   core::Session session(session_options, Clock::now());
-  net::TcpTransport transport(address, options.connect_timeout, [&bell] { bell.ring(); });
+  net::TcpTransport transport(route, [&bell] { bell.ring(); });
   transport.send(session.takeOutgoing());
   while (bell.waitUntil(deadline)) {
     session.receive(transport.takeReceived(), Clock::now());
     while (auto event = session.nextEvent()) {
       if (auto* listed = std::get_if<core::ModelsListed>(&*event)) return std::move(listed->models);
       if (const auto* leaving = std::get_if<core::ServerLeaving>(&*event))
-        throw Error(ErrorCode::kNetwork, net::toString(address) + " takes no more clients now (" +
-                                             leaving->reason + "): try again later");
+        throw Error(ErrorCode::kNetwork,
+                    where + " takes no more clients now (" + leaving->reason + "): try again later");
     }
     transport.send(session.takeOutgoing());
   }
-  throw Error(ErrorCode::kTimeout, "no list from " + net::toString(address) + " within " +
-                                       std::to_string(timeout.count()) +
+  throw Error(ErrorCode::kTimeout, "no list from " + where + " within " + std::to_string(timeout.count()) +
                                        " ms: check the server, or allow more time");
 }
 
@@ -84,8 +84,10 @@ Json toJson(const ModelSummary& model) {
 }
 
 void list(const ListOptions& options) {
-  const net::Address address = parseServerUrl(options.common.target);
-  const auto models = askForModels(address, options.common.streamOptions(), options.common.timeout());
+  const stream::ServedModel server = parseServerUrl(options.common.target);
+  const stream::StreamOptions stream_options = options.common.streamOptions();
+  const auto models =
+      askForModels(stream::routeTo(server, stream_options), stream_options.token, options.common.timeout());
   if (options.json) {
     Json json;
     json["models"] = Json::array();
@@ -104,7 +106,7 @@ void list(const ListOptions& options) {
 void declareList(CLI::App& program, int& /*exit_status*/) {
   CLI::App* command = program.add_subcommand("list", "Lists the models of a server");
   const auto options = std::make_shared<ListOptions>();
-  addServerOptions(*command, options->common, "lode://HOST[:PORT]");
+  addServerOptions(*command, options->common, "lode://HOST[:PORT] or lodes://HOST[:PORT]");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { list(*options); });
 }

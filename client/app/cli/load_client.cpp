@@ -72,7 +72,7 @@ void LoadClient::step(core::TimePoint now) {
       options.model = plan_.model.model;
       options.token = plan_.options.token;
       session_.emplace(options, now);
-      transport_.emplace(io_, plan_.model.address, plan_.options.connect_timeout, [this] { receive(); });
+      transport_.emplace(io_, plan_.route, [this] { receive(); });
     }
     session_->tick(now);
     addDueWishes(now);

@@ -31,9 +31,10 @@ struct LoadTally {
 struct LoadPlan {
   stream::ServedModel model;
   stream::StreamOptions options;
+  net::Route route;  ///< to the model's server
   WishTrace trace;
   bool decode = true;
-  core::TimePoint end;
+  core::TimePoint end{};
 };
 
 /// One client: it replays the trace over and over from a place of its own in it, each wish at its intended

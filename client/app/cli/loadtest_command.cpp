@@ -77,7 +77,11 @@ void loadtest(const LoadtestOptions& options, int& exit_status) {
   if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
   const ResolvedTarget target = resolveTarget(parseTarget(options.common.target), !options.json);
   const PictureSize size = options.common.size();
-  LoadPlan plan{target.served, options.common.streamOptions(), {}, !options.decode_off, {}};
+  LoadPlan plan;
+  plan.model = target.served;
+  plan.options = options.common.streamOptions();
+  plan.route = stream::routeTo(plan.model, plan.options);
+  plan.decode = !options.decode_off;
   plan.trace = recordTrace(plan.model, plan.options, path, {size.width_px, size.height_px},
                            options.common.pixels, options.common.timeout());
   const double cpu_before = cpuSeconds();

@@ -11,11 +11,16 @@ namespace {
 
 constexpr std::string_view kScheme = "lode://", kTlsScheme = "lodes://";
 
-std::string_view afterScheme(std::string_view text) {
-  if (text.starts_with(kTlsScheme)) throw Error(ErrorCode::kUsage, "lodes:// is not there yet; use lode://");
-  if (!text.starts_with(kScheme))
-    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names no server; write lode://HOST[:PORT]");
-  return text.substr(kScheme.size());
+struct Url {
+  bool encrypted = false;
+  std::string_view rest;
+};
+
+Url splitScheme(std::string_view text) {
+  for (const auto scheme : {kScheme, kTlsScheme})
+    if (text.starts_with(scheme)) return {scheme == kTlsScheme, text.substr(scheme.size())};
+  throw Error(ErrorCode::kUsage,
+              "'" + std::string(text) + "' names no server; write lode://HOST[:PORT], or lodes:// with TLS");
 }
 
 Target parseFile(std::string_view text) {
@@ -39,7 +44,7 @@ Target parseFile(std::string_view text) {
 
 Target parseTarget(std::string_view text) {
   if (text.find("://") == std::string_view::npos) return parseFile(text);
-  const std::string_view rest = afterScheme(text);
+  const auto [encrypted, rest] = splitScheme(text);
   const size_t slash = rest.find('/');
   if (slash == std::string_view::npos || slash + 1 == rest.size())
     throw Error(ErrorCode::kUsage,
@@ -48,15 +53,15 @@ Target parseTarget(std::string_view text) {
   if (model.size() > kMaxModelNameBytes || model.find('/') != std::string::npos)
     throw Error(ErrorCode::kUsage, "'" + std::string(text) + "': a model's name has no slash and at most " +
                                        std::to_string(kMaxModelNameBytes) + " bytes");
-  return stream::ServedModel{net::parseAddress(rest.substr(0, slash)), std::move(model)};
+  return stream::ServedModel{net::parseAddress(rest.substr(0, slash)), std::move(model), encrypted};
 }
 
-net::Address parseServerUrl(std::string_view text) {
-  std::string_view rest = afterScheme(text);
+stream::ServedModel parseServerUrl(std::string_view text) {
+  auto [encrypted, rest] = splitScheme(text);
   if (rest.ends_with('/')) rest.remove_suffix(1);
   if (rest.find('/') != std::string_view::npos)
     throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names a model; write lode://HOST[:PORT]");
-  return net::parseAddress(rest);
+  return {net::parseAddress(rest), "", encrypted};
 }
 
 }  // namespace lode::app

@@ -4,7 +4,6 @@
 #include <string_view>
 #include <variant>
 
-#include "client/net/address.h"
 #include "client/stream/served_model.h"
 
 namespace lode::app {
@@ -20,7 +19,7 @@ using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 
 /// @throws Error kUsage for what cannot be a target, kIo for a file that is not there.
 Target parseTarget(std::string_view text);
-/// lode://host[:port] without a model. @throws Error kUsage.
-net::Address parseServerUrl(std::string_view text);
+/// lode://host[:port] or lodes://host[:port] without a model, whose name stays empty. @throws Error kUsage.
+stream::ServedModel parseServerUrl(std::string_view text);
 
 }  // namespace lode::app

@@ -36,9 +36,9 @@ class Recorder {
  public:
   Recorder(const stream::ServedModel& model, const stream::StreamOptions& options, Clock::time_point deadline)
       : deadline_(deadline),
-        where_(net::toString(model.address) + '/' + model.model),
+        where_(stream::toString(model)),
         engine_(engineOptions(model, options)),
-        transport_(io_, model.address, options.connect_timeout, [] {}) {
+        transport_(io_, stream::routeTo(model, options), [] {}) {
     engine_.connect(Clock::now());
   }
 

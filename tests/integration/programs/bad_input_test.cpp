@@ -201,8 +201,7 @@ TEST(WrongUsageOfLodestream, endsWithTwoAndOneLine) {
       {"fetch", "lode://127.0.0.1:1/a", "more"},
       {"loadtest", "lode://127.0.0.1:1/a"},
       {"loadtest", "lode://127.0.0.1:1/a", "--clients", "0"},
-      // not there yet
-      {"fetch", "lodes://127.0.0.1:1/a"},
+      {"fetch", "lodes://127.0.0.1:1/a", "--ca-file", "/none.pem"},
       {"fetch", "lode://127.0.0.1:1/a", "--cache", "off", "--offline"},
       {"replay", "lode://127.0.0.1:1/a"}};
   for (const auto& arguments : wrong) {

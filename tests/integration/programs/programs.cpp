@@ -142,22 +142,25 @@ Outcome lodestreamd(const std::vector<std::string>& arguments, const std::vector
 
 Outcome lodestream(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
   // The user's own cache is none of a test's business.
-  static const std::vector<std::string> kNoCache{"XDG_CACHE_HOME=/dev/null"};
-  return Program("lodestream", arguments, environment.empty() ? kNoCache : environment).wait();
+  std::vector<std::string> whole{"XDG_CACHE_HOME=/dev/null"};
+  whole.insert(whole.end(), environment.begin(), environment.end());
+  return Program("lodestream", arguments, whole).wait();
 }
 
 namespace {
 
-std::vector<std::string> serveArguments(const std::vector<fs::path>& stores) {
+std::vector<std::string> serveArguments(const std::vector<fs::path>& stores,
+                                        const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"serve", "--listen", "127.0.0.1:0"};
   for (const fs::path& store : stores) arguments.push_back(store);
+  arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
 
 }  // namespace
 
-RunningServer::RunningServer(const std::vector<fs::path>& stores)
-    : program_("lodestreamd", serveArguments(stores)) {
+RunningServer::RunningServer(const std::vector<fs::path>& stores, const std::vector<std::string>& more)
+    : program_("lodestreamd", serveArguments(stores, more)) {
   const auto ready = nlohmann::json::parse(program_.readLine(), nullptr, false);
   if (ready.is_object()) address_ = ready.value("listen", "");
   EXPECT_NE(address_, "") << "no line of a ready server";

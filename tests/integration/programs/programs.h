@@ -48,14 +48,16 @@ class Program {
 
 Outcome lodestreamd(const std::vector<std::string>& arguments,
                     const std::vector<std::string>& environment = {});
-/// @param environment  if it names nothing, the program finds no cache.
+/// Finds no cache, unless the environment names one.
 Outcome lodestream(const std::vector<std::string>& arguments,
                    const std::vector<std::string>& environment = {});
 
 /// lodestreamd serve on a port of loopback that it picks.
 class RunningServer {
  public:
-  explicit RunningServer(const std::vector<std::filesystem::path>& stores);
+  /// @param more  options.
+  explicit RunningServer(const std::vector<std::filesystem::path>& stores,
+                         const std::vector<std::string>& more = {});
 
   const std::string& address() const noexcept { return address_; }
   std::string url(std::string_view model = {}) const;

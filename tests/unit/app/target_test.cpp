@@ -30,13 +30,15 @@ TEST(Target, isAModelOfAServer) {
             (stream::ServedModel{{"example.org", 81}, "bunny"}));
   EXPECT_EQ(std::get<stream::ServedModel>(parseTarget("lode://[::1]/a b.c")),
             (stream::ServedModel{{"::1", proto::kDefaultPort}, "a b.c"}));
+  EXPECT_EQ(std::get<stream::ServedModel>(parseTarget("lodes://h:81/a")),
+            (stream::ServedModel{{"h", 81}, "a", true}));
   const std::string longest(kMaxModelNameBytes, 'x');
   EXPECT_EQ(std::get<stream::ServedModel>(parseTarget("lode://h/" + longest)).model, longest);
 }
 
 TEST(Target, isRefusedIfItIsAUrlOfSomethingElse) {
   for (const std::string text : {"lode://h", "lode://h/", "lode:///a", "lode://h:0/a", "lode://h/a/b",
-                                 "lodes://h/a", "http://h/a", "://h/a"})
+                                 "lodes://h", "http://h/a", "://h/a"})
     EXPECT_EQ(codeOf([&] { parseTarget(text); }), ErrorCode::kUsage) << text;
   EXPECT_EQ(codeOf([] { parseTarget("lode://h/" + std::string(kMaxModelNameBytes + 1, 'x')); }),
             ErrorCode::kUsage);
@@ -81,9 +83,9 @@ TEST_F(TargetFile, isRefusedIfItIsNotThereOrADirectory) {
 }
 
 TEST(ServerUrl, namesAServerAndNoModel) {
-  EXPECT_EQ(parseServerUrl("lode://h:81"), (net::Address{"h", 81}));
-  EXPECT_EQ(parseServerUrl("lode://h/"), (net::Address{"h", proto::kDefaultPort}));
-  for (const std::string text : {"h:81", "lode://", "lode://h/a", "lode://h//", "lodes://h", "a.lode"})
+  EXPECT_EQ(parseServerUrl("lode://h:81"), (stream::ServedModel{{"h", 81}, ""}));
+  EXPECT_EQ(parseServerUrl("lodes://h/"), (stream::ServedModel{{"h", proto::kDefaultPort}, "", true}));
+  for (const std::string text : {"h:81", "lode://", "lode://h/a", "lode://h//", "lodes://h/a", "a.lode"})
     EXPECT_EQ(codeOf([&] { parseServerUrl(text); }), ErrorCode::kUsage) << text;
 }
 

@@ -53,19 +53,23 @@ class CachedEngine : public testing::Test {
   ScriptedServer server_{model_};
 };
 
-TEST_F(CachedEngine, receivesAFiftiethAtMostOnASecondVisit) {
+TEST_F(CachedEngine, receivesNoBlobOnASecondVisit) {
   Engine first(options());
   run(first);
   ASSERT_TRUE(first.settled());
   EXPECT_EQ(first.counts().cache_bytes, 0u);
+  uint64_t kept_bytes = 0;
+  for (const auto& [name, bytes] : cache_) kept_bytes += bytes.size();
+  const auto sent = server_.completed();
   EngineOptions again = options();
   again.cached_model = *first.summary();
   Engine second(again);
   run(second);
   ASSERT_TRUE(second.settled());
   EXPECT_EQ(second.cut()->triangles, first.cut()->triangles);
-  EXPECT_LT(second.counts().received_bytes * 50, first.counts().received_bytes);
-  EXPECT_GT(second.counts().cache_bytes, first.counts().received_bytes * 9 / 10);
+  EXPECT_EQ(server_.completed(), sent);
+  EXPECT_LT(second.counts().received_bytes, 500u);
+  EXPECT_EQ(second.counts().cache_bytes, kept_bytes);
 }
 
 TEST_F(CachedEngine, fetchesWhatTheCacheHasLostAndKeepsItAgain) {

@@ -44,6 +44,7 @@ class Bell {
 class TcpTransportTest : public testing::Test {
  protected:
   Address address() const { return {"127.0.0.1", acceptor_.local_endpoint().port()}; }
+  Route route() const { return {address()}; }
 
   proto::Bytes receive(TcpTransport& transport, size_t count) {
     proto::Bytes all;
@@ -73,7 +74,7 @@ class TcpTransportTest : public testing::Test {
 };
 
 TEST_F(TcpTransportTest, carriesBytesBothWays) {
-  TcpTransport transport(address(), 10s, [this] { bell_.ring(); });
+  TcpTransport transport(route(), [this] { bell_.ring(); });
   transport.send(proto::Bytes(1000, std::byte{1}));
   transport.send(proto::Bytes(500, std::byte{2}));
   tcp::socket peer = acceptor_.accept();
@@ -86,7 +87,7 @@ TEST_F(TcpTransportTest, carriesBytesBothWays) {
 }
 
 TEST_F(TcpTransportTest, pausesWhileNothingIsTakenAndLosesNothing) {
-  TcpTransport transport(address(), 10s, [this] { bell_.ring(); });
+  TcpTransport transport(route(), [this] { bell_.ring(); });
   tcp::socket peer = acceptor_.accept();
   constexpr size_t kMany = 3 * kMaxReceivedBytes;
   std::thread sender([&] {
@@ -105,7 +106,7 @@ TEST_F(TcpTransportTest, pausesWhileNothingIsTakenAndLosesNothing) {
 }
 
 TEST_F(TcpTransportTest, givesTheLastBytesBeforeItTellsOfTheEnd) {
-  TcpTransport transport(address(), 10s, [this] { bell_.ring(); });
+  TcpTransport transport(route(), [this] { bell_.ring(); });
   {
     tcp::socket peer = acceptor_.accept();
     asio::write(peer, asio::buffer("last", 4));
@@ -117,14 +118,14 @@ TEST_F(TcpTransportTest, givesTheLastBytesBeforeItTellsOfTheEnd) {
 TEST_F(TcpTransportTest, namesTheAddressAndTheRemedyWhenNobodyListens) {
   const Address nobody = address();
   acceptor_.close();
-  TcpTransport transport(nobody, 10s, [this] { bell_.ring(); });
+  TcpTransport transport(Route{nobody}, [this] { bell_.ring(); });
   const std::string failure = failureOf(transport);
   EXPECT_NE(failure.find(toString(nobody)), std::string::npos) << failure;
   EXPECT_NE(failure.find("lodestreamd serve"), std::string::npos) << failure;
 }
 
 TEST_F(TcpTransportTest, refusesToQueueMoreThanTheLimit) {
-  TcpTransport transport(address(), 10s, [] {});
+  TcpTransport transport(route(), [] {});
   tcp::socket peer = acceptor_.accept();
   const auto sendForever = [&] {
     for (int i = 0; i < 1000; ++i) transport.send(proto::Bytes(4u << 20));
@@ -134,9 +135,9 @@ TEST_F(TcpTransportTest, refusesToQueueMoreThanTheLimit) {
 
 TEST_F(TcpTransportTest, endsWhileItConnectsSendsOrReceives) {
   {
-    TcpTransport connecting(address(), 10s, [] {});
+    TcpTransport connecting(route(), [] {});
   }
-  TcpTransport transport(address(), 10s, [] {});
+  TcpTransport transport(route(), [] {});
   transport.send(proto::Bytes(1u << 20));
 }
 
@@ -145,7 +146,7 @@ TEST_F(TcpTransportTest, sharesACallersLoopWithManyOthers) {
   size_t wakes = 0;
   std::vector<std::unique_ptr<TcpTransport>> transports;
   for (int i = 0; i < 20; ++i) {
-    transports.push_back(std::make_unique<TcpTransport>(loop, address(), 10s, [&wakes] { ++wakes; }));
+    transports.push_back(std::make_unique<TcpTransport>(loop, route(), [&wakes] { ++wakes; }));
     transports.back()->send(proto::Bytes(100, static_cast<std::byte>(i)));
   }
   std::thread peer([this] {
@@ -168,7 +169,7 @@ TEST_F(TcpTransportTest, wakesNobodyOnceItIsGone) {
   asio::io_context loop;
   bool woken = false;
   {
-    TcpTransport transport(loop, address(), 10s, [&woken] { woken = true; });
+    TcpTransport transport(loop, route(), [&woken] { woken = true; });
     transport.send(proto::Bytes(1000));
     loop.poll();
   }

@@ -7,8 +7,8 @@
 #include <asio/ssl/stream.hpp>
 
 #include "common/error.h"
+#include "tests/support/test_certificate.h"
 #include "tests/unit/serve/server_fixture.h"
-#include "tests/unit/serve/test_certificate.h"
 
 namespace lode::serve {
 namespace {
@@ -24,7 +24,7 @@ class ServerAccess : public ServerTest {
   void writePair(const std::string& name) {
     options_.tls_certificate = folder_.path() / (name + ".crt");
     options_.tls_key = folder_.path() / (name + ".key");
-    writeCertificate(options_.tls_certificate, options_.tls_key);
+    lode::test::writeCertificate(options_.tls_certificate, options_.tls_key);
   }
   /// Says Hello with a token. @return the answer's type.
   FrameType greet(TestClient& client, const std::string& token) {
@@ -228,7 +228,7 @@ TEST_F(ServerAccess, aNewCertificateIsTakenAndSessionsOfTheOldGoOn) {
   start();
   TlsClient before(server_->port());
   ASSERT_TRUE(before.connected());
-  writeCertificate(options_.tls_certificate, options_.tls_key);
+  lode::test::writeCertificate(options_.tls_certificate, options_.tls_key);
   server_->reload();
   TlsClient after(server_->port());
   EXPECT_TRUE(after.connected());
@@ -265,7 +265,7 @@ TEST_F(ServerAccess, beyondLoopbackTokensOrPublicAndTlsOrInsecureAreNeeded) {
 
 TEST_F(ServerAccess, aKeyThatIsNotTheCertificatesIsOneLineThatSaysSo) {
   writePair("first");
-  writeCertificate(folder_.path() / "other.crt", options_.tls_key);
+  lode::test::writeCertificate(folder_.path() / "other.crt", options_.tls_key);
   EXPECT_THROW(Server{options_}, Error);
 }
 

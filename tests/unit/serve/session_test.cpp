@@ -63,6 +63,17 @@ TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestRung) {
   EXPECT_FALSE(session_.beginChunk());
 }
 
+TEST_F(SessionTest, aClientThatKnowsTheBuildIsSentNothingUnasked) {
+  send(proto::Hello{});
+  control();
+  send(proto::Open{"a", model("a").summary.build_id}, 2);
+  EXPECT_EQ(only<proto::Opened>(FrameType::kOpened, 2).summary, model("a").summary);
+  EXPECT_FALSE(session_.beginChunk());
+  send(proto::Open{"a", model("a", 2).summary.build_id}, 3);
+  control();
+  EXPECT_TRUE(session_.beginChunk());
+}
+
 TEST_F(SessionTest, aRootWithoutTrianglesIsFollowedByItsPageAlone) {
   Model empty = model("a");
   empty.coarsest_blob = 0;

@@ -155,6 +155,15 @@ TEST_F(BlobCacheTest, takesADamagedSummaryForNone) {
   summary.root_page = refOf(1, 300);
   cache_.keepSummary(model, summary);
   const fs::path file = files().front();
+  for (std::streamoff at = 0; at < static_cast<std::streamoff>(fs::file_size(file)); ++at) {
+    std::fstream changed(file, std::ios::in | std::ios::out | std::ios::binary);
+    changed.seekg(at);
+    const char byte = static_cast<char>(changed.get());
+    changed.seekp(at).put(static_cast<char>(byte ^ 4)).flush();
+    EXPECT_FALSE(cache_.summary(model)) << at;
+    changed.seekp(at).put(byte);
+  }
+  ASSERT_TRUE(cache_.summary(model));
   for (uintmax_t size = fs::file_size(file); size-- > 0;) {
     fs::resize_file(file, size);
     EXPECT_FALSE(cache_.summary(model));

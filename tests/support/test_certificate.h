@@ -9,7 +9,7 @@
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
-namespace lode::serve::test {
+namespace lode::test {
 
 /// Writes a certificate that signs itself, of an hour, and its key.
 inline void writeCertificate(const std::filesystem::path& certificate, const std::filesystem::path& key) {
@@ -30,4 +30,4 @@ inline void writeCertificate(const std::filesystem::path& certificate, const std
                        nullptr, nullptr);
 }
 
-}  // namespace lode::serve::test
+}  // namespace lode::test

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "client/net/address.h"
+
+namespace asio::ssl {
+class context;
+}
+
+namespace lode::net {
+
+/// How a server is reached.
+struct Route {
+  Address address;
+  std::chrono::milliseconds connect_timeout{10'000};  ///< TLS included
+  std::shared_ptr<asio::ssl::context> tls = nullptr;  ///< null: plain TCP
+};
+
+/// A client's side of TLS 1.3, which believes servers whose certificate an authority vouches for.
+/// @param ca_file  certificates of authorities, in PEM; empty: those of the system.
+/// @throws Error kUsage: a file that cannot be read or holds no certificate.
+std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file);
+
+}  // namespace lode::net
