@@ -98,6 +98,12 @@ void addBuildCommand(CLI::App& program) {
           },
           "how nodes are simplified: collapse, or cluster for a fast preview (default: collapse)")
       ->check(CLI::IsMember({"collapse", "cluster"}));
+  command
+      ->add_option("--crease-angle", options.crease_angle_deg,
+                   "where the file has no normals: edges at which faces meet at more are sharp; 180: none")
+      ->check(CLI::Range(0.0f, 180.0f))
+      ->type_name("DEGREES")
+      ->capture_default_str();
   command->add_flag(
       "--resume", options.resume,
       "go on where the same command was killed or interrupted; if it is now, keep what is there");

@@ -1,6 +1,7 @@
 #include "server/ingest/build/build_identity.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <span>
 #include <utility>
 #include <vector>
@@ -95,6 +96,7 @@ BuildIdentity BuildIdentity::of(const BuildOptions& options) {
   identity.temporary_folder = std::filesystem::weakly_canonical(options.temporary_folder, ignored).string();
   identity.triangles_per_node = options.triangles_per_node;
   identity.simplifier = static_cast<uint8_t>(options.simplifier);
+  identity.crease_angle_deg = options.crease_angle_deg;
   identity.skip_bad = options.skip_bad;
   identity.strict = options.strict;
   return identity;
@@ -111,6 +113,7 @@ void BuildIdentity::save(RecordWriter& record) const {
   record.putText(temporary_folder);
   record.put(triangles_per_node);
   record.put(simplifier);
+  record.put(crease_angle_deg);
   record.put<uint8_t>(skip_bad);
   record.put<uint8_t>(strict);
 }
@@ -126,6 +129,7 @@ BuildIdentity BuildIdentity::load(RecordReader& record) {
   identity.temporary_folder = record.getText();
   identity.triangles_per_node = record.get<uint32_t>();
   identity.simplifier = record.get<uint8_t>();
+  identity.crease_angle_deg = record.get<float>();
   identity.skip_bad = record.get<uint8_t>() != 0;
   identity.strict = record.get<uint8_t>() != 0;
   return identity;
@@ -157,6 +161,11 @@ std::string BuildIdentity::difference(const BuildIdentity& now) const {
   if (simplifier != now.simplifier) {
     const bool is_cluster = simplifier == static_cast<uint8_t>(Simplifier::kCluster);
     return begun + "--simplifier " + (is_cluster ? "cluster" : "collapse") + same;
+  }
+  if (crease_angle_deg != now.crease_angle_deg) {
+    char degrees[32];
+    std::snprintf(degrees, sizeof degrees, "%g", static_cast<double>(crease_angle_deg));
+    return begun + "--crease-angle " + degrees + same;
   }
   if (skip_bad != now.skip_bad) return flag(skip_bad, "--skip-bad");
   if (strict != now.strict) return flag(strict, "--strict");

@@ -36,6 +36,7 @@ struct BuildIdentity {
   std::string temporary_folder;
   uint32_t triangles_per_node = 0;
   uint8_t simplifier = 0;
+  float crease_angle_deg = 0;
   bool skip_bad = false, strict = false;
 
   /// @param options  complete.

@@ -306,7 +306,8 @@ void BuildSteps::partition() {
   noteResumed("partition");
   StageClock clock(report_, "partition");
   parts_.emplace(ingest::partition(*sorter_, facts_.soup_attributes, options_.triangles_per_node,
-                                   plan_.sort_bytes, plan_.threads, *files_, progress_));
+                                   CreaseAngle(options_.crease_angle_deg), plan_.sort_bytes, plan_.threads,
+                                   *files_, progress_));
   sorter_.reset();
   giveBackFreedMemory();
   RecordWriter record;
@@ -323,7 +324,8 @@ NodeBuilder::Settings BuildSteps::settings() const {
           payloadAttributes(facts_.soup_attributes),
           options_.triangles_per_node,
           options_.simplifier,
-          static_cast<float>(kRounding * counts_.snap_error_steps)};
+          static_cast<float>(kRounding * counts_.snap_error_steps),
+          CreaseAngle(options_.crease_angle_deg)};
 }
 
 void BuildSteps::simplify() {

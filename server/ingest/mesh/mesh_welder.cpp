@@ -69,6 +69,29 @@ NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder,
   return welder.finish();
 }
 
+void joinEqualWedges(NodeMesh& mesh) {
+  std::vector<uint32_t> last(mesh.positions.size(), NumberTable::kAbsent);  // wedge of a position
+  std::vector<uint32_t> before;                                             // of a wedge: another there
+  std::vector<uint32_t> number(mesh.wedge_position.size());
+  for (size_t wedge = 0; wedge < number.size(); ++wedge) {
+    const uint32_t position = mesh.wedge_position[wedge];
+    const VertexAttributes attributes = mesh.wedge_attributes[wedge];
+    uint32_t known = last[position];
+    while (known != NumberTable::kAbsent && mesh.wedge_attributes[known] != attributes) known = before[known];
+    if (known == NumberTable::kAbsent) {
+      known = static_cast<uint32_t>(before.size());
+      before.push_back(last[position]);
+      last[position] = known;
+      mesh.wedge_position[known] = position;
+      mesh.wedge_attributes[known] = attributes;
+    }
+    number[wedge] = known;
+  }
+  mesh.wedge_position.resize(before.size());
+  mesh.wedge_attributes.resize(before.size());
+  for (glm::u32vec3& t : mesh.triangles) t = {number[t.x], number[t.y], number[t.z]};
+}
+
 Mesh toMesh(const NodeMesh& mesh) {
   Mesh result;
   result.attributes = mesh.attributes;

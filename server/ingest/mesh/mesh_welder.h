@@ -37,6 +37,9 @@ class MeshWelder {
 NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder,
                      std::vector<std::vector<uint32_t>>& became);
 
+/// Makes wedges of one position that have become equal one.
+void joinEqualWedges(NodeMesh& mesh);
+
 /// The mesh as payloads hold it: one vertex a wedge.
 Mesh toMesh(const NodeMesh& mesh);
 

@@ -3,37 +3,103 @@
 #include <vector>
 
 #include "common/octahedral.h"
+#include "server/ingest/mesh/groups.h"
+#include "server/ingest/mesh/mesh_welder.h"
 
 namespace lode::ingest {
 
 namespace {
 
+constexpr uint32_t kNone = ~0u;
 constexpr float kShortest = 1e-3f;    ///< of a sum of normals
 constexpr float kLeastShare = 1e-3f;  ///< of a corner, in all places together
 
-/// A normal a position; wedges of one position share it.
-std::vector<uint16_t> normalsOf(const NodeMesh& mesh) {
-  std::vector<uint16_t> normals(mesh.positions.size());
-  for (size_t wedge = 0; wedge < mesh.wedge_position.size(); ++wedge)
-    normals[mesh.wedge_position[wedge]] = mesh.wedge_attributes[wedge].normal;
-  return normals;
+/// The normals of a mesh, each once a position: wedges that differ in other attributes share one. Those of
+/// the first wedges have the positions' numbers, further ones follow.
+struct NormalsByPosition {
+  explicit NormalsByPosition(const NodeMesh& mesh)
+      : codes(mesh.positions.size()), next(codes.size(), kNone), of_wedge(mesh.wedge_position) {
+    std::vector<bool> is_known(codes.size());
+    for (size_t wedge = 0; wedge < mesh.wedge_attributes.size(); ++wedge) {
+      const uint16_t code = mesh.wedge_attributes[wedge].normal;
+      uint32_t& number = of_wedge[wedge];
+      if (!is_known[number]) {
+        is_known[number] = true;
+        codes[number] = code;
+      }
+      while (codes[number] != code && next[number] != kNone) number = next[number];
+      if (codes[number] == code) continue;
+      next[number] = static_cast<uint32_t>(codes.size());
+      number = next[number];
+      codes.push_back(code);
+      next.push_back(kNone);
+    }
+    for (const uint16_t code : codes) directions.push_back(decodeOctahedral(code));
+  }
+
+  bool hasSeveral(uint32_t position) const noexcept { return next[position] != kNone; }
+  /// Of a position's normals the one that looks most along a direction.
+  uint32_t mostAlike(uint32_t position, glm::vec3 direction) const noexcept {
+    uint32_t best = position;
+    for (uint32_t i = next[position]; i != kNone; i = next[i])
+      if (glm::dot(directions[i], direction) > glm::dot(directions[best], direction)) best = i;
+    return best;
+  }
+
+  std::vector<uint16_t> codes;
+  std::vector<glm::vec3> directions;
+  std::vector<uint32_t> next;      ///< another of the same position, or kNone
+  std::vector<uint32_t> of_wedge;  ///< a wedge's
+};
+
+bool hasCreases(const NodeMesh& mesh) { return NormalsByPosition(mesh).codes.size() > mesh.positions.size(); }
+
+/// Whether a position has in a rung what it had in its input, to the bit.
+std::vector<bool> positionsThatKeep(const NodeMesh& rung, const NodeMesh& mesh,
+                                    std::span<const uint32_t> sources) {
+  std::vector<bool> keep(sources.size());
+  for (size_t i = 0; i < keep.size(); ++i)
+    keep[i] = rung.lca_depth[i] != kNeverLocked && rung.positions[i] == mesh.positions[sources[i]];
+  return keep;
 }
 
-std::vector<glm::vec3> decoded(std::span<const uint16_t> codes) {
-  std::vector<glm::vec3> normals;
-  normals.reserve(codes.size());
-  for (const uint16_t code : codes) normals.push_back(decodeOctahedral(code));
-  return normals;
+/// Where the faces beside a crease have come to meet at less than its angle, there is none any more: gives
+/// wedges on both its sides one normal. So creases that are noise do not part all coarser rungs.
+void joinSmoothed(NodeMesh& rung, const std::vector<bool>& keep, const CreaseAngle& crease) {
+  const NormalsByPosition own(rung);
+  const NormalFans fans = findFans(rung, crease);
+  Groups same(own.codes.size());
+  std::vector<uint32_t> of_fan(fans.sums.size(), kNone);
+  for (size_t c = 0; c < fans.of_corner.size(); ++c) {
+    const uint32_t wedge = rung.triangles[c / 3][static_cast<int>(c % 3)];
+    if (keep[rung.wedge_position[wedge]]) continue;
+    uint32_t& normal = of_fan[fans.of_corner[c]];
+    if (normal == kNone) normal = own.of_wedge[wedge];
+    same.join(normal, own.of_wedge[wedge]);
+  }
+  for (size_t wedge = 0; wedge < rung.wedge_attributes.size(); ++wedge)
+    rung.wedge_attributes[wedge].normal = own.codes[same.find(own.of_wedge[wedge])];
 }
 
-/// Of each position of the rung, the mean of those that have become it; else that of its source.
-std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& rung, std::span<const glm::vec3> normals,
-                                     std::span<const uint32_t> sources) {
-  std::vector<glm::vec3> means(sources.size(), glm::vec3(0));
-  for (size_t i = 0; i < normals.size(); ++i)
-    if (rung.became[i] != kVanished) means[rung.became[i]] += normals[i];
-  for (size_t i = 0; i < means.size(); ++i)
-    means[i] = glm::length(means[i]) > kShortest ? glm::normalize(means[i]) : normals[sources[i]];
+/// Of each normal of the rung, the mean of those that have become it; else that of its position's source.
+std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& rung, const NormalsByPosition& own,
+                                     const NormalsByPosition& given, std::span<const uint32_t> sources) {
+  std::vector<glm::vec3> means(own.codes.size(), glm::vec3(0));
+  for (uint32_t i = 0; i < rung.became.size(); ++i) {
+    const uint32_t place = rung.became[i];
+    if (place == kVanished) continue;
+    for (uint32_t normal = i; normal != kNone; normal = given.next[normal])
+      means[own.mostAlike(place, given.directions[normal])] += given.directions[normal];
+  }
+  for (uint32_t position = 0; position < sources.size(); ++position) {
+    for (uint32_t normal = position; normal != kNone; normal = own.next[normal]) {
+      const uint32_t nearest = own.hasSeveral(position)
+                                   ? given.mostAlike(sources[position], own.directions[normal])
+                                   : sources[position];
+      means[normal] =
+          glm::length(means[normal]) > kShortest ? glm::normalize(means[normal]) : given.directions[nearest];
+    }
+  }
   return means;
 }
 
@@ -41,17 +107,17 @@ std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& rung, std::span<const
 /// normals that are given where the input's positions lie on them: one step of Jacobi's method for these
 /// least squares, with the sums of rows in place of the diagonal. Means alone are smoothed twice, when they
 /// are taken and when they are interpolated; further steps gain nothing.
-std::vector<glm::vec3> sharpened(const SimplifiedMesh& rung, std::span<const glm::vec3> means,
-                                 std::span<const glm::vec3> given,
+std::vector<glm::vec3> sharpened(const SimplifiedMesh& rung, const NormalsByPosition& own,
+                                 std::span<const glm::vec3> means, const NormalsByPosition& given,
                                  std::span<const SurfaceWalk::Place> places) {
   std::vector<glm::vec4> sums(means.size(), glm::vec4(0));  // of what is missing, and of shares
-  for (size_t i = 0; i < given.size(); ++i) {
+  for (uint32_t i = 0; i < rung.became.size(); ++i) {
     if (rung.became[i] == kVanished) continue;
     const glm::u32vec3& t = rung.mesh.triangles[places[i].triangle];
     glm::vec3 here(0);
-    for (int k = 0; k < 3; ++k) here += places[i].shares[k] * means[rung.mesh.wedge_position[t[k]]];
-    for (int k = 0; k < 3; ++k)
-      sums[rung.mesh.wedge_position[t[k]]] += places[i].shares[k] * glm::vec4(given[i] - here, 1);
+    for (int k = 0; k < 3; ++k) here += places[i].shares[k] * means[own.of_wedge[t[k]]];
+    const glm::vec3 off = given.directions[given.mostAlike(i, here)] - here;
+    for (int k = 0; k < 3; ++k) sums[own.of_wedge[t[k]]] += places[i].shares[k] * glm::vec4(off, 1);
   }
   std::vector<glm::vec3> normals(means.begin(), means.end());
   for (size_t i = 0; i < normals.size(); ++i)
@@ -61,8 +127,9 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& rung, std::span<const glm
 
 }  // namespace
 
-NodeMesh withoutComputedNormals(NodeMesh mesh) {
+NodeMesh withoutSmoothNormals(NodeMesh mesh) {
   if (!mesh.attributes.has(AttributeSet::kComputedNormal)) return mesh;
+  if (hasCreases(mesh)) return mesh;
   mesh.attributes.bits &= static_cast<uint8_t>(~(AttributeSet::kNormal | AttributeSet::kComputedNormal));
   if (mesh.attributes.bits == 0) mesh.wedge_attributes.clear();
   for (VertexAttributes& attributes : mesh.wedge_attributes) attributes.normal = 0;
@@ -70,23 +137,30 @@ NodeMesh withoutComputedNormals(NodeMesh mesh) {
 }
 
 void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<const uint32_t> sources,
-                         std::span<const SurfaceWalk::Place> places) {
+                         std::span<const SurfaceWalk::Place> places, const CreaseAngle& crease) {
   if (!mesh.attributes.has(AttributeSet::kComputedNormal)) return;
-  const std::vector<uint16_t> given = normalsOf(mesh);
-  const std::vector<glm::vec3> input = decoded(given), means = meansOfMerged(rung, input, sources);
-  const std::vector<glm::vec3> normals = sharpened(rung, means, input, places);
-  std::vector<uint16_t> codes(sources.size());
-  for (size_t i = 0; i < codes.size(); ++i) {
-    const bool is_shared = rung.mesh.lca_depth[i] != kNeverLocked;
-    const bool stays = rung.mesh.positions[i] == mesh.positions[sources[i]];
-    codes[i] = is_shared && stays
-                   ? given[sources[i]]
-                   : encodeOctahedral(glm::length(normals[i]) > kShortest ? normals[i] : means[i]);
+  const std::vector<bool> keep = positionsThatKeep(rung.mesh, mesh, sources);
+  const bool has_creases = hasCreases(rung.mesh);
+  if (has_creases) joinSmoothed(rung.mesh, keep, crease);
+  const NormalsByPosition given(mesh), own(rung.mesh);
+  const std::vector<glm::vec3> means = meansOfMerged(rung, own, given, sources);
+  const std::vector<glm::vec3> normals = sharpened(rung, own, means, given, places);
+  std::vector<uint16_t> codes(own.codes.size());
+  for (uint32_t position = 0; position < sources.size(); ++position) {
+    for (uint32_t normal = position; normal != kNone; normal = own.next[normal]) {
+      if (keep[position]) {
+        codes[normal] = given.codes[given.mostAlike(sources[position], own.directions[normal])];
+      } else {
+        const bool is_long = glm::length(normals[normal]) > kShortest;
+        codes[normal] = encodeOctahedral(is_long ? normals[normal] : means[normal]);
+      }
+    }
   }
   rung.mesh.attributes = mesh.attributes;
   rung.mesh.wedge_attributes.resize(rung.mesh.wedge_position.size());
   for (size_t wedge = 0; wedge < rung.mesh.wedge_position.size(); ++wedge)
-    rung.mesh.wedge_attributes[wedge].normal = codes[rung.mesh.wedge_position[wedge]];
+    rung.mesh.wedge_attributes[wedge].normal = codes[own.of_wedge[wedge]];
+  if (has_creases) joinEqualWedges(rung.mesh);
 }
 
 }  // namespace lode::ingest

@@ -5,19 +5,22 @@
 
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/simplified_mesh.h"
+#include "server/ingest/partition/normal_fans.h"
 
 namespace lode::ingest {
 
-/// The mesh without its computed normals, where it has such. It is simplified so: they follow from the
-/// surface, so that quadrics gain nothing from them.
-NodeMesh withoutComputedNormals(NodeMesh mesh);
+/// The mesh as it is simplified: without its computed normals, where it has such and no position has two.
+/// They follow from the surface, so that quadrics gain nothing from them; but where they part wedges there is
+/// a crease, which collapses along itself as other seams do.
+NodeMesh withoutSmoothNormals(NodeMesh mesh);
 
 /// Gives a rung computed normals, where the mesh that it was made of has such: those with which its shading,
-/// between its corners, comes near that of the mesh. A position that leaves share keeps its own, to the bit,
-/// while it stays where it was.
-/// @param mesh  wedges of one position share its normal. @param sources  see sourcesOf(). @param places  see
-/// placesOn().
+/// between its corners, comes near that of the mesh, on each side of a crease by itself, as long as it is
+/// one. A position that leaves share keeps its own, to the bit, while it stays where it was.
+/// @param rung  of withoutSmoothNormals(mesh): where there are creases, the normals of its wedges say which
+/// side is which.
+/// @param sources  see sourcesOf(). @param places  see placesOn().
 void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<const uint32_t> sources,
-                         std::span<const SurfaceWalk::Place> places);
+                         std::span<const SurfaceWalk::Place> places, const CreaseAngle& crease);
 
 }  // namespace lode::ingest

@@ -10,14 +10,15 @@
 namespace lode::ingest {
 
 FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
-                        std::span<const SurfaceSample> samples, double step_model) {
+                        std::span<const SurfaceSample> samples, double step_model,
+                        const CreaseAngle& crease) {
   FinishedRung finished;
   finished.simplified = std::move(simplified);
   SimplifiedMesh& rung = finished.simplified;
   const std::vector<uint32_t> sources = sourcesOf(rung, input.mesh());
   const SurfaceWalk walk(rung.mesh);
   const std::vector<SurfaceWalk::Place> places = placesOn(rung, input.mesh(), walk);
-  giveComputedNormals(rung, input.mesh(), sources, places);
+  giveComputedNormals(rung, input.mesh(), sources, places, crease);
   finished.payload = encodePayload(toMesh(rung.mesh), step_model);
   if (rung.mesh.triangles.empty()) return finished;
   finished.deviations = deviationsFrom(rung, input.mesh(), walk, places, samples);

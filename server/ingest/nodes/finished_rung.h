@@ -7,6 +7,7 @@
 #include "server/ingest/measure/rung_input.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/mesh/simplified_mesh.h"
+#include "server/ingest/partition/normal_fans.h"
 
 namespace lode::ingest {
 
@@ -23,6 +24,6 @@ struct FinishedRung {
 /// Gives a simplified mesh its computed normals, where they are not the file's, measures and encodes it.
 /// @param samples  near positions of the input. @param step_model  the lattice's. Thread safe.
 FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
-                        std::span<const SurfaceSample> samples, double step_model);
+                        std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease);
 
 }  // namespace lode::ingest

@@ -6,9 +6,9 @@
 #include "common/draco_codec.h"
 #include "server/ingest/nodes/computed_normals.h"
 #include "server/ingest/nodes/finished_rung.h"
+#include "server/ingest/nodes/leaf_normals.h"
 #include "server/ingest/nodes/rung_targets.h"
 #include "server/ingest/partition/in_order.h"
-#include "server/ingest/partition/leaf_mesh.h"
 #include "server/ingest/simplify/cluster.h"
 #include "server/ingest/simplify/collapse.h"
 
@@ -147,9 +147,9 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
   const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
   const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
   (is_cluster ? cluster : collapse)(
-      withoutComputedNormals(input.mesh()), targets, options, [&](size_t, SimplifiedMesh&& rung) {
+      withoutSmoothNormals(input.mesh()), targets, options, [&](size_t, SimplifiedMesh&& rung) {
         rungs.push([&, rung = std::move(rung)]() mutable {
-          return finishRung(std::move(rung), input, built.samples, settings_.lattice.step);
+          return finishRung(std::move(rung), input, built.samples, settings_.lattice.step, settings_.crease);
         });
       });
   rungs.finish();
@@ -204,28 +204,12 @@ NodeMesh NodeBuilder::loadLeaf(uint32_t leaf) {
   NodeMesh mesh = partition_.readLeaf(leaf);
   mesh.attributes = settings_.attributes;
   const std::vector<BorderVertex> border = partition_.border.read(leaf);
-  const auto sharedAt = [&](PositionCode position) -> const BorderVertex* {
-    const auto at = std::lower_bound(border.begin(), border.end(), position,
-                                     [](const BorderVertex& a, PositionCode b) { return a.position < b; });
-    return at != border.end() && at->position == position ? &*at : nullptr;
-  };
-  const bool computes_normals = settings_.attributes.has(AttributeSet::kComputedNormal);
-  std::vector<uint16_t> normals;
-  if (computes_normals) {
-    for (const glm::i64vec3& sum : sumNormals(mesh)) normals.push_back(normalOf(sum));
-    mesh.wedge_attributes.resize(mesh.wedge_position.size());
-  }
   for (size_t p = 0; p < mesh.positions.size() && !border.empty(); ++p) {
-    const BorderVertex* shared = sharedAt(mesh.positions[p]);
-    if (shared == nullptr) continue;
-    mesh.lca_depth[p] = shared->lca_depth;
-    if (computes_normals) normals[p] = shared->normal;
+    const std::span<const BorderVertex> shared = sharedAt(border, mesh.positions[p]);
+    if (!shared.empty()) mesh.lca_depth[p] = shared.front().lca_depth;
   }
-  if (computes_normals) {
-    for (size_t w = 0; w < mesh.wedge_position.size(); ++w) {
-      mesh.wedge_attributes[w].normal = normals[mesh.wedge_position[w]];
-    }
-  }
+  if (settings_.attributes.has(AttributeSet::kComputedNormal))
+    giveLeafNormals(mesh, border, settings_.crease);
   return mesh;
 }
 

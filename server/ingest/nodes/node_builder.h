@@ -71,6 +71,7 @@ class NodeBuilder {
     uint32_t triangles_per_node = 0;
     Simplifier simplifier = Simplifier::kCollapse;
     float snap_error_steps = 0;  ///< of the leaves' vertices
+    CreaseAngle crease{180};
   };
   NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads);
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "server/ingest/partition/leaf_mesh.h"
-
 namespace lode::ingest {
 namespace {
 
@@ -13,7 +11,7 @@ constexpr uint64_t kListingsOfProgress = 1 << 16;  ///< between two words of pro
 }  // namespace
 
 BorderTable::BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes)
-    : by_position_(std::make_unique<RecordSorter>(sizeof(Listing), memory_bytes / 2,
+    : by_position_(std::make_unique<RecordSorter>(sizeof(ListedFan), memory_bytes / 2,
                                                   folder.file("border-by-position"))),
       by_leaf_(std::make_unique<RecordSorter>(sizeof(BorderVertex), memory_bytes / 2,
                                               folder.file("border-by-leaf"))),
@@ -33,27 +31,37 @@ void BorderTable::save(RecordWriter& record) const {
   record.putAll(first_of_leaf_);
 }
 
-void BorderTable::add(PositionCode position, uint32_t leaf, glm::i64vec3 normal_sum) {
-  const Listing listing{leaf, normal_sum};
-  by_position_->push(position.value, std::as_bytes(std::span(&listing, 1)));
+std::span<const BorderVertex> sharedAt(std::span<const BorderVertex> border, PositionCode position) noexcept {
+  const auto begin = std::ranges::lower_bound(border, position, {}, &BorderVertex::position);
+  return {begin, std::ranges::upper_bound(begin, border.end(), position, {}, &BorderVertex::position)};
 }
 
-void BorderTable::join(std::span<const NodeKey> leaves, const RecordSorter::Progress& progress) {
-  std::vector<uint32_t> sharing;
+void BorderTable::add(PositionCode position, const ListedFan& fan) {
+  by_position_->push(position.value, std::as_bytes(std::span(&fan, 1)));
+}
+
+void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& crease,
+                       const RecordSorter::Progress& progress) {
+  std::vector<ListedFan> sharing;
   PositionCode position;
   NodeKey ancestor;
-  glm::i64vec3 normal_sum(0);
   const auto giveToLeaves = [&] {
-    if (sharing.size() > 1) {
+    if (!sharing.empty() && sharing.front().leaf != sharing.back().leaf) {
+      const std::vector<uint16_t> normals = joinFans(sharing, crease);
       BorderVertex vertex;
       std::memset(static_cast<void*>(&vertex), 0, sizeof(vertex));
       vertex.position = position;
       vertex.lca_depth = static_cast<uint8_t>(ancestor.depth());
-      vertex.normal = normalOf(normal_sum);
-      for (const uint32_t leaf : sharing) by_leaf_->push(leaf, std::as_bytes(std::span(&vertex, 1)));
+      uint32_t fans = 0;  // of the leaf
+      for (size_t i = 0; i < sharing.size(); ++i) {
+        if (i > 0 && sharing[i].leaf != sharing[i - 1].leaf) fans = 0;
+        if (sharing[i].fan != fans) continue;  // told of again
+        vertex.normal = normals[i];
+        vertex.fan = static_cast<uint16_t>(fans++);
+        by_leaf_->push(sharing[i].leaf, std::as_bytes(std::span(&vertex, 1)));
+      }
     }
     sharing.clear();
-    normal_sum = glm::i64vec3(0);
   };
 
   const uint64_t listings = by_position_->size();
@@ -63,13 +71,12 @@ void BorderTable::join(std::span<const NodeKey> leaves, const RecordSorter::Prog
   };
   by_position_->finish();
   while (const auto record = by_position_->next()) {
-    Listing listing;
-    std::memcpy(&listing, record->bytes.data(), sizeof(listing));
+    ListedFan listed;
+    std::memcpy(static_cast<void*>(&listed), record->bytes.data(), sizeof(listed));
     if (PositionCode{record->key} != position) giveToLeaves();
     position = PositionCode{record->key};
-    ancestor = sharing.empty() ? leaves[listing.leaf] : commonAncestor(ancestor, leaves[listing.leaf]);
-    normal_sum += listing.normal_sum;
-    sharing.push_back(listing.leaf);
+    ancestor = sharing.empty() ? leaves[listed.leaf] : commonAncestor(ancestor, leaves[listed.leaf]);
+    sharing.push_back(listed);
     advance();
   }
   giveToLeaves();

@@ -11,6 +11,7 @@
 #include "common/lattice.h"
 #include "common/node_key.h"
 #include "server/ingest/disk/record_sorter.h"
+#include "server/ingest/partition/normal_fans.h"
 
 namespace lode::ingest {
 
@@ -18,12 +19,16 @@ namespace lode::ingest {
 struct BorderVertex {
   PositionCode position;
   uint8_t lca_depth = 0;  ///< of the leaves that share it: locked in nodes deeper than that
-  uint16_t normal = 0;    ///< octahedral, of the triangles of all those leaves
+  uint16_t normal = 0;    ///< octahedral, of the triangles of all those leaves that are shaded as one
+  uint16_t fan = 0;       ///< of those in the leaf, the one that has this normal; see NormalFans
 };
 
+/// Of a leaf's shared vertices those at a position, one a fan. @param border  by position.
+std::span<const BorderVertex> sharedAt(std::span<const BorderVertex> border, PositionCode position) noexcept;
+
 /// The border table (design 2.3): collects what leaves list, joins it by position, and gives each leaf its
-/// shared vertices with their lock depth and common normal. Vertices that one leaf alone lists are rims: they
-/// are not locked. Collecting and joining are for one thread; read() is thread safe.
+/// shared vertices with their lock depth and common normals. Vertices that one leaf alone lists are rims:
+/// they are not locked. Collecting and joining are for one thread; read() is thread safe.
 class BorderTable {
  public:
   /// Name of the joined table's file, which lasts.
@@ -33,28 +38,25 @@ class BorderTable {
   /// The joined table that save() noted. @throws Error kIo, kFormat.
   BorderTable(const TemporaryFolder& folder, RecordReader& record);
 
-  /// @param leaf  number of the leaf; leaves are added in rising order, each position once a leaf.
-  void add(PositionCode position, uint32_t leaf, glm::i64vec3 normal_sum);
+  /// @param fan  one of what listFans() gives; leaves are added in rising order, a position's fans in theirs.
+  void add(PositionCode position, const ListedFan& fan);
 
   /// @param leaves    keys by number.
   /// @param progress  in listings that were added, each counted twice.
-  void join(std::span<const NodeKey> leaves, const RecordSorter::Progress& progress = {});
+  void join(std::span<const NodeKey> leaves, const CreaseAngle& crease,
+            const RecordSorter::Progress& progress = {});
 
   /// Writes the joined table to the disk for good, and notes in `record` where it is.
   void save(RecordWriter& record) const;
 
   /// Leaves of the joined table.
   size_t leafCount() const noexcept { return first_of_leaf_.size() - 1; }
-  /// The shared vertices of a leaf, by position.
+  /// The shared vertices of a leaf, by position and fan.
   std::vector<BorderVertex> read(uint32_t leaf) const;
   /// Written to temporary files so far.
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_ + joined_.size(); }
 
  private:
-  struct Listing {
-    uint32_t leaf;
-    glm::i64vec3 normal_sum;
-  };
   std::unique_ptr<RecordSorter> by_position_, by_leaf_;  ///< gone once joined
   uint64_t temporary_bytes_ = 0;
   Spool joined_;

@@ -6,13 +6,19 @@
 
 namespace lode::ingest {
 
-LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink)
+LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, const CreaseAngle& crease,
+                       unsigned threads, Sink sink)
     : attributes_(attributes),
+      crease_(crease),
       welders_(threads),
       welded_(threads - 1, [&table, sink = std::move(sink)](Welded&& welded) {
         sink(welded.mesh.bytes());
-        for (size_t i = 0; i < welded.border.size(); ++i)
-          table.add(welded.border[i], welded.leaf, welded.normals[i]);
+        for (size_t i = 0; i < welded.border.size(); ++i) {
+          for (ListedFan& fan : welded.fans[i]) {
+            fan.leaf = welded.leaf;
+            table.add(welded.border[i], fan);
+          }
+        }
       }) {}
 
 void LeafWelder::add(uint32_t leaf, std::span<const std::byte> records) {
@@ -24,15 +30,16 @@ void LeafWelder::add(uint32_t leaf, std::span<const std::byte> records) {
 
 LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> records,
                                     MeshWelder& welder) const {
-  const bool has_normals = attributes_.has(AttributeSet::kNormal);
   const NodeMesh mesh = weldSoup(records, attributes_, welder);
-  const std::vector<glm::i64vec3> normals = has_normals ? std::vector<glm::i64vec3>() : sumNormals(mesh);
   Welded welded;
   welded.leaf = leaf;
   putLeaf(welded.mesh, mesh);
-  for (const uint32_t position : findBorder(mesh)) {
-    welded.border.push_back(mesh.positions[position]);
-    welded.normals.push_back(has_normals ? glm::i64vec3(0) : normals[position]);
+  const std::vector<uint32_t> border = findBorder(mesh);
+  for (const uint32_t position : border) welded.border.push_back(mesh.positions[position]);
+  if (attributes_.has(AttributeSet::kNormal)) {
+    welded.fans.assign(border.size(), {ListedFan{}});
+  } else {
+    welded.fans = listFans(mesh, findFans(mesh, crease_), border);
   }
   return welded;
 }

@@ -23,7 +23,8 @@ class LeafWelder {
 
   /// @param threads  at least one, the caller's: leaves are welded on so many. @param sink  called by add()
   /// and finish().
-  LeafWelder(BorderTable& table, AttributeSet attributes, unsigned threads, Sink sink);
+  LeafWelder(BorderTable& table, AttributeSet attributes, const CreaseAngle& crease, unsigned threads,
+             Sink sink);
 
   /// @param leaf     its number; leaves come in rising order.
   /// @param records  soup; copied.
@@ -36,11 +37,12 @@ class LeafWelder {
     uint32_t leaf = 0;
     RecordWriter mesh;
     std::vector<PositionCode> border;
-    std::vector<glm::i64vec3> normals;  ///< one a border position
+    std::vector<std::vector<ListedFan>> fans;  ///< a list a border position
   };
   Welded weld(uint32_t leaf, std::span<const std::byte> records, MeshWelder& welder) const;
 
   const AttributeSet attributes_;
+  const CreaseAngle crease_;
   std::vector<MeshWelder> welders_;  ///< leaves take turns at them
   size_t next_welder_ = 0;
   InOrder<Welded> welded_;

@@ -47,15 +47,15 @@ Partition Partition::load(const TemporaryFolder& folder, AttributeSet attributes
 }
 
 Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
-                    uint64_t memory_bytes, unsigned threads, const TemporaryFolder& folder,
-                    const BuildProgress& progress) {
+                    const CreaseAngle& crease, uint64_t memory_bytes, unsigned threads,
+                    const TemporaryFolder& folder, const BuildProgress& progress) {
   Partition result{attributes,
                    {},
                    {0},
                    0,
                    Spool(folder.lastingFile(Partition::kLeafFile)),
                    BorderTable(folder, memory_bytes)};
-  LeafWelder welder(result.border, attributes, threads, [&](std::span<const std::byte> mesh) {
+  LeafWelder welder(result.border, attributes, crease, threads, [&](std::span<const std::byte> mesh) {
     result.meshes.append(mesh);
     result.begin.push_back(result.meshes.size());
   });
@@ -75,7 +75,7 @@ Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t tria
   cutter.finish();
   welder.finish();
   result.meshes.flush();
-  result.border.join(result.leaves, [&](uint64_t done, uint64_t total) {
+  result.border.join(result.leaves, crease, [&](uint64_t done, uint64_t total) {
     if (progress) progress("border", static_cast<double>(done) / static_cast<double>(total), done, total);
   });
   return result;

@@ -37,7 +37,7 @@ struct Partition {
 /// Stage 3: takes the sorted triangles, cuts them into leaves, welds these, and finds what they share.
 /// @param sorted   finished; keys are cell codes.
 Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
-                    uint64_t memory_bytes, unsigned threads, const TemporaryFolder& folder,
-                    const BuildProgress& progress);
+                    const CreaseAngle& crease, uint64_t memory_bytes, unsigned threads,
+                    const TemporaryFolder& folder, const BuildProgress& progress);
 
 }  // namespace lode::ingest

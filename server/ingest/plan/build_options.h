@@ -20,6 +20,9 @@ struct BuildOptions {
   unsigned threads = 0;                    ///< 0: one a core
   uint32_t triangles_per_node = 16384;
   Simplifier simplifier = Simplifier::kCollapse;
+  /// Computed normals are smooth where faces meet at less. The default keeps chamfers of 45 degrees sharp and
+  /// bores of nine sides round; docs/benchmarks.md (Creases) says what it costs scans.
+  float crease_angle_deg = 44;
   bool skip_bad = false;  ///< bad indices and coordinates are dropped and counted, not an error
   bool strict = false;    ///< warnings are errors
   /// Go on where a build of the same input, output and options ended that was killed or failed, and keep what

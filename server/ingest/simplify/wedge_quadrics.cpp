@@ -37,10 +37,11 @@ void WedgeQuadrics::chooseChannels(AttributeSet attributes, double diagonal, dou
   const auto add = [&](int first, int count, double scale) {
     for (int i = 0; i < count; ++i) channels_.push_back({first + i, weight * diagonal * scale});
   };
-  if (attributes.has(AttributeSet::kNormal)) add(WedgeValue::kNormal, 3, kNormalWeight);
+  const bool computed = attributes.has(AttributeSet::kComputedNormal);
+  if (attributes.has(AttributeSet::kNormal) && !computed) add(WedgeValue::kNormal, 3, kNormalWeight);
   if (attributes.has(AttributeSet::kColour)) add(WedgeValue::kColour, 3, kColourWeight / 255);
   if (attributes.has(AttributeSet::kTexture)) add(WedgeValue::kTexture, 2, kTextureWeight / 65535);
-  covers_all_ = !channels_.empty() && !attributes.has(AttributeSet::kAlpha);
+  covers_all_ = (computed || !channels_.empty()) && !attributes.has(AttributeSet::kAlpha);
 }
 
 void WedgeQuadrics::addTriangle(CollapseMesh& mesh, uint32_t corner) {

@@ -19,8 +19,8 @@ namespace lode::ingest {
 ///
 /// Colours and normals and texture coordinates of the file count, as lengths: full range of a colour, a
 /// radian of a normal and the range of the texture grid each weigh as a fraction of the model's diagonal.
-/// Computed normals do not count (the surface says it already). Source: Hoppe, New Quadric Metric for
-/// Simplifying Meshes with Appearance Attributes, 1999.
+/// Computed normals do not count (the surface says it already), they only tell the sides of creases apart.
+/// Source: Hoppe, New Quadric Metric for Simplifying Meshes with Appearance Attributes, 1999.
 class WedgeQuadrics {
  public:
   /// Adds the triangles' planes to the positions' quadrics.
@@ -30,7 +30,7 @@ class WedgeQuadrics {
 
   /// Nothing in the mesh's attributes that counts.
   bool empty() const noexcept { return channels_.empty(); }
-  /// Every attribute that can be mixed counts: setValues() leaves nothing of what a wedge had.
+  /// Every attribute that would be mixed counts: setValues() leaves nothing of what a wedge had.
   bool coversAll() const noexcept { return covers_all_; }
   void fetch(uint32_t wedge) const noexcept;
 

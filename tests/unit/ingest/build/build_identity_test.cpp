@@ -101,6 +101,7 @@ TEST_F(BuildIdentityOf, differsWithEachOptionThatTheBytesFollowFromAndNamesIt) {
   };
   names("--triangles-per-node 16384", [](BuildOptions& changed) { changed.triangles_per_node = 1000; });
   names("--simplifier collapse", [](BuildOptions& changed) { changed.simplifier = Simplifier::kCluster; });
+  names("--crease-angle 44", [](BuildOptions& changed) { changed.crease_angle_deg = 40; });
   names("no --skip-bad", [](BuildOptions& changed) { changed.skip_bad = true; });
   names("no --strict", [](BuildOptions& changed) { changed.strict = true; });
   names("a.ply", [&](BuildOptions& changed) { changed.input = folder / "b.ply"; });

@@ -2,7 +2,6 @@
 
 #include <fstream>
 #include <iterator>
-#include <map>
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -15,7 +14,6 @@
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/sample/sample.h"
-#include "server/store/export.h"
 #include "server/store/reader.h"
 #include "tests/support/porous_surface.h"
 #include "tests/support/work_folder.h"
@@ -78,40 +76,6 @@ TEST_F(Build, givesTheSameBytesForAnyNumberOfThreadsAndAnyMemory) {
     EXPECT_EQ(built(2, kMega, 1024), expected);
     EXPECT_GT(temporaryBytes("dereference"), 0u) << "sorted on disk";
   }
-}
-
-/// Computed normals of a rung, by position.
-std::map<uint64_t, uint16_t> normalsOf(const store::Reader& reader, const Node& node, uint32_t rung) {
-  const Mesh mesh = store::readRung(reader, node, rung);
-  std::map<uint64_t, uint16_t> normals;
-  for (size_t i = 0; i < mesh.positions.size(); ++i)
-    normals[mesh.positions[i].value] = mesh.vertex_attributes[i].normal;
-  return normals;
-}
-
-TEST_F(Build, givesPositionsOnBordersOneComputedNormalInAllRungs) {
-  makeSample(20000, 0);
-  built(2, 256 * kMega, 512);
-  const store::Reader reader(folder_ / "a.lode");
-  size_t shared = 0;
-  for (int depth = 1; depth <= 2; ++depth) {
-    std::map<uint64_t, uint16_t> known;  // by any rung of any node of the depth before
-    for (const Node& node : reader.nodes()) {
-      if (node.key.depth() != depth) continue;
-      std::map<uint64_t, uint16_t> here;
-      for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
-        for (const auto& [position, normal] : normalsOf(reader, node, rung)) {
-          const auto other = known.find(position);
-          if (other != known.end()) {
-            EXPECT_EQ(other->second, normal) << "depth " << depth;
-            ++shared;
-          }
-          here[position] = normal;
-        }
-      known.insert(here.begin(), here.end());
-    }
-  }
-  EXPECT_GT(shared, 500u);
 }
 
 TEST_F(Build, leavesNothingBehindWhenItFails) {

@@ -15,7 +15,8 @@ namespace {
 constexpr uint8_t kComputed = AttributeSet::kNormal | AttributeSet::kComputedNormal;
 
 void giveNormals(SimplifiedMesh& rung, const NodeMesh& mesh) {
-  giveComputedNormals(rung, mesh, sourcesOf(rung, mesh), placesOn(rung, mesh, SurfaceWalk(rung.mesh)));
+  giveComputedNormals(rung, mesh, sourcesOf(rung, mesh), placesOn(rung, mesh, SurfaceWalk(rung.mesh)),
+                      CreaseAngle(50));
 }
 
 /// A square whose corners look along x, y, z and z, of which the first two become a corner of a triangle.
@@ -73,7 +74,7 @@ TEST(ComputedNormals, areSharperThanTheMeansOfThoseThatWereMerged) {
     const glm::vec3 outward = decodeOctahedral(attributes.normal);
     attributes.normal = encodeOctahedral(outward + 0.5f * glm::sin(8.f * outward));
   }
-  collapse(withoutComputedNormals(mesh), std::array<size_t, 1>{800}, {}, [&](size_t, SimplifiedMesh&& rung) {
+  collapse(withoutSmoothNormals(mesh), std::array<size_t, 1>{800}, {}, [&](size_t, SimplifiedMesh&& rung) {
     giveNormals(rung, mesh);
     SimplifiedMesh with_means = rung;
     std::vector<glm::vec3> sums(rung.mesh.positions.size(), glm::vec3(0));
@@ -86,10 +87,34 @@ TEST(ComputedNormals, areSharperThanTheMeansOfThoseThatWereMerged) {
   });
 }
 
+/// Two squares beside a fold, each with its own wedges on it, as a rung that has moved nothing.
+size_t wedgesOfAFold(uint32_t height, uint8_t lca_depth) {
+  NodeMesh mesh;
+  mesh.attributes.bits = kComputed;
+  for (const glm::uvec3 p :
+       {glm::uvec3(0, 0, 0), {0, 90, 0}, {90, 0, height}, {90, 90, height}, {180, 0, 0}, {180, 90, 0}})
+    mesh.positions.push_back(packPosition(p));
+  mesh.lca_depth.assign(6, lca_depth);
+  mesh.wedge_position = {0, 1, 2, 3, 2, 3, 4, 5};
+  for (const float x : {-1.f, 1.f})
+    mesh.wedge_attributes.insert(mesh.wedge_attributes.end(), 4,
+                                 {.normal = encodeOctahedral({x, 0, 1}), .material = 0});
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 6, 7}, {4, 7, 5}};
+  SimplifiedMesh rung{mesh, {0, 1, 2, 3, 4, 5}};
+  giveNormals(rung, mesh);
+  return rung.mesh.wedge_position.size();
+}
+
+TEST(ComputedNormals, areOneWhereARungHasACreaseNoMoreUnlessLeavesShareIt) {
+  EXPECT_EQ(wedgesOfAFold(90, kNeverLocked), 8u) << "90 degrees";
+  EXPECT_EQ(wedgesOfAFold(20, kNeverLocked), 6u) << "25 degrees";
+  EXPECT_EQ(wedgesOfAFold(20, 2), 8u);
+}
+
 TEST(ComputedNormals, areGivenToEveryVertexOfARung) {
   NodeMesh mesh = test::nodeOf(test::makeSphere(30, 20, {.attributes = {AttributeSet::kNormal}}));
   mesh.attributes.bits = kComputed;
-  collapse(withoutComputedNormals(mesh), std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
+  collapse(withoutSmoothNormals(mesh), std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
     EXPECT_TRUE(rung.mesh.wedge_attributes.empty());
     giveNormals(rung, mesh);
     EXPECT_EQ(rung.mesh.attributes.bits, kComputed);
@@ -102,7 +127,7 @@ TEST(ComputedNormals, leaveOtherAttributesAsTheyAre) {
   NodeMesh mesh = test::nodeOf(test::makeSphere(30, 20, {.attributes = {AttributeSet::kColour}}));
   for (VertexAttributes& attributes : mesh.wedge_attributes) attributes.normal = 77;
   mesh.attributes.bits = kColoured;
-  const NodeMesh bare = withoutComputedNormals(mesh);
+  const NodeMesh bare = withoutSmoothNormals(mesh);
   EXPECT_EQ(bare.attributes.bits, AttributeSet::kColour);
   ASSERT_EQ(bare.wedge_attributes.size(), mesh.wedge_attributes.size());
   for (size_t i = 0; i < bare.wedge_attributes.size(); ++i) {

@@ -7,17 +7,35 @@
 namespace lode::ingest {
 namespace {
 
+ListedFan listed(uint32_t leaf, glm::i64vec3 sum) {
+  ListedFan fan;
+  fan.leaf = leaf;
+  fan.sum = sum;
+  return fan;
+}
+
+/// A fan that goes on at an edge.
+ListedFan listed(uint32_t leaf, glm::i64vec3 sum, PositionCode other, glm::vec3 direction) {
+  ListedFan fan = listed(leaf, sum);
+  fan.ends = 1;
+  fan.other[0] = other;
+  fan.direction[0] = direction;
+  return fan;
+}
+
+const CreaseAngle kCrease(50);
+
 TEST(BorderTable, locksSharedVerticesBelowTheLowestCommonAncestorOfTheirLeaves) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
   // Leaves 0 and 1 are siblings at depth 2; leaf 2 is a shallower one at depth 1.
   const NodeKey leaves[] = {kRootKey.child(0).child(0), kRootKey.child(0).child(1), kRootKey.child(1)};
-  table.add({10}, 0, {0, 0, 4});
-  table.add({10}, 1, {0, 0, 4});
-  table.add({20}, 0, {0, 0, 1});
-  table.add({20}, 2, {0, 0, 1});
-  table.add({30}, 0, {0, 0, 1});
-  table.join(leaves);
+  table.add({10}, listed(0, {0, 0, 4}));
+  table.add({10}, listed(1, {0, 0, 4}));
+  table.add({20}, listed(0, {0, 0, 1}));
+  table.add({20}, listed(2, {0, 0, 1}));
+  table.add({30}, listed(0, {0, 0, 1}));
+  table.join(leaves, kCrease);
 
   const auto first = table.read(0);
   ASSERT_EQ(first.size(), 2u);
@@ -33,20 +51,31 @@ TEST(BorderTable, leavesVerticesThatOnlyOneLeafListsUnlocked) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
   const NodeKey leaves[] = {kRootKey.child(0), kRootKey.child(1)};
-  table.add({30}, 0, {1, 0, 0});
-  table.join(leaves);
+  table.add({30}, listed(0, {1, 0, 0}));
+  table.join(leaves, kCrease);
   EXPECT_TRUE(table.read(0).empty());
 }
 
-TEST(BorderTable, addsUpTheNormalsOfAllLeaves) {
+TEST(BorderTable, addsUpTheNormalsOfAllLeavesWhoseFacesGoOnSmoothly) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
   const NodeKey leaves[] = {kRootKey.child(0), kRootKey.child(1)};
-  table.add({30}, 0, {1000, 0, 0});
-  table.add({30}, 1, {0, 1000, 0});
-  table.join(leaves);
+  table.add({30}, listed(0, {1000, 0, 0}, {31}, glm::normalize(glm::vec3(1, 0.3, 0))));
+  table.add({30}, listed(1, {0, 1000, 0}, {31}, glm::normalize(glm::vec3(1, 0.4, 0))));
+  table.join(leaves, kCrease);
   EXPECT_EQ(table.read(0).front().normal, normalOf({1, 1, 0}));
   EXPECT_EQ(table.read(1).front().normal, normalOf({1, 1, 0}));
+}
+
+TEST(BorderTable, keepsTheNormalsOnBothSidesOfACreaseApart) {
+  const TemporaryFolder folder(testing::TempDir());
+  BorderTable table(folder, 1 << 20);
+  const NodeKey leaves[] = {kRootKey.child(0), kRootKey.child(1)};
+  table.add({30}, listed(0, {1000, 0, 0}, {31}, {1, 0, 0}));
+  table.add({30}, listed(1, {0, 1000, 0}, {31}, {0, 1, 0}));
+  table.join(leaves, kCrease);
+  EXPECT_EQ(table.read(0).front().normal, normalOf({1, 0, 0}));
+  EXPECT_EQ(table.read(1).front().normal, normalOf({0, 1, 0}));
 }
 
 }  // namespace

@@ -24,14 +24,14 @@ std::vector<std::byte> squareAt(uint32_t x) {
 std::vector<std::vector<BorderVertex>> bordersOfARow(unsigned threads) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  LeafWelder welder(table, {}, threads, [](std::span<const std::byte>) {});
+  LeafWelder welder(table, {}, CreaseAngle(50), threads, [](std::span<const std::byte>) {});
   std::vector<NodeKey> leaves;
   for (uint32_t leaf = 0; leaf < 8; ++leaf) {
     leaves.push_back(kRootKey.child(leaf));
     welder.add(leaf, squareAt(leaf));
   }
   welder.finish();
-  table.join(leaves);
+  table.join(leaves, CreaseAngle(50));
   std::vector<std::vector<BorderVertex>> borders;
   for (uint32_t leaf = 0; leaf < 8; ++leaf) borders.push_back(table.read(leaf));
   return borders;
@@ -59,7 +59,7 @@ std::vector<PositionCode> positionsOfARow(unsigned threads) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
   std::vector<PositionCode> positions;
-  LeafWelder welder(table, {}, threads, [&](std::span<const std::byte> mesh) {
+  LeafWelder welder(table, {}, CreaseAngle(50), threads, [&](std::span<const std::byte> mesh) {
     RecordReader record(mesh);
     const NodeMesh leaf = getLeaf(record, {});
     positions.insert(positions.end(), leaf.positions.begin(), leaf.positions.end());
@@ -79,7 +79,7 @@ TEST(LeafWelder, givesTheMeshesOfLeavesInTheirOrder) {
 TEST(LeafWelder, endsItsThreadsWhenItIsGivenUp) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  LeafWelder welder(table, {}, 2, [](std::span<const std::byte>) {});
+  LeafWelder welder(table, {}, CreaseAngle(50), 2, [](std::span<const std::byte>) {});
   welder.add(0, squareAt(0));
 }
 

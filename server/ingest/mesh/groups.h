@@ -1,0 +1,30 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace lode::ingest {
+
+/// Which of some things, by number, are one; each group is named by its lowest. Not thread safe.
+class Groups {
+ public:
+  explicit Groups(size_t count) : towards_(count) { std::iota(towards_.begin(), towards_.end(), 0u); }
+
+  uint32_t find(uint32_t i) noexcept {
+    while (towards_[i] != i) i = towards_[i] = towards_[towards_[i]];
+    return i;
+  }
+  void join(uint32_t a, uint32_t b) noexcept {
+    a = find(a);
+    b = find(b);
+    towards_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<uint32_t> towards_;
+};
+
+}  // namespace lode::ingest
