@@ -3,6 +3,7 @@
 #include <exception>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include <asio.hpp>
 
@@ -47,9 +48,10 @@ class Signals {
   std::jthread thread_;
 };
 
-void runServe(const serve::ServeOptions& options) {
+void runServe(serve::ServeOptions options) {
+  options.listening_socket = socketOfService();
   std::signal(SIGPIPE, SIG_IGN);  // who reads our output may go; we stay
-  serve::Server server(options);
+  serve::Server server(std::move(options));
   Signals signals(server);
   nlohmann::json metrics = nullptr;
   if (const auto address = server.metricsAddress()) metrics = *address;
@@ -70,6 +72,17 @@ void addSeconds(CLI::App& command, const std::string& name, std::chrono::millise
       ->default_str(std::to_string(value.count() / 1000));
 }
 
+void addRates(CLI::App& command, serve::ServeOptions& options) {
+  const auto add = [&](const char* name, uint64_t& bytes_per_second, const char* help) {
+    command.add_option(name, bytes_per_second, help)
+        ->transform(CLI::AsSizeValue(false))
+        ->check(CLI::Range(uint64_t{1} << 10, uint64_t{1} << 40))
+        ->type_name("BYTES");
+  };
+  add("--max-rate", options.bytes_per_second, "bytes of blobs a second in all, as 50MB (default: no limit)");
+  add("--max-rate-per-connection", options.bytes_per_second_per_connection, "the same for each connection");
+}
+
 void addLimits(CLI::App& command, serve::ServeOptions& options) {
   command.add_option("--max-connections", options.max_connections, "connections at a time")
       ->check(CLI::Range(1u, 1000000u))
@@ -81,6 +94,15 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
       ->check(CLI::Range(1u, 1000000u));
   command.add_option("--max-wishes", options.max_open_wishes, "open wishes of a connection")
       ->check(CLI::Range(1u, proto::kMaxOpenWishes))
+      ->capture_default_str();
+  command.add_option("--max-open-models", options.max_open_models, "models that a connection has open")
+      ->check(CLI::Range(1u, proto::kMaxOpenModels))
+      ->capture_default_str();
+  command
+      .add_option("--max-queued-bytes", options.max_queued_answer_bytes,
+                  "answers that a connection has not read before nothing more is read from it, as 16KB")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(uint64_t{1} << 10, proto::kMaxQueuedAnswerBytes))
       ->capture_default_str();
   command
       .add_option("--memory-budget", options.memory_budget_bytes,
@@ -119,6 +141,7 @@ void addServeCommand(CLI::App& program) {
   command->add_option("--threads", options->threads, "threads to use (default: one a core)")
       ->check(CLI::Range(1u, 1024u));
   addLimits(*command, *options);
+  addRates(*command, *options);
   command->callback([options] { runServe(*options); });
 }
 

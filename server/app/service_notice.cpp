@@ -5,12 +5,37 @@
 #include <cstring>
 #include <string_view>
 
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "common/error.h"
+
 namespace lode::app {
+
+namespace {
+
+constexpr int kFirstSocketOfService = 3;
+
+/// The number in a variable of the environment; -1 for none.
+long numberIn(const char* variable) noexcept {
+  const char* const text = std::getenv(variable);
+  return text == nullptr ? -1 : std::strtol(text, nullptr, 10);
+}
+
+}  // namespace
+
+std::optional<int> socketOfService() {
+  if (numberIn("LISTEN_PID") != ::getpid() || numberIn("LISTEN_FDS") < 1) return {};
+  if (numberIn("LISTEN_FDS") > 1)
+    throw Error(ErrorCode::kUsage, "the service manager hands over " +
+                                       std::to_string(numberIn("LISTEN_FDS")) +
+                                       " sockets; one is served: give its socket unit one ListenStream");
+  ::fcntl(kFirstSocketOfService, F_SETFD, FD_CLOEXEC);
+  return kFirstSocketOfService;
+}
 
 void notifyService(const std::string& state) noexcept {
   const char* const named = std::getenv("NOTIFY_SOCKET");

@@ -26,6 +26,7 @@ Connection::Connection(proto::ByteStream stream, Place place, MemoryAccount memo
       limits_(limits),
       stream_(std::move(stream), 2048, [this](size_t more) { return memory_.tryTake(more); }),
       session_({&host.offer, &memory_, host.tallies, &host.wishes}, limits.session, Clock::now()),
+      rate_(limits.bytes_per_second),
       to_write_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),
       to_read_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),
       client_(std::move(client)) {
@@ -160,7 +161,8 @@ asio::awaitable<void> Connection::greet() {
 asio::awaitable<void> Connection::readFrames() {
   proto::Frame frame;
   while (!session_.closing()) {
-    while (session_.controlBytes() > kMaxQueuedControlBytes && !gone_) co_await sleep(to_read_, read_woken_);
+    while (session_.controlBytes() > limits_.queued_answer_bytes && !gone_)
+      co_await sleep(to_read_, read_woken_);
     if (gone_) co_return;
     const uint32_t limit = session_.greeted() ? proto::kMaxFrameBodyBytes : proto::kMaxHelloBodyBytes;
     const bool more = co_await stream_.read(frame, limit);

@@ -16,6 +16,7 @@
 #include "proto/frame_stream.h"
 #include "server/serve/admission.h"
 #include "server/serve/blob_reader.h"
+#include "server/serve/byte_rate.h"
 #include "server/serve/log.h"
 #include "server/serve/memory_budget.h"
 #include "server/serve/metrics.h"
@@ -50,6 +51,7 @@ struct ConnectionHost {
   std::shared_ptr<asio::ssl::context> tls;  ///< of new connections; none: they are plain
   Log* log = nullptr;
   ThreadTallies* tallies = nullptr;
+  ByteRate* rate = nullptr;              ///< of all connections of the server
   asio::thread_pool* readers = nullptr;  ///< threads that may wait for the disk
   BufferPool buffers;
   std::pmr::unsynchronized_pool_resource wishes;
@@ -58,8 +60,10 @@ struct ConnectionHost {
 
 struct ConnectionLimits {
   SessionLimits session;
-  Clock::duration write = proto::kWriteDeadline;  ///< for a write that the client does not take
-  bool proxy_protocol = false;                    ///< a balancer says first who the client is
+  Clock::duration write = proto::kWriteDeadline;              ///< for a write that the client does not take
+  uint64_t bytes_per_second = 0;                              ///< of blobs; 0: no limit
+  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< above it nothing more is read
+  bool proxy_protocol = false;                                ///< a balancer says first who the client is
 };
 
 /// What a connection is taken to cost that does nothing.
@@ -101,6 +105,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   asio::awaitable<void> fetch(std::shared_ptr<ColdRead> cold, std::shared_ptr<const BlobReader> blobs);
   asio::awaitable<void> sleep(asio::steady_timer& until, bool& woken);
   void startWriting();
+  bool isItsTurn();
+  void endTurn(size_t sent_bytes);
   void gather(ChunkBuffer& buffer);
   ReadResult readChunk(const Chunk& chunk, std::span<std::byte> into);
   bool startFetching(const Chunk& chunk);
@@ -118,7 +124,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
   proto::FrameStream stream_;
   Session session_;
   std::vector<std::shared_ptr<ColdRead>> cold_;
-  asio::steady_timer to_write_, to_read_;  ///< never expire; cancelled when there is work again
+  ByteRate rate_;
+  std::optional<Clock::time_point> turn_;  ///< when it may send as much as a slow link is given
+  asio::steady_timer to_write_, to_read_;  ///< cancelled when there is work again
   bool write_woken_ = false, read_woken_ = false;
   bool gone_ = false;                               ///< the client has closed, or the connection broke
   bool slow_ = true;                                ///< more than a little waits in the kernel, or may

@@ -79,7 +79,10 @@ asio::awaitable<void> Connection::writeFrames() {
     }
     const proto::Bytes control = session_.takeControl();
     ChunkBuffer buffer;
-    gather(buffer);
+    if (isItsTurn()) {
+      gather(buffer);
+      endTurn(buffer.used);
+    }
     const size_t bytes = control.size() + buffer.used;
     if (bytes > 0) {
       const std::array parts{asio::buffer(control), asio::const_buffer(buffer.bytes.get(), buffer.used)};
@@ -93,6 +96,7 @@ asio::awaitable<void> Connection::writeFrames() {
     host_.buffers.give(std::move(buffer));
     if (bytes == 0 && session_.controlBytes() == 0) {
       if (session_.finished()) co_return;
+      to_write_.expires_at(turn_.value_or(Clock::time_point::max()));
       co_await sleep(to_write_, write_woken_);
     }
     wakeReader();
@@ -105,8 +109,25 @@ bool Connection::linkIsSlow() {
          unsent > kLittleUnsentBytes;
 }
 
+/// Whether blobs may be sent as far as rates go. Where they do not, a turn is taken: the writer comes back
+/// for it.
+bool Connection::isItsTurn() {
+  if (!rate_.limited() && !host_.rate->limited()) return true;
+  const auto now = Clock::now();
+  if (!turn_ && session_.wantsToSend())
+    turn_ = std::max(rate_.take(kSlowWriteBytes, now), host_.rate->take(kSlowWriteBytes, now));
+  return turn_ && *turn_ <= now;
+}
+
+void Connection::endTurn(size_t sent_bytes) {
+  if (!turn_) return;
+  rate_.give(kSlowWriteBytes - sent_bytes);
+  host_.rate->give(kSlowWriteBytes - sent_bytes);
+  turn_.reset();
+}
+
 void Connection::gather(ChunkBuffer& buffer) {
-  const size_t most = slow_ ? kSlowWriteBytes : ChunkBuffer::kBytes;
+  const size_t most = slow_ || turn_ ? kSlowWriteBytes : ChunkBuffer::kBytes;
   while (buffer.used + kChunkFrameHeadBytes + kMinChunkBytes <= most) {
     const size_t space = most - buffer.used - kChunkFrameHeadBytes;
     const std::optional<Chunk> chunk = session_.beginChunk(static_cast<uint32_t>(space));

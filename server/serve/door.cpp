@@ -113,7 +113,7 @@ void Door::refuseForDescriptors() {
         proto::ErrorMessage{proto::WireError::kLimit, 0, true,
                             "this server has all the connections it can; try again later, or another"},
         0);
-    Refusals::refuseAtOnce(std::move(socket), options_.tell ? std::span(word) : std::span<const std::byte>());
+    Refusals::refuseAtOnce(std::move(socket), tls_ ? std::span<const std::byte>() : std::span(word));
   }
   reserve_.keep();
 }
@@ -144,9 +144,12 @@ void Door::refuse(tcp::socket socket, RefusalReason reason, const std::string& w
   const std::string client = socket.remote_endpoint(ignored).address().to_string();
   log_.write(LogKind::kRefused, "a connection was refused",
              {{"client", client}, {"reason", refusalName(reason)}});
-  const proto::Bytes word = proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, why}, 0);
-  refusals_.refuse(std::move(socket), options_.tell ? std::span(word) : std::span<const std::byte>(),
-                   Refusals::Clock::now());
+  const auto now = Refusals::Clock::now();
+  proto::Bytes word = proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, why}, 0);
+  if (tls_)
+    refusals_.refuseUnderTls(std::move(socket), tls_, std::move(word), now);
+  else
+    refusals_.refuse(std::move(socket), word, now);
 }
 
 }  // namespace lode::serve

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include <asio/awaitable.hpp>
 #include <asio/io_context.hpp>
@@ -20,7 +22,6 @@ namespace lode::serve {
 
 struct DoorOptions {
   bool count_addresses = true;    ///< false behind a balancer: its header says them later
-  bool tell = true;               ///< what is refused gets an Error frame; false: under TLS it cannot
   uint64_t connection_bytes = 0;  ///< what each is taken to cost
 };
 
@@ -37,6 +38,8 @@ class Door {
   /// was thrown out of the context's run().
   void open();
   void close();
+  /// What those who are refused expect to speak; none: nothing, their connections are plain.
+  void setTls(std::shared_ptr<asio::ssl::context> tls) { tls_ = std::move(tls); }
 
  private:
   asio::awaitable<void> accept();
@@ -54,6 +57,7 @@ class Door {
   ThreadTallies& tallies_;
   Log& log_;
   Hand hand_;
+  std::shared_ptr<asio::ssl::context> tls_;
   Refusals refusals_;
   ReserveDescriptor reserve_;
   asio::steady_timer sweep_;

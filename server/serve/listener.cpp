@@ -1,5 +1,7 @@
 #include "server/serve/listener.h"
 
+#include <sys/socket.h>
+
 #include "common/error.h"
 #include "server/serve/listen_address.h"
 
@@ -30,6 +32,23 @@ tcp::acceptor openListener(asio::io_context& context, const tcp::endpoint& endpo
     throw Error(ErrorCode::kIo, "cannot listen on " + toString(endpoint) + ": " + error.message() +
                                     "; stop what uses it or choose another with " + option +
                                     " (port 0 picks a free one)");
+  return acceptor;
+}
+
+tcp::acceptor adoptListener(asio::io_context& context, int descriptor) {
+  sockaddr_storage address{};
+  socklen_t length = sizeof address;
+  int listens = 0, type = 0;
+  socklen_t option_length = sizeof listens;
+  const bool is_socket = getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &length) == 0 &&
+                         getsockopt(descriptor, SOL_SOCKET, SO_ACCEPTCONN, &listens, &option_length) == 0 &&
+                         getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &option_length) == 0;
+  const bool is_tcp = type == SOCK_STREAM && (address.ss_family == AF_INET || address.ss_family == AF_INET6);
+  if (!is_socket || listens == 0 || !is_tcp)
+    throw Error(ErrorCode::kUsage,
+                "the service manager's socket does not listen on TCP; give it ListenStream=PORT");
+  tcp::acceptor acceptor(context);
+  acceptor.assign(address.ss_family == AF_INET ? tcp::v4() : tcp::v6(), descriptor);
   return acceptor;
 }
 

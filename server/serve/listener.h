@@ -15,6 +15,10 @@ asio::ip::tcp::endpoint resolveListen(asio::io_context& context, const std::stri
 asio::ip::tcp::acceptor openListener(asio::io_context& context, const asio::ip::tcp::endpoint& endpoint,
                                      const std::string& option);
 
+/// A socket that listens already, as a service manager hands it over. @throws Error kUsage: it is none of
+/// TCP.
+asio::ip::tcp::acceptor adoptListener(asio::io_context& context, int descriptor);
+
 /// "127.0.0.1:7400", "[::1]:7400".
 std::string toString(const asio::ip::tcp::endpoint& endpoint);
 

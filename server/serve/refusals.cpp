@@ -1,7 +1,11 @@
 #include "server/serve/refusals.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
+
+#include <asio/co_spawn.hpp>
+#include <asio/detached.hpp>
 
 namespace lode::serve {
 
@@ -28,12 +32,47 @@ void say(tcp::socket& socket, std::span<const std::byte> last_word) {
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
+/// Until the client closes, or sweep() does.
+asio::awaitable<void> tell(std::shared_ptr<proto::ByteStream> stream, proto::Bytes last_word) {
+  try {
+    co_await stream->acceptHandshake();
+    asio::error_code error;
+    const std::array parts{asio::const_buffer(last_word.data(), last_word.size())};
+    co_await stream->write(parts, error);
+    stream->shutdownSend();
+    std::array<std::byte, 1024> dropped;
+    while (!error) co_await stream->readSome(asio::buffer(dropped), error);
+  } catch (const std::exception&) {  // it spoke no TLS, or there is no memory for it
+  }
+  stream->close();
+}
+
 }  // namespace
+
+void Refusals::linger(std::shared_ptr<proto::ByteStream> stream, Clock::time_point now) {
+  if (lingering_.size() >= kMost) {
+    lingering_.front().stream->close();
+    lingering_.pop_front();
+  }
+  lingering_.push_back({std::move(stream), now + kLinger});
+}
 
 void Refusals::refuse(tcp::socket socket, std::span<const std::byte> last_word, Clock::time_point now) {
   say(socket, last_word);
-  if (lingering_.size() >= kMost) lingering_.pop_front();
-  lingering_.push_back({std::move(socket), now + kLinger});
+  linger(std::make_shared<proto::ByteStream>(std::move(socket)), now);
+}
+
+void Refusals::refuseUnderTls(tcp::socket socket, std::shared_ptr<asio::ssl::context> tls,
+                              proto::Bytes last_word, Clock::time_point now) {
+  const auto shaking =
+      std::ranges::count_if(lingering_, [](const Lingering& refused) { return refused.stream->encrypted(); });
+  if (static_cast<size_t>(shaking) >= kMostHandshakes) return refuseAtOnce(std::move(socket), {});
+  const auto stream = std::make_shared<proto::ByteStream>(std::move(socket), std::move(tls));
+  linger(stream, now);
+  asio::co_spawn(
+      stream->executor(),
+      [stream, word = std::move(last_word)]() mutable { return tell(stream, std::move(word)); },
+      asio::detached);
 }
 
 void Refusals::refuseAtOnce(tcp::socket socket, std::span<const std::byte> last_word) {
@@ -42,7 +81,13 @@ void Refusals::refuseAtOnce(tcp::socket socket, std::span<const std::byte> last_
 }
 
 void Refusals::sweep(Clock::time_point now) {
-  std::erase_if(lingering_, [&](Lingering& refused) { return drop(refused.socket) || now >= refused.until; });
+  std::erase_if(lingering_, [&](Lingering& refused) {
+    proto::ByteStream& stream = *refused.stream;
+    const bool gone = !stream.socket().is_open() || (!stream.encrypted() && drop(stream.socket()));
+    if (!gone && now < refused.until) return false;
+    stream.close();
+    return true;
+  });
 }
 
 }  // namespace lode::serve

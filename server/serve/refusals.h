@@ -3,9 +3,13 @@
 #include <chrono>
 #include <cstddef>
 #include <deque>
+#include <memory>
 #include <span>
 
 #include <asio/ip/tcp.hpp>
+
+#include "proto/byte_stream.h"
+#include "proto/messages.h"
 
 namespace lode::serve {
 
@@ -14,11 +18,15 @@ namespace lode::serve {
 class Refusals {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr size_t kMost = 512;  ///< beyond it the oldest are closed
+  static constexpr size_t kMost = 512;           ///< beyond it the oldest are closed
+  static constexpr size_t kMostHandshakes = 32;  ///< of TLS at a time: each takes memory and a moment
   static constexpr Clock::duration kLinger = std::chrono::seconds(2);
 
   /// Says the last word, and lingers.
   void refuse(asio::ip::tcp::socket socket, std::span<const std::byte> last_word, Clock::time_point now);
+  /// The same under TLS, after the handshake; with too many of those at a time nothing is said.
+  void refuseUnderTls(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls,
+                      proto::Bytes last_word, Clock::time_point now);
   /// The same without lingering: there is no descriptor to spare.
   static void refuseAtOnce(asio::ip::tcp::socket socket, std::span<const std::byte> last_word);
   /// Closes those that have read it or had their time.
@@ -27,9 +35,10 @@ class Refusals {
 
  private:
   struct Lingering {
-    asio::ip::tcp::socket socket;
+    std::shared_ptr<proto::ByteStream> stream;  ///< under TLS what is told runs by itself, and closes it
     Clock::time_point until;
   };
+  void linger(std::shared_ptr<proto::ByteStream> stream, Clock::time_point now);
   std::deque<Lingering> lingering_;
 };
 

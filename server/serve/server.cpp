@@ -45,7 +45,7 @@ unsigned threadsOf(const ServeOptions& options) {
 void requireCareBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint) {
   if (endpoint.address().is_loopback()) return;
   const auto refuse = [&](const std::string& remedy) {
-    throw Error(ErrorCode::kUsage, "listening on " + options.listen + " would let other machines in: " +
+    throw Error(ErrorCode::kUsage, "listening on " + toString(endpoint) + " would let other machines in: " +
                                        remedy + ", or listen on 127.0.0.1");
   };
   if (options.token_file.empty() && !options.public_ok)
@@ -67,6 +67,7 @@ struct Server::State {
   uint32_t possibleConnections();
   ConnectionLimits limits() const;
   ServerGauges gauges() const;
+  asio::ip::tcp::acceptor openDoor();
   void listen();
   void startWorkers();
   void run();
@@ -81,6 +82,7 @@ struct Server::State {
   Offer offer;              ///< touched by construction and reload alone
   std::shared_ptr<asio::ssl::context> tls;
   MemoryBudget budget;
+  ByteRate rate;
   Admission admission;
   Metrics metrics;
   std::atomic<bool> stopping{false};
@@ -102,6 +104,7 @@ Server::State::State(ServeOptions given)
       offer{openCatalog(options.stores, readerOptions()), openTokens()},
       tls(openCertificate()),
       budget(options.memory_budget_bytes == 0 ? defaultMemoryBudget() : options.memory_budget_bytes),
+      rate(options.bytes_per_second),
       admission(possibleConnections(), options.max_connections_per_address),
       metrics(threadsOf(options) + 1),
       models(offer.catalog->models().size()) {
@@ -143,9 +146,14 @@ uint32_t Server::State::possibleConnections() {
 }
 
 ConnectionLimits Server::State::limits() const {
-  return {{options.max_open_wishes, options.handshake_deadline, options.idle_deadline},
-          options.write_deadline,
-          options.proxy_protocol};
+  return {.session = {.max_open_wishes = options.max_open_wishes,
+                      .handshake = options.handshake_deadline,
+                      .idle = options.idle_deadline,
+                      .max_open_models = options.max_open_models},
+          .write = options.write_deadline,
+          .bytes_per_second = options.bytes_per_second_per_connection,
+          .queued_answer_bytes = options.max_queued_answer_bytes,
+          .proxy_protocol = options.proxy_protocol};
 }
 
 ServerGauges Server::State::gauges() const {
@@ -158,14 +166,22 @@ ServerGauges Server::State::gauges() const {
           .stopping = stopping};
 }
 
-void Server::State::listen() {
+asio::ip::tcp::acceptor Server::State::openDoor() {
+  if (options.listening_socket) {
+    asio::ip::tcp::acceptor given = adoptListener(context, *options.listening_socket);
+    requireCareBeyondLoopback(options, given.local_endpoint());
+    return given;
+  }
   const asio::ip::tcp::endpoint endpoint = resolveListen(context, options.listen);
   requireCareBeyondLoopback(options, endpoint);
-  asio::ip::tcp::acceptor acceptor = openListener(context, endpoint, "--listen");
+  return openListener(context, endpoint, "--listen");
+}
+
+void Server::State::listen() {
+  asio::ip::tcp::acceptor acceptor = openDoor();
   port = acceptor.local_endpoint().port();
   address = toString(acceptor.local_endpoint());
   const DoorOptions door_options{.count_addresses = !options.proxy_protocol,
-                                 .tell = !tls,
                                  .connection_bytes = tls ? kTlsConnectionBytes : kPlainConnectionBytes};
   door = std::make_unique<Door>(
       std::move(acceptor), door_options, admission, budget, metrics.ofThread(0), log,
@@ -173,6 +189,7 @@ void Server::State::listen() {
         Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
         worker.give(std::move(socket), std::move(place), std::move(memory), std::move(client));
       });
+  door->setTls(tls);
   if (options.metrics.empty()) return;
   health = std::make_unique<HealthEndpoint>(
       context, options.metrics,
@@ -188,8 +205,8 @@ void Server::State::startWorkers() {
   const std::scoped_lock lock(reload_mutex, workers_mutex);
   try {
     for (unsigned i = 0; i < threads; ++i)
-      workers.push_back(
-          std::make_unique<Worker>(published(), log, metrics.ofThread(i + 1), readers, budget, limits()));
+      workers.push_back(std::make_unique<Worker>(published(), log, metrics.ofThread(i + 1), readers, budget,
+                                                 rate, limits()));
     for (auto& worker : workers) worker->start(sweep_every);
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::kIo, "cannot start " + std::to_string(threads) + " threads: " + error.what() +
@@ -227,6 +244,7 @@ void Server::State::reload() {
   models = offer.catalog->models().size();
   const std::lock_guard workers_lock(workers_mutex);
   for (auto& worker : workers) worker->publish(published());
+  asio::post(context, [this, now = tls] { door->setTls(now); });
   log.write(LogKind::kServer, "reloaded", {{"models", uint64_t{models}}});
 }
 

@@ -16,6 +16,7 @@ namespace lode::serve {
 struct ServeOptions {
   std::vector<std::filesystem::path> stores;       ///< .lode files, and folders of them
   std::string listen = "127.0.0.1:7400";           ///< ADDRESS:PORT, [V6]:PORT or NAME:PORT; port 0 picks one
+  std::optional<int> listening_socket;             ///< instead: one that listens already; owned from then on
   std::string metrics;                             ///< the same, of metrics and health; empty: none
   bool public_ok = false;                          ///< may listen beyond loopback without tokens,
   bool insecure = false;                           ///< and without TLS
@@ -27,6 +28,10 @@ struct ServeOptions {
   std::optional<uint32_t> max_connections_per_address;  ///< none: kMaxConnectionsPerAddress but for loopback
   uint64_t memory_budget_bytes = 0;                     ///< 0: an eighth of what there is
   uint32_t max_open_wishes = proto::kMaxOpenWishes;     ///< of a connection
+  uint32_t max_open_models = proto::kMaxOpenModels;     ///< of a connection
+  uint64_t max_queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< that a connection has not read
+  uint64_t bytes_per_second = 0;                                    ///< of blobs, in all; 0: no limit
+  uint64_t bytes_per_second_per_connection = 0;
   std::chrono::milliseconds handshake_deadline = proto::kHandshakeDeadline;
   std::chrono::milliseconds idle_deadline = proto::kIdleDeadline;
   std::chrono::milliseconds write_deadline = proto::kWriteDeadline;

@@ -183,9 +183,9 @@ void Session::open(const proto::Open& message, uint32_t request) {
            request);
     return;
   }
-  if (opened_.size() >= proto::kMaxOpenModels) {
+  if (opened_.size() >= limits_.max_open_models) {
     answer(proto::ErrorMessage{WireError::kLimit, 0, false,
-                               "a connection has at most " + std::to_string(proto::kMaxOpenModels) +
+                               "a connection has at most " + std::to_string(limits_.max_open_models) +
                                    " models open; close one, or open another connection"},
            request);
     return;

@@ -28,6 +28,7 @@ struct SessionLimits {
   uint32_t max_open_wishes = proto::kMaxOpenWishes;
   Clock::duration handshake = proto::kHandshakeDeadline;  ///< until Hello has come
   Clock::duration idle = proto::kIdleDeadline;            ///< between two frames of the client
+  uint32_t max_open_models = proto::kMaxOpenModels;
 };
 
 /// What a session has from its owner, all of which outlives it.
@@ -60,7 +61,7 @@ struct Chunk {
 /// The server's side of one connection, without sockets, files or clocks: frames go in, control frames and
 /// chunks to send come out. It owns the wishes' queue and the byte window. All memory is bounded: open wishes
 /// and models by the limits of proto/limits.h, control frames by what one frame can be answered with, if the
-/// caller reads no further frame while controlBytes() is above kMaxQueuedControlBytes; and both are charged.
+/// caller reads no further frame while controlBytes() is above a limit; and both are charged.
 /// Not thread safe.
 ///
 /// Order: everything of takeControl() goes out before a chunk begun after it was queued.
@@ -106,7 +107,9 @@ class Session {
   /// No frame is taken any more; the connection closes once control frames are out.
   bool closing() const noexcept { return closing_; }
   /// Nothing is left to do but to send the control frames and close.
-  bool finished() const noexcept { return closing_ || (draining_ && wishes_.empty() && unasked_.empty()); }
+  bool finished() const noexcept { return closing_ || (draining_ && !wantsToSend()); }
+  /// Blobs are to be sent, now or when the window opens or the disk has answered.
+  bool wantsToSend() const noexcept { return !wishes_.empty() || !unasked_.empty(); }
   /// When the connection must be given up unless another frame comes.
   Clock::time_point deadline() const noexcept { return deadline_; }
   bool greeted() const noexcept { return greeted_; }
@@ -163,8 +166,5 @@ class Session {
   uint64_t granted_bytes_ = proto::kInitialWindowBytes;
   uint64_t sent_bytes_ = 0;  ///< of Blob frame bodies
 };
-
-/// The caller reads no further frame while more than this waits to be sent.
-constexpr size_t kMaxQueuedControlBytes = proto::kMaxQueuedAnswerBytes;
 
 }  // namespace lode::serve

@@ -16,13 +16,14 @@ namespace lode::serve {
 using asio::ip::tcp;
 
 Worker::Worker(Published published, Log& log, ThreadTallies& tallies, asio::thread_pool& readers,
-               MemoryBudget& budget, ConnectionLimits limits)
+               MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits)
     : budget_(budget), limits_(limits), guard_(context_.get_executor()), tick_(context_) {
   host_.offer = std::move(published.offer);
   host_.tls = std::move(published.tls);
   host_.log = &log;
   host_.tallies = &tallies;
   host_.readers = &readers;
+  host_.rate = &rate;
 }
 
 void Worker::start(Clock::duration sweep_every) {

@@ -27,7 +27,7 @@ struct Published {
 class Worker {
  public:
   Worker(Published published, Log& log, ThreadTallies& tallies, asio::thread_pool& readers,
-         MemoryBudget& budget, ConnectionLimits limits);
+         MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits);
 
   /// Once. @throws std::system_error.
   void start(Clock::duration sweep_every);

@@ -68,7 +68,7 @@ void checkTyped(uint8_t type, std::span<const std::byte> body) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   try {
-    checkTyped(data[0] % 16, std::as_bytes(std::span(data + 1, size - 1)));
+    checkTyped(data[0] % 18, std::as_bytes(std::span(data + 1, size - 1)));
   } catch (const lode::Error& error) {
     require(std::strpbrk(error.what(), "\r\n") == nullptr);
   }

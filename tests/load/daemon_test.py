@@ -155,6 +155,22 @@ class OpenFiles(unittest.TestCase):
             self.assertNotIn("fewer", self.said(log))
 
 
+class Limits(unittest.TestCase):
+    def test_of_open_models_is_what_was_asked_for(self):
+        with Daemon(STORE, "--max-open-models", "1") as daemon, contextlib.closing(daemon.open()[0]) as connection:
+            connection.send("Open", 3, model="painted")
+            with self.assertRaises(SystemExit) as said:
+                while True:
+                    connection.receive()
+            self.assertIn("code 7", str(said.exception))
+
+    def test_of_bytes_a_second_is_kept(self):
+        with Daemon(STORE, "--max-rate", "400KB", "--max-rate-per-connection", "300KB") as daemon:
+            start = time.monotonic()
+            read = daemon.read_whole()["bytes"]
+            self.assertAlmostEqual(read / (time.monotonic() - start), 300e3, delta=60e3)
+
+
 class ServiceManager(unittest.TestCase):
     def test_hears_when_it_is_ready_reloads_and_stops(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -187,6 +203,24 @@ class ServiceManager(unittest.TestCase):
             done = subprocess.run(["systemd-analyze", "security", "--offline=true", "--threshold=20", path],
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_hands_over_the_socket_that_it_listens_on(self):
+        with socket.create_server(("127.0.0.1", 0)) as listening:
+            move = f"exec 3<&{listening.fileno()}; LISTEN_PID=$$ LISTEN_FDS=1"
+            with Daemon(STORE, shell=move, pass_fds=[listening.fileno()]) as daemon:
+                self.assertEqual(daemon.address, "127.0.0.1:%d" % listening.getsockname()[1])
+                self.assertGreater(daemon.read_whole()["payloads"], 20)
+
+    def test_is_told_what_is_wrong_with_what_it_hands_over(self):
+        with tempfile.TemporaryFile() as no_socket, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+            for given, count, named in ((no_socket, 1, "listen on TCP"), (udp, 1, "listen on TCP"), (udp, 2, "2 sockets")):
+                with self.subTest(named=named, given=given):
+                    done = subprocess.run(
+                        ["sh", "-c", f'exec 3<&{given.fileno()}; LISTEN_PID=$$ LISTEN_FDS={count} exec "$0" "$@"',
+                         os.path.join(BIN, "lodestreamd"), "serve", STORE],
+                        pass_fds=[given.fileno()], capture_output=True, text=True)
+                    self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1))
+                    self.assertIn(named, done.stderr)
 
     def test_sees_it_not_ready_for_the_drain_delay_while_it_still_takes_connections(self):
         with Daemon(STORE, "--drain-delay", "2") as daemon:

@@ -7,6 +7,7 @@
 #include <asio/ssl/stream.hpp>
 
 #include "common/error.h"
+#include "server/serve/refusals.h"
 #include "tests/support/test_certificate.h"
 #include "tests/unit/serve/server_fixture.h"
 
@@ -213,6 +214,38 @@ TEST_F(ServerAccess, aPlainClientOfATlsServerIsLetGoAndOthersServed) {
   }
   TlsClient client(server_->port());
   EXPECT_TRUE(client.connected());
+}
+
+TEST_F(ServerAccess, underTlsWhoIsRefusedIsToldSoToo) {
+  options_.max_connections = 1;
+  writePair("first");
+  start();
+  TlsClient served(server_->port());
+  ASSERT_TRUE(served.connected());
+  for (int i = 0; i < 5; ++i) {
+    TlsClient refused(server_->port());
+    ASSERT_TRUE(refused.connected());
+    refused.send(proto::Hello{});
+    EXPECT_EQ(refused.receive(), FrameType::kError);
+    EXPECT_EQ(refused.receive(), FrameType{});
+  }
+  served.send(proto::Hello{});
+  EXPECT_EQ(served.receive(), FrameType::kWelcome);
+}
+
+TEST_F(ServerAccess, underTlsRefusedClientsThatNeverShakeHandsAreClosed) {
+  options_.max_connections = 1;
+  writePair("first");
+  start();
+  TlsClient served(server_->port());
+  ASSERT_TRUE(served.connected());
+  std::vector<std::unique_ptr<TestClient>> silent;
+  for (size_t i = 0; i < 2 * Refusals::kMostHandshakes; ++i)
+    silent.push_back(std::make_unique<TestClient>(server_->port()));
+  for (auto& client : silent) EXPECT_FALSE(client->receive());
+  TlsClient refused(server_->port());
+  refused.send(proto::Hello{});
+  EXPECT_EQ(refused.receive(), FrameType::kError);
 }
 
 TEST_F(ServerAccess, aClientThatNeverShakesHandsIsLetGo) {

@@ -128,7 +128,7 @@ class SessionTest : public testing::Test {
   MemoryAccount memory_{budget_};
   SessionHost host_{&offer_, &memory_};
   Clock::time_point now_{1000s};
-  SessionLimits limits_{100, 10s, 120s};
+  SessionLimits limits_{100, 10s, 120s, 5};
   Session session_{host_, limits_, now_};
   uint64_t sent_bytes_ = 0;
 };

@@ -99,7 +99,7 @@ TEST_F(SessionTest, anUnknownModelIsAnErrorThatDoesNotClose) {
 
 TEST_F(SessionTest, opensNoMoreModelsThanTheLimit) {
   send(proto::Hello{});
-  for (uint32_t i = 0; i < proto::kMaxOpenModels; ++i) send(proto::Open{"a", {}});
+  for (uint32_t i = 0; i < limits_.max_open_models; ++i) send(proto::Open{"a", {}});
   const auto opened = control();
   EXPECT_EQ(opened.back().header.type, static_cast<uint8_t>(FrameType::kOpened));
   send(proto::Open{"a", {}}, 9);
@@ -191,7 +191,7 @@ TEST_F(SessionTest, whatOneFrameIsAnsweredWithIsBounded) {
   for (uint32_t i = 1; i <= proto::kMaxWishesPerFrame; ++i)
     wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, i, 0xFFFFFFFF, 0});
   send(wishes);
-  EXPECT_GT(session_.controlBytes(), kMaxQueuedControlBytes);
+  EXPECT_GT(session_.controlBytes(), proto::kMaxQueuedAnswerBytes);
   EXPECT_LT(session_.controlBytes(), 512u << 10);
 }
 

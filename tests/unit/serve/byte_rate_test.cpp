@@ -1,0 +1,105 @@
+#include "server/serve/byte_rate.h"
+
+#include <algorithm>
+#include <array>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/serve/server_fixture.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = ByteRate::Clock;
+
+constexpr Clock::time_point kStart{1000s};
+
+TEST(ByteRate, thatIsNoneNeverMakesAnybodyWait) {
+  ByteRate rate(0);
+  EXPECT_FALSE(rate.limited());
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(rate.take(1u << 30, kStart), kStart);
+}
+
+TEST(ByteRate, givesTurnsInOrderAsFarApartAsTheirBytesLast) {
+  ByteRate rate(1'000'000);
+  const auto first = rate.take(10'000, kStart);
+  EXPECT_LE(first, kStart);
+  EXPECT_EQ(rate.take(20'000, kStart) - first, 10ms);
+  EXPECT_EQ(rate.take(10'000, kStart) - first, 30ms);
+}
+
+TEST(ByteRate, whatIsGivenBackIsTheNexts) {
+  ByteRate rate(1'000'000);
+  const auto first = rate.take(10'000, kStart);
+  rate.give(4'000);
+  EXPECT_EQ(rate.take(10'000, kStart) - first, 6ms);
+}
+
+TEST(ByteRate, isKeptByWhoComesLateAndSavedByNobody) {
+  ByteRate rate(1'000'000);
+  Clock::time_point now = kStart;
+  uint64_t bytes = 0;
+  for (; now < kStart + 10s; bytes += 10'000)
+    now = std::max(now, rate.take(10'000, now)) + 1ms;  // late each time
+  EXPECT_NEAR(static_cast<double>(bytes), 10e6, 0.1e6);
+  now += 60s;  // a minute of silence
+  const auto first = rate.take(1'000'000, now);
+  EXPECT_GE(first, now - ByteRate::kGrace);
+  EXPECT_GE(rate.take(1, now), now + 1s - ByteRate::kGrace);
+}
+
+class ServerRates : public test::ServerTest {
+ protected:
+  /// How long new clients take to open "a" and get every blob of it: first those of 9 KB, then 480 KB.
+  std::array<double, 3> secondsOfThreeAtOnce() {
+    reader();  // opened here, and read by all
+    std::array<double, 3> seconds{};
+    std::vector<std::jthread> clients;
+    for (double& each : seconds)
+      clients.emplace_back([this, &each] {
+        const auto before = Clock::now();
+        expectServed();
+        each = std::chrono::duration<double>(Clock::now() - before).count();
+      });
+    clients.clear();
+    return seconds;
+  }
+};
+
+TEST_F(ServerRates, aConnectionGetsNoMoreThanItsRateAndEachHasItsOwn) {
+  options_.bytes_per_second_per_connection = 2'000'000;
+  start();
+  for (const double each : secondsOfThreeAtOnce()) {
+    EXPECT_GT(each, 0.48 / 2 - 0.03);
+    EXPECT_LT(each, 3 * 0.48 / 2) << "as if all had one rate";
+  }
+}
+
+TEST_F(ServerRates, allTogetherGetNoMoreThanTheRateAndEachHasAShare) {
+  options_.bytes_per_second = 4'000'000;
+  start();
+  const auto seconds = secondsOfThreeAtOnce();
+  EXPECT_GT(*std::ranges::max_element(seconds), 3 * 0.48 / 4 - 0.03);
+  EXPECT_GT(*std::ranges::min_element(seconds), 0.5 * *std::ranges::max_element(seconds));
+}
+
+TEST_F(ServerRates, whatIsNoBlobDoesNotWaitForItsTurn) {
+  options_.bytes_per_second_per_connection = 10'000;
+  start();
+  test::TestClient client = connect();
+  client.open("a");  // and its first blobs are to come: 16 seconds of them
+  client.send(proto::Ping{7});
+  const auto before = Clock::now();
+  while (true) {
+    const auto frame = client.receive();
+    ASSERT_TRUE(frame);
+    if (frame->is(proto::FrameType::kPong)) break;
+  }
+  EXPECT_LT(Clock::now() - before, 1s);
+}
+
+}  // namespace
+}  // namespace lode::serve
