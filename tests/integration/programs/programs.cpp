@@ -141,8 +141,8 @@ Outcome lodestreamd(const std::vector<std::string>& arguments, const std::vector
 }
 
 Outcome lodestream(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
-  // The user's own cache is none of a test's business.
-  std::vector<std::string> whole{"XDG_CACHE_HOME=/dev/null"};
+  const WorkFolder cache;  // the user's own is none of a test's business
+  std::vector<std::string> whole{"XDG_CACHE_HOME=" + cache.path().string()};
   whole.insert(whole.end(), environment.begin(), environment.end());
   return Program("lodestream", arguments, whole).wait();
 }

@@ -48,7 +48,7 @@ class Program {
 
 Outcome lodestreamd(const std::vector<std::string>& arguments,
                     const std::vector<std::string>& environment = {});
-/// Finds no cache, unless the environment names one.
+/// Begins with an empty cache, unless the environment names one.
 Outcome lodestream(const std::vector<std::string>& arguments,
                    const std::vector<std::string>& environment = {});
 
