@@ -27,12 +27,14 @@ int fail(std::string message, int status) {
   return status;
 }
 
+#ifndef LODE_GL
 /// A command that this program knows by name only.
 void declareMissing(CLI::App& program, const std::string& name, const std::string& why) {
   CLI::App* command = program.add_subcommand(name, why);
   command->allow_extras();
   command->callback([name, why] { throw lode::Error(lode::ErrorCode::kUsage, name + ": " + why); });
 }
+#endif
 
 void declareCommands(CLI::App& program, int& exit_status) {
 #ifdef LODE_GL
@@ -43,7 +45,7 @@ void declareCommands(CLI::App& program, int& exit_status) {
     declareMissing(program, name, "built without OpenGL; use a build with it");
 #endif
   lode::app::declareFetch(program, exit_status);
-  declareMissing(program, "replay", "not there yet");
+  lode::app::declareReplay(program, exit_status);
   lode::app::declareLoadtest(program, exit_status);
   lode::app::declareList(program, exit_status);
 }

@@ -29,6 +29,16 @@ uint64_t MeshCache::bytesOf(const Entry& entry) noexcept {
   return meshBytes(*entry.mesh) + (entry.footprint ? footprintBytes(*entry.footprint) : 0);
 }
 
+uint64_t MeshCache::bytesOf(std::span<const MeshKey> keys) const {
+  std::vector<MeshKey> each(keys.begin(), keys.end());
+  std::sort(each.begin(), each.end());
+  each.erase(std::unique(each.begin(), each.end()), each.end());
+  uint64_t bytes = 0;
+  for (const MeshKey& key : each)
+    if (const auto entry = entries_.find(key); entry != entries_.end()) bytes += bytesOf(entry->second);
+  return bytes;
+}
+
 void MeshCache::pin(MeshKey key) {
   if (const auto entry = entries_.find(key); entry != entries_.end()) entry->second.pinned = true;
 }

@@ -43,6 +43,8 @@ class MeshCache {
 
   /// Of meshes and footprints.
   uint64_t bytes() const noexcept { return bytes_; }
+  /// Of some of them, each counted once; none for what is not resident.
+  uint64_t bytesOf(std::span<const MeshKey> keys) const;
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
   size_t size() const noexcept { return entries_.size(); }
 

@@ -29,10 +29,12 @@ struct ResidentTile {
 };
 
 /// What covers the model exactly once (design: cut), in key order; published by the refiner, immutable, read
-/// by the renderer on another thread. Parts without triangles are left out.
+/// by the renderer on another thread. Parts without triangles are left out, and until it has settled parts
+/// that cannot be seen from the view, nor if it turned a little.
 struct Cut {
   View view;  ///< for which it was refined
   std::vector<CutPart> parts;
+  std::vector<ModelBox> left_out;  ///< parts that are not there: none in the view
   uint64_t triangles = 0;
   uint64_t blob_bytes = 0;  ///< of the blobs that it is made of
   float max_error_px = 0;   ///< of the visible parts

@@ -12,6 +12,11 @@ void Instance::setView(const View& view, float threshold_px) {
   view_changed_ = true;
 }
 
+Refinement Instance::refineWith(const Model& model, const RefineOptions& options) const {
+  return core::refine(model.hierarchy(), model.meshes(), model.summary().lattice, model.summary().attributes,
+                      *view_, options);
+}
+
 bool Instance::refine(Model& model) {
   if (!view_ || !model.hierarchy().root()) return false;
   if (!view_changed_ && model_version_ == model.version()) return false;
@@ -19,8 +24,12 @@ bool Instance::refine(Model& model) {
   model_version_ = model.version();
   // Half for the wanted cut, half for the one still shown, so that neither waits for the other.
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
-  Refinement refinement = core::refine(model.hierarchy(), model.meshes(), model.summary().lattice,
-                                       model.summary().attributes, *view_, options_);
+  Refinement refinement = refineWith(model, options_);
+  if (model.meshes().bytesOf(refinement.in_use) > model.meshes().budgetBytes()) {
+    RefineOptions coarser = options_;
+    coarser.finer_stand_ins = false;
+    refinement = refineWith(model, coarser);
+  }
   model.meshes().use(refinement.in_use, refinement.ancestors);
   settled_ = refinement.settled;
   limited_ = refinement.limited;

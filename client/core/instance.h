@@ -23,7 +23,10 @@ class Instance {
   /// @param view  in the model frame.
   void setView(const View& view, float threshold_px);
   /// Another build has taken the model's place: the last cut stays until the new one has one.
-  void forgetModel() noexcept { model_version_ = 0; }
+  void forgetModel() noexcept {
+    model_version_ = 0;
+    settled_ = limited_ = false;
+  }
 
   /// Refines if the view or the model has changed. @return whether it did.
   bool refine(Model& model);
@@ -38,6 +41,7 @@ class Instance {
   bool settled() const noexcept { return settled_; }
 
  private:
+  Refinement refineWith(const Model& model, const RefineOptions& options) const;
   void dress(Cut& cut, Model& model);
 
   RefineOptions options_;

@@ -23,6 +23,7 @@ enum class Role : uint8_t {
 struct Planned {
   const Node* node = nullptr;
   bool visible = true;
+  bool near = true;  // visible, or would be if the camera turned a little
   double distance_model = 0;
   Role role = Role::kPart;
   uint32_t rung = 0;
@@ -56,13 +57,14 @@ class Run {
     chooseCovers(plan_.at(kRootKey.value));
     cut_ = std::make_shared<Cut>();
     cut_->view = view_;
-    if (covered(*root)) {
+    const bool has_cut = near(*root) ? covered(*root) : anyReady(*root);
+    if (has_cut) {
       show(*root);
     } else {
       wish({kRootKey, lastRung(*root)}, std::numeric_limits<float>::max(), true);
       exact_ = false;
     }
-    return finish(covered(*root));
+    return finish(has_cut);
   }
 
  private:
@@ -71,11 +73,13 @@ class Run {
   static uint32_t lastRung(const Node& node) { return static_cast<uint32_t>(node.rungs.size()) - 1; }
 
   Planned place(const Node& node) const {
-    if (node.box.empty()) return {&node, false, 0, Role::kPart, lastRung(node), {}};
+    if (node.box.empty()) return {&node, false, false, 0, Role::kPart, lastRung(node), {}};
     const ModelBox box = toModelBox(node.box, step_);
-    return {
-        &node, boxMayBeVisible(box, view_), distanceToBox(view_.eye_model, box), Role::kPart, lastRung(node),
-        {}};
+    const bool near = boxMayBeVisible(box, view_, kMarginWidening);
+    return {&node,       near && boxMayBeVisible(box, view_),
+            near,        distanceToBox(view_.eye_model, box),
+            Role::kPart, lastRung(node),
+            {}};
   }
 
   float errorPx(const Planned& planned, uint32_t rung) const {
@@ -148,7 +152,7 @@ class Run {
   }
 
   struct Below {
-    uint64_t bytes = 0;    // of the wanted cut's payloads
+    uint64_t bytes = 0;    // of the wanted cut's payloads near the view
     bool settled = false;  // a covering step was chosen, or not all of it is known yet
   };
 
@@ -157,7 +161,8 @@ class Run {
   /// waver.
   Below chooseCovers(Planned& planned) {
     const Node& node = *planned.node;
-    if (planned.role == Role::kPart) return {node.rungs[planned.rung].payload.bytes, false};
+    if (planned.role == Role::kPart)
+      return {planned.near ? node.rungs[planned.rung].payload.bytes : 0, false};
     if (planned.role == Role::kBlocked) return {0, true};
     Below below;
     forEachChild(node, [&](const Node& child) {
@@ -187,17 +192,35 @@ class Run {
     return node.rungs[rung].triangles == 0 || cache_.contains({node.key, rung});
   }
 
+  /// The finest rung of a node that may be shown.
+  uint32_t finestShown(const Node& node) const {
+    if (options_.finer_stand_ins) return 0;
+    const auto planned = plan_.find(node.key.value);
+    return planned == plan_.end() ? 0 : planned->second.rung;
+  }
+
   bool anyReady(const Node& node) const {
-    for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
+    for (uint32_t rung = finestShown(node); rung < node.rungs.size(); ++rung)
       if (ready(node, rung)) return true;
     return false;
   }
 
-  /// True if resident meshes at the node, or at it and below, cover it.
-  bool covered(const Node& node) { return anyReady(node) || childrenCovered(node); }
+  bool expanded(const Node& node) const {
+    const auto planned = plan_.find(node.key.value);
+    return planned != plan_.end() && planned->second.role == Role::kExpanded;
+  }
+
+  bool near(const Node& node) const {
+    const auto planned = plan_.find(node.key.value);
+    return planned != plan_.end() ? planned->second.near : place(node).near;
+  }
+
+  /// True if resident meshes at the node, or at it and below, cover what of it is near the view.
+  bool covered(const Node& node) { return anyReady(node) || !near(node) || childrenCovered(node); }
 
   bool childrenCovered(const Node& node) {
     if (node.isLeaf() || !hierarchy_.childrenKnown(node)) return false;
+    if (!options_.finer_stand_ins && !expanded(node)) return false;
     const auto known = children_covered_.find(node.key.value);
     if (known != children_covered_.end()) return known->second;
     bool all = true;
@@ -211,6 +234,7 @@ class Run {
   void show(const Node& node) {
     const auto planned = plan_.find(node.key.value);
     if (planned == plan_.end()) return showFiner(node);
+    if (!planned->second.near && !anyReady(node)) return leaveOut(planned->second);
     switch (planned->second.role) {
       case Role::kExpanded:
         return showExpanded(planned->second);
@@ -220,6 +244,18 @@ class Run {
       case Role::kPart:
         return showPart(planned->second);
     }
+  }
+
+  /// A part that is not there and cannot be seen holds up nothing; it comes after all that is seen.
+  void leaveOut(const Planned& planned) {
+    whole_ = false;
+    cut_->left_out.push_back(toModelBox(planned.node->box, step_));
+    wishFor(planned, 0);
+  }
+
+  /// Asks for the wanted rung of a part. @param shown_px  error of what stands in for it.
+  void wishFor(const Planned& part, float shown_px) {
+    wish({part.node->key, part.rung}, part.near ? shown_px : errorPx(part, part.rung), part.near);
   }
 
   void showExpanded(const Planned& planned) {
@@ -242,30 +278,31 @@ class Run {
     const Node& node = *planned.node;
     const uint32_t wanted = planned.rung;
     if (ready(node, wanted)) return emit(planned, wanted);
-    exact_ = false;
+    (planned.near ? exact_ : whole_) = false;
     const bool is_blocked = planned.role == Role::kBlocked;
-    for (uint32_t rung = wanted; rung-- > 0;) {
+    for (uint32_t rung = wanted; rung-- > finestShown(node);) {
       if (!ready(node, rung)) continue;
       emit(planned, rung);
-      if (!is_blocked) wish({node.key, wanted}, errorPx(planned, wanted), planned.visible);
+      if (!is_blocked) wishFor(planned, errorPx(planned, wanted));
       return;
     }
-    if (childrenCovered(node)) {
-      if (!is_blocked) wish({node.key, wanted}, errorPx(planned, wanted), planned.visible);
+    if (planned.near && childrenCovered(node)) {
+      if (!is_blocked) wishFor(planned, errorPx(planned, wanted));
       forEachChild(node, [&](const Node& child) { showFiner(child); });
       return;
     }
     uint32_t rung = wanted + 1;
     while (!ready(node, rung)) ++rung;
     emit(planned, rung);
-    if (!is_blocked) wish({node.key, wanted}, errorPx(planned, rung), planned.visible);
+    if (!is_blocked) wishFor(planned, errorPx(planned, rung));
   }
 
   /// Stands in for a wanted part above: the coarsest that is resident.
   void showFiner(const Node& node) {
     for (uint32_t rung = lastRung(node) + 1; rung-- > 0;)
       if (ready(node, rung)) return emit(place(node), rung);
-    forEachChild(node, [&](const Node& child) { showFiner(child); });
+    if (near(node)) return forEachChild(node, [&](const Node& child) { showFiner(child); });
+    cut_->left_out.push_back(toModelBox(node.box, step_));
   }
 
   void emit(const Planned& planned, uint32_t rung) {
@@ -287,7 +324,7 @@ class Run {
     const NodeKey key = planned.node->key;
     switch (planned.role) {
       case Role::kPart:
-        return wish({key, planned.rung}, shown_px, true);
+        return wishFor(planned, shown_px);
       case Role::kBlocked:
         return askForPage(planned, shown_px);
       case Role::kExpanded:
@@ -312,7 +349,7 @@ class Run {
                        priority_px * kPagePriorityFactor});
   }
 
-  void wish(MeshKey key, float priority_px, bool visible) {
+  void wish(MeshKey key, float priority_px, bool is_near) {
     const Rung& rung = hierarchy_.find(key.node)->rungs[key.rung];
     if (rung.triangles == 0) return;
     if (cache_.contains(key)) {
@@ -321,7 +358,7 @@ class Run {
     }
     wanted_.push_back({rung.payload,
                        {BlobKind::kMesh, key},
-                       visible ? proto::WishClass::kVisible : proto::WishClass::kMargin,
+                       is_near ? proto::WishClass::kVisible : proto::WishClass::kMargin,
                        priority_px});
   }
 
@@ -333,15 +370,14 @@ class Run {
       if (a.priority_px != b.priority_px) return a.priority_px > b.priority_px;
       return std::tie(a.use.mesh, a.use.kind) < std::tie(b.use.mesh, b.use.kind);
     });
-    const bool settled = exact_ && !blocked_;
-    cut_->converged = settled && !limited_;
+    cut_->converged = exact_ && !blocked_ && !limited_;
     Refinement result;
     if (has_cut) result.cut = std::move(cut_);
     result.wanted = std::move(wanted_);
     result.in_use = std::move(in_use_);
     result.ancestors = std::move(ancestors_);
     result.limited = limited_;
-    result.settled = settled;
+    result.settled = exact_ && whole_ && !blocked_;
     return result;
   }
 
@@ -359,7 +395,8 @@ class Run {
   std::unordered_map<uint64_t, bool> children_covered_;
 
   std::shared_ptr<Cut> cut_;
-  bool exact_ = true;  // the published cut is the wanted one
+  bool exact_ = true;  // near the view the published cut is the wanted one
+  bool whole_ = true;  // and elsewhere, with nothing left out
   std::vector<Wish> wanted_;
   std::vector<MeshKey> in_use_, ancestors_;
 };

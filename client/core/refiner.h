@@ -14,10 +14,13 @@
 
 namespace lode::core {
 
+constexpr double kMarginWidening = 1.2;  ///< of the picture: what a camera that turns a little sees next
+
 struct RefineOptions {
   float threshold_px = 1;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   uint64_t cut_budget_bytes = std::numeric_limits<uint64_t>::max();  ///< of decoded meshes in the wanted cut
+  bool finer_stand_ins = true;  ///< false: what is finer than wanted gives way to coarser ancestors at once
 };
 
 struct Refinement {
@@ -26,7 +29,7 @@ struct Refinement {
   std::vector<MeshKey> in_use;     ///< resident: the cut's meshes, and those that wait for their siblings
   std::vector<MeshKey> ancestors;  ///< resident: coarser stand-ins for the cut
   bool limited = false;            ///< a budget stopped the wanted cut above the threshold
-  bool settled = false;            ///< the cut is the wanted one: nothing will change it but the view
+  bool settled = false;            ///< the cut is the wanted one and whole: only another view will change it
 };
 
 /// Best-first refinement: decides what the view needs of the known hierarchy, publishes the best cut that the
@@ -38,7 +41,9 @@ struct Refinement {
 /// threshold or a budget is reached. Parts outside the view are not refined.
 ///
 /// The published cut is the wanted one where it is resident. Elsewhere a finer stand-in is kept if it covers
-/// the place, else a coarser one: a node gives way to its children only when every child is covered.
+/// the place, else a coarser one: a node gives way to its children only when every child is covered that is
+/// in the view or in a margin around it. Of the others those that are missing are left out of the cut, and
+/// wished for in the margin class, coarsest first; where one comes into view the ancestor is shown again.
 ///
 /// Levels between what is shown and what is wanted are skipped, but for one covering step that costs at most
 /// a twentieth of the bytes of the wanted cut.

@@ -38,6 +38,7 @@ float screenErrorPx(float error_model, double distance_model, const View& view) 
 
 /// False only if no point of the box can be in the picture (planes test: may say true for a box just
 /// outside).
-bool boxMayBeVisible(const ModelBox& box, const View& view) noexcept;
+/// @param widening  of the picture, each side from its middle: 1.2 looks a fifth further on every side.
+bool boxMayBeVisible(const ModelBox& box, const View& view, double widening = 1) noexcept;
 
 }  // namespace lode::core

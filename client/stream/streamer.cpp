@@ -248,6 +248,12 @@ StreamStatus Streamer::status() const {
 }
 
 StreamStatus Streamer::waitForConvergence(std::chrono::milliseconds timeout) {
+  return state_->waitFor(timeout, [](const StreamStatus& status) {
+    return status.settled || (status.cut && status.cut->converged);
+  });
+}
+
+StreamStatus Streamer::waitUntilSettled(std::chrono::milliseconds timeout) {
   return state_->waitFor(timeout, [](const StreamStatus& status) { return status.settled; });
 }
 

@@ -60,8 +60,11 @@ class Streamer {
   void setView(const core::View& view, float threshold_px);
   /// Never waits for the network.
   StreamStatus status() const;
-  /// Waits until the cut for the view last set has converged, cannot, or the time is over.
+  /// Waits until the cut for the view last set has converged, cannot, or the time is over. Parts that are not
+  /// seen may be missing.
   StreamStatus waitForConvergence(std::chrono::milliseconds timeout);
+  /// Waits until the cut for the view last set has settled, cannot, or the time is over.
+  StreamStatus waitUntilSettled(std::chrono::milliseconds timeout);
   /// Waits for the first cut for the view last set, or the end.
   StreamStatus waitForCut(std::chrono::milliseconds timeout);
 

@@ -56,5 +56,6 @@ using DeclareCommand = void (*)(CLI::App& program, int& exit_status);
 
 void declareFetch(CLI::App& program, int& exit_status);
 void declareList(CLI::App& program, int& exit_status);
+void declareReplay(CLI::App& program, int& exit_status);
 
 }  // namespace lode::app

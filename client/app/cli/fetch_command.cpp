@@ -12,6 +12,7 @@
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/cut_mesh.h"
+#include "client/app/cli/not_converged.h"
 #include "client/app/cli/target.h"
 #include "client/core/camera_path.h"
 #include "client/stream/streamer.h"
@@ -38,7 +39,8 @@ double msSince(Clock::time_point start) {
 struct KeyResult {
   double t = 0;
   std::optional<double> first_image_ms, converged_ms;  // since the key's start
-  bool is_complete = false;  ///< there is nothing finer to ask for, in what the budget allows
+  uint64_t converged_bytes = 0;                        ///< received by then
+  bool is_complete = false;  ///< there is nothing finer to ask for, and what is not seen is there too
   stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
@@ -51,6 +53,7 @@ Json toJson(const KeyResult& key) {
   json["finest"] = key.is_complete && !key.converged();
   json["first_image_ms"] = key.first_image_ms ? Json(*key.first_image_ms) : Json();
   json["converged_ms"] = key.converged_ms ? Json(*key.converged_ms) : Json();
+  json["converged_bytes"] = key.converged() ? Json(key.converged_bytes) : Json();
   json["bytes_received"] = key.status.counts.received_bytes;
   json["cache_bytes"] = key.status.counts.cache_bytes;
   json["texture_bytes"] = key.status.counts.texture_blob_bytes;
@@ -89,18 +92,21 @@ class Fetch {
     stream::Streamer streamer(target.served, stream_options);
     const ModelSummary& model = openModel(streamer, target, left());
     if (!path) path = core::framingCamera(model);
+    double total_ms = 0;  // until the last key had converged
     for (const core::CameraKey& camera : path->keys) {
+      const double begin_ms = msSince(start_);
       keys_.push_back(converge(streamer, camera, *path, model));
-      if (!keys_.back().is_complete) break;
+      total_ms = keys_.back().converged() ? begin_ms + *keys_.back().converged_ms : msSince(start_);
+      if (!keys_.back().converged()) break;
     }
-    const double total_ms = msSince(start_);
     const KeyResult& last = keys_.back();
     if (last.is_complete && !options_.output.empty())
       writePly(options_.output, weldCut(*last.status.cut, model.attributes), model.lattice,
                last.status.cut->textures ? *last.status.cut->textures : TextureSet());
     print(total_ms);
     for (const KeyResult& key : keys_)
-      if (!key.converged()) refuse(key);
+      if (!key.converged() || (!key.is_complete && !options_.output.empty()))
+        refuseUnconverged("key " + std::to_string(&key - keys_.data()), key.status, options_.common);
   }
 
  private:
@@ -117,10 +123,13 @@ class Fetch {
     streamer.setView(core::toView(camera, path.fov_y_deg, size_.width_px, size_.height_px, model),
                      options_.common.pixels);
     if (streamer.waitForCut(left()).cut) key.first_image_ms = msSince(start);
-    key.status = streamer.waitForConvergence(left());
-    key.is_complete = key.status.settled && key.status.cut && key.status.cut->converged;
-    if (key.is_complete && key.status.cut->max_error_px <= options_.common.pixels)
+    const stream::StreamStatus seen = streamer.waitForConvergence(left());
+    if (seen.cut && seen.cut->converged && seen.cut->max_error_px <= options_.common.pixels) {
       key.converged_ms = msSince(start);
+      key.converged_bytes = seen.counts.received_bytes;
+    }
+    key.status = streamer.waitUntilSettled(left());
+    key.is_complete = key.status.settled && key.status.cut && key.status.cut->converged;
     return key;
   }
 
@@ -136,26 +145,6 @@ class Fetch {
         total_ms, keys_.front().first_image_ms.value_or(total_ms),
         static_cast<unsigned long long>(last.status.cut->triangles), last.status.cut->parts.size(),
         static_cast<unsigned long long>(last.status.counts.received_bytes));
-  }
-
-  [[noreturn]] void refuse(const KeyResult& key) const {
-    const std::string where = options_.common.target + " did not converge at key " +
-                              std::to_string(static_cast<size_t>(&key - keys_.data()));
-    if (key.is_complete)
-      throw Error(ErrorCode::kInput,
-                  where + ": even the original triangles are off by " +
-                      std::to_string(key.status.cut->max_error_px) +
-                      " pixels so near, that is the lattice's step: the cut holds them all; allow a larger "
-                      "error with --pixels");
-    if (!key.status.failure.empty()) throw Error(ErrorCode::kNetwork, where + ": " + key.status.failure);
-    if (key.status.limited)
-      throw Error(ErrorCode::kLimit,
-                  where + ": the memory budget does not hold it; allow more with --memory-budget, " +
-                      "or a larger error with --pixels");
-    const std::string why = key.status.trouble.empty() ? "" : " (" + key.status.trouble + ")";
-    throw Error(ErrorCode::kTimeout, where + " within " + std::to_string(options_.common.timeout().count()) +
-                                         " ms" + why +
-                                         "; allow more with --timeout, or a larger error with --pixels");
   }
 
   const FetchOptions& options_;

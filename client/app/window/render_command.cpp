@@ -13,6 +13,7 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
+#include "client/app/cli/not_converged.h"
 #include "client/app/cli/target.h"
 #include "client/core/camera_path.h"
 #include "client/render/framebuffer.h"
@@ -73,17 +74,8 @@ void makeFolder(const std::string& folder) {
 std::shared_ptr<const core::Cut> converge(stream::Streamer& streamer, const RenderOptions& options,
                                           double t) {
   const stream::StreamStatus status = streamer.waitForConvergence(options.common.timeout());
-  if (status.settled && status.cut && status.cut->converged) return status.cut;
-  const std::string where =
-      options.common.target + " did not converge for the picture at t = " + std::to_string(t);
-  if (!status.failure.empty()) throw Error(ErrorCode::kNetwork, where + ": " + status.failure);
-  if (status.limited) {
-    throw Error(ErrorCode::kLimit, where +
-                                       ": the memory budget does not hold it; allow more with "
-                                       "--memory-budget, or a larger error with --pixels");
-  }
-  throw Error(ErrorCode::kTimeout, where + " within " + std::to_string(options.common.timeout().count()) +
-                                       " ms; allow more with --timeout, or a larger error with --pixels");
+  if (status.cut && status.cut->converged) return status.cut;
+  refuseUnconverged("the picture at t = " + std::to_string(t), status, options.common);
 }
 
 void render(const RenderOptions& options) {

@@ -203,7 +203,7 @@ TEST(WrongUsageOfLodestream, endsWithTwoAndOneLine) {
       {"loadtest", "lode://127.0.0.1:1/a", "--clients", "0"},
       {"fetch", "lodes://127.0.0.1:1/a", "--ca-file", "/none.pem"},
       {"fetch", "lode://127.0.0.1:1/a", "--cache", "off", "--offline"},
-      {"replay", "lode://127.0.0.1:1/a"}};
+      {"replay", "lode://127.0.0.1:1/a", "--fps", "0"}};
   for (const auto& arguments : wrong) {
     const Outcome outcome = lodestream(arguments);
     const std::string last = arguments.empty() ? "" : arguments.back();

@@ -96,7 +96,7 @@ TEST_F(Streaming, convergesForTheLastViewHoweverOftenItChanged) {
     streamer.setView(viewAt(step, model), 0.5f);
     if (step % 20 == 0) streamer.waitForCut(kPatience);
   }
-  const StreamStatus status = streamer.waitForConvergence(kPatience);
+  const StreamStatus status = streamer.waitUntilSettled(kPatience);
   done = true;
   for (std::thread& watcher : watchers) watcher.join();
   EXPECT_EQ(status.failure, "");
@@ -106,7 +106,7 @@ TEST_F(Streaming, convergesForTheLastViewHoweverOftenItChanged) {
   Streamer fresh(served_, {});
   fresh.waitForModel(kPatience);
   fresh.setView(viewAt(199, model), 0.5f);
-  const StreamStatus expected = fresh.waitForConvergence(kPatience);
+  const StreamStatus expected = fresh.waitUntilSettled(kPatience);
   ASSERT_TRUE(expected.cut);
   EXPECT_TRUE(app::weldCut(*status.cut, model.attributes) == app::weldCut(*expected.cut, model.attributes));
 }
@@ -120,7 +120,7 @@ TEST_F(Streaming, givesManyClientsAtOnceTheSameCut) {
       Streamer streamer(served_, threads(2));
       const ModelSummary& model = streamer.waitForModel(kPatience);
       streamer.setView(viewAt(1, model), 0.5f);
-      const StreamStatus status = streamer.waitForConvergence(kPatience);
+      const StreamStatus status = streamer.waitUntilSettled(kPatience);
       if (status.settled && status.cut) cut = app::weldCut(*status.cut, model.attributes);
     });
   for (std::thread& client : clients) client.join();
@@ -142,11 +142,11 @@ TEST_F(Streaming, goesOnWhenTheServerComesBack) {
   Streamer streamer(served_, threads(2));
   const ModelSummary& model = streamer.waitForModel(kPatience);
   streamer.setView(viewAt(1, model), kOnlyTheRootPx);
-  ASSERT_TRUE(streamer.waitForConvergence(kPatience).settled);
+  ASSERT_TRUE(streamer.waitUntilSettled(kPatience).settled);
   stopServer();
   streamer.setView(viewAt(2, model), 0.1f);
   startServer();
-  const StreamStatus status = streamer.waitForConvergence(kPatience);
+  const StreamStatus status = streamer.waitUntilSettled(kPatience);
   EXPECT_EQ(status.failure, "");
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
 }
@@ -155,11 +155,11 @@ TEST_F(Streaming, keepsItsCutAndSaysWhyWhenTheServerGoes) {
   Streamer streamer(served_, {});
   const ModelSummary& model = streamer.waitForModel(kPatience);
   streamer.setView(viewAt(1, model), kOnlyTheRootPx);
-  const StreamStatus before = streamer.waitForConvergence(kPatience);
+  const StreamStatus before = streamer.waitUntilSettled(kPatience);
   ASSERT_TRUE(before.settled && before.cut);
   stopServer();
   streamer.setView(viewAt(2, model), 0.001f);
-  const StreamStatus status = streamer.waitForConvergence(1s);
+  const StreamStatus status = streamer.waitUntilSettled(1s);
   EXPECT_FALSE(status.settled);
   EXPECT_FALSE(status.ended) << status.failure;
   EXPECT_NE(status.trouble, "");
@@ -172,10 +172,10 @@ TEST_F(Streaming, convergesWithoutAServerWhereAllIsThere) {
   Streamer streamer(served_, {});
   const ModelSummary& model = streamer.waitForModel(kPatience);
   streamer.setView(viewAt(1, model), 5);
-  ASSERT_TRUE(streamer.waitForConvergence(kPatience).settled);
+  ASSERT_TRUE(streamer.waitUntilSettled(kPatience).settled);
   stopServer();
   streamer.setView(viewAt(1, model), kOnlyTheRootPx);
-  const StreamStatus status = streamer.waitForConvergence(kPatience);
+  const StreamStatus status = streamer.waitUntilSettled(kPatience);
   EXPECT_EQ(status.failure, "");
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
 }

@@ -17,7 +17,11 @@ using std::chrono::milliseconds;
 class World {
  public:
   World(uint32_t seed, uint64_t memory_budget_bytes)
-      : random_(seed), model_({seed, 4}), server_(model_), engine_(options(seed, memory_budget_bytes)) {}
+      : random_(seed),
+        memory_budget_bytes_(memory_budget_bytes),
+        models_{SyntheticModel({seed, 4})},
+        server_(models_.front()),
+        engine_(options(seed, memory_budget_bytes)) {}
 
   /// A step of the clock: bytes that are due arrive, some decoding ends, the engine is stepped.
   void step(milliseconds time) {
@@ -31,10 +35,10 @@ class World {
     deliver(to_server_, [this](const Bytes& bytes) { server_.receive(bytes); });
     post(to_client_, server_.give(random_() % 4));
     deliver(to_client_, [this](const Bytes& bytes) { engine_.receive(bytes, now_); });
-    for (DecodeJob& job : engine_.takeDecodeJobs()) decoding_.push_back(std::move(job));
+    for (DecodeJob& job : engine_.takeDecodeJobs())
+      decoding_.push_back({job.blob, job.use, meshOf(job), nullptr, nullptr, ""});
     for (size_t some = 1 + random_() % 4; some > 0 && !decoding_.empty(); --some) {
-      const DecodeJob& job = decoding_.front();
-      engine_.finishDecode({job.blob, job.use, model_.mesh(job.use.mesh), nullptr, nullptr, ""});
+      engine_.finishDecode(std::move(decoding_.front()));
       decoding_.pop_front();
     }
     engine_.step(now_);
@@ -46,6 +50,17 @@ class World {
   void breakConnection() {
     if (!engine_.connected() || !engine_.cut()) return;
     engine_.disconnect(Error(ErrorCode::kNetwork, "broken"), now_);
+  }
+
+  /// The server has another build from now on.
+  void replaceModel() {
+    models_.push_back(SyntheticModel({static_cast<uint32_t>(random_()), 4}));
+    server_.replaceBy(models_.back());
+  }
+
+  /// The engine has all that the view needs of what the server has.
+  bool settled() const {
+    return engine_.settled() && engine_.summary()->build_id == server_.summary().build_id;
   }
 
   /// Looks from a place around or within the model.
@@ -91,31 +106,58 @@ class World {
     for (; !line.empty() && line.front().due <= now_; line.pop_front()) take(line.front().bytes);
   }
 
-  /// The cut covers the model exactly once.
+  /// Of the build that the job is about: the last one whose payload has this name.
+  std::shared_ptr<const Mesh> meshOf(const DecodeJob& job) const {
+    for (auto model = models_.rbegin(); model != models_.rend(); ++model) {
+      const auto node = model->nodes().find(job.use.mesh.node);
+      if (node != model->nodes().end() && job.use.mesh.rung < node->second.rungs.size() &&
+          node->second.rungs[job.use.mesh.rung].triangles == job.expected.triangles)
+        return model->mesh(job.use.mesh);
+    }
+    return nullptr;
+  }
+
+  /// The cut covers what is near its view exactly once, and all of the model when it has settled: of the
+  /// newest build, or while that is not there of an older one.
   void check() const {
+    EXPECT_LE(engine_.counts().resident_bytes, memory_budget_bytes_);
     if (!engine_.cut()) return;
+    std::string problem;
+    for (auto model = models_.rbegin(); model != models_.rend(); ++model)
+      if (problem = problemWith(*model); problem.empty()) return;
+    ASSERT_EQ(problem, "");
+  }
+
+  std::string problemWith(const SyntheticModel& model) const {
     std::set<NodeKey> shown;
     for (const CutPart& part : engine_.cut()->parts) {
-      ASSERT_TRUE(part.mesh);
-      ASSERT_TRUE(shown.insert(part.node).second) << "node " << part.node.value << " is shown twice";
+      if (!part.mesh) return "node " + std::to_string(part.node.value) + " has no mesh";
+      if (!model.nodes().contains(part.node)) return "a node of another build";
+      if (!shown.insert(part.node).second)
+        return "node " + std::to_string(part.node.value) + " is shown twice";
     }
-    for (const NodeKey leaf : model_.leaves()) {
+    for (const NodeKey leaf : model.leaves()) {
       unsigned covered = 0;
       for (NodeKey key = leaf;; key = key.parent()) {
         covered += static_cast<unsigned>(shown.count(key));
         if (key == kRootKey) break;
       }
-      ASSERT_EQ(covered, 1u) << "leaf " << leaf.value;
+      const ModelBox box = toModelBox(model.nodes().at(leaf).box, SyntheticModel::lattice().step);
+      const bool due = engine_.settled() || boxMayBeVisible(box, engine_.cut()->view, kMarginWidening);
+      if (covered > 1 || (covered == 0 && due))
+        return "leaf " + std::to_string(leaf.value) + " is covered " + std::to_string(covered) + " times";
     }
+    return "";
   }
 
   std::mt19937 random_;
   TimePoint now_{};
-  SyntheticModel model_;
+  const uint64_t memory_budget_bytes_;
+  std::deque<SyntheticModel> models_;  // builds, the newest last
   ScriptedServer server_;
   Engine engine_;
   std::deque<Parcel> to_server_, to_client_;
-  std::deque<DecodeJob> decoding_;
+  std::deque<DecodeResult> decoding_;
 };
 
 class EngineProperties : public testing::TestWithParam<uint32_t> {};
@@ -123,9 +165,9 @@ class EngineProperties : public testing::TestWithParam<uint32_t> {};
 /// Whatever the camera has done, a view that stays converges.
 void convergeFor(World& world, const View& view) {
   world.engine().setView(view, 1);
-  for (int steps = 0; steps < 20'000 && !world.engine().settled(); ++steps) world.step(milliseconds(10));
-  EXPECT_TRUE(world.engine().settled())
-      << world.server().openWishes() << " wishes at the server, " << world.decoding() << " decoding";
+  for (int steps = 0; steps < 20'000 && !world.settled(); ++steps) world.step(milliseconds(10));
+  EXPECT_TRUE(world.settled()) << world.server().openWishes() << " wishes at the server, " << world.decoding()
+                               << " decoding";
   EXPECT_TRUE(world.engine().failure().empty()) << world.engine().failure();
 }
 
@@ -178,6 +220,36 @@ TEST_P(EngineProperties, wanderingCamerasAlwaysSeeAWholePictureAndConvergeWhereT
   }
   for (const auto& [blob, times] : world.server().completed())
     EXPECT_EQ(times, 1u) << "blob " << blob << " was fetched again without an eviction between";
+}
+
+TEST_P(EngineProperties, staysWithinItsMemoryAndSettlesAtATenthOfWhatTheViewWouldLike) {
+  World unlimited(GetParam(), 1ull << 30);
+  const View near = unlimited.randomView();
+  convergeFor(unlimited, near);
+  const uint64_t liked_bytes = unlimited.engine().counts().resident_bytes;
+  World world(GetParam(), liked_bytes / 10);
+  for (int place = 0; place < 12; ++place) {
+    for (uint32_t some = world.random() % 40; some > 0; --some) {
+      world.engine().setView(world.randomView(), 1);
+      world.step(milliseconds(1 + world.random() % 20));
+    }
+    convergeFor(world, place == 11 ? near : world.randomView());
+  }
+  EXPECT_TRUE(world.engine().limited());
+  EXPECT_FALSE(world.engine().cut()->converged);
+}
+
+TEST_P(EngineProperties, convergesOnTheNewestBuildHoweverOftenTheModelIsReplaced) {
+  World world(GetParam(), 1ull << 30);
+  for (int place = 0; place < 8; ++place) {
+    world.engine().setView(world.randomView(), 1);
+    for (uint32_t some = world.random() % 80; some > 0; --some) world.step(milliseconds(10));
+    if (world.random() % 3 == 0) world.breakConnection();
+    if (world.engine().connected() && world.engine().cut()) world.replaceModel();
+    for (uint32_t some = world.random() % 20; some > 0; --some) world.step(milliseconds(10));
+  }
+  convergeFor(world, world.randomView());
+  EXPECT_TRUE(world.engine().cut()->converged);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, EngineProperties, testing::Range(1u, 13u));

@@ -121,12 +121,18 @@ class Scripted {
 
 const auto kNoCheck = [](const Refinement&) {};
 
-/// Every leaf's place is covered by exactly one part, or by none where a rung on the way is empty.
-void expectComplete(const SyntheticModel& model, const Cut& cut) {
+bool isNear(const SyntheticModel& model, NodeKey node, const View& view) {
+  return boxMayBeVisible(toModelBox(model.nodes().at(node).box, SyntheticModel::lattice().step), view,
+                         kMarginWidening);
+}
+
+/// Every leaf's place is covered by exactly one part, or by none where a rung on the way is empty, or where
+/// it is far outside the view of a cut that has not settled.
+void expectComplete(const SyntheticModel& model, const Cut& cut, bool settled) {
   const Parts parts = partsOf(cut);
   for (const NodeKey leaf : model.leaves()) {
     int covering = 0;
-    bool may_be_empty = false;
+    bool may_be_empty = !settled && !isNear(model, leaf, cut.view);
     for (int depth = 0; depth <= leaf.depth(); ++depth) {
       const NodeKey key = leaf.ancestorAt(depth);
       covering += static_cast<int>(parts.count(key));
@@ -175,7 +181,7 @@ TEST_P(RefinerOnSeeds, neverShowsAHoleOrAPlaceTwice) {
   const auto check = [&](const Refinement& now) {
     EXPECT_TRUE(now.cut || !shown);
     shown |= now.cut != nullptr;
-    if (now.cut) expectComplete(model_, *now.cut);
+    if (now.cut) expectComplete(model_, *now.cut, now.settled);
   };
   for (const View& view : {closeView(), insideView(), farView(), insideView()})
     client.converge(view, {.threshold_px = 4}, random_, check);
@@ -188,7 +194,7 @@ TEST_P(RefinerOnSeeds, neverShowsAHoleWhenTheCacheIsTooSmall) {
   const uint64_t budget = unlimited.cache().bytes();
   Scripted client(model_, budget);
   const auto check = [&](const Refinement& now) {
-    if (now.cut) expectComplete(model_, *now.cut);
+    if (now.cut) expectComplete(model_, *now.cut, now.settled);
   };
   for (const View& view : {closeView(), insideView(), farView(), closeView()})
     client.converge(view, {.threshold_px = 4, .cut_budget_bytes = budget / 2}, random_, check);
@@ -202,7 +208,7 @@ TEST_P(RefinerOnSeeds, keepsWhatWasShownFinerUntilTheCoarserArrives) {
   for (const CutPart& part : client.last().cut->parts) ASSERT_TRUE(part.visible);
   const Refinement& now = client.refineFor(far, {.threshold_px = 2});
   EXPECT_FALSE(now.wanted.empty());
-  expectComplete(model_, *now.cut);
+  expectComplete(model_, *now.cut, now.settled);
   for (const CutPart& part : now.cut->parts)
     EXPECT_TRUE(part.error_px <= 2 || (part.rung == 0 && model_.nodes().at(part.node).isLeaf()));
 }
@@ -304,6 +310,43 @@ TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {
     EXPECT_EQ(part.rung + 1, model.nodes().at(part.node).rungs.size());
   }
   EXPECT_GT(outside, 0u);
+}
+
+/// Delivers the best wish of the visible class until there is none, without the others.
+void deliverWhatIsSeen(Scripted& client, const View& view, float threshold_px) {
+  for (int round = 0; round < 20000; ++round) {
+    const Refinement& now = client.refineFor(view, {.threshold_px = threshold_px});
+    if (now.wanted.empty() || now.wanted.front().wish_class != proto::WishClass::kVisible) return;
+    client.deliver(now.wanted.front());
+  }
+  FAIL() << "wishes without end";
+}
+
+TEST_P(RefinerOnSeeds, whatIsFarOutsideTheViewHoldsUpNothing) {
+  Scripted client(model_);
+  deliverWhatIsSeen(client, insideView(), 1);
+  ASSERT_TRUE(client.last().cut);
+  EXPECT_TRUE(client.last().cut->converged);
+  const Parts shown = partsOf(*client.last().cut);
+  const Parts wanted = BruteForce(model_, insideView(), 1).parts();
+  for (const auto& [key, rung] : wanted) {
+    if (!isNear(model_, key, insideView())) continue;
+    EXPECT_EQ(shown.at(key), rung) << key.value;
+  }
+  for (const Wish& wish : client.last().wanted)
+    EXPECT_FALSE(isNear(model_, wish.use.mesh.node, insideView()));
+}
+
+TEST_P(RefinerOnSeeds, aCameraThatTurnsBeforeTheRestHasComeSeesAWholePicture) {
+  Scripted client(model_);
+  deliverWhatIsSeen(client, insideView(), 1);
+  View turned = insideView();
+  std::swap(turned.forward, turned.up);
+  for (const View& view : {turned, farView(), insideView()}) {
+    const Refinement& now = client.refineFor(view, {.threshold_px = 1});
+    ASSERT_TRUE(now.cut);
+    expectComplete(model_, *now.cut, now.settled);
+  }
 }
 
 TEST(Refiner, refinesOnTheAppearanceErrorToo) {

@@ -18,7 +18,21 @@ namespace lode::core::test {
 /// payloads are bytes of the announced size; meshes come from the model.
 class ScriptedServer {
  public:
-  explicit ScriptedServer(const SyntheticModel& model) {
+  explicit ScriptedServer(const SyntheticModel& model) { serve(model); }
+
+  /// Another build takes the model's place. Who has the old one open is told so, and is given no more of it.
+  void replaceBy(const SyntheticModel& model) {
+    open_.clear();
+    nodes_.clear();
+    blobs_.clear();
+    serve(model);
+    if (!opened_) return;
+    deaf_ = true;
+    append(proto::encode(proto::ModelReplaced{1}, 0));
+  }
+
+ private:
+  void serve(const SyntheticModel& model) {
     for (const auto& [key, node] : model.nodes()) nodes_.emplace(key, node);
     for (auto& [key, node] : nodes_)
       for (Rung& rung : node.rungs)
@@ -36,16 +50,19 @@ class ScriptedServer {
     summary_.build_id = summary_.root_page.name;
   }
 
+ public:
   /// A new connection: what the last one had under way is forgotten.
   void accept() {
     open_.clear();
     answers_.clear();
     granted_ = proto::kInitialWindowBytes;
     sent_ = 0;
+    deaf_ = opened_ = false;
   }
 
   /// Takes whole frames.
   void receive(const Bytes& bytes) {
+    if (deaf_) return;
     for (const SentFrame& frame : framesOf(bytes)) {
       switch (static_cast<FrameType>(frame.header.type)) {
         case FrameType::kHello:
@@ -112,6 +129,7 @@ class ScriptedServer {
   void append(const Bytes& bytes) { answers_.insert(answers_.end(), bytes.begin(), bytes.end()); }
 
   void answerOpen(const BlobName& known_build_id) {
+    opened_ = true;
     proto::Opened message;
     message.handle = 1;
     message.summary = summary_;
@@ -169,6 +187,8 @@ class ScriptedServer {
   std::map<uint32_t, OpenWish> open_;  // by wish
   std::map<uint32_t, unsigned> completed_;
   Bytes answers_;
+  bool opened_ = false;  // on this connection
+  bool deaf_ = false;    // what comes is about a model that was replaced
   uint64_t granted_ = proto::kInitialWindowBytes, sent_ = 0;
 };
 

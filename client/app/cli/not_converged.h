@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "client/app/cli/common_options.h"
+#include "client/stream/streamer.h"
+
+namespace lode::app {
+
+/// Says why a view has not converged and what to do. @param where  what did not, such as "MODEL at key 2".
+/// @throws Error always.
+[[noreturn]] void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
+                                    const CommonOptions& options);
+
+}  // namespace lode::app

@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include "client/app/cli/child_server.h"
+#include "client/app/cli/common_options.h"
+#include "client/app/cli/latency_histogram.h"
+#include "client/app/cli/not_converged.h"
+#include "client/app/cli/target.h"
+#include "client/core/camera_path.h"
+#include "client/stream/streamer.h"
+
+namespace lode::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<int, 3> kThresholdsPx{1, 2, 4};
+
+struct ReplayOptions {
+  CommonOptions common;
+  double fps = 60;
+  bool json = false;
+};
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+uint64_t peakMemoryBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+/// What the frames of a path have seen.
+struct Replayed {
+  uint64_t frames = 0;
+  uint64_t holes = 0;  ///< parts in the picture with nothing drawn, over all frames
+  LatencyHistogram frame;
+  std::optional<double> first_image_ms;
+  std::array<double, kThresholdsPx.size()> seconds_above{};
+  std::array<std::optional<double>, kThresholdsPx.size()> reached_ms;
+  std::optional<double> converged_ms;  ///< from the start, at the last key
+  stream::StreamStatus status;
+};
+
+class Replay {
+ public:
+  explicit Replay(const ReplayOptions& options) : options_(options), size_(options.common.size()) {}
+
+  Replayed run() {
+    std::optional<core::CameraPath> path;
+    if (!options_.common.camera_file.empty()) path = core::readCameraPath(options_.common.camera_file);
+    const stream::StreamOptions stream_options = options_.common.streamOptions();
+    const ResolvedTarget target = resolveTarget(parseTarget(options_.common.target), !options_.json);
+    start_ = Clock::now();
+    stream::Streamer streamer(target.served, stream_options);
+    const ModelSummary& model = openModel(streamer, target, options_.common.timeout());
+    if (!path) path = core::framingCamera(model);
+    const Clock::time_point begin = Clock::now();
+    const double path_s = path->keys.back().t - path->keys.front().t;
+    const double patience_s = path_s + options_.common.timeout_s;
+    for (double t_s = 0; t_s <= patience_s; t_s = secondsSince(begin)) {
+      const core::CameraKey camera = core::cameraAt(*path, path->keys.front().t + std::min(t_s, path_s));
+      see(streamer, core::toView(camera, path->fov_y_deg, size_.width_px, size_.height_px, model));
+      if (t_s >= path_s && finished()) break;
+      std::this_thread::sleep_until(begin + frameTime(result_.frames));
+    }
+    return result_;
+  }
+
+ private:
+  Clock::duration frameTime(uint64_t number) const {
+    return std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(static_cast<double>(number) / options_.fps));
+  }
+
+  /// One frame: what a program does that draws, but for drawing.
+  void see(stream::Streamer& streamer, const core::View& view) {
+    const Clock::time_point frame_start = Clock::now();
+    streamer.setView(view, options_.common.pixels);
+    result_.status = streamer.status();
+    result_.frame.add(Clock::now() - frame_start);
+    ++result_.frames;
+    const double now_ms = 1e3 * secondsSince(start_);
+    const core::Cut* const cut = result_.status.cut.get();
+    is_current_ = cut != nullptr && cut->view == view;
+    if (cut != nullptr) {
+      if (!result_.first_image_ms) result_.first_image_ms = now_ms;
+      result_.holes += static_cast<uint64_t>(std::ranges::count_if(
+          cut->left_out, [&](const core::ModelBox& box) { return core::boxMayBeVisible(box, view); }));
+    }
+    for (size_t i = 0; i < kThresholdsPx.size(); ++i) {
+      if (cut == nullptr || cut->max_error_px > static_cast<float>(kThresholdsPx[i]))
+        result_.seconds_above[i] += 1 / options_.fps;
+      else if (is_current_ && !result_.reached_ms[i])
+        result_.reached_ms[i] = now_ms;
+    }
+    const bool converged = is_current_ && cut->converged && cut->max_error_px <= options_.common.pixels;
+    if (!converged)
+      result_.converged_ms.reset();
+    else if (!result_.converged_ms)
+      result_.converged_ms = now_ms;
+  }
+
+  bool finished() const {
+    const stream::StreamStatus& status = result_.status;
+    return status.ended || !status.failure.empty() ||
+           (is_current_ && (result_.converged_ms || status.settled));
+  }
+
+  const ReplayOptions& options_;
+  const PictureSize size_;
+  Clock::time_point start_;
+  Replayed result_;
+  bool is_current_ = false;  // the last frame's cut is for its view
+};
+
+template <typename Value>
+Json byThreshold(const std::array<Value, kThresholdsPx.size()>& values, Json (*toJson)(const Value&)) {
+  Json json;
+  for (size_t i = 0; i < values.size(); ++i) json[std::to_string(kThresholdsPx[i])] = toJson(values[i]);
+  return json;
+}
+
+Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json toJson(const Replayed& replayed) {
+  const stream::StreamStatus& status = replayed.status;
+  return {{"converged", replayed.converged_ms.has_value()},
+          {"frames", replayed.frames},
+          {"frame_ms",
+           {{"p50", replayed.frame.percentileMs(0.5)},
+            {"p99", replayed.frame.percentileMs(0.99)},
+            {"max", replayed.frame.maxMs()}}},
+          {"holes", replayed.holes},
+          {"first_image_ms", orNull(replayed.first_image_ms)},
+          {"reached_px_ms", byThreshold(replayed.reached_ms, orNull)},
+          {"converged_ms", orNull(replayed.converged_ms)},
+          {"seconds_above_px",
+           byThreshold<double>(replayed.seconds_above, [](const double& seconds) { return Json(seconds); })},
+          {"bytes_received", status.counts.received_bytes},
+          {"cache_bytes", status.counts.cache_bytes},
+          {"final_cut_bytes", status.cut ? status.cut->blob_bytes : 0},
+          {"max_error_px", status.cut ? Json(status.cut->max_error_px) : Json()},
+          {"resident_bytes", status.counts.resident_bytes},
+          {"prefetch", {{"wished", 0}, {"used", 0}, {"wasted_bytes", 0}}},
+          {"peak_rss_bytes", peakMemoryBytes()}};
+}
+
+void replay(const ReplayOptions& options) {
+  const Replayed replayed = Replay(options).run();
+  if (options.json) {
+    std::printf("%s\n", toJson(replayed).dump().c_str());
+  } else {
+    std::printf(
+        "%llu frames, %llu holes, first image after %.0f ms, %.1f s above 2 pixels, %llu bytes received\n",
+        static_cast<unsigned long long>(replayed.frames), static_cast<unsigned long long>(replayed.holes),
+        replayed.first_image_ms.value_or(0), replayed.seconds_above[1],
+        static_cast<unsigned long long>(replayed.status.counts.received_bytes));
+  }
+  if (replayed.converged_ms) return;
+  refuseUnconverged("the path's end", replayed.status, options.common);
+}
+
+}  // namespace
+
+void declareReplay(CLI::App& program, int& /*exit_status*/) {
+  CLI::App* command = program.add_subcommand(
+      "replay", "Moves along a camera path in real time, without a window: errors over time, bytes, memory");
+  const auto options = std::make_shared<ReplayOptions>();
+  addCommonOptions(*command, options->common);
+  command->add_option("--fps", options->fps, "frames a second")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->callback([options] { replay(*options); });
+}
+
+}  // namespace lode::app

@@ -1,0 +1,53 @@
+// replay: a camera path in real time, and what it says of it.
+
+#include <array>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "programs.h"
+
+namespace lode::test {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string writePath(const WorkFolder& folder) {
+  const auto key = [](double t, double x, double z) {
+    return Json{{"t", t}, {"eye", {x, 0.3, z}}, {"target", {0, 0, 0}}, {"up", {0, 1, 0}}};
+  };
+  const Json path{{"fov_y_deg", 45}, {"keys", {key(0, 0, 5), key(0.5, 2, 2), key(1, 1.3, 0)}}};
+  writeBytes(folder / "path.json", path.dump());
+  return folder / "path.json";
+}
+
+TEST(Replay, movesInRealTimeWithoutAHoleAndConvergesAtTheEnd) {
+  const WorkFolder folder;
+  const RunningServer server({makeSmallStore(folder)});
+  const Outcome outcome = lodestream({"replay", server.url("small"), "--camera", writePath(folder),
+                                      "--pixels", "2", "--fps", "100", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out, nullptr, false);
+  EXPECT_EQ(json.value("converged", false), true);
+  EXPECT_GE(json["frames"], 50);
+  EXPECT_EQ(json["holes"], 0);
+  for (const char* key : {"first_image_ms", "converged_ms", "bytes_received", "final_cut_bytes",
+                          "resident_bytes", "peak_rss_bytes"})
+    EXPECT_GT(json[key], 0) << key;
+  EXPECT_GE(json["converged_ms"], 1000);
+  EXPECT_LE(json["max_error_px"], 2);
+  EXPECT_GE(json["seconds_above_px"]["1"], json["seconds_above_px"]["4"]);
+}
+
+TEST(Replay, saysWhyItDidNotConverge) {
+  const WorkFolder folder;
+  const RunningServer server({makeSmallStore(folder)});
+  const Outcome outcome = lodestream({"replay", server.url("small"), "--camera", writePath(folder),
+                                      "--pixels", "0.01", "--memory-budget", "16M", "--timeout", "2"});
+  EXPECT_EQ(outcome.status, 1) << outcome.out;
+  expectOneLine(outcome.err);
+}
+
+}  // namespace
+}  // namespace lode::test
