@@ -1,16 +1,21 @@
 #!/usr/bin/python3
-"""What one core of a server gives, beside nginx on the same bytes: bench_serving.py BIN_DIR [throughput latency urgent]
+"""What one core of a server gives, beside nginx on the same bytes: bench_serving.py BIN_DIR [PART ...]
 
 throughput  64 KB and 8 KB blobs, some 1,500 of each, at random: nginx (sendfile off) and lodestreamd in turns, medians
+tls         the same under TLS 1.3
+fairness    one connection with 256 wishes open beside eight with 8
+cold        one wish at a time for blobs in memory, alone and beside others whose blobs come from a slow disk; needs root,
+            for control groups
 latency     `lodestream loadtest --decode-off` with more and more clients, 99th percentiles by class
 urgent      a visible wish of 24 KB behind as much prefetching as the window takes, at 10 Mbit/s and 50 ms, directly and
-            through HAProxy; needs root, for network namespaces
+            through HAProxy, under each congestion control that the system has; needs root, for network namespaces
 
 Starts nginx and HAProxy itself. Server and clients each have one core. Needs nginx-light, wrk and haproxy, the programs
 serving_store, serving_load and wan in BIN_DIR, and python3-flatbuffers. Prints tables for docs/benchmarks.md.
 """
 import argparse
 import contextlib
+import itertools
 import json
 import os
 import pathlib
@@ -43,24 +48,26 @@ def running(command, **options):
 
 
 @contextlib.contextmanager
-def lodestreamd(bench, store, listen="127.0.0.1:0", prefix=()):
+def lodestreamd(bench, store, listen="127.0.0.1:0", prefix=(), tls=None):
     """Yields its process and where it listens."""
     command = [*prefix, "taskset", "-c", SERVER_CORE, bench.bin / "lodestreamd", "serve", store, "--listen", listen,
                "--threads", 1, "--public", "--insecure"]
+    command += ["--tls-cert", tls / "cert.pem", "--tls-key", tls / "key.pem"] if tls else []
     with running(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
         yield process, json.loads(process.stdout.readline())["listen"]
 
 
 @contextlib.contextmanager
-def nginx(folder, files):
+def nginx(folder, files, tls=None):
     port = free_port()
+    secure = f"ssl_certificate {tls}/cert.pem; ssl_certificate_key {tls}/key.pem; ssl_protocols TLSv1.3;" if tls else ""
     config = folder / "nginx.conf"
     config.write_text(f"""
         daemon off; master_process off; worker_processes 1; pid {folder}/nginx.pid; error_log {folder}/error.log;
         events {{ worker_connections 4096; }}
         http {{ access_log off; sendfile off; tcp_nodelay on; keepalive_requests 1000000000; open_file_cache max=4096;
                 default_type application/octet-stream;
-                server {{ listen 127.0.0.1:{port}; root {files}; }} }}""")
+                server {{ listen 127.0.0.1:{port}{" ssl" if tls else ""}; {secure} root {files}; }} }}""")
     with running(["taskset", "-c", SERVER_CORE, "nginx", "-c", config, "-e", folder / "error.log"]) as process:
         wait_for(port)
         yield process, port
@@ -101,21 +108,38 @@ def write_lua(path, first, last):
         end""")
 
 
-def throughput(bench):
+def certificate(bench):
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
+                    "-subj", "/CN=localhost", "-keyout", bench.folder / "key.pem", "-out", bench.folder / "cert.pem"],
+                   check=True, capture_output=True)
+    return bench.folder
+
+
+def make_store(bench, folder, size):
+    """Blobs of so many bytes in a store, noise.lode, and as files; the numbers of the first and the last."""
+    (folder / "files").mkdir(parents=True)
+    done = subprocess.run([bench.bin / "serving_store", str(size), folder / "noise.lode", folder / "files"], check=True,
+                          capture_output=True, text=True)
+    return json.loads(done.stdout)
+
+
+def tls(bench):
+    throughput(bench, certificate(bench))
+
+
+def throughput(bench, tls=None):
     print("| blobs at random | nginx, sendfile off | lodestreamd | ratio | nginx a CPU second | lodestreamd | ratio |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
     for size in (65536, 8192):
-        folder = bench.folder / str(size)
-        files, store = folder / "files", folder / "noise.lode"
-        files.mkdir(parents=True)
-        numbers = json.loads(subprocess.run([bench.bin / "serving_store", str(size), store, files], check=True,
-                                            capture_output=True, text=True).stdout)
+        folder = bench.folder / f"{size}{'-tls' if tls else ''}"
+        numbers = make_store(bench, folder, size)
         write_lua(folder / "random.lua", numbers["first"], numbers["last"])
-        with nginx(folder, files) as (web, web_port), lodestreamd(bench, store) as (ours, listen):
+        with (nginx(folder, folder / "files", tls) as (web, web_port),
+              lodestreamd(bench, folder / "noise.lode", tls=tls) as (ours, listen)):
             wrk = ["wrk", "-t1", f"-c{CONNECTIONS}", f"-d{bench.seconds}", "-s", folder / "random.lua",
-                   f"http://127.0.0.1:{web_port}"]
+                   f"http{'s' if tls else ''}://127.0.0.1:{web_port}"]
             load = [bench.bin / "serving_load", listen.rsplit(":", 1)[1], "noise", numbers["first"], numbers["last"],
-                    CONNECTIONS, IN_FLIGHT, bench.seconds]
+                    CONNECTIONS, IN_FLIGHT, bench.seconds, *(["tls"] if tls else [])]
             measured(web, wrk), measured(ours, load)  # warm
             runs = [(*measured(web, wrk), *measured(ours, load)) for _ in range(bench.runs)]
         web_wall, web_cpu, our_wall, our_cpu = (statistics.median(column) / 1e6 for column in zip(*runs))
@@ -123,6 +147,85 @@ def throughput(bench):
         cpu = statistics.median(run[3] / run[1] for run in runs)
         print(f"| {size // 1024} KB | {web_wall:.0f} MB/s | {our_wall:.0f} MB/s | **{wall:.2f}** | "
               f"{web_cpu:.0f} MB | {our_cpu:.0f} MB | **{cpu:.2f}** |", flush=True)
+
+
+def load_beside(bench, listen, model, numbers, connections, in_flight, seconds):
+    return subprocess.Popen(
+        ["taskset", "-c", CLIENT_CORE, bench.bin / "serving_load", listen.rsplit(":", 1)[1], model, str(numbers["first"]),
+         str(numbers["last"]), str(connections), str(in_flight), str(seconds)], stdout=subprocess.PIPE, text=True)
+
+
+def fairness(bench):
+    folder = bench.folder / "fairness"
+    numbers = make_store(bench, folder, 24576)
+    print("| | greedy, MB/s | each of eight others, MB/s | greedy's share of an even one |")
+    print("| --- | --- | --- | --- |")
+    runs = []
+    with lodestreamd(bench, folder / "noise.lode") as (_, listen):
+        for _ in range(bench.runs):
+            both = [load_beside(bench, listen, "noise", numbers, *how, bench.seconds) for how in ((1, 256), (8, 8))]
+            greedy, others = (json.loads(process.communicate()[0]) for process in both)
+            runs.append((greedy["bytes"] / greedy["seconds"] / 1e6, others["bytes"] / others["seconds"] / 8e6))
+    greedy, each = (statistics.median(column) for column in zip(*runs))
+    share = statistics.median(9 * g / (g + 8 * e) for g, e in runs)
+    print(f"| 24 KB blobs | {greedy:.0f} | {each:.0f} | **{share:.2f}** |", flush=True)
+
+
+@contextlib.contextmanager
+def slow_disk(file, bytes_per_second, memory_bytes):
+    """A prefix for commands that read the file's disk so slowly and keep so little of it in memory; cgroups of version 1."""
+    device = os.stat(file).st_dev
+    groups = [pathlib.Path(f"/sys/fs/cgroup/{kind}/lode-bench-{os.getpid()}") for kind in ("blkio", "memory")]
+    for group in groups:
+        group.mkdir()
+    (groups[0] / "blkio.throttle.read_bps_device").write_text(f"{os.major(device)}:{os.minor(device)} {bytes_per_second}")
+    (groups[1] / "memory.limit_in_bytes").write_text(str(memory_bytes))
+    join = "; ".join(f"echo $$ > {group}/cgroup.procs" for group in groups)
+    try:
+        yield ["sh", "-c", f'{join}; exec "$0" "$@"']
+    finally:
+        for group in groups:
+            group.rmdir()
+
+
+def forget(file):
+    """Takes a file out of the page cache."""
+    with open(file, "rb") as opened:
+        os.fsync(opened.fileno())
+        os.posix_fadvise(opened.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+
+
+def wish_times(bench, listen, model, numbers, count):
+    environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
+    done = subprocess.run(["taskset", "-c", CLIENT_CORE, "/usr/bin/python3", HERE.parent / "load" / "wish_times.py", listen, model,
+                           str(numbers["first"]), str(numbers["last"]), str(count)], env=environment, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(done.stderr)
+    return json.loads(done.stdout)
+
+
+def cold(bench):
+    folder = bench.folder / "served"
+    folder.mkdir()
+    numbers = {}
+    for name in ("hot", "cold"):
+        numbers[name] = make_store(bench, bench.folder / name, 65536)
+        os.rename(bench.folder / name / "noise.lode", folder / f"{name}.lode")
+    (folder / "hot.lode").read_bytes()  # in memory, and counted to this process
+    print("| one wish at a time of 64 KB in memory | median | p99 | beside it, from a disk of 20 MB/s |")
+    print("| --- | --- | --- | --- |")
+    runs = {False: [], True: []}
+    with slow_disk(folder / "cold.lode", 20 << 20, 48 << 20) as slowly, lodestreamd(bench, folder, prefix=slowly) as (_, listen):
+        wish_times(bench, listen, "hot", numbers["hot"], 3000)  # warm
+        for beside in (False, True) * bench.runs:
+            forget(folder / "cold.lode")
+            others = load_beside(bench, listen, "cold", numbers["cold"], 8, 8, 6) if beside else None
+            run = wish_times(bench, listen, "hot", numbers["hot"], 3000)
+            taken = json.loads(others.communicate()[0]) if others else dict(bytes=0, seconds=1)
+            runs[beside].append((run["median_ms"], run["p99_ms"], taken["bytes"] / taken["seconds"] / 1e6))
+    for beside, measured_runs in runs.items():
+        median, p99, rate = (statistics.median(column) for column in zip(*measured_runs))
+        print(f"| {'beside cold reads' if beside else 'alone'} | {median:.2f} ms | **{p99:.2f} ms** | {rate:.1f} MB/s |", flush=True)
 
 
 def sample_store(bench):
@@ -171,10 +274,8 @@ def long_link(bench):
 
 def urgent(bench):
     folder = bench.folder / "urgent"
-    (folder / "files").mkdir(parents=True)
-    store = folder / "noise.lode"
-    numbers = json.loads(subprocess.run([bench.bin / "serving_store", "24576", store, folder / "files"], check=True,
-                                        capture_output=True, text=True).stdout)
+    numbers, store = make_store(bench, folder, 24576), folder / "noise.lode"
+    controls = pathlib.Path("/proc/sys/net/ipv4/tcp_available_congestion_control").read_text().split()
     config = folder / "haproxy.cfg"
     config.write_text("""
         defaults
@@ -190,7 +291,9 @@ def urgent(bench):
     with long_link(bench) as (near, far):
         with lodestreamd(bench, store, "10.9.0.1:7400", near), running([*near, "haproxy", "-f", config]):
             time.sleep(0.5)
-            for way, port in (("directly", 7400), ("through HAProxy", 7401)):
+            for control, (way, port) in itertools.product(
+                    [c for c in ("cubic", "bbr") if c in controls], (("directly", 7400), ("through HAProxy", 7401))):
+                subprocess.run([*near, "sysctl", "-qw", f"net.ipv4.tcp_congestion_control={control}"], check=True)
                 environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
                 done = subprocess.run(
                     [*far, "/usr/bin/python3", HERE.parent / "load" / "urgent_wish.py", f"10.9.0.1:{port}", "noise",
@@ -199,14 +302,14 @@ def urgent(bench):
                 if done.returncode != 0:
                     sys.exit(done.stderr)
                 run = json.loads(done.stdout)
-                print(f"| {way} | **{run['median_ms']:.0f} ms** | {run['max_ms']:.0f} ms | {run['median_ms'] / 50:.1f} | "
+                print(f"| {control}, {way} | **{run['median_ms']:.0f} ms** | {run['max_ms']:.0f} ms | {run['median_ms'] / 50:.1f} | "
                       f"{run['bulk_mbit_s']:.1f} Mbit/s |", flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin", type=pathlib.Path, metavar="BIN_DIR")
-    parser.add_argument("parts", nargs="*", metavar="PART", help="throughput, latency, urgent; all by default")
+    parser.add_argument("parts", nargs="*", metavar="PART", help="of those above; all by default")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--seconds", type=int, default=4, help="of a run of throughput")
     parser.add_argument("--store", type=pathlib.Path, help="of latency; by default a sample of 2 million triangles")
@@ -215,7 +318,7 @@ def main():
     parser.add_argument("--wishes", type=int, default=40, help="urgent ones")
     bench = parser.parse_args()
     bench.bin = bench.bin.resolve()
-    parts = dict(throughput=throughput, latency=latency, urgent=urgent)
+    parts = dict(throughput=throughput, tls=tls, fairness=fairness, cold=cold, latency=latency, urgent=urgent)
     with tempfile.TemporaryDirectory() as folder:
         bench.folder = pathlib.Path(folder)
         for name in bench.parts or parts:

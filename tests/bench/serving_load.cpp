@@ -1,7 +1,7 @@
-// Takes as much as a server gives: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS. Each
-// connection keeps so many wishes open for blobs from FIRST to LAST, at random. It looks at headers and drops
-// the bytes, so that one core of it does not hold up one of the server. Prints blobs, bytes and the seconds
-// that they took.
+// Takes as much as a server gives: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls].
+// Each connection keeps so many wishes open for blobs from FIRST to LAST, at random. It looks at headers and
+// drops the bytes, so that one core of it does not hold up one of the server. Prints blobs, bytes and the
+// seconds that they took.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -14,7 +14,10 @@
 #include <vector>
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/tcp.h>
+#include <openssl/ssl.h>
+#include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -36,8 +39,9 @@ struct Tally {
 
 class Client {
  public:
+  /// @param tls  none: plain.
   Client(uint16_t port, const std::string& model, uint32_t first, uint32_t last, uint32_t in_flight,
-         uint32_t seed)
+         uint32_t seed, SSL_CTX* tls)
       : socket_(socket(AF_INET, SOCK_STREAM, 0)), any_(first, last), in_flight_(in_flight), random_(seed) {
     sockaddr_in to{};
     to.sin_family = AF_INET;
@@ -47,29 +51,59 @@ class Client {
     setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     if (connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
       throw Error(ErrorCode::kNetwork, "cannot connect to port " + std::to_string(port));
+    if (tls != nullptr) shakeHands(tls);
     send(proto::encode(proto::Hello{1, 1, 0, "", "serving_load"}, 1));
     send(proto::encode(proto::Open{model, {}}, 2));
     send(proto::encode(proto::Credit{kEndlessWindow}, 0));
   }
-  ~Client() { close(socket_); }
+  ~Client() {
+    SSL_free(tls_);
+    close(socket_);
+  }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
   int descriptor() const noexcept { return socket_; }
 
   /// @param room  for what is read in one go; shared by all clients.
   void read(std::span<std::byte> room, Tally& tally) {
-    const ssize_t got = recv(socket_, room.data(), room.size(), MSG_DONTWAIT);
-    if (got == 0) throw Error(ErrorCode::kNetwork, "the server closed a connection");
-    if (got < 0) return;
-    take(room.first(static_cast<size_t>(got)), tally);
+    for (int records = tls_ != nullptr ? kRecords : 1; records > 0; --records) {
+      const ssize_t got = receive(room);
+      if (got == 0) throw Error(ErrorCode::kNetwork, "the server closed a connection");
+      if (got < 0) break;
+      take(room.first(static_cast<size_t>(got)), tally);
+    }
     if (opened_ && open_ + kRefill <= in_flight_) wish();
   }
 
  private:
   static constexpr uint32_t kRefill = 8;  ///< wishes in a frame
+  static constexpr int kRecords = 16;     ///< of TLS, read at a time
   static constexpr size_t kHeadBytes = proto::kFrameHeaderBytes + proto::kBlobChunkHeaderBytes;
 
+  void shakeHands(SSL_CTX* tls) {
+    tls_ = SSL_new(tls);
+    SSL_set_fd(tls_, socket_);
+    if (SSL_connect(tls_) != 1) throw Error(ErrorCode::kNetwork, "the TLS handshake failed");
+    fcntl(socket_, F_SETFL, O_NONBLOCK);
+  }
+  /// As recv(): -1 for nothing now.
+  ssize_t receive(std::span<std::byte> room) {
+    if (tls_ == nullptr) return recv(socket_, room.data(), room.size(), MSG_DONTWAIT);
+    size_t got = 0;
+    if (SSL_read_ex(tls_, room.data(), room.size(), &got) == 1) return static_cast<ssize_t>(got);
+    return SSL_get_error(tls_, 0) == SSL_ERROR_WANT_READ ? -1 : 0;
+  }
+  void sendUnderTls(const proto::Bytes& frame) {
+    size_t sent = 0;
+    while (SSL_write_ex(tls_, frame.data(), frame.size(), &sent) != 1) {
+      if (SSL_get_error(tls_, 0) != SSL_ERROR_WANT_WRITE)
+        throw Error(ErrorCode::kNetwork, "a connection broke");
+      pollfd waiting{socket_, POLLOUT, 0};
+      poll(&waiting, 1, -1);
+    }
+  }
   void send(const proto::Bytes& frame) {
+    if (tls_ != nullptr) return sendUnderTls(frame);
     if (::send(socket_, frame.data(), frame.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(frame.size()))
       throw Error(ErrorCode::kNetwork, "a connection broke");
   }
@@ -121,6 +155,7 @@ class Client {
   }
 
   int socket_;
+  SSL* tls_ = nullptr;
   std::uniform_int_distribution<uint32_t> any_;
   uint32_t in_flight_, open_ = 0, last_wish_ = 0;
   std::mt19937 random_;
@@ -134,10 +169,12 @@ void run(std::span<char*> arguments) {
     return static_cast<uint32_t>(std::strtoul(arguments[i], nullptr, 10));
   };
   std::vector<std::unique_ptr<Client>> clients;
+  const bool under_tls = arguments.size() > 7;
+  SSL_CTX* const tls = under_tls ? SSL_CTX_new(TLS_client_method()) : nullptr;
   const int poll = epoll_create1(0);
   for (uint32_t i = 0; i < number(4); ++i) {
     clients.push_back(std::make_unique<Client>(static_cast<uint16_t>(number(0)), arguments[1], number(2),
-                                               number(3), number(5), i + 1));
+                                               number(3), number(5), i + 1, tls));
     epoll_event event{};
     event.events = EPOLLIN;
     event.data.ptr = clients.back().get();
@@ -153,6 +190,7 @@ void run(std::span<char*> arguments) {
       static_cast<Client*>(events[static_cast<size_t>(i)].data.ptr)->read(room, tally);
   }
   close(poll);
+  SSL_CTX_free(tls);
   std::printf("{\"blobs\": %llu, \"bytes\": %llu, \"seconds\": %.3f}\n",
               static_cast<unsigned long long>(tally.blobs), static_cast<unsigned long long>(tally.bytes),
               std::chrono::duration<double>(Clock::now() - start).count());
@@ -161,12 +199,12 @@ void run(std::span<char*> arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 8) {
-    std::fprintf(stderr, "usage: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS\n");
+  if (argc != 8 && argc != 9) {
+    std::fprintf(stderr, "usage: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls]\n");
     return 2;
   }
   try {
-    run(std::span(argv + 1, 7));
+    run(std::span(argv + 1, static_cast<size_t>(argc - 1)));
     return 0;
   } catch (const lode::Error& error) {
     std::fprintf(stderr, "serving_load: %s\n", error.what());

@@ -65,12 +65,9 @@ class Daemon:
         """A connection that has the model open, and its Opened."""
         with contextlib.ExitStack() as failing:
             connection = failing.enter_context(contextlib.closing(Connection(self.address)))
-            connection.send("Hello", 1, minVersion=1, maxVersion=1, program="daemon_test.py")
-            connection.send("Open", 2, model=model)
-            _, _, welcome = connection.receive()
-            _, _, opened = connection.receive()
+            opened, most = connection.open(model)
             failing.pop_all()
-        return connection, opened, welcome.MaxOpenWishes()
+        return connection, opened, most
 
     def read_whole(self, model="painted"):
         connection, opened, most = self.open(model)
@@ -240,6 +237,34 @@ class Metrics(unittest.TestCase):
             text = daemon.ask("/metrics")[1]
         done = subprocess.run(["promtool", "check", "metrics"], input=text, capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+
+class OperatorsPage(unittest.TestCase):
+    """docs/operations.md names what there is, all of it and nothing else."""
+
+    def setUp(self):
+        with open(os.path.join(SOURCE, "docs", "operations.md")) as page:
+            self.page = page.read()
+
+    def options(self, command, program="lodestreamd"):
+        done = subprocess.run([os.path.join(BIN, program), command, "--help"], capture_output=True, text=True, check=True)
+        return set(re.findall(r"--[a-z][a-z-]+", done.stdout))
+
+    def test_names_the_options_of_serve(self):
+        named = set(re.findall(r"--[a-z][a-z-]+", self.page))
+        self.assertEqual(self.options("serve") - named - {"--help", "--version"}, set())
+        self.assertEqual(named - self.options("serve") - self.options("build") - self.options("fetch", "lodestream"), set())
+
+    def test_names_the_metrics(self):
+        with Daemon(STORE) as daemon:
+            daemon.read_whole()
+            there = set(re.findall(r"^# TYPE (\w+) ", daemon.ask("/metrics")[1], re.M))
+        self.assertEqual(there, set(re.findall(r"lodestream_[a-z_]+", self.page)))
+
+    def test_names_the_reasons_of_refusals_and_ends(self):
+        with Daemon(STORE) as daemon:
+            reasons = set(re.findall(r'reason="(\w+)"', daemon.ask("/metrics")[1]))
+        self.assertEqual({reason for reason in reasons if f"`{reason}`" not in self.page}, set())
 
 
 class UnderLoad(unittest.TestCase):

@@ -3,9 +3,8 @@
 docs/store-format.md alone. Needs Debian's python3-flatbuffers and, on PYTHONPATH, what `flatc --python --gen-onefile
 --gen-object-api proto/lodestream.fbs` makes. Prints one JSON object with what it read.
 
-    read_model.py HOST:PORT MODEL [--token TOKEN]
+    read_model.py HOST:PORT MODEL [TOKEN]
 """
-import argparse
 import collections
 import hashlib
 import json
@@ -108,6 +107,14 @@ class Connection:
         body = builder.Output()
         self.socket.sendall(HEADER.pack(len(body), TYPES[name], 0, 0, request) + body)
 
+    def open(self, model, token=""):
+        """Hello and Open together. Returns Opened, and how many wishes may be open."""
+        self.send("Hello", 1, minVersion=1, maxVersion=1, token=token, program="read_model.py")
+        self.send("Open", 2, model=model)
+        (name, request, welcome), (also, follows, opened) = self.receive(), self.receive()
+        assert (name, request, welcome.Version(), also, follows) == ("Welcome", 1, 1, "Opened", 2)
+        return opened, welcome.MaxOpenWishes()
+
     def receive(self):
         """The next frame that says something: its type, its request and its message, or of a Blob the raw body."""
         while True:
@@ -202,19 +209,8 @@ class Reader:
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("address")
-    parser.add_argument("model")
-    parser.add_argument("--token", default="")
-    arguments = parser.parse_args()
-    connection = Connection(arguments.address)
-    connection.send("Hello", 1, minVersion=1, maxVersion=1, token=arguments.token, program="read_model.py")
-    connection.send("Open", 2, model=arguments.model)
-    name, request, welcome = connection.receive()
-    assert (name, request, welcome.Version()) == ("Welcome", 1, 1)
-    name, request, opened = connection.receive()
-    assert (name, request) == ("Opened", 2)
-    print(json.dumps(Reader(connection, opened, welcome.MaxOpenWishes()).run()))
+    connection = Connection(sys.argv[1])
+    print(json.dumps(Reader(connection, *connection.open(*sys.argv[2:])).run()))
 
 
 if __name__ == "__main__":

@@ -20,11 +20,8 @@ class Client:
     def __init__(self, address, model, first, last):
         self.first, self.last, self.next_wish = first, last, 1
         self.connection = Connection(address)
-        self.connection.send("Hello", 1, minVersion=1, maxVersion=1, program="urgent_wish.py")
-        self.connection.send("Open", 2, model=model)
+        opened, _ = self.connection.open(model)
         self.connection.send("Credit", grantedBytes=WINDOW)
-        self.connection.receive()
-        _, _, opened = self.connection.receive()
         self.handle, self.open = opened.Handle(), set()
 
     def wish(self, wish_class, count):

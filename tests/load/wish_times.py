@@ -1,0 +1,29 @@
+#!/usr/bin/python3
+"""How long single wishes take, one after the other: wish_times.py HOST:PORT MODEL FIRST LAST COUNT
+
+Prints one JSON object. tests/bench/bench_serving.py runs it; it needs what read_model.py needs.
+"""
+import json
+import random
+import statistics
+import sys
+import time
+
+from urgent_wish import VISIBLE, Client
+
+
+def main():
+    address, model, first, last, count = sys.argv[1:]
+    random.seed(1)
+    client, times_ms = Client(address, model, int(first), int(last)), []
+    for _ in range(int(count)):
+        asked = time.monotonic()
+        wish = client.wish(VISIBLE, 1)
+        while client.take() != wish:
+            pass
+        times_ms.append(1000 * (time.monotonic() - asked))
+    print(json.dumps(dict(median_ms=statistics.median(times_ms), p99_ms=statistics.quantiles(times_ms, n=100)[98])))
+
+
+if __name__ == "__main__":
+    main()
