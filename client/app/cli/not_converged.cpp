@@ -12,7 +12,7 @@ void refuseUnconverged(const std::string& where, const stream::StreamStatus& sta
     throw Error(ErrorCode::kLimit,
                 what + ": the memory budget does not hold it; allow more with --memory-budget, or a larger " +
                     "error with --pixels");
-  if (status.settled && status.cut && status.cut->max_error_px > options.pixels)
+  if (status.cut && status.cut->converged && status.cut->max_error_px > options.pixels)
     throw Error(ErrorCode::kInput,
                 what + ": even the original triangles are off by " +
                     std::to_string(status.cut->max_error_px) +

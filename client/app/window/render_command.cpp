@@ -1,5 +1,6 @@
 #include "client/app/window/render_command.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
@@ -35,6 +37,7 @@ struct RenderOptions {
   std::string output;  ///< one picture, of the first key
   std::string folder;  ///< or one for each frame
   double fps = 30;
+  bool json = false;
 };
 
 /// When and where each picture is taken.
@@ -70,12 +73,24 @@ void makeFolder(const std::string& folder) {
   }
 }
 
-/// Waits until the stream has converged for its view. @throws Error if it cannot, or not in time.
-std::shared_ptr<const core::Cut> converge(stream::Streamer& streamer, const RenderOptions& options,
-                                          double t) {
-  const stream::StreamStatus status = streamer.waitForConvergence(options.common.timeout());
-  if (status.cut && status.cut->converged) return status.cut;
-  refuseUnconverged("the picture at t = " + std::to_string(t), status, options.common);
+/// What the pictures so far show.
+struct Shown {
+  struct Unconverged {
+    double t = 0;
+    stream::StreamStatus status;
+  };
+  size_t pictures = 0;
+  float max_error_px = 0;
+  std::optional<Unconverged> first_unconverged;
+};
+
+void printJson(const Shown& shown) {
+  using Json = nlohmann::ordered_json;
+  Json json;
+  json["converged"] = !shown.first_unconverged;
+  json["pictures"] = shown.pictures;
+  json["max_error_px"] = shown.pictures > 0 ? Json(shown.max_error_px) : Json();
+  std::printf("%s\n", json.dump().c_str());
 }
 
 void render(const RenderOptions& options) {
@@ -92,16 +107,22 @@ void render(const RenderOptions& options) {
   const render::Framebuffer target(size.width_px, size.height_px);
   makeFolder(options.folder);
 
-  const ResolvedTarget resolved = resolveTarget(parsed, true);
+  const ResolvedTarget resolved = resolveTarget(parsed, !options.json);
   stream::Streamer streamer(resolved.served, stream_options);
   const ModelSummary& model = openModel(streamer, resolved, options.common.timeout());
   if (!path) path = core::framingCamera(model);
   render::Renderer renderer(model.lattice.step, render::residencyFor(stream_options.memory_budget_bytes));
+  Shown shown;
   for (const Shot& shot : planShots(options, *path)) {
     const core::View view =
         core::toView(core::cameraAt(*path, shot.t), path->fov_y_deg, size.width_px, size.height_px, model);
     streamer.setView(view, options.common.pixels);
-    renderer.show(converge(streamer, options, shot.t));
+    const stream::StreamStatus status = streamer.waitForConvergence(options.common.timeout());
+    const bool is_finest = status.cut && status.cut->converged;
+    if (!shown.first_unconverged && (!is_finest || status.cut->max_error_px > options.common.pixels))
+      shown.first_unconverged = {shot.t, status};
+    if (!is_finest) break;
+    renderer.show(status.cut);
     renderer.uploadInRenderThread({.wait = true});
     if (!renderer.upToDate()) {
       throw Error(ErrorCode::kLimit, options.common.target +
@@ -111,6 +132,13 @@ void render(const RenderOptions& options) {
     renderer.draw(view, target);
     target.resolve();
     render::writePng(shot.file, target.readPixels());
+    ++shown.pictures;
+    shown.max_error_px = std::max(shown.max_error_px, status.cut->max_error_px);
+  }
+  if (options.json) printJson(shown);
+  if (shown.first_unconverged) {
+    refuseUnconverged("the picture at t = " + std::to_string(shown.first_unconverged->t),
+                      shown.first_unconverged->status, options.common);
   }
 }
 
@@ -132,6 +160,7 @@ void declareRender(CLI::App& program, int& /*exit_status*/) {
       ->check(CLI::Range(0.001, 1000.0))
       ->needs(frames)
       ->capture_default_str();
+  command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { render(*options); });
 }
 

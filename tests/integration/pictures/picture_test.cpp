@@ -3,12 +3,15 @@
 #include "tests/integration/pictures/picture.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/integration/programs/models.h"
 #include "tests/integration/programs/programs.h"
 
 namespace lode::test {
 namespace {
+
+using Json = nlohmann::json;
 
 class Pictures : public testing::TestWithParam<Model> {
  protected:
@@ -46,6 +49,27 @@ TEST(Render, drawsBackgroundAloneWithTheModelBehindTheCamera) {
   const Picture picture(folder / "a.png");
   ASSERT_EQ(picture.height_px, 48);
   EXPECT_EQ(picture.covered(0, 0), 0);
+}
+
+TEST(Render, drawsTheFinestAndSaysThatItIsNotConvergedWhereTheLatticeIsSeen) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  const auto render = [&](const char* pixels) {
+    return lodestream({"render", store, "--pixels", pixels, "--json", "-o", folder / "a.png"});
+  };
+  const Outcome fine = render("0.01");
+  if (cannotDraw(fine, "cannot draw off-screen")) GTEST_SKIP() << fine.err;
+  EXPECT_EQ(fine.status, 1);
+  EXPECT_NE(fine.err.find("even the original triangles are off by"), std::string::npos) << fine.err;
+  expectOneLine(fine.err);
+  const Json json = Json::parse(fine.out, nullptr, false);
+  EXPECT_EQ(json["converged"], false);
+  EXPECT_EQ(json["pictures"], 1);
+  EXPECT_GT(json["max_error_px"], 0.01);
+  EXPECT_GT(Picture(folder / "a.png").covered(0, 0), 0.1);
+  const Outcome coarse = render("1");
+  EXPECT_EQ(coarse.status, 0) << coarse.err;
+  EXPECT_EQ(Json::parse(coarse.out, nullptr, false)["converged"], true);
 }
 
 TEST(Window, showsAModelUnderAVirtualDisplay) {
