@@ -1,11 +1,18 @@
 #include "server/ingest/build/build.h"
 
+#include <array>
 #include <exception>
 #include <string>
 #include <string_view>
 
 #include "common/error.h"
-#include "server/ingest/build/build_steps.h"
+#include "server/ingest/build/build_session.h"
+#include "server/ingest/build/dereference_stage.h"
+#include "server/ingest/build/pack_stage.h"
+#include "server/ingest/build/partition_stage.h"
+#include "server/ingest/build/scan_stage.h"
+#include "server/ingest/build/simplify_stage.h"
+#include "server/ingest/build/texture_stage.h"
 #include "server/ingest/plan/machine.h"
 
 namespace lode::ingest {
@@ -26,31 +33,38 @@ BuildOptions withDefaults(BuildOptions options) {
   return options;
 }
 
+/// What a build does. Each stage names those that it takes something from.
+void runStages(BuildSession& session) {
+  ScanStage scan(session);
+  TextureStage textures(session, scan);
+  DereferenceStage dereference(session, scan);
+  PartitionStage partition(session, dereference);
+  SimplifyStage simplify(session, partition);
+  PackStage pack(session, textures, simplify);
+  const std::array<Stage*, 6> in_order{&scan, &textures, &dereference, &partition, &simplify, &pack};
+  for (Stage* stage : in_order) session.run(*stage);
+}
+
 /// How a build that failed may go on; empty where it would only fail again.
-std::string_view wayOn(const Error& error, const BuildSteps& steps) noexcept {
+std::string_view wayOn(const Error& error, const BuildSession& session) noexcept {
   if (error.code() == ErrorCode::kIo) return "the same command goes on from there";
-  return steps.lacksMemory() ? "with more memory the same command goes on from there" : "";
+  return session.lacksMemory() ? "with more memory the same command goes on from there" : "";
 }
 
 }  // namespace
 
 BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
-  BuildSteps steps(withDefaults(given), progress);
+  BuildSession session(withDefaults(given), progress);
   try {
-    steps.scan();
-    steps.textures();
-    steps.dereference();
-    steps.partition();
-    steps.simplify();
-    steps.pack();
-    return steps.report();
+    runStages(session);
+    return session.takeReport();
   } catch (const Error& error) {
-    const std::string_view way_on = wayOn(error, steps);
-    if (!given.resume || way_on.empty() || !steps.keep()) throw;
+    const std::string_view way_on = wayOn(error, session);
+    if (!given.resume || way_on.empty() || !session.keep()) throw;
     throw Error(error.code(),
                 std::string(error.what()) + "; what is finished is kept, " + std::string(way_on));
   } catch (const std::exception&) {
-    if (given.resume) steps.keep();
+    if (given.resume) session.keep();
     throw;
   }
 }

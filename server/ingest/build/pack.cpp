@@ -4,8 +4,9 @@
 
 namespace lode::ingest {
 
-void packTextures(const StagedTextures& textures, const Spool& tiles, store::Writer& writer) {
-  TextureSet set{textures.grid.origin, textures.grid.scale_exponent, {}};
+void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
+                  store::Writer& writer) {
+  TextureSet set{grid.origin, grid.scale_exponent, {}};
   uint32_t levels = 0;
   for (const StagedTextures::Texture& texture : textures.textures) {
     set.textures.push_back({texture.name, texture.width, texture.height, {}});
@@ -22,7 +23,7 @@ void packTextures(const StagedTextures& textures, const Spool& tiles, store::Wri
       const size_t end = first + size_t{tilesAcross(texture, level)} * tilesDown(texture, level);
       for (size_t i = first; i < end; ++i) {
         bytes.resize(textures.textures[t].tiles[i].bytes);
-        tiles.readAt(textures.textures[t].tiles[i].offset, bytes);
+        tiles->readAt(textures.textures[t].tiles[i].offset, bytes);
         texture.tiles[i] = writer.addBlob(bytes);
       }
     }

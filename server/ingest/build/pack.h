@@ -9,8 +9,9 @@
 namespace lode::ingest {
 
 /// Tiles and texture set to a store, coarse levels first.
-/// @param tiles  where they wait.
-void packTextures(const StagedTextures& textures, const Spool& tiles, store::Writer& writer);
+/// @param tiles  where they wait; null if there are none.
+void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
+                  store::Writer& writer);
 
 /// Stage 6: payloads and hierarchy into one store, coarse nodes first, siblings together, a node's coarse
 /// rungs first.

@@ -2,8 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
+#include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "server/ingest/build/build_identity.h"
@@ -12,34 +13,31 @@
 
 namespace lode::ingest {
 
-/// Entries of a build's journal, in the order of the stages.
+/// Entries of a build's journal, in the order of the stages. Those of finished stages begin with what the
+/// build knows (BuildFacts) and its warnings.
 enum class BuildEntry : uint32_t {
-  kBegun = 1,         ///< BuildIdentity
-  kScanned = 2,       ///< what is known of the model, and the packed input
-  kSorting = 3,       ///< a point within dereference, and the sorted runs so far; the last one counts
-  kDereferenced = 4,  ///< counts, and all sorted runs; only where the soup was sorted on disk
-  kPartitioned = 5,   ///< counts, and the partition
-  kNodes = 6,         ///< nodes finished since the last such entry
-  kSimplified = 7,    ///< there are no more of them
-  kPacked = 8,        ///< PackedStore: the output has its name
-  kTextures = 9,      ///< warnings, and the tiles; after kScanned, where the input names images
+  kBegun = 1,  ///< BuildIdentity
+  kScanned = 2,
+  kTextures = 3,      ///< where the input names images
+  kSorting = 4,       ///< a point within dereference, and the sorted runs so far; the last one counts
+  kDereferenced = 5,  ///< only where the soup was sorted on disk
+  kPartitioned = 6,
+  kNodes = 7,       ///< nodes finished since the last such entry
+  kSimplified = 8,  ///< there are no more of them
+  kPacked = 9,      ///< the output has its name
 };
 
-struct PackedStore {
-  BlobName build_id;
-  uint64_t bytes = 0;
-};
-
-/// What a killed build's journal vouches for: entries as they were written, empty where there is none.
+/// What a killed build's journal vouches for.
 struct RecordedBuild {
   std::optional<BuildIdentity> identity;
-  std::vector<std::byte> scanned, textures, sorting, dereferenced, partitioned;
+  std::map<BuildEntry, std::vector<std::byte>> stages;  ///< finished ones, as they were written
+  std::vector<std::byte> sorting;                       ///< as it was written; empty where there is none
   FinishedNodes finished;
-  bool is_simplified = false;
-  std::optional<PackedStore> packed;
 
   /// Adds an entry. @throws Error kFormat, kLimit.
   void add(uint32_t kind, std::span<const std::byte> bytes);
+  /// Whether a stage is finished or one after it, which it was needed for.
+  bool isPast(BuildEntry stage) const noexcept { return stages.lower_bound(stage) != stages.end(); }
 };
 
 }  // namespace lode::ingest

@@ -106,7 +106,7 @@ void BuildFolder::clear(const std::filesystem::path& temporary_parent) {
 
 TemporaryFolder BuildFolder::openFiles() { return TemporaryFolder::lasting(files_); }
 
-void BuildFolder::removeFilesBut(std::initializer_list<std::string_view> names) const {
+void BuildFolder::removeFilesBut(std::span<const std::string_view> names) const {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(files_, ignored)) {
     const std::string name = entry.path().filename().string();

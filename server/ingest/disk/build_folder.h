@@ -1,7 +1,7 @@
 #pragma once
 
 #include <filesystem>
-#include <initializer_list>
+#include <span>
 #include <string_view>
 
 #include "server/ingest/disk/temporary_folder.h"
@@ -29,7 +29,7 @@ class BuildFolder {
   /// The temporary files' folder, made if it is not there.
   TemporaryFolder openFiles();
   /// Removes all temporary files but these.
-  void removeFilesBut(std::initializer_list<std::string_view> names) const;
+  void removeFilesBut(std::span<const std::string_view> names) const;
   /// Return when the names of all folders, or of the temporary files, are on the disk. @throws Error kIo.
   void syncFolders() const;
   void syncFiles() const;

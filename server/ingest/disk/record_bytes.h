@@ -31,6 +31,10 @@ class RecordWriter {
     putBytes(std::as_bytes(std::span(text)));
   }
 
+  void putTexts(const std::vector<std::string>& texts) {
+    put(static_cast<uint64_t>(texts.size()));
+    for (const std::string& text : texts) putText(text);
+  }
   /// Bytes of another record, without their number.
   void append(std::span<const std::byte> bytes) { putBytes(bytes); }
 
@@ -69,6 +73,11 @@ class RecordReader {
   std::string getText() {
     const auto bytes = take(count(1));
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  std::vector<std::string> getTexts() {
+    std::vector<std::string> texts(count(sizeof(uint64_t)));
+    for (std::string& text : texts) text = getText();
+    return texts;
   }
   bool atEnd() const noexcept { return left_.empty(); }
 

@@ -9,11 +9,6 @@
 #include "server/ingest/mesh/vertex_set.h"
 
 namespace lode::ingest {
-namespace {
-
-constexpr std::string_view kVertexFile = "vertices", kFaceFile = "faces";
-
-}  // namespace
 
 AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept {
   uint8_t elsewhere = AttributeSet::kMaterial;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -21,6 +22,9 @@ namespace lode::ingest {
 /// not yet: their grids follow from them.
 class PackedInput {
  public:
+  /// Names of the files, which last.
+  static constexpr std::string_view kVertexFile = "vertices", kFaceFile = "faces";
+
   /// @param corner_texture  texture coordinates come with the faces' corners, not with vertices.
   PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
               bool corner_texture = false);

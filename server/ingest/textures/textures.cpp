@@ -146,15 +146,14 @@ class Stager {
 };
 
 /// Says where a wide range of coordinates makes them coarser than the images.
-void checkPrecision(const StagedTextures& staged, const std::string& ply,
+void checkPrecision(const StagedTextures& staged, const UvGrid& grid, const std::string& ply,
                     std::vector<std::string>& warnings) {
   uint32_t largest = 0;
   for (const StagedTextures::Texture& texture : staged.textures)
     largest = std::max({largest, texture.width, texture.height});
-  const double texels = std::ldexp(largest, staged.grid.scale_exponent - 16);
+  const double texels = std::ldexp(largest, grid.scale_exponent - 16);
   if (texels <= 1) return;
-  warnings.push_back(ply + ": texture coordinates run over " +
-                     std::to_string(1ull << staged.grid.scale_exponent) +
+  warnings.push_back(ply + ": texture coordinates run over " + std::to_string(1ull << grid.scale_exponent) +
                      " repetitions of the image, and are rounded to " + std::to_string(texels) +
                      " pixels of it; bring them nearer to 0 ... 1 where that shows");
 }
@@ -162,7 +161,6 @@ void checkPrecision(const StagedTextures& staged, const std::string& ply,
 }  // namespace
 
 void StagedTextures::save(RecordWriter& record) const {
-  record.put(grid);
   record.put(static_cast<uint32_t>(textures.size()));
   for (const Texture& texture : textures) {
     record.putText(texture.name);
@@ -174,7 +172,6 @@ void StagedTextures::save(RecordWriter& record) const {
 
 StagedTextures StagedTextures::load(RecordReader& record) {
   StagedTextures staged;
-  staged.grid = record.get<UvGrid>();
   for (auto count = record.get<uint32_t>(); count > 0; --count) {
     Texture texture;
     texture.name = record.getText();
@@ -189,11 +186,11 @@ StagedTextures StagedTextures::load(RecordReader& record) {
 StagedTextures stageTextures(const BuildOptions& options, std::span<const TextureImage> images,
                              const UvGrid& grid, Spool& tiles, uint64_t image_bytes,
                              const BuildProgress& progress, std::vector<std::string>& warnings) {
-  StagedTextures staged{grid, {}};
+  StagedTextures staged;
   Stager stager(options, tiles, image_bytes, progress, warnings, images.size());
   for (const TextureImage& image : images) staged.textures.push_back(stager.stage(image));
   tiles.flush();
-  checkPrecision(staged, options.input.string(), warnings);
+  checkPrecision(staged, grid, options.input.string(), warnings);
   return staged;
 }
 

@@ -28,7 +28,6 @@ struct StagedTextures {
   /// Name of the tiles' file, which lasts.
   static constexpr std::string_view kFile = "tiles";
 
-  UvGrid grid;
   std::vector<Texture> textures;
 
   void save(RecordWriter& record) const;
