@@ -4,19 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "common/point_segment.h"
+
 namespace lode::store {
 namespace {
 
 constexpr uint32_t kLeafSegments = 8;
-
-double squaredDistance(const Segment& segment, glm::dvec3 point) {
-  const glm::dvec3 along = segment.to - segment.from;
-  const double length_squared = glm::dot(along, along);
-  const double t =
-      length_squared > 0 ? std::clamp(glm::dot(point - segment.from, along) / length_squared, 0.0, 1.0) : 0.0;
-  const glm::dvec3 gap = segment.from + t * along - point;
-  return glm::dot(gap, gap);
-}
 
 double squaredDistance(glm::dvec3 min, glm::dvec3 max, glm::dvec3 point) {
   const glm::dvec3 gap = point - glm::clamp(point, min, max);
@@ -64,7 +57,8 @@ double SegmentTree::distance(glm::dvec3 point) const {
     if (squaredDistance(box.min, box.max, point) >= best) continue;
     if (box.right == 0) {
       for (uint32_t i = 0; i < box.count; ++i)
-        best = std::min(best, squaredDistance(segments_[box.first + i], point));
+        best = std::min(best, squaredDistanceToSegment(point, segments_[box.first + i].from,
+                                                       segments_[box.first + i].to));
       continue;
     }
     uint32_t near = number + 1, far = box.right;

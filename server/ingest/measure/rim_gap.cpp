@@ -6,6 +6,8 @@
 #include <tuple>
 #include <vector>
 
+#include "common/point_segment.h"
+
 namespace lode::ingest {
 namespace {
 
@@ -17,14 +19,6 @@ constexpr float kShortestPart = 0.5f;  ///< lattice steps; rims are not divided 
 struct Meeting {
   uint32_t place, rim;
 };
-
-float squaredDistanceToSegment(glm::vec3 point, glm::vec3 a, glm::vec3 b) noexcept {
-  const glm::vec3 along = b - a;
-  const float length = glm::dot(along, along);
-  const float t = length > 0 ? std::clamp(glm::dot(point - a, along) / length, 0.f, 1.f) : 0;
-  const glm::vec3 away = point - (a + t * along);
-  return glm::dot(away, away);
-}
 
 struct Segment {
   glm::vec3 from, to;

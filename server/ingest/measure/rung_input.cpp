@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include "server/ingest/mesh/mesh_edges.h"
+
 namespace lode::ingest {
 
 RungInput::RungInput(NodeMesh mesh, int depth)
-    : mesh_(std::move(mesh)), walk_(mesh_), rims_(walk_.openEdges()) {
+    : mesh_(std::move(mesh)), walk_(mesh_), rims_(openEdges(mesh_)) {
   const auto is_locked = [&](uint32_t position) { return mesh_.lca_depth[position] < depth; };
   std::erase_if(rims_, [&](glm::u32vec2 edge) { return is_locked(edge.x) && is_locked(edge.y); });
 }

@@ -109,32 +109,6 @@ float SurfaceWalk::exactDistance(glm::vec3 point, float bound) const noexcept {
   return std::sqrt(best.squared);
 }
 
-std::vector<glm::u32vec2> SurfaceWalk::openEdges() const {
-  std::vector<glm::u32vec2> open;
-  std::vector<uint8_t> is_odd(points_.size());
-  std::vector<uint32_t> others;
-  for (uint32_t from = 0; from < points_.size(); ++from) {
-    const auto forEachOther = [&](auto&& look) {
-      for (uint32_t i = begin_[from]; i < begin_[from + 1]; ++i) {
-        const glm::u32vec3& t = triangles_[around_[i]];
-        for (int k = 0; k < 3; ++k)
-          if (t[k] > from) look(t[k]);
-      }
-    };
-    int odd = 0;
-    forEachOther([&](uint32_t to) { odd += (is_odd[to] ^= 1) ? 1 : -1; });
-    if (odd == 0) continue;
-    others.clear();
-    forEachOther([&](uint32_t to) {
-      if (is_odd[to]) others.push_back(to);
-      is_odd[to] = 0;
-    });
-    std::sort(others.begin(), others.end());
-    for (const uint32_t to : others) open.emplace_back(from, to);
-  }
-  return open;
-}
-
 /// Whether the triangle's nearest place is inside it, so that its neighbours are farther away.
 bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
   const glm::u32vec3& t = triangles_[triangle];

@@ -39,8 +39,6 @@ class SurfaceWalk {
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
   /// The true distance, by a look at every triangle. @param bound  not below it
   float exactDistance(glm::vec3 point, float bound) const noexcept;
-  /// Edges, by position, that an odd number of triangles use; lower position first, in rising order.
-  std::vector<glm::u32vec2> openEdges() const;
 
  private:
   struct Nearest {

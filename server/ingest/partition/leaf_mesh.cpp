@@ -81,36 +81,4 @@ uint16_t normalOf(glm::i64vec3 sum) noexcept {
   return encodeOctahedral(length > 0 ? glm::vec3(exact / length) : glm::vec3(0, 0, 1));
 }
 
-std::vector<uint32_t> findBorder(const NodeMesh& mesh) {
-  const size_t positions = mesh.positions.size();
-  const auto forEachEdge = [&mesh](auto&& visit) {
-    for (const glm::u32vec3& t : mesh.triangles) {
-      for (int k = 0; k < 3; ++k) {
-        const uint32_t a = mesh.wedge_position[t[k]], b = mesh.wedge_position[t[(k + 1) % 3]];
-        visit(std::min(a, b), std::max(a, b));
-      }
-    }
-  };
-  std::vector<uint32_t> begin(positions + 1),
-      upper_ends(3 * mesh.triangles.size());  // of edges, by lower end
-  forEachEdge([&](uint32_t lower, uint32_t) { ++begin[lower]; });
-  uint32_t end = 0;
-  for (uint32_t& first : begin) first = end += first;
-  forEachEdge([&](uint32_t lower, uint32_t upper) { upper_ends[--begin[lower]] = upper; });
-
-  std::vector<bool> is_border(positions);
-  std::vector<uint32_t> uses(positions);  // of the edges of one lower end, by the upper
-  for (size_t lower = 0; lower < positions; ++lower) {
-    const auto ends = std::span(upper_ends).subspan(begin[lower], begin[lower + 1] - begin[lower]);
-    for (const uint32_t upper : ends) ++uses[upper];
-    for (const uint32_t upper : ends)
-      if (uses[upper] != 2) is_border[lower] = is_border[upper] = true;
-    for (const uint32_t upper : ends) uses[upper] = 0;
-  }
-  std::vector<uint32_t> border;
-  for (uint32_t position = 0; position < positions; ++position)
-    if (is_border[position]) border.push_back(position);
-  return border;
-}
-
 }  // namespace lode::ingest

@@ -28,8 +28,4 @@ std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh);
 /// Octahedral code of a sum of normals.
 uint16_t normalOf(glm::i64vec3 sum) noexcept;
 
-/// Positions on an edge that the mesh does not use exactly twice, rising: on the border to another leaf, on a
-/// rim, or non-manifold.
-std::vector<uint32_t> findBorder(const NodeMesh& mesh);
-
 }  // namespace lode::ingest

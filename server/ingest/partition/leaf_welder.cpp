@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "server/ingest/mesh/mesh_edges.h"
 #include "server/ingest/partition/leaf_mesh.h"
 
 namespace lode::ingest {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/ingest/measure/surface_walk.h"
+#include "server/ingest/mesh/mesh_edges.h"
 #include "tests/support/node_meshes.h"
 
 namespace lode::ingest {
@@ -32,27 +32,20 @@ TEST(RimGap, isHowFarARimThatWasCutShortIsFromTheOriginal) {
   SimplifiedMesh flat{meshOf({{0, 0}, {100, 0}, {100, 100}, {0, 100}}, {{0, 1, 2}, {0, 2, 3}}),
                       {0, 1, 2, 3, 3}};
   const float of_middle = 40 * 50 / std::hypot(40.f, 50.f);  // from the new rim to either side of the roof
-  const float gap = rimGap(flat, input, SurfaceWalk(input).openEdges());
+  const float gap = rimGap(flat, input, openEdges(input));
   EXPECT_GE(gap, of_middle * 0.999f);
   EXPECT_LE(gap, of_middle * 1.021f);
 }
 
 TEST(RimGap, isNothingWhereNothingHasMoved) {
   const NodeMesh input = house(40);
-  EXPECT_EQ(rimGap({input, {0, 1, 2, 3, 4}}, input, SurfaceWalk(input).openEdges()), 0);
+  EXPECT_EQ(rimGap({input, {0, 1, 2, 3, 4}}, input, openEdges(input)), 0);
 }
 
 TEST(RimGap, isNothingWhereNothingIsLeft) {
   const NodeMesh input = house(40);
   const SimplifiedMesh gone{{}, std::vector<uint32_t>(5, kVanished)};
-  EXPECT_EQ(rimGap(gone, input, SurfaceWalk(input).openEdges()), 0);
-}
-
-TEST(SurfaceWalk, knowsTheEdgesThatAnOddNumberOfTrianglesUse) {
-  const NodeMesh input = house(0);
-  const std::vector<glm::u32vec2> expected{{0, 1}, {0, 4}, {1, 2}, {2, 3}, {3, 4}};
-  EXPECT_EQ(SurfaceWalk(input).openEdges(), expected);
-  EXPECT_TRUE(SurfaceWalk(test::nodeOf(test::makeSphere(12, 8))).openEdges().empty());
+  EXPECT_EQ(rimGap(gone, input, openEdges(input)), 0);
 }
 
 }  // namespace

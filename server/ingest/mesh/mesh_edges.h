@@ -1,0 +1,48 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "server/ingest/mesh/node_mesh.h"
+
+namespace lode::ingest {
+
+/// Calls visit(lower, upper, uses) for each edge of a mesh, by the numbers of its positions, and with how
+/// many triangles have it: by rising lower number, those of one lower in no order that means anything.
+template <typename Visit>
+void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
+  const auto forEachSide = [&mesh](auto&& visit_side) {
+    for (const glm::u32vec3& t : mesh.triangles) {
+      const uint32_t a = mesh.wedge_position[t.x], b = mesh.wedge_position[t.y], c = mesh.wedge_position[t.z];
+      visit_side(std::min(a, b), std::max(a, b));
+      visit_side(std::min(b, c), std::max(b, c));
+      visit_side(std::min(c, a), std::max(c, a));
+    }
+  };
+  std::vector<uint32_t> begin(mesh.positions.size() + 1), uppers(3 * mesh.triangles.size());  // by lower
+  forEachSide([&](uint32_t lower, uint32_t) { ++begin[lower]; });
+  uint32_t end = 0;
+  for (uint32_t& first : begin) first = end += first;
+  forEachSide([&](uint32_t lower, uint32_t upper) { uppers[--begin[lower]] = upper; });
+  std::vector<uint32_t> uses(mesh.positions.size());  // of one lower's edges, by the upper
+  for (uint32_t lower = 0; lower < mesh.positions.size(); ++lower) {
+    const auto ends = std::span(uppers).subspan(begin[lower], begin[lower + 1] - begin[lower]);
+    for (const uint32_t upper : ends) ++uses[upper];
+    for (const uint32_t upper : ends)
+      if (const uint32_t count = std::exchange(uses[upper], 0)) visit(lower, upper, count);
+  }
+}
+
+/// Edges that an odd number of triangles has, rising.
+std::vector<glm::u32vec2> openEdges(const NodeMesh& mesh);
+
+/// Positions on an edge that the mesh does not use exactly twice, rising: on the border to another leaf, on a
+/// rim, or non-manifold.
+std::vector<uint32_t> findBorder(const NodeMesh& mesh);
+
+}  // namespace lode::ingest
