@@ -53,8 +53,8 @@ Stage::Work SimplifyStage::run() {
   }
   SimplifyLog log(session_.files(), *payloads_, std::move(finished),
                   [&](std::span<const std::byte> entry) { session_.note(BuildEntry::kNodes, entry); });
-  simplify(settings(), partition_.partition(), *payloads_, log, *nodes_,
-           {session_.plan().threads, session_.plan().node_bytes}, session_.progress());
+  buildTree(settings(), partition_.partition(), *payloads_, log, *nodes_,
+            {session_.plan().threads, session_.plan().node_bytes}, session_.progress());
   partition_.release();
   return {nodes_->size(), payloads_->size()};
 }

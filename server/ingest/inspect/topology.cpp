@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/octahedral.h"
+#include "server/ingest/mesh/groups.h"
 #include "server/ingest/mesh/number_table.h"
 #include "server/ingest/mesh/vertex_set.h"
 #include "server/ingest/soup/lattice_choice.h"
@@ -65,7 +66,6 @@ std::optional<Topology> TopologyCounter::count() {
   if (!normals_.empty()) countOpposed();
   joinVertices();
   countPieces();
-  pieces_ = {};
   countLost();
   positions_ = {};
   countEdges();
@@ -120,22 +120,14 @@ void TopologyCounter::joinVertices() {
   for (uint32_t& corner : corners_) corner = first[corner];
 }
 
-uint32_t TopologyCounter::pieceOf(uint32_t vertex) noexcept {
-  while (pieces_[vertex] != vertex) vertex = pieces_[vertex] = pieces_[pieces_[vertex]];
-  return vertex;
-}
-
 void TopologyCounter::countPieces() {
-  pieces_.resize(positions_.size());
-  for (uint32_t v = 0; v < pieces_.size(); ++v) pieces_[v] = v;
+  Groups joined(positions_.size());
   VertexSet used(positions_.size());
   size_t first = 0;
   for (const uint32_t corners : corner_counts_) {
     for (size_t c = first; c < first + corners; ++c) {
       topology_.pieces += used.add(corners_[c]);
-      const uint32_t a = pieceOf(corners_[first]), b = pieceOf(corners_[c]);
-      topology_.pieces -= a != b;
-      pieces_[std::max(a, b)] = std::min(a, b);
+      topology_.pieces -= joined.join(corners_[first], corners_[c]);
     }
     first += corners;
   }

@@ -46,7 +46,6 @@ class TopologyCounter {
   void countUsed();
   void countLost();
   void countEdges();
-  uint32_t pieceOf(uint32_t vertex) noexcept;
   void countPieces();
 
   const uint64_t memory_bytes_;
@@ -54,7 +53,6 @@ class TopologyCounter {
   std::vector<glm::dvec3> positions_;
   std::vector<uint16_t> normals_;  ///< octahedral; empty if the file has none
   std::vector<uint32_t> corner_counts_, corners_;
-  std::vector<uint32_t> pieces_;  ///< union-find by vertex
   Topology topology_;
 };
 

@@ -17,10 +17,12 @@ class Groups {
     while (towards_[i] != i) i = towards_[i] = towards_[towards_[i]];
     return i;
   }
-  void join(uint32_t a, uint32_t b) noexcept {
+  /// @return whether they were two.
+  bool join(uint32_t a, uint32_t b) noexcept {
     a = find(a);
     b = find(b);
     towards_[std::max(a, b)] = std::min(a, b);
+    return a != b;
   }
 
  private:

@@ -308,9 +308,9 @@ class Scheduler {
 
 }  // namespace
 
-void simplify(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
-              SimplifyLog& log, NodeSpool& nodes, const TreeResources& resources,
-              const BuildProgress& progress) {
+void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
+               SimplifyLog& log, NodeSpool& nodes, const TreeResources& resources,
+               const BuildProgress& progress) {
   const TreePlan plan(partition.leaves);
   Scheduler scheduler(plan, log, nodes, resources, settings.triangles_per_node);
   {
