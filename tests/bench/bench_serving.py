@@ -216,11 +216,11 @@ def cold(bench):
     print("| --- | --- | --- | --- |")
     runs = {False: [], True: []}
     with slow_disk(folder / "cold.lode", 20 << 20, 48 << 20) as slowly, lodestreamd(bench, folder, prefix=slowly) as (_, listen):
-        wish_times(bench, listen, "hot", numbers["hot"], 3000)  # warm
+        wish_times(bench, listen, "hot", numbers["hot"], 1000)  # warm
         for beside in (False, True) * bench.runs:
             forget(folder / "cold.lode")
             others = load_beside(bench, listen, "cold", numbers["cold"], 8, 8, 6) if beside else None
-            run = wish_times(bench, listen, "hot", numbers["hot"], 3000)
+            run = wish_times(bench, listen, "hot", numbers["hot"], 1000)
             taken = json.loads(others.communicate()[0]) if others else dict(bytes=0, seconds=1)
             runs[beside].append((run["median_ms"], run["p99_ms"], taken["bytes"] / taken["seconds"] / 1e6))
     for beside, measured_runs in runs.items():
@@ -293,7 +293,7 @@ def urgent(bench):
             time.sleep(0.5)
             for control, (way, port) in itertools.product(
                     [c for c in ("cubic", "bbr") if c in controls], (("directly", 7400), ("through HAProxy", 7401))):
-                subprocess.run([*near, "sysctl", "-qw", f"net.ipv4.tcp_congestion_control={control}"], check=True)
+                subprocess.run([*near, "ip", "route", "replace", "10.9.0.0/24", "dev", "em0", "congctl", control], check=True)
                 environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
                 done = subprocess.run(
                     [*far, "/usr/bin/python3", HERE.parent / "load" / "urgent_wish.py", f"10.9.0.1:{port}", "noise",
