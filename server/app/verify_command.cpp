@@ -2,6 +2,7 @@
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
+#include "server/app/progress_bar.h"
 #include "server/ingest/inspect/against.h"
 #include "server/store/verify.h"
 
@@ -12,7 +13,7 @@ struct VerifyArguments {
   std::filesystem::path store;
   store::VerifyOptions options;
   ingest::AgainstOptions against;  ///< no input: the store alone is checked
-  bool json = false;
+  bool json = false, quiet = false;
 };
 
 Json toJson(const store::VerifyReport& report) {
@@ -44,7 +45,7 @@ std::string describe(const store::VerifyReport& report) {
 
 std::string describe(const ingest::AgainstReport& report) {
   char ratios[80];
-  std::snprintf(ratios, sizeof ratios, "%.2f times the sampled at least, %.2f at the median",
+  std::snprintf(ratios, sizeof ratios, "%.2f times the found at least, %.2f at the median",
                 report.least_ratio, report.median_ratio);
   std::string text = "; all " + std::to_string(report.triangles) + " triangles of the input are there, " +
                      std::to_string(report.dropped) + " dropped";
@@ -60,7 +61,11 @@ Json check(const VerifyArguments& arguments, std::string& text) {
   ingest::AgainstOptions against = arguments.against;
   against.store = arguments.store;
   against.seed = arguments.options.seed;
-  const ingest::AgainstReport compared = ingest::compareWithInput(against);
+  ProgressBar bar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
+  const ingest::AgainstReport compared =
+      ingest::compareWithInput(against, [&](std::string_view stage, double fraction, uint64_t done,
+                                            uint64_t) { bar.update(stage, fraction, done); });
+  bar.finishStage();
   json["against"] = toJson(compared);
   text += describe(compared);
   return json;
@@ -88,10 +93,15 @@ void addVerifyCommand(CLI::App& program) {
   ingest::AgainstOptions& against = arguments->against;
   command
       ->add_option("--against", against.input,
-                   "the PLY file that it was built from: check that nothing is missing, and sample errors")
+                   "the PLY file that it was built from: check that nothing is missing, and measure errors")
       ->type_name("IN.ply");
-  command->add_option("--rungs", against.rungs, "rungs to sample, with --against, at most")
-      ->capture_default_str();
+  command
+      ->add_option("--rungs", against.rungs,
+                   "rungs to measure, with --against, at most, spread over the tree (default: all)")
+      ->transform([](std::string text) { return text == "all" ? "0" : text; }, "")
+      ->type_name("N|all");
+  command->add_option("--threads", against.threads, "threads that measure (default: one a core)")
+      ->check(CLI::Range(1u, 1024u));
   command
       ->add_option("--memory", against.memory_bytes,
                    "memory to use with --against (default: half of the machine's or the container's)")
@@ -104,10 +114,10 @@ void addVerifyCommand(CLI::App& program) {
   command->add_option("--cuts", arguments->options.random_cuts, "random cuts to compare with the leaves")
       ->capture_default_str();
   command
-      ->add_option("--seed", arguments->options.seed,
-                   "of the random cuts, and of the sampled rungs and points")
+      ->add_option("--seed", arguments->options.seed, "of the random cuts, the choice of rungs and of points")
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "print one JSON object");
+  command->add_flag("--quiet", arguments->quiet, "print no progress");
   command->callback([arguments] { runVerify(*arguments); });
 }
 

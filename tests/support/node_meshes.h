@@ -72,4 +72,19 @@ inline std::set<PositionEdge> oddEdges(const ingest::NodeMesh& node) {
   return odd;
 }
 
+/// A fine barycentric grid over every triangle.
+inline std::vector<glm::dvec3> pointsOver(const ingest::NodeMesh& mesh, int steps) {
+  std::vector<glm::dvec3> points;
+  for (const glm::u32vec3& t : mesh.triangles) {
+    const glm::dvec3 a(unpackPosition(mesh.positions[mesh.wedge_position[t.x]]));
+    const glm::dvec3 b(unpackPosition(mesh.positions[mesh.wedge_position[t.y]]));
+    const glm::dvec3 c(unpackPosition(mesh.positions[mesh.wedge_position[t.z]]));
+    for (int i = 0; i <= steps; ++i) {
+      for (int j = 0; i + j <= steps; ++j)
+        points.push_back(a + (b - a) * (double(i) / steps) + (c - a) * (double(j) / steps));
+    }
+  }
+  return points;
+}
+
 }  // namespace lode::test

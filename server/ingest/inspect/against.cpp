@@ -41,8 +41,9 @@ struct Side {
 
 class Comparison {
  public:
-  explicit Comparison(const AgainstOptions& options)
+  Comparison(const AgainstOptions& options, const BuildProgress& progress)
       : options_(options),
+        progress_(progress),
         reader_(options.store),
         folder_(options.temporary_folder.empty() ? std::filesystem::temp_directory_path()
                                                  : options.temporary_folder),
@@ -92,15 +93,15 @@ class Comparison {
     build_options.input = options_.input;
     build_options.skip_bad = true;
     std::vector<std::string> warnings;
-    const ScannedModel scanned = scan(build_options, folder_, {}, warnings);
-    const DereferenceCounts counts = dereference(scanned.input, reader_.summary().lattice, memory_bytes_ / 4,
-                                                 [&](const SoupTriangle& t) {
-                                                   Side side{{}, 1};
-                                                   for (size_t k = 0; k < 3; ++k)
-                                                     side.corners[k] = {t.corners[k].value, t.attributes[k]};
-                                                   push(sorter, side);
-                                                 },
-                                                 {});
+    const ScannedModel scanned = scan(build_options, folder_, progress_, warnings);
+    const DereferenceCounts counts = dereference(
+        scanned.input, reader_.summary().lattice, memory_bytes_ / 4,
+        [&](const SoupTriangle& t) {
+          Side side{{}, 1};
+          for (size_t k = 0; k < 3; ++k) side.corners[k] = {t.corners[k].value, t.attributes[k]};
+          push(sorter, side);
+        },
+        progress_);
     const UvGrid& grid = scanned.input.uvGrid();
     if (grid != UvGrid{reader_.textures().uv_origin, reader_.textures().uv_scale_exponent})
       fail("the input's texture coordinates have another range than the store's");
@@ -156,11 +157,6 @@ class Comparison {
     same_key.clear();
   }
 
-  struct RungAt {
-    const Node* node;
-    uint32_t rung;
-  };
-
   /// Those that are no copy of the input, evenly spread over the tree in key order.
   std::vector<RungAt> chooseRungs() const {
     std::vector<RungAt> all, chosen;
@@ -169,23 +165,31 @@ class Comparison {
         if (node.rungs[r].triangles > 0) all.push_back({&node, r});
       }
     }
-    const size_t stride = (all.size() + options_.rungs - 1) / std::max<size_t>(1, options_.rungs);
-    if (stride == 0) return {};
+    if (options_.rungs == 0 || all.size() <= options_.rungs) return all;
+    const size_t stride = (all.size() + options_.rungs - 1) / options_.rungs;
     for (size_t i = options_.seed % stride; i < all.size(); i += stride) chosen.push_back(all[i]);
     return chosen;
   }
 
   void compareErrors() {
     std::vector<double> ratios;
-    for (const auto& [node, rung] : chooseRungs()) {
-      const DenseError error = measureDenseError(reader_, *node, rung, options_.samples, options_.seed);
-      const double sampled = std::max(error.forward_steps, error.backward_steps);
-      const double ratio = sampled > 0 ? error.stored_steps / sampled : INFINITY;
+    const std::vector<RungAt> rungs = chooseRungs();
+    const std::vector<DenseError> errors =
+        measureDenseErrors(reader_, rungs,
+                           {.seed = options_.seed,
+                            .threads = options_.threads > 0 ? options_.threads : defaultThreads(),
+                            .progress = [this](double fraction, uint64_t leaves) {
+                              if (progress_) progress_("measure", fraction, leaves, reader_.nodes().size());
+                            }});
+    for (size_t i = 0; i < rungs.size(); ++i) {
+      const auto& [node, rung] = rungs[i];
+      const DenseError& error = errors[i];
+      const double ratio = error.found_steps > 0 ? error.stored_steps / error.found_steps : 2;
       if (ratio < kLeastRatio) {
         const double step = reader_.summary().lattice.step;
         fail("node " + store::describeKey(node->key) + ", rung " + std::to_string(rung) +
              ": its error is given as " + std::to_string(error.stored_steps * step) + ", sampling finds " +
-             std::to_string(sampled * step) + " (I4)");
+             std::to_string(error.found_steps * step) + " or more (I4)");
       }
       report_.rungs_below += ratio < 1;
       ratios.push_back(ratio);
@@ -202,6 +206,7 @@ class Comparison {
   }
 
   const AgainstOptions& options_;
+  const BuildProgress& progress_;
   const store::Reader reader_;
   const TemporaryFolder folder_;
   const uint64_t memory_bytes_;
@@ -210,6 +215,8 @@ class Comparison {
 
 }  // namespace
 
-AgainstReport compareWithInput(const AgainstOptions& options) { return Comparison(options).run(); }
+AgainstReport compareWithInput(const AgainstOptions& options, const BuildProgress& progress) {
+  return Comparison(options, progress).run();
+}
 
 }  // namespace lode::ingest

@@ -1,166 +1,130 @@
 #include "server/ingest/inspect/dense_error.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <vector>
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <unordered_map>
+#include <utility>
 
-#include "server/ingest/measure/triangle_grid.h"
-#include "server/ingest/mesh/node_mesh.h"
-#include "server/ingest/mesh/number_table.h"
+#include "server/ingest/inspect/rung_check.h"
 #include "server/store/export.h"
 
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kLeastSamplesOfLeaf = 64;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// Lattice coordinates from a node's corner, refined by a power of two, so that points between lattice points
-/// have codes as well.
-class LocalFrame {
- public:
-  explicit LocalFrame(const LatticeBox& box) : origin_(box.min) {
-    const glm::uvec3 size = box.max - box.min;
-    refinement_ = std::bit_floor(kMaxLattice / std::max({size.x, size.y, size.z, 1u}));
-  }
-
-  float refinement() const noexcept { return static_cast<float>(refinement_); }
-  glm::uvec3 local(PositionCode position) const noexcept { return local(unpackPosition(position)); }
-  glm::uvec3 local(glm::uvec3 position) const noexcept { return (position - origin_) * refinement_; }
-
-  NodeMesh toLocal(const Mesh& mesh) const {
-    NodeMesh local_mesh;
-    for (const PositionCode position : mesh.positions) {
-      local_mesh.wedge_position.push_back(static_cast<uint32_t>(local_mesh.positions.size()));
-      local_mesh.positions.push_back(packPosition(local(position)));
-    }
-    local_mesh.triangles = mesh.triangles;
-    return local_mesh;
-  }
-
- private:
-  glm::uvec3 origin_;
-  uint32_t refinement_;
+/// The rungs of a node that are measured; they are in memory from the node's first leaf to its last.
+struct NodeCheck {
+  const Node* node = nullptr;
+  uint64_t original = 0;       ///< triangles below
+  std::vector<size_t> wanted;  ///< places in the result
+  std::once_flag begun;
+  std::vector<std::unique_ptr<RungCheck>> rungs;
+  std::atomic<size_t> leaves_left = 0;
 };
 
-/// Pseudo-random numbers from 0 to 1, the same everywhere.
-class Dice {
- public:
-  explicit Dice(uint64_t seed) : state_(NumberTable::hash(seed + 1)) {}
-  double roll() noexcept {
-    state_ += 0x9e3779b97f4a7c15ULL;
-    return static_cast<double>(NumberTable::hash(state_) >> 11) * 0x1p-53;
-  }
-
- private:
-  uint64_t state_;
-};
-
-glm::dvec3 cornerOf(const NodeMesh& mesh, uint32_t corner) {
-  return glm::dvec3(unpackPosition(mesh.positions[corner]));
-}
-
-/// Points inside a mesh's triangles, as many in each as its area asks for.
-std::vector<PositionCode> samplePoints(const NodeMesh& mesh, size_t count, Dice& dice) {
-  std::vector<double> areas;
-  double total = 0;
-  for (const glm::u32vec3& t : mesh.triangles) {
-    const glm::dvec3 a = cornerOf(mesh, t.x);
-    areas.push_back(glm::length(glm::cross(cornerOf(mesh, t.y) - a, cornerOf(mesh, t.z) - a)));
-    total += areas.back();
-  }
-  std::vector<PositionCode> points;
-  double due = dice.roll();
-  for (size_t i = 0; i < mesh.triangles.size() && total > 0; ++i) {
-    const glm::u32vec3& t = mesh.triangles[i];
-    for (due += areas[i] / total * static_cast<double>(count); due >= 1; due -= 1) {
-      double u = dice.roll(), v = dice.roll();
-      if (u + v > 1) {
-        u = 1 - u;
-        v = 1 - v;
-      }
-      const glm::dvec3 a = cornerOf(mesh, t.x);
-      const glm::dvec3 point = a + u * (cornerOf(mesh, t.y) - a) + v * (cornerOf(mesh, t.z) - a);
-      points.push_back(packPosition(glm::uvec3(glm::round(point))));
-    }
-  }
-  return points;
-}
-
-float distanceToBox(PositionCode point, glm::uvec3 min, glm::uvec3 max) {
-  const glm::vec3 at(unpackPosition(point));
-  return glm::length(glm::max(glm::max(glm::vec3(min) - at, at - glm::vec3(max)), 0.f));
-}
+/// Where a node's cells begin in the order of the finest ones.
+uint64_t placeOf(NodeKey key) noexcept { return key.value << 3 * (kMaxDepth - key.depth()); }
 
 class Measurement {
  public:
-  Measurement(const store::Reader& reader, const Node& node, uint32_t rung, size_t samples, uint64_t seed)
-      : reader_(reader), frame_(node.box), samples_(samples), dice_(seed) {
-    for (const Node& leaf : reader.nodes()) {
-      if (leaf.isLeaf() && node.key.contains(leaf.key)) leaves_.push_back(&leaf);
+  Measurement(const store::Reader& reader, std::span<const RungAt> rungs, const DenseErrorOptions& options)
+      : reader_(reader), wanted_(rungs), options_(options), errors_(rungs.size()) {
+    for (size_t i = 0; i < rungs.size(); ++i) {
+      NodeCheck& check = checks_[rungs[i].node->key.value];
+      check.node = rungs[i].node;
+      check.wanted.push_back(i);
     }
-    rung_ = frame_.toLocal(store::readRung(reader, node, rung));
-    result_.stored_steps = static_cast<float>(node.rungs[rung].error_model / reader.summary().lattice.step);
+    for (const Node& node : reader.nodes()) {
+      if (!node.isLeaf()) continue;
+      leaves_.push_back(&node);
+      forEachAbove(node, [&](NodeCheck& check) {
+        check.original += node.rungs[0].triangles;
+        ++check.leaves_left;
+      });
+    }
+    std::sort(leaves_.begin(), leaves_.end(),
+              [](const Node* a, const Node* b) { return placeOf(a->key) < placeOf(b->key); });
   }
 
-  DenseError run() {
-    const TriangleGrid rung_grid(rung_);
-    const size_t samples_of_leaf = std::max(kLeastSamplesOfLeaf, samples_ / leaves_.size());
-    points_ = samplePoints(rung_, samples_, dice_);
-    nearest_.assign(points_.size(), kInfinity);
-    float forward = 0;
-    const float within = result_.stored_steps * frame_.refinement();
-    for (const Node* leaf : leaves_) {
-      const NodeMesh mesh = frame_.toLocal(store::readRung(reader_, *leaf, 0));
-      for (const PositionCode point : samplePoints(mesh, samples_of_leaf, dice_)) {
-        forward = std::max(forward, rung_grid.distance(point));
-      }
-      search(*leaf, &mesh, within);
+  std::vector<DenseError> run() {
+    {
+      std::vector<std::jthread> workers;
+      for (unsigned i = 0; i < std::max(1u, options_.threads); ++i) workers.emplace_back([this] { work(); });
     }
-    // Only points farther from the original surface than the stored error are not settled yet.
-    for (const Node* leaf : leaves_) search(*leaf, nullptr, kInfinity);
-    for (const float distance : nearest_) result_.backward_steps = std::max(result_.backward_steps, distance);
-    result_.backward_steps /= frame_.refinement();
-    result_.forward_steps = forward / frame_.refinement();
-    return result_;
+    if (failure_) std::rethrow_exception(failure_);
+    return std::move(errors_);
   }
 
  private:
-  /// Brings the rung's points nearer that are within a distance of a leaf's box.
-  /// @param mesh  the leaf's, or null to read it if a point needs it.
-  void search(const Node& leaf, const NodeMesh* mesh, float within) {
-    const LatticeBox& box = leaf.box;
-    const glm::uvec3 min = frame_.local(box.min), max = frame_.local(box.max);
-    std::vector<size_t> near;
-    for (size_t i = 0; i < points_.size(); ++i) {
-      const float away = distanceToBox(points_[i], min, max);
-      if (away <= within && away < nearest_[i] && (mesh || nearest_[i] > settled_)) near.push_back(i);
+  void work() noexcept {
+    try {
+      for (size_t i = next_++; i < leaves_.size() && !is_failed_; i = next_++) measure(*leaves_[i]);
+    } catch (...) {
+      std::lock_guard lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+      is_failed_ = true;
     }
-    if (mesh) settled_ = within;
-    if (near.empty()) return;
-    const TriangleGrid grid(mesh ? *mesh : frame_.toLocal(store::readRung(reader_, leaf, 0)));
-    for (const size_t i : near) nearest_[i] = std::min(nearest_[i], grid.distance(points_[i]));
+  }
+
+  void measure(const Node& leaf) {
+    const LeafSurface surface(store::readRung(reader_, leaf, 0));
+    forEachAbove(leaf, [&](NodeCheck& check) {
+      std::call_once(check.begun, [&] { begin(check); });
+      for (const std::unique_ptr<RungCheck>& rung : check.rungs) rung->add(surface);
+      if (--check.leaves_left == 0) end(check);
+    });
+    std::lock_guard lock(mutex_);
+    ++done_;
+    if (options_.progress)
+      options_.progress(static_cast<double>(done_) / static_cast<double>(leaves_.size()), done_);
+  }
+
+  float storedSteps(const RungAt& rung) const {
+    return static_cast<float>(rung.node->rungs[rung.rung].error_model / reader_.summary().lattice.step);
+  }
+
+  void begin(NodeCheck& check) const {
+    for (const size_t i : check.wanted)
+      check.rungs.push_back(
+          std::make_unique<RungCheck>(store::readRung(reader_, *check.node, wanted_[i].rung), check.node->box,
+                                      storedSteps(wanted_[i]), check.original, options_.seed + i));
+  }
+
+  void end(NodeCheck& check) {
+    for (size_t i = 0; i < check.wanted.size(); ++i)
+      errors_[check.wanted[i]] = {storedSteps(wanted_[check.wanted[i]]), check.rungs[i]->found()};
+    check.rungs.clear();
+  }
+
+  template <typename Visit>
+  void forEachAbove(const Node& leaf, Visit&& visit) {
+    for (int depth = leaf.key.depth(); depth >= 0; --depth) {
+      const auto at = checks_.find(leaf.key.ancestorAt(depth).value);
+      if (at != checks_.end()) visit(at->second);
+    }
   }
 
   const store::Reader& reader_;
-  const LocalFrame frame_;
-  const size_t samples_;
-  Dice dice_;
+  const std::span<const RungAt> wanted_;
+  const DenseErrorOptions& options_;
+  std::vector<DenseError> errors_;
+  std::unordered_map<uint64_t, NodeCheck> checks_;
   std::vector<const Node*> leaves_;
-  NodeMesh rung_;
-  std::vector<PositionCode> points_;
-  std::vector<float> nearest_;
-  float settled_ = 0;  ///< a point this near has met all leaves that could be nearer
-  DenseError result_;
+  std::atomic<size_t> next_ = 0;
+  std::atomic<bool> is_failed_ = false;
+  std::mutex mutex_;
+  uint64_t done_ = 0;
+  std::exception_ptr failure_;
 };
 
 }  // namespace
 
-DenseError measureDenseError(const store::Reader& reader, const Node& node, uint32_t rung, size_t samples,
-                             uint64_t seed) {
-  return Measurement(reader, node, rung, samples, seed).run();
+std::vector<DenseError> measureDenseErrors(const store::Reader& reader, std::span<const RungAt> rungs,
+                                           const DenseErrorOptions& options) {
+  return Measurement(reader, rungs, options).run();
 }
 
 }  // namespace lode::ingest

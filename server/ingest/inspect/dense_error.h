@@ -1,25 +1,37 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
 
 #include "server/store/reader.h"
 
 namespace lode::ingest {
 
-/// A rung's stored error beside what dense sampling finds, in lattice steps.
-struct DenseError {
-  float stored_steps = 0;
-  float forward_steps = 0;   ///< largest distance of the original surface's points from the rung
-  float backward_steps = 0;  ///< largest distance of the rung's points from the original surface
+struct RungAt {
+  const Node* node;
+  uint32_t rung;
 };
 
-/// Measures a rung against the leaves below its node, from points inside the triangles of both, spread by
-/// area (of the original: leaf by leaf). Independent of the samples that the build carried. Memory: the rung,
-/// one leaf, and the points.
-/// @param rung     with triangles.
-/// @param samples  points each way, about.
+/// A rung's stored error beside what dense sampling finds, both ways, in lattice steps.
+struct DenseError {
+  float stored_steps = 0;
+  float found_steps = 0;  ///< see RungCheck::found()
+};
+
+struct DenseErrorOptions {
+  uint64_t seed = 1;  ///< of points inside triangles
+  unsigned threads = 1;
+  std::function<void(double fraction, uint64_t leaves)>
+      progress;  ///< called by one thread at a time; may throw
+};
+
+/// Measures rungs against the leaves below their nodes, independently of the samples that the build carried.
+/// Each leaf is read once, for all rungs above it. Memory: a leaf a thread, and the rungs above those.
+/// @param rungs  with triangles. @return one for each, in their order.
 /// @throws Error kIo, kFormat.
-DenseError measureDenseError(const store::Reader& reader, const Node& node, uint32_t rung, size_t samples,
-                             uint64_t seed);
+std::vector<DenseError> measureDenseErrors(const store::Reader& reader, std::span<const RungAt> rungs,
+                                           const DenseErrorOptions& options);
 
 }  // namespace lode::ingest

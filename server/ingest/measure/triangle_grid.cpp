@@ -84,6 +84,11 @@ void TriangleGrid::fillCells(const std::vector<Cover>& covers) {
   }
 }
 
+float TriangleGrid::squaredDistance(glm::vec3 point, uint32_t number) const noexcept {
+  const Triangle& triangle = triangles_[number];
+  return squaredDistanceToTriangle(point - triangle.a, triangle.ab, triangle.ac);
+}
+
 TriangleGrid::Nearest TriangleGrid::nearest(glm::vec3 point, float enough) const noexcept {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Nearest best{kInfinity, kInfinity};
@@ -137,8 +142,7 @@ void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, float enough, Ne
   for (uint32_t i = begin_[index]; i < begin_[index + 1] && best.distance > enough; ++i) {
     const float reach = best.distance + spheres_[i].w;
     if (squaredLength(point - glm::vec3(spheres_[i])) > reach * reach) continue;
-    const Triangle& triangle = triangles_[members_[i]];
-    const float squared = squaredDistanceToTriangle(point - triangle.a, triangle.ab, triangle.ac);
+    const float squared = squaredDistance(point, members_[i]);
     if (squared < best.squared) best = {squared, std::sqrt(squared), members_[i]};
   }
 }

@@ -24,6 +24,8 @@ class TriangleGrid {
   Nearest nearest(glm::vec3 point, float enough = 0) const noexcept;
   float distance(glm::vec3 point) const noexcept { return nearest(point).distance; }
   float distance(PositionCode point) const noexcept { return distance(glm::vec3(unpackPosition(point))); }
+  /// From one of the mesh's triangles.
+  float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept;
   /// Entries of triangles in cells: what the grid's memory goes with.
   size_t memberCount() const noexcept { return members_.size(); }
 

@@ -32,17 +32,18 @@ class Against : public testing::Test {
     build(options);
   }
 
-  AgainstReport compare(const std::filesystem::path& store) const {
+  AgainstReport compare(const std::filesystem::path& store, uint64_t seed = 1) const {
     AgainstOptions options;
+    options.seed = seed;
     options.store = store;
     options.input = input_;
     options.memory_bytes = 1 << 20;
     return compareWithInput(options);
   }
 
-  void expectDifference(const std::string& words) const {
+  void expectDifference(const std::string& words, uint64_t seed = 1) const {
     try {
-      compare(altered_);
+      compare(altered_, seed);
       ADD_FAILURE() << "no difference found";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kFormat);
@@ -125,6 +126,18 @@ TEST_F(Against, findsErrorsThatAreGivenTooSmall) {
       },
       {});
   expectDifference("(I4)");
+}
+
+TEST_F(Against, findsOneErrorThatIsGivenTooSmallWhateverTheSeed) {
+  bool is_done = false;
+  alter(
+      [&](Node& node) {
+        if (node.isLeaf() || node.key == kRootKey || is_done) return;
+        node.rungs[0].error_model *= 0.4f;
+        is_done = true;
+      },
+      {});
+  for (uint64_t seed = 1; seed <= 3; ++seed) expectDifference("rung 0: its error is given as", seed);
 }
 
 }  // namespace

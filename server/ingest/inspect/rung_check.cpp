@@ -1,0 +1,171 @@
+#include "server/ingest/inspect/rung_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/ingest/measure/farthest_in_triangle.h"
+#include "server/ingest/mesh/node_mesh.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kEnough = 0.75f;         ///< of the stored error; what is nearer need not be told apart
+constexpr float kReach = 1.25f;          ///< of the stored error; farther leaves are not looked at
+constexpr float kBeyond = 1.3f;          ///< of the stored error; what a point counts as that has met none
+constexpr uint64_t kMostPoints = 20000;  ///< of a rung, where its own triangles do not ask for more
+constexpr float kPointsOfCell = 8;
+constexpr float kMostCells = 32;  ///< along an axis
+
+NodeMesh meshFrom(const Mesh& mesh, glm::uvec3 origin) {
+  NodeMesh local;
+  local.positions.reserve(mesh.positions.size());
+  for (const PositionCode position : mesh.positions) {
+    local.wedge_position.push_back(static_cast<uint32_t>(local.positions.size()));
+    local.positions.push_back(packPosition(unpackPosition(position) - origin));
+  }
+  local.triangles = mesh.triangles;
+  return local;
+}
+
+LatticeBox boxOf(const Mesh& mesh) {
+  LatticeBox box;
+  for (const PositionCode position : mesh.positions) box.add(unpackPosition(position));
+  return box;
+}
+
+float areaOf(glm::vec3 a, glm::vec3 b, glm::vec3 c) { return glm::length(glm::cross(b - a, c - a)) / 2; }
+
+glm::vec3 pointIn(glm::vec3 a, glm::vec3 b, glm::vec3 c, Dice& dice) {
+  float u = dice.roll(), v = dice.roll();
+  if (u + v > 1) {
+    u = 1 - u;
+    v = 1 - v;
+  }
+  return a + u * (b - a) + v * (c - a);
+}
+
+/// A rung, for FarthestInTriangle.
+struct RungSurface {
+  const TriangleGrid& grid;
+
+  float squaredDistance(glm::vec3 at, uint32_t triangle) const { return grid.squaredDistance(at, triangle); }
+  PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
+    const float squared = grid.squaredDistance(at, hint);
+    if (squared <= enough * enough) return {at, std::sqrt(squared), hint};
+    const TriangleGrid::Nearest nearest = grid.nearest(at, enough);
+    return {at, nearest.distance, nearest.triangle};
+  }
+};
+
+}  // namespace
+
+LeafSurface::LeafSurface(const Mesh& leaf)
+    : box(boxOf(leaf)), triangles(leaf.triangles), grid(meshFrom(leaf, box.min)) {
+  for (const PositionCode position : leaf.positions) positions.push_back(unpackPosition(position));
+}
+
+RungCheck::RungCheck(const Mesh& rung, const LatticeBox& box, float stored_steps, uint64_t original,
+                     uint64_t seed)
+    : origin_(box.min), stored_(stored_steps), grid_(meshFrom(rung, box.min)) {
+  placePoints(rung, std::min(original, kMostPoints), Dice(seed));
+  sortPoints();
+}
+
+/// Corners, and points inside by area, at least one a triangle.
+void RungCheck::placePoints(const Mesh& rung, uint64_t count, Dice dice) {
+  for (const PositionCode position : rung.positions) points_.emplace_back(unpackPosition(position) - origin_);
+  float total = 0;
+  for (const glm::u32vec3& t : rung.triangles) total += areaOf(points_[t.x], points_[t.y], points_[t.z]);
+  for (const glm::u32vec3& t : rung.triangles) {
+    const glm::vec3 a = points_[t.x], b = points_[t.y], c = points_[t.z];
+    const float share = total > 0 ? areaOf(a, b, c) / total : 0;
+    const auto inside = 1 + static_cast<uint64_t>(share * static_cast<float>(count));
+    for (uint64_t i = 0; i < inside; ++i) points_.push_back(pointIn(a, b, c, dice));
+  }
+}
+
+glm::ivec3 RungCheck::cellOf(glm::vec3 point) const {
+  return glm::clamp(glm::ivec3(point / cell_size_), 0, cells_ - 1);
+}
+
+void RungCheck::sortPoints() {
+  nearest_ = std::vector<std::atomic<float>>(points_.size());
+  for (std::atomic<float>& nearest : nearest_) nearest.store(kInfinity, std::memory_order_relaxed);
+  const auto count = static_cast<float>(points_.size());
+  cells_ = static_cast<int>(std::clamp(std::sqrt(count / kPointsOfCell), 1.f, kMostCells));
+  glm::vec3 size(1);
+  for (const glm::vec3 point : points_) size = glm::max(size, point);
+  cell_size_ = size / static_cast<float>(cells_);
+  std::vector<std::pair<uint32_t, glm::vec3>> sorted;
+  begin_.assign(static_cast<size_t>(cells_ * cells_ * cells_) + 1, 0);
+  for (const glm::vec3 point : points_) {
+    const glm::ivec3 cell = cellOf(point);
+    sorted.emplace_back((cell.z * cells_ + cell.y) * cells_ + cell.x, point);
+    ++begin_[sorted.back().first + 1];
+  }
+  for (size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (size_t i = 0; i < sorted.size(); ++i) points_[i] = sorted[i].second;
+}
+
+void RungCheck::add(const LeafSurface& leaf) {
+  if (leaf.triangles.empty()) return;
+  const float farthest = farthestOf(leaf);
+  bringNearer(leaf);
+  std::lock_guard lock(mutex_);
+  forward_ = std::max(forward_, farthest);
+}
+
+float RungCheck::backward() const {
+  float farthest = kEnough * stored_;
+  for (const std::atomic<float>& nearest : nearest_)
+    farthest = std::max(farthest, std::min(nearest.load(std::memory_order_relaxed), kBeyond * stored_));
+  return farthest;
+}
+
+float RungCheck::farthestOf(const LeafSurface& leaf) const {
+  const float enough = kEnough * stored_;
+  const RungSurface surface{grid_};
+  std::vector<PointBeside> corners(leaf.positions.size(), {glm::vec3(0), -1, 0});
+  FarthestInTriangle farthest(surface, enough, 0);
+  uint32_t hint = 0;
+  for (const glm::u32vec3& t : leaf.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      PointBeside& corner = corners[t[k]];
+      if (corner.distance < 0)
+        corner = surface.measure(glm::vec3(glm::ivec3(leaf.positions[t[k]] - origin_)), hint, enough);
+      hint = corner.triangle;
+    }
+    farthest.look({corners[t.x], corners[t.y], corners[t.z]});
+  }
+  return farthest.largest();
+}
+
+/// Brings those points of the rung nearer that a leaf may be near to.
+void RungCheck::bringNearer(const LeafSurface& leaf) {
+  const glm::vec3 shift(glm::ivec3(leaf.box.min) - glm::ivec3(origin_));
+  const glm::vec3 size(leaf.box.max - leaf.box.min);
+  const float reach = kReach * stored_;
+  const glm::ivec3 low = cellOf(shift - reach), high = cellOf(shift + size + reach);
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      const auto row = static_cast<size_t>((z * cells_ + y) * cells_);
+      const uint32_t end = begin_[row + static_cast<size_t>(high.x) + 1];
+      for (uint32_t i = begin_[row + static_cast<size_t>(low.x)]; i < end; ++i) {
+        float known = nearest_[i].load(std::memory_order_relaxed);
+        const glm::vec3 point = points_[i] - shift;
+        const float away = glm::length(glm::max(glm::max(-point, point - size), 0.f));
+        if (known <= kEnough * stored_ || away > reach || away >= known) continue;
+        const float distance = leaf.grid.nearest(point, kEnough * stored_).distance;
+        while (distance < known &&
+               !nearest_[i].compare_exchange_weak(known, distance, std::memory_order_relaxed)) {
+        }
+      }
+    }
+  }
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/mesh.h"
+#include "server/ingest/inspect/dice.h"
+#include "server/ingest/measure/triangle_grid.h"
+
+namespace lode::ingest {
+
+/// A leaf of a store, ready to be measured against. Const functions are thread safe.
+struct LeafSurface {
+  explicit LeafSurface(const Mesh& leaf);
+
+  LatticeBox box;
+  std::vector<glm::uvec3> positions;
+  std::vector<glm::u32vec3> triangles;
+  TriangleGrid grid;  ///< in steps from the box's least corner
+};
+
+/// Looks for the largest distance between a rung and the leaves below its node, which come one by one in any
+/// order, on any threads: of the leaves every triangle (see FarthestInTriangle), of the rung points.
+class RungCheck {
+ public:
+  /// @param box  of the rung's node. @param stored_steps  the error that the store gives.
+  /// @param original  triangles below the node. @param seed  of points.
+  RungCheck(const Mesh& rung, const LatticeBox& box, float stored_steps, uint64_t original, uint64_t seed);
+
+  /// Thread safe.
+  void add(const LeafSurface& leaf);
+  /// After the last leaf: lattice steps; at least 3/4 of the stored error, below which nothing is told apart.
+  /// Of a rung that strays farther than 1.25 times that, 1.3 times or more.
+  float found() const { return std::max(forward_, backward()); }
+  /// The largest distance of the leaves from the rung.
+  float forward() const noexcept { return forward_; }
+  /// Of the rung from the leaves.
+  float backward() const;
+
+ private:
+  void placePoints(const Mesh& rung, uint64_t count, Dice dice);
+  void sortPoints();
+  float farthestOf(const LeafSurface& leaf) const;
+  void bringNearer(const LeafSurface& leaf);
+  glm::ivec3 cellOf(glm::vec3 point) const;
+
+  const glm::uvec3 origin_;
+  const float stored_;
+  const TriangleGrid grid_;
+  std::vector<glm::vec3> points_;  ///< of the rung's surface, cell by cell
+  std::vector<std::atomic<float>> nearest_;
+  std::vector<uint32_t> begin_;  ///< of each cell's points, and the end
+  int cells_ = 1;                ///< along each axis
+  glm::vec3 cell_size_{1};
+  std::mutex mutex_;
+  float forward_ = 0;
+};
+
+}  // namespace lode::ingest
