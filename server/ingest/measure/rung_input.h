@@ -13,11 +13,19 @@ namespace lode::ingest {
 /// What the rungs of a node are made of and measured against. Const functions are thread safe.
 class RungInput {
  public:
+  /// A run of the mesh's triangles.
+  struct Range {
+    size_t begin, end;
+  };
   /// @param depth  the node's: positions that are locked there lie on its borders.
-  RungInput(NodeMesh mesh, int depth);
+  /// @param original  the triangles that are the model's own.
+  RungInput(NodeMesh mesh, int depth, std::vector<Range> original = {});
 
   const NodeMesh& mesh() const noexcept { return mesh_; }
   const SurfaceWalk& walk() const noexcept { return walk_; }
+  const std::vector<Range>& original() const noexcept { return original_; }
+  /// Whether all triangles are the model's own.
+  bool isOriginal() const noexcept;
   /// Open edges, by position; borders of the node are none.
   const std::vector<glm::u32vec2>& rims() const noexcept { return rims_; }
   /// Made when it is first asked for: few nodes need it.
@@ -26,6 +34,7 @@ class RungInput {
  private:
   NodeMesh mesh_;
   SurfaceWalk walk_;
+  std::vector<Range> original_;
   std::vector<glm::u32vec2> rims_;
   mutable std::once_flag grid_made_;
   mutable std::optional<TriangleGrid> grid_;

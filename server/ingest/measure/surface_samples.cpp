@@ -89,6 +89,11 @@ void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t
   samples.resize(count);
 }
 
+void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth) {
+  for (uint32_t i = 0; i < mesh.positions.size(); ++i)
+    if (mesh.lca_depth[i] < depth) samples.push_back({mesh.positions[i], 0, i});
+}
+
 void dropDuplicates(std::vector<SurfaceSample>& samples) {
   std::sort(samples.begin(), samples.end(), [](const SurfaceSample& a, const SurfaceSample& b) {
     return std::tie(a.position, a.near, b.deviation) < std::tie(b.position, b.near, a.deviation);

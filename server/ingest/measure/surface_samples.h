@@ -26,6 +26,10 @@ struct SurfaceSample {
 /// @param positions  of the mesh that samples are near to.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 
+/// Adds the positions of a node's coarsest mesh that are locked in it: they have never moved and are points
+/// of the original, whatever samples have been thinned out. @param depth  the node's.
+void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth);
+
 /// Of samples that have the same position and are near the same, leaves the one with the largest deviation;
 /// sorts by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);

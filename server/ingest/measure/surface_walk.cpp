@@ -45,6 +45,18 @@ float SurfaceWalk::distanceOnwards(glm::vec3 point, uint32_t& start, float enoug
   return std::sqrt(nearest.squared);
 }
 
+float SurfaceWalk::squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
+  const glm::u32vec3& t = triangles_[triangle];
+  const glm::vec3 a = points_[t.x];
+  return squaredDistanceToTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
+}
+
+float SurfaceWalk::distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept {
+  const Nearest nearest = walk(point, triangles_[triangle].x, enough * enough);
+  triangle = nearest.triangle;
+  return std::sqrt(nearest.squared);
+}
+
 SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const noexcept {
   if (const std::optional<Place> above = placeAround(point, start)) return *above;
   const Nearest nearest = walk(point, start, 0);
@@ -125,9 +137,7 @@ void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_sq
 }
 
 void SurfaceWalk::lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept {
-  const glm::u32vec3& t = triangles_[triangle];
-  const glm::vec3 a = points_[t.x];
-  const float squared = squaredDistanceToTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
+  const float squared = squaredDistance(point, triangle);
   if (squared < best.squared) best = {squared, triangle};
 }
 

@@ -28,6 +28,10 @@ class SurfaceWalk {
   /// The same; `start` becomes a position where the walk has ended, from which that of a point nearby is
   /// shorter.
   float distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept;
+  /// From one of the mesh's triangles.
+  float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept;
+  /// From a triangle onwards; `triangle` becomes the one where the walk has ended.
+  float distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept;
   /// A place on the mesh near a point.
   struct Place {
     uint32_t triangle = 0;  ///< of the mesh

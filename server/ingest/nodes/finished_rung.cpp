@@ -1,7 +1,9 @@
 #include "server/ingest/nodes/finished_rung.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "server/ingest/measure/farthest_original.h"
 #include "server/ingest/measure/lost_detail.h"
 #include "server/ingest/measure/rim_gap.h"
 #include "server/ingest/mesh/mesh_welder.h"
@@ -22,6 +24,10 @@ FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
   finished.payload = encodePayload(toMesh(rung.mesh), step_model);
   if (rung.mesh.triangles.empty()) return finished;
   finished.deviations = deviationsFrom(rung, input.mesh(), walk, places, samples);
+  float sampled = 0;
+  for (const Deviation& deviation : finished.deviations) sampled = std::max(sampled, deviation.steps);
+  finished.farthest_original_steps = farthestOriginal(rung, input, walk, places, sampled);
+  finished.is_exact = input.isOriginal();
   finished.farthest_steps = farthestPlace(rung, input, sources);
   finished.rim_gap_steps = rimGap(rung, input.mesh(), input.rims());
   finished.lost_detail_steps = lostDetail(rung, input.mesh(), places);

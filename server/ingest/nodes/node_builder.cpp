@@ -15,13 +15,15 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kLatticeErrorSteps = 0.8660254f;  ///< of snapping: half the diagonal of a lattice cell
-// What sampling may have missed, of the original surface and of the rung. docs/benchmarks.md (Errors) has the
-// ratios of stored errors to densely sampled ones that it leads to; it was chosen on those models.
-constexpr float kMargin = 1.4f;
+// What may have been missed: by farthestOriginal() where all triangles below are looked at; by samples that
+// were thinned out on their way up; by points of the rung, measured from the original's own triangles or from
+// what these have become. docs/benchmarks.md (Errors) has the ratios of stored errors to found ones that they
+// lead to.
+constexpr float kPrecision = 1.021f, kSampleMargin = 1.2f;
+constexpr float kOriginalMargin = 1.12f, kReducedMargin = 1.18f;
 constexpr float kRimMargin = 1.001f;         ///< rounding
 constexpr uint32_t kTrianglesPerSample = 2;  ///< of the node's budget, above the lowest inner nodes
-constexpr uint32_t kMinSamples = 4096;       ///< whatever the budget
+constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< at least the smaller of both
 
 }  // namespace
 
@@ -63,7 +65,8 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, unsigned helpers) {
     const std::vector<SurfaceSample> inside = samplesInside(mesh);
     built.samples.insert(built.samples.end(), inside.begin(), inside.end());
     dropDuplicates(built.samples);
-    reduce(built, std::move(mesh), helpers);
+    const size_t triangles = mesh.triangles.size();
+    reduce(built, std::move(mesh), {{0, triangles}}, helpers);
   } else {
     built.coarsest = std::move(mesh);
   }
@@ -74,6 +77,8 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, un
   BuiltNode built;
   built.node.key = key;
   std::vector<NodeMesh> meshes;
+  std::vector<RungInput::Range> original;
+  size_t triangles = 0;
   for (BuiltNode& child : children) {
     built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
     built.node.box.add(child.node.box);
@@ -82,19 +87,25 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, un
     built.inherited.deviation_steps = std::max(built.inherited.deviation_steps, error.deviation_steps);
     built.inherited.lost_detail_steps = std::max(built.inherited.lost_detail_steps, error.lost_detail_steps);
     built.rim_gap_steps = std::max(built.rim_gap_steps, child.rim_gap_steps);
+    const size_t end = triangles + child.coarsest.triangles.size();
+    if (child.node.isLeaf()) original.push_back({triangles, end});
+    triangles = end;
     meshes.push_back(std::move(child.coarsest));
   }
   std::vector<std::vector<uint32_t>> became;
   NodeMesh input = mergeMeshes(meshes, welder_, became);
   gatherSamples(built, children, meshes, input, became);
   meshes.clear();
-  reduce(built, std::move(input), helpers);
+  reduce(built, std::move(input), std::move(original), helpers);
   selectSamples(built.samples, built.coarsest.positions.size(), sampleCapacity());
   return built;
 }
 
 size_t NodeBuilder::sampleCapacity() const noexcept {
-  return std::max(kMinSamples, settings_.triangles_per_node / kTrianglesPerSample);
+  const uint32_t budget = settings_.triangles_per_node;
+  const uint32_t least =
+      std::min(kSamplesOfSmallNode, std::min(budget, kSamplesOfSmallNode) * kSamplesPerTriangle);
+  return std::max(least, budget / kTrianglesPerSample);
 }
 
 void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
@@ -109,6 +120,8 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
         taken[position] = true;
       }
       children[i].samples = samplesInside(meshes[i]);
+    } else {
+      addLockedPositions(children[i].samples, meshes[i], children[i].node.key.depth());
     }
     for (SurfaceSample& sample : children[i].samples)
       if (sample.near != kVanished) sample.near = became[i][sample.near];
@@ -121,7 +134,8 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
 }
 
 /// Adds the reduced rungs of a node, all from one sequence.
-void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
+void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput::Range> original,
+                         unsigned helpers) {
   const int depth = built.node.key.depth();
   const auto locked = static_cast<size_t>(
       std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
@@ -135,7 +149,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers) {
     built.coarsest = std::move(mesh);
     return;
   }
-  const RungInput input(std::move(mesh), depth);
+  const RungInput input(std::move(mesh), depth, std::move(original));
   const float gap_of_input = built.rim_gap_steps;
   std::vector<Deviation> deviations;  // from the coarsest rung
   InOrder<FinishedRung> rungs(helpers, [&](FinishedRung&& rung) {
@@ -172,11 +186,12 @@ RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung)
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
-  float forward = 0;
-  for (const Deviation& deviation : rung.deviations) forward = std::max(forward, kMargin * deviation.steps);
-  const float backward = kMargin * rung.farthest_steps + kLatticeErrorSteps / 2;
-  const float both = std::hypot(backward, built.inherited.deviation_steps);
-  return {std::max({finer.deviation_steps, forward, both, built.rim_gap_steps}),
+  const float forward = (rung.is_exact ? kPrecision : kSampleMargin) * rung.farthest_original_steps;
+  const float backward =
+      rung.is_exact ? kOriginalMargin * rung.farthest_steps
+                    : std::hypot(kReducedMargin * rung.farthest_steps, built.inherited.deviation_steps);
+  const float both = std::hypot(std::max(forward, backward), settings_.snap_error_steps);
+  return {std::max({finer.deviation_steps, both, built.rim_gap_steps}),
           std::max(finer.lost_detail_steps, rung.lost_detail_steps)};
 }
 

@@ -86,13 +86,14 @@ class NodeBuilder {
   /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
   static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
                             const NodeMesh& input, std::span<const std::vector<uint32_t>> became);
-  void reduce(BuiltNode& built, NodeMesh mesh, unsigned helpers);
+  /// @param original  the mesh's triangles that are leaves'.
+  void reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput::Range> original, unsigned helpers);
   void addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
   void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);
-  /// Error of a rung in lattice steps, from both directions: the original surface, sampled, to the rung, and
-  /// the rung to the node's input, to which the error that the input came with is added as to an independent
-  /// one. (Sums instead would be 2 to 5 times too large; rims, which I2 bounds strictly, are summed.) Never
-  /// below the finer rung's error (I3).
+  /// Error of a rung in lattice steps, from both directions: the original surface to the rung, and the rung
+  /// to the node's input, to which the error that the input came with is added as to an independent one.
+  /// (Sums instead would be 2 to 5 times too large; rims, which I2 bounds strictly, are summed.) Never below
+  /// the finer rung's error (I3).
   RungError errorOf(const BuiltNode& built, const FinishedRung& rung) const;
   RungError errorOf(const Rung& rung) const noexcept;
 

@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "2c984b928ff99447b552273bf4a903641d2cec7df89fd0a1c67f8789df279c1e";
+constexpr const char* kSha256 = "5da7f0bb96ecb33f47d3513f131ef12bdca2ef220ef109bada7aa8b1954f856e";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;

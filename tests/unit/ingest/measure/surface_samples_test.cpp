@@ -32,25 +32,10 @@ NodeMesh randomTriangles(size_t count, uint32_t extent, uint32_t size) {
   return welder.finish();
 }
 
-/// A fine barycentric grid over every triangle.
-std::vector<glm::dvec3> pointsOver(const NodeMesh& mesh, int steps) {
-  std::vector<glm::dvec3> points;
-  for (const glm::u32vec3& t : mesh.triangles) {
-    const glm::dvec3 a(unpackPosition(mesh.positions[mesh.wedge_position[t.x]]));
-    const glm::dvec3 b(unpackPosition(mesh.positions[mesh.wedge_position[t.y]]));
-    const glm::dvec3 c(unpackPosition(mesh.positions[mesh.wedge_position[t.z]]));
-    for (int i = 0; i <= steps; ++i) {
-      for (int j = 0; i + j <= steps; ++j)
-        points.push_back(a + (b - a) * (double(i) / steps) + (c - a) * (double(j) / steps));
-    }
-  }
-  return points;
-}
-
 /// Smallest distance to a fine grid over every triangle: never below the true one.
 double bruteDistance(const NodeMesh& mesh, glm::dvec3 point) {
   double best = 1e30;
-  for (const glm::dvec3 on : pointsOver(mesh, 24)) best = std::min(best, glm::distance(on, point));
+  for (const glm::dvec3 on : test::pointsOver(mesh, 24)) best = std::min(best, glm::distance(on, point));
   return best;
 }
 
@@ -110,6 +95,19 @@ TEST(SurfaceSamples, stayNearEveryPositionHoweverManyThereAre) {
   EXPECT_EQ(samples.size(), 500u);
 }
 
+TEST(SurfaceSamples, areWhereverAPositionHasNeverMoved) {
+  NodeMesh mesh = test::nodeOf(test::makeGrid(3, 3));
+  mesh.lca_depth[2] = 1;
+  mesh.lca_depth[5] = 2;
+  mesh.lca_depth[7] = 3;
+  std::vector<SurfaceSample> samples;
+  addLockedPositions(samples, mesh, 3);
+  ASSERT_EQ(samples.size(), 2u);
+  EXPECT_EQ(samples[0].near, 2u);
+  EXPECT_EQ(samples[1].position, mesh.positions[5]);
+  EXPECT_EQ(samples[1].deviation, 0);
+}
+
 TEST(SurfaceSamples, countAPlaceOnceWithItsLargestDeviation) {
   const PositionCode place = packPosition({1, 1, 1});
   std::vector<SurfaceSample> samples{{place, 1, 5}, {place, 3, 5}, {place, 2, 6}};
@@ -131,7 +129,7 @@ TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
       forward = std::max(forward, to_rung.distance(position));
     for (const PositionCode position : rung.mesh.positions)
       backward = std::max(backward, to_input.distance(position));
-    for (const glm::dvec3 point : pointsOver(rung.mesh, 24))
+    for (const glm::dvec3 point : test::pointsOver(rung.mesh, 24))
       between = std::max<double>(between, to_input.distance(glm::vec3(point)));
     const SurfaceWalk walk(rung.mesh);
     float largest = 0;

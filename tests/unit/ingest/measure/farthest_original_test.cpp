@@ -1,0 +1,88 @@
+#include "server/ingest/measure/farthest_original.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/ingest/measure/surface_samples.h"
+#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/simplify/collapse.h"
+#include "tests/support/loose_pieces.h"
+#include "tests/support/node_meshes.h"
+
+namespace lode::ingest {
+namespace {
+
+NodeMesh meshOf(const std::vector<glm::uvec3>& points, const std::vector<glm::u32vec3>& triangles) {
+  NodeMesh mesh;
+  for (const glm::uvec3 point : points) mesh.positions.push_back(packPosition(point));
+  mesh.wedge_position.resize(points.size());
+  std::iota(mesh.wedge_position.begin(), mesh.wedge_position.end(), 0u);
+  mesh.lca_depth.assign(points.size(), kNeverLocked);
+  mesh.triangles = triangles;
+  return mesh;
+}
+
+float farthest(const SimplifiedMesh& rung, const NodeMesh& input, RungInput::Range original,
+               float known = 0) {
+  const SurfaceWalk walk(rung.mesh);
+  return farthestOriginal(rung, RungInput(input, 0, {original}), walk, placesOn(rung, input, walk), known);
+}
+
+void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2>& targets) {
+  collapse(input, targets, {}, [&](size_t, SimplifiedMesh&& rung) {
+    const TriangleGrid grid(rung.mesh);
+    double found = 0;
+    for (const glm::dvec3 point : test::pointsOver(input, 16))
+      found = std::max<double>(found, grid.distance(glm::vec3(point)));
+    const float measured = farthest(rung, input, {0, input.triangles.size()});
+    EXPECT_GE(1.021 * measured, found);
+    EXPECT_LE(measured, 1.05 * found);
+  });
+}
+
+TEST(FarthestOriginal, isWhatDensePointsFindInsideTrianglesOfASphere) {
+  expectWhatDensePointsFind(test::nodeOf(test::makeSphere(60, 40)), {1200, 100});
+}
+
+TEST(FarthestOriginal, isWhatDensePointsFindWherePiecesVanish) {
+  Mesh soup;
+  test::addLoosePieces(soup, {.pieces = 60, .largest = 20, .extent = 4000});
+  expectWhatDensePointsFind(test::nodeOf(soup), {150, 40});
+}
+
+TEST(FarthestOriginal, liesInsideATriangleWhoseCornersAreOnTheRung) {
+  // The rung is a ridge; the original is the ridge and a flat triangle under it.
+  const NodeMesh ridge =
+      meshOf({{0, 0, 0}, {0, 100, 0}, {100, 0, 80}, {100, 100, 80}, {200, 0, 0}, {200, 100, 0}},
+             {{0, 2, 1}, {1, 2, 3}, {2, 4, 3}, {3, 4, 5}});
+  NodeMesh input = ridge;
+  input.triangles.emplace_back(0, 4, 5);
+  SimplifiedMesh rung{ridge, {0, 1, 2, 3, 4, 5}};
+  EXPECT_NEAR(farthest(rung, input, {0, 5}), 80 / std::hypot(1, 0.8), 1.5);
+}
+
+TEST(FarthestOriginal, countsTheModelsOwnTrianglesAlone) {
+  const NodeMesh near = meshOf({{0, 0, 0}, {100, 0, 0}, {0, 100, 0}}, {{0, 1, 2}});
+  NodeMesh input = near;
+  input.positions.push_back(packPosition({0, 0, 500}));
+  input.wedge_position.push_back(3);
+  input.lca_depth.push_back(kNeverLocked);
+  input.triangles.emplace_back(0, 1, 3);
+  const SimplifiedMesh rung{near, {0, 1, 2, kVanished}};
+  EXPECT_EQ(farthest(rung, input, {0, 1}), 0);
+  EXPECT_FLOAT_EQ(farthest(rung, input, {0, 2}), 500);
+}
+
+TEST(FarthestOriginal, isNotBelowWhatIsKnown) {
+  const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
+  std::vector<uint32_t> same(mesh.positions.size());
+  std::iota(same.begin(), same.end(), 0u);
+  EXPECT_EQ(farthest({mesh, same}, mesh, {0, mesh.triangles.size()}, 7), 7);
+}
+
+}  // namespace
+}  // namespace lode::ingest
