@@ -9,7 +9,7 @@
 
 #include "common/error.h"
 #include "server/ingest/disk/record_sorter.h"
-#include "server/ingest/inspect/dense_error.h"
+#include "server/ingest/inspect/rung_errors.h"
 #include "server/ingest/mesh/number_table.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/soup/dereference.h"
@@ -174,16 +174,16 @@ class Comparison {
   void compareErrors() {
     std::vector<double> ratios;
     const std::vector<RungAt> rungs = chooseRungs();
-    const std::vector<DenseError> errors =
-        measureDenseErrors(reader_, rungs,
-                           {.seed = options_.seed,
-                            .threads = options_.threads > 0 ? options_.threads : defaultThreads(),
-                            .progress = [this](double fraction, uint64_t leaves) {
-                              if (progress_) progress_("measure", fraction, leaves, reader_.nodes().size());
-                            }});
+    const std::vector<MeasuredError> errors =
+        measureRungErrors(reader_, rungs,
+                          {.seed = options_.seed,
+                           .threads = options_.threads > 0 ? options_.threads : defaultThreads(),
+                           .progress = [this](double fraction, uint64_t leaves) {
+                             if (progress_) progress_("measure", fraction, leaves, reader_.nodes().size());
+                           }});
     for (size_t i = 0; i < rungs.size(); ++i) {
       const auto& [node, rung] = rungs[i];
-      const DenseError& error = errors[i];
+      const MeasuredError& error = errors[i];
       const double ratio = error.found_steps > 0 ? error.stored_steps / error.found_steps : 2;
       if (ratio < kLeastRatio) {
         const double step = reader_.summary().lattice.step;

@@ -37,12 +37,9 @@ class RungCheck {
   /// After the last leaf: lattice steps; at least 3/4 of the stored error, below which nothing is told apart.
   /// Of a rung that strays farther than 1.25 times that, 1.3 times or more.
   float found() const { return std::max(forward_, backward()); }
-  /// The largest distance of the leaves from the rung.
-  float forward() const noexcept { return forward_; }
-  /// Of the rung from the leaves.
-  float backward() const;
 
  private:
+  float backward() const;
   void placePoints(const Mesh& rung, uint64_t count, Dice dice);
   void sortPoints();
   float farthestOf(const LeafSurface& leaf) const;
@@ -58,7 +55,7 @@ class RungCheck {
   int cells_ = 1;                ///< along each axis
   glm::vec3 cell_size_{1};
   std::mutex mutex_;
-  float forward_ = 0;
+  float forward_ = 0;  ///< the largest distance of the leaves from the rung
 };
 
 }  // namespace lode::ingest

@@ -19,9 +19,9 @@ struct PointBeside {
 
 /// The largest distance of a triangle's points from a surface, to 2 %. The triangle is cut into parts until
 /// one triangle of the surface is near all corners of a part (the distance from a triangle is convex), or the
-/// part's size bounds the distance of all its points; cuts go where the surface's triangles meet.
-/// Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General Polygonal Models, 2009,
-/// for these bounds.
+/// part's size bounds the distance of all its points, or kMostCuts have been made; cuts go where the
+/// surface's triangles meet. Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General
+/// Polygonal Models, 2009, for these bounds.
 /// @tparam Surface  has `float squaredDistance(glm::vec3, uint32_t triangle)` and `PointBeside
 /// measure(glm::vec3, uint32_t hint, float enough)`: exact, unless it is at most `enough`.
 template <typename Surface>
@@ -65,9 +65,9 @@ class FarthestInTriangle {
     const float high = std::max({a.distance, b.distance, c.distance});
     if (high > told()) largest_ = high;
     const float limit = std::max(enough_, kPrecision * largest_);
-    edges_ = {glm::distance(a.at, b.at), glm::distance(b.at, c.at), glm::distance(c.at, a.at)};
-    if (part.cuts == kMostCuts || high + kFromCorners * std::max({edges_[0], edges_[1], edges_[2]}) <= limit)
-      return true;
+    const float longest =
+        std::max({glm::distance(a.at, b.at), glm::distance(b.at, c.at), glm::distance(c.at, a.at)});
+    if (part.cuts == kMostCuts || high + kFromCorners * longest <= limit) return true;
     for (size_t by = 0; by < 3; ++by) {
       float farthest = 0;
       for (size_t k = 0; k < 3; ++k) {
@@ -108,9 +108,8 @@ class FarthestInTriangle {
   const Surface& surface_;
   const float enough_;
   float largest_;
-  // Of the part at hand:
-  std::array<float, 3> edges_;                ///< lengths
-  std::array<std::array<float, 3>, 3> from_;  ///< of each corner from each corner's triangle of the surface
+  /// Distances of each corner of the part at hand from each corner's triangle of the surface.
+  std::array<std::array<float, 3>, 3> from_;
 };
 
 }  // namespace lode::ingest

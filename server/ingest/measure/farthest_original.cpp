@@ -12,7 +12,9 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kWorth = 0.6f;  ///< of the largest distance so far: what is nearer hides nothing farther
+// Of the largest distance so far: triangles that are nearer at corners and ridges are passed over. At 0.8
+// some of a terrain's 184 rungs came out too small, by up to 0.84; at 0.6 as if all triangles were looked at.
+constexpr float kWorth = 0.6f;
 
 /// A rung, for FarthestInTriangle: by walks, and where these lead too far by a grid, which few rungs need.
 class RungSurface {

@@ -9,7 +9,8 @@
 namespace lode::ingest {
 
 /// The largest distance of the model's own triangles, as far as a rung was made of these, from the rung, in
-/// lattice steps: of all their points, to 2 %.
+/// lattice steps, to 2 %: of all points of those that may hide the largest, as their corners and the ridges
+/// of the rung that they cross say. (What is passed over, RungCheck looks at.)
 /// @param walk   over the rung's mesh, which has triangles.
 /// @param places of the input's positions on it; see placesOn().
 /// @param known  a distance of some point of them. @return not below it.

@@ -1,4 +1,4 @@
-#include "server/ingest/inspect/dense_error.h"
+#include "server/ingest/inspect/rung_errors.h"
 
 #include <algorithm>
 #include <atomic>
@@ -30,7 +30,7 @@ uint64_t placeOf(NodeKey key) noexcept { return key.value << 3 * (kMaxDepth - ke
 
 class Measurement {
  public:
-  Measurement(const store::Reader& reader, std::span<const RungAt> rungs, const DenseErrorOptions& options)
+  Measurement(const store::Reader& reader, std::span<const RungAt> rungs, const RungErrorOptions& options)
       : reader_(reader), wanted_(rungs), options_(options), errors_(rungs.size()) {
     for (size_t i = 0; i < rungs.size(); ++i) {
       NodeCheck& check = checks_[rungs[i].node->key.value];
@@ -49,7 +49,7 @@ class Measurement {
               [](const Node* a, const Node* b) { return placeOf(a->key) < placeOf(b->key); });
   }
 
-  std::vector<DenseError> run() {
+  std::vector<MeasuredError> run() {
     {
       std::vector<std::jthread> workers;
       for (unsigned i = 0; i < std::max(1u, options_.threads); ++i) workers.emplace_back([this] { work(); });
@@ -109,8 +109,8 @@ class Measurement {
 
   const store::Reader& reader_;
   const std::span<const RungAt> wanted_;
-  const DenseErrorOptions& options_;
-  std::vector<DenseError> errors_;
+  const RungErrorOptions& options_;
+  std::vector<MeasuredError> errors_;
   std::unordered_map<uint64_t, NodeCheck> checks_;
   std::vector<const Node*> leaves_;
   std::atomic<size_t> next_ = 0;
@@ -122,8 +122,8 @@ class Measurement {
 
 }  // namespace
 
-std::vector<DenseError> measureDenseErrors(const store::Reader& reader, std::span<const RungAt> rungs,
-                                           const DenseErrorOptions& options) {
+std::vector<MeasuredError> measureRungErrors(const store::Reader& reader, std::span<const RungAt> rungs,
+                                             const RungErrorOptions& options) {
   return Measurement(reader, rungs, options).run();
 }
 

@@ -15,12 +15,12 @@ struct RungAt {
 };
 
 /// A rung's stored error beside what dense sampling finds, both ways, in lattice steps.
-struct DenseError {
+struct MeasuredError {
   float stored_steps = 0;
   float found_steps = 0;  ///< see RungCheck::found()
 };
 
-struct DenseErrorOptions {
+struct RungErrorOptions {
   uint64_t seed = 1;  ///< of points inside triangles
   unsigned threads = 1;
   std::function<void(double fraction, uint64_t leaves)>
@@ -31,7 +31,7 @@ struct DenseErrorOptions {
 /// Each leaf is read once, for all rungs above it. Memory: a leaf a thread, and the rungs above those.
 /// @param rungs  with triangles. @return one for each, in their order.
 /// @throws Error kIo, kFormat.
-std::vector<DenseError> measureDenseErrors(const store::Reader& reader, std::span<const RungAt> rungs,
-                                           const DenseErrorOptions& options);
+std::vector<MeasuredError> measureRungErrors(const store::Reader& reader, std::span<const RungAt> rungs,
+                                             const RungErrorOptions& options);
 
 }  // namespace lode::ingest
