@@ -152,6 +152,7 @@ EngineCounts Engine::counts() const noexcept {
   counts.decoding = model_->decoding();
   counts.resident_bytes = model_->meshes().bytes();
   counts.known_nodes = model_->hierarchy().size();
+  counts.hierarchy_bytes = model_->hierarchy().bytes();
   counts.texture_blob_bytes = model_->textureBlobBytes();
   if (const TextureStream* textures = model_->textures()) {
     counts.texture_bytes = textures->residentBytes();

@@ -40,6 +40,7 @@ struct EngineCounts {
   uint64_t decoding = 0;        ///< jobs handed out
   uint64_t resident_bytes = 0;  ///< decoded meshes
   uint64_t known_nodes = 0;
+  uint64_t hierarchy_bytes = 0;     ///< of the known nodes
   uint64_t texture_blob_bytes = 0;  ///< received for textures: their set and tiles
   uint64_t texture_bytes = 0;       ///< decoded tiles
   uint64_t tiles = 0;               ///< resident

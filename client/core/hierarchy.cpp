@@ -8,6 +8,8 @@
 namespace lode::core {
 namespace {
 
+constexpr uint64_t kEntryBytes = 48;  // of the table beside a node, and what the allocator adds
+
 [[noreturn]] void refuse(NodeKey owner, const char* what) {
   throw Error(ErrorCode::kFormat, "the hierarchy page below node " + std::to_string(owner.value) + " " +
                                       what + ": the store is damaged; run lodestreamd verify on it");
@@ -49,7 +51,9 @@ void Hierarchy::merge(HierarchyPage page) {
                 "the pages hold more nodes than the " + std::to_string(max_nodes_) +
                     " that the model announced: the store is damaged; run lodestreamd verify on it");
   for (Node& node : page.nodes) {
+    node.rungs.shrink_to_fit();
     const uint64_t key = node.key.value;
+    bytes_ += kEntryBytes + sizeof(Node) + node.rungs.size() * sizeof(Rung);
     nodes_.emplace(key, std::move(node));
   }
 }

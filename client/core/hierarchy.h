@@ -31,11 +31,14 @@ class Hierarchy {
   /// True for leaves too.
   bool childrenKnown(const Node& node) const noexcept;
   size_t size() const noexcept { return nodes_.size(); }
+  /// That it takes in memory.
+  uint64_t bytes() const noexcept { return bytes_; }
 
  private:
   void merge(HierarchyPage page);
 
   uint64_t max_nodes_;
+  uint64_t bytes_ = 0;
   std::unordered_map<uint64_t, Node> nodes_;  // by key value; never iterated
 };
 

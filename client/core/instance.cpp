@@ -23,6 +23,7 @@ bool Instance::refine(Model& model) {
   view_changed_ = false;
   model_version_ = model.version();
   // Half for the wanted cut, half for the one still shown, so that neither waits for the other.
+  options_.hierarchy_budget_bytes = model.hierarchyBudgetBytes();
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
   Refinement refinement = refineWith(model, options_);
   if (model.meshes().bytesOf(refinement.in_use) > model.meshes().budgetBytes()) {

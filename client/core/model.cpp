@@ -14,7 +14,8 @@ uint64_t textureShare(const ModelSummary& summary, uint64_t budget_bytes) {
 Model::Model(ModelSummary summary, uint64_t memory_budget_bytes)
     : summary_(std::move(summary)),
       hierarchy_(summary_.nodes),
-      meshes_(memory_budget_bytes - textureShare(summary_, memory_budget_bytes)) {
+      hierarchy_budget_bytes_(memory_budget_bytes / kHierarchyBudgetShare),
+      meshes_(memory_budget_bytes - hierarchy_budget_bytes_ - textureShare(summary_, memory_budget_bytes)) {
   if (summary_.textures) textures_.emplace(summary_.textures, textureShare(summary_, memory_budget_bytes));
 }
 

@@ -19,6 +19,7 @@
 
 namespace lode::core {
 
+constexpr uint64_t kHierarchyBudgetShare = 8;         ///< one in so many bytes of memory is for what is known
 constexpr uint64_t kMaxUndecodedBytes = 64ull << 20;  ///< encoded payloads waiting to be decoded
 
 /// One build of a model, as far as it is known and resident: its hierarchy, meshes and textures. Blobs go in,
@@ -26,11 +27,13 @@ constexpr uint64_t kMaxUndecodedBytes = 64ull << 20;  ///< encoded payloads wait
 /// every view of the model shares it. Not thread safe.
 class Model {
  public:
-  /// @param memory_budget_bytes  of decoded meshes and textures.
+  /// @param memory_budget_bytes  of the hierarchy, decoded meshes and textures.
   Model(ModelSummary summary, uint64_t memory_budget_bytes);
 
   const ModelSummary& summary() const noexcept { return summary_; }
   const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
+  /// Beyond it no page is to be asked for.
+  uint64_t hierarchyBudgetBytes() const noexcept { return hierarchy_budget_bytes_; }
   MeshCache& meshes() noexcept { return meshes_; }
   const MeshCache& meshes() const noexcept { return meshes_; }
   /// Null: it has none.
@@ -71,6 +74,7 @@ class Model {
 
   ModelSummary summary_;
   Hierarchy hierarchy_;
+  uint64_t hierarchy_budget_bytes_;
   MeshCache meshes_;
   std::optional<TextureStream> textures_;
   std::map<Decoding, BlobRef> decoding_;  // handed out

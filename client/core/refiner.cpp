@@ -117,6 +117,10 @@ class Run {
     const Node& node = *planned.node;
     if (planned.rung == 0 && node.isLeaf()) return true;
     if (planned.rung == 0 && !hierarchy_.childrenKnown(node)) {
+      if (hierarchy_.bytes() >= options_.hierarchy_budget_bytes) {
+        limited_ = true;
+        return true;
+      }
       planned.role = Role::kBlocked;
       blocked_ = true;
       return true;

@@ -20,6 +20,8 @@ struct RefineOptions {
   float threshold_px = 1;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   uint64_t cut_budget_bytes = std::numeric_limits<uint64_t>::max();  ///< of decoded meshes in the wanted cut
+  /// Of the known hierarchy: no page is asked for beyond it.
+  uint64_t hierarchy_budget_bytes = std::numeric_limits<uint64_t>::max();
   bool finer_stand_ins = true;  ///< false: what is finer than wanted gives way to coarser ancestors at once
 };
 

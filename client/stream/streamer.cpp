@@ -174,16 +174,18 @@ void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport* transpor
 }
 
 void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
+  StreamStatus now;
+  now.cut = engine.cut();
+  now.counts = engine.counts();
+  now.limited = engine.limited();
+  now.settled = engine.settled();
+  now.failure = engine.failure();
+  now.trouble = engine.trouble();
+  if (number != 0 && engine.exhausted() && !now.settled && now.failure.empty())
+    now.failure = "the cache does not have all that the view needs: run without --offline";
   const std::lock_guard lock(mutex);
   if (!summary && engine.summary()) summary = *engine.summary();
-  status.cut = engine.cut();
-  status.counts = engine.counts();
-  status.limited = engine.limited();
-  status.settled = engine.settled();
-  status.failure = engine.failure();
-  status.trouble = engine.trouble();
-  if (number != 0 && engine.exhausted() && !status.settled && status.failure.empty())
-    status.failure = "the cache does not have all that the view needs: run without --offline";
+  std::swap(status, now);  // what only the last status held is freed after the lock
   status_view_number = number;
   news.notify_all();
 }

@@ -91,5 +91,19 @@ TEST_F(HierarchyTest, refusesMoreNodesThanTheModelAnnounced) {
   }
 }
 
+TEST(HierarchyMemory, countsRungsOfNodesThatHoldMany) {
+  HierarchyPage page;
+  Node root;
+  root.key = kRootKey;
+  root.rungs.assign(64, Rung{});
+  page.nodes = {root};
+  Hierarchy many(1);
+  many.addRootPage(page);
+  page.nodes[0].rungs.resize(1);
+  Hierarchy one(1);
+  one.addRootPage(page);
+  EXPECT_EQ(many.bytes(), one.bytes() + 63 * sizeof(Rung));
+}
+
 }  // namespace
 }  // namespace lode::core

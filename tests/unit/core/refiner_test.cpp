@@ -108,6 +108,7 @@ class Scripted {
   }
 
   const Refinement& last() const { return last_; }
+  const Hierarchy& hierarchy() const { return hierarchy_; }
   MeshCache& cache() { return cache_; }
   uint64_t deliveredPayloadBytes() const { return delivered_payload_bytes_; }
 
@@ -245,6 +246,20 @@ TEST_P(RefinerOnSeeds, staysWithinAMemoryBudgetAndSaysSo) {
   uint64_t held = 0;
   for (const CutPart& part : client.last().cut->parts) held += meshBytes(*part.mesh);
   EXPECT_LT(held, all);
+  EXPECT_TRUE(client.last().limited);
+  EXPECT_FALSE(client.last().cut->converged);
+}
+
+TEST_P(RefinerOnSeeds, asksForNoPageBeyondTheHierarchysBudgetAndSaysSo) {
+  Scripted unlimited(model_);
+  unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
+  const uint64_t known_bytes = unlimited.hierarchy().bytes();
+  Scripted client(model_);
+  const uint64_t budget = client.hierarchy().bytes();
+  if (known_bytes == budget) GTEST_SKIP() << "all of it is in the first page";
+  client.converge(closeView(), {.threshold_px = 1, .hierarchy_budget_bytes = budget}, random_, kNoCheck);
+  EXPECT_EQ(client.hierarchy().bytes(), budget);
+  EXPECT_TRUE(client.last().settled);
   EXPECT_TRUE(client.last().limited);
   EXPECT_FALSE(client.last().cut->converged);
 }
