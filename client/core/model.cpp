@@ -37,7 +37,7 @@ std::optional<Wish> Model::firstWish() const {
 }
 
 bool Model::wants(const Wish& wish) const {
-  return !refused_.contains(wish.blob.number) && !decoding_.contains({wish.use, wish.blob.number});
+  return !refused_.contains(wish.blob.number) && !decoding_.contains(toDecoding(wish.blob, wish.use));
 }
 
 void Model::take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
@@ -72,7 +72,7 @@ void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
 }
 
 void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
-  if (!decoding_.try_emplace({use, blob.number}, blob).second) return;
+  if (!decoding_.try_emplace(toDecoding(blob, use), blob).second) return;
   undecoded_bytes_ += blob.bytes;
   DecodeJob job;
   job.blob = blob;
@@ -92,7 +92,7 @@ void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std
 }
 
 void Model::finishDecode(DecodeResult result) {
-  const auto found = decoding_.find({result.use, result.blob.number});
+  const auto found = decoding_.find(toDecoding(result.blob, result.use));
   if (found == decoding_.end() || found->second != result.blob) return;
   undecoded_bytes_ -= found->second.bytes;
   decoding_.erase(found);
@@ -106,8 +106,22 @@ void Model::finishDecode(DecodeResult result) {
     return refuse(result.blob,
                   what + " cannot be decoded: " + result.failure + ": run lodestreamd verify on the store");
   }
-  meshes_.insert(result.use.mesh, std::move(result.decoded), std::move(result.footprint));
-  if (result.use.mesh == coarsest()) meshes_.pin(result.use.mesh);
+  insert(std::move(result));
+}
+
+/// A mesh is that of every rung of its node that has the same payload.
+void Model::insert(DecodeResult result) {
+  const Node& node = *hierarchy_.find(result.use.mesh.node);
+  const Rung& decoded = node.rungs[result.use.mesh.rung];
+  for (uint32_t rung = 0; rung < node.rungs.size(); ++rung) {
+    const Rung& same = node.rungs[rung];
+    if (same.payload != decoded.payload || same.triangles != decoded.triangles ||
+        same.vertices != decoded.vertices)
+      continue;
+    const MeshKey key{node.key, rung};
+    meshes_.insert(key, result.decoded, result.footprint);
+    if (key == coarsest()) meshes_.pin(key);
+  }
 }
 
 void Model::refuse(const BlobRef& blob, const std::string& why) {

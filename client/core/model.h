@@ -66,11 +66,21 @@ class Model {
   uint64_t textureBlobBytes() const noexcept { return texture_blob_bytes_; }
 
  private:
-  using Decoding = std::pair<BlobUse, uint32_t>;  // and the blob's number
+  /// What is being decoded: of a mesh, the same for all rungs of a node that share the payload.
+  struct Decoding {
+    BlobKind kind;
+    NodeKey node;
+    uint32_t blob;
+    friend constexpr auto operator<=>(const Decoding&, const Decoding&) = default;
+  };
 
   void addPage(const BlobUse& use, std::span<const std::byte> bytes);
   void startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
+  void insert(DecodeResult result);
   MeshKey coarsest() const;
+  static Decoding toDecoding(const BlobRef& blob, const BlobUse& use) noexcept {
+    return {use.kind, use.mesh.node, blob.number};
+  }
 
   ModelSummary summary_;
   Hierarchy hierarchy_;

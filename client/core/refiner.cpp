@@ -88,7 +88,8 @@ class Run {
   }
 
   uint64_t partBytes(const Rung& rung) const {
-    return rung.triangles == 0 ? 0 : meshBytes(rung.vertices, rung.triangles, attributes_);
+    const uint64_t mesh_bytes = meshBytes(rung.vertices, rung.triangles, attributes_);
+    return kPartBytes + (rung.triangles == 0 ? 0 : mesh_bytes);
   }
 
   void add(const Node& node) {

@@ -14,6 +14,7 @@
 
 namespace lode::core {
 
+constexpr uint64_t kPartBytes = 256;  ///< that a part of a cut takes beside its mesh, and where it has none
 constexpr double kMarginWidening = 1.2;  ///< of the picture: what a camera that turns a little sees next
 
 struct RefineOptions {

@@ -20,6 +20,7 @@
 #include <asio/steady_timer.hpp>
 #include <asio/use_awaitable.hpp>
 
+#include "client/net/name_lookup.h"
 #include "common/error.h"
 #include "proto/byte_stream.h"
 
@@ -54,7 +55,7 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
     work.cancel();
   }
   void closeAll() {
-    resolver.cancel();
+    lookup.abandon();
     asio::error_code ignored;
     connecting.close(ignored);
     if (stream) stream->close();
@@ -76,7 +77,7 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   const Route route;
   const std::function<void()> wake;
   bool abandoned = false;  // the transport is gone
-  tcp::resolver resolver{io};
+  NameLookup lookup{io};
   tcp::socket connecting{io};               // until it is connected
   std::optional<proto::ByteStream> stream;  // from then on
   bool any_received = false;
@@ -124,8 +125,7 @@ asio::awaitable<void> TcpTransport::State::connectSocket() {
   const std::string where = toString(route.address);
   bool resolved = false;
   try {
-    const auto found = co_await resolver.async_resolve(route.address.host, std::to_string(route.address.port),
-                                                       asio::use_awaitable);
+    const auto found = co_await lookup.find(route.address);
     resolved = true;
     co_await asio::async_connect(connecting, found, asio::use_awaitable);
     connecting.set_option(tcp::no_delay(true));

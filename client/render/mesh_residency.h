@@ -57,6 +57,9 @@ class MeshResidency {
   bool upToDate() const noexcept { return newest_ == drawn_cut_; }
   /// The newest cut does not fit into the budget: the one before stays.
   bool overBudget() const noexcept { return rejected_ != nullptr && rejected_ == newest_; }
+  /// Null before the first, and while room is made for one that fits only alone.
+  const std::shared_ptr<const core::Cut>& drawnCut() const noexcept { return drawn_cut_; }
+  const std::shared_ptr<const core::Cut>& newest() const noexcept { return newest_; }
   std::span<const DrawItem> drawn() const noexcept { return drawn_; }
   const GpuPages& pages() const noexcept { return pages_; }
   size_t meshCount() const noexcept { return entries_.size(); }

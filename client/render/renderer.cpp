@@ -79,13 +79,14 @@ Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
 
 void Renderer::show(const std::shared_ptr<const core::Cut>& cut) {
   meshes_.show(cut);
-  textures_.show(cut);
+  textures_.show(cut, meshes_.drawnCut());
 }
 
 void Renderer::uploadInRenderThread(const UploadBudget& budget) {
   UploadBudget left = budget;
   const uint64_t used_bytes = meshes_.uploadInRenderThread(budget);
   left.bytes -= static_cast<uint32_t>(std::min<uint64_t>(used_bytes, left.bytes));
+  textures_.show(meshes_.newest(), meshes_.drawnCut());
   textures_.uploadInRenderThread(left);
 }
 

@@ -88,23 +88,35 @@ void TextureResidency::setPages(const core::TileKey& key, std::span<const TileCe
     write(first + texture.tiles.size() + i, i + 1 < cells.size() ? pageOf(cells[i + 1]) : 0);
 }
 
-void TextureResidency::show(std::shared_ptr<const core::Cut> cut) {
-  if (cut == cut_) return;
-  cut_ = std::move(cut);
-  if (cut_->textures != set_) takeSet(cut_->textures);
-  waiting_.clear();
-  repacked_ = false;
-  if (!set_) return;
-  std::set<std::weak_ptr<const TileImage>, std::owner_less<>> kept;
-  for (const core::ResidentTile& tile : cut_->tiles) {
-    kept.insert(tile.image);
-    const auto entry = entries_.find(tile.image);
-    const bool there =
-        entry != entries_.end() &&
-        std::find(entry->second.keys.begin(), entry->second.keys.end(), tile.key) != entry->second.keys.end();
-    if (!there) waiting_.push_back(tile);
+void TextureResidency::show(const std::shared_ptr<const core::Cut>& newest,
+                            const std::shared_ptr<const core::Cut>& drawn) {
+  const bool is_other_set = drawn && drawn->textures && newest && newest->textures != drawn->textures;
+  const std::shared_ptr<const core::Cut>& wanted = is_other_set ? drawn : newest;
+  if (!wanted || (wanted == cut_ && drawn == drawn_)) return;
+  drawn_ = drawn;
+  if (wanted != cut_) {
+    cut_ = wanted;
+    if (cut_->textures != set_) takeSet(cut_->textures);
+    waiting_.clear();
+    repacked_ = false;
+    if (!set_) return;
+    for (const core::ResidentTile& tile : cut_->tiles) {
+      const auto entry = entries_.find(tile.image);
+      if (entry == entries_.end() ||
+          std::ranges::find(entry->second.keys, tile.key) == entry->second.keys.end())
+        waiting_.push_back(tile);
+    }
+    std::reverse(waiting_.begin(), waiting_.end());
   }
-  std::reverse(waiting_.begin(), waiting_.end());
+  giveUpOthers();
+}
+
+/// What neither the cut that is wanted nor the one that is drawn has.
+void TextureResidency::giveUpOthers() {
+  std::set<std::weak_ptr<const TileImage>, std::owner_less<>> kept;
+  for (const core::ResidentTile& tile : cut_->tiles) kept.insert(tile.image);
+  if (drawn_ && drawn_->textures == set_)
+    for (const core::ResidentTile& tile : drawn_->tiles) kept.insert(tile.image);
   for (auto entry = entries_.begin(); entry != entries_.end();) {
     if (kept.contains(entry->first)) {
       ++entry;

@@ -28,8 +28,13 @@ class TextureResidency {
   /// @param budget_bytes  of the array; at least one layer is used all the same.
   explicit TextureResidency(uint64_t budget_bytes);
 
-  /// The cut whose tiles are wanted. Tiles that it does not have are given up at once.
-  void show(std::shared_ptr<const core::Cut> cut);
+  /// @param newest  the cut whose tiles are wanted.
+  /// @param drawn   the one that is drawn until the newest one's meshes are there, or null: its tiles stay
+  /// until
+  ///                then, where there is room for both; and one of another texture set keeps the newest
+  ///                waiting.
+  void show(const std::shared_ptr<const core::Cut>& newest,
+            const std::shared_ptr<const core::Cut>& drawn = nullptr);
   /// Uploads tiles, coarse levels first, within the budget: at least one. @return bytes uploaded.
   uint64_t uploadInRenderThread(const UploadBudget& budget);
 
@@ -52,6 +57,7 @@ class TextureResidency {
   using Entries = std::map<std::weak_ptr<const TileImage>, Entry, std::owner_less<>>;
 
   void takeSet(std::shared_ptr<const TextureSet> set);
+  void giveUpOthers();
   void repack();
   void setPages(const core::TileKey& key, std::span<const TileCell> cells);
   std::vector<TileCell> allocate(const TileImage& image);
@@ -69,6 +75,7 @@ class TextureResidency {
   std::vector<uint32_t> first_entries_;  ///< in the table, by texture; its tail's come after its tiles'
   Entries entries_;
   std::shared_ptr<const core::Cut> cut_;     ///< the one whose tiles are wanted
+  std::shared_ptr<const core::Cut> drawn_;   ///< the one whose tiles stay
   std::vector<core::ResidentTile> waiting_;  ///< to be uploaded, the next one last
   bool repacked_ = false;                    ///< for this cut
 };

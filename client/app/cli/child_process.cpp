@@ -28,13 +28,25 @@ constexpr int kCannotStart = 127;
 }
 
 /// What happens in the child between fork and exec: only calls that are safe there.
-[[noreturn]] void become(char* const* arguments, int output, int messages, pid_t parent) {
+[[noreturn]] void become(char* const* arguments, int input, int output, int messages, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(kCannotStart);
+  dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   if (messages >= 0) dup2(messages, STDERR_FILENO);
   execv(arguments[0], arguments);
   _exit(kCannotStart);
+}
+
+/// @return a file in memory, to be read from its begin; less than 0 if there can be none.
+int fileOf(const std::string& text) {
+  const int file = memfd_create("lodestream input", MFD_CLOEXEC);
+  if (file < 0) return file;
+  if (write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+      lseek(file, 0, SEEK_SET) == 0)
+    return file;
+  close(file);
+  return -1;
 }
 
 int exitStatus(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
@@ -42,7 +54,7 @@ int exitStatus(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 12
 }  // namespace
 
 ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                           Messages messages) {
+                           Messages messages, const std::string& input) {
   std::vector<std::string> texts{program.string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
@@ -50,12 +62,14 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   pointers.push_back(nullptr);
 
   std::array<int, 2> pipe_ends{};
-  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) refuse(program);
+  const int input_file = fileOf(input);
+  if (input_file < 0 || pipe2(pipe_ends.data(), O_CLOEXEC) != 0) refuse(program);
   output_ = pipe_ends[0];
   if (messages == Messages::kKeep) messages_ = memfd_create("lodestreamd messages", MFD_CLOEXEC);
   const pid_t parent = getpid();
   process_ = fork();
-  if (process_ == 0) become(pointers.data(), pipe_ends[1], messages_, parent);
+  if (process_ == 0) become(pointers.data(), input_file, pipe_ends[1], messages_, parent);
+  close(input_file);
   close(pipe_ends[1]);
   if (process_ < 0) {
     close(output_);

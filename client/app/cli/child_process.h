@@ -10,14 +10,16 @@
 namespace lode::app {
 
 /// A program started as a child. The kernel ends it when the thread that started it ends; the destructor ends
-/// it, first gently. Its stdout can be read; its stderr is kept for messages, or goes to ours. Move only.
+/// it, first gently. It reads a text that is given to it, or nothing; its stdout can be read; its stderr is
+/// kept for messages, or goes to ours. Move only.
 class ChildProcess {
  public:
   enum class Messages { kKeep, kPassOn };
 
+  /// @param input  what it reads from stdin, a file in memory that it may open anew.
   /// @throws Error kIo if it cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               Messages messages);
+               Messages messages, const std::string& input = {});
   ~ChildProcess();
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;

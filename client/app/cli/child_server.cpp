@@ -1,5 +1,6 @@
 #include "client/app/cli/child_server.h"
 
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds kReadyTimeout{60};
 constexpr size_t kKeyDigits = 16;
+constexpr size_t kTokenBytes = 32;
 
 std::string childFailure(const ChildProcess& child, const std::string& what) {
   std::string said = child.lastMessage();
@@ -29,7 +31,15 @@ std::string childFailure(const ChildProcess& child, const std::string& what) {
   return said.empty() ? what : said;
 }
 
-stream::ServedModel readReadyLine(ChildProcess& child, const fs::path& store) {
+std::string makeToken() {
+  std::array<std::byte, kTokenBytes> secret;
+  if (getentropy(secret.data(), secret.size()) != 0)
+    throw Error(ErrorCode::kIo, std::string("the system gives no random bytes: ") + std::strerror(errno));
+  return toHex(nameBlob(secret));
+}
+
+stream::ServedModel readReadyLine(ChildProcess& child, const fs::path& store, const std::stop_token& stop) {
+  const std::stop_callback end_child(stop, [&child] { child.terminate(); });
   const std::string line = child.readLine(kReadyTimeout);
   const auto json = nlohmann::json::parse(line, nullptr, false);
   if (line.empty() || !json.is_object() || !json.contains("listen") || !json["listen"].is_string() ||
@@ -101,19 +111,24 @@ fs::path buildIntoCache(const fs::path& ply, bool announce, const std::stop_toke
 
 }  // namespace
 
-ChildServer::ChildServer(const fs::path& store)
-    : process_(siblingServer(), {"serve", store.string(), "--listen", "127.0.0.1:0"},
-               ChildProcess::Messages::kKeep),
-      served_(readReadyLine(process_, store)) {}
+ChildServer::ChildServer(const fs::path& store, const std::stop_token& stop)
+    : token_(makeToken()),
+      process_(siblingServer(),
+               {"serve", store.string(), "--listen", "127.0.0.1:0", "--token-file", "/proc/self/fd/0"},
+               ChildProcess::Messages::kKeep, token_ + " never *\n"),
+      served_(readReadyLine(process_, store, stop)) {}
 
-ResolvedTarget resolveTarget(const Target& target, bool announce, std::stop_token stop) {
-  if (const auto* served = std::get_if<stream::ServedModel>(&target)) return {*served, nullptr, {}};
+ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
+                             std::stop_token stop) {
+  if (const auto* served = std::get_if<stream::ServedModel>(&target))
+    return {*served, std::move(options), nullptr, {}};
   const auto* ply = std::get_if<PlyFile>(&target);
   const fs::path file = ply ? ply->path : std::get<StoreFile>(target).path;
   const fs::path store = ply ? buildIntoCache(file, announce, stop) : file;
-  auto child = std::make_unique<ChildServer>(store);
+  auto child = std::make_unique<ChildServer>(store, stop);
+  options.token = child->token();
   stream::ServedModel served = child->served();
-  return {std::move(served), std::move(child), file};
+  return {std::move(served), std::move(options), std::move(child), file};
 }
 
 const ModelSummary& openModel(stream::Streamer& streamer, const ResolvedTarget& target,

@@ -12,15 +12,19 @@
 namespace lode::app {
 
 /// The sibling lodestreamd as a child process that serves one store on a port of loopback; it ends with this
-/// object, and with the thread that made it however that ends.
+/// object, and with the thread that made it however that ends. It knows one token, made for it: other users
+/// of the machine can reach its port.
 class ChildServer {
  public:
-  /// Starts it and waits until it is ready. @throws Error kIo naming what failed and what the child said.
-  explicit ChildServer(const std::filesystem::path& store);
+  /// Starts it and waits until it is ready. @throws Error kIo naming what failed and what the child said, or
+  /// when it is stopped.
+  explicit ChildServer(const std::filesystem::path& store, const std::stop_token& stop = {});
 
   const stream::ServedModel& served() const noexcept { return served_; }
+  const std::string& token() const noexcept { return token_; }
 
  private:
+  std::string token_;
   ChildProcess process_;
   stream::ServedModel served_;
 };
@@ -29,13 +33,16 @@ class ChildServer {
 /// into the XDG cache (keyed by path, size, time, options and builder) unless that was done before.
 struct ResolvedTarget {
   stream::ServedModel served;
+  stream::StreamOptions options;       ///< with the token of the child, if there is one
   std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
   std::filesystem::path file;          ///< as the user named it; empty: on a server
 };
+/// @param options   for the connection.
 /// @param announce  progress of a build goes to stderr if that is a terminal.
-/// @param stop      ends a build under way, which then counts as failed.
+/// @param stop      ends a child under way, which then counts as failed.
 /// @throws Error.
-ResolvedTarget resolveTarget(const Target& target, bool announce, std::stop_token stop = {});
+ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
+                             std::stop_token stop = {});
 
 /// Waits until the model of a target is open. @throws Error as stream::Streamer::waitForModel, naming the
 /// target's file.

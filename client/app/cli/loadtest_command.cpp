@@ -75,11 +75,12 @@ void print(const LoadtestOptions& options, const LoadTally& tally) {
 void loadtest(const LoadtestOptions& options, int& exit_status) {
   std::optional<core::CameraPath> path;
   if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
-  const ResolvedTarget target = resolveTarget(parseTarget(options.common.target), !options.json);
+  const ResolvedTarget target =
+      resolveTarget(parseTarget(options.common.target), options.common.streamOptions(), !options.json);
   const PictureSize size = options.common.size();
   LoadPlan plan;
   plan.model = target.served;
-  plan.options = options.common.streamOptions();
+  plan.options = target.options;
   plan.route = stream::routeTo(plan.model, plan.options);
   plan.decode = !options.decode_off;
   plan.trace = recordTrace(plan.model, plan.options, path, {size.width_px, size.height_px},

@@ -62,10 +62,10 @@ class Replay {
   Replayed run() {
     std::optional<core::CameraPath> path;
     if (!options_.common.camera_file.empty()) path = core::readCameraPath(options_.common.camera_file);
-    const stream::StreamOptions stream_options = options_.common.streamOptions();
-    const ResolvedTarget target = resolveTarget(parseTarget(options_.common.target), !options_.json);
+    const ResolvedTarget target =
+        resolveTarget(parseTarget(options_.common.target), options_.common.streamOptions(), !options_.json);
     start_ = Clock::now();
-    stream::Streamer streamer(target.served, stream_options);
+    stream::Streamer streamer(target.served, target.options);
     const ModelSummary& model = openModel(streamer, target, options_.common.timeout());
     if (!path) path = core::framingCamera(model);
     const Clock::time_point begin = Clock::now();

@@ -45,9 +45,9 @@ void ModelOpener::say(std::string phase) {
 
 void ModelOpener::run() {
   try {
-    const ResolvedTarget resolved = resolveTarget(target_, true, stopping_.get_token());
+    const ResolvedTarget resolved = resolveTarget(target_, options_, true, stopping_.get_token());
     say("Connecting to " + net::toString(resolved.served.address));
-    stream::Streamer streamer(resolved.served, options_);
+    stream::Streamer streamer(resolved.served, resolved.options);
     const ModelSummary& model = openModel(streamer, resolved, timeout_, stopping_.get_token());
     std::unique_lock lock(mutex_);
     progress_.phase.clear();

@@ -107,8 +107,8 @@ void render(const RenderOptions& options) {
   const render::Framebuffer target(size.width_px, size.height_px);
   makeFolder(options.folder);
 
-  const ResolvedTarget resolved = resolveTarget(parsed, !options.json);
-  stream::Streamer streamer(resolved.served, stream_options);
+  const ResolvedTarget resolved = resolveTarget(parsed, stream_options, !options.json);
+  stream::Streamer streamer(resolved.served, resolved.options);
   const ModelSummary& model = openModel(streamer, resolved, options.common.timeout());
   if (!path) path = core::framingCamera(model);
   render::Renderer renderer(model.lattice.step, render::residencyFor(stream_options.memory_budget_bytes));

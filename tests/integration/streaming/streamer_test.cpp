@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/app/cli/child_server.h"
 #include "client/app/cli/cut_mesh.h"
 #include "client/core/camera_path.h"
 #include "common/error.h"
@@ -178,6 +179,17 @@ TEST_F(Streaming, convergesWithoutAServerWhereAllIsThere) {
   const StreamStatus status = streamer.waitUntilSettled(kPatience);
   EXPECT_EQ(status.failure, "");
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
+}
+
+TEST_F(Streaming, fromAChildServerNeedsTheTokenThatWasMadeForIt) {
+  const app::ChildServer child(folder_ / "a.lode");
+  stream::StreamOptions options = threads(1);
+  options.token = child.token();
+  EXPECT_EQ(Streamer(child.served(), options).waitForModel(kPatience).name, "a");
+  EXPECT_NE(app::ChildServer(folder_ / "a.lode").token(), child.token());
+  options.token.clear();
+  Streamer stranger(child.served(), options);
+  EXPECT_THROW(stranger.waitForModel(kPatience), Error);
 }
 
 TEST_F(Streaming, saysThatNoServerIsThere) {

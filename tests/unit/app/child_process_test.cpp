@@ -22,6 +22,12 @@ TEST(ChildProcess, isReadLineByLine) {
   EXPECT_EQ(child.wait(), 0);
 }
 
+TEST(ChildProcess, readsWhatItIsGivenAndMayOpenItAnew) {
+  ChildProcess child("/bin/sh", {"-c", "cat; cat /proc/self/fd/0"}, ChildProcess::Messages::kKeep, "text\n");
+  EXPECT_EQ(child.readLine(60s), "text");
+  EXPECT_EQ(child.readLine(60s), "text");
+}
+
 TEST(ChildProcess, tellsHowItEnded) {
   EXPECT_EQ(shell("exit 3").wait(), 3);
   EXPECT_EQ(shell("kill -9 $$").wait(), 128 + SIGKILL);

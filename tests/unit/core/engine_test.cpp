@@ -230,6 +230,21 @@ TEST_F(EngineTest, givesUpWhereANewTryWouldFailToo) {
   EXPECT_THROW(engine_.disconnect(Error(ErrorCode::kInput, "no such model"), kStart), Error);
 }
 
+TEST_F(EngineTest, fetchesWhatTwoRungsShareOnceWhicheverIsWantedFirst) {
+  root_.rungs = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.04f, 0}, root_.rungs[1]};
+  blobs_[2] = encodePage({{root_}});
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(blobFrame(wish, 1), kStart);
+  decodeAll();
+  engine_.step(kStart);
+  ASSERT_EQ(engine_.cut()->parts.at(0).rung, 1u);
+  engine_.setView(view_, 0.1f);
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  EXPECT_EQ(engine_.cut()->parts.at(0).rung, 0u);
+  EXPECT_TRUE(engine_.settled());
+}
+
 TEST_F(EngineTest, fetchesWhatTwoRungsShareOnce) {
   root_.rungs = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.002f, 0}, root_.rungs[1]};
   blobs_[2] = encodePage({{root_}});

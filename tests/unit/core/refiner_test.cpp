@@ -385,6 +385,34 @@ TEST(Refiner, refinesOnTheAppearanceErrorToo) {
   EXPECT_EQ(sharp.wanted[0].use.mesh.rung, 0u);
 }
 
+TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {
+  HierarchyPage page;
+  const auto add = [&](NodeKey key, uint8_t children, float error_model) {
+    Node node;
+    node.key = key;
+    node.box.add(glm::uvec3(0));
+    node.box.add(glm::uvec3(1024));
+    node.child_mask = children;
+    node.rungs = {{{}, 0, 0, 0, error_model, 0}};
+    page.nodes.push_back(node);
+  };
+  add(kRootKey, 0xff, 100);
+  for (unsigned octant = 0; octant < 8; ++octant) add(kRootKey.child(octant), 0xff, 90);
+  for (unsigned parent = 0; parent < 8; ++parent)
+    for (unsigned octant = 0; octant < 8; ++octant) add(kRootKey.child(parent).child(octant), 0, 80);
+  Hierarchy hierarchy(page.nodes.size());
+  hierarchy.addRootPage(page);
+  const MeshCache cache(1u << 20);
+  const View view = lookingAt({512, 512, 2000}, {512, 512, 0});
+  const auto limitedBy = [&](uint64_t budget_bytes) {
+    return refine(hierarchy, cache, {{0, 0, 0}, 1}, {}, view,
+                  {.threshold_px = 2, .cut_budget_bytes = budget_bytes})
+        .limited;
+  };
+  EXPECT_TRUE(limitedBy(8 * kPartBytes));
+  EXPECT_FALSE(limitedBy(64 * kPartBytes));
+}
+
 TEST(Refiner, publishesPartsInKeyOrderWithTheirMeshes) {
   const SyntheticModel model({.seed = 6, .empty_chance = 0.2});
   Scripted client(model);

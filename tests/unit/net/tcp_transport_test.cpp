@@ -11,7 +11,9 @@
 #include <asio/ip/tcp.hpp>
 #include <asio/read.hpp>
 #include <asio/write.hpp>
+#include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <netdb.h>
 
 #include "common/error.h"
 
@@ -20,6 +22,56 @@ namespace {
 
 using asio::ip::tcp;
 using namespace std::chrono_literals;
+
+/// A name whose look-up does not end before it is let go.
+class SlowName {
+ public:
+  static constexpr const char* kHost = "slow.example";
+
+  void lookUp() {
+    std::unique_lock lock(mutex_);
+    begun_ = true;
+    change_.notify_all();
+    change_.wait_for(lock, 5s, [this] { return open_; });
+    ended_ = true;
+    change_.notify_all();
+  }
+  bool waitUntilBegun() {
+    std::unique_lock lock(mutex_);
+    return change_.wait_for(lock, 30s, [this] { return begun_; });
+  }
+  bool ended() {
+    const std::lock_guard lock(mutex_);
+    return ended_;
+  }
+  void letGo() {
+    std::unique_lock lock(mutex_);
+    open_ = true;
+    change_.notify_all();
+    change_.wait(lock, [this] { return ended_; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable change_;
+  bool begun_ = false, open_ = false, ended_ = false;
+} slow_name;
+
+}  // namespace
+}  // namespace lode::net
+
+/// This program's own: the system's, but for SlowName.
+extern "C" int getaddrinfo(const char* node, const char* service, const addrinfo* hints, addrinfo** found) {
+  if (std::string_view(node) == lode::net::SlowName::kHost) {
+    lode::net::slow_name.lookUp();
+    return EAI_NONAME;
+  }
+  static const auto system = reinterpret_cast<decltype(&getaddrinfo)>(dlsym(RTLD_NEXT, "getaddrinfo"));
+  return system(node, service, hints, found);
+}
+
+namespace lode::net {
+namespace {
 
 /// Counts wakes, so that a test waits without sleeping.
 class Bell {
@@ -113,6 +165,20 @@ TEST_F(TcpTransportTest, givesTheLastBytesBeforeItTellsOfTheEnd) {
   }
   EXPECT_EQ(receive(transport, 4).size(), 4u);
   EXPECT_NE(failureOf(transport).find("closed the connection"), std::string::npos);
+}
+
+TEST_F(TcpTransportTest, endsAtOnceWhileANameIsStillLookedUp) {
+  {
+    TcpTransport transport(Route{{SlowName::kHost, 1}}, [] {});
+    ASSERT_TRUE(slow_name.waitUntilBegun());
+  }
+  EXPECT_FALSE(slow_name.ended());
+  slow_name.letGo();
+}
+
+TEST_F(TcpTransportTest, saysThatAHostCannotBeFound) {
+  TcpTransport transport(Route{{"host.invalid", 1}}, [this] { bell_.ring(); });
+  EXPECT_NE(failureOf(transport).find("cannot find the host of host.invalid:1"), std::string::npos);
 }
 
 TEST_F(TcpTransportTest, namesTheAddressAndTheRemedyWhenNobodyListens) {

@@ -211,6 +211,27 @@ TEST_F(TexturedSquare, showsEverySquareOfACheckeredImageInItsPlaceAtEveryDistanc
   }
 }
 
+TEST_F(TexturedSquare, keepsTheTilesOfTheCutThatIsDrawnUntilTheNextOneIsThere) {
+  wear({512, 512, checkered});
+  const core::View view = above({kSide / 2, kSide / 2}, kSide / 200);
+  render::Renderer renderer;
+  auto first = std::make_shared<core::Cut>(*cutOf({square(glm::u8vec4(255), AttributeSet::kTexture)}));
+  first->textures = set_;
+  first->tiles = tiles_;
+  renderer.show(first);
+  renderer.uploadInRenderThread({.wait = true});
+  const render::Image before = draw(renderer, view);
+
+  auto second = std::make_shared<core::Cut>(*cutOf({square(glm::u8vec4(255), AttributeSet::kTexture)}));
+  second->textures = set_;
+  renderer.show(second);
+  renderer.uploadInRenderThread({.bytes = 0, .ms = 0});
+  ASSERT_FALSE(renderer.upToDate());
+  EXPECT_EQ(draw(renderer, view).rgba, before.rgba);
+  renderer.uploadInRenderThread({.wait = true});
+  EXPECT_EQ(renderer.textures().tileCount(), 0u);
+}
+
 TEST_F(TexturedSquare, isAsEvenAsItsImageFromAfar) {
   wear({1024, 1024, [](uint32_t x, uint32_t y) {
           const uint8_t value = (x / 8 + y / 8) % 2 == 0 ? 255 : 0;
