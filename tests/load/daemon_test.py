@@ -153,6 +153,8 @@ class OpenFiles(unittest.TestCase):
 
 
 class Limits(unittest.TestCase):
+    PING = HEADER.pack(12, 14, 0, 0, 1) + bytes.fromhex("080000000400040004000000")  # a table without fields
+
     def test_of_open_models_is_what_was_asked_for(self):
         with Daemon(STORE, "--max-open-models", "1") as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.send("Open", 3, model="painted")
@@ -160,6 +162,21 @@ class Limits(unittest.TestCase):
                 while True:
                     connection.receive()
             self.assertIn("code 7", str(said.exception))
+
+    def held_by_a_client_that_pings_and_never_reads(self, *arguments):
+        with Daemon(STORE, *arguments) as daemon, contextlib.closing(daemon.open()[0]) as connection:
+            before = daemon.metric("lodestream_memory_bytes")
+            connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            connection.socket.settimeout(1)
+            with self.assertRaises(TimeoutError):  # the server reads nothing more
+                for _ in range(10000):
+                    connection.socket.sendall(self.PING * 1000)
+            return daemon.metric("lodestream_memory_bytes") - before
+
+    def test_of_answers_that_nobody_reads_is_kept(self):
+        held, limit, default = self.held_by_a_client_that_pings_and_never_reads, 4096, 65536
+        self.assertIn(held("--max-queued-bytes", "4KB") // limit, (1, 2))  # a full queue, and one that is being sent
+        self.assertIn(held() // default, (1, 2))
 
     def test_of_bytes_a_second_is_kept(self):
         with Daemon(STORE, "--max-rate", "400KB", "--max-rate-per-connection", "300KB") as daemon:
