@@ -185,9 +185,10 @@ void Session::appendChunk(Incoming& incoming, const proto::BlobChunk& chunk) {
 }
 
 SessionEvent Session::completed(Incoming incoming) {
-  require(
-      nameBlob(incoming.bytes) == incoming.blob.name,
-      "blob " + std::to_string(incoming.blob.number) + " does not have the bytes that its name stands for");
+  const bool named = options_.is_named ? options_.is_named(incoming.blob, incoming.bytes)
+                                       : nameBlob(incoming.bytes) == incoming.blob.name;
+  require(named, "blob " + std::to_string(incoming.blob.number) +
+                     " does not have the bytes that its name stands for");
   return BlobArrived{incoming.blob, incoming.use, std::move(incoming.bytes)};
 }
 

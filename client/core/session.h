@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -34,6 +35,8 @@ struct SessionOptions {
   std::string token;
   std::string program = "lodestream";
   uint64_t max_wished_bytes = kMaxWishedBytes;
+  /// Whether bytes have the blob's name; none: their SHA-256 is compared with it.
+  std::function<bool(const BlobRef&, std::span<const std::byte>)> is_named;
 };
 
 struct ModelOpened {

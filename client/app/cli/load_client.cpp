@@ -34,8 +34,8 @@ void LoadTally::add(const LoadTally& other) {
 }
 
 LoadClient::LoadClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
-                       LoadTally& tally)
-    : io_(io), plan_(plan), tally_(tally), start_(start), due_(start) {
+                       KnownNames& names, LoadTally& tally)
+    : io_(io), plan_(plan), names_(names), tally_(tally), start_(start), due_(start) {
   const auto& wishes = plan.trace.wishes;
   const auto at = std::ranges::lower_bound(wishes, phase_s, {}, &TracedWish::t_s);
   first_ = at == wishes.end() ? 0 : static_cast<size_t>(at - wishes.begin());
@@ -71,6 +71,9 @@ void LoadClient::step(core::TimePoint now) {
       core::SessionOptions options;
       options.model = plan_.model.model;
       options.token = plan_.options.token;
+      options.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
+        return names_.isNamed(blob, bytes);
+      };
       session_.emplace(options, now);
       transport_.emplace(io_, plan_.route, [this] { receive(); });
     }

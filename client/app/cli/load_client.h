@@ -10,6 +10,7 @@
 
 #include <asio/io_context.hpp>
 
+#include "client/app/cli/known_names.h"
 #include "client/app/cli/latency_histogram.h"
 #include "client/app/cli/wish_trace.h"
 #include "client/core/session.h"
@@ -43,8 +44,9 @@ struct LoadPlan {
 class LoadClient {
  public:
   /// @param start    when it connects. @param phase_s  where in the trace it begins.
+  /// @param names    of the clients of its thread.
   LoadClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
-             LoadTally& tally);
+             KnownNames& names, LoadTally& tally);
 
   /// When step() has something to do next; the end of time if never.
   core::TimePoint due() const noexcept { return due_; }
@@ -72,6 +74,7 @@ class LoadClient {
 
   asio::io_context& io_;
   const LoadPlan& plan_;
+  KnownNames& names_;
   LoadTally& tally_;
   const core::TimePoint start_;
   size_t first_;           ///< place in the trace at which it begins

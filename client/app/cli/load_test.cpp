@@ -42,7 +42,7 @@ class Stepper {
   explicit Stepper(const LoadPlan& plan) : plan_(plan) {}
 
   void add(Clock::time_point start, double phase_s) {
-    clients_.push_back(std::make_unique<LoadClient>(io_, plan_, start, phase_s, tally_));
+    clients_.push_back(std::make_unique<LoadClient>(io_, plan_, start, phase_s, names_, tally_));
     due_.push({start, clients_.size() - 1});
   }
 
@@ -72,6 +72,7 @@ class Stepper {
   }
 
   const LoadPlan& plan_;
+  KnownNames names_;
   LoadTally tally_;
   asio::io_context io_{1};
   std::vector<std::unique_ptr<LoadClient>> clients_;
