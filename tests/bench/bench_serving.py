@@ -3,7 +3,9 @@
 
 throughput  64 KB and 8 KB blobs, some 1,500 of each, at random: nginx (sendfile off) and lodestreamd in turns, medians
 tls         the same under TLS 1.3
-fairness    one connection with 256 wishes open beside eight with 8
+fairness    what one connection with 256 wishes open takes beside eight with 16, and one that wishes once at a time beside it
+clients     one wish, or request, at a time from each of 1 to 1,000 clients: percentiles beside nginx
+idle        memory of 10,000 connections that do nothing, and of 1,000 under TLS
 cold        one wish at a time for blobs in memory, alone and beside others whose blobs come from a slow disk; needs root,
             for control groups
 latency     `lodestream loadtest --decode-off` with more and more clients, 99th percentiles by class
@@ -19,6 +21,7 @@ import itertools
 import json
 import os
 import pathlib
+import signal
 import socket
 import statistics
 import subprocess
@@ -103,8 +106,9 @@ def measured(process, command):
 def write_lua(path, first, last):
     path.write_text(f"""
         request = function() return wrk.format("GET", "/" .. math.random({first}, {last})) end
-        done = function(summary)
-          io.write(string.format('\\n{{"bytes": %d, "seconds": %f}}\\n', summary.bytes, summary.duration / 1e6))
+        done = function(summary, latency)
+          io.write(string.format('\\n{{"bytes": %d, "seconds": %f, "p50_ms": %f, "p99_ms": %f}}\\n', summary.bytes,
+                                 summary.duration / 1e6, latency:percentile(50) / 1e3, latency:percentile(99) / 1e3))
         end""")
 
 
@@ -149,6 +153,48 @@ def throughput(bench, tls=None):
               f"{web_cpu:.0f} MB | {our_cpu:.0f} MB | **{cpu:.2f}** |", flush=True)
 
 
+def clients(bench):
+    folder = bench.folder / "clients"
+    numbers = make_store(bench, folder, 24576)
+    write_lua(folder / "random.lua", numbers["first"], numbers["last"])
+    print("| clients | nginx, median | p99 | lodestreamd, median | p99 | ratio of medians | of p99 |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    with (nginx(folder, folder / "files") as (_, web_port), lodestreamd(bench, folder / "noise.lode") as (_, listen)):
+        for count in (1, 16, 256, 1000):
+            wrk = ["wrk", "-t1", f"-c{count}", f"-d{bench.seconds}", "-s", folder / "random.lua", f"http://127.0.0.1:{web_port}"]
+            load = [bench.bin / "serving_load", listen.rsplit(":", 1)[1], "noise", numbers["first"], numbers["last"], count, 1,
+                    bench.seconds]
+            runs = [[json.loads(on_client_core(command).splitlines()[-1]) for command in (wrk, load)] for _ in range(bench.runs)]
+            web, ours = ([statistics.median(run[who][what] for run in runs) for what in ("p50_ms", "p99_ms")] for who in (0, 1))
+            median, p99 = (statistics.median(ours[what] / web[what] for web, ours in runs) for what in ("p50_ms", "p99_ms"))
+            print(f"| {count} | {web[0]:.2f} ms | {web[1]:.2f} ms | {ours[0]:.2f} ms | {ours[1]:.2f} ms | **{median:.2f}** | "
+                  f"**{p99:.2f}** |", flush=True)
+
+
+def resident_bytes(process):
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    return 1024 * int(next(line for line in status.splitlines() if line.startswith("VmRSS")).split()[1])
+
+
+def idle(bench):
+    folder = bench.folder / "idle"
+    make_store(bench, folder, 8192)
+    environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
+    print("| connections that do nothing | of each | the server in all |")
+    print("| --- | --- | --- |")
+    for count, tls in ((10000, None), (1000, certificate(bench))):
+        with lodestreamd(bench, folder / "noise.lode", tls=tls) as (server, listen):
+            before = resident_bytes(server)
+            command = ["taskset", "-c", CLIENT_CORE, "/usr/bin/python3", HERE.parent / "load" / "idle_clients.py", listen, "noise",
+                       count, *(["tls"] if tls else [])]
+            with running(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as holders:
+                if holders.stdout.readline() != "ready\n":
+                    sys.exit("idle_clients.py failed")
+                time.sleep(2)
+                held = resident_bytes(server)
+        print(f"| {count}{', TLS' if tls else ''} | **{(held - before) / count / 1024:.1f} KB** | {held / 1e6:.0f} MB |", flush=True)
+
+
 def load_beside(bench, listen, model, numbers, connections, in_flight, seconds):
     return subprocess.Popen(
         ["taskset", "-c", CLIENT_CORE, bench.bin / "serving_load", listen.rsplit(":", 1)[1], model, str(numbers["first"]),
@@ -158,17 +204,27 @@ def load_beside(bench, listen, model, numbers, connections, in_flight, seconds):
 def fairness(bench):
     folder = bench.folder / "fairness"
     numbers = make_store(bench, folder, 24576)
-    print("| | greedy, MB/s | each of eight others, MB/s | greedy's share of an even one |")
-    print("| --- | --- | --- | --- |")
-    runs = []
+    shares, indices, alone, beside = [], [], [], []
     with lodestreamd(bench, folder / "noise.lode") as (_, listen):
+        wish_times(bench, listen, "noise", numbers, 500)  # warm
         for _ in range(bench.runs):
-            both = [load_beside(bench, listen, "noise", numbers, *how, bench.seconds) for how in ((1, 256), (8, 8))]
-            greedy, others = (json.loads(process.communicate()[0]) for process in both)
-            runs.append((greedy["bytes"] / greedy["seconds"] / 1e6, others["bytes"] / others["seconds"] / 8e6))
-    greedy, each = (statistics.median(column) for column in zip(*runs))
-    share = statistics.median(9 * g / (g + 8 * e) for g, e in runs)
-    print(f"| 24 KB blobs | {greedy:.0f} | {each:.0f} | **{share:.2f}** |", flush=True)
+            run = json.loads(load_beside(bench, listen, "noise", numbers, 9, f"{IN_FLIGHT * 2},256", bench.seconds).communicate()[0])
+            greedy, *others = run["each"]
+            shares.append(greedy / statistics.mean(others))
+            indices.append(sum(run["each"]) ** 2 / (9 * sum(n * n for n in run["each"])))
+            alone.append(wish_times(bench, listen, "noise", numbers, 500))
+            greedy = load_beside(bench, listen, "noise", numbers, 1, 256, 60)
+            beside.append(wish_times(bench, listen, "noise", numbers, 500))
+            greedy.terminate()
+            greedy.communicate()
+    print("| one with 256 wishes of 24 KB open, of each of eight with 16 | Jain's index of the nine |")
+    print("| --- | --- |")
+    print(f"| **{statistics.median(shares):.2f}** | **{statistics.median(indices):.3f}** |\n")
+    print("| one wish at a time of 24 KB | median | p99 |")
+    print("| --- | --- | --- |")
+    for name, runs in (("alone", alone), ("beside one with 256 open", beside)):
+        median, p99 = (statistics.median(run[what] for run in runs) for what in ("median_ms", "p99_ms"))
+        print(f"| {name} | {median:.2f} ms | **{p99:.2f} ms** |", flush=True)
 
 
 @contextlib.contextmanager
@@ -318,7 +374,9 @@ def main():
     parser.add_argument("--wishes", type=int, default=40, help="urgent ones")
     bench = parser.parse_args()
     bench.bin = bench.bin.resolve()
-    parts = dict(throughput=throughput, tls=tls, fairness=fairness, cold=cold, latency=latency, urgent=urgent)
+    for ending in (signal.SIGTERM, signal.SIGHUP):  # as SIGINT does, so that servers, control groups and namespaces go too
+        signal.signal(ending, lambda number, _: sys.exit(128 + number))
+    parts = dict(throughput=throughput, tls=tls, fairness=fairness, clients=clients, idle=idle, cold=cold, latency=latency, urgent=urgent)
     with tempfile.TemporaryDirectory() as folder:
         bench.folder = pathlib.Path(folder)
         for name in bench.parts or parts:

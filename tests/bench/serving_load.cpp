@@ -1,7 +1,8 @@
 // Takes as much as a server gives: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls].
-// Each connection keeps so many wishes open for blobs from FIRST to LAST, at random. It looks at headers and
-// drops the bytes, so that one core of it does not hold up one of the server. Prints blobs, bytes and the
-// seconds that they took.
+// Each connection keeps so many wishes open for blobs from FIRST to LAST, at random; with IN_FLIGHT as 16,256
+// the first one keeps 256 and the others 16. It looks at headers and drops the bytes, so that one core of it
+// does not hold up one of the server. Prints blobs, bytes, those of each connection, the seconds that they
+// took, and percentiles of what a wish took, which are exact where IN_FLIGHT is 1.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -35,6 +36,7 @@ constexpr uint64_t kEndlessWindow = uint64_t{1} << 60;
 
 struct Tally {
   uint64_t blobs = 0, bytes = 0;
+  std::vector<double> times_ms;  ///< from a frame of wishes to the last byte of each of its blobs
 };
 
 class Client {
@@ -63,16 +65,17 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
   int descriptor() const noexcept { return socket_; }
+  const Tally& tally() const noexcept { return tally_; }
 
   /// @param room  for what is read in one go; shared by all clients.
-  void read(std::span<std::byte> room, Tally& tally) {
+  void read(std::span<std::byte> room) {
     for (int records = tls_ != nullptr ? kRecords : 1; records > 0; --records) {
       const ssize_t got = receive(room);
       if (got == 0) throw Error(ErrorCode::kNetwork, "the server closed a connection");
       if (got < 0) break;
-      take(room.first(static_cast<size_t>(got)), tally);
+      take(room.first(static_cast<size_t>(got)));
     }
-    if (opened_ && open_ + kRefill <= in_flight_) wish();
+    if (opened_ && open_ + std::min(kRefill, in_flight_) <= in_flight_) wish();
   }
 
  private:
@@ -109,13 +112,14 @@ class Client {
   }
   void wish() {
     proto::Wishes wishes{1, {}};
+    asked_ = Clock::now();
     for (; open_ < in_flight_; ++open_)
       wishes.changes.push_back(
           {proto::WishAction::kAdd, proto::WishClass::kVisible, ++last_wish_, any_(random_), 1});
     send(proto::encode(wishes, 3));
   }
   /// Frames may be cut anywhere: heads are put together, bodies skipped.
-  void take(std::span<const std::byte> bytes, Tally& tally) {
+  void take(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
       const size_t skipped = std::min(skip_, bytes.size());
       skip_ -= skipped;
@@ -127,7 +131,7 @@ class Client {
         if (head_used_ == proto::kFrameHeaderBytes) readHeader();
       }
       if (head_used_ < proto::kFrameHeaderBytes + wanted_fields_) return;
-      if (wanted_fields_ > 0) readChunk(tally);
+      if (wanted_fields_ > 0) readChunk();
       skip_ = body_bytes_ - wanted_fields_;
       head_used_ = wanted_fields_ = 0;
     }
@@ -140,7 +144,7 @@ class Client {
     opened_ = opened_ || type == proto::FrameType::kOpened;
     wanted_fields_ = type == proto::FrameType::kBlob ? proto::kBlobChunkHeaderBytes : 0;
   }
-  void readChunk(Tally& tally) {
+  void readChunk() {
     const auto u32 = [this](size_t at) {
       uint32_t value = 0;
       for (size_t i = 4; i-- > 0;)
@@ -148,9 +152,10 @@ class Client {
       return value;
     };
     const auto bytes = static_cast<uint32_t>(body_bytes_ - proto::kBlobChunkHeaderBytes);
-    tally.bytes += bytes;
+    tally_.bytes += bytes;
     if (u32(8) + bytes < u32(4) || u32(0) == 0) return;
-    ++tally.blobs;
+    ++tally_.blobs;
+    tally_.times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - asked_).count());
     --open_;
   }
 
@@ -162,38 +167,62 @@ class Client {
   std::array<std::byte, kHeadBytes> head_;
   size_t head_used_ = 0, wanted_fields_ = 0, body_bytes_ = 0, skip_ = 0;
   bool opened_ = false;
+  Clock::time_point asked_;
+  Tally tally_;
 };
+
+double percentile(const std::vector<double>& sorted_ms, double part) {
+  return sorted_ms.empty() ? 0
+                           : sorted_ms[static_cast<size_t>(part * static_cast<double>(sorted_ms.size() - 1))];
+}
+
+void print(std::span<const std::unique_ptr<Client>> clients, double seconds) {
+  Tally all;
+  std::string each;
+  for (const auto& client : clients) {
+    all.blobs += client->tally().blobs;
+    all.bytes += client->tally().bytes;
+    all.times_ms.insert(all.times_ms.end(), client->tally().times_ms.begin(), client->tally().times_ms.end());
+    each += (each.empty() ? "" : ", ") + std::to_string(client->tally().bytes);
+  }
+  std::ranges::sort(all.times_ms);
+  std::printf(
+      "{\"blobs\": %llu, \"bytes\": %llu, \"each\": [%s], \"seconds\": %.3f, \"p50_ms\": %.3f, \"p99_ms\": "
+      "%.3f}\n",
+      static_cast<unsigned long long>(all.blobs), static_cast<unsigned long long>(all.bytes), each.c_str(),
+      seconds, percentile(all.times_ms, 0.5), percentile(all.times_ms, 0.99));
+}
 
 void run(std::span<char*> arguments) {
   const auto number = [&](size_t i) {
     return static_cast<uint32_t>(std::strtoul(arguments[i], nullptr, 10));
   };
+  const std::string in_flight = arguments[5];
+  const size_t comma = in_flight.find(',');
+  const uint32_t of_first =
+      comma == std::string::npos ? number(5) : static_cast<uint32_t>(std::stoul(in_flight.substr(comma + 1)));
   std::vector<std::unique_ptr<Client>> clients;
   const bool under_tls = arguments.size() > 7;
   SSL_CTX* const tls = under_tls ? SSL_CTX_new(TLS_client_method()) : nullptr;
   const int poll = epoll_create1(0);
   for (uint32_t i = 0; i < number(4); ++i) {
     clients.push_back(std::make_unique<Client>(static_cast<uint16_t>(number(0)), arguments[1], number(2),
-                                               number(3), number(5), i + 1, tls));
+                                               number(3), i == 0 ? of_first : number(5), i + 1, tls));
     epoll_event event{};
     event.events = EPOLLIN;
     event.data.ptr = clients.back().get();
     epoll_ctl(poll, EPOLL_CTL_ADD, clients.back()->descriptor(), &event);
   }
   std::vector<std::byte> room(256u << 10);
-  Tally tally;
   const auto start = Clock::now(), end = start + std::chrono::seconds(number(6));
   while (Clock::now() < end) {
     std::array<epoll_event, 256> events;
     const int count = epoll_wait(poll, events.data(), static_cast<int>(events.size()), 100);
-    for (int i = 0; i < count; ++i)
-      static_cast<Client*>(events[static_cast<size_t>(i)].data.ptr)->read(room, tally);
+    for (int i = 0; i < count; ++i) static_cast<Client*>(events[static_cast<size_t>(i)].data.ptr)->read(room);
   }
   close(poll);
   SSL_CTX_free(tls);
-  std::printf("{\"blobs\": %llu, \"bytes\": %llu, \"seconds\": %.3f}\n",
-              static_cast<unsigned long long>(tally.blobs), static_cast<unsigned long long>(tally.bytes),
-              std::chrono::duration<double>(Clock::now() - start).count());
+  print(clients, std::chrono::duration<double>(Clock::now() - start).count());
 }
 
 }  // namespace

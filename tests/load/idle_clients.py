@@ -1,0 +1,38 @@
+#!/usr/bin/python3
+"""Opens a model over so many connections and does nothing: idle_clients.py HOST:PORT MODEL COUNT [tls]
+
+Prints a line when all are there, and keeps them until its input ends. tests/bench/bench_serving.py runs it; it needs what
+read_model.py needs.
+"""
+import resource
+import ssl
+import sys
+
+from read_model import Connection
+
+
+class TlsConnection(Connection):
+    """Of a server whose certificate nobody vouches for."""
+
+    def __init__(self, address):
+        super().__init__(address)
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+        self.input.close()
+        self.socket = context.wrap_socket(self.socket)
+        self.input = self.socket.makefile("rb")
+
+
+def main():
+    address, model, count, *tls = sys.argv[1:]
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+    connections = [(TlsConnection if tls else Connection)(address) for _ in range(int(count))]
+    for connection in connections:
+        connection.open(model)
+    print("ready", flush=True)
+    sys.stdin.read()
+
+
+if __name__ == "__main__":
+    main()
