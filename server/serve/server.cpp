@@ -14,6 +14,7 @@
 #include "server/serve/door.h"
 #include "server/serve/health_endpoint.h"
 #include "server/serve/listener.h"
+#include "server/serve/memory_reserve.h"
 #include "server/serve/metrics.h"
 #include "server/serve/open_files.h"
 #include "server/serve/tls.h"
@@ -23,8 +24,9 @@ namespace lode::serve {
 
 namespace {
 
-constexpr size_t kReaderThreads = 4;        ///< that may wait for the disk
-constexpr uint64_t kOtherDescriptors = 64;  ///< beside connections, stores and refusals
+constexpr size_t kReaderThreads = 4;                            ///< that may wait for the disk
+constexpr uint64_t kOtherDescriptors = 64;                      ///< beside connections, stores and refusals
+constexpr auto kReserveEvery = std::chrono::milliseconds(100);  ///< it is refilled
 
 /// A message as it may stand in a log, which others may read than those who know the machine's folders: each
 /// path is cut to its last name.
@@ -73,9 +75,11 @@ struct Server::State {
   void run();
   void reload();
   void halt();
+  void keepReserve();
   void stopNow();
   void closeDoor();
 
+  MemoryReserve reserve;
   ServeOptions options;
   Log log;
   std::mutex reload_mutex;  ///< one at a time
@@ -92,7 +96,7 @@ struct Server::State {
   asio::io_context context{1};  ///< accepts, and answers for health; runs in run()'s thread
   std::unique_ptr<Door> door;
   std::unique_ptr<HealthEndpoint> health;
-  asio::steady_timer drain_timer{context};
+  asio::steady_timer drain_timer{context}, reserve_timer{context};
   std::mutex workers_mutex;  ///< of the list, which run() fills
   std::vector<std::unique_ptr<Worker>> workers;
   asio::thread_pool readers{kReaderThreads};
@@ -219,6 +223,7 @@ void Server::State::run() {
   const auto guard = asio::make_work_guard(context);
   while (true) try {
       door->open();
+      keepReserve();
       context.run();
       break;
     } catch (const std::exception& error) {  // out of memory, most likely: the next may be taken again
@@ -226,6 +231,15 @@ void Server::State::run() {
     }
   halt();
   for (auto& worker : workers) worker->join();
+}
+
+void Server::State::keepReserve() {
+  if (reserve.refill() > 0)
+    log.write(LogKind::kSystem, "the system gave no memory, and what is kept for that was used");
+  reserve_timer.expires_after(kReserveEvery);
+  reserve_timer.async_wait([this](const asio::error_code& cancelled) {
+    if (!cancelled) keepReserve();
+  });
 }
 
 void Server::State::reload() {
