@@ -3,13 +3,11 @@
 #include <fstream>
 #include <sstream>
 
-#include <asio/ssl/context.hpp>
-#include <asio/ssl/stream.hpp>
-
 #include "common/error.h"
 #include "server/serve/refusals.h"
 #include "tests/support/test_certificate.h"
 #include "tests/unit/serve/server_fixture.h"
+#include "tests/unit/serve/tls_client.h"
 
 namespace lode::serve {
 namespace {
@@ -156,36 +154,6 @@ TEST_F(ServerAccess, behindABalancerAConnectionWithoutItsHeaderIsClosed) {
   client.send(proto::Hello{});
   EXPECT_FALSE(client.receive());
 }
-
-/// A client under TLS that blocks.
-class TlsClient {
- public:
-  explicit TlsClient(uint16_t port, int newest = TLS1_3_VERSION) {
-    SSL_set_max_proto_version(stream_.native_handle(), newest);
-    stream_.next_layer().connect({asio::ip::address_v4::loopback(), port});
-    stream_.handshake(asio::ssl::stream_base::client, error_);
-  }
-  bool connected() const { return !error_; }
-  template <typename Message>
-  void send(const Message& message) {
-    asio::write(stream_, asio::buffer(proto::encode(message, 0)), error_);
-  }
-  FrameType receive() {
-    std::array<std::byte, proto::kFrameHeaderBytes> head{};
-    asio::read(stream_, asio::buffer(head), error_);
-    if (error_) return {};
-    const auto header = proto::decodeFrameHeader(head);
-    proto::Bytes body(header.body_bytes);
-    asio::read(stream_, asio::buffer(body), error_);
-    return static_cast<FrameType>(header.type);
-  }
-
- private:
-  asio::io_context context_;
-  asio::ssl::context tls_{asio::ssl::context::tls_client};
-  asio::ssl::stream<asio::ip::tcp::socket> stream_{context_, tls_};
-  asio::error_code error_;
-};
 
 TEST_F(ServerAccess, underTlsASessionIsTheSame) {
   writePair("first");

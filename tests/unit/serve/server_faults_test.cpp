@@ -134,23 +134,5 @@ TEST_F(ServerFaults, aBlobOverwrittenUnderASessionEndsItsWishAsDamaged) {
   EXPECT_EQ(error.wish, 1u);
 }
 
-TEST_F(ServerFaults, everyFrameCutAtEveryLengthHarmsNobody) {
-  start();
-  const std::vector<proto::Bytes> frames{
-      proto::encode(proto::Hello{}, 1), proto::encode(proto::Open{"a", {}}, 2),
-      proto::encode(proto::Wishes{1, {{}}}, 3), proto::encode(proto::Credit{1}, 0),
-      proto::encode(proto::Close{1}, 4)};
-  proto::Bytes before;
-  for (const proto::Bytes& frame : frames) {
-    for (size_t cut = 0; cut < frame.size(); cut += 3) {
-      TestClient client = connect();
-      client.sendBytes(before);
-      client.sendBytes(std::span(frame).first(cut));
-    }
-    before.insert(before.end(), frame.begin(), frame.end());
-  }
-  expectServed();
-}
-
 }  // namespace
 }  // namespace lode::serve
