@@ -28,6 +28,9 @@ find_path(LODE_ASIO_INCLUDE asio.hpp REQUIRED)
 add_library(lode_asio INTERFACE)
 target_include_directories(lode_asio SYSTEM INTERFACE ${LODE_ASIO_INCLUDE})
 target_compile_definitions(lode_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED ASIO_HAS_CO_AWAIT=1 ASIO_HAS_STD_COROUTINE=1)
+# Coroutines wait in one another: a thread keeps the frames of as many as a connection has, instead of two. Its memory comes
+# from operator new, as all other does, so that the server's reserve is for it too.
+target_compile_definitions(lode_asio INTERFACE ASIO_RECYCLING_ALLOCATOR_CACHE_SIZE=8 ASIO_DISABLE_STD_ALIGNED_ALLOC)
 target_link_libraries(lode_asio INTERFACE Threads::Threads)
 if(LODE_SANITIZE MATCHES thread)
   # The thread sanitizer does not know fences, and g++ says so. Asio's queues are behind mutexes all the same.

@@ -161,5 +161,7 @@ Bytes encode(const Closed& message, uint32_t request);
 /// decode<Hello>(body) and so on, for every message above.
 template <typename Message>
 Message decode(std::span<const std::byte> body);
+/// The same into a message that keeps its memory from call to call.
+void decodeInto(std::span<const std::byte> body, Wishes& into);
 
 }  // namespace lode::proto

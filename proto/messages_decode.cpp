@@ -215,13 +215,18 @@ WishChange fromWire(const wire::WishChange& from) {
           from.blob(), from.priority_px()};
 }
 
+void read(const wire::Wishes& from, Wishes& into) {
+  into.handle = from.handle();
+  into.changes.clear();
+  if (from.changes() == nullptr) return;
+  requireAtMost(from.changes()->size(), kMaxWishesPerFrame, "wishes in a frame");
+  into.changes.reserve(from.changes()->size());
+  for (const wire::WishChange* change : *from.changes()) into.changes.push_back(fromWire(*change));
+}
+
 Wishes fromWire(const wire::Wishes& from) {
   Wishes out;
-  out.handle = from.handle();
-  if (from.changes() == nullptr) return out;
-  requireAtMost(from.changes()->size(), kMaxWishesPerFrame, "wishes in a frame");
-  out.changes.reserve(from.changes()->size());
-  for (const wire::WishChange* change : *from.changes()) out.changes.push_back(fromWire(*change));
+  read(from, out);
   return out;
 }
 
@@ -251,6 +256,10 @@ Closed fromWire(const wire::Closed& from) { return {from.handle()}; }
 template <typename Message>
 Message decode(std::span<const std::byte> body) {
   return withRoot<typename WireOf<Message>::Type>(body, [](const auto& root) { return fromWire(root); });
+}
+
+void decodeInto(std::span<const std::byte> body, Wishes& into) {
+  withRoot<wire::Wishes>(body, [&into](const wire::Wishes& root) { read(root, into); });
 }
 
 template Hello decode<Hello>(std::span<const std::byte>);

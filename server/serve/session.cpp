@@ -135,7 +135,7 @@ void Session::dispatch(const proto::FrameHeader& header, std::span<const std::by
     case FrameType::kClose:
       return close(proto::decode<proto::Close>(body), header.request);
     case FrameType::kWishes:
-      return wishes(proto::decode<proto::Wishes>(body), header.request);
+      return wishes(body, header.request);
     case FrameType::kCredit:
       granted_bytes_ = std::max(granted_bytes_, proto::decode<proto::Credit>(body).granted_bytes);
       return;
@@ -225,7 +225,9 @@ void Session::close(const proto::Close& message, uint32_t request) {
   answer(proto::Closed{message.handle}, request);
 }
 
-void Session::wishes(const proto::Wishes& message, uint32_t request) {
+void Session::wishes(std::span<const std::byte> body, uint32_t request) {
+  thread_local proto::Wishes message;  // of every session's, so that a wish takes no memory but its own
+  proto::decodeInto(body, message);
   const OpenedModel& opened = openedAs(message.handle, "Wishes");
   for (const proto::WishChange& change : message.changes) {
     if (change.action == proto::WishAction::kAdd) {

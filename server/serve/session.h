@@ -139,7 +139,7 @@ class Session {
   void list(uint32_t request);
   void open(const proto::Open& message, uint32_t request);
   void close(const proto::Close& message, uint32_t request);
-  void wishes(const proto::Wishes& message, uint32_t request);
+  void wishes(std::span<const std::byte> body, uint32_t request);
   void addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened, uint32_t request);
   void endWish(OpenWish& wish);
   const OpenedModel& openedAs(uint32_t handle, const char* frame);

@@ -28,6 +28,13 @@ TEST(Messages, eachDecodesToWhatWasEncoded) {
   test::forEachSample([](const auto& message) { EXPECT_EQ(roundTrip(message), message); });
 }
 
+TEST(Messages, wishesDecodeIntoWhatHeldOthersBefore) {
+  Wishes into{7, std::vector<WishChange>(3)};
+  const Bytes frame = encode(Wishes{2, {{WishAction::kAdd, WishClass::kMargin, 4, 5, 1.5f}}}, 0);
+  decodeInto(std::span(frame).subspan(kFrameHeaderBytes), into);
+  EXPECT_EQ(into, (Wishes{2, {{WishAction::kAdd, WishClass::kMargin, 4, 5, 1.5f}}}));
+}
+
 TEST(Messages, eachDecodesWhenEveryFieldIsAtItsDefault) {
   EXPECT_EQ(roundTrip(Hello{}), Hello{});
   EXPECT_EQ(roundTrip(Welcome{}), Welcome{});

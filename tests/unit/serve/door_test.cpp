@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "tests/unit/serve/failing_allocations.h"
+#include "tests/unit/serve/allocations.h"
 
 namespace lode::serve {
 namespace {

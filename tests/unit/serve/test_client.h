@@ -27,7 +27,10 @@ struct Received {
 /// A client that blocks, for tests.
 class TestClient {
  public:
-  explicit TestClient(uint16_t port) { socket_.connect({asio::ip::address_v4::loopback(), port}); }
+  explicit TestClient(uint16_t port) {
+    socket_.connect({asio::ip::address_v4::loopback(), port});
+    socket_.set_option(asio::ip::tcp::no_delay(true));
+  }
 
   void sendBytes(std::span<const std::byte> bytes) {
     asio::error_code ignored;  // the server may have closed already: what it said tells

@@ -1,0 +1,38 @@
+// What a wish costs a server whose blobs are in memory.
+
+#include "tests/unit/serve/allocations.h"
+#include "tests/unit/serve/server_fixture.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+
+class HotPath : public ServerTest {
+ protected:
+  /// So many wishes, eight at a time, and all that is sent for them.
+  void wish(TestClient& client, uint32_t handle, uint32_t count) {
+    for (uint32_t wish = 1; wish <= count; wish += 8) {
+      proto::Wishes wishes{handle, {}};
+      for (uint32_t n = 0; n < 8; ++n)
+        wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, wish + n, n + 3, 1});
+      client.send(wishes);
+      ASSERT_EQ(client.blobs(8).size(), 8u);
+    }
+  }
+};
+
+TEST_F(HotPath, takesNoMemoryForAWishOnceASessionRuns) {
+  options_.threads = 1;
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.blobs(2);
+  wish(client, opened.handle, 1000);
+  const AllocationsOfOthers allocations;
+  wish(client, opened.handle, 10'000);
+  EXPECT_LT(allocations.count(), 100u) << "by ten thousand wishes";
+}
+
+}  // namespace
+}  // namespace lode::serve
