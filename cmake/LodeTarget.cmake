@@ -10,6 +10,7 @@ set(LODE_LAYER_core proto common)
 set(LODE_LAYER_net core proto frame_stream common)
 set(LODE_LAYER_render core common)
 set(LODE_LAYER_stream net core proto common)
+set(LODE_LAYER_embed stream net core proto common)
 set(LODE_LAYER_app_cli stream net core proto common)
 
 # lode_target(NAME [EXECUTABLE] [SOURCES files...] [LAYERS layers...] [LIBRARIES outside...] [PUBLIC_LIBRARIES outside...])

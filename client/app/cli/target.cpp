@@ -3,25 +3,11 @@
 #include <array>
 #include <fstream>
 
+#include "client/stream/served_url.h"
 #include "common/error.h"
-#include "common/limits.h"
 
 namespace lode::app {
 namespace {
-
-constexpr std::string_view kScheme = "lode://", kTlsScheme = "lodes://";
-
-struct Url {
-  bool encrypted = false;
-  std::string_view rest;
-};
-
-Url splitScheme(std::string_view text) {
-  for (const auto scheme : {kScheme, kTlsScheme})
-    if (text.starts_with(scheme)) return {scheme == kTlsScheme, text.substr(scheme.size())};
-  throw Error(ErrorCode::kUsage,
-              "'" + std::string(text) + "' names no server; write lode://HOST[:PORT], or lodes:// with TLS");
-}
 
 Target parseFile(std::string_view text) {
   const std::filesystem::path path{text};
@@ -44,24 +30,9 @@ Target parseFile(std::string_view text) {
 
 Target parseTarget(std::string_view text) {
   if (text.find("://") == std::string_view::npos) return parseFile(text);
-  const auto [encrypted, rest] = splitScheme(text);
-  const size_t slash = rest.find('/');
-  if (slash == std::string_view::npos || slash + 1 == rest.size())
-    throw Error(ErrorCode::kUsage,
-                "'" + std::string(text) + "' names no model; write lode://HOST[:PORT]/MODEL");
-  std::string model(rest.substr(slash + 1));
-  if (model.size() > kMaxModelNameBytes || model.find('/') != std::string::npos)
-    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "': a model's name has no slash and at most " +
-                                       std::to_string(kMaxModelNameBytes) + " bytes");
-  return stream::ServedModel{net::parseAddress(rest.substr(0, slash)), std::move(model), encrypted};
+  return stream::parseServedModel(text);
 }
 
-stream::ServedModel parseServerUrl(std::string_view text) {
-  auto [encrypted, rest] = splitScheme(text);
-  if (rest.ends_with('/')) rest.remove_suffix(1);
-  if (rest.find('/') != std::string_view::npos)
-    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names a model; write lode://HOST[:PORT]");
-  return {net::parseAddress(rest), "", encrypted};
-}
+stream::ServedModel parseServerUrl(std::string_view text) { return stream::parseServer(text); }
 
 }  // namespace lode::app

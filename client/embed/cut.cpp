@@ -1,0 +1,142 @@
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/embed/guard.h"
+#include "client/embed/handles.h"
+#include "client/embed/lodestream.h"
+#include "common/error.h"
+#include "common/octahedral.h"
+
+struct lodestream_mesh {
+  std::vector<float> positions, normals, texture_uvs;
+  std::vector<uint8_t> colours;
+  std::vector<uint16_t> texture_of;
+  std::vector<uint32_t> indices;
+};
+
+namespace lode::embed {
+namespace {
+
+template <typename Things>
+const auto& at(const Things& things, size_t number, const char* what) {
+  if (number < things.size()) return things[number];
+  throw Error(ErrorCode::kUsage, "the cut has " + std::to_string(things.size()) + " " + what +
+                                     ", none of number " + std::to_string(number));
+}
+
+template <typename Value>
+const Value* dataOrNull(const std::vector<Value>& values) {
+  return values.empty() ? nullptr : values.data();
+}
+
+void addAttributes(lodestream_mesh& out, const Mesh& mesh, const TextureSet* textures) {
+  const bool has_normals = mesh.attributes.has(AttributeSet::kNormal | AttributeSet::kComputedNormal);
+  const bool has_texture = textures != nullptr && mesh.attributes.has(AttributeSet::kTexture);
+  for (const VertexAttributes& vertex : mesh.vertex_attributes) {
+    if (has_normals) {
+      const glm::vec3 normal = decodeOctahedral(vertex.normal);
+      out.normals.insert(out.normals.end(), {normal.x, normal.y, normal.z});
+    }
+    if (mesh.attributes.has(AttributeSet::kColour))
+      out.colours.insert(out.colours.end(),
+                         {vertex.colour.r, vertex.colour.g, vertex.colour.b, vertex.colour.a});
+    if (!has_texture) continue;
+    const glm::dvec2 uv = textures->uv_origin + glm::dvec2(vertex.texture) * uvStep(*textures);
+    out.texture_uvs.insert(out.texture_uvs.end(), {static_cast<float>(uv.x), static_cast<float>(uv.y)});
+    out.texture_of.push_back(vertex.material);
+  }
+}
+
+std::unique_ptr<lodestream_mesh> flatten(const Mesh& mesh, double lattice_step, const TextureSet* textures) {
+  auto out = std::make_unique<lodestream_mesh>();
+  const auto step = static_cast<float>(lattice_step);
+  out->positions.reserve(3 * mesh.positions.size());
+  for (const PositionCode code : mesh.positions) {
+    const glm::vec3 position = glm::vec3(unpackPosition(code)) * step;
+    out->positions.insert(out->positions.end(), {position.x, position.y, position.z});
+  }
+  addAttributes(*out, mesh, textures);
+  out->indices.reserve(3 * mesh.triangles.size());
+  for (const glm::u32vec3& triangle : mesh.triangles)
+    out->indices.insert(out->indices.end(), {triangle.x, triangle.y, triangle.z});
+  return out;
+}
+
+lodestream_arrays arraysOf(const lodestream_mesh& mesh) {
+  lodestream_arrays arrays{};
+  arrays.vertices = static_cast<uint32_t>(mesh.positions.size() / 3);
+  arrays.triangles = static_cast<uint32_t>(mesh.indices.size() / 3);
+  arrays.positions = dataOrNull(mesh.positions);
+  arrays.normals = dataOrNull(mesh.normals);
+  arrays.colours = dataOrNull(mesh.colours);
+  arrays.texture_uvs = dataOrNull(mesh.texture_uvs);
+  arrays.texture_of = dataOrNull(mesh.texture_of);
+  arrays.indices = dataOrNull(mesh.indices);
+  return arrays;
+}
+
+}  // namespace
+}  // namespace lode::embed
+
+using lode::embed::at;
+using lode::embed::guard;
+
+void lodestream_release_cut(lodestream_cut* cut) { delete cut; }
+
+void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info) {
+  const lode::core::Cut& of = *cut->cut;
+  *info = {};
+  info->parts = of.parts.size();
+  info->tiles = of.tiles.size();
+  info->textures = of.textures ? of.textures->textures.size() : 0;
+  info->triangles = of.triangles;
+  info->max_error_px = of.max_error_px;
+  info->is_converged = of.converged;
+}
+
+int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part) {
+  return guard([&] {
+    const lode::core::CutPart& of = at(cut->cut->parts, number, "parts");
+    *part = {reinterpret_cast<uintptr_t>(of.mesh.get()),
+             of.node.value,
+             of.rung,
+             of.visible,
+             of.mesh->triangles.size(),
+             of.error_px};
+  });
+}
+
+lodestream_mesh* lodestream_take_mesh(const lodestream_cut* cut, size_t part, lodestream_arrays* arrays) {
+  lodestream_mesh* mesh = nullptr;
+  guard([&] {
+    const lode::Mesh& of = *at(cut->cut->parts, part, "parts").mesh;
+    mesh = lode::embed::flatten(of, cut->lattice_step, cut->cut->textures.get()).release();
+    *arrays = lode::embed::arraysOf(*mesh);
+  });
+  return mesh;
+}
+
+void lodestream_release_mesh(lodestream_mesh* mesh) { delete mesh; }
+
+int lodestream_cut_tile(const lodestream_cut* cut, size_t number, lodestream_tile* tile) {
+  return guard([&] {
+    const lode::core::ResidentTile& of = at(cut->cut->tiles, number, "tiles");
+    *tile = {of.key.texture,
+             of.key.level,
+             of.key.x,
+             of.key.y,
+             of.image->size.x,
+             of.image->size.y,
+             reinterpret_cast<const uint8_t*>(of.image->texels.data())};
+  });
+}
+
+int lodestream_cut_texture(const lodestream_cut* cut, size_t number, lodestream_texture* texture) {
+  return guard([&] {
+    static const std::vector<lode::Texture> none;
+    const auto& textures = cut->cut->textures ? cut->cut->textures->textures : none;
+    const lode::Texture& of = at(textures, number, "textures");
+    *texture = {of.width, of.height, levelCount(of)};
+  });
+}

@@ -1,0 +1,88 @@
+/* Fetches a model and walks its cut, in C: what the camera sees, within a pixel.
+ *
+ *   embed_c lode://HOST[:PORT]/MODEL */
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <lodestream.h>
+
+/* From the front, a little above, so that the box fills the picture. */
+static lodestream_view frame(const lodestream_model* model) {
+  lodestream_view view = {.up = {0, 1, 0}, .fov_y_deg = 45, .width_px = 1280, .height_px = 720, .threshold_px = 1};
+  double squared = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = (model->box_max[axis] - model->box_min[axis]) / 2;
+    view.target[axis] = view.eye[axis] = model->box_min[axis] + half;
+    squared += half * half;
+  }
+  view.eye[1] += sqrt(squared);
+  view.eye[2] += 2.5 * sqrt(squared);
+  return view;
+}
+
+static int fail(void) {
+  fprintf(stderr, "embed_c: %s\n", lodestream_last_error());
+  return EXIT_FAILURE;
+}
+
+/* What a renderer would upload, here only looked at: all indices name vertices. */
+static int is_sound(const lodestream_arrays* mesh) {
+  for (uint32_t i = 0; i < 3 * mesh->triangles; ++i)
+    if (mesh->indices[i] >= mesh->vertices) return 0;
+  return 1;
+}
+
+static int walk(const lodestream_cut* cut) {
+  lodestream_cut_info info;
+  lodestream_cut_describe(cut, &info);
+  uint64_t visible = 0;
+  for (size_t i = 0; i < info.parts; ++i) {
+    lodestream_part part;
+    lodestream_arrays arrays;
+    lodestream_mesh* mesh = lodestream_take_mesh(cut, i, &arrays);
+    if (mesh == NULL || !lodestream_cut_part(cut, i, &part)) return fail();
+    if (!is_sound(&arrays)) printf("node %" PRIu64 " is damaged\n", part.node);
+    visible += part.is_visible ? part.triangles : 0;
+    lodestream_release_mesh(mesh);
+  }
+  printf("%" PRIu64 " triangles in %zu parts, %" PRIu64 " of them in the picture, off by %.2f pixels at most\n",
+         info.triangles, info.parts, visible, (double)info.max_error_px);
+  return EXIT_SUCCESS;
+}
+
+static int run(lodestream_stream* stream) {
+  lodestream_status status = {0};
+  while (!status.is_open)
+    if (!lodestream_step(stream, 1000, &status) || status.has_ended) return fail();
+
+  lodestream_model model;
+  if (!lodestream_describe(stream, &model)) return fail();
+  const lodestream_view view = frame(&model);
+  if (!lodestream_set_view(stream, &view)) return fail();
+
+  /* A game would step without waiting, once a frame, and draw what it takes. */
+  do {
+    if (!lodestream_step(stream, 1000, &status) || status.has_failed) return fail();
+  } while (!status.is_settled);
+  lodestream_cut* cut = lodestream_take_cut(stream);
+  if (cut == NULL) return fail();
+  const int result = walk(cut);
+  lodestream_release_cut(cut);
+  printf("%" PRIu64 " bytes received\n", status.received_bytes);
+  return result;
+}
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    fprintf(stderr, "usage: embed_c lode://HOST[:PORT]/MODEL\n");
+    return 2;
+  }
+  lodestream_stream* stream = lodestream_open(arguments[1], NULL);
+  if (stream == NULL) return fail();
+  const int result = run(stream);
+  lodestream_close(stream);
+  return result;
+}

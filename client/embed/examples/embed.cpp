@@ -1,0 +1,93 @@
+// Fetches a model and walks its cut: what the camera sees, within a pixel, by levels of the octree.
+//
+//   embed lode://HOST[:PORT]/MODEL
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include <lodestream.h>
+
+namespace {
+
+/// From the front, a little above, so that the box fills the picture.
+lodestream::View frame(const lodestream::Model& model) {
+  lodestream::View view{};
+  double radius = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    view.target[axis] = (model.box_min[axis] + model.box_max[axis]) / 2;
+    radius += std::pow((model.box_max[axis] - model.box_min[axis]) / 2, 2);
+  }
+  radius = std::sqrt(radius);
+  view.eye[0] = view.target[0];
+  view.eye[1] = view.target[1] + radius;
+  view.eye[2] = view.target[2] + 2.5 * radius;
+  view.up[1] = 1;
+  view.fov_y_deg = 45;
+  view.width_px = 1280;
+  view.height_px = 720;
+  view.threshold_px = 1;
+  return view;
+}
+
+/// What a renderer would upload, here only looked at: all indices name vertices.
+bool isSound(const lodestream::Mesh& mesh) {
+  return std::all_of(mesh->indices, mesh->indices + size_t{3} * mesh->triangles,
+                     [&](uint32_t index) { return index < mesh->vertices; });
+}
+
+int depthOf(uint64_t node) { return (static_cast<int>(std::bit_width(node)) - 1) / 3; }
+
+void walk(const lodestream::Cut& cut) {
+  std::map<int, uint64_t> triangles_at;
+  uint64_t unseen = 0;
+  for (size_t i = 0; i < cut->parts; ++i) {
+    const lodestream::Part part = cut.part(i);
+    if (!isSound(cut.mesh(i)))
+      std::printf("node %llu is damaged\n", static_cast<unsigned long long>(part.node));
+    triangles_at[depthOf(part.node)] += part.triangles;
+    unseen += part.is_visible ? 0 : part.triangles;
+  }
+  std::printf("%llu triangles in %zu parts, %llu of them out of the picture, off by %.2f pixels at most\n",
+              static_cast<unsigned long long>(cut->triangles), cut->parts,
+              static_cast<unsigned long long>(unseen), static_cast<double>(cut->max_error_px));
+  for (const auto& [depth, triangles] : triangles_at)
+    std::printf("  level %d: %llu triangles\n", depth, static_cast<unsigned long long>(triangles));
+}
+
+void run(const char* url) {
+  lodestream::Stream stream(url);
+  while (!stream.step(1000).is_open) {
+  }
+  stream.setView(frame(stream.describe()));
+
+  // A game would step without waiting, once a frame, and draw what it takes.
+  lodestream::Status status{};
+  while (!status.is_settled && !status.has_failed) {
+    status = stream.step(1000);
+    if (const lodestream::Cut cut = stream.takeCut())
+      std::fprintf(stderr, "%zu parts, %.2f pixels\n", cut->parts, static_cast<double>(cut->max_error_px));
+  }
+  if (status.has_failed) throw lodestream::Error(lodestream_last_error());
+  walk(stream.takeCut());
+  std::printf("%llu bytes received\n", static_cast<unsigned long long>(status.received_bytes));
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fprintf(stderr, "usage: embed lode://HOST[:PORT]/MODEL\n");
+    return 2;
+  }
+  try {
+    run(arguments[1]);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "embed: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <exception>
+
+namespace lode::embed {
+
+/// Keeps a message for lodestream_last_error() on this thread.
+void remember(const char* message) noexcept;
+
+/// Runs what a function of the C face does, from which nothing may be thrown. @return what that returns: 1,
+/// or 0.
+template <typename Work>
+int guard(Work&& work) noexcept {
+  try {
+    work();
+    return 1;
+  } catch (const std::exception& error) {
+    remember(error.what());
+    return 0;
+  }
+}
+
+}  // namespace lode::embed

@@ -1,0 +1,246 @@
+/* Lodestream's client for other programs: a model on a server, as the mesh that a camera needs now.
+ *
+ * Open a model, say where the camera is, step, take the cut: parts whose meshes cover the model, and after
+ * each step as fine as has come so far. The library connects, decodes and refines on threads of its own; no
+ * function waits for the network, but lodestream_step() as long as it is allowed to. C below; C++ in
+ * namespace lodestream at the end.
+ *
+ * Lengths are the model's unit. Positions of meshes are relative to the model's origin, which keeps them
+ * exact in float: true = origin + position. Cameras are in true coordinates. Texts are UTF-8.
+ *
+ * A stream is for one thread at a time. Cuts and meshes do not change, may be read by any thread, and outlive
+ * their stream. Functions that return int return 1, or 0 with lodestream_last_error(); so do those that
+ * return a pointer. */
+#ifndef LODESTREAM_H
+#define LODESTREAM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct lodestream_stream lodestream_stream;
+typedef struct lodestream_cut lodestream_cut;
+typedef struct lodestream_mesh lodestream_mesh;
+
+typedef struct lodestream_options {
+  const char* token;            /* NULL: none */
+  const char* ca_file;          /* authorities for lodes://, in PEM; NULL: the system's */
+  const char* cache_folder;     /* keeps what came between runs; NULL: nothing is kept */
+  uint64_t memory_budget_bytes; /* of what is known and decoded */
+  uint64_t triangle_budget;     /* of a cut */
+  uint32_t connect_timeout_ms;
+  uint32_t decode_threads; /* 0: as many as there are cores but two, at least one */
+} lodestream_options;
+
+typedef struct lodestream_model {
+  double origin[3];
+  double box_min[3], box_max[3]; /* true coordinates */
+  uint64_t triangles;            /* of the original */
+  uint32_t has_normals, has_colours, has_textures;
+} lodestream_model;
+
+typedef struct lodestream_view {
+  double eye[3], target[3], up[3];
+  double fov_y_deg;
+  uint32_t width_px, height_px;
+  float threshold_px; /* largest error allowed in the picture */
+} lodestream_view;
+
+typedef struct lodestream_status {
+  uint32_t is_open;         /* the model is known: lodestream_describe() works */
+  uint32_t has_cut;         /* there is something to draw */
+  uint32_t is_converged;    /* what the view last set sees is within the threshold */
+  uint32_t is_settled;      /* nothing more will come for that view */
+  uint32_t is_limited;      /* a budget keeps it from converging */
+  uint32_t is_reconnecting; /* the connection broke, and is tried for again; the cut stays */
+  uint32_t has_failed;      /* some of it cannot be had: lodestream_last_error() says why */
+  uint32_t has_ended;       /* nothing more will come at all: likewise */
+  uint64_t received_bytes;
+  uint64_t resident_bytes; /* decoded meshes */
+} lodestream_status;
+
+typedef struct lodestream_cut_info {
+  size_t parts, tiles, textures;
+  uint64_t triangles;
+  float max_error_px; /* of what is seen */
+  uint32_t is_converged;
+} lodestream_cut_info;
+
+/* Parts of two cuts that are both held have the same mesh where it is named alike: what a renderer has
+ * uploaded for the one it can draw for the other. */
+typedef struct lodestream_part {
+  uint64_t mesh;
+  uint64_t node; /* a leading 1, then 3 bits a level of the octree: x, y, z from the lowest */
+  uint32_t rung; /* 0 is the finest */
+  uint32_t is_visible;
+  uint64_t triangles;
+  float error_px;
+} lodestream_part;
+
+/* One value, or group of values, a vertex; NULL for what the model does not have. */
+typedef struct lodestream_arrays {
+  uint32_t vertices, triangles;
+  const float* positions;     /* x y z */
+  const float* normals;       /* x y z, unit length */
+  const uint8_t* colours;     /* r g b a, sRGB */
+  const float* texture_uvs;   /* u v; v is 0 at the image's lower edge; it repeats beyond 0 to 1 */
+  const uint16_t* texture_of; /* number of the vertex's texture */
+  const uint32_t* indices;    /* three a triangle, counter-clockwise */
+} lodestream_arrays;
+
+typedef struct lodestream_tile {
+  uint32_t texture, level, column, row; /* level 0 is the finest; rows from the image's top */
+  uint32_t width_px, height_px;         /* with a gutter of 2 px of the neighbourhood on each side */
+  const uint8_t* rgba;                  /* by rows from the top, as long as the cut is held */
+} lodestream_tile;
+
+typedef struct lodestream_texture {
+  uint32_t width_px, height_px, levels; /* 0: the image is missing */
+} lodestream_texture;
+
+/* Of this thread's last call that failed; one line: what, where, what to do. */
+const char* lodestream_last_error(void);
+
+void lodestream_default_options(lodestream_options* options);
+/* Begins to open lode://HOST[:PORT]/MODEL, or lodes:// with TLS; step until it is open. options: NULL for the
+ * default. */
+lodestream_stream* lodestream_open(const char* url, const lodestream_options* options);
+/* Ends the stream's threads; NULL does nothing, here and where something is released. */
+void lodestream_close(lodestream_stream* stream);
+
+/* Waits until there is news since the last step, but no longer than so; 0 does not wait. */
+int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status);
+int lodestream_describe(lodestream_stream* stream, lodestream_model* model);
+/* Once the model is open. */
+int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view);
+
+/* The newest cut as of the last step: a reference of the caller's own, to be released. NULL while there is
+ * none. */
+lodestream_cut* lodestream_take_cut(lodestream_stream* stream);
+void lodestream_release_cut(lodestream_cut* cut);
+void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info);
+int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part);
+
+/* A part's mesh as flat arrays, made for the caller, to be released. */
+lodestream_mesh* lodestream_take_mesh(const lodestream_cut* cut, size_t part, lodestream_arrays* arrays);
+void lodestream_release_mesh(lodestream_mesh* mesh);
+
+/* A tile that has come; coarse levels come first and stand in for finer ones. */
+int lodestream_cut_tile(const lodestream_cut* cut, size_t number, lodestream_tile* tile);
+int lodestream_cut_texture(const lodestream_cut* cut, size_t number, lodestream_texture* texture);
+
+#ifdef __cplusplus
+}  // extern "C"
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+/// The same, with objects that release what they hold and exceptions in place of return values.
+namespace lodestream {
+
+using Options = lodestream_options;
+using View = lodestream_view;
+using Status = lodestream_status;
+using Model = lodestream_model;
+using Part = lodestream_part;
+using Tile = lodestream_tile;
+using Texture = lodestream_texture;
+
+/// What lodestream_last_error() says.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  static void unless(bool good) {
+    if (!good) throw Error(lodestream_last_error());
+  }
+};
+
+inline Options defaultOptions() {
+  Options options;
+  lodestream_default_options(&options);
+  return options;
+}
+
+/// A part's triangles. Move only.
+class Mesh {
+ public:
+  Mesh(const lodestream_cut* cut, size_t part) : handle_(lodestream_take_mesh(cut, part, &arrays_)) {
+    Error::unless(handle_ != nullptr);
+  }
+  const lodestream_arrays* operator->() const noexcept { return &arrays_; }
+
+ private:
+  struct Release {
+    void operator()(lodestream_mesh* mesh) const noexcept { lodestream_release_mesh(mesh); }
+  };
+  lodestream_arrays arrays_{};
+  std::unique_ptr<lodestream_mesh, Release> handle_;
+};
+
+/// What to draw. Empty where there is nothing yet. Copies share it.
+class Cut {
+ public:
+  Cut() = default;
+  explicit Cut(lodestream_cut* taken) : handle_(taken, &lodestream_release_cut) {
+    if (taken != nullptr) lodestream_cut_describe(taken, &info_);
+  }
+  explicit operator bool() const noexcept { return handle_ != nullptr; }
+  const lodestream_cut_info* operator->() const noexcept { return &info_; }
+  Part part(size_t number) const {
+    Part part;
+    Error::unless(lodestream_cut_part(handle_.get(), number, &part) != 0);
+    return part;
+  }
+  Mesh mesh(size_t part) const { return Mesh(handle_.get(), part); }
+  Tile tile(size_t number) const {
+    Tile tile;
+    Error::unless(lodestream_cut_tile(handle_.get(), number, &tile) != 0);
+    return tile;
+  }
+  Texture texture(size_t number) const {
+    Texture texture;
+    Error::unless(lodestream_cut_texture(handle_.get(), number, &texture) != 0);
+    return texture;
+  }
+
+ private:
+  std::shared_ptr<lodestream_cut> handle_;
+  lodestream_cut_info info_{};
+};
+
+/// A model that streams in. Move only.
+class Stream {
+ public:
+  explicit Stream(const std::string& url, const Options& options = defaultOptions())
+      : handle_(lodestream_open(url.c_str(), &options)) {
+    Error::unless(handle_ != nullptr);
+  }
+  /// @throws Error once the stream has ended, too.
+  Status step(uint32_t wait_ms) {
+    Status status;
+    Error::unless(lodestream_step(handle_.get(), wait_ms, &status) != 0 && status.has_ended == 0);
+    return status;
+  }
+  Model describe() const {
+    Model model;
+    Error::unless(lodestream_describe(handle_.get(), &model) != 0);
+    return model;
+  }
+  void setView(const View& view) { Error::unless(lodestream_set_view(handle_.get(), &view) != 0); }
+  Cut takeCut() { return Cut(lodestream_take_cut(handle_.get())); }
+
+ private:
+  struct Close {
+    void operator()(lodestream_stream* stream) const noexcept { lodestream_close(stream); }
+  };
+  std::unique_ptr<lodestream_stream, Close> handle_;
+};
+
+}  // namespace lodestream
+#endif
+
+#endif

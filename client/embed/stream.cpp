@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "client/core/camera_path.h"
+#include "client/embed/guard.h"
+#include "client/embed/handles.h"
+#include "client/embed/lodestream.h"
+#include "client/stream/served_url.h"
+#include "client/stream/streamer.h"
+#include "common/error.h"
+
+struct lodestream_stream {
+  lodestream_stream(lode::stream::ServedModel served, lode::stream::StreamOptions options)
+      : streamer(std::move(served), std::move(options)) {}
+
+  lode::stream::Streamer streamer;
+  std::optional<lode::ModelSummary> model;
+  lodestream_status last{};                    // that a step has given
+  std::shared_ptr<const lode::core::Cut> cut;  // of the last step
+  std::optional<lode::core::View> view;        // last set
+  float threshold_px = 1;
+};
+
+namespace lode::embed {
+namespace {
+
+constexpr std::chrono::milliseconds kSlice{4};  // between two looks at a stream that is waited for
+
+std::string& lastError() {
+  thread_local std::string message;
+  return message;
+}
+
+glm::dvec3 toVector(const double (&values)[3]) { return {values[0], values[1], values[2]}; }
+
+void copyTo(double (&values)[3], const glm::dvec3& vector) {
+  for (int axis = 0; axis < 3; ++axis) values[axis] = vector[axis];
+}
+
+const ModelSummary& modelOf(const lodestream_stream& stream) {
+  if (!stream.model)
+    throw Error(ErrorCode::kUsage, "the model is not open yet: step until the status says is_open");
+  return *stream.model;
+}
+
+stream::StreamOptions toStreamOptions(const lodestream_options& options) {
+  const auto textOf = [](const char* text) { return text != nullptr ? std::string(text) : std::string(); };
+  stream::StreamOptions of_stream;
+  of_stream.token = textOf(options.token);
+  of_stream.ca_file = textOf(options.ca_file);
+  of_stream.cache_folder = textOf(options.cache_folder);
+  of_stream.memory_budget_bytes = options.memory_budget_bytes;
+  of_stream.triangle_budget = options.triangle_budget;
+  of_stream.connect_timeout = std::chrono::milliseconds(options.connect_timeout_ms);
+  of_stream.decode_threads = options.decode_threads;
+  return of_stream;
+}
+
+core::CameraPath toPath(const lodestream_view& view) {
+  const auto isFinite = [](const double(&values)[3]) {
+    return std::all_of(std::begin(values), std::end(values),
+                       [](double value) { return std::isfinite(value); });
+  };
+  const bool has_size = std::clamp(view.width_px, 1u, core::kMaxPictureSidePx) == view.width_px &&
+                        std::clamp(view.height_px, 1u, core::kMaxPictureSidePx) == view.height_px;
+  if (!isFinite(view.eye) || !isFinite(view.target) || !isFinite(view.up) || !has_size ||
+      !(view.fov_y_deg >= core::kMinFovDeg && view.fov_y_deg <= core::kMaxFovDeg) || !(view.threshold_px > 0))
+    throw Error(
+        ErrorCode::kUsage,
+        "this is no view: it needs finite vectors, a picture of 1 to 32768 pixels each way, an angle of "
+        "0.01 to 170 degrees and a threshold above 0");
+  return {view.fov_y_deg, {{0, toVector(view.eye), toVector(view.target), toVector(view.up)}}};
+}
+
+lodestream_status toStatus(const stream::StreamStatus& status, const lodestream_stream& stream) {
+  lodestream_status result{};
+  result.is_open = stream.model.has_value();
+  result.has_cut = status.cut != nullptr;
+  result.is_converged = status.cut && status.cut->view == stream.view && status.cut->converged &&
+                        status.cut->max_error_px <= stream.threshold_px;
+  result.is_settled = status.settled;
+  result.is_limited = status.limited;
+  result.is_reconnecting = !status.trouble.empty();
+  result.has_failed = !status.failure.empty();
+  result.has_ended = status.ended;
+  result.received_bytes = status.counts.received_bytes;
+  result.resident_bytes = status.counts.resident_bytes;
+  return result;
+}
+
+void openWhenReady(lodestream_stream& stream) {
+  if (stream.model) return;
+  try {
+    stream.model = stream.streamer.waitForModel(std::chrono::milliseconds(0));
+  } catch (const Error&) {
+    // Not yet, or never: then the status says why.
+  }
+}
+
+bool isNews(const stream::StreamStatus& status, const lodestream_stream& stream) {
+  const lodestream_status now = toStatus(status, stream);
+  const lodestream_status& last = stream.last;
+  return status.cut != stream.cut || now.is_open != last.is_open || now.is_converged != last.is_converged ||
+         now.is_settled != last.is_settled || now.is_limited != last.is_limited ||
+         now.is_reconnecting != last.is_reconnecting || now.has_failed != last.has_failed ||
+         now.has_ended != last.has_ended;
+}
+
+/// The streamer wakes who waits for the end of a view's refinement; what comes before is looked for
+/// meanwhile.
+stream::StreamStatus waitForNews(lodestream_stream& stream, std::chrono::milliseconds longest) {
+  const auto deadline = std::chrono::steady_clock::now() + longest;
+  std::chrono::milliseconds slice{0};
+  while (true) {
+    stream::StreamStatus status = stream.streamer.waitUntilSettled(slice);
+    openWhenReady(stream);
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    if (left.count() <= 0 || isNews(status, stream)) return status;
+    slice = std::min(kSlice, left);
+    if (status.settled || status.ended || !status.failure.empty()) std::this_thread::sleep_for(slice);
+  }
+}
+
+}  // namespace
+
+void remember(const char* message) noexcept {
+  try {
+    lastError() = message;
+  } catch (const std::exception&) {
+    lastError().clear();
+  }
+}
+
+}  // namespace lode::embed
+
+using lode::embed::guard;
+
+const char* lodestream_last_error() { return lode::embed::lastError().c_str(); }
+
+void lodestream_default_options(lodestream_options* options) {
+  const lode::stream::StreamOptions of_stream;
+  *options = {};
+  options->memory_budget_bytes = of_stream.memory_budget_bytes;
+  options->triangle_budget = of_stream.triangle_budget;
+  options->connect_timeout_ms = static_cast<uint32_t>(of_stream.connect_timeout.count());
+}
+
+lodestream_stream* lodestream_open(const char* url, const lodestream_options* options) {
+  lodestream_stream* stream = nullptr;
+  guard([&] {
+    lodestream_options chosen;
+    lodestream_default_options(&chosen);
+    if (options != nullptr) chosen = *options;
+    stream = new lodestream_stream(lode::stream::parseServedModel(url), lode::embed::toStreamOptions(chosen));
+  });
+  return stream;
+}
+
+void lodestream_close(lodestream_stream* stream) { delete stream; }
+
+int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status) {
+  return guard([&] {
+    const lode::stream::StreamStatus now =
+        lode::embed::waitForNews(*stream, std::chrono::milliseconds(wait_ms));
+    stream->cut = now.cut;
+    *status = stream->last = lode::embed::toStatus(now, *stream);
+    if (status->has_failed) lode::embed::remember(now.failure.c_str());
+  });
+}
+
+int lodestream_describe(lodestream_stream* stream, lodestream_model* model) {
+  return guard([&] {
+    const lode::ModelSummary& summary = lode::embed::modelOf(*stream);
+    *model = {};
+    lode::embed::copyTo(model->origin, summary.lattice.origin);
+    if (!summary.box.empty()) {
+      lode::embed::copyTo(model->box_min, summary.lattice.toWorld(summary.box.min));
+      lode::embed::copyTo(model->box_max, summary.lattice.toWorld(summary.box.max));
+    }
+    model->triangles = summary.triangles;
+    model->has_normals =
+        summary.attributes.has(lode::AttributeSet::kNormal | lode::AttributeSet::kComputedNormal);
+    model->has_colours = summary.attributes.has(lode::AttributeSet::kColour);
+    model->has_textures = static_cast<bool>(summary.textures);
+  });
+}
+
+int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view) {
+  return guard([&] {
+    const lode::ModelSummary& summary = lode::embed::modelOf(*stream);
+    const lode::core::CameraPath path = lode::embed::toPath(*view);
+    stream->view = toView(path.keys.front(), path.fov_y_deg, view->width_px, view->height_px, summary);
+    stream->threshold_px = view->threshold_px;
+    stream->streamer.setView(*stream->view, view->threshold_px);
+  });
+}
+
+lodestream_cut* lodestream_take_cut(lodestream_stream* stream) {
+  lodestream_cut* cut = nullptr;
+  guard([&] {
+    if (!stream->cut) throw lode::Error(lode::ErrorCode::kUsage, "there is no cut yet: step until has_cut");
+    cut = new lodestream_cut{stream->cut, lode::embed::modelOf(*stream).lattice.step};
+  });
+  return cut;
+}

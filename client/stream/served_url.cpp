@@ -1,0 +1,46 @@
+#include "client/stream/served_url.h"
+
+#include "common/error.h"
+#include "common/limits.h"
+
+namespace lode::stream {
+namespace {
+
+constexpr std::string_view kScheme = "lode://", kTlsScheme = "lodes://";
+
+struct Url {
+  bool encrypted = false;
+  std::string_view rest;
+};
+
+Url splitScheme(std::string_view text) {
+  for (const auto scheme : {kScheme, kTlsScheme})
+    if (text.starts_with(scheme)) return {scheme == kTlsScheme, text.substr(scheme.size())};
+  throw Error(ErrorCode::kUsage,
+              "'" + std::string(text) + "' names no server; write lode://HOST[:PORT], or lodes:// with TLS");
+}
+
+}  // namespace
+
+ServedModel parseServedModel(std::string_view text) {
+  const auto [encrypted, rest] = splitScheme(text);
+  const size_t slash = rest.find('/');
+  if (slash == std::string_view::npos || slash + 1 == rest.size())
+    throw Error(ErrorCode::kUsage,
+                "'" + std::string(text) + "' names no model; write lode://HOST[:PORT]/MODEL");
+  std::string model(rest.substr(slash + 1));
+  if (model.size() > kMaxModelNameBytes || model.find('/') != std::string::npos)
+    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "': a model's name has no slash and at most " +
+                                       std::to_string(kMaxModelNameBytes) + " bytes");
+  return {net::parseAddress(rest.substr(0, slash)), std::move(model), encrypted};
+}
+
+ServedModel parseServer(std::string_view text) {
+  auto [encrypted, rest] = splitScheme(text);
+  if (rest.ends_with('/')) rest.remove_suffix(1);
+  if (rest.find('/') != std::string_view::npos)
+    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names a model; write lode://HOST[:PORT]");
+  return {net::parseAddress(rest), "", encrypted};
+}
+
+}  // namespace lode::stream

@@ -1,0 +1,92 @@
+// The library for other programs, as they meet it: installed, found, compiled against and run.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "programs.h"
+
+namespace lode::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An installed tree, without the sources and the build that it came from.
+class Embedding : public testing::Test {
+ protected:
+  void SetUp() override {
+#ifdef LODE_SANITIZED
+    GTEST_SKIP() << "a program would have to be compiled with the same sanitizers";
+#endif
+    run("cmake", {"--install", LODE_BIN_DIR, "--component", "embed", "--prefix", installed_});
+  }
+
+  std::string run(const std::string& program, const std::vector<std::string>& arguments,
+                  const std::vector<std::string>& environment = {}) const {
+    const Outcome outcome = Program(program, arguments, environment).wait();
+    EXPECT_EQ(outcome.status, 0) << program << ": " << outcome.out << outcome.err;
+    return outcome.out;
+  }
+
+  fs::path library() const {
+    for (const auto& entry : fs::recursive_directory_iterator(installed_))
+      if (entry.path().filename() == "liblodestream.a") return entry.path();
+    ADD_FAILURE() << "no library";
+    return {};
+  }
+  fs::path examples() const { return installed_ / "share/doc/lodestream/examples"; }
+
+  void expectWalk(const fs::path& program, const std::string& url) const {
+    const std::string said = run(program, {url});
+    EXPECT_NE(said.find(" triangles in "), std::string::npos) << said;
+    EXPECT_NE(said.find(" bytes received"), std::string::npos) << said;
+    EXPECT_EQ(said.find("damaged"), std::string::npos) << said;
+  }
+
+  const WorkFolder folder_;
+  const fs::path installed_ = folder_ / "installed";
+};
+
+TEST_F(Embedding, buildsAndRunsTheExamplesWithFindPackage) {
+  const fs::path build = folder_ / "build";
+  run("cmake", {"-S", examples(), "-B", build, "-DCMAKE_PREFIX_PATH=" + installed_.string()});
+  run("cmake", {"--build", build});
+  const RunningServer server({makeSmallStore(folder_)});
+  expectWalk(build / "embed", server.url("small"));
+  expectWalk(build / "embed_c", server.url("small"));
+}
+
+TEST_F(Embedding, buildsAndRunsTheExampleInCWithPkgConfig) {
+  const std::vector<std::string> paths{"PKG_CONFIG_PATH=" + (library().parent_path() / "pkgconfig").string()};
+  const std::string flags = run("pkg-config", {"--cflags", "--libs", "lodestream"}, paths);
+  const fs::path program = folder_ / "embed_c";
+  run("sh", {"-c", "cc -std=c99 -Wall -Wextra -Werror -pedantic -o " + program.string() + " " +
+                       (examples() / "embed.c").string() + " " + flags.substr(0, flags.find('\n'))});
+  const RunningServer server({makeSmallStore(folder_)});
+  expectWalk(program, server.url("small"));
+  const Outcome nobody = Program(program, {server.url("nobody")}).wait();
+  EXPECT_EQ(nobody.status, 1);
+  EXPECT_NE(nobody.err.find("nobody"), std::string::npos) << nobody.err;
+}
+
+TEST_F(Embedding, showsOneHeaderThatNeedsNothingElseAndNoSymbolButItsOwn) {
+  std::vector<std::string> headers;
+  for (const auto& entry : fs::recursive_directory_iterator(installed_ / "include"))
+    if (entry.is_regular_file()) headers.push_back(entry.path().filename());
+  EXPECT_EQ(headers, std::vector<std::string>{"lodestream.h"});
+  const std::string header = (installed_ / "include/lodestream.h").string();
+  run("cc", {"-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-x", "c", "-fsyntax-only", header});
+  run("c++",
+      {"-std=c++11", "-Wall", "-Wextra", "-Werror", "-pedantic", "-x", "c++", "-fsyntax-only", header});
+  EXPECT_EQ(run("sh", {"-c", "nm --extern-only --defined-only " + library().string() +
+                                 " | awk 'NF == 3 { print $3 }' | grep -v '^lodestream_' || true"}),
+            "");
+  const std::string count = run(
+      "sh", {"-c", "nm --extern-only --defined-only " + library().string() + " | grep -c ' T lodestream_'"});
+  EXPECT_LE(std::stoi(count), 20);
+}
+
+}  // namespace
+}  // namespace lode::test
