@@ -3,7 +3,7 @@
 
 throughput  64 KB and 8 KB blobs, some 1,500 of each, at random: nginx (sendfile off) and lodestreamd in turns, medians
 tls         the same under TLS 1.3
-fairness    what one connection with 256 wishes open takes beside eight with 16, and one that wishes once at a time beside it
+fairness    what one connection with 256 wishes open takes beside eight with 64, and one that wishes once at a time beside it
 clients     one wish, or request, at a time from each of 1 to 1,000 clients: percentiles beside nginx
 idle        memory of 10,000 connections that do nothing, and of 1,000 under TLS
 cold        one wish at a time for blobs in memory, alone and beside others whose blobs come from a slow disk; needs root,
@@ -208,7 +208,7 @@ def fairness(bench):
     with lodestreamd(bench, folder / "noise.lode") as (_, listen):
         wish_times(bench, listen, "noise", numbers, 500)  # warm
         for _ in range(bench.runs):
-            run = json.loads(load_beside(bench, listen, "noise", numbers, 9, f"{IN_FLIGHT * 2},256", bench.seconds).communicate()[0])
+            run = json.loads(load_beside(bench, listen, "noise", numbers, 9, "64,256", bench.seconds).communicate()[0])
             greedy, *others = run["each"]
             shares.append(greedy / statistics.mean(others))
             indices.append(sum(run["each"]) ** 2 / (9 * sum(n * n for n in run["each"])))
@@ -217,7 +217,7 @@ def fairness(bench):
             beside.append(wish_times(bench, listen, "noise", numbers, 500))
             greedy.terminate()
             greedy.communicate()
-    print("| one with 256 wishes of 24 KB open, of each of eight with 16 | Jain's index of the nine |")
+    print("| one with 256 wishes of 24 KB open, of each of eight with 64 | Jain's index of the nine |")
     print("| --- | --- |")
     print(f"| **{statistics.median(shares):.2f}** | **{statistics.median(indices):.3f}** |\n")
     print("| one wish at a time of 24 KB | median | p99 |")

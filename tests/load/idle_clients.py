@@ -27,9 +27,10 @@ def main():
     address, model, count, *tls = sys.argv[1:]
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
-    connections = [(TlsConnection if tls else Connection)(address) for _ in range(int(count))]
-    for connection in connections:
-        connection.open(model)
+    connections = []
+    for _ in range(int(count)):
+        connections.append((TlsConnection if tls else Connection)(address))
+        connections[-1].open(model)
     print("ready", flush=True)
     sys.stdin.read()
 
