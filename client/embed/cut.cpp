@@ -1,4 +1,5 @@
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -82,7 +83,7 @@ lodestream_arrays arraysOf(const lodestream_mesh& mesh) {
 using lode::embed::at;
 using lode::embed::guard;
 
-void lodestream_release_cut(lodestream_cut* cut) { delete cut; }
+void lodestream_release_cut(lodestream_cut* cut) { const std::unique_ptr<lodestream_cut> released(cut); }
 
 void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info) {
   const lode::core::Cut& of = *cut->cut;
@@ -117,7 +118,7 @@ lodestream_mesh* lodestream_take_mesh(const lodestream_cut* cut, size_t part, lo
   return mesh;
 }
 
-void lodestream_release_mesh(lodestream_mesh* mesh) { delete mesh; }
+void lodestream_release_mesh(lodestream_mesh* mesh) { const std::unique_ptr<lodestream_mesh> released(mesh); }
 
 int lodestream_cut_tile(const lodestream_cut* cut, size_t number, lodestream_tile* tile) {
   return guard([&] {

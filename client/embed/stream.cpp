@@ -158,12 +158,14 @@ lodestream_stream* lodestream_open(const char* url, const lodestream_options* op
     lodestream_options chosen;
     lodestream_default_options(&chosen);
     if (options != nullptr) chosen = *options;
-    stream = new lodestream_stream(lode::stream::parseServedModel(url), lode::embed::toStreamOptions(chosen));
+    stream = std::make_unique<lodestream_stream>(lode::stream::parseServedModel(url),
+                                                 lode::embed::toStreamOptions(chosen))
+                 .release();
   });
   return stream;
 }
 
-void lodestream_close(lodestream_stream* stream) { delete stream; }
+void lodestream_close(lodestream_stream* stream) { const std::unique_ptr<lodestream_stream> closed(stream); }
 
 int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status) {
   return guard([&] {
@@ -206,7 +208,9 @@ lodestream_cut* lodestream_take_cut(lodestream_stream* stream) {
   lodestream_cut* cut = nullptr;
   guard([&] {
     if (!stream->cut) throw lode::Error(lode::ErrorCode::kUsage, "there is no cut yet: step until has_cut");
-    cut = new lodestream_cut{stream->cut, lode::embed::modelOf(*stream).lattice.step};
+    cut = std::make_unique<lodestream_cut>(
+              lodestream_cut{stream->cut, lode::embed::modelOf(*stream).lattice.step})
+              .release();
   });
   return cut;
 }
