@@ -63,6 +63,10 @@ void* operator new(size_t bytes) {
     handler();
   }
 }
+void* operator new(size_t bytes,
+                   const std::nothrow_t&) noexcept {  // or a sanitizer's own would be freed here
+  return watch(bytes) ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 // NOLINTEND(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
