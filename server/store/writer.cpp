@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/error.h"
+#include "common/let_go.h"
 #include "common/limits.h"
 #include "server/store/node_tree.h"
 #include "server/store/page_split.h"
@@ -102,7 +103,7 @@ BlobRef Writer::writePages(std::vector<Node> nodes) {
     }
     encoded[i] = encodePage(plans[i].page);
     names[i] = nameBlob(encoded[i]);
-    plans[i].page.nodes = {};
+    letGo(plans[i].page.nodes);
   }
   BlobRef root = append(encoded[0], names[0]);
   for (size_t i = 1; i < encoded.size(); ++i) append(encoded[i], names[i]);

@@ -54,7 +54,9 @@ std::string_view wayOn(const Error& error, const BuildSession& session) noexcept
 }  // namespace
 
 BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
-  BuildSession session(withDefaults(given), progress);
+  const BuildOptions options = withDefaults(given);
+  shareHeaps(options.memory_bytes);
+  BuildSession session(options, progress);
   try {
     runStages(session);
     return session.takeReport();

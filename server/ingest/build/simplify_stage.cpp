@@ -53,7 +53,7 @@ Stage::Work SimplifyStage::run() {
   }
   SimplifyLog log(session_.files(), *payloads_, std::move(finished),
                   [&](std::span<const std::byte> entry) { session_.note(BuildEntry::kNodes, entry); });
-  buildTree(settings(), partition_.partition(), *payloads_, log, *nodes_,
+  buildTree(settings(), partition_.partition(), *payloads_, session_.files(), log, *nodes_,
             {session_.plan().threads, session_.plan().node_bytes}, session_.progress());
   partition_.release();
   return {nodes_->size(), payloads_->size()};

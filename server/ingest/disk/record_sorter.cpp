@@ -5,6 +5,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/let_go.h"
+
 namespace lode::ingest {
 namespace {
 
@@ -129,8 +131,8 @@ void RecordSorter::finish(const Progress& progress) {
     return;
   }
   if (!order_.empty()) spill(progress);
-  order_ = {};
-  held_ = {};
+  letGo(order_);
+  letGo(held_);
   spool_->flush();
   const size_t buffer_bytes = std::clamp<size_t>(memory_bytes_ / runs_.size(), 64 << 10, 4 << 20);
   for (uint32_t i = 0; i < runs_.size(); ++i) {

@@ -12,11 +12,12 @@
 
 #include "common/error.h"
 #include "common/file_io.h"
+#include "common/let_go.h"
 
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kWriteBufferBytes = 1 << 20;
+constexpr size_t kWriteBufferBytes = 256 << 10;
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
   throw Error(ErrorCode::kIo,
@@ -74,7 +75,7 @@ void Spool::append(std::span<const std::byte> bytes) {
 
 void Spool::flush() {
   writeBuffer();
-  buffer_ = {};
+  letGo(buffer_);
 }
 
 void Spool::sync() const {

@@ -28,7 +28,8 @@ TriangleGrid::TriangleGrid(const NodeMesh& mesh) {
     const glm::vec3 a = corner(t.x);
     triangles_.push_back({a, corner(t.y) - a, corner(t.z) - a});
   }
-  fillCells(chooseCells(glm::vec3(box.min), glm::vec3(box.max - box.min) + 1.f));
+  chooseCells(glm::vec3(box.min), glm::vec3(box.max - box.min) + 1.f);
+  fillCells();
 }
 
 TriangleGrid::Cover TriangleGrid::coverOf(const Triangle& triangle) const noexcept {
@@ -37,27 +38,26 @@ TriangleGrid::Cover TriangleGrid::coverOf(const Triangle& triangle) const noexce
 }
 
 /// Cells of about an edge's length; coarser where long triangles would stand in too many of them.
-/// @return the cells of every triangle.
-std::vector<TriangleGrid::Cover> TriangleGrid::chooseCells(glm::vec3 min, glm::vec3 size) {
+void TriangleGrid::chooseCells(glm::vec3 min, glm::vec3 size) {
   min_ = min;
   const float longest = std::max({size.x, size.y, size.z});
   float along = std::clamp(std::sqrt(static_cast<float>(triangles_.size())) * 0.75f, 1.f, kMaxCellsAlongAxis);
-  std::vector<Cover> covers(triangles_.size());
   for (;; along /= 2) {
     cell_ = longest / std::max(along, 1.f);
     cells_per_step_ = 1 / cell_;
     dims_ = glm::max(glm::ivec3(glm::ceil(size / cell_)), 1);
     uint64_t members = 0;
-    for (size_t t = 0; t < triangles_.size(); ++t) {
-      covers[t] = coverOf(triangles_[t]);
-      const glm::u64vec3 cells(covers[t].high - covers[t].low + 1);
+    for (const Triangle& triangle : triangles_) {
+      const Cover cover = coverOf(triangle);
+      const glm::u64vec3 cells(cover.high - cover.low + 1);
       members += cells.x * cells.y * cells.z;
     }
-    if (along <= 1 || members <= kMaxCellsOfTriangle * triangles_.size()) return covers;
+    if (along <= 1 || members <= kMaxCellsOfTriangle * triangles_.size()) return;
   }
 }
 
-void TriangleGrid::fillCells(const std::vector<Cover>& covers) {
+/// A triangle stands in 16 cells at most on average, so that what is kept there is its number alone.
+void TriangleGrid::fillCells() {
   const auto forCells = [&](const Cover& cover, auto&& visit) {
     for (int z = cover.low.z; z <= cover.high.z; ++z) {
       for (int y = cover.low.y; y <= cover.high.y; ++y) {
@@ -66,21 +66,19 @@ void TriangleGrid::fillCells(const std::vector<Cover>& covers) {
     }
   };
   begin_.assign(static_cast<size_t>(dims_.x) * dims_.y * dims_.z + 1, 0);
-  for (const Cover& cover : covers) forCells(cover, [&](size_t cell) { ++begin_[cell + 1]; });
-  for (size_t cell = 1; cell < begin_.size(); ++cell) begin_[cell] += begin_[cell - 1];
-  members_.resize(begin_.back());
-  spheres_.resize(begin_.back());
-  std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (uint32_t t = 0; t < triangles_.size(); ++t) {
-    const Triangle& triangle = triangles_[t];
+  for (const Triangle& triangle : triangles_)
+    forCells(coverOf(triangle), [&](size_t cell) { ++begin_[cell]; });
+  uint32_t end = 0;
+  for (uint32_t& begin : begin_) begin = end += begin;
+  members_.resize(end);
+  for (auto t = static_cast<uint32_t>(triangles_.size()); t-- > 0;)
+    forCells(coverOf(triangles_[t]), [&](size_t cell) { members_[--begin_[cell]] = t; });
+  spheres_.reserve(triangles_.size());
+  for (const Triangle& triangle : triangles_) {
     const glm::vec3 to_centre = (triangle.ab + triangle.ac) / 3.f;
     const float radius = std::sqrt(std::max({squaredLength(to_centre), squaredLength(triangle.ab - to_centre),
                                              squaredLength(triangle.ac - to_centre)}));
-    const glm::vec4 sphere(triangle.a + to_centre, radius);
-    forCells(covers[t], [&](size_t cell) {
-      spheres_[next[cell]] = sphere;
-      members_[next[cell]++] = t;
-    });
+    spheres_.emplace_back(triangle.a + to_centre, radius);
   }
 }
 
@@ -140,10 +138,12 @@ void TriangleGrid::searchCell(glm::vec3 point, glm::ivec3 cell, float enough, Ne
   const glm::vec3 outside = glm::max(glm::max(low - point, point - (low + cell_)), 0.f);
   if (squaredLength(outside) > best.squared) return;
   for (uint32_t i = begin_[index]; i < begin_[index + 1] && best.distance > enough; ++i) {
-    const float reach = best.distance + spheres_[i].w;
-    if (squaredLength(point - glm::vec3(spheres_[i])) > reach * reach) continue;
-    const float squared = squaredDistance(point, members_[i]);
-    if (squared < best.squared) best = {squared, std::sqrt(squared), members_[i]};
+    const uint32_t member = members_[i];
+    const glm::vec4& sphere = spheres_[member];
+    const float reach = best.distance + sphere.w;
+    if (squaredLength(point - glm::vec3(sphere)) > reach * reach) continue;
+    const float squared = squaredDistance(point, member);
+    if (squared < best.squared) best = {squared, std::sqrt(squared), member};
   }
 }
 

@@ -37,8 +37,8 @@ class TriangleGrid {
   struct Cover {
     glm::ivec3 low, high;
   };
-  std::vector<Cover> chooseCells(glm::vec3 min, glm::vec3 size);
-  void fillCells(const std::vector<Cover>& covers);
+  void chooseCells(glm::vec3 min, glm::vec3 size);
+  void fillCells();
   Cover coverOf(const Triangle& triangle) const noexcept;
   glm::ivec3 cellOf(glm::vec3 point) const noexcept;
   size_t indexOf(glm::ivec3 cell) const noexcept {
@@ -49,14 +49,14 @@ class TriangleGrid {
   void searchCell(glm::vec3 point, glm::ivec3 cell, float enough, Nearest& best) const noexcept;
 
   std::vector<Triangle> triangles_;
+  std::vector<glm::vec4>
+      spheres_;  ///< around each triangle, centre and radius: most are too far away to look closer
   glm::vec3 min_{0};
   float cell_ = 1;
   float cells_per_step_ = 1;
   glm::ivec3 dims_{1};
   std::vector<uint32_t> begin_;    ///< of each cell in members_, and the end
   std::vector<uint32_t> members_;  ///< triangles whose box touches the cell
-  std::vector<glm::vec4>
-      spheres_;  ///< around each member, centre and radius: most are too far away to look closer
 };
 
 }  // namespace lode::ingest

@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "common/draco_codec.h"
+#include "common/let_go.h"
 #include "server/ingest/nodes/computed_normals.h"
 #include "server/ingest/nodes/finished_rung.h"
 #include "server/ingest/nodes/leaf_normals.h"
 #include "server/ingest/nodes/rung_targets.h"
 #include "server/ingest/partition/in_order.h"
+#include "server/ingest/plan/machine.h"
 #include "server/ingest/simplify/cluster.h"
-#include "server/ingest/simplify/collapse.h"
 
 namespace lode::ingest {
 namespace {
@@ -49,10 +52,11 @@ std::vector<std::byte> PayloadSpool::read(Place place) const {
   return payload;
 }
 
-NodeBuilder::NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads)
-    : settings_(settings), partition_(partition), payloads_(payloads) {}
+NodeBuilder::NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,
+                         const TemporaryFolder& folder)
+    : settings_(settings), partition_(partition), payloads_(payloads), folder_(folder) {}
 
-BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, unsigned helpers) {
+BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, Room room) {
   BuiltNode built;
   built.node.key = partition_.leaves[leaf];
   NodeMesh mesh = loadLeaf(leaf);
@@ -66,14 +70,14 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, unsigned helpers) {
     built.samples.insert(built.samples.end(), inside.begin(), inside.end());
     dropDuplicates(built.samples);
     const size_t triangles = mesh.triangles.size();
-    reduce(built, std::move(mesh), {{0, triangles}}, helpers);
+    reduce(built, std::move(mesh), {{0, triangles}}, room);
   } else {
     built.coarsest = std::move(mesh);
   }
   return built;
 }
 
-BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, unsigned helpers) {
+BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Room room) {
   BuiltNode built;
   built.node.key = key;
   std::vector<NodeMesh> meshes;
@@ -95,8 +99,13 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, un
   std::vector<std::vector<uint32_t>> became;
   NodeMesh input = mergeMeshes(meshes, welder_, became);
   gatherSamples(built, children, meshes, input, became);
-  meshes.clear();
-  reduce(built, std::move(input), std::move(original), helpers);
+  letGo(meshes);
+  letGo(became);
+  if (room.is_tight) {
+    built.samples.shrink_to_fit();
+    welder_ = {};
+  }
+  reduce(built, std::move(input), std::move(original), room);
   selectSamples(built.samples, built.coarsest.positions.size(), sampleCapacity());
   return built;
 }
@@ -127,15 +136,33 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
       if (sample.near != kVanished) sample.near = became[i][sample.near];
     std::vector<SurfaceSample>& samples = children[i].node.isLeaf() ? of_leaves : built.samples;
     samples.insert(samples.end(), children[i].samples.begin(), children[i].samples.end());
-    children[i].samples = {};
+    letGo(children[i].samples);
   }
   dropDuplicates(built.samples);
   built.samples.insert(built.samples.end(), of_leaves.begin(), of_leaves.end());
 }
 
+void NodeBuilder::simplify(NodeMesh mesh, int depth, std::span<const size_t> targets,
+                           const SnapshotSink& sink) const {
+  const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
+  const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
+  (is_cluster ? cluster : collapse)(withoutSmoothNormals(std::move(mesh)), targets, options, sink);
+}
+
+/// Makes a node's rungs with nothing beside the simplifier. @return the mesh, and behind it the rungs.
+RungShelf NodeBuilder::shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const {
+  RungShelf shelf(folder_.file("rungs-" + std::to_string(key.value)));
+  SimplifiedMesh input{std::move(mesh), {}};
+  shelf.put(input);
+  giveBackFreedMemory();
+  simplify(std::move(input.mesh), key.depth(), targets,
+           [&](size_t, SimplifiedMesh&& rung) { shelf.put(rung); });
+  giveBackFreedMemory();
+  return shelf;
+}
+
 /// Adds the reduced rungs of a node, all from one sequence.
-void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput::Range> original,
-                         unsigned helpers) {
+void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput::Range> original, Room room) {
   const int depth = built.node.key.depth();
   const auto locked = static_cast<size_t>(
       std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
@@ -149,23 +176,30 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput:
     built.coarsest = std::move(mesh);
     return;
   }
+  std::optional<RungShelf> shelf;
+  if (room.is_tight) {
+    shelf.emplace(shelve(std::move(mesh), built.node.key, targets));
+    mesh = shelf->read(0).mesh;
+  }
   const RungInput input(std::move(mesh), depth, std::move(original));
   const float gap_of_input = built.rim_gap_steps;
   std::vector<Deviation> deviations;  // from the coarsest rung
-  InOrder<FinishedRung> rungs(helpers, [&](FinishedRung&& rung) {
+  InOrder<FinishedRung> rungs(room.helpers, [&](FinishedRung&& rung) {
     if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
       addRung(built, rung, gap_of_input);
     built.coarsest = std::move(rung.simplified.mesh);
     deviations = std::move(rung.deviations);
   });
-  const CollapseOptions options{.node_depth = depth, .max_position = settings_.extent};
-  const bool is_cluster = settings_.simplifier == Simplifier::kCluster;
-  (is_cluster ? cluster : collapse)(
-      withoutSmoothNormals(input.mesh()), targets, options, [&](size_t, SimplifiedMesh&& rung) {
-        rungs.push([&, rung = std::move(rung)]() mutable {
-          return finishRung(std::move(rung), input, built.samples, settings_.lattice.step, settings_.crease);
-        });
-      });
+  const auto finish = [&](SimplifiedMesh&& rung) {
+    rungs.push([&, rung = std::move(rung)]() mutable {
+      return finishRung(std::move(rung), input, built.samples, settings_.lattice.step, settings_.crease);
+    });
+  };
+  if (shelf) {
+    for (size_t i = 1; i < shelf->size(); ++i) finish(shelf->read(i));
+  } else {
+    simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& rung) { finish(std::move(rung)); });
+  }
   rungs.finish();
   for (size_t i = 0; i < built.samples.size(); ++i) {
     SurfaceSample& sample = built.samples[i];

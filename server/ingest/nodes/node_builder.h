@@ -9,11 +9,14 @@
 
 #include "common/hierarchy_page.h"
 #include "server/ingest/disk/spool.h"
+#include "server/ingest/disk/temporary_folder.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/finished_rung.h"
+#include "server/ingest/nodes/rung_shelf.h"
 #include "server/ingest/partition/partition.h"
 #include "server/ingest/plan/simplifier.h"
+#include "server/ingest/simplify/collapse.h"
 
 namespace lode::ingest {
 
@@ -73,12 +76,18 @@ class NodeBuilder {
     float snap_error_steps = 0;  ///< of the leaves' vertices
     CreaseAngle crease{180};
   };
-  NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads);
+  /// What a node may take.
+  struct Room {
+    unsigned helpers = 0;   ///< rungs that may be finished on other threads meanwhile
+    bool is_tight = false;  ///< the node is large: rungs wait on the disk until all are made
+  };
+  /// @param folder  for rungs that wait.
+  NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,
+              const TemporaryFolder& folder);
 
-  /// @param helpers  rungs that may be finished on other threads meanwhile.
-  BuiltNode buildLeaf(uint32_t leaf, unsigned helpers);
+  BuiltNode buildLeaf(uint32_t leaf, Room room);
   /// @param children  non-empty, in octant order; their coarsest rungs and samples are used up.
-  BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children, unsigned helpers);
+  BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children, Room room);
 
  private:
   NodeMesh loadLeaf(uint32_t leaf);
@@ -87,7 +96,9 @@ class NodeBuilder {
   static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
                             const NodeMesh& input, std::span<const std::vector<uint32_t>> became);
   /// @param original  the mesh's triangles that are leaves'.
-  void reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput::Range> original, unsigned helpers);
+  void reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput::Range> original, Room room);
+  void simplify(NodeMesh mesh, int depth, std::span<const size_t> targets, const SnapshotSink& sink) const;
+  RungShelf shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
   void addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
   void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);
   /// Error of a rung in lattice steps, from both directions: the original surface to the rung, and the rung
@@ -100,6 +111,7 @@ class NodeBuilder {
   const Settings settings_;
   const Partition& partition_;
   PayloadSpool& payloads_;
+  const TemporaryFolder& folder_;
   MeshWelder welder_;
 };
 

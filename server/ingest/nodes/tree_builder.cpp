@@ -22,7 +22,7 @@ namespace {
 
 constexpr auto kProgressInterval = std::chrono::milliseconds(200);
 constexpr uint32_t kNoNode = ~0u;
-constexpr uint64_t kLargeShare = 4;  ///< a node that takes more than 1 part of so many of the memory is large
+constexpr uint64_t kLargeShare = 2;  ///< a node that takes more than 1 part of so many of the memory is large
 
 uint64_t memoryOf(const BuiltNode& built) noexcept {
   const auto bytesOf = [](const auto& items) { return items.capacity() * sizeof(items[0]); };
@@ -165,9 +165,10 @@ class Scheduler {
   }
 
   BuiltNode build(NodeBuilder& builder, const Taken& taken) {
-    if (plan_.isLeaf(taken.number)) return builder.buildLeaf(plan_.leaf(taken.number), taken.lent);
+    const NodeBuilder::Room room{taken.lent, taken.is_large};
+    if (plan_.isLeaf(taken.number)) return builder.buildLeaf(plan_.leaf(taken.number), room);
     std::vector<BuiltNode> children = takeChildren(taken.number);
-    return builder.buildInner(plan_.key(taken.number), children, taken.lent);
+    return builder.buildInner(plan_.key(taken.number), children, room);
   }
 
   std::vector<BuiltNode> takeChildren(uint32_t number) {
@@ -309,15 +310,15 @@ class Scheduler {
 }  // namespace
 
 void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
-               SimplifyLog& log, NodeSpool& nodes, const TreeResources& resources,
-               const BuildProgress& progress) {
+               const TemporaryFolder& folder, SimplifyLog& log, NodeSpool& nodes,
+               const TreeResources& resources, const BuildProgress& progress) {
   const TreePlan plan(partition.leaves);
   Scheduler scheduler(plan, log, nodes, resources, settings.triangles_per_node);
   {
     std::vector<std::jthread> workers;
     for (unsigned i = 0; i < resources.threads; ++i) {
       workers.emplace_back(
-          [&] { scheduler.work([&] { return NodeBuilder(settings, partition, payloads); }); });
+          [&] { scheduler.work([&] { return NodeBuilder(settings, partition, payloads, folder); }); });
     }
     scheduler.waitUntilDone(progress);
   }

@@ -20,8 +20,9 @@ struct TreeResources {
 /// coarsest rungs is held; a node for which there is no memory beside those under way waits for them. The
 /// calling thread reports progress, notes finished nodes in the log, goes on from those that are there, and
 /// throws what the first failing thread met.
+/// @param folder  for rungs of large nodes.
 void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
-               SimplifyLog& log, NodeSpool& nodes, const TreeResources& resources,
-               const BuildProgress& progress);
+               const TemporaryFolder& folder, SimplifyLog& log, NodeSpool& nodes,
+               const TreeResources& resources, const BuildProgress& progress);
 
 }  // namespace lode::ingest

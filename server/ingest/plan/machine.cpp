@@ -15,6 +15,14 @@
 #include "server/ingest/plan/control_groups.h"
 
 namespace lode::ingest {
+namespace {
+
+/// A gyroid of 400,000 at 64 a node on eight threads in 52 MB: with a heap each it took 46 MB, with one 31,
+/// and no more time.
+constexpr uint64_t kMemoryForEachHeap = 64 << 20;
+constexpr uint64_t kMostHeaps = 256;
+
+}  // namespace
 
 uint64_t defaultMemoryBytes() {
   const auto machine =
@@ -34,6 +42,13 @@ uint64_t peakRssBytes() noexcept {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+void shareHeaps(uint64_t memory_bytes) noexcept {
+#if defined(__GLIBC__)
+  mallopt(M_ARENA_MAX,
+          static_cast<int>(std::clamp<uint64_t>(memory_bytes / kMemoryForEachHeap, 1, kMostHeaps)));
+#endif
 }
 
 void giveBackFreedMemory() noexcept {

@@ -17,6 +17,10 @@ double cpuSeconds() noexcept;
 /// The most resident memory that this process has had.
 uint64_t peakRssBytes() noexcept;
 
+/// Lets threads share the allocator's heaps where there is little memory: what one has freed is otherwise
+/// kept for its own thread.
+void shareHeaps(uint64_t memory_bytes) noexcept;
+
 /// Gives freed memory back to the system, which an allocator may keep for long: for between stages.
 void giveBackFreedMemory() noexcept;
 

@@ -64,7 +64,7 @@ class Collapser {
     uint32_t u = 0, v = 0, changed_at = 0;
   };
 
-  size_t startRound(std::span<const CollapseMesh::Edge> edges);
+  size_t startRound(bool is_first);
   bool collapseNext();
   void collapseEdge(Record record, const Candidate& candidate);
   /// What the ends of an edge say together.
@@ -150,9 +150,12 @@ void Collapser::put(Record record, double cost) {
 }
 
 // Fills the queue; returns how many edges it holds.
-size_t Collapser::startRound(std::span<const CollapseMesh::Edge> edges) {
-  mesh_.classifyPositions(edges);
+size_t Collapser::startRound(bool is_first) {
   queue_.clear();
+  const std::vector<CollapseMesh::Edge> edges = mesh_.edges();
+  if (is_first) addQuadrics(mesh_, edges);
+  mesh_.classifyPositions(edges);
+  queue_.reserve(edges.size());
   size_t count = 0;
   for (const CollapseMesh::Edge& edge : edges) {
     if (mesh_.positions[edge.u].locked && mesh_.positions[edge.v].locked) continue;
@@ -344,9 +347,7 @@ void Collapser::run(std::span<const size_t> targets, const SnapshotSink& sink) {
   };
   if (report()) return;
   for (bool first = true; level_ < kLimits.size(); first = false) {
-    const std::vector<CollapseMesh::Edge> edges = mesh_.edges();
-    if (first) addQuadrics(mesh_, edges);
-    const size_t queued = startRound(edges);
+    const size_t queued = startRound(first);
     const uint32_t before = clock_;
     while (collapseNext()) {
       if (mesh_.live_triangles <= targets[reached] && report()) return;

@@ -42,6 +42,7 @@ CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
     }
   }
   wedges = WedgeTable(attributes, std::move(mesh.wedge_attributes));
+  mesh = {};  // what it held is in the way while it is simplified
   gatherCorners();
   if (has_wedges) {
     only_wedge.resize(positions.size());

@@ -25,6 +25,9 @@ class EdgeQueue {
     current_ = 0;
   }
 
+  /// Makes room for so many items at once.
+  void reserve(size_t items) { blocks_.reserve(items / kBlock + kUsualBuckets); }
+
   /// @param key  finite, not negative
   static uint32_t bucketOf(float key) noexcept { return std::bit_cast<uint32_t>(key) >> kDroppedBits; }
 
@@ -84,6 +87,7 @@ class EdgeQueue {
   static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // no sign
   static constexpr size_t kWords = kBuckets / 64;
   static constexpr uint32_t kBlock = 30;
+  static constexpr size_t kUsualBuckets = 512;  // with items
   static constexpr uint32_t kAhead = 6;
 
   struct Block {

@@ -270,6 +270,22 @@ TEST_F(SlowBuild, staysBelowLittleMemoryWithASurfaceThatIsAllBorders) {
   }
 }
 
+TEST_F(SlowBuild, staysBelowLittleMemoryWithThePorousSample) {
+  SampleOptions porous;
+  porous.kind = "gyroid";
+  porous.triangles = 3'648'532;
+  writeSample(porous, folder_ / "a.ply");
+  for (const unsigned threads : {2u, 8u}) {
+    BuildOptions given = options();
+    given.memory_bytes = 64'000'000;
+    given.triangles_per_node = 512;
+    given.threads = threads;
+    const uint64_t peak = peakOfBuild(given);
+    EXPECT_GT(peak, 0u);
+    EXPECT_LE(peak, given.memory_bytes) << threads << " threads";
+  }
+}
+
 TEST_F(SlowBuild, storesNoRungThatIsTooLargeAndGoesOnToCoarserOnes) {
   makeSample(2000000, 0);
   BuildOptions large = options();

@@ -1,0 +1,18 @@
+#include "common/let_go.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace lode {
+namespace {
+
+TEST(LetGo, freesWhatAContainerHolds) {
+  std::vector<int> numbers(1000, 7);
+  letGo(numbers);
+  EXPECT_TRUE(numbers.empty());
+  EXPECT_EQ(numbers.capacity(), 0u);
+}
+
+}  // namespace
+}  // namespace lode
