@@ -114,7 +114,7 @@ std::string describe(const ingest::DoctorReport& report) {
     sheet.line("open edges", std::to_string(topology.open_edges));
     sheet.line("non-manifold", std::to_string(topology.non_manifold_edges) + " edges");
   } else if (report.is_readable) {
-    sheet.line("topology", "not counted: it needs more memory than --memory");
+    sheet.line("topology", "not counted: there are more vertices than can be indexed");
   }
   if (report.forecast) {
     const ingest::BuildForecast& forecast = *report.forecast;
@@ -154,7 +154,7 @@ void addDoctorCommand(CLI::App& program) {
   command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
   command
       ->add_option("--memory", options.memory_bytes,
-                   "memory to count topology in, and of the build to forecast (default: half of the "
+                   "memory to count topology in, about, and of the build to forecast (default: half of the "
                    "machine's or the container's)")
       ->transform(CLI::AsSizeValue(true))
       ->type_name("BYTES");
@@ -162,7 +162,7 @@ void addDoctorCommand(CLI::App& program) {
       ->check(CLI::Range(1u, 1024u));
   command
       ->add_option("--tmp", options.temporary_folder,
-                   "folder for the forecast's trial, of a few megabytes (default: the system's)")
+                   "folder for temporary files, about 60 bytes a triangle (default: the system's)")
       ->type_name("DIR");
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->callback([arguments] { runDoctor(*arguments); });

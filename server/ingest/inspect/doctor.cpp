@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "common/error.h"
 #include "server/ingest/plan/machine.h"
@@ -18,8 +19,7 @@ constexpr uint64_t kShownDefects = 5;  ///< of a kind, with their places
 
 class Doctor {
  public:
-  explicit Doctor(const DoctorOptions& given)
-      : options_(given), name_(given.input.string()), topology_(budget()) {}
+  explicit Doctor(const DoctorOptions& given) : options_(given), name_(given.input.string()) {}
 
   DoctorReport run() {
     report_.file_bytes = PlyInput(options_.input).size();
@@ -27,7 +27,9 @@ class Doctor {
     report_.is_readable = tryTo([&] { readBody(); });
     lookForTextures();
     sayDefects();
-    if (report_.is_readable) report_.topology = topology_.count();
+    if (report_.is_readable && report_.counts.vertices <= UINT32_MAX) report_.topology = topology_->count();
+    topology_.reset();
+    folder_.reset();
     if (report_.is_readable) judgeWhole();
     report_.is_buildable =
         report_.is_readable && std::none_of(report_.problems.begin(), report_.problems.end(),
@@ -43,6 +45,11 @@ class Doctor {
   };
 
   uint64_t budget() const { return options_.memory_bytes ? options_.memory_bytes : defaultMemoryBytes(); }
+
+  std::filesystem::path temporaryFolder() const {
+    return options_.temporary_folder.empty() ? std::filesystem::temp_directory_path()
+                                             : options_.temporary_folder;
+  }
 
   void say(bool is_fatal, const std::string& text) { report_.problems.push_back({is_fatal, text}); }
 
@@ -90,6 +97,14 @@ class Doctor {
     };
     PlyReader reader(options_.input, read_options);
     report_.attributes = reader.attributes();
+    folder_.emplace(temporaryFolder());
+    topology_.emplace(*folder_, reader.attributes(), hasDoublePositions(reader.header()), budget());
+    double beside = 0;  // reading, CPU seconds
+    const auto addToTopology = [&](auto&& add) {
+      const double before = cpuSeconds();
+      add(*topology_);
+      beside += cpuSeconds() - before;
+    };
     corner_texture_ = reader.hasCornerTexture();
     report_.skipped_properties = reader.skippedProperties();
     report_.min = glm::dvec3(std::numeric_limits<double>::max());
@@ -100,10 +115,12 @@ class Doctor {
             report_.min = glm::min(report_.min, vertex.position);
             report_.max = glm::max(report_.max, vertex.position);
           }
-          topology_.addVertices(vertices, report_.attributes.has(AttributeSet::kNormal));
+          addToTopology([&](TopologyCounter& topology) { topology.addVertices(vertices); });
         },
-        [&](const PlyFaces& faces) { topology_.addFaces(faces); });
-    read_cpu_seconds_ = cpuSeconds() - start;
+        [&](const PlyFaces& faces) {
+          addToTopology([&](TopologyCounter& topology) { topology.addFaces(faces); });
+        });
+    read_cpu_seconds_ = cpuSeconds() - start - beside;
   }
 
   void sayDefects() {
@@ -181,8 +198,7 @@ class Doctor {
     input.images = images_;
     input.memory_bytes = budget();
     input.threads = options_.threads ? options_.threads : defaultThreads();
-    input.temporary_folder = options_.temporary_folder.empty() ? std::filesystem::temp_directory_path()
-                                                               : options_.temporary_folder;
+    input.temporary_folder = temporaryFolder();
     try {
       report_.forecast = forecastBuild(input);
     } catch (const Error& error) {
@@ -192,7 +208,8 @@ class Doctor {
 
   const DoctorOptions options_;
   const std::string name_;
-  TopologyCounter topology_;
+  std::optional<TemporaryFolder> folder_;  ///< while the topology is counted, as the next
+  std::optional<TopologyCounter> topology_;
   Defects bad_, dropped_;
   std::vector<TextureImage> images_;
   double read_cpu_seconds_ = 0;

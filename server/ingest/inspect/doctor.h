@@ -37,15 +37,17 @@ struct DoctorReport {
   std::vector<std::string> skipped_properties;  ///< see PlyReader; a build leaves them out
   std::vector<Texture> textures;
   glm::dvec3 min{0}, max{0};         ///< of the vertices that faces use; of all where topology is not counted
-  std::optional<Topology> topology;  ///< nothing if the body cannot be read, or if it needs more memory
+  std::optional<Topology> topology;  ///< nothing if the body cannot be read, or has more vertices than can be
+                                     ///< indexed
   std::vector<Problem> problems;     ///< the first few of each kind, then what is left as a count
   bool is_readable = false;          ///< a build with --skip-bad succeeds
   bool is_buildable = false;         ///< one without succeeds, too
   std::optional<BuildForecast> forecast;  ///< where the file is readable
 };
 
-/// Says what is in a PLY file, all that is wrong with it, and what a build will cost. Memory: the topology's,
-/// up to the budget; without topology a few megabytes, and at any one time what a build takes for one image.
+/// Says what is in a PLY file, all that is wrong with it, and what a build will cost. Memory: up to
+/// the budget, and two bits a vertex; topology is counted by way of temporary files, about 60 bytes a
+/// triangle.
 /// @throws Error kIo if there is no such file; what is wrong inside it is in the report.
 DoctorReport examine(const DoctorOptions& options);
 

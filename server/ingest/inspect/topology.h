@@ -7,7 +7,12 @@
 
 #include <glm/glm.hpp>
 
-#include "server/ingest/ply/ply_reader.h"
+#include "server/ingest/disk/record_sorter.h"
+#include "server/ingest/disk/temporary_folder.h"
+#include "server/ingest/inspect/piece_counter.h"
+#include "server/ingest/inspect/same_places.h"
+#include "server/ingest/soup/face_batch.h"
+#include "server/ingest/soup/packed_input.h"
 
 namespace lode::ingest {
 
@@ -27,32 +32,48 @@ struct Topology {
   glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; zero if there are none
 };
 
-/// Counts topology in memory, up to a bound. For one thread.
+/// Counts topology by sorts and sweeps over temporary files: in memory stay parts of a bounded size, and two
+/// bits a vertex. For one thread. All functions throw Error kIo.
 class TopologyCounter {
  public:
-  /// @param memory_bytes  when more is needed, everything is let go, and count() gives nothing.
-  explicit TopologyCounter(uint64_t memory_bytes) : memory_bytes_(memory_bytes) {}
+  /// @param folder  for temporary files. @param attributes  the file's: of them only normals count.
+  /// @param double_positions  positions need more than float. @param memory_bytes  about as much is used.
+  TopologyCounter(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
+                  uint64_t memory_bytes);
 
-  /// @param has_normals  the file's
-  void addVertices(std::span<const PlyVertex> vertices, bool has_normals);
+  void addVertices(std::span<const PlyVertex> vertices);
   void addFaces(const PlyFaces& faces);
-  /// Once, after all vertices and faces.
-  std::optional<Topology> count();
+  /// Once, after all vertices and faces. @pre no more than 2^32 vertices.
+  Topology count();
 
  private:
-  bool fits(uint64_t vertices, uint64_t faces, uint64_t corners);
-  void joinVertices();
-  void countOpposed();
-  void countUsed();
-  void countLost();
-  void countEdges();
-  void countPieces();
+  /// What faces need of a vertex.
+  struct Member {
+    glm::dvec3 position;
+    uint32_t first;   ///< vertex at its place
+    uint16_t normal;  ///< octahedral
+  };
 
+  void countVertices();
+  void countFaces();
+  void sweep(const FaceBatch& batch);
+  void countFace();
+  bool isOpposed() const;
+  void addEdges();
+  void countEdges();
+
+  const TemporaryFolder& folder_;
+  const bool has_normals_;
   const uint64_t memory_bytes_;
-  bool is_too_large_ = false;
-  std::vector<glm::dvec3> positions_;
-  std::vector<uint16_t> normals_;  ///< octahedral; empty if the file has none
-  std::vector<uint32_t> corner_counts_, corners_;
+  PackedInput input_;
+  SamePlaces places_;
+  RecordSorter edges_;  ///< by both ends; the record is the direction
+  std::optional<PieceCounter> pieces_;
+  std::optional<VertexSet> used_;   ///< places that faces have, by their first vertex
+  std::optional<Lattice> lattice_;  ///< nothing if all vertices coincide
+  std::vector<Member> members_;     ///< of the batch at hand
+  std::vector<Member> face_;        ///< at hand: its corners
+  std::vector<uint32_t> numbers_;   ///< 0, 1, 2 ...: of corners
   Topology topology_;
 };
 

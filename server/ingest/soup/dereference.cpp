@@ -2,75 +2,47 @@
 
 #include <algorithm>
 
-#include "server/ingest/mesh/vertex_set.h"
+#include "server/ingest/soup/face_batch.h"
 #include "server/ingest/soup/triangulate.h"
 
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kSweepVertices = 4096;  ///< read, or skipped, at once
-
-/// Faces of one batch, and the vertices that they use.
+/// Faces of one batch, and what is wanted of the vertices that they use.
 class Batch {
  public:
   Batch(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes)
       : input_(input),
         lattice_(lattice),
-        used_(input.vertexCount()),
-        memory_bytes_(memory_bytes),
-        member_bytes_(sizeof(PositionCode) + (input.hasVertexAttributes() ? sizeof(VertexAttributes) : 0)) {}
+        faces_(input, memory_bytes,
+               sizeof(PositionCode) + (input.hasVertexAttributes() ? sizeof(VertexAttributes) : 0)) {}
 
-  /// Reads faces until the memory is full, one block at least. @return false if there were none left.
-  bool readFaces(PackedInput::FaceCursor& cursor) {
-    used_.clear();
-    blocks_.clear();
-    uint64_t members = 0;
-    PackedInput::FaceBlock block;
-    uint64_t face_bytes = 0;
-    const auto isFull = [&] { return face_bytes + members * member_bytes_ >= memory_bytes_; };
-    while ((blocks_.empty() || !isFull()) && cursor.next(block)) {
-      for (const uint32_t corner : block.corners) members += used_.add(corner);
-      face_bytes += block.bytes();
-      blocks_.push_back(std::move(block));
-      block = {};
-    }
-    return !blocks_.empty();
-  }
+  bool readFaces(PackedInput::FaceCursor& cursor) { return faces_.read(cursor); }
 
   void sweepVertices(DereferenceCounts& counts) {
-    const uint64_t members = used_.countRanks();
-    positions_.resize(members);
-    if (input_.hasVertexAttributes()) attributes_.resize(members);
+    positions_.resize(faces_.members());
+    if (input_.hasVertexAttributes()) attributes_.resize(faces_.members());
     uint64_t next = 0;
-    const auto take = [&](uint64_t number, glm::dvec3 position, const VertexAttributes& attributes) {
-      if (!used_.contains(number)) return;
+    faces_.sweep([&](uint64_t, glm::dvec3 position, const VertexAttributes& attributes) {
       const glm::uvec3 snapped = lattice_.snap(position);
       positions_[next] = packPosition(snapped);
       counts.snap_error_steps = std::max(counts.snap_error_steps,
                                          glm::distance(position, lattice_.toWorld(snapped)) / lattice_.step);
       if (!attributes_.empty()) attributes_[next] = attributes;
       ++next;
-    };
-    uint64_t first = 0;
-    while (first < input_.vertexCount()) {
-      uint64_t end = first;
-      while (end < input_.vertexCount() && isNeeded(end)) end += kSweepVertices;
-      if (end > first) input_.readVertices(first, std::min(end, input_.vertexCount()) - first, take);
-      first = end + kSweepVertices;
-    }
+    });
   }
 
-  const std::vector<PackedInput::FaceBlock>& blocks() const noexcept { return blocks_; }
+  const std::vector<PackedInput::FaceBlock>& blocks() const noexcept { return faces_.blocks(); }
 
   /// Gives out the triangles of a block's faces.
   void giveOut(const PackedInput::FaceBlock& block, DereferenceCounts& counts, const SoupSink& sink) {
-    uint32_t first = 0;
-    for (size_t f = 0; f < block.faceCount(); ++f) {
-      const uint32_t corners = block.corner_counts.empty() ? 3 : block.corner_counts[f];
-      const uint16_t material = block.materials.empty() ? uint16_t{0} : block.materials[f];
-      giveOut(block, first, corners, material, counts, sink);
-      first += corners;
-    }
+    size_t face = 0;
+    forEachFace(block, [&](size_t first, uint32_t corners) {
+      const uint16_t material = block.materials.empty() ? uint16_t{0} : block.materials[face];
+      giveOut(block, static_cast<uint32_t>(first), corners, material, counts, sink);
+      ++face;
+    });
   }
 
  private:
@@ -82,7 +54,7 @@ class Batch {
     }
     outline_.clear();
     for (uint32_t c = first; c < first + corners; ++c)
-      outline_.emplace_back(unpackPosition(positions_[used_.rank(block.corners[c])]));
+      outline_.emplace_back(unpackPosition(positions_[faces_.rank(block.corners[c])]));
     triangulate(outline_, cut_);
     for (const glm::u32vec3& t : cut_) giveOut(block, first + t, material, counts, sink);
   }
@@ -95,19 +67,11 @@ class Batch {
     return a != b && b != c && c != a;
   }
 
-  bool isNeeded(uint64_t first) const noexcept {
-    const uint64_t end = std::min(used_.wordCount(), (first + kSweepVertices) / 64);
-    for (uint64_t word = first / 64; word < end; ++word) {
-      if (used_.anyInWord(word)) return true;
-    }
-    return false;
-  }
-
   void giveOut(const PackedInput::FaceBlock& block, glm::u32vec3 corners, uint16_t material,
                DereferenceCounts& counts, const SoupSink& sink) {
     SoupTriangle triangle;
     for (int k = 0; k < 3; ++k) {
-      const uint64_t rank = used_.rank(block.corners[corners[k]]);
+      const uint64_t rank = faces_.rank(block.corners[corners[k]]);
       triangle.corners[k] = positions_[rank];
       VertexAttributes& attributes = triangle.attributes[k];
       if (!attributes_.empty()) attributes = attributes_[rank];
@@ -126,10 +90,7 @@ class Batch {
 
   const PackedInput& input_;
   const Lattice& lattice_;
-  VertexSet used_;
-  const uint64_t memory_bytes_;
-  const uint64_t member_bytes_;
-  std::vector<PackedInput::FaceBlock> blocks_;
+  FaceBatch faces_;
   std::vector<PositionCode> positions_;
   std::vector<VertexAttributes> attributes_;
   std::vector<glm::dvec3> outline_;

@@ -5,9 +5,12 @@
 #include <cstdio>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include "common/error.h"
+#include "common/let_go.h"
 #include "server/ingest/mesh/vertex_set.h"
+#include "server/ingest/soup/face_batch.h"
 
 namespace lode::ingest {
 namespace {
@@ -23,27 +26,23 @@ constexpr double kLeastStepsInBox = 4096;
 constexpr double kMostStepsInBox = (1 << kLatticeBits) - 2;
 constexpr uint64_t kFacesForEachLost = 1'000'000;
 
-struct UsedVertices {
+/// Vertices that faces use, and some faces, spread evenly.
+struct UsedAndSampled {
   VertexSet used;
   std::vector<SampledFace> faces;
 };
 
-UsedVertices findUsedVertices(const PackedInput& input) {
-  UsedVertices result{VertexSet(input.vertexCount()), {}};
+UsedAndSampled lookAtFaces(const PackedInput& input) {
+  UsedAndSampled result{VertexSet(input.vertexCount()), {}};
   const uint64_t stride = faceStride(input.faceCount());
   PackedInput::FaceCursor cursor(input);
-  PackedInput::FaceBlock block;
   uint64_t face = 0;
-  while (cursor.next(block)) {
-    size_t first = 0;
-    for (size_t f = 0; f < block.faceCount(); ++f, ++face) {
-      const size_t corners = block.corner_counts.empty() ? 3 : block.corner_counts[f];
+  for (PackedInput::FaceBlock block; cursor.next(block);)
+    forEachFace(block, [&](size_t first, size_t corners) {
       const auto of_face = std::span<const uint32_t>(block.corners).subspan(first, corners);
       for (const uint32_t corner : of_face) result.used.add(corner);
-      if (face % stride == 0) result.faces.push_back(sampledFace(of_face));
-      first += corners;
-    }
-  }
+      if (face++ % stride == 0) result.faces.push_back(sampledFace(of_face));
+    });
   return result;
 }
 
@@ -120,7 +119,7 @@ Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& posi
                       glm::dvec3 box_max) {
   std::vector<double> edges = edgesOf(faces, position_of);
   const double coarsest = chooseStep(edges, box_min, box_max), finest = finestStep(box_min, box_max);
-  edges = {};
+  letGo(edges);
   std::vector<SampledFace> at_risk;  // nothing else is lost on a finer lattice
   const auto reaches = [&](const SampledFace& face) {
     for (size_t c = 0; c < 4; ++c) {
@@ -142,43 +141,53 @@ Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& posi
   return latticeOf(step, box_min);
 }
 
-LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name) {
-  UsedVertices found = findUsedVertices(input);
+UsedVertices findUsedVertices(const PackedInput& input) {
+  UsedAndSampled looked = lookAtFaces(input);
   std::vector<uint32_t> corners;
-  corners.reserve(found.faces.size() * 4);
-  for (const SampledFace& face : found.faces) corners.insert(corners.end(), face.begin(), face.end());
+  corners.reserve(looked.faces.size() * 4);
+  for (const SampledFace& face : looked.faces) corners.insert(corners.end(), face.begin(), face.end());
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  std::vector<glm::dvec3> positions(corners.size());
-
-  glm::dvec3 box_min(std::numeric_limits<double>::max()), box_max(std::numeric_limits<double>::lowest());
+  UsedVertices found;
+  found.positions.resize(corners.size());
   size_t next = 0;
   input.readVertices(0, input.vertexCount(),
                      [&](uint64_t number, glm::dvec3 position, const VertexAttributes&) {
-                       if (!found.used.contains(number)) return;
-                       box_min = glm::min(box_min, position);
-                       box_max = glm::max(box_max, position);
-                       if (next < corners.size() && corners[next] == number) positions[next++] = position;
+                       if (!looked.used.contains(number)) return;
+                       ++found.count;
+                       found.min = glm::min(found.min, position);
+                       found.max = glm::max(found.max, position);
+                       if (next < corners.size() && corners[next] == number)
+                         found.positions[next++] = position;
                      });
-  if (!glm::any(glm::lessThan(box_min, box_max))) {
-    throw Error(ErrorCode::kInput,
-                name.string() + ": all vertices that faces use coincide; nothing can be built of it");
-  }
-  for (SampledFace& face : found.faces)
+  for (SampledFace& face : looked.faces)
     for (uint32_t& corner : face)
       corner =
           static_cast<uint32_t>(std::lower_bound(corners.begin(), corners.end(), corner) - corners.begin());
+  found.faces = std::move(looked.faces);
+  return found;
+}
 
+Lattice chooseLattice(const UsedVertices& used) {
+  return chooseLattice(
+      used.faces, [&](uint32_t corner) { return used.positions[corner]; }, used.min, used.max);
+}
+
+LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name) {
+  const UsedVertices used = findUsedVertices(input);
+  if (used.coincide()) {
+    throw Error(ErrorCode::kInput,
+                name.string() + ": all vertices that faces use coincide; nothing can be built of it");
+  }
   LatticeChoice choice;
-  choice.lattice = chooseLattice(
-      found.faces, [&](uint32_t corner) { return positions[corner]; }, box_min, box_max);
+  choice.lattice = chooseLattice(used);
   if (!(choice.lattice.step >= kSmallestStep && choice.lattice.step <= kLargestStep)) {
     throw Error(ErrorCode::kInput,
                 name.string() +
                     ": the coordinates are too small or too large to be stored; give the model "
                     "in another unit");
   }
-  choice.extent = choice.lattice.snap(box_max);
+  choice.extent = choice.lattice.snap(used.max);
   return choice;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,13 +40,24 @@ std::string inWordsOfLost(uint64_t faces, double step);
 Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& position_of, glm::dvec3 box_min,
                       glm::dvec3 box_max);
 
+/// Vertices that faces use (a stray one must not cost precision), as far as a lattice follows from them.
+struct UsedVertices {
+  uint64_t count = 0;
+  glm::dvec3 min{std::numeric_limits<double>::max()}, max{std::numeric_limits<double>::lowest()};  ///< box
+  std::vector<SampledFace> faces;     ///< that are looked at; their corners are numbers of `positions`
+  std::vector<glm::dvec3> positions;  ///< of those corners
+  bool coincide() const noexcept { return !glm::any(glm::lessThan(min, max)); }
+};
+UsedVertices findUsedVertices(const PackedInput& input);
+/// @pre they do not all coincide.
+Lattice chooseLattice(const UsedVertices& used);
+
 struct LatticeChoice {
   Lattice lattice;
   glm::uvec3 extent{0};  ///< largest lattice coordinates of the referenced vertices
 };
 
-/// The second look: the box of the vertices that faces use (a stray vertex must not cost precision), and
-/// evenly spread faces.
+/// The second look: from findUsedVertices().
 /// @throws Error kInput if all used vertices coincide.
 LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name);
 

@@ -161,11 +161,12 @@ TEST(Doctor, saysWhatABuildWillDoWithTextureImages) {
   EXPECT_TRUE(mentions(refused, true, "5000 texture files"));
 }
 
-TEST(Doctor, doesNotCountTopologyBeyondItsMemory) {
+TEST(Doctor, countsTopologyInWhateverMemory) {
   const PlyFolder folder;
   const DoctorReport report = examineFile(folder.write(kThreeTriangles), 200);
-  EXPECT_FALSE(report.topology);
-  EXPECT_EQ(report.counts.triangles, 3u);
+  ASSERT_TRUE(report.topology);
+  EXPECT_EQ(report.topology->open_edges, 7u);
+  EXPECT_EQ(report.topology->pieces, 1u);
   EXPECT_TRUE(report.is_buildable);
 }
 
