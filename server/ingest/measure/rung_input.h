@@ -13,19 +13,14 @@ namespace lode::ingest {
 /// What the rungs of a node are made of and measured against. Const functions are thread safe.
 class RungInput {
  public:
-  /// A run of the mesh's triangles.
-  struct Range {
-    size_t begin, end;
-  };
   /// @param depth  the node's: positions that are locked there lie on its borders.
-  /// @param original  the triangles that are the model's own.
-  RungInput(NodeMesh mesh, int depth, std::vector<Range> original = {});
+  /// @param off_steps  what the mesh is off the original by; none if it is the original.
+  RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {});
 
   const NodeMesh& mesh() const noexcept { return mesh_; }
   const SurfaceWalk& walk() const noexcept { return walk_; }
-  const std::vector<Range>& original() const noexcept { return original_; }
-  /// Whether all triangles are the model's own.
-  bool isOriginal() const noexcept;
+  bool isOriginal() const noexcept { return !off_steps_; }
+  float offSteps() const noexcept { return off_steps_.value_or(0); }
   /// Open edges, by position; borders of the node are none.
   const std::vector<glm::u32vec2>& rims() const noexcept { return rims_; }
   /// Made when it is first asked for: few nodes need it.
@@ -34,7 +29,7 @@ class RungInput {
  private:
   NodeMesh mesh_;
   SurfaceWalk walk_;
-  std::vector<Range> original_;
+  std::optional<float> off_steps_;
   std::vector<glm::u32vec2> rims_;
   mutable std::once_flag grid_made_;
   mutable std::optional<TriangleGrid> grid_;

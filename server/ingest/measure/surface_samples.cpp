@@ -33,12 +33,6 @@ glm::vec2 sharesOf(uint32_t n) noexcept {
 /// For how many times the mean area a triangle gets a point inside, in a mesh of so many.
 double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
 
-/// Into how many steps edges are divided, and triangles with them, to measure a rung of so many triangles:
-/// where there are few, their corners may miss the worst.
-uint32_t stepsAlongEdge(size_t triangles) noexcept {
-  return triangles <= 1024 ? 6 : triangles <= 8192 ? 3 : 1;
-}
-
 /// Makes the largest of the distances that walks over a mesh have found exact.
 /// @param pointOf  the point of each distance. @param gridOver  the mesh, made where many need a look.
 template <typename PointOf, typename GridOver>
@@ -173,44 +167,6 @@ std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh) {
     }
   }
   return samples;
-}
-
-float farthestPlace(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources) {
-  const NodeMesh& mesh = rung.mesh;
-  std::vector<float> distances;
-  std::vector<glm::vec3> points;
-  float largest = 0;
-  const auto measure = [&](glm::vec3 point, uint32_t& near) {
-    points.push_back(point);
-    distances.push_back(input.walk().distanceOnwards(point, near, largest));
-    largest = std::max(largest, distances.back());
-  };
-  for (uint32_t i = 0; i < sources.size(); ++i) {
-    uint32_t near = sources[i];
-    measure(pointOf(mesh, i), near);
-  }
-  const uint32_t steps = stepsAlongEdge(mesh.triangles.size());
-  for (const glm::u32vec3& t : mesh.triangles) {
-    const glm::u32vec3 at(mesh.wedge_position[t.x], mesh.wedge_position[t.y], mesh.wedge_position[t.z]);
-    const glm::vec3 a = pointOf(mesh, at.x), b = pointOf(mesh, at.y), c = pointOf(mesh, at.z);
-    uint32_t near_row = sources[at.z];  // where walks to the points of a row begin
-    for (uint32_t i = 0; i <= steps; ++i) {
-      uint32_t near = near_row;
-      for (uint32_t j = 0; i + j <= steps; ++j) {
-        const uint32_t k = steps - i - j;
-        const bool is_corner = i == steps || j == steps || k == steps;
-        if (is_corner) continue;
-        const glm::vec3 point =
-            (static_cast<float>(i) * a + static_cast<float>(j) * b + static_cast<float>(k) * c);
-        measure(point / static_cast<float>(steps), near);
-        if (j == 0) near_row = near;
-      }
-    }
-  }
-  confirmLargest(
-      input.walk(), distances, [&](size_t i) { return points[i]; },
-      [&]() -> const TriangleGrid& { return input.grid(); });
-  return distances.empty() ? 0 : *std::max_element(distances.begin(), distances.end());
 }
 
 }  // namespace lode::ingest

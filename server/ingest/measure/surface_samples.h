@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "server/ingest/measure/rung_input.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/simplified_mesh.h"
 
@@ -56,10 +55,5 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh
 /// Points inside the triangles of a mesh that are large beside the others, where its positions alone would
 /// say little: one for every two mean areas, in a small mesh for every half.
 std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh);
-
-/// The largest distance of a rung from the mesh that it was made of, lattice steps: of its vertices, and
-/// where it has so few triangles that these may miss the worst, of points between them. Never below theirs.
-/// @param sources  see sourcesOf().
-float farthestPlace(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources);
 
 }  // namespace lode::ingest

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/ingest/measure/farthest_original.h"
 #include "server/ingest/measure/lost_detail.h"
 #include "server/ingest/measure/rim_gap.h"
+#include "server/ingest/measure/rung_deviation.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/computed_normals.h"
 
@@ -26,9 +26,7 @@ FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
   finished.deviations = deviationsFrom(rung, input.mesh(), walk, places, samples);
   float sampled = 0;
   for (const Deviation& deviation : finished.deviations) sampled = std::max(sampled, deviation.steps);
-  finished.farthest_original_steps = farthestOriginal(rung, input, walk, places, sampled);
-  finished.is_exact = input.isOriginal();
-  finished.farthest_steps = farthestPlace(rung, input, sources);
+  finished.deviation_steps = rungDeviation(rung, input, {walk, places, sources}, sampled);
   finished.rim_gap_steps = rimGap(rung, input.mesh(), input.rims());
   finished.lost_detail_steps = lostDetail(rung, input.mesh(), places);
   return finished;

@@ -16,9 +16,7 @@ struct FinishedRung {
   SimplifiedMesh simplified;
   EncodedPayload payload;
   std::vector<Deviation> deviations;  ///< of the samples; see deviationsFrom()
-  float farthest_original_steps = 0;  ///< see farthestOriginal(); not below any deviation
-  bool is_exact = false;              ///< that is so: all of the input's triangles are the model's own
-  float farthest_steps = 0;           ///< see farthestPlace()
+  float deviation_steps = 0;          ///< see rungDeviation()
   float rim_gap_steps = 0;            ///< see rimGap()
   float lost_detail_steps = 0;        ///< see lostDetail()
 };

@@ -18,12 +18,6 @@
 namespace lode::ingest {
 namespace {
 
-// What may have been missed: by farthestOriginal() where all triangles below are looked at; by samples that
-// were thinned out on their way up; by points of the rung, measured from the original's own triangles or from
-// what these have become. docs/benchmarks.md (Errors) has the ratios of stored errors to found ones that they
-// lead to.
-constexpr float kPrecision = 1.021f, kSampleMargin = 1.2f;
-constexpr float kOriginalMargin = 1.12f, kReducedMargin = 1.18f;
 constexpr float kRimMargin = 1.001f;         ///< rounding
 constexpr uint32_t kTrianglesPerSample = 2;  ///< of the node's budget, above the lowest inner nodes
 constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< at least the smaller of both
@@ -69,8 +63,7 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, Room room) {
     const std::vector<SurfaceSample> inside = samplesInside(mesh);
     built.samples.insert(built.samples.end(), inside.begin(), inside.end());
     dropDuplicates(built.samples);
-    const size_t triangles = mesh.triangles.size();
-    reduce(built, std::move(mesh), {{0, triangles}}, room);
+    reduce(built, std::move(mesh), true, room);
   } else {
     built.coarsest = std::move(mesh);
   }
@@ -81,8 +74,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
   BuiltNode built;
   built.node.key = key;
   std::vector<NodeMesh> meshes;
-  std::vector<RungInput::Range> original;
-  size_t triangles = 0;
+  bool is_original = true;
   for (BuiltNode& child : children) {
     built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
     built.node.box.add(child.node.box);
@@ -91,9 +83,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
     built.inherited.deviation_steps = std::max(built.inherited.deviation_steps, error.deviation_steps);
     built.inherited.lost_detail_steps = std::max(built.inherited.lost_detail_steps, error.lost_detail_steps);
     built.rim_gap_steps = std::max(built.rim_gap_steps, child.rim_gap_steps);
-    const size_t end = triangles + child.coarsest.triangles.size();
-    if (child.node.isLeaf()) original.push_back({triangles, end});
-    triangles = end;
+    is_original = is_original && child.node.isLeaf();
     meshes.push_back(std::move(child.coarsest));
   }
   std::vector<std::vector<uint32_t>> became;
@@ -105,7 +95,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
     built.samples.shrink_to_fit();
     welder_ = {};
   }
-  reduce(built, std::move(input), std::move(original), room);
+  reduce(built, std::move(input), is_original, room);
   selectSamples(built.samples, built.coarsest.positions.size(), sampleCapacity());
   return built;
 }
@@ -162,7 +152,8 @@ RungShelf NodeBuilder::shelve(NodeMesh mesh, NodeKey key, std::span<const size_t
 }
 
 /// Adds the reduced rungs of a node, all from one sequence.
-void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput::Range> original, Room room) {
+/// @param is_original  whether all triangles of the mesh are the model's own.
+void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room) {
   const int depth = built.node.key.depth();
   const auto locked = static_cast<size_t>(
       std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
@@ -181,7 +172,8 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput:
     shelf.emplace(shelve(std::move(mesh), built.node.key, targets));
     mesh = shelf->read(0).mesh;
   }
-  const RungInput input(std::move(mesh), depth, std::move(original));
+  const auto off_steps = is_original ? std::nullopt : std::optional(built.inherited.deviation_steps);
+  const RungInput input(std::move(mesh), depth, off_steps);
   const float gap_of_input = built.rim_gap_steps;
   std::vector<Deviation> deviations;  // from the coarsest rung
   InOrder<FinishedRung> rungs(room.helpers, [&](FinishedRung&& rung) {
@@ -220,11 +212,7 @@ RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung)
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
-  const float forward = (rung.is_exact ? kPrecision : kSampleMargin) * rung.farthest_original_steps;
-  const float backward =
-      rung.is_exact ? kOriginalMargin * rung.farthest_steps
-                    : std::hypot(kReducedMargin * rung.farthest_steps, built.inherited.deviation_steps);
-  const float both = std::hypot(std::max(forward, backward), settings_.snap_error_steps);
+  const float both = std::hypot(rung.deviation_steps, settings_.snap_error_steps);
   return {std::max({finer.deviation_steps, both, built.rim_gap_steps}),
           std::max(finer.lost_detail_steps, rung.lost_detail_steps)};
 }

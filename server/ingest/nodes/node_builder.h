@@ -95,8 +95,7 @@ class NodeBuilder {
   /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
   static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
                             const NodeMesh& input, std::span<const std::vector<uint32_t>> became);
-  /// @param original  the mesh's triangles that are leaves'.
-  void reduce(BuiltNode& built, NodeMesh mesh, std::vector<RungInput::Range> original, Room room);
+  void reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room);
   void simplify(NodeMesh mesh, int depth, std::span<const size_t> targets, const SnapshotSink& sink) const;
   RungShelf shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
   void addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);

@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "5da7f0bb96ecb33f47d3513f131ef12bdca2ef220ef109bada7aa8b1954f856e";
+constexpr const char* kSha256 = "3ed0de59e9599aa88007920fe07f2ae414c1694af1f8622667448939423deff7";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;

@@ -117,29 +117,20 @@ TEST(SurfaceSamples, countAPlaceOnceWithItsLargestDeviation) {
   EXPECT_EQ(samples[1].near, 6u);
 }
 
-TEST(SurfaceSamples, measureWhatBruteForceFindsBothWays) {
+TEST(SurfaceSamples, measureWhatBruteForceFinds) {
   const NodeMesh input = test::nodeOf(test::makeSphere(60, 40));
   std::vector<SurfaceSample> samples;
   for (uint32_t i = 0; i < input.positions.size(); ++i) samples.push_back({input.positions[i], 0, i});
   collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleGrid to_rung(rung.mesh), to_input(input);
-    float forward = 0, backward = 0;
-    double between = 0;
+    const TriangleGrid to_rung(rung.mesh);
+    float forward = 0;
     for (const PositionCode position : input.positions)
       forward = std::max(forward, to_rung.distance(position));
-    for (const PositionCode position : rung.mesh.positions)
-      backward = std::max(backward, to_input.distance(position));
-    for (const glm::dvec3 point : test::pointsOver(rung.mesh, 24))
-      between = std::max<double>(between, to_input.distance(glm::vec3(point)));
     const SurfaceWalk walk(rung.mesh);
     float largest = 0;
     for (const Deviation& d : deviationsFrom(rung, input, walk, placesOn(rung, input, walk), samples))
       largest = std::max(largest, d.steps);
     EXPECT_FLOAT_EQ(largest, forward);
-    const float farthest = farthestPlace(rung, RungInput(input, 0), sourcesOf(rung, input));
-    EXPECT_GE(farthest, backward);
-    EXPECT_GE(farthest, 0.9 * between);
-    EXPECT_LE(farthest, 1.001 * between);
   });
 }
 

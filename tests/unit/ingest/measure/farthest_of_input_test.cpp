@@ -1,4 +1,4 @@
-#include "server/ingest/measure/farthest_original.h"
+#include "server/ingest/measure/farthest_of_input.h"
 
 #include <algorithm>
 #include <array>
@@ -26,10 +26,9 @@ NodeMesh meshOf(const std::vector<glm::uvec3>& points, const std::vector<glm::u3
   return mesh;
 }
 
-float farthest(const SimplifiedMesh& rung, const NodeMesh& input, RungInput::Range original,
-               float known = 0) {
+float farthest(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
   const SurfaceWalk walk(rung.mesh);
-  return farthestOriginal(rung, RungInput(input, 0, {original}), walk, placesOn(rung, input, walk), known);
+  return farthestOfInput(rung, input, walk, placesOn(rung, input, walk), known);
 }
 
 void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2>& targets) {
@@ -38,23 +37,23 @@ void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2
     double found = 0;
     for (const glm::dvec3 point : test::pointsOver(input, 16))
       found = std::max<double>(found, grid.distance(glm::vec3(point)));
-    const float measured = farthest(rung, input, {0, input.triangles.size()});
+    const float measured = farthest(rung, input);
     EXPECT_GE(1.021 * measured, found);
     EXPECT_LE(measured, 1.05 * found);
   });
 }
 
-TEST(FarthestOriginal, isWhatDensePointsFindInsideTrianglesOfASphere) {
+TEST(FarthestOfInput, isWhatDensePointsFindInsideTrianglesOfASphere) {
   expectWhatDensePointsFind(test::nodeOf(test::makeSphere(60, 40)), {1200, 100});
 }
 
-TEST(FarthestOriginal, isWhatDensePointsFindWherePiecesVanish) {
+TEST(FarthestOfInput, isWhatDensePointsFindWherePiecesVanish) {
   Mesh soup;
   test::addLoosePieces(soup, {.pieces = 60, .largest = 20, .extent = 4000});
   expectWhatDensePointsFind(test::nodeOf(soup), {150, 40});
 }
 
-TEST(FarthestOriginal, liesInsideATriangleWhoseCornersAreOnTheRung) {
+TEST(FarthestOfInput, liesInsideATriangleWhoseCornersAreOnTheRung) {
   // The rung is a ridge; the original is the ridge and a flat triangle under it.
   const NodeMesh ridge =
       meshOf({{0, 0, 0}, {0, 100, 0}, {100, 0, 80}, {100, 100, 80}, {200, 0, 0}, {200, 100, 0}},
@@ -62,26 +61,24 @@ TEST(FarthestOriginal, liesInsideATriangleWhoseCornersAreOnTheRung) {
   NodeMesh input = ridge;
   input.triangles.emplace_back(0, 4, 5);
   SimplifiedMesh rung{ridge, {0, 1, 2, 3, 4, 5}};
-  EXPECT_NEAR(farthest(rung, input, {0, 5}), 80 / std::hypot(1, 0.8), 1.5);
+  EXPECT_NEAR(farthest(rung, input), 80 / std::hypot(1, 0.8), 1.5);
 }
 
-TEST(FarthestOriginal, countsTheModelsOwnTrianglesAlone) {
+TEST(FarthestOfInput, countsWhatHasVanished) {
   const NodeMesh near = meshOf({{0, 0, 0}, {100, 0, 0}, {0, 100, 0}}, {{0, 1, 2}});
   NodeMesh input = near;
   input.positions.push_back(packPosition({0, 0, 500}));
   input.wedge_position.push_back(3);
   input.lca_depth.push_back(kNeverLocked);
   input.triangles.emplace_back(0, 1, 3);
-  const SimplifiedMesh rung{near, {0, 1, 2, kVanished}};
-  EXPECT_EQ(farthest(rung, input, {0, 1}), 0);
-  EXPECT_FLOAT_EQ(farthest(rung, input, {0, 2}), 500);
+  EXPECT_FLOAT_EQ(farthest({near, {0, 1, 2, kVanished}}, input), 500);
 }
 
-TEST(FarthestOriginal, isNotBelowWhatIsKnown) {
+TEST(FarthestOfInput, isNotBelowWhatIsKnown) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   std::vector<uint32_t> same(mesh.positions.size());
   std::iota(same.begin(), same.end(), 0u);
-  EXPECT_EQ(farthest({mesh, same}, mesh, {0, mesh.triangles.size()}, 7), 7);
+  EXPECT_EQ(farthest({mesh, same}, mesh, 7), 7);
 }
 
 }  // namespace

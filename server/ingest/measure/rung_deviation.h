@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "server/ingest/measure/rung_input.h"
+#include "server/ingest/measure/surface_walk.h"
+#include "server/ingest/mesh/simplified_mesh.h"
+
+namespace lode::ingest {
+
+/// What a rung is measured with; see placesOn(), sourcesOf().
+struct RungPlaces {
+  const SurfaceWalk& walk;  ///< over its mesh, which has triangles
+  std::span<const SurfaceWalk::Place> of_input;
+  std::span<const uint32_t> sources;
+};
+
+/// How far a rung and the original are from each other, lattice steps, rather too much than too little: by
+/// the distance between the rung and what it was made of, both ways, and where that is not the original
+/// itself, by what it is off by and by samples of the original.
+/// @param farthest_sample  from the rung.
+float rungDeviation(const SimplifiedMesh& rung, const RungInput& input, const RungPlaces& places,
+                    float farthest_sample);
+
+}  // namespace lode::ingest

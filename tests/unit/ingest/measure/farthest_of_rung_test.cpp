@@ -1,0 +1,39 @@
+#include "server/ingest/measure/farthest_of_rung.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/mesh/mesh_welder.h"
+#include "server/ingest/simplify/collapse.h"
+#include "tests/support/node_meshes.h"
+
+namespace lode::ingest {
+namespace {
+
+TEST(FarthestOfRung, isWithinFivePercentOfWhatDensePointsFind) {
+  const NodeMesh input = test::nodeOf(test::makeSphere(60, 40));
+  collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    const TriangleGrid grid(input);
+    double found = 0;
+    for (const glm::dvec3 point : test::pointsOver(rung.mesh, 24))
+      found = std::max<double>(found, grid.distance(glm::vec3(point)));
+    const float farthest = farthestOfRung(rung, RungInput(input, 0), sourcesOf(rung, input), 0);
+    EXPECT_GE(1.05 * farthest, found);
+    EXPECT_LE(farthest, 1.001 * found);
+  });
+}
+
+TEST(FarthestOfRung, isNotBelowWhatIsKnown) {
+  const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
+  SimplifiedMesh same{mesh, std::vector<uint32_t>(mesh.positions.size())};
+  std::iota(same.became.begin(), same.became.end(), 0u);
+  EXPECT_EQ(farthestOfRung(same, RungInput(mesh, 0), sourcesOf(same, mesh), 7), 7);
+}
+
+}  // namespace
+}  // namespace lode::ingest
