@@ -174,9 +174,10 @@ class Limits(unittest.TestCase):
             return daemon.metric("lodestream_memory_bytes") - before
 
     def test_of_answers_that_nobody_reads_is_kept(self):
-        held, limit, default = self.held_by_a_client_that_pings_and_never_reads, 4096, 65536
-        self.assertIn(held("--max-queued-bytes", "4KB") // limit, (1, 2))  # a full queue, and one that is being sent
-        self.assertIn(held() // default, (1, 2))
+        held = self.held_by_a_client_that_pings_and_never_reads
+        for limit, kept in ((4096, held("--max-queued-bytes", "4KB")), (65536, held())):
+            self.assertGreater(kept, 0.9 * limit)  # the kernel may have taken a little since
+            self.assertLess(kept, 3 * limit)  # a full queue, and one that is being sent
 
     def test_of_bytes_a_second_is_kept(self):
         with Daemon(STORE, "--max-rate", "400KB", "--max-rate-per-connection", "300KB") as daemon:
