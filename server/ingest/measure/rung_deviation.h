@@ -18,7 +18,8 @@ struct RungPlaces {
 
 /// How far a rung and the original are from each other, lattice steps, rather too much than too little: by
 /// the distance between the rung and what it was made of, both ways, and where that is not the original
-/// itself, by what it is off by and by samples of the original.
+/// itself, by samples of the original and by what it is off by, added as an independent error. (Sums instead
+/// would be 2 to 5 times too large.)
 /// @param farthest_sample  from the rung.
 float rungDeviation(const SimplifiedMesh& rung, const RungInput& input, const RungPlaces& places,
                     float farthest_sample);

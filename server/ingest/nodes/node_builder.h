@@ -100,10 +100,9 @@ class NodeBuilder {
   RungShelf shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
   void addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
   void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);
-  /// Error of a rung in lattice steps, from both directions: the original surface to the rung, and the rung
-  /// to the node's input, to which the error that the input came with is added as to an independent one.
-  /// (Sums instead would be 2 to 5 times too large; rims, which I2 bounds strictly, are summed.) Never below
-  /// the finer rung's error (I3).
+  /// Error of a rung in lattice steps: its deviation, and by what the lattice has moved vertices as an
+  /// independent one; not below the gap of its rims, which I2 bounds strictly, nor the finer rung's error
+  /// (I3).
   RungError errorOf(const BuiltNode& built, const FinishedRung& rung) const;
   RungError errorOf(const Rung& rung) const noexcept;
 
