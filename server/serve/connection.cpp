@@ -8,6 +8,7 @@
 #include <asio/use_awaitable.hpp>
 
 #include "common/error.h"
+#include "common/let_go.h"
 #include "server/serve/proxy_preamble.h"
 
 namespace lode::serve {
@@ -172,7 +173,7 @@ asio::awaitable<void> Connection::readFrames() {
     session_.receive(frame.header, frame.body, Clock::now());
     if (frame.body.capacity() > kMaxKeptBodyBytes) {
       memory_.give(frame.body.capacity() - kMaxKeptBodyBytes);
-      frame.body = {};
+      letGo(frame.body);
     }
     wakeWriter();
   }

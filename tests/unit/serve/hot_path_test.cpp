@@ -34,5 +34,25 @@ TEST_F(HotPath, takesNoMemoryForAWishOnceASessionRuns) {
   EXPECT_LT(allocations.count(), 100u) << "by ten thousand wishes";
 }
 
+TEST_F(HotPath, letsTheMemoryOfALargeFrameGo) {
+  options_.threads = 1;
+  start();
+  TestClient client = connect();
+  client.open("a");
+  client.blobs(2);
+  const proto::Bytes body(200'000);
+  const auto large = [&] {
+    client.sendBytes(proto::encodeFrameHeader({200'000, 200, proto::kFlagOptional, 0}));
+    client.sendBytes(body);
+    client.send(proto::Ping{1}, 1);
+  };
+  large();
+  client.expect<proto::Pong>(FrameType::kPong);
+  const FailingAllocations failing = FailingAllocations::ofSize(16 << 10, 1 << 20);
+  large();
+  client.receive();
+  EXPECT_GT(failing.failed(), 0u) << "a second frame like the first found room without asking";
+}
+
 }  // namespace
 }  // namespace lode::serve
