@@ -165,7 +165,8 @@ class Limits(unittest.TestCase):
 
     def held_by_a_client_that_pings_and_never_reads(self, *arguments):
         with Daemon(STORE, *arguments) as daemon, contextlib.closing(daemon.open()[0]) as connection:
-            before = daemon.metric("lodestream_memory_bytes")
+            # The least of several: what was just sent may still be counted.
+            before = min(daemon.metric("lodestream_memory_bytes") for _ in range(10))
             connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
             connection.socket.settimeout(1)
             with self.assertRaises(TimeoutError):  # the server reads nothing more
@@ -176,8 +177,7 @@ class Limits(unittest.TestCase):
     def test_of_answers_that_nobody_reads_is_kept(self):
         held = self.held_by_a_client_that_pings_and_never_reads
         for limit, kept in ((4096, held("--max-queued-bytes", "4KB")), (65536, held())):
-            self.assertGreater(kept, 0.9 * limit)  # the kernel may have taken a little since
-            self.assertLess(kept, 3 * limit)  # a full queue, and one that is being sent
+            self.assertIn(kept // limit, (1, 2))  # a full queue, and one that is being sent
 
     def test_of_bytes_a_second_is_kept(self):
         with Daemon(STORE, "--max-rate", "400KB", "--max-rate-per-connection", "300KB") as daemon:
