@@ -162,7 +162,7 @@ void addDoctorCommand(CLI::App& program) {
       ->check(CLI::Range(1u, 1024u));
   command
       ->add_option("--tmp", options.temporary_folder,
-                   "folder for temporary files, about 60 bytes a triangle (default: the system's)")
+                   "folder for temporary files, about 45 bytes a triangle (default: the system's)")
       ->type_name("DIR");
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->callback([arguments] { runDoctor(*arguments); });

@@ -27,7 +27,7 @@ struct AgainstReport {
 
 /// Compares a store with the file that it was built of: every input triangle with three distinct lattice
 /// corners is in exactly one leaf's rung 0 with its orientation and attributes, and no other is there (I1);
-/// the stored errors of rungs are at least what dense sampling finds in 99 %, and never below 0.8 of it (I4).
+/// the stored errors of rungs are at least what a closer look finds in 99 %, and never below 0.8 of it (I4).
 /// Bad values of the input are skipped as --skip-bad does. Temporary files: about twice the soup.
 /// @param progress  called on one thread at a time; what it throws ends the work.
 /// @throws Error kInput or kIo (the input), kFormat (the first difference, with its place).

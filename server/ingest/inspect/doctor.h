@@ -46,7 +46,7 @@ struct DoctorReport {
 };
 
 /// Says what is in a PLY file, all that is wrong with it, and what a build will cost. Memory: up to
-/// the budget, and two bits a vertex; topology is counted by way of temporary files, about 60 bytes a
+/// the budget, and two bits a vertex; topology is counted by way of temporary files, about 45 bytes a
 /// triangle.
 /// @throws Error kIo if there is no such file; what is wrong inside it is in the report.
 DoctorReport examine(const DoctorOptions& options);

@@ -14,7 +14,7 @@ struct RungAt {
   uint32_t rung;
 };
 
-/// A rung's stored error beside what dense sampling finds, both ways, in lattice steps.
+/// A rung's stored error beside what a closer look finds, both ways, in lattice steps.
 struct MeasuredError {
   float stored_steps = 0;
   float found_steps = 0;  ///< see RungCheck::found()
