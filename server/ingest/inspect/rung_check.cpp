@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "server/ingest/measure/farthest_in_triangle.h"
 #include "server/ingest/mesh/node_mesh.h"
@@ -54,7 +56,7 @@ struct RungSurface {
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
     const float squared = grid.squaredDistance(at, hint);
     if (squared <= enough * enough) return {at, std::sqrt(squared), hint};
-    const TriangleGrid::Nearest nearest = grid.nearest(at, enough);
+    const TriangleGrid::Nearest nearest = grid.nearest(at, enough, {squared, std::sqrt(squared), hint});
     return {at, nearest.distance, nearest.triangle};
   }
 };
@@ -98,17 +100,17 @@ void RungCheck::sortPoints() {
   glm::vec3 size(1);
   for (const glm::vec3 point : points_) size = glm::max(size, point);
   cell_size_ = size / static_cast<float>(cells_);
-  std::vector<std::pair<uint32_t, glm::vec3>> sorted;
-  begin_.assign(static_cast<size_t>(cells_ * cells_ * cells_) + 1, 0);
-  for (const glm::vec3 point : points_) {
+  const auto numberOf = [&](glm::vec3 point) {
     const glm::ivec3 cell = cellOf(point);
-    sorted.emplace_back((cell.z * cells_ + cell.y) * cells_ + cell.x, point);
-    ++begin_[sorted.back().first + 1];
-  }
-  for (size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (size_t i = 0; i < sorted.size(); ++i) points_[i] = sorted[i].second;
+    return static_cast<size_t>((cell.z * cells_ + cell.y) * cells_ + cell.x);
+  };
+  begin_.assign(static_cast<size_t>(cells_ * cells_ * cells_) + 1, 0);
+  for (const glm::vec3 point : points_) ++begin_[numberOf(point) + 1];
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
+  std::vector<glm::vec3> sorted(points_.size());
+  for (const glm::vec3 point : points_) sorted[next[numberOf(point)]++] = point;
+  points_ = std::move(sorted);
 }
 
 void RungCheck::add(const LeafSurface& leaf) {
@@ -159,7 +161,9 @@ void RungCheck::bringNearer(const LeafSurface& leaf) {
         const glm::vec3 point = points_[i] - shift;
         const float away = glm::length(glm::max(glm::max(-point, point - size), 0.f));
         if (known <= kEnough * stored_ || away > reach || away >= known) continue;
-        const float distance = leaf.grid.nearest(point, kEnough * stored_).distance;
+        const float bound = std::min(known, kBeyond * stored_);
+        const float distance =
+            leaf.grid.nearest(point, kEnough * stored_, {bound * bound, bound, 0}).distance;
         while (distance < known &&
                !nearest_[i].compare_exchange_weak(known, distance, std::memory_order_relaxed)) {
         }

@@ -33,19 +33,23 @@ class FarthestInTriangle {
 
   /// @param corners  with distances that are exact, unless they are at most told().
   void look(const std::array<PointBeside, 3>& corners) {
+    for (const PointBeside& corner : corners) note(corner);
+    Part whole{corners, {}, 0};
+    if (isBoundedBySize(corners) || isBoundedBesideOne(whole)) return;
     std::array<Part, kMostCuts + 1> parts;
     size_t count = 0;
-    parts[count++] = {corners, 0};
+    parts[count++] = whole;
     while (count > 0) {
       const Part part = parts[--count];
       if (isBounded(part)) continue;
-      const size_t at = edgeToCut();
-      const PointBeside &from = part.corners[at], &to = part.corners[(at + 1) % 3],
-                        &apex = part.corners[(at + 2) % 3];
-      const glm::vec3 meeting = glm::mix(from.at, to.at, whereToCut(at));
-      const PointBeside middle = surface_.measure(meeting, from.triangle, told());
-      parts[count++] = {{from, middle, apex}, part.cuts + 1};
-      parts[count++] = {{middle, to, apex}, part.cuts + 1};
+      const size_t at = edgeToCut(part.from);
+      const PointBeside &a = part.corners[at], &b = part.corners[(at + 1) % 3];
+      const PointBeside middle =
+          surface_.measure(glm::mix(a.at, b.at, whereToCut(part.from, at)), a.triangle, told());
+      note(middle);
+      const Meeting meeting = meet(part, middle);
+      parts[count++] = withMiddle(part, meeting, (at + 1) % 3);
+      parts[count++] = withMiddle(part, meeting, at);
     }
   }
 
@@ -55,36 +59,88 @@ class FarthestInTriangle {
   float told() const noexcept { return std::max(enough_, largest_); }
 
  private:
+  /// Distances of each corner of a part from each corner's triangle of the surface.
+  using Distances = std::array<std::array<float, 3>, 3>;
+
   struct Part {
     std::array<PointBeside, 3> corners;
+    Distances from;
     int cuts;
   };
 
-  bool isBounded(const Part& part) {
-    const auto& [a, b, c] = part.corners;
-    const float high = std::max({a.distance, b.distance, c.distance});
-    if (high > told()) largest_ = high;
-    const float limit = std::max(enough_, kPrecision * largest_);
-    const float longest =
-        std::max({glm::distance(a.at, b.at), glm::distance(b.at, c.at), glm::distance(c.at, a.at)});
-    if (part.cuts == kMostCuts || high + kFromCorners * longest <= limit) return true;
+  /// A new point, its distances from the triangles of a part's corners, and theirs from its triangle.
+  struct Meeting {
+    PointBeside point;
+    std::array<float, 3> of_point, of_corners;
+  };
+
+  float distance(glm::vec3 at, uint32_t triangle) const {
+    return std::sqrt(surface_.squaredDistance(at, triangle));
+  }
+
+  /// Whether all corners are near one corner's triangle; finds their distances until one is.
+  bool isBoundedBesideOne(Part& part) const {
     for (size_t by = 0; by < 3; ++by) {
-      float farthest = 0;
+      float high = 0;
       for (size_t k = 0; k < 3; ++k) {
         const PointBeside& corner = part.corners[k];
-        from_[k][by] = corner.triangle == part.corners[by].triangle
-                           ? corner.distance
-                           : std::sqrt(surface_.squaredDistance(corner.at, part.corners[by].triangle));
-        farthest = std::max(farthest, from_[k][by]);
+        const uint32_t triangle = part.corners[by].triangle;
+        part.from[k][by] = corner.triangle == triangle ? corner.distance : distance(corner.at, triangle);
+        high = std::max(high, part.from[k][by]);
       }
-      if (farthest <= limit) return true;
+      if (high <= limit()) return true;
     }
     return false;
   }
 
+  Meeting meet(const Part& part, const PointBeside& point) const {
+    Meeting meeting{point, {}, {}};
+    size_t same = 3;  // the corner that is beside the point's triangle
+    for (size_t by = 0; by < 3; ++by) {
+      const uint32_t triangle = part.corners[by].triangle;
+      if (triangle == point.triangle) same = by;
+      meeting.of_point[by] = triangle == point.triangle ? point.distance : distance(point.at, triangle);
+    }
+    for (size_t k = 0; k < 3; ++k)
+      meeting.of_corners[k] = same < 3 ? part.from[k][same] : distance(part.corners[k].at, point.triangle);
+    return meeting;
+  }
+
+  /// The part with a point in the place of a corner.
+  static Part withMiddle(const Part& part, const Meeting& meeting, size_t corner) {
+    Part cut = part;
+    cut.corners[corner] = meeting.point;
+    cut.from[corner] = meeting.of_point;
+    for (size_t k = 0; k < 3; ++k) cut.from[k][corner] = meeting.of_corners[k];
+    cut.from[corner][corner] = meeting.point.distance;
+    ++cut.cuts;
+    return cut;
+  }
+
+  void note(const PointBeside& point) {
+    if (point.distance > told()) largest_ = point.distance;
+  }
+
+  /// What is not farther need not be cut.
+  float limit() const { return std::max(enough_, kPrecision * largest_); }
+
+  bool isBoundedBySize(const std::array<PointBeside, 3>& corners) const {
+    const auto& [a, b, c] = corners;
+    const float high = std::max({a.distance, b.distance, c.distance});
+    const float longest =
+        std::max({glm::distance(a.at, b.at), glm::distance(b.at, c.at), glm::distance(c.at, a.at)});
+    return high + kFromCorners * longest <= limit();
+  }
+
+  bool isBounded(const Part& part) const {
+    for (size_t by = 0; by < 3; ++by)
+      if (std::max({part.from[0][by], part.from[1][by], part.from[2][by]}) <= limit()) return true;
+    return part.cuts == kMostCuts || (part.cuts > 0 && isBoundedBySize(part.corners));
+  }
+
   /// The one along which the ends' triangles of the surface part most.
-  size_t edgeToCut() const {
-    const auto parting = [&](size_t k) { return from_[k][(k + 1) % 3] + from_[(k + 1) % 3][k]; };
+  static size_t edgeToCut(const Distances& from) {
+    const auto parting = [&](size_t k) { return from[k][(k + 1) % 3] + from[(k + 1) % 3][k]; };
     size_t most = 0;
     for (size_t k = 1; k < 3; ++k)
       if (parting(k) > parting(most)) most = k;
@@ -92,9 +148,9 @@ class FarthestInTriangle {
   }
 
   /// Where on an edge the ends' triangles are equally far, if their distances grew evenly.
-  float whereToCut(size_t k) const {
+  static float whereToCut(const Distances& from, size_t k) {
     const size_t to = (k + 1) % 3;
-    const float of_from = from_[k][to] - from_[k][k], of_to = from_[to][k] - from_[to][to];
+    const float of_from = from[k][to] - from[k][k], of_to = from[to][k] - from[to][to];
     const float sum = of_from + of_to;
     return sum > 0 ? std::clamp(of_from / sum, kLeastShare, 1 - kLeastShare) : 0.5f;
   }
@@ -108,8 +164,6 @@ class FarthestInTriangle {
   const Surface& surface_;
   const float enough_;
   float largest_;
-  /// Distances of each corner of the part at hand from each corner's triangle of the surface.
-  std::array<std::array<float, 3>, 3> from_;
 };
 
 }  // namespace lode::ingest

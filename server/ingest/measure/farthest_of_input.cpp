@@ -28,11 +28,13 @@ class RungSurface {
     const float squared = walk_.squaredDistance(at, hint);
     if (squared <= enough * enough) return {at, std::sqrt(squared), hint};
     const float walked = walk_.distanceFrom(at, hint, enough);
-    return walked <= enough ? PointBeside{at, walked, hint} : measureExactly(at, enough);
+    if (walked <= enough) return {at, walked, hint};
+    return measureExactly(at, enough, {walked * walked, walked, hint});
   }
-  PointBeside measureExactly(glm::vec3 at, float enough) const {
+  PointBeside measureExactly(glm::vec3 at, float enough,
+                             TriangleGrid::Nearest known = TriangleGrid::kNothing) const {
     if (!grid_) grid_.emplace(rung_);
-    const TriangleGrid::Nearest nearest = grid_->nearest(at, enough);
+    const TriangleGrid::Nearest nearest = grid_->nearest(at, enough, known);
     return {at, nearest.distance, nearest.triangle};
   }
 

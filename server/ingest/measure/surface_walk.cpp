@@ -48,7 +48,7 @@ float SurfaceWalk::distanceOnwards(glm::vec3 point, uint32_t& start, float enoug
 float SurfaceWalk::squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
   const glm::u32vec3& t = triangles_[triangle];
   const glm::vec3 a = points_[t.x];
-  return squaredDistanceToTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
+  return squaredDistanceToTriangle(point - a, {points_[t.y] - a, points_[t.z] - a});
 }
 
 float SurfaceWalk::distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept {
@@ -62,7 +62,7 @@ SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const n
   const Nearest nearest = walk(point, start, 0);
   const glm::u32vec3& t = triangles_[nearest.triangle];
   const glm::vec3 a = points_[t.x];
-  const glm::vec2 shares = nearestInTriangle(point - a, points_[t.y] - a, points_[t.z] - a);
+  const glm::vec2 shares = nearestInTriangle(point - a, {points_[t.y] - a, points_[t.z] - a});
   return {nearest.triangle, {1 - shares.x - shares.y, shares}, std::sqrt(nearest.squared)};
 }
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "server/ingest/measure/point_triangle.h"
-
 namespace lode::ingest {
 namespace {
 
@@ -26,14 +24,14 @@ TriangleGrid::TriangleGrid(const NodeMesh& mesh) {
       return glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[wedge]]));
     };
     const glm::vec3 a = corner(t.x);
-    triangles_.push_back({a, corner(t.y) - a, corner(t.z) - a});
+    triangles_.push_back({a, {corner(t.y) - a, corner(t.z) - a}});
   }
   chooseCells(glm::vec3(box.min), glm::vec3(box.max - box.min) + 1.f);
   fillCells();
 }
 
 TriangleGrid::Cover TriangleGrid::coverOf(const Triangle& triangle) const noexcept {
-  const glm::vec3 b = triangle.a + triangle.ab, c = triangle.a + triangle.ac;
+  const glm::vec3 b = triangle.a + triangle.sides.ab, c = triangle.a + triangle.sides.ac;
   return {cellOf(glm::min(triangle.a, glm::min(b, c))), cellOf(glm::max(triangle.a, glm::max(b, c)))};
 }
 
@@ -75,40 +73,33 @@ void TriangleGrid::fillCells() {
     forCells(coverOf(triangles_[t]), [&](size_t cell) { members_[--begin_[cell]] = t; });
   spheres_.reserve(triangles_.size());
   for (const Triangle& triangle : triangles_) {
-    const glm::vec3 to_centre = (triangle.ab + triangle.ac) / 3.f;
-    const float radius = std::sqrt(std::max({squaredLength(to_centre), squaredLength(triangle.ab - to_centre),
-                                             squaredLength(triangle.ac - to_centre)}));
+    const glm::vec3 ab = triangle.sides.ab, ac = triangle.sides.ac;
+    const glm::vec3 to_centre = (ab + ac) / 3.f;
+    const float radius = std::sqrt(
+        std::max({squaredLength(to_centre), squaredLength(ab - to_centre), squaredLength(ac - to_centre)}));
     spheres_.emplace_back(triangle.a + to_centre, radius);
   }
 }
 
-float TriangleGrid::squaredDistance(glm::vec3 point, uint32_t number) const noexcept {
-  const Triangle& triangle = triangles_[number];
-  return squaredDistanceToTriangle(point - triangle.a, triangle.ab, triangle.ac);
+TriangleGrid::Nearest TriangleGrid::nearest(glm::vec3 point, float enough, Nearest known) const noexcept {
+  if (triangles_.empty()) return known;
+  const glm::ivec3 centre = cellOf(point);
+  for (int radius = 0;; ++radius) {
+    searchShell(point, centre, radius, enough, known);
+    if (known.distance <= enough || known.distance <= roomIn(point, centre, radius)) return known;
+  }
 }
 
-TriangleGrid::Nearest TriangleGrid::nearest(glm::vec3 point, float enough) const noexcept {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  Nearest best{kInfinity, kInfinity};
-  if (triangles_.empty()) return best;
-  const glm::ivec3 centre = cellOf(point);
-  int radius = 0;
-  for (; std::isinf(best.distance); ++radius) searchShell(point, centre, radius, enough, best);
-  if (best.distance <= enough) return best;
-  const glm::vec3 inside = point - (min_ + glm::vec3(centre) * cell_);
-  if (glm::all(glm::greaterThan(glm::min(inside, cell_ - inside), glm::vec3(best.distance)))) return best;
-  // Whatever is nearer reaches into the ball around the point; cells of the shells before have been looked
-  // at.
-  const glm::ivec3 low = cellOf(point - best.distance), high = cellOf(point + best.distance);
-  for (int z = low.z; z <= high.z; ++z) {
-    for (int y = low.y; y <= high.y; ++y) {
-      for (int x = low.x; x <= high.x; ++x) {
-        const glm::ivec3 away = glm::abs(glm::ivec3(x, y, z) - centre);
-        if (std::max({away.x, away.y, away.z}) >= radius) searchCell(point, {x, y, z}, enough, best);
-      }
-    }
+/// How far it is from a point to cells outside the shells up to a radius; infinity if there are none.
+float TriangleGrid::roomIn(glm::vec3 point, glm::ivec3 centre, int radius) const noexcept {
+  float room = kInfinity;
+  const glm::vec3 from_min = point - min_;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int low = centre[axis] - radius, high = centre[axis] + radius + 1;
+    if (low > 0) room = std::min(room, from_min[axis] - static_cast<float>(low) * cell_);
+    if (high < dims_[axis]) room = std::min(room, static_cast<float>(high) * cell_ - from_min[axis]);
   }
-  return best;
+  return room;
 }
 
 glm::ivec3 TriangleGrid::cellOf(glm::vec3 point) const noexcept {
