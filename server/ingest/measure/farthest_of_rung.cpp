@@ -8,7 +8,12 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kWorth = 0.8f;  ///< of the largest distance so far: triangles that reach it get a closer look
-constexpr uint32_t kFewSteps = 2;   ///< along each edge
+// Steps along each edge at first: the fewer triangles a rung has, the more may hide inside one of them, and
+// the less a look costs. Of many triangles the corners alone (one step) tell where to look closer.
+constexpr size_t kFewTriangles = 1024, kManyTriangles = 8192;
+constexpr uint32_t stepsAtFirst(size_t triangles) {
+  return triangles <= kFewTriangles ? 4 : triangles <= kManyTriangles ? 2 : 1;
+}
 constexpr float kManySteps = 1.5f;  ///< for each edge of the input that an edge of the rung is as long as
 constexpr uint32_t kMostSteps = 24;
 constexpr int kMostLooks = 32;  ///< at every triangle of the input, before its grid is asked
@@ -27,11 +32,11 @@ class Measurement {
     }
     std::vector<float> high;
     high.reserve(mesh_.triangles.size());
-    for (const glm::u32vec3& t : mesh_.triangles) high.push_back(look(t, kFewSteps, kWorth));
+    const uint32_t few = stepsAtFirst(mesh_.triangles.size());
+    for (const glm::u32vec3& t : mesh_.triangles) high.push_back(look(t, few, kWorth));
     const auto steps = static_cast<uint32_t>(kManySteps * edgesOfInputAlongEdge());
     for (size_t t = 0; t < high.size(); ++t)
-      if (high[t] > kWorth * largest_)
-        look(mesh_.triangles[t], std::clamp(steps, 2 * kFewSteps, kMostSteps), 1);
+      if (high[t] > kWorth * largest_) look(mesh_.triangles[t], std::clamp(steps, 2 * few, kMostSteps), 1);
     return largest_;
   }
 
@@ -48,8 +53,9 @@ class Measurement {
   float measure(glm::vec3 point, uint32_t& near, float enough) {
     const float walked = input_.walk().distanceOnwards(point, near, enough);
     if (walked <= largest_) return walked;
-    const float exact =
-        looks_++ < kMostLooks ? input_.walk().exactDistance(point, walked) : input_.grid().distance(point);
+    const float exact = looks_++ < kMostLooks
+                            ? input_.walk().exactDistance(point, walked)
+                            : input_.grid().nearest(point, 0, {walked * walked, walked, 0}).distance;
     largest_ = std::max(largest_, exact);
     return exact;
   }
