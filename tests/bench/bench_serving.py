@@ -17,6 +17,7 @@ serving_store, serving_load and wan in BIN_DIR, and python3-flatbuffers. Prints 
 """
 import argparse
 import contextlib
+import ctypes
 import itertools
 import json
 import os
@@ -40,9 +41,24 @@ def free_port():
         return probe.getsockname()[1]
 
 
+LIBC = ctypes.CDLL(None)
+PR_SET_PDEATHSIG = 1
+
+
+def start(command, **options):
+    """A process that the system kills when this one ends, however it does."""
+    return subprocess.Popen([str(part) for part in command], preexec_fn=lambda: LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL),
+                            **options)
+
+
+def abandoned(names):
+    """Those that end in the number of a process which is gone: runs that were killed left them."""
+    return [name for name in names if not pathlib.Path(f"/proc/{str(name).rsplit('-', 1)[1]}").exists()]
+
+
 @contextlib.contextmanager
 def running(command, **options):
-    process = subprocess.Popen([str(part) for part in command], **options)
+    process = start(command, **options)
     try:
         yield process
     finally:
@@ -196,9 +212,9 @@ def idle(bench):
 
 
 def load_beside(bench, listen, model, numbers, connections, in_flight, seconds):
-    return subprocess.Popen(
-        ["taskset", "-c", CLIENT_CORE, bench.bin / "serving_load", listen.rsplit(":", 1)[1], model, str(numbers["first"]),
-         str(numbers["last"]), str(connections), str(in_flight), str(seconds)], stdout=subprocess.PIPE, text=True)
+    return start(
+        ["taskset", "-c", CLIENT_CORE, bench.bin / "serving_load", listen.rsplit(":", 1)[1], model, numbers["first"],
+         numbers["last"], connections, in_flight, seconds], stdout=subprocess.PIPE, text=True)
 
 
 def fairness(bench):
@@ -231,7 +247,10 @@ def fairness(bench):
 def slow_disk(file, bytes_per_second, memory_bytes):
     """A prefix for commands that read the file's disk so slowly and keep so little of it in memory; cgroups of version 1."""
     device = os.stat(file).st_dev
-    groups = [pathlib.Path(f"/sys/fs/cgroup/{kind}/lode-bench-{os.getpid()}") for kind in ("blkio", "memory")]
+    kinds = [pathlib.Path("/sys/fs/cgroup", kind) for kind in ("blkio", "memory")]
+    for group in abandoned(group for kind in kinds for group in kind.glob("lode-bench-*")):
+        group.rmdir()
+    groups = [kind / f"lode-bench-{os.getpid()}" for kind in kinds]
     for group in groups:
         group.mkdir()
     (groups[0] / "blkio.throttle.read_bps_device").write_text(f"{os.major(device)}:{os.minor(device)} {bytes_per_second}")
@@ -313,6 +332,9 @@ def latency(bench):
 @contextlib.contextmanager
 def long_link(bench):
     """Two network namespaces with 50 ms and 10 Mbit/s between them; the server's address is 10.9.0.1."""
+    there = subprocess.run(["ip", "netns", "list"], check=True, capture_output=True, text=True).stdout.split()
+    for name in abandoned(name for name in there if name.startswith(("lode-near-", "lode-far-"))):
+        subprocess.run(["ip", "netns", "del", name], check=True)
     near, far = f"lode-near-{os.getpid()}", f"lode-far-{os.getpid()}"
     for name in (near, far):
         subprocess.run(["ip", "netns", "add", name], check=True)
