@@ -86,6 +86,7 @@ void Connection::sweep(Clock::time_point now) {
 
 void Connection::giveUpForMemory() {
   end(EndReason::kMemory);
+  memory_.leave();
   session_.refuse(proto::WireError::kLimit,
                   "the server is short of memory, and this connection holds the most of it");
   wakeWriter();
@@ -159,6 +160,13 @@ asio::awaitable<void> Connection::greet() {
   }
 }
 
+/// Lets the memory go that a large frame took beyond what is kept for the next, and gives it back.
+void Connection::letGoOf(proto::Frame& frame) {
+  if (frame.body.capacity() <= kMaxKeptBodyBytes) return;
+  memory_.give(frame.body.capacity() - kMaxKeptBodyBytes);
+  letGo(frame.body);
+}
+
 asio::awaitable<void> Connection::readFrames() {
   proto::Frame frame;
   while (!session_.closing()) {
@@ -166,16 +174,19 @@ asio::awaitable<void> Connection::readFrames() {
       co_await sleep(to_read_, read_woken_);
     if (gone_) co_return;
     const uint32_t limit = session_.greeted() ? proto::kMaxFrameBodyBytes : proto::kMaxHelloBodyBytes;
-    const bool more = co_await stream_.read(frame, limit);
-    if (!more) co_return;
-    if (linger_until_) continue;
-    ++frames_;
-    session_.receive(frame.header, frame.body, Clock::now());
-    if (frame.body.capacity() > kMaxKeptBodyBytes) {
-      memory_.give(frame.body.capacity() - kMaxKeptBodyBytes);
-      letGo(frame.body);
+    try {
+      const bool more = co_await stream_.read(frame, limit);
+      if (!more) co_return;
+    } catch (...) {
+      letGoOf(frame);
+      throw;
     }
-    wakeWriter();
+    if (!linger_until_) {
+      ++frames_;
+      session_.receive(frame.header, frame.body, Clock::now());
+      wakeWriter();
+    }
+    letGoOf(frame);
   }
 }
 

@@ -100,6 +100,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   asio::awaitable<void> read();
   asio::awaitable<void> greet();
   asio::awaitable<void> readFrames();
+  void letGoOf(proto::Frame& frame);
   asio::awaitable<void> write();
   asio::awaitable<void> writeFrames();
   asio::awaitable<void> fetch(std::shared_ptr<ColdRead> cold, std::shared_ptr<const BlobReader> blobs);

@@ -23,6 +23,7 @@ constexpr size_t kMaxColdReads = 8;            ///< of a connection at one time
 constexpr size_t kSlowWriteBytes = 16u << 10;  ///< a write to a link that is slower than the server
 constexpr int kLittleUnsentBytes = 8 << 10;    ///< in the kernel: the link takes what it is given
 constexpr auto kLinger = std::chrono::seconds(2);
+constexpr auto kLingerForMemory = std::chrono::milliseconds(100);  ///< it is needed: others wait for it
 
 void append(ChunkBuffer& buffer, const Chunk& chunk) {
   const auto head =
@@ -58,7 +59,7 @@ void BufferPool::give(ChunkBuffer buffer) {
 asio::awaitable<void> Connection::write() {
   try {
     co_await writeFrames();
-    linger_until_ = Clock::now() + kLinger;
+    linger_until_ = Clock::now() + (end_ == EndReason::kMemory ? Clock::duration(kLingerForMemory) : kLinger);
     stream_.bytes().shutdownSend();
     if (gone_) stream_.close();
   } catch (const std::exception&) {  // the connection broke, or there is no memory for it

@@ -23,19 +23,24 @@ class MemoryBudget {
 
   uint64_t limit() const noexcept { return limit_; }
   uint64_t used() const noexcept { return used_.load(std::memory_order_relaxed); }
-  /// So little is left that connections must be closed, those that hold the most, until relieved(). It is
-  /// less than what new ones are refused from, so that they are not kept out by who stays.
-  bool pressed() const noexcept { return used() > limit_ / 16 * 13; }
-  bool relieved() const noexcept { return used() <= limit_ / 16 * 12; }
+  /// So much is used that it is time to look often.
+  bool tight() const noexcept { return used() > limit_ / 16 * 12; }
+  /// So little is left, or will be when those who leave() have gone, that connections must be closed, those
+  /// that hold the most, until relieved(). It is less than what new ones are refused from, so that they are
+  /// not kept out by who stays.
+  bool pressed() const noexcept { return staying() > limit_ / 16 * 13; }
+  bool relieved() const noexcept { return staying() <= limit_ / 16 * 12; }
   /// What a connection holds on the average, with what it costs by itself.
   uint64_t mean() const noexcept;
 
  private:
   friend class MemoryAccount;
   bool take(uint64_t bytes, uint64_t up_to) noexcept;
+  uint64_t staying() const noexcept;
 
   uint64_t limit_;
   std::atomic<uint64_t> used_{0}, accounts_{0};
+  std::atomic<uint64_t> leaving_{0};  ///< of used_
 };
 
 /// What one connection holds of the budget; all of it goes back at the end. Not thread safe.
@@ -53,11 +58,14 @@ class MemoryAccount {
   /// For what must be, as a last word.
   void take(uint64_t bytes) noexcept;
   void give(uint64_t bytes) noexcept;
+  /// The connection has been given up: what it holds comes back soon, and it gets no more. Once.
+  void leave() noexcept;
   uint64_t held() const noexcept { return base_ + held_; }
 
  private:
   MemoryBudget* budget_;
   uint64_t base_ = 0, held_ = 0;
+  bool leaving_ = false;
 };
 
 }  // namespace lode::serve

@@ -301,6 +301,8 @@ std::vector<std::string> Server::models() const {
   return names;
 }
 
+uint64_t Server::memoryHeld() const noexcept { return state_->budget.used(); }
+
 void Server::run() { state_->run(); }
 
 void Server::reload() { state_->reload(); }

@@ -58,6 +58,7 @@ class Server {
   std::string address() const;                        ///< "127.0.0.1:7400": where it listens
   std::optional<std::string> metricsAddress() const;  ///< none without metrics
   std::vector<std::string> models() const;            ///< names, sorted
+  uint64_t memoryHeld() const noexcept;               ///< what connections hold of the budget; thread safe
 
   /// Answers connections until stop(); starts the threads and joins them. Call it once. @throws Error kIo.
   void run();

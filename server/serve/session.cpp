@@ -29,7 +29,9 @@ WireError wireCode(const Error& error) {
 Session::Session(SessionHost host, SessionLimits limits, Clock::time_point now)
     : host_(host), limits_(limits), deadline_(now + limits.handshake), now_(now), wishes_(host.wishes) {}
 
-Session::~Session() { host_.memory->give(wishes_.size() * kWishBytes + control_.size()); }
+Session::~Session() {
+  host_.memory->give(wishes_.size() * kWishBytes + opened_.size() * kOpenModelBytes + control_.size());
+}
 
 /// For what must be said whatever it costs: it is little.
 template <typename Message>
@@ -176,22 +178,19 @@ void Session::list(uint32_t request) {
 }
 
 void Session::open(const proto::Open& message, uint32_t request) {
+  const auto refuse = [&](WireError code, std::string why) {
+    answer(proto::ErrorMessage{code, 0, false, std::move(why)}, request);
+  };
   std::shared_ptr<const Model> model = host_.offer->catalog->find(message.model);
-  if (!model || !allows(*model)) {
-    answer(proto::ErrorMessage{WireError::kNoSuchModel, 0, false,
-                               "there is no model '" + message.model + "' here; List names those there are"},
-           request);
-    return;
-  }
-  if (opened_.size() >= limits_.max_open_models) {
-    answer(proto::ErrorMessage{WireError::kLimit, 0, false,
-                               "a connection has at most " + std::to_string(limits_.max_open_models) +
-                                   " models open; close one, or open another connection"},
-           request);
-    return;
-  }
+  if (!model || !allows(*model))
+    return refuse(WireError::kNoSuchModel,
+                  "there is no model '" + message.model + "' here; List names those there are");
+  if (opened_.size() >= limits_.max_open_models)
+    return refuse(WireError::kLimit, "a connection has at most " + std::to_string(limits_.max_open_models) +
+                                         " models open; close one, or open another connection");
+  if (!host_.memory->tryTake(kOpenModelBytes))
+    return refuse(WireError::kLimit, "the server is short of memory; close a model, or open this one later");
   const uint32_t handle = ++last_handle_;
-  answer(proto::Opened{handle, model->summary}, request);
   const Model& offered = *model;
   ModelTallies* const tallies =
       host_.tallies != nullptr ? &host_.tallies->model(offered.summary.name) : nullptr;
@@ -199,6 +198,7 @@ void Session::open(const proto::Open& message, uint32_t request) {
   const BlobName build = offered.summary.build_id;
   const OpenedModel& opened =
       opened_.emplace(handle, OpenedModel{std::move(model), build, tallies}).first->second;
+  answer(proto::Opened{handle, offered.summary}, request);
   if (build != BlobName() && build == message.known_build_id) return;  // it has the first blobs, or asks
   for (const uint32_t blob : {offered.summary.root_page.number, offered.coarsest_blob})
     if (blob != 0) unasked_.push_back({handle, &opened, blob, 0, request, ++last_serial_, now_, false});
@@ -222,6 +222,7 @@ void Session::close(const proto::Close& message, uint32_t request) {
   if (under_way_ && under_way_->wish == 0 && unasked_.front().handle == message.handle) under_way_.reset();
   std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == message.handle; });
   opened_.erase(message.handle);
+  host_.memory->give(kOpenModelBytes);
   answer(proto::Closed{message.handle}, request);
 }
 

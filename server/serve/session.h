@@ -39,6 +39,9 @@ struct SessionHost {
   std::pmr::memory_resource* wishes = std::pmr::get_default_resource();  ///< where open wishes live
 };
 
+/// What an open model is taken to cost in memory, with the two blobs that follow unasked.
+constexpr uint64_t kOpenModelBytes = 256;
+
 /// A rest of a blob shorter than this, or this much of it, must fit in the window before a chunk is sent: a
 /// window that opens in small steps shall not cut blobs to pieces (the silly window of RFC 1122, 4.2.3.4).
 constexpr uint32_t kMinChunkBytes = 4096;

@@ -15,6 +15,12 @@ namespace lode::serve {
 
 using asio::ip::tcp;
 
+namespace {
+
+constexpr auto kLookEvery = std::chrono::milliseconds(20);  ///< whether memory is tight
+
+}  // namespace
+
 Worker::Worker(Published published, Log& log, ThreadTallies& tallies, asio::thread_pool& readers,
                MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits)
     : budget_(budget), limits_(limits), guard_(context_.get_executor()), tick_(context_) {
@@ -83,16 +89,19 @@ void Worker::drain(const std::string& reason) {
 }
 
 asio::awaitable<void> Worker::sweep(Clock::duration every) {
+  auto next = Clock::now() + every;
   while (true) {
     asio::error_code error;
-    tick_.expires_after(every);
+    tick_.expires_after(std::min<Clock::duration>(every, kLookEvery));
     co_await tick_.async_wait(asio::redirect_error(asio::use_awaitable, error));
-    sweepNow();
+    const auto now = Clock::now();
+    if (now < next && !budget_.tight()) continue;
+    next = now + every;
+    sweepNow(now);
   }
 }
 
-void Worker::sweepNow() {
-  const auto now = Clock::now();
+void Worker::sweepNow(Clock::time_point now) {
   for (Connection* connection : host_.connections) connection->sweep(now);
   if (budget_.pressed()) giveUpTheGreediest();
 }

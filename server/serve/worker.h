@@ -43,7 +43,7 @@ class Worker {
 
  private:
   asio::awaitable<void> sweep(Clock::duration every);
-  void sweepNow();
+  void sweepNow(Clock::time_point now);
   void giveUpTheGreediest();
   void admit(asio::ip::tcp::socket socket, Place place, MemoryAccount memory, std::string client);
 

@@ -4,7 +4,6 @@
     daemon_test.py BIN_DIR MODELS_DIR SOURCE_DIR
 """
 import contextlib
-import json
 import os
 import re
 import resource
@@ -12,74 +11,16 @@ import shutil
 import signal
 import socket
 import subprocess
-import sys
 import tempfile
 import threading
 import time
 import unittest
-import urllib.error
-import urllib.request
 
 import lodestream_generated as wire
-from read_model import HEADER, Connection, Reader
+from daemon import BIN, MODELS, SOURCE, STORE, Daemon, eventually
+from read_model import HEADER
 
-BIN, MODELS, SOURCE = (os.path.abspath(sys.argv.pop(1)) for _ in range(3))
-STORE = os.path.join(MODELS, "painted.lode")
 LIMIT = 7
-
-
-class Daemon:
-    """lodestreamd serve on ports of loopback that it picks; ended with the `with`, by SIGTERM, with exit status 0."""
-
-    def __init__(self, *arguments, shell="", **options):
-        command = [os.path.join(BIN, "lodestreamd"), "serve", *arguments, "--listen", "127.0.0.1:0", "--metrics", "127.0.0.1:0"]
-        if shell:
-            command = ["sh", "-c", f'{shell} exec "$0" "$@"', *command]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **options)
-        ready = json.loads(self.process.stdout.readline())
-        self.address, self.health = ready["listen"], ready["metrics"]
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, failed, *_):
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM if not failed else signal.SIGKILL)
-        self.status = self.process.wait(timeout=60)
-        self.process.stdout.close()
-        if not failed:
-            assert self.status == 0, f"it ended with {self.status}"
-
-    def ask(self, path):
-        try:
-            with urllib.request.urlopen(f"http://{self.health}{path}", timeout=10) as answer:
-                return answer.status, answer.read().decode()
-        except urllib.error.HTTPError as error:
-            with error:
-                return error.code, ""
-
-    def metric(self, name):
-        return float(re.search(rf"^{re.escape(name)} (\S+)$", self.ask("/metrics")[1], re.M).group(1))
-
-    def open(self, model="painted"):
-        """A connection that has the model open, and its Opened."""
-        with contextlib.ExitStack() as failing:
-            connection = failing.enter_context(contextlib.closing(Connection(self.address)))
-            opened, most = connection.open(model)
-            failing.pop_all()
-        return connection, opened, most
-
-    def read_whole(self, model="painted"):
-        connection, opened, most = self.open(model)
-        with contextlib.closing(connection):
-            return Reader(connection, opened, most).run()
-
-
-def eventually(what, seconds=20):
-    end = time.monotonic() + seconds
-    while not what():
-        assert time.monotonic() < end, "it did not come to that"
-        time.sleep(0.01)
 
 
 def refusal(address):

@@ -62,6 +62,30 @@ TEST(MemoryBudget, leavesAnEighthToThoseWhoAreIn) {
   EXPECT_TRUE(accounts[0]->tryTake(32 << 10));
 }
 
+TEST(MemoryBudget, whatIsOnItsWayOutPressesNobodyAndGrowsNoMore) {
+  MemoryBudget budget(1 << 20);
+  MemoryAccount staying(budget);
+  staying.take(100 << 10);
+  {
+    MemoryAccount leaving(budget);
+    ASSERT_TRUE(leaving.admit(8 << 10));
+    leaving.take(800 << 10);
+    EXPECT_TRUE(budget.pressed());
+    leaving.leave();
+    EXPECT_FALSE(budget.pressed());
+    EXPECT_TRUE(budget.relieved());
+    EXPECT_FALSE(leaving.tryTake(1));
+    leaving.give(100 << 10);
+    leaving.take(10 << 10);
+    staying.take(760 << 10);
+    EXPECT_TRUE(budget.pressed());
+    staying.give(760 << 10);
+  }
+  EXPECT_EQ(budget.used(), staying.held());
+  staying.take(700 << 10);
+  EXPECT_FALSE(budget.relieved());
+}
+
 TEST(MemoryBudget, isAnEighthOfWhatThereIs) {
   EXPECT_GT(defaultMemoryBudget(), 1u << 20);
   EXPECT_LT(defaultMemoryBudget(), uint64_t{1} << 44);
@@ -80,6 +104,36 @@ TEST_F(SessionMemoryTest, wishesAndAnswersAreChargedAndGivenBack) {
   session_.takeControl();
   session_.controlSent(answered);
   EXPECT_EQ(memory_.held(), before);
+}
+
+TEST_F(SessionMemoryTest, anOpenModelIsChargedUntilItIsClosed) {
+  send(proto::Hello{});
+  const uint64_t before = memory_.held() - session_.controlBytes();
+  send(proto::Open{"a", {}});
+  EXPECT_EQ(memory_.held(), before + session_.controlBytes() + kOpenModelBytes);
+  send(proto::Close{1});
+  EXPECT_EQ(memory_.held(), before + session_.controlBytes());
+  {
+    MemoryAccount memory(budget_);
+    Session session({&offer_, &memory}, limits_, now_);
+    sendTo(session, proto::Hello{});
+    sendTo(session, proto::Open{"a", {}});
+    EXPECT_GT(memory.held(), kOpenModelBytes);
+  }
+  EXPECT_EQ(budget_.used(), memory_.held());
+}
+
+TEST_F(SessionMemoryTest, aModelThatThereIsNoMemoryForIsNotOpened) {
+  send(proto::Hello{});
+  session_.takeControl();
+  MemoryAccount others(budget_);
+  others.take(budget_.limit() / 4 * 3);
+  memory_.take(kPoliteBytes - 200 - memory_.held());
+  send(proto::Open{"a", {}}, 7);
+  const auto refused = only<proto::ErrorMessage>(FrameType::kError, 7);
+  EXPECT_EQ(refused.code, WireError::kLimit);
+  EXPECT_FALSE(refused.closes);
+  EXPECT_FALSE(session_.closing());
 }
 
 TEST_F(SessionMemoryTest, aWishThatThereIsNoMemoryForIsRefusedAndTheSessionGoesOn) {

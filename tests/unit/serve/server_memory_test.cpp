@@ -35,6 +35,13 @@ class ServerMemory : public ServerTest {
       client.send(wishes);
     }
   }
+  /// Whether it comes to be so within a second, which is less than a refused client is waited for.
+  static bool soon(const auto& is_so) {
+    const auto end = std::chrono::steady_clock::now() + 1s;
+    while (!is_so())
+      if (std::chrono::steady_clock::now() > end) return false;
+    return true;
+  }
   /// Whether the connection has ended, after what it was sent.
   static bool hasEnded(TestClient& client) {
     client.socket().non_blocking(true);
@@ -88,6 +95,56 @@ TEST_F(ServerMemory, whenItIsUsedUpThoseWhoHoldMoreThanMostAreClosedAndThePolite
   EXPECT_LT(closed, 40u) << "more than was needed";
   for (const auto& client : quiet) EXPECT_FALSE(hasEnded(*client));
   EXPECT_TRUE(isLetInSoon());
+}
+
+TEST_F(ServerMemory, noMoreAreClosedThanNeededWhenTheyAreInTheMiddleOfAFrame) {
+  options_.memory_budget_bytes = 4u << 20;
+  start();
+  Clients quiet = openMany(20), greedy = openMany(70);
+  const proto::Bytes most_of_it(60u << 10);
+  for (const auto& client : greedy) {
+    client->sendBytes(proto::encodeFrameHeader(
+        {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+    client->sendBytes(most_of_it);
+  }
+  size_t closed = 0;
+  EXPECT_TRUE(soon([&] {
+    closed = static_cast<size_t>(std::ranges::count_if(greedy, [](const auto& c) { return hasEnded(*c); }));
+    return closed > 0 && server_->memoryHeld() <= options_.memory_budget_bytes / 16 * 12;
+  })) << server_->memoryHeld();
+  EXPECT_LT(closed, 40u);
+  for (const auto& client : quiet) EXPECT_FALSE(hasEnded(*client));
+}
+
+TEST_F(ServerMemory, aFloodThatUsesItUpKeepsNobodyOutForLong) {
+  options_.memory_budget_bytes = 4u << 20;
+  start();
+  Clients flood = openMany(40);
+  const proto::Bytes most_of_it(60u << 10);
+  for (int i = 0; i < 200; ++i) {
+    flood.push_back(std::make_unique<TestClient>(server_->port()));
+    flood.back()->send(proto::Hello{});
+    flood.back()->sendBytes(proto::encodeFrameHeader(
+        {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+    flood.back()->sendBytes(most_of_it);
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_TRUE(isLetInSoon());
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
+}
+
+TEST_F(ServerMemory, aFrameThatThereIsNoRoomForIsGivenBackWithItsMemory) {
+  options_.memory_budget_bytes = 4u << 20;  // whoever holds more than 64 KB may hold 48
+  start();
+  TestClient client = connect();
+  client.open("a");
+  client.blobs(2);
+  client.sendBytes(
+      proto::encodeFrameHeader({proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+  client.sendBytes(proto::Bytes(200'000));
+  EXPECT_EQ(client.expect<proto::ErrorMessage>(FrameType::kError).code, WireError::kLimit);
+  EXPECT_TRUE(soon([&] { return server_->memoryHeld() < kPlainConnectionBytes + (4u << 10); }))
+      << server_->memoryHeld() << " though the client is still there, and is told";
 }
 
 TEST_F(ServerMemory, whenMemoryIsShortTheNextConnectionIsToldSo) {

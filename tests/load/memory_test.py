@@ -1,0 +1,156 @@
+#!/usr/bin/python3
+"""The memory that lodestreamd takes while it is attacked, sampled: what it counts, and what is resident.
+
+    memory_test.py BIN_DIR MODELS_DIR SOURCE_DIR
+"""
+import contextlib
+import functools
+import os
+import resource
+import struct
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+import lodestream_generated as wire
+from daemon import STORE, Daemon, eventually
+from read_model import HEADER, Connection
+
+BUDGET, THREADS = 32_000_000, 2
+POOLS = THREADS * 64 * (48 << 10)  # buffers that threads keep, beside the budget
+WISHES, MAX_BODY, MAX_CHANGES, MAX_OPEN = 7, 262144, 4096, 64
+
+
+class Recorded:
+    """What a connection would send."""
+
+    def __init__(self):
+        self.sent = b""
+        self.socket = self
+
+    def sendall(self, frame):
+        self.sent += frame
+
+
+def frame(name, **fields):
+    recorded = Recorded()
+    Connection.send(recorded, name, 3, **fields)
+    return recorded.sent
+
+
+@functools.lru_cache
+def wishes(count):
+    """Frames that wish for so many blobs of the first model that was opened."""
+    changes = [wire.WishChangeT() for _ in range(count)]
+    for number, change in enumerate(changes, 1):
+        change.wish, change.blob, change.priorityPx = number, 1 + number % 90, 1.0
+    return b"".join(frame("Wishes", handle=1, changes=changes[at:at + MAX_CHANGES]) for at in range(0, count, MAX_CHANGES))
+
+
+def announce_a_frame_and_stop_before_its_end():
+    return HEADER.pack(MAX_BODY, WISHES, 0, 0, 1) + bytes(MAX_BODY - 1)
+
+
+def wish_for_much_with_the_window_shut():
+    return wishes(4 * MAX_CHANGES)
+
+
+def wish_politely_and_never_read():
+    return frame("Credit", grantedBytes=1 << 40) + wishes(400)
+
+
+def ping_and_never_read():
+    return frame("Ping") * 40_000
+
+
+def open_as_often_as_allowed():
+    return frame("Open", model="painted") * (MAX_OPEN - 1)
+
+
+ATTACKS = (announce_a_frame_and_stop_before_its_end, wish_for_much_with_the_window_shut, wish_politely_and_never_read,
+           ping_and_never_read, open_as_often_as_allowed)
+
+
+class Peaks:
+    """The most that a daemon counts, and has resident beyond what it had at the start, while the `with` lasts."""
+
+    def __init__(self, daemon):
+        self.daemon, self.rest, self.counted, self.grown = daemon, self.resident(daemon), 0, 0
+        self.over, self.thread = threading.Event(), threading.Thread(target=self.run)
+
+    @staticmethod
+    def resident(daemon):
+        with open(f"/proc/{daemon.process.pid}/statm") as pages:
+            return int(pages.read().split()[1]) * resource.getpagesize()
+
+    def run(self):
+        while not self.over.wait(0.02):
+            self.counted = max(self.counted, self.daemon.metric("lodestream_memory_bytes"))
+            self.grown = max(self.grown, self.resident(self.daemon) - self.rest)
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.over.set()
+        self.thread.join()
+
+
+def attack(daemon, clients, attacks, count):
+    """So many connections that take turns; not all are let in, and some are closed before they have said all."""
+    said = [one() for one in attacks]
+    for number in range(count):
+        with contextlib.suppress(SystemExit, OSError, struct.error):
+            connection, *_ = daemon.open()
+            clients.enter_context(contextlib.closing(connection))
+            connection.socket.settimeout(0.1)
+            connection.socket.sendall(said[number % len(attacks)])
+
+
+class Budget(unittest.TestCase):
+    def expect_kept(self, attacks):
+        with Daemon(STORE, "--memory-budget", str(BUDGET), "--threads", str(THREADS), stderr=subprocess.DEVNULL) as daemon:
+            daemon.read_whole()
+            with contextlib.ExitStack() as clients, Peaks(daemon) as peaks:
+                for _ in range(5):
+                    attack(daemon, clients, attacks, 100)
+                    self.assertGreater(daemon.read_whole()["payloads"], 20)
+            self.assertGreater(peaks.counted, BUDGET / 8, "it was no attack")
+            self.assertLessEqual(peaks.counted, BUDGET)
+            self.assertLessEqual(peaks.grown, BUDGET + POOLS)
+            print(f"{'all' if len(attacks) > 1 else attacks[0].__name__}: counted {peaks.counted / BUDGET:.2f} of the budget, "
+                  f"resident {peaks.grown / BUDGET:.2f}")
+            eventually(lambda: daemon.metric("lodestream_memory_bytes") == 0)
+
+    def test_is_kept_whatever_they_do_and_who_is_polite_is_served(self):
+        for one in ATTACKS:
+            with self.subTest(one.__name__):
+                self.expect_kept([one])
+
+    def test_is_kept_whoever_does_what_at_the_same_time(self):
+        self.expect_kept(ATTACKS)
+
+
+class System(unittest.TestCase):
+    def test_that_gives_no_memory_costs_connections_and_not_the_server(self):
+        with tempfile.TemporaryFile("w+") as log, Daemon(
+                STORE, "--memory-budget", "4GB", "--threads", "1", stderr=log, env=dict(os.environ, MALLOC_ARENA_MAX="1")) as daemon:
+            daemon.read_whole()
+            with open(f"/proc/{daemon.process.pid}/statm") as pages:
+                now = int(pages.read().split()[0]) * resource.getpagesize()
+            most = resource.prlimit(daemon.process.pid, resource.RLIMIT_AS, (now + (8 << 20), resource.RLIM_INFINITY))[1]
+            with contextlib.ExitStack() as clients:
+                attack(daemon, clients, ATTACKS, 300)
+            self.assertIsNone(daemon.process.poll(), "it has ended")
+            eventually(lambda: daemon.metric("lodestream_connections") == 0)
+            self.assertGreater(daemon.read_whole()["payloads"], 20)
+            resource.prlimit(daemon.process.pid, resource.RLIMIT_AS, (most, most))
+            log.seek(0)
+            self.assertIn("gave no memory", log.read())
+
+
+if __name__ == "__main__":
+    unittest.main()
