@@ -1,7 +1,6 @@
 #include "client/core/cache.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace lode::core {
@@ -18,76 +17,102 @@ uint64_t meshBytes(const Mesh& mesh) noexcept {
          mesh.triangles.size() * sizeof(glm::u32vec3);
 }
 
+const MeshCache::Entry* MeshCache::Rungs::find(uint32_t rung) const noexcept {
+  for (const Entry& entry : entries_)
+    if (entry.rung == rung) return &entry;
+  return nullptr;
+}
+
+std::shared_ptr<const Mesh> MeshCache::Rungs::mesh(uint32_t rung) const noexcept {
+  const Entry* entry = find(rung);
+  return entry == nullptr ? nullptr : entry->mesh;
+}
+
+const MeshCache::Rungs& MeshCache::rungsOf(NodeKey node) const noexcept {
+  static const Rungs none;
+  const auto found = nodes_.find(node.value);
+  return found == nodes_.end() ? none : found->second;
+}
+
+MeshCache::Entry* MeshCache::entryOf(MeshKey key) noexcept {
+  const auto found = nodes_.find(key.node.value);
+  return found == nodes_.end() ? nullptr : const_cast<Entry*>(found->second.find(key.rung));
+}
+
 void MeshCache::insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
                        std::shared_ptr<const TextureFootprint> footprint) {
-  const auto [entry, is_new] =
-      entries_.try_emplace(key, Entry{std::move(mesh), std::move(footprint), round_, round_, false});
-  if (is_new) bytes_ += bytesOf(entry->second);
+  Rungs& rungs = nodes_[key.node.value];
+  if (rungs.has(key.rung)) return;
+  rungs.resident_ |= uint64_t{1} << key.rung;
+  rungs.entries_.push_back({key.rung, false, std::move(mesh), std::move(footprint), round_, round_});
+  bytes_ += bytesOf(rungs.entries_.back());
+  ++size_;
 }
 
 uint64_t MeshCache::bytesOf(const Entry& entry) noexcept {
   return meshBytes(*entry.mesh) + (entry.footprint ? footprintBytes(*entry.footprint) : 0);
 }
 
-uint64_t MeshCache::bytesOf(std::span<const MeshKey> keys) const {
-  std::vector<MeshKey> each(keys.begin(), keys.end());
-  std::sort(each.begin(), each.end());
-  each.erase(std::unique(each.begin(), each.end()), each.end());
-  uint64_t bytes = 0;
-  for (const MeshKey& key : each)
-    if (const auto entry = entries_.find(key); entry != entries_.end()) bytes += bytesOf(entry->second);
-  return bytes;
-}
-
 void MeshCache::pin(MeshKey key) {
-  if (const auto entry = entries_.find(key); entry != entries_.end()) entry->second.pinned = true;
-}
-
-std::shared_ptr<const Mesh> MeshCache::find(MeshKey key) const noexcept {
-  const auto entry = entries_.find(key);
-  return entry == entries_.end() ? nullptr : entry->second.mesh;
+  if (Entry* entry = entryOf(key)) entry->pinned = true;
 }
 
 void MeshCache::setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint) {
-  const auto entry = entries_.find(key);
-  if (entry == entries_.end()) return;
-  bytes_ -= bytesOf(entry->second);
-  entry->second.footprint = std::move(footprint);
-  bytes_ += bytesOf(entry->second);
+  Entry* entry = entryOf(key);
+  if (entry == nullptr) return;
+  bytes_ -= bytesOf(*entry);
+  entry->footprint = std::move(footprint);
+  bytes_ += bytesOf(*entry);
 }
 
 const TextureFootprint* MeshCache::footprint(MeshKey key) const noexcept {
-  const auto entry = entries_.find(key);
-  return entry == entries_.end() ? nullptr : entry->second.footprint.get();
+  const Entry* entry = rungsOf(key.node).find(key.rung);
+  return entry == nullptr ? nullptr : entry->footprint.get();
 }
 
-void MeshCache::use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently) {
+uint64_t MeshCache::use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently) {
   ++round_;
   for (const MeshKey& key : recently)
-    if (const auto entry = entries_.find(key); entry != entries_.end()) entry->second.used_round = round_;
+    if (Entry* entry = entryOf(key)) entry->used_round = round_;
+  uint64_t bytes = 0;
   for (const MeshKey& key : in_use) {
-    if (const auto entry = entries_.find(key); entry != entries_.end())
-      entry->second.used_round = entry->second.in_use_round = round_;
+    Entry* entry = entryOf(key);
+    if (entry == nullptr || entry->in_use_round == round_) continue;
+    entry->used_round = entry->in_use_round = round_;
+    bytes += bytesOf(*entry);
   }
-  if (bytes_ <= budget_bytes_) return;
+  return bytes;
+}
 
-  std::vector<MeshKey> candidates;
-  for (const auto& [key, entry] : entries_)
-    if (!entry.pinned && entry.in_use_round != round_) candidates.push_back(key);
-  std::sort(candidates.begin(), candidates.end(), [&](const MeshKey& a, const MeshKey& b) {
-    const uint64_t a_used = entries_.at(a).used_round, b_used = entries_.at(b).used_round;
-    return std::tie(a_used, b) < std::tie(b_used, a);  // the older first, then the deeper
+void MeshCache::trim() {
+  if (bytes_ <= budget_bytes_) return;
+  struct Spare {
+    uint64_t used_round = 0;
+    MeshKey key;
+  };
+  std::vector<Spare> spare;
+  for (const auto& [node, rungs] : nodes_)
+    for (const Entry& entry : rungs.entries_)
+      if (!entry.pinned && entry.in_use_round != round_)
+        spare.push_back({entry.used_round, {NodeKey{node}, entry.rung}});
+  std::sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) {
+    return a.used_round != b.used_round ? a.used_round < b.used_round : b.key < a.key;  // then the deeper
   });
-  for (const MeshKey& key : candidates) {
+  for (const Spare& next : spare) {
     if (bytes_ <= budget_bytes_) break;
-    evict(key);
+    evict(next.key);
   }
 }
 
 void MeshCache::evict(MeshKey key) {
-  const auto entry = entries_.find(key);
-  bytes_ -= bytesOf(entry->second);
-  entries_.erase(entry);
+  const auto node = nodes_.find(key.node.value);
+  Rungs& rungs = node->second;
+  const Entry* entry = rungs.find(key.rung);
+  bytes_ -= bytesOf(*entry);
+  --size_;
+  rungs.resident_ &= ~(uint64_t{1} << key.rung);
+  rungs.entries_.erase(rungs.entries_.begin() + (entry - rungs.entries_.data()));
+  if (rungs.entries_.empty()) nodes_.erase(node);
 }
 
 }  // namespace lode::core

@@ -8,6 +8,7 @@
 
 #include "client/core/mesh_key.h"
 #include "client/core/texture_footprint.h"
+#include "common/limits.h"
 #include "common/mesh.h"
 
 namespace lode::core {
@@ -21,7 +22,31 @@ uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attribute
 /// what it waits for) and what is pinned stays; of the rest the least recently used goes first, and of equals
 /// the deeper node, so that ancestors go last. Not thread safe.
 class MeshCache {
+  struct Entry {
+    uint32_t rung = 0;
+    bool pinned = false;
+    std::shared_ptr<const Mesh> mesh;
+    std::shared_ptr<const TextureFootprint> footprint;
+    uint64_t used_round = 0;
+    uint64_t in_use_round = 0;
+  };
+
  public:
+  /// The rungs of one node that are resident.
+  class Rungs {
+   public:
+    bool has(uint32_t rung) const noexcept { return (resident_ >> rung & 1) != 0; }
+    /// @return null if it is not resident.
+    std::shared_ptr<const Mesh> mesh(uint32_t rung) const noexcept;
+
+   private:
+    friend class MeshCache;
+    const Entry* find(uint32_t rung) const noexcept;
+    uint64_t resident_ = 0;  // bit r: rung r
+    std::vector<Entry> entries_;
+  };
+  static_assert(kMaxRungs <= 64);
+
   explicit MeshCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
   /// A mesh that is there already is kept as it is.
@@ -30,44 +55,42 @@ class MeshCache {
               std::shared_ptr<const TextureFootprint> footprint = nullptr);
   void setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint);
   void pin(MeshKey key);
+  /// Good until the cache changes; for who asks much of one node.
+  const Rungs& rungsOf(NodeKey node) const noexcept;
   /// @return null if it is not resident.
-  std::shared_ptr<const Mesh> find(MeshKey key) const noexcept;
+  std::shared_ptr<const Mesh> find(MeshKey key) const noexcept { return rungsOf(key.node).mesh(key.rung); }
+  bool contains(MeshKey key) const noexcept { return rungsOf(key.node).has(key.rung); }
   /// @return null if the mesh is not resident or its footprint is not known.
   const TextureFootprint* footprint(MeshKey key) const noexcept;
-  bool contains(MeshKey key) const noexcept { return entries_.contains(key); }
 
-  /// Starts a new round of use and evicts what does not fit the budget, but nothing in use or pinned.
+  /// Starts a new round of use.
   /// @param in_use    meshes that must stay until the next call.
   /// @param recently  meshes that were looked at: evicted after all that were not.
-  void use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently);
+  /// @return bytes of those in use that are resident, each counted once.
+  uint64_t use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently);
+  /// Evicts what does not fit the budget, but nothing in use or pinned.
+  void trim();
 
   /// Of meshes and footprints.
   uint64_t bytes() const noexcept { return bytes_; }
-  /// Of some of them, each counted once; none for what is not resident.
-  uint64_t bytesOf(std::span<const MeshKey> keys) const;
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
-  size_t size() const noexcept { return entries_.size(); }
+  size_t size() const noexcept { return size_; }
 
  private:
   struct KeyHash {
-    size_t operator()(const MeshKey& key) const noexcept {
-      return static_cast<size_t>((key.node.value * 64 + key.rung) * 0x9e3779b97f4a7c15ull >> 7);
+    size_t operator()(uint64_t key) const noexcept {
+      return static_cast<size_t>(key * 0x9e3779b97f4a7c15ull >> 7);
     }
   };
-  struct Entry {
-    std::shared_ptr<const Mesh> mesh;
-    std::shared_ptr<const TextureFootprint> footprint;
-    uint64_t used_round = 0;
-    uint64_t in_use_round = 0;
-    bool pinned = false;
-  };
   static uint64_t bytesOf(const Entry& entry) noexcept;
+  Entry* entryOf(MeshKey key) noexcept;
   void evict(MeshKey key);
 
   uint64_t budget_bytes_;
   uint64_t bytes_ = 0;
   uint64_t round_ = 1;
-  std::unordered_map<MeshKey, Entry, KeyHash> entries_;
+  size_t size_ = 0;
+  std::unordered_map<uint64_t, Rungs, KeyHash> nodes_;  // by key value
 };
 
 }  // namespace lode::core

@@ -11,7 +11,7 @@ namespace lode::core {
 Engine::Engine(EngineOptions options)
     : options_(std::move(options)),
       link_(options_.session, options_.jitter_seed),
-      instance_(options_.triangle_budget) {
+      instance_(options_.triangle_budget, options_.hold_factor) {
   if (options_.offline && options_.cached_model)
     model_.emplace(*options_.cached_model, options_.memory_budget_bytes);
   wishes_waiting_ = model_.has_value();

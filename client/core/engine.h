@@ -26,6 +26,7 @@ struct EngineOptions {
   SessionOptions session;
   uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
+  float hold_factor = 1;     ///< see RefineOptions
   uint32_t jitter_seed = 0;  ///< of the times between tries to connect
   bool has_cache = false;    ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
   /// Of the model as the cache has it, from an earlier run.
@@ -95,6 +96,7 @@ class Engine {
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
   /// The last cut published; null until the root's coarsest rung is there and a view is set.
   const std::shared_ptr<const Cut>& cut() const noexcept { return instance_.cut(); }
+  uint64_t cutBuild() const noexcept { return instance_.cutBuild(); }
   bool limited() const noexcept { return instance_.limited(); }
   bool settled() const noexcept { return instance_.settled(); }
   /// Why a part of the model cannot be had; empty if nothing is wrong.

@@ -1,22 +1,42 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <unordered_map>
+#include <vector>
 
 #include "common/hierarchy_page.h"
 #include "common/node_key.h"
 
 namespace lode::core {
 
-/// The part of a model's octree that is known so far, merged from the pages of an untrusted server.
-/// Not thread safe. Pointers to nodes stay valid as long as the hierarchy.
+/// A node of the octree, and the way down from it.
+struct KnownNode : Node {
+  const KnownNode* children =
+      nullptr;                    ///< one for each bit of child_mask, by octant; null: none, or not known
+  uint32_t page_below_bytes = 0;  ///< that the page with the children takes in memory, where it is another
+
+  bool childrenKnown() const noexcept { return isLeaf() || children != nullptr; }
+  std::span<const KnownNode> knownChildren() const noexcept {
+    return {children, children == nullptr ? 0 : static_cast<size_t>(std::popcount(child_mask))};
+  }
+};
+
+/// Most that a page takes in memory, by the bytes of its blob: each node and each rung has so many at least.
+constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
+
+/// The part of a model's octree that is known, merged from the pages of an untrusted server. Pages that no
+/// view uses go when memory is short, and may come again. Not thread safe. Pointers to nodes stay valid until
+/// then.
 class Hierarchy {
  public:
   /// @param max_nodes  what the model's summary announced; pages that bring more are an error.
   explicit Hierarchy(uint64_t max_nodes) : max_nodes_(max_nodes) {}
 
-  /// Takes the page that holds the root.
+  /// Takes the page that holds the root; it stays.
   /// @throws Error kFormat, and the hierarchy is as before: there is a root already, or none in the page.
   void addRootPage(HierarchyPage page);
 
@@ -25,21 +45,38 @@ class Hierarchy {
   /// @throws Error kFormat or kLimit, and the hierarchy is as before.
   void addPage(NodeKey owner, HierarchyPage page);
 
-  /// @return null if the node is not known (yet).
-  const Node* find(NodeKey key) const noexcept;
-  const Node* root() const noexcept { return find(kRootKey); }
-  /// True for leaves too.
-  bool childrenKnown(const Node& node) const noexcept;
-  size_t size() const noexcept { return nodes_.size(); }
-  /// That it takes in memory.
+  /// Starts a new round of use, and forgets pages that are not in use and have none below them, the least
+  /// recently used first, until the rest takes no more than so many bytes.
+  /// @param owners  of the pages that are in use.
+  void use(std::span<const NodeKey> owners, uint64_t budget_bytes);
+
+  /// @return null if the node is not known.
+  const KnownNode* find(NodeKey key) const noexcept;
+  const KnownNode* root() const noexcept { return root_ ? root_->nodes.data() : nullptr; }
+  size_t size() const noexcept { return size_; }
+  /// That it takes in memory, and its first page, which is never forgotten.
   uint64_t bytes() const noexcept { return bytes_; }
+  uint64_t rootPageBytes() const noexcept { return root_ ? root_->bytes : 0; }
 
  private:
-  void merge(HierarchyPage page);
+  struct Page {
+    std::vector<KnownNode> nodes;  // in key order, so that siblings stand together; never moved
+    KnownNode* owner = nullptr;    // in the page above
+    uint32_t bytes = 0;
+    uint64_t used_round = 0;
+    Page* above = nullptr;
+    uint32_t pages_below = 0;
+  };
+  std::unique_ptr<Page> link(HierarchyPage page, size_t first_level) const;
+  Page& pageOf(NodeKey key);
+  void forget(uint64_t owner);
 
   uint64_t max_nodes_;
+  size_t size_ = 0;
   uint64_t bytes_ = 0;
-  std::unordered_map<uint64_t, Node> nodes_;  // by key value; never iterated
+  uint64_t round_ = 1;
+  std::unique_ptr<Page> root_;
+  std::unordered_map<uint64_t, std::unique_ptr<Page>> pages_;  // by the owner's key, without the root's
 };
 
 }  // namespace lode::core

@@ -14,7 +14,15 @@ void Instance::setView(const View& view, float threshold_px) {
 
 Refinement Instance::refineWith(const Model& model, const RefineOptions& options) const {
   return core::refine(model.hierarchy(), model.meshes(), model.summary().lattice, model.summary().attributes,
-                      *view_, options);
+                      *view_, options, held_);
+}
+
+/// Marks what a refinement uses, and forgets pages that it does not, where memory is short.
+/// @return false if it uses more than there is room for.
+bool Instance::keep(Model& model, const Refinement& refinement) {
+  model.hierarchy().use(refinement.pages, model.hierarchyBudgetBytes());
+  return model.meshes().use(refinement.in_use, refinement.ancestors) <= model.meshes().budgetBytes() &&
+         model.hierarchy().bytes() <= model.hierarchyBudgetBytes();
 }
 
 bool Instance::refine(Model& model) {
@@ -26,15 +34,18 @@ bool Instance::refine(Model& model) {
   options_.hierarchy_budget_bytes = model.hierarchyBudgetBytes();
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
   Refinement refinement = refineWith(model, options_);
-  if (model.meshes().bytesOf(refinement.in_use) > model.meshes().budgetBytes()) {
+  if (!keep(model, refinement)) {
     RefineOptions coarser = options_;
     coarser.finer_stand_ins = false;
     refinement = refineWith(model, coarser);
+    keep(model, refinement);
   }
-  model.meshes().use(refinement.in_use, refinement.ancestors);
+  model.meshes().trim();
+  held_ = std::move(refinement.held);
   settled_ = refinement.settled;
   limited_ = refinement.limited;
   if (refinement.cut) {
+    cut_build_ = model.build();
     if (model.textures()) dress(*refinement.cut, model);
     cut_ = std::move(refinement.cut);
   }

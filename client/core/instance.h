@@ -18,7 +18,11 @@ namespace lode::core {
 /// Not thread safe; the cuts it gives are.
 class Instance {
  public:
-  explicit Instance(uint64_t triangle_budget) { options_.triangle_budget = triangle_budget; }
+  /// @param hold_factor  see RefineOptions.
+  explicit Instance(uint64_t triangle_budget, float hold_factor = 1) {
+    options_.triangle_budget = triangle_budget;
+    options_.hold_factor = hold_factor;
+  }
 
   /// @param view  in the model frame.
   void setView(const View& view, float threshold_px);
@@ -26,6 +30,7 @@ class Instance {
   void forgetModel() noexcept {
     model_version_ = 0;
     settled_ = limited_ = false;
+    held_.clear();
   }
 
   /// Refines if the view or the model has changed. @return whether it did.
@@ -33,6 +38,8 @@ class Instance {
 
   /// The last cut; null until the root's coarsest rung is there and a view is set.
   const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }
+  /// The build that it is of: see Model::build().
+  uint64_t cutBuild() const noexcept { return cut_build_; }
   /// What the last refinement asks for, best first.
   const std::vector<Wish>& wishes() const noexcept { return wishes_; }
   /// A budget keeps the last cut from converging.
@@ -42,6 +49,7 @@ class Instance {
 
  private:
   Refinement refineWith(const Model& model, const RefineOptions& options) const;
+  static bool keep(Model& model, const Refinement& refinement);
   void dress(Cut& cut, Model& model);
 
   RefineOptions options_;
@@ -49,7 +57,9 @@ class Instance {
   uint64_t model_version_ = 0;  // that the last refinement saw
   bool view_changed_ = false;
   std::shared_ptr<const Cut> cut_;
+  uint64_t cut_build_ = 0;
   std::vector<Wish> wishes_;
+  std::vector<HeldNode> held_;  // by the last refinement
   bool limited_ = false, settled_ = false;
 };
 

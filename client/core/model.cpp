@@ -1,5 +1,6 @@
 #include "client/core/model.h"
 
+#include <cstring>
 #include <limits>
 
 namespace lode::core {
@@ -17,6 +18,12 @@ Model::Model(ModelSummary summary, uint64_t memory_budget_bytes)
       hierarchy_budget_bytes_(memory_budget_bytes / kHierarchyBudgetShare),
       meshes_(memory_budget_bytes - hierarchy_budget_bytes_ - textureShare(summary_, memory_budget_bytes)) {
   if (summary_.textures) textures_.emplace(summary_.textures, textureShare(summary_, memory_budget_bytes));
+}
+
+uint64_t Model::build() const noexcept {
+  uint64_t first = 0;
+  std::memcpy(&first, summary_.build_id.bytes.data(), sizeof first);
+  return first;
 }
 
 MeshKey Model::coarsest() const {
@@ -58,11 +65,12 @@ void Model::take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte>
   }
 }
 
-/// A page that is there already may come again: a new connection begins with the root's.
+/// A page that is there already may come again: a new connection begins with the root's. One below a page
+/// that was forgotten meanwhile has come in vain.
 void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
-  const Node* owner = hierarchy_.find(use.mesh.node);
+  const KnownNode* owner = hierarchy_.find(use.mesh.node);
   const bool is_root_page = use.kind == BlobKind::kRootPage;
-  if (owner && (is_root_page || hierarchy_.childrenKnown(*owner))) return;
+  if (is_root_page ? owner != nullptr : owner == nullptr || owner->childrenKnown()) return;
   HierarchyPage page = decodePage(bytes, use.mesh.node, is_root_page);
   if (is_root_page) {
     hierarchy_.addRootPage(std::move(page));
@@ -72,6 +80,8 @@ void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
 }
 
 void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
+  const KnownNode* node = hierarchy_.find(use.mesh.node);
+  if (use.kind == BlobKind::kMesh && node == nullptr) return;  // forgotten meanwhile
   if (!decoding_.try_emplace(toDecoding(blob, use), blob).second) return;
   undecoded_bytes_ += blob.bytes;
   DecodeJob job;
@@ -83,9 +93,8 @@ void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std
     job.image_size = textures_->imageSize(blob.number);
     job.with_tail = textures_->isCoarsest(blob.number);
   } else {
-    const Node& node = *hierarchy_.find(use.mesh.node);
-    const Rung& rung = node.rungs[use.mesh.rung];
-    job.expected = {rung.triangles, rung.vertices, summary_.attributes, node.box};
+    const Rung& rung = node->rungs[use.mesh.rung];
+    job.expected = {rung.triangles, rung.vertices, summary_.attributes, node->box};
     if (textures_) job.textures = textures_->set();
   }
   jobs_.push_back(std::move(job));
@@ -111,14 +120,15 @@ void Model::finishDecode(DecodeResult result) {
 
 /// A mesh is that of every rung of its node that has the same payload.
 void Model::insert(DecodeResult result) {
-  const Node& node = *hierarchy_.find(result.use.mesh.node);
-  const Rung& decoded = node.rungs[result.use.mesh.rung];
-  for (uint32_t rung = 0; rung < node.rungs.size(); ++rung) {
-    const Rung& same = node.rungs[rung];
+  const KnownNode* node = hierarchy_.find(result.use.mesh.node);
+  if (node == nullptr) return;  // forgotten meanwhile
+  const Rung& decoded = node->rungs[result.use.mesh.rung];
+  for (uint32_t rung = 0; rung < node->rungs.size(); ++rung) {
+    const Rung& same = node->rungs[rung];
     if (same.payload != decoded.payload || same.triangles != decoded.triangles ||
         same.vertices != decoded.vertices)
       continue;
-    const MeshKey key{node.key, rung};
+    const MeshKey key{node->key, rung};
     meshes_.insert(key, result.decoded, result.footprint);
     if (key == coarsest()) meshes_.pin(key);
   }

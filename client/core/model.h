@@ -32,7 +32,8 @@ class Model {
 
   const ModelSummary& summary() const noexcept { return summary_; }
   const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
-  /// Beyond it no page is to be asked for.
+  Hierarchy& hierarchy() noexcept { return hierarchy_; }
+  /// For the pages that a view needs, and beyond them for those that it does not.
   uint64_t hierarchyBudgetBytes() const noexcept { return hierarchy_budget_bytes_; }
   MeshCache& meshes() noexcept { return meshes_; }
   const MeshCache& meshes() const noexcept { return meshes_; }
@@ -56,6 +57,8 @@ class Model {
   /// Takes a job's result; one that belongs to another build is dropped.
   void finishDecode(DecodeResult result);
 
+  /// Names it among the builds of one model.
+  uint64_t build() const noexcept;
   /// Grows with every change that a view may show.
   uint64_t version() const noexcept { return version_; }
   /// Why a part of the model cannot be had; empty if nothing is wrong.

@@ -37,6 +37,7 @@ struct Streamer::State {
   void end(ErrorCode code, const std::string& message);
   bool waitForWork(std::chrono::milliseconds longest);
   void wakeUp();
+  StreamStatus statusOfView() const;
   /// Waits until `done` holds for the status of the view last set, or nothing more will come.
   template <typename Done>
   StreamStatus waitFor(std::chrono::milliseconds timeout, Done done);
@@ -53,6 +54,7 @@ struct Streamer::State {
   uint64_t view_number = 0;         // of the view last set; 0: none
   uint64_t status_view_number = 0;  // of the view that the status is about
   StreamStatus status;
+  bool has_news = false;  // for waitForNews()
   std::optional<ModelSummary> summary;
   std::optional<Error> error;
 
@@ -95,6 +97,7 @@ void Streamer::State::stream() {
   engine_options.session.token = options.token;
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   engine_options.triangle_budget = options.triangle_budget;
+  engine_options.hold_factor = options.hold_factor;
   engine_options.jitter_seed = std::random_device()();
   std::unique_ptr<CacheThread> cache = openCache(engine_options);
   core::Engine engine(std::move(engine_options));
@@ -176,6 +179,7 @@ void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport* transpor
 void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   StreamStatus now;
   now.cut = engine.cut();
+  now.cut_build = engine.cutBuild();
   now.counts = engine.counts();
   now.limited = engine.limited();
   now.settled = engine.settled();
@@ -187,6 +191,7 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   if (!summary && engine.summary()) summary = *engine.summary();
   std::swap(status, now);  // what only the last status held is freed after the lock
   status_view_number = number;
+  has_news = true;
   news.notify_all();
 }
 
@@ -194,7 +199,7 @@ void Streamer::State::end(ErrorCode code, const std::string& message) {
   const std::lock_guard lock(mutex);
   error.emplace(code, message);
   status.failure = message;
-  status.ended = true;
+  status.ended = has_news = true;
   news.notify_all();
 }
 
@@ -217,8 +222,14 @@ StreamStatus Streamer::State::waitFor(std::chrono::milliseconds timeout, Done do
   news.wait_for(lock, timeout, [&] {
     return status.ended || (status_view_number == view_number && (done(status) || !status.failure.empty()));
   });
+  return statusOfView();
+}
+
+/// What it says of another view than the one last set is left out.
+StreamStatus Streamer::State::statusOfView() const {
   StreamStatus result = status;
-  if (status_view_number != view_number) result.settled = result.limited = false;
+  result.current = status_view_number == view_number;
+  if (!result.current) result.settled = result.limited = false;
   return result;
 }
 
@@ -247,6 +258,18 @@ void Streamer::setView(const core::View& view, float threshold_px) {
 StreamStatus Streamer::status() const {
   const std::lock_guard lock(state_->mutex);
   return state_->status;
+}
+
+std::optional<ModelSummary> Streamer::model() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->summary;
+}
+
+StreamStatus Streamer::waitForNews(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(state_->mutex);
+  state_->news.wait_for(lock, timeout, [this] { return state_->has_news; });
+  state_->has_news = state_->status.ended;
+  return state_->statusOfView();
 }
 
 StreamStatus Streamer::waitForConvergence(std::chrono::milliseconds timeout) {

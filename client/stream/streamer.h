@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -21,6 +22,7 @@ struct StreamOptions {
   std::filesystem::path ca_file;  ///< authorities that vouch for the server under TLS; empty: the system's
   uint64_t memory_budget_bytes = core::kDefaultMemoryBudgetBytes;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
+  float hold_factor = 1;  ///< see core::RefineOptions: core::kHoldFactor where somebody watches
   std::chrono::milliseconds connect_timeout{10'000};
   std::filesystem::path cache_folder;  ///< empty: nothing is kept between runs
   uint64_t cache_bytes = kDefaultCacheBytes;
@@ -34,12 +36,14 @@ net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 /// What the last step of a stream has left.
 struct StreamStatus {
   std::shared_ptr<const core::Cut> cut;  ///< null until there is something to show
+  uint64_t cut_build = 0;  ///< names the build that it is of: another one after the model was replaced
   core::EngineCounts counts;
   bool limited = false;  ///< a budget keeps the cut from converging
   bool settled = false;  ///< the cut is all that the view and the budgets will ever give
   std::string failure;   ///< why the stream has ended or a part cannot be had; empty while all is well
   std::string trouble;   ///< why there is no connection, while a new one is tried for; empty otherwise
   bool ended = false;    ///< nothing more will come
+  bool current = false;  ///< it is about the view last set
 };
 
 /// A model streamed from a server: transport, refine thread and decode pool around a core::Engine. Connects
@@ -60,6 +64,10 @@ class Streamer {
   void setView(const core::View& view, float threshold_px);
   /// Never waits for the network.
   StreamStatus status() const;
+  /// What is known of the model; nothing until it is open.
+  std::optional<ModelSummary> model() const;
+  /// Waits until there is news since the last call, or the time is over.
+  StreamStatus waitForNews(std::chrono::milliseconds timeout);
   /// Waits until the cut for the view last set has converged, cannot, or the time is over. Parts that are not
   /// seen may be missing.
   StreamStatus waitForConvergence(std::chrono::milliseconds timeout);

@@ -28,6 +28,12 @@ std::optional<core::CameraPath> readPath(const std::string& file) {
   return core::readCameraPath(file);
 }
 
+stream::StreamOptions streamOptions(const CommonOptions& common) {
+  stream::StreamOptions options = common.streamOptions();
+  options.hold_factor = core::kHoldFactor;
+  return options;
+}
+
 std::string screenshotName() {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
@@ -48,7 +54,7 @@ Viewer::Viewer(const ViewOptions& options)
               options.common.target + " - Lodestream"),
       panel_(window_.handle(), window_.contentScale()),
       renderer_(1, render::residencyFor(options.common.streamOptions().memory_budget_bytes)),
-      opener_(named_, options.common.streamOptions(), options.common.timeout()) {
+      opener_(named_, streamOptions(options.common), options.common.timeout()) {
   content_.title = options.common.target;
 }
 

@@ -43,6 +43,7 @@ TEST(MeshCache, countsTheBytesOfFootprintsWheneverTheyCome) {
   cache.setFootprint({kGrandchild, 0}, footprint);
   EXPECT_EQ(cache.bytes(), 2 * (kMeshBytes + footprint_bytes));
   cache.use({}, {});
+  cache.trim();
   EXPECT_EQ(cache.size(), 0u);
   EXPECT_EQ(cache.bytes(), 0u);
 }
@@ -61,10 +62,13 @@ TEST(MeshCache, evictsTheLeastRecentlyUsedFirst) {
   const MeshKey a{NodeKey{8}, 0}, b{NodeKey{9}, 0}, c{NodeKey{10}, 0};
   cache.insert(a, meshOf(100));
   cache.use(std::vector{a}, {});
+  cache.trim();
   cache.insert(b, meshOf(100));
   cache.use(std::vector{b}, {});
+  cache.trim();
   cache.insert(c, meshOf(100));
   cache.use(std::vector{c}, {});
+  cache.trim();
   EXPECT_FALSE(cache.contains(a));
   EXPECT_TRUE(cache.contains(b));
   EXPECT_TRUE(cache.contains(c));
@@ -78,6 +82,7 @@ TEST(MeshCache, keepsWhatIsInUseOrPinnedEvenBeyondTheBudget) {
   cache.insert({kChild, 0}, meshOf(100));
   cache.insert({kChild, 1}, meshOf(100));
   cache.use(std::vector{MeshKey{kChild, 0}}, {});
+  cache.trim();
   EXPECT_TRUE(cache.contains({kRootKey, 2}));
   EXPECT_TRUE(cache.contains({kChild, 0}));
   EXPECT_FALSE(cache.contains({kChild, 1}));
@@ -89,9 +94,11 @@ TEST(MeshCache, evictsAncestorsAfterTheRest) {
   cache.insert({kChild, 0}, meshOf(100));
   cache.insert({kGrandchild, 0}, meshOf(100));
   cache.use({}, {});
+  cache.trim();
   EXPECT_FALSE(cache.contains({kGrandchild, 0}));
   cache.insert({NodeKey{9}, 0}, meshOf(100));
   cache.use({}, std::vector{MeshKey{kRootKey, 0}, MeshKey{kChild, 0}});
+  cache.trim();
   EXPECT_FALSE(cache.contains({NodeKey{9}, 0}));
 }
 

@@ -23,6 +23,13 @@ class HierarchyTest : public testing::Test {
     return hierarchy;
   }
 
+  std::vector<NodeKey> ownersOfPages() const {
+    std::vector<NodeKey> owners;
+    for (const auto& [key, node] : model_.nodes())
+      if (node.child_page) owners.push_back(key);
+    return owners;
+  }
+
   SyntheticModel model_{{.seed = 2}};
   NodeKey owner_{0};
 };
@@ -33,15 +40,15 @@ TEST_F(HierarchyTest, knowsEveryNodeOnceAllPagesHaveCome) {
   for (const auto& [key, node] : model_.nodes()) {
     ASSERT_TRUE(all.find(key));
     EXPECT_EQ(*all.find(key), node);
-    EXPECT_TRUE(all.childrenKnown(node));
+    EXPECT_TRUE(all.find(key)->childrenKnown());
   }
 }
 
 TEST_F(HierarchyTest, saysWhereChildrenAreNotKnownYet) {
   Hierarchy hierarchy = withRoot();
-  EXPECT_FALSE(hierarchy.childrenKnown(*hierarchy.find(owner_)));
+  EXPECT_FALSE(hierarchy.find(owner_)->childrenKnown());
   hierarchy.addPage(owner_, model_.pageBelow(owner_));
-  EXPECT_TRUE(hierarchy.childrenKnown(*hierarchy.find(owner_)));
+  EXPECT_TRUE(hierarchy.find(owner_)->childrenKnown());
 }
 
 TEST_F(HierarchyTest, refusesAPageThatComesTwice) {
@@ -89,6 +96,40 @@ TEST_F(HierarchyTest, refusesMoreNodesThanTheModelAnnounced) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kLimit);
   }
+}
+
+TEST_F(HierarchyTest, forgetsPagesThatAreNotInUseTheLeastRecentlyUsedFirst) {
+  Hierarchy hierarchy = model_.hierarchy();
+  const std::vector<NodeKey> owners = ownersOfPages();
+  ASSERT_GE(owners.size(), 3u);
+  for (const NodeKey owner : owners) hierarchy.use({{owner}}, UINT64_MAX);
+  hierarchy.use({{owners.back()}}, hierarchy.bytes() - 1);
+  EXPECT_FALSE(hierarchy.find(owners[0])->childrenKnown());
+  EXPECT_TRUE(hierarchy.find(owners[1])->childrenKnown());
+  hierarchy.use({{owners.back()}}, 0);
+  EXPECT_TRUE(hierarchy.find(owners.back())->childrenKnown());
+  hierarchy.use({}, 0);
+  EXPECT_EQ(hierarchy.size(), model_.rootPage().nodes.size());
+  EXPECT_EQ(hierarchy.bytes(), withRoot().bytes());
+}
+
+TEST_F(HierarchyTest, takesAPageAnewThatItHasForgotten) {
+  Hierarchy hierarchy = model_.hierarchy();
+  hierarchy.use({}, 0);
+  hierarchy.addPage(owner_, model_.pageBelow(owner_));
+  EXPECT_TRUE(hierarchy.find(owner_)->childrenKnown());
+}
+
+TEST(HierarchyMemory, keepsAPageWhileOneBelowItIsKnown) {
+  const SyntheticModel model({.seed = 2, .depth = 6});
+  Hierarchy hierarchy = model.hierarchy();
+  NodeKey deep{0};
+  for (const auto& [key, node] : model.nodes())
+    if (node.child_page && key.depth() == 4) deep = key;
+  ASSERT_TRUE(deep.valid());
+  hierarchy.use({{deep}}, 0);
+  ASSERT_TRUE(hierarchy.find(deep));
+  EXPECT_TRUE(hierarchy.find(deep)->childrenKnown());
 }
 
 TEST(HierarchyMemory, countsRungsOfNodesThatHoldMany) {

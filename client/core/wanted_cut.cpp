@@ -1,0 +1,171 @@
+#include "client/core/wanted_cut.h"
+
+#include <algorithm>
+
+namespace lode::core {
+namespace {
+
+constexpr size_t kFewNodes = 1024;         // that room is made for at first
+constexpr uint64_t kCoverBytesRatio = 20;  // a covering step costs at most a twentieth of what it bridges
+
+uint64_t partBytes(const Rung& rung, AttributeSet attributes) {
+  return kPartBytes + (rung.triangles == 0 ? 0 : meshBytes(rung.vertices, rung.triangles, attributes));
+}
+
+}  // namespace
+
+void WantedCut::Totals::add(const Rung& rung, AttributeSet attributes) {
+  triangles += rung.triangles;
+  bytes += partBytes(rung, attributes);
+}
+
+void WantedCut::Totals::remove(const Rung& rung, AttributeSet attributes) {
+  triangles -= rung.triangles;
+  bytes -= partBytes(rung, attributes);
+}
+
+WantedCut::WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeSet attributes,
+                     const View& view, const RefineOptions& options, std::span<const HeldNode> held)
+    : hierarchy_(hierarchy),
+      step_(lattice_step),
+      attributes_(attributes),
+      sight_(view, kMarginWidening),
+      options_(options),
+      held_(options.hold_factor < 1 ? held : std::span<const HeldNode>()),
+      page_bytes_(hierarchy.rootPageBytes()) {
+  const KnownNode& first = *hierarchy_.root();
+  nodes_.reserve(kFewNodes);
+  add(first, held_.empty() ? 0 : 1);
+  totals_.add(first.rungs.back(), attributes_);
+  refine();
+  chooseCovers(root());
+}
+
+WantedNode WantedCut::place(const KnownNode& node) const {
+  WantedNode wanted;
+  wanted.node = &node;
+  wanted.rung = lastRung(node);
+  if (node.box.empty()) return wanted;
+  const ModelBox box = toModelBox(node.box, step_);
+  wanted.near = sight_.maySeeWhenTurned(box);
+  wanted.visible = wanted.near && sight_.maySee(box);
+  wanted.distance_model = sight_.distanceTo(box);
+  return wanted;
+}
+
+float WantedCut::errorPx(const WantedNode& wanted, uint32_t rung) const {
+  const Rung& of = wanted.node->rungs[rung];
+  return sight_.errorPx(std::max(of.error_model, of.appearance_error_model), wanted.distance_model);
+}
+
+void WantedCut::add(const KnownNode& node, uint32_t held) {
+  WantedNode& wanted = nodes_.emplace_back(place(node));
+  wanted.held = held;
+  enqueue(static_cast<uint32_t>(nodes_.size()) - 1);
+}
+
+void WantedCut::enqueue(uint32_t place) {
+  const WantedNode& wanted = nodes_[place];
+  if (!wanted.visible) return;
+  const float error_px = errorPx(wanted, wanted.rung);
+  if (error_px > options_.threshold_px ||
+      (error_px > options_.threshold_px * options_.hold_factor && wasFiner(wanted)))
+    queue_.push({error_px, place, wanted.node->key});
+}
+
+bool WantedCut::wasFiner(const WantedNode& wanted) const {
+  if (wanted.held == 0) return false;
+  const HeldNode& held = held_[wanted.held - 1];
+  return held.first_child != 0 || held.rung < wanted.rung;
+}
+
+void WantedCut::refine() {
+  while (!queue_.empty()) {
+    const uint32_t worst = queue_.top().place;
+    queue_.pop();
+    if (!giveWay(worst)) return;
+  }
+}
+
+/// @return false if a budget forbids it.
+bool WantedCut::giveWay(uint32_t place) {
+  WantedNode& wanted = nodes_[place];
+  const KnownNode& node = *wanted.node;
+  Totals totals = totals_;
+  totals.remove(node.rungs[wanted.rung], attributes_);
+  if (wanted.rung > 0) {
+    totals.add(node.rungs[wanted.rung - 1], attributes_);
+    if (!fits(totals)) return false;
+    --wanted.rung;
+    enqueue(place);
+    return true;
+  }
+  if (node.isLeaf()) return true;
+  const uint64_t page_bytes =
+      node.childrenKnown() ? node.page_below_bytes : pageBytesAtMost(node.child_page.bytes);
+  if (page_bytes_ + page_bytes > options_.hierarchy_budget_bytes) {
+    limited_ = true;
+    return true;
+  }
+  if (node.childrenKnown()) return expand(place, totals);
+  wanted.role = Role::kBlocked;
+  blocked_ = true;
+  page_bytes_ += page_bytes;
+  return true;
+}
+
+bool WantedCut::expand(uint32_t place, const Totals& without) {
+  const KnownNode& node = *nodes_[place].node;
+  Totals totals = without;
+  for (const KnownNode& child : node.knownChildren()) totals.add(child.rungs.back(), attributes_);
+  if (!fits(totals)) return false;
+  if (node.child_page) {
+    page_bytes_ += node.page_below_bytes;
+    pages_.push_back(node.key);
+  }
+  const uint32_t held = nodes_[place].held;
+  uint32_t held_child = held == 0 ? 0 : held_[held - 1].first_child;  // + 1 below: it is a place
+  nodes_[place].role = Role::kExpanded;
+  nodes_[place].first_child = static_cast<uint32_t>(nodes_.size());
+  for (const KnownNode& child : node.knownChildren()) add(child, held_child == 0 ? 0 : ++held_child);
+  return true;
+}
+
+bool WantedCut::fits(const Totals& totals) {
+  limited_ |= totals.triangles > options_.triangle_budget || totals.bytes > options_.cut_budget_bytes;
+  if (totals.triangles > options_.triangle_budget || totals.bytes > options_.cut_budget_bytes) return false;
+  totals_ = totals;
+  return true;
+}
+
+/// Chooses the covering step: on each way down the deepest expanded node, at its finest rung, that costs
+/// little against what is wanted below it. It does not depend on what is resident, so that wishes do not
+/// waver.
+WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
+  const Node& node = *wanted.node;
+  if (wanted.role == Role::kPart) return {wanted.near ? node.rungs[wanted.rung].payload.bytes : 0, false};
+  if (wanted.role == Role::kBlocked) return {0, true};
+  Below below;
+  for (WantedNode& child : children(wanted)) {
+    const Below more = chooseCovers(child);
+    below.bytes += more.bytes;
+    below.settled |= more.settled;
+  }
+  if (below.settled) return below;
+  const auto cheap = std::find_if(node.rungs.begin(), node.rungs.end(), [&](const Rung& rung) {
+    return rung.payload.bytes * kCoverBytesRatio <= below.bytes;
+  });
+  if (cheap == node.rungs.end()) return below;
+  wanted.cover_rung = static_cast<uint32_t>(cheap - node.rungs.begin());
+  below.settled = true;
+  return below;
+}
+
+std::vector<HeldNode> WantedCut::held() const {
+  std::vector<HeldNode> held;
+  held.reserve(nodes_.size());
+  for (const WantedNode& wanted : nodes_) held.push_back({wanted.first_child, wanted.rung});
+  return held;
+}
+
+}  // namespace lode::core

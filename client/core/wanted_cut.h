@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <queue>
+#include <span>
+#include <vector>
+
+#include "client/core/cache.h"
+#include "client/core/hierarchy.h"
+#include "client/core/refine_options.h"
+#include "client/core/sight.h"
+#include "common/mesh.h"
+
+namespace lode::core {
+
+/// What the wanted cut makes of a node.
+enum class Role : uint8_t {
+  kPart,      ///< it is in the cut
+  kExpanded,  ///< its children are
+  kBlocked,   ///< its children should be, but are not known yet
+};
+
+struct WantedNode {
+  const KnownNode* node = nullptr;
+  bool visible = false;
+  bool near = false;  ///< visible, or would be if the camera turned a little
+  Role role = Role::kPart;
+  uint32_t rung = 0;
+  std::optional<uint32_t> cover_rung;          ///< the node is in the covering step at this rung
+  std::optional<bool> children_covered;        ///< for who publishes the cut,
+  const MeshCache::Rungs* resident = nullptr;  ///< and this
+  double distance_model = 0;
+  uint32_t first_child = 0;  ///< of an expanded node, see WantedCut::children()
+  uint32_t held = 0;         ///< place in the last refinement's nodes + 1; 0: it had not come so far
+};
+
+/// The cut that a view wants of the known octree, whatever is resident: it starts at the root's coarsest
+/// rung, and the part with the largest projected error gives way to its next finer rung, or from rung 0 to
+/// its children at their coarsest, until no visible part is above the threshold or a budget is reached. Ties
+/// go by node key. Parts outside the view are not refined.
+class WantedCut {
+ public:
+  /// @param held  see held(), of the last refinement; used where the options ask for hysteresis.
+  WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeSet attributes, const View& view,
+            const RefineOptions& options, std::span<const HeldNode> held);
+
+  WantedNode& root() { return nodes_.front(); }
+  std::span<WantedNode> nodes() { return nodes_; }
+  /// Of an expanded node, by octant.
+  std::span<WantedNode> children(const WantedNode& wanted) {
+    return std::span(nodes_).subspan(wanted.first_child, wanted.node->knownChildren().size());
+  }
+  /// A node as this view sees it.
+  WantedNode place(const KnownNode& node) const;
+  float errorPx(const WantedNode& wanted, uint32_t rung) const;
+
+  bool limited() const noexcept { return limited_; }  ///< a budget stopped it above the threshold
+  bool blocked() const noexcept { return blocked_; }  ///< a node's children are not known yet
+  /// Owners of the pages that it goes through.
+  const std::vector<NodeKey>& pages() const noexcept { return pages_; }
+  std::vector<HeldNode> held() const;
+  static uint32_t lastRung(const Node& node) { return static_cast<uint32_t>(node.rungs.size()) - 1; }
+
+ private:
+  /// A part that may have to give way. Largest error first.
+  struct Candidate {
+    float error_px = 0;
+    uint32_t place = 0;
+    NodeKey node;
+    friend bool operator<(const Candidate& a, const Candidate& b) noexcept {
+      return a.error_px != b.error_px ? a.error_px < b.error_px : b.node < a.node;
+    }
+  };
+  struct Totals {
+    uint64_t triangles = 0, bytes = 0;
+    void add(const Rung& rung, AttributeSet attributes);
+    void remove(const Rung& rung, AttributeSet attributes);
+  };
+  /// Of what is below a node in the choice of covers.
+  struct Below {
+    uint64_t bytes = 0;    // of the wanted cut's payloads near the view
+    bool settled = false;  // a covering step was chosen, or not all of it is known yet
+  };
+
+  void add(const KnownNode& node, uint32_t held);
+  void enqueue(uint32_t place);
+  void refine();
+  bool wasFiner(const WantedNode& wanted) const;
+  bool giveWay(uint32_t place);
+  bool expand(uint32_t place, const Totals& totals);
+  bool fits(const Totals& totals);
+  Below chooseCovers(WantedNode& wanted);
+
+  const Hierarchy& hierarchy_;
+  const double step_;
+  const AttributeSet attributes_;
+  const Sight sight_;
+  const RefineOptions& options_;
+  const std::span<const HeldNode> held_;
+  std::vector<WantedNode> nodes_;
+  std::priority_queue<Candidate> queue_;
+  Totals totals_;
+  uint64_t page_bytes_ = 0;
+  std::vector<NodeKey> pages_;
+  bool limited_ = false, blocked_ = false;
+};
+
+}  // namespace lode::core

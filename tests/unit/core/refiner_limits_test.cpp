@@ -1,0 +1,80 @@
+// What budgets and hysteresis make of a refinement.
+
+#include "tests/unit/core/scripted_client.h"
+
+namespace lode::core {
+namespace {
+
+using namespace test;
+
+class RefinerLimits : public testing::TestWithParam<uint32_t> {
+ protected:
+  SyntheticModel model_{{.seed = GetParam(), .empty_chance = GetParam() % 2 ? 0.1 : 0.0}};
+  std::mt19937 random_{GetParam() * 7919};
+};
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RefinerLimits, testing::Range(1u, 13u));
+
+TEST_P(RefinerLimits, showsAllOfEachPlaceInTurnThoughTheBudgetHoldsThePagesOfOneAlone) {
+  const auto pagesOf = [&](const View& view) {
+    Scripted client(model_);
+    client.converge(view, {.threshold_px = 4}, random_, kNoCheck);
+    return client.hierarchy().bytes();
+  };
+  const uint64_t budget =
+      std::max({pagesOf(closeView()), pagesOf(insideView()), pagesOf(farView())}) + pageBytesAtMost(1000);
+  Scripted client(model_);
+  for (const View& view : {closeView(), insideView(), farView(), insideView(), closeView()}) {
+    client.converge(view, {.threshold_px = 4, .hierarchy_budget_bytes = budget}, random_, kNoCheck);
+    EXPECT_TRUE(client.last().cut->converged);
+    EXPECT_LE(client.hierarchy().bytes(), budget);
+    EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, view, 4).parts());
+  }
+}
+
+TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {
+  HierarchyPage page;
+  const auto add = [&](NodeKey key, uint8_t children, float error_model) {
+    Node node;
+    node.key = key;
+    node.box.add(glm::uvec3(0));
+    node.box.add(glm::uvec3(1024));
+    node.child_mask = children;
+    node.rungs = {{{}, 0, 0, 0, error_model, 0}};
+    page.nodes.push_back(node);
+  };
+  add(kRootKey, 0xff, 100);
+  for (unsigned octant = 0; octant < 8; ++octant) add(kRootKey.child(octant), 0xff, 90);
+  for (unsigned parent = 0; parent < 8; ++parent)
+    for (unsigned octant = 0; octant < 8; ++octant) add(kRootKey.child(parent).child(octant), 0, 80);
+  Hierarchy hierarchy(page.nodes.size());
+  hierarchy.addRootPage(page);
+  const MeshCache cache(1u << 20);
+  const View view = lookingAt({512, 512, 2000}, {512, 512, 0});
+  const auto limitedBy = [&](uint64_t budget_bytes) {
+    return refine(hierarchy, cache, {{0, 0, 0}, 1}, {}, view,
+                  {.threshold_px = 2, .cut_budget_bytes = budget_bytes})
+        .limited;
+  };
+  EXPECT_TRUE(limitedBy(8 * kPartBytes));
+  EXPECT_FALSE(limitedBy(64 * kPartBytes));
+}
+
+TEST_P(RefinerLimits, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
+  const RefineOptions held{.threshold_px = 4, .hold_factor = kHoldFactor};
+  View tremble = closeView();
+  tremble.eye_model *= 1.02;
+  Scripted client(model_);
+  client.converge(closeView(), held, random_, kNoCheck);
+  client.converge(tremble, held, random_, kNoCheck);
+  client.converge(closeView(), held, random_, kNoCheck);
+  const Parts first = partsOf(*client.last().cut);
+  for (int i = 0; i < 4; ++i) {
+    client.converge(i % 2 == 0 ? tremble : closeView(), held, random_, kNoCheck);
+    EXPECT_EQ(partsOf(*client.last().cut), first);
+    EXPECT_LE(client.last().cut->max_error_px, 4);
+  }
+}
+
+}  // namespace
+}  // namespace lode::core

@@ -1,0 +1,154 @@
+#pragma once
+
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "client/core/refiner.h"
+#include "tests/unit/core/synthetic_model.h"
+
+namespace lode::core::test {
+
+using Parts = std::map<NodeKey, uint32_t>;
+
+inline View lookingAt(glm::dvec3 eye, glm::dvec3 target, uint32_t height_px = 720) {
+  View view;
+  view.eye_model = eye;
+  view.forward = glm::normalize(target - eye);
+  view.up = glm::normalize(glm::cross(glm::cross(view.forward, glm::dvec3(0.1, 1, 0.2)), view.forward));
+  view.width_px = height_px * 16 / 9;
+  view.height_px = height_px;
+  return view;
+}
+
+inline View closeView() { return lookingAt({512, 512, 1400}, {200, 300, 0}); }
+inline View farView() { return lookingAt({4000, 9000, 30000}, {512, 512, 512}); }
+inline View insideView() { return lookingAt({500, 510, 520}, {0, 0, 400}); }
+
+/// The definition of the converged cut, written down as plainly as can be.
+class BruteForce {
+ public:
+  BruteForce(const SyntheticModel& model, const View& view, float threshold_px)
+      : model_(model), view_(view), threshold_px_(threshold_px) {
+    visit(kRootKey);
+  }
+  const Parts& parts() const { return parts_; }
+  float errorPx(NodeKey key, uint32_t rung) const {
+    const Node& node = model_.nodes().at(key);
+    const ModelBox box = toModelBox(node.box, SyntheticModel::lattice().step);
+    return screenErrorPx(std::max(node.rungs[rung].error_model, node.rungs[rung].appearance_error_model),
+                         distanceToBox(view_.eye_model, box), view_);
+  }
+
+ private:
+  void visit(NodeKey key) {
+    const Node& node = model_.nodes().at(key);
+    const uint32_t last = static_cast<uint32_t>(node.rungs.size()) - 1;
+    if (!boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view_)) return add(node, last);
+    for (uint32_t rung = last + 1; rung-- > 0;)
+      if (errorPx(key, rung) <= threshold_px_) return add(node, rung);
+    if (node.isLeaf()) return add(node, 0);
+    for (unsigned octant = 0; octant < 8; ++octant)
+      if ((node.child_mask >> octant & 1) != 0) visit(key.child(octant));
+  }
+  void add(const Node& node, uint32_t rung) {
+    if (node.rungs[rung].triangles != 0) parts_[node.key] = rung;
+  }
+
+  const SyntheticModel& model_;
+  const View view_;
+  const float threshold_px_;
+  Parts parts_;
+};
+
+inline Parts partsOf(const Cut& cut) {
+  Parts parts;
+  for (const CutPart& part : cut.parts) parts[part.node] = part.rung;
+  EXPECT_EQ(parts.size(), cut.parts.size());
+  return parts;
+}
+
+/// A client whose server answers wishes in an order that the test chooses.
+class Scripted {
+ public:
+  explicit Scripted(const SyntheticModel& model, uint64_t budget_bytes = 1ull << 40)
+      : model_(model), hierarchy_(model.nodes().size()), cache_(budget_bytes) {
+    hierarchy_.addRootPage(model.rootPage());
+  }
+
+  const Refinement& refineFor(const View& view, const RefineOptions& options) {
+    const std::vector<HeldNode> held = std::move(last_.held);
+    last_ = refine(hierarchy_, cache_, SyntheticModel::lattice(), SyntheticModel::attributes(), view, options,
+                   held);
+    cache_.use(last_.in_use, last_.ancestors);
+    cache_.trim();
+    hierarchy_.use(last_.pages, options.hierarchy_budget_bytes);
+    return last_;
+  }
+
+  void deliver(const Wish& wanted) {
+    const MeshKey& mesh = wanted.use.mesh;
+    if (wanted.use.kind == BlobKind::kPage) {
+      hierarchy_.addPage(mesh.node, model_.pageBelow(mesh.node));
+    } else {
+      delivered_payload_bytes_ += wanted.blob.bytes;
+      cache_.insert(mesh, model_.mesh(mesh));
+    }
+  }
+
+  /// Delivers wishes, each time any of them, until none is left. @param check  called on every cut.
+  template <typename Check>
+  void converge(const View& view, const RefineOptions& options, std::mt19937& random, Check check) {
+    for (size_t round = 0; round < 20000; ++round) {
+      refineFor(view, options);
+      check(last_);
+      if (last_.wanted.empty()) return;
+      deliver(last_.wanted[random() % last_.wanted.size()]);
+    }
+    FAIL() << "wishes without end";
+  }
+
+  const Refinement& last() const { return last_; }
+  const Hierarchy& hierarchy() const { return hierarchy_; }
+  MeshCache& cache() { return cache_; }
+  uint64_t deliveredPayloadBytes() const { return delivered_payload_bytes_; }
+
+ private:
+  const SyntheticModel& model_;
+  Hierarchy hierarchy_;
+  MeshCache cache_;
+  Refinement last_;
+  uint64_t delivered_payload_bytes_ = 0;
+};
+
+inline const auto kNoCheck = [](const Refinement&) {};
+
+inline bool isNear(const SyntheticModel& model, NodeKey node, const View& view) {
+  return boxMayBeVisible(toModelBox(model.nodes().at(node).box, SyntheticModel::lattice().step), view,
+                         kMarginWidening);
+}
+
+/// Every leaf's place is covered by exactly one part, or by none where a rung on the way is empty, or where
+/// it is far outside the view of a cut that has not settled.
+inline void expectComplete(const SyntheticModel& model, const Cut& cut, bool settled) {
+  const Parts parts = partsOf(cut);
+  for (const NodeKey leaf : model.leaves()) {
+    int covering = 0;
+    bool may_be_empty = !settled && !isNear(model, leaf, cut.view);
+    for (int depth = 0; depth <= leaf.depth(); ++depth) {
+      const NodeKey key = leaf.ancestorAt(depth);
+      covering += static_cast<int>(parts.count(key));
+      for (const Rung& rung : model.nodes().at(key).rungs) may_be_empty |= rung.triangles == 0;
+    }
+    if (may_be_empty) {
+      ASSERT_LE(covering, 1) << leaf.value;
+    } else {
+      ASSERT_EQ(covering, 1) << leaf.value;
+    }
+  }
+}
+
+}  // namespace lode::core::test
