@@ -1,6 +1,7 @@
 #include "client/core/engine.h"
 
 #include <algorithm>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 
@@ -24,15 +25,28 @@ void Engine::connect(TimePoint now) {
   link_.begin(known ? known->build_id : BlobName(), now);
 }
 
-void Engine::receive(std::span<const std::byte> bytes, TimePoint now) {
+void Engine::receive(std::span<const std::byte> bytes, TimePoint now, Line line) {
   now_ = now;
-  if (!link_.session()) return;
-  link_.session()->receive(bytes, now);
-  while (link_.session()) {
-    std::optional<SessionEvent> event = link_.session()->nextEvent();
+  if (!link_.session(line)) return;
+  link_.session(line)->receive(bytes, now);
+  handleAll(line);
+}
+
+void Engine::handleAll(Line line) {
+  while (link_.session(line)) {
+    std::optional<SessionEvent> event = link_.session(line)->nextEvent();
     if (!event) return;
-    std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
+    // What a server that is going away says beside blobs, the next one says too.
+    const bool is_heard = line == Line::kNewest || !(std::holds_alternative<ServerLeaving>(*event) ||
+                                                     std::holds_alternative<ModelChanged>(*event));
+    if (is_heard) std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
   }
+}
+
+void Engine::disconnect(const Error& why, TimePoint now, Line line) {
+  wishes_waiting_ = true;
+  if (line == Line::kNewest) return link_.fail(why, now);
+  link_.endLeaving();
 }
 
 void Engine::handle(ModelOpened event) {
@@ -44,7 +58,9 @@ void Engine::handle(ModelOpened event) {
                 "the server has replaced the model by one of another size or place: open it again");
   model_.emplace(std::move(event.summary), options_.memory_budget_bytes);
   instance_.forgetModel();
+  prefetcher_.forgetModel();
   queries_ = {};
+  link_.endLeaving();
 }
 
 void Engine::handle(ModelsListed) {
@@ -56,12 +72,13 @@ void Engine::handle(BlobArrived event) {
   if (options_.has_cache) arrivals_.push_back({event.blob, event.bytes});
   const bool was_root_page = event.use.kind == BlobKind::kRootPage;
   deliver(event.blob, event.use, std::move(event.bytes));
-  if (!was_root_page || !link_.session()->givesFirstBlobs()) return;
+  if (!was_root_page || !link_.session() || !link_.session()->givesFirstBlobs()) return;
   if (const auto coarsest = model_->firstWish())
     link_.session()->expectUnasked(coarsest->blob, coarsest->use);
 }
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
+  prefetcher_.arrived(blob, use);
   // What several rungs share is fetched once.
   for (const Wish& wish : instance_.wishes())
     if (wish.blob == blob && wish.use != use) model_->take(wish.blob, wish.use, bytes);
@@ -88,7 +105,7 @@ void Engine::handle(BlobRefused event) {
 void Engine::handle(WishCancelled) { wishes_waiting_ = true; }
 
 void Engine::handle(ServerLeaving event) {
-  link_.end("the server is going away (" + event.reason + ")", now_);
+  link_.leave(std::move(event.reason), now_);
 }
 
 void Engine::handle(ModelChanged) { link_.restart(now_); }
@@ -99,39 +116,74 @@ void Engine::finishDecode(DecodeResult result) {
 
 void Engine::step(TimePoint now) {
   now_ = now;
-  if (link_.session()) {
+  for (const Line line : {Line::kNewest, Line::kLeaving}) {
+    if (!link_.session(line)) continue;
     try {
-      link_.session()->tick(now);
+      link_.session(line)->tick(now);
     } catch (const Error& silent) {
-      link_.fail(silent, now);
+      disconnect(silent, now, line);
     }
   }
-  if (!model_) return;
-  const bool refined = instance_.refine(*model_);
-  if (refined || std::exchange(wishes_waiting_, false)) renewWishes();
+  if (model_) {
+    bool changed = instance_.refine(*model_);
+    if (changed) prefetcher_.needed(instance_.cut().get(), instance_.pages(), instance_.wishes());
+    if (options_.prefetch && instance_.view()) {
+      prefetcher_.see(*instance_.view(), now);
+      changed |= prefetcher_.lookAhead(*model_, instance_.options(), now);
+    }
+    if (changed || wishes_waiting_) renewWishes();
+  }
+  waited_.begin(waiting(), now);
+}
+
+Waiting Engine::waiting() const noexcept {
+  if (!model_ || !model_->hierarchy().root()) return Waiting::kLink;
+  if (!instance_.view() || (cut() && cut()->converged)) return Waiting::kNot;
+  const auto isSeen = [](const Wish& wish) { return wish.wish_class == proto::WishClass::kVisible; };
+  const std::vector<Wish>& wishes = instance_.wishes();
+  const auto seen_end = std::find_if_not(wishes.begin(), wishes.end(), isSeen);
+  if (seen_end == wishes.begin()) return instance_.limited() ? Waiting::kBudget : Waiting::kNot;
+  if (held_back_) return Waiting::kDecode;
+  const bool is_awaited =
+      std::any_of(wishes.begin(), seen_end, [this](const Wish& wish) { return model_->wants(wish); });
+  return is_awaited ? Waiting::kLink : Waiting::kDecode;
 }
 
 void Engine::renewWishes() {
-  wishes_waiting_ = false;
+  wishes_waiting_ = held_back_ = false;
   if (!link_.session() && !options_.has_cache) return;
   std::vector<Wish> wishes;
+  std::unordered_set<uint32_t> asked;  // blob numbers
+  const Session* const leaving = link_.session(Line::kLeaving);
+  const uint64_t budget_bytes = model_->transitBudgetBytes();
   uint64_t waiting_bytes = model_->undecodedBytes();
   /// @return false if no more may be asked for.
   const auto ask = [&](const Wish& wish) {
-    if (!model_->wants(wish)) return true;
+    if (!model_->wants(wish) || !asked.insert(wish.blob.number).second) return true;
+    if (leaving != nullptr && leaving->isWishedFor(wish.blob)) return true;
     waiting_bytes += wish.blob.bytes;
-    if (waiting_bytes > kMaxUndecodedBytes && !wishes.empty()) return false;
+    held_back_ = waiting_bytes > budget_bytes && model_->undecodedBytes() > budget_bytes / 2;
+    if (waiting_bytes > budget_bytes && !(wishes.empty() && model_->decoding() == 0)) return false;
+    if (wish.wish_class == proto::WishClass::kPrefetch) prefetcher_.asked(wish);
     if (!options_.has_cache || queries_.lacks(wish)) wishes.push_back(wish);
     return wishes.size() < kMaxWishesAtOnce;
   };
   if (const auto first = model_->firstWish()) ask(*first);
-  for (const Wish& wish : instance_.wishes())
+  const std::vector<Wish>& ahead = prefetcher_.wishes();
+  for (const Wish& wish : instance_.wishes()) {
+    // What a moving camera will see comes before what it turns away from.
+    if (wish.wish_class == proto::WishClass::kMargin && !ahead.empty()) break;
     if (!ask(wish)) break;
-  if (link_.session()) link_.session()->setWishes(wishes);
+  }
+  for (const Wish& wish : ahead)
+    if (!ask(wish)) break;
+  if (!options_.best_first)
+    for (Wish& wish : wishes) wish.wish_class = proto::WishClass::kVisible, wish.priority_px = 1;
+  if (link_.takesWishes()) link_.session()->setWishes(wishes);
 }
 
-proto::Bytes Engine::takeOutgoing() {
-  return link_.session() ? link_.session()->takeOutgoing() : proto::Bytes();
+proto::Bytes Engine::takeOutgoing(Line line) {
+  return link_.session(line) ? link_.session(line)->takeOutgoing() : proto::Bytes();
 }
 
 std::vector<DecodeJob> Engine::takeDecodeJobs() {
@@ -147,9 +199,20 @@ EngineCounts Engine::counts() const noexcept {
   EngineCounts counts;
   counts.received_bytes = link_.receivedBytes();
   counts.cache_bytes = cache_bytes_;
-  if (link_.session()) counts.open_wishes = link_.session()->openWishes();
+  counts.prefetch = prefetcher_.counts();
+  counts.waited = waited_;
+  if (const Session* session = link_.session()) {
+    using Milliseconds = std::chrono::duration<double, std::milli>;
+    const CreditWindow& window = session->window();
+    counts.open_wishes = session->openWishes();
+    counts.link_bytes_per_s = window.bytesPerSecond();
+    counts.round_trip_ms = Milliseconds(window.roundTrip().value_or(std::chrono::nanoseconds(0))).count();
+    counts.window_bytes = window.bytes();
+  }
   if (!model_) return counts;
   counts.decoding = model_->decoding();
+  counts.transit_bytes = model_->undecodedBytes() + model_->decodingBytes();
+  if (link_.session()) counts.transit_bytes += link_.session()->wishedBytes();
   counts.resident_bytes = model_->meshes().bytes();
   counts.known_nodes = model_->hierarchy().size();
   counts.hierarchy_bytes = model_->hierarchy().bytes();

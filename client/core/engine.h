@@ -16,7 +16,9 @@
 #include "client/core/instance.h"
 #include "client/core/link.h"
 #include "client/core/model.h"
+#include "client/core/prefetcher.h"
 #include "client/core/view.h"
+#include "client/core/wait_times.h"
 
 namespace lode::core {
 
@@ -31,7 +33,10 @@ struct EngineOptions {
   bool has_cache = false;    ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
   /// Of the model as the cache has it, from an earlier run.
   std::optional<ModelSummary> cached_model = std::nullopt;
-  bool offline = false;  ///< shows cached_model from the cache and never wants a connection
+  bool offline = false;   ///< shows cached_model from the cache and never wants a connection
+  bool prefetch = false;  ///< asks ahead of a camera that moves
+  /// False: what is wished for comes in the order in which it was wished for, to compare with.
+  bool best_first = true;
 };
 
 struct EngineCounts {
@@ -39,6 +44,7 @@ struct EngineCounts {
   uint64_t cache_bytes = 0;     ///< of blobs from the cache
   uint64_t open_wishes = 0;
   uint64_t decoding = 0;        ///< jobs handed out
+  uint64_t transit_bytes = 0;   ///< asked for, not decoded, or being decoded, with what decoding takes
   uint64_t resident_bytes = 0;  ///< decoded meshes
   uint64_t known_nodes = 0;
   uint64_t hierarchy_bytes = 0;     ///< of the known nodes
@@ -46,6 +52,11 @@ struct EngineCounts {
   uint64_t texture_bytes = 0;       ///< decoded tiles
   uint64_t tiles = 0;               ///< resident
   uint64_t tiles_left_out = 0;      ///< that the view needs and the memory budget does not allow
+  PrefetchCounts prefetch;
+  WaitTimes waited;                ///< for the picture to converge
+  double link_bytes_per_s = 0;     ///< measured; 0: not yet
+  double round_trip_ms = 0;        ///< smallest measured; 0: none yet
+  uint64_t window_bytes = 0;       ///< that the server may have under way
 };
 
 /// A link to a server, a model and a view of it, stepped together: bytes, blobs from a cache, decoded meshes
@@ -56,18 +67,21 @@ class Engine {
  public:
   explicit Engine(EngineOptions options);
 
-  /// A transport is to be made, and then connect() called.
+  /// A transport is to be made, and then connect() called. What was the newest until then, if it is there, is
+  /// the leaving one from then on.
   bool wantsConnection(TimePoint now) const noexcept { return !options_.offline && link_.due(now); }
   void connect(TimePoint now);
   /// False: the transport, if there is one, is of no more use.
-  bool connected() const noexcept { return link_.session() != nullptr; }
+  bool connected(Line line = Line::kNewest) const noexcept { return link_.session(line) != nullptr; }
+  /// There is a connection, and its server does not go away.
+  bool staysConnected() const noexcept { return link_.takesWishes(); }
   /// The transport failed. @throws the error if a new one would not help; the last cut stays good.
-  void disconnect(const Error& why, TimePoint now) { link_.fail(why, now); }
+  void disconnect(const Error& why, TimePoint now, Line line = Line::kNewest);
   /// Why there is no connection now, while a new one is tried for; empty otherwise.
   const std::string& trouble() const noexcept { return link_.trouble(); }
 
   /// @throws Error as Session does: the engine must be given up then; the last cut stays good.
-  void receive(std::span<const std::byte> bytes, TimePoint now);
+  void receive(std::span<const std::byte> bytes, TimePoint now, Line line = Line::kNewest);
   void finishDecode(DecodeResult result);
   /// @param view  in the model frame: see camera_path.h for how to come from true coordinates.
   void setView(const View& view, float threshold_px) { instance_.setView(view, threshold_px); }
@@ -76,7 +90,7 @@ class Engine {
   /// disconnect().
   void step(TimePoint now);
 
-  proto::Bytes takeOutgoing();
+  proto::Bytes takeOutgoing(Line line = Line::kNewest);
   std::vector<DecodeJob> takeDecodeJobs();
 
   /// Blobs to be looked for in the cache; each is to be answered by finishCacheQuery().
@@ -104,6 +118,7 @@ class Engine {
   EngineCounts counts() const noexcept;
 
  private:
+  void handleAll(Line line);
   void handle(ModelOpened event);
   void handle(ModelsListed event);
   void handle(BlobArrived event);
@@ -113,6 +128,7 @@ class Engine {
   void handle(ModelChanged event);
   void deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
   void renewWishes();
+  Waiting waiting() const noexcept;
 
   EngineOptions options_;
   Link link_;
@@ -121,8 +137,11 @@ class Engine {
   uint64_t cache_bytes_ = 0;
   std::optional<Model> model_;
   Instance instance_;
+  Prefetcher prefetcher_;
+  WaitTimes waited_;
   TimePoint now_{};
   bool wishes_waiting_ = false;  // some may be sent that could not be before
+  bool held_back_ = false;       // some may not be sent before others are decoded
 };
 
 }  // namespace lode::core

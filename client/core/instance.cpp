@@ -50,6 +50,7 @@ bool Instance::refine(Model& model) {
     cut_ = std::move(refinement.cut);
   }
   wishes_ = std::move(refinement.wanted);
+  pages_ = std::move(refinement.pages);
   if (!model.textures()) return true;
   const std::vector<Wish>& missing = model.textures()->missing();
   wishes_.insert(wishes_.end(), missing.begin(), missing.end());

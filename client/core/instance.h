@@ -42,6 +42,11 @@ class Instance {
   uint64_t cutBuild() const noexcept { return cut_build_; }
   /// What the last refinement asks for, best first.
   const std::vector<Wish>& wishes() const noexcept { return wishes_; }
+  /// Owners of the pages that it goes through.
+  const std::vector<NodeKey>& pages() const noexcept { return pages_; }
+  const RefineOptions& options() const noexcept { return options_; }
+  /// Null before the first.
+  const View* view() const noexcept { return view_ ? &*view_ : nullptr; }
   /// A budget keeps the last cut from converging.
   bool limited() const noexcept { return limited_; }
   /// The last cut is all that the view and the budgets will ever give.
@@ -59,6 +64,7 @@ class Instance {
   std::shared_ptr<const Cut> cut_;
   uint64_t cut_build_ = 0;
   std::vector<Wish> wishes_;
+  std::vector<NodeKey> pages_;
   std::vector<HeldNode> held_;  // by the last refinement
   bool limited_ = false, settled_ = false;
 };

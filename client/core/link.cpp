@@ -12,6 +12,11 @@ constexpr unsigned kMostDoublings = 6;  // reaches kLastRetry
 
 void Link::begin(const BlobName& known_build_id, TimePoint now) {
   options_.known_build_id = known_build_id;
+  if (session_) {
+    drop(leaving_);
+    leaving_ = std::exchange(session_, std::nullopt);
+  }
+  is_leaving_ = false;
   session_.emplace(options_, now);
 }
 
@@ -21,21 +26,32 @@ void Link::succeeded() noexcept {
   trouble_.clear();
 }
 
-void Link::drop() noexcept {
-  if (session_) received_before_bytes_ += session_->receivedBytes();
-  session_.reset();
+void Link::drop(std::optional<Session>& session) noexcept {
+  if (session) received_before_bytes_ += session->receivedBytes();
+  session.reset();
+}
+
+TimePoint Link::someTimeAfter(TimePoint now, std::chrono::milliseconds longest) {
+  std::uniform_int_distribution<int64_t> wait_ms(longest.count() / 2, longest.count());
+  return now + std::chrono::milliseconds(wait_ms(random_));
 }
 
 void Link::end(std::string why, TimePoint now) {
-  drop();
-  using Milliseconds = std::chrono::milliseconds;
-  const Milliseconds longest =
-      std::min<Milliseconds>(kFirstRetry * (1u << std::min(failures_, kMostDoublings)), kLastRetry);
+  drop(session_);
+  is_leaving_ = false;
+  retry_at_ = someTimeAfter(now, std::min<std::chrono::milliseconds>(
+                                     kFirstRetry * (1u << std::min(failures_, kMostDoublings)), kLastRetry));
   ++failures_;
-  retry_at_ = now + Milliseconds(std::uniform_int_distribution<int64_t>(longest.count() / 2,
-                                                                        longest.count())(random_));
   trouble_ = std::move(why);
 }
+
+void Link::leave(std::string why, TimePoint now) {
+  if (!session_->opened()) return end(std::move(why), now);
+  is_leaving_ = true;
+  retry_at_ = someTimeAfter(now, kMoveOn);
+}
+
+void Link::endLeaving() noexcept { drop(leaving_); }
 
 void Link::fail(const Error& error, TimePoint now) {
   const bool may_pass = error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout;
@@ -44,12 +60,14 @@ void Link::fail(const Error& error, TimePoint now) {
 }
 
 void Link::restart(TimePoint now) {
-  drop();
+  drop(session_);
+  is_leaving_ = false;
   retry_at_ = now;
 }
 
 uint64_t Link::receivedBytes() const noexcept {
-  return received_before_bytes_ + (session_ ? session_->receivedBytes() : 0);
+  return received_before_bytes_ + (session_ ? session_->receivedBytes() : 0) +
+         (leaving_ ? leaving_->receivedBytes() : 0);
 }
 
 }  // namespace lode::core

@@ -10,24 +10,36 @@
 namespace lode::core {
 
 constexpr std::chrono::milliseconds kFirstRetry{500};  ///< longest wait before the first new try
+constexpr std::chrono::milliseconds kMoveOn{200};      ///< longest wait where a server is going away
 constexpr std::chrono::seconds kLastRetry{30};         ///< and before any; it doubles in between
+
+/// Which of a link's connections: the newest, or the one before whose server is going away.
+enum class Line : uint8_t { kNewest, kLeaving };
 
 /// A session with a server that is begun anew when its connection ends. Says when, and waits longer after
 /// each try that fails, with jitter, so that the clients of a server that restarts do not come all at once.
-/// Not thread safe.
+/// A session whose server is going away stays beside the next one, for what it was wished for. Not thread
+/// safe.
 class Link {
  public:
   /// @param jitter_seed  of the waiting times.
   Link(SessionOptions options, uint32_t jitter_seed) : options_(std::move(options)), random_(jitter_seed) {}
 
   /// A connection is to be made now: make a transport, then begin().
-  bool due(TimePoint now) const noexcept { return !session_ && now >= retry_at_; }
+  bool due(TimePoint now) const noexcept { return (!session_ || is_leaving_) && now >= retry_at_; }
   /// There is a transport: a session begins, whose first bytes can be taken.
   /// @param known_build_id  of the model as the client has it; zeros for none.
   void begin(const BlobName& known_build_id, TimePoint now);
-  /// Null while there is no connection.
-  Session* session() noexcept { return session_ ? &*session_ : nullptr; }
-  const Session* session() const noexcept { return session_ ? &*session_ : nullptr; }
+  /// Null while there is no such connection.
+  Session* session(Line line = Line::kNewest) noexcept {
+    std::optional<Session>& session = line == Line::kNewest ? session_ : leaving_;
+    return session ? &*session : nullptr;
+  }
+  const Session* session(Line line = Line::kNewest) const noexcept {
+    return const_cast<Link*>(this)->session(line);
+  }
+  /// New wishes may be sent: there is a newest session, and its server stays.
+  bool takesWishes() const noexcept { return session_ && !is_leaving_; }
 
   /// The model is open: the next failure is the first again.
   void succeeded() noexcept;
@@ -36,6 +48,10 @@ class Link {
   /// The connection failed. @throws the error where a new try would fail too: a server that was never
   /// reached, or a mistake that is not the network's.
   void fail(const Error& error, TimePoint now);
+  /// The server is going away: another connection is due soon, and the session stays until it ends.
+  void leave(std::string why, TimePoint now);
+  /// The session before has ended.
+  void endLeaving() noexcept;
   /// The session has ended; another is due at once.
   void restart(TimePoint now);
 
@@ -45,11 +61,13 @@ class Link {
   uint64_t receivedBytes() const noexcept;
 
  private:
-  void drop() noexcept;
+  void drop(std::optional<Session>& session) noexcept;
+  TimePoint someTimeAfter(TimePoint now, std::chrono::milliseconds longest);
 
   SessionOptions options_;
   std::mt19937 random_;
-  std::optional<Session> session_;
+  std::optional<Session> session_, leaving_;
+  bool is_leaving_ = false;  // the newest session
   TimePoint retry_at_ = TimePoint::min();
   unsigned failures_ = 0;  // since the model was open
   bool ever_open_ = false;

@@ -1,5 +1,6 @@
 #include "client/core/model.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -10,13 +11,25 @@ uint64_t textureShare(const ModelSummary& summary, uint64_t budget_bytes) {
   return summary.textures ? budget_bytes / kTextureBudgetShare : 0;
 }
 
+uint64_t transitShare(uint64_t budget_bytes) {
+  return std::min(budget_bytes / kTransitBudgetShare, kMaxTransitBytes);
+}
+
+/// What decoding takes: the result, and as much again for the decoder's own.
+uint64_t decodingBytes(const DecodeJob& job) {
+  if (job.use.kind == BlobKind::kTile) return uint64_t{8} * job.image_size.x * job.image_size.y;
+  return 2 * meshBytes(job.expected.vertices, job.expected.triangles, job.expected.attributes);
+}
+
 }  // namespace
 
 Model::Model(ModelSummary summary, uint64_t memory_budget_bytes)
     : summary_(std::move(summary)),
       hierarchy_(summary_.nodes),
       hierarchy_budget_bytes_(memory_budget_bytes / kHierarchyBudgetShare),
-      meshes_(memory_budget_bytes - hierarchy_budget_bytes_ - textureShare(summary_, memory_budget_bytes)) {
+      meshes_(memory_budget_bytes - hierarchy_budget_bytes_ - 2 * transitShare(memory_budget_bytes) -
+              textureShare(summary_, memory_budget_bytes)),
+      transit_budget_bytes_(transitShare(memory_budget_bytes)) {
   if (summary_.textures) textures_.emplace(summary_.textures, textureShare(summary_, memory_budget_bytes));
 }
 
@@ -82,7 +95,7 @@ void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
 void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   const KnownNode* node = hierarchy_.find(use.mesh.node);
   if (use.kind == BlobKind::kMesh && node == nullptr) return;  // forgotten meanwhile
-  if (!decoding_.try_emplace(toDecoding(blob, use), blob).second) return;
+  if (!decoding_.try_emplace(toDecoding(blob, use), Work{blob}).second) return;
   undecoded_bytes_ += blob.bytes;
   DecodeJob job;
   job.blob = blob;
@@ -100,10 +113,25 @@ void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std
   jobs_.push_back(std::move(job));
 }
 
+std::vector<DecodeJob> Model::takeDecodeJobs() {
+  std::vector<DecodeJob> taken;
+  while (!jobs_.empty()) {
+    DecodeJob& job = jobs_.front();
+    const uint64_t bytes = core::decodingBytes(job);
+    if (decoding_bytes_ != 0 && decoding_bytes_ + bytes > transit_budget_bytes_) break;
+    decoding_.at(toDecoding(job.blob, job.use)).bytes = bytes;
+    decoding_bytes_ += bytes;
+    taken.push_back(std::move(job));
+    jobs_.pop_front();
+  }
+  return taken;
+}
+
 void Model::finishDecode(DecodeResult result) {
   const auto found = decoding_.find(toDecoding(result.blob, result.use));
-  if (found == decoding_.end() || found->second != result.blob) return;
-  undecoded_bytes_ -= found->second.bytes;
+  if (found == decoding_.end() || found->second.blob != result.blob) return;
+  undecoded_bytes_ -= found->second.blob.bytes;
+  decoding_bytes_ -= found->second.bytes;
   decoding_.erase(found);
   ++version_;
   if (result.image) return textures_->insert(result.blob.number, std::move(result.image));

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -20,14 +21,17 @@
 namespace lode::core {
 
 constexpr uint64_t kHierarchyBudgetShare = 8;         ///< one in so many bytes of memory is for what is known
-constexpr uint64_t kMaxUndecodedBytes = 64ull << 20;  ///< encoded payloads waiting to be decoded
+/// And one in so many for blobs that are asked for or wait to be decoded, as many again for decoding. One alone
+/// may be larger.
+constexpr uint64_t kTransitBudgetShare = 16;
+constexpr uint64_t kMaxTransitBytes = 64ull << 20;  ///< of either, however large the budget
 
 /// One build of a model, as far as it is known and resident: its hierarchy, meshes and textures. Blobs go in,
 /// wherever they come from; decode jobs come out, and their results go in. Knows no view and no connection;
 /// every view of the model shares it. Not thread safe.
 class Model {
  public:
-  /// @param memory_budget_bytes  of the hierarchy, decoded meshes and textures.
+  /// @param memory_budget_bytes  of the hierarchy, blobs on their way, decoding, meshes and textures.
   Model(ModelSummary summary, uint64_t memory_budget_bytes);
 
   const ModelSummary& summary() const noexcept { return summary_; }
@@ -53,7 +57,8 @@ class Model {
   /// A blob cannot be had.
   void refuse(const BlobRef& blob, const std::string& why);
 
-  std::vector<DecodeJob> takeDecodeJobs() { return std::exchange(jobs_, {}); }
+  /// Those that there is memory for; others follow when these have come back.
+  std::vector<DecodeJob> takeDecodeJobs();
   /// Takes a job's result; one that belongs to another build is dropped.
   void finishDecode(DecodeResult result);
 
@@ -63,7 +68,11 @@ class Model {
   uint64_t version() const noexcept { return version_; }
   /// Why a part of the model cannot be had; empty if nothing is wrong.
   const std::string& failure() const noexcept { return failure_; }
+  /// Of blobs that have come and are not decoded, and what those take that are being decoded.
   uint64_t undecodedBytes() const noexcept { return undecoded_bytes_; }
+  uint64_t decodingBytes() const noexcept { return decoding_bytes_; }
+  /// For blobs that are asked for or not decoded yet.
+  uint64_t transitBudgetBytes() const noexcept { return transit_budget_bytes_; }
   size_t decoding() const noexcept { return decoding_.size(); }
   /// Of all texture blobs that came.
   uint64_t textureBlobBytes() const noexcept { return texture_blob_bytes_; }
@@ -75,6 +84,12 @@ class Model {
     NodeKey node;
     uint32_t blob;
     friend constexpr auto operator<=>(const Decoding&, const Decoding&) = default;
+  };
+
+  /// What is being decoded, and what that takes.
+  struct Work {
+    BlobRef blob;
+    uint64_t bytes = 0;  // while it is handed out; 0 before
   };
 
   void addPage(const BlobUse& use, std::span<const std::byte> bytes);
@@ -90,9 +105,10 @@ class Model {
   uint64_t hierarchy_budget_bytes_;
   MeshCache meshes_;
   std::optional<TextureStream> textures_;
-  std::map<Decoding, BlobRef> decoding_;  // handed out
-  uint64_t undecoded_bytes_ = 0;
-  std::vector<DecodeJob> jobs_;
+  std::map<Decoding, Work> decoding_;  // handed out or waiting for that
+  uint64_t transit_budget_bytes_;
+  uint64_t undecoded_bytes_ = 0, decoding_bytes_ = 0;
+  std::deque<DecodeJob> jobs_;  // not handed out yet
   std::set<uint32_t> refused_;  // blob numbers
   uint64_t texture_blob_bytes_ = 0;
   uint64_t version_ = 1;

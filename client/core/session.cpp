@@ -13,6 +13,7 @@ namespace {
 
 constexpr uint32_t kHelloRequest = 1, kSecondRequest = 2;
 constexpr size_t kCompactBytes = 64u << 10;
+constexpr uint64_t kGrantsPerWindow = 8;  // so that the server never waits for a grant that is due
 
 void require(bool allowed, const std::string& what) {
   if (!allowed) throw Error(ErrorCode::kProtocol, "the server broke the protocol: " + what);
@@ -57,6 +58,7 @@ void Session::receive(std::span<const std::byte> bytes, TimePoint now) {
   if (bytes.empty()) return;
   silence_ = {};
   received_bytes_ += bytes.size();
+  if (awaitsBlobs()) window_.receive(bytes.size(), now);
   if (input_begin_ == input_.size()) {
     input_.clear();
     input_begin_ = 0;
@@ -70,6 +72,7 @@ void Session::receive(std::span<const std::byte> bytes, TimePoint now) {
 std::optional<SessionEvent> Session::nextEvent() {
   while (!event_ && takeFrame()) {
   }
+  if (!event_) grantCredit();
   return std::exchange(event_, std::nullopt);
 }
 
@@ -102,7 +105,7 @@ void Session::handleFrame(const proto::FrameHeader& header, std::span<const std:
     case proto::FrameType::kPing:
       return send(proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.request));
     case proto::FrameType::kGoAway:
-      event_ = ServerLeaving{proto::decode<proto::GoAway>(body).reason};
+      event_ = ServerLeaving{"the server is going away (" + proto::decode<proto::GoAway>(body).reason + ")"};
       return;
     case proto::FrameType::kModelReplaced:
       require(state_ == State::kOpen && proto::decode<proto::ModelReplaced>(body).handle == handle_,
@@ -122,7 +125,6 @@ void Session::handleWelcome(const proto::FrameHeader& header, std::span<const st
   require(welcome.max_open_wishes > 0, "it allows no wishes");
   max_open_wishes_ = std::min({welcome.max_open_wishes, proto::kMaxOpenWishes, kMaxWishesAtOnce});
   state_ = State::kAnswer;
-  grantCredit();
 }
 
 void Session::handleOpened(const proto::FrameHeader& header, std::span<const std::byte> body) {
@@ -172,7 +174,7 @@ void Session::handleBlob(std::span<const std::byte> body) {
       event_ = completed(std::move(whole));
     }
   }
-  grantCredit();
+  if (!awaitsBlobs()) window_.pause();
 }
 
 void Session::appendChunk(Incoming& incoming, const proto::BlobChunk& chunk) {
@@ -216,7 +218,7 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
   switch (error.code) {
     case proto::WireError::kLimit:
     case proto::WireError::kNotReady:
-      event_ = ServerLeaving{error.message};
+      event_ = ServerLeaving{message};
       return;
     case proto::WireError::kInternal:
       throw Error(ErrorCode::kNetwork, message);
@@ -242,9 +244,16 @@ void Session::release(const OpenWish& wish) {
   --wished_;
 }
 
+/// Of a frame that has begun to come; its beginning says how long it will be.
+uint64_t Session::bytesOfUnfinishedFrame() const { return input_.size() - input_begin_; }
+
+/// Chunks count as they come, so that the server can send the next one before the last has ended.
 void Session::grantCredit() {
-  if (state_ == State::kWelcome || granted_bytes_ - credited_bytes_ > proto::kFixedWindowBytes / 2) return;
-  granted_bytes_ = credited_bytes_ + proto::kFixedWindowBytes;
+  if (state_ == State::kWelcome) return;
+  const uint64_t window_bytes = window_.bytes();
+  const uint64_t grant_bytes = credited_bytes_ + bytesOfUnfinishedFrame() + window_bytes;
+  if (grant_bytes < granted_bytes_ + window_bytes / kGrantsPerWindow) return;
+  granted_bytes_ = grant_bytes;
   sendCredit();
 }
 
@@ -316,8 +325,7 @@ void Session::sendPing() {
 void Session::handlePong(std::span<const std::byte> body) {
   require(ping_open_ && proto::decode<proto::Pong>(body).payload == pings_, "a Pong without a Ping");
   ping_open_ = false;
-  const std::chrono::nanoseconds trip = now_ - last_ping_;
-  round_trip_ = round_trip_ ? std::min(*round_trip_, trip) : trip;
+  window_.measureTrip(now_ - last_ping_);
 }
 
 void Session::tick(TimePoint now) {
@@ -327,7 +335,9 @@ void Session::tick(TimePoint now) {
                                          std::to_string(kSilenceLimit.count()) +
                                          " seconds: check the network and the server, then try again");
   if (state_ == State::kWelcome) return;
-  if (!ping_open_ && silence_ >= kPingInterval) sendPing();
+  if (!ping_open_ &&
+      (silence_ >= kPingInterval || (!wishes_.empty() && now - last_ping_ >= kMeasureInterval)))
+    sendPing();
   // A slow link brings bytes for minutes in which a client has nothing to say; the server must hear of it.
   if (outgoing_.empty() && now - last_sent_ >= kPingInterval) sendCredit();
 }

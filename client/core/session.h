@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/core/credit_window.h"
 #include "client/core/wish.h"
 #include "common/blob.h"
 #include "common/model_summary.h"
@@ -20,9 +21,8 @@
 
 namespace lode::core {
 
-using TimePoint = std::chrono::steady_clock::time_point;
-
 constexpr std::chrono::seconds kPingInterval{10};  ///< of silence, after which a Ping is sent
+constexpr std::chrono::seconds kMeasureInterval{1};  ///< between Pings while blobs are awaited
 constexpr std::chrono::seconds kSilenceLimit{30};  ///< after which the server counts as gone
 constexpr std::chrono::seconds kLongestPause{2};   ///< between two calls that counts as silence of the server
 constexpr uint64_t kMaxWishedBytes = 32ull << 20;  ///< of open wishes together, unless one alone is larger
@@ -63,7 +63,7 @@ struct WishCancelled {
 };
 /// The server closes, for now: connect again.
 struct ServerLeaving {
-  std::string reason;
+  std::string reason;  ///< for people
 };
 struct ModelChanged {};
 using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, WishCancelled,
@@ -104,11 +104,12 @@ class Session {
   /// The server sends the root's page and its coarsest rung by itself: it does to who knows another build.
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
+  bool isWishedFor(const BlobRef& blob) const { return wish_of_blob_.contains(blob.number); }
   size_t openWishes() const noexcept { return wishes_.size(); }  ///< those taken back, too
   uint64_t wishedBytes() const noexcept { return wished_bytes_; }
   uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all that came from the transport
-  /// Smallest round trip that a Ping has measured.
-  std::optional<std::chrono::nanoseconds> roundTrip() const noexcept { return round_trip_; }
+  /// What is known of the link, and what the server may have under way because of that.
+  const CreditWindow& window() const noexcept { return window_; }
 
  private:
   enum class State { kWelcome, kAnswer, kOpen, kListed };
@@ -136,6 +137,8 @@ class Session {
   void handleRefusal(const proto::ErrorMessage& error);
   void endWish(uint32_t wish);
   void release(const OpenWish& wish);
+  bool awaitsBlobs() const noexcept { return !wishes_.empty() || unasked_; }
+  uint64_t bytesOfUnfinishedFrame() const;
   void grantCredit();
   void sendCredit();
   void pass(TimePoint now);
@@ -163,7 +166,7 @@ class Session {
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_sent_, last_ping_;
   std::chrono::nanoseconds silence_{0};  // of the server, while it was listened to
-  std::optional<std::chrono::nanoseconds> round_trip_;
+  CreditWindow window_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;
   std::vector<std::byte> input_;  // received, not worked through

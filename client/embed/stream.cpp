@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "client/core/camera_path.h"
 #include "client/embed/guard.h"
@@ -21,7 +20,6 @@ struct lodestream_stream {
 
   lode::stream::Streamer streamer;
   std::optional<lode::ModelSummary> model;
-  lodestream_status last{};                    // that a step has given
   std::shared_ptr<const lode::core::Cut> cut;  // of the last step
   std::optional<lode::core::View> view;        // last set
   float threshold_px = 1;
@@ -29,8 +27,6 @@ struct lodestream_stream {
 
 namespace lode::embed {
 namespace {
-
-constexpr std::chrono::milliseconds kSlice{4};  // between two looks at a stream that is waited for
 
 std::string& lastError() {
   thread_local std::string message;
@@ -94,40 +90,6 @@ lodestream_status toStatus(const stream::StreamStatus& status, const lodestream_
   return result;
 }
 
-void openWhenReady(lodestream_stream& stream) {
-  if (stream.model) return;
-  try {
-    stream.model = stream.streamer.waitForModel(std::chrono::milliseconds(0));
-  } catch (const Error&) {
-    // Not yet, or never: then the status says why.
-  }
-}
-
-bool isNews(const stream::StreamStatus& status, const lodestream_stream& stream) {
-  const lodestream_status now = toStatus(status, stream);
-  const lodestream_status& last = stream.last;
-  return status.cut != stream.cut || now.is_open != last.is_open || now.is_converged != last.is_converged ||
-         now.is_settled != last.is_settled || now.is_limited != last.is_limited ||
-         now.is_reconnecting != last.is_reconnecting || now.has_failed != last.has_failed ||
-         now.has_ended != last.has_ended;
-}
-
-/// The streamer wakes who waits for the end of a view's refinement; what comes before is looked for
-/// meanwhile.
-stream::StreamStatus waitForNews(lodestream_stream& stream, std::chrono::milliseconds longest) {
-  const auto deadline = std::chrono::steady_clock::now() + longest;
-  std::chrono::milliseconds slice{0};
-  while (true) {
-    stream::StreamStatus status = stream.streamer.waitUntilSettled(slice);
-    openWhenReady(stream);
-    const auto left =
-        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    if (left.count() <= 0 || isNews(status, stream)) return status;
-    slice = std::min(kSlice, left);
-    if (status.settled || status.ended || !status.failure.empty()) std::this_thread::sleep_for(slice);
-  }
-}
-
 }  // namespace
 
 void remember(const char* message) noexcept {
@@ -169,10 +131,10 @@ void lodestream_close(lodestream_stream* stream) { const std::unique_ptr<lodestr
 
 int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status) {
   return guard([&] {
-    const lode::stream::StreamStatus now =
-        lode::embed::waitForNews(*stream, std::chrono::milliseconds(wait_ms));
+    const lode::stream::StreamStatus now = stream->streamer.waitForNews(std::chrono::milliseconds(wait_ms));
+    if (!stream->model) stream->model = stream->streamer.model();
     stream->cut = now.cut;
-    *status = stream->last = lode::embed::toStatus(now, *stream);
+    *status = lode::embed::toStatus(now, *stream);
     if (status->has_failed) lode::embed::remember(now.failure.c_str());
   });
 }

@@ -1,5 +1,6 @@
 #include "client/stream/streamer.h"
 
+#include <array>
 #include <condition_variable>
 #include <mutex>
 #include <random>
@@ -20,6 +21,35 @@ constexpr std::chrono::milliseconds kRetryTick{50};  // and while it waits to co
 
 using Clock = std::chrono::steady_clock;
 
+/// By core::Line; a leaving one ends when its server has given what it was asked for.
+using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;
+constexpr std::array kLines{core::Line::kNewest, core::Line::kLeaving};
+
+/// Counts that grow are no news.
+bool isNews(const StreamStatus& now, const StreamStatus& last) {
+  return now.cut != last.cut || now.limited != last.limited || now.settled != last.settled ||
+         now.failure != last.failure || now.trouble != last.trouble;
+}
+
+std::unique_ptr<net::TcpTransport>& transportOf(Transports& transports, core::Line line) {
+  return transports[static_cast<size_t>(line)];
+}
+
+/// Gives the engine what has come. A transport that is of no more use goes.
+void receiveFrom(std::unique_ptr<net::TcpTransport>& transport, core::Line line, core::Engine& engine) {
+  if (!transport) return;
+  try {
+    while (engine.connected(line)) {
+      const proto::Bytes bytes = transport->takeReceived();
+      if (bytes.empty()) break;
+      engine.receive(bytes, Clock::now(), line);
+    }
+  } catch (const Error& failed) {
+    engine.disconnect(failed, Clock::now(), line);
+  }
+  if (!engine.connected(line)) transport.reset();
+}
+
 }  // namespace
 
 struct Streamer::State {
@@ -28,11 +58,10 @@ struct Streamer::State {
 
   void run();
   void stream();
-  void keepConnected(core::Engine& engine, const net::Route& route,
-                     std::unique_ptr<net::TcpTransport>& transport);
+  void keepConnected(core::Engine& engine, const net::Route& route, Transports& transports);
   std::unique_ptr<CacheThread> openCache(core::EngineOptions& engine_options);
   void askCache(core::Engine& engine, CacheThread& cache);
-  void stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool, CacheThread* cache);
+  void stepOnce(core::Engine& engine, Transports& transports, DecodePool& pool, CacheThread* cache);
   void publish(const core::Engine& engine, uint64_t view_number);
   void end(ErrorCode code, const std::string& message);
   bool waitForWork(std::chrono::milliseconds longest);
@@ -98,17 +127,19 @@ void Streamer::State::stream() {
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   engine_options.triangle_budget = options.triangle_budget;
   engine_options.hold_factor = options.hold_factor;
+  engine_options.prefetch = options.prefetch;
+  engine_options.best_first = options.best_first;
   engine_options.jitter_seed = std::random_device()();
   std::unique_ptr<CacheThread> cache = openCache(engine_options);
   core::Engine engine(std::move(engine_options));
   const net::Route route = routeTo(model, options);
-  std::unique_ptr<net::TcpTransport> transport;
+  Transports transports;
   DecodePool pool(options.decode_threads, [this] { wakeUp(); });
-  while (waitForWork(transport ? kTick : kRetryTick)) {
+  while (waitForWork(engine.staysConnected() ? kTick : kRetryTick)) {
     try {
-      keepConnected(engine, route, transport);
+      keepConnected(engine, route, transports);
       if (cache) askCache(engine, *cache);
-      stepOnce(engine, transport.get(), pool, cache.get());
+      stepOnce(engine, transports, pool, cache.get());
     } catch (const Error& failed) {
       const std::string where = net::toString(model.address);
       const bool named = std::string_view(failed.what()).find(where) != std::string_view::npos;
@@ -143,24 +174,18 @@ void Streamer::State::askCache(core::Engine& engine, CacheThread& cache) {
     cache.keep(arrival.blob, std::move(arrival.bytes));
 }
 
-/// Gives the engine what came from the transport, and a new transport where it wants one.
-void Streamer::State::keepConnected(core::Engine& engine, const net::Route& route,
-                                    std::unique_ptr<net::TcpTransport>& transport) {
+/// Makes a new transport where the engine wants one, and gives it what came from all.
+void Streamer::State::keepConnected(core::Engine& engine, const net::Route& route, Transports& transports) {
+  auto& [newest, leaving] = transports;
   if (engine.wantsConnection(Clock::now())) {
-    transport = std::make_unique<net::TcpTransport>(route, [this] { wakeUp(); });
+    if (newest) leaving = std::move(newest);
+    newest = std::make_unique<net::TcpTransport>(route, [this] { wakeUp(); });
     engine.connect(Clock::now());
   }
-  if (!transport) return;
-  try {
-    for (proto::Bytes bytes = transport->takeReceived(); !bytes.empty(); bytes = transport->takeReceived())
-      engine.receive(bytes, Clock::now());
-  } catch (const Error& failed) {
-    engine.disconnect(failed, Clock::now());
-  }
-  if (!engine.connected()) transport.reset();
+  for (const core::Line line : kLines) receiveFrom(transportOf(transports, line), line, engine);
 }
 
-void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport* transport, DecodePool& pool,
+void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, DecodePool& pool,
                                CacheThread* cache) {
   for (core::DecodeResult& result : pool.takeResults()) engine.finishDecode(std::move(result));
   uint64_t number = 0;
@@ -170,7 +195,8 @@ void Streamer::State::stepOnce(core::Engine& engine, net::TcpTransport* transpor
     if (number != 0) engine.setView(view, threshold_px);
   }
   engine.step(Clock::now());
-  if (transport) transport->send(engine.takeOutgoing());
+  for (const core::Line line : kLines)
+    if (const auto& transport = transportOf(transports, line)) transport->send(engine.takeOutgoing(line));
   pool.add(engine.takeDecodeJobs());
   if (cache) cache->find(engine.takeCacheQueries());
   publish(engine, number);
@@ -188,10 +214,10 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   if (number != 0 && engine.exhausted() && !now.settled && now.failure.empty())
     now.failure = "the cache does not have all that the view needs: run without --offline";
   const std::lock_guard lock(mutex);
+  has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
   if (!summary && engine.summary()) summary = *engine.summary();
   std::swap(status, now);  // what only the last status held is freed after the lock
   status_view_number = number;
-  has_news = true;
   news.notify_all();
 }
 

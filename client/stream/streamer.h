@@ -23,6 +23,8 @@ struct StreamOptions {
   uint64_t memory_budget_bytes = core::kDefaultMemoryBudgetBytes;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   float hold_factor = 1;  ///< see core::RefineOptions: core::kHoldFactor where somebody watches
+  bool prefetch = false;  ///< asks ahead of a camera that moves
+  bool best_first = true;  ///< see core::EngineOptions
   std::chrono::milliseconds connect_timeout{10'000};
   std::filesystem::path cache_folder;  ///< empty: nothing is kept between runs
   uint64_t cache_bytes = kDefaultCacheBytes;
@@ -66,7 +68,8 @@ class Streamer {
   StreamStatus status() const;
   /// What is known of the model; nothing until it is open.
   std::optional<ModelSummary> model() const;
-  /// Waits until there is news since the last call, or the time is over.
+  /// Waits until there is news since the last call, or the time is over: the model is open, the view last set
+  /// was refined, another cut, whether it is limited or settled, a failure, trouble or its end.
   StreamStatus waitForNews(std::chrono::milliseconds timeout);
   /// Waits until the cut for the view last set has converged, cannot, or the time is over. Parts that are not
   /// seen may be missing.

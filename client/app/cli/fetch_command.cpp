@@ -9,13 +9,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/cut_mesh.h"
 #include "client/app/cli/not_converged.h"
-#include "client/app/cli/target.h"
-#include "client/core/camera_path.h"
-#include "client/stream/streamer.h"
+#include "client/app/cli/opened_target.h"
+#include "client/app/cli/stream_report.h"
 #include "common/error.h"
 #include "common/ply_writer.h"
 
@@ -75,6 +73,7 @@ Json toJson(const std::vector<KeyResult>& keys, double total_ms) {
   json["converged"] = converged;
   json["first_image_ms"] = toJson(keys.front())["first_image_ms"];
   json["converged_ms"] = converged ? Json(total_ms) : Json();
+  reportLimits(json, keys.back().status.counts);
   for (const KeyResult& key : keys) json["keys"].push_back(toJson(key));
   return json;
 }
@@ -84,24 +83,18 @@ class Fetch {
   explicit Fetch(const FetchOptions& options) : options_(options), size_(options.common.size()) {}
 
   void run() {
-    std::optional<core::CameraPath> path;
-    if (!options_.common.camera_file.empty()) path = core::readCameraPath(options_.common.camera_file);
-    const ResolvedTarget target =
-        resolveTarget(parseTarget(options_.common.target), options_.common.streamOptions(), !options_.json);
-    start_ = Clock::now();
-    stream::Streamer streamer(target.served, target.options);
-    const ModelSummary& model = openModel(streamer, target, left());
-    if (!path) path = core::framingCamera(model);
+    OpenedTarget target(options_.common, options_.common.streamOptions(), !options_.json);
+    start_ = target.start();
     double total_ms = 0;  // until the last key had converged
-    for (const core::CameraKey& camera : path->keys) {
+    for (const core::CameraKey& camera : target.path().keys) {
       const double begin_ms = msSince(start_);
-      keys_.push_back(converge(streamer, camera, *path, model));
+      keys_.push_back(converge(target, camera.t));
       total_ms = keys_.back().converged() ? begin_ms + *keys_.back().converged_ms : msSince(start_);
       if (!keys_.back().converged()) break;
     }
     const KeyResult& last = keys_.back();
     if (last.is_complete && !options_.output.empty())
-      writePly(options_.output, weldCut(*last.status.cut, model.attributes), model.lattice,
+      writePly(options_.output, weldCut(*last.status.cut, target.model().attributes), target.model().lattice,
                last.status.cut->textures ? *last.status.cut->textures : TextureSet());
     print(total_ms);
     for (const KeyResult& key : keys_)
@@ -115,13 +108,12 @@ class Fetch {
     return std::max(options_.common.timeout() - spent, std::chrono::milliseconds(0));
   }
 
-  KeyResult converge(stream::Streamer& streamer, const core::CameraKey& camera, const core::CameraPath& path,
-                     const ModelSummary& model) {
+  KeyResult converge(OpenedTarget& target, double t) {
     const Clock::time_point start = keys_.empty() ? start_ : Clock::now();
+    stream::Streamer& streamer = target.streamer();
     KeyResult key;
-    key.t = camera.t;
-    streamer.setView(core::toView(camera, path.fov_y_deg, size_.width_px, size_.height_px, model),
-                     options_.common.pixels);
+    key.t = t;
+    streamer.setView(target.viewAt(t, size_), options_.common.pixels);
     if (streamer.waitForCut(left()).cut) key.first_image_ms = msSince(start);
     const stream::StreamStatus seen = streamer.waitForConvergence(left());
     if (seen.cut && seen.cut->converged && seen.cut->max_error_px <= options_.common.pixels) {

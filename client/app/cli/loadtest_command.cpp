@@ -13,6 +13,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/load_test.h"
 #include "client/app/cli/wish_trace.h"
+#include "client/app/cli/wish_trace_file.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -23,6 +24,7 @@ using Json = nlohmann::ordered_json;
 struct LoadtestOptions {
   CommonOptions common;
   LoadOptions load;
+  std::string trace_file;
   bool decode_off = false, json = false;
 };
 
@@ -83,8 +85,10 @@ void loadtest(const LoadtestOptions& options, int& exit_status) {
   plan.options = target.options;
   plan.route = stream::routeTo(plan.model, plan.options);
   plan.decode = !options.decode_off;
-  plan.trace = recordTrace(plan.model, plan.options, path, {size.width_px, size.height_px},
-                           options.common.pixels, options.common.timeout());
+  plan.trace = options.trace_file.empty()
+                   ? recordTrace(plan.model, plan.options, path, {size.width_px, size.height_px},
+                                 options.common.pixels, options.common.timeout())
+                   : readWishTrace(options.trace_file);
   const double cpu_before = cpuSeconds();
   const LoadTally tally = runLoadTest(plan, options.load);
   if (options.json)
@@ -110,6 +114,9 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
   command->add_option("--threads", options->load.threads, "threads that step the clients")
       ->check(CLI::Range(1u, 64u))
       ->capture_default_str();
+  command->add_option("--trace", options->trace_file, "what to wish for, as replay --record wrote it")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
   command->add_flag("--decode-off", options->decode_off, "check names of blobs, but decode none");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options, &exit_status] { loadtest(*options, exit_status); });

@@ -11,13 +11,13 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
-#include "client/app/cli/child_server.h"
-#include "client/app/cli/common_options.h"
 #include "client/app/cli/latency_histogram.h"
 #include "client/app/cli/not_converged.h"
+#include "client/app/cli/opened_target.h"
+#include "client/app/cli/stream_report.h"
 #include "client/app/cli/target.h"
-#include "client/core/camera_path.h"
-#include "client/stream/streamer.h"
+#include "client/app/cli/wish_trace.h"
+#include "client/app/cli/wish_trace_file.h"
 
 namespace lode::app {
 namespace {
@@ -30,7 +30,16 @@ constexpr std::array<int, 3> kThresholdsPx{1, 2, 4};
 struct ReplayOptions {
   CommonOptions common;
   double fps = 60;
-  bool json = false;
+  std::string order = "best";
+  std::string record_file;
+  bool no_prefetch = false, json = false;
+
+  stream::StreamOptions streamOptions() const {
+    stream::StreamOptions options = common.streamOptions();
+    options.prefetch = !no_prefetch;
+    options.best_first = order == "best";
+    return options;
+  }
 };
 
 double secondsSince(Clock::time_point start) {
@@ -60,20 +69,14 @@ class Replay {
   explicit Replay(const ReplayOptions& options) : options_(options), size_(options.common.size()) {}
 
   Replayed run() {
-    std::optional<core::CameraPath> path;
-    if (!options_.common.camera_file.empty()) path = core::readCameraPath(options_.common.camera_file);
-    const ResolvedTarget target =
-        resolveTarget(parseTarget(options_.common.target), options_.common.streamOptions(), !options_.json);
-    start_ = Clock::now();
-    stream::Streamer streamer(target.served, target.options);
-    const ModelSummary& model = openModel(streamer, target, options_.common.timeout());
-    if (!path) path = core::framingCamera(model);
+    OpenedTarget target(options_.common, options_.streamOptions(), !options_.json);
+    start_ = target.start();
     const Clock::time_point begin = Clock::now();
-    const double path_s = path->keys.back().t - path->keys.front().t;
+    const double from_s = target.path().keys.front().t;
+    const double path_s = target.path().keys.back().t - from_s;
     const double patience_s = path_s + options_.common.timeout_s;
     for (double t_s = 0; t_s <= patience_s; t_s = secondsSince(begin)) {
-      const core::CameraKey camera = core::cameraAt(*path, path->keys.front().t + std::min(t_s, path_s));
-      see(streamer, core::toView(camera, path->fov_y_deg, size_.width_px, size_.height_px, model));
+      see(target.streamer(), target.viewAt(from_s + std::min(t_s, path_s), size_));
       if (t_s >= path_s && finished()) break;
       std::this_thread::sleep_until(begin + frameTime(result_.frames));
     }
@@ -138,7 +141,7 @@ Json orNull(const std::optional<double>& value) { return value ? Json(*value) : 
 
 Json toJson(const Replayed& replayed) {
   const stream::StreamStatus& status = replayed.status;
-  return {{"converged", replayed.converged_ms.has_value()},
+  Json json{{"converged", replayed.converged_ms.has_value()},
           {"frames", replayed.frames},
           {"frame_ms",
            {{"p50", replayed.frame.percentileMs(0.5)},
@@ -155,11 +158,26 @@ Json toJson(const Replayed& replayed) {
           {"final_cut_bytes", status.cut ? status.cut->blob_bytes : 0},
           {"max_error_px", status.cut ? Json(status.cut->max_error_px) : Json()},
           {"resident_bytes", status.counts.resident_bytes},
-          {"prefetch", {{"wished", 0}, {"used", 0}, {"wasted_bytes", 0}}},
+          {"prefetch", prefetchReport(status.counts.prefetch)},
           {"peak_rss_bytes", peakMemoryBytes()}};
+  reportLimits(json, status.counts);
+  return json;
+}
+
+/// What the path wishes for, whatever the link.
+void record(const ReplayOptions& options) {
+  std::optional<core::CameraPath> path;
+  if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
+  const ResolvedTarget target =
+      resolveTarget(parseTarget(options.common.target), options.common.streamOptions(), !options.json);
+  const PictureSize size = options.common.size();
+  writeWishTrace(options.record_file,
+                 recordTrace(target.served, target.options, path, {size.width_px, size.height_px},
+                             options.common.pixels, options.common.timeout()));
 }
 
 void replay(const ReplayOptions& options) {
+  if (!options.record_file.empty()) record(options);
   const Replayed replayed = Replay(options).run();
   if (options.json) {
     std::printf("%s\n", toJson(replayed).dump().c_str());
@@ -184,6 +202,12 @@ void declareReplay(CLI::App& program, int& /*exit_status*/) {
   command->add_option("--fps", options->fps, "frames a second")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
+  command->add_flag("--no-prefetch", options->no_prefetch, "ask for nothing ahead of the camera");
+  command->add_option("--order", options->order, "in which blobs are asked for: best, or first-come to compare")
+      ->check(CLI::IsMember({"best", "first-come"}))
+      ->capture_default_str();
+  command->add_option("--record", options->record_file, "write what the path wishes for, for loadtest --trace")
+      ->type_name("FILE");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { replay(*options); });
 }

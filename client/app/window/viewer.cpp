@@ -31,6 +31,7 @@ std::optional<core::CameraPath> readPath(const std::string& file) {
 stream::StreamOptions streamOptions(const CommonOptions& common) {
   stream::StreamOptions options = common.streamOptions();
   options.hold_factor = core::kHoldFactor;
+  options.prefetch = true;
   return options;
 }
 

@@ -38,6 +38,38 @@ TEST(Replay, movesInRealTimeWithoutAHoleAndConvergesAtTheEnd) {
   EXPECT_GE(json["converged_ms"], 1000);
   EXPECT_LE(json["max_error_px"], 2);
   EXPECT_GE(json["seconds_above_px"]["1"], json["seconds_above_px"]["4"]);
+  EXPECT_GE(json["prefetch"]["wished"], json["prefetch"]["used"]);
+  EXPECT_TRUE(json["limited_by"].is_string());
+  EXPECT_GT(json["waited_s"]["link"], 0);
+  EXPECT_EQ(json["waited_s"]["budget"], 0);
+  EXPECT_GT(json["link"]["round_trip_ms"], 0);
+}
+
+TEST(Replay, asksForNothingAheadWhereThatIsNotWanted) {
+  const WorkFolder folder;
+  const RunningServer server({makeSmallStore(folder)});
+  const Outcome outcome = lodestream({"replay", server.url("small"), "--camera", writePath(folder),
+                                      "--no-prefetch", "--order", "first-come", "--pixels", "2", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["prefetch"]["wished"], 0);
+}
+
+TEST(Replay, recordsATraceThatALoadTestReplays) {
+  const WorkFolder folder;
+  const RunningServer server({makeSmallStore(folder)});
+  const std::string trace = folder / "trace.json";
+  EXPECT_EQ(lodestream({"replay", server.url("small"), "--camera", writePath(folder), "--pixels", "2",
+                        "--record", trace})
+                .status,
+            0);
+  const Outcome outcome = lodestream(
+      {"loadtest", server.url("small"), "--trace", trace, "--clients", "3", "--seconds", "2", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json["errors"], 0);
+  EXPECT_EQ(json["trace"]["seconds"], 1);
+  EXPECT_GT(json["trace"]["wishes"], 5);
+  EXPECT_GT(json["latency_ms"]["visible"]["count"], 0);
 }
 
 TEST(Replay, saysWhyItDidNotConverge) {

@@ -53,6 +53,7 @@ class Streaming : public testing::Test {
     options.listen = "127.0.0.1:" + std::to_string(served_.address.port);
     options.threads = 2;
     options.drain_deadline = 100ms;
+    options.max_connections = max_connections_;
     server_.emplace(options);
     served_ = {{"127.0.0.1", server_->port()}, "a"};
     thread_ = std::thread([this] { server_->run(); });
@@ -75,6 +76,7 @@ class Streaming : public testing::Test {
   }
 
   const WorkFolder folder_;
+  uint32_t max_connections_ = 100;
   std::optional<serve::Server> server_;
   stream::ServedModel served_{{"127.0.0.1", 0}, "a"};
   std::thread thread_;
@@ -179,6 +181,34 @@ TEST_F(Streaming, convergesWithoutAServerWhereAllIsThere) {
   const StreamStatus status = streamer.waitUntilSettled(kPatience);
   EXPECT_EQ(status.failure, "");
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
+}
+
+TEST_F(Streaming, wakesWhoWaitsForNewsAndNobodyOnceItHasSettled) {
+  Streamer streamer(served_, {});
+  while (!streamer.model()) streamer.waitForNews(kPatience);
+  streamer.setView(viewAt(1, *streamer.model()), 0.5f);
+  StreamStatus status = streamer.waitForNews(kPatience);
+  for (int news = 0; news < 10'000 && !(status.current && status.settled); ++news)
+    status = streamer.waitForNews(kPatience);
+  EXPECT_TRUE(status.current && status.settled);
+  const auto begin = std::chrono::steady_clock::now();
+  streamer.waitForNews(1200ms);  // longer than the time between two looks at the clock
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 1200ms);
+}
+
+TEST_F(Streaming, waitsForRoomWhereTheServerIsFull) {
+  stopServer();
+  max_connections_ = 1;
+  startServer();
+  std::optional<Streamer> first(std::in_place, served_, threads(1));
+  first->waitForModel(kPatience);
+  Streamer second(served_, threads(1));
+  StreamStatus status;
+  while (status.trouble.empty() && !status.ended) status = second.waitForNews(kPatience);
+  EXPECT_FALSE(status.ended) << status.failure;
+  EXPECT_NE(status.trouble.find("the server says"), std::string::npos) << status.trouble;
+  first.reset();
+  EXPECT_EQ(second.waitForModel(kPatience).name, "a");
 }
 
 TEST_F(Streaming, fromAChildServerNeedsTheTokenThatWasMadeForIt) {

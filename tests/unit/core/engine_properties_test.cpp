@@ -91,6 +91,7 @@ class World {
     options.jitter_seed = seed;
     options.session.model = "model";
     options.session.max_wished_bytes = 20'000;
+    options.prefetch = true;
     options.memory_budget_bytes = memory_budget_bytes;
     return options;
   }
@@ -120,14 +121,32 @@ class World {
   /// The cut covers what is near its view exactly once, and all of the model when it has settled: of the
   /// newest build, or while that is not there of an older one.
   void check() const {
-    // The hierarchy may go beyond its share by the page that was under way.
-    EXPECT_LE(engine_.counts().resident_bytes,
-              memory_budget_bytes_ - memory_budget_bytes_ / kHierarchyBudgetShare);
+    expectWithinBudget();
     if (!engine_.cut()) return;
     std::string problem;
     for (auto model = models_.rbegin(); model != models_.rend(); ++model)
       if (problem = problemWith(*model); problem.empty()) return;
     ASSERT_EQ(problem, "");
+  }
+
+  /// The hierarchy may go beyond its share by the page that was under way; a blob that is larger than the share
+  /// of what is on its way comes alone, and so is it decoded.
+  void expectWithinBudget() const {
+    const EngineCounts counts = engine_.counts();
+    const uint64_t share = memory_budget_bytes_ / kTransitBudgetShare;
+    EXPECT_LE(counts.resident_bytes,
+              memory_budget_bytes_ - memory_budget_bytes_ / kHierarchyBudgetShare - 2 * share);
+    EXPECT_LE(counts.transit_bytes, 2 * share + largestBlobBytes());
+  }
+
+  uint64_t largestBlobBytes() const {
+    uint64_t largest = 0;
+    for (const SyntheticModel& model : models_)
+      for (const auto& [key, node] : model.nodes())
+        for (const Rung& rung : node.rungs)
+          largest = std::max(largest, rung.payload.bytes + 2 * meshBytes(rung.vertices, rung.triangles,
+                                                                          SyntheticModel::attributes()));
+    return largest;
   }
 
   std::string problemWith(const SyntheticModel& model) const {
@@ -239,6 +258,10 @@ TEST_P(EngineProperties, staysWithinItsMemoryAndSettlesAtATenthOfWhatTheViewWoul
   }
   EXPECT_TRUE(world.engine().limited());
   EXPECT_FALSE(world.engine().cut()->converged);
+  const auto waited = [&] { return world.engine().counts().waited.of(Waiting::kBudget); };
+  const auto before = waited();
+  world.step(milliseconds(10));
+  EXPECT_EQ(waited() - before, milliseconds(10));
 }
 
 TEST_P(EngineProperties, convergesOnTheNewestBuildHoweverOftenTheModelIsReplaced) {
@@ -252,6 +275,35 @@ TEST_P(EngineProperties, convergesOnTheNewestBuildHoweverOftenTheModelIsReplaced
   }
   convergeFor(world, world.randomView());
   EXPECT_TRUE(world.engine().cut()->converged);
+}
+
+/// Towards the middle of the model, and past it.
+View flight(const View& from, int step) {
+  View view = from;
+  view.eye_model += view.forward * (SyntheticModel::boxSide() * 2e-3 * step);
+  return view;
+}
+
+TEST_P(EngineProperties, asksAheadOfACameraThatMovesWithoutFetchingABlobTwice) {
+  World world(GetParam(), 1ull << 30);
+  const View from = world.randomView();
+  convergeFor(world, from);
+  for (int step = 0; step < 300; ++step) {
+    world.engine().setView(flight(from, step), 1);
+    world.step(milliseconds(10));
+  }
+  const PrefetchCounts counts = world.engine().counts().prefetch;
+  EXPECT_LE(counts.used + counts.unused, counts.wished);
+  EXPECT_EQ(counts.unused == 0, counts.unused_bytes == 0);
+  convergeFor(world, flight(from, 300));
+  for (const auto& [blob, times] : world.server().completed()) EXPECT_EQ(times, 1u) << blob;
+}
+
+TEST_P(EngineProperties, asksForNothingAheadOfACameraThatStands) {
+  World world(GetParam(), 1ull << 30);
+  convergeFor(world, world.randomView());
+  convergeFor(world, world.randomView());  // a jump
+  EXPECT_EQ(world.engine().counts().prefetch.wished, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, EngineProperties, testing::Range(1u, 13u));

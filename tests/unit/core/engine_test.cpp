@@ -95,6 +95,21 @@ class EngineTest : public testing::Test {
     return wish;
   }
 
+  static constexpr TimePoint kMoved = kStart + kMoveOn;
+
+  /// The server goes away with a wish open; the next one is there. @return the wish.
+  uint32_t moveOn() {
+    const uint32_t wish = openAndShowCoarse();
+    engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
+    EXPECT_TRUE(engine_.wantsConnection(kMoved));
+    engine_.connect(kMoved);
+    engine_.takeOutgoing();
+    engine_.receive(greeting(build_id_), kMoved);
+    engine_.takeOutgoing();
+    engine_.step(kMoved);
+    return wish;
+  }
+
   static EngineOptions options() {
     EngineOptions options;
     options.session.model = "strip";
@@ -189,12 +204,78 @@ TEST_F(EngineTest, givesUpOnAPageThatIsNoPage) {
 TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerGoesAway) {
   openAndShowCoarse();
   engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
-  EXPECT_FALSE(engine_.connected());
-  EXPECT_NE(engine_.trouble().find("drain"), std::string::npos);
   EXPECT_FALSE(engine_.wantsConnection(kStart));
-  EXPECT_TRUE(engine_.wantsConnection(kStart + kFirstRetry));
+  EXPECT_TRUE(engine_.wantsConnection(kStart + kMoveOn));
   engine_.step(kStart);
   EXPECT_EQ(engine_.cut()->triangles, 4u);
+}
+
+TEST_F(EngineTest, takesWhatItWasPromisedWhileItMovesOnFromAServerThatGoesAway) {
+  const uint32_t wish = moveOn();
+  EXPECT_TRUE(engine_.takeOutgoing().empty()) << "it asks for the blob a second time";
+  engine_.receive(blobFrame(wish, 1), kMoved, Line::kLeaving);
+  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kLeaving);
+  decodeAll();
+  engine_.step(kMoved);
+  EXPECT_TRUE(engine_.settled());
+  EXPECT_TRUE(engine_.connected());
+  EXPECT_EQ(engine_.trouble(), "");
+}
+
+TEST_F(EngineTest, asksTheNextServerForWhatTheOneThatWentAwayDidNotGive) {
+  moveOn();
+  engine_.takeOutgoing();
+  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kLeaving);
+  engine_.step(kMoved);
+  EXPECT_EQ(engine_.counts().open_wishes, 1u);
+  engine_.receive(blobFrame(1, 1), kMoved);
+  decodeAll();
+  engine_.step(kMoved);
+  EXPECT_TRUE(engine_.settled());
+}
+
+TEST_F(EngineTest, keepsTheServerThatGoesAwayWhereTheNextOneIsNotThereYet) {
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
+  engine_.connect(kMoved);
+  engine_.disconnect(Error(ErrorCode::kNetwork, "refused"), kMoved);
+  EXPECT_EQ(engine_.trouble(), "refused");
+  engine_.connect(kMoved + kFirstRetry);
+  engine_.receive(blobFrame(wish, 1), kMoved + kFirstRetry, Line::kLeaving);
+  decodeAll();
+  engine_.step(kMoved + kFirstRetry);
+  EXPECT_TRUE(engine_.cut()->converged);
+}
+
+TEST_F(EngineTest, triesAgainWhereTheServerIsFull) {
+  engine_.setView(view_, 1);
+  engine_.connect(kStart);
+  engine_.receive(proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, "no room"}, 0), kStart);
+  EXPECT_FALSE(engine_.connected());
+  EXPECT_EQ(engine_.trouble(), "the server says: no room");
+  EXPECT_FALSE(engine_.wantsConnection(kStart));
+  ASSERT_TRUE(engine_.wantsConnection(kStart + kFirstRetry));
+  engine_.connect(kStart + kFirstRetry);
+  engine_.receive(greeting(), kStart + kFirstRetry);
+  EXPECT_EQ(engine_.trouble(), "");
+  EXPECT_TRUE(engine_.summary());
+}
+
+TEST_F(EngineTest, saysWhatThePictureWaitsFor) {
+  using std::chrono::milliseconds;
+  const auto waited = [this](Waiting waiting) {
+    return std::chrono::duration_cast<milliseconds>(engine_.counts().waited.of(waiting));
+  };
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(blobFrame(wish, 1), kStart + milliseconds(100));
+  engine_.step(kStart + milliseconds(100));
+  EXPECT_EQ(waited(Waiting::kLink), milliseconds(100));
+  decodeAll();
+  engine_.step(kStart + milliseconds(250));
+  engine_.step(kStart + milliseconds(900));
+  EXPECT_EQ(waited(Waiting::kLink), milliseconds(100));
+  EXPECT_EQ(waited(Waiting::kDecode), milliseconds(150));
+  EXPECT_EQ(waited(Waiting::kBudget), milliseconds(0));
 }
 
 TEST_F(EngineTest, asksAnewForWhatWasUnderWayWhenTheConnectionBroke) {

@@ -60,20 +60,28 @@ TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {
   EXPECT_FALSE(limitedBy(64 * kPartBytes));
 }
 
+/// Sees all of the model, so that only distances change.
+View viewFrom(double distance) { return lookingAt({512, 512, 512 + distance}, {512, 512, 512}); }
+
 TEST_P(RefinerLimits, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
-  const RefineOptions held{.threshold_px = 4, .hold_factor = kHoldFactor};
-  View tremble = closeView();
-  tremble.eye_model *= 1.02;
   Scripted client(model_);
-  client.converge(closeView(), held, random_, kNoCheck);
-  client.converge(tremble, held, random_, kNoCheck);
-  client.converge(closeView(), held, random_, kNoCheck);
-  const Parts first = partsOf(*client.last().cut);
-  for (int i = 0; i < 4; ++i) {
-    client.converge(i % 2 == 0 ? tremble : closeView(), held, random_, kNoCheck);
-    EXPECT_EQ(partsOf(*client.last().cut), first);
-    EXPECT_LE(client.last().cut->max_error_px, 4);
-  }
+  const auto converge = [&](double distance) {
+    client.converge(viewFrom(distance), {.threshold_px = 4, .hold_factor = kHoldFactor}, random_, kNoCheck);
+    return partsOf(*client.last().cut);
+  };
+  converge(3000);
+  const Parts nearest = converge(2800);
+  for (const double distance : {3000., 2900., 2800., 2950., 3000.}) EXPECT_EQ(converge(distance), nearest);
+}
+
+TEST(Refiner, letsGoOfWhatItHoldsWhereTheErrorHasFallenByMoreThanThat) {
+  const SyntheticModel model({.seed = 3});
+  std::mt19937 random(3);
+  Scripted held(model), fresh(model);
+  for (const double distance : {2800., 6000.})
+    held.converge(viewFrom(distance), {.threshold_px = 4, .hold_factor = kHoldFactor}, random, kNoCheck);
+  fresh.converge(viewFrom(6000), {.threshold_px = 4 * kHoldFactor}, random, kNoCheck);
+  EXPECT_LE(held.last().cut->triangles, fresh.last().cut->triangles);
 }
 
 }  // namespace

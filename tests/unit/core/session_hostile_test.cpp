@@ -10,7 +10,7 @@ using namespace test;
 
 TEST_F(SessionTest, refusesMoreBytesThanTheServerCanHaveBeenGranted) {
   open();
-  constexpr size_t kSize = proto::kFixedWindowBytes + proto::kMaxChunkBytes;
+  constexpr size_t kSize = proto::kInitialWindowBytes + proto::kMaxChunkBytes;
   const uint32_t wish = wishFor(blobRef(5, kSize));
   expectRefused(blobFrames(wish, 5, kSize), "credit");
 }

@@ -73,20 +73,37 @@ TEST_F(SessionTest, saysThatTheServerIsLeaving) {
   open();
   const auto events = give(proto::encode(proto::GoAway{"drain"}, 0));
   ASSERT_EQ(events.size(), 1u);
-  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "drain");
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server is going away (drain)");
 }
 
 TEST_F(SessionTest, pingsASilentServerAndMeasuresTheRoundTrip) {
   open();
   give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(70));
-  EXPECT_EQ(session_.roundTrip(), std::chrono::milliseconds(70));
+  EXPECT_EQ(session_.window().roundTrip(), std::chrono::milliseconds(70));
   listen(kStart, 9);
   EXPECT_TRUE(session_.takeOutgoing().empty());
   const TimePoint late = listen(kStart + std::chrono::seconds(9), 2);
   const auto pings = messagesOf<proto::Ping>(session_.takeOutgoing(), FrameType::kPing);
   ASSERT_EQ(pings.size(), 1u);
   give(proto::encode(proto::Pong{pings[0].payload}, 0), late + std::chrono::milliseconds(50));
-  EXPECT_EQ(session_.roundTrip(), std::chrono::milliseconds(50));
+  EXPECT_EQ(session_.window().roundTrip(), std::chrono::milliseconds(50));
+}
+
+TEST_F(SessionTest, measuresTheRoundTripEachSecondWhileBlobsAreAwaited) {
+  open();
+  give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(70));
+  const uint32_t wish = wishFor(blobRef(5, 100));
+  TimePoint now = kStart;
+  for (uint64_t second = 1; second <= 5; ++second) {
+    session_.tick(now += std::chrono::seconds(1));
+    const auto pings = messagesOf<proto::Ping>(session_.takeOutgoing(), FrameType::kPing);
+    ASSERT_EQ(pings.size(), 1u) << second;
+    give(proto::encode(proto::Pong{pings[0].payload}, 0), now + std::chrono::milliseconds(60));
+  }
+  EXPECT_EQ(session_.window().roundTrip(), std::chrono::milliseconds(60));
+  give(blobFrames(wish, 5, 100), now);
+  session_.tick(now + std::chrono::seconds(2));
+  EXPECT_TRUE(messagesOf<proto::Ping>(session_.takeOutgoing(), FrameType::kPing).empty());
 }
 
 TEST_F(SessionTest, givesUpOnAServerThatSaysNothing) {
@@ -118,7 +135,7 @@ TEST_F(SessionTest, saysSomethingToAServerThatSendsForLong) {
 TEST_F(SessionTest, saysThatAFullServerIsOneToTryLater) {
   const auto events = give(proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, "full"}, 0));
   ASSERT_EQ(events.size(), 1u);
-  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "full");
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server says: full");
 }
 
 }  // namespace

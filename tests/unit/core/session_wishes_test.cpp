@@ -10,14 +10,14 @@ using namespace test;
 
 TEST_F(SessionTest, wishesOnceForABlobAndDeliversItsBytes) {
   open();
-  const BlobRef blob = blobRef(5, 100'000);
+  const BlobRef blob = blobRef(5, 50'000);
   const uint32_t wish = wishFor(blob);
   EXPECT_NE(wish, 0u);
   EXPECT_EQ(wishFor(blob), 0u);
-  const auto events = give(blobFrames(wish, 5, 100'000));
+  const auto events = give(blobFrames(wish, 5, 50'000));
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(std::get<BlobArrived>(events[0]).blob, blob);
-  EXPECT_EQ(std::get<BlobArrived>(events[0]).bytes, blobBytes(5, 100'000));
+  EXPECT_EQ(std::get<BlobArrived>(events[0]).bytes, blobBytes(5, 50'000));
   EXPECT_EQ(session_.openWishes(), 0u);
   EXPECT_EQ(session_.wishedBytes(), 0u);
 }
@@ -134,15 +134,11 @@ TEST_F(SessionTest, keepsWishesWithinTheNumberThatTheServerAllows) {
 }
 
 TEST_F(SessionTest, keepsTheServerAWindowAhead) {
-  give(welcome());
-  auto credits = messagesOf<proto::Credit>(session_.takeOutgoing(), FrameType::kCredit);
-  ASSERT_EQ(credits.size(), 1u);
-  EXPECT_EQ(credits[0].granted_bytes, proto::kFixedWindowBytes);
-  give(opened() + blobFrames(0, kPageBlob, kPageBytes));
+  open();
   constexpr size_t kSize = 3u << 20;
   const uint32_t wish = wishFor(blobRef(5, kSize));
   const Bytes frames = blobFrames(wish, 5, kSize);
-  uint64_t sent = kPageBytes + proto::kBlobChunkHeaderBytes, granted = proto::kFixedWindowBytes;
+  uint64_t sent = kPageBytes + proto::kBlobChunkHeaderBytes, granted = proto::kInitialWindowBytes;
   for (const SentFrame& frame : framesOf(frames)) {
     sent += frame.body.size();
     ASSERT_LE(sent, granted);
@@ -150,10 +146,56 @@ TEST_F(SessionTest, keepsTheServerAWindowAhead) {
     for (const auto& credit : messagesOf<proto::Credit>(session_.takeOutgoing(), FrameType::kCredit)) {
       EXPECT_GT(credit.granted_bytes, granted);
       granted = credit.granted_bytes;
-      EXPECT_EQ(granted, sent + proto::kFixedWindowBytes);
     }
+    EXPECT_EQ(granted, sent + session_.window().bytes());
   }
   EXPECT_EQ(session_.openWishes(), 0u);
+}
+
+TEST_F(SessionTest, grantsMoreBeforeAChunkHasComeToItsEnd) {
+  open();
+  const uint32_t wish = wishFor(blobRef(5, proto::kMaxChunkBytes));
+  const Bytes frame = blobFrames(wish, 5, proto::kMaxChunkBytes);
+  give({frame.begin(), frame.begin() + frame.size() / 2});
+  const auto credits = messagesOf<proto::Credit>(session_.takeOutgoing(), FrameType::kCredit);
+  ASSERT_EQ(credits.size(), 1u);
+  EXPECT_GE(credits[0].granted_bytes, proto::kInitialWindowBytes + frame.size() / 2);
+}
+
+/// On a clock of the test: half a second in which a link brings so many bytes a millisecond.
+TEST_F(SessionTest, grantsAsMuchAsTheLinkThatItMeasuresCanHold) {
+  open();
+  give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(100));
+  constexpr size_t kSize = 16u << 20;
+  const uint32_t wish = wishFor(blobRef(5, kSize));
+  const Bytes frames = blobFrames(wish, 5, kSize);
+  constexpr size_t kBytesPerMs = 10'000;
+  size_t at = 0;
+  for (int ms = 0; ms < 1500 && at + kBytesPerMs < frames.size(); ++ms, at += kBytesPerMs) {
+    session_.takeOutgoing();
+    const auto begin = frames.begin() + static_cast<ptrdiff_t>(at);
+    give({begin, begin + kBytesPerMs}, kStart + std::chrono::milliseconds(100 + ms));
+  }
+  const double expected = 1.5 * kBytesPerMs * 100;
+  EXPECT_NEAR(static_cast<double>(session_.window().bytes()), expected, 0.02 * expected);
+}
+
+TEST_F(SessionTest, takesWishesOfALowerClassBackForThoseThatItHasNoRoomForOtherwise) {
+  Session session(optionsFor("model"), kStart);
+  session.receive(proto::encode(proto::Welcome{1, 0, 3, "test"}, 1) + opened(), kStart);
+  while (session.nextEvent()) {
+  }
+  std::vector<Wish> wishes;
+  for (uint32_t i = 0; i < 3; ++i) wishes.push_back({blobRef(10 + i, 4), {}, proto::WishClass::kPrefetch, 1});
+  session.setWishes(wishes);
+  session.takeOutgoing();
+  wishes.insert(wishes.begin(), {blobRef(20, 4), {}, proto::WishClass::kVisible, 1});
+  session.setWishes(wishes);
+  const auto changes = changesOf(session.takeOutgoing());
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].action, proto::WishAction::kCancel);
+  EXPECT_EQ(changes[1].action, proto::WishAction::kAdd);
+  EXPECT_EQ(changes[1].blob, 20u);
 }
 
 }  // namespace

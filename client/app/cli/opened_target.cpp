@@ -1,0 +1,28 @@
+#include "client/app/cli/opened_target.h"
+
+#include "client/app/cli/target.h"
+
+namespace lode::app {
+namespace {
+
+std::optional<core::CameraPath> readPath(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  return core::readCameraPath(file);
+}
+
+}  // namespace
+
+OpenedTarget::OpenedTarget(const CommonOptions& options, const stream::StreamOptions& stream_options,
+                           bool announce)
+    : wanted_path_(readPath(options.camera_file)),
+      target_(resolveTarget(parseTarget(options.target), stream_options, announce)),
+      start_(Clock::now()),
+      streamer_(target_.served, target_.options),
+      model_(openModel(streamer_, target_, options.timeout())),
+      path_(wanted_path_ ? *wanted_path_ : core::framingCamera(model_)) {}
+
+core::View OpenedTarget::viewAt(double t, const PictureSize& size) const {
+  return core::toView(core::cameraAt(path_, t), path_.fov_y_deg, size.width_px, size.height_px, model_);
+}
+
+}  // namespace lode::app

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+
+#include "client/app/cli/child_server.h"
+#include "client/app/cli/common_options.h"
+#include "client/core/camera_path.h"
+#include "client/stream/streamer.h"
+
+namespace lode::app {
+
+/// The target of a command, open, and the path along which it is looked at.
+class OpenedTarget {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Reads the camera's path, resolves the target and waits until its model is open.
+  /// @param announce  see resolveTarget(). @throws Error.
+  OpenedTarget(const CommonOptions& options, const stream::StreamOptions& stream_options, bool announce);
+
+  stream::Streamer& streamer() noexcept { return streamer_; }
+  const ModelSummary& model() const noexcept { return model_; }
+  /// The one that was asked for, or the camera that frames the model.
+  const core::CameraPath& path() const noexcept { return path_; }
+  /// When the connection was begun: a build or a child server's start does not count.
+  Clock::time_point start() const noexcept { return start_; }
+  core::View viewAt(double t, const PictureSize& size) const;
+
+ private:
+  std::optional<core::CameraPath> wanted_path_;
+  ResolvedTarget target_;
+  Clock::time_point start_;
+  stream::Streamer streamer_;
+  const ModelSummary& model_;
+  core::CameraPath path_;
+};
+
+}  // namespace lode::app

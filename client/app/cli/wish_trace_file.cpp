@@ -1,0 +1,195 @@
+#include "client/app/cli/wish_trace_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "common/error.h"
+#include "common/limits.h"
+#include "common/texture_set.h"
+
+namespace lode::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+[[noreturn]] void refuse(std::string_view source, const std::string& what) {
+  throw Error(ErrorCode::kInput, std::string(source) + ": " + what + "; replay --record writes such files");
+}
+
+/// One object of a trace, whose members are read with their limits.
+class Reader {
+ public:
+  Reader(const Json& json, std::string where, std::string_view source)
+      : json_(json), where_(std::move(where)), source_(source) {
+    if (!json_.is_object()) refuse(source_, where_ + " is not an object");
+  }
+
+  bool has(const char* name) const { return json_.contains(name); }
+
+  double number(const char* name, double most) const {
+    const Json& value = member(name);
+    const double number = value.is_number() ? value.get<double>() : -1;
+    if (!(number >= 0 && number <= most)) refuse(source_, where_ + "." + name + " is out of range");
+    return number;
+  }
+
+  uint32_t count(const char* name, uint32_t most) const { return toCount(member(name), name, most); }
+
+  std::vector<uint32_t> counts(const char* name, size_t size, uint32_t most) const {
+    const Json& value = member(name);
+    if (!value.is_array() || value.size() != size)
+      refuse(source_, where_ + "." + name + " is not a list of " + std::to_string(size) + " numbers");
+    std::vector<uint32_t> counts;
+    for (const Json& each : value) counts.push_back(toCount(each, name, most));
+    return counts;
+  }
+
+  BlobName name(const char* name) const {
+    const Json& value = member(name);
+    const std::string text = value.is_string() ? value.get<std::string>() : std::string();
+    BlobName result;
+    if (text.size() != 2 * result.bytes.size() ||
+        text.find_first_not_of("0123456789abcdef") != std::string::npos)
+      refuse(source_, where_ + "." + name + " is not a name of 32 hexadecimal digits");
+    for (size_t i = 0; i < result.bytes.size(); ++i)
+      result.bytes[i] = static_cast<std::byte>(std::stoul(text.substr(2 * i, 2), nullptr, 16));
+    return result;
+  }
+
+  Reader below(const char* name) const { return {member(name), where_ + "." + name, source_}; }
+
+ private:
+  const Json& member(const char* name) const {
+    const auto found = json_.find(name);
+    if (found == json_.end()) refuse(source_, where_ + "." + name + " is missing");
+    return *found;
+  }
+
+  uint32_t toCount(const Json& value, const char* name, uint32_t most) const {
+    if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
+      refuse(source_, where_ + "." + name + " is out of range");
+    return value.get<uint32_t>();
+  }
+
+  const Json& json_;
+  std::string where_;
+  std::string_view source_;
+};
+
+constexpr uint32_t kAny = std::numeric_limits<uint32_t>::max();
+constexpr double kLongestTraceSeconds = 1e6;
+
+void writeDecode(Json& json, const core::DecodeJob& job) {
+  if (job.use.kind == core::BlobKind::kTile) {
+    json["tile"] = {{"size", {job.image_size.x, job.image_size.y}}, {"tail", job.with_tail ? 1 : 0}};
+    return;
+  }
+  const PayloadExpectation& mesh = job.expected;
+  json["mesh"] = {{"triangles", mesh.triangles},
+                  {"vertices", mesh.vertices},
+                  {"attributes", mesh.attributes.bits},
+                  {"box",
+                   {mesh.box.min.x, mesh.box.min.y, mesh.box.min.z, mesh.box.max.x, mesh.box.max.y,
+                    mesh.box.max.z}}};
+}
+
+core::DecodeJob readMesh(const Reader& mesh, double step) {
+  core::DecodeJob job;
+  job.step = step;
+  job.expected.triangles = mesh.count("triangles", kMaxRungTriangles);
+  job.expected.vertices = mesh.count("vertices", kMaxRungVertices);
+  job.expected.attributes.bits =
+      static_cast<decltype(job.expected.attributes.bits)>(mesh.count("attributes", 255));
+  const std::vector<uint32_t> box = mesh.counts("box", 6, kMaxLattice);
+  job.expected.box = {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
+  return job;
+}
+
+core::DecodeJob readTile(const Reader& tile) {
+  core::DecodeJob job;
+  const std::vector<uint32_t> size = tile.counts("size", 2, kTilePx);
+  job.image_size = {size[0], size[1]};
+  job.with_tail = tile.count("tail", 1) != 0;
+  job.use.kind = core::BlobKind::kTile;
+  return job;
+}
+
+TracedWish readWish(const Reader& json, double duration_s, double step) {
+  TracedWish traced;
+  traced.t_s = json.number("t", duration_s);
+  traced.wish.blob = {json.count("blob", kAny), json.count("bytes", kMaxBlobBytes), json.name("name")};
+  traced.wish.wish_class = static_cast<proto::WishClass>(
+      json.count("class", static_cast<uint32_t>(proto::WishClass::kPrefetch)));
+  traced.wish.priority_px = static_cast<float>(json.number("px", std::numeric_limits<float>::max()));
+  if (json.has("mesh")) traced.decode = readMesh(json.below("mesh"), step);
+  if (json.has("tile")) traced.decode = readTile(json.below("tile"));
+  return traced;
+}
+
+}  // namespace
+
+std::string toJson(const WishTrace& trace) {
+  Json json;
+  json["duration_s"] = trace.duration_s;
+  json["step"] = 1.0;
+  json["wishes"] = Json::array();
+  for (const TracedWish& traced : trace.wishes) {
+    Json wish{{"t", traced.t_s},
+              {"blob", traced.wish.blob.number},
+              {"bytes", traced.wish.blob.bytes},
+              {"name", toHex(traced.wish.blob.name)},
+              {"class", static_cast<uint32_t>(traced.wish.wish_class)},
+              {"px", traced.wish.priority_px}};
+    if (traced.decode) writeDecode(wish, *traced.decode);
+    if (traced.decode && traced.decode->use.kind != core::BlobKind::kTile) json["step"] = traced.decode->step;
+    json["wishes"].push_back(std::move(wish));
+  }
+  return json.dump();
+}
+
+WishTrace parseWishTrace(std::string_view text, std::string_view source) {
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) refuse(source, "not JSON");
+  const Reader reader(json, "the trace", source);
+  WishTrace trace;
+  trace.duration_s = reader.number("duration_s", kLongestTraceSeconds);
+  const double step = reader.number("step", std::numeric_limits<double>::max());
+  const auto wishes = json.find("wishes");
+  if (wishes == json.end() || !wishes->is_array()) refuse(source, "wishes is not a list");
+  if (wishes->size() > kMaxTracedWishes)
+    throw Error(ErrorCode::kLimit, std::string(source) + ": " + std::to_string(wishes->size()) +
+                                       " wishes; the limit is " + std::to_string(kMaxTracedWishes) +
+                                       ": record a shorter path");
+  for (size_t i = 0; i < wishes->size(); ++i) {
+    trace.wishes.push_back(
+        readWish({(*wishes)[i], "wishes[" + std::to_string(i) + "]", source}, trace.duration_s, step));
+    if (i > 0 && trace.wishes[i].t_s < trace.wishes[i - 1].t_s)
+      refuse(source, "wishes[" + std::to_string(i) + "].t is before the wish before it");
+  }
+  return trace;
+}
+
+void writeWishTrace(const std::filesystem::path& file, const WishTrace& trace) {
+  std::ofstream out(file, std::ios::binary);
+  out << toJson(trace) << '\n';
+  if (!out.flush())
+    throw Error(ErrorCode::kIo, file.string() + " cannot be written; choose another file for --record");
+}
+
+WishTrace readWishTrace(const std::filesystem::path& file) {
+  std::error_code failed;
+  const uint64_t bytes = std::filesystem::file_size(file, failed);
+  if (!failed && bytes > kMaxTraceFileBytes)
+    throw Error(ErrorCode::kLimit, file.string() + ": a trace of " + std::to_string(bytes) +
+                                       " bytes; the limit is " + std::to_string(kMaxTraceFileBytes));
+  std::ifstream in(file, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  if (failed || !in) throw Error(ErrorCode::kIo, file.string() + " cannot be read; check the path");
+  return parseWishTrace(text, file.string());
+}
+
+}  // namespace lode::app

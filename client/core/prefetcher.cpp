@@ -1,0 +1,75 @@
+#include "client/core/prefetcher.h"
+
+#include "client/core/refiner.h"
+
+namespace lode::core {
+
+bool Prefetcher::lookAhead(const Model& model, const RefineOptions& options, TimePoint now) {
+  if (looked_at_ && now - *looked_at_ < kPrefetchInterval) return false;
+  looked_at_ = now;
+  const bool had_wishes = !wishes_.empty();
+  wishes_.clear();
+  for (auto& [use, open] : open_) open.is_wished = false;
+  const std::optional<View> ahead = motion_.predict(now, kPrefetchAhead);
+  const uint64_t budget_bytes = model.meshes().budgetBytes();
+  if (!ahead || !model.hierarchy().root() ||
+      model.meshes().bytes() > budget_bytes - budget_bytes / kPrefetchMemoryShare)
+    return had_wishes;
+  const Refinement refinement = refine(model.hierarchy(), model.meshes(), model.summary().lattice,
+                                       model.summary().attributes, *ahead, options);
+  uint64_t bytes = 0;
+  for (Wish wish : refinement.wanted) {
+    if (wish.wish_class != proto::WishClass::kVisible) break;  // they come last
+    if (!model.wants(wish)) continue;
+    bytes += wish.blob.bytes;
+    if (bytes > kMaxPrefetchBytes && !wishes_.empty()) break;
+    wish.wish_class = proto::WishClass::kPrefetch;
+    wishes_.push_back(wish);
+  }
+  return had_wishes || !wishes_.empty();
+}
+
+void Prefetcher::asked(const Wish& wish) {
+  const auto [open, is_new] = open_.try_emplace(wish.use);
+  if (is_new) ++counts_.wished;
+  open->second.is_wished = true;
+}
+
+void Prefetcher::arrived(const BlobRef& blob, const BlobUse& use) {
+  std::erase_if(wishes_, [&](const Wish& wish) { return wish.blob.number == blob.number; });
+  const auto open = open_.find(use);
+  if (open == open_.end() || open->second.bytes != 0) return;
+  open->second.bytes = blob.bytes;
+  ++counts_.unused;
+  counts_.unused_bytes += blob.bytes;
+}
+
+void Prefetcher::needed(const Cut* cut, std::span<const NodeKey> pages, std::span<const Wish> wishes) {
+  if (open_.empty()) return;
+  if (cut != nullptr)
+    for (const CutPart& part : cut->parts)
+      if (part.visible) use({BlobKind::kMesh, {part.node, part.rung}});
+  for (const NodeKey page : pages) use({BlobKind::kPage, {page, 0}});
+  for (const Wish& wish : wishes)
+    if (wish.wish_class == proto::WishClass::kVisible) use(wish.use);
+}
+
+void Prefetcher::use(const BlobUse& use) {
+  const auto open = open_.find(use);
+  if (open == open_.end()) return;
+  const Open ended = open->second;
+  open_.erase(open);
+  if (ended.bytes != 0) {
+    --counts_.unused;
+    counts_.unused_bytes -= ended.bytes;
+  }
+  if (ended.bytes != 0 || ended.is_wished) ++counts_.used;
+}
+
+void Prefetcher::forgetModel() {
+  wishes_.clear();
+  open_.clear();
+  looked_at_.reset();
+}
+
+}  // namespace lode::core

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "client/core/camera_motion.h"
+#include "client/core/cut.h"
+#include "client/core/model.h"
+#include "client/core/refine_options.h"
+#include "client/core/time_point.h"
+#include "client/core/wish.h"
+
+namespace lode::core {
+
+constexpr std::chrono::milliseconds kPrefetchAhead{1000};    ///< the place where a camera will be then
+constexpr std::chrono::milliseconds kPrefetchInterval{100};  ///< between two looks ahead
+constexpr uint64_t kMaxPrefetchBytes = 256u << 10;           ///< asked for at one time
+constexpr uint64_t kPrefetchMemoryShare = 4;  ///< one in so many bytes of the meshes' stays for what is seen
+
+struct PrefetchCounts {
+  uint64_t wished = 0;        ///< blobs asked for
+  uint64_t used = 0;          ///< of these, that a view has needed since
+  uint64_t unused = 0;        ///< that have come, and no view has needed yet
+  uint64_t unused_bytes = 0;  ///< of them
+};
+
+/// Asks for what a moving camera will see next, after all that it sees now. Not thread safe.
+class Prefetcher {
+ public:
+  /// The camera, each time that it is looked at.
+  void see(const View& view, TimePoint now) { motion_.see(view, now); }
+
+  /// Looks ahead, where that is due. @return whether there are other wishes than before.
+  bool lookAhead(const Model& model, const RefineOptions& options, TimePoint now);
+  /// What the camera will need and lacks, best first; of the last look.
+  const std::vector<Wish>& wishes() const noexcept { return wishes_; }
+
+  /// Of a wish that was sent.
+  void asked(const Wish& wish);
+  /// Of any blob.
+  void arrived(const BlobRef& blob, const BlobUse& use);
+  /// What a view shows, goes through, and asks for.
+  /// @param cut  may be null.
+  void needed(const Cut* cut, std::span<const NodeKey> pages, std::span<const Wish> wishes);
+  const PrefetchCounts& counts() const noexcept { return counts_; }
+
+  /// Another build has taken the model's place.
+  void forgetModel();
+
+ private:
+  struct Open {
+    uint64_t bytes = 0;      // 0: it has not come
+    bool is_wished = false;  // still
+  };
+  void use(const BlobUse& use);
+
+  CameraMotion motion_;
+  std::optional<TimePoint> looked_at_;
+  std::vector<Wish> wishes_;
+  std::map<BlobUse, Open> open_;  // asked for, and not needed so far
+  PrefetchCounts counts_;
+};
+
+}  // namespace lode::core
