@@ -67,7 +67,8 @@ std::optional<View> CameraMotion::predict(TimePoint now, Seconds ahead) const {
   view.eye_model += times(turn, (1 + factor) / 2) * path_model * stretch;
   const glm::dquat turned = times(turn, factor);
   view.forward = glm::normalize(turned * last.view.forward);
-  view.up = glm::normalize(turned * last.view.up - view.forward * glm::dot(view.forward, turned * last.view.up));
+  view.up =
+      glm::normalize(turned * last.view.up - view.forward * glm::dot(view.forward, turned * last.view.up));
   return view;
 }
 

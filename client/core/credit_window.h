@@ -43,9 +43,9 @@ class CreditWindow {
 
   std::optional<std::chrono::nanoseconds> round_trip_;
   std::optional<TimePoint> sample_begin_;
-  uint64_t sample_bytes_ = 0;        // since then
-  std::deque<double> rates_;         // bytes a second, the newest last
-  bool growing_ = true;              // the newest sample is much faster than any before
+  uint64_t sample_bytes_ = 0;  // since then
+  std::deque<double> rates_;   // bytes a second, the newest last
+  bool growing_ = true;        // the newest sample is much faster than any before
 };
 
 }  // namespace lode::core

@@ -104,9 +104,7 @@ void Engine::handle(BlobRefused event) {
 
 void Engine::handle(WishCancelled) { wishes_waiting_ = true; }
 
-void Engine::handle(ServerLeaving event) {
-  link_.leave(std::move(event.reason), now_);
-}
+void Engine::handle(ServerLeaving event) { link_.leave(std::move(event.reason), now_); }
 
 void Engine::handle(ModelChanged) { link_.restart(now_); }
 

@@ -53,10 +53,10 @@ struct EngineCounts {
   uint64_t tiles = 0;               ///< resident
   uint64_t tiles_left_out = 0;      ///< that the view needs and the memory budget does not allow
   PrefetchCounts prefetch;
-  WaitTimes waited;                ///< for the picture to converge
-  double link_bytes_per_s = 0;     ///< measured; 0: not yet
-  double round_trip_ms = 0;        ///< smallest measured; 0: none yet
-  uint64_t window_bytes = 0;       ///< that the server may have under way
+  WaitTimes waited;             ///< for the picture to converge
+  double link_bytes_per_s = 0;  ///< measured; 0: not yet
+  double round_trip_ms = 0;     ///< smallest measured; 0: none yet
+  uint64_t window_bytes = 0;    ///< that the server may have under way
 };
 
 /// A link to a server, a model and a view of it, stepped together: bytes, blobs from a cache, decoded meshes

@@ -20,9 +20,9 @@
 
 namespace lode::core {
 
-constexpr uint64_t kHierarchyBudgetShare = 8;         ///< one in so many bytes of memory is for what is known
-/// And one in so many for blobs that are asked for or wait to be decoded, as many again for decoding. One alone
-/// may be larger.
+constexpr uint64_t kHierarchyBudgetShare = 8;  ///< one in so many bytes of memory is for what is known
+/// And one in so many for blobs that are asked for or wait to be decoded, as many again for decoding. One
+/// alone may be larger.
 constexpr uint64_t kTransitBudgetShare = 16;
 constexpr uint64_t kMaxTransitBytes = 64ull << 20;  ///< of either, however large the budget
 

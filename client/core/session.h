@@ -21,9 +21,9 @@
 
 namespace lode::core {
 
-constexpr std::chrono::seconds kPingInterval{10};  ///< of silence, after which a Ping is sent
+constexpr std::chrono::seconds kPingInterval{10};    ///< of silence, after which a Ping is sent
 constexpr std::chrono::seconds kMeasureInterval{1};  ///< between Pings while blobs are awaited
-constexpr std::chrono::seconds kSilenceLimit{30};  ///< after which the server counts as gone
+constexpr std::chrono::seconds kSilenceLimit{30};    ///< after which the server counts as gone
 constexpr std::chrono::seconds kLongestPause{2};   ///< between two calls that counts as silence of the server
 constexpr uint64_t kMaxWishedBytes = 32ull << 20;  ///< of open wishes together, unless one alone is larger
 constexpr uint32_t kMaxWishesAtOnce = 1024;        ///< enough to fill any window, few enough to re-sort

@@ -87,7 +87,8 @@ class Fetch {
     start_ = target.start();
     double total_ms = 0;  // until the last key had converged
     for (const core::CameraKey& camera : target.path().keys) {
-      const double begin_ms = msSince(start_);
+      const double begin_ms =
+          keys_.empty() ? 0 : msSince(start_);  // the first key's time counts from the start
       keys_.push_back(converge(target, camera.t));
       total_ms = keys_.back().converged() ? begin_ms + *keys_.back().converged_ms : msSince(start_);
       if (!keys_.back().converged()) break;

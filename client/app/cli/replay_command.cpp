@@ -142,24 +142,24 @@ Json orNull(const std::optional<double>& value) { return value ? Json(*value) : 
 Json toJson(const Replayed& replayed) {
   const stream::StreamStatus& status = replayed.status;
   Json json{{"converged", replayed.converged_ms.has_value()},
-          {"frames", replayed.frames},
-          {"frame_ms",
-           {{"p50", replayed.frame.percentileMs(0.5)},
-            {"p99", replayed.frame.percentileMs(0.99)},
-            {"max", replayed.frame.maxMs()}}},
-          {"holes", replayed.holes},
-          {"first_image_ms", orNull(replayed.first_image_ms)},
-          {"reached_px_ms", byThreshold(replayed.reached_ms, orNull)},
-          {"converged_ms", orNull(replayed.converged_ms)},
-          {"seconds_above_px",
-           byThreshold<double>(replayed.seconds_above, [](const double& seconds) { return Json(seconds); })},
-          {"bytes_received", status.counts.received_bytes},
-          {"cache_bytes", status.counts.cache_bytes},
-          {"final_cut_bytes", status.cut ? status.cut->blob_bytes : 0},
-          {"max_error_px", status.cut ? Json(status.cut->max_error_px) : Json()},
-          {"resident_bytes", status.counts.resident_bytes},
-          {"prefetch", prefetchReport(status.counts.prefetch)},
-          {"peak_rss_bytes", peakMemoryBytes()}};
+            {"frames", replayed.frames},
+            {"frame_ms",
+             {{"p50", replayed.frame.percentileMs(0.5)},
+              {"p99", replayed.frame.percentileMs(0.99)},
+              {"max", replayed.frame.maxMs()}}},
+            {"holes", replayed.holes},
+            {"first_image_ms", orNull(replayed.first_image_ms)},
+            {"reached_px_ms", byThreshold(replayed.reached_ms, orNull)},
+            {"converged_ms", orNull(replayed.converged_ms)},
+            {"seconds_above_px", byThreshold<double>(replayed.seconds_above,
+                                                     [](const double& seconds) { return Json(seconds); })},
+            {"bytes_received", status.counts.received_bytes},
+            {"cache_bytes", status.counts.cache_bytes},
+            {"final_cut_bytes", status.cut ? status.cut->blob_bytes : 0},
+            {"max_error_px", status.cut ? Json(status.cut->max_error_px) : Json()},
+            {"resident_bytes", status.counts.resident_bytes},
+            {"prefetch", prefetchReport(status.counts.prefetch)},
+            {"peak_rss_bytes", peakMemoryBytes()}};
   reportLimits(json, status.counts);
   return json;
 }
@@ -203,10 +203,12 @@ void declareReplay(CLI::App& program, int& /*exit_status*/) {
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
   command->add_flag("--no-prefetch", options->no_prefetch, "ask for nothing ahead of the camera");
-  command->add_option("--order", options->order, "in which blobs are asked for: best, or first-come to compare")
+  command
+      ->add_option("--order", options->order, "in which blobs are asked for: best, or first-come to compare")
       ->check(CLI::IsMember({"best", "first-come"}))
       ->capture_default_str();
-  command->add_option("--record", options->record_file, "write what the path wishes for, for loadtest --trace")
+  command
+      ->add_option("--record", options->record_file, "write what the path wishes for, for loadtest --trace")
       ->type_name("FILE");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { replay(*options); });

@@ -39,10 +39,11 @@ void reportLimits(Json& json, const core::EngineCounts& counts) {
 
 Json prefetchReport(const core::PrefetchCounts& counts) {
   const uint64_t ended = counts.used + counts.unused;
-  return {{"wished", counts.wished},
-          {"used", counts.used},
-          {"hit_rate", ended == 0 ? Json() : Json(static_cast<double>(counts.used) / static_cast<double>(ended))},
-          {"wasted_bytes", counts.unused_bytes}};
+  return {
+      {"wished", counts.wished},
+      {"used", counts.used},
+      {"hit_rate", ended == 0 ? Json() : Json(static_cast<double>(counts.used) / static_cast<double>(ended))},
+      {"wasted_bytes", counts.unused_bytes}};
 }
 
 }  // namespace lode::app

@@ -89,12 +89,12 @@ void writeDecode(Json& json, const core::DecodeJob& job) {
     return;
   }
   const PayloadExpectation& mesh = job.expected;
-  json["mesh"] = {{"triangles", mesh.triangles},
-                  {"vertices", mesh.vertices},
-                  {"attributes", mesh.attributes.bits},
-                  {"box",
-                   {mesh.box.min.x, mesh.box.min.y, mesh.box.min.z, mesh.box.max.x, mesh.box.max.y,
-                    mesh.box.max.z}}};
+  json["mesh"] = {
+      {"triangles", mesh.triangles},
+      {"vertices", mesh.vertices},
+      {"attributes", mesh.attributes.bits},
+      {"box",
+       {mesh.box.min.x, mesh.box.min.y, mesh.box.min.z, mesh.box.max.x, mesh.box.max.y, mesh.box.max.z}}};
 }
 
 core::DecodeJob readMesh(const Reader& mesh, double step) {
@@ -122,8 +122,8 @@ TracedWish readWish(const Reader& json, double duration_s, double step) {
   TracedWish traced;
   traced.t_s = json.number("t", duration_s);
   traced.wish.blob = {json.count("blob", kAny), json.count("bytes", kMaxBlobBytes), json.name("name")};
-  traced.wish.wish_class = static_cast<proto::WishClass>(
-      json.count("class", static_cast<uint32_t>(proto::WishClass::kPrefetch)));
+  traced.wish.wish_class =
+      static_cast<proto::WishClass>(json.count("class", static_cast<uint32_t>(proto::WishClass::kPrefetch)));
   traced.wish.priority_px = static_cast<float>(json.number("px", std::numeric_limits<float>::max()));
   if (json.has("mesh")) traced.decode = readMesh(json.below("mesh"), step);
   if (json.has("tile")) traced.decode = readTile(json.below("tile"));

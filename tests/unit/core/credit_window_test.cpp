@@ -18,7 +18,8 @@ class Link {
 
   void run(milliseconds time) {
     for (const TimePoint end = now_ + time; now_ < end; now_ += milliseconds(1)) {
-      const double allowed = static_cast<double>(window_.bytes()) / std::chrono::duration<double>(trip_).count();
+      const double allowed =
+          static_cast<double>(window_.bytes()) / std::chrono::duration<double>(trip_).count();
       window_.receive(static_cast<uint64_t>(std::min(allowed, bytes_per_s_) * 1e-3), now_);
     }
   }

@@ -129,8 +129,8 @@ class World {
     ASSERT_EQ(problem, "");
   }
 
-  /// The hierarchy may go beyond its share by the page that was under way; a blob that is larger than the share
-  /// of what is on its way comes alone, and so is it decoded.
+  /// The hierarchy may go beyond its share by the page that was under way; a blob that is larger than the
+  /// share of what is on its way comes alone, and so is it decoded.
   void expectWithinBudget() const {
     const EngineCounts counts = engine_.counts();
     const uint64_t share = memory_budget_bytes_ / kTransitBudgetShare;
@@ -145,7 +145,7 @@ class World {
       for (const auto& [key, node] : model.nodes())
         for (const Rung& rung : node.rungs)
           largest = std::max(largest, rung.payload.bytes + 2 * meshBytes(rung.vertices, rung.triangles,
-                                                                          SyntheticModel::attributes()));
+                                                                         SyntheticModel::attributes()));
     return largest;
   }
 

@@ -250,7 +250,8 @@ TEST_F(EngineTest, keepsTheServerThatGoesAwayWhereTheNextOneIsNotThereYet) {
 TEST_F(EngineTest, triesAgainWhereTheServerIsFull) {
   engine_.setView(view_, 1);
   engine_.connect(kStart);
-  engine_.receive(proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, "no room"}, 0), kStart);
+  engine_.receive(proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, "no room"}, 0),
+                  kStart);
   EXPECT_FALSE(engine_.connected());
   EXPECT_EQ(engine_.trouble(), "the server says: no room");
   EXPECT_FALSE(engine_.wantsConnection(kStart));
