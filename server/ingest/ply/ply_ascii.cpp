@@ -27,7 +27,9 @@ Parsed parseFloating(std::string_view token, double& value) {
   const char* const end = token.data() + token.size();
   const auto result = fast_float::from_chars(token.data(), end, parsed);
   value = static_cast<double>(parsed);
-  if (result.ec == std::errc{} && result.ptr == end) return Parsed::kOk;
+  // Where a number is beyond the type's range, newer fast_float says so beside the same zero or infinity.
+  const bool is_number = result.ec == std::errc{} || result.ec == std::errc::result_out_of_range;
+  if (is_number && result.ptr == end) return Parsed::kOk;
   // The C library of Windows writes 1.#INF, -1.#IND and 1.#QNAN.
   if (token.find('#') != std::string_view::npos && result.ptr != token.data()) {
     value = std::numeric_limits<double>::quiet_NaN();

@@ -51,7 +51,7 @@ class Embedding : public testing::Test {
 
 TEST_F(Embedding, buildsAndRunsTheExamplesWithFindPackage) {
   const fs::path build = folder_ / "build";
-  run("cmake", {"-S", examples(), "-B", build, "-DCMAKE_PREFIX_PATH=" + installed_.string()});
+  run("cmake", {"-G", "Ninja", "-S", examples(), "-B", build, "-DCMAKE_PREFIX_PATH=" + installed_.string()});
   run("cmake", {"--build", build});
   const RunningServer server({makeSmallStore(folder_)});
   expectWalk(build / "embed", server.url("small"));
