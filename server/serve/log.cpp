@@ -63,6 +63,9 @@ struct Log::State {
             spdlog::async_overflow_policy::overrun_oldest)) {
     logger->set_error_handler([](const std::string&) {});  // its own would write to stderr, and wait
   }
+  ~State() { pool.reset(); }  // its thread ends before what it writes to goes
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
 
   void post(LogKind kind, std::string_view message, std::span<const LogField> fields) {
     const std::string line = logLine(options.json, std::chrono::system_clock::now(), kind, message, fields);

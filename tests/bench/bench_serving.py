@@ -8,7 +8,8 @@ clients     one wish, or request, at a time from each of 1 to 1,000 clients: per
 idle        memory of 10,000 connections that do nothing, and of 1,000 under TLS
 cold        one wish at a time for blobs in memory, alone and beside others whose blobs come from a slow disk; needs root,
             for control groups
-latency     `lodestream loadtest --decode-off` with more and more clients, 99th percentiles by class
+latency     `lodestream loadtest --decode-off` with more and more clients, 99th percentiles by class; beside them those of the
+            server's own histograms, from when it has read a visible wish
 urgent      a visible wish of 24 KB behind as much prefetching as the window takes, at 10 Mbit/s and 50 ms, directly and
             through HAProxy, under each congestion control that the system has; needs root, for network namespaces
 
@@ -22,6 +23,7 @@ import itertools
 import json
 import os
 import pathlib
+import re
 import signal
 import socket
 import statistics
@@ -29,6 +31,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent
 SERVER_CORE, CLIENT_CORE = "0", "1"
@@ -67,11 +70,12 @@ def running(command, **options):
 
 
 @contextlib.contextmanager
-def lodestreamd(bench, store, listen="127.0.0.1:0", prefix=(), tls=None):
+def lodestreamd(bench, store, listen="127.0.0.1:0", prefix=(), tls=None, metrics=None):
     """Yields its process and where it listens."""
     command = [*prefix, "taskset", "-c", SERVER_CORE, bench.bin / "lodestreamd", "serve", store, "--listen", listen,
                "--threads", 1, "--public", "--insecure"]
     command += ["--tls-cert", tls / "cert.pem", "--tls-key", tls / "key.pem"] if tls else []
+    command += ["--metrics", metrics] if metrics else []
     with running(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
         yield process, json.loads(process.stdout.readline())["listen"]
 
@@ -270,13 +274,17 @@ def forget(file):
         os.posix_fadvise(opened.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
 
 
-def wish_times(bench, listen, model, numbers, count):
+def python_client(bench, script, listen, model, numbers, amount):
     environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
-    done = subprocess.run(["taskset", "-c", CLIENT_CORE, "/usr/bin/python3", HERE.parent / "load" / "wish_times.py", listen, model,
-                           str(numbers["first"]), str(numbers["last"]), str(count)], env=environment, capture_output=True, text=True)
+    done = subprocess.run(["taskset", "-c", CLIENT_CORE, "/usr/bin/python3", HERE.parent / "load" / script, listen, model,
+                           str(numbers["first"]), str(numbers["last"]), str(amount)], env=environment, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(done.stderr)
     return json.loads(done.stdout)
+
+
+def wish_times(bench, listen, model, numbers, count):
+    return python_client(bench, "wish_times.py", listen, model, numbers, count)
 
 
 def cold(bench):
@@ -298,9 +306,13 @@ def cold(bench):
             run = wish_times(bench, listen, "hot", numbers["hot"], 1000)
             taken = json.loads(others.communicate()[0]) if others else dict(bytes=0, seconds=1)
             runs[beside].append((run["median_ms"], run["p99_ms"], taken["bytes"] / taken["seconds"] / 1e6))
+        forget(folder / "cold.lode")
+        pongs = python_client(bench, "pong_times.py", listen, "cold", numbers["cold"], 4)
     for beside, measured_runs in runs.items():
         median, p99, rate = (statistics.median(column) for column in zip(*measured_runs))
         print(f"| {'beside cold reads' if beside else 'alone'} | {median:.2f} ms | **{p99:.2f} ms** | {rate:.1f} MB/s |", flush=True)
+    print(f"| a Ping beside its own connection's cold reads | {pongs['median_ms']:.2f} ms | **{pongs['p99_ms']:.2f} ms** | "
+          f"{pongs['mbyte_s']:.1f} MB/s |", flush=True)
 
 
 def sample_store(bench):
@@ -310,23 +322,37 @@ def sample_store(bench):
     return store
 
 
+def visible_in_server(metrics, figure):
+    """Upper ends of a histogram's buckets, in milliseconds, and how many visible wishes took at most so long."""
+    with urllib.request.urlopen(f"http://{metrics}/metrics", timeout=10) as answer:
+        buckets = re.findall(rf'^lodestream_wish_{figure}_seconds_bucket{{class="visible",le="(.*)"}} (\d+)$', answer.read().decode(), re.M)
+    return [(1000 * float(end), int(count)) for end, count in buckets]
+
+
+def at_most_ms(buckets, part):
+    return next(end for end, count in buckets if count >= part * buckets[-1][1])
+
+
 def latency(bench):
     store = bench.store or sample_store(bench)
     print("| clients | wishes a second | MB/s | visible, median | p99 | longest | margin, p99 | first image, p99 | "
-          "unanswered | errors | server's CPU | clients' CPU |")
-    print("|" + " --- |" * 12)
+          "unanswered | errors | server's CPU | clients' CPU | in the server: first chunk, p99 | last chunk, p99 | 99.9 % |")
+    print("|" + " --- |" * 15)
     for clients in bench.clients:
-        with lodestreamd(bench, store) as (server, listen):
+        metrics = f"127.0.0.1:{free_port()}"
+        with lodestreamd(bench, store, metrics=metrics) as (server, listen):
             before = cpu_seconds(server)
             run = json.loads(on_client_core(
                 [bench.bin / "lodestream", "loadtest", f"lode://{listen}/{store.stem}", "--clients", clients, "--seconds",
                  bench.load_seconds, "--decode-off", "--json"]))
             used = (cpu_seconds(server) - before) / bench.load_seconds
+            queue, send = (visible_in_server(metrics, figure) for figure in ("queue", "send"))
         visible, margin, image = run["latency_ms"]["visible"], run["latency_ms"]["margin"], run["first_image_ms"]
         print(f"| {clients} | {run['blobs'] / run['seconds']:.0f} | {run['bytes'] / run['seconds'] / 1e6:.0f} | "
               f"{visible['p50']:.1f} ms | **{visible['p99']:.1f} ms** | {visible['max']:.0f} ms | {margin['p99']:.1f} ms | "
               f"{image['p99']:.1f} ms | {run['unanswered']} | {run['errors']} | {100 * used:.0f} % | "
-              f"{100 * run['cpu_seconds'] / run['seconds']:.0f} % |", flush=True)
+              f"{100 * run['cpu_seconds'] / run['seconds']:.0f} % | ≤ {at_most_ms(queue, 0.99):g} ms | "
+              f"**≤ {at_most_ms(send, 0.99):g} ms** | ≤ {at_most_ms(send, 0.999):g} ms |", flush=True)
 
 
 @contextlib.contextmanager

@@ -29,11 +29,6 @@ class DoorTest : public testing::Test {
                     ++handed_;
                   });
   }
-  ~DoorTest() override {
-    door_.reset();
-    ::close(quiet_);
-  }
-
   void turn() {
     try {
       door_->open();
@@ -53,12 +48,18 @@ class DoorTest : public testing::Test {
     return handed_ > before;
   }
 
-  const int quiet_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  /// Closed after the log that writes to it has ended.
+  struct Quiet {
+    ~Quiet() { ::close(descriptor); }
+    const int descriptor = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  };
+
+  const Quiet quiet_{};
   asio::io_context context_, client_context_;
   Admission admission_{1000, {}};
   MemoryBudget budget_{1u << 20};
   ThreadTallies tallies_;
-  Log log_{{.descriptor = quiet_}};
+  Log log_{{.descriptor = quiet_.descriptor}};
   std::optional<Door> door_;
   tcp::endpoint address_;
   std::vector<tcp::socket> clients_;

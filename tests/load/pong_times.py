@@ -1,0 +1,54 @@
+#!/usr/bin/python3
+"""How long a Ping waits on a connection whose own blobs come from a disk: pong_times.py HOST:PORT MODEL FIRST LAST SECONDS
+
+Keeps eight wishes open and one Ping under way. Prints one JSON object. tests/bench/bench_serving.py runs it; it needs what
+read_model.py needs.
+"""
+import json
+import random
+import statistics
+import sys
+import time
+
+from read_model import BLOB, HEADER, TYPES
+from urgent_wish import PREFETCH, WINDOW, Client
+
+OPEN_WISHES = 8
+
+
+def frames(connection):
+    """Types and bodies as they come, Pongs too."""
+    while True:
+        size, kind, *_ = HEADER.unpack(connection.input.read(HEADER.size))
+        yield kind, connection.input.read(size)
+
+
+def main():
+    address, model, first, last, seconds = sys.argv[1:]
+    random.seed(1)
+    client, times_ms, received, asked = Client(address, model, int(first), int(last)), [], 0, None
+    end = time.monotonic() + float(seconds)
+    for kind, body in frames(client.connection):
+        if kind == TYPES["Pong"]:
+            times_ms.append(1000 * (time.monotonic() - asked))
+            asked = None
+        elif kind == TYPES["Blob"]:
+            wish, total, offset = BLOB.unpack_from(body)
+            received += len(body)
+            client.connection.send("Credit", grantedBytes=received + WINDOW)
+            if offset + len(body) - BLOB.size == total:
+                client.open.discard(wish)
+        else:
+            sys.exit(f"a frame of type {kind}")
+        if time.monotonic() > end:
+            break
+        client.wish(PREFETCH, OPEN_WISHES - len(client.open))
+        if asked is None:
+            asked = time.monotonic()
+            client.connection.send("Ping", 1, payload=1)
+    print(json.dumps(dict(median_ms=statistics.median(times_ms), p99_ms=statistics.quantiles(times_ms, n=100)[98],
+                          pongs=len(times_ms), mbyte_s=received * 1e-6 / float(seconds))))
+
+
+if __name__ == "__main__":
+    main()
