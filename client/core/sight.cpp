@@ -12,14 +12,19 @@ Sight::Pyramid::Pyramid(const View& view, double widening) noexcept : eye_model_
   const glm::dvec3 right = glm::cross(view.forward, view.up);
   inward_ = {view.forward, view.forward * tan_x + right, view.forward * tan_x - right,
              view.forward * tan_y + view.up, view.forward * tan_y - view.up};
+  for (size_t side = 0; side < inward_.size(); ++side) reach_[side] = glm::abs(inward_[side]);
 }
 
-bool Sight::Pyramid::mayMeet(const ModelBox& box) const noexcept {
+Seen Sight::Pyramid::see(const ModelBox& box) const noexcept {
   const glm::dvec3 centre = (box.min + box.max) / 2.0 - eye_model_;
   const glm::dvec3 half = (box.max - box.min) / 2.0;
-  return std::all_of(inward_.begin(), inward_.end(), [&](const glm::dvec3& normal) {
-    return glm::dot(normal, centre) + glm::dot(glm::abs(normal), half) >= 0;
-  });
+  bool wholly = true;
+  for (size_t side = 0; side < inward_.size(); ++side) {
+    const double middle = glm::dot(inward_[side], centre), reach = glm::dot(reach_[side], half);
+    if (middle + reach < 0) return Seen::kNot;
+    wholly = wholly && middle >= reach;
+  }
+  return wholly ? Seen::kWholly : Seen::kPartly;
 }
 
 Sight::Sight(const View& view, double widening) noexcept

@@ -18,7 +18,8 @@ float screenErrorPx(float error_model, double distance_model, const View& view) 
 
 bool boxMayBeVisible(const ModelBox& box, const View& view, double widening) noexcept {
   const Sight sight(view, widening);
-  return widening > 1 ? sight.maySeeWhenTurned(box) : sight.maySee(box);
+  // A box around the eye may pass the narrower test alone.
+  return sight.see(box) != Seen::kNot || (widening > 1 && sight.maySeeWhenTurned(box));
 }
 
 }  // namespace lode::core

@@ -5,7 +5,7 @@
 namespace lode::core {
 namespace {
 
-constexpr size_t kFewNodes = 1024;         // that room is made for at first
+constexpr size_t kUsualNodes = 8192;       // that room is made for
 constexpr uint64_t kCoverBytesRatio = 20;  // a covering step costs at most a twentieth of what it bridges
 
 uint64_t partBytes(const Rung& rung, AttributeSet attributes) {
@@ -34,21 +34,23 @@ WantedCut::WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeS
       held_(options.hold_factor < 1 ? held : std::span<const HeldNode>()),
       page_bytes_(hierarchy.rootPageBytes()) {
   const KnownNode& first = *hierarchy_.root();
-  nodes_.reserve(kFewNodes);
-  add(first, held_.empty() ? 0 : 1);
+  nodes_.reserve(kUsualNodes);
+  add(first, false, held_.empty() ? 0 : 1);
   totals_.add(first.rungs.back(), attributes_);
   refine();
   chooseCovers(root());
 }
 
-WantedNode WantedCut::place(const KnownNode& node) const {
+WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
   WantedNode wanted;
   wanted.node = &node;
   wanted.rung = lastRung(node);
   if (node.box.empty()) return wanted;
   const ModelBox box = toModelBox(node.box, step_);
-  wanted.near = sight_.maySeeWhenTurned(box);
-  wanted.visible = wanted.near && sight_.maySee(box);
+  const Seen seen = in_sight ? Seen::kWholly : sight_.see(box);
+  wanted.visible = seen != Seen::kNot;
+  wanted.wholly_visible = seen == Seen::kWholly;
+  wanted.near = wanted.visible || sight_.maySeeWhenTurned(box);
   wanted.distance_model = sight_.distanceTo(box);
   return wanted;
 }
@@ -58,8 +60,8 @@ float WantedCut::errorPx(const WantedNode& wanted, uint32_t rung) const {
   return sight_.errorPx(std::max(of.error_model, of.appearance_error_model), wanted.distance_model);
 }
 
-void WantedCut::add(const KnownNode& node, uint32_t held) {
-  WantedNode& wanted = nodes_.emplace_back(place(node));
+void WantedCut::add(const KnownNode& node, bool in_sight, uint32_t held) {
+  WantedNode& wanted = nodes_.emplace_back(place(node, in_sight));
   wanted.held = held;
   enqueue(static_cast<uint32_t>(nodes_.size()) - 1);
 }
@@ -127,7 +129,9 @@ bool WantedCut::expand(uint32_t place, const Totals& without) {
   uint32_t held_child = held == 0 ? 0 : held_[held - 1].first_child;  // + 1 below: it is a place
   nodes_[place].role = Role::kExpanded;
   nodes_[place].first_child = static_cast<uint32_t>(nodes_.size());
-  for (const KnownNode& child : node.knownChildren()) add(child, held_child == 0 ? 0 : ++held_child);
+  const bool in_sight = nodes_[place].wholly_visible;
+  for (const KnownNode& child : node.knownChildren())
+    add(child, in_sight, held_child == 0 ? 0 : ++held_child);
   return true;
 }
 

@@ -24,6 +24,7 @@ enum class Role : uint8_t {
 struct WantedNode {
   const KnownNode* node = nullptr;
   bool visible = false;
+  bool wholly_visible = false;
   bool near = false;  ///< visible, or would be if the camera turned a little
   Role role = Role::kPart;
   uint32_t rung = 0;
@@ -51,8 +52,8 @@ class WantedCut {
   std::span<WantedNode> children(const WantedNode& wanted) {
     return std::span(nodes_).subspan(wanted.first_child, wanted.node->knownChildren().size());
   }
-  /// A node as this view sees it.
-  WantedNode place(const KnownNode& node) const;
+  /// A node as this view sees it. @param in_sight  it is known to be wholly visible, as its parent is.
+  WantedNode place(const KnownNode& node, bool in_sight = false) const;
   float errorPx(const WantedNode& wanted, uint32_t rung) const;
 
   bool limited() const noexcept { return limited_; }  ///< a budget stopped it above the threshold
@@ -83,7 +84,7 @@ class WantedCut {
     bool settled = false;  // a covering step was chosen, or not all of it is known yet
   };
 
-  void add(const KnownNode& node, uint32_t held);
+  void add(const KnownNode& node, bool in_sight, uint32_t held);
   void enqueue(uint32_t place);
   void refine();
   bool wasFiner(const WantedNode& wanted) const;
