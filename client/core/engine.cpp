@@ -8,6 +8,11 @@
 #include "common/error.h"
 
 namespace lode::core {
+namespace {
+
+constexpr float kFarOffFactor = 2;  // of the threshold: nothing is asked for ahead above it
+
+}  // namespace
 
 Engine::Engine(EngineOptions options)
     : options_(std::move(options)),
@@ -167,12 +172,11 @@ void Engine::renewWishes() {
     return wishes.size() < kMaxWishesAtOnce;
   };
   if (const auto first = model_->firstWish()) ask(*first);
-  const std::vector<Wish>& ahead = prefetcher_.wishes();
-  for (const Wish& wish : instance_.wishes()) {
-    // What a moving camera will see comes before what it turns away from.
-    if (wish.wish_class == proto::WishClass::kMargin && !ahead.empty()) break;
+  // What is seen comes first, and all of it where the picture is far from what it is to be.
+  const bool is_far_off = !cut() || cut()->max_error_px > kFarOffFactor * instance_.options().threshold_px;
+  const std::span<const Wish> ahead = is_far_off ? std::span<const Wish>() : std::span(prefetcher_.wishes());
+  for (const Wish& wish : instance_.wishes())
     if (!ask(wish)) break;
-  }
   for (const Wish& wish : ahead)
     if (!ask(wish)) break;
   if (!options_.best_first)
