@@ -110,6 +110,8 @@ class Replay {
       else if (is_current_ && !result_.reached_ms[i])
         result_.reached_ms[i] = now_ms;
     }
+    if (view != view_) result_.converged_ms.reset();
+    view_ = view;
     const bool converged = is_current_ && cut->converged && cut->max_error_px <= options_.common.pixels;
     if (!converged)
       result_.converged_ms.reset();
@@ -127,7 +129,8 @@ class Replay {
   const PictureSize size_;
   Clock::time_point start_;
   Replayed result_;
-  bool is_current_ = false;  // the last frame's cut is for its view
+  core::View view_;          // of the last frame
+  bool is_current_ = false;  // its cut is for it
 };
 
 template <typename Value>
