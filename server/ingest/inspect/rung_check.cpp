@@ -50,13 +50,13 @@ glm::vec3 pointIn(glm::vec3 a, glm::vec3 b, glm::vec3 c, Dice& dice) {
 
 /// A rung, for FarthestInTriangle.
 struct RungSurface {
-  const TriangleGrid& grid;
+  const TriangleTree& tree;
 
-  float squaredDistance(glm::vec3 at, uint32_t triangle) const { return grid.squaredDistance(at, triangle); }
+  float squaredDistance(glm::vec3 at, uint32_t triangle) const { return tree.squaredDistance(at, triangle); }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
-    const float squared = grid.squaredDistance(at, hint);
+    const float squared = tree.squaredDistance(at, hint);
     if (squared <= enough * enough) return {at, std::sqrt(squared), hint};
-    const TriangleGrid::Nearest nearest = grid.nearest(at, enough, {squared, std::sqrt(squared), hint});
+    const TriangleTree::Nearest nearest = tree.nearest(at, enough, {squared, std::sqrt(squared), hint});
     return {at, nearest.distance, nearest.triangle};
   }
 };
@@ -64,13 +64,13 @@ struct RungSurface {
 }  // namespace
 
 LeafSurface::LeafSurface(const Mesh& leaf)
-    : box(boxOf(leaf)), triangles(leaf.triangles), grid(meshFrom(leaf, box.min)) {
+    : box(boxOf(leaf)), triangles(leaf.triangles), tree(meshFrom(leaf, box.min)) {
   for (const PositionCode position : leaf.positions) positions.push_back(unpackPosition(position));
 }
 
 RungCheck::RungCheck(const Mesh& rung, const LatticeBox& box, float stored_steps, uint64_t original,
                      uint64_t seed)
-    : origin_(box.min), stored_(stored_steps), grid_(meshFrom(rung, box.min)) {
+    : origin_(box.min), stored_(stored_steps), tree_(meshFrom(rung, box.min)) {
   placePoints(rung, std::min(original, kMostPoints), Dice(seed));
   sortPoints();
 }
@@ -130,7 +130,7 @@ float RungCheck::backward() const {
 
 float RungCheck::farthestOf(const LeafSurface& leaf) const {
   const float enough = kEnough * stored_;
-  const RungSurface surface{grid_};
+  const RungSurface surface{tree_};
   std::vector<PointBeside> corners(leaf.positions.size(), {glm::vec3(0), -1, 0});
   FarthestInTriangle farthest(surface, enough, 0);
   uint32_t hint = 0;
@@ -163,7 +163,7 @@ void RungCheck::bringNearer(const LeafSurface& leaf) {
         if (known <= kEnough * stored_ || away > reach || away >= known) continue;
         const float bound = std::min(known, kBeyond * stored_);
         const float distance =
-            leaf.grid.nearest(point, kEnough * stored_, {bound * bound, bound, 0}).distance;
+            leaf.tree.nearest(point, kEnough * stored_, {bound * bound, bound, 0}).distance;
         while (distance < known &&
                !nearest_[i].compare_exchange_weak(known, distance, std::memory_order_relaxed)) {
         }

@@ -10,7 +10,7 @@
 
 #include "common/mesh.h"
 #include "server/ingest/inspect/dice.h"
-#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/measure/triangle_tree.h"
 
 namespace lode::ingest {
 
@@ -21,7 +21,7 @@ struct LeafSurface {
   LatticeBox box;
   std::vector<glm::uvec3> positions;
   std::vector<glm::u32vec3> triangles;
-  TriangleGrid grid;  ///< in steps from the box's least corner
+  TriangleTree tree;  ///< in steps from the box's least corner
 };
 
 /// Looks for the largest distance between a rung and the leaves below its node, which come one by one in any
@@ -48,7 +48,7 @@ class RungCheck {
 
   const glm::uvec3 origin_;
   const float stored_;
-  const TriangleGrid grid_;
+  const TriangleTree tree_;
   std::vector<glm::vec3> points_;  ///< of the rung's surface, cell by cell
   std::vector<std::atomic<float>> nearest_;
   std::vector<uint32_t> begin_;  ///< of each cell's points, and the end

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/ingest/measure/farthest_in_triangle.h"
-#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/measure/triangle_tree.h"
 
 namespace lode::ingest {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 // three of 480 rungs came out too small, by up to 0.95; at 0.45 none, as if all triangles were looked at.
 constexpr float kWorth = 0.45f;
 
-/// A rung, for FarthestInTriangle: by walks, and where these lead too far by a grid, which few rungs need.
+/// A rung, for FarthestInTriangle: by walks, and where these lead too far by a tree, which few rungs need.
 class RungSurface {
  public:
   RungSurface(const NodeMesh& rung, const SurfaceWalk& walk) : rung_(rung), walk_(walk) {}
@@ -32,16 +32,16 @@ class RungSurface {
     return measureExactly(at, enough, {walked * walked, walked, hint});
   }
   PointBeside measureExactly(glm::vec3 at, float enough,
-                             TriangleGrid::Nearest known = TriangleGrid::kNothing) const {
-    if (!grid_) grid_.emplace(rung_);
-    const TriangleGrid::Nearest nearest = grid_->nearest(at, enough, known);
+                             TriangleTree::Nearest known = TriangleTree::kNothing) const {
+    if (!tree_) tree_.emplace(rung_);
+    const TriangleTree::Nearest nearest = tree_->nearest(at, enough, known);
     return {at, nearest.distance, nearest.triangle};
   }
 
  private:
   const NodeMesh& rung_;
   const SurfaceWalk& walk_;
-  mutable std::optional<TriangleGrid> grid_;
+  mutable std::optional<TriangleTree> tree_;
 };
 
 std::vector<glm::vec3> normalsOf(const NodeMesh& mesh) {

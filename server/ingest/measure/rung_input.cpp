@@ -12,9 +12,9 @@ RungInput::RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps)
   std::erase_if(rims_, [&](glm::u32vec2 edge) { return is_locked(edge.x) && is_locked(edge.y); });
 }
 
-const TriangleGrid& RungInput::grid() const {
-  std::call_once(grid_made_, [this] { grid_.emplace(mesh_); });
-  return *grid_;
+const TriangleTree& RungInput::tree() const {
+  std::call_once(tree_made_, [this] { tree_.emplace(mesh_); });
+  return *tree_;
 }
 
 }  // namespace lode::ingest

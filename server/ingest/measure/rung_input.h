@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/ingest/measure/surface_walk.h"
-#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/node_mesh.h"
 
 namespace lode::ingest {
@@ -24,15 +24,15 @@ class RungInput {
   /// Open edges, by position; borders of the node are none.
   const std::vector<glm::u32vec2>& rims() const noexcept { return rims_; }
   /// Made when it is first asked for: few nodes need it.
-  const TriangleGrid& grid() const;
+  const TriangleTree& tree() const;
 
  private:
   NodeMesh mesh_;
   SurfaceWalk walk_;
   std::optional<float> off_steps_;
   std::vector<glm::u32vec2> rims_;
-  mutable std::once_flag grid_made_;
-  mutable std::optional<TriangleGrid> grid_;
+  mutable std::once_flag tree_made_;
+  mutable std::optional<TriangleTree> tree_;
 };
 
 }  // namespace lode::ingest

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/number_table.h"
 
 namespace lode::ingest {
@@ -13,7 +13,7 @@ namespace {
 
 // Deviations below this share of the largest need not be exact: they only rank samples.
 constexpr float kRanks = 0.25f;
-constexpr int kMostLooks = 32;  ///< at every triangle, before a grid is built for the further ones
+constexpr int kMostLooks = 32;  ///< at every triangle, before a tree is built for the further ones
 constexpr uint32_t kMostPointsInside = 64;  ///< of one triangle
 
 uint64_t hashOf(const SurfaceSample& sample) noexcept { return NumberTable::hash(sample.position.value); }
@@ -34,10 +34,10 @@ glm::vec2 sharesOf(uint32_t n) noexcept {
 double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
 
 /// Makes the largest of the distances that walks over a mesh have found exact.
-/// @param pointOf  the point of each distance. @param gridOver  the mesh, made where many need a look.
-template <typename PointOf, typename GridOver>
+/// @param pointOf  the point of each distance. @param treeOver  the mesh, made where many need a look.
+template <typename PointOf, typename TreeOver>
 void confirmLargest(const SurfaceWalk& walk, std::vector<float>& distances, PointOf&& pointOf,
-                    GridOver&& gridOver) {
+                    TreeOver&& treeOver) {
   std::vector<uint32_t> order(distances.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   const auto is_less = [&](uint32_t a, uint32_t b) { return distances[a] < distances[b]; };
@@ -48,7 +48,7 @@ void confirmLargest(const SurfaceWalk& walk, std::vector<float>& distances, Poin
     const uint32_t at = order.back();
     order.pop_back();
     distances[at] = looks < kMostLooks ? walk.exactDistance(pointOf(at), distances[at])
-                                       : gridOver().distance(pointOf(at));
+                                       : treeOver().distance(pointOf(at));
     largest = std::max(largest, distances[at]);
   }
 }
@@ -109,10 +109,10 @@ std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeM
 std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input,
                                       const SurfaceWalk& walk, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples) {
-  std::optional<TriangleGrid> grid;
-  const auto gridOver = [&]() -> const TriangleGrid& {
-    if (!grid) grid.emplace(rung.mesh);
-    return *grid;
+  std::optional<TriangleTree> tree;
+  const auto treeOver = [&]() -> const TriangleTree& {
+    if (!tree) tree.emplace(rung.mesh);
+    return *tree;
   };
   std::vector<float> distances;
   std::vector<uint32_t> nears;
@@ -122,7 +122,7 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh
   for (const SurfaceSample& sample : samples) {
     uint32_t near = sample.near == kVanished ? kVanished : rung.became[sample.near];
     if (near == kVanished) {  // where its triangles have gone, the nearest of those that are left
-      const TriangleGrid::Nearest found = gridOver().nearest(pointOf(sample), kRanks * largest);
+      const TriangleTree::Nearest found = treeOver().nearest(pointOf(sample), kRanks * largest);
       near = rung.mesh.wedge_position[rung.mesh.triangles[found.triangle].x];
       distances.push_back(found.distance);
     } else if (sample.position == input.positions[sample.near]) {
@@ -134,7 +134,7 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh
     largest = std::max(largest, distances.back());
   }
   confirmLargest(
-      walk, distances, [&](size_t i) { return pointOf(samples[i]); }, gridOver);
+      walk, distances, [&](size_t i) { return pointOf(samples[i]); }, treeOver);
   std::vector<Deviation> deviations;
   deviations.reserve(samples.size());
   for (size_t i = 0; i < samples.size(); ++i) deviations.push_back({distances[i], nears[i]});

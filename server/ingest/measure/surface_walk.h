@@ -14,7 +14,7 @@ namespace lode::ingest {
 /// Distance from points to a mesh, in lattice steps, by walking over it: from the triangles around a position
 /// to those around the next, as long as they come nearer. Never below the true distance; above it where the
 /// mesh, as seen from the start, first leads away from the nearest place or where that is on another piece.
-/// Many times faster than TriangleGrid where a position near the point is known. Const functions are thread
+/// Many times faster than TriangleTree where a position near the point is known. Const functions are thread
 /// safe.
 class SurfaceWalk {
  public:

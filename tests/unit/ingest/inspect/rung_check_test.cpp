@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/node_meshes.h"
@@ -44,7 +44,7 @@ TEST(RungCheck, findsWhatDensePointsFindBothWays) {
   const Mesh leaf = test::makeSphere(60, 40);
   const NodeMesh input = test::nodeOf(leaf);
   collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleGrid to_rung(rung.mesh), to_input(input);
+    const TriangleTree to_rung(rung.mesh), to_input(input);
     double dense = 0;
     for (const glm::dvec3 point : test::pointsOver(input, 16))
       dense = std::max<double>(dense, to_rung.distance(glm::vec3(point)));
@@ -60,7 +60,7 @@ TEST(RungCheck, findsOneTinyTriangleThatHasGoneWhateverTheSeed) {
   const Mesh rung = flatGrid();
   Mesh leaf = rung;
   addTriangle(leaf, {3000, 3000, 5000}, 2);
-  const float height = TriangleGrid(test::nodeOf(rung)).distance(glm::vec3(3001, 3001, 5000));
+  const float height = TriangleTree(test::nodeOf(rung)).distance(glm::vec3(3001, 3001, 5000));
   for (uint64_t seed = 1; seed <= 5; ++seed) EXPECT_GE(found(rung, leaf, height / 3, seed), 0.98f * height);
 }
 

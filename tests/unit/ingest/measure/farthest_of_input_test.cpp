@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/ingest/measure/surface_samples.h"
-#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/loose_pieces.h"
 #include "tests/support/node_meshes.h"
@@ -33,10 +33,10 @@ float farthest(const SimplifiedMesh& rung, const NodeMesh& input, float known = 
 
 void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2>& targets) {
   collapse(input, targets, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleGrid grid(rung.mesh);
+    const TriangleTree tree(rung.mesh);
     double found = 0;
     for (const glm::dvec3 point : test::pointsOver(input, 16))
-      found = std::max<double>(found, grid.distance(glm::vec3(point)));
+      found = std::max<double>(found, tree.distance(glm::vec3(point)));
     const float measured = farthest(rung, input);
     EXPECT_GE(1.021 * measured, found);
     EXPECT_LE(measured, 1.05 * found);

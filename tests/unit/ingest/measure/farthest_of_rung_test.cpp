@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/ingest/measure/triangle_grid.h"
+#include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/node_meshes.h"
@@ -18,10 +18,10 @@ namespace {
 TEST(FarthestOfRung, isWithinFivePercentOfWhatDensePointsFind) {
   const NodeMesh input = test::nodeOf(test::makeSphere(60, 40));
   collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleGrid grid(input);
+    const TriangleTree tree(input);
     double found = 0;
     for (const glm::dvec3 point : test::pointsOver(rung.mesh, 24))
-      found = std::max<double>(found, grid.distance(glm::vec3(point)));
+      found = std::max<double>(found, tree.distance(glm::vec3(point)));
     const float farthest = farthestOfRung(rung, RungInput(input, 0), sourcesOf(rung, input), 0);
     EXPECT_GE(1.05 * farthest, found);
     EXPECT_LE(farthest, 1.001 * found);

@@ -8,63 +8,12 @@
 
 #include <gtest/gtest.h>
 
-#include "server/ingest/measure/triangle_grid.h"
-#include "server/ingest/mesh/mesh_welder.h"
+#include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/node_meshes.h"
 
 namespace lode::ingest {
 namespace {
-
-NodeMesh randomTriangles(size_t count, uint32_t extent, uint32_t size) {
-  std::mt19937 random(5);
-  MeshWelder welder;
-  welder.begin({}, 3 * count, count);
-  for (size_t t = 0; t < count; ++t) {
-    const glm::uvec3 base(random() % extent, random() % extent, random() % extent);
-    glm::u32vec3 corners;
-    for (int k = 0; k < 3; ++k) {
-      const glm::uvec3 at = base + glm::uvec3(random() % size, random() % size, random() % size);
-      corners[k] = welder.addCorner(packPosition(at), kNeverLocked, {});
-    }
-    welder.addTriangle(corners);
-  }
-  return welder.finish();
-}
-
-/// Smallest distance to a fine grid over every triangle: never below the true one.
-double bruteDistance(const NodeMesh& mesh, glm::dvec3 point) {
-  double best = 1e30;
-  for (const glm::dvec3 on : test::pointsOver(mesh, 24)) best = std::min(best, glm::distance(on, point));
-  return best;
-}
-
-TEST(TriangleGrid, findsTheDistanceThatBruteForceFinds) {
-  std::mt19937 random(9);
-  for (const uint32_t size : {20u, 400u}) {
-    const NodeMesh mesh = randomTriangles(200, 1000, size);
-    const TriangleGrid grid(mesh);
-    for (int i = 0; i < 100; ++i) {
-      const glm::uvec3 point(random() % 1400, random() % 1400, random() % 1400);
-      const double expected = bruteDistance(mesh, glm::dvec3(point));
-      const double found = grid.distance(packPosition(point));
-      EXPECT_LE(found, expected + 1e-2);
-      EXPECT_GE(found, expected - size / 12.0);  // what the barycentric grid may miss
-    }
-  }
-}
-
-TEST(TriangleGrid, takesMemoryInProportionToTheTrianglesHoweverLongTheyAre) {
-  // 8000 triangles across the whole box would stand in some 200 million cells of an edge's length.
-  const NodeMesh mesh = randomTriangles(8000, 1, 100000);
-  const TriangleGrid grid(mesh);
-  EXPECT_EQ(grid.distance(mesh.positions[0]), 0);
-  EXPECT_LE(grid.memberCount(), 16 * mesh.triangles.size());
-}
-
-TEST(TriangleGrid, isInfinitelyFarFromAnEmptyMesh) {
-  EXPECT_TRUE(std::isinf(TriangleGrid(NodeMesh{}).distance(packPosition({1, 2, 3}))));
-}
 
 TEST(SurfaceSamples, keepTheWorstNearEachPositionAndTheLargestOfTheOthers) {
   std::vector<SurfaceSample> samples;
@@ -122,7 +71,7 @@ TEST(SurfaceSamples, measureWhatBruteForceFinds) {
   std::vector<SurfaceSample> samples;
   for (uint32_t i = 0; i < input.positions.size(); ++i) samples.push_back({input.positions[i], 0, i});
   collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleGrid to_rung(rung.mesh);
+    const TriangleTree to_rung(rung.mesh);
     float forward = 0;
     for (const PositionCode position : input.positions)
       forward = std::max(forward, to_rung.distance(position));
@@ -172,7 +121,7 @@ TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
   const SurfaceWalk walk(mesh);
   const std::vector<Deviation> deviations =
       deviationsFrom(rung, mesh, walk, placesOn(rung, mesh, walk), samples);
-  EXPECT_FLOAT_EQ(deviations[0].steps, TriangleGrid(mesh).distance(away));
+  EXPECT_FLOAT_EQ(deviations[0].steps, TriangleTree(mesh).distance(away));
   EXPECT_NE(deviations[0].near, kVanished);
   EXPECT_EQ(deviations[1].steps, 0);
 }
