@@ -23,6 +23,7 @@ Connection::Connection(proto::ByteStream stream, Place place, MemoryAccount memo
                        ConnectionLimits limits, std::string client)
     : place_(std::move(place)),
       memory_(std::move(memory)),
+      reading_(*host.budget),
       host_(host),
       limits_(limits),
       stream_(std::move(stream), 2048, [this](size_t more) { return memory_.tryTake(more); }),

@@ -51,7 +51,8 @@ struct ConnectionHost {
   std::shared_ptr<asio::ssl::context> tls;  ///< of new connections; none: they are plain
   Log* log = nullptr;
   ThreadTallies* tallies = nullptr;
-  ByteRate* rate = nullptr;              ///< of all connections of the server
+  ByteRate* rate = nullptr;  ///< of all connections of the server
+  MemoryBudget* budget = nullptr;
   asio::thread_pool* readers = nullptr;  ///< threads that may wait for the disk
   BufferPool buffers;
   std::pmr::unsynchronized_pool_resource wishes;
@@ -120,6 +121,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Place place_;
   MemoryAccount memory_;
+  MemoryAccount reading_;  ///< what the disk is asked for: no greed of the client's, who may wish and ask on
   ConnectionHost& host_;
   ConnectionLimits limits_;
   proto::FrameStream stream_;

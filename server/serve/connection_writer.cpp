@@ -156,7 +156,7 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
   if (cold == cold_.end()) return chunk.opened->model->blobs->readHot(rangeOf(chunk), into);
   const std::shared_ptr<ColdRead> read = std::move(*cold);
   cold_.erase(cold);
-  memory_.give(read->bytes.size());
+  reading_.give(read->bytes.size());
   // A window or a write smaller than when it was asked for takes the beginning; the rest is read again.
   if (read->result == ReadResult::kDone) {
     const size_t there = std::min(read->bytes.size(), into.size());
@@ -168,9 +168,9 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
 
 bool Connection::startFetching(const Chunk& chunk) {
   if (cold_.size() >= kMaxColdReads) return false;
-  if (!memory_.tryTake(chunk.bytes)) {
+  if (!reading_.tryTake(chunk.bytes)) {
     if (!cold_.empty()) return false;
-    memory_.take(chunk.bytes);  // one is always read, so that it goes on
+    reading_.take(chunk.bytes);  // one is always read, so that it goes on
   }
   const auto cold = std::make_shared<ColdRead>(ColdRead{chunk, std::vector<std::byte>(chunk.bytes)});
   cold_.push_back(cold);
@@ -192,7 +192,7 @@ asio::awaitable<void> Connection::fetch(std::shared_ptr<ColdRead> cold,
   } catch (const std::exception&) {  // no memory to ask the disk
     cold->result = ReadResult::kFailed;
   }
-  if (!session_.unpark(cold->chunk) && std::erase(cold_, cold) > 0) memory_.give(cold->bytes.size());
+  if (!session_.unpark(cold->chunk) && std::erase(cold_, cold) > 0) reading_.give(cold->bytes.size());
   wakeWriter();
 }
 

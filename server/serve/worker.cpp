@@ -30,6 +30,7 @@ Worker::Worker(Published published, Log& log, ThreadTallies& tallies, asio::thre
   host_.tallies = &tallies;
   host_.readers = &readers;
   host_.rate = &rate;
+  host_.budget = &budget;
 }
 
 void Worker::start(Clock::duration sweep_every) {

@@ -10,6 +10,7 @@ import statistics
 import sys
 import time
 
+import lodestream_generated as wire
 from read_model import BLOB, HEADER, TYPES
 from urgent_wish import PREFETCH, WINDOW, Client
 
@@ -38,8 +39,8 @@ def main():
             client.connection.send("Credit", grantedBytes=received + WINDOW)
             if offset + len(body) - BLOB.size == total:
                 client.open.discard(wish)
-        else:
-            sys.exit(f"a frame of type {kind}")
+        elif kind == TYPES["Error"]:
+            sys.exit(f"the server says: {wire.Error.GetRootAs(body).Message().decode()}")
         if time.monotonic() > end:
             break
         client.wish(PREFETCH, OPEN_WISHES - len(client.open))

@@ -35,6 +35,13 @@ class ServerMemory : public ServerTest {
       client.send(wishes);
     }
   }
+  /// Takes a file out of the page cache.
+  static void forget(const std::filesystem::path& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    ::fsync(file);
+    ::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
+    ::close(file);
+  }
   /// Whether it comes to be so within a second, which is less than a refused client is waited for.
   static bool soon(const auto& is_so) {
     const auto end = std::chrono::steady_clock::now() + 1s;
@@ -145,6 +152,28 @@ TEST_F(ServerMemory, aFrameThatThereIsNoRoomForIsGivenBackWithItsMemory) {
   EXPECT_EQ(client.expect<proto::ErrorMessage>(FrameType::kError).code, WireError::kLimit);
   EXPECT_TRUE(soon([&] { return server_->memoryHeld() < kPlainConnectionBytes + (4u << 10); }))
       << server_->memoryHeld() << " though the client is still there, and is told";
+}
+
+TEST_F(ServerMemory, whatTheDiskIsAskedForIsNoGreedOfTheClients) {
+  options_.memory_budget_bytes = 5'736'000;  // two chunks and eight wishes are all that one may hold of it
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.blobs(2);
+  for (int round = 0; round < 20; ++round) {
+    forget(store_);
+    client.send(wishesForAll(opened.handle));
+    client.send(proto::Credit{1ull << 40});
+    client.send(proto::Ping{1}, 1);
+    for (size_t complete = 0; complete < reader().blobCount();) {
+      const auto frame = client.receive();
+      ASSERT_TRUE(frame && !frame->is(FrameType::kError)) << "in round " << round;
+      if (frame->is(FrameType::kPong)) client.send(proto::Ping{1}, 1);
+      if (!frame->is(FrameType::kBlob)) continue;
+      const proto::BlobChunk chunk = proto::decodeBlobChunk(frame->body);
+      complete += chunk.header.offset_bytes + chunk.bytes.size() == chunk.header.total_bytes ? 1 : 0;
+    }
+  }
 }
 
 TEST_F(ServerMemory, whenMemoryIsShortTheNextConnectionIsToldSo) {
