@@ -90,7 +90,7 @@ class World {
     EngineOptions options;
     options.jitter_seed = seed;
     options.session.model = "model";
-    options.session.max_wished_bytes = 20'000;
+    if (memory_budget_bytes >= 1u << 30) options.session.max_wished_bytes = 20'000;
     options.prefetch = true;
     options.memory_budget_bytes = memory_budget_bytes;
     return options;

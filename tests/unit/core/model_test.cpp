@@ -1,0 +1,47 @@
+#include "client/core/model.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/core/scripted_server.h"
+
+namespace lode::core {
+namespace {
+
+using namespace test;
+
+/// Of a job, as the model counts it.
+uint64_t workBytes(const DecodeJob& job) {
+  return 2 * meshBytes(job.expected.vertices, job.expected.triangles, job.expected.attributes);
+}
+
+TEST(Model, handsOutNoMoreToDecodeThanThereIsMemoryForAndAllInTheEnd) {
+  const SyntheticModel synthetic({.seed = 3});
+  const ScriptedServer server(synthetic);
+  constexpr uint64_t kBudgetBytes = 1u << 20, kShareBytes = kBudgetBytes / kTransitBudgetShare;
+  Model model(server.summary(), kBudgetBytes);
+  model.take(server.summary().root_page, {BlobKind::kRootPage, {kRootKey, 0}},
+             encodePage(synthetic.rootPage()));
+  size_t taken = 0;
+  for (const auto& [key, node] : synthetic.nodes())
+    for (uint32_t rung = 0; rung < node.rungs.size() && key.depth() <= 2; ++rung, ++taken)
+      model.take(node.rungs[rung].payload, {BlobKind::kMesh, {key, rung}}, Bytes(10));
+  taken = model.decoding();
+  ASSERT_GT(taken, 20u);
+  size_t rounds = 0, finished = 0;
+  for (std::vector<DecodeJob> jobs = model.takeDecodeJobs(); !jobs.empty(); jobs = model.takeDecodeJobs()) {
+    uint64_t bytes = 0;
+    for (const DecodeJob& job : jobs) bytes += workBytes(job);
+    EXPECT_TRUE(jobs.size() == 1 || bytes <= kShareBytes) << bytes;
+    EXPECT_EQ(model.decodingBytes(), bytes);
+    for (const DecodeJob& job : jobs)
+      model.finishDecode({job.blob, job.use, synthetic.mesh(job.use.mesh), nullptr, nullptr, ""});
+    finished += jobs.size();
+    ++rounds;
+  }
+  EXPECT_EQ(finished, taken);
+  EXPECT_GT(rounds, 1u);
+  EXPECT_EQ(model.undecodedBytes() + model.decodingBytes(), 0u);
+}
+
+}  // namespace
+}  // namespace lode::core
