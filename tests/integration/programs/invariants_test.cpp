@@ -5,6 +5,8 @@
 #include <optional>
 #include <set>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "models.h"
 #include "server/ingest/ply/ply_reader.h"
@@ -94,6 +96,35 @@ TEST_P(Invariants, I2RandomCutsOfClosedModelsHaveNoOpenEdges) {
     const store::Cut cut = store::randomCut(*tree_, seed);
     ASSERT_TRUE(store::coversExactlyOnce(*tree_, cut.items));
     EXPECT_TRUE(openEdges(cut).empty()) << "seed " << seed << ": " << openEdges(cut).size();
+  }
+}
+
+/// Edges by the positions of their ends, of which more than two triangles have one.
+size_t crowdedEdges(const store::Reader& reader, const store::NodeTree& tree, const store::Cut& cut) {
+  std::vector<std::pair<uint64_t, uint64_t>> edges;
+  for (const store::CutItem& item : cut.items) {
+    const Mesh mesh = store::readRung(reader, tree.node(item.node), item.rung);
+    for (const glm::u32vec3& t : mesh.triangles) {
+      for (int k = 0; k < 3; ++k) {
+        const uint64_t from = mesh.positions[t[k]].value, to = mesh.positions[t[(k + 1) % 3]].value;
+        edges.emplace_back(std::min(from, to), std::max(from, to));
+      }
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  size_t crowded = 0;
+  for (size_t i = 2; i < edges.size(); ++i) crowded += edges[i] == edges[i - 2];
+  return crowded;
+}
+
+/// But for the root alone: a porous model's has too few triangles for all the handles.
+TEST_P(Invariants, randomCutsOfManifoldsHaveNoEdgeOfMoreThanTwoTriangles) {
+  if (!GetParam().is_closed) GTEST_SKIP() << GetParam().name << " has rims";
+  ASSERT_EQ(crowdedEdges(*reader_, *tree_, store::leafCut(*tree_)), 0u);
+  for (uint64_t seed = 1; seed <= kRandomCuts; ++seed) {
+    const store::Cut cut = store::randomCut(*tree_, seed);
+    if (cut.items.size() == 1) continue;
+    EXPECT_EQ(crowdedEdges(*reader_, *tree_, cut), 0u) << "seed " << seed;
   }
 }
 
