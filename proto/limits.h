@@ -19,7 +19,6 @@ constexpr uint32_t kMaxStringBytes = 1024;           ///< of any string in a mes
 constexpr uint32_t kMaxTokenBytes = 512;
 constexpr uint64_t kInitialWindowBytes = 64u << 10;  ///< granted before the first Credit frame
 constexpr uint64_t kFeatureClose = 1;  ///< bit of Hello and Welcome: Close and Closed are understood
-constexpr uint64_t kFixedWindowBytes = 1u << 20;  ///< what a client grants ahead until it measures the link
 constexpr uint64_t kMaxQueuedAnswerBytes = 64u << 10;  ///< above it a server reads nothing more
 
 // What `lodestreamd serve` starts from; each has a flag.
