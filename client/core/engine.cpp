@@ -179,8 +179,12 @@ void Engine::renewWishes() {
     if (!ask(wish)) break;
   for (const Wish& wish : ahead)
     if (!ask(wish)) break;
-  if (!options_.best_first)
-    for (Wish& wish : wishes) wish.wish_class = proto::WishClass::kVisible, wish.priority_px = 1;
+  if (!options_.best_first) {
+    for (Wish& wish : wishes) {
+      wish.wish_class = proto::WishClass::kVisible;
+      wish.priority_px = 1;
+    }
+  }
   if (link_.takesWishes()) link_.session()->setWishes(wishes);
 }
 
