@@ -13,8 +13,8 @@
 namespace lode::ingest {
 
 /// Distance from points to a mesh, in lattice steps, by a tree of boxes around its triangles, halved by
-/// number along the longest side of their middles: as many steps for a point far away, or triangles of all
-/// sizes in one place, as for others. Const functions are thread safe.
+/// number along the longest side of their middles. Empty space around a point costs nothing, unlike in a
+/// grid's cells. Const functions are thread safe.
 class TriangleTree {
  public:
   explicit TriangleTree(const NodeMesh& mesh);
