@@ -18,14 +18,12 @@ serving_store, serving_load and wan in BIN_DIR, and python3-flatbuffers. Prints 
 """
 import argparse
 import contextlib
-import ctypes
 import itertools
 import json
 import os
 import pathlib
 import re
 import signal
-import socket
 import statistics
 import subprocess
 import sys
@@ -33,40 +31,13 @@ import tempfile
 import time
 import urllib.request
 
-HERE = pathlib.Path(__file__).resolve().parent
+LOAD = pathlib.Path(__file__).resolve().parent.parent / "load"
+sys.path.insert(0, str(LOAD))
+from processes import cpu_seconds, free_port, resident_bytes, running, self_signed, start, wait_for  # noqa: E402
+from surroundings import forget, long_link, slow_disk  # noqa: E402
+
 SERVER_CORE, CLIENT_CORE = "0", "1"
 CONNECTIONS, IN_FLIGHT = 16, 8
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-LIBC = ctypes.CDLL(None)
-PR_SET_PDEATHSIG = 1
-
-
-def start(command, **options):
-    """A process that the system kills when this one ends, however it does."""
-    return subprocess.Popen([str(part) for part in command], preexec_fn=lambda: LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL),
-                            **options)
-
-
-def abandoned(names):
-    """Those that end in the number of a process which is gone: runs that were killed left them."""
-    return [name for name in names if not pathlib.Path(f"/proc/{str(name).rsplit('-', 1)[1]}").exists()]
-
-
-@contextlib.contextmanager
-def running(command, **options):
-    process = start(command, **options)
-    try:
-        yield process
-    finally:
-        process.terminate()
-        process.wait()
 
 
 @contextlib.contextmanager
@@ -96,19 +67,6 @@ def nginx(folder, files, tls=None):
         yield process, port
 
 
-def wait_for(port):
-    for _ in range(100):
-        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port)):
-            return
-        time.sleep(0.05)
-    sys.exit(f"nothing listens on port {port}")
-
-
-def cpu_seconds(process):
-    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
 def on_client_core(command):
     done = subprocess.run(["taskset", "-c", CLIENT_CORE, *map(str, command)], capture_output=True, text=True)
     if done.returncode != 0:
@@ -132,13 +90,6 @@ def write_lua(path, first, last):
         end""")
 
 
-def certificate(bench):
-    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
-                    "-subj", "/CN=localhost", "-keyout", bench.folder / "key.pem", "-out", bench.folder / "cert.pem"],
-                   check=True, capture_output=True)
-    return bench.folder
-
-
 def make_store(bench, folder, size):
     """Blobs of so many bytes in a store, noise.lode, and as files; the numbers of the first and the last."""
     (folder / "files").mkdir(parents=True)
@@ -148,7 +99,7 @@ def make_store(bench, folder, size):
 
 
 def tls(bench):
-    throughput(bench, certificate(bench))
+    throughput(bench, self_signed(bench.folder))
 
 
 def throughput(bench, tls=None):
@@ -191,21 +142,16 @@ def clients(bench):
                   f"**{p99:.2f}** |", flush=True)
 
 
-def resident_bytes(process):
-    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
-    return 1024 * int(next(line for line in status.splitlines() if line.startswith("VmRSS")).split()[1])
-
-
 def idle(bench):
     folder = bench.folder / "idle"
     make_store(bench, folder, 8192)
     environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
     print("| connections that do nothing | of each | the server in all |")
     print("| --- | --- | --- |")
-    for count, tls in ((10000, None), (1000, certificate(bench))):
+    for count, tls in ((10000, None), (1000, self_signed(bench.folder))):
         with lodestreamd(bench, folder / "noise.lode", tls=tls) as (server, listen):
             before = resident_bytes(server)
-            command = ["taskset", "-c", CLIENT_CORE, "/usr/bin/python3", HERE.parent / "load" / "idle_clients.py", listen, "noise",
+            command = ["taskset", "-c", CLIENT_CORE, "/usr/bin/python3", LOAD / "idle_clients.py", listen, "noise",
                        count, *(["tls"] if tls else [])]
             with running(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as holders:
                 if holders.stdout.readline() != "ready\n":
@@ -247,36 +193,9 @@ def fairness(bench):
         print(f"| {name} | {median:.2f} ms | **{p99:.2f} ms** |", flush=True)
 
 
-@contextlib.contextmanager
-def slow_disk(file, bytes_per_second, memory_bytes):
-    """A prefix for commands that read the file's disk so slowly and keep so little of it in memory; cgroups of version 1."""
-    device = os.stat(file).st_dev
-    kinds = [pathlib.Path("/sys/fs/cgroup", kind) for kind in ("blkio", "memory")]
-    for group in abandoned(group for kind in kinds for group in kind.glob("lode-bench-*")):
-        group.rmdir()
-    groups = [kind / f"lode-bench-{os.getpid()}" for kind in kinds]
-    for group in groups:
-        group.mkdir()
-    (groups[0] / "blkio.throttle.read_bps_device").write_text(f"{os.major(device)}:{os.minor(device)} {bytes_per_second}")
-    (groups[1] / "memory.limit_in_bytes").write_text(str(memory_bytes))
-    join = "; ".join(f"echo $$ > {group}/cgroup.procs" for group in groups)
-    try:
-        yield ["sh", "-c", f'{join}; exec "$0" "$@"']
-    finally:
-        for group in groups:
-            group.rmdir()
-
-
-def forget(file):
-    """Takes a file out of the page cache."""
-    with open(file, "rb") as opened:
-        os.fsync(opened.fileno())
-        os.posix_fadvise(opened.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
-
-
 def python_client(bench, script, listen, model, numbers, amount):
     environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
-    done = subprocess.run(["taskset", "-c", CLIENT_CORE, "/usr/bin/python3", HERE.parent / "load" / script, listen, model,
+    done = subprocess.run(["taskset", "-c", CLIENT_CORE, "/usr/bin/python3", LOAD / script, listen, model,
                            str(numbers["first"]), str(numbers["last"]), str(amount)], env=environment, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(done.stderr)
@@ -355,27 +274,6 @@ def latency(bench):
               f"**≤ {at_most_ms(send, 0.99):g} ms** | ≤ {at_most_ms(send, 0.999):g} ms |", flush=True)
 
 
-@contextlib.contextmanager
-def long_link(bench):
-    """Two network namespaces with 50 ms and 10 Mbit/s between them; the server's address is 10.9.0.1."""
-    there = subprocess.run(["ip", "netns", "list"], check=True, capture_output=True, text=True).stdout.split()
-    for name in abandoned(name for name in there if name.startswith(("lode-near-", "lode-far-"))):
-        subprocess.run(["ip", "netns", "del", name], check=True)
-    near, far = f"lode-near-{os.getpid()}", f"lode-far-{os.getpid()}"
-    for name in (near, far):
-        subprocess.run(["ip", "netns", "add", name], check=True)
-    try:
-        with running([bench.bin / "wan", near, far, 25, 10, 0, 200], stdout=subprocess.PIPE, text=True) as wan:
-            wan.stdout.readline()
-            for name, address in ((near, "10.9.0.1/24"), (far, "10.9.0.2/24")):
-                for command in (["addr", "add", address, "dev", "em0"], ["link", "set", "em0", "up"], ["link", "set", "lo", "up"]):
-                    subprocess.run(["ip", "-n", name, *command], check=True)
-            yield ["ip", "netns", "exec", near], ["ip", "netns", "exec", far]
-    finally:
-        for name in (near, far):
-            subprocess.run(["ip", "netns", "del", name])
-
-
 def urgent(bench):
     folder = bench.folder / "urgent"
     numbers, store = make_store(bench, folder, 24576), folder / "noise.lode"
@@ -392,7 +290,7 @@ def urgent(bench):
           server one 10.9.0.1:7400\n""")
     print("| 24 KB, 10 Mbit/s, 50 ms | median | longest | round trips | bulk beside it |")
     print("| --- | --- | --- | --- | --- |")
-    with long_link(bench) as (near, far):
+    with long_link(bench.bin) as (near, far):
         with lodestreamd(bench, store, "10.9.0.1:7400", near), running([*near, "haproxy", "-f", config]):
             time.sleep(0.5)
             for control, (way, port) in itertools.product(
@@ -400,7 +298,7 @@ def urgent(bench):
                 subprocess.run([*near, "ip", "route", "replace", "10.9.0.0/24", "dev", "em0", "congctl", control], check=True)
                 environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
                 done = subprocess.run(
-                    [*far, "/usr/bin/python3", HERE.parent / "load" / "urgent_wish.py", f"10.9.0.1:{port}", "noise",
+                    [*far, "/usr/bin/python3", LOAD / "urgent_wish.py", f"10.9.0.1:{port}", "noise",
                      str(numbers["first"]), str(numbers["last"]), str(bench.wishes)],
                     env=environment, capture_output=True, text=True)
                 if done.returncode != 0:

@@ -1,0 +1,86 @@
+"""Processes that benchmarks and scenarios start: they end with who started them, however that ends."""
+import contextlib
+import ctypes
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+LIBC = ctypes.CDLL(None)
+PR_SET_PDEATHSIG = 1
+
+
+def start(command, **options):
+    """A process that the system kills when this one ends, however it does."""
+    return subprocess.Popen([str(part) for part in command], preexec_fn=lambda: LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL),
+                            **options)
+
+
+@contextlib.contextmanager
+def running(command, **options):
+    process = start(command, **options)
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def wait_for(port):
+    for _ in range(100):
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port)):
+            return
+        time.sleep(0.05)
+    sys.exit(f"nothing listens on port {port}")
+
+
+def cpu_seconds(process):
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def resident_bytes(process):
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    return 1024 * int(next(line for line in status.splitlines() if line.startswith("VmRSS")).split()[1])
+
+
+class Authority:
+    """One that vouches for certificates: certificate.pem, and what it issues, in a folder."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder, "authority")
+        self.folder.mkdir()
+        self.certificate = self.folder / "certificate.pem"
+        self.openssl("req", "-x509", "-subj", "/CN=an authority", "-keyout", self.folder / "authority.key", "-out", self.certificate)
+
+    def openssl(self, *arguments):
+        subprocess.run(["openssl", *map(str, arguments), "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2"],
+                       check=True, capture_output=True)
+
+    def issue(self, host):
+        """cert.pem and key.pem anew, each renamed into place. Returns their folder."""
+        new = [self.folder / "new.pem", self.folder / "new.key"]
+        self.openssl("req", "-x509", "-CA", self.certificate, "-CAkey", self.folder / "authority.key", "-subj", f"/CN={host}", "-addext",
+                     f"subjectAltName=DNS:{host}",
+                     "-keyout", new[1], "-out", new[0])
+        for made, name in zip(new, ("cert.pem", "key.pem")):
+            os.rename(made, self.folder / name)
+        return self.folder
+
+
+def self_signed(folder):
+    """cert.pem and key.pem of localhost."""
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
+                    "-subj", "/CN=localhost", "-keyout", folder / "key.pem", "-out", folder / "cert.pem"],
+                   check=True, capture_output=True)
+    return folder

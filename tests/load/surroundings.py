@@ -1,0 +1,65 @@
+"""What a server may stand in: a slow disk, a long link. Both need root, and leave nothing behind, even when they are killed:
+the next one clears up what is named after a process that is gone.
+"""
+import contextlib
+import os
+import pathlib
+import subprocess
+
+from processes import running
+
+
+def abandoned(names):
+    """Those that end in the number of a process which is gone: runs that were killed left them."""
+    return [name for name in names if not pathlib.Path(f"/proc/{str(name).rsplit('-', 1)[1]}").exists()]
+
+
+@contextlib.contextmanager
+def slow_disk(file, bytes_per_second, memory_bytes):
+    """A prefix for commands that read the file's disk so slowly and keep so little of it in memory; cgroups of version 1."""
+    device = os.stat(file).st_dev
+    kinds = [pathlib.Path("/sys/fs/cgroup", kind) for kind in ("blkio", "memory")]
+    for group in abandoned(group for kind in kinds for group in kind.glob("lode-bench-*")):
+        group.rmdir()
+    groups = [kind / f"lode-bench-{os.getpid()}" for kind in kinds]
+    for group in groups:
+        group.mkdir()
+    (groups[0] / "blkio.throttle.read_bps_device").write_text(f"{os.major(device)}:{os.minor(device)} {bytes_per_second}")
+    (groups[1] / "memory.limit_in_bytes").write_text(str(memory_bytes))
+    join = "; ".join(f"echo $$ > {group}/cgroup.procs" for group in groups)
+    try:
+        yield ["sh", "-c", f'{join}; exec "$0" "$@"']
+    finally:
+        for group in groups:
+            group.rmdir()
+
+
+def forget(file):
+    """Takes a file out of the page cache."""
+    with open(file, "rb") as opened:
+        os.fsync(opened.fileno())
+        os.posix_fadvise(opened.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+
+
+@contextlib.contextmanager
+def long_link(programs, delay_ms=25, mbit_s=10, loss_percent=0, queue_ms=200):
+    """Prefixes for commands in two network namespaces with such a link between them: 10.9.0.1, for servers, and 10.9.0.2.
+
+    programs: the folder that wan lies in. delay_ms: one way.
+    """
+    there = subprocess.run(["ip", "netns", "list"], check=True, capture_output=True, text=True).stdout.split()
+    for name in abandoned(name for name in there if name.startswith(("lode-near-", "lode-far-"))):
+        subprocess.run(["ip", "netns", "del", name], check=True)
+    near, far = f"lode-near-{os.getpid()}", f"lode-far-{os.getpid()}"
+    for name in (near, far):
+        subprocess.run(["ip", "netns", "add", name], check=True)
+    try:
+        with running([pathlib.Path(programs, "wan"), near, far, delay_ms, mbit_s, loss_percent, queue_ms], stdout=subprocess.PIPE, text=True) as wan:
+            wan.stdout.readline()
+            for name, address in ((near, "10.9.0.1/24"), (far, "10.9.0.2/24")):
+                for command in (["addr", "add", address, "dev", "em0"], ["link", "set", "em0", "up"], ["link", "set", "lo", "up"]):
+                    subprocess.run(["ip", "-n", name, *command], check=True)
+            yield ["ip", "netns", "exec", near], ["ip", "netns", "exec", far]
+    finally:
+        for name in (near, far):
+            subprocess.run(["ip", "netns", "del", name])
