@@ -74,8 +74,10 @@ asio::awaitable<void> Connection::writeFrames() {
   while (!gone_) {
     if (slow_) {  // what is in the kernel cannot be overtaken: what comes next is decided when it takes more
       writing_since_ = Clock::now();
+      session_.heldUp(*writing_since_);
       asio::error_code error;
       co_await stream_.bytes().waitWritable(error);
+      session_.goesOn(Clock::now());
       if (error) throw Error(ErrorCode::kNetwork, "the connection broke while writing: " + error.message());
     }
     const proto::Bytes control = session_.takeControl();
@@ -97,8 +99,10 @@ asio::awaitable<void> Connection::writeFrames() {
     host_.buffers.give(std::move(buffer));
     if (bytes == 0 && session_.controlBytes() == 0) {
       if (session_.finished()) co_return;
+      if (session_.waitsForWindow()) session_.heldUp(Clock::now());
       to_write_.expires_at(turn_.value_or(Clock::time_point::max()));
       co_await sleep(to_write_, write_woken_);
+      session_.goesOn(Clock::now());
     }
     wakeReader();
   }
@@ -210,11 +214,15 @@ void Connection::fail(const Chunk& chunk, ReadResult result) {
 
 void Connection::noteRead(const Chunk& chunk) noexcept {
   const auto wish_class = static_cast<size_t>(chunk.wish_class);
-  const auto waited = Clock::now() - chunk.asked;
-  if (chunk.first()) host_.tallies->queue[wish_class].add(waited);
+  const auto now = Clock::now();
+  if (chunk.first()) {
+    const auto held = session_.heldSince(chunk, now);
+    host_.tallies->held[wish_class].add(held);
+    host_.tallies->queue[wish_class].add(now - chunk.asked - held);
+  }
   if (chunk.last()) {
     ++blobs_;
-    host_.tallies->send[wish_class].add(waited);
+    host_.tallies->send[wish_class].add(now - chunk.asked);
   }
   if (chunk.opened->tallies == nullptr) return;
   chunk.opened->tallies->bytes.add(chunk.bytes);

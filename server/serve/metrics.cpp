@@ -157,8 +157,12 @@ std::string Metrics::text(const ServerGauges& gauges) const {
       [](size_t i) { return kClassNames[i]; },
       [](const ThreadTallies& t) -> const auto& { return t.wishes; }));
   families.push_back(latencies(
-      "lodestream_wish_queue_seconds", "From a wish to its first chunk", threads_,
+      "lodestream_wish_queue_seconds", "From a wish to its first chunk, but for wish_held_seconds", threads_,
       [](const ThreadTallies& t) -> const auto& { return t.queue; }));
+  families.push_back(latencies(
+      "lodestream_wish_held_seconds",
+      "From a wish to its first chunk, while the client's window was shut or its link full", threads_,
+      [](const ThreadTallies& t) -> const auto& { return t.held; }));
   families.push_back(latencies(
       "lodestream_wish_send_seconds", "From a wish to its last chunk", threads_,
       [](const ThreadTallies& t) -> const auto& { return t.send; }));

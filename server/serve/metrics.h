@@ -56,7 +56,8 @@ class ThreadTallies {
   std::array<Tally, kRefusalReasons> refused;
   std::array<Tally, kEndReasons> ended;
   std::array<Tally, kWishClasses> wishes;
-  std::array<LatencyTally, kWishClasses> queue;  ///< from a wish to its first chunk
+  std::array<LatencyTally, kWishClasses> queue;  ///< from a wish to its first chunk, but for what is held
+  std::array<LatencyTally, kWishClasses> held;   ///< of that time, what the client has held it up
   std::array<LatencyTally, kWishClasses> send;   ///< from a wish to its last chunk
 
   /// The tallies of a model, by its name; they stay where they are. Takes a lock: ask once an Open.

@@ -201,7 +201,8 @@ void Session::open(const proto::Open& message, uint32_t request) {
   answer(proto::Opened{handle, offered.summary}, request);
   if (build != BlobName() && build == message.known_build_id) return;  // it has the first blobs, or asks
   for (const uint32_t blob : {offered.summary.root_page.number, offered.coarsest_blob})
-    if (blob != 0) unasked_.push_back({handle, &opened, blob, 0, request, ++last_serial_, now_, false});
+    if (blob != 0)
+      unasked_.push_back({handle, &opened, blob, 0, request, ++last_serial_, now_, held_.total(now_), false});
 }
 
 const OpenedModel& Session::openedAs(uint32_t handle, const char* frame) {
@@ -266,7 +267,8 @@ void Session::addWish(const proto::WishChange& change, uint32_t handle, const Op
     return control_.size() < kRefusedAnswerBytes ? say(refused, request) : answer(refused, request);
   }
   const Rank rank{change.wish_class, change.priority_px, change.wish};
-  wishes_.add({rank, handle, &opened, change.blob, 0, request, ++last_serial_, now_, false});
+  wishes_.add(
+      {rank, handle, &opened, change.blob, 0, request, false, ++last_serial_, now_, held_.total(now_)});
   if (host_.tallies != nullptr) host_.tallies->wishes[static_cast<size_t>(change.wish_class)].add();
 }
 
@@ -276,39 +278,46 @@ void Session::endWish(OpenWish& wish) {
   host_.memory->give(kWishBytes);
 }
 
-std::optional<Chunk> Session::beginChunk(uint32_t max_bytes) {
-  if (closing_ || !control_.empty() || under_way_) return {};
-  const uint64_t room = granted_bytes_ > sent_bytes_ ? granted_bytes_ - sent_bytes_ : 0;
-  if (room <= proto::kBlobChunkHeaderBytes) return {};
-
+/// The rest of the most urgent blob.
+std::optional<Chunk> Session::next() {
   Chunk chunk;
-  uint32_t sent = 0;
   if (!unasked_.empty() && !unasked_.front().parked) {
     const Unasked& first = unasked_.front();
-    chunk = {first.opened, first.blob, 0, first.request, first.serial, proto::WishClass::kVisible,
-             first.asked,  {}};
-    sent = first.sent_bytes;
+    chunk = {first.opened,  first.blob,        0,
+             first.request, first.serial,      proto::WishClass::kVisible,
+             first.asked,   first.held_before, {0, 0, first.sent_bytes}};
   } else if (const OpenWish* const first = wishes_.first(); first != nullptr) {
-    chunk = {first->opened,
-             first->blob,
-             0,
-             first->request,
-             first->serial,
-             first->rank.wish_class,
-             first->asked,
-             {first->rank.wish, 0, 0}};
-    sent = first->sent_bytes;
+    chunk = {first->opened,  first->blob,        0,
+             first->request, first->serial,      first->rank.wish_class,
+             first->asked,   first->held_before, {first->rank.wish, 0, first->sent_bytes}};
   } else {
     return {};
   }
-  const uint32_t total = chunk.opened->model->blobBytes(chunk.blob);
-  const uint32_t rest = total - sent;
-  chunk.header.total_bytes = total;
-  chunk.header.offset_bytes = sent;
-  chunk.bytes = static_cast<uint32_t>(
-      std::min<uint64_t>({rest, max_bytes, proto::kMaxChunkBytes, room - proto::kBlobChunkHeaderBytes}));
-  if (chunk.bytes < rest && chunk.bytes < kMinChunkBytes) return {};
-  under_way_ = UnderWay{chunk.header.wish, chunk.bytes, chunk.bytes == rest};
+  chunk.header.total_bytes = chunk.opened->model->blobBytes(chunk.blob);
+  chunk.bytes = chunk.header.total_bytes - chunk.header.offset_bytes;
+  return chunk;
+}
+
+uint64_t Session::window() const noexcept {
+  const uint64_t used = sent_bytes_ + proto::kBlobChunkHeaderBytes;
+  return granted_bytes_ > used ? granted_bytes_ - used : 0;
+}
+
+bool Session::waitsForWindow() {
+  if (closing_) return false;
+  const std::optional<Chunk> first = next();
+  return first && window() < std::min(first->bytes, kMinChunkBytes);
+}
+
+std::optional<Chunk> Session::beginChunk(uint32_t max_bytes) {
+  if (closing_ || !control_.empty() || under_way_) return {};
+  std::optional<Chunk> chunk = next();
+  if (!chunk) return {};
+  const uint32_t rest = chunk->bytes;
+  chunk->bytes =
+      static_cast<uint32_t>(std::min<uint64_t>({rest, max_bytes, proto::kMaxChunkBytes, window()}));
+  if (chunk->bytes < std::min(rest, kMinChunkBytes)) return {};
+  under_way_ = UnderWay{chunk->header.wish, chunk->bytes, chunk->bytes == rest};
   return chunk;
 }
 

@@ -14,6 +14,7 @@
 #include "proto/frame.h"
 #include "proto/limits.h"
 #include "proto/messages.h"
+#include "server/serve/hold_clock.h"
 #include "server/serve/memory_budget.h"
 #include "server/serve/metrics.h"
 #include "server/serve/model.h"
@@ -55,6 +56,7 @@ struct Chunk {
   uint64_t serial = 0;  ///< of its wish
   proto::WishClass wish_class = proto::WishClass::kVisible;
   Clock::time_point asked;
+  Clock::duration held_before{};  ///< by the client, when it was asked
   proto::BlobChunkHeader header;
 
   bool first() const noexcept { return header.offset_bytes == 0; }
@@ -113,6 +115,15 @@ class Session {
   bool finished() const noexcept { return closing_ || (draining_ && !wantsToSend()); }
   /// Blobs are to be sent, now or when the window opens or the disk has answered.
   bool wantsToSend() const noexcept { return !wishes_.empty() || !unasked_.empty(); }
+  /// A chunk could go out now but for the client's window.
+  bool waitsForWindow();
+  /// From now on the client takes no chunk, its window shut or its link full; and when it does again.
+  void heldUp(Clock::time_point now) noexcept { held_.start(now); }
+  void goesOn(Clock::time_point now) noexcept { held_.stop(now); }
+  /// Of the time since a chunk's wish came, what the client has held it up.
+  Clock::duration heldSince(const Chunk& chunk, Clock::time_point now) const noexcept {
+    return held_.total(now) - chunk.held_before;
+  }
   /// When the connection must be given up unless another frame comes.
   Clock::time_point deadline() const noexcept { return deadline_; }
   bool greeted() const noexcept { return greeted_; }
@@ -127,6 +138,7 @@ class Session {
     uint32_t blob = 0, sent_bytes = 0, request = 0;
     uint64_t serial = 0;
     Clock::time_point asked;
+    Clock::duration held_before{};
     bool parked = false;
   };
   struct UnderWay {
@@ -145,6 +157,8 @@ class Session {
   void wishes(std::span<const std::byte> body, uint32_t request);
   void addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened, uint32_t request);
   void endWish(OpenWish& wish);
+  std::optional<Chunk> next();
+  uint64_t window() const noexcept;
   const OpenedModel& openedAs(uint32_t handle, const char* frame);
   template <typename Message>
   void answer(const Message& message, uint32_t request);
@@ -165,6 +179,7 @@ class Session {
   std::deque<Unasked> unasked_;
   WishQueue wishes_;
   uint64_t last_serial_ = 0;
+  HoldClock held_;
   std::optional<UnderWay> under_way_;
   uint64_t granted_bytes_ = proto::kInitialWindowBytes;
   uint64_t sent_bytes_ = 0;  ///< of Blob frame bodies

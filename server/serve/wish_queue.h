@@ -30,9 +30,10 @@ struct OpenWish {
   uint32_t blob = 0;
   uint32_t sent_bytes = 0;
   uint32_t request = 0;
+  bool parked = false;  ///< waits for the disk, and is passed by
   uint64_t serial = 0;  ///< tells it from an earlier wish of the same number
   std::chrono::steady_clock::time_point asked;
-  bool parked = false;  ///< waits for the disk, and is passed by
+  std::chrono::steady_clock::duration held_before{};  ///< by the client, when it was asked
 };
 
 /// The open wishes of a session, and which of them is next. Not thread safe.

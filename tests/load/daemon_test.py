@@ -18,7 +18,7 @@ import unittest
 
 import lodestream_generated as wire
 from daemon import BIN, MODELS, SOURCE, STORE, Daemon, eventually
-from read_model import HEADER
+from read_model import BLOB, HEADER
 
 LIMIT = 7
 
@@ -186,6 +186,39 @@ class ServiceManager(unittest.TestCase):
             self.assertEqual(daemon.ask("/healthz")[0], 200)
             self.assertGreater(daemon.read_whole()["payloads"], 20)
             self.assertIsNone(daemon.process.poll())
+
+
+class Latency(unittest.TestCase):
+    """What histograms say of a client that lets its wishes wait for a second."""
+
+    WISHES, HELD_S = 4000, 1.0
+
+    def seconds(self, daemon, figure):
+        return daemon.metric(f'lodestream_wish_{figure}_seconds_sum{{class="visible"}}')
+
+    def expect_told_from_the_servers(self, granted_at_first):
+        with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
+            connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65536)
+            connection.send("Credit", grantedBytes=granted_at_first)
+            changes = [wire.WishChangeT() for _ in range(self.WISHES)]
+            for number, change in enumerate(changes, 1):
+                change.wish, change.blob = number, 1 + number % 90
+            connection.send("Wishes", 3, handle=1, changes=changes)
+            time.sleep(self.HELD_S)
+            connection.send("Credit", grantedBytes=1 << 40)
+            ended = 0
+            while ended < self.WISHES:
+                wish, total, offset = BLOB.unpack_from(body := connection.receive()[2])
+                ended += wish > 0 and offset + len(body) - BLOB.size == total
+            held, queue = (self.seconds(daemon, figure) for figure in ("held", "queue"))
+            self.assertGreater(held, self.WISHES / 2 * self.HELD_S)
+            return queue / held
+
+    def test_of_a_window_that_is_shut_is_told_from_the_servers(self):
+        self.assertLess(self.expect_told_from_the_servers(granted_at_first=0), 0.5)
+
+    def test_of_a_link_that_is_full_is_told_from_the_servers(self):
+        self.assertLess(self.expect_told_from_the_servers(granted_at_first=1 << 40), 0.5)
 
 
 @unittest.skipUnless(shutil.which("promtool"), "promtool comes with Debian's package prometheus")

@@ -30,6 +30,7 @@ Metrics busyMetrics() {
     tallies.ended[static_cast<size_t>(EndReason::kIdle)].add();
     tallies.wishes[0].add(7);
     tallies.queue[0].add(1500us);
+    tallies.held[1].add(3s);
     tallies.send[2].add(1min);
     ModelTallies& bunny = tallies.model("bunny");
     bunny.opened.add();
@@ -58,6 +59,7 @@ TEST(Metrics, putDurationsIntoCumulativeBuckets) {
   expectLine(text, "lodestream_wish_queue_seconds_bucket{class=\"visible\",le=\"10\"} 2");
   expectLine(text, "lodestream_wish_queue_seconds_count{class=\"visible\"} 2");
   expectLine(text, "lodestream_wish_queue_seconds_sum{class=\"visible\"} 0.003");
+  expectLine(text, "lodestream_wish_held_seconds_sum{class=\"margin\"} 6");
   expectLine(text, "lodestream_wish_send_seconds_bucket{class=\"prefetch\",le=\"10\"} 0");
   expectLine(text, "lodestream_wish_send_seconds_bucket{class=\"prefetch\",le=\"+Inf\"} 2");
 }

@@ -222,6 +222,42 @@ TEST_F(SessionQueueTest, creditIsCumulativeAndNeverShrinks) {
   EXPECT_EQ(sent_bytes_ - before, 20'000u);
 }
 
+TEST_F(SessionQueueTest, whatAClientsWindowHoldsUpIsToldFromWhatTheServerTakes) {
+  open();
+  wish(WishClass::kVisible, 1, 30, 1);
+  EXPECT_FALSE(session_.waitsForWindow());
+  while (sendChunk()) {
+  }
+  EXPECT_TRUE(session_.waitsForWindow());
+  session_.heldUp(now_);
+  now_ += 5s;
+  wish(WishClass::kVisible, 2, 3, 2);  // is held up by the rest of the time only
+  now_ += 2s;
+  send(proto::Credit{1 << 30});
+  session_.goesOn(now_);
+  EXPECT_FALSE(session_.waitsForWindow());
+  now_ += 1s;
+  const auto chunk = session_.beginChunk();
+  ASSERT_TRUE(chunk);
+  EXPECT_EQ(chunk->header.wish, 2u);
+  EXPECT_EQ(now_ - chunk->asked, 3s);
+  EXPECT_EQ(session_.heldSince(*chunk, now_), 2s);
+}
+
+TEST_F(SessionQueueTest, aWindowHoldsNobodyUpWhoseWishesWaitForTheDisk) {
+  open();
+  EXPECT_FALSE(session_.waitsForWindow());
+  wish(WishClass::kVisible, 1, 30, 1);
+  while (sendChunk()) {
+  }
+  send(proto::Credit{1 << 30});
+  const auto chunk = session_.beginChunk();
+  session_.parkChunk();
+  EXPECT_FALSE(session_.waitsForWindow());
+  session_.unpark(*chunk);
+  EXPECT_FALSE(session_.waitsForWindow());
+}
+
 TEST_F(SessionQueueTest, theWindowIsNeverExceededWhateverTheClientDoes) {
   auto random = [engine = std::mt19937(7)]() mutable { return static_cast<uint32_t>(engine()); };
   open();
