@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <memory_resource>
 #include <optional>
 #include <span>
 #include <unordered_set>
@@ -22,6 +21,7 @@
 #include "server/serve/metrics.h"
 #include "server/serve/offer.h"
 #include "server/serve/session.h"
+#include "server/serve/wish_memory.h"
 
 namespace lode::serve {
 
@@ -55,7 +55,7 @@ struct ConnectionHost {
   MemoryBudget* budget = nullptr;
   asio::thread_pool* readers = nullptr;  ///< threads that may wait for the disk
   BufferPool buffers;
-  std::pmr::unsynchronized_pool_resource wishes;
+  WishMemory wishes;
   std::unordered_set<Connection*> connections;
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <asio/post.hpp>
+#include <malloc.h>
 
 #include "common/error.h"
 #include "server/serve/admission.h"
@@ -18,15 +19,16 @@
 #include "server/serve/metrics.h"
 #include "server/serve/open_files.h"
 #include "server/serve/tls.h"
+#include "server/serve/trim_watch.h"
 #include "server/serve/worker.h"
 
 namespace lode::serve {
 
 namespace {
 
-constexpr size_t kReaderThreads = 4;                            ///< that may wait for the disk
-constexpr uint64_t kOtherDescriptors = 64;                      ///< beside connections, stores and refusals
-constexpr auto kReserveEvery = std::chrono::milliseconds(100);  ///< it is refilled
+constexpr size_t kReaderThreads = 4;                           ///< that may wait for the disk
+constexpr uint64_t kOtherDescriptors = 64;                     ///< beside connections, stores and refusals
+constexpr auto kMemoryEvery = std::chrono::milliseconds(100);  ///< it is looked after
 
 /// A message as it may stand in a log, which others may read than those who know the machine's folders: each
 /// path is cut to its last name.
@@ -75,7 +77,7 @@ struct Server::State {
   void run();
   void reload();
   void halt();
-  void keepReserve();
+  void lookAfterMemory();
   void stopNow();
   void closeDoor();
 
@@ -96,7 +98,8 @@ struct Server::State {
   asio::io_context context{1};  ///< accepts, and answers for health; runs in run()'s thread
   std::unique_ptr<Door> door;
   std::unique_ptr<HealthEndpoint> health;
-  asio::steady_timer drain_timer{context}, reserve_timer{context};
+  asio::steady_timer drain_timer{context}, memory_timer{context};
+  TrimWatch trim_watch;
   std::mutex workers_mutex;  ///< of the list, which run() fills
   std::vector<std::unique_ptr<Worker>> workers;
   asio::thread_pool readers{kReaderThreads};
@@ -223,7 +226,7 @@ void Server::State::run() {
   const auto guard = asio::make_work_guard(context);
   while (true) try {
       door->open();
-      keepReserve();
+      lookAfterMemory();
       context.run();
       break;
     } catch (const std::exception& error) {  // out of memory, most likely: the next may be taken again
@@ -233,12 +236,15 @@ void Server::State::run() {
   for (auto& worker : workers) worker->join();
 }
 
-void Server::State::keepReserve() {
+void Server::State::lookAfterMemory() {
   if (reserve.refill() > 0)
     log.write(LogKind::kSystem, "the system gave no memory, and what is kept for that was used");
-  reserve_timer.expires_after(kReserveEvery);
-  reserve_timer.async_wait([this](const asio::error_code& cancelled) {
-    if (!cancelled) keepReserve();
+  const auto now = Clock::now();
+  if (trim_watch.due(now) && trim_watch.isTime(anonymousResidentBytes(), budget.used(), now))
+    asio::post(readers, [] { malloc_trim(0); });
+  memory_timer.expires_after(kMemoryEvery);
+  memory_timer.async_wait([this](const asio::error_code& cancelled) {
+    if (!cancelled) lookAfterMemory();
   });
 }
 
