@@ -55,6 +55,9 @@ Json toJson(const LoadtestOptions& options, const WishTrace& trace, const LoadTa
           {"errors", tally.errors},
           {"first_error", tally.first_error},
           {"unanswered", tally.unanswered},
+          {"moved", tally.moved},
+          {"lost", tally.lost},
+          {"failed_wishes", tally.failed_wishes},
           {"latency_ms",
            {{"visible", percentiles(tally.latency[0])},
             {"margin", percentiles(tally.latency[1])},
@@ -66,12 +69,13 @@ Json toJson(const LoadtestOptions& options, const WishTrace& trace, const LoadTa
 void print(const LoadtestOptions& options, const LoadTally& tally) {
   std::printf(
       "%u clients, %.0f s: %llu blobs, %.1f MB/s; visible wishes %.1f ms (median), %.1f ms (p99); "
-      "first image %.1f ms (p99); %llu unanswered, %llu errors%s%s\n",
+      "first image %.1f ms (p99); %llu unanswered, %llu connections lost, %llu errors%s%s\n",
       options.load.clients, options.load.seconds, static_cast<unsigned long long>(tally.blobs),
       static_cast<double>(tally.bytes) * 1e-6 / options.load.seconds, tally.latency[0].percentileMs(0.5),
       tally.latency[0].percentileMs(0.99), tally.first_image.percentileMs(0.99),
-      static_cast<unsigned long long>(tally.unanswered), static_cast<unsigned long long>(tally.errors),
-      tally.first_error.empty() ? "" : ": ", tally.first_error.c_str());
+      static_cast<unsigned long long>(tally.unanswered), static_cast<unsigned long long>(tally.lost),
+      static_cast<unsigned long long>(tally.errors), tally.first_error.empty() ? "" : ": ",
+      tally.first_error.c_str());
 }
 
 void loadtest(const LoadtestOptions& options, int& exit_status) {
