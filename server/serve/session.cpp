@@ -94,7 +94,7 @@ void Session::offerChanged() {
 }
 
 void Session::checkExpiry(std::chrono::system_clock::time_point now) {
-  if (closing_ || grant_ == nullptr || !grant_->expires || now < *grant_->expires) return;
+  if (closing_ || grant_ == nullptr || !grant_->hasExpired(now)) return;
   unauthorized_ = true;
   refuse(WireError::kUnauthorized, "the token has expired");
 }

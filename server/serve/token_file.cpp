@@ -21,8 +21,6 @@ namespace lode::serve {
 
 namespace {
 
-using TimePoint = std::chrono::system_clock::time_point;
-
 [[noreturn]] void refuse(size_t line, const std::string& what) {
   throw Error(ErrorCode::kUsage, "line " + std::to_string(line) + " of the token file: " + what +
                                      "; write TOKEN, then never or a time like 2027-01-31T12:00:00Z, then "
@@ -32,7 +30,7 @@ using TimePoint = std::chrono::system_clock::time_point;
 BlobName hashOf(std::string_view token) { return nameBlob(std::as_bytes(std::span(token))); }
 
 /// @return nothing if the text is not of the form 2027-01-31T12:00:00Z.
-std::optional<TimePoint> parseTime(std::string_view text) {
+std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
   constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
   if (text.size() != kForm.size()) return {};
   for (size_t i = 0; i < text.size(); ++i)
@@ -130,14 +128,14 @@ TokenFile TokenFile::read(const std::filesystem::path& path) {
   return parse(text);
 }
 
-const TokenGrant* TokenFile::find(std::string_view token, TimePoint now) const {
+const TokenGrant* TokenFile::find(std::string_view token, std::chrono::system_clock::time_point now) const {
   const BlobName hash = hashOf(token);
   const TokenGrant* found = nullptr;
   for (const Entry& entry : entries_) {
     const bool same = CRYPTO_memcmp(entry.hash.bytes.data(), hash.bytes.data(), hash.bytes.size()) == 0;
     found = same ? &entry.grant : found;
   }
-  if (found != nullptr && found->expires && now >= *found->expires) return nullptr;
+  if (found != nullptr && found->hasExpired(now)) return nullptr;
   return found;
 }
 

@@ -19,9 +19,13 @@ constexpr size_t kMaxTokens = 4096;
 struct TokenGrant {
   bool all_models = false;
   std::vector<std::string> models;  ///< sorted: those that it may list and open, where not all
-  std::optional<std::chrono::system_clock::time_point> expires;
+  std::optional<std::chrono::sys_seconds>
+      expires;  ///< the year 9999 is beyond what the clock's own type holds
 
   bool allows(std::string_view model) const noexcept;
+  bool hasExpired(std::chrono::system_clock::time_point now) const noexcept {
+    return expires && std::chrono::floor<std::chrono::seconds>(now) >= *expires;
+  }
 };
 
 /// The tokens of a server, immutable. A line of the file is

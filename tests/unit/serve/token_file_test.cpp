@@ -57,6 +57,11 @@ TEST(TokenFile, takesATokenUntilItExpires) {
   EXPECT_NE(file.find("leap", sys_days(std::chrono::year(2028) / 2 / 29)), nullptr);
 }
 
+TEST(TokenFile, takesATokenThatExpiresInAFarFuture) {
+  for (const char* time : {"2262-04-12T00:00:00Z", "4054-01-27T00:00:00Z", "9999-12-31T23:59:59Z"})
+    EXPECT_NE(TokenFile::parse(std::string("secret ") + time + " *").find("secret", kNow), nullptr) << time;
+}
+
 TEST(TokenFile, thatIsWrongIsRefusedWithItsLine) {
   expectRefused("a never *\nb\n", "line 2 of the token file: no model is named");
   expectRefused("a never\n", "line 1 of the token file: no model is named");
