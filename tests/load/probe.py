@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+"""Single wishes at their times, and how late each comes: probe.py HOST:PORT MODEL LAST_BLOB SECONDS [OPEN]
+
+A wish every 50 ms for a blob from 1 to LAST_BLOB at random, as visible; what is late counts from when it was meant for, whatever
+was late before it. A connection that ends is made again. With OPEN it is greedy instead: it keeps so many wishes open, with an
+endless window. Prints one JSON object. Under TLS where the environment has SSL_CERT_FILE, whose authorities it believes. It needs what
+read_model.py needs.
+"""
+import contextlib
+import json
+import os
+import random
+import ssl
+import struct
+import sys
+import time
+
+import lodestream_generated as wire
+from read_model import BLOB, Connection
+
+EVERY_S, RETRY_S, ENDLESS = 0.05, 0.1, 1 << 60
+GONE = (OSError, SystemExit, AssertionError, struct.error)  # refused, reset, cut off, an Error, GoAway and the end
+
+
+class TlsConnection(Connection):
+    def __init__(self, address):
+        super().__init__(address)
+        self.input.close()
+        self.socket = ssl.create_default_context().wrap_socket(self.socket, server_hostname=address.rsplit(":", 1)[0])
+        self.input = self.socket.makefile("rb")
+
+
+class Probe:
+    def __init__(self, address, model, last_blob):
+        self.address, self.model, self.last_blob = address, model, last_blob
+        self.connection, self.wish, self.bytes = None, 0, 0
+
+    def close(self):
+        if self.connection:
+            with contextlib.suppress(OSError):
+                self.connection.close()
+        self.connection = None
+
+    def connect(self):
+        connection = (TlsConnection if "SSL_CERT_FILE" in os.environ else Connection)(self.address)
+        connection.socket.settimeout(2)
+        self.connection = connection
+        connection.open(self.model)
+        connection.send("Credit", grantedBytes=ENDLESS)
+
+    def ask(self, count=1):
+        changes = [wire.WishChangeT() for _ in range(count)]
+        for change in changes:
+            self.wish += 1
+            change.wish, change.blob, change.priorityPx = self.wish, random.randint(1, self.last_blob), 1.0
+        self.connection.send("Wishes", 3, handle=1, changes=changes)
+
+    def take(self):
+        """The number of the wish that the next chunk ends, or 0."""
+        _, _, body = self.connection.receive()
+        wish, total, offset = BLOB.unpack_from(body)
+        self.bytes += len(body) - BLOB.size
+        return wish if offset + len(body) - BLOB.size == total else 0
+
+    def one(self):
+        if not self.connection:
+            self.connect()
+        self.ask()
+        while self.take() != self.wish:
+            pass
+
+
+def until_it_comes(probe, end):
+    """Tries again where the connection fails. Returns how often that was, and whether it came."""
+    failed = 0
+    while time.monotonic() < end:
+        try:
+            probe.one()
+            return failed, True
+        except GONE:
+            probe.close()
+            failed += 1
+            time.sleep(RETRY_S)
+    return failed, False
+
+
+def politely(probe, seconds):
+    """Lists of when each wish was meant for, in seconds from the start, and how many milliseconds later it came."""
+    start = time.monotonic()
+    end, times, failed, count = start + seconds, [], 0, 0
+    while (due := start + count * EVERY_S) < end:
+        time.sleep(max(0, due - time.monotonic()))
+        more, came = until_it_comes(probe, end)
+        failed += more
+        if came:
+            times.append((round(due - start, 3), round(1000 * (time.monotonic() - due), 3)))
+        count += 1
+    return dict(times=times, failed=failed, unanswered=count - len(times))
+
+
+def greedily(probe, seconds, wishes):
+    end = time.monotonic() + seconds
+    probe.connect()
+    probe.ask(wishes)
+    with contextlib.suppress(GONE):
+        while time.monotonic() < end:
+            if probe.take():
+                probe.ask()
+    return dict(bytes=probe.bytes, seconds=seconds)
+
+
+def main():
+    address, model, last_blob, seconds, *wishes = sys.argv[1:]
+    random.seed(1)
+    probe = Probe(address, model, int(last_blob))
+    with contextlib.closing(probe):
+        print(json.dumps(greedily(probe, float(seconds), int(wishes[0])) if wishes else politely(probe, float(seconds))))
+
+
+if __name__ == "__main__":
+    main()

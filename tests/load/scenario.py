@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+"""Plays one scenario of load: scenario.py NAME BIN_DIR [--short] [--store STORE] [--plot FILE]
+
+steady              500 clients go round a model for 30 s
+flash               a thousand clients come within 5 s
+greedy              one client with 256 wishes open among polite ones
+restart             the only server is ended and started again
+rolling_upgrade     two servers behind HAProxy are replaced one after the other, and no wish fails
+one_killed          one of two servers behind HAProxy is killed
+slow                clients on a link of 2 Mbit/s, and one on a fast one
+lossy               a link that loses 0, 1 and 3 % of its packets
+larger_than_memory  a store of 100 MB in 48 MB of memory, from a slow disk
+soak                half an hour of crowds, reloads, new certificates and stores, killed clients and a damaged store
+
+Prints a table and writes a plot, NAME.svg. Everything stays on loopback or in network namespaces of its own, ends by itself
+within a bounded time and leaves nothing behind. BIN_DIR holds both programs, and wan and serving_store for the last three, which
+need root. Exit status 1: it went otherwise than the scenario says; 77: something that it takes is not there.
+"""
+import argparse
+import contextlib
+import os
+import pathlib
+import shutil
+import signal
+import sys
+import tempfile
+
+import crowds
+import ends
+import links
+import soak
+from stage import Stage
+
+LONGEST_S, LONGEST_SHORT_S, LONGEST_SOAK_S, SKIPPED = 300, 60, 2100, 77
+SCENARIOS = dict(steady=crowds.steady, flash=crowds.flash, greedy=crowds.greedy, restart=ends.restart,
+                 rolling_upgrade=ends.rolling_upgrade, one_killed=ends.one_killed, slow=links.slow, lossy=links.lossy,
+                 larger_than_memory=links.larger_than_memory, soak=soak.soak)
+BALANCED = (ends.rolling_upgrade, ends.one_killed)
+
+
+def missing(scenario):
+    """What the system lacks for it, or None."""
+    if scenario in BALANCED and not shutil.which("haproxy"):
+        return "Debian's package haproxy"
+    if scenario.__module__ == links.__name__ and os.geteuid() != 0:
+        return "root, for network namespaces and control groups"
+    return None
+
+
+def left_behind():
+    """Whether a process that was started is still there."""
+    with contextlib.suppress(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+        return True
+    return False
+
+
+def end(number, _):
+    sys.exit("it did not end in time" if number == signal.SIGALRM else 128 + number)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("name", choices=SCENARIOS, metavar="NAME")
+    parser.add_argument("bin", type=pathlib.Path, metavar="BIN_DIR")
+    parser.add_argument("--short", action="store_true", help="few clients and seconds: whether it goes as it should, no figures")
+    parser.add_argument("--store", help="by default a sample of 500,000 triangles, 20,000 of the short form")
+    parser.add_argument("--messages", help="folder of lodestream_generated.py, by default that of BIN_DIR's build")
+    parser.add_argument("--plot", help="its ending says what it is; default NAME.svg, none of the short form")
+    options = parser.parse_args()
+    scenario = SCENARIOS[options.name]
+    if lacking := missing(scenario):
+        print(f"skipped: it takes {lacking}")
+        sys.exit(SKIPPED)
+    for ending in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM):
+        signal.signal(ending, end)
+    longest_s = LONGEST_SOAK_S if scenario is soak.soak else LONGEST_S
+    signal.alarm(max(LONGEST_SHORT_S, longest_s // 10) if options.short else longest_s)
+    with tempfile.TemporaryDirectory(prefix="lode-scenario-") as folder:
+        with Stage(options.bin, folder, options.store, options.messages, options.short) as stage:
+            plot = scenario(stage)
+        if options.plot or not options.short:
+            plot.write(options.plot or f"{options.name}.svg")
+    assert not left_behind(), "a process is left behind"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+"""A server under load for long while everything around it changes: nothing grows, and nothing fails that was not made to."""
+import contextlib
+import os
+import pathlib
+import random
+import shutil
+import signal
+import statistics
+import threading
+import time
+
+from processes import Authority, resident_bytes
+from stage import SAMPLE_EVERY_S, Plot, percentile, print_table, result
+
+ACT_EVERY_S, CROWD_S, MODELS = 2, (5, 15), ("steady", "changing", "damaged")
+NOISE_BYTES = 4 << 20  # what the server keeps of freed memory, by its TrimWatch
+
+
+def growth(values):
+    """Of the means of the second and the last quarter of a run: what the last is more."""
+    quarter = len(values) // 4
+    return statistics.mean(values[-quarter:]) - statistics.mean(values[quarter:2 * quarter])
+
+
+class Watch:
+    """What the server's process holds, every quarter of a second while the `with` lasts."""
+
+    def __init__(self, process):
+        self.process, self.seconds, self.resident, self.descriptors = process, [], [], []
+        self.began, self.over, self.thread = time.monotonic(), threading.Event(), threading.Thread(target=self.run)
+
+    def run(self):
+        while not self.over.wait(SAMPLE_EVERY_S):
+            self.seconds.append(time.monotonic() - self.began)
+            self.resident.append(resident_bytes(self.process))
+            self.descriptors.append(len(os.listdir(f"/proc/{self.process.pid}/fd")))
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.over.set()
+        self.thread.join()
+
+
+class Surroundings:
+    """What an operator, a disk and clients do to a server, by chance from a seed."""
+
+    def __init__(self, stage):
+        self.stage, self.random = stage, random.Random(1)
+        self.folder, self.authority = stage.folder / "served", Authority(stage.folder)
+        self.folder.mkdir()
+        for model in MODELS:
+            shutil.copy(stage.store, self.path(model))
+        self.other = stage.sample(10_000, "other")
+        self.certificate = self.authority.issue("localhost")
+        self.server = stage.server("--tls-cert", self.certificate / "cert.pem", "--tls-key", self.certificate / "key.pem", store=self.folder)
+        self.listen = self.server.listen.replace("127.0.0.1", "localhost")
+        self.crowds, self.done = [], {}
+        self.most_clients = 20 if stage.short else 150
+
+    def path(self, model):
+        return self.folder / f"{model}.lode"
+
+    def act(self):
+        action = self.random.choice((self.reload, self.replace, self.renew_certificate, self.kill_a_crowd, self.damage))
+        self.done[action.__name__] = self.done.get(action.__name__, 0) + 1
+        action()
+
+    def reload(self):
+        self.server.process.send_signal(signal.SIGHUP)
+
+    def replace(self):
+        new = self.path("changing").with_suffix(".new")
+        shutil.copy(self.random.choice((self.stage.store, self.other)), new)
+        os.rename(new, self.path("changing"))
+        self.reload()
+
+    def renew_certificate(self):
+        self.authority.issue("localhost")
+        self.reload()
+
+    def kill_a_crowd(self):
+        if self.crowds:
+            self.crowds.pop(self.random.randrange(len(self.crowds))).kill()
+
+    def damage(self):
+        with open(self.path("damaged"), "r+b") as store:
+            store.seek(self.random.randrange(1000, os.path.getsize(store.name) - 1000))
+            store.write(b"damaged")
+
+    def keep_crowds(self, until):
+        """Two crowds at a time. Returns what those told that have ended by themselves."""
+        ended = [crowd for crowd in self.crowds if crowd.poll() is not None]
+        self.crowds = [crowd for crowd in self.crowds if crowd.poll() is None]
+        while len(self.crowds) < 2 and until - time.monotonic() > CROWD_S[0]:
+            seconds = min(self.random.uniform(*CROWD_S), until - time.monotonic())
+            self.crowds.append(self.stage.crowd(self.listen, self.random.randint(5, self.most_clients), seconds,
+                                                authority=self.authority.certificate, store=self.path("steady")))
+        return [result(crowd) for crowd in ended]
+
+
+def soak(stage):
+    """Half an hour of crowds, reloads, new certificates and stores, killed clients and a damaged store; 2 minutes if short."""
+    seconds = 110 if stage.short else 1800
+    around = Surroundings(stage)
+    told, until = [], time.monotonic() + seconds
+    with Watch(around.server.process) as watch:
+        probes = {model: stage.probe(around.listen, seconds, store=around.other, model=model, authority=around.authority.certificate)
+                  for model in MODELS}
+        while time.monotonic() < until:
+            told += around.keep_crowds(until)
+            around.act()
+            time.sleep(min(ACT_EVERY_S, max(0, until - time.monotonic())))
+        told += [result(crowd) for crowd in around.crowds]
+        probed = {model: result(probe) for model, probe in probes.items()}
+    figures = around.server.figures()
+    late = [ms for model in ("steady", "changing") for _, ms in probed[model]["times"]]
+    clients, lost = sum(run["clients"] for run in told), sum(run["lost"] + run["errors"] + run["failed_wishes"] for run in told)
+    grown, descriptors = growth(watch.resident), growth(watch.descriptors)
+    print_table(("done to it", "times"), sorted(around.done.items()))
+    print()
+    print_table(("seconds", "clients that ended by themselves", "lost, failed, given up", "single wishes", "p99", "failed", "damaged told",
+                 "resident, mean", "grown", "descriptors, mean", "grown"),
+                [(seconds, clients, lost, len(late), f"{percentile(late, 0.99):.1f} ms", probed["steady"]["failed"] + probed["changing"]["failed"],
+                  f"{figures['model_damaged_blobs_total']:.0f}", f"{statistics.mean(watch.resident) / 1e6:.1f} MB", f"{grown / 1e6:+.1f} MB",
+                  f"{statistics.mean(watch.descriptors):.0f}", f"{descriptors:+.1f}")])
+    plot = Plot("soak")
+    plot.panel("resident MB", ("", watch.seconds, [r / 1e6 for r in watch.resident]))
+    plot.panel("descriptors", ("", watch.seconds, watch.descriptors))
+    plot.panel("a wish's ms", ("", *zip(*probed["steady"]["times"])), log=True)
+    assert lost == probed["steady"]["failed"] == probed["changing"]["failed"] == 0, "something failed that was not made to"
+    assert grown < max(NOISE_BYTES, 2 * statistics.stdev(watch.resident)), "memory grows"
+    assert descriptors < 2 * statistics.stdev(watch.descriptors) + 4, "descriptors grow"
+    return plot

@@ -1,0 +1,242 @@
+"""What scenarios are played on: servers, a balancer, clients, their figures over time, a table and a plot at the end.
+
+Everything that is started ends with the scenario, and everything that is written lies in a folder that goes.
+"""
+import contextlib
+import json
+import math
+import os
+import pathlib
+import re
+import signal
+import statistics
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+
+from processes import cpu_seconds, free_port, start, wait_for
+
+LOAD = pathlib.Path(__file__).resolve().parent
+SAMPLE_EVERY_S = 0.25
+
+
+def percentile(values, part):
+    """The value that this part of them does not exceed; nan of none."""
+    ordered = sorted(values)
+    return ordered[max(0, math.ceil(part * len(ordered)) - 1)] if ordered else math.nan
+
+
+def parse_metrics(text):
+    """What a server says of itself: sums over labels, by name without `lodestream_`; the buckets of histograms left out."""
+    figures = {}
+    for name, labels, value in re.findall(r"^lodestream_(\w+)(\{.*\})? (\S+)$", text, re.M):
+        if not name.endswith("_bucket"):
+            figures[name] = figures.get(name, 0) + float(value)
+    return figures
+
+
+def rates(samples, name):
+    """Of a counter, its growth a second between samples; where it fell a server has begun anew."""
+    pairs = [(a, b) for a, b in zip(samples, samples[1:]) if name in a and name in b and b["t"] > a["t"]]
+    return [b["t"] for a, b in pairs], [max(0, b[name] - a[name]) / (b["t"] - a["t"]) for a, b in pairs]
+
+
+class Server:
+    """lodestreamd serve on ports that stay the same when it is started again."""
+
+    def __init__(self, stage, *options, prefix=(), host="127.0.0.1", store=None):
+        self.stage, self.prefix, self.host, self.options = stage, prefix, host, options
+        self.store = store or stage.store
+        self.listen, self.metrics = f"{host}:{free_port()}", f"{host}:{free_port()}"
+        self.process = None
+        self.start()
+
+    def start(self):
+        command = [*self.prefix, self.stage.bin / "lodestreamd", "serve", self.store, "--listen", self.listen, "--metrics", self.metrics,
+                   "--threads", 1, "--public", "--insecure", *self.options]
+        self.process = start(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        if not self.process.stdout.readline():
+            sys.exit("lodestreamd did not start")
+
+    def end(self, how=signal.SIGTERM):
+        """Waits until it is gone. Returns its exit status."""
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        status = self.process.wait(timeout=60)
+        self.process.stdout.close()
+        return status
+
+    def figures(self):
+        """None where it does not answer."""
+        with contextlib.suppress(OSError), urllib.request.urlopen(f"http://{self.metrics}/metrics", timeout=2) as answer:
+            return parse_metrics(answer.read().decode())
+
+    def cpu_seconds(self):
+        return cpu_seconds(self.process)
+
+
+class Sampler:
+    """The servers' figures, summed, every quarter of a second while the `with` lasts."""
+
+    def __init__(self, servers):
+        self.servers, self.samples, self.began = servers, [], time.monotonic()
+        self.over, self.thread = threading.Event(), threading.Thread(target=self.run)
+
+    def run(self):
+        while not self.over.wait(SAMPLE_EVERY_S):
+            sample = dict(t=time.monotonic() - self.began, answering=0)
+            for figures in filter(None, (server.figures() for server in self.servers)):
+                sample["answering"] += 1
+                for name, value in figures.items():
+                    sample[name] = sample.get(name, 0) + value
+            self.samples.append(sample)
+
+    def most(self, name):
+        return max((sample.get(name, 0) for sample in self.samples), default=0)
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.over.set()
+        self.thread.join()
+
+
+class Stage:
+    """A folder, the programs, a store; ends all that was started on it."""
+
+    def __init__(self, programs, folder, store=None, messages=None, short=False):
+        self.bin, self.folder, self.short = pathlib.Path(programs).resolve(), pathlib.Path(folder), short
+        self.messages = messages or self.bin.parent / "tests" / "load"
+        self.ending = contextlib.ExitStack()
+        self.store = pathlib.Path(store).resolve() if store else self.sample(20_000 if short else 500_000)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.ending.close()
+
+    def sample(self, triangles, name="asteroid"):
+        model, store = self.folder / f"{name}.ply", self.folder / f"{name}.lode"
+        for command in (["sample", "asteroid", "--triangles", triangles, "-o", model], ["build", model, "-o", store, "--quiet"]):
+            subprocess.run([self.bin / "lodestreamd", *map(str, command)], check=True, stdout=subprocess.DEVNULL)
+        return store
+
+    def server(self, *options, **where):
+        server = Server(self, *options, **where)
+        self.ending.callback(server.end)
+        return server
+
+    def run(self, command, **options):
+        """A process that is killed at the end if it is still there."""
+        process = start(command, **options)
+        self.ending.callback(self.stop, process)
+        return process
+
+    @staticmethod
+    def stop(process):
+        process.kill()
+        process.wait()
+        if process.stdout:
+            process.stdout.close()
+
+    def haproxy(self, servers):
+        """Balances by connections over servers that say they are ready. Returns where it listens."""
+        port = free_port()
+        lines = "\n".join(f"  server s{number} {server.listen} check addr {server.host} port {server.metrics.rsplit(':', 1)[1]}"
+                          for number, server in enumerate(servers))
+        config = self.folder / f"haproxy-{port}.cfg"
+        config.write_text(f"""
+defaults
+  mode tcp
+  timeout connect 2s
+  timeout client 120s
+  timeout server 120s
+  default-server inter 200ms fall 1 rise 1
+backend lodestream
+  balance leastconn
+  option httpchk GET /readyz
+  option redispatch
+  retries 3
+{lines}
+frontend clients
+  bind 127.0.0.1:{port}
+  default_backend lodestream
+""")
+        self.run(["haproxy", "-db", "-q", "-f", config])
+        wait_for(port)
+        return f"127.0.0.1:{port}"
+
+    def crowd(self, listen, clients, seconds, prefix=(), store=None, authority=None):
+        """`lodestream loadtest`, whose clients all arrive within a quarter of the time; under TLS with an authority."""
+        target = f"lode{'s' if authority else ''}://{listen}/{(store or self.store).stem}"
+        return self.run([*prefix, self.bin / "lodestream", "loadtest", target, "--clients", clients, "--seconds", seconds, "--decode-off",
+                         "--cache", "off", "--json", *(["--ca-file", authority] if authority else [])], stdout=subprocess.PIPE, text=True)
+
+    def probe(self, listen, seconds, wishes=(), prefix=(), store=None, model=None, authority=None):
+        """probe.py, for the blobs of a store; with `wishes` a greedy client that keeps so many open."""
+        store = store or self.store
+        blobs = json.loads(subprocess.run([self.bin / "lodestreamd", "info", store, "--json"], check=True, capture_output=True,
+                                          text=True).stdout)["payloads"]
+        environment = dict(os.environ, PYTHONPATH=str(self.messages), **({"SSL_CERT_FILE": str(authority)} if authority else {}))
+        return self.run([*prefix, "/usr/bin/python3", LOAD / "probe.py", listen, model or store.stem, blobs, seconds, *wishes],
+                        env=environment, stdout=subprocess.PIPE, text=True)
+
+
+def result(process):
+    """What one of a stage's clients has printed, when it is done."""
+    told = process.communicate(timeout=600)[0]
+    if not told:
+        sys.exit(f"a client ended with {process.returncode} and without a result")
+    return json.loads(told)
+
+
+def probe_row(times, since=0, until=math.inf):
+    """Median, 99th percentile and longest of the wishes meant for a part of the time, in words."""
+    late = [ms for t, ms in times if since <= t < until]
+    if not late:
+        return "none", "none", "none"
+    return tuple(f"{ms:.1f} ms" for ms in (statistics.median(late), percentile(late, 0.99), max(late)))
+
+
+def print_table(heads, rows):
+    for row in (heads, ["---"] * len(heads), *rows):
+        print("| " + " | ".join(map(str, row)) + " |", flush=True)
+
+
+class Plot:
+    """Panels above each other over the seconds of a run; left out where matplotlib is not there."""
+
+    def __init__(self, title):
+        self.title, self.panels = title, []
+
+    def panel(self, what, *lines, log=False):
+        """lines: (name, seconds, values)."""
+        self.panels.append((what, lines, log))
+
+    def write(self, path):
+        try:
+            import matplotlib
+        except ImportError:
+            return print(f"no plot in {path}: it takes Debian's python3-matplotlib", file=sys.stderr)
+        matplotlib.use("Agg")
+        from matplotlib import pyplot
+        figure, axes = pyplot.subplots(len(self.panels), 1, sharex=True, squeeze=False, figsize=(9, 2.4 * len(self.panels)))
+        for axis, (what, lines, log) in zip(axes[:, 0], self.panels):
+            for name, seconds, values in lines:
+                axis.plot(seconds, values, "." if log else "-", markersize=3, linewidth=1, label=name)
+            axis.set_ylabel(what)
+            axis.grid(alpha=0.3)
+            if log:
+                axis.set_yscale("log")
+            if len(lines) > 1:
+                axis.legend(fontsize="small")
+        axes[-1, 0].set_xlabel("seconds")
+        figure.suptitle(self.title)
+        figure.tight_layout()
+        figure.savefig(path)
+        pyplot.close(figure)

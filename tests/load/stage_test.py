@@ -1,0 +1,163 @@
+#!/usr/bin/python3
+"""The scenarios' own arithmetic and tidiness, without a server: stage_test.py"""
+import contextlib
+import io
+import math
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from unittest import mock
+
+import ends
+import probe
+import processes
+import scenario
+import stage
+import surroundings
+
+
+class Percentiles(unittest.TestCase):
+    def test_are_values_that_occurred(self):
+        values = list(range(100, 0, -1))
+        self.assertEqual([stage.percentile(values, part) for part in (0.5, 0.99, 1)], [50, 99, 100])
+        self.assertEqual(stage.percentile([7], 0.99), 7)
+
+    def test_of_nothing_are_no_numbers(self):
+        self.assertTrue(math.isnan(stage.percentile([], 0.5)))
+
+
+class Metrics(unittest.TestCase):
+    TEXT = """# HELP lodestream_connections now
+# TYPE lodestream_connections gauge
+lodestream_connections 3
+lodestream_model_sent_bytes_total{model="a"} 10
+lodestream_model_sent_bytes_total{model="b \\"c\\""} 1.5e3
+lodestream_wish_queue_seconds_bucket{class="visible",le="0.1"} 9
+lodestream_wish_queue_seconds_count{class="visible"} 4
+"""
+
+    def test_are_summed_over_labels(self):
+        self.assertEqual(stage.parse_metrics(self.TEXT),
+                         dict(connections=3, model_sent_bytes_total=1510, wish_queue_seconds_count=4))
+
+    def test_of_a_server_that_began_anew_give_no_negative_rate(self):
+        samples = [dict(t=1, n=10), dict(t=2, n=30), dict(t=2.5), dict(t=3, n=5), dict(t=5, n=25)]
+        self.assertEqual(stage.rates(samples, "n"), ([2, 5], [20, 10]))
+        self.assertEqual(stage.rates([dict(t=1, n=30), dict(t=2, n=5)], "n"), ([2], [0]))
+
+    def test_of_a_server_that_is_away_are_left_out(self):
+        class Away:
+            def figures(self):
+                return None
+
+        class There:
+            def figures(self):
+                return dict(connections=2)
+
+        with mock.patch.object(stage, "SAMPLE_EVERY_S", 0.001), stage.Sampler([Away(), There(), There()]) as sampler:
+            while not sampler.samples:
+                time.sleep(0.001)
+        self.assertEqual(sampler.most("connections"), 4)
+        self.assertEqual(sampler.samples[0]["answering"], 2)
+
+
+class ProbeTimes(unittest.TestCase):
+    def test_of_a_part_of_the_time_are_told(self):
+        times = [(0, 1.0), (1, 2.0), (2, 30.0)]
+        self.assertEqual(stage.probe_row(times), ("2.0 ms", "30.0 ms", "30.0 ms"))
+        self.assertEqual(stage.probe_row(times, until=1), ("1.0 ms",) * 3)
+        self.assertEqual(stage.probe_row(times, since=3), ("none",) * 3)
+
+    def test_tell_the_longest_time_without_one(self):
+        self.assertEqual(ends.longest_gap([(1, 0), (2, 500), (9, 0)], 10), 6.5)
+        self.assertEqual(ends.longest_gap([], 10), 10)
+        self.assertEqual(ends.longest_gap([(1, 0)], 10), 9)
+
+    def test_count_each_try_that_failed(self):
+        class Flaky:
+            tries, closed = 0, 0
+
+            def one(self):
+                self.tries += 1
+                if self.tries < 3:
+                    raise ConnectionResetError
+
+            def close(self):
+                self.closed += 1
+
+        flaky = Flaky()
+        with mock.patch.object(probe, "RETRY_S", 0):
+            self.assertEqual(probe.until_it_comes(flaky, math.inf), (2, True))
+            self.assertEqual(flaky.closed, 2)
+            self.assertEqual(probe.until_it_comes(flaky, 0), (0, False))
+
+
+class Processes(unittest.TestCase):
+    def test_end_with_who_started_them_however_that_ends(self):
+        script = "import processes, time; print(processes.start(['sleep', '60']).pid, flush=True); time.sleep(60)"
+        environment = dict(os.environ, PYTHONPATH=str(stage.LOAD))
+        with subprocess.Popen([sys.executable, "-c", script], env=environment, stdout=subprocess.PIPE, text=True) as parent:
+            pid = int(parent.stdout.readline())
+            parent.kill()
+        stat, end = pathlib.Path(f"/proc/{pid}/stat"), time.monotonic() + 10
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+            while stat.read_text().rsplit(")", 1)[1].split()[0] != "Z":
+                self.assertLess(time.monotonic(), end)
+
+    def test_that_are_gone_are_told_from_those_that_are_there(self):
+        gone = subprocess.Popen(["true"])
+        gone.wait()
+        here = [f"lode-bench-{os.getpid()}", pathlib.Path(f"/x/lode-bench-{os.getpid()}")]
+        self.assertEqual(surroundings.abandoned([*here, f"lode-bench-{gone.pid}"]), [f"lode-bench-{gone.pid}"])
+
+    def test_that_are_left_behind_are_noticed(self):
+        self.assertFalse(scenario.left_behind())
+        child = processes.start(["sleep", "60"])
+        self.assertTrue(scenario.left_behind())
+        stage.Stage.stop(child)
+        self.assertFalse(scenario.left_behind())
+
+    def test_of_a_stage_end_with_it_though_it_fails(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaises(ZeroDivisionError), stage.Stage(folder, folder, store=folder) as failing:
+                child = failing.run(["sleep", "60"])
+                1 / 0
+        self.assertEqual(child.returncode, -signal.SIGKILL)
+
+
+class Scenarios(unittest.TestCase):
+    def test_are_all_told_of_by_help(self):
+        self.assertEqual([name for name in scenario.SCENARIOS if f"\n{name} " not in scenario.__doc__], [])
+
+    def test_end_when_their_time_is_over(self):
+        with self.assertRaises(SystemExit) as said:
+            scenario.end(signal.SIGALRM, None)
+        self.assertIn("in time", str(said.exception))
+
+    def test_say_what_they_lack(self):
+        with mock.patch.object(scenario.shutil, "which", return_value=None):
+            self.assertIn("haproxy", scenario.missing(ends.rolling_upgrade))
+            self.assertIsNone(scenario.missing(ends.restart))
+        with mock.patch.object(scenario.os, "geteuid", return_value=1):
+            self.assertIn("root", scenario.missing(scenario.links.lossy))
+
+    def test_print_tables_and_draw_what_they_are_given(self):
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said):
+            stage.print_table(("a", "b"), [(1, "two")])
+        self.assertEqual(said.getvalue(), "| a | b |\n| --- | --- |\n| 1 | two |\n")
+        plot = stage.Plot("title")
+        plot.panel("ms", ("one", (0, 1), (2, 3)), ("other", (), ()), log=True)
+        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()) as said:
+            path = pathlib.Path(folder, "plot.svg")
+            plot.write(path)
+            self.assertTrue("python3-matplotlib" in said.getvalue() or "<svg" in path.read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()
