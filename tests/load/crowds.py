@@ -53,7 +53,7 @@ def greedy(stage):
     with Sampler([server]) as sampler:
         for name, wishes in (("without it", None), ("beside it", 256)):
             began = sampler.samples[-1]["t"] if sampler.samples else 0
-            hog = stage.probe(server.listen, seconds, (wishes,)) if wishes else None
+            hog = stage.probe(server.listen, seconds, wishes) if wishes else None
             probe, crowd = stage.probe(server.listen, seconds), stage.crowd(server.listen, clients, seconds)
             run, probed = result(crowd), result(probe)
             taken = result(hog) if hog else dict(bytes=0, seconds=1)

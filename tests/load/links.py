@@ -66,7 +66,7 @@ def larger_than_memory(stage):
         result(stage.probe(server.listen, 1, store=hot))  # into memory, and counted to the server
         for name, count in (("alone", 0), ("beside them", readers)):
             forget(cold)
-            others = [stage.probe(server.listen, seconds, (8,), store=cold) for _ in range(count)]
+            others = [stage.probe(server.listen, seconds, 8, store=cold) for _ in range(count)]
             probed = result(stage.probe(server.listen, seconds, store=hot))
             taken = sum(result(other)["bytes"] for other in others) / seconds / 1e6
             rows.append((name, *probe_row(probed["times"]), f"{taken:.1f} MB/s"))

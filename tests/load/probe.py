@@ -1,18 +1,17 @@
 #!/usr/bin/python3
-"""Single wishes at their times, and how late each comes: probe.py HOST:PORT MODEL LAST_BLOB SECONDS [OPEN]
+"""Single wishes at their times, and how late each comes: probe.py HOST:PORT MODEL LAST_BLOB SECONDS [--open N] [--ca-file F]
 
 A wish every 50 ms for a blob from 1 to LAST_BLOB at random, as visible; what is late counts from when it was meant for, whatever
-was late before it. A connection that ends is made again. With OPEN it is greedy instead: it keeps so many wishes open, with an
-endless window. Prints one JSON object. Under TLS where the environment has SSL_CERT_FILE, whose authorities it believes. It needs what
-read_model.py needs.
+was late before it. A connection that ends is made again. With --open it is greedy instead: it keeps so many wishes open, with an
+endless window; with --ca-file it speaks TLS, and believes those authorities. Prints one JSON object. It needs what read_model.py
+needs.
 """
+import argparse
 import contextlib
 import json
-import os
 import random
 import ssl
 import struct
-import sys
 import time
 
 import lodestream_generated as wire
@@ -23,16 +22,16 @@ GONE = (OSError, SystemExit, AssertionError, struct.error)  # refused, reset, cu
 
 
 class TlsConnection(Connection):
-    def __init__(self, address):
+    def __init__(self, address, authorities):
         super().__init__(address)
         self.input.close()
-        self.socket = ssl.create_default_context().wrap_socket(self.socket, server_hostname=address.rsplit(":", 1)[0])
+        self.socket = ssl.create_default_context(cafile=authorities).wrap_socket(self.socket, server_hostname=address.rsplit(":", 1)[0])
         self.input = self.socket.makefile("rb")
 
 
 class Probe:
-    def __init__(self, address, model, last_blob):
-        self.address, self.model, self.last_blob = address, model, last_blob
+    def __init__(self, address, model, last_blob, authorities=None):
+        self.address, self.model, self.last_blob, self.authorities = address, model, last_blob, authorities
         self.connection, self.wish, self.bytes = None, 0, 0
 
     def close(self):
@@ -42,7 +41,7 @@ class Probe:
         self.connection = None
 
     def connect(self):
-        connection = (TlsConnection if "SSL_CERT_FILE" in os.environ else Connection)(self.address)
+        connection = TlsConnection(self.address, self.authorities) if self.authorities else Connection(self.address)
         connection.socket.settimeout(2)
         self.connection = connection
         connection.open(self.model)
@@ -110,11 +109,17 @@ def greedily(probe, seconds, wishes):
 
 
 def main():
-    address, model, last_blob, seconds, *wishes = sys.argv[1:]
+    parser = argparse.ArgumentParser()
+    parser.add_argument("address")
+    parser.add_argument("model")
+    parser.add_argument("last_blob", type=int)
+    parser.add_argument("seconds", type=float)
+    parser.add_argument("--open", type=int)
+    parser.add_argument("--ca-file")
+    options = parser.parse_args()
     random.seed(1)
-    probe = Probe(address, model, int(last_blob))
-    with contextlib.closing(probe):
-        print(json.dumps(greedily(probe, float(seconds), int(wishes[0])) if wishes else politely(probe, float(seconds))))
+    with contextlib.closing(Probe(options.address, options.model, options.last_blob, options.ca_file)) as probe:
+        print(json.dumps(greedily(probe, options.seconds, options.open) if options.open else politely(probe, options.seconds)))
 
 
 if __name__ == "__main__":

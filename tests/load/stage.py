@@ -177,14 +177,15 @@ frontend clients
         return self.run([*prefix, self.bin / "lodestream", "loadtest", target, "--clients", clients, "--seconds", seconds, "--decode-off",
                          "--cache", "off", "--json", *(["--ca-file", authority] if authority else [])], stdout=subprocess.PIPE, text=True)
 
-    def probe(self, listen, seconds, wishes=(), prefix=(), store=None, model=None, authority=None):
+    def probe(self, listen, seconds, wishes=None, prefix=(), store=None, model=None, authority=None):
         """probe.py, for the blobs of a store; with `wishes` a greedy client that keeps so many open."""
         store = store or self.store
         blobs = json.loads(subprocess.run([self.bin / "lodestreamd", "info", store, "--json"], check=True, capture_output=True,
                                           text=True).stdout)["payloads"]
-        environment = dict(os.environ, PYTHONPATH=str(self.messages), **({"SSL_CERT_FILE": str(authority)} if authority else {}))
-        return self.run([*prefix, "/usr/bin/python3", LOAD / "probe.py", listen, model or store.stem, blobs, seconds, *wishes],
-                        env=environment, stdout=subprocess.PIPE, text=True)
+        command = [*prefix, "/usr/bin/python3", LOAD / "probe.py", listen, model or store.stem, blobs, seconds]
+        command += ["--open", wishes] if wishes else []
+        command += ["--ca-file", authority] if authority else []
+        return self.run(command, env=dict(os.environ, PYTHONPATH=str(self.messages)), stdout=subprocess.PIPE, text=True)
 
 
 def result(process):
