@@ -20,11 +20,24 @@ if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR CMAKE_CXX_COMPILER_VERSION VERSIO
   list(APPEND LODE_WARNINGS -Werror)
 endif()
 
-# lode_target(NAME [EXECUTABLE] [SOURCES files...] [LAYERS layers...] [LIBRARIES outside...] [PUBLIC_LIBRARIES outside...])
+# lode_compile_options(NAME): what every file is compiled with.
+function(lode_compile_options name)
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  # -Wrestrict: false alarms on string concatenation in g++ 12 (GCC bug 105651).
+  target_compile_options(${name} PRIVATE ${LODE_WARNINGS})
+  if(LODE_SANITIZE)
+    target_compile_options(${name} PRIVATE -fsanitize=${LODE_SANITIZE} -fno-omit-frame-pointer)
+  endif()
+endfunction()
+
+# lode_target(NAME [EXECUTABLE] [SOURCES files...] [LAYERS layers...] [LIBRARIES outside...] [PUBLIC_LIBRARIES outside...]
+#             [PRECOMPILED set])
 #   NAME      lode_<layer> for a library; the *.cpp in and below its folder are its sources unless SOURCES names them
 #   LAYERS    the layers it may use; a library asking for one that its layer does not allow is a configure error
+#   PRECOMPILED  the headers of cmake/LodePrecompiled.cmake that its files need not parse, and the options that go with them
 function(lode_target name)
-  cmake_parse_arguments(arg "EXECUTABLE" "" "SOURCES;LAYERS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "EXECUTABLE" "PRECOMPILED" "SOURCES;LAYERS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   if(NOT arg_SOURCES)
     file(GLOB_RECURSE arg_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   endif()
@@ -39,16 +52,18 @@ function(lode_target name)
       endif()
     endforeach()
   endif()
-  target_compile_features(${name} PUBLIC cxx_std_20)
-  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF LINKER_LANGUAGE CXX)
+  lode_compile_options(${name})
+  set_target_properties(${name} PROPERTIES LINKER_LANGUAGE CXX)
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_include_directories(${name} SYSTEM PUBLIC ${PROJECT_BINARY_DIR}/generated)
-  # -Wrestrict: false alarms on string concatenation in g++ 12 (GCC bug 105651).
-  target_compile_options(${name} PRIVATE ${LODE_WARNINGS})
   if(LODE_SANITIZE)
-    target_compile_options(${name} PRIVATE -fsanitize=${LODE_SANITIZE} -fno-omit-frame-pointer)
     target_link_options(${name} PUBLIC -fsanitize=${LODE_SANITIZE})
   endif()
+  if(NOT arg_PRECOMPILED)
+    set(arg_PRECOMPILED std)
+  endif()
+  target_precompile_headers(${name} REUSE_FROM precompiled_${arg_PRECOMPILED})
+  target_compile_options(${name} PRIVATE $<TARGET_PROPERTY:precompiled_${arg_PRECOMPILED},INTERFACE_COMPILE_OPTIONS>)
   list(TRANSFORM arg_LAYERS PREPEND lode_)
   target_link_libraries(${name} PUBLIC ${arg_LAYERS} ${arg_PUBLIC_LIBRARIES} PRIVATE ${arg_LIBRARIES})
 endfunction()
