@@ -70,11 +70,14 @@ TEST_F(ServerFaults, everyRefusedConnectionIsToldWhyAndTakesNobodysPlace) {
 }
 
 TEST_F(ServerFaults, anAddressHasAsManyConnectionsAsItMay) {
+  options_.max_connections = 2;
   options_.max_connections_per_address = 1;
   start();
   TestClient first = connect();
   first.open("a");
-  connect().expectErrorAndEnd(WireError::kLimit);
+  for (int i = 0; i < 3; ++i) connect().expectErrorAndEnd(WireError::kLimit);
+  TestClient other(server_->port(), asio::ip::make_address_v4("127.0.0.2"));
+  other.open("a");  // those who were refused have taken no place
 }
 
 TEST_F(ServerFaults, withoutADescriptorLeftAConnectionIsToldSo) {

@@ -27,7 +27,9 @@ struct Received {
 /// A client that blocks, for tests.
 class TestClient {
  public:
-  explicit TestClient(uint16_t port) {
+  /// @param from  the address that the server sees.
+  explicit TestClient(uint16_t port, asio::ip::address_v4 from = asio::ip::address_v4::loopback())
+      : socket_(context_, asio::ip::tcp::endpoint(from, 0)) {
     socket_.connect({asio::ip::address_v4::loopback(), port});
     socket_.set_option(asio::ip::tcp::no_delay(true));
   }
@@ -109,7 +111,7 @@ class TestClient {
 
  private:
   asio::io_context context_;
-  asio::ip::tcp::socket socket_{context_};
+  asio::ip::tcp::socket socket_;
   uint64_t received_bytes_ = 0;
 };
 

@@ -1,0 +1,126 @@
+#include "server/serve/worker.h"
+
+#include <algorithm>
+#include <latch>
+#include <thread>
+
+#include <asio/post.hpp>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "server/serve/catalog.h"
+#include "tests/unit/serve/small_store.h"
+#include "tests/unit/serve/test_client.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+using asio::ip::tcp;
+using proto::FrameType;
+using proto::WishAction;
+using proto::WishClass;
+using namespace std::chrono_literals;
+
+constexpr uint32_t kColdBlob = 5;
+
+/// A worker with one connection, and a disk that answers when it is let: the one thread that may wait for it
+/// waits for the test before.
+class WorkerTest : public testing::Test {
+ protected:
+  WorkerTest() {
+    writeSmallStore(store_);
+    catalog_ = openCatalog(std::span(&store_, 1), {.report = [](std::string_view) {}});
+    asio::post(disk_, [this] { disk_answers_.wait(); });
+    worker_.emplace(Published{{catalog_, nullptr}, nullptr}, log_, tallies_, disk_, budget_, rate_,
+                    ConnectionLimits{});
+    worker_->start(10ms);
+  }
+  ~WorkerTest() override {
+    if (!answered_) letDiskAnswer();
+    worker_->halt();
+    worker_->join();
+    disk_.join();
+  }
+
+  void letDiskAnswer() {
+    answered_ = true;
+    disk_answers_.count_down();
+  }
+  /// Takes the store out of the page cache. @return whether the system does so.
+  bool forgetStore() {
+    const int file = ::open(store_.c_str(), O_RDONLY | O_CLOEXEC);
+    ::fsync(file);
+    bool gone = false;
+    for (int tries = 0; tries < 100 && !gone; ++tries) {  // pages that are just being read stay
+      if (tries > 0) std::this_thread::sleep_for(10ms);
+      ::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
+      gone = !anyResident(file);
+    }
+    ::close(file);
+    return gone;
+  }
+  bool anyResident(int file) const {
+    const size_t bytes = std::filesystem::file_size(store_), page = 4096;
+    std::vector<unsigned char> resident((bytes + page - 1) / page);
+    void* const mapped = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, file, 0);
+    ::mincore(mapped, bytes, resident.data());
+    ::munmap(mapped, bytes);
+    return std::ranges::any_of(resident, [](unsigned char bits) { return (bits & 1) != 0; });
+  }
+  std::unique_ptr<TestClient> connect() {
+    auto client = std::make_unique<TestClient>(acceptor_.local_endpoint().port());
+    MemoryAccount memory(budget_);
+    memory.admit(kPlainConnectionBytes);
+    worker_->give(acceptor_.accept(), *admission_.enter(), std::move(memory), "client");
+    return client;
+  }
+
+  /// Closed after the log that writes to it has ended.
+  struct Quiet {
+    ~Quiet() { ::close(descriptor); }
+    const int descriptor = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  };
+
+  TemporaryFolder folder_;
+  const std::filesystem::path store_ = folder_.path() / "a.lode";
+  const Quiet quiet_{};
+  Log log_{{.descriptor = quiet_.descriptor}};
+  ThreadTallies tallies_;
+  MemoryBudget budget_{64u << 20};
+  ByteRate rate_{0};
+  Admission admission_{10, {}};
+  std::shared_ptr<const Catalog> catalog_;
+  std::latch disk_answers_{1};
+  bool answered_ = false;
+  asio::thread_pool disk_{1};
+  asio::io_context context_;
+  tcp::acceptor acceptor_{context_, {asio::ip::address_v4::loopback(), 0}};
+  std::optional<Worker> worker_;
+};
+
+TEST_F(WorkerTest, aColdReadHoldsUpNoAnswerOfItsConnection) {
+  const auto client = connect();
+  const proto::Opened opened = client->open("a");
+  client->blobs(2);
+  if (!forgetStore()) GTEST_SKIP() << "this file system keeps everything in memory";
+  const auto change = [&](WishAction action, uint32_t wish) {
+    client->send(proto::Wishes{opened.handle, {{action, WishClass::kVisible, wish, kColdBlob, 1}}});
+  };
+  change(WishAction::kAdd, 1);
+  client->send(proto::Ping{7}, 3);
+  EXPECT_EQ(client->expect<proto::Pong>(FrameType::kPong).payload, 7u);
+  change(WishAction::kCancel, 1);
+  EXPECT_EQ(client->expect<proto::Cancelled>(FrameType::kCancelled).wish, 1u);
+  change(WishAction::kAdd, 2);
+  letDiskAnswer();
+  const auto blobs = client->blobs(1);
+  ASSERT_EQ(blobs.size(), 1u);
+  EXPECT_EQ(blobs[0].first, 2u);
+  EXPECT_EQ(blobs[0].second, store::Reader(store_).readBlob(kColdBlob));
+}
+
+}  // namespace
+}  // namespace lode::serve
