@@ -47,7 +47,10 @@ class Daemon:
                 return error.code, ""
 
     def metric(self, name):
-        return float(re.search(rf"^{re.escape(name)} (\S+)$", self.ask("/metrics")[1], re.M).group(1))
+        found = re.search(rf"^{re.escape(name)} (\S+)$", self.ask("/metrics")[1], re.M)
+        if not found and "{model=" in name:
+            return 0.0  # nobody has opened it yet
+        return float(found.group(1))
 
     def open(self, model="painted"):
         """A connection that has the model open, and its Opened."""

@@ -247,11 +247,22 @@ class OperatorsPage(unittest.TestCase):
         self.assertEqual(self.options("serve") - named - {"--help", "--version"}, set())
         self.assertEqual(named - self.options("serve") - self.options("build") - self.options("fetch", "lodestream"), set())
 
+    @unittest.skipUnless(shutil.which("promtool"), "promtool comes with Debian's package prometheus")
+    def test_gives_rules_that_promtool_takes(self):
+        rules = re.search(r"^```\n(groups:.*?)^```", self.page, re.M | re.S).group(1)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "rules.yml")
+            with open(path, "w") as file:
+                file.write(rules)
+            done = subprocess.run(["promtool", "check", "rules", path], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn(f"{rules.count('alert:')} rules", done.stdout)
+
     def test_names_the_metrics(self):
         with Daemon(STORE) as daemon:
             daemon.read_whole()
             there = set(re.findall(r"^# TYPE (\w+) ", daemon.ask("/metrics")[1], re.M))
-        self.assertEqual(there, set(re.findall(r"lodestream_[a-z_]+", self.page)))
+        self.assertEqual(there, {name.removesuffix("_bucket") for name in re.findall(r"lodestream_[a-z_]+", self.page)})
 
     def test_names_the_reasons_of_refusals_and_ends(self):
         with Daemon(STORE) as daemon:

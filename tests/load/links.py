@@ -12,7 +12,7 @@ def over_link(stage, clients, seconds, beside=False, **link):
     """A crowd on the far side of a link, and a probe there, or on the server's own side."""
     with long_link(stage.bin, **link) as (near, far):
         server = stage.server(prefix=near, host=SERVER_SIDE)
-        probe = stage.probe(server.listen, seconds, prefix=near if beside else far)
+        probe = stage.probe(server.listen, seconds, every=0.05 if beside else 0.5, prefix=near if beside else far)
         crowd = stage.crowd(server.listen, clients, seconds, prefix=far) if clients else None
         run, probed = result(crowd) if crowd else None, result(probe)
         server.end()

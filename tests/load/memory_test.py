@@ -2,6 +2,8 @@
 """The memory that lodestreamd takes while it is attacked, sampled: what it counts, and what is resident.
 
     memory_test.py BIN_DIR MODELS_DIR SOURCE_DIR
+
+With LODE_SANITIZED in the environment, only what it counts: a sanitizer's own memory is resident too.
 """
 import contextlib
 import functools
@@ -21,6 +23,7 @@ from read_model import HEADER, Connection
 BUDGET, THREADS = 32_000_000, 2
 POOLS = THREADS * 64 * (48 << 10)  # buffers that threads keep, beside the budget
 LEFT = BUDGET // 8  # what may stay resident when an attack is over, beside the buffers
+SANITIZED = "LODE_SANITIZED" in os.environ
 WISHES, MAX_BODY, MAX_CHANGES, MAX_OPEN = 7, 262144, 4096, 64
 
 
@@ -121,9 +124,10 @@ class Budget(unittest.TestCase):
                     self.assertGreater(daemon.read_whole()["payloads"], 20)
             self.assertGreater(peaks.grown, BUDGET / 8, "it was no attack")
             self.assertLessEqual(peaks.counted, BUDGET)
-            self.assertLessEqual(peaks.grown, BUDGET + POOLS)
             eventually(lambda: daemon.metric("lodestream_memory_bytes") == 0)
-            eventually(lambda: Peaks.resident(daemon) - peaks.rest <= LEFT + POOLS, seconds=5)
+            if not SANITIZED:
+                self.assertLessEqual(peaks.grown, BUDGET + POOLS)
+                eventually(lambda: Peaks.resident(daemon) - peaks.rest <= LEFT + POOLS)
             print(f"{'all' if len(attacks) > 1 else attacks[0].__name__}: counted {peaks.counted / BUDGET:.2f} of the budget, "
                   f"resident {peaks.grown / BUDGET:.2f}, afterwards {(Peaks.resident(daemon) - peaks.rest) / BUDGET:.2f}")
 
@@ -136,6 +140,7 @@ class Budget(unittest.TestCase):
         self.expect_kept(ATTACKS)
 
 
+@unittest.skipIf(SANITIZED, "a sanitizer takes more address space than there is")
 class System(unittest.TestCase):
     def test_that_gives_no_memory_costs_connections_and_not_the_server(self):
         with tempfile.TemporaryFile("w+") as log, Daemon(

@@ -1,10 +1,12 @@
 #!/usr/bin/python3
-"""Single wishes at their times, and how late each comes: probe.py HOST:PORT MODEL LAST_BLOB SECONDS [--open N] [--ca-file F]
+"""Single wishes at their times, and how late each comes:
 
-A wish every 50 ms for a blob from 1 to LAST_BLOB at random, as visible; what is late counts from when it was meant for, whatever
-was late before it. A connection that ends is made again. With --open it is greedy instead: it keeps so many wishes open, with an
-endless window; with --ca-file it speaks TLS, and believes those authorities. Prints one JSON object. It needs what read_model.py
-needs.
+    probe.py HOST:PORT MODEL LAST_BLOB SECONDS [--every S] [--open N] [--ca-file F] [--seed S]
+
+A wish every 50 ms, or --every so many seconds, for a blob from 1 to LAST_BLOB at random, as visible; what is late counts from when
+it was meant for, whatever was late before it. A connection that ends is made again. With --open it is greedy instead: it keeps so
+many wishes open, with an endless window; with --ca-file it speaks TLS, and believes those authorities. Prints one JSON object. It
+needs what read_model.py needs.
 """
 import argparse
 import contextlib
@@ -17,7 +19,7 @@ import time
 import lodestream_generated as wire
 from read_model import BLOB, Connection
 
-EVERY_S, RETRY_S, ENDLESS = 0.05, 0.1, 1 << 60
+RETRY_S, ENDLESS = 0.1, 1 << 60
 GONE = (OSError, SystemExit, AssertionError, struct.error)  # refused, reset, cut off, an Error, GoAway and the end
 
 
@@ -25,7 +27,8 @@ class TlsConnection(Connection):
     def __init__(self, address, authorities):
         super().__init__(address)
         self.input.close()
-        self.socket = ssl.create_default_context(cafile=authorities).wrap_socket(self.socket, server_hostname=address.rsplit(":", 1)[0])
+        context = ssl.create_default_context(cafile=authorities)
+        self.socket = context.wrap_socket(self.socket, server_hostname=address.rsplit(":", 1)[0])
         self.input = self.socket.makefile("rb")
 
 
@@ -83,11 +86,11 @@ def until_it_comes(probe, end):
     return failed, False
 
 
-def politely(probe, seconds):
+def politely(probe, seconds, every):
     """Lists of when each wish was meant for, in seconds from the start, and how many milliseconds later it came."""
     start = time.monotonic()
     end, times, failed, count = start + seconds, [], 0, 0
-    while (due := start + count * EVERY_S) < end:
+    while (due := start + count * every) < end:
         time.sleep(max(0, due - time.monotonic()))
         more, came = until_it_comes(probe, end)
         failed += more
@@ -114,12 +117,14 @@ def main():
     parser.add_argument("model")
     parser.add_argument("last_blob", type=int)
     parser.add_argument("seconds", type=float)
+    parser.add_argument("--every", type=float, default=0.05)
     parser.add_argument("--open", type=int)
     parser.add_argument("--ca-file")
+    parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    random.seed(1)
+    random.seed(options.seed)
     with contextlib.closing(Probe(options.address, options.model, options.last_blob, options.ca_file)) as probe:
-        print(json.dumps(greedily(probe, options.seconds, options.open) if options.open else politely(probe, options.seconds)))
+        print(json.dumps(greedily(probe, options.seconds, options.open) if options.open else politely(probe, options.seconds, options.every)))
 
 
 if __name__ == "__main__":

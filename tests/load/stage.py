@@ -111,7 +111,7 @@ class Stage:
     def __init__(self, programs, folder, store=None, messages=None, short=False):
         self.bin, self.folder, self.short = pathlib.Path(programs).resolve(), pathlib.Path(folder), short
         self.messages = messages or self.bin.parent / "tests" / "load"
-        self.ending = contextlib.ExitStack()
+        self.ending, self.probes = contextlib.ExitStack(), 0
         self.store = pathlib.Path(store).resolve() if store else self.sample(20_000 if short else 500_000)
 
     def __enter__(self):
@@ -177,12 +177,13 @@ frontend clients
         return self.run([*prefix, self.bin / "lodestream", "loadtest", target, "--clients", clients, "--seconds", seconds, "--decode-off",
                          "--cache", "off", "--json", *(["--ca-file", authority] if authority else [])], stdout=subprocess.PIPE, text=True)
 
-    def probe(self, listen, seconds, wishes=None, prefix=(), store=None, model=None, authority=None):
+    def probe(self, listen, seconds, wishes=None, every=0.05, prefix=(), store=None, model=None, authority=None):
         """probe.py, for the blobs of a store; with `wishes` a greedy client that keeps so many open."""
         store = store or self.store
         blobs = json.loads(subprocess.run([self.bin / "lodestreamd", "info", store, "--json"], check=True, capture_output=True,
                                           text=True).stdout)["payloads"]
-        command = [*prefix, "/usr/bin/python3", LOAD / "probe.py", listen, model or store.stem, blobs, seconds]
+        self.probes += 1
+        command = [*prefix, "/usr/bin/python3", LOAD / "probe.py", listen, model or store.stem, blobs, seconds, "--seed", self.probes, "--every", every]
         command += ["--open", wishes] if wishes else []
         command += ["--ca-file", authority] if authority else []
         return self.run(command, env=dict(os.environ, PYTHONPATH=str(self.messages)), stdout=subprocess.PIPE, text=True)
