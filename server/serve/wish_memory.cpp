@@ -5,6 +5,12 @@
 
 namespace lode::serve {
 
+namespace {
+
+constexpr size_t kHeadBytes = sizeof(void*);  ///< of a piece: the slab that it belongs to
+
+}  // namespace
+
 WishMemory::~WishMemory() {
   while (kept_ != nullptr) letGo(*std::exchange(kept_, kept_->after));
 }
@@ -17,6 +23,7 @@ WishMemory::Slab* WishMemory::emptySlab(size_t piece_bytes) {
   } else {
     memory = system_->allocate(kSlabBytes);
   }
+  // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): it is placed, and the system's
   return new (memory) Slab{nullptr, nullptr, nullptr, piece_bytes, 0, sizeof(Slab)};
 }
 
@@ -34,7 +41,7 @@ void WishMemory::unlink(Slab& slab) noexcept {
 
 void* WishMemory::do_allocate(size_t bytes, size_t alignment) {
   if (!isPiece(bytes, alignment)) return system_->allocate(bytes, alignment);
-  const size_t piece_bytes = sizeof(Slab*) + (bytes + kStep - 1) / kStep * kStep;
+  const size_t piece_bytes = kHeadBytes + (bytes + kStep - 1) / kStep * kStep;
   if (ofSize(piece_bytes) == nullptr) link(*emptySlab(piece_bytes));
   Slab& slab = *ofSize(piece_bytes);
   std::byte* piece = reinterpret_cast<std::byte*>(slab.free);
@@ -46,12 +53,12 @@ void* WishMemory::do_allocate(size_t bytes, size_t alignment) {
   }
   ++slab.in_use;
   if (isFull(slab)) unlink(slab);
-  return piece + sizeof(Slab*);
+  return piece + kHeadBytes;
 }
 
 void WishMemory::do_deallocate(void* memory, size_t bytes, size_t alignment) {
   if (!isPiece(bytes, alignment)) return system_->deallocate(memory, bytes, alignment);
-  auto* const piece = reinterpret_cast<Piece*>(static_cast<std::byte*>(memory) - sizeof(Slab*));
+  auto* const piece = reinterpret_cast<Piece*>(static_cast<std::byte*>(memory) - kHeadBytes);
   Slab& slab = *piece->slab;
   if (isFull(slab)) link(slab);
   piece->next = std::exchange(slab.free, piece);
