@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "server/ingest/measure/farthest_in_triangle.h"
-#include "server/ingest/measure/triangle_tree.h"
+#include "server/ingest/mesh/mesh_edges.h"
 
 namespace lode::ingest {
 namespace {
@@ -15,34 +14,6 @@ namespace {
 // Of the largest distance so far: triangles that are nearer at corners and ridges are passed over. At 0.6
 // three of 480 rungs came out too small, by up to 0.95; at 0.45 none, as if all triangles were looked at.
 constexpr float kWorth = 0.45f;
-
-/// A rung, for FarthestInTriangle: by walks, and where these lead too far by a tree, which few rungs need.
-class RungSurface {
- public:
-  RungSurface(const NodeMesh& rung, const SurfaceWalk& walk) : rung_(rung), walk_(walk) {}
-
-  float squaredDistance(glm::vec3 at, uint32_t triangle) const noexcept {
-    return walk_.squaredDistance(at, triangle);
-  }
-  PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
-    const float squared = walk_.squaredDistance(at, hint);
-    if (squared <= enough * enough) return {at, std::sqrt(squared), hint};
-    const float walked = walk_.distanceFrom(at, hint, enough);
-    if (walked <= enough) return {at, walked, hint};
-    return measureExactly(at, enough, {walked * walked, walked, hint});
-  }
-  PointBeside measureExactly(glm::vec3 at, float enough,
-                             TriangleTree::Nearest known = TriangleTree::kNothing) const {
-    if (!tree_) tree_.emplace(rung_);
-    const TriangleTree::Nearest nearest = tree_->nearest(at, enough, known);
-    return {at, nearest.distance, nearest.triangle};
-  }
-
- private:
-  const NodeMesh& rung_;
-  const SurfaceWalk& walk_;
-  mutable std::optional<TriangleTree> tree_;
-};
 
 std::vector<glm::vec3> normalsOf(const NodeMesh& mesh) {
   std::vector<glm::vec3> normals;
@@ -58,44 +29,83 @@ std::vector<glm::vec3> normalsOf(const NodeMesh& mesh) {
   return normals;
 }
 
-/// Whether some point of a triangle may be as far from a rung as `worth`. Where its corners are beside
-/// triangles of the rung that meet at an angle, the triangle is farthest where it crosses the ridge between
-/// them: by a quarter of its edge times that angle more than its corners, at most. That point is looked at.
-bool isWorthALook(const std::array<PointBeside, 3>& corners, std::span<const glm::vec3> rung_normals,
-                  const RungSurface& surface, float worth) {
-  for (size_t k = 0; k < 3; ++k) {
-    const PointBeside &from = corners[k], &to = corners[(k + 1) % 3];
-    const float high = std::max(from.distance, to.distance);
-    if (high > worth) return true;
-    if (from.triangle == to.triangle) continue;
-    const float angle = glm::distance(rung_normals[from.triangle], rung_normals[to.triangle]);
-    if (high + glm::distance(from.at, to.at) * angle / 4 <= worth) continue;
-    const float parting = std::sqrt(surface.squaredDistance(from.at, to.triangle)) - from.distance;
-    const float closing = std::sqrt(surface.squaredDistance(to.at, from.triangle)) - to.distance;
-    const float share = parting + closing > 0 ? std::clamp(parting / (parting + closing), 0.f, 1.f) : 0.5f;
-    if (surface.measure(glm::mix(from.at, to.at, share), from.triangle, worth).distance > worth) return true;
-  }
-  return false;
+/// The distance of an edge from a rung where it may be farther than at its ends; 0 if no point of it is
+/// farther than `enough` and its ends. Where the ends are beside triangles of the rung that meet at an angle,
+/// the edge is farthest where it crosses the ridge between them: by a quarter of its length times that angle
+/// more than its ends, at most. Otherwise the distance from a triangle is convex.
+float ridgeDistance(const PointBeside& from, const PointBeside& to, std::span<const glm::vec3> rung_normals,
+                    const RungSurface& surface, float enough) {
+  const float high = std::max(from.distance, to.distance);
+  if (high > enough || from.triangle == to.triangle) return 0;
+  const glm::vec3 along = to.at - from.at, turn = rung_normals[from.triangle] - rung_normals[to.triangle];
+  const float room = 4 * (enough - high);
+  if (glm::dot(along, along) * glm::dot(turn, turn) <= room * room) return 0;
+  const float across = std::sqrt(surface.squaredDistance(from.at, to.triangle));
+  if (across <= enough) return 0;
+  const float back = std::sqrt(surface.squaredDistance(to.at, from.triangle));
+  if (back <= enough) return 0;
+  const float parting = across - from.distance, closing = back - to.distance;
+  const float share = std::clamp(parting / (parting + closing), 0.f, 1.f);
+  const float walked = surface.walkFrom(from.at + share * along, from.triangle, enough).distance;
+  return walked > enough ? walked : 0;
 }
+
+/// The edges of a mesh at whose ridges the distance from a rung is larger than some `enough`.
+class FarEdges {
+ public:
+  FarEdges(const NodeMesh& input, std::span<const PointBeside> beside,
+           std::span<const glm::vec3> rung_normals, const RungSurface& surface, float enough)
+      : begin_(input.positions.size() + 1) {
+    forEachEdge(input, [&](uint32_t lower, uint32_t upper, uint32_t) {
+      const float found = ridgeDistance(beside[lower], beside[upper], rung_normals, surface, enough);
+      if (found == 0) return;
+      ++begin_[lower + 1];
+      uppers_.push_back({upper, found});
+    });
+    for (size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
+  }
+
+  /// The distance at an edge's ridge; 0 if it is not larger.
+  float distance(uint32_t a, uint32_t b) const {
+    const uint32_t lower = std::min(a, b), upper = std::max(a, b);
+    for (uint32_t i = begin_[lower]; i < begin_[lower + 1]; ++i)
+      if (uppers_[i].position == upper) return uppers_[i].distance;
+    return 0;
+  }
+
+ private:
+  struct Upper {
+    uint32_t position;
+    float distance;
+  };
+  std::vector<uint32_t> begin_;  ///< in uppers_, of the edges of each lower position
+  std::vector<Upper> uppers_;
+};
 
 }  // namespace
 
-float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
+float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
                       std::span<const SurfaceWalk::Place> places, float known) {
-  const RungSurface surface(rung.mesh, walk);
-  const std::vector<glm::vec3> normals = normalsOf(rung.mesh);
+  std::vector<PointBeside> beside;
+  beside.reserve(input.positions.size());
+  for (uint32_t i = 0; i < input.positions.size(); ++i) {
+    const glm::vec3 at(unpackPosition(input.positions[i]));
+    if (rung.became[i] != kVanished && places[i].distance <= known) {
+      beside.push_back({at, places[i].distance, places[i].triangle});
+    } else {
+      const TriangleTree::Nearest nearest = surface.nearest(at, known);
+      beside.push_back({at, nearest.distance, nearest.triangle});
+      known = std::max(known, nearest.distance);
+    }
+  }
+  const FarEdges edges(input, beside, normalsOf(rung.mesh), surface, kWorth * known);
   FarthestInTriangle farthest(surface, known, known);
-  const auto corner = [&](uint32_t wedge) -> PointBeside {
-    const uint32_t position = input.wedge_position[wedge];
-    const glm::vec3 at(unpackPosition(input.positions[position]));
-    const SurfaceWalk::Place& place = places[position];
-    const bool is_known = rung.became[position] != kVanished && place.distance <= farthest.told();
-    return is_known ? PointBeside{at, place.distance, place.triangle}
-                    : surface.measureExactly(at, farthest.told());
-  };
   for (const glm::u32vec3& t : input.triangles) {
-    const std::array<PointBeside, 3> corners{corner(t.x), corner(t.y), corner(t.z)};
-    if (isWorthALook(corners, normals, surface, kWorth * farthest.told())) farthest.look(corners);
+    const uint32_t a = input.wedge_position[t.x], b = input.wedge_position[t.y],
+                   c = input.wedge_position[t.z];
+    const float high = std::max({beside[a].distance, beside[b].distance, beside[c].distance,
+                                 edges.distance(a, b), edges.distance(b, c), edges.distance(c, a)});
+    if (high > kWorth * farthest.told()) farthest.look({beside[a], beside[b], beside[c]});
   }
   return farthest.largest();
 }

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "server/ingest/measure/rung_surface.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/node_mesh.h"
 #include "server/ingest/mesh/simplified_mesh.h"
@@ -11,10 +12,10 @@ namespace lode::ingest {
 /// The largest distance of a mesh from a rung that was made of it, in lattice steps, to 2 %: of all points of
 /// those triangles that may hide the largest, as their corners and the ridges of the rung that they cross
 /// say. (What is passed over, RungCheck looks at.)
-/// @param walk   over the rung's mesh, which has triangles.
+/// @param surface  of the rung.
 /// @param places of the input's positions on it; see placesOn().
 /// @param known  what is nearer does not matter. @return not below it.
-float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const SurfaceWalk& walk,
+float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
                       std::span<const SurfaceWalk::Place> places, float known);
 
 }  // namespace lode::ingest

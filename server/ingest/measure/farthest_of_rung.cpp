@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "server/ingest/mesh/number_table.h"
+
 namespace lode::ingest {
 namespace {
 
@@ -15,12 +17,36 @@ constexpr uint32_t stepsAtFirst(size_t triangles) { return triangles <= kFewTria
 constexpr float kManySteps = 1.5f;  ///< for each edge of the input that an edge of the rung is as long as
 constexpr uint32_t kMostSteps = 24;
 constexpr int kMostLooks = 32;  ///< at every triangle of the input, before its tree is asked
+constexpr uint32_t kMostStarts = 64;
+
+/// The input's positions that lie on each triangle of a rung.
+class PositionsOnTriangles {
+ public:
+  PositionsOnTriangles(const SimplifiedMesh& rung, std::span<const SurfaceWalk::Place> places)
+      : begin_(rung.mesh.triangles.size() + 1) {
+    const auto isOn = [&](size_t position) { return rung.became[position] != kVanished; };
+    for (size_t i = 0; i < places.size(); ++i)
+      if (isOn(i)) ++begin_[places[i].triangle];
+    uint32_t end = 0;
+    for (uint32_t& begin : begin_) begin = end += begin;
+    positions_.resize(end);
+    for (size_t i = places.size(); i-- > 0;)
+      if (isOn(i)) positions_[--begin_[places[i].triangle]] = static_cast<uint32_t>(i);
+  }
+
+  std::span<const uint32_t> on(size_t triangle) const {
+    return std::span(positions_).subspan(begin_[triangle], begin_[triangle + 1] - begin_[triangle]);
+  }
+
+ private:
+  std::vector<uint32_t> begin_, positions_;
+};
 
 class Measurement {
  public:
-  Measurement(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources,
-              float known)
-      : mesh_(rung.mesh), input_(input), sources_(sources), largest_(known) {}
+  Measurement(const SimplifiedMesh& rung, const RungInput& input, std::span<const SurfaceWalk::Place> places,
+              std::span<const uint32_t> sources, float known)
+      : mesh_(rung.mesh), input_(input), starts_(rung, places), sources_(sources), largest_(known) {}
 
   float run() {
     of_vertex_.reserve(sources_.size());
@@ -31,10 +57,11 @@ class Measurement {
     std::vector<float> high;
     high.reserve(mesh_.triangles.size());
     const uint32_t few = stepsAtFirst(mesh_.triangles.size());
-    for (const glm::u32vec3& t : mesh_.triangles) high.push_back(look(t, few, kWorth));
+    edges_.reset(3 * mesh_.triangles.size() / 2);
+    for (size_t t = 0; t < mesh_.triangles.size(); ++t) high.push_back(look(t, few));
     const auto steps = static_cast<uint32_t>(kManySteps * edgesOfInputAlongEdge());
     for (size_t t = 0; t < high.size(); ++t)
-      if (high[t] > kWorth * largest_) look(mesh_.triangles[t], std::clamp(steps, 2 * few, kMostSteps), 1);
+      if (high[t] > kWorth * largest_) lookClosely(t, std::clamp(steps, 2 * few, kMostSteps));
     return largest_;
   }
 
@@ -52,21 +79,82 @@ class Measurement {
     const float walked = input_.walk().distanceOnwards(point, near, enough);
     if (walked <= largest_) return walked;
     const float exact = looks_++ < kMostLooks
-                            ? input_.walk().exactDistance(point, walked)
+                            ? input_.walk().nearestOfAll(point, {walked * walked, walked, 0}).distance
                             : input_.tree().nearest(point, 0, {walked * walked, walked, 0}).distance;
     largest_ = std::max(largest_, exact);
     return exact;
   }
 
+  /// Of the positions that lie on a triangle the nearest to one of its points, or `near` if that is nearer.
+  uint32_t startFor(glm::vec3 point, size_t triangle, uint32_t near) const {
+    const std::vector<PositionCode>& positions = input_.mesh().positions;
+    const auto squaredDistance = [&](uint32_t position) {
+      const glm::vec3 away = glm::vec3(unpackPosition(positions[position])) - point;
+      return glm::dot(away, away);
+    };
+    float least = squaredDistance(near);
+    const std::span<const uint32_t> starts = starts_.on(triangle);
+    const size_t stride = 1 + starts.size() / kMostStarts;
+    for (size_t i = 0; i < starts.size(); i += stride) {
+      const float squared = squaredDistance(starts[i]);
+      if (squared >= least) continue;
+      least = squared;
+      near = starts[i];
+    }
+    return near;
+  }
+
+  glm::u32vec3 cornersOf(size_t triangle) const {
+    const glm::u32vec3& t = mesh_.triangles[triangle];
+    return {mesh_.wedge_position[t.x], mesh_.wedge_position[t.y], mesh_.wedge_position[t.z]};
+  }
+
   /// @param steps  into which edges are divided, and the triangle with them.
-  /// @param enough  of the largest distance so far.
   /// @return the largest distance of its points.
-  float look(const glm::u32vec3& triangle, uint32_t steps, float enough) {
-    const glm::u32vec3 at(mesh_.wedge_position[triangle.x], mesh_.wedge_position[triangle.y],
-                          mesh_.wedge_position[triangle.z]);
-    const glm::vec3 a = pointOf(at.x), b = pointOf(at.y), c = pointOf(at.z);
+  float look(size_t triangle, uint32_t steps) {
+    const glm::u32vec3 at = cornersOf(triangle);
     float high = std::max({of_vertex_[at.x], of_vertex_[at.y], of_vertex_[at.z]});
-    uint32_t near_row = sources_[at.z];  // where walks to the points of a row begin
+    for (int k = 0; k < 3; ++k) high = std::max(high, lookAlong({at[k], at[(k + 1) % 3]}, triangle, steps));
+    forEachPoint(at, steps, [&](glm::vec3 point, bool is_inside, uint32_t& near) {
+      if (is_inside) high = std::max(high, measureOn(triangle, point, near, kWorth * largest_));
+    });
+    return high;
+  }
+
+  /// The same of an edge; its two triangles share one look.
+  float lookAlong(glm::u32vec2 edge, size_t triangle, uint32_t steps) {
+    const uint32_t lower = std::min(edge.x, edge.y), upper = std::max(edge.x, edge.y);
+    const auto next = static_cast<uint32_t>(of_edge_.size());
+    const uint32_t number = edges_.findOrAdd(uint64_t{lower} << 32 | upper, next);
+    if (number != next) return of_edge_[number];
+    const glm::vec3 from = pointOf(lower), to = pointOf(upper);
+    float high = 0;
+    uint32_t near = sources_[lower];
+    for (uint32_t i = 1; i < steps; ++i) {
+      const glm::vec3 point = glm::mix(from, to, static_cast<float>(i) / static_cast<float>(steps));
+      high = std::max(high, measureOn(triangle, point, near, kWorth * largest_));
+    }
+    of_edge_.push_back(high);
+    return high;
+  }
+
+  void lookClosely(size_t triangle, uint32_t steps) {
+    forEachPoint(cornersOf(triangle), steps,
+                 [&](glm::vec3 point, bool, uint32_t& near) { measureOn(triangle, point, near, largest_); });
+  }
+
+  /// @param near  where a walk may begin; becomes where it has ended.
+  float measureOn(size_t triangle, glm::vec3 point, uint32_t& near, float enough) {
+    near = startFor(point, triangle, near);
+    return measure(point, near, enough);
+  }
+
+  /// Calls visit(point, is_inside, near) for the points of a triangle that is divided by steps, but its
+  /// corners; `near` is what the visit before made of it.
+  template <typename Visit>
+  void forEachPoint(const glm::u32vec3& corners, uint32_t steps, Visit&& visit) {
+    const glm::vec3 a = pointOf(corners.x), b = pointOf(corners.y), c = pointOf(corners.z);
+    uint32_t near_row = sources_[corners.z];
     for (uint32_t i = 0; i < steps; ++i) {
       uint32_t near = near_row;
       for (uint32_t j = 0; i + j <= steps; ++j) {
@@ -75,26 +163,28 @@ class Measurement {
         if (is_corner) continue;
         const glm::vec3 sum =
             static_cast<float>(i) * a + static_cast<float>(j) * b + static_cast<float>(k) * c;
-        high = std::max(high, measure(sum / static_cast<float>(steps), near, enough * largest_));
+        visit(sum / static_cast<float>(steps), i > 0 && j > 0 && k > 0, near);
         if (j == 0) near_row = near;
       }
     }
-    return high;
   }
 
   const NodeMesh& mesh_;
   const RungInput& input_;
+  const PositionsOnTriangles starts_;
   const std::span<const uint32_t> sources_;
   float largest_;
   int looks_ = 0;
-  std::vector<float> of_vertex_;
+  std::vector<float> of_vertex_, of_edge_;
+  NumberTable edges_;  ///< to of_edge_
 };
 
 }  // namespace
 
-float farthestOfRung(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources,
+float farthestOfRung(const SimplifiedMesh& rung, const RungInput& input,
+                     std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,
                      float known) {
-  return Measurement(rung, input, sources, known).run();
+  return Measurement(rung, input, places, sources, known).run();
 }
 
 }  // namespace lode::ingest

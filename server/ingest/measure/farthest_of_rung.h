@@ -10,8 +10,10 @@ namespace lode::ingest {
 
 /// The largest distance of a rung from the mesh that it was made of, lattice steps: of its vertices, of a few
 /// points of each triangle, and where these come near the largest, of many.
-/// @param sources  see sourcesOf(). @param known  what is nearer does not matter. @return not below it.
-float farthestOfRung(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources,
+/// @param places  of the input's positions on the rung; see placesOn(). @param sources  see sourcesOf().
+/// @param known  what is nearer does not matter. @return not below it.
+float farthestOfRung(const SimplifiedMesh& rung, const RungInput& input,
+                     std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,
                      float known);
 
 }  // namespace lode::ingest

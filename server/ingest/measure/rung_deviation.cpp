@@ -19,9 +19,11 @@ constexpr float kPrecision = 1.021f, kPointMargin = 1.12f, kSampleMargin = 1.1f;
 float rungDeviation(const SimplifiedMesh& rung, const RungInput& input, const RungPlaces& places,
                     float farthest_sample) {
   const auto fromInput = [&](float known) {
-    return farthestOfInput(rung, input.mesh(), places.walk, places.of_input, known);
+    return farthestOfInput(rung, input.mesh(), places.surface, places.of_input, known);
   };
-  const auto fromRung = [&](float known) { return farthestOfRung(rung, input, places.sources, known); };
+  const auto fromRung = [&](float known) {
+    return farthestOfRung(rung, input, places.of_input, places.sources, known);
+  };
   if (input.isOriginal()) {
     const float forward = kPrecision * fromInput(farthest_sample);
     return std::max(forward, kPointMargin * fromRung(forward / kPointMargin));

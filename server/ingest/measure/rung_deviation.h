@@ -4,6 +4,7 @@
 #include <span>
 
 #include "server/ingest/measure/rung_input.h"
+#include "server/ingest/measure/rung_surface.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/simplified_mesh.h"
 
@@ -11,7 +12,7 @@ namespace lode::ingest {
 
 /// What a rung is measured with; see placesOn(), sourcesOf().
 struct RungPlaces {
-  const SurfaceWalk& walk;  ///< over its mesh, which has triangles
+  const RungSurface& surface;
   std::span<const SurfaceWalk::Place> of_input;
   std::span<const uint32_t> sources;
 };

@@ -1,11 +1,9 @@
 #include "server/ingest/measure/surface_samples.h"
 
 #include <algorithm>
-#include <optional>
 #include <tuple>
 #include <utility>
 
-#include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/number_table.h"
 
 namespace lode::ingest {
@@ -13,7 +11,6 @@ namespace {
 
 // Deviations below this share of the largest need not be exact: they only rank samples.
 constexpr float kRanks = 0.25f;
-constexpr int kMostLooks = 32;  ///< at every triangle, before a tree is built for the further ones
 constexpr uint32_t kMostPointsInside = 64;  ///< of one triangle
 
 uint64_t hashOf(const SurfaceSample& sample) noexcept { return NumberTable::hash(sample.position.value); }
@@ -33,22 +30,21 @@ glm::vec2 sharesOf(uint32_t n) noexcept {
 /// For how many times the mean area a triangle gets a point inside, in a mesh of so many.
 double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
 
-/// Makes the largest of the distances that walks over a mesh have found exact.
-/// @param pointOf  the point of each distance. @param treeOver  the mesh, made where many need a look.
-template <typename PointOf, typename TreeOver>
-void confirmLargest(const SurfaceWalk& walk, std::vector<float>& distances, PointOf&& pointOf,
-                    TreeOver&& treeOver) {
+/// Makes the largest of the distances that walks over a rung have found exact.
+/// @param pointOf  the point of each distance.
+template <typename PointOf>
+void confirmLargest(const RungSurface& surface, std::vector<float>& distances, PointOf&& pointOf) {
   std::vector<uint32_t> order(distances.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   const auto is_less = [&](uint32_t a, uint32_t b) { return distances[a] < distances[b]; };
   std::make_heap(order.begin(), order.end(), is_less);
   float largest = 0;
-  for (int looks = 0; !order.empty() && distances[order.front()] > largest; ++looks) {
+  while (!order.empty() && distances[order.front()] > largest) {
     std::pop_heap(order.begin(), order.end(), is_less);
     const uint32_t at = order.back();
     order.pop_back();
-    distances[at] = looks < kMostLooks ? walk.exactDistance(pointOf(at), distances[at])
-                                       : treeOver().distance(pointOf(at));
+    const float walked = distances[at];
+    distances[at] = surface.nearest(pointOf(at), 0, {walked * walked, walked, 0}).distance;
     largest = std::max(largest, distances[at]);
   }
 }
@@ -107,13 +103,8 @@ std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeM
 }
 
 std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input,
-                                      const SurfaceWalk& walk, std::span<const SurfaceWalk::Place> places,
+                                      const RungSurface& surface, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples) {
-  std::optional<TriangleTree> tree;
-  const auto treeOver = [&]() -> const TriangleTree& {
-    if (!tree) tree.emplace(rung.mesh);
-    return *tree;
-  };
   std::vector<float> distances;
   std::vector<uint32_t> nears;
   distances.reserve(samples.size());
@@ -122,19 +113,18 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh
   for (const SurfaceSample& sample : samples) {
     uint32_t near = sample.near == kVanished ? kVanished : rung.became[sample.near];
     if (near == kVanished) {  // where its triangles have gone, the nearest of those that are left
-      const TriangleTree::Nearest found = treeOver().nearest(pointOf(sample), kRanks * largest);
+      const TriangleTree::Nearest found = surface.nearest(pointOf(sample), kRanks * largest);
       near = rung.mesh.wedge_position[rung.mesh.triangles[found.triangle].x];
       distances.push_back(found.distance);
     } else if (sample.position == input.positions[sample.near]) {
       distances.push_back(places[sample.near].distance);
     } else {
-      distances.push_back(walk.distance(pointOf(sample), near, kRanks * largest));
+      distances.push_back(surface.walk().distance(pointOf(sample), near, kRanks * largest));
     }
     nears.push_back(near);
     largest = std::max(largest, distances.back());
   }
-  confirmLargest(
-      walk, distances, [&](size_t i) { return pointOf(samples[i]); }, treeOver);
+  confirmLargest(surface, distances, [&](size_t i) { return pointOf(samples[i]); });
   std::vector<Deviation> deviations;
   deviations.reserve(samples.size());
   for (size_t i = 0; i < samples.size(); ++i) deviations.push_back({distances[i], nears[i]});

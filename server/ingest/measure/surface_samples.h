@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "server/ingest/measure/rung_surface.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/simplified_mesh.h"
 
@@ -46,10 +47,9 @@ struct Deviation {
 
 /// Distances of samples, which are near positions of the mesh that `rung` was made of, from the rung: the
 /// largest is exact, and no other below the true one.
-/// @param rung  with triangles. @param walk  over its mesh.
-/// @param places  of the input's positions, which samples may be.
+/// @param surface  of the rung. @param places  of the input's positions, which samples may be.
 std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input,
-                                      const SurfaceWalk& walk, std::span<const SurfaceWalk::Place> places,
+                                      const RungSurface& surface, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples);
 
 /// Points inside the triangles of a mesh that are large beside the others, where its positions alone would

@@ -79,10 +79,12 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
     const glm::vec3 normal = glm::cross(ab, ac);
     if (i == begin_[position]) first_normal = normal;
     if (glm::dot(normal, first_normal) < 0) return std::nullopt;
-    const float all = glm::dot(normal, normal);
-    const float of_b = glm::dot(normal, glm::cross(ap, ac)), of_c = glm::dot(normal, glm::cross(ab, ap));
-    const float of_a = all - of_b - of_c;
-    if (!(std::min({of_a, of_b, of_c}) > 0)) continue;
+    const float of_b = glm::dot(normal, glm::cross(ap, ac));
+    if (!(of_b > 0)) continue;
+    const float of_c = glm::dot(normal, glm::cross(ab, ap));
+    if (!(of_c > 0)) continue;
+    const float all = glm::dot(normal, normal), of_a = all - of_b - of_c;
+    if (!(of_a > 0)) continue;
     // From the foot, not along the normal: a sliver's is rounding noise, which may be much too short.
     const float squared = squaredLength(ap - (of_b * ab + of_c * ac) / all);
     if (squared >= nearest) continue;
@@ -110,15 +112,18 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float en
   return best;
 }
 
-float SurfaceWalk::exactDistance(glm::vec3 point, float bound) const noexcept {
-  Nearest best{bound * bound, 0};
-  float reach = bound + longest_edge_;
+TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept {
+  Nearest best{known.squared, known.triangle};
+  float distance = known.distance, reach = distance + longest_edge_;
   for (uint32_t t = 0; t < triangles_.size(); ++t) {
     if (squaredLength(point - points_[triangles_[t].x]) > reach * reach) continue;
+    const float before = best.squared;
     lookAt(point, t, best);
-    reach = std::sqrt(best.squared) + longest_edge_;
+    if (best.squared == before) continue;
+    distance = std::sqrt(best.squared);
+    reach = distance + longest_edge_;
   }
-  return std::sqrt(best.squared);
+  return {best.squared, distance, best.triangle};
 }
 
 /// Whether the triangle's nearest place is inside it, so that its neighbours are farther away.

@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/node_mesh.h"
 
 namespace lode::ingest {
@@ -41,8 +42,8 @@ class SurfaceWalk {
   /// Where a walk ends, or before it a triangle around the start that the point lies above.
   /// @param start  a position of the mesh that a triangle has.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
-  /// The true distance, by a look at every triangle. @param bound  not below it
-  float exactDistance(glm::vec3 point, float bound) const noexcept;
+  /// By a look at every triangle. @param known  what is returned if none is nearer.
+  TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept;
 
  private:
   struct Nearest {

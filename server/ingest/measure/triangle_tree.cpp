@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace lode::ingest {
 namespace {
@@ -13,61 +12,63 @@ constexpr size_t kMostHalvings = 32;   ///< triangles are numbered in so many bi
 
 }  // namespace
 
-TriangleTree::TriangleTree(const NodeMesh& mesh) : number_(mesh.triangles.size()), place_(number_.size()) {
-  if (number_.empty()) return;
+TriangleTree::TriangleTree(const NodeMesh& mesh) : place_(mesh.triangles.size()) {
+  if (place_.empty()) return;
   std::vector<Triangle> triangles;
+  std::vector<Middle> middles;
   triangles.reserve(mesh.triangles.size());
+  middles.reserve(mesh.triangles.size());
   for (const glm::u32vec3& t : mesh.triangles) {
     const auto corner = [&](uint32_t wedge) {
       return glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[wedge]]));
     };
-    const glm::vec3 a = corner(t.x);
-    triangles.push_back({a, {corner(t.y) - a, corner(t.z) - a}});
+    const glm::vec3 a = corner(t.x), ab = corner(t.y) - a, ac = corner(t.z) - a;
+    middles.push_back({3.f * a + ab + ac, static_cast<uint32_t>(triangles.size())});
+    triangles.push_back({a, {ab, ac}});
   }
-  std::iota(number_.begin(), number_.end(), 0);
-  build(triangles, number_, 0);
   triangles_.reserve(triangles.size());
-  for (uint32_t i = 0; i < number_.size(); ++i) {
-    place_[number_[i]] = i;
-    triangles_.push_back(triangles[number_[i]]);
-  }
+  number_.reserve(triangles.size());
+  build(triangles, middles);
 }
 
-/// @param numbers  of a box's triangles; they are brought into the order of the boxes.
-/// @param begin  of them in the whole.
-void TriangleTree::build(std::span<const Triangle> triangles, std::span<uint32_t> numbers, uint32_t begin) {
-  Box box{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
-  glm::vec3 low(kInfinity), high(-kInfinity);  // of thrice the middles
-  const auto middleOf = [&](uint32_t number) {
-    const Triangle& t = triangles[number];
-    return 3.f * t.a + t.sides.ab + t.sides.ac;
-  };
-  for (const uint32_t number : numbers) {
-    const Triangle& t = triangles[number];
-    const glm::vec3 b = t.a + t.sides.ab, c = t.a + t.sides.ac, middle = middleOf(number);
-    box.min = glm::min(box.min, glm::min(t.a, glm::min(b, c)));
-    box.max = glm::max(box.max, glm::max(t.a, glm::max(b, c)));
-    low = glm::min(low, middle);
-    high = glm::max(high, middle);
+/// The box of some triangles and all boxes in it. @param middles  of the triangles, thrice; changes their
+/// order.
+/// @return its number.
+uint32_t TriangleTree::build(std::span<const Triangle> triangles, std::span<Middle> middles) {
+  const auto at = static_cast<uint32_t>(boxes_.size());
+  boxes_.push_back({glm::vec3(kInfinity), glm::vec3(-kInfinity)});
+  if (middles.size() <= kTrianglesOfBox) {
+    Box& box = boxes_[at];
+    box.begin = static_cast<uint32_t>(triangles_.size());
+    box.end = box.begin + static_cast<uint32_t>(middles.size());
+    for (const Middle& middle : middles) {
+      const Triangle& t = triangles[middle.triangle];
+      const glm::vec3 b = t.a + t.sides.ab, c = t.a + t.sides.ac;
+      box.min = glm::min(box.min, glm::min(t.a, glm::min(b, c)));
+      box.max = glm::max(box.max, glm::max(t.a, glm::max(b, c)));
+      place_[middle.triangle] = static_cast<uint32_t>(triangles_.size());
+      triangles_.push_back(t);
+      number_.push_back(middle.triangle);
+    }
+    return at;
   }
-  const size_t at = boxes_.size();
-  boxes_.push_back(box);
-  if (numbers.size() <= kTrianglesOfBox) {
-    boxes_[at].begin = begin;
-    boxes_[at].end = begin + static_cast<uint32_t>(numbers.size());
-    return;
+  glm::vec3 low(kInfinity), high(-kInfinity);
+  for (const Middle& middle : middles) {
+    low = glm::min(low, middle.at);
+    high = glm::max(high, middle.at);
   }
   const glm::vec3 size = high - low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const size_t half = numbers.size() / 2;
-  std::nth_element(numbers.begin(), numbers.begin() + static_cast<ptrdiff_t>(half), numbers.end(),
-                   [&](uint32_t i, uint32_t j) {
-                     const float of_i = middleOf(i)[axis], of_j = middleOf(j)[axis];
-                     return of_i != of_j ? of_i < of_j : i < j;
+  const size_t half = middles.size() / 2;
+  std::nth_element(middles.begin(), middles.begin() + static_cast<ptrdiff_t>(half), middles.end(),
+                   [axis](const Middle& a, const Middle& b) {
+                     return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.triangle < b.triangle;
                    });
-  build(triangles, numbers.first(half), begin);
-  boxes_[at].second = static_cast<uint32_t>(boxes_.size());
-  build(triangles, numbers.subspan(half), begin + static_cast<uint32_t>(half));
+  const uint32_t first = build(triangles, middles.first(half));
+  const uint32_t second = build(triangles, middles.subspan(half));
+  boxes_[at] = {glm::min(boxes_[first].min, boxes_[second].min),
+                glm::max(boxes_[first].max, boxes_[second].max), second};
+  return at;
 }
 
 TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float enough, Nearest known) const noexcept {

@@ -31,7 +31,6 @@ class TriangleTree {
   /// @param known   what is returned if no triangle is nearer: the nearer it is, the shorter is the search.
   Nearest nearest(glm::vec3 point, float enough = 0, Nearest known = kNothing) const noexcept;
   float distance(glm::vec3 point) const noexcept { return nearest(point).distance; }
-  float distance(PositionCode point) const noexcept { return distance(glm::vec3(unpackPosition(point))); }
   /// From one of the mesh's triangles.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
     return triangles_[place_[triangle]].squaredDistance(point);
@@ -57,7 +56,11 @@ class TriangleTree {
       return glm::dot(outside, outside);
     }
   };
-  void build(std::span<const Triangle> triangles, std::span<uint32_t> numbers, uint32_t begin);
+  struct Middle {
+    glm::vec3 at;
+    uint32_t triangle;
+  };
+  uint32_t build(std::span<const Triangle> triangles, std::span<Middle> middles);
 
   std::vector<Box> boxes_;
   std::vector<Triangle> triangles_;  ///< as their boxes come

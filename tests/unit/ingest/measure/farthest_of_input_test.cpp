@@ -27,8 +27,8 @@ NodeMesh meshOf(const std::vector<glm::uvec3>& points, const std::vector<glm::u3
 }
 
 float farthest(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
-  const SurfaceWalk walk(rung.mesh);
-  return farthestOfInput(rung, input, walk, placesOn(rung, input, walk), known);
+  const RungSurface surface(rung.mesh);
+  return farthestOfInput(rung, input, surface, placesOn(rung, input, surface.walk()), known);
 }
 
 void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2>& targets) {

@@ -18,10 +18,10 @@ float deviation(std::optional<float> off_steps, float farthest_sample) {
   const NodeMesh sphere = test::nodeOf(test::makeSphere(60, 40));
   float steps = 0;
   collapse(sphere, std::array<size_t, 1>{300}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const SurfaceWalk walk(rung.mesh);
-    const std::vector<SurfaceWalk::Place> places = placesOn(rung, sphere, walk);
+    const RungSurface surface(rung.mesh);
+    const std::vector<SurfaceWalk::Place> places = placesOn(rung, sphere, surface.walk());
     const std::vector<uint32_t> sources = sourcesOf(rung, sphere);
-    steps = rungDeviation(rung, RungInput(sphere, 0, off_steps), {walk, places, sources}, farthest_sample);
+    steps = rungDeviation(rung, RungInput(sphere, 0, off_steps), {surface, places, sources}, farthest_sample);
   });
   return steps;
 }

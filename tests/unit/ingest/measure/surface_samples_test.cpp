@@ -74,10 +74,11 @@ TEST(SurfaceSamples, measureWhatBruteForceFinds) {
     const TriangleTree to_rung(rung.mesh);
     float forward = 0;
     for (const PositionCode position : input.positions)
-      forward = std::max(forward, to_rung.distance(position));
-    const SurfaceWalk walk(rung.mesh);
+      forward = std::max(forward, to_rung.distance(glm::vec3(unpackPosition(position))));
+    const RungSurface surface(rung.mesh);
     float largest = 0;
-    for (const Deviation& d : deviationsFrom(rung, input, walk, placesOn(rung, input, walk), samples))
+    for (const Deviation& d :
+         deviationsFrom(rung, input, surface, placesOn(rung, input, surface.walk()), samples))
       largest = std::max(largest, d.steps);
     EXPECT_FLOAT_EQ(largest, forward);
   });
@@ -118,10 +119,10 @@ TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
   const PositionCode away = packPosition(unpackPosition(mesh.positions[0]) + glm::uvec3(0, 0, 70));
   samples.push_back({away, 0, kVanished});
   samples.push_back({mesh.positions[0], 0, 0});
-  const SurfaceWalk walk(mesh);
+  const RungSurface surface(mesh);
   const std::vector<Deviation> deviations =
-      deviationsFrom(rung, mesh, walk, placesOn(rung, mesh, walk), samples);
-  EXPECT_FLOAT_EQ(deviations[0].steps, TriangleTree(mesh).distance(away));
+      deviationsFrom(rung, mesh, surface, placesOn(rung, mesh, surface.walk()), samples);
+  EXPECT_FLOAT_EQ(deviations[0].steps, TriangleTree(mesh).distance(glm::vec3(unpackPosition(away))));
   EXPECT_NE(deviations[0].near, kVanished);
   EXPECT_EQ(deviations[1].steps, 0);
 }

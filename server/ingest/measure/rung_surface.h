@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+
+#include "server/ingest/measure/farthest_in_triangle.h"
+#include "server/ingest/measure/surface_walk.h"
+#include "server/ingest/measure/triangle_tree.h"
+
+namespace lode::ingest {
+
+/// A rung to measure distances from: by walks where a place near the point is known, and exactly by a look at
+/// every triangle or, for more than a few points, by a tree, which takes as long to make as some fifty such
+/// looks. Not thread safe.
+class RungSurface {
+ public:
+  /// @param rung  with triangles; must outlive this.
+  explicit RungSurface(const NodeMesh& rung) : rung_(rung), walk_(rung) {}
+
+  const SurfaceWalk& walk() const noexcept { return walk_; }
+  /// See TriangleTree::nearest().
+  TriangleTree::Nearest nearest(glm::vec3 point, float enough = 0,
+                                TriangleTree::Nearest known = TriangleTree::kNothing) const;
+
+  /// For FarthestInTriangle.
+  float squaredDistance(glm::vec3 at, uint32_t triangle) const noexcept {
+    return walk_.squaredDistance(at, triangle);
+  }
+  PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const;
+  /// The same, but never exact: by a walk from the hint.
+  PointBeside walkFrom(glm::vec3 at, uint32_t hint, float enough) const noexcept;
+
+ private:
+  const NodeMesh& rung_;
+  const SurfaceWalk walk_;
+  mutable int looks_ = 0;
+  mutable std::optional<TriangleTree> tree_;
+};
+
+}  // namespace lode::ingest
