@@ -48,15 +48,18 @@ glm::vec3 pointIn(glm::vec3 a, glm::vec3 b, glm::vec3 c, Dice& dice) {
   return a + u * (b - a) + v * (c - a);
 }
 
-/// A rung, for FarthestInTriangle.
-struct RungSurface {
+/// A rung, for FarthestInTriangle; threads share what it refers to.
+struct SharedSurface {
   const TriangleTree& tree;
+  const SurfaceWalk& walk;
 
   float squaredDistance(glm::vec3 at, uint32_t triangle) const { return tree.squaredDistance(at, triangle); }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
     const float squared = tree.squaredDistance(at, hint);
     if (squared <= enough * enough) return {at, std::sqrt(squared), hint};
-    const TriangleTree::Nearest nearest = tree.nearest(at, enough, {squared, std::sqrt(squared), hint});
+    const float walked = walk.distanceFrom(at, hint, enough);
+    if (walked <= enough) return {at, walked, hint};
+    const TriangleTree::Nearest nearest = tree.nearest(at, enough, {walked * walked, walked, hint});
     return {at, nearest.distance, nearest.triangle};
   }
 };
@@ -70,10 +73,13 @@ LeafSurface::LeafSurface(const Mesh& leaf)
 
 RungCheck::RungCheck(const Mesh& rung, const LatticeBox& box, float stored_steps, uint64_t original,
                      uint64_t seed)
-    : origin_(box.min), stored_(stored_steps), tree_(meshFrom(rung, box.min)) {
+    : RungCheck(meshFrom(rung, box.min), box, stored_steps) {
   placePoints(rung, std::min(original, kMostPoints), Dice(seed));
   sortPoints();
 }
+
+RungCheck::RungCheck(const NodeMesh& rung, const LatticeBox& box, float stored_steps)
+    : origin_(box.min), stored_(stored_steps), tree_(rung), walk_(rung) {}
 
 /// Corners, and points inside by area, at least one a triangle.
 void RungCheck::placePoints(const Mesh& rung, uint64_t count, Dice dice) {
@@ -130,7 +136,7 @@ float RungCheck::backward() const {
 
 float RungCheck::farthestOf(const LeafSurface& leaf) const {
   const float enough = kEnough * stored_;
-  const RungSurface surface{tree_};
+  const SharedSurface surface{tree_, walk_};
   std::vector<PointBeside> corners(leaf.positions.size(), {glm::vec3(0), -1, 0});
   FarthestInTriangle farthest(surface, enough, 0);
   uint32_t hint = 0;
@@ -151,6 +157,7 @@ void RungCheck::bringNearer(const LeafSurface& leaf) {
   const glm::vec3 shift(glm::ivec3(leaf.box.min) - glm::ivec3(origin_));
   const glm::vec3 size(leaf.box.max - leaf.box.min);
   const float reach = kReach * stored_;
+  uint32_t last = 0;  // triangle of the leaf that a point was near to: the next point may be, too
   const glm::ivec3 low = cellOf(shift - reach), high = cellOf(shift + size + reach);
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {
@@ -162,8 +169,13 @@ void RungCheck::bringNearer(const LeafSurface& leaf) {
         const float away = glm::length(glm::max(glm::max(-point, point - size), 0.f));
         if (known <= kEnough * stored_ || away > reach || away >= known) continue;
         const float bound = std::min(known, kBeyond * stored_);
-        const float distance =
-            leaf.tree.nearest(point, kEnough * stored_, {bound * bound, bound, 0}).distance;
+        const float beside_last = leaf.tree.squaredDistance(point, last);
+        const TriangleTree::Nearest start =
+            beside_last < bound * bound ? TriangleTree::Nearest{beside_last, std::sqrt(beside_last), last}
+                                        : TriangleTree::Nearest{bound * bound, bound, last};
+        const TriangleTree::Nearest nearest = leaf.tree.nearest(point, kEnough * stored_, start);
+        last = nearest.triangle;
+        const float distance = nearest.distance;
         while (distance < known &&
                !nearest_[i].compare_exchange_weak(known, distance, std::memory_order_relaxed)) {
         }

@@ -10,6 +10,7 @@
 
 #include "common/mesh.h"
 #include "server/ingest/inspect/dice.h"
+#include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/measure/triangle_tree.h"
 
 namespace lode::ingest {
@@ -39,6 +40,7 @@ class RungCheck {
   float found() const { return std::max(forward_, backward()); }
 
  private:
+  RungCheck(const NodeMesh& rung, const LatticeBox& box, float stored_steps);
   float backward() const;
   void placePoints(const Mesh& rung, uint64_t count, Dice dice);
   void sortPoints();
@@ -49,6 +51,7 @@ class RungCheck {
   const glm::uvec3 origin_;
   const float stored_;
   const TriangleTree tree_;
+  const SurfaceWalk walk_;  ///< shortens searches of the tree
   std::vector<glm::vec3> points_;  ///< of the rung's surface, cell by cell
   std::vector<std::atomic<float>> nearest_;
   std::vector<uint32_t> begin_;  ///< of each cell's points, and the end

@@ -52,7 +52,11 @@ float SurfaceWalk::squaredDistance(glm::vec3 point, uint32_t triangle) const noe
 }
 
 float SurfaceWalk::distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept {
-  const Nearest nearest = walk(point, triangles_[triangle].x, enough * enough);
+  const glm::u32vec3& t = triangles_[triangle];
+  const auto away = [&](uint32_t position) { return squaredLength(points_[position] - point); };
+  const float a = away(t.x), b = away(t.y), c = away(t.z);
+  const uint32_t start = a <= b && a <= c ? t.x : b <= c ? t.y : t.z;
+  const Nearest nearest = walk(point, start, enough * enough);
   triangle = nearest.triangle;
   return std::sqrt(nearest.squared);
 }
