@@ -51,7 +51,7 @@ class RungCheck {
   const glm::uvec3 origin_;
   const float stored_;
   const TriangleTree tree_;
-  const SurfaceWalk walk_;  ///< shortens searches of the tree
+  const SurfaceWalk walk_;         ///< shortens searches of the tree
   std::vector<glm::vec3> points_;  ///< of the rung's surface, cell by cell
   std::vector<std::atomic<float>> nearest_;
   std::vector<uint32_t> begin_;  ///< of each cell's points, and the end
