@@ -16,10 +16,11 @@ using std::chrono::milliseconds;
 /// An engine and a server with a slow link between them, on a clock that only the test moves.
 class World {
  public:
-  World(uint32_t seed, uint64_t memory_budget_bytes)
+  World(uint32_t seed, uint64_t memory_budget_bytes, uint32_t payload_bytes_a_triangle = 1)
       : random_(seed),
         memory_budget_bytes_(memory_budget_bytes),
-        models_{SyntheticModel({seed, 4})},
+        models_{
+            SyntheticModel({.seed = seed, .depth = 4, .payload_bytes_a_triangle = payload_bytes_a_triangle})},
         server_(models_.front()),
         engine_(options(seed, memory_budget_bytes)) {}
 
@@ -262,6 +263,14 @@ TEST_P(EngineProperties, staysWithinItsMemoryAndSettlesAtATenthOfWhatTheViewWoul
   const auto before = waited();
   world.step(milliseconds(10));
   EXPECT_EQ(waited() - before, milliseconds(10));
+}
+
+TEST_P(EngineProperties, asksAtOneTimeForNoMoreThanItsShareOfTheMemoryAndConvergesAllTheSame) {
+  constexpr uint32_t kHeavy = 64;  // payloads that take more than their meshes
+  World unlimited(GetParam(), 1ull << 30, kHeavy);
+  convergeFor(unlimited, unlimited.randomView());
+  World world(GetParam(), 4 * unlimited.engine().counts().resident_bytes, kHeavy);
+  for (int place = 0; place < 6; ++place) convergeFor(world, world.randomView());
 }
 
 TEST_P(EngineProperties, convergesOnTheNewestBuildHoweverOftenTheModelIsReplaced) {

@@ -23,6 +23,7 @@ class SyntheticModel {
     double split_chance = 0.8;
     double child_chance = 0.6;
     double empty_chance = 0;  ///< of a node's coarsest rung without triangles
+    uint32_t payload_bytes_a_triangle = 1;
   };
 
   explicit SyntheticModel(Options options) : options_(options), random_(options.seed) {
@@ -84,7 +85,7 @@ class SyntheticModel {
                          static_cast<float>(1u << (rungs - 1 - r));
       rung.appearance_error_model =
           std::min(appearance_cap, rung.error_model * static_cast<float>(random_() % 2) * 1.25f);
-      rung.payload = {next_blob_++, 100 + rung.triangles, {}};
+      rung.payload = {next_blob_++, 100 + rung.triangles * options_.payload_bytes_a_triangle, {}};
       node.rungs.push_back(rung);
     }
     for (size_t r = rungs - 1; r-- > 0;)
