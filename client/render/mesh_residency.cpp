@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstring>
 
-#include "client/core/texture_stream.h"
 #include "client/render/gpu_vertex.h"
 
 namespace lode::render {
@@ -13,14 +12,6 @@ namespace {
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 
 }  // namespace
-
-ResidencyOptions residencyFor(uint64_t memory_budget_bytes) {
-  ResidencyOptions options;
-  options.budget_bytes = std::max(options.budget_bytes, memory_budget_bytes);
-  options.texture_budget_bytes =
-      std::max(options.texture_budget_bytes, memory_budget_bytes / core::kTextureBudgetShare);
-  return options;
-}
 
 /// What is left of a frame's UploadBudget.
 struct MeshResidency::Allowance {

@@ -17,11 +17,9 @@ struct ResidencyOptions {
   uint64_t texture_budget_bytes = uint64_t{256} << 20;  ///< of GPU memory for textures
   uint64_t spare_bytes = uint64_t{128} << 20;           ///< kept of meshes that are no longer drawn
   uint32_t page_bytes = 32u << 20;                      ///< of one buffer
-  uint32_t staging_bytes = 4u << 20;                    ///< most that one frame uploads
+  uint32_t staging_bytes = 4u << 20;                    ///< most that one frame uploads of meshes
+  uint32_t texture_staging_bytes = 4u << 20;            ///< and of tiles: kLeastTextureStagingBytes at least
 };
-
-/// Room for what a client core with this memory budget gives to draw.
-ResidencyOptions residencyFor(uint64_t memory_budget_bytes);
 
 /// How much of a frame may go into uploads.
 struct UploadBudget {
@@ -63,6 +61,8 @@ class MeshResidency {
   std::span<const DrawItem> drawn() const noexcept { return drawn_; }
   const GpuPages& pages() const noexcept { return pages_; }
   size_t meshCount() const noexcept { return entries_.size(); }
+  /// That uploads go through.
+  uint64_t stagingBytes() const noexcept { return uint64_t{StagingRing::kSegments} * options_.staging_bytes; }
 
  private:
   struct Entry {

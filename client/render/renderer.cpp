@@ -68,7 +68,7 @@ void setFrameState(const DrawStyle& style) {
 Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
     : lattice_step_(lattice_step),
       meshes_(options),
-      textures_(options.texture_budget_bytes),
+      textures_(options.texture_budget_bytes, options.texture_staging_bytes),
       mesh_program_(linkProgram(kMeshVertexShader, kMeshFragmentShader)),
       background_program_(linkProgram(kBackgroundVertexShader, kBackgroundFragmentShader)),
       empty_array_(GlVertexArray::create()),
@@ -88,6 +88,11 @@ void Renderer::uploadInRenderThread(const UploadBudget& budget) {
   left.bytes -= static_cast<uint32_t>(std::min<uint64_t>(used_bytes, left.bytes));
   textures_.show(meshes_.newest(), meshes_.drawnCut());
   textures_.uploadInRenderThread(left);
+}
+
+uint64_t Renderer::gpuBytes() const noexcept {
+  return meshes_.pages().capacityBytes() + meshes_.stagingBytes() + textures_.bytes() +
+         textures_.stagingBytes();
 }
 
 void Renderer::drawBackground(const DrawStyle& style) const {

@@ -50,6 +50,8 @@ class Renderer {
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
   const TextureResidency& textures() const noexcept { return textures_; }
+  /// Of the copies of meshes and tiles, and what uploads go through.
+  uint64_t gpuBytes() const noexcept;
 
   /// Draws background and model. view.width_px and height_px are those of the target.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {});

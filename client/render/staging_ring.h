@@ -33,8 +33,9 @@ class StagingRing {
   /// Ends the segment begun by open(); it is not written to again before the GPU has read it.
   void close();
 
- private:
   static constexpr uint32_t kSegments = 3;
+
+ private:
   uint32_t segment_bytes_;
   uint32_t segment_ = 0, used_bytes_ = 0, last_bytes_ = 0;
   GlBuffer buffer_;

@@ -10,9 +10,8 @@
 namespace lode::render {
 namespace {
 
-constexpr uint32_t kFirstLayers = 4;                     // of the array; doubled when it is full
-constexpr uint32_t kStagingBytes = 4 * kTileLayerBytes;  // of one frame; a tile and its tail fit
-constexpr uint32_t kHeadWords = 4;                       // of a texture in the table
+constexpr uint32_t kFirstLayers = 4;  // of the array; doubled when it is full
+constexpr uint32_t kHeadWords = 4;    // of a texture in the table
 constexpr uint32_t kPageThere = 1u << 31;
 
 /// What the shader finds for a tile: its layer and corner.
@@ -40,8 +39,8 @@ uint32_t layersOf(uint64_t budget_bytes) {
 
 }  // namespace
 
-TextureResidency::TextureResidency(uint64_t budget_bytes)
-    : cells_(layersOf(budget_bytes)), most_layers_(layersOf(budget_bytes)) {}
+TextureResidency::TextureResidency(uint64_t budget_bytes, uint32_t staging_bytes)
+    : cells_(layersOf(budget_bytes)), most_layers_(layersOf(budget_bytes)), staging_bytes_(staging_bytes) {}
 
 /// The table: for each texture its width, height, number of levels with the tail and where the places of its
 /// levels are; those places; the pages of the tiles and of the tail, 0 for one that is not there.
@@ -72,7 +71,7 @@ void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   table_ = GlBuffer::create();
   glNamedBufferStorage(table_.get(), static_cast<GLsizeiptr>(table.size() * sizeof(uint32_t)), table.data(),
                        GL_DYNAMIC_STORAGE_BIT);
-  if (!staging_) staging_.emplace(kStagingBytes);
+  if (!staging_) staging_.emplace(staging_bytes_);
 }
 
 /// @param cells  none: the tile is not there any more.
@@ -150,7 +149,7 @@ uint64_t TextureResidency::uploadInRenderThread(const UploadBudget& budget) {
   uint64_t uploaded_bytes = 0;
   do {
     if (!staging_->open(budget.wait)) break;
-    uint32_t left_bytes = kStagingBytes;
+    uint32_t left_bytes = staging_bytes_;
     while (!waiting_.empty()) {
       const core::ResidentTile tile = waiting_.back();
       const auto bytes = static_cast<uint32_t>(texelBytes(*tile.image));
@@ -216,9 +215,11 @@ void TextureResidency::copy(const TileImage& image, const TileCell& cell) {
                    glm::ivec2(image.size));
 }
 
+/// What it outgrows is there too until it is copied, and never more than half of the most.
 /// @return false if the driver has no memory for it; then no more is asked for.
 bool TextureResidency::growTo(uint32_t layers) {
-  const uint32_t wanted = std::min(most_layers_, std::max({layers, 2 * array_layers_, kFirstLayers}));
+  uint32_t wanted = std::min(most_layers_, std::max({layers, 2 * array_layers_, kFirstLayers}));
+  if (2 * wanted > most_layers_) wanted = most_layers_;
   while (glGetError() != GL_NO_ERROR) {
   }
   GlTextureArray array = GlTextureArray::create();

@@ -17,7 +17,8 @@
 
 namespace lode::render {
 
-constexpr uint32_t kTileLayerBytes = kTilePx * kTilePx * 4;  ///< of one layer of the array
+constexpr uint32_t kTileLayerBytes = kTilePx * kTilePx * 4;              ///< of one layer of the array
+constexpr uint32_t kLeastTextureStagingBytes = kTileLayerBytes * 3 / 2;  ///< a tile and its tail fit
 
 /// Which tiles are on the GPU: one texture array of a bounded number of layers, in which small tiles share
 /// a layer, and a table from (texture, level, tile) to their places that the mesh shader walks. Unlike
@@ -26,7 +27,8 @@ constexpr uint32_t kTileLayerBytes = kTilePx * kTilePx * 4;  ///< of one layer o
 class TextureResidency {
  public:
   /// @param budget_bytes  of the array; at least one layer is used all the same.
-  explicit TextureResidency(uint64_t budget_bytes);
+  /// @param staging_bytes  most that one frame uploads.
+  explicit TextureResidency(uint64_t budget_bytes, uint32_t staging_bytes = 4 * kTileLayerBytes);
 
   /// @param newest  the cut whose tiles are wanted.
   /// @param drawn   the one that is drawn until the newest one's meshes are there, or null: its tiles stay
@@ -42,6 +44,10 @@ class TextureResidency {
   bool upToDate() const noexcept { return waiting_.empty(); }
   size_t tileCount() const noexcept { return entries_.size(); }
   uint64_t bytes() const noexcept { return uint64_t{array_layers_} * kTileLayerBytes; }
+  /// That uploads go through.
+  uint64_t stagingBytes() const noexcept {
+    return staging_ ? uint64_t{StagingRing::kSegments} * staging_bytes_ : 0;
+  }
 
   /// Null while nothing textured is to be drawn.
   const TextureSet* set() const noexcept { return set_.get(); }
@@ -67,7 +73,7 @@ class TextureResidency {
   bool growTo(uint32_t layers);
 
   TileCells cells_;
-  uint32_t most_layers_, array_layers_ = 0;
+  uint32_t most_layers_, array_layers_ = 0, staging_bytes_;
   std::optional<StagingRing> staging_;
   GlTextureArray array_;
   GlBuffer table_;

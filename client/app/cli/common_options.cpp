@@ -128,7 +128,9 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--pixels", options.pixels, "largest error allowed in the picture")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  command.add_option("--memory-budget", options.memory_text, "bytes of decoded meshes (default: 1G)")
+  command
+      .add_option("--memory-budget", options.memory_text,
+                  "bytes of all that is kept of the model, on the GPU too (default: 1G)")
       ->type_name("BYTES");
   command
       .add_option("--cache", options.cache_text,

@@ -20,6 +20,7 @@
 #include "client/core/camera_path.h"
 #include "client/render/framebuffer.h"
 #include "client/render/image.h"
+#include "client/render/memory_shares.h"
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
 #include "client/stream/streamer.h"
@@ -98,7 +99,9 @@ void render(const RenderOptions& options) {
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png and --frames DIR");
   }
   const PictureSize size = options.common.size();
-  const stream::StreamOptions stream_options = options.common.streamOptions();
+  stream::StreamOptions stream_options = options.common.streamOptions();
+  const render::MemoryShares memory = render::shareMemory(stream_options.memory_budget_bytes);
+  stream_options.memory_budget_bytes = memory.stream_bytes;
   std::optional<core::CameraPath> path;
   if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
   const Target parsed = parseTarget(options.common.target);
@@ -111,7 +114,7 @@ void render(const RenderOptions& options) {
   stream::Streamer streamer(resolved.served, resolved.options);
   const ModelSummary& model = openModel(streamer, resolved, options.common.timeout());
   if (!path) path = core::framingCamera(model);
-  render::Renderer renderer(model.lattice.step, render::residencyFor(stream_options.memory_budget_bytes));
+  render::Renderer renderer(model.lattice.step, memory.gpu);
   Shown shown;
   for (const Shot& shot : planShots(options, *path)) {
     const core::View view =

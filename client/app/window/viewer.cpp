@@ -7,6 +7,7 @@
 #include "client/app/cli/target.h"
 #include "client/core/camera_path.h"
 #include "client/render/image.h"
+#include "client/render/memory_shares.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -30,6 +31,7 @@ std::optional<core::CameraPath> readPath(const std::string& file) {
 
 stream::StreamOptions streamOptions(const CommonOptions& common) {
   stream::StreamOptions options = common.streamOptions();
+  options.memory_budget_bytes = render::shareMemory(options.memory_budget_bytes).stream_bytes;
   options.hold_factor = core::kHoldFactor;
   options.prefetch = true;
   return options;
@@ -54,7 +56,7 @@ Viewer::Viewer(const ViewOptions& options)
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle(), window_.contentScale()),
-      renderer_(1, render::residencyFor(options.common.streamOptions().memory_budget_bytes)),
+      renderer_(1, render::shareMemory(options.common.streamOptions().memory_budget_bytes).gpu),
       opener_(named_, streamOptions(options.common), options.common.timeout()) {
   content_.title = options.common.target;
 }
@@ -153,7 +155,7 @@ void Viewer::draw() {
 void Viewer::describe() {
   content_.received_bytes = status_.counts.received_bytes;
   content_.resident_bytes = status_.counts.resident_bytes;
-  content_.gpu_bytes = renderer_.meshes().pages().usedBytes() + renderer_.textures().bytes();
+  content_.gpu_bytes = renderer_.gpuBytes();
   content_.resident_bytes += status_.counts.texture_bytes;
   content_.tiles = renderer_.textures().tileCount();
   content_.tiles_left_out = status_.counts.tiles_left_out;

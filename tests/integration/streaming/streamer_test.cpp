@@ -4,7 +4,6 @@
 #include "client/stream/streamer.h"
 
 #include <atomic>
-#include <cmath>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -13,11 +12,8 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/cut_mesh.h"
-#include "client/core/camera_path.h"
 #include "common/error.h"
-#include "server/serve/server.h"
-#include "tests/support/synthetic_store.h"
-#include "tests/support/work_folder.h"
+#include "tests/integration/streaming/streaming_fixture.h"
 
 namespace lode::test {
 namespace {
@@ -26,61 +22,7 @@ using namespace std::chrono_literals;
 using stream::Streamer;
 using stream::StreamStatus;
 
-constexpr auto kPatience = 60s;
 constexpr float kOnlyTheRootPx = 1e6f;  // a threshold that the root's coarsest rung meets
-
-stream::StreamOptions threads(unsigned count) {
-  stream::StreamOptions options;
-  options.decode_threads = count;
-  return options;
-}
-
-/// A closed model "a" served on loopback, on two threads.
-class Streaming : public testing::Test {
- protected:
-  Streaming() {
-    SyntheticModel model = makeModel(
-        makeSphere(96, 64, {.attributes = {AttributeSet::kColour}, .extent = 4000}), {.leaf_triangles = 200});
-    writeStore(folder_ / "a.lode", model);
-    startServer();
-  }
-  ~Streaming() override { stopServer(); }
-
-  /// On a port of its own choice, and then always on that.
-  void startServer() {
-    serve::ServeOptions options;
-    options.stores = {folder_ / "a.lode"};
-    options.listen = "127.0.0.1:" + std::to_string(served_.address.port);
-    options.threads = 2;
-    options.drain_deadline = 100ms;
-    options.max_connections = max_connections_;
-    server_.emplace(options);
-    served_ = {{"127.0.0.1", server_->port()}, "a"};
-    thread_ = std::thread([this] { server_->run(); });
-  }
-
-  void stopServer() {
-    if (server_) server_->stop();
-    if (thread_.joinable()) thread_.join();
-    server_.reset();
-  }
-
-  /// A camera that goes round the model, near to it.
-  static core::View viewAt(int step, const ModelSummary& model) {
-    core::CameraPath path = core::framingCamera(model);
-    core::CameraKey& key = path.keys.front();
-    const double angle = 0.7 * step;
-    key.eye = key.target + glm::length(key.eye - key.target) * (0.4 + 0.1 * (step % 5)) *
-                               glm::dvec3(std::cos(angle), 0.2, std::sin(angle));
-    return core::toView(key, path.fov_y_deg, 640, 480, model);
-  }
-
-  const WorkFolder folder_;
-  uint32_t max_connections_ = 100;
-  std::optional<serve::Server> server_;
-  stream::ServedModel served_{{"127.0.0.1", 0}, "a"};
-  std::thread thread_;
-};
 
 TEST_F(Streaming, convergesForTheLastViewHoweverOftenItChanged) {
   Streamer streamer(served_, threads(3));
@@ -152,6 +94,31 @@ TEST_F(Streaming, goesOnWhenTheServerComesBack) {
   const StreamStatus status = streamer.waitUntilSettled(kPatience);
   EXPECT_EQ(status.failure, "");
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
+}
+
+TEST_F(Streaming, convergesOnTheNewBuildOfAModelThatIsReplacedAndNeverShowsAHole) {
+  Streamer streamer(served_, threads(2));
+  const ModelSummary model = streamer.waitForModel(kPatience);
+  streamer.setView(viewAt(1, model), 0.5f);
+  const StreamStatus before = streamer.waitUntilSettled(kPatience);
+  ASSERT_TRUE(before.settled);
+  replaceModel(2);
+  StreamStatus status;
+  while (!(status.settled && status.cut_build != before.cut_build) && status.failure.empty()) {
+    status = streamer.waitForNews(kPatience);
+    ASSERT_TRUE(status.cut);
+    for (const core::ModelBox& box : status.cut->left_out)
+      EXPECT_FALSE(core::boxMayBeVisible(box, status.cut->view)) << "a hole";
+  }
+  EXPECT_EQ(status.failure, "");
+  EXPECT_TRUE(status.cut->converged);
+
+  Streamer fresh(served_, {});
+  fresh.waitForModel(kPatience);
+  fresh.setView(viewAt(1, model), 0.5f);
+  const StreamStatus expected = fresh.waitUntilSettled(kPatience);
+  EXPECT_EQ(status.cut_build, expected.cut_build);
+  EXPECT_TRUE(app::weldCut(*status.cut, model.attributes) == app::weldCut(*expected.cut, model.attributes));
 }
 
 TEST_F(Streaming, keepsItsCutAndSaysWhyWhenTheServerGoes) {

@@ -1,0 +1,40 @@
+#include "client/render/memory_shares.h"
+
+#include <algorithm>
+
+#include "client/core/texture_stream.h"
+#include "client/render/staging_ring.h"
+#include "client/render/texture_residency.h"
+
+namespace lode::render {
+namespace {
+
+constexpr uint64_t kStagingShare = 256;  // one in so many bytes of the memory is what a frame uploads
+constexpr uint64_t kPageShare = 8;       // of the meshes' memory is in one buffer
+constexpr uint64_t kSpareShare = 4;      // of it is for meshes that are no longer drawn
+
+}  // namespace
+
+/// Tiles have room for all that the core's budget allows, and a half of it more while their array grows.
+/// Meshes have the rest, which is more than the largest cut that the core wants.
+MemoryShares shareMemory(uint64_t memory_budget_bytes) {
+  MemoryShares shares;
+  shares.stream_bytes = memory_budget_bytes / 2;
+  const uint64_t gpu_bytes = memory_budget_bytes - shares.stream_bytes;
+  ResidencyOptions& gpu = shares.gpu;
+  const uint64_t staging_bytes = memory_budget_bytes / kStagingShare;
+  gpu.staging_bytes = static_cast<uint32_t>(std::clamp<uint64_t>(staging_bytes, 256u << 10, 4u << 20));
+  gpu.texture_staging_bytes = static_cast<uint32_t>(
+      std::clamp<uint64_t>(staging_bytes, kLeastTextureStagingBytes, 4 * kTileLayerBytes));
+  gpu.texture_budget_bytes = shares.stream_bytes / core::kTextureBudgetShare;
+  const uint64_t others = gpu.texture_budget_bytes + gpu.texture_budget_bytes / 2 +
+                          StagingRing::kSegments * (uint64_t{gpu.staging_bytes} + gpu.texture_staging_bytes);
+  const uint64_t least_bytes = gpu_bytes * 3 / 8;
+  gpu.budget_bytes = std::max(gpu_bytes > others ? gpu_bytes - others : 0, least_bytes);
+  gpu.page_bytes =
+      static_cast<uint32_t>(std::clamp<uint64_t>(gpu.budget_bytes / kPageShare, 256u << 10, 32u << 20));
+  gpu.spare_bytes = gpu.budget_bytes / kSpareShare;
+  return shares;
+}
+
+}  // namespace lode::render
