@@ -1,35 +1,15 @@
 #include "common/ply_writer.h"
 
-#include <array>
-#include <bit>
 #include <span>
 #include <string>
-#include <type_traits>
 
 #include "common/atomic_file.h"
-#include "common/error.h"
+#include "common/little_endian_row.h"
 #include "common/octahedral.h"
+#include "common/texture_coordinates.h"
 
 namespace lode {
 namespace {
-
-// One row of an element, little-endian whatever the machine.
-class Row {
- public:
-  template <typename T>
-  void add(T value) {
-    using Bits =
-        std::conditional_t<sizeof(T) == 8, uint64_t, std::conditional_t<sizeof(T) == 4, uint32_t, uint8_t>>;
-    const Bits bits = std::bit_cast<Bits>(value);
-    for (size_t i = 0; i < sizeof(T); ++i)
-      bytes_[size_++] = static_cast<std::byte>(static_cast<uint64_t>(bits) >> 8 * i & 255);
-  }
-  std::span<const std::byte> bytes() const { return std::span(bytes_).first(size_); }
-
- private:
-  std::array<std::byte, 64> bytes_;
-  size_t size_ = 0;
-};
 
 bool fitsFloat(double value) { return static_cast<double>(static_cast<float>(value)) == value; }
 
@@ -59,7 +39,7 @@ std::string headerOf(const Mesh& mesh, bool floats, const TextureSet& textures) 
   return header + "end_header\n";
 }
 
-void addAttributes(Row& row, AttributeSet set, const VertexAttributes& attributes,
+void addAttributes(LittleEndianRow& row, AttributeSet set, const VertexAttributes& attributes,
                    const TextureSet& textures) {
   if (set.has(AttributeSet::kNormal)) {
     const glm::vec3 normal = decodeOctahedral(attributes.normal);
@@ -67,15 +47,16 @@ void addAttributes(Row& row, AttributeSet set, const VertexAttributes& attribute
   }
   if (set.has(AttributeSet::kColour | AttributeSet::kAlpha))
     for (int i = 0; i < (set.has(AttributeSet::kAlpha) ? 4 : 3); ++i) row.add(attributes.colour[i]);
-  if (set.has(AttributeSet::kTexture))
-    for (int i = 0; i < 2; ++i)
-      row.add(static_cast<float>(textures.uv_origin[i] + attributes.texture[i] * uvStep(textures)));
+  if (set.has(AttributeSet::kTexture)) {
+    const glm::dvec2 uv = trueTextureCoordinates(textures, attributes);
+    for (int i = 0; i < 2; ++i) row.add(static_cast<float>(uv[i]));
+  }
 }
 
 void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, bool floats,
                    const TextureSet& textures) {
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
-    Row row;
+    LittleEndianRow row;
     const glm::dvec3 p = lattice.toWorld(unpackPosition(mesh.positions[i]));
     for (int axis = 0; axis < 3; ++axis) {
       if (floats)
@@ -92,7 +73,7 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, b
 // A material holds for a face: all of a triangle's wedges have it.
 void writeFaces(AtomicFile& file, const Mesh& mesh) {
   for (const glm::u32vec3 triangle : mesh.triangles) {
-    Row row;
+    LittleEndianRow row;
     row.add(uint8_t{3});
     for (int corner = 0; corner < 3; ++corner) row.add(triangle[corner]);
     if (mesh.attributes.has(AttributeSet::kMaterial))
@@ -105,9 +86,6 @@ void writeFaces(AtomicFile& file, const Mesh& mesh) {
 
 void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const TextureSet& textures) {
-  if (mesh.attributes.bits != 0 && mesh.vertex_attributes.size() != mesh.positions.size())
-    throw Error(ErrorCode::kInternal,
-                "a mesh to write to " + path.string() + " lacks attributes of its vertices");
   AtomicFile file(path);
   const bool floats = fitFloats(mesh, lattice);
   const std::string header = headerOf(mesh, floats, textures);
@@ -115,12 +93,6 @@ void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice
   writeVertices(file, mesh, lattice, floats, textures);
   writeFaces(file, mesh);
   file.commit();
-}
-
-void requirePlyName(const std::filesystem::path& path) {
-  const std::string ending = path.extension().string();
-  if (ending.empty() || ending == ".ply" || ending == ".PLY") return;
-  throw Error(ErrorCode::kUsage, path.string() + ": only PLY is written: give a name that ends in .ply");
 }
 
 }  // namespace lode

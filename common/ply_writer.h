@@ -12,12 +12,8 @@ namespace lode {
 /// float), with its attributes, to a temporary file that is renamed at the end.
 /// @param textures  what the mesh's texture coordinates mean, and the names of the image files, one comment
 ///                  TextureFile each.
-/// @throws Error kIo.
+/// @throws Error kIo. @see writeMesh().
 void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const TextureSet& textures = {});
-
-/// What writePly() writes is PLY, whatever the name says: asked before the work that comes before it.
-/// @throws Error kUsage if the name ends in another format's ending.
-void requirePlyName(const std::filesystem::path& path);
 
 }  // namespace lode

@@ -8,6 +8,7 @@
 #include "client/embed/lodestream.h"
 #include "common/error.h"
 #include "common/octahedral.h"
+#include "common/texture_coordinates.h"
 
 struct lodestream_mesh {
   std::vector<float> positions, normals, texture_uvs;
@@ -43,7 +44,7 @@ void addAttributes(lodestream_mesh& out, const Mesh& mesh, const TextureSet* tex
       out.colours.insert(out.colours.end(),
                          {vertex.colour.r, vertex.colour.g, vertex.colour.b, vertex.colour.a});
     if (!has_texture) continue;
-    const glm::dvec2 uv = textures->uv_origin + glm::dvec2(vertex.texture) * uvStep(*textures);
+    const glm::dvec2 uv = trueTextureCoordinates(*textures, vertex);
     out.texture_uvs.insert(out.texture_uvs.end(), {static_cast<float>(uv.x), static_cast<float>(uv.y)});
     out.texture_of.push_back(vertex.material);
   }

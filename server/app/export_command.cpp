@@ -1,11 +1,10 @@
 #include <memory>
 #include <optional>
 
-#include "common/ply_writer.h"
+#include "common/mesh_file.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/store/export.h"
-#include "server/store/texture_export.h"
 
 namespace lode::app {
 namespace {
@@ -61,18 +60,14 @@ std::string describeFailure(const ExportArguments& arguments, const store::Cut& 
 }
 
 void runExport(const ExportArguments& arguments) {
-  requirePlyName(arguments.output);
+  meshFormatOf(arguments.output);  // said before the work
   const store::Reader reader(arguments.store);
   std::error_code ignored;
   if (std::filesystem::equivalent(arguments.store, arguments.output, ignored))
     throw Error(ErrorCode::kUsage, arguments.output.string() + ": is the store itself: name another output");
   const store::Cut cut = chooseCut(arguments, reader);
   const bool too_large = arguments.triangles && !cut.converged;
-  if (!too_large) {
-    const Mesh mesh = store::assembleCut(reader, cut);
-    writePly(arguments.output, mesh, reader.summary().lattice,
-             store::exportTextures(reader, arguments.output));
-  }
+  if (!too_large) store::exportCut(reader, cut, arguments.output);
   const Json json = describeAsJson(cut, reader);
   if (arguments.json) printJson(json);
   if (!cut.converged) throw Error(ErrorCode::kInput, describeFailure(arguments, cut));
@@ -84,7 +79,8 @@ void runExport(const ExportArguments& arguments) {
 void addExportCommand(CLI::App& program) {
   const auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = addCommand(
-      program, "export", "Write a cut of a store as PLY, with all attributes, and its textures beside it");
+      program, "export",
+      "Write a cut of a store as PLY, OBJ or GLB, with its attributes, and its textures beside it");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
   CLI::Option_group* which = command->add_option_group("cut", "which cut");
   which
@@ -96,9 +92,9 @@ void addExportCommand(CLI::App& program) {
       ->type_name("N");
   which->add_option("--random", arguments->seed, "a random cut")->type_name("SEED");
   which->require_option(1);
-  command->add_option("-o,--output", arguments->output, "the PLY file to write")
+  command->add_option("-o,--output", arguments->output, "the file to write: its ending says the format")
       ->required()
-      ->type_name("CUT.ply");
+      ->type_name("CUT.ply|.obj|.glb");
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->callback([arguments] { runExport(*arguments); });
 }

@@ -4,7 +4,9 @@
 
 #include "common/draco_codec.h"
 #include "common/error.h"
+#include "common/mesh_file.h"
 #include "common/mesh_joiner.h"
+#include "server/store/texture_export.h"
 
 namespace lode::store {
 
@@ -30,6 +32,11 @@ Mesh assembleCut(const Reader& reader, const Cut& cut) {
   MeshJoiner joiner(reader.summary().attributes, cut.triangles);
   for (const CutItem item : cut.items) joiner.add(readRung(reader, reader.nodes()[item.node], item.rung));
   return joiner.finish();
+}
+
+void exportCut(const Reader& reader, const Cut& cut, const std::filesystem::path& path) {
+  const Mesh mesh = assembleCut(reader, cut);
+  writeMesh(path, mesh, reader.summary().lattice, exportTextures(reader, path));
 }
 
 }  // namespace lode::store

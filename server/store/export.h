@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+
 #include "common/mesh.h"
 #include "server/store/cut.h"
 #include "server/store/reader.h"
@@ -14,5 +16,9 @@ Mesh readRung(const Reader& reader, const Node& node, uint32_t rung);
 /// their first use.
 /// @throws Error as readRung; kLimit if the vertices exceed 32-bit indices. Thread safe.
 Mesh assembleCut(const Reader& reader, const Cut& cut);
+
+/// Writes a cut in the format that the path asks for (writeMesh()), and its images beside it
+/// (exportTextures()). @throws Error as these.
+void exportCut(const Reader& reader, const Cut& cut, const std::filesystem::path& path);
 
 }  // namespace lode::store

@@ -129,16 +129,16 @@ std::string baseName(const std::string& name) {
 
 }  // namespace
 
-TextureSet exportTextures(const Reader& reader, const std::filesystem::path& ply) {
+TextureSet exportTextures(const Reader& reader, const std::filesystem::path& mesh) {
   TextureSet set = reader.textures();
   std::set<std::string> taken;
   for (Texture& texture : set.textures) {
     if (texture.name.empty()) texture.name = "missing";
     if (texture.tiles.empty()) continue;
-    const std::string stem = ply.stem().string() + "_" + baseName(texture.name);
+    const std::string stem = mesh.stem().string() + "_" + baseName(texture.name);
     std::string name = stem + ".png";
     for (int copy = 2; !taken.insert(name).second; ++copy) name = stem + "-" + std::to_string(copy) + ".png";
-    exportImage(reader, texture, ply.parent_path() / name);
+    exportImage(reader, texture, mesh.parent_path() / name);
     texture.name = name;
   }
   return set;

@@ -7,11 +7,11 @@
 
 namespace lode::store {
 
-/// Writes the images of a store's textures, at full size and without further loss, as PNG files beside a PLY
-/// file: STEM_NAME.png, where STEM is the PLY file's and NAME the texture's without folders. Memory: one row
-/// of tiles.
+/// Writes the images of a store's textures, at full size and without further loss, as PNG files beside a
+/// mesh's file: STEM_NAME.png, where STEM is that file's and NAME the texture's without folders. Memory: one
+/// row of tiles.
 /// @return the set with the names of those files; a texture without an image keeps its own.
 /// @throws Error kIo, kFormat, kLimit.
-TextureSet exportTextures(const Reader& reader, const std::filesystem::path& ply);
+TextureSet exportTextures(const Reader& reader, const std::filesystem::path& mesh);
 
 }  // namespace lode::store

@@ -15,7 +15,7 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/stream_report.h"
 #include "common/error.h"
-#include "common/ply_writer.h"
+#include "common/mesh_file.h"
 
 namespace lode::app {
 namespace {
@@ -95,8 +95,8 @@ class Fetch {
     }
     const KeyResult& last = keys_.back();
     if (last.is_complete && !options_.output.empty())
-      writePly(options_.output, weldCut(*last.status.cut, target.model().attributes), target.model().lattice,
-               last.status.cut->textures ? *last.status.cut->textures : TextureSet());
+      writeMesh(options_.output, weldCut(*last.status.cut, target.model().attributes), target.model().lattice,
+                last.status.cut->textures ? *last.status.cut->textures : TextureSet());
     print(total_ms);
     for (const KeyResult& key : keys_)
       if (!key.converged() || (!key.is_complete && !options_.output.empty()))
@@ -147,7 +147,7 @@ class Fetch {
 };
 
 void fetch(const FetchOptions& options) {
-  requirePlyName(options.output);
+  meshFormatOf(options.output);  // said before the work
   Fetch run(options);
   run.run();
 }
@@ -159,7 +159,8 @@ void declareFetch(CLI::App& program, int& /*exit_status*/) {
       "fetch", "Streams what a camera sees until it has converged, without a window: times, bytes, the cut");
   const auto options = std::make_shared<FetchOptions>();
   addCommonOptions(*command, options->common);
-  command->add_option("-o,--output", options->output, "write the last key's cut")->type_name("CUT.ply");
+  command->add_option("-o,--output", options->output, "write the last key's cut; the ending says the format")
+      ->type_name("CUT.ply|.obj|.glb");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { fetch(*options); });
 }

@@ -1,0 +1,41 @@
+#include "common/mesh_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include "common/error.h"
+#include "common/glb_writer.h"
+#include "common/obj_writer.h"
+#include "common/ply_writer.h"
+
+namespace lode {
+
+MeshFormat meshFormatOf(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (ending.empty() || ending == ".ply") return MeshFormat::kPly;
+  if (ending == ".obj") return MeshFormat::kObj;
+  if (ending == ".glb") return MeshFormat::kGlb;
+  throw Error(ErrorCode::kUsage, path.string() + ": PLY, OBJ and GLB can be written, not " + ending +
+                                     ": give a name that ends in .ply, .obj or .glb");
+}
+
+void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
+               const TextureSet& textures) {
+  const MeshFormat format = meshFormatOf(path);
+  if (mesh.attributes.bits != 0 && mesh.vertex_attributes.size() != mesh.positions.size())
+    throw Error(ErrorCode::kInternal,
+                "a mesh to write to " + path.string() + " lacks attributes of its vertices");
+  switch (format) {
+    case MeshFormat::kPly:
+      return writePly(path, mesh, lattice, textures);
+    case MeshFormat::kObj:
+      return writeObj(path, mesh, lattice, textures);
+    case MeshFormat::kGlb:
+      return writeGlb(path, mesh, lattice, textures);
+  }
+}
+
+}  // namespace lode

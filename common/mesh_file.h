@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/lattice.h"
+#include "common/mesh.h"
+#include "common/texture_set.h"
+
+namespace lode {
+
+/// Formats in which meshes are written.
+enum class MeshFormat { kPly, kObj, kGlb };
+
+/// What a file's name asks for by its ending: .ply, .obj or .glb in either case, PLY where there is none.
+/// @throws Error kUsage for another ending, naming those that there are.
+MeshFormat meshFormatOf(const std::filesystem::path& path);
+
+/// Writes a mesh in the format that the name asks for, in true coordinates, with its attributes as far as the
+/// format has them, to a temporary file that is renamed at the end.
+/// @param textures  what the mesh's texture coordinates mean, and the names of the image files, which are
+///                  named in the file.
+/// @throws Error kUsage as meshFormatOf(), kIo, kLimit; kInternal if the mesh lacks attributes of its
+/// vertices.
+void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
+               const TextureSet& textures = {});
+
+}  // namespace lode
