@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <string>
 
@@ -25,6 +26,12 @@ int fail(std::string message, int status) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::fprintf(stderr, "lodestream: %s\n", message.c_str());
   return status;
+}
+
+/// @return the status, or that of failed work where stdout did not take all that was printed.
+int endAfterPrinting(int status) {
+  if (std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  return fail(std::string("standard output cannot be written: ") + std::strerror(errno), kWorkFailed);
 }
 
 #ifndef LODE_GL
@@ -60,11 +67,9 @@ int main(int argc, char** argv) {
     program.require_subcommand(1);
     declareCommands(program, exit_status);
     program.parse(argc, argv);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-      return fail(std::string("standard output cannot be written: ") + std::strerror(errno), kWorkFailed);
-    return exit_status;
+    return endAfterPrinting(exit_status);
   } catch (const CLI::Success& asked) {  // --help, --version
-    return program.exit(asked);
+    return endAfterPrinting(program.exit(asked));
   } catch (const CLI::ExtrasError&) {
     return fail(
         "not known here: " + CLI::detail::join(program.remaining(true), " ") + ": see lodestream --help",

@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <string>
 
@@ -15,6 +18,12 @@ int fail(std::string message, int status) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::fprintf(stderr, "lodestreamd: %s\n", message.c_str());
   return status;
+}
+
+/// @return the status, or that of failed work where stdout did not take all that was printed.
+int endAfterPrinting(int status) {
+  if (std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  return fail(std::string("standard output cannot be written: ") + std::strerror(errno), kWorkFailed);
 }
 
 void addCommands(CLI::App& program) {
@@ -37,9 +46,9 @@ int main(int argc, char** argv) {
     program.require_subcommand(1);
     addCommands(program);
     program.parse(argc, argv);
-    return kDone;
+    return endAfterPrinting(kDone);
   } catch (const CLI::Success& asked) {  // --help, --version
-    return program.exit(asked);
+    return endAfterPrinting(program.exit(asked));
   } catch (const CLI::ExtrasError&) {
     return fail(
         "not known here: " + CLI::detail::join(program.remaining(true), " ") + ": see lodestreamd --help",

@@ -1,7 +1,10 @@
+#include <array>
+#include <cstdio>
 #include <memory>
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
+#include "server/store/node_tree.h"
 #include "server/store/reader.h"
 
 namespace lode::app {
@@ -64,28 +67,47 @@ std::string describe(const store::Reader& reader, uint64_t rungs) {
   return text;
 }
 
-/// One JSON line for each (node, rung), in key order.
-void printNodes(const store::Reader& reader) {
-  const Lattice& lattice = reader.summary().lattice;
+Json rungAsJson(const Node& node, size_t number, const Lattice& lattice) {
+  const Rung& rung = node.rungs[number];
+  return {{"key", node.key.value},
+          {"depth", node.key.depth()},
+          {"rung", number},
+          {"leaf", node.isLeaf()},
+          {"triangles", rung.triangles},
+          {"locked", rung.locked},
+          {"bytes", rung.payload.bytes},
+          {"error", rung.error_model},
+          {"appearance_error", rung.appearance_error_model},
+          {"box", toJson(node.box, lattice)}};
+}
+
+/// The columns under which describe(node, rung) writes.
+constexpr const char* kRungColumns =
+    "depth rung  triangles   locked      bytes        error   appearance  node";
+
+std::string describe(const Node& node, size_t number) {
+  const Rung& rung = node.rungs[number];
+  std::array<char, 160> numbers{};
+  std::snprintf(numbers.data(), numbers.size(), "%5u %4zu %10u %8u %10u %12g %12g  ", node.key.depth(),
+                number, rung.triangles, rung.locked, rung.payload.bytes, rung.error_model,
+                rung.appearance_error_model);
+  return numbers.data() + store::describeKey(node.key) + (node.isLeaf() ? " (leaf)" : "");
+}
+
+/// A line for each (node, rung), in the order of keys.
+void printNodes(const store::Reader& reader, bool as_json) {
+  if (!as_json) printText(std::string(kRungColumns) + "\n");
   for (const Node& node : reader.nodes())
-    for (size_t number = 0; number < node.rungs.size(); ++number) {
-      const Rung& rung = node.rungs[number];
-      printJson({{"key", node.key.value},
-                 {"depth", node.key.depth()},
-                 {"rung", number},
-                 {"leaf", node.isLeaf()},
-                 {"triangles", rung.triangles},
-                 {"locked", rung.locked},
-                 {"bytes", rung.payload.bytes},
-                 {"error", rung.error_model},
-                 {"appearance_error", rung.appearance_error_model},
-                 {"box", toJson(node.box, lattice)}});
-    }
+    for (size_t number = 0; number < node.rungs.size(); ++number)
+      if (as_json)
+        printJson(rungAsJson(node, number, reader.summary().lattice));
+      else
+        printText(describe(node, number) + "\n");
 }
 
 void runInfo(const InfoArguments& arguments) {
   const store::Reader reader(arguments.store);
-  if (arguments.nodes) return printNodes(reader);
+  if (arguments.nodes) return printNodes(reader, arguments.json);
   const uint64_t rungs = countRungs(reader);
   if (!arguments.json) return printText(describe(reader, rungs));
   Json json = toJson(reader.summary());
@@ -103,7 +125,8 @@ void addInfoCommand(CLI::App& program) {
   CLI::App* command = addCommand(program, "info", "Say what is in a store");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
   command->add_flag("--json", arguments->json, "print one JSON object");
-  command->add_flag("--nodes", arguments->nodes, "print one JSON line for each node and rung");
+  command->add_flag("--nodes", arguments->nodes,
+                    "print a line for each node and rung; with --json each is an object");
   command->callback([arguments] { runInfo(*arguments); });
 }
 

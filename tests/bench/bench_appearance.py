@@ -45,7 +45,7 @@ def write_wall(path):
 def nodes_of(lodestreamd, model, folder):
     store = folder / "model.lode"
     subprocess.run([lodestreamd, "build", model, "-o", store, "--quiet"], check=True)
-    listing = subprocess.run([lodestreamd, "info", store, "--nodes"], check=True, capture_output=True, text=True)
+    listing = subprocess.run([lodestreamd, "info", store, "--nodes", "--json"], check=True, capture_output=True, text=True)
     nodes = {}
     for line in listing.stdout.splitlines():
         rung = json.loads(line)

@@ -222,11 +222,21 @@ TEST(FetchOfAFile, buildsAPlyIntoTheCacheOnce) {
   EXPECT_EQ(cut.openEdges(), 0u);
 }
 
-TEST(FetchOfAFile, failsWhenStandardOutputTakesNoMore) {
+TEST(ClientCommands, failWhenStandardOutputTakesNoMore) {
   const WorkFolder folder;
-  const std::string command = std::string(LODE_BIN_DIR "/bin/lodestream fetch --json ") +
-                              makeSmallStore(folder).string() + " > /dev/full";
-  expectFailure(Program("sh", {"-c", command}).wait(), {"standard output"});
+  const std::string store = makeSmallStore(folder);
+  RunningServer server({store});
+  const std::string url = server.url("small");
+  for (const std::string& arguments :
+       {std::string("--help"), std::string("--version"), std::string("fetch --help"), "fetch " + url,
+        "fetch --json " + url, "replay " + url, "replay --json " + url, "list " + server.url(),
+        "list --json " + server.url(), "loadtest --clients 1 --seconds 0.2 " + url,
+        "loadtest --json --clients 1 --seconds 0.2 " + url}) {
+    SCOPED_TRACE(arguments);
+    const std::string command = "'" LODE_BIN_DIR "/bin/lodestream' " + arguments + " >/dev/full";
+    expectFailure(Program("sh", {"-c", command}, {"XDG_CACHE_HOME=" + folder.path().string()}).wait(),
+                  {"standard output cannot be written"});
+  }
 }
 
 TEST(List, namesTheModelsOfAServerInOrder) {

@@ -1,6 +1,5 @@
 // The command lines of lodestreamd as scripts call them: exit statuses, one line on stderr, JSON keys.
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,50 +10,29 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
-namespace lode {
+#include "programs.h"
+
+namespace lode::test {
 namespace {
 
 using Json = nlohmann::json;
 
-struct Outcome {
-  int status = -1;
-  std::string out, err;
-};
-
-std::string readText(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class ServerCommands : public testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "lodestream-test-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
     ASSERT_EQ(run("sample asteroid --triangles 20000 --attributes normal,color -o a.ply").status, 0);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
+  /// In the test's folder.
   Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" LODE_BIN_DIR "/bin/lodestreamd' " +
-                                arguments + " >stdout.txt 2>stderr.txt </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(folder_ / "stdout.txt"),
-            readText(folder_ / "stderr.txt")};
+    std::vector<std::string> words{"-C", folder_.path(), LODE_BIN_DIR "/bin/lodestreamd"};
+    std::istringstream in(arguments);
+    words.insert(words.end(), std::istream_iterator<std::string>(in), {});
+    return Program("env", words).wait();
   }
 
   void build() const { ASSERT_EQ(run("build a.ply -o a.lode --triangles-per-node 2000 --quiet").status, 0); }
-
-  std::vector<std::string> files() const {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_))
-      if (entry.path().extension() != ".txt") names.push_back(entry.path().filename());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
 
   static void expectKeys(const Json& json, const std::vector<std::string>& keys) {
     for (const std::string& key : keys) EXPECT_TRUE(json.contains(key)) << key;
@@ -65,12 +43,7 @@ class ServerCommands : public testing::Test {
     EXPECT_GE(forecast, actual / 1.5);
   }
 
-  static void expectOneLine(const std::string& text) {
-    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
-    EXPECT_TRUE(text.ends_with('\n'));
-  }
-
-  std::filesystem::path folder_;
+  WorkFolder folder_;
 };
 
 TEST_F(ServerCommands, printTheJsonThatScriptsRelyOn) {
@@ -127,7 +100,7 @@ TEST_F(ServerCommands, doctorSaysWhatABuildWithTexturesWillCostWithinHalf) {
   if (data == nullptr) GTEST_SKIP() << "set LODESTREAM_TEST_DATA to the folder with MANIFEST.tsv";
   for (const char* model : {"c_steampunk_3tex_le", "c_jungle_multitex_le", "c_fuze_spaces_le"}) {
     SCOPED_TRACE(model);
-    const std::string input = "'" + std::string(data) + "/" + model + ".ply' --json";
+    const std::string input = std::string(data) + "/" + model + ".ply --json";
     const Json forecast = Json::parse(run("doctor " + input).out)["forecast"];
     const Json built = Json::parse(run("build " + input + " -o a.lode").out);
     expectWithinHalf(forecast["memory_bytes"], built["peak_rss_bytes"]);
@@ -148,10 +121,10 @@ TEST_F(ServerCommands, doctorExitsWithOneForWhatCannotBeBuiltAndStillSaysWhatIsI
   EXPECT_EQ(run("doctor missing.ply").status, 1);
 }
 
-TEST_F(ServerCommands, infoPrintsALineForEachNodeAndRung) {
+TEST_F(ServerCommands, infoPrintsAnObjectALineForEachNodeAndRungWhenAskedForJson) {
   build();
   const Json info = Json::parse(run("info a.lode --json").out);
-  std::istringstream lines(run("info a.lode --nodes").out);
+  std::istringstream lines(run("info a.lode --nodes --json").out);
   uint64_t rungs = 0, leaf_triangles = 0;
   for (std::string line; std::getline(lines, line); ++rungs) {
     const Json node = Json::parse(line);
@@ -159,6 +132,23 @@ TEST_F(ServerCommands, infoPrintsALineForEachNodeAndRung) {
                       "appearance_error", "box"});
     if (node["leaf"]) leaf_triangles += node["triangles"].get<uint64_t>();
   }
+  EXPECT_EQ(rungs, info["rungs"]);
+  EXPECT_EQ(leaf_triangles, info["triangles"]);
+}
+
+TEST_F(ServerCommands, infoPrintsATableOfNodesForPeople) {
+  build();
+  std::istringstream lines(run("info a.lode --nodes").out);
+  std::string line;
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_TRUE(line.starts_with("depth rung")) << line;
+  uint64_t rungs = 0, leaf_triangles = 0;
+  for (; std::getline(lines, line); ++rungs) {
+    uint64_t depth = 0, rung = 0, triangles = 0;
+    std::istringstream(line) >> depth >> rung >> triangles;
+    if (line.ends_with("(leaf)")) leaf_triangles += triangles;
+  }
+  const Json info = Json::parse(run("info a.lode --json").out);
   EXPECT_EQ(rungs, info["rungs"]);
   EXPECT_EQ(leaf_triangles, info["triangles"]);
 }
@@ -176,19 +166,19 @@ TEST_F(ServerCommands, endWithTwoAndOneLineAtWrongUsage) {
     EXPECT_EQ(outcome.out, "") << arguments;
     expectOneLine(outcome.err);
   }
-  EXPECT_EQ(files(), (std::vector<std::string>{"a.lode", "a.ply"}));
+  EXPECT_EQ(folder_.contents(), (std::vector<std::string>{"a.lode", "a.ply"}));
 }
 
 TEST_F(ServerCommands, listUnknownOptionsInTheOrderInWhichTheyWereGiven) {
   EXPECT_NE(run("doctor a.ply --one --two --three").err.find("--one --two --three"), std::string::npos);
 }
 
-TEST_F(ServerCommands, exportRefusesToWritePlyUnderAnotherFormatsEnding) {
+TEST_F(ServerCommands, exportRefusesEndingsOfFormatsThatItDoesNotWrite) {
   build();
-  const Outcome outcome = run("export a.lode --error 0.01 -o cut.obj");
+  const Outcome outcome = run("export a.lode --error 0.01 -o cut.stl");
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("cut.obj: only PLY is written"), std::string::npos) << outcome.err;
-  EXPECT_EQ(files(), (std::vector<std::string>{"a.lode", "a.ply"}));
+  EXPECT_NE(outcome.err.find("cut.stl: PLY, OBJ and GLB can be written"), std::string::npos) << outcome.err;
+  EXPECT_EQ(folder_.contents(), (std::vector<std::string>{"a.lode", "a.ply"}));
 }
 
 TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind) {
@@ -198,7 +188,7 @@ TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind
   std::filesystem::resize_file(folder_ / "cut.ply", 100000);
   std::filesystem::copy(folder_ / "a.lode", folder_ / "cut.lode");
   std::filesystem::resize_file(folder_ / "cut.lode", 100000);
-  const std::vector<std::string> before = files();
+  const std::vector<std::string> before = folder_.contents();
   for (const char* arguments :
        {"build missing.ply -o b.lode", "build . -o b.lode", "build empty.ply -o b.lode",
         "build cut.ply -o b.lode", "build a.ply -o missing/b.lode", "info missing.lode", "info .",
@@ -210,7 +200,7 @@ TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind
     EXPECT_EQ(outcome.out, "") << arguments;
     expectOneLine(outcome.err);
   }
-  EXPECT_EQ(files(), before);
+  EXPECT_EQ(folder_.contents(), before);
 }
 
 TEST_F(ServerCommands, sayWhenTheErrorThatWasAskedForIsBelowTheLattices) {
@@ -230,11 +220,18 @@ TEST_F(ServerCommands, tellTheirVersionEverywhere) {
 
 TEST_F(ServerCommands, failWhenStandardOutputTakesNoMore) {
   build();
-  const std::string command = "'" LODE_BIN_DIR "/bin/lodestreamd' info '" + (folder_ / "a.lode").string() +
-                              "' >/dev/full 2>/dev/null";
-  const int status = std::system(command.c_str());
-  EXPECT_EQ(WEXITSTATUS(status), 1);
+  for (const char* arguments :
+       {"--help", "--version", "info --help", "info a.lode", "info a.lode --json", "info a.lode --nodes",
+        "info a.lode --nodes --json", "doctor a.ply", "doctor a.ply --json", "verify a.lode --quiet",
+        "verify a.lode --json --quiet", "build a.ply -o b.lode --json --quiet",
+        "export a.lode --triangles 3000 -o b.ply", "export a.lode --triangles 3000 -o b.ply --json",
+        "sample asteroid --triangles 100 -o c.ply", "serve a.lode --listen 127.0.0.1:0"}) {
+    SCOPED_TRACE(arguments);
+    const std::string command = "cd '" + folder_.path().string() +
+                                "' && '" LODE_BIN_DIR "/bin/lodestreamd' " + arguments + " >/dev/full";
+    expectFailure(Program("sh", {"-c", command}).wait(), {"standard output cannot be written"});
+  }
 }
 
 }  // namespace
-}  // namespace lode
+}  // namespace lode::test
