@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -14,6 +13,7 @@
 #include "common/error.h"
 #include "server/store/writer.h"
 #include "tests/support/test_meshes.h"
+#include "tests/support/work_folder.h"
 
 /// Small but complete stores made by hand, for the tests of every module that reads one. They keep the
 /// invariants: a coarser rung is the image of a finer one under a map of the vertices that fixes those that
@@ -222,27 +222,5 @@ inline ModelSummary writeStore(const std::filesystem::path& path, SyntheticModel
     }
   return writer.finish(model.summary, model.nodes);
 }
-
-/// A folder of its own for a test, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "lodestream-test-XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw Error(ErrorCode::kIo, name + ": cannot be made");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::filesystem::path& path() const noexcept { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace lode::test

@@ -12,6 +12,7 @@
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/load_test.h"
+#include "client/app/cli/opened_target.h"
 #include "client/app/cli/wish_trace.h"
 #include "client/app/cli/wish_trace_file.h"
 #include "common/error.h"
@@ -79,8 +80,7 @@ void print(const LoadtestOptions& options, const LoadTally& tally) {
 }
 
 void loadtest(const LoadtestOptions& options, int& exit_status) {
-  std::optional<core::CameraPath> path;
-  if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
+  const std::optional<core::CameraPath> path = wantedPath(options.common);
   const ResolvedTarget target =
       resolveTarget(parseTarget(options.common.target), options.common.streamOptions(), !options.json);
   const PictureSize size = options.common.size();

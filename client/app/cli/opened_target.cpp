@@ -3,18 +3,14 @@
 #include "client/app/cli/target.h"
 
 namespace lode::app {
-namespace {
-
-std::optional<core::CameraPath> readPath(const std::string& file) {
-  if (file.empty()) return std::nullopt;
-  return core::readCameraPath(file);
+std::optional<core::CameraPath> wantedPath(const CommonOptions& options) {
+  if (options.camera_file.empty()) return std::nullopt;
+  return core::readCameraPath(options.camera_file);
 }
-
-}  // namespace
 
 OpenedTarget::OpenedTarget(const CommonOptions& options, const stream::StreamOptions& stream_options,
                            bool announce)
-    : wanted_path_(readPath(options.camera_file)),
+    : wanted_path_(wantedPath(options)),
       target_(resolveTarget(parseTarget(options.target), stream_options, announce)),
       start_(Clock::now()),
       streamer_(target_.served, target_.options),

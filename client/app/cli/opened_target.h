@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
@@ -8,6 +9,9 @@
 #include "client/stream/streamer.h"
 
 namespace lode::app {
+
+/// What --camera names; nothing if it was not given. @throws Error as core::readCameraPath().
+std::optional<core::CameraPath> wantedPath(const CommonOptions& options);
 
 /// The target of a command, open, and the path along which it is looked at.
 class OpenedTarget {

@@ -169,8 +169,7 @@ Json toJson(const Replayed& replayed) {
 
 /// What the path wishes for, whatever the link.
 void record(const ReplayOptions& options) {
-  std::optional<core::CameraPath> path;
-  if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
+  const std::optional<core::CameraPath> path = wantedPath(options.common);
   const ResolvedTarget target =
       resolveTarget(parseTarget(options.common.target), options.common.streamOptions(), !options.json);
   const PictureSize size = options.common.size();

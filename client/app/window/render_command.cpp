@@ -13,10 +13,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/not_converged.h"
-#include "client/app/cli/target.h"
+#include "client/app/cli/opened_target.h"
 #include "client/core/camera_path.h"
 #include "client/render/framebuffer.h"
 #include "client/render/image.h"
@@ -102,23 +101,17 @@ void render(const RenderOptions& options) {
   stream::StreamOptions stream_options = options.common.streamOptions();
   const render::MemoryShares memory = render::shareMemory(stream_options.memory_budget_bytes);
   stream_options.memory_budget_bytes = memory.stream_bytes;
-  std::optional<core::CameraPath> path;
-  if (!options.common.camera_file.empty()) path = core::readCameraPath(options.common.camera_file);
-  const Target parsed = parseTarget(options.common.target);
   // What this machine cannot draw is said before a long build is begun.
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);
   makeFolder(options.folder);
 
-  const ResolvedTarget resolved = resolveTarget(parsed, stream_options, !options.json);
-  stream::Streamer streamer(resolved.served, resolved.options);
-  const ModelSummary& model = openModel(streamer, resolved, options.common.timeout());
-  if (!path) path = core::framingCamera(model);
-  render::Renderer renderer(model.lattice.step, memory.gpu);
+  OpenedTarget opened(options.common, stream_options, !options.json);
+  stream::Streamer& streamer = opened.streamer();
+  render::Renderer renderer(opened.model().lattice.step, memory.gpu);
   Shown shown;
-  for (const Shot& shot : planShots(options, *path)) {
-    const core::View view =
-        core::toView(core::cameraAt(*path, shot.t), path->fov_y_deg, size.width_px, size.height_px, model);
+  for (const Shot& shot : planShots(options, opened.path())) {
+    const core::View view = opened.viewAt(shot.t, size);
     streamer.setView(view, options.common.pixels);
     const stream::StreamStatus status = streamer.waitForConvergence(options.common.timeout());
     const bool is_finest = status.cut && status.cut->converged;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
 #include "client/core/camera_path.h"
 #include "client/render/image.h"
@@ -22,11 +23,6 @@ constexpr double kNoteS = 6;              ///< how long a note stays on the pane
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-std::optional<core::CameraPath> readPath(const std::string& file) {
-  if (file.empty()) return std::nullopt;
-  return core::readCameraPath(file);
 }
 
 stream::StreamOptions streamOptions(const CommonOptions& common) {
@@ -52,7 +48,7 @@ Viewer::Viewer(const ViewOptions& options)
     : options_(options),
       named_(parseTarget(options.common.target)),
       threshold_px_(options.common.pixels),
-      path_(readPath(options.common.camera_file)),
+      path_(wantedPath(options.common)),
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle(), window_.contentScale()),

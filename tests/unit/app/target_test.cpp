@@ -1,6 +1,5 @@
 #include "client/app/cli/target.h"
 
-#include <cstdlib>
 #include <fstream>
 #include <functional>
 
@@ -9,6 +8,7 @@
 #include "common/error.h"
 #include "common/limits.h"
 #include "proto/limits.h"
+#include "tests/support/work_folder.h"
 
 namespace lode::app {
 namespace {
@@ -46,19 +46,12 @@ TEST(Target, isRefusedIfItIsAUrlOfSomethingElse) {
 
 class TargetFile : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lodestream-test-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::string write(const char* name, const char* text) const {
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
   }
 
-  fs::path folder_;
+  test::WorkFolder folder_;
 };
 
 TEST_F(TargetFile, isAPlyByItsContentWhateverItsName) {
@@ -78,7 +71,7 @@ TEST_F(TargetFile, isAStoreOtherwise) {
 
 TEST_F(TargetFile, isRefusedIfItIsNotThereOrADirectory) {
   EXPECT_EQ(codeOf([&] { parseTarget((folder_ / "none.ply").string()); }), ErrorCode::kIo);
-  EXPECT_EQ(codeOf([&] { parseTarget(folder_.string()); }), ErrorCode::kInput);
+  EXPECT_EQ(codeOf([&] { parseTarget(folder_.path().string()); }), ErrorCode::kInput);
   EXPECT_EQ(codeOf([] { parseTarget(""); }), ErrorCode::kIo);
 }
 

@@ -1,7 +1,6 @@
 #include "common/atomic_file.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "tests/support/work_folder.h"
 
 namespace lode {
 namespace {
@@ -25,23 +25,14 @@ std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes
 
 class AtomicFileTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lode-atomic-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    target_ = folder_ / "target";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::string content() const {
     std::ifstream file(target_, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  size_t filesInFolder() const {
-    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-  }
+  size_t filesInFolder() const { return folder_.contents().size(); }
 
-  fs::path folder_, target_;
+  test::WorkFolder folder_;
+  const fs::path target_ = folder_ / "target";
 };
 
 TEST_F(AtomicFileTest, appearsUnderItsNameOnlyAtCommit) {
@@ -174,7 +165,7 @@ int fillTinyDisk(const fs::path& folder) {
 TEST_F(AtomicFileTest, saysThatTheDiskIsFull) {
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
-  if (child == 0) ::_exit(fillTinyDisk(folder_));
+  if (child == 0) ::_exit(fillTinyDisk(folder_.path()));
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));

@@ -34,7 +34,7 @@ std::vector<std::array<Corner, 3>> byValue(const Mesh& mesh) {
 }
 
 TEST(Export, ofTheLeavesIsTheOriginalMeshWithAllAttributes) {
-  const test::TemporaryFolder folder;
+  const test::WorkFolder folder;
   const Mesh original = test::makeSphere(24, 16, {.attributes = kEverything, .extent = 4000});
   test::SyntheticModel model = test::makeModel(original);
   test::writeStore(folder / "a.lode", model);
@@ -46,7 +46,7 @@ TEST(Export, ofTheLeavesIsTheOriginalMeshWithAllAttributes) {
 }
 
 TEST(Export, hasNoVertexTwice) {
-  const test::TemporaryFolder folder;
+  const test::WorkFolder folder;
   test::SyntheticModel model = test::closedModel(kEverything);
   test::writeStore(folder / "a.lode", model);
   const Reader reader(folder / "a.lode");
@@ -64,7 +64,7 @@ TEST(Export, hasNoVertexTwice) {
 }
 
 TEST(Export, ofAnyCutOfAClosedModelIsClosed) {
-  const test::TemporaryFolder folder;
+  const test::WorkFolder folder;
   test::SyntheticModel model = test::closedModel(kEverything);
   test::writeStore(folder / "a.lode", model);
   const Reader reader(folder / "a.lode");
@@ -77,7 +77,7 @@ TEST(Export, ofAnyCutOfAClosedModelIsClosed) {
 }
 
 TEST(Export, namesFileAndNodeOfADamagedPayload) {
-  const test::TemporaryFolder folder;
+  const test::WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
   Writer writer(folder / "a.lode");
   for (Node& node : model.nodes)

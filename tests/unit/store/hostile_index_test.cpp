@@ -91,7 +91,7 @@ class HostileIndex : public testing::Test {
     });
   }
 
-  test::TemporaryFolder folder_;
+  test::WorkFolder folder_;
   std::filesystem::path path_ = folder_ / "good.lode";
   std::vector<std::byte> bytes_;
 };

@@ -10,10 +10,10 @@
 namespace lode::store {
 namespace {
 
-using test::TemporaryFolder;
+using test::WorkFolder;
 
 TEST(Reader, givesBackWhatTheWriterWasGiven) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::closedModel();
   const ModelSummary written = test::writeStore(folder / "sphere.lode", model);
   const Reader reader(folder / "sphere.lode");
@@ -32,7 +32,7 @@ TEST(Reader, givesBackWhatTheWriterWasGiven) {
 }
 
 TEST(Reader, givesBackTheBytesOfEveryBlob) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::closedModel();
   test::writeStore(folder / "a.lode", model);
   const Reader reader(folder / "a.lode");
@@ -45,7 +45,7 @@ TEST(Reader, givesBackTheBytesOfEveryBlob) {
 }
 
 TEST(Reader, findsNodesByKeyAndOnlyThose) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::closedModel();
   test::writeStore(folder / "a.lode", model);
   const Reader reader(folder / "a.lode");
@@ -57,7 +57,7 @@ TEST(Reader, findsNodesByKeyAndOnlyThose) {
 }
 
 TEST(Reader, refusesBlobNumbersThatDoNotExist) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
   test::writeStore(folder / "a.lode", model);
   const Reader reader(folder / "a.lode");
@@ -67,7 +67,7 @@ TEST(Reader, refusesBlobNumbersThatDoNotExist) {
 
 // Opening finds what is in header, pages, blob table and footer; verify what is in payloads.
 TEST(Reader, openingOrVerifyRejectsAStoreWithAnyByteChanged) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   const auto path = folder / "a.lode";
   test::SyntheticModel model = test::smallModel();
   test::writeStore(path, model);
@@ -86,7 +86,7 @@ TEST(Reader, openingOrVerifyRejectsAStoreWithAnyByteChanged) {
 }
 
 TEST(Reader, rejectsAChangedPayloadWhenItIsRead) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   const auto path = folder / "a.lode";
   test::SyntheticModel model = test::smallModel();
   test::writeStore(path, model);
@@ -99,7 +99,7 @@ TEST(Reader, rejectsAChangedPayloadWhenItIsRead) {
 }
 
 TEST(Reader, rejectsAStoreTruncatedAtAnyLength) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   const auto path = folder / "a.lode";
   test::SyntheticModel model = test::smallModel();
   test::writeStore(path, model);
@@ -110,7 +110,7 @@ TEST(Reader, rejectsAStoreTruncatedAtAnyLength) {
 }
 
 TEST(Reader, rejectsBytesBehindTheEnd) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   const auto path = folder / "a.lode";
   test::SyntheticModel model = test::smallModel();
   test::writeStore(path, model);
@@ -119,7 +119,7 @@ TEST(Reader, rejectsBytesBehindTheEnd) {
 }
 
 TEST(Reader, namesFileAndRemedyOfWhatIsNoStore) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   const auto complain = [&](const std::string& name) {
     const std::string message = test::messageOf([&] { Reader{folder / name}; });
     EXPECT_NE(message.find((folder / name).string()), std::string::npos) << message;

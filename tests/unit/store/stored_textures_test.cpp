@@ -21,7 +21,7 @@ class StoredTextures : public testing::Test {
     return test::writeStore(path_, model, add);
   }
 
-  test::TemporaryFolder folder_;
+  test::WorkFolder folder_;
   std::filesystem::path path_ = folder_ / "a.lode";
 };
 

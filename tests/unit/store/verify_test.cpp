@@ -17,7 +17,7 @@ class VerifyTest : public testing::Test {
     return test::messageOf([&] { report_ = verifyStore(folder_ / "a.lode", {.random_cuts = 10}); });
   }
 
-  test::TemporaryFolder folder_;
+  test::WorkFolder folder_;
   VerifyReport report_;
 };
 

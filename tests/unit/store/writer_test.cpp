@@ -7,14 +7,14 @@
 namespace lode::store {
 namespace {
 
-using test::TemporaryFolder;
+using test::WorkFolder;
 
-size_t filesIn(const TemporaryFolder& folder) {
+size_t filesIn(const WorkFolder& folder) {
   return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
 }
 
 TEST(Writer, givesEqualBytesTheSameBlob) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   Writer writer(folder / "a.lode");
   const std::vector<std::byte> a(100, std::byte{1}), b(100, std::byte{2});
   const BlobRef first = writer.addBlob(a);
@@ -24,13 +24,13 @@ TEST(Writer, givesEqualBytesTheSameBlob) {
 }
 
 TEST(Writer, givesNoBytesNoBlob) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   Writer writer(folder / "a.lode");
   EXPECT_FALSE(writer.addBlob({}));
 }
 
 TEST(Writer, leavesNothingBehindWhenItIsNotFinished) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   {
     Writer writer(folder / "a.lode");
     writer.addBlob(std::vector<std::byte>(1 << 20, std::byte{1}));
@@ -39,7 +39,7 @@ TEST(Writer, leavesNothingBehindWhenItIsNotFinished) {
 }
 
 TEST(Writer, leavesTheOldStoreInPlaceWhenTheNewOneFails) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
   test::writeStore(folder / "a.lode", model);
   const auto before = test::readFile(folder / "a.lode");
@@ -51,13 +51,13 @@ TEST(Writer, leavesTheOldStoreInPlaceWhenTheNewOneFails) {
 }
 
 TEST(Writer, saysWhereItCannotWrite) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   const std::string message = test::messageOf([&] { Writer{folder / "missing" / "a.lode"}; });
   EXPECT_NE(message.find("missing"), std::string::npos);
 }
 
 TEST(Writer, writesTheSameBytesForTheSameModel) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   for (const char* name : {"a.lode", "b.lode"}) {
     test::SyntheticModel model = test::closedModel();
     test::writeStore(folder / name, model);
@@ -66,7 +66,7 @@ TEST(Writer, writesTheSameBytesForTheSameModel) {
 }
 
 TEST(Writer, changesTheBuildIdWithAnythingInTheStore) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel a = test::smallModel(), b = test::smallModel(), c = test::smallModel();
   b.nodes.back().rungs[0].error_model *= 0.5f;
   c.summary.dropped = 1;
@@ -76,7 +76,7 @@ TEST(Writer, changesTheBuildIdWithAnythingInTheStore) {
 }
 
 TEST(Writer, countsWhatTheSummarySays) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::closedModel();
   const ModelSummary summary = test::writeStore(folder / "a.lode", model);
   EXPECT_EQ(summary.triangles, 2u * 24 * 15);
@@ -87,7 +87,7 @@ TEST(Writer, countsWhatTheSummarySays) {
 }
 
 TEST(Writer, refusesBlobsThatNoRungUses) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
   Writer writer(folder / "a.lode");
   writer.addBlob(std::vector<std::byte>(10, std::byte{7}));
@@ -100,7 +100,7 @@ TEST(Writer, refusesBlobsThatNoRungUses) {
 }
 
 TEST(Writer, refusesTilesThatWereNotAdded) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
   EXPECT_THROW(test::writeStore(folder / "a.lode", model,
                                 [](Writer& writer) {
@@ -113,7 +113,7 @@ TEST(Writer, refusesTilesThatWereNotAdded) {
 }
 
 TEST(Writer, refusesTilesThatTheSetDoesNotName) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
   EXPECT_THROW(test::writeStore(folder / "a.lode", model,
                                 [](Writer& writer) {
@@ -124,7 +124,7 @@ TEST(Writer, refusesTilesThatTheSetDoesNotName) {
 }
 
 TEST(Writer, refusesPayloadsThatWereNotAdded) {
-  const TemporaryFolder folder;
+  const WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
   test::writeStore(folder / "a.lode", model);
   Writer writer(folder / "b.lode");

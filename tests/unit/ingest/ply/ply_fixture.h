@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -13,31 +12,18 @@
 
 #include "common/error.h"
 #include "server/ingest/ply/ply_reader.h"
+#include "tests/support/work_folder.h"
 
 namespace lode::ingest {
 
-/// A folder that is there while the test runs.
-class PlyFolder {
+/// A folder for PLY files that is there while the test runs.
+class PlyFolder : public test::WorkFolder {
  public:
-  PlyFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "lode-ply-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) std::abort();
-    path_ = name;
-  }
-  ~PlyFolder() { std::filesystem::remove_all(path_); }
-  PlyFolder(const PlyFolder&) = delete;
-  PlyFolder& operator=(const PlyFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
   std::filesystem::path write(const std::string& bytes, const std::string& name = "mesh.ply") const {
-    std::ofstream(path_ / name, std::ios::binary)
+    std::ofstream(*this / name, std::ios::binary)
         .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    return path_ / name;
+    return *this / name;
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// All of a file, for small ones.
