@@ -73,14 +73,29 @@ TEST_F(Streaming, givesManyClientsAtOnceTheSameCut) {
   for (const Mesh& cut : cuts) EXPECT_TRUE(cut == cuts[0]);
 }
 
-TEST_F(Streaming, mayEndAtAnyTime) {
+/// Entries of a folder of /proc/self: threads or descriptors of this process, the server's among them.
+size_t countOf(const char* folder) {
+  const std::filesystem::directory_iterator entries(std::filesystem::path("/proc/self") / folder);
+  return static_cast<size_t>(std::distance(begin(entries), end(entries)));
+}
+
+TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
+  const size_t threads_before = countOf("task"), descriptors_before = countOf("fd");
   for (int step = 0; step < 30; ++step) {
     Streamer streamer(served_, threads(2));
     if (step % 3 == 0) continue;  // while it connects
     const ModelSummary& model = streamer.waitForModel(kPatience);
     streamer.setView(viewAt(step, model), 0.01f);
-    if (step % 3 == 1) streamer.waitForCut(kPatience);
+    if (step % 3 == 1) {
+      EXPECT_TRUE(streamer.waitForCut(kPatience).cut) << step;
+    }
   }
+  EXPECT_EQ(countOf("task"), threads_before);
+  const auto deadline =
+      std::chrono::steady_clock::now() + kPatience;  // the server's ends close in their time
+  while (countOf("fd") > descriptors_before && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::yield();
+  EXPECT_EQ(countOf("fd"), descriptors_before);
 }
 
 TEST_F(Streaming, goesOnWhenTheServerComesBack) {

@@ -52,13 +52,16 @@ TEST_P(RefinerOnSeeds, neverShowsAHoleOrAPlaceTwice) {
 TEST_P(RefinerOnSeeds, neverShowsAHoleWhenTheCacheIsTooSmall) {
   Scripted unlimited(model_);
   unlimited.converge(closeView(), {.threshold_px = 4}, random_, kNoCheck);
-  const uint64_t budget = unlimited.cache().bytes();
+  const uint64_t budget = unlimited.cache().bytes() / 3;
   Scripted client(model_, budget);
+  bool was_limited = false;
   const auto check = [&](const Refinement& now) {
+    was_limited |= now.limited;
     if (now.cut) expectComplete(model_, *now.cut, now.settled);
   };
   for (const View& view : {closeView(), insideView(), farView(), closeView()})
     client.converge(view, {.threshold_px = 4, .cut_budget_bytes = budget / 2}, random_, check);
+  EXPECT_TRUE(was_limited);
 }
 
 TEST_P(RefinerOnSeeds, keepsWhatWasShownFinerUntilTheCoarserArrives) {
@@ -133,18 +136,38 @@ TEST_P(RefinerOnSeeds, asksForATwentiethMoreBytesThanTheConvergedCutAtMost) {
   EXPECT_LE(client.deliveredPayloadBytes(), needed * 21 / 20);
 }
 
-TEST(Refiner, wishesForTheBiggestErrorFirst) {
-  const SyntheticModel model({.seed = 3});
-  Scripted client(model);
-  std::mt19937 random(1);
-  const auto check = [](const Refinement& now) {
-    for (size_t i = 1; i < now.wanted.size(); ++i) {
-      const Wish &a = now.wanted[i - 1], &b = now.wanted[i];
-      EXPECT_TRUE(a.wish_class < b.wish_class ||
-                  (a.wish_class == b.wish_class && a.priority_px >= b.priority_px));
+/// The part of a cut that is drawn where a node lies, if there is one.
+const CutPart* partAt(const Cut& cut, NodeKey node) {
+  for (const CutPart& part : cut.parts)
+    if (part.node.contains(node)) return &part;
+  return nullptr;
+}
+
+TEST_P(RefinerOnSeeds, wishesFirstForWhatReplacesTheLargestErrorInThePicture) {
+  constexpr float kThresholdPx = 2;
+  const Parts right = BruteForce(model_, closeView(), kThresholdPx).parts();
+  size_t compared = 0;
+  const auto check = [&](const Refinement& now) {
+    const auto first =
+        std::ranges::find_if(now.wanted, [](const Wish& wish) { return wish.use.kind == BlobKind::kMesh; });
+    if (!now.cut || first == now.wanted.end() || first->wish_class != proto::WishClass::kVisible) return;
+    float largest_px = 0;
+    for (const CutPart& part : now.cut->parts) {
+      const auto same = right.find(part.node);
+      const bool is_right = same != right.end() && same->second == part.rung;
+      const bool waits_for_page = std::ranges::any_of(now.wanted, [&](const Wish& wish) {
+        return wish.use.kind == BlobKind::kPage && part.node.contains(wish.use.mesh.node);
+      });
+      if (part.visible && !is_right && !waits_for_page) largest_px = std::max(largest_px, part.error_px);
     }
+    if (largest_px <= kThresholdPx) return;  // only what is finer than it need be
+    const CutPart* const replaced = partAt(*now.cut, first->use.mesh.node);
+    ASSERT_NE(replaced, nullptr);
+    EXPECT_EQ(replaced->error_px, largest_px);
+    ++compared;
   };
-  client.converge(closeView(), {.threshold_px = 2}, random, check);
+  Scripted(model_).converge(closeView(), {.threshold_px = kThresholdPx}, random_, check);
+  EXPECT_GT(compared, 10u);
 }
 
 TEST(Refiner, asksForTheRootFirstAndShowsNothingBeforeIt) {

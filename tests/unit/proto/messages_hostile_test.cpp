@@ -47,18 +47,18 @@ Bytes bodyOf(const Message& message) {
   return Bytes(frame.begin() + kFrameHeaderBytes, frame.end());
 }
 
-/// Decodes hostile bytes: any outcome but Error or a message is a bug.
+/// Fails the running test unless hostile bytes are refused, or are a message that keeps all rules: one that
+/// could have been sent, and means the same then.
 template <typename Message>
-bool survives(const Bytes& body) {
+void expectRefusedOrSound(const Bytes& body) {
+  Message message;
   try {
-    decode<Message>(body);
-    return true;
+    message = decode<Message>(body);
   } catch (const Error& error) {
     EXPECT_TRUE(error.code() == ErrorCode::kProtocol || error.code() == ErrorCode::kLimit) << error.what();
-    return true;
-  } catch (...) {
-    return false;
+    return;
   }
+  EXPECT_TRUE(decode<Message>(bodyOf(message)) == message);
 }
 
 TEST(HostileMessages, everyTruncationIsRefusedOrDecodes) {
@@ -66,7 +66,7 @@ TEST(HostileMessages, everyTruncationIsRefusedOrDecodes) {
     const Bytes body = bodyOf(message);
     for (size_t size = 0; size < body.size(); ++size) {
       Bytes cut(body.begin(), body.begin() + static_cast<std::ptrdiff_t>(size));
-      EXPECT_TRUE(survives<Message>(cut));
+      expectRefusedOrSound<Message>(cut);
     }
   });
 }
@@ -79,7 +79,7 @@ TEST(HostileMessages, everyByteChangedIsRefusedOrDecodes) {
       for (const int change : {0xFF, 0x80, 0x01, static_cast<int>(random() & 0xFF)}) {
         Bytes changed = body;
         changed[at] ^= static_cast<std::byte>(change);
-        EXPECT_TRUE(survives<Message>(changed));
+        expectRefusedOrSound<Message>(changed);
       }
   });
 }
@@ -92,7 +92,7 @@ TEST(HostileMessages, randomChangesAreRefusedOrDecode) {
       Bytes changed = body;
       for (uint32_t changes = 1 + random() % 8; changes > 0; --changes)
         changed[random() % changed.size()] = static_cast<std::byte>(random());
-      EXPECT_TRUE(survives<Message>(changed));
+      expectRefusedOrSound<Message>(changed);
     }
   });
 }
@@ -102,7 +102,7 @@ TEST(HostileMessages, randomBytesAreRefusedOrDecode) {
   for (int round = 0; round < 3000; ++round) {
     Bytes bytes(random() % 200);
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random() % 4 == 0 ? random() : 0);
-    forEachSample([&]<typename Message>(const Message&) { EXPECT_TRUE(survives<Message>(bytes)); });
+    forEachSample([&]<typename Message>(const Message&) { expectRefusedOrSound<Message>(bytes); });
   }
 }
 
