@@ -159,6 +159,25 @@ TEST_F(ResumedBuild, clearsAwayWhatAKilledOneLeftWhenItIsNotResumed) {
   expectDone();
 }
 
+TEST_F(ResumedBuild, goesOnWhenADiskThatWasFullHasRoomAgain) {
+  if (Program("unshare", {"--mount", "true"}).wait().status != 0)
+    GTEST_SKIP() << "no mount namespaces on this system";
+  makeModel(60000, 1024);
+  const std::string disk = folder_ / "disk";
+  std::filesystem::create_directory(disk);
+  std::string build = "'" LODE_BIN_DIR "/bin/lodestreamd'";
+  for (const std::string& word : with({"--resume", "--tmp", disk})) build += " '" + word + "'";
+  const std::string script = "mount -t tmpfs -o size=2m tmpfs '" + disk + "'; " + build +
+                             "; test $? = 1 || exit 3; mount -o remount,size=500m '" + disk + "'; " + build;
+  const Outcome outcome = Program("unshare", {"--mount", "sh", "-c", script}).wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expectOneLine(outcome.err);
+  EXPECT_NE(outcome.err.find("the disk is full"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(Json::parse(outcome.out)["resumed_from"].is_string()) << outcome.out;
+  std::filesystem::remove(disk);
+  expectDone();
+}
+
 using SlowResumedBuild = ResumedBuild;
 
 TEST_F(SlowResumedBuild, givesTheSameBytesAfterTwoHundredKills) {

@@ -1,0 +1,93 @@
+// A client that is killed while it writes its cache, or whose disk is full: the next one shows the same.
+
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "programs.h"
+
+namespace lode::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Strings = std::vector<std::string>;
+
+class KilledClient : public testing::Test {
+ protected:
+  KilledClient() {
+    const std::string ply = folder_ / "a.ply", store = folder_ / "a.lode";
+    EXPECT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "30000", "-o", ply}).status, 0);
+    EXPECT_EQ(lodestreamd({"build", ply, "-o", store, "--triangles-per-node", "256", "--quiet"}).status, 0);
+    server_.emplace(std::vector<std::filesystem::path>{store});
+    const auto began = Clock::now();
+    EXPECT_EQ(lodestream(fetch({"-o", folder_ / "expected.ply", "--cache", folder_ / "timed"})).status, 0);
+    undisturbed_ = Clock::now() - began;
+    expected_ = readBytes(folder_ / "expected.ply");
+  }
+
+  Strings fetch(const Strings& more) const {
+    Strings all{"fetch", server_->url("a"), "--pixels", "0.1"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  void expectTheSameCut(const Strings& more) const {
+    Strings all = more;
+    all.insert(all.end(), {"-o", folder_ / "found.ply"});
+    const Outcome outcome = lodestream(fetch(all));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(readBytes(folder_ / "found.ply") == expected_);
+  }
+
+  /// Kills clients at moments drawn from the time that one takes; after every fifth one shows all, and again
+  /// without the server. @return those that were killed.
+  int killMany(int kills, uint32_t seed) const {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> part(0, 1);
+    const std::string cache = folder_ / "cache";
+    int killed = 0;
+    for (int rounds = 0; killed < kills && rounds < 4 * kills && !HasFailure(); ++rounds) {
+      Program client("lodestream", fetch({"--cache", cache}));
+      std::this_thread::sleep_for(part(random) * undisturbed_);
+      client.signal(SIGKILL);
+      if (client.wait().status == 128 + SIGKILL) ++killed;
+      if (rounds % 5 != 4) continue;
+      expectTheSameCut({"--cache", cache});
+      expectTheSameCut({"--cache", cache, "--offline"});
+      std::filesystem::remove_all(cache);
+    }
+    return killed;
+  }
+
+  WorkFolder folder_;
+  std::optional<RunningServer> server_;
+  std::chrono::duration<double> undisturbed_{};
+  std::string expected_;
+};
+
+TEST_F(KilledClient, leavesACacheFromWhichTheNextOneShowsTheSame) { EXPECT_EQ(killMany(10, 1), 10); }
+
+TEST_F(KilledClient, withAFullDiskForItsCacheShowsTheSame) {
+  if (Program("unshare", {"--mount", "true"}).wait().status != 0)
+    GTEST_SKIP() << "no mount namespaces on this system";
+  const std::string disk = folder_ / "disk", found = folder_ / "found.ply";
+  std::filesystem::create_directory(disk);
+  const std::string script = "mount -t tmpfs -o size=64k tmpfs " + disk +
+                             " && '" LODE_BIN_DIR "/bin/lodestream' fetch " + server_->url("a") +
+                             " --pixels 0.1 --cache " + disk + " -o " + found + " && test $(du -s " + disk +
+                             " | cut -f1) -gt 32";
+  const Outcome outcome = Program("unshare", {"--mount", "sh", "-c", script}).wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(readBytes(found) == expected_);
+}
+
+using SlowKilledClient = KilledClient;
+
+TEST_F(SlowKilledClient, leavesAGoodCacheTwoHundredTimes) { EXPECT_EQ(killMany(200, 2), 200); }
+
+}  // namespace
+}  // namespace lode::test
