@@ -63,7 +63,7 @@ case "${1:-}" in
     ;;
 esac
 
-"$root/docker/install-packages.sh" run build
+"$root/docker/install-packages.sh" run window build
 say "building in $build (the first time takes a few minutes)"
 build_programs
 [[ -n "$model" ]] || model="$(make_sample)"

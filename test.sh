@@ -27,7 +27,7 @@ case "${1:-}" in
     ;;
 esac
 
-docker/install-packages.sh run build test
+docker/install-packages.sh run window build test
 launcher=()
 if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 started=$SECONDS

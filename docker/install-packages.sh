@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the sections of docker/packages.txt that are named: docker/install-packages.sh run build test
+# Installs the sections of docker/packages.txt that are named: docker/install-packages.sh run window build test
 # Touches nothing, not even apt's lists, where all packages are there already.
 # LODESTREAM_PACKAGES=skip trusts that they are (on systems where they bear names that the list does not know).
 set -euo pipefail
@@ -43,7 +43,7 @@ names_here() {  # NAME|NAME...; of each package the name that apt offers, or its
   done
 }
 
-[[ $# -gt 0 ]] || fail "name the sections to install: run, build, test, check"
+[[ $# -gt 0 ]] || fail "name the sections to install: run, window, build, test, check"
 packages="$(packages_of "$@")"
 [[ "${LODESTREAM_PACKAGES:-}" != skip ]] || exit 0
 
