@@ -24,11 +24,12 @@ class TextFile {
     line_ += text;
     return *this;
   }
-  /// The shortest text that is this very number.
+  /// The shortest text without an exponent that is this very number.
   template <typename Number>
   TextFile& number(Number value) {
-    std::array<char, 64> text{};
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+    std::array<char, 512> text{};
+    const auto end =
+        std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed).ptr;
     return word({text.data(), static_cast<size_t>(end - text.data())});
   }
   void endLine() {
