@@ -80,6 +80,7 @@ size_t countOf(const char* folder) {
 }
 
 TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
+  Streamer(served_, threads(2)).waitForModel(kPatience);  // the server has all its threads
   const size_t threads_before = countOf("task"), descriptors_before = countOf("fd");
   for (int step = 0; step < 30; ++step) {
     Streamer streamer(served_, threads(2));
@@ -95,7 +96,7 @@ TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
       std::chrono::steady_clock::now() + kPatience;  // the server's ends close in their time
   while (countOf("fd") > descriptors_before && std::chrono::steady_clock::now() < deadline)
     std::this_thread::yield();
-  EXPECT_EQ(countOf("fd"), descriptors_before);
+  EXPECT_LE(countOf("fd"), descriptors_before);
 }
 
 TEST_F(Streaming, goesOnWhenTheServerComesBack) {

@@ -1,5 +1,8 @@
 #include "client/core/refiner.h"
 
+#include <algorithm>
+#include <set>
+
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core {
@@ -208,6 +211,33 @@ TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {
     EXPECT_EQ(part.rung + 1, model.nodes().at(part.node).rungs.size());
   }
   EXPECT_GT(outside, 0u);
+}
+
+TEST_P(RefinerOnSeeds, countsAsErrorOnlyWhatIsSeen) {
+  Scripted client(model_);
+  client.converge(insideView(), {.threshold_px = 1}, random_, kNoCheck);
+  float seen_px = 0, unseen_px = 0;
+  for (const CutPart& part : client.last().cut->parts) {
+    float& largest = part.visible ? seen_px : unseen_px;
+    largest = std::max(largest, part.error_px);
+  }
+  EXPECT_GT(unseen_px, seen_px);
+  EXPECT_EQ(client.last().cut->max_error_px, seen_px);
+}
+
+TEST_P(RefinerOnSeeds, namesAllThatIsResidentAboveTheCutAsItsAncestors) {
+  Scripted client(model_);
+  client.converge(closeView(), {.threshold_px = 2}, random_, kNoCheck);
+  const Parts parts = partsOf(*client.last().cut);
+  std::set<MeshKey> above;
+  for (const auto& [key, node] : model_.nodes())
+    for (const auto& [part, part_rung] : parts)
+      for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
+        if (part != key && key.contains(part) && client.cache().rungsOf(key).has(rung))
+          above.insert({key, rung});
+  const auto& named = client.last().ancestors;
+  EXPECT_FALSE(above.empty());
+  EXPECT_EQ(std::set<MeshKey>(named.begin(), named.end()), above);
 }
 
 /// Delivers the best wish of the visible class until there is none, without the others.

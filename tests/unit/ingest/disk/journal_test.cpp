@@ -95,6 +95,12 @@ TEST_F(JournalFile, goesOnBehindTheLastWholeEntry) {
   EXPECT_EQ(read(), expected);
 }
 
+TEST_F(JournalFile, cutsATornEntryOff) {
+  put(bytes_.substr(0, bytes_.size() - 1));
+  open();
+  EXPECT_EQ(std::filesystem::file_size(path_), end(kWritten.size() - 1));
+}
+
 TEST_F(JournalFile, isMadeAnewWhenItWasKilledBeforeItsFirstByte) {
   put("");
   EXPECT_EQ(read(), Entries());
