@@ -77,7 +77,7 @@ class Network:
         """Runs a program beside until the network ends."""
         self.processes.append(subprocess.Popen(
             ["ip", "netns", "exec", self.namespace(name, path=False), *map(str, command)],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **options))
+            stdout=subprocess.DEVNULL, **options))
         return self.processes[-1]
 
 
