@@ -12,8 +12,10 @@ namespace {
 constexpr float kWorth = 0.8f;  ///< of the largest distance so far: triangles that reach it get a closer look
 // Steps along each edge at first: the fewer triangles a rung has, the more may hide inside one of them, and
 // the less a look costs. (Corners alone found 0.8 of what large rungs of a gyroid are off by.)
-constexpr size_t kFewTriangles = 1024;
-constexpr uint32_t stepsAtFirst(size_t triangles) { return triangles <= kFewTriangles ? 4 : 2; }
+constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
+constexpr uint32_t stepsAtFirst(size_t triangles) {
+  return triangles <= kVeryFewTriangles ? 8 : triangles <= kFewTriangles ? 4 : 2;
+}
 constexpr float kManySteps = 1.5f;  ///< for each edge of the input that an edge of the rung is as long as
 constexpr uint32_t kMostSteps = 24;
 constexpr int kMostLooks = 32;  ///< at every triangle of the input, before its tree is asked

@@ -34,6 +34,50 @@ TEST(FarthestOfRung, isWithinFivePercentOfWhatDensePointsFind) {
   });
 }
 
+/// A square of 64 x 64 cells with a narrow pit, 400 deep, in one half and a wide hill, 200 high, in the
+/// other.
+NodeMesh pitAndHill() {
+  constexpr uint32_t kCells = 64, kCell = 100, kGround = 1000;
+  const auto cone = [](glm::vec2 at, glm::vec2 middle, float radius) {
+    return std::max(0.f, 1 - glm::distance(at, middle) / radius);
+  };
+  NodeMesh mesh;
+  for (uint32_t y = 0; y <= kCells; ++y)
+    for (uint32_t x = 0; x <= kCells; ++x) {
+      const glm::vec2 at(x * kCell, y * kCell);
+      const float height = 200 * cone(at, {4800, 4800}, 1200) - 400 * cone(at, {800, 800}, 300);
+      mesh.wedge_position.push_back(static_cast<uint32_t>(mesh.positions.size()));
+      mesh.positions.push_back(
+          packPosition({x * kCell, y * kCell, kGround + static_cast<uint32_t>(static_cast<int>(height))}));
+    }
+  for (uint32_t y = 0; y < kCells; ++y)
+    for (uint32_t x = 0; x < kCells; ++x) {
+      const uint32_t a = y * (kCells + 1) + x, b = a + 1, c = a + kCells + 1, d = c + 1;
+      mesh.triangles.push_back({a, b, c});
+      mesh.triangles.push_back({b, d, c});
+    }
+  mesh.lca_depth.assign(mesh.positions.size(), kNeverLocked);
+  return mesh;
+}
+
+TEST(FarthestOfRung, seesAPitInOneOfFewTrianglesAlthoughAnotherIsFartherAtFirstSight) {
+  const NodeMesh input = pitAndHill();
+  const auto last = static_cast<uint32_t>(input.positions.size()) - 1;
+  const std::array<uint32_t, 4> corners{0, 64, last - 64, last};
+  SimplifiedMesh rung{{}, std::vector<uint32_t>(input.positions.size(), kVanished)};
+  for (uint32_t i = 0; i < corners.size(); ++i) {
+    rung.became[corners[i]] = i;
+    rung.mesh.positions.push_back(input.positions[corners[i]]);
+    rung.mesh.wedge_position.push_back(i);
+    rung.mesh.lca_depth.push_back(kNeverLocked);
+  }
+  rung.mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
+  const float pit = TriangleTree(input).distance({800, 800, 1000});
+  const float hill = TriangleTree(input).distance({4800, 4800, 1000});
+  ASSERT_GT(pit, 1.1f * hill);
+  EXPECT_GE(farthest(rung, input, 0), pit * 0.999f);
+}
+
 TEST(FarthestOfRung, isNotBelowWhatIsKnown) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   SimplifiedMesh same{mesh, std::vector<uint32_t>(mesh.positions.size())};
