@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "4596d4fc5f82c189b67f3cb508e49db14335d56fcc770de1f870195aba82a058";
+constexpr const char* kSha256 = "235ce8863004e19af66dfd84b08babbcaf77fecc6a39eb6f377c30d0749b6957";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;
