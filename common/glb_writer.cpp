@@ -24,7 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Numbers of the specification.
-constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
+constexpr uint32_t kMagic = 0x46546c67, kGlbVersion = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kVertexBuffer = 34962, kIndexBuffer = 34963;
 constexpr uint64_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
@@ -198,7 +198,7 @@ void writeGlb(const std::filesystem::path& path, const Mesh& mesh, const Lattice
     (row.add(static_cast<uint32_t>(numbers)), ...);
     file.write(row.bytes());
   };
-  writeHeader(kMagic, kVersion, bytes);
+  writeHeader(kMagic, kGlbVersion, bytes);
   writeHeader(text.size(), kJsonChunk);
   file.write(std::as_bytes(std::span(text)));
   if (binary_bytes != 0) {

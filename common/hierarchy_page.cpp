@@ -61,12 +61,12 @@ void writeNode(PageWriter& out, const Node& node) {
 
 // ---- reading
 
-[[noreturn]] void refuse(const std::string& why) {
+[[noreturn]] void refusePage(const std::string& why) {
   throw Error(ErrorCode::kFormat, "damaged hierarchy page: " + why + "; fetch it again or rebuild the store");
 }
 
 [[noreturn]] void refuseNode(NodeKey key, const std::string& why) {
-  refuse("node " + std::to_string(key.value) + " " + why);
+  refusePage("node " + std::to_string(key.value) + " " + why);
 }
 
 class PageReader {
@@ -91,7 +91,7 @@ class PageReader {
       if (byte == 0 && shift > 0) break;
       return value;
     }
-    refuse("a number is not in its shortest form");
+    refusePage("a number is not in its shortest form");
   }
   uint32_t count(uint32_t most, const char* what) {
     const uint64_t value = varint();
@@ -102,7 +102,7 @@ class PageReader {
   }
   float error() {
     const float value = std::bit_cast<float>(static_cast<uint32_t>(fixed(4)));
-    if (!std::isfinite(value) || std::signbit(value)) refuse("an error is no length");
+    if (!std::isfinite(value) || std::signbit(value)) refusePage("an error is no length");
     return value;
   }
   BlobRef blob(uint32_t most_bytes) {
@@ -110,22 +110,23 @@ class PageReader {
     blob.number = count(UINT32_MAX, "blobs");
     if (!blob) return blob;
     blob.bytes = count(most_bytes, "bytes of a blob");
-    if (blob.bytes == 0) refuse("a blob has no bytes");
+    if (blob.bytes == 0) refusePage("a blob has no bytes");
     const auto name = take(blob.name.bytes.size());
     std::copy(name.begin(), name.end(), blob.name.bytes.begin());
     return blob;
   }
   LatticeBox box() {
     const uint64_t min = fixed(8), max = fixed(8);
-    if ((min | max) >> 3 * kLatticeBits != 0) refuse("a box is off the lattice");
+    if ((min | max) >> 3 * kLatticeBits != 0) refusePage("a box is off the lattice");
     const LatticeBox box{unpackPosition({min}), unpackPosition({max})};
-    if (box != LatticeBox() && glm::any(glm::greaterThan(box.min, box.max))) refuse("a box is inside out");
+    if (box != LatticeBox() && glm::any(glm::greaterThan(box.min, box.max)))
+      refusePage("a box is inside out");
     return box;
   }
 
  private:
   std::span<const std::byte> take(size_t length) {
-    if (length > bytes_.size()) refuse("it is cut off");
+    if (length > bytes_.size()) refusePage("it is cut off");
     const auto taken = bytes_.first(length);
     bytes_ = bytes_.subspan(length);
     return taken;
@@ -141,9 +142,9 @@ Rung readRung(PageReader& in) {
     rung.triangles = in.count(kMaxRungTriangles, "triangles");
     rung.vertices = in.count(kMaxRungVertices, "vertices");
     rung.locked = in.count(kMaxRungVertices, "locked vertices");
-    if (rung.triangles == 0) refuse("a payload has no triangles");
+    if (rung.triangles == 0) refusePage("a payload has no triangles");
     if (rung.vertices < 3 || rung.vertices > 3 * rung.triangles || rung.locked > rung.vertices)
-      refuse("a payload's vertices do not fit its triangles");
+      refusePage("a payload's vertices do not fit its triangles");
   }
   rung.error_model = in.error();
   rung.appearance_error_model = in.error();
@@ -158,7 +159,7 @@ bool fallsFrom(const Rung& finer, const Rung& coarser) {
 Node readNode(PageReader& in) {
   Node node;
   node.key.value = in.varint();
-  if (!node.key.valid()) refuse("it names a node " + std::to_string(node.key.value) + " that cannot be");
+  if (!node.key.valid()) refusePage("it names a node " + std::to_string(node.key.value) + " that cannot be");
   node.box = in.box();
   node.child_mask = static_cast<uint8_t>(in.fixed(1));
   node.child_page = in.blob(kMaxPageBytes);
@@ -245,15 +246,15 @@ HierarchyPage decodePage(std::span<const std::byte> bytes, NodeKey owner, bool i
     throw Error(ErrorCode::kLimit,
                 "a hierarchy page of " + std::to_string(bytes.size()) + " bytes is above the limit");
   if (!owner.valid() || (is_root_page ? owner != kRootKey : owner.depth() < 2 || owner.depth() % 2 != 0))
-    refuse("no page can hang below node " + std::to_string(owner.value));
+    refusePage("no page can hang below node " + std::to_string(owner.value));
   PageReader in(bytes);
-  if (in.fixed(1) != kPageVersion) refuse("its version is unknown");
+  if (in.fixed(1) != kPageVersion) refusePage("its version is unknown");
   const uint32_t nodes = in.count(is_root_page ? kMaxPageNodes : kMaxPageNodes - 1, "nodes");
-  if (nodes == 0) refuse("it is empty");
+  if (nodes == 0) refusePage("it is empty");
   HierarchyPage page;
   page.nodes.reserve(nodes);
   for (uint32_t i = 0; i < nodes; ++i) page.nodes.push_back(readNode(in));
-  if (!in.atEnd()) refuse("bytes follow its end");
+  if (!in.atEnd()) refusePage("bytes follow its end");
   TreeCheck(page, owner, is_root_page).run();
   return page;
 }

@@ -11,10 +11,10 @@
 namespace lode {
 namespace {
 
-constexpr uint8_t kVersion = 1;
+constexpr uint8_t kSetVersion = 1;
 constexpr size_t kTileRefBytes = 24;
 
-[[noreturn]] void refuse(const std::string& why) {
+[[noreturn]] void refuseSet(const std::string& why) {
   throw Error(ErrorCode::kFormat, "damaged texture set: " + why + "; fetch it again or rebuild the store");
 }
 
@@ -43,7 +43,7 @@ class SetReader {
   size_t left() const noexcept { return bytes_.size(); }
 
   std::span<const std::byte> take(size_t length) {
-    if (length > bytes_.size()) refuse("it is cut off");
+    if (length > bytes_.size()) refuseSet("it is cut off");
     const auto taken = bytes_.first(length);
     bytes_ = bytes_.subspan(length);
     return taken;
@@ -62,20 +62,21 @@ class SetReader {
 
 void checkScale(const TextureSet& set) {
   for (int axis = 0; axis < 2; ++axis)
-    if (!(std::abs(set.uv_origin[axis]) <= kMaxUvOrigin)) refuse("the coordinates' origin is out of range");
+    if (!(std::abs(set.uv_origin[axis]) <= kMaxUvOrigin))
+      refuseSet("the coordinates' origin is out of range");
   if (std::abs(int64_t{set.uv_scale_exponent}) > kMaxUvExponent)
-    refuse("the coordinates' scale is out of range");
+    refuseSet("the coordinates' scale is out of range");
 }
 
 void checkTexture(const Texture& texture) {
   requireAtMost(texture.name.size(), kMaxTextureNameBytes, "bytes in a texture's name");
-  if (!isPrintableUtf8(texture.name)) refuse("a texture's name is not printable UTF-8");
+  if (!isPrintableUtf8(texture.name)) refuseSet("a texture's name is not printable UTF-8");
   requireAtMost(std::max(texture.width, texture.height), kMaxTextureEdgePx, "texels along a texture");
-  if ((texture.width == 0) != (texture.height == 0)) refuse("a texture has a width or a height only");
+  if ((texture.width == 0) != (texture.height == 0)) refuseSet("a texture has a width or a height only");
 }
 
 void checkTile(const BlobRef& tile) {
-  if (!tile || tile.bytes == 0) refuse("a tile is missing");
+  if (!tile || tile.bytes == 0) refuseSet("a tile is missing");
   requireAtMost(tile.bytes, kMaxTileBytes, "bytes in a tile");
 }
 
@@ -101,7 +102,7 @@ Texture readTexture(SetReader& in, uint64_t& tiles) {
   checkTexture(texture);
   const uint64_t own = tileCount(texture);
   requireAtMost(tiles += own, kMaxTextureTiles, "tiles");
-  if (own * kTileRefBytes > in.left()) refuse("it is cut off");
+  if (own * kTileRefBytes > in.left()) refuseSet("it is cut off");
   texture.tiles.reserve(own);
   for (uint64_t i = 0; i < own; ++i) texture.tiles.push_back(readTile(in));
   return texture;
@@ -159,7 +160,7 @@ std::vector<std::byte> encodeTextureSet(const TextureSet& set) {
   checkScale(set);
   requireAtMost(set.textures.size(), kMaxTextures, "textures");
   SetWriter out;
-  out.fixed(kVersion, 1);
+  out.fixed(kSetVersion, 1);
   for (int axis = 0; axis < 2; ++axis) out.fixed(std::bit_cast<uint64_t>(set.uv_origin[axis]), 8);
   out.fixed(static_cast<uint32_t>(set.uv_scale_exponent), 4);
   out.fixed(set.textures.size(), 4);
@@ -167,7 +168,7 @@ std::vector<std::byte> encodeTextureSet(const TextureSet& set) {
   for (const Texture& texture : set.textures) {
     checkTexture(texture);
     requireAtMost(tiles += texture.tiles.size(), kMaxTextureTiles, "tiles");
-    if (texture.tiles.size() != tileCount(texture)) refuse("a texture's tiles do not fit its size");
+    if (texture.tiles.size() != tileCount(texture)) refuseSet("a texture's tiles do not fit its size");
     out.fixed(texture.name.size(), 2);
     out.raw(std::as_bytes(std::span(texture.name)));
     out.fixed(texture.width, 4);
@@ -185,7 +186,7 @@ std::vector<std::byte> encodeTextureSet(const TextureSet& set) {
 TextureSet decodeTextureSet(std::span<const std::byte> bytes) {
   requireAtMost(bytes.size(), kMaxTextureSetBytes, "bytes");
   SetReader in(bytes);
-  if (in.fixed(1) != kVersion) refuse("its version is unknown");
+  if (in.fixed(1) != kSetVersion) refuseSet("its version is unknown");
   TextureSet set;
   for (int axis = 0; axis < 2; ++axis) set.uv_origin[axis] = std::bit_cast<double>(in.fixed(8));
   set.uv_scale_exponent = std::bit_cast<int32_t>(in.u32());
@@ -195,7 +196,7 @@ TextureSet decodeTextureSet(std::span<const std::byte> bytes) {
   set.textures.reserve(textures);
   uint64_t tiles = 0;
   for (uint32_t i = 0; i < textures; ++i) set.textures.push_back(readTexture(in, tiles));
-  if (in.left() != 0) refuse("bytes follow its end");
+  if (in.left() != 0) refuseSet("bytes follow its end");
   return set;
 }
 

@@ -11,31 +11,31 @@
 namespace lode {
 namespace {
 
-[[noreturn]] void refuse(const std::string& why) {
+[[noreturn]] void refuseTile(const std::string& why) {
   throw Error(ErrorCode::kFormat, "damaged texture tile: " + why + "; fetch it again or rebuild the store");
 }
 
 [[noreturn]] void refuseSize(glm::uvec2 size) {
-  refuse("it is " + std::to_string(size.x) + "x" + std::to_string(size.y) + " texels");
+  refuseTile("it is " + std::to_string(size.x) + "x" + std::to_string(size.y) + " texels");
 }
 
 void decodeJpeg(std::span<const std::byte> file, TileImage& image) {
   JpegDecoder decoder(file, true);
-  if (!decoder.readHeader()) refuse(std::string("libjpeg says: ") + decoder.failure());
+  if (!decoder.readHeader()) refuseTile(std::string("libjpeg says: ") + decoder.failure());
   if (decoder.size() != image.size) refuseSize(decoder.size());
-  if (!decoder.readTexels(image.texels)) refuse(std::string("libjpeg says: ") + decoder.failure());
+  if (!decoder.readTexels(image.texels)) refuseTile(std::string("libjpeg says: ") + decoder.failure());
 }
 
 void decodeWebp(std::span<const std::byte> file, TileImage& image) {
   const auto* const bytes = reinterpret_cast<const uint8_t*>(file.data());
   WebPBitstreamFeatures features;
-  if (WebPGetFeatures(bytes, file.size(), &features) != VP8_STATUS_OK) refuse("it is no WebP");
-  if (features.has_animation != 0) refuse("it is animated");
+  if (WebPGetFeatures(bytes, file.size(), &features) != VP8_STATUS_OK) refuseTile("it is no WebP");
+  if (features.has_animation != 0) refuseTile("it is animated");
   if (const glm::uvec2 size(features.width, features.height); size != image.size) refuseSize(size);
   const size_t room = image.texels.size() * sizeof(glm::u8vec4);
   if (WebPDecodeRGBAInto(bytes, file.size(), reinterpret_cast<uint8_t*>(image.texels.data()), room,
                          static_cast<int>(image.size.x * sizeof(glm::u8vec4))) == nullptr) {
-    refuse("libwebp cannot decode it");
+    refuseTile("libwebp cannot decode it");
   }
 }
 
@@ -48,7 +48,7 @@ TileImage decodeTile(std::span<const std::byte> file, glm::uvec2 size) {
                                        " bytes is announced: outside the limits");
   }
   const std::optional<TileKind> kind = tileKind(file);
-  if (!kind) refuse("it is neither JPEG nor WebP");
+  if (!kind) refuseTile("it is neither JPEG nor WebP");
   TileImage image{size, std::vector<glm::u8vec4>(size_t{size.x} * size.y), {}};
   if (*kind == TileKind::kJpeg) {
     decodeJpeg(file, image);

@@ -24,9 +24,9 @@ const char* encodingName(ingest::PlyEncoding encoding) {
   return "binary_big_endian";
 }
 
-Json toJson(glm::dvec3 v) { return {v.x, v.y, v.z}; }
+Json pointAsJson(glm::dvec3 v) { return {v.x, v.y, v.z}; }
 
-Json toJson(const ingest::Topology& topology) {
+Json topologyAsJson(const ingest::Topology& topology) {
   return {{"duplicate_vertices", topology.duplicate_vertices},
           {"unused_vertices", topology.unused_vertices},
           {"flat_faces", topology.flat_faces},
@@ -39,7 +39,7 @@ Json toJson(const ingest::Topology& topology) {
           {"lattice_step", topology.lattice_step}};
 }
 
-Json toJson(const ingest::BuildForecast& forecast) {
+Json forecastAsJson(const ingest::BuildForecast& forecast) {
   return {{"seconds", forecast.seconds},
           {"cpu_seconds", forecast.cpu_seconds},
           {"memory_bytes", forecast.memory_bytes},
@@ -67,12 +67,12 @@ Json describeAsJson(const ingest::DoctorReport& report) {
   json["textures"] = Json::array();
   for (const auto& texture : report.textures)
     json["textures"].push_back({{"name", texture.name}, {"found", texture.is_found}});
-  if (report.is_readable) json["box"] = {{"min", toJson(report.min)}, {"max", toJson(report.max)}};
-  json["topology"] = report.topology ? toJson(*report.topology) : Json();
+  if (report.is_readable) json["box"] = {{"min", pointAsJson(report.min)}, {"max", pointAsJson(report.max)}};
+  json["topology"] = report.topology ? topologyAsJson(*report.topology) : Json();
   json["problems"] = Json::array();
   for (const auto& problem : report.problems)
     json["problems"].push_back({{"fatal", problem.is_fatal}, {"text", problem.text}});
-  json["forecast"] = report.forecast ? toJson(*report.forecast) : Json();
+  json["forecast"] = report.forecast ? forecastAsJson(*report.forecast) : Json();
   return json;
 }
 
@@ -106,7 +106,8 @@ std::string describe(const ingest::DoctorReport& report) {
   sheet.line("attributes", joined(attributeNames(report.attributes)));
   for (const auto& texture : report.textures)
     sheet.line("texture", texture.name + (texture.is_found ? "" : " (missing)"));
-  if (report.is_readable) sheet.line("box", toJson(report.min).dump() + " to " + toJson(report.max).dump());
+  if (report.is_readable)
+    sheet.line("box", pointAsJson(report.min).dump() + " to " + pointAsJson(report.max).dump());
   if (report.topology) {
     const ingest::Topology& topology = *report.topology;
     sheet.line("pieces", std::to_string(topology.pieces));

@@ -16,7 +16,7 @@ struct VerifyArguments {
   bool json = false, quiet = false;
 };
 
-Json toJson(const store::VerifyReport& report) {
+Json reportAsJson(const store::VerifyReport& report) {
   return {{"sound", true},
           {"bytes", report.bytes},
           {"blobs", report.blobs},
@@ -29,7 +29,7 @@ Json toJson(const store::VerifyReport& report) {
           {"max_rim_gap", report.max_rim_gap_model}};
 }
 
-Json toJson(const ingest::AgainstReport& report) {
+Json againstAsJson(const ingest::AgainstReport& report) {
   return {{"triangles", report.triangles},     {"dropped", report.dropped},
           {"rungs_sampled", report.rungs},     {"rungs_below", report.rungs_below},
           {"least_ratio", report.least_ratio}, {"median_ratio", report.median_ratio}};
@@ -55,7 +55,7 @@ std::string describe(const ingest::AgainstReport& report) {
 
 Json check(const VerifyArguments& arguments, std::string& text) {
   const store::VerifyReport report = store::verifyStore(arguments.store, arguments.options);
-  Json json = toJson(report);
+  Json json = reportAsJson(report);
   text = describe(report);
   if (arguments.against.input.empty()) return json;
   ingest::AgainstOptions against = arguments.against;
@@ -66,7 +66,7 @@ Json check(const VerifyArguments& arguments, std::string& text) {
       ingest::compareWithInput(against, [&](std::string_view stage, double fraction, uint64_t done,
                                             uint64_t) { bar.update(stage, fraction, done); });
   bar.finishStage();
-  json["against"] = toJson(compared);
+  json["against"] = againstAsJson(compared);
   text += describe(compared);
   return json;
 }

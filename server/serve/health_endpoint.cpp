@@ -27,7 +27,7 @@ using asio::ip::tcp;
 
 constexpr unsigned kMaxAskers = 16;                      ///< at a time; the rest wait in the system's queue
 constexpr auto kAnswerWithin = std::chrono::seconds(5);  ///< from accept to the last byte taken
-constexpr auto kAcceptPause = std::chrono::milliseconds(100);
+constexpr auto kPauseAfterRefusal = std::chrono::milliseconds(100);
 constexpr const char* kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
 constexpr const char* kPlain = "text/plain; charset=utf-8";
 
@@ -102,7 +102,7 @@ asio::awaitable<void> HealthEndpoint::State::accept() {
     }
     tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
     if (error) {
-      asio::steady_timer pause(acceptor.get_executor(), kAcceptPause);
+      asio::steady_timer pause(acceptor.get_executor(), kPauseAfterRefusal);
       if (acceptor.is_open()) co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;
     }

@@ -12,7 +12,7 @@ namespace lode::serve {
 
 namespace {
 
-constexpr size_t kMaxTextBytes = 1024;  ///< of the message and of a field: what people can read
+constexpr size_t kMaxShownBytes = 1024;  ///< of the message and of a field: what people can read
 
 std::string toIso(std::chrono::system_clock::time_point time) {
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
@@ -27,7 +27,7 @@ std::string toIso(std::chrono::system_clock::time_point time) {
 
 /// What others sent may end up here: nothing that moves a terminal's cursor, no second line.
 std::string printable(std::string_view text) {
-  std::string shown(text.substr(0, kMaxTextBytes));
+  std::string shown(text.substr(0, kMaxShownBytes));
   if (isPrintableUtf8(shown)) return shown;
   for (char& c : shown)
     if (c < 0x20 || c > 0x7E) c = '?';

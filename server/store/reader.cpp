@@ -21,7 +21,7 @@
 namespace lode::store {
 namespace {
 
-[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::kFormat, what); }
+[[noreturn]] void failReading(const std::string& what) { throw Error(ErrorCode::kFormat, what); }
 
 /// An open file, closed at the end.
 class File {
@@ -50,7 +50,8 @@ class File {
     if (!got)
       throw Error(ErrorCode::kIo,
                   "cannot be read at byte " + std::to_string(offset) + ": " + std::strerror(errno));
-    if (*got < into.size()) fail("ends at byte " + std::to_string(offset + *got) + " while it is being read");
+    if (*got < into.size())
+      failReading("ends at byte " + std::to_string(offset + *got) + " while it is being read");
   }
 
  private:
@@ -112,7 +113,7 @@ void Reader::State::readIndex() {
   std::array<std::byte, kHeaderBytes> header_bytes{};
   file.readAt(0, std::span(header_bytes).first(std::min<uint64_t>(file_bytes, kHeaderBytes)));
   if (file_bytes < kHeaderBytes + kFooterBytes)
-    fail("is no store or a truncated one: it has only " + std::to_string(file_bytes) + " bytes");
+    failReading("is no store or a truncated one: it has only " + std::to_string(file_bytes) + " bytes");
   const FileHeader header = decodeHeader(header_bytes, file_bytes);
   std::array<std::byte, kFooterBytes> footer{};
   file.readAt(file_bytes - kFooterBytes, footer);
@@ -125,7 +126,7 @@ void Reader::State::readIndex() {
     offset += entry.bytes;
   }
   if (computeBuildId(header, table) != header.summary.build_id)
-    fail("header: the build id is not the hash of the index");
+    failReading("header: the build id is not the hash of the index");
   summary = header.summary;
   summary.name = path.stem().string();
   const BlobEntry& root = blobs[summary.root_page.number - 1];
@@ -146,7 +147,7 @@ void Reader::State::readHierarchy() {
   while (!todo.empty()) {
     const Todo next = todo.back();
     todo.pop_back();
-    if (seen[next.blob - 1]) fail("blob " + std::to_string(next.blob) + ": two nodes name this page");
+    if (seen[next.blob - 1]) failReading("blob " + std::to_string(next.blob) + ": two nodes name this page");
     seen[next.blob - 1] = true;
     if (blobs[next.blob - 1].bytes > kMaxPageBytes)
       throw Error(ErrorCode::kLimit, "blob " + std::to_string(next.blob) + ": a page above the limit of " +
@@ -154,16 +155,16 @@ void Reader::State::readHierarchy() {
     HierarchyPage page = decodePage(readBlob(next.blob), next.owner, next.owner == kRootKey);
     for (Node& node : page.nodes) {
       if (pageOwner(node.key) != next.owner)
-        fail("node " + describeKey(node.key) + ": stands in a wrong page");
+        failReading("node " + describeKey(node.key) + ": stands in a wrong page");
       if (ownsPage(node) != static_cast<bool>(node.child_page))
-        fail("node " + describeKey(node.key) + ": has a page without need or none where one must be");
+        failReading("node " + describeKey(node.key) + ": has a page without need or none where one must be");
       if (node.child_page) {
         resolve(node.child_page, "node " + describeKey(node.key));
         todo.push_back({node.key, node.child_page.number});
       }
       nodes.push_back(std::move(node));
     }
-    if (nodes.size() > summary.nodes) fail("the pages hold more nodes than the header says");
+    if (nodes.size() > summary.nodes) failReading("the pages hold more nodes than the header says");
   }
   std::sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.key < b.key; });
 }
@@ -181,10 +182,10 @@ void Reader::State::checkSummary(const HierarchyTotals& totals) const {
   if (nodes.size() != summary.nodes || totals.triangles != summary.triangles ||
       totals.stored_triangles != summary.stored_triangles || totals.payloads != summary.payloads ||
       totals.depth != summary.depth)
-    fail("the header's counts are not those of the nodes");
-  if (nodes[0].box != summary.box) fail("the header's box is not the root's");
+    failReading("the header's counts are not those of the nodes");
+  if (nodes[0].box != summary.box) failReading("the header's box is not the root's");
   if (nodes[0].rungs.back().error_model != summary.max_error_model)
-    fail("the header's error is not that of the root's coarsest rung");
+    failReading("the header's error is not that of the root's coarsest rung");
 }
 
 /// Every blob is of one kind, and none is left over.
@@ -197,7 +198,7 @@ void Reader::State::checkRefs() const {
   const auto claim = [&](const BlobRef& ref, Use use, const std::string& user) {
     Use& known = uses[ref.number - 1];
     if (known != kNone && known != use)
-      fail(user + ": names blob " + std::to_string(ref.number) + ", which is something else");
+      failReading(user + ": names blob " + std::to_string(ref.number) + ", which is something else");
     known = use;
   };
   if (summary.textures) claim(summary.textures, kTextures, "header");
@@ -213,14 +214,15 @@ void Reader::State::checkRefs() const {
       claim(rung.payload, kPayload, "node " + describeKey(node.key));
     }
   if (const auto unused = std::find(uses.begin(), uses.end(), kNone); unused != uses.end())
-    fail("blob " + std::to_string(unused - uses.begin() + 1) + ": nothing uses it");
+    failReading("blob " + std::to_string(unused - uses.begin() + 1) + ": nothing uses it");
 }
 
 void Reader::State::resolve(const BlobRef& ref, const std::string& user) const {
-  if (ref.number == 0 || ref.number > blobs.size()) fail(user + ": names a blob that is not there");
+  if (ref.number == 0 || ref.number > blobs.size()) failReading(user + ": names a blob that is not there");
   const BlobEntry& entry = blobs[ref.number - 1];
   if (entry.bytes != ref.bytes || entry.name != ref.name)
-    fail(user + ": size or name of blob " + std::to_string(ref.number) + " is not that of the blob table");
+    failReading(user + ": size or name of blob " + std::to_string(ref.number) +
+                " is not that of the blob table");
 }
 
 std::vector<std::byte> Reader::State::readBlob(uint32_t number) const {
@@ -228,8 +230,8 @@ std::vector<std::byte> Reader::State::readBlob(uint32_t number) const {
   std::vector<std::byte> bytes(entry.bytes);
   file.readAt(entry.offset, bytes);
   if (checksum(bytes) != entry.checksum)
-    fail("blob " + std::to_string(number) + " at byte " + std::to_string(entry.offset) +
-         ": the checksum does not match");
+    failReading("blob " + std::to_string(number) + " at byte " + std::to_string(entry.offset) +
+                ": the checksum does not match");
   return bytes;
 }
 

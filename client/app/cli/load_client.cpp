@@ -19,10 +19,6 @@ constexpr std::array kLines{core::Line::kNewest, core::Line::kLeaving};
 constexpr size_t kRefillBelow = 64;  ///< open wishes; the session holds back what is above its own limits
 constexpr double kShortestTraceSeconds = 1;  ///< a path that stands still is replayed this often
 
-core::TimePoint::duration seconds(double count) {
-  return std::chrono::duration_cast<core::TimePoint::duration>(std::chrono::duration<double>(count));
-}
-
 }  // namespace
 
 void LoadTally::add(const LoadTally& other) {
@@ -69,7 +65,7 @@ core::TimePoint LoadClient::intendedTime(uint64_t replay) const noexcept {
   const double round_s = std::max(plan_.trace.duration_s, kShortestTraceSeconds);
   const size_t rounds = place / wishes.size();
   const double t_s = static_cast<double>(rounds) * round_s + wishes[place % wishes.size()].t_s;
-  return start_ + seconds(t_s - wishes[first_].t_s);
+  return start_ + ofSeconds(t_s - wishes[first_].t_s);
 }
 
 void LoadClient::noteError(const std::string& what) {

@@ -17,6 +17,11 @@
 
 namespace lode::app {
 
+/// Seconds as steps of the clock.
+inline core::TimePoint::duration ofSeconds(double count) {
+  return std::chrono::duration_cast<core::TimePoint::duration>(std::chrono::duration<double>(count));
+}
+
 /// What the clients of one thread have seen.
 struct LoadTally {
   std::array<LatencyHistogram, 3> latency;  ///< by class, from a wish's intended time to its last byte

@@ -32,10 +32,6 @@ void allowDescriptors(uint32_t clients) {
                                        " that the system allows: raise ulimit -n, or give fewer --clients");
 }
 
-Clock::duration seconds(double count) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(count));
-}
-
 /// Some of the clients, and the loop that steps them.
 class Stepper {
  public:
@@ -85,13 +81,13 @@ class Stepper {
 LoadTally runLoadTest(LoadPlan plan, const LoadOptions& options) {
   allowDescriptors(options.clients);
   const Clock::time_point start = Clock::now();
-  plan.end = start + seconds(options.seconds);
+  plan.end = start + ofSeconds(options.seconds);
   const double ramp_s = options.seconds / 4;
   std::vector<std::unique_ptr<Stepper>> steppers;
   for (unsigned i = 0; i < options.threads; ++i) steppers.push_back(std::make_unique<Stepper>(plan));
   for (uint32_t i = 0; i < options.clients; ++i) {
     const double part = static_cast<double>(i) / options.clients;
-    steppers[i % options.threads]->add(start + seconds(ramp_s * part), plan.trace.duration_s * part);
+    steppers[i % options.threads]->add(start + ofSeconds(ramp_s * part), plan.trace.duration_s * part);
   }
   {
     std::vector<std::jthread> threads;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr size_t kWriteBufferBytes = 256 << 10;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
+[[noreturn]] void failSpool(const std::filesystem::path& path, const char* what) {
   throw Error(ErrorCode::kIo,
               std::string("cannot ") + what + " temporary file " + path.string() + ": " +
                   fileErrorInWords(errno, "free some space, or name another folder with --tmp"));
@@ -29,13 +29,13 @@ constexpr size_t kWriteBufferBytes = 256 << 10;
 
 Spool::Spool(TemporaryFile file) : path_(std::move(file.path)), lasts_(file.lasts) {
   file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  if (file_ < 0) fail(path_, "create");
+  if (file_ < 0) failSpool(path_, "create");
 }
 
 Spool::Spool(TemporaryFile file, uint64_t size)
     : path_(std::move(file.path)), lasts_(file.lasts), size_(size), written_(size) {
   file_ = open(path_.c_str(), O_RDWR | O_CLOEXEC);
-  if (file_ < 0) fail(path_, "open");
+  if (file_ < 0) failSpool(path_, "open");
   const off_t there = lseek(file_, 0, SEEK_END);
   if (there < 0 || static_cast<uint64_t>(there) < size) {
     close(file_);
@@ -44,7 +44,7 @@ Spool::Spool(TemporaryFile file, uint64_t size)
   }
   if (ftruncate(file_, static_cast<off_t>(size)) != 0) {
     close(file_);
-    fail(path_, "cut");
+    failSpool(path_, "cut");
   }
 }
 
@@ -79,11 +79,11 @@ void Spool::flush() {
 }
 
 void Spool::sync() const {
-  if (fdatasync(file_) != 0) fail(path_, "sync");
+  if (fdatasync(file_) != 0) failSpool(path_, "sync");
 }
 
 void Spool::writeBuffer() {
-  if (!lode::writeAt(file_, written_, buffer_)) fail(path_, "write");
+  if (!lode::writeAt(file_, written_, buffer_)) failSpool(path_, "write");
   written_ += buffer_.size();
   buffer_.clear();
 }
@@ -91,7 +91,7 @@ void Spool::writeBuffer() {
 void Spool::readAt(uint64_t offset, std::span<std::byte> bytes) const {
   const std::optional<size_t> got = lode::readAt(file_, offset, bytes);
   if (got && *got < bytes.size()) errno = EIO;
-  if (got != bytes.size()) fail(path_, "read");
+  if (got != bytes.size()) failSpool(path_, "read");
 }
 
 SpoolCursor::SpoolCursor(const Spool& spool, uint64_t begin, uint64_t end, size_t buffer_bytes)

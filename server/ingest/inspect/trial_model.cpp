@@ -10,9 +10,9 @@
 namespace lode::ingest {
 namespace {
 
-class Trial {
+class TrialWriter {
  public:
-  Trial(const std::filesystem::path& input, const std::filesystem::path& output)
+  TrialWriter(const std::filesystem::path& input, const std::filesystem::path& output)
       : reader_(input, {.skip_bad = true}), file_(output), attributes_(reader_.attributes()) {}
 
   TrialModel write(uint64_t model_faces, uint64_t faces) {
@@ -114,7 +114,7 @@ class Trial {
 
 TrialModel writeTrialModel(const std::filesystem::path& input, uint64_t model_faces, uint64_t faces,
                            const std::filesystem::path& output) {
-  return Trial(input, output).write(model_faces, faces);
+  return TrialWriter(input, output).write(model_faces, faces);
 }
 
 }  // namespace lode::ingest

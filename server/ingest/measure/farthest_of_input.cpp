@@ -13,7 +13,7 @@ namespace {
 
 // Of the largest distance so far: triangles that are nearer at corners and ridges are passed over. At 0.6
 // three of 480 rungs came out too small, by up to 0.95; at 0.45 none, as if all triangles were looked at.
-constexpr float kWorth = 0.45f;
+constexpr float kWorthInInput = 0.45f;
 
 std::vector<glm::vec3> normalsOf(const NodeMesh& mesh) {
   std::vector<glm::vec3> normals;
@@ -98,14 +98,14 @@ float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const R
       known = std::max(known, nearest.distance);
     }
   }
-  const FarEdges edges(input, beside, normalsOf(rung.mesh), surface, kWorth * known);
+  const FarEdges edges(input, beside, normalsOf(rung.mesh), surface, kWorthInInput * known);
   FarthestInTriangle farthest(surface, known, known);
   for (const glm::u32vec3& t : input.triangles) {
     const uint32_t a = input.wedge_position[t.x], b = input.wedge_position[t.y],
                    c = input.wedge_position[t.z];
     const float high = std::max({beside[a].distance, beside[b].distance, beside[c].distance,
                                  edges.distance(a, b), edges.distance(b, c), edges.distance(c, a)});
-    if (high > kWorth * farthest.told()) farthest.look({beside[a], beside[b], beside[c]});
+    if (high > kWorthInInput * farthest.told()) farthest.look({beside[a], beside[b], beside[c]});
   }
   return farthest.largest();
 }

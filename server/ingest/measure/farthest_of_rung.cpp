@@ -9,7 +9,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kWorth = 0.8f;  ///< of the largest distance so far: triangles that reach it get a closer look
+constexpr float kWorthInRung =
+    0.8f;  ///< of the largest distance so far: triangles that reach it get a closer look
 // Steps along each edge at first: the fewer triangles a rung has, the more may hide inside one of them, and
 // the less a look costs. (Corners alone found 0.8 of what large rungs of a gyroid are off by.)
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
@@ -18,7 +19,7 @@ constexpr uint32_t stepsAtFirst(size_t triangles) {
 }
 constexpr float kManySteps = 1.5f;  ///< for each edge of the input that an edge of the rung is as long as
 constexpr uint32_t kMostSteps = 24;
-constexpr int kMostLooks = 32;  ///< at every triangle of the input, before its tree is asked
+constexpr int kMostLooksAtInput = 32;  ///< at every triangle of the input, before its tree is asked
 constexpr uint32_t kMostStarts = 64;
 
 /// The input's positions that lie on each triangle of a rung.
@@ -54,7 +55,7 @@ class Measurement {
     of_vertex_.reserve(sources_.size());
     for (uint32_t i = 0; i < sources_.size(); ++i) {
       uint32_t near = sources_[i];
-      of_vertex_.push_back(measure(pointOf(i), near, kWorth * largest_));
+      of_vertex_.push_back(measure(pointOf(i), near, kWorthInRung * largest_));
     }
     std::vector<float> high;
     high.reserve(mesh_.triangles.size());
@@ -63,7 +64,7 @@ class Measurement {
     for (size_t t = 0; t < mesh_.triangles.size(); ++t) high.push_back(look(t, few));
     const auto steps = static_cast<uint32_t>(kManySteps * edgesOfInputAlongEdge());
     for (size_t t = 0; t < high.size(); ++t)
-      if (high[t] > kWorth * largest_) lookClosely(t, std::clamp(steps, 2 * few, kMostSteps));
+      if (high[t] > kWorthInRung * largest_) lookClosely(t, std::clamp(steps, 2 * few, kMostSteps));
     return largest_;
   }
 
@@ -80,7 +81,7 @@ class Measurement {
   float measure(glm::vec3 point, uint32_t& near, float enough) {
     const float walked = input_.walk().distanceOnwards(point, near, enough);
     if (walked <= largest_) return walked;
-    const float exact = looks_++ < kMostLooks
+    const float exact = looks_++ < kMostLooksAtInput
                             ? input_.walk().nearestOfAll(point, {walked * walked, walked, 0}).distance
                             : input_.tree().nearest(point, 0, {walked * walked, walked, 0}).distance;
     largest_ = std::max(largest_, exact);
@@ -118,7 +119,7 @@ class Measurement {
     float high = std::max({of_vertex_[at.x], of_vertex_[at.y], of_vertex_[at.z]});
     for (int k = 0; k < 3; ++k) high = std::max(high, lookAlong({at[k], at[(k + 1) % 3]}, triangle, steps));
     forEachPoint(at, steps, [&](glm::vec3 point, bool is_inside, uint32_t& near) {
-      if (is_inside) high = std::max(high, measureOn(triangle, point, near, kWorth * largest_));
+      if (is_inside) high = std::max(high, measureOn(triangle, point, near, kWorthInRung * largest_));
     });
     return high;
   }
@@ -134,7 +135,7 @@ class Measurement {
     uint32_t near = sources_[lower];
     for (uint32_t i = 1; i < steps; ++i) {
       const glm::vec3 point = glm::mix(from, to, static_cast<float>(i) / static_cast<float>(steps));
-      high = std::max(high, measureOn(triangle, point, near, kWorth * largest_));
+      high = std::max(high, measureOn(triangle, point, near, kWorthInRung * largest_));
     }
     of_edge_.push_back(high);
     return high;

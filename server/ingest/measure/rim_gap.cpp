@@ -11,7 +11,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kPrecision = 1.02f;
+constexpr float kRimPrecision = 1.02f;
 constexpr float kNegligible = 0.25f;   ///< lattice steps, as far as large coordinates can be told apart
 constexpr float kShortestPart = 0.5f;  ///< lattice steps; rims are not divided further
 
@@ -55,7 +55,8 @@ void look(const Segment& segment, std::span<const Segment> rims, Farthest& farth
     const Segment part = parts.back();
     parts.pop_back();
     const float bound = squaredBound(part, rims);
-    const float enough = std::max(kPrecision * kPrecision * farthest.reached, kNegligible * kNegligible);
+    const float enough =
+        std::max(kRimPrecision * kRimPrecision * farthest.reached, kNegligible * kNegligible);
     if (bound <= enough || glm::distance(part.from, part.to) <= kShortestPart) {
       farthest.at_most = std::max(farthest.at_most, bound);
       continue;

@@ -5,12 +5,12 @@
 namespace lode::ingest {
 namespace {
 
-constexpr int kMostLooks = 32;
+constexpr int kMostLooksAtRung = 32;
 
 }  // namespace
 
 TriangleTree::Nearest RungSurface::nearest(glm::vec3 point, float enough, TriangleTree::Nearest known) const {
-  if (looks_ < kMostLooks) {
+  if (looks_ < kMostLooksAtRung) {
     ++looks_;
     return walk_.nearestOfAll(point, known);
   }

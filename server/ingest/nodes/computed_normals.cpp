@@ -10,7 +10,7 @@ namespace lode::ingest {
 
 namespace {
 
-constexpr uint32_t kNone = ~0u;
+constexpr uint32_t kNoNormal = ~0u;
 constexpr float kShortest = 1e-3f;    ///< of a sum of normals
 constexpr float kLeastShare = 1e-3f;  ///< of a corner, in all places together
 
@@ -18,7 +18,7 @@ constexpr float kLeastShare = 1e-3f;  ///< of a corner, in all places together
 /// the first wedges have the positions' numbers, further ones follow.
 struct NormalsByPosition {
   explicit NormalsByPosition(const NodeMesh& mesh)
-      : codes(mesh.positions.size()), next(codes.size(), kNone), of_wedge(mesh.wedge_position) {
+      : codes(mesh.positions.size()), next(codes.size(), kNoNormal), of_wedge(mesh.wedge_position) {
     std::vector<bool> is_known(codes.size());
     for (size_t wedge = 0; wedge < mesh.wedge_attributes.size(); ++wedge) {
       const uint16_t code = mesh.wedge_attributes[wedge].normal;
@@ -27,28 +27,28 @@ struct NormalsByPosition {
         is_known[number] = true;
         codes[number] = code;
       }
-      while (codes[number] != code && next[number] != kNone) number = next[number];
+      while (codes[number] != code && next[number] != kNoNormal) number = next[number];
       if (codes[number] == code) continue;
       next[number] = static_cast<uint32_t>(codes.size());
       number = next[number];
       codes.push_back(code);
-      next.push_back(kNone);
+      next.push_back(kNoNormal);
     }
     for (const uint16_t code : codes) directions.push_back(decodeOctahedral(code));
   }
 
-  bool hasSeveral(uint32_t position) const noexcept { return next[position] != kNone; }
+  bool hasSeveral(uint32_t position) const noexcept { return next[position] != kNoNormal; }
   /// Of a position's normals the one that looks most along a direction.
   uint32_t mostAlike(uint32_t position, glm::vec3 direction) const noexcept {
     uint32_t best = position;
-    for (uint32_t i = next[position]; i != kNone; i = next[i])
+    for (uint32_t i = next[position]; i != kNoNormal; i = next[i])
       if (glm::dot(directions[i], direction) > glm::dot(directions[best], direction)) best = i;
     return best;
   }
 
   std::vector<uint16_t> codes;
   std::vector<glm::vec3> directions;
-  std::vector<uint32_t> next;      ///< another of the same position, or kNone
+  std::vector<uint32_t> next;      ///< another of the same position, or kNoNormal
   std::vector<uint32_t> of_wedge;  ///< a wedge's
 };
 
@@ -69,12 +69,12 @@ void joinSmoothed(NodeMesh& rung, const std::vector<bool>& keep, const CreaseAng
   const NormalsByPosition own(rung);
   const NormalFans fans = findFans(rung, crease);
   Groups same(own.codes.size());
-  std::vector<uint32_t> of_fan(fans.sums.size(), kNone);
+  std::vector<uint32_t> of_fan(fans.sums.size(), kNoNormal);
   for (size_t c = 0; c < fans.of_corner.size(); ++c) {
     const uint32_t wedge = rung.triangles[c / 3][static_cast<int>(c % 3)];
     if (keep[rung.wedge_position[wedge]]) continue;
     uint32_t& normal = of_fan[fans.of_corner[c]];
-    if (normal == kNone) normal = own.of_wedge[wedge];
+    if (normal == kNoNormal) normal = own.of_wedge[wedge];
     same.join(normal, own.of_wedge[wedge]);
   }
   for (size_t wedge = 0; wedge < rung.wedge_attributes.size(); ++wedge)
@@ -88,11 +88,11 @@ std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& rung, const NormalsBy
   for (uint32_t i = 0; i < rung.became.size(); ++i) {
     const uint32_t place = rung.became[i];
     if (place == kVanished) continue;
-    for (uint32_t normal = i; normal != kNone; normal = given.next[normal])
+    for (uint32_t normal = i; normal != kNoNormal; normal = given.next[normal])
       means[own.mostAlike(place, given.directions[normal])] += given.directions[normal];
   }
   for (uint32_t position = 0; position < sources.size(); ++position) {
-    for (uint32_t normal = position; normal != kNone; normal = own.next[normal]) {
+    for (uint32_t normal = position; normal != kNoNormal; normal = own.next[normal]) {
       const uint32_t nearest = own.hasSeveral(position)
                                    ? given.mostAlike(sources[position], own.directions[normal])
                                    : sources[position];
@@ -147,7 +147,7 @@ void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<c
   const std::vector<glm::vec3> normals = sharpened(rung, own, means, given, places);
   std::vector<uint16_t> codes(own.codes.size());
   for (uint32_t position = 0; position < sources.size(); ++position) {
-    for (uint32_t normal = position; normal != kNone; normal = own.next[normal]) {
+    for (uint32_t normal = position; normal != kNoNormal; normal = own.next[normal]) {
       if (keep[position]) {
         codes[normal] = given.codes[given.mostAlike(sources[position], own.directions[normal])];
       } else {

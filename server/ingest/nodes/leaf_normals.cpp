@@ -8,7 +8,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint32_t kNone = ~0u;
+constexpr uint32_t kNoWedge = ~0u;
 
 std::vector<uint16_t> normalsOfFans(const NodeMesh& mesh, const NormalFans& fans,
                                     std::span<const BorderVertex> border) {
@@ -29,7 +29,7 @@ void giveLeafNormals(NodeMesh& mesh, std::span<const BorderVertex> border, const
   const std::vector<uint16_t> normals = normalsOfFans(mesh, fans, border);
   mesh.wedge_attributes.resize(mesh.wedge_position.size());
   std::vector<bool> is_given(mesh.wedge_position.size());
-  std::vector<uint32_t> next(mesh.wedge_position.size(), kNone);  // the same wedge with another normal
+  std::vector<uint32_t> next(mesh.wedge_position.size(), kNoWedge);  // the same wedge with another normal
   for (size_t c = 0; c < fans.of_corner.size(); ++c) {
     const uint16_t normal = normals[fans.of_corner[c]];
     uint32_t& wedge = mesh.triangles[c / 3][static_cast<int>(c % 3)];
@@ -38,7 +38,7 @@ void giveLeafNormals(NodeMesh& mesh, std::span<const BorderVertex> border, const
       mesh.wedge_attributes[wedge].normal = normal;
       continue;
     }
-    while (mesh.wedge_attributes[wedge].normal != normal && next[wedge] != kNone) wedge = next[wedge];
+    while (mesh.wedge_attributes[wedge].normal != normal && next[wedge] != kNoWedge) wedge = next[wedge];
     if (mesh.wedge_attributes[wedge].normal == normal) continue;
     const auto added = static_cast<uint32_t>(mesh.wedge_position.size());
     VertexAttributes attributes = mesh.wedge_attributes[wedge];
@@ -46,7 +46,7 @@ void giveLeafNormals(NodeMesh& mesh, std::span<const BorderVertex> border, const
     mesh.wedge_attributes.push_back(attributes);
     mesh.wedge_position.push_back(mesh.wedge_position[wedge]);
     is_given.push_back(true);
-    next.push_back(kNone);
+    next.push_back(kNoWedge);
     next[wedge] = added;
     wedge = added;
   }

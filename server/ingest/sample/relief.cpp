@@ -12,7 +12,7 @@ constexpr double kFirstFrequency = 1.3;
 constexpr double kFirstHeight = 0.22;
 constexpr double kLacunarity = 2.03;  // not 2, so that the zeros of the octaves do not fall together
 constexpr double kGain = 0.49;
-constexpr size_t kMaxOctaves = 24;
+constexpr size_t kMaxReliefOctaves = 24;
 
 }  // namespace
 
@@ -21,7 +21,7 @@ Relief::Relief(uint64_t seed, double finest) {
   const auto offset = [&] { return static_cast<double>(random() >> 40) * 0x1p-16; };
   double frequency = kFirstFrequency;
   double height = kFirstHeight;
-  for (size_t i = 0; i < kMaxOctaves && frequency * finest < 1; ++i) {
+  for (size_t i = 0; i < kMaxReliefOctaves && frequency * finest < 1; ++i) {
     const double fade_in = std::fmin(1, 2 * (1 - frequency * finest));
     const double x = offset(), y = offset(), z = offset();
     octaves_.push_back({frequency, height * fade_in, {x, y, z}, static_cast<uint32_t>(random())});

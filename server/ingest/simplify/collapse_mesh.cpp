@@ -10,7 +10,7 @@ namespace lode::ingest {
 
 namespace {
 
-constexpr uint32_t kNone = ~0u;
+constexpr uint32_t kNoIndex = ~0u;
 constexpr uint32_t kSlack = 4;  // places kept free in a list of corners that has to move
 constexpr size_t kMany = 64;    // triangles, from which on lists are gone through once for all of them
 
@@ -73,7 +73,7 @@ void CollapseMesh::gatherCorners() {
 std::vector<CollapseMesh::Edge> CollapseMesh::edges() const {
   std::vector<Edge> result;
   result.reserve(live_triangles * 3 / 2 + positions.size() / 16);
-  std::vector<uint32_t> slot(positions.size(), kNone);
+  std::vector<uint32_t> slot(positions.size(), kNoIndex);
   const uint32_t count = static_cast<uint32_t>(positions.size());
   for (uint32_t u = 0; u < count; ++u) {
     const size_t first = result.size();
@@ -83,7 +83,7 @@ std::vector<CollapseMesh::Edge> CollapseMesh::edges() const {
         if (v < u) continue;
         const uint32_t wedge_u = hasWedges() ? corner_wedge[corner] : 0;
         const uint32_t wedge_v = hasWedges() ? corner_wedge[other] : 0;
-        if (slot[v] != kNone && slot[v] >= first) {
+        if (slot[v] != kNoIndex && slot[v] >= first) {
           Edge& edge = result[slot[v]];
           ++edge.uses;
           edge.seam |= edge.wedge_u != wedge_u || edge.wedge_v != wedge_v;
@@ -140,7 +140,7 @@ void CollapseMesh::classifyPositions(std::span<const Edge> edges) {
 void CollapseMesh::kill(uint32_t triangle, uint32_t except) {
   for (uint32_t corner = 4 * triangle; corner < 4 * triangle + 3; ++corner) {
     const uint32_t position = corner_position[corner];
-    corner_position[corner] = kNone;
+    corner_position[corner] = kNoIndex;
     if (position == except) continue;
     CollapsePosition& list = positions[position];
     uint32_t* const begin = pool.data() + list.first;
@@ -159,7 +159,7 @@ void CollapseMesh::killAll(std::span<const uint32_t> corners, uint32_t except) {
   for (const uint32_t corner : corners) {
     for (uint32_t c = corner / 4 * 4; c < corner / 4 * 4 + 3; ++c) {
       if (corner_position[c] != except) touched.push_back(corner_position[c]);
-      corner_position[c] = kNone;
+      corner_position[c] = kNoIndex;
     }
   }
   live_triangles -= corners.size();
@@ -168,8 +168,8 @@ void CollapseMesh::killAll(std::span<const uint32_t> corners, uint32_t except) {
   for (const uint32_t position : touched) {
     CollapsePosition& list = positions[position];
     uint32_t* const begin = pool.data() + list.first;
-    uint32_t* const end = std::remove_if(begin, begin + list.count,
-                                         [&](uint32_t corner) { return corner_position[corner] == kNone; });
+    uint32_t* const end = std::remove_if(
+        begin, begin + list.count, [&](uint32_t corner) { return corner_position[corner] == kNoIndex; });
     list.count = static_cast<uint32_t>(end - begin);
   }
 }
@@ -287,7 +287,7 @@ void CollapseMesh::removeFolds(uint32_t position) {
       dying_.push_back(std::get<3>(sides[backward + i]));
     }
   }
-  killAll(dying_, kNone);
+  killAll(dying_, kNoIndex);
 }
 
 NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {
@@ -305,19 +305,19 @@ NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {
     result.wedge_position.resize(result.positions.size());
     for (size_t i = 0; i < result.positions.size(); ++i) result.wedge_position[i] = static_cast<uint32_t>(i);
     for (size_t c = 0; c < corner_position.size(); c += 4) {
-      if (corner_position[c] == kNone) continue;
+      if (corner_position[c] == kNoIndex) continue;
       result.triangles.emplace_back(new_position[corner_position[c]], new_position[corner_position[c + 1]],
                                     new_position[corner_position[c + 2]]);
     }
     return result;
   }
   // Wedges of one position whose attributes have become equal are one.
-  std::vector<uint32_t> new_wedge(wedges.size(), kNone);
+  std::vector<uint32_t> new_wedge(wedges.size(), kNoIndex);
   for (uint32_t i = 0; i < positions.size(); ++i) {
     const size_t first = result.wedge_position.size();
     for (const uint32_t corner : around(i)) {
       uint32_t& wedge = new_wedge[corner_wedge[corner]];
-      if (wedge != kNone) continue;
+      if (wedge != kNoIndex) continue;
       const VertexAttributes code = wedges.code(corner_wedge[corner]);
       const auto known = std::find(result.wedge_attributes.begin() + static_cast<ptrdiff_t>(first),
                                    result.wedge_attributes.end(), code);
@@ -328,7 +328,7 @@ NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {
     }
   }
   for (size_t c = 0; c < corner_position.size(); c += 4) {
-    if (corner_position[c] == kNone) continue;
+    if (corner_position[c] == kNoIndex) continue;
     result.triangles.emplace_back(new_wedge[corner_wedge[c]], new_wedge[corner_wedge[c + 1]],
                                   new_wedge[corner_wedge[c + 2]]);
   }

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""clang-tidy 14 over the sources of the programs, by .clang-tidy: tests/check_tidy.py [BUILD] [FILE...]
+
+BUILD (build/dev) is a configured build folder; its generated headers must be there, so build before. Most of
+the time goes into the headers, so the sources of a folder that are compiled alike are read as one: what they
+name for themselves must differ within the folder. (A using declaration that only another of them uses is
+not noticed.)
+"""
+
+import collections
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+SOURCES = ["common/*.cpp", "proto/*.cpp", "server/*.cpp", "client/*.cpp"]
+WITH_THEIR_OWN_BUILD = ":!client/embed/examples"  # compiled against an installed tree
+CHATTER = re.compile(r"^\d+ warnings? (generated|treated)")
+
+
+def all_sources():
+    listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "--deduplicate",
+                             "--", *SOURCES, WITH_THEIR_OWN_BUILD], check=True, capture_output=True, text=True)
+    return listed.stdout.split()
+
+
+def read_commands(build):
+    """By file. clang reads no headers that g++ precompiled: each file must include what it uses."""
+    entries = json.loads((build / "compile_commands.json").read_text())
+    for entry in entries:
+        entry["command"] = re.sub(r" -Winvalid-pch -include \S+", "", entry["command"])
+    return {os.path.relpath(entry["file"]): entry for entry in entries}
+
+
+def together(files, commands):
+    """The files by folder and by how they are compiled, the largest groups first."""
+    groups = collections.defaultdict(list)
+    for file in files:
+        if file not in commands:
+            sys.exit(f"check_tidy: {file} is compiled by nothing; name it in a CMakeLists.txt, and configure again")
+        how = re.sub(r" -o .*", "", commands[file]["command"])
+        groups[os.path.dirname(file), how].append(file)
+    return sorted(groups.values(), key=len, reverse=True)
+
+
+def complaints(commands_at, files):
+    """What clang-tidy says of the files, nothing if it has no complaint."""
+    *before, last = files
+    others = [f"--extra-arg={word}" for file in before for word in ("-include", os.path.abspath(file))]
+    run = subprocess.run(["clang-tidy-14", "-p", commands_at, "--quiet", "--checks=-bugprone-suspicious-include",
+                          *others, last],
+                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if run.returncode == 0:
+        return ""
+    return "".join(line for line in run.stdout.splitlines(keepends=True) if not CHATTER.match(line))
+
+
+def main():
+    build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "build/dev").absolute()
+    files = sorted({os.path.relpath(file) for file in sys.argv[2:]})
+    os.chdir(pathlib.Path(__file__).resolve().parent.parent)
+    if not (build / "compile_commands.json").is_file():
+        sys.exit(f"check_tidy: no {build}/compile_commands.json; run: cmake --preset dev && cmake --build --preset dev")
+    files = files or all_sources()
+    commands = read_commands(build)
+    groups = together(files, commands)
+    print(f"tidy: {len(files)} files in {len(groups)} groups", flush=True)
+    with tempfile.TemporaryDirectory() as commands_at, ThreadPoolExecutor(os.cpu_count()) as pool:
+        (pathlib.Path(commands_at) / "compile_commands.json").write_text(json.dumps(list(commands.values())))
+        said = "".join(pool.map(lambda group: complaints(commands_at, group), groups))
+    print(said, end="")
+    return 1 if said else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
