@@ -233,11 +233,15 @@ Wishes fromWire(const wire::Wishes& from) {
 Credit fromWire(const wire::Credit& from) { return {from.granted_bytes()}; }
 Cancelled fromWire(const wire::Cancelled& from) { return {from.wish()}; }
 
+/// A code that a later version may add is taken as kInternal.
+WireError toWireError(uint8_t code) {
+  const bool known = code >= static_cast<uint8_t>(WireError::kMalformed) &&
+                     code <= static_cast<uint8_t>(WireError::kInternal);
+  return known ? static_cast<WireError>(code) : WireError::kInternal;
+}
+
 ErrorMessage fromWire(const wire::Error& from) {
-  require(from.code() >= static_cast<uint8_t>(WireError::kMalformed) &&
-              from.code() <= static_cast<uint8_t>(WireError::kInternal),
-          "an unknown error code");
-  return {static_cast<WireError>(from.code()), from.wish(), from.closes(),
+  return {toWireError(from.code()), from.wish(), from.closes(),
           getString(from.message(), kMaxStringBytes, "bytes in an error's text")};
 }
 

@@ -257,11 +257,11 @@ TEST(HostileMessages, aWishThatCannotBeIsRefused) {
   EXPECT_EQ(refusalOf<Wishes>(wishWith(0, 0, 1, std::nanf(""))), ErrorCode::kProtocol);
 }
 
-TEST(HostileMessages, anErrorCodeOutOfRangeIsRefused) {
-  for (const uint8_t code : std::initializer_list<uint8_t>{0, 11, 255})
-    EXPECT_EQ(
-        refusalOf<ErrorMessage>(craft([&](FlatBufferBuilder& b) { return wire::CreateError(b, code); })),
-        ErrorCode::kProtocol);
+TEST(HostileMessages, anErrorWithACodeThatIsUnknownIsTakenAsInternal) {
+  for (const uint8_t code : std::initializer_list<uint8_t>{0, 11, 255}) {
+    const auto body = craft([&](FlatBufferBuilder& b) { return wire::CreateError(b, code, 7, true); });
+    EXPECT_EQ(decode<ErrorMessage>(body), (ErrorMessage{WireError::kInternal, 7, true, ""}));
+  }
 }
 
 TEST(HostileMessages, versionsThatAreNoRangeAreRefused) {
