@@ -102,6 +102,7 @@ std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<co
     if (!model || !isUnchanged(*model, file)) try {
         model = openModel(file, options);
       } catch (const Error& error) {
+        if (!model && std::ranges::find(stores, file) != stores.end()) throw;  // a folder that is gone, say
         options.report("the store of model '" + file.stem().string() + "' cannot be opened" +
                        (model ? "; what was served before stays" : "; it is not offered") + ": " +
                        std::string(error.code() == ErrorCode::kIo ? "the system refused" : "it is damaged"));

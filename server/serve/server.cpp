@@ -30,15 +30,17 @@ constexpr size_t kReaderThreads = 4;                           ///< that may wai
 constexpr uint64_t kOtherDescriptors = 64;                     ///< beside connections, stores and refusals
 constexpr auto kMemoryEvery = std::chrono::milliseconds(100);  ///< it is looked after
 
-/// A message as it may stand in a log, which others may read than those who know the machine's folders: each
-/// path is cut to its last name.
-std::string withoutFolders(std::string_view message) {
-  std::string said;
-  for (const char c : message) {
-    if (c == '/') said.erase(said.find_last_of(" '\"(") + 1);
-    if (c != '/') said += c;
-  }
-  return said;
+/// A message as it may stand in a log, which others may read than those who know the machine's folders: of
+/// the paths that were named, and of what is in them, it leaves the last name.
+std::string withoutFolders(std::string message, const ServeOptions& options) {
+  std::vector<std::filesystem::path> named = options.stores;
+  named.insert(named.end(), {options.token_file, options.tls_certificate, options.tls_key});
+  for (const auto& path : named)
+    for (const std::string& folder : {(path / "").string(), (path.parent_path() / "").string()})
+      for (size_t at = message.find(folder); !folder.empty() && at != std::string::npos;
+           at = message.find(folder))
+        message.erase(at, folder.size());
+  return message;
 }
 
 unsigned threadsOf(const ServeOptions& options) {
@@ -255,7 +257,7 @@ void Server::State::reload() {
       action();
     } catch (const std::exception& error) {
       log.write(LogKind::kServer, std::string(what) + " could not be reloaded; what there was stays",
-                {{"why", withoutFolders(error.what())}});
+                {{"why", withoutFolders(error.what(), options)}});
     }
   };
   keeping("stores", [&] { offer.catalog = reopenCatalog(*offer.catalog, options.stores, readerOptions()); });

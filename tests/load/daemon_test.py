@@ -18,7 +18,7 @@ import unittest
 
 import lodestream_generated as wire
 from daemon import BIN, MODELS, SOURCE, STORE, Daemon, eventually
-from read_model import BLOB, HEADER
+from read_model import BLOB, HEADER, Connection, Reader
 
 LIMIT = 7
 
@@ -186,6 +186,61 @@ class ServiceManager(unittest.TestCase):
             self.assertEqual(daemon.ask("/healthz")[0], 200)
             self.assertGreater(daemon.read_whole()["payloads"], 20)
             self.assertIsNone(daemon.process.poll())
+
+
+class Secrets(unittest.TestCase):
+    """Tokens, and folders of the machine: in no line of the log and in no Error, whatever goes wrong."""
+
+    HIDDEN = ("hushhush", "nowhere")
+
+    def wrong(self, daemon):
+        """What a server says that is approached wrongly."""
+        for token in ("", "hushhush-wrong", "hushhush-old"):
+            with contextlib.closing(Connection(daemon.address)) as connection:
+                yield self.error(connection, lambda: connection.open("changing", token))
+        for model in ("none", "../nowhere/changing"):
+            with contextlib.closing(Connection(daemon.address)) as connection:
+                yield self.error(connection, lambda: connection.open(model, "hushhush-one"))
+        with contextlib.closing(Connection(daemon.address)) as connection:
+            connection.socket.sendall(HEADER.pack(20, 1, 0, 0, 1) + b"hushhush-one hushhus")
+            yield self.error(connection, connection.receive)
+        with contextlib.closing(Connection(daemon.address)) as connection:
+            yield self.error(connection, Reader(connection, *connection.open("changing", "hushhush-one")).run)
+
+    def error(self, connection, action):
+        with self.assertRaises(SystemExit) as said:
+            action()
+        return str(said.exception)
+
+    def expect_kept(self, *arguments):
+        with tempfile.TemporaryDirectory(prefix="nowhere ") as folder, tempfile.TemporaryFile("w+") as log:
+            models, tokens = (os.path.join(folder, name) for name in ("models", "tokens"))
+            store = os.path.join(models, "changing.lode")
+            os.mkdir(models)
+            shutil.copy(STORE, store)
+            with open(tokens, "w") as file:
+                file.write("hushhush-one never *\nhushhush-old 2020-01-31T12:00:00Z *\n")
+            with Daemon(models, "--token-file", tokens, *arguments, stderr=log) as daemon:
+                with open(store, "r+b") as file:
+                    file.write(bytes(os.path.getsize(store)))
+                said = list(self.wrong(daemon))
+                with open(tokens, "w") as file:
+                    file.write("hushhush-one sometimes *\n")
+                os.rename(store, os.path.join(models, "other.lode"))
+                daemon.process.send_signal(signal.SIGHUP)
+                eventually(lambda: log.seek(0) == 0 and "tokens could not" in log.read())
+                shutil.rmtree(models)
+                daemon.process.send_signal(signal.SIGHUP)
+                eventually(lambda: log.seek(0) == 0 and "stores could not" in log.read())
+            log.seek(0)
+            for line in (*said, *log.readlines()):
+                for secret in self.HIDDEN:
+                    self.assertNotIn(secret, line.replace("'../nowhere/changing'", ""))
+
+    def test_are_kept_in_text_and_in_json(self):
+        for arguments in ((), ("--log-json",)):
+            with self.subTest(arguments=arguments):
+                self.expect_kept(*arguments)
 
 
 class Latency(unittest.TestCase):

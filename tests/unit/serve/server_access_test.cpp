@@ -93,21 +93,44 @@ TEST_F(ServerAccess, aTokenFileThatIsWrongAtTheReloadLeavesWhatThereWas) {
   EXPECT_EQ(greet(client, "one"), FrameType::kWelcome);
 }
 
+TEST_F(ServerAccess, aFolderOfStoresThatIsGoneAtTheReloadLeavesWhatThereWas) {
+  const std::filesystem::path models = folder_.path() / "models";
+  std::filesystem::create_directory(models);
+  writeSmallStore(models / "c.lode", 3);
+  options_.stores = {store_, models};
+  start();
+  std::filesystem::remove_all(models);
+  server_->reload();
+  TestClient client = connect();
+  ASSERT_EQ(greet(client, ""), FrameType::kWelcome);
+  EXPECT_EQ(list(client), (std::vector<std::string>{"a", "c"}));
+}
+
 TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
   const std::filesystem::path log = folder_.path() / "log.txt";
   const int descriptor = ::open(log.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
   options_.log.descriptor = descriptor;
+  const std::filesystem::path hidden = folder_.path() / "not for (others) to 'know'";
+  std::filesystem::create_directories(hidden / "models");
+  writeSmallStore(hidden / "models" / "a.lode", 1);
+  options_.stores = {hidden / "models"};
+  options_.tls_certificate = hidden / "chain.pem";
+  options_.tls_key = hidden / "key.pem";
+  lode::test::writeCertificate(options_.tls_certificate, options_.tls_key);
   writeTokens("one never *\n");
   start();
   writeTokens("one sometimes *\n");
+  std::filesystem::remove_all(hidden);
   server_->reload();
   stop();
   server_.reset();
   ::close(descriptor);
   std::ostringstream said;
   said << std::ifstream(log).rdbuf();
-  EXPECT_NE(said.str().find("tokens could not be reloaded"), std::string::npos) << said.str();
-  EXPECT_EQ(said.str().find(folder_.path().string()), std::string::npos) << said.str();
+  for (const char* what : {"stores", "tokens", "the certificate"})
+    EXPECT_NE(said.str().find(std::string(what) + " could not be reloaded"), std::string::npos) << said.str();
+  for (const char* folder : {"tmp", "not for", "others", "know"})
+    EXPECT_EQ(said.str().find(folder), std::string::npos) << said.str();
 }
 
 TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {

@@ -185,6 +185,26 @@ TEST_F(SessionTest, drainingSaysGoAwayAndLetsWishesEnd) {
   EXPECT_TRUE(session_.finished());
 }
 
+TEST_F(SessionTest, drainingAnswersFramesAsBeforeUntilTheLastWishHasEnded) {
+  open();
+  wish(WishClass::kVisible, 1, 3, 1);
+  session_.drain("stopping");
+  control();
+  send(proto::Open{"b", {}}, 9);
+  EXPECT_EQ(only<proto::Opened>(FrameType::kOpened, 9).summary.name, "b");
+  wish(WishClass::kVisible, 2, 4, 1);
+  for (int chunk = 0; chunk < 3; ++chunk) EXPECT_TRUE(sendChunk());
+  EXPECT_FALSE(session_.finished());
+  EXPECT_EQ(sendChunk(), 2u);
+  EXPECT_TRUE(session_.finished());
+}
+
+TEST_F(SessionTest, drainedBeforeItGreetsItSaysGoAwayAndEnds) {
+  session_.drain("stopping");
+  EXPECT_EQ(only<proto::GoAway>(FrameType::kGoAway).reason, "stopping");
+  EXPECT_TRUE(session_.finished());
+}
+
 TEST_F(SessionTest, whatOneFrameIsAnsweredWithIsBounded) {
   open();
   proto::Wishes wishes{1, {}};

@@ -1,5 +1,7 @@
 #include "server/serve/token_file.h"
 
+#include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <string>
 
@@ -48,6 +50,26 @@ TEST(TokenFile, takesNoTokenButWhatIsInIt) {
   for (const char* token : {"", "s", "secre", "secret ", "Secret", "secrets", "never", "#"})
     EXPECT_EQ(file.find(token, kNow), nullptr) << token;
   EXPECT_NE(file.find("secret", kNow), nullptr);
+}
+
+TEST(TokenFile, isLookedThroughToItsEndWhicheverTokenIsThere) {
+  std::string text;
+  for (size_t i = 1000; i < 1000 + kMaxTokens; ++i) text += "t" + std::to_string(i) + " never *\n";
+  const TokenFile file = TokenFile::parse(text);
+  const auto shortest = [&](std::string_view token) {
+    auto least = std::chrono::steady_clock::duration::max();
+    for (int i = 0; i < 200; ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      file.find(token, kNow);
+      least = std::min(least, std::chrono::steady_clock::now() - start);
+    }
+    return least;
+  };
+  const auto none = shortest("none!");
+  for (const char* token : {"t1000", "t3000", "t5095"}) {
+    EXPECT_LT(shortest(token), none * 3 / 2) << token;
+    EXPECT_GT(shortest(token), none * 2 / 3) << token;
+  }
 }
 
 TEST(TokenFile, takesATokenUntilItExpires) {
