@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""lodestreamd as its surroundings treat it: who reads its log, its limits, its service manager, signals under load.
+"""lodestreamd as its surroundings treat it: who reads its log, open files, its service manager, signals under load.
 
     daemon_test.py BIN_DIR MODELS_DIR SOURCE_DIR
 """
@@ -91,40 +91,6 @@ class OpenFiles(unittest.TestCase):
             with self.start(log, "--max-connections", "100"):
                 pass
             self.assertNotIn("fewer", self.said(log))
-
-
-class Limits(unittest.TestCase):
-    PING = HEADER.pack(12, 14, 0, 0, 1) + bytes.fromhex("080000000400040004000000")  # a table without fields
-
-    def test_of_open_models_is_what_was_asked_for(self):
-        with Daemon(STORE, "--max-open-models", "1") as daemon, contextlib.closing(daemon.open()[0]) as connection:
-            connection.send("Open", 3, model="painted")
-            with self.assertRaises(SystemExit) as said:
-                while True:
-                    connection.receive()
-            self.assertIn("code 7", str(said.exception))
-
-    def held_by_a_client_that_pings_and_never_reads(self, *arguments):
-        with Daemon(STORE, *arguments) as daemon, contextlib.closing(daemon.open()[0]) as connection:
-            # The least of several: what was just sent may still be counted.
-            before = min(daemon.metric("lodestream_memory_bytes") for _ in range(10))
-            connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-            connection.socket.settimeout(1)
-            with self.assertRaises(TimeoutError):  # the server reads nothing more
-                for _ in range(10000):
-                    connection.socket.sendall(self.PING * 1000)
-            return daemon.metric("lodestream_memory_bytes") - before
-
-    def test_of_answers_that_nobody_reads_is_kept(self):
-        held = self.held_by_a_client_that_pings_and_never_reads
-        for limit, kept in ((4096, held("--max-queued-bytes", "4KB")), (65536, held())):
-            self.assertIn(kept // limit, (1, 2))  # a full queue, and one that is being sent
-
-    def test_of_bytes_a_second_is_kept(self):
-        with Daemon(STORE, "--max-rate", "400KB", "--max-rate-per-connection", "300KB") as daemon:
-            start = time.monotonic()
-            read = daemon.read_whole()["bytes"]
-            self.assertAlmostEqual(read / (time.monotonic() - start), 300e3, delta=60e3)
 
 
 class ServiceManager(unittest.TestCase):

@@ -1,0 +1,54 @@
+#!/usr/bin/python3
+"""What `lodestream loadtest` tells of a server that stands still for a second: loadtest_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+from daemon import BIN, STORE, Daemon
+
+CAMERA = {"fov_y_deg": 45, "keys": [{"t": 0, "eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]},
+                                    {"t": 1, "eye": [0, 0, 2], "target": [0, 0, 0], "up": [0, 1, 0]}]}
+STILL_S, TEST_S = 1.0, 4
+
+
+class Latency(unittest.TestCase):
+    def lodestream(self, *arguments):
+        return subprocess.Popen([os.path.join(BIN, "lodestream"), *map(str, arguments)], stdout=subprocess.PIPE, text=True)
+
+    def trace(self, url, folder):
+        """Every blob that a camera's path wishes for, one after the other at a steady rate."""
+        camera, trace = (os.path.join(folder, name) for name in ("camera.json", "trace.json"))
+        with open(camera, "w") as file:
+            json.dump(CAMERA, file)
+        self.lodestream("replay", url, "--camera", camera, "--cache", "off", "--record", trace, "--json").communicate(timeout=60)
+        with open(trace) as file:
+            recorded = json.load(file)
+        wishes = recorded["wishes"]
+        for number, wish in enumerate(wishes):
+            wish["t"], wish["class"] = number / len(wishes), 0
+        with open(trace, "w") as file:
+            json.dump({**recorded, "duration_s": 1, "wishes": wishes}, file)
+        return trace
+
+    def test_counts_from_when_a_wish_was_meant_though_the_server_stands_still(self):
+        with tempfile.TemporaryDirectory() as folder, Daemon(STORE) as daemon:
+            url = f"lode://{daemon.address}/painted"
+            test = self.lodestream("loadtest", url, "--trace", self.trace(url, folder), "--clients", 4, "--seconds", TEST_S,
+                                   "--decode-off", "--json")
+            time.sleep(TEST_S / 2)
+            daemon.process.send_signal(signal.SIGSTOP)
+            time.sleep(STILL_S)
+            daemon.process.send_signal(signal.SIGCONT)
+            told = json.loads(test.communicate(timeout=60)[0])
+        late = told["latency_ms"]["visible"]
+        # A quarter of the wishes are meant for that second, and each is late by what is left of it: a tenth by 0.6 s and more.
+        self.assertGreater(late["count"], 100)
+        self.assertGreater(late["p90"], 300)
+
+
+if __name__ == "__main__":
+    unittest.main()
