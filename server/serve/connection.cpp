@@ -17,6 +17,11 @@ namespace {
 
 constexpr size_t kMaxKeptBodyBytes = 4u << 10;  ///< of the last frame, kept for the next
 
+LogKind kindOfEnd(EndReason reason, bool unauthorized) {
+  if (reason != EndReason::kMistake) return LogKind::kConnectionEnd;
+  return unauthorized ? LogKind::kUnauthorized : LogKind::kProtocolMistake;
+}
+
 }  // namespace
 
 Connection::Connection(proto::ByteStream stream, Place place, MemoryAccount memory, ConnectionHost& host,
@@ -41,8 +46,7 @@ Connection::~Connection() {
   const EndReason reason = end_.value_or(EndReason::kStopping);
   host_.tallies->ended[static_cast<size_t>(reason)].add();
   const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
-  host_.log->write(reason == EndReason::kMistake ? LogKind::kProtocolMistake : LogKind::kConnectionEnd,
-                   "a connection ended",
+  host_.log->write(kindOfEnd(reason, session_.unauthorized()), "a connection ended",
                    {{"client", client_},
                     {"reason", endName(reason)},
                     {"seconds", seconds},

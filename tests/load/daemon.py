@@ -4,13 +4,15 @@ import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
 import urllib.error
 import urllib.request
 
-from read_model import Connection, Reader
+import lodestream_generated as wire
+from read_model import HEADER, Connection, Reader
 
 BIN, MODELS, SOURCE = (os.path.abspath(sys.argv.pop(1)) for _ in range(3))
 STORE = os.path.join(MODELS, "painted.lode")
@@ -71,3 +73,20 @@ def eventually(what, seconds=20):
     while not what():
         assert time.monotonic() < end, "it did not come to that"
         time.sleep(0.01)
+
+
+def refusal(address):
+    """The Error that a connection gets before it says anything, or None."""
+    host, port = address.rsplit(":", 1)
+    with socket.create_connection((host, int(port)), timeout=0.2) as client, contextlib.suppress(TimeoutError):
+        head = client.recv(HEADER.size, socket.MSG_WAITALL)
+        size, kind, *_ = HEADER.unpack(head)
+        return wire.Error.GetRootAs(client.recv(size, socket.MSG_WAITALL)) if kind == 11 else None
+
+
+def wishes(count):
+    """So many, each for one of the first blobs of STORE."""
+    changes = [wire.WishChangeT() for _ in range(count)]
+    for number, change in enumerate(changes, 1):
+        change.wish, change.blob = number, 1 + number % 90
+    return changes

@@ -8,8 +8,7 @@ import socket
 import time
 import unittest
 
-import lodestream_generated as wire
-from daemon import STORE, Daemon, eventually
+from daemon import STORE, Daemon, eventually, wishes
 from read_model import HEADER, Connection
 
 
@@ -48,7 +47,7 @@ class Limits(unittest.TestCase):
             connection, _, most = daemon.open()
             with contextlib.closing(connection):
                 self.assertEqual(most, 10)
-                connection.send("Wishes", 3, handle=1, changes=[self.wish(number) for number in range(1, 12)])
+                connection.send("Wishes", 3, handle=1, changes=wishes(11))
                 self.assertIn("code 7", self.last_word(connection))
 
     def test_of_connections_of_an_address_is_what_was_asked_for(self):
@@ -84,13 +83,8 @@ class Limits(unittest.TestCase):
         connection = daemon.open()[0]
         connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         connection.send("Credit", grantedBytes=1 << 40)
-        connection.send("Wishes", 3, handle=1, changes=[self.wish(number) for number in range(1, 4001)])
+        connection.send("Wishes", 3, handle=1, changes=wishes(4000))
         return connection
-
-    def wish(self, number):
-        change = wire.WishChangeT()
-        change.wish, change.blob = number, 1 + number % 90
-        return change
 
     @contextlib.contextmanager
     def from_behind(self, daemon, address):

@@ -1,0 +1,125 @@
+#!/usr/bin/python3
+"""What lodestreamd serve says in its log, what it never says, and who may stop reading it: log_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
+import contextlib
+import json
+import os
+import shutil
+import signal
+import socket
+import tempfile
+import unittest
+
+from daemon import STORE, Daemon, eventually, refusal
+from read_model import HEADER, Connection, Reader
+
+
+class Log(unittest.TestCase):
+    def descriptors(self):
+        """Pairs of ends, the reader's and the writer's, of what a log may go to."""
+        yield os.pipe()
+        reader, writer = socket.socketpair()
+        yield reader.detach(), writer.detach()
+
+    def expect_served_and_counted(self, daemon):
+        for _ in range(30):  # a line each
+            with contextlib.closing(daemon.open()[0]):
+                pass
+        eventually(lambda: daemon.metric("lodestream_log_lines_dropped_total") >= 10)
+        self.assertGreater(daemon.read_whole()["payloads"], 20)
+
+    def test_whose_reader_is_gone_costs_lines_and_nothing_else(self):
+        for reader, writer in self.descriptors():
+            with self.subTest(writer=writer), Daemon(STORE, stderr=writer) as daemon:
+                os.close(writer)
+                os.close(reader)
+                self.expect_served_and_counted(daemon)
+
+    def test_that_stands_still_costs_lines_and_nothing_else(self):
+        for reader, writer in self.descriptors():
+            os.set_blocking(writer, False)
+            with contextlib.suppress(BlockingIOError):
+                while True:
+                    os.write(writer, b"x" * 4096)
+            os.set_blocking(writer, True)
+            with self.subTest(writer=writer), Daemon(STORE, stderr=writer) as daemon:
+                os.close(writer)
+                self.expect_served_and_counted(daemon)
+            os.close(reader)
+
+
+    def test_tells_of_each_connection_why_it_ended_and_what_it_got(self):
+        with tempfile.TemporaryFile("w+") as log, tempfile.NamedTemporaryFile("w") as tokens:
+            print("right never *", file=tokens, flush=True)
+            with Daemon(STORE, "--log-json", "--max-connections", "1", "--token-file", tokens.name, stderr=log) as daemon:
+                last = lambda: log.seek(0) or json.loads(log.readlines()[-1])
+                with contextlib.closing(Connection(daemon.address)) as connection:
+                    self.assertEqual(refusal(daemon.address).Code(), 7)
+                    eventually(lambda: (last()["kind"], last()["reason"]) == ("refused", "connections"))
+                    read = Reader(connection, *connection.open("painted", "right")).run()
+                eventually(lambda: (last()["kind"], last()["reason"]) == ("connection", "client"))
+                self.assertEqual(last()["blobs"], read["blobs"])
+                self.assertGreater(last()["bytes"], read["bytes"])
+                for kind, token, more in (("unauthorized", "wrong", b""), ("mistake", "right", b"x" * HEADER.size)):
+                    with contextlib.closing(Connection(daemon.address)) as connection:
+                        connection.send("Hello", 1, minVersion=1, maxVersion=1, token=token)
+                        connection.socket.sendall(more)
+                    eventually(lambda: last()["kind"] == kind)
+
+
+class Secrets(unittest.TestCase):
+    """Tokens, and folders of the machine: in no line of the log and in no Error, whatever goes wrong."""
+
+    HIDDEN = ("hushhush", "nowhere")
+
+    def wrong(self, daemon):
+        """What a server says that is approached wrongly."""
+        for token in ("", "hushhush-wrong", "hushhush-old"):
+            with contextlib.closing(Connection(daemon.address)) as connection:
+                yield self.error(connection, lambda: connection.open("changing", token))
+        for model in ("none", "../nowhere/changing"):
+            with contextlib.closing(Connection(daemon.address)) as connection:
+                yield self.error(connection, lambda: connection.open(model, "hushhush-one"))
+        with contextlib.closing(Connection(daemon.address)) as connection:
+            connection.socket.sendall(HEADER.pack(20, 1, 0, 0, 1) + b"hushhush-one hushhus")
+            yield self.error(connection, connection.receive)
+        with contextlib.closing(Connection(daemon.address)) as connection:
+            yield self.error(connection, Reader(connection, *connection.open("changing", "hushhush-one")).run)
+
+    def error(self, connection, action):
+        with self.assertRaises(SystemExit) as said:
+            action()
+        return str(said.exception)
+
+    def expect_kept(self, *arguments):
+        with tempfile.TemporaryDirectory(prefix="nowhere ") as folder, tempfile.TemporaryFile("w+") as log:
+            models, tokens = (os.path.join(folder, name) for name in ("models", "tokens"))
+            store = os.path.join(models, "changing.lode")
+            os.mkdir(models)
+            shutil.copy(STORE, store)
+            with open(tokens, "w") as file:
+                file.write("hushhush-one never *\nhushhush-old 2020-01-31T12:00:00Z *\n")
+            with Daemon(models, "--token-file", tokens, *arguments, stderr=log) as daemon:
+                with open(store, "r+b") as file:
+                    file.write(bytes(os.path.getsize(store)))
+                said = list(self.wrong(daemon))
+                with open(tokens, "w") as file:
+                    file.write("hushhush-one sometimes *\n")
+                os.rename(store, os.path.join(models, "other.lode"))
+                daemon.process.send_signal(signal.SIGHUP)
+                eventually(lambda: log.seek(0) == 0 and "tokens could not" in log.read())
+                shutil.rmtree(models)
+                daemon.process.send_signal(signal.SIGHUP)
+                eventually(lambda: log.seek(0) == 0 and "stores could not" in log.read())
+            log.seek(0)
+            for line in (*said, *log.readlines()):
+                for secret in self.HIDDEN:
+                    self.assertNotIn(secret, line.replace("'../nowhere/changing'", ""))
+
+    def test_are_kept_in_text_and_in_json(self):
+        for arguments in ((), ("--log-json",)):
+            with self.subTest(arguments=arguments):
+                self.expect_kept(*arguments)
+
+
+if __name__ == "__main__":
+    unittest.main()
