@@ -1,6 +1,7 @@
 #include "server/ingest/inspect/build_forecast.h"
 
 #include <algorithm>
+#include <array>
 
 #include "server/ingest/build/build.h"
 #include "server/ingest/disk/temporary_folder.h"
@@ -17,6 +18,9 @@ namespace {
 /// Nodes near the root are collapsed one after another, and only measured and encoded on several threads.
 constexpr double kTrianglesOfOneThread = 1e5;
 constexpr uint64_t kTrialTriangles = 400000;
+/// A model is not everywhere alike: a lake is cheaper than a mountain. Where rows of faces are so long that
+/// several stretches are mere strips, there is one.
+constexpr std::array<uint64_t, 2> kStretches{4, 1};
 /// A stretch of faces has a border: it has more vertices than its share. Beyond this it is scattered.
 constexpr double kMostVerticesOfPart = 1.5;
 /// Of a model many times the trial's size, a triangle's share of the upper levels of the tree is smaller:
@@ -40,7 +44,7 @@ void writeStandIn(const ForecastInput& input, const std::filesystem::path& outpu
   writeSample(sample, output);
 }
 
-/// Whether a stretch of faces shares vertices about as the whole model does, rather than lying scattered.
+/// Whether stretches of faces share vertices about as the whole model does, rather than lying scattered.
 bool isCoherent(const TrialModel& part, const ForecastInput& input) {
   return static_cast<double>(part.vertices) * static_cast<double>(input.faces) <=
          kMostVerticesOfPart * static_cast<double>(input.vertices) * static_cast<double>(part.faces);
@@ -56,8 +60,11 @@ Trial runTrial(const ForecastInput& input) {
   const uint64_t faces = input.triangles <= kTrialTriangles
                              ? input.faces
                              : std::max<uint64_t>(1, input.faces * kTrialTriangles / input.triangles);
-  if (!isCoherent(writeTrialModel(input.model, input.faces, faces, options.input), input))
-    writeStandIn(input, options.input);
+  const bool is_part = std::any_of(kStretches.begin(), kStretches.end(), [&](uint64_t stretches) {
+    return isCoherent(
+        writeTrialModel(input.model, input.faces, faces, std::min(stretches, faces), options.input), input);
+  });
+  if (!is_part) writeStandIn(input, options.input);
   const BuildReport report = build(options);
   const auto triangles = static_cast<double>(report.summary.triangles);
   Trial trial;

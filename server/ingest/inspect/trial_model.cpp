@@ -15,9 +15,12 @@ class TrialWriter {
   TrialWriter(const std::filesystem::path& input, const std::filesystem::path& output)
       : reader_(input, {.skip_bad = true}), file_(output), attributes_(reader_.attributes()) {}
 
-  TrialModel write(uint64_t model_faces, uint64_t faces) {
-    first_ = model_faces / 2 - std::min(model_faces / 2, faces / 2);
-    end_ = first_ + faces;
+  TrialModel write(uint64_t model_faces, uint64_t faces, uint64_t stretches) {
+    const bool is_whole = faces >= model_faces;
+    period_ = is_whole ? std::max<uint64_t>(1, model_faces) : model_faces / stretches;
+    const uint64_t length = is_whole ? period_ : faces / stretches;
+    first_ = (period_ - length) / 2;
+    end_ = first_ + length;
     reader_.read({}, [&](const PlyFaces& batch) { takeFaces(batch); });
     used_ = faces_.corners;
     std::sort(used_.begin(), used_.end());
@@ -37,7 +40,7 @@ class TrialWriter {
     for (size_t i = 0; i < batch.corner_counts.size(); ++i, ++seen_) {
       const size_t begin = corner;
       corner += batch.corner_counts[i];
-      if (seen_ < first_ || seen_ >= end_) continue;
+      if (seen_ % period_ < first_ || seen_ % period_ >= end_) continue;
       faces_.corner_counts.push_back(batch.corner_counts[i]);
       faces_.corners.insert(faces_.corners.end(), batch.corners.begin() + static_cast<ptrdiff_t>(begin),
                             batch.corners.begin() + static_cast<ptrdiff_t>(corner));
@@ -105,16 +108,18 @@ class TrialWriter {
   PlyReader reader_;
   AtomicFile file_;
   const AttributeSet attributes_;
-  uint64_t first_ = 0, end_ = 0, seen_ = 0;
-  PlyFaces faces_;              ///< those of the stretch
+  uint64_t period_ = 1;           ///< from a stretch's part of the file to the next one's
+  uint64_t first_ = 0, end_ = 0;  ///< of the stretch, in its part
+  uint64_t seen_ = 0;
+  PlyFaces faces_;              ///< those of the stretches
   std::vector<uint64_t> used_;  ///< their vertices, rising
 };
 
 }  // namespace
 
 TrialModel writeTrialModel(const std::filesystem::path& input, uint64_t model_faces, uint64_t faces,
-                           const std::filesystem::path& output) {
-  return TrialWriter(input, output).write(model_faces, faces);
+                           uint64_t stretches, const std::filesystem::path& output) {
+  return TrialWriter(input, output).write(model_faces, faces, stretches);
 }
 
 }  // namespace lode::ingest

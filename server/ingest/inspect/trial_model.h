@@ -13,12 +13,13 @@ struct TrialModel {
   uint64_t faces = 0;
 };
 
-/// Writes a stretch of a model's faces, from the middle of the file, with their vertices and attributes, as a
-/// PLY without textures: what a build of it costs says what the whole will. Bad values are skipped. Takes
-/// memory for the stretch, and reads the file twice.
-/// @param faces  at most this many; the whole model if it has fewer.
+/// Writes stretches of a model's faces, each from the middle of an equal part of the file, with their
+/// vertices and attributes, as a PLY without textures: what a build of it costs says what the whole will. Bad
+/// values are skipped. Takes memory for the stretches, and reads the file twice.
+/// @param faces      of all stretches, about; the whole model if it has fewer.
+/// @param stretches  at least 1, and not more than faces.
 /// @throws Error kIo, kInput.
 TrialModel writeTrialModel(const std::filesystem::path& input, uint64_t model_faces, uint64_t faces,
-                           const std::filesystem::path& output);
+                           uint64_t stretches, const std::filesystem::path& output);
 
 }  // namespace lode::ingest

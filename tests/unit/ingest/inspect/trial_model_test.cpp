@@ -8,9 +8,9 @@ namespace {
 
 class TrialModelOfAPly : public testing::Test {
  protected:
-  PlyContent trialOf(const std::filesystem::path& input, uint64_t faces) {
+  PlyContent trialOf(const std::filesystem::path& input, uint64_t faces, uint64_t stretches = 1) {
     const uint64_t all = readPly(input).faces.size();
-    written_ = writeTrialModel(input, all, faces, folder_.path() / "trial.ply");
+    written_ = writeTrialModel(input, all, faces, stretches, folder_.path() / "trial.ply");
     return readPly(folder_.path() / "trial.ply");
   }
 
@@ -35,18 +35,19 @@ TEST_F(TrialModelOfAPly, isTheWholeModelIfThatIsSmall) {
   }
 }
 
-TEST_F(TrialModelOfAPly, isAStretchFromTheMiddleWithItsOwnVerticesOnly) {
+TEST_F(TrialModelOfAPly, isStretchesFromTheMiddlesOfEqualPartsWithTheirOwnVerticesOnly) {
   const std::filesystem::path input = folder_.path() / "a.ply";
   writeSample({"terrain", 20'000, {}, 1, 1}, input);
-  const PlyContent whole = readPly(input), trial = trialOf(input, 2000);
-  ASSERT_EQ(trial.faces.size(), 2000u);
-  EXPECT_EQ(written_.faces, 2000u);
+  const PlyContent whole = readPly(input), trial = trialOf(input, 4000, 2);
+  ASSERT_EQ(trial.faces.size(), 4000u);
+  EXPECT_EQ(written_.faces, 4000u);
   EXPECT_EQ(written_.vertices, trial.vertices.size());
-  EXPECT_LT(trial.vertices.size(), 1300u);
+  EXPECT_LT(trial.vertices.size(), 2600u);
   for (size_t i = 0; i < trial.faces.size(); ++i) {
+    const size_t in_whole = i < 2000 ? 4000 + i : 14'000 + i - 2000;
     for (size_t corner = 0; corner < 3; ++corner) {
       EXPECT_EQ(trial.vertices[trial.faces[i][corner]].position,
-                whole.vertices[whole.faces[9000 + i][corner]].position);
+                whole.vertices[whole.faces[in_whole][corner]].position);
     }
   }
 }
