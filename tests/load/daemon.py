@@ -84,9 +84,9 @@ def refusal(address):
         return wire.Error.GetRootAs(client.recv(size, socket.MSG_WAITALL)) if kind == 11 else None
 
 
-def wishes(count):
+def wishes(count, wish_class=0):
     """So many, each for one of the first blobs of STORE."""
     changes = [wire.WishChangeT() for _ in range(count)]
     for number, change in enumerate(changes, 1):
-        change.wish, change.blob = number, 1 + number % 90
+        change.wish, change.blob, change.wishClass = number, 1 + number % 90, wish_class
     return changes

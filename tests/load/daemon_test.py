@@ -4,20 +4,23 @@
     daemon_test.py BIN_DIR MODELS_DIR SOURCE_DIR
 """
 import contextlib
+import fcntl
 import os
 import re
 import resource
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 import tempfile
+import termios
 import threading
 import time
 import unittest
 
 from daemon import BIN, MODELS, SOURCE, STORE, Daemon, eventually, refusal, wishes
-from read_model import BLOB
+from read_model import BLOB, HEADER
 
 class OpenFiles(unittest.TestCase):
     def start(self, log, *arguments):
@@ -142,6 +145,21 @@ class Latency(unittest.TestCase):
             held, queue = (self.seconds(daemon, figure) for figure in ("held", "queue"))
             self.assertGreater(held, self.WISHES / 2 * self.HELD_S)
             return queue / held
+
+    def test_of_an_urgent_wish_is_that_of_little_before_it_though_the_client_grants_all_and_takes_nothing(self):
+        with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
+            connection.send("Credit", grantedBytes=1 << 40)
+            connection.send("Wishes", 3, handle=1, changes=wishes(self.WISHES, wish_class=2))
+            sent = [0]
+            while len(sent) < 20 or sent[-1] != sent[-20]:  # until it stands still
+                sent.append(daemon.metric('lodestream_model_sent_bytes_total{model="painted"}'))
+                time.sleep(0.01)
+            connection.send("Wishes", 4, handle=1, changes=wishes(self.WISHES + 1)[-1:])
+            eventually(lambda: daemon.metric('lodestream_wishes_total{class="visible"}') == 1)
+            before = -struct.unpack("i", fcntl.ioctl(connection.socket, termios.FIONREAD, bytes(4)))[0]  # what has come already
+            while BLOB.unpack_from(body := connection.receive()[2])[0] <= self.WISHES:
+                before += HEADER.size + len(body)
+            self.assertLess(before, 48 << 10)
 
     def test_of_a_window_that_is_shut_is_told_from_the_servers(self):
         self.assertLess(self.expect_told_from_the_servers(granted_at_first=0), 0.5)
