@@ -115,7 +115,8 @@ class ServiceManager(unittest.TestCase):
             daemon.process.send_signal(signal.SIGTERM)
             eventually(lambda: self.nobody_listens(daemon.address))
             self.assertIsNone(daemon.process.poll())
-            self.assertEqual(daemon.ask("/healthz")[0], 200)
+            connection.close()
+            self.assertEqual(daemon.process.wait(timeout=20), 0)
 
     def nobody_listens(self, address):
         host, port = address.rsplit(":", 1)
@@ -159,7 +160,7 @@ class Latency(unittest.TestCase):
             before = -struct.unpack("i", fcntl.ioctl(connection.socket, termios.FIONREAD, bytes(4)))[0]  # what has come already
             while BLOB.unpack_from(body := connection.receive()[2])[0] <= self.WISHES:
                 before += HEADER.size + len(body)
-            self.assertLess(before, 48 << 10)
+            self.assertLess(before, 96 << 10)  # without bounds of the server's own megabytes
 
     def test_of_a_window_that_is_shut_is_told_from_the_servers(self):
         self.assertLess(self.expect_told_from_the_servers(granted_at_first=0), 0.5)

@@ -13,7 +13,19 @@ from daemon import STORE, Daemon, eventually, refusal
 from read_model import HEADER, Connection, Reader
 
 
-class Log(unittest.TestCase):
+class LogTest(unittest.TestCase):
+    @contextlib.contextmanager
+    def log(self):
+        """A file for a server to write to, and what gives the whole lines that it has written."""
+        with tempfile.NamedTemporaryFile("a") as file:
+            def said():
+                with open(file.name) as written:
+                    return [line for line in written.readlines() if line.endswith("\n")]
+
+            yield file, said
+
+
+class Log(LogTest):
     def descriptors(self):
         """Pairs of ends, the reader's and the writer's, of what a log may go to."""
         yield os.pipe()
@@ -48,25 +60,26 @@ class Log(unittest.TestCase):
 
 
     def test_tells_of_each_connection_why_it_ended_and_what_it_got(self):
-        with tempfile.TemporaryFile("w+") as log, tempfile.NamedTemporaryFile("w") as tokens:
+        with self.log() as (log, said), tempfile.NamedTemporaryFile("w") as tokens:
             print("right never *", file=tokens, flush=True)
             with Daemon(STORE, "--log-json", "--max-connections", "1", "--token-file", tokens.name, stderr=log) as daemon:
-                last = lambda: log.seek(0) or json.loads(log.readlines()[-1])
+                last = lambda: json.loads((said() or ["{}"])[-1])
+                tells = lambda kind, reason: (last().get("kind"), last().get("reason")) == (kind, reason)
                 with contextlib.closing(Connection(daemon.address)) as connection:
                     self.assertEqual(refusal(daemon.address).Code(), 7)
-                    eventually(lambda: (last()["kind"], last()["reason"]) == ("refused", "connections"))
+                    eventually(lambda: tells("refused", "connections"))
                     read = Reader(connection, *connection.open("painted", "right")).run()
-                eventually(lambda: (last()["kind"], last()["reason"]) == ("connection", "client"))
+                eventually(lambda: tells("connection", "client"))
                 self.assertEqual(last()["blobs"], read["blobs"])
                 self.assertGreater(last()["bytes"], read["bytes"])
                 for kind, token, more in (("unauthorized", "wrong", b""), ("mistake", "right", b"x" * HEADER.size)):
                     with contextlib.closing(Connection(daemon.address)) as connection:
                         connection.send("Hello", 1, minVersion=1, maxVersion=1, token=token)
                         connection.socket.sendall(more)
-                    eventually(lambda: last()["kind"] == kind)
+                    eventually(lambda: tells(kind, "mistake"))
 
 
-class Secrets(unittest.TestCase):
+class Secrets(LogTest):
     """Tokens, and folders of the machine: in no line of the log and in no Error, whatever goes wrong."""
 
     HIDDEN = ("hushhush", "nowhere")
@@ -91,7 +104,7 @@ class Secrets(unittest.TestCase):
         return str(said.exception)
 
     def expect_kept(self, *arguments):
-        with tempfile.TemporaryDirectory(prefix="nowhere ") as folder, tempfile.TemporaryFile("w+") as log:
+        with tempfile.TemporaryDirectory(prefix="nowhere ") as folder, self.log() as (log, told):
             models, tokens = (os.path.join(folder, name) for name in ("models", "tokens"))
             store = os.path.join(models, "changing.lode")
             os.mkdir(models)
@@ -106,12 +119,11 @@ class Secrets(unittest.TestCase):
                     file.write("hushhush-one sometimes *\n")
                 os.rename(store, os.path.join(models, "other.lode"))
                 daemon.process.send_signal(signal.SIGHUP)
-                eventually(lambda: log.seek(0) == 0 and "tokens could not" in log.read())
+                eventually(lambda: "tokens could not" in "".join(told()))
                 shutil.rmtree(models)
                 daemon.process.send_signal(signal.SIGHUP)
-                eventually(lambda: log.seek(0) == 0 and "stores could not" in log.read())
-            log.seek(0)
-            for line in (*said, *log.readlines()):
+                eventually(lambda: "stores could not" in "".join(told()))
+            for line in (*said, *told()):
                 for secret in self.HIDDEN:
                     self.assertNotIn(secret, line.replace("'../nowhere/changing'", ""))
 
