@@ -19,6 +19,9 @@ namespace {
 class Signals {
  public:
   explicit Signals(serve::Server& server) : server_(server), signals_(context_, SIGTERM, SIGINT, SIGHUP) {
+    // Never destroyed: a signal that comes while the process ends shall not kill it.
+    [[maybe_unused]] static const auto* const kept =
+        new asio::signal_set(*new asio::io_context, SIGTERM, SIGINT, SIGHUP);
     wait();
     thread_ = std::jthread([this] { context_.run(); });
   }

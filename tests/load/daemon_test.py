@@ -109,6 +109,14 @@ class ServiceManager(unittest.TestCase):
             self.assertGreater(daemon.read_whole()["payloads"], 20)
             self.assertIsNone(daemon.process.poll())
 
+    def test_may_send_signals_until_it_has_ended(self):
+        for again in (signal.SIGTERM, signal.SIGHUP):
+            with self.subTest(again=again), Daemon(STORE, stderr=subprocess.DEVNULL) as daemon:
+                daemon.process.send_signal(signal.SIGTERM)
+                while daemon.process.poll() is None:
+                    daemon.process.send_signal(again)
+                self.assertEqual(daemon.process.returncode, 0)
+
     def test_sees_nobody_let_in_after_the_drain_delay_while_wishes_are_open(self):
         with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.send("Wishes", 3, handle=1, changes=wishes(4000))  # more than the window takes
