@@ -262,6 +262,13 @@ TEST_P(RefinerOnSeeds, whatIsFarOutsideTheViewHoldsUpNothing) {
     EXPECT_FALSE(isNear(model_, wish.use.mesh.node, insideView()));
 }
 
+TEST_P(RefinerOnSeeds, whatStandsInFarOutsideTheViewHoldsUpNothingEither) {
+  Scripted client(model_);
+  client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
+  deliverWhatIsSeen(client, insideView(), 1);
+  EXPECT_TRUE(client.last().cut->converged);
+}
+
 TEST_P(RefinerOnSeeds, aCameraThatTurnsBeforeTheRestHasComeSeesAWholePicture) {
   Scripted client(model_);
   deliverWhatIsSeen(client, insideView(), 1);
