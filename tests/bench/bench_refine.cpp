@@ -6,6 +6,7 @@
 #include "client/core/cache.h"
 #include "client/core/hierarchy.h"
 #include "client/core/refiner.h"
+#include "client/core/seen_places.h"
 
 namespace lode::core {
 namespace {
@@ -118,6 +119,34 @@ void refineWhileTheCameraMoves(benchmark::State& state) {
   state.counters["visited"] = static_cast<double>(visited);
   state.counters["known"] = static_cast<double>(plain.known());
 }
+/// A cut of as many triangles as are ever drawn to see what is hidden, in sight and seen at an angle.
+void lookAtWhatIsSeen(benchmark::State& state) {
+  constexpr uint32_t kSide = 181;  // squares; two triangles each
+  Mesh mesh;
+  for (uint32_t y = 0; y <= kSide; ++y)
+    for (uint32_t x = 0; x <= kSide; ++x)
+      mesh.positions.push_back(packPosition({x << 12, y << 12, (x * 7 + y * 3) % 5 << 8}));
+  for (uint32_t y = 0; y < kSide; ++y)
+    for (uint32_t x = 0; x < kSide; ++x) {
+      const uint32_t at = y * (kSide + 1) + x, above = at + kSide + 1;
+      mesh.triangles.push_back({at, at + 1, above});
+      mesh.triangles.push_back({at + 1, above + 1, above});
+    }
+  state.counters["triangles"] = static_cast<double>(mesh.triangles.size());
+  Cut cut;
+  cut.parts.push_back({kRootKey, 0, true, 0, std::make_shared<const Mesh>(std::move(mesh))});
+  ModelSummary summary;
+  summary.lattice = kLattice;
+  summary.box.add({0, 0, 0});
+  summary.box.add({kSide << 12, kSide << 12, 4 << 8});
+  View view;
+  view.eye_model = {362, -100, 500};
+  view.forward = glm::normalize(glm::dvec3(0, 1, -1));
+  view.up = glm::normalize(glm::dvec3(0, 1, 1));
+  for (auto _ : state) benchmark::DoNotOptimize(SeenPlaces(cut, view, summary));
+}
+BENCHMARK(lookAtWhatIsSeen)->Unit(benchmark::kMillisecond);
+
 BENCHMARK(refineWhileTheCameraMoves)->Arg(400)->Arg(200)->Arg(120)->Unit(benchmark::kMillisecond);
 
 }  // namespace

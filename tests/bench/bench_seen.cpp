@@ -1,0 +1,333 @@
+// Where the bytes go that a client has received when its picture looks right: bench_seen STORE... prints a
+// line for each store and distance. A client without sockets takes the best wish each time, with a link's
+// round trip of bytes under way; pictures are drawn off-screen, and what is seen of each part is counted in a
+// small raster of the bench's own.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <deque>
+#include <limits>
+#include <map>
+#include <memory>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "client/core/decode_job.h"
+#include "client/core/instance.h"
+#include "client/core/model.h"
+#include "client/render/framebuffer.h"
+#include "client/render/offscreen_context.h"
+#include "client/render/renderer.h"
+#include "server/store/reader.h"
+
+namespace lode::core {
+namespace {
+
+constexpr uint32_t kWidthPx = 1280, kHeightPx = 720;
+constexpr float kThresholdPx = 1;
+constexpr uint64_t kUnderWayBytes = 62'500;  // 10 Mbit/s for 50 ms
+constexpr double kDifferingShare = 0.01;     // of the pixels, in a picture that looks right
+constexpr int kVisibleDifference = 8;        // of 255, in a channel
+constexpr double kBetweenLooks = 1.01;       // the bytes grow by that much from one to the next
+constexpr int kCameras = 3;                  // at each distance
+struct Distance {
+  const char* name;
+  double diagonals;  // from the surface
+};
+constexpr Distance kDistances[] = {{"far", 2}, {"mid", 0.6}, {"near", 0.12}, {"close", 0.03}};
+
+/// The cut after so many bytes.
+struct Look {
+  uint64_t bytes = 0;
+  size_t received = 0;  ///< wishes
+  std::shared_ptr<const Cut> cut;
+};
+
+/// A client of a store that sees one view until it has settled.
+class Client {
+ public:
+  Client(const store::Reader& store, const View& view)
+      : store_(store),
+        model_(store.summary(), uint64_t{8} << 30),
+        instance_(std::numeric_limits<uint64_t>::max()) {
+    instance_.setView(view, kThresholdPx);
+  }
+
+  /// @return what was seen on the way, the converged cut last.
+  std::vector<Look> looks() {
+    std::vector<Look> looks;
+    while (true) {
+      instance_.refine(model_);
+      const std::shared_ptr<const Cut>& cut = instance_.cut();
+      const bool converged = cut && cut->converged;
+      if (cut && (converged || looks.empty() ||
+                  static_cast<double>(bytes_) > kBetweenLooks * static_cast<double>(looks.back().bytes)))
+        looks.push_back({bytes_, received_.size(), cut});
+      ask();
+      if (converged || under_way_.empty()) return looks;
+      take();
+    }
+  }
+  /// In the order in which they came.
+  const std::vector<Wish>& received() const { return received_; }
+
+ private:
+  void ask() {
+    if (const auto first = model_.firstWish()) ask(*first);
+    for (const Wish& wish : instance_.wishes()) {
+      if (under_way_bytes_ >= kUnderWayBytes) return;
+      ask(wish);
+    }
+  }
+  void ask(const Wish& wish) {
+    if (!model_.wants(wish) || !asked_.insert(wish.blob.number).second) return;
+    under_way_.push_back(wish);
+    under_way_bytes_ += wish.blob.bytes;
+  }
+  void take() {
+    const Wish wish = under_way_.front();
+    under_way_.pop_front();
+    under_way_bytes_ -= wish.blob.bytes;
+    bytes_ += wish.blob.bytes;
+    received_.push_back(wish);
+    for (const Wish& same : instance_.wishes())
+      if (same.blob == wish.blob && same.use != wish.use)
+        model_.take(same.blob, same.use, store_.readBlob(wish.blob.number));
+    model_.take(wish.blob, wish.use, store_.readBlob(wish.blob.number));
+    for (const DecodeJob& job : model_.takeDecodeJobs()) model_.finishDecode(runDecodeJob(job));
+  }
+
+  const store::Reader& store_;
+  Model model_;
+  Instance instance_;
+  std::deque<Wish> under_way_;
+  std::vector<Wish> received_;
+  std::set<uint32_t> asked_;
+  uint64_t under_way_bytes_ = 0, bytes_ = 0;
+};
+
+render::Image draw(render::Renderer& renderer, const render::Framebuffer& target, const Look& look) {
+  renderer.show(look.cut);
+  renderer.uploadInRenderThread({.wait = true});
+  renderer.draw(look.cut->view, target);
+  target.resolve();
+  return target.readPixels();
+}
+
+double differingShare(const render::Image& a, const render::Image& b) {
+  size_t differing = 0;
+  for (size_t i = 0; i < a.rgba.size(); i += 4) {
+    bool differs = false;
+    for (size_t channel = 0; channel < 3; ++channel)
+      differs |= std::abs(a.rgba[i + channel] - b.rgba[i + channel]) > kVisibleDifference;
+    differing += differs;
+  }
+  return static_cast<double>(differing * 4) / static_cast<double>(a.rgba.size());
+}
+
+/// The first that is right, by halving.
+const Look& firstRight(const std::vector<Look>& looks, render::Renderer& renderer,
+                       const render::Framebuffer& target) {
+  const render::Image converged = draw(renderer, target, looks.back());
+  size_t wrong = 0, right = looks.size() - 1;
+  while (wrong < right) {
+    const size_t middle = (wrong + right) / 2;
+    if (differingShare(draw(renderer, target, looks[middle]), converged) <= kDifferingShare)
+      right = middle;
+    else
+      wrong = middle + 1;
+  }
+  return looks[right];
+}
+
+/// How many pixels of its view each part of a cut has. What reaches behind the near plane is left out.
+class PixelCount {
+ public:
+  PixelCount(const Cut& cut, double step)
+      : view_(cut.view),
+        right_(glm::cross(cut.view.forward, cut.view.up)),
+        focal_px_(kHeightPx / (2 * std::tan(cut.view.fov_y_rad / 2))),
+        nearness_(size_t{kWidthPx} * kHeightPx),
+        part_(nearness_.size(), cut.parts.size()),
+        pixels_(cut.parts.size() + 1) {
+    for (size_t i = 0; i < cut.parts.size(); ++i) {
+      std::vector<glm::dvec3> places;
+      for (const PositionCode& position : cut.parts[i].mesh->positions)
+        places.push_back(see(glm::dvec3(unpackPosition(position)) * step));
+      for (const glm::u32vec3& triangle : cut.parts[i].mesh->triangles)
+        draw(i, places[triangle.x], places[triangle.y], places[triangle.z]);
+    }
+    for (const size_t part : part_) ++pixels_[part];
+  }
+  uint64_t of(size_t part) const { return pixels_[part]; }
+
+ private:
+  glm::dvec3 see(glm::dvec3 point) const {
+    const glm::dvec3 arm = point - view_.eye_model;
+    const double depth = glm::dot(arm, view_.forward);
+    if (depth <= view_.near_model) return {0, 0, 0};
+    return {kWidthPx / 2.0 + focal_px_ * glm::dot(arm, right_) / depth,
+            kHeightPx / 2.0 + focal_px_ * glm::dot(arm, view_.up) / depth, 1 / depth};
+  }
+  void draw(size_t part, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
+    if (a.z == 0 || b.z == 0 || c.z == 0) return;
+    const auto first = [](double least) { return std::max(0.0, std::ceil(least - 0.5)); };
+    const auto last = [](double most, uint32_t side) { return std::min(side - 1.0, std::floor(most - 0.5)); };
+    const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    if (area == 0) return;
+    for (double y = first(std::min({a.y, b.y, c.y})); y <= last(std::max({a.y, b.y, c.y}), kHeightPx); ++y)
+      for (double x = first(std::min({a.x, b.x, c.x})); x <= last(std::max({a.x, b.x, c.x}), kWidthPx); ++x) {
+        const double px = x + 0.5 - a.x, py = y + 0.5 - a.y;
+        const double of_b = (px * (c.y - a.y) - py * (c.x - a.x)) / area;
+        const double of_c = ((b.x - a.x) * py - (b.y - a.y) * px) / area;
+        if (of_b < 0 || of_c < 0 || of_b + of_c > 1) continue;
+        const size_t pixel = static_cast<size_t>(y) * kWidthPx + static_cast<size_t>(x);
+        const double nearness = a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z);
+        if (nearness <= nearness_[pixel]) continue;
+        nearness_[pixel] = nearness;
+        part_[pixel] = part;
+      }
+  }
+
+  const View view_;
+  const glm::dvec3 right_;
+  const double focal_px_;
+  std::vector<double> nearness_;
+  std::vector<size_t> part_;
+  std::vector<uint64_t> pixels_;
+};
+
+/// Of bytes.
+struct Shares {
+  uint64_t until_right = 0, seen = 0, hidden = 0, outside = 0, replaced = 0, pages = 0;
+  uint64_t cut = 0, seen_of_cut = 0;
+  uint64_t floor =
+      0;  ///< of the parts of the converged cut that show so many pixels, most pixels a byte first
+  uint64_t parts = 0, seen_parts = 0;
+};
+
+void add(Shares& shares, const store::Reader& store, const Look& right, const std::vector<Wish>& received,
+         const Cut& converged) {
+  const PixelCount pixels(converged, store.summary().lattice.step);
+  struct Part {
+    uint64_t bytes, pixels;
+    bool visible;
+  };
+  std::map<MeshKey, Part> parts;
+  std::vector<Part> by_worth;
+  uint64_t all_pixels = 0;
+  for (size_t i = 0; i < converged.parts.size(); ++i) {
+    const CutPart& part = converged.parts[i];
+    const Part seen{store.find(part.node)->rungs[part.rung].payload.bytes, pixels.of(i), part.visible};
+    parts[{part.node, part.rung}] = seen;
+    by_worth.push_back(seen);
+    all_pixels += seen.pixels;
+    shares.cut += seen.bytes;
+    shares.seen_of_cut += seen.pixels > 0 ? seen.bytes : 0;
+    shares.seen_parts += seen.pixels > 0;
+  }
+  shares.parts += parts.size();
+  std::ranges::sort(by_worth,
+                    [](const Part& a, const Part& b) { return a.pixels * b.bytes > b.pixels * a.bytes; });
+  uint64_t shown = 0;
+  for (const Part& part : by_worth) {
+    if (static_cast<double>(all_pixels - shown) <= kDifferingShare * kWidthPx * kHeightPx) break;
+    shown += part.pixels;
+    shares.floor += part.bytes;
+  }
+  shares.until_right += right.bytes;
+  for (size_t i = 0; i < right.received; ++i) {
+    const Wish& wish = received[i];
+    const auto part = parts.find(wish.use.mesh);
+    if (wish.use.kind != BlobKind::kMesh)
+      shares.pages += wish.blob.bytes;
+    else if (part == parts.end())
+      shares.replaced += wish.blob.bytes;
+    else
+      (part->second.pixels > 0 ? shares.seen
+       : part->second.visible  ? shares.hidden
+                               : shares.outside) += wish.blob.bytes;
+  }
+}
+
+/// Above a place of the surface, which it sees at an angle.
+class Cameras {
+ public:
+  explicit Cameras(const store::Reader& store) : step_(store.summary().lattice.step) {
+    for (const Node& node : store.nodes())
+      if (node.isLeaf()) leaves_.push_back(toModelBox(node.box, step_));
+    box_ = toModelBox(store.find(kRootKey)->box, step_);
+    const glm::dvec3 size = box_.max - box_.min;
+    for (int axis = 0; axis < 3; ++axis)
+      if (size[axis] * 3 < std::max({size.x, size.y, size.z})) flat_axis_ = axis;
+  }
+
+  View next(double diagonals) {
+    glm::dvec3 out = glm::normalize(glm::dvec3(number(), number(), number()));
+    if (flat_axis_ >= 0) out = glm::normalize(out * 0.6 + axis(flat_axis_));
+    const glm::dvec3 place = flat_axis_ >= 0 ? middleOf(leaves_[random_() % leaves_.size()]) : outermost(out);
+    const double height = diagonals * glm::length(box_.max - box_.min);
+    const glm::dvec3 aside = glm::normalize(glm::cross(out, glm::dvec3(number(), number(), number())));
+    View view;
+    view.width_px = kWidthPx;
+    view.height_px = kHeightPx;
+    view.eye_model = place + out * height;
+    view.forward = glm::normalize(place + aside * height * 0.4 - view.eye_model);
+    view.up = glm::normalize(glm::cross(glm::cross(view.forward, out + aside), view.forward));
+    return view;
+  }
+
+ private:
+  double number() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
+  static glm::dvec3 axis(int which) { return {which == 0, which == 1, which == 2}; }
+  static glm::dvec3 middleOf(const ModelBox& box) { return (box.min + box.max) / 2.0; }
+  glm::dvec3 outermost(glm::dvec3 out) const {
+    glm::dvec3 best = middleOf(leaves_.front());
+    for (const ModelBox& leaf : leaves_)
+      if (glm::dot(middleOf(leaf), out) > glm::dot(best, out)) best = middleOf(leaf);
+    return best;
+  }
+
+  const double step_;
+  ModelBox box_;
+  int flat_axis_ = -1;
+  std::vector<ModelBox> leaves_;
+  std::mt19937 random_{1};
+};
+
+void measure(const std::string& file) {
+  const store::Reader store(file);
+  Cameras cameras(store);
+  render::Renderer renderer(store.summary().lattice.step);
+  const render::Framebuffer target(kWidthPx, kHeightPx, 1);
+  for (const Distance& distance : kDistances) {
+    Shares shares;
+    for (int camera = 0; camera < kCameras; ++camera) {
+      Client client(store, cameras.next(distance.diagonals));
+      const std::vector<Look> looks = client.looks();
+      add(shares, store, firstRight(looks, renderer, target), client.received(), *looks.back().cut);
+    }
+    std::printf("| %s | %s |", file.substr(file.find_last_of('/') + 1).c_str(), distance.name);
+    for (const uint64_t bytes : {shares.until_right, shares.seen, shares.hidden, shares.outside,
+                                 shares.replaced, shares.pages, shares.cut, shares.seen_of_cut, shares.floor})
+      std::printf(" %.0f |", static_cast<double>(bytes) / kCameras / 1e3);
+    std::printf(" %.0f of %.0f |\n", static_cast<double>(shares.seen_parts) / kCameras,
+                static_cast<double>(shares.parts) / kCameras);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+}  // namespace lode::core
+
+int main(int argc, char** argv) {
+  const lode::render::OffscreenContext context;
+  std::puts(
+      "| store | distance | KB until right | of them in the final cut and seen | hidden | outside | replaced "
+      "since "
+      "| pages | final cut, KB | seen of it | floor | parts seen |");
+  for (int i = 1; i < argc; ++i) lode::core::measure(argv[i]);
+}
