@@ -22,6 +22,7 @@ import unittest
 from daemon import BIN, MODELS, SOURCE, STORE, Daemon, eventually, refusal, wishes
 from read_model import BLOB, HEADER
 
+
 class OpenFiles(unittest.TestCase):
     def start(self, log, *arguments):
         few = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (800, 800))
