@@ -69,10 +69,12 @@ class Daemon:
 
 
 def eventually(what, seconds=20):
+    """What it gives as soon as that is true."""
     end = time.monotonic() + seconds
-    while not what():
+    while not (found := what()):
         assert time.monotonic() < end, "it did not come to that"
         time.sleep(0.01)
+    return found
 
 
 def refusal(address):

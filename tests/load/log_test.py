@@ -58,25 +58,33 @@ class Log(LogTest):
                 self.expect_served_and_counted(daemon)
             os.close(reader)
 
-
     def test_tells_of_each_connection_why_it_ended_and_what_it_got(self):
+        with self.log() as (log, said), Daemon(STORE, "--log-json", "--max-connections", "1", stderr=log) as daemon:
+            with contextlib.closing(Connection(daemon.address)) as connection:
+                self.assertEqual(refusal(daemon.address).Code(), 7)
+                eventually(lambda: self.last(said, "refused", "connections"))
+                read = Reader(connection, *connection.open("painted")).run()
+            end = eventually(lambda: self.last(said, "connection", "client"))
+            self.assertEqual(end["blobs"], read["blobs"])
+            self.assertGreater(end["bytes"], read["bytes"])
+
+    def test_tells_a_wrong_token_from_another_mistake(self):
         with self.log() as (log, said), tempfile.NamedTemporaryFile("w") as tokens:
             print("right never *", file=tokens, flush=True)
-            with Daemon(STORE, "--log-json", "--max-connections", "1", "--token-file", tokens.name, stderr=log) as daemon:
-                last = lambda: json.loads((said() or ["{}"])[-1])
-                tells = lambda kind, reason: (last().get("kind"), last().get("reason")) == (kind, reason)
-                with contextlib.closing(Connection(daemon.address)) as connection:
-                    self.assertEqual(refusal(daemon.address).Code(), 7)
-                    eventually(lambda: tells("refused", "connections"))
-                    read = Reader(connection, *connection.open("painted", "right")).run()
-                eventually(lambda: tells("connection", "client"))
-                self.assertEqual(last()["blobs"], read["blobs"])
-                self.assertGreater(last()["bytes"], read["bytes"])
+            with Daemon(STORE, "--log-json", "--token-file", tokens.name, stderr=log) as daemon:
                 for kind, token, more in (("unauthorized", "wrong", b""), ("mistake", "right", b"x" * HEADER.size)):
                     with contextlib.closing(Connection(daemon.address)) as connection:
                         connection.send("Hello", 1, minVersion=1, maxVersion=1, token=token)
                         connection.socket.sendall(more)
-                    eventually(lambda: tells(kind, "mistake"))
+                        with self.assertRaises(SystemExit):  # the Error
+                            while True:
+                                connection.receive()
+                    eventually(lambda: self.last(said, kind, "mistake"))
+
+    def last(self, said, kind, reason):
+        """The last line, where it is of that kind and reason."""
+        line = json.loads((said() or ["{}"])[-1])
+        return line if (line.get("kind"), line.get("reason")) == (kind, reason) else None
 
 
 class Secrets(LogTest):
