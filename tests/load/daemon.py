@@ -78,12 +78,12 @@ def eventually(what, seconds=20):
 
 
 def refusal(address):
-    """The Error that a connection gets before it says anything, or None."""
+    """The Error that a connection gets before it says anything."""
     host, port = address.rsplit(":", 1)
-    with socket.create_connection((host, int(port)), timeout=0.2) as client, contextlib.suppress(TimeoutError):
-        head = client.recv(HEADER.size, socket.MSG_WAITALL)
-        size, kind, *_ = HEADER.unpack(head)
-        return wire.Error.GetRootAs(client.recv(size, socket.MSG_WAITALL)) if kind == 11 else None
+    with socket.create_connection((host, int(port)), timeout=20) as client:
+        size, kind, *_ = HEADER.unpack(client.recv(HEADER.size, socket.MSG_WAITALL))
+        assert kind == 11, f"a frame of type {kind}"
+        return wire.Error.GetRootAs(client.recv(size, socket.MSG_WAITALL))
 
 
 def wishes(count, wish_class=0):
