@@ -4,17 +4,35 @@
 #include <utility>
 
 namespace lode::core {
+namespace {
+
+constexpr uint64_t kFinerRatio = 2;  // of a cut's triangles, from which on it is worth to look anew
+
+}  // namespace
 
 void Instance::setView(const View& view, float threshold_px) {
   if (view_ == view && options_.threshold_px == threshold_px) return;
   view_ = view;
   options_.threshold_px = threshold_px;
   view_changed_ = true;
+  seen_.reset();
+  seen_triangles_ = 0;
+}
+
+/// Where something is missing: at once, and again whenever the cut has become finer.
+/// @return whether more is known than before.
+bool Instance::lookAtWhatIsSeen(const Cut& cut, const ModelSummary& model) {
+  if (cut.converged || cut.triangles < kFinerRatio * seen_triangles_ ||
+      cut.triangles > SeenPlaces::kMostTriangles)
+    return false;
+  seen_ = SeenPlaces::of(cut, model);
+  seen_triangles_ = cut.triangles;
+  return seen_.has_value();
 }
 
 Refinement Instance::refineWith(const Model& model, const RefineOptions& options) const {
   return core::refine(model.hierarchy(), model.meshes(), model.summary().lattice, model.summary().attributes,
-                      *view_, options, held_);
+                      *view_, options, held_, seen_ ? &*seen_ : nullptr);
 }
 
 /// Marks what a refinement uses, and forgets pages that it does not, where memory is short.
@@ -34,6 +52,8 @@ bool Instance::refine(Model& model) {
   options_.hierarchy_budget_bytes = model.hierarchyBudgetBytes();
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
   Refinement refinement = refineWith(model, options_);
+  if (refinement.cut && lookAtWhatIsSeen(*refinement.cut, model.summary()))
+    refinement = refineWith(model, options_);
   if (!keep(model, refinement)) {
     RefineOptions coarser = options_;
     coarser.finer_stand_ins = false;

@@ -9,6 +9,7 @@
 #include "client/core/cut.h"
 #include "client/core/model.h"
 #include "client/core/refiner.h"
+#include "client/core/seen_places.h"
 #include "client/core/view.h"
 #include "client/core/wish.h"
 
@@ -31,6 +32,8 @@ class Instance {
     model_version_ = 0;
     settled_ = limited_ = false;
     held_.clear();
+    seen_.reset();
+    seen_triangles_ = 0;
   }
 
   /// Refines if the view or the model has changed. @return whether it did.
@@ -53,6 +56,7 @@ class Instance {
   bool settled() const noexcept { return settled_; }
 
  private:
+  bool lookAtWhatIsSeen(const Cut& cut, const ModelSummary& model);
   Refinement refineWith(const Model& model, const RefineOptions& options) const;
   static bool keep(Model& model, const Refinement& refinement);
   void dress(Cut& cut, Model& model);
@@ -65,7 +69,9 @@ class Instance {
   uint64_t cut_build_ = 0;
   std::vector<Wish> wishes_;
   std::vector<NodeKey> pages_;
-  std::vector<HeldNode> held_;  // by the last refinement
+  std::vector<HeldNode> held_;      // by the last refinement
+  std::optional<SeenPlaces> seen_;  // by the view, as far as known, and
+  uint64_t seen_triangles_ = 0;     // those of the cut that told
   bool limited_ = false, settled_ = false;
 };
 

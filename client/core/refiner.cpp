@@ -12,15 +12,20 @@ namespace {
 
 // Pages are small, and nothing below them can be asked for without them.
 constexpr float kPagePriorityFactor = 16;
+// What is hidden comes after all that is seen.
+constexpr float kHiddenPriorityFactor = 1e-6f;
+// A hidden node's coarsest rung stands in for what is wanted there if it has at most a half of the bytes.
+constexpr uint64_t kStandInBytesRatio = 2;
 
 /// Publishes what the resident meshes allow of a wanted cut.
 class Run {
  public:
   Run(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice, AttributeSet attributes,
-      const View& view, const RefineOptions& options, std::span<const HeldNode> held)
+      const View& view, const RefineOptions& options, std::span<const HeldNode> held, const SeenPlaces* seen)
       : cache_(cache),
         step_(lattice.step),
         options_(options),
+        seen_(seen),
         want_(hierarchy, lattice.step, attributes, view, options, held),
         cut_(std::make_shared<Cut>()) {
     cut_->view = view;
@@ -90,19 +95,26 @@ class Run {
     });
   }
 
+  // ---- what is seen of it
+
+  bool isHidden(const WantedNode& wanted) const {
+    return seen_ != nullptr && wanted.near && !seen_->in(wanted.node->key);
+  }
+
+  /// The error in the picture that an arrival helps to remove, where that is in the view.
+  float priorityOf(float shown_px) const {
+    return below_hidden_ ? shown_px * kHiddenPriorityFactor : shown_px;
+  }
+
   // ---- the published cut; every function here is called for covered nodes only
 
   void show(WantedNode& wanted) {
     if (!wanted.near && !anyReady(wanted)) return leaveOut(wanted);
-    switch (wanted.role) {
-      case Role::kExpanded:
-        return showExpanded(wanted);
-      case Role::kBlocked:
-        askForPage(wanted, want_.errorPx(wanted, 0));
-        return showPart(wanted);
-      case Role::kPart:
-        return showPart(wanted);
-    }
+    if (wanted.role == Role::kExpanded) return showExpanded(wanted);
+    below_hidden_ = (wanted.role == Role::kBlocked || !ready(wanted, wanted.rung)) && isHidden(wanted);
+    if (wanted.role == Role::kBlocked) askForPage(wanted, want_.errorPx(wanted, 0));
+    showPart(wanted);
+    below_hidden_ = false;
   }
 
   /// A part that is not there and cannot be seen holds up nothing; it comes after all that is seen.
@@ -114,7 +126,7 @@ class Run {
 
   /// Asks for the wanted rung of a part. @param shown_px  error of what stands in for it.
   void wishFor(const WantedNode& part, float shown_px) {
-    wish(part, part.rung, part.near ? shown_px : want_.errorPx(part, part.rung), part.near);
+    wish(part, part.rung, part.near ? priorityOf(shown_px) : want_.errorPx(part, part.rung), part.near);
   }
 
   void showExpanded(WantedNode& wanted) {
@@ -186,6 +198,20 @@ class Run {
   /// Asks for the wanted cut at and below a node, where something coarser is shown.
   /// @param shown_px  error of what is shown there, or will be by then.
   void ask(WantedNode& wanted, float shown_px) {
+    const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));
+    if (begins && !covered(wanted)) wish(wanted, WantedCut::lastRung(*wanted.node), shown_px, true);
+    below_hidden_ |= begins;
+    askFor(wanted, shown_px);
+    if (begins) below_hidden_ = false;
+  }
+
+  /// Where a hidden node's coarsest rung is worth to be shown until all that is seen is there.
+  static bool standInIsCheap(const WantedNode& wanted) {
+    const uint64_t stand_in_bytes = wanted.node->rungs.back().payload.bytes;
+    return wanted.role == Role::kBlocked || wanted.below_bytes >= kStandInBytesRatio * stand_in_bytes;
+  }
+
+  void askFor(WantedNode& wanted, float shown_px) {
     switch (wanted.role) {
       case Role::kPart:
         return wishFor(wanted, shown_px);
@@ -197,7 +223,7 @@ class Run {
     if (wanted.cover_rung && !childrenCovered(wanted)) {
       const float cover_px = want_.errorPx(wanted, *wanted.cover_rung);
       if (shown_px > 2 * cover_px) {
-        wish(wanted, *wanted.cover_rung, shown_px, true);
+        wish(wanted, *wanted.cover_rung, priorityOf(shown_px), true);
         shown_px = cover_px;
       }
     }
@@ -206,7 +232,8 @@ class Run {
 
   void askForPage(const WantedNode& wanted, float shown_px) {
     const Node& node = *wanted.node;
-    const float priority_px = std::min(shown_px, std::numeric_limits<float>::max() / kPagePriorityFactor);
+    const float priority_px =
+        std::min(priorityOf(shown_px), std::numeric_limits<float>::max() / kPagePriorityFactor);
     wanted_.push_back({node.child_page,
                        {BlobKind::kPage, {node.key, 0}},
                        proto::WishClass::kVisible,
@@ -259,12 +286,14 @@ class Run {
   const MeshCache& cache_;
   const double step_;
   const RefineOptions& options_;
+  const SeenPlaces* const seen_;
   WantedCut want_;
 
   std::shared_ptr<Cut> cut_;
   std::array<std::vector<CutPart>, kMaxDepth + 1> parts_at_;  // by depth
-  bool exact_ = true;  // near the view the published cut is the wanted one
-  bool whole_ = true;  // and elsewhere, with nothing left out
+  bool exact_ = true;          // near the view the published cut is the wanted one
+  bool whole_ = true;          // and elsewhere, with nothing left out
+  bool below_hidden_ = false;  // what is asked for is at or below a hidden node
   std::vector<Wish> wanted_;
   std::vector<MeshKey> in_use_, ancestors_;
   std::vector<NodeKey> pages_;  // that only stand-ins need
@@ -274,9 +303,9 @@ class Run {
 
 Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,
                   AttributeSet attributes, const View& view, const RefineOptions& options,
-                  std::span<const HeldNode> held) {
+                  std::span<const HeldNode> held, const SeenPlaces* seen) {
   if (!hierarchy.root()) return {};
-  return Run(hierarchy, cache, lattice, attributes, view, options, held).refine();
+  return Run(hierarchy, cache, lattice, attributes, view, options, held, seen).refine();
 }
 
 }  // namespace lode::core

@@ -8,6 +8,7 @@
 #include "client/core/cut.h"
 #include "client/core/hierarchy.h"
 #include "client/core/refine_options.h"
+#include "client/core/seen_places.h"
 #include "client/core/view.h"
 #include "client/core/wish.h"
 
@@ -38,11 +39,16 @@ struct Refinement {
 /// Levels between what is shown and what is wanted are skipped, but for one covering step that costs at most
 /// a twentieth of the bytes of the wanted cut.
 ///
+/// What is behind other parts is in the cut like all that is in the view, but its node's coarsest rung is
+/// enough for its siblings to be shown; what is finer comes after all that is seen.
+///
 /// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the
 /// octree of the 2005 paper (docs/lod-selection.md).
 /// @param held  of the last refinement.
+/// @param seen  by this view; null: nothing is known to be hidden. It changes the order of wishes and what is
+///              shown meanwhile, never the cut that has converged.
 Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,
                   AttributeSet attributes, const View& view, const RefineOptions& options,
-                  std::span<const HeldNode> held = {});
+                  std::span<const HeldNode> held = {}, const SeenPlaces* seen = nullptr);
 
 }  // namespace lode::core

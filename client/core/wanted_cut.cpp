@@ -147,7 +147,10 @@ bool WantedCut::fits(const Totals& totals) {
 /// waver.
 WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   const Node& node = *wanted.node;
-  if (wanted.role == Role::kPart) return {wanted.near ? node.rungs[wanted.rung].payload.bytes : 0, false};
+  if (wanted.role == Role::kPart) {
+    wanted.below_bytes = wanted.near ? node.rungs[wanted.rung].payload.bytes : 0;
+    return {wanted.below_bytes, false};
+  }
   if (wanted.role == Role::kBlocked) return {0, true};
   Below below;
   for (WantedNode& child : children(wanted)) {
@@ -155,6 +158,7 @@ WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
     below.bytes += more.bytes;
     below.settled |= more.settled;
   }
+  wanted.below_bytes = below.bytes;
   if (below.settled) return below;
   const auto cheap = std::find_if(node.rungs.begin(), node.rungs.end(), [&](const Rung& rung) {
     return rung.payload.bytes * kCoverBytesRatio <= below.bytes;

@@ -32,6 +32,7 @@ struct WantedNode {
   std::optional<bool> children_covered;        ///< for who publishes the cut,
   const MeshCache::Rungs* resident = nullptr;  ///< and this
   double distance_model = 0;
+  uint64_t below_bytes = 0;  ///< of the wanted cut's payloads near the view, at it and below, as far as known
   uint32_t first_child = 0;  ///< of an expanded node, see WantedCut::children()
   uint32_t held = 0;         ///< place in the last refinement's nodes + 1; 0: it had not come so far
 };

@@ -139,11 +139,11 @@ void lookAtWhatIsSeen(benchmark::State& state) {
   summary.lattice = kLattice;
   summary.box.add({0, 0, 0});
   summary.box.add({kSide << 12, kSide << 12, 4 << 8});
-  View view;
+  View& view = cut.view;
   view.eye_model = {362, -100, 500};
   view.forward = glm::normalize(glm::dvec3(0, 1, -1));
   view.up = glm::normalize(glm::dvec3(0, 1, 1));
-  for (auto _ : state) benchmark::DoNotOptimize(SeenPlaces(cut, view, summary));
+  for (auto _ : state) benchmark::DoNotOptimize(SeenPlaces::of(cut, summary));
 }
 BENCHMARK(lookAtWhatIsSeen)->Unit(benchmark::kMillisecond);
 

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -18,6 +19,7 @@
 #include "client/core/decode_job.h"
 #include "client/core/instance.h"
 #include "client/core/model.h"
+#include "client/core/seen_places.h"
 #include "client/render/framebuffer.h"
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
@@ -207,11 +209,35 @@ struct Shares {
   uint64_t floor =
       0;  ///< of the parts of the converged cut that show so many pixels, most pixels a byte first
   uint64_t parts = 0, seen_parts = 0;
+  uint64_t mistaken_parts = 0, mistaken_pixels = 0;  ///< seen, but taken for hidden on the way
 };
 
+/// Seen parts of the converged cut that a coarser cut says are hidden: by the one that errs most.
+void addMistakes(Shares& shares, const std::vector<Look>& looks, const PixelCount& pixels,
+                 const ModelSummary& model) {
+  const std::vector<CutPart>& parts = looks.back().cut->parts;
+  uint64_t most_parts = 0, most_pixels = 0;
+  for (const Look& look : looks) {
+    if (look.cut->triangles > SeenPlaces::kMostTriangles) break;
+    const std::optional<SeenPlaces> seen = SeenPlaces::of(*look.cut, model);
+    uint64_t mistaken = 0, of_pixels = 0;
+    for (size_t i = 0; seen && i < parts.size(); ++i) {
+      if (pixels.of(i) == 0 || seen->in(parts[i].node)) continue;
+      ++mistaken;
+      of_pixels += pixels.of(i);
+    }
+    most_parts = std::max(most_parts, mistaken);
+    most_pixels = std::max(most_pixels, of_pixels);
+  }
+  shares.mistaken_parts += most_parts;
+  shares.mistaken_pixels += most_pixels;
+}
+
 void add(Shares& shares, const store::Reader& store, const Look& right, const std::vector<Wish>& received,
-         const Cut& converged) {
+         const std::vector<Look>& looks) {
+  const Cut& converged = *looks.back().cut;
   const PixelCount pixels(converged, store.summary().lattice.step);
+  addMistakes(shares, looks, pixels, store.summary());
   struct Part {
     uint64_t bytes, pixels;
     bool visible;
@@ -308,14 +334,16 @@ void measure(const std::string& file) {
     for (int camera = 0; camera < kCameras; ++camera) {
       Client client(store, cameras.next(distance.diagonals));
       const std::vector<Look> looks = client.looks();
-      add(shares, store, firstRight(looks, renderer, target), client.received(), *looks.back().cut);
+      add(shares, store, firstRight(looks, renderer, target), client.received(), looks);
     }
     std::printf("| %s | %s |", file.substr(file.find_last_of('/') + 1).c_str(), distance.name);
     for (const uint64_t bytes : {shares.until_right, shares.seen, shares.hidden, shares.outside,
                                  shares.replaced, shares.pages, shares.cut, shares.seen_of_cut, shares.floor})
       std::printf(" %.0f |", static_cast<double>(bytes) / kCameras / 1e3);
-    std::printf(" %.0f of %.0f |\n", static_cast<double>(shares.seen_parts) / kCameras,
-                static_cast<double>(shares.parts) / kCameras);
+    std::printf(" %.0f of %.0f | %.1f | %.2f |\n", static_cast<double>(shares.seen_parts) / kCameras,
+                static_cast<double>(shares.parts) / kCameras,
+                static_cast<double>(shares.mistaken_parts) / kCameras,
+                100. * static_cast<double>(shares.mistaken_pixels) / kCameras / kWidthPx / kHeightPx);
     std::fflush(stdout);
   }
 }
@@ -328,6 +356,7 @@ int main(int argc, char** argv) {
   std::puts(
       "| store | distance | KB until right | of them in the final cut and seen | hidden | outside | replaced "
       "since "
-      "| pages | final cut, KB | seen of it | floor | parts seen |");
+      "| pages | final cut, KB | seen of it | floor | parts seen | of these at most taken for hidden "
+      "| with % of the picture |");
   for (int i = 1; i < argc; ++i) lode::core::measure(argv[i]);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
@@ -82,7 +83,7 @@ class Scripted {
   const Refinement& refineFor(const View& view, const RefineOptions& options) {
     const std::vector<HeldNode> held = std::move(last_.held);
     last_ = refine(hierarchy_, cache_, SyntheticModel::lattice(), SyntheticModel::attributes(), view, options,
-                   held);
+                   held, seen_ ? &*seen_ : nullptr);
     cache_.use(last_.in_use, last_.ancestors);
     cache_.trim();
     hierarchy_.use(last_.pages, options.hierarchy_budget_bytes);
@@ -111,6 +112,9 @@ class Scripted {
     FAIL() << "wishes without end";
   }
 
+  /// From now on, of the view that the cut has.
+  void seeOnly(const SeenPlaces& seen) { seen_ = seen; }
+
   const Refinement& last() const { return last_; }
   const Hierarchy& hierarchy() const { return hierarchy_; }
   MeshCache& cache() { return cache_; }
@@ -120,6 +124,7 @@ class Scripted {
   const SyntheticModel& model_;
   Hierarchy hierarchy_;
   MeshCache cache_;
+  std::optional<SeenPlaces> seen_;
   Refinement last_;
   uint64_t delivered_payload_bytes_ = 0;
 };

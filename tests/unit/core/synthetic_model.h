@@ -13,8 +13,9 @@
 
 namespace lode::core::test {
 
-/// A random octree of nodes without geometry: boxes, rungs and errors as a store would have them, cut into
-/// pages as docs/store-format.md says. Meshes have the announced numbers of vertices and triangles.
+/// A random octree: boxes, rungs and errors as a store would have them, cut into pages as
+/// docs/store-format.md says. Meshes have the announced numbers of vertices and triangles, which cover the
+/// sides of the node's box once; the others have no area.
 class SyntheticModel {
  public:
   struct Options {
@@ -52,12 +53,22 @@ class SyntheticModel {
   }
 
   std::shared_ptr<const Mesh> mesh(MeshKey key) const {
-    const Rung& rung = nodes_.at(key.node).rungs[key.rung];
+    constexpr uint32_t kSides[12][3] = {{0, 1, 3}, {0, 3, 2}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                        {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 3, 7}, {1, 7, 5}};
+    const Node& node = nodes_.at(key.node);
+    const Rung& rung = node.rungs[key.rung];
     Mesh mesh;
     mesh.attributes = attributes();
-    mesh.positions.resize(rung.vertices);
+    for (uint32_t vertex = 0; vertex < rung.vertices; ++vertex) {
+      const auto side = [&](int axis) {
+        return (vertex >> axis & 1) != 0 ? node.box.max[axis] : node.box.min[axis];
+      };
+      mesh.positions.push_back(packPosition({side(0), side(1), side(2)}));
+    }
     mesh.vertex_attributes.resize(rung.vertices);
-    mesh.triangles.resize(rung.triangles);
+    for (uint32_t i = 0; i < rung.triangles; ++i)
+      mesh.triangles.push_back(i < 12 ? glm::u32vec3(kSides[i][0], kSides[i][1], kSides[i][2])
+                                      : glm::u32vec3(0));
     return std::make_shared<const Mesh>(std::move(mesh));
   }
 
