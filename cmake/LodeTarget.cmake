@@ -26,6 +26,10 @@ function(lode_compile_options name)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
   # -Wrestrict: false alarms on string concatenation in g++ 12 (GCC bug 105651).
   target_compile_options(${name} PRIVATE ${LODE_WARNINGS})
+  if(CMAKE_UNITY_BUILD)
+    # g++ takes what a source has for itself for a header's, as it is included.
+    target_compile_options(${name} PRIVATE -Wno-subobject-linkage)
+  endif()
   if(LODE_SANITIZE)
     # g++ 12 takes what a sanitizer watches for uninitialized, moved optionals for one.
     target_compile_options(${name} PRIVATE -fsanitize=${LODE_SANITIZE} -fno-omit-frame-pointer -Wno-maybe-uninitialized)
@@ -37,6 +41,8 @@ endfunction()
 #   NAME      lode_<layer> for a library; the *.cpp in and below its folder are its sources unless SOURCES names them
 #   LAYERS    the layers it may use; a library asking for one that its layer does not allow is a configure error
 #   PRECOMPILED  the headers of cmake/LodePrecompiled.cmake that its files need not parse, and the options that go with them
+# Where CMAKE_UNITY_BUILD is on (release), the sources of a folder are compiled as one, in less than half the time; a source
+# that has a UNITY_GROUP keeps it. Each still includes what it uses, as other presets need it to.
 function(lode_target name)
   cmake_parse_arguments(arg "EXECUTABLE" "PRECOMPILED" "SOURCES;LAYERS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   if(NOT arg_SOURCES)
@@ -54,7 +60,17 @@ function(lode_target name)
     endforeach()
   endif()
   lode_compile_options(${name})
-  set_target_properties(${name} PROPERTIES LINKER_LANGUAGE CXX)
+  foreach(source ${arg_SOURCES})
+    cmake_path(ABSOLUTE_PATH source OUTPUT_VARIABLE folder)
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+    cmake_path(GET folder PARENT_PATH folder)
+    string(REPLACE "/" "_" folder "${folder}")
+    get_source_file_property(group ${source} UNITY_GROUP)
+    if(NOT group)
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${folder}")
+    endif()
+  endforeach()
+  set_target_properties(${name} PROPERTIES LINKER_LANGUAGE CXX UNITY_BUILD_MODE GROUP)
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_include_directories(${name} SYSTEM PUBLIC ${PROJECT_BINARY_DIR}/generated)
   if(LODE_SANITIZE)

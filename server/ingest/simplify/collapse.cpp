@@ -32,7 +32,7 @@ constexpr double kBreaksFeature = 8;  // cost of a collapse that pulls a positio
 constexpr size_t kProgress = 32;      // a round that collapses fewer than 1 of so many edges ends its level
 
 /// Whether a collapse may move an end of an edge.
-enum class Freedom { kFree, kPenalised, kNone };
+enum class Freedom { kFree, kPenalised, kFixed };
 
 /// What meets where two positions have become one, until the next round looks again.
 PositionKind joined(PositionKind a, PositionKind b) {
@@ -168,7 +168,7 @@ size_t Collapser::startRound(bool is_first) {
 }
 
 Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) const {
-  if (position.locked) return Freedom::kNone;
+  if (position.locked) return Freedom::kFixed;
   switch (position.kind) {
     case PositionKind::kSmooth:
     case PositionKind::kRim:
@@ -218,7 +218,7 @@ Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
   const EdgeKind kind = mesh_.edgeKind(u, v);
   const Freedom free_u = freedom(end_u, kind), free_v = freedom(end_v, kind);
   const Freedom freer = std::min(free_u, free_v);
-  if (freer == Freedom::kNone) return {};
+  if (freer == Freedom::kFixed) return {};
   Candidate result{free_u == free_v  ? bestPlacement(q, at_u, at_v)
                    : free_u < free_v ? Placement{at_v, q.at(at_v)}
                                      : Placement{at_u, q.at(at_u)},
