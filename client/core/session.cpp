@@ -233,15 +233,9 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
 
 void Session::endWish(uint32_t wish) {
   const auto found = wishes_.find(wish);
-  if (!found->second.cancelling) release(found->second);
+  if (!found->second.cancelling) wished_bytes_ -= found->second.incoming.blob.bytes;
   wish_of_blob_.erase(found->second.incoming.blob.number);
   wishes_.erase(found);
-}
-
-/// A wish no longer counts in the limits.
-void Session::release(const OpenWish& wish) {
-  wished_bytes_ -= wish.incoming.blob.bytes;
-  --wished_;
 }
 
 /// Of a frame that has begun to come; its beginning says how long it will be.
@@ -289,19 +283,16 @@ void Session::setWishes(std::span<const Wish> wanted) {
   for (auto& [number, wish] : wishes_) {
     if (wish.cancelling || accepted.contains(wish.incoming.blob.number)) continue;
     wish.cancelling = true;
-    release(wish);
+    wished_bytes_ -= wish.incoming.blob.bytes;
     changes.push_back({proto::WishAction::kCancel, wish.wish_class, number, wish.incoming.blob.number, 0});
   }
   for (const Wish* wanting : additions) {
     const BlobRef& blob = wanting->blob;
-    if (wished_ >= max_open_wishes_) break;
-    if (wished_ != 0 && wished_bytes_ + blob.bytes > options_.max_wished_bytes) break;
     const uint32_t number = next_wish_++;
     wishes_.emplace(number,
                     OpenWish{{blob, wanting->use, {}}, wanting->wish_class, wanting->priority_px, false});
     wish_of_blob_.emplace(blob.number, number);
     wished_bytes_ += blob.bytes;
-    ++wished_;
     changes.push_back(
         {proto::WishAction::kAdd, wanting->wish_class, number, blob.number, wanting->priority_px});
   }

@@ -136,7 +136,6 @@ class Session {
   void handlePong(std::span<const std::byte> body);
   void handleRefusal(const proto::ErrorMessage& error);
   void endWish(uint32_t wish);
-  void release(const OpenWish& wish);
   bool awaitsBlobs() const noexcept { return !wishes_.empty() || unasked_; }
   uint64_t bytesOfUnfinishedFrame() const;
   void grantCredit();
@@ -157,8 +156,7 @@ class Session {
   uint32_t next_wish_ = 1;
   std::map<uint32_t, OpenWish> wishes_;                  // by wish
   std::unordered_map<uint32_t, uint32_t> wish_of_blob_;  // blob number -> wish
-  uint64_t wished_bytes_ = 0;  // of wishes that are not taken back, and how many these are
-  size_t wished_ = 0;
+  uint64_t wished_bytes_ = 0;                            // of wishes that are not taken back
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
   uint64_t sent_grant_bytes_;    // what the server can know of: handed out by takeOutgoing()
