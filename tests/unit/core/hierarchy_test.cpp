@@ -132,6 +132,14 @@ TEST(HierarchyMemory, keepsAPageWhileOneBelowItIsKnown) {
   EXPECT_TRUE(hierarchy.find(deep)->childrenKnown());
 }
 
+TEST(HierarchyMemory, forgetsAPageTogetherWithThoseBelowItWhereNobodyUsesThem) {
+  const SyntheticModel model({.seed = 2, .depth = 6});
+  Hierarchy hierarchy = model.hierarchy();
+  ASSERT_GT(hierarchy.size(), model.rootPage().nodes.size());
+  hierarchy.use({}, 0);
+  EXPECT_EQ(hierarchy.size(), model.rootPage().nodes.size());
+}
+
 TEST(HierarchyMemory, countsRungsOfNodesThatHoldMany) {
   HierarchyPage page;
   Node root;

@@ -67,6 +67,26 @@ TEST_P(RefinerOnSeeds, neverShowsAHoleWhenTheCacheIsTooSmall) {
   EXPECT_TRUE(was_limited);
 }
 
+TEST_P(RefinerOnSeeds, countsAsInUseWhatHasComeAndWaitsForItsSiblings) {
+  const Parts wanted = BruteForce(model_, closeView(), 4).parts();
+  Scripted client(model_);
+  std::vector<MeshKey> there;
+  bool one_waits = false;
+  while (!client.refineFor(closeView(), {.threshold_px = 4}).wanted.empty()) {
+    const Refinement& now = client.last();
+    for (const MeshKey& key : there) {
+      EXPECT_EQ(std::ranges::count(now.in_use, key), 1) << key.node.value;
+      one_waits |= !partsOf(*now.cut).contains(key.node);
+    }
+    const Wish next = now.wanted[random_() % now.wanted.size()];
+    client.deliver(next);
+    const auto part = wanted.find(next.use.mesh.node);
+    if (next.use.kind == BlobKind::kMesh && part != wanted.end() && part->second == next.use.mesh.rung)
+      there.push_back(next.use.mesh);
+  }
+  EXPECT_TRUE(one_waits);
+}
+
 TEST_P(RefinerOnSeeds, keepsWhatWasShownFinerUntilTheCoarserArrives) {
   const View near = lookingAt({1500, 1600, 4000}, {512, 512, 512});
   const View far = lookingAt({6000, 6400, 16000}, {512, 512, 512});
