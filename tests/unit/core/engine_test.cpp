@@ -59,7 +59,7 @@ class EngineTest : public testing::Test {
     proto::Opened opened;
     opened.handle = 1;
     opened.summary.name = "strip";
-    opened.summary.nodes = 1;
+    opened.summary.nodes = nodes_;
     opened.summary.build_id = build_id_;
     opened.summary.root_page = refOf(3);
     Bytes bytes = proto::encode(proto::Welcome{1, 0, 100, ""}, 1);
@@ -119,6 +119,7 @@ class EngineTest : public testing::Test {
   std::vector<Bytes> blobs_;
   Node root_;
   BlobName build_id_{{std::byte{1}}};
+  uint32_t nodes_ = 1;
   View view_;
   Bytes sent_;
   Engine engine_{options()};
@@ -336,6 +337,25 @@ TEST_F(EngineTest, fetchesWhatTwoRungsShareOnce) {
   engine_.step(kStart);
   engine_.setView(view_, 0.5f);
   engine_.step(kStart);
+  EXPECT_TRUE(engine_.settled());
+}
+
+TEST_F(EngineTest, fetchesWhatTwoNodesShareOnce) {
+  Node left = root_, right = root_;
+  left.key = kRootKey.child(0);
+  right.key = kRootKey.child(1);
+  left.rungs = right.rungs = {root_.rungs[0]};
+  root_.rungs.erase(root_.rungs.begin());
+  root_.child_mask = 0b11;
+  nodes_ = 3;
+  blobs_[2] = encodePage({{root_, left, right}});
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(blobFrame(wish, 1), kStart);
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  decodeAll();
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.cut()->parts.size(), 2u);
   EXPECT_TRUE(engine_.settled());
 }
 

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""What standing cameras wait for over loopback, over an emulated link, and there through HAProxy: bench_link.py BIN_DIR STORE, as root.
+
+For each camera and both orders `lodestream replay` starts without a cache and ends when the cut has converged: times from the
+start of the connection, the median of --runs. Allowed: 1.15 times what the link alone takes for the bytes, and four round trips.
+BIN_DIR holds both programs, and wan. Server and client run at real-time priority.
+"""
+import argparse
+import contextlib
+import itertools
+import json
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.append(str(pathlib.Path(__file__).parent.parent / "load"))
+from surroundings import long_link, running  # noqa: E402
+
+REAL_TIME = ["chrt", "-r", "1"]
+DELAY_MS, MBIT_S, PORT = 25, 10, 7466
+CAMERAS = {"far": (4.0, 0), "mid": (1.7, 0), "close": (1.12, 0.6)}  # eye and target, in half sides from the middle
+BALANCER = """
+defaults
+  mode tcp
+  timeout connect 5s
+  timeout client 60s
+  timeout server 60s
+listen lodestream
+  bind 10.9.0.1:{there}
+  server one 10.9.0.1:{here}
+"""
+SEND = f"""
+import socket, sys
+listener = socket.create_server(("0.0.0.0", {PORT + 1}))
+print("ready", flush=True)
+listener.accept()[0].sendall(bytes(8 << 20))
+"""
+RECEIVE = f"""
+import socket, time
+line, got, start = socket.create_connection(("10.9.0.1", {PORT + 1})), 0, None
+while part := line.recv(1 << 16):
+    start = start or time.monotonic()
+    got += len(part)
+print(got / (time.monotonic() - start))
+"""
+
+
+def goodput(near, far):
+    """Bytes a second of one connection that has nothing else to do."""
+    with running([*near, *REAL_TIME, sys.executable, "-c", SEND], stdout=subprocess.PIPE, text=True) as sender:
+        sender.stdout.readline()
+        return float(subprocess.run([*far, *REAL_TIME, sys.executable, "-c", RECEIVE], check=True, capture_output=True, text=True).stdout)
+
+
+def camera(box, name, folder):
+    """Writes a camera that stands beside the box's middle."""
+    eye, target = CAMERAS[name]
+    middle = [(low + high) / 2 for low, high in zip(box["min"], box["max"])]
+    side = max(high - low for low, high in zip(box["min"], box["max"])) / 2
+    key = {"t": 0, "eye": [middle[0], middle[1], middle[2] + eye * side], "target": [middle[0] + target * side, *middle[1:]], "up": [0, 1, 0]}
+    file = pathlib.Path(folder, name + ".json")
+    file.write_text(json.dumps({"fov_y_deg": 45, "keys": [key]}))
+    return file
+
+
+def measure(program, address, store, path, order, prefix, options):
+    """Medians of what replay says."""
+    command = [*prefix, *REAL_TIME, program, "replay", f"lode://{address}/{store.stem}", "--camera", path, "--order", order, "--fps", "250",
+               "--cache", "off", "--json", *options.replay]
+    runs = [json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout) for _ in range(options.runs)]
+    for run in runs:
+        run.update({f"px{threshold}": run["reached_px_ms"][threshold] for threshold in "421"})
+    return {key: statistics.median(run[key] for run in runs) for key in
+            ("first_image_ms", "px4", "px2", "px1", "bytes_received", "final_cut_bytes", "peak_rss_bytes")} | {"holes": sum(run["holes"] for run in runs)}
+
+
+def await_answer(ask, server):
+    while subprocess.run(ask, capture_output=True).returncode != 0:
+        if server.poll() is not None:
+            sys.exit("the server has ended")
+        time.sleep(0.1)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin_dir", type=pathlib.Path)
+    parser.add_argument("store", type=pathlib.Path)
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--replay", nargs="*", default=[], help="more options of replay")
+    options = parser.parse_args()
+    info = json.loads(subprocess.run([options.bin_dir / "lodestreamd", "info", options.store, "--json"], check=True, capture_output=True).stdout)
+    print("| link | camera | order | first image, ms | 4 px | 2 px | 1 px | allowed | received, KB | of the cut's | holes | peak, MB |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    with contextlib.ExitStack() as ending, tempfile.TemporaryDirectory() as folder:
+        near, far = ending.enter_context(long_link(options.bin_dir, DELAY_MS, MBIT_S))
+        bytes_s = goodput(near, far)
+        balancer = pathlib.Path(folder, "haproxy.cfg")
+        balancer.write_text(BALANCER.format(here=PORT, there=PORT + 2))
+        ending.enter_context(running([*near, *REAL_TIME, "haproxy", "-db", "-q", "-f", balancer]))
+        emulated = f"{MBIT_S} Mbit/s"
+        for link, host, port, there, here in (("loopback", "127.0.0.1", PORT, [], []), (emulated, "10.9.0.1", PORT, near, far),
+                                              (f"{emulated}, HAProxy", "10.9.0.1", PORT + 2, near, far)):
+            listen = [*there, *REAL_TIME, options.bin_dir / "lodestreamd", "serve", options.store, "--listen", f"{host}:{PORT}", "--public", "--insecure"]
+            with running(listen, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
+                await_answer([*here, options.bin_dir / "lodestream", "list", f"lode://{host}:{port}", "--timeout", "2"], server)
+                for name, order in itertools.product(CAMERAS, ("best", "first-come")):
+                    row = measure(options.bin_dir / "lodestream", f"{host}:{port}", options.store, camera(info["box"], name, folder), order, here, options)
+                    allowed = f"{1150 * row['bytes_received'] / bytes_s + 4 * 2 * DELAY_MS:.0f}" if here else ""
+                    print(f"| {link} | {name} | {order} | {row['first_image_ms']:.0f} | {row['px4']:.0f} | {row['px2']:.0f} | {row['px1']:.0f} | {allowed} "
+                          f"| {row['bytes_received'] / 1e3:.0f} | {row['bytes_received'] / row['final_cut_bytes']:.2f} | {row['holes']} "
+                          f"| {row['peak_rss_bytes'] / 1e6:.0f} |", flush=True)
+    print(f"\nGoodput of one bulk connection: {bytes_s / 1e6:.3f} MB/s")
+
+
+if __name__ == "__main__":
+    main()
