@@ -32,6 +32,8 @@ class Instance {
     model_version_ = 0;
     settled_ = limited_ = false;
     held_.clear();
+    wishes_.clear();
+    pages_.clear();
     seen_.reset();
     seen_triangles_ = 0;
   }

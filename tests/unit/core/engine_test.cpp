@@ -307,6 +307,17 @@ TEST_F(EngineTest, opensTheNewBuildOfAModelThatWasReplacedAndShowsTheOldOneMeanw
   EXPECT_EQ(engine_.counts().open_wishes, 1u);
 }
 
+TEST_F(EngineTest, asksTheServerOfANewBuildForNothingOfTheOldOne) {
+  openAndShowCoarse();
+  ASSERT_EQ(engine_.counts().open_wishes, 1u);
+  engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart);
+  engine_.connect(kStart);
+  build_id_.bytes[0] = std::byte{2};
+  engine_.receive(greeting(build_id_), kStart);  // its first blobs are on their way
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+}
+
 TEST_F(EngineTest, givesUpWhereANewTryWouldFailToo) {
   EXPECT_THROW(engine_.disconnect(Error(ErrorCode::kNetwork, "nobody there"), kStart), Error);
   openAndShowCoarse();

@@ -45,6 +45,7 @@ class ScriptedServer {
     summary_.name = "model";
     summary_.lattice = SyntheticModel::lattice();
     summary_.attributes = SyntheticModel::attributes();
+    summary_.box = nodes_.at(kRootKey).box;
     summary_.nodes = nodes_.size();
     summary_.root_page = keep(kRootPageBlob, encodePage({collect(kRootKey, 0, 2)}));
     summary_.build_id = summary_.root_page.name;
