@@ -43,5 +43,21 @@ TEST(Model, handsOutNoMoreToDecodeThanThereIsMemoryForAndAllInTheEnd) {
   EXPECT_EQ(model.undecodedBytes() + model.decodingBytes(), 0u);
 }
 
+TEST(Model, takesNoLateResultOfABuildThatItHasReplaced) {
+  const SyntheticModel synthetic({.seed = 3});
+  const ScriptedServer server(synthetic);
+  Model model(server.summary(), 1ull << 30);
+  model.take(server.summary().root_page, {BlobKind::kRootPage, {kRootKey, 0}},
+             encodePage(synthetic.rootPage()));
+  const Wish first = model.firstWish().value();
+  model.take(first.blob, first.use, Bytes(10));
+  ASSERT_EQ(model.takeDecodeJobs().size(), 1u);
+  BlobRef of_before = first.blob;
+  of_before.name.bytes[0] ^= std::byte{1};
+  model.finishDecode({of_before, first.use, synthetic.mesh(first.use.mesh), nullptr, nullptr, ""});
+  EXPECT_EQ(model.decoding(), 1u);
+  EXPECT_FALSE(model.meshes().contains(first.use.mesh));
+}
+
 }  // namespace
 }  // namespace lode::core
