@@ -34,7 +34,7 @@ class World {
       engine_.connect(now_);
     }
     deliver(to_server_, [this](const Bytes& bytes) { server_.receive(bytes); });
-    post(to_client_, server_.give(random_() % 4));
+    postCut(to_client_, server_.give(random_() % 4));
     deliver(to_client_, [this](const Bytes& bytes) { engine_.receive(bytes, now_); });
     for (DecodeJob& job : engine_.takeDecodeJobs())
       decoding_.push_back({job.blob, job.use, meshOf(job), nullptr, nullptr, ""});
@@ -101,6 +101,13 @@ class World {
     if (bytes.empty()) return;
     const TimePoint due = now_ + milliseconds(random_() % 60);
     line.push_back({line.empty() ? due : std::max(due, line.back().due), std::move(bytes)});
+  }
+
+  /// The two ends of them may arrive at different times.
+  void postCut(std::deque<Parcel>& line, const Bytes& bytes) {
+    const auto cut = bytes.begin() + static_cast<std::ptrdiff_t>(random_() % (bytes.size() + 1));
+    post(line, {bytes.begin(), cut});
+    post(line, {cut, bytes.end()});
   }
 
   template <typename Take>
