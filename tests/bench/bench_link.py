@@ -17,21 +17,12 @@ import tempfile
 import time
 
 sys.path.append(str(pathlib.Path(__file__).parent.parent / "load"))
-from surroundings import long_link, running  # noqa: E402
+from processes import running  # noqa: E402
+from surroundings import long_link, plain_haproxy  # noqa: E402
 
 REAL_TIME = ["chrt", "-r", "1"]
 DELAY_MS, MBIT_S, PORT = 25, 10, 7466
 CAMERAS = {"far": (4.0, 0), "mid": (1.7, 0), "close": (1.12, 0.6)}  # eye and target, in half sides from the middle
-BALANCER = """
-defaults
-  mode tcp
-  timeout connect 5s
-  timeout client 60s
-  timeout server 60s
-listen lodestream
-  bind 10.9.0.1:{there}
-  server one 10.9.0.1:{here}
-"""
 SEND = f"""
 import socket, sys
 listener = socket.create_server(("0.0.0.0", {PORT + 1}))
@@ -97,9 +88,7 @@ def main():
     with contextlib.ExitStack() as ending, tempfile.TemporaryDirectory() as folder:
         near, far = ending.enter_context(long_link(options.bin_dir, DELAY_MS, MBIT_S))
         bytes_s = goodput(near, far)
-        balancer = pathlib.Path(folder, "haproxy.cfg")
-        balancer.write_text(BALANCER.format(here=PORT, there=PORT + 2))
-        ending.enter_context(running([*near, *REAL_TIME, "haproxy", "-db", "-q", "-f", balancer]))
+        ending.enter_context(plain_haproxy(folder, f"10.9.0.1:{PORT + 2}", f"10.9.0.1:{PORT}", [*near, *REAL_TIME]))
         emulated = f"{MBIT_S} Mbit/s"
         for link, host, port, there, here in (("loopback", "127.0.0.1", PORT, [], []), (emulated, "10.9.0.1", PORT, near, far),
                                               (f"{emulated}, HAProxy", "10.9.0.1", PORT + 2, near, far)):

@@ -34,7 +34,7 @@ import urllib.request
 LOAD = pathlib.Path(__file__).resolve().parent.parent / "load"
 sys.path.insert(0, str(LOAD))
 from processes import cpu_seconds, free_port, resident_bytes, running, self_signed, start, wait_for  # noqa: E402
-from surroundings import forget, long_link, slow_disk  # noqa: E402
+from surroundings import forget, long_link, plain_haproxy, slow_disk  # noqa: E402
 
 SERVER_CORE, CLIENT_CORE = "0", "1"
 CONNECTIONS, IN_FLIGHT = 16, 8
@@ -278,20 +278,10 @@ def urgent(bench):
     folder = bench.folder / "urgent"
     numbers, store = make_store(bench, folder, 24576), folder / "noise.lode"
     controls = pathlib.Path("/proc/sys/net/ipv4/tcp_available_congestion_control").read_text().split()
-    config = folder / "haproxy.cfg"
-    config.write_text("""
-        defaults
-          mode tcp
-          timeout connect 5s
-          timeout client 60s
-          timeout server 60s
-        listen lodestream
-          bind 10.9.0.1:7401
-          server one 10.9.0.1:7400\n""")
     print("| 24 KB, 10 Mbit/s, 50 ms | median | longest | round trips | bulk beside it |")
     print("| --- | --- | --- | --- | --- |")
     with long_link(bench.bin) as (near, far):
-        with lodestreamd(bench, store, "10.9.0.1:7400", near), running([*near, "haproxy", "-f", config]):
+        with lodestreamd(bench, store, "10.9.0.1:7400", near), plain_haproxy(folder, "10.9.0.1:7401", "10.9.0.1:7400", near):
             time.sleep(0.5)
             for control, (way, port) in itertools.product(
                     [c for c in ("cubic", "bbr") if c in controls], (("directly", 7400), ("through HAProxy", 7401))):

@@ -63,3 +63,21 @@ def long_link(programs, delay_ms=25, mbit_s=10, loss_percent=0, queue_ms=200):
     finally:
         for name in (near, far):
             subprocess.run(["ip", "netns", "del", name])
+
+
+@contextlib.contextmanager
+def plain_haproxy(folder, listen, server, prefix=()):
+    """HAProxy in front of one server, as it comes."""
+    config = pathlib.Path(folder, "haproxy.cfg")
+    config.write_text(f"""
+defaults
+  mode tcp
+  timeout connect 5s
+  timeout client 60s
+  timeout server 60s
+listen lodestream
+  bind {listen}
+  server one {server}
+""")
+    with running([*prefix, "haproxy", "-db", "-q", "-f", config]) as process:
+        yield process
