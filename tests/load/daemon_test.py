@@ -20,7 +20,7 @@ import time
 import unittest
 
 from daemon import BIN, MODELS, SOURCE, STORE, Daemon, eventually, refusal, wishes
-from read_model import BLOB, HEADER
+from read_model import BLOB, DAMAGED_STORE, HEADER, LIMIT, NO_SUCH_MODEL
 
 
 class OpenFiles(unittest.TestCase):
@@ -40,7 +40,7 @@ class OpenFiles(unittest.TestCase):
                 for _ in range(possible):
                     clients.enter_context(contextlib.closing(daemon.open()[0]))
                 for _ in range(300):
-                    self.assertEqual(refusal(daemon.address).Code(), 7)
+                    self.assertEqual(refusal(daemon.address).Code(), LIMIT)
                 self.assertEqual(daemon.metric('lodestream_connections_refused_total{reason="descriptors"}'), 0)
 
     def test_nothing_is_said_where_there_are_enough(self):
@@ -279,7 +279,7 @@ class UnderLoad(unittest.TestCase):
 
     def test_stores_are_replaced_and_removed_and_nobody_else_notices(self):
         with Daemon(self.folder.name, stderr=subprocess.DEVNULL) as daemon:
-            with self.readers(daemon, allowed=("(code 5)",)):
+            with self.readers(daemon, allowed=(f"(code {NO_SUCH_MODEL})",)):
                 for _ in range(4):
                     self.replace("changing", self.other)
                     self.reload(daemon)
@@ -292,7 +292,7 @@ class UnderLoad(unittest.TestCase):
     def test_a_store_that_is_overwritten_in_place_is_damaged_to_its_readers_and_to_nobody_else(self):
         with Daemon(self.folder.name, stderr=subprocess.DEVNULL) as daemon:
             # A chunk that is read within the 20 ms between two looks at the file may be wrong: its name tells the client.
-            with self.readers(daemon, allowed=("(code 8)", "has another name")):
+            with self.readers(daemon, allowed=(f"(code {DAMAGED_STORE})", "has another name")):
                 with open(self.path("changing"), "r+b") as store:
                     for at in range(2000, os.path.getsize(self.path("changing")) - 2000, 5000):
                         store.seek(at)

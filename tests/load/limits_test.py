@@ -9,7 +9,7 @@ import time
 import unittest
 
 from daemon import STORE, Daemon, eventually, wishes
-from read_model import HEADER, Connection
+from read_model import HEADER, LIMIT, Connection
 
 
 class Limits(unittest.TestCase):
@@ -18,7 +18,7 @@ class Limits(unittest.TestCase):
     def test_of_open_models_is_what_was_asked_for(self):
         with Daemon(STORE, "--max-open-models", "1") as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.send("Open", 3, model="painted")
-            self.assertIn("code 7", self.last_word(connection))
+            self.assertIn(f"code {LIMIT}", self.last_word(connection))
 
     def held_by_a_client_that_pings_and_never_reads(self, *arguments):
         with Daemon(STORE, *arguments) as daemon, contextlib.closing(daemon.open()[0]) as connection:
@@ -48,12 +48,12 @@ class Limits(unittest.TestCase):
             with contextlib.closing(connection):
                 self.assertEqual(most, 10)
                 connection.send("Wishes", 3, handle=1, changes=wishes(11))
-                self.assertIn("code 7", self.last_word(connection))
+                self.assertIn(f"code {LIMIT}", self.last_word(connection))
 
     def test_of_connections_of_an_address_is_what_was_asked_for(self):
         with Daemon(STORE, "--max-connections-per-address", "1") as daemon:
             with contextlib.closing(daemon.open()[0]), contextlib.closing(Connection(daemon.address)) as second:
-                self.assertIn("code 7", self.last_word(second))
+                self.assertIn(f"code {LIMIT}", self.last_word(second))
 
     def test_of_an_address_is_that_of_the_client_behind_a_balancer(self):
         with Daemon(STORE, "--proxy-protocol", "--max-connections-per-address", "1") as daemon:
@@ -61,7 +61,7 @@ class Limits(unittest.TestCase):
                 for connection in (first, other):
                     self.assertGreater(connection.open("painted")[1], 0)
                 with self.from_behind(daemon, "192.0.2.1") as second:
-                    self.assertIn("code 7", self.last_word(second))
+                    self.assertIn(f"code {LIMIT}", self.last_word(second))
 
     def expect_ended(self, reason, option, client):
         """Within seconds, where the default is ten and more."""

@@ -20,6 +20,7 @@ BLOB = struct.Struct("<III")  # wish, total, offset
 TYPES = dict(Hello=1, Welcome=2, Open=5, Opened=6, Wishes=7, Credit=8, Blob=9, Cancelled=10, Error=11, GoAway=12,
              ModelReplaced=13, Ping=14, Pong=15)
 NAMES = {number: name for name, number in TYPES.items()}
+NO_SUCH_MODEL, LIMIT, DAMAGED_STORE = 5, 7, 8  # codes of an Error
 OPTIONAL, MAX_BODY, WINDOW, MAX_CHANGES, INNER_TEXELS = 1, 262144, 65536, 4096, 508
 
 Ref = collections.namedtuple("Ref", "number bytes name")

@@ -10,6 +10,8 @@ import tempfile
 import unittest
 import zlib
 
+from read_model import NO_SUCH_MODEL
+
 BIN, MODELS = sys.argv.pop(1), sys.argv.pop(1)
 CLIENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "read_model.py")
 HEADER_AND_FOOTER_BYTES, TABLE_ENTRY_BYTES = 212, 28  # of a store: docs/store-format.md
@@ -83,7 +85,7 @@ class ReadModel(unittest.TestCase):
     def test_a_model_that_is_not_there_is_said_to_be(self):
         done = self.read("nothing")
         self.assertEqual(done.returncode, 1)
-        self.assertIn("code 5", done.stderr)
+        self.assertIn(f"code {NO_SUCH_MODEL}", done.stderr)
 
 
 if __name__ == "__main__":
