@@ -53,7 +53,7 @@ struct SharedSurface {
   const TriangleTree& tree;
   const SurfaceWalk& walk;
 
-  float squaredDistance(glm::vec3 at, uint32_t triangle) const { return tree.squaredDistance(at, triangle); }
+  const PackedTriangle& triangle(uint32_t number) const { return tree.triangle(number); }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
     const float squared = tree.squaredDistance(at, hint);
     if (squared <= enough * enough) return {at, std::sqrt(squared), hint};

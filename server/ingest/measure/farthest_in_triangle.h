@@ -8,6 +8,8 @@
 
 #include <glm/glm.hpp>
 
+#include "server/ingest/measure/four_triangles.h"
+
 namespace lode::ingest {
 
 /// A point beside a triangle of a surface that is near to it.
@@ -22,7 +24,7 @@ struct PointBeside {
 /// part's size bounds the distance of all its points, or kMostCuts have been made; cuts go where the
 /// surface's triangles meet. Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General
 /// Polygonal Models, 2009, for these bounds.
-/// @tparam Surface  has `float squaredDistance(glm::vec3, uint32_t triangle)` and `PointBeside
+/// @tparam Surface  has `PackedTriangle triangle(uint32_t)` and `PointBeside
 /// measure(glm::vec3, uint32_t hint, float enough)`: exact, unless it is at most `enough`.
 template <typename Surface>
 class FarthestInTriangle {
@@ -74,35 +76,51 @@ class FarthestInTriangle {
     std::array<float, 3> of_point, of_corners;
   };
 
-  float distance(glm::vec3 at, uint32_t triangle) const {
-    return std::sqrt(surface_.squaredDistance(at, triangle));
-  }
-
   /// Whether all corners are near one corner's triangle; finds their distances until one is.
   bool isBoundedBesideOne(Part& part) const {
-    for (size_t by = 0; by < 3; ++by) {
-      float high = 0;
+    const auto& [a, b, c] = part.corners;
+    if (a.triangle == b.triangle && b.triangle == c.triangle) {
+      part.from = {{{a.distance, a.distance, a.distance},
+                    {b.distance, b.distance, b.distance},
+                    {c.distance, c.distance, c.distance}}};
+      return isNear(part, 0);
+    }
+    const auto isNearOnceKnown = [&](size_t by, const std::array<float, 3>& squared) {
       for (size_t k = 0; k < 3; ++k) {
         const PointBeside& corner = part.corners[k];
-        const uint32_t triangle = part.corners[by].triangle;
-        part.from[k][by] = corner.triangle == triangle ? corner.distance : distance(corner.at, triangle);
-        high = std::max(high, part.from[k][by]);
+        const bool same = corner.triangle == part.corners[by].triangle;
+        part.from[k][by] = same ? corner.distance : std::sqrt(squared[k]);
       }
-      if (high <= limit()) return true;
-    }
-    return false;
+      return isNear(part, by);
+    };
+    const PackedTriangle &of_a = surface_.triangle(a.triangle), &of_b = surface_.triangle(b.triangle),
+                         &of_c = surface_.triangle(c.triangle);
+    const Four of_ab = FourTriangles(of_a, of_a, of_b, of_b).squaredDistances({b.at, c.at, a.at, c.at});
+    if (isNearOnceKnown(0, {0, of_ab[0], of_ab[1]}) || isNearOnceKnown(1, {of_ab[2], 0, of_ab[3]}))
+      return true;
+    const Four only_c = FourTriangles(of_c, of_c, of_c, of_c).squaredDistances({a.at, b.at, a.at, b.at});
+    return isNearOnceKnown(2, {only_c[0], only_c[1], 0});
   }
 
   Meeting meet(const Part& part, const PointBeside& point) const {
+    const auto& [a, b, c] = part.corners;
+    const PackedTriangle& of_point = surface_.triangle(point.triangle);
+    const Four some = FourTriangles(surface_.triangle(a.triangle), surface_.triangle(b.triangle),
+                                    surface_.triangle(c.triangle), of_point)
+                          .squaredDistances({point.at, point.at, point.at, a.at});
     Meeting meeting{point, {}, {}};
     size_t same = 3;  // the corner that is beside the point's triangle
     for (size_t by = 0; by < 3; ++by) {
-      const uint32_t triangle = part.corners[by].triangle;
-      if (triangle == point.triangle) same = by;
-      meeting.of_point[by] = triangle == point.triangle ? point.distance : distance(point.at, triangle);
+      if (part.corners[by].triangle == point.triangle) same = by;
+      meeting.of_point[by] = same == by ? point.distance : std::sqrt(some[by]);
     }
-    for (size_t k = 0; k < 3; ++k)
-      meeting.of_corners[k] = same < 3 ? part.from[k][same] : distance(part.corners[k].at, point.triangle);
+    if (same < 3) {
+      for (size_t k = 0; k < 3; ++k) meeting.of_corners[k] = part.from[k][same];
+    } else {
+      const Four others =
+          FourTriangles(of_point, of_point, of_point, of_point).squaredDistances({b.at, c.at, b.at, c.at});
+      meeting.of_corners = {std::sqrt(some[3]), std::sqrt(others[0]), std::sqrt(others[1])};
+    }
     return meeting;
   }
 
@@ -132,10 +150,14 @@ class FarthestInTriangle {
     return high + kFromCorners * longest <= limit();
   }
 
+  /// Whether all corners are near the triangle of one.
+  bool isNear(const Part& part, size_t by) const {
+    return std::max({part.from[0][by], part.from[1][by], part.from[2][by]}) <= limit();
+  }
+
   bool isBounded(const Part& part) const {
-    for (size_t by = 0; by < 3; ++by)
-      if (std::max({part.from[0][by], part.from[1][by], part.from[2][by]}) <= limit()) return true;
-    return part.cuts == kMostCuts || (part.cuts > 0 && isBoundedBySize(part.corners));
+    return isNear(part, 0) || isNear(part, 1) || isNear(part, 2) || part.cuts == kMostCuts ||
+           (part.cuts > 0 && isBoundedBySize(part.corners));
   }
 
   /// The one along which the ends' triangles of the surface part most.

@@ -9,7 +9,10 @@ namespace lode::ingest {
 /// A triangle with corners a, a + ab and a + ac, wherever a is.
 struct TriangleSides {
   TriangleSides(glm::vec3 to_b, glm::vec3 to_c) noexcept
-      : ab(to_b), ac(to_c), ab_ab(glm::dot(ab, ab)), ab_ac(glm::dot(ab, ac)), ac_ac(glm::dot(ac, ac)) {}
+      : TriangleSides(to_b, to_c, glm::dot(to_b, to_b), glm::dot(to_b, to_c), glm::dot(to_c, to_c)) {}
+  /// With the products that are known already.
+  TriangleSides(glm::vec3 to_b, glm::vec3 to_c, float b_b, float b_c, float c_c) noexcept
+      : ab(to_b), ac(to_c), ab_ab(b_b), ab_ac(b_c), ac_ac(c_c) {}
 
   glm::vec3 ab, ac;
   float ab_ab, ab_ac, ac_ac;

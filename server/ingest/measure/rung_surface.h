@@ -21,10 +21,12 @@ class RungSurface {
   TriangleTree::Nearest nearest(glm::vec3 point, float enough = 0,
                                 TriangleTree::Nearest known = TriangleTree::kNothing) const;
 
-  /// For FarthestInTriangle.
   float squaredDistance(glm::vec3 at, uint32_t triangle) const noexcept {
     return walk_.squaredDistance(at, triangle);
   }
+
+  /// For FarthestInTriangle.
+  PackedTriangle triangle(uint32_t number) const noexcept { return walk_.triangle(number); }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const;
   /// The same, but never exact: by a walk from the hint.
   PointBeside walkFrom(glm::vec3 at, uint32_t hint, float enough) const noexcept;

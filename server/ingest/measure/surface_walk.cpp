@@ -51,6 +51,12 @@ float SurfaceWalk::squaredDistance(glm::vec3 point, uint32_t triangle) const noe
   return squaredDistanceToTriangle(point - a, {points_[t.y] - a, points_[t.z] - a});
 }
 
+PackedTriangle SurfaceWalk::triangle(uint32_t number) const noexcept {
+  const glm::u32vec3& t = triangles_[number];
+  const glm::vec3 a = points_[t.x];
+  return {a, {points_[t.y] - a, points_[t.z] - a}};
+}
+
 float SurfaceWalk::distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept {
   const glm::u32vec3& t = triangles_[triangle];
   const auto away = [&](uint32_t position) { return squaredLength(points_[position] - point); };
@@ -141,8 +147,17 @@ bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
 
 void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_squared,
                              Nearest& best) const noexcept {
-  for (uint32_t i = begin_[position]; i < begin_[position + 1] && best.squared > enough_squared; ++i)
-    lookAt(point, around_[i], best);
+  const FourVectors points(point, point, point, point);
+  const uint32_t end = begin_[position + 1];
+  for (uint32_t i = begin_[position]; i < end && best.squared > enough_squared; i += 4) {
+    const auto corner = [&](int k) {
+      const auto of = [&](uint32_t at) { return points_[triangles_[around_[std::min(at, end - 1)]][k]]; };
+      return FourVectors(of(i), of(i + 1), of(i + 2), of(i + 3));
+    };
+    const Four found = FourTriangles(corner(0), corner(1), corner(2)).squaredDistances(points);
+    for (uint32_t k = 0; k < 4 && best.squared > enough_squared; ++k)
+      if (found[k] < best.squared) best = {found[k], around_[i + k]};
+  }
 }
 
 void SurfaceWalk::lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept {

@@ -31,6 +31,7 @@ class SurfaceWalk {
   float distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept;
   /// From one of the mesh's triangles.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept;
+  PackedTriangle triangle(uint32_t number) const noexcept;
   /// From a triangle onwards; `triangle` becomes the one where the walk has ended.
   float distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept;
   /// A place on the mesh near a point.

@@ -7,8 +7,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kTrianglesOfBox = 4;  ///< that are not halved any more
-constexpr size_t kMostHalvings = 32;   ///< triangles are numbered in so many bits
+constexpr size_t kMostHalvings = 32;                        ///< triangles are numbered in so many bits
+constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;  ///< three more a fork, which halves twice
 
 }  // namespace
 
@@ -26,81 +26,112 @@ TriangleTree::TriangleTree(const NodeMesh& mesh) : place_(mesh.triangles.size())
     middles.push_back({3.f * a + ab + ac, static_cast<uint32_t>(triangles.size())});
     triangles.push_back({a, {ab, ac}});
   }
-  triangles_.reserve(triangles.size());
-  number_.reserve(triangles.size());
-  build(triangles, middles);
+  const size_t places = (triangles.size() + 3) / 4 * 4;
+  triangles_.reserve(places);
+  number_.reserve(places);
+  top_ = build(triangles, middles).inside;
 }
 
-/// The box of some triangles and all boxes in it. @param middles  of the triangles, thrice; changes their
-/// order.
-/// @return its number.
-uint32_t TriangleTree::build(std::span<const Triangle> triangles, std::span<Middle> middles) {
-  const auto at = static_cast<uint32_t>(boxes_.size());
-  boxes_.push_back({glm::vec3(kInfinity), glm::vec3(-kInfinity)});
-  if (middles.size() <= kTrianglesOfBox) {
-    Box& box = boxes_[at];
-    box.begin = static_cast<uint32_t>(triangles_.size());
-    box.end = box.begin + static_cast<uint32_t>(middles.size());
-    for (const Middle& middle : middles) {
-      const Triangle& t = triangles[middle.triangle];
-      const glm::vec3 b = t.a + t.sides.ab, c = t.a + t.sides.ac;
-      box.min = glm::min(box.min, glm::min(t.a, glm::min(b, c)));
-      box.max = glm::max(box.max, glm::max(t.a, glm::max(b, c)));
-      place_[middle.triangle] = static_cast<uint32_t>(triangles_.size());
-      triangles_.push_back(t);
-      number_.push_back(middle.triangle);
-    }
-    return at;
+TriangleTree::Branch TriangleTree::buildLeaf(std::span<const Triangle> triangles,
+                                             std::span<const Middle> middles) {
+  const auto begin = static_cast<uint32_t>(triangles_.size());
+  Box box;
+  for (const Middle& middle : middles) {
+    const Triangle& t = triangles[middle.triangle];
+    const glm::vec3 b = t.a + t.sides.ab, c = t.a + t.sides.ac;
+    box.min = glm::min(box.min, glm::min(t.a, glm::min(b, c)));
+    box.max = glm::max(box.max, glm::max(t.a, glm::max(b, c)));
+    place_[middle.triangle] = static_cast<uint32_t>(triangles_.size());
+    triangles_.emplace_back(t.a, t.sides);
+    number_.push_back(middle.triangle);
   }
-  glm::vec3 low(kInfinity), high(-kInfinity);
+  triangles_.resize(begin + 4);
+  number_.resize(begin + 4);
+  return {begin | kIsLeaf, box};
+}
+
+/// Orders them along the longest side of their box, as far as their halves need it. @return the size of the
+/// first half, which fills whole leaves.
+size_t TriangleTree::partInHalves(std::span<Middle> middles) {
+  glm::vec3 low(middles[0].at), high(low);
   for (const Middle& middle : middles) {
     low = glm::min(low, middle.at);
     high = glm::max(high, middle.at);
   }
   const glm::vec3 size = high - low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const size_t half = middles.size() / 2;
+  const size_t half = (middles.size() + 7) / 8 * 4;
   std::nth_element(middles.begin(), middles.begin() + static_cast<ptrdiff_t>(half), middles.end(),
                    [axis](const Middle& a, const Middle& b) {
                      return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.triangle < b.triangle;
                    });
-  const uint32_t first = build(triangles, middles.first(half));
-  const uint32_t second = build(triangles, middles.subspan(half));
-  boxes_[at] = {glm::min(boxes_[first].min, boxes_[second].min),
-                glm::max(boxes_[first].max, boxes_[second].max), second};
-  return at;
+  return half;
+}
+
+/// The tree of some triangles. @param middles  of the triangles, thrice; changes their order.
+TriangleTree::Branch TriangleTree::build(std::span<const Triangle> triangles, std::span<Middle> middles) {
+  if (middles.size() <= 4) return buildLeaf(triangles, middles);
+  std::array<std::span<Middle>, 4> parts;
+  size_t count = 0;
+  const size_t half = partInHalves(middles);
+  for (const std::span<Middle> part : {middles.first(half), middles.subspan(half)}) {
+    const size_t quarter = part.size() <= 4 ? part.size() : partInHalves(part);
+    parts[count++] = part.first(quarter);
+    if (quarter < part.size()) parts[count++] = part.subspan(quarter);
+  }
+  const auto number = static_cast<uint32_t>(forks_.size());
+  forks_.emplace_back();
+  std::array<Branch, 4> in{};
+  Box whole;
+  for (size_t i = 0; i < count; ++i) {
+    in[i] = build(triangles, parts[i]);
+    whole.min = glm::min(whole.min, in[i].box.min);
+    whole.max = glm::max(whole.max, in[i].box.max);
+  }
+  forks_[number] = {{in[0].box.min, in[1].box.min, in[2].box.min, in[3].box.min},
+                    {in[0].box.max, in[1].box.max, in[2].box.max, in[3].box.max},
+                    {in[0].inside, in[1].inside, in[2].inside, in[3].inside}};
+  return {number, whole};
+}
+
+Four TriangleTree::Fork::squaredDistances(const FourVectors& points) const noexcept {
+  const Four zero{};
+  const FourVectors below = min - points, above = points - max;
+  const FourVectors outside{larger(larger(below.x, above.x), zero), larger(larger(below.y, above.y), zero),
+                            larger(larger(below.z, above.z), zero)};
+  return dot(outside, outside);
 }
 
 TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float enough, Nearest known) const noexcept {
-  if (boxes_.empty()) return known;
+  if (triangles_.empty()) return known;
+  const FourVectors points(point, point, point, point);
   struct Waiting {
-    uint32_t box;
+    uint32_t inside;
     float squared;
   };
-  std::array<Waiting, kMostHalvings> waiting;
+  std::array<Waiting, kMostWaiting> waiting;  // the nearest last, of each fork
   size_t count = 0;
   const float enough_squared = enough * enough;
-  const auto wait = [&](uint32_t box, float squared) {
-    if (squared < known.squared) waiting[count++] = {box, squared};
-  };
-  wait(0, boxes_[0].squaredDistance(point));
+  waiting[count++] = {top_, 0};
   while (count > 0 && known.squared > enough_squared) {
-    const auto [number, squared] = waiting[--count];
+    const auto [inside, squared] = waiting[--count];
     if (squared >= known.squared) continue;
-    const Box& box = boxes_[number];
-    for (uint32_t i = box.begin; i < box.end; ++i) {
-      const float found = triangles_[i].squaredDistance(point);
-      if (found < known.squared) known = {found, 0, number_[i]};
+    if (inside & kIsLeaf) {
+      const size_t begin = inside & ~kIsLeaf;
+      const PackedTriangle* const leaf = &triangles_[begin];
+      const Four found = FourTriangles(leaf[0], leaf[1], leaf[2], leaf[3]).squaredDistances(points);
+      for (size_t i = 0; i < 4; ++i)
+        if (found[i] < known.squared) known = {found[i], 0, number_[begin + i]};
+      continue;
     }
-    if (box.end > 0) continue;
-    const float to_first = boxes_[number + 1].squaredDistance(point);
-    const float to_second = boxes_[box.second].squaredDistance(point);
-    if (to_first <= to_second) {
-      wait(box.second, to_second);
-      wait(number + 1, to_first);
-    } else {
-      wait(number + 1, to_first);
-      wait(box.second, to_second);
+    const Fork& fork = forks_[inside];
+    const Four away = fork.squaredDistances(points);
+    const size_t first = count;
+    for (size_t i = 4; i-- > 0;) {
+      if (!(away[i] < known.squared)) continue;
+      size_t at = count++;
+      for (; at > first && waiting[at - 1].squared < away[i]; --at) waiting[at] = waiting[at - 1];
+      waiting[at] = {fork.inside[i], away[i]};
     }
   }
   known.distance = std::sqrt(known.squared);

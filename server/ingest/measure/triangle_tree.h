@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -7,14 +8,15 @@
 
 #include <glm/glm.hpp>
 
-#include "server/ingest/measure/point_triangle.h"
+#include "server/ingest/measure/four_triangles.h"
 #include "server/ingest/mesh/node_mesh.h"
 
 namespace lode::ingest {
 
 /// Distance from points to a mesh, in lattice steps, by a tree of boxes around its triangles, halved by
-/// number along the longest side of their middles. Empty space around a point costs nothing, unlike in a
-/// grid's cells. Const functions are thread safe.
+/// number along the longest side of their middles; four boxes or four triangles are looked at at once. Empty
+/// space around a point costs nothing, unlike in a grid's cells. Const functions are thread safe.
+/// Source: Wald, Benthin & Boulos, Getting Rid of Packets, 2008, for trees of four.
 class TriangleTree {
  public:
   explicit TriangleTree(const NodeMesh& mesh);
@@ -35,37 +37,43 @@ class TriangleTree {
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
     return triangles_[place_[triangle]].squaredDistance(point);
   }
+  const PackedTriangle& triangle(uint32_t number) const noexcept { return triangles_[place_[number]]; }
 
  private:
+  /// Boxes around up to four forks or leaves; those that there are not are infinitely far.
+  struct Fork {
+    FourVectors min, max;
+    std::array<uint32_t, 4> inside{};  ///< of forks_, or of triangles_, where a leaf's begin, with kIsLeaf
+
+    Four squaredDistances(const FourVectors& points) const noexcept;
+  };
+  struct Box {
+    glm::vec3 min{kInfinity}, max{-kInfinity};
+  };
   struct Triangle {
     glm::vec3 a;
     TriangleSides sides;
-
-    float squaredDistance(glm::vec3 point) const noexcept {
-      return squaredDistanceToTriangle(point - a, sides);
-    }
-  };
-  /// A box; the first of its halves is the next one.
-  struct Box {
-    glm::vec3 min, max;
-    uint32_t second = 0;          ///< half
-    uint32_t begin = 0, end = 0;  ///< of its triangles, if it is not halved
-
-    float squaredDistance(glm::vec3 point) const noexcept {
-      const glm::vec3 outside = glm::max(glm::max(min - point, point - max), 0.f);
-      return glm::dot(outside, outside);
-    }
   };
   struct Middle {
     glm::vec3 at;
     uint32_t triangle;
   };
-  uint32_t build(std::span<const Triangle> triangles, std::span<Middle> middles);
+  /// A box and what is in it.
+  struct Branch {
+    uint32_t inside = 0;
+    Box box;
+  };
+  Branch build(std::span<const Triangle> triangles, std::span<Middle> middles);
+  static size_t partInHalves(std::span<Middle> middles);
+  Branch buildLeaf(std::span<const Triangle> triangles, std::span<const Middle> middles);
 
-  std::vector<Box> boxes_;
-  std::vector<Triangle> triangles_;  ///< as their boxes come
-  std::vector<uint32_t> number_;     ///< of each of those in the mesh
-  std::vector<uint32_t> place_;      ///< of each of the mesh's in triangles_
+  static constexpr uint32_t kIsLeaf = 1u << 31;
+
+  std::vector<Fork> forks_;
+  std::vector<PackedTriangle> triangles_;  ///< four a leaf, the last ones of which may be none
+  std::vector<uint32_t> number_;           ///< of each of those in the mesh
+  std::vector<uint32_t> place_;            ///< of each of the mesh's in triangles_
+  uint32_t top_ = 0;
 };
 
 }  // namespace lode::ingest
