@@ -24,6 +24,8 @@ class CacheQueries {
   std::optional<BlobUse> finish(const BlobRef& blob, bool found);
   /// The blob has come from elsewhere: the cache will have it.
   void arrived(const BlobRef& blob) { misses_.erase(blob.name); }
+  /// Something is on its way from elsewhere, or not to be had.
+  bool lacksAny() const noexcept { return !misses_.empty(); }
   bool idle() const noexcept { return asked_.empty(); }
 
  private:

@@ -162,6 +162,8 @@ void Engine::renewWishes() {
   uint64_t waiting_bytes = model_->undecodedBytes();
   /// @return false if no more may be asked for.
   const auto ask = [&](const Wish& wish) {
+    // Where the cache has all that is wanted, nothing need stand in for it.
+    if (wish.is_stand_in && options_.has_cache && !queries_.lacksAny()) return true;
     if (!model_->wants(wish) || !asked.insert(wish.blob.number).second) return true;
     if (leaving != nullptr && leaving->isWishedFor(wish.blob)) return true;
     waiting_bytes += wish.blob.bytes;

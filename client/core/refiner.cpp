@@ -199,7 +199,7 @@ class Run {
   /// @param shown_px  error of what is shown there, or will be by then.
   void ask(WantedNode& wanted, float shown_px) {
     const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));
-    if (begins && !covered(wanted)) wish(wanted, WantedCut::lastRung(*wanted.node), shown_px, true);
+    if (begins && !covered(wanted)) wish(wanted, WantedCut::lastRung(*wanted.node), shown_px, true, true);
     below_hidden_ |= begins;
     askFor(wanted, shown_px);
     if (begins) below_hidden_ = false;
@@ -240,7 +240,8 @@ class Run {
                        priority_px * kPagePriorityFactor});
   }
 
-  void wish(const WantedNode& wanted, uint32_t number, float priority_px, bool is_near) {
+  void wish(const WantedNode& wanted, uint32_t number, float priority_px, bool is_near,
+            bool is_stand_in = false) {
     const Rung& rung = wanted.node->rungs[number];
     const MeshKey key{wanted.node->key, number};
     if (rung.triangles == 0) return;
@@ -251,7 +252,8 @@ class Run {
     wanted_.push_back({rung.payload,
                        {BlobKind::kMesh, key},
                        is_near ? proto::WishClass::kVisible : proto::WishClass::kMargin,
-                       priority_px});
+                       priority_px,
+                       is_stand_in});
   }
 
   /// In key order: the coarser before the finer, and within a depth as they were met.

@@ -23,7 +23,8 @@ struct Wish {
   BlobRef blob = {};
   BlobUse use = {};
   proto::WishClass wish_class = proto::WishClass::kVisible;
-  float priority_px = 0;  ///< error in the picture that its arrival helps to remove
+  float priority_px = 0;     ///< error in the picture that its arrival helps to remove
+  bool is_stand_in = false;  ///< shown until what is asked for in its place is there
 };
 
 }  // namespace lode::core
