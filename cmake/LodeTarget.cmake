@@ -41,7 +41,7 @@ endfunction()
 #   NAME      lode_<layer> for a library; the *.cpp in and below its folder are its sources unless SOURCES names them
 #   LAYERS    the layers it may use; a library asking for one that its layer does not allow is a configure error
 #   PRECOMPILED  the headers of cmake/LodePrecompiled.cmake that its files need not parse, and the options that go with them
-# Where CMAKE_UNITY_BUILD is on (release), the sources of a folder are compiled as one, in less than half the time; a source
+# Where CMAKE_UNITY_BUILD is on (release), the sources of a folder are compiled as one, in about half the time; a source
 # that has a UNITY_GROUP keeps it. Each still includes what it uses, as other presets need it to.
 function(lode_target name)
   cmake_parse_arguments(arg "EXECUTABLE" "PRECOMPILED" "SOURCES;LAYERS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
