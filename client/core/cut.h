@@ -32,7 +32,8 @@ struct ResidentTile {
 /// by the renderer on another thread. Parts without triangles are left out, and until it has settled parts
 /// that cannot be seen from the view, nor if it turned a little.
 struct Cut {
-  View view;  ///< for which it was refined
+  View view;               ///< for which it was refined,
+  float threshold_px = 1;  ///< and down to which error
   std::vector<CutPart> parts;
   std::vector<ModelBox> left_out;  ///< parts that are not there: none in the view
   uint64_t triangles = 0;

@@ -29,6 +29,7 @@ class Run {
         want_(hierarchy, lattice.step, attributes, view, options, held),
         cut_(std::make_shared<Cut>()) {
     cut_->view = view;
+    cut_->threshold_px = options.threshold_px;
     for (WantedNode& wanted : want_.nodes()) wanted.resident = &cache_.rungsOf(wanted.node->key);
   }
 

@@ -79,6 +79,15 @@ struct TextureArrayTraits {
   static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
 };
 
+struct TimeQueryTraits {
+  static GLuint create() noexcept {
+    GLuint name = 0;
+    glCreateQueries(GL_TIME_ELAPSED, 1, &name);
+    return name;
+  }
+  static void destroy(GLuint name) noexcept { glDeleteQueries(1, &name); }
+};
+
 struct ProgramTraits {
   static GLuint create() noexcept { return glCreateProgram(); }
   static void destroy(GLuint name) noexcept { glDeleteProgram(name); }
@@ -89,6 +98,7 @@ using GlVertexArray = GlName<VertexArrayTraits>;
 using GlRenderbuffer = GlName<RenderbufferTraits>;
 using GlFramebuffer = GlName<FramebufferTraits>;
 using GlTextureArray = GlName<TextureArrayTraits>;
+using GlTimeQuery = GlName<TimeQueryTraits>;
 using GlProgram = GlName<ProgramTraits>;
 
 }  // namespace lode::render

@@ -69,7 +69,8 @@ Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
     : lattice_step_(lattice_step),
       meshes_(options),
       textures_(options.texture_budget_bytes, options.texture_staging_bytes),
-      mesh_program_(linkProgram(kMeshVertexShader, kMeshFragmentShader)),
+      plain_program_(linkProgram(kMeshVertexShader, kMeshFragmentShader)),
+      textured_program_(linkProgram(kMeshVertexShader, kMeshFragmentShader, "TEXTURED")),
       background_program_(linkProgram(kBackgroundVertexShader, kBackgroundFragmentShader)),
       empty_array_(GlVertexArray::create()),
       commands_buffer_(GlBuffer::create()),
@@ -182,7 +183,7 @@ DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, con
   const SplitEye eye = splitEye(view.eye_model, lattice_step_);
   const glm::mat3 rotation = viewRotation(view);
   const Projection projection = reversedProjection(view, lattice_step_);
-  glUseProgram(mesh_program_.get());
+  glUseProgram(textures_.set() != nullptr ? textured_program_.get() : plain_program_.get());
   glUniform3iv(kEyeHigh, 1, &eye.high.x);
   glUniform3fv(kEyeLow, 1, &eye.low.x);
   glUniform1f(kLatticeStep, static_cast<float>(lattice_step_));

@@ -71,7 +71,7 @@ class Renderer {
   double lattice_step_;
   MeshResidency meshes_;
   TextureResidency textures_;
-  GlProgram mesh_program_, background_program_;
+  GlProgram plain_program_, textured_program_, background_program_;
   GlVertexArray mesh_array_, empty_array_;
   GlBuffer commands_buffer_, flags_buffer_;
   std::vector<std::vector<DrawCommand>> commands_;  ///< by page

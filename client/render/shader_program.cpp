@@ -1,5 +1,6 @@
 #include "client/render/shader_program.h"
 
+#include <array>
 #include <string>
 
 #include "common/error.h"
@@ -9,9 +10,10 @@ namespace {
 
 std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-void attachShader(GLuint program, GLenum kind, const char* source) {
+void attachShader(GLuint program, GLenum kind, const std::string& head, const char* source) {
   const GLuint shader = glCreateShader(kind);
-  glShaderSource(shader, 1, &source, nullptr);
+  const std::array<const char*, 2> texts{head.c_str(), source};
+  glShaderSource(shader, texts.size(), texts.data(), nullptr);
   glCompileShader(shader);
   GLint compiled = GL_FALSE;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
@@ -28,10 +30,12 @@ void attachShader(GLuint program, GLenum kind, const char* source) {
 
 }  // namespace
 
-GlProgram linkProgram(const char* vertex_source, const char* fragment_source) {
+GlProgram linkProgram(const char* vertex_source, const char* fragment_source, std::string_view definition) {
+  std::string head = "#version 450 core\n";
+  if (!definition.empty()) head += "#define " + std::string(definition) + "\n";
   GlProgram program = GlProgram::create();
-  attachShader(program.get(), GL_VERTEX_SHADER, vertex_source);
-  attachShader(program.get(), GL_FRAGMENT_SHADER, fragment_source);
+  attachShader(program.get(), GL_VERTEX_SHADER, head, vertex_source);
+  attachShader(program.get(), GL_FRAGMENT_SHADER, head, fragment_source);
   glLinkProgram(program.get());
   GLint linked = GL_FALSE;
   glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);

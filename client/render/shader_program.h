@@ -1,11 +1,15 @@
 #pragma once
 
+#include <string_view>
+
 #include "client/render/gl_names.h"
 
 namespace lode::render {
 
-/// Compiles and links a program from GLSL texts.
+/// Compiles and links a program from texts in GLSL 4.50, without their first line.
+/// @param definition  a name that is defined in both; none if it is empty.
 /// @throws Error kInternal with the driver's first line: the sources are ours and need OpenGL 4.5 only.
-GlProgram linkProgram(const char* vertex_source, const char* fragment_source);
+GlProgram linkProgram(const char* vertex_source, const char* fragment_source,
+                      std::string_view definition = {});
 
 }  // namespace lode::render

@@ -2,7 +2,7 @@
 
 namespace lode::render {
 
-const char* const kMeshVertexShader = R"glsl(#version 450 core
+const char* const kMeshVertexShader = R"glsl(
 layout(location = 0) in uvec2 position_code;
 layout(location = 1) in vec4 normal;
 layout(location = 2) in vec4 colour_srgb;
@@ -47,7 +47,7 @@ void main() {
 }
 )glsl";
 
-const char* const kMeshFragmentShader = R"glsl(#version 450 core
+const char* const kMeshFragmentShader = R"glsl(
 in vec3 position_view;
 in vec3 normal_view;
 in vec3 normal_squares, normal_products;
@@ -57,11 +57,12 @@ flat in uint material;
 flat in uint flags;
 out vec4 pixel;
 
+const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
+#ifdef TEXTURED
 layout(location = 6) uniform uint texture_count;
 layout(binding = 0) uniform sampler2DArray tile_layers;
 layout(std430, binding = 0) readonly buffer TileTable { uint table[]; };
 
-const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
 const uint kHeadWords = 4u, kTilePx = 512u, kInnerPx = 508u, kGutterPx = 2u, kCellPx = 32u;
 const float kMostTaps = 8.0;
 
@@ -120,6 +121,8 @@ bool sampleTexture(out vec4 texel) {
   return true;
 }
 
+#endif
+
 /// The vertex normal, turned to the side that the triangle shows: both sides are lit. Where vertices' normals
 /// point to different sides and would cancel out, each is turned by itself before they are mixed: with the
 /// products of their parts, which do not tell the sides, the sum of (n . facet) n is known.
@@ -143,11 +146,13 @@ void main() {
   if ((flags & 1u) != 0u && dot(normal_squares, vec3(1.0)) > 1e-6) n = shownNormal(facet);
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
   float coverage = 1.0;
+#ifdef TEXTURED
   vec4 texel;
   if ((flags & 8u) != 0u && sampleTexture(texel)) {
     albedo = (flags & 2u) != 0u ? colour * texel.rgb : texel.rgb;
     coverage = texel.a;
   }
+#endif
   if ((flags & 4u) != 0u) {
     float depth = float(flags >> 8 & 0xffu), rung = float(flags >> 16 & 0xffu);
     float node = float(flags >> 24) / 255.0;
@@ -166,7 +171,7 @@ void main() {
 }
 )glsl";
 
-const char* const kBackgroundVertexShader = R"glsl(#version 450 core
+const char* const kBackgroundVertexShader = R"glsl(
 out float height;
 void main() {
   vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
@@ -175,7 +180,7 @@ void main() {
 }
 )glsl";
 
-const char* const kBackgroundFragmentShader = R"glsl(#version 450 core
+const char* const kBackgroundFragmentShader = R"glsl(
 in float height;
 out vec4 pixel;
 layout(location = 0) uniform vec3 bottom_srgb;

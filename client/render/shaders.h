@@ -2,7 +2,9 @@
 
 namespace lode::render {
 
-/// GLSL 4.50 of the renderer. Names of uniforms and their locations: renderer.cpp.
+/// GLSL of the renderer, for linkProgram(). Names of uniforms and their locations: renderer.cpp. With
+/// TEXTURED the mesh shaders sample textures: a driver that draws on the processor runs what is sampled for
+/// every pixel, also of models that have none.
 extern const char* const kMeshVertexShader;
 extern const char* const kMeshFragmentShader;
 extern const char* const kBackgroundVertexShader;

@@ -64,6 +64,7 @@ void drawFigures(const PanelContent& content) {
   row("memory", bytesOf(content.resident_bytes) + ", GPU " + bytesOf(content.gpu_bytes));
   if (content.textured) row("textures", tilesOf(content));
   row("threshold", formatted("%.2f px, error %.2f px", content.threshold_px, content.error_px));
+  if (content.target_ms > 0) row("", formatted("coarser for %.0f frames a second", 1000 / content.target_ms));
   row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
   ImGui::EndTable();
   if (content.converged) {

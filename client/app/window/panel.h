@@ -18,6 +18,7 @@ struct PanelContent {
   bool textured = false;
   uint64_t tiles = 0, tiles_left_out = 0;  ///< of textures: on the GPU, and those that memory does not allow
   float threshold_px = 1, error_px = 0;
+  double target_ms = 0;  ///< of a frame, for which the threshold is coarser than asked for; 0: it is not
   bool converged = false;
   double frame_ms = 0, upload_ms = 0;
   bool flying = false;

@@ -17,7 +17,16 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
       ->add_option("--screenshot", options->screenshot,
                    "save a picture of the window once the model has converged, and end")
       ->type_name("OUT.png");
-  command->callback([options] { Viewer(*options).run(); });
+  command
+      ->add_option("--fps", options->fps,
+                   "frames a second while the camera moves, held by a coarser threshold; --pixels fixes it")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  const CLI::Option* const pixels = command->get_option("--pixels");
+  command->callback([options, pixels] {
+    options->is_threshold_fixed = pixels->count() > 0;
+    Viewer(*options).run();
+  });
 }
 
 }  // namespace lode::app

@@ -53,6 +53,7 @@ Viewer::Viewer(const ViewOptions& options)
               options.common.target + " - Lodestream"),
       panel_(window_.handle(), window_.contentScale()),
       renderer_(1, render::shareMemory(options.common.streamOptions().memory_budget_bytes).gpu),
+      control_(options.fps),
       opener_(named_, streamOptions(options.common), options.common.timeout()) {
   content_.title = options.common.target;
 }
@@ -88,6 +89,7 @@ void Viewer::frame() {
   if (streamer_ != nullptr) {
     rig_->resize(window_.widthPx(), window_.heightPx());
     rig_->apply(input, std::min(seconds, kLongestStepS));
+    controlFrameRate(seconds);
     stream();
   }
   draw();
@@ -122,8 +124,18 @@ void Viewer::openWhenReady() {
   window_.setTitle(model.name + " - Lodestream");
 }
 
+void Viewer::controlFrameRate(double seconds) {
+  const double coarsest = kLargestThresholdPx / threshold_px_;
+  while (const auto frame = timer_.take()) {
+    if (!options_.is_threshold_fixed) control_.add(std::max(frame->cpu_ms, frame->gpu_ms), frame->coarsening);
+  }
+  control_.step(seconds, moved_);
+  content_.threshold_px = threshold_px_ * static_cast<float>(std::min(control_.coarsening(), coarsest));
+  content_.target_ms = content_.threshold_px > threshold_px_ ? control_.targetMs() : 0;
+}
+
 void Viewer::stream() {
-  streamer_->setView(rig_->view(), threshold_px_);
+  streamer_->setView(rig_->view(), content_.threshold_px);
   status_ = streamer_->status();
   if (status_.cut) renderer_.show(status_.cut);
   const Clock::time_point start = Clock::now();
@@ -136,6 +148,8 @@ void Viewer::draw() {
   core::View view;
   view.width_px = target_->widthPx();
   view.height_px = target_->heightPx();
+  const core::Cut* const cut = renderer_.meshes().drawnCut().get();
+  timer_.begin(cut != nullptr ? std::max(1.0f, cut->threshold_px / threshold_px_) : 1);
   const render::DrawCounts drawn = renderer_.draw(rig_ ? rig_->view() : view, *target_, style_);
   target_->resolve();
   target_->copyTo(0);
@@ -145,6 +159,7 @@ void Viewer::draw() {
   panel_.draw(content_);
   saveScreenshots();
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
+  timer_.end(content_.frame_ms);
   window_.swap();
 }
 
@@ -156,7 +171,6 @@ void Viewer::describe() {
   content_.tiles = renderer_.textures().tileCount();
   content_.tiles_left_out = status_.counts.tiles_left_out;
   content_.textured = renderer_.textures().set() != nullptr;
-  content_.threshold_px = threshold_px_;
   content_.error_px = status_.cut ? status_.cut->max_error_px : 0;
   content_.converged = settled() && status_.cut->converged;
   content_.flying = rig_ && rig_->flying();

@@ -10,6 +10,8 @@
 #include "client/app/window/glfw_window.h"
 #include "client/app/window/model_opener.h"
 #include "client/app/window/panel.h"
+#include "client/render/frame_rate_control.h"
+#include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
 #include "client/render/renderer.h"
 
@@ -17,6 +19,8 @@ namespace lode::app {
 
 struct ViewOptions {
   CommonOptions common;
+  double fps = 60;
+  bool is_threshold_fixed = false;  ///< whatever a frame takes
   std::string screenshot;  ///< if not empty: save the window there once the model has converged, and end
 };
 
@@ -37,6 +41,7 @@ class Viewer {
   void frame();
   void openWhenReady();
   void obey(const Input& input);
+  void controlFrameRate(double seconds);
   void stream();
   void draw();
   void describe();
@@ -48,12 +53,14 @@ class Viewer {
 
   const ViewOptions options_;
   const Target named_;
-  float threshold_px_;
+  float threshold_px_;  ///< while the camera rests
   std::optional<core::CameraPath> path_;
   GlfwWindow window_;
   Panel panel_;
   render::Renderer renderer_;
   std::optional<render::Framebuffer> target_;
+  render::FrameTimer timer_;
+  render::FrameRateControl control_;
   std::optional<CameraRig> rig_;
   ModelOpener opener_;
   stream::Streamer* streamer_ = nullptr;  ///< opener_'s, once the model is open

@@ -1,0 +1,37 @@
+#include "client/render/frame_timer.h"
+
+namespace lode::render {
+
+FrameTimer::FrameTimer() {
+  for (UnderWay& frame : ring_) frame.query = GlTimeQuery::create();
+}
+
+void FrameTimer::begin(double coarsening) {
+  timing_ = begun_ - told_ < ring_.size();
+  if (!timing_) return;
+  UnderWay& next = ring_[begun_ % ring_.size()];
+  next.frame = {.coarsening = coarsening};
+  glBeginQuery(GL_TIME_ELAPSED, next.query.get());
+}
+
+void FrameTimer::end(double cpu_ms) {
+  if (!timing_) return;
+  glEndQuery(GL_TIME_ELAPSED);
+  ring_[begun_++ % ring_.size()].frame.cpu_ms = cpu_ms;
+  timing_ = false;
+}
+
+std::optional<FrameTimer::Timed> FrameTimer::take() {
+  if (told_ == begun_) return std::nullopt;
+  UnderWay& oldest = ring_[told_ % ring_.size()];
+  GLint known = 0;
+  glGetQueryObjectiv(oldest.query.get(), GL_QUERY_RESULT_AVAILABLE, &known);
+  if (known == 0) return std::nullopt;
+  GLuint64 ns = 0;
+  glGetQueryObjectui64v(oldest.query.get(), GL_QUERY_RESULT, &ns);
+  oldest.frame.gpu_ms = static_cast<double>(ns) * 1e-6;
+  ++told_;
+  return oldest.frame;
+}
+
+}  // namespace lode::render

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "client/render/gl_names.h"
+
+namespace lode::render {
+
+/// What frames take on the GPU, by queries that are answered some frames later. Never waits. Used on the
+/// thread of its context.
+class FrameTimer {
+ public:
+  FrameTimer();
+
+  /// What is drawn from here to end() is timed, unless as many frames as fit are still under way.
+  /// @param coarsening  of the frame, told again with its time.
+  void begin(double coarsening);
+  /// @param cpu_ms  what the frame took on this thread.
+  void end(double cpu_ms);
+
+  struct Timed {
+    double gpu_ms = 0, cpu_ms = 0, coarsening = 1;
+  };
+  /// The oldest frame that is not yet told of, if its time is known.
+  std::optional<Timed> take();
+
+ private:
+  struct UnderWay {
+    GlTimeQuery query;
+    Timed frame;
+  };
+  std::array<UnderWay, 4> ring_;
+  size_t begun_ = 0, told_ = 0;
+  bool timing_ = false;
+};
+
+}  // namespace lode::render

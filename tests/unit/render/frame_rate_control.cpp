@@ -1,0 +1,119 @@
+#include "client/render/frame_rate_control.h"
+
+#include <cmath>
+#include <deque>
+
+#include <gtest/gtest.h>
+
+namespace lode::render {
+namespace {
+
+/// Draws what was asked for some frames ago, as a cut takes some frames to come.
+class Machine {
+ public:
+  /// @param sharp_ms  of a frame at the finest threshold, but for what every frame takes.
+  Machine(double fixed_ms, double sharp_ms, double power)
+      : fixed_ms_(fixed_ms), sharp_ms_(sharp_ms), power_(power) {}
+
+  double workMs(double coarsening) const { return fixed_ms_ + sharp_ms_ * std::pow(coarsening, -power_); }
+
+  /// A frame of a camera that moves or rests. @return what it took.
+  double frame(FrameRateControl& control, bool moved) {
+    asked_.push_back(control.coarsening());
+    const double drawn = asked_.front();
+    if (asked_.size() > kFramesLate) asked_.pop_front();
+    const double work_ms = workMs(drawn);
+    control.step(std::max(work_ms, 1000.0 / 60) / 1000, moved);
+    control.add(work_ms, drawn);
+    seconds_ += work_ms / 1000;
+    return work_ms;
+  }
+  double seconds() const { return seconds_; }
+
+ private:
+  static constexpr size_t kFramesLate = 2;
+  double fixed_ms_, sharp_ms_, power_, seconds_ = 0;
+  std::deque<double> asked_;
+};
+
+TEST(FrameRateControl, findsAThresholdThatTheMachineCanDrawWithinASecond) {
+  for (const double power : {1.0, 1.5, 2.0}) {
+    for (const double sharp_ms : {10.0, 30.0, 60.0, 120.0, 200.0}) {
+      SCOPED_TRACE(testing::Message() << sharp_ms << " ms, power " << power);
+      FrameRateControl control(60);
+      Machine machine(3, sharp_ms, power);
+      while (machine.seconds() < 1) machine.frame(control, true);
+      for (int i = 0; i < 600; ++i) ASSERT_LE(machine.frame(control, true), control.targetMs());
+    }
+  }
+}
+
+TEST(FrameRateControl, keepsItsThresholdWhileWorkStaysTheSame) {
+  FrameRateControl control(60);
+  Machine machine(3, 150, 1.5);
+  for (int i = 0; i < 200; ++i) machine.frame(control, true);
+  const double found = control.coarsening();
+  for (int i = 0; i < 1000; ++i) {
+    machine.frame(control, true);
+    ASSERT_EQ(control.coarsening(), found);
+  }
+}
+
+TEST(FrameRateControl, isNoCoarserThanItHasToBe) {
+  for (const double sharp_ms : {20.0, 50.0, 100.0}) {
+    FrameRateControl control(60);
+    Machine machine(1, sharp_ms, 1.5);
+    for (int i = 0; i < 600; ++i) machine.frame(control, true);
+    EXPECT_GT(machine.workMs(control.coarsening()), control.targetMs() / 3);
+  }
+}
+
+TEST(FrameRateControl, sharpensWhileTheCameraRestsAndKnowsWhatItFoundWhenItMovesAgain) {
+  FrameRateControl control(60);
+  Machine machine(3, 100, 1.5);
+  for (int i = 0; i < 60; ++i) machine.frame(control, true);
+  const double moving = control.coarsening();
+  EXPECT_GT(moving, 1);
+  for (int i = 0; i < 60; ++i) machine.frame(control, false);
+  EXPECT_EQ(control.coarsening(), 1);
+  control.step(0.016, true);
+  EXPECT_NEAR(std::log2(control.coarsening()), std::log2(moving), 0.5);
+}
+
+TEST(FrameRateControl, leavesAFastMachineAlone) {
+  FrameRateControl control(60);
+  Machine machine(2, 9, 1.5);
+  for (int i = 0; i < 600; ++i) {
+    machine.frame(control, true);
+    ASSERT_EQ(control.coarsening(), 1);
+  }
+}
+
+TEST(FrameRateControl, changesNothingForOneSlowFrame) {
+  FrameRateControl control(60);
+  for (int i = 0; i < 100; ++i) {
+    control.step(0.016, true);
+    control.add(i % 10 == 0 ? 200 : 8, 1);
+    ASSERT_EQ(control.coarsening(), 1);
+  }
+}
+
+TEST(FrameRateControl, halvesTheRateWhereTheThresholdWouldBeTooCoarse) {
+  FrameRateControl control(60);
+  Machine machine(20, 100, 1.5);  // 60 frames a second are impossible
+  for (int i = 0; i < 100; ++i) machine.frame(control, true);
+  EXPECT_NEAR(control.targetMs(), 2 * 1000.0 / 60, 1e-9);
+  EXPECT_LE(machine.workMs(control.coarsening()), control.targetMs());
+}
+
+TEST(FrameRateControl, givesTheRateBackWhenFramesBecomeCheap) {
+  FrameRateControl control(60);
+  Machine slow(20, 100, 1.5), fast(1, 5, 1.5);
+  for (int i = 0; i < 100; ++i) slow.frame(control, true);
+  for (int i = 0; i < 300; ++i) fast.frame(control, true);
+  EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
+  EXPECT_EQ(control.coarsening(), 1);
+}
+
+}  // namespace
+}  // namespace lode::render
