@@ -130,12 +130,11 @@ void Viewer::controlFrameRate(double seconds) {
     if (!options_.is_threshold_fixed) control_.add(std::max(frame->cpu_ms, frame->gpu_ms), frame->coarsening);
   }
   control_.step(seconds, moved_);
-  content_.threshold_px = threshold_px_ * static_cast<float>(std::min(control_.coarsening(), coarsest));
-  content_.target_ms = content_.threshold_px > threshold_px_ ? control_.targetMs() : 0;
+  asked_px_ = threshold_px_ * static_cast<float>(std::min(control_.coarsening(), coarsest));
 }
 
 void Viewer::stream() {
-  streamer_->setView(rig_->view(), content_.threshold_px);
+  streamer_->setView(rig_->view(), asked_px_);
   status_ = streamer_->status();
   if (status_.cut) renderer_.show(status_.cut);
   const Clock::time_point start = Clock::now();
@@ -171,6 +170,8 @@ void Viewer::describe() {
   content_.tiles = renderer_.textures().tileCount();
   content_.tiles_left_out = status_.counts.tiles_left_out;
   content_.textured = renderer_.textures().set() != nullptr;
+  content_.threshold_px = asked_px_;
+  content_.target_ms = asked_px_ > threshold_px_ ? control_.targetMs() : 0;
   content_.error_px = status_.cut ? status_.cut->max_error_px : 0;
   content_.converged = settled() && status_.cut->converged;
   content_.flying = rig_ && rig_->flying();

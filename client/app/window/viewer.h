@@ -53,7 +53,8 @@ class Viewer {
 
   const ViewOptions options_;
   const Target named_;
-  float threshold_px_;  ///< while the camera rests
+  float threshold_px_;  ///< while the camera rests,
+  float asked_px_ = 1;  ///< and of the next cut
   std::optional<core::CameraPath> path_;
   GlfwWindow window_;
   Panel panel_;

@@ -22,6 +22,13 @@ class CachedEngine : public testing::Test {
     return options;
   }
 
+  /// Of a second visit, after an engine's.
+  static EngineOptions optionsAfter(const Engine& first) {
+    EngineOptions again = options();
+    again.cached_model = *first.summary();
+    return again;
+  }
+
   static View near() {
     View view;
     view.eye_model = glm::dvec3(SyntheticModel::boxSide() / 2);
@@ -71,9 +78,7 @@ TEST_F(CachedEngine, receivesNoBlobOnASecondVisit) {
   uint64_t kept_bytes = 0;
   for (const auto& [name, bytes] : cache_) kept_bytes += bytes.size();
   const auto sent = server_.completed();
-  EngineOptions again = options();
-  again.cached_model = *first.summary();
-  Engine second(again);
+  Engine second(optionsAfter(first));
   run(second);
   ASSERT_TRUE(second.settled());
   EXPECT_EQ(second.cut()->triangles, first.cut()->triangles);
@@ -92,9 +97,7 @@ TEST_F(CachedEngine, receivesNoBlobOnASecondVisitHoweverLateTheCacheAnswers) {
     run(first);
     ASSERT_TRUE(first.settled());
     const auto sent = server_.completed();
-    EngineOptions again = options();
-    again.cached_model = *first.summary();
-    Engine second(again);
+    Engine second(optionsAfter(first));
     run(second);
     ASSERT_TRUE(second.settled());
     EXPECT_EQ(second.cut()->triangles, first.cut()->triangles);
@@ -110,9 +113,7 @@ TEST_F(CachedEngine, fetchesWhatTheCacheHasLostAndKeepsItAgain) {
     blob = cache_.erase(blob);
     if (blob != cache_.end()) ++blob;
   }
-  EngineOptions again = options();
-  again.cached_model = *first.summary();
-  Engine second(again);
+  Engine second(optionsAfter(first));
   run(second);
   EXPECT_TRUE(second.settled());
   EXPECT_EQ(cache_.size(), kept);
@@ -121,8 +122,7 @@ TEST_F(CachedEngine, fetchesWhatTheCacheHasLostAndKeepsItAgain) {
 TEST_F(CachedEngine, showsOfflineWhatTheCacheHas) {
   Engine first(options());
   run(first);
-  EngineOptions offline = options();
-  offline.cached_model = *first.summary();
+  EngineOptions offline = optionsAfter(first);
   offline.offline = true;
   Engine whole(offline);
   run(whole);
