@@ -19,7 +19,10 @@ packages_of() {  # SECTION...; a line a package: its names, separated by '|'
   done
 }
 
-is_installed() { dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed; }
+# Answers are read to their end: a program that a reader leaves in mid-sentence fails, and with it, under pipefail, the question.
+is_installed() { [[ " $(dpkg-query -W -f '${db:Status-Status} ' "$1" 2>/dev/null)" == *" installed "* ]]; }
+
+is_offered() { [[ "$(LC_ALL=C apt-cache policy "$1" 2>/dev/null)" =~ Candidate:\ [^\(] ]]; }
 
 is_installed_by_any_name() {  # NAME|NAME...
   local name
@@ -34,7 +37,7 @@ names_here() {  # NAME|NAME...; of each package the name that apt offers, or its
   for names in "$@"; do
     found="${names%%|*}"
     for name in ${names//|/ }; do
-      if LC_ALL=C apt-cache policy "$name" 2>/dev/null | grep -q 'Candidate: [^(]'; then
+      if is_offered "$name"; then
         found="$name"
         break
       fi

@@ -37,7 +37,7 @@ class InstallPackages(unittest.TestCase):
 
     def installed(self, *names):
         cases = "|".join(names) or "-"
-        self.fake("dpkg-query", f"case \"${{!#}}\" in {cases}) echo installed;; *) echo not-installed; exit 1;; esac")
+        self.fake("dpkg-query", f"case \"${{!#}}\" in {cases}) printf 'installed ';; *) printf 'not-installed '; exit 1;; esac")
 
     def offered(self, *names):
         cases = "|".join(names)
@@ -70,6 +70,14 @@ class InstallPackages(unittest.TestCase):
         self.listed("[run]\nlibnine | libeight | libseven  # why\n")
         self.installed()
         self.offered("libeight", "libseven")
+        self.assertEqual(self.run_script("run").returncode, 0)
+        self.assertTrue(self.apt_calls()[1].endswith("--no-install-recommends libeight"), self.apt_calls())
+
+    def test_hears_out_what_apt_says_of_a_name(self):
+        self.listed("[run]\nlibnine | libeight\n")
+        self.installed()
+        self.fake("apt-cache", 'case "${!#}" in libeight) echo "  Candidate: 1.0"; for _ in {1..20000}; do '
+                  'echo "  Version table:" || exit 1; done;; *) echo "  Candidate: (none)";; esac')
         self.assertEqual(self.run_script("run").returncode, 0)
         self.assertTrue(self.apt_calls()[1].endswith("--no-install-recommends libeight"), self.apt_calls())
 
