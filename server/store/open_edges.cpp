@@ -33,7 +33,11 @@ void OpenEdges::add(const Mesh& mesh) {
     addEdge(t.z, t.x);
   }
   cancelPairs(own);
-  pending_.insert(pending_.end(), own.begin(), own.end());
+  add(own);
+}
+
+void OpenEdges::add(std::span<const OpenEdge> open) {
+  pending_.insert(pending_.end(), open.begin(), open.end());
   if (pending_.size() < cancel_at_) return;
   cancelPairs(pending_);
   cancel_at_ = std::max<size_t>(1u << 16, 2 * pending_.size());

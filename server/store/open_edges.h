@@ -1,6 +1,7 @@
 #pragma once
 
 #include <compare>
+#include <span>
 #include <vector>
 
 #include "common/mesh.h"
@@ -20,6 +21,8 @@ struct OpenEdge {
 class OpenEdges {
  public:
   void add(const Mesh& mesh);
+  /// @param open  the open edges of one mesh or several.
+  void add(std::span<const OpenEdge> open);
   /// All open edges so far, sorted by position.
   const std::vector<OpenEdge>& edges();
 

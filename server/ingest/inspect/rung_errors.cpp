@@ -9,8 +9,10 @@
 #include <unordered_map>
 #include <utility>
 
+#include "server/ingest/inspect/rim_check.h"
 #include "server/ingest/inspect/rung_check.h"
 #include "server/store/export.h"
+#include "server/store/open_edges.h"
 
 namespace lode::ingest {
 namespace {
@@ -22,6 +24,7 @@ struct NodeCheck {
   std::vector<size_t> wanted;  ///< places in the result
   std::once_flag begun;
   std::vector<std::unique_ptr<RungCheck>> rungs;
+  RimCheck rims;
   std::atomic<size_t> leaves_left = 0;
 };
 
@@ -70,10 +73,14 @@ class Measurement {
   }
 
   void measure(const Node& leaf) {
-    const LeafSurface surface(store::readRung(reader_, leaf, 0));
+    const Mesh mesh = store::readRung(reader_, leaf, 0);
+    const LeafSurface surface(mesh);
+    store::OpenEdges rims;
+    rims.add(mesh);
     forEachAbove(leaf, [&](NodeCheck& check) {
       std::call_once(check.begun, [&] { begin(check); });
       for (const std::unique_ptr<RungCheck>& rung : check.rungs) rung->add(surface);
+      check.rims.addLeaf(rims.edges());
       if (--check.leaves_left == 0) end(check);
     });
     std::lock_guard lock(mutex_);
@@ -87,15 +94,19 @@ class Measurement {
   }
 
   void begin(NodeCheck& check) const {
-    for (const size_t i : check.wanted)
-      check.rungs.push_back(
-          std::make_unique<RungCheck>(store::readRung(reader_, *check.node, wanted_[i].rung), check.node->box,
-                                      storedSteps(wanted_[i]), check.original, options_.seed + i));
+    for (const size_t i : check.wanted) {
+      const Mesh rung = store::readRung(reader_, *check.node, wanted_[i].rung);
+      check.rungs.push_back(std::make_unique<RungCheck>(rung, check.node->box, storedSteps(wanted_[i]),
+                                                        check.original, options_.seed + i));
+      check.rims.addRung(rung);
+    }
   }
 
   void end(NodeCheck& check) {
+    const std::vector<float> rims = check.rims.found();
     for (size_t i = 0; i < check.wanted.size(); ++i)
-      errors_[check.wanted[i]] = {storedSteps(wanted_[check.wanted[i]]), check.rungs[i]->found()};
+      errors_[check.wanted[i]] = {storedSteps(wanted_[check.wanted[i]]),
+                                  std::max(check.rungs[i]->found(), rims[i])};
     check.rungs.clear();
   }
 

@@ -17,7 +17,7 @@ struct RungAt {
 /// A rung's stored error beside what a closer look finds, both ways, in lattice steps.
 struct MeasuredError {
   float stored_steps = 0;
-  float found_steps = 0;  ///< see RungCheck::found()
+  float found_steps = 0;  ///< of the surface and of its rims; see RungCheck::found(), RimCheck::found()
 };
 
 struct RungErrorOptions {

@@ -1,0 +1,63 @@
+#include "server/ingest/inspect/rim_check.h"
+
+#include <initializer_list>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/test_meshes.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint32_t kCells = 20, kCellSteps = 100;
+
+/// A flat grid's triangles of those cells that are kept.
+template <typename IsKept>
+Mesh gridOf(IsKept&& is_kept) {
+  test::MeshOptions options;
+  options.extent = kCells * kCellSteps;
+  options.bump = 0;
+  Mesh grid = test::makeGrid(kCells, kCells, options);
+  std::erase_if(grid.triangles, [&](glm::u32vec3 t) {
+    const glm::uvec3 a = unpackPosition(grid.positions[t.x]), b = unpackPosition(grid.positions[t.y]),
+                     c = unpackPosition(grid.positions[t.z]);
+    const glm::uvec3 cell = glm::min(glm::min(a, b), c) / kCellSteps;
+    return !is_kept(cell.x, cell.y);
+  });
+  return grid;
+}
+
+float found(const Mesh& rung, std::initializer_list<Mesh> leaves) {
+  RimCheck check;
+  check.addRung(rung);
+  for (const Mesh& leaf : leaves) {
+    store::OpenEdges rims;
+    rims.add(leaf);
+    check.addLeaf(rims.edges());
+  }
+  return check.found().at(0);
+}
+
+constexpr auto kAll = [](uint32_t, uint32_t) { return true; };
+constexpr auto kWithHole = [](uint32_t x, uint32_t y) { return x < 5 || x >= 8 || y < 9 || y >= 11; };
+
+TEST(RimCheck, findsHowFarARimIsFromTheNearestOfTheLeaves) {
+  EXPECT_FLOAT_EQ(found(gridOf(kWithHole), {gridOf(kAll)}), 8 * kCellSteps);
+}
+
+TEST(RimCheck, findsNothingWhereTheRimsAreTheSame) {
+  EXPECT_EQ(found(gridOf(kWithHole), {gridOf(kWithHole)}), 0);
+}
+
+TEST(RimCheck, takesWhatTwoLeavesShareForNoRim) {
+  const Mesh left = gridOf([](uint32_t x, uint32_t) { return x < 6; });
+  const Mesh right = gridOf([](uint32_t x, uint32_t) { return x >= 6; });
+  EXPECT_FLOAT_EQ(found(gridOf(kWithHole), {left, right}), 8 * kCellSteps);
+}
+
+TEST(RimCheck, findsNothingWhereTheLeavesHaveNoRims) {
+  EXPECT_EQ(found(gridOf(kAll), {test::makeSphere(12, 8)}), 0);
+}
+
+}  // namespace
+}  // namespace lode::ingest
