@@ -119,7 +119,7 @@ void Engine::finishDecode(DecodeResult result) {
 
 void Engine::step(TimePoint now) {
   now_ = now;
-  for (const Line line : {Line::kNewest, Line::kLeaving}) {
+  for (const Line line : kLines) {
     if (!link_.session(line)) continue;
     try {
       link_.session(line)->tick(now);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <random>
 #include <string>
@@ -15,6 +16,7 @@ constexpr std::chrono::seconds kLastRetry{30};         ///< and before any; it d
 
 /// Which of a link's connections: the newest, or the one before whose server is going away.
 enum class Line : uint8_t { kNewest, kLeaving };
+inline constexpr std::array kLines{Line::kNewest, Line::kLeaving};
 
 /// A session with a server that is begun anew when its connection ends. Says when, and waits longer after
 /// each try that fails, with jitter, so that the clients of a server that restarts do not come all at once.

@@ -23,7 +23,6 @@ using Clock = std::chrono::steady_clock;
 
 /// By core::Line; a leaving one ends when its server has given what it was asked for.
 using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;
-constexpr std::array kLines{core::Line::kNewest, core::Line::kLeaving};
 
 /// Counts that grow are no news.
 bool isNews(const StreamStatus& now, const StreamStatus& last) {
@@ -182,7 +181,7 @@ void Streamer::State::keepConnected(core::Engine& engine, const net::Route& rout
     newest = std::make_unique<net::TcpTransport>(route, [this] { wakeUp(); });
     engine.connect(Clock::now());
   }
-  for (const core::Line line : kLines) receiveFrom(transportOf(transports, line), line, engine);
+  for (const core::Line line : core::kLines) receiveFrom(transportOf(transports, line), line, engine);
 }
 
 void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, DecodePool& pool,
@@ -195,7 +194,7 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
     if (number != 0) engine.setView(view, threshold_px);
   }
   engine.step(Clock::now());
-  for (const core::Line line : kLines)
+  for (const core::Line line : core::kLines)
     if (const auto& transport = transportOf(transports, line)) transport->send(engine.takeOutgoing(line));
   pool.add(engine.takeDecodeJobs());
   if (cache) cache->find(engine.takeCacheQueries());

@@ -34,6 +34,13 @@ void LatencyHistogram::add(const LatencyHistogram& other) noexcept {
   max_us_ = std::max(max_us_, other.max_us_);
 }
 
+LatencyHistogram LatencyHistogram::since(const LatencyHistogram& earlier) const noexcept {
+  LatencyHistogram added = *this;
+  for (size_t i = 0; i < kBuckets; ++i) added.counts_[i] -= earlier.counts_[i];
+  added.count_ -= earlier.count_;
+  return added;
+}
+
 double LatencyHistogram::percentileMs(double part) const noexcept {
   const auto rank = static_cast<uint64_t>(std::ceil(part * static_cast<double>(count_)));
   uint64_t seen = 0;

@@ -14,6 +14,8 @@ class LatencyHistogram {
  public:
   void add(std::chrono::nanoseconds duration) noexcept;
   void add(const LatencyHistogram& other) noexcept;
+  /// What was added since an earlier state of this; the longest stays that of all.
+  LatencyHistogram since(const LatencyHistogram& earlier) const noexcept;
 
   uint64_t count() const noexcept { return count_; }
   /// The duration that this part of all, 0 to 1, does not exceed, in milliseconds; 0 if there are none.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <queue>
 #include <string>
 #include <thread>
@@ -10,6 +11,8 @@
 
 #include <sys/resource.h>
 
+#include "client/app/cli/full_client.h"
+#include "client/app/cli/trace_client.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -18,6 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
+constexpr auto kPublishEvery = std::chrono::milliseconds(200);
 constexpr unsigned kMostAtOnce = 1024;    ///< events between two looks at the clock
 constexpr rlim_t kOtherDescriptors = 64;  ///< that the process needs besides its connections
 
@@ -35,67 +39,103 @@ void allowDescriptors(uint32_t clients) {
 /// Some of the clients, and the loop that steps them.
 class Stepper {
  public:
-  explicit Stepper(const LoadPlan& plan) : plan_(plan) {}
-
-  void add(Clock::time_point start, double phase_s) {
-    clients_.push_back(std::make_unique<LoadClient>(io_, plan_, start, phase_s, names_, tally_));
-    due_.push({start, clients_.size() - 1});
+  void addFull(const LoadPlan& plan, Clock::time_point start, uint64_t seed) {
+    add(std::make_unique<FullClient>(io_, plan, start, seed, names_, tally_), start);
+  }
+  void addTrace(const LoadPlan& plan, Clock::time_point start, double phase_s) {
+    add(std::make_unique<TraceClient>(io_, plan, start, phase_s, names_, tally_), start);
   }
 
-  void run() {
-    for (Clock::time_point now = Clock::now(); now < plan_.end; now = Clock::now()) {
-      const Clock::time_point next = due_.empty() ? plan_.end : std::min(due_.top().first, plan_.end);
+  void run(Clock::time_point end) {
+    Clock::time_point publish_at{};
+    for (Clock::time_point now = Clock::now(); now < end; now = Clock::now()) {
+      if (now >= publish_at) {
+        publish();
+        publish_at = now + kPublishEvery;
+      }
+      const Clock::time_point next = due_.empty() ? end : std::min(due_.top().first, end);
       if (next > now) io_.run_one_until(std::min(next, now + kLongestWait));
       for (unsigned i = 0; i < kMostAtOnce && io_.poll_one() > 0; ++i) continue;
       io_.restart();
-      stepDue(std::min(Clock::now(), plan_.end));
+      stepDue(std::min(Clock::now(), end));
     }
-    for (const auto& client : clients_) client->finish(plan_.end);
+    for (const auto& client : clients_) client->finish(end);
     clients_.clear();
+    publish();
   }
 
-  const LoadTally& tally() const noexcept { return tally_; }
+  /// What its clients had seen a moment ago. Thread safe.
+  LoadTally tally() const {
+    const std::lock_guard lock(mutex_);
+    return published_;
+  }
 
  private:
+  void add(std::unique_ptr<LoadClient> client, Clock::time_point start) {
+    clients_.push_back(std::move(client));
+    due_.push({start, clients_.size() - 1});
+  }
+
+  void publish() {
+    const std::lock_guard lock(mutex_);
+    published_ = tally_;
+  }
+
   /// @param now  not after the end: clients have nothing to do from then on.
   void stepDue(Clock::time_point now) {
     while (!due_.empty() && due_.top().first <= now) {
       const size_t client = due_.top().second;
       due_.pop();
       clients_[client]->step(now);
-      if (clients_[client]->due() != Clock::time_point::max()) due_.push({clients_[client]->due(), client});
+      if (clients_[client]->due() != kNever) due_.push({clients_[client]->due(), client});
     }
   }
 
-  const LoadPlan& plan_;
   KnownNames names_;
   LoadTally tally_;
+  mutable std::mutex mutex_;
+  LoadTally published_;
   asio::io_context io_{1};
   std::vector<std::unique_ptr<LoadClient>> clients_;
   using Due = std::pair<Clock::time_point, size_t>;
   std::priority_queue<Due, std::vector<Due>, std::greater<>> due_;
 };
 
-}  // namespace
+using Steppers = std::vector<std::unique_ptr<Stepper>>;
 
-LoadTally runLoadTest(LoadPlan plan, const LoadOptions& options) {
-  allowDescriptors(options.clients);
-  const Clock::time_point start = Clock::now();
-  plan.end = start + ofSeconds(options.seconds);
-  const double ramp_s = options.seconds / 4;
-  std::vector<std::unique_ptr<Stepper>> steppers;
-  for (unsigned i = 0; i < options.threads; ++i) steppers.push_back(std::make_unique<Stepper>(plan));
-  for (uint32_t i = 0; i < options.clients; ++i) {
-    const double part = static_cast<double>(i) / options.clients;
-    steppers[i % options.threads]->add(start + ofSeconds(ramp_s * part), plan.trace.duration_s * part);
-  }
-  {
-    std::vector<std::jthread> threads;
-    for (const auto& stepper : steppers) threads.emplace_back([&stepper] { stepper->run(); });
-  }
+LoadTally tallyOf(const Steppers& steppers) {
   LoadTally tally;
   for (const auto& stepper : steppers) tally.add(stepper->tally());
   return tally;
+}
+
+}  // namespace
+
+LoadTally runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options) {
+  allowDescriptors(options.clients);
+  const Clock::time_point start = Clock::now(), end = start + ofSeconds(options.seconds);
+  for (LoadPlan& plan : plans) plan.end = end;
+  Steppers steppers;
+  for (unsigned i = 0; i < options.threads; ++i) steppers.push_back(std::make_unique<Stepper>());
+  for (uint32_t i = 0; i < options.clients; ++i) {
+    const double part = static_cast<double>(i) / options.clients;
+    const LoadPlan& plan = plans[i % plans.size()];
+    Stepper& stepper = *steppers[i % options.threads];
+    const Clock::time_point begin = start + ofSeconds(options.ramp_s * part);
+    if (options.full)
+      stepper.addFull(plan, begin, i);
+    else
+      stepper.addTrace(plan, begin, plan.trace.duration_s * part);
+  }
+  {
+    std::vector<std::jthread> threads;
+    for (const auto& stepper : steppers) threads.emplace_back([&] { stepper->run(end); });
+    for (unsigned second = 1; options.progress && start + std::chrono::seconds(second) < end; ++second) {
+      std::this_thread::sleep_until(start + std::chrono::seconds(second));
+      options.progress(second, tallyOf(steppers));
+    }
+  }
+  return tallyOf(steppers);
 }
 
 }  // namespace lode::app

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 
-#include "client/app/cli/load_client.h"
+#include "client/app/cli/load_plan.h"
+#include "client/app/cli/load_tally.h"
 
 namespace lode::app {
 
@@ -10,11 +13,16 @@ struct LoadOptions {
   uint32_t clients = 1;
   unsigned threads = 1;  ///< that step them
   double seconds = 10;
+  double ramp_s = 2.5;  ///< in which they start, one after the other
+  bool full = false;    ///< they refine and decode; else they replay the plans' traces
+  /// Called once a second on the caller's thread with what all have seen so far; may be empty.
+  std::function<void(double seconds, const LoadTally&)> progress;
 };
 
-/// Lets clients replay a trace against a server for a time, on a few threads. They start one after the other
-/// within a quarter of it, each at another place of the trace.
-/// @param plan  but for its end. @throws Error kUsage if the system does not allow so many connections.
-LoadTally runLoadTest(LoadPlan plan, const LoadOptions& options);
+/// Lets clients load servers for a time, on a few threads. They take the plans by turns, and each begins at
+/// another place of its trace or goes along a path of its own.
+/// @param plans  at least one; but for their end. @throws Error kUsage if the system does not allow so many
+/// connections.
+LoadTally runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options);
 
 }  // namespace lode::app

@@ -1,17 +1,24 @@
 #include "client/app/cli/loadtest_command.h"
 
-#include <algorithm>
 #include <cstdio>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
+#include "client/app/cli/load_report.h"
 #include "client/app/cli/load_test.h"
+#include "client/app/cli/made_path.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/wish_trace.h"
 #include "client/app/cli/wish_trace_file.h"
@@ -20,11 +27,18 @@
 namespace lode::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
+constexpr uint64_t kTracesOfPlaces = 4;  ///< that are recorded of paths which differ by their seeds
+
+const std::map<std::string, MadePath> kMadePaths{
+    {"orbit", MadePath::kOrbit}, {"fly", MadePath::kFly}, {"walk", MadePath::kWalk}};
 
 struct LoadtestOptions {
   CommonOptions common;
   LoadOptions load;
+  std::vector<std::string> more_targets;
+  MadePath made_path = MadePath::kOrbit;
+  double fps = 10, think_s = 0;
+  std::optional<double> ramp_s;
   std::string trace_file;
   bool decode_off = false, json = false;
 };
@@ -38,75 +52,87 @@ double cpuSeconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-Json percentiles(const LatencyHistogram& latency) {
-  return {{"count", latency.count()},
-          {"p50", latency.percentileMs(0.5)},
-          {"p90", latency.percentileMs(0.9)},
-          {"p99", latency.percentileMs(0.99)},
-          {"max", latency.maxMs()}};
-}
+/// The targets, open as long as this, and what their clients are told.
+class PlannedLoad {
+ public:
+  explicit PlannedLoad(const LoadtestOptions& options) : options_(options) {
+    const std::optional<core::CameraPath> recorded = wantedPath(options.common);
+    path_of_ = [recorded, kind = options.made_path](const ModelSummary& model, uint64_t seed) {
+      return recorded ? *recorded : makePath(kind, model, seed);
+    };
+    const bool places_differ = !recorded && options.made_path != MadePath::kOrbit;
+    traces_ = options.load.full || !options.trace_file.empty() || !places_differ ? 1 : kTracesOfPlaces;
+    add(options.common.target);
+    for (const std::string& target : options.more_targets) add(target);
+  }
 
-Json toJson(const LoadtestOptions& options, const WishTrace& trace, const LoadTally& tally,
-            double cpu_seconds) {
-  return {{"clients", options.load.clients},
-          {"seconds", options.load.seconds},
-          {"trace", {{"seconds", trace.duration_s}, {"wishes", trace.wishes.size()}}},
-          {"blobs", tally.blobs},
-          {"bytes", tally.bytes},
-          {"errors", tally.errors},
-          {"first_error", tally.first_error},
-          {"unanswered", tally.unanswered},
-          {"moved", tally.moved},
-          {"lost", tally.lost},
-          {"failed_wishes", tally.failed_wishes},
-          {"latency_ms",
-           {{"visible", percentiles(tally.latency[0])},
-            {"margin", percentiles(tally.latency[1])},
-            {"prefetch", percentiles(tally.latency[2])}}},
-          {"first_image_ms", percentiles(tally.first_image)},
-          {"cpu_seconds", cpu_seconds}};
-}
+  std::span<LoadPlan> plans() noexcept { return plans_; }
 
-void print(const LoadtestOptions& options, const LoadTally& tally) {
-  std::printf(
-      "%u clients, %.0f s: %llu blobs, %.1f MB/s; visible wishes %.1f ms (median), %.1f ms (p99); "
-      "first image %.1f ms (p99); %llu unanswered, %llu connections lost, %llu errors%s%s\n",
-      options.load.clients, options.load.seconds, static_cast<unsigned long long>(tally.blobs),
-      static_cast<double>(tally.bytes) * 1e-6 / options.load.seconds, tally.latency[0].percentileMs(0.5),
-      tally.latency[0].percentileMs(0.99), tally.first_image.percentileMs(0.99),
-      static_cast<unsigned long long>(tally.unanswered), static_cast<unsigned long long>(tally.lost),
-      static_cast<unsigned long long>(tally.errors), tally.first_error.empty() ? "" : ": ",
-      tally.first_error.c_str());
+ private:
+  void add(const std::string& target) {
+    targets_.push_back(resolveTarget(parseTarget(target), options_.common.streamOptions(), !options_.json));
+    const ResolvedTarget& open = targets_.back();
+    const PictureSize size = options_.common.size();
+    LoadPlan plan;
+    plan.model = open.served;
+    plan.options = open.options;
+    plan.route = stream::routeTo(plan.model, plan.options);
+    plan.path_of = path_of_;
+    plan.size_px = {size.width_px, size.height_px};
+    plan.pixels = options_.common.pixels;
+    plan.fps = options_.fps;
+    plan.think_s = options_.think_s;
+    plan.decode = !options_.decode_off;
+    for (uint64_t seed = 0; seed < traces_; ++seed) {
+      if (!options_.load.full) plan.trace = traceOf(plan, seed);
+      plans_.push_back(plan);
+    }
+  }
+
+  WishTrace traceOf(const LoadPlan& plan, uint64_t seed) const {
+    if (!options_.trace_file.empty()) return readWishTrace(options_.trace_file);
+    const auto path_of = [&](const ModelSummary& model) { return path_of_(model, seed); };
+    return recordTrace(plan.model, plan.options, path_of, plan.size_px, plan.pixels,
+                       options_.common.timeout());
+  }
+
+  const LoadtestOptions& options_;
+  std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of_;
+  uint64_t traces_ = 1;  ///< of each target
+  std::vector<ResolvedTarget> targets_;
+  std::vector<LoadPlan> plans_;
+};
+
+void check(const LoadtestOptions& options) {
+  if (!options.trace_file.empty() && (options.load.full || !options.more_targets.empty()))
+    throw Error(ErrorCode::kUsage, "--trace is of one model, and full clients replay none: leave it out");
+  if (options.decode_off && options.load.full)
+    throw Error(ErrorCode::kUsage, "full clients decode: leave out --full or --decode-off");
 }
 
 void loadtest(const LoadtestOptions& options, int& exit_status) {
-  const std::optional<core::CameraPath> path = wantedPath(options.common);
-  const ResolvedTarget target =
-      resolveTarget(parseTarget(options.common.target), options.common.streamOptions(), !options.json);
-  const PictureSize size = options.common.size();
-  LoadPlan plan;
-  plan.model = target.served;
-  plan.options = target.options;
-  plan.route = stream::routeTo(plan.model, plan.options);
-  plan.decode = !options.decode_off;
-  plan.trace = options.trace_file.empty()
-                   ? recordTrace(plan.model, plan.options, path, {size.width_px, size.height_px},
-                                 options.common.pixels, options.common.timeout())
-                   : readWishTrace(options.trace_file);
+  check(options);
+  PlannedLoad planned(options);
+  LoadOptions load = options.load;
+  load.ramp_s = options.ramp_s.value_or(load.seconds / 4);
+  LiveLine live;
+  if (isatty(STDERR_FILENO) == 1)
+    load.progress = [&](double seconds, const LoadTally& tally) { live.print(seconds, tally); };
   const double cpu_before = cpuSeconds();
-  const LoadTally tally = runLoadTest(plan, options.load);
+  const LoadTally tally = runLoadTest(planned.plans(), load);
   if (options.json)
-    std::printf("%s\n", toJson(options, plan.trace, tally, cpuSeconds() - cpu_before).dump().c_str());
+    std::printf("%s\n", toJson(load, planned.plans(), tally, cpuSeconds() - cpu_before).dump().c_str());
   else
-    print(options, tally);
-  exit_status = tally.errors == 0 ? 0 : 1;
+    print(load, tally);
+  exit_status = tally.errors.empty() ? 0 : 1;
 }
 
 }  // namespace
 
 void declareLoadtest(CLI::App& program, int& exit_status) {
   CLI::App* command = program.add_subcommand(
-      "loadtest", "Lets many clients replay what a camera path wishes for, and measures how late it comes");
+      "loadtest",
+      "Lets many clients look at models along camera paths, and measures how late comes what they wish for");
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
   command->add_option("--clients", options->load.clients, "independent clients")
@@ -114,6 +140,28 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       ->check(CLI::Range(1u, 100'000u));
   command->add_option("--seconds", options->load.seconds, "how long")
       ->check(CLI::Range(0.1, 86'400.0))
+      ->capture_default_str();
+  command
+      ->add_option("more", options->more_targets,
+                   "other models, on the same or other servers: clients take turns")
+      ->type_name("TARGET");
+  command->add_flag(
+      "--full", options->load.full,
+      "clients refine and decode as one with a window does; else they replay the wishes of one that did");
+  command->add_option("--path", options->made_path, "where no --camera is given (default: orbit)")
+      ->transform(CLI::CheckedTransformer(kMadePaths))
+      ->type_name("orbit|fly|walk");
+  command
+      ->add_option("--ramp", options->ramp_s,
+                   "in which clients begin, one after the other (default: a quarter of --seconds)")
+      ->check(CLI::Range(0.0, 86'400.0))
+      ->type_name("SECONDS");
+  command->add_option("--think", options->think_s, "pause at a path's end before it begins anew, in the mean")
+      ->check(CLI::Range(0.0, 86'400.0))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  command->add_option("--fps", options->fps, "views a second of a full client")
+      ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
   command->add_option("--threads", options->load.threads, "threads that step the clients")
       ->check(CLI::Range(1u, 64u))

@@ -2,28 +2,10 @@
 
 #include <utility>
 
+#include "client/app/cli/whole_frames.h"
 #include "common/blob.h"
 
 namespace lode::app {
-namespace {
-
-/// Calls take(type, body) for each whole frame. @return the bytes that they took.
-template <typename Take>
-size_t forEachFrame(std::span<const std::byte> bytes, const Take& take) {
-  size_t at = 0;
-  while (bytes.size() - at >= proto::kFrameHeaderBytes) {
-    const auto header = proto::decodeFrameHeader(bytes.subspan(at).first<proto::kFrameHeaderBytes>());
-    const size_t whole = proto::kFrameHeaderBytes + header.body_bytes;
-    if (bytes.size() - at < whole) break;
-    take(static_cast<proto::FrameType>(header.type),
-         bytes.subspan(at + proto::kFrameHeaderBytes, header.body_bytes));
-    at += whole;
-  }
-  return at;
-}
-
-}  // namespace
-
 void OverheardWishes::sent(std::span<const std::byte> frames, double now) {
   forEachFrame(frames, [&](proto::FrameType type, std::span<const std::byte> body) {
     if (type != proto::FrameType::kWishes) return;

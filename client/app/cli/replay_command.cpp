@@ -12,6 +12,7 @@
 #include <sys/resource.h>
 
 #include "client/app/cli/latency_histogram.h"
+#include "client/app/cli/made_path.h"
 #include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/stream_report.h"
@@ -173,8 +174,11 @@ void record(const ReplayOptions& options) {
   const ResolvedTarget target =
       resolveTarget(parseTarget(options.common.target), options.common.streamOptions(), !options.json);
   const PictureSize size = options.common.size();
+  const PathOf path_of = [&](const ModelSummary& model) {
+    return path ? *path : makePath(MadePath::kOrbit, model, 0);
+  };
   writeWishTrace(options.record_file,
-                 recordTrace(target.served, target.options, path, {size.width_px, size.height_px},
+                 recordTrace(target.served, target.options, path_of, {size.width_px, size.height_px},
                              options.common.pixels, options.common.timeout()));
 }
 

@@ -1,4 +1,4 @@
-#include "client/app/cli/load_client.h"
+#include "client/app/cli/trace_client.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,35 +12,21 @@
 namespace lode::app {
 namespace {
 
-constexpr auto kNever = core::TimePoint::max();
 constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
 constexpr auto kLookForRetryEvery = std::chrono::milliseconds(20);
-constexpr std::array kLines{core::Line::kNewest, core::Line::kLeaving};
 constexpr size_t kRefillBelow = 64;  ///< open wishes; the session holds back what is above its own limits
 constexpr double kShortestTraceSeconds = 1;  ///< a path that stands still is replayed this often
 
 }  // namespace
 
-void LoadTally::add(const LoadTally& other) {
-  for (size_t i = 0; i < latency.size(); ++i) latency[i].add(other.latency[i]);
-  first_image.add(other.first_image);
-  blobs += other.blobs;
-  bytes += other.bytes;
-  errors += other.errors;
-  unanswered += other.unanswered;
-  moved += other.moved;
-  lost += other.lost;
-  failed_wishes += other.failed_wishes;
-  if (first_error.empty()) first_error = other.first_error;
-}
-
-LoadClient::LoadClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
-                       KnownNames& names, LoadTally& tally)
+TraceClient::TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
+                         KnownNames& names, LoadTally& tally)
     : io_(io),
       plan_(plan),
       names_(names),
       tally_(tally),
       start_(start),
+      random_(static_cast<uint64_t>(1000 * phase_s)),
       due_(start),
       link_(sessionOptions(), static_cast<uint32_t>(1000 * phase_s)) {
   const auto& wishes = plan.trace.wishes;
@@ -48,7 +34,7 @@ LoadClient::LoadClient(asio::io_context& io, const LoadPlan& plan, core::TimePoi
   first_ = at == wishes.end() ? 0 : static_cast<size_t>(at - wishes.begin());
 }
 
-core::SessionOptions LoadClient::sessionOptions() {
+core::SessionOptions TraceClient::sessionOptions() {
   core::SessionOptions options;
   options.model = plan_.model.model;
   options.token = plan_.options.token;
@@ -58,39 +44,34 @@ core::SessionOptions LoadClient::sessionOptions() {
   return options;
 }
 
-/// The time of the replay's n-th wish: places after the trace's end are those of its next round.
-core::TimePoint LoadClient::intendedTime(uint64_t replay) const noexcept {
+/// The time of the next wish: places after the trace's end are those of its next round.
+core::TimePoint TraceClient::nextIntended() const noexcept {
   const auto& wishes = plan_.trace.wishes;
-  const uint64_t place = first_ + replay;
+  const uint64_t place = first_ + replayed_;
   const double round_s = std::max(plan_.trace.duration_s, kShortestTraceSeconds);
   const size_t rounds = place / wishes.size();
   const double t_s = static_cast<double>(rounds) * round_s + wishes[place % wishes.size()].t_s;
-  return start_ + ofSeconds(t_s - wishes[first_].t_s);
+  return start_ + ofSeconds(t_s - wishes[first_].t_s + paused_s_);
 }
 
-void LoadClient::noteError(const std::string& what) {
-  if (tally_.first_error.empty()) tally_.first_error = what;
-  ++tally_.errors;
+void TraceClient::goOn() {
+  ++replayed_;
+  if ((first_ + replayed_) % plan_.trace.wishes.size() == 0) paused_s_ += somePause(plan_.think_s, random_);
 }
 
-/// What goes wrong with one client is counted and ends it; the others go on.
 template <typename Action>
-void LoadClient::guarded(const Action& action) {
-  if (gone_) return;
-  try {
-    action();
-  } catch (const std::exception& error) {
-    noteError(error.what());
-    gone_ = true;
-    due_ = kNever;
-  }
+void TraceClient::guarded(const Action& action) {
+  if (gone_ || survives(tally_, action)) return;
+  gone_ = true;
+  due_ = kNever;
 }
 
-void LoadClient::step(core::TimePoint now) {
+void TraceClient::step(core::TimePoint now) {
   guarded([&] {
+    tally_.started += !std::exchange(started_, true);
     ended_.reset();
     if (link_.due(now)) connect(now);
-    for (const core::Line line : kLines)
+    for (const core::Line line : core::kLines)
       onLine(line, now, [&](core::Session& session) { session.tick(now); });
     addDueWishes(now);
     send();
@@ -98,7 +79,7 @@ void LoadClient::step(core::TimePoint now) {
   });
 }
 
-void LoadClient::connect(core::TimePoint now) {
+void TraceClient::connect(core::TimePoint now) {
   if (const core::Session* const older = link_.session(core::Line::kLeaving);
       older != nullptr && link_.session())
     tally_.failed_wishes += older->openWishes();  // two servers left one soon after the other
@@ -110,7 +91,7 @@ void LoadClient::connect(core::TimePoint now) {
 
 /// What the network does to a connection ends it; what else goes wrong ends the client.
 template <typename Action>
-void LoadClient::onLine(core::Line line, core::TimePoint now, const Action& action) {
+void TraceClient::onLine(core::Line line, core::TimePoint now, const Action& action) {
   core::Session* const session = link_.session(line);
   if (session == nullptr) return;
   try {
@@ -125,19 +106,19 @@ void LoadClient::onLine(core::Line line, core::TimePoint now, const Action& acti
   }
 }
 
-void LoadClient::addDueWishes(core::TimePoint now) {
+void TraceClient::addDueWishes(core::TimePoint now) {
   const auto& wishes = plan_.trace.wishes;
   bool added = false;
-  while (!wishes.empty() && intendedTime(replayed_) <= std::min(now, plan_.end)) {
+  while (!wishes.empty() && nextIntended() <= std::min(now, plan_.end)) {
     const size_t traced = (first_ + replayed_) % wishes.size();
     const core::Wish& wish = wishes[traced].wish;
-    added |= pending_.try_emplace(wish.blob.number, Pending{wish, intendedTime(replayed_), traced}).second;
-    ++replayed_;
+    added |= pending_.try_emplace(wish.blob.number, Pending{wish, nextIntended(), traced}).second;
+    goOn();
   }
   if (added) sendWishes();
 }
 
-void LoadClient::sendWishes() {
+void TraceClient::sendWishes() {
   core::Session* const session = link_.session();
   if (!link_.takesWishes() || !session->opened()) return;
   const core::Session* const before = link_.session(core::Line::kLeaving);
@@ -151,21 +132,21 @@ void LoadClient::sendWishes() {
   session->setWishes(wishes);
 }
 
-void LoadClient::send() {
-  for (const core::Line line : kLines)
+void TraceClient::send() {
+  for (const core::Line line : core::kLines)
     if (core::Session* const session = link_.session(line); session != nullptr)
       transport(line)->send(session->takeOutgoing());
 }
 
-void LoadClient::scheduleNext(core::TimePoint now) {
+void TraceClient::scheduleNext(core::TimePoint now) {
   due_ = now + (link_.takesWishes() ? core::TimePoint::duration(kKeepAliveEvery) : kLookForRetryEvery);
-  if (!plan_.trace.wishes.empty()) due_ = std::min(due_, intendedTime(replayed_));
+  if (!plan_.trace.wishes.empty()) due_ = std::min(due_, nextIntended());
 }
 
-void LoadClient::receive() {
+void TraceClient::receive() {
   guarded([&] {
     const core::TimePoint now = std::chrono::steady_clock::now();
-    for (const core::Line line : kLines)
+    for (const core::Line line : core::kLines)
       onLine(line, now, [&](core::Session& session) {
         session.receive(transport(line)->takeReceived(), now);
         while (link_.session(line) == &session) {
@@ -178,7 +159,7 @@ void LoadClient::receive() {
   });
 }
 
-void LoadClient::handle(const core::SessionEvent& event, core::Session& session, core::TimePoint now) {
+void TraceClient::handle(const core::SessionEvent& event, core::Session& session, core::TimePoint now) {
   if (std::holds_alternative<core::ModelOpened>(event)) {
     link_.succeeded();
     return sendWishes();
@@ -187,7 +168,7 @@ void LoadClient::handle(const core::SessionEvent& event, core::Session& session,
   if (const auto* refused = std::get_if<core::BlobRefused>(&event)) {
     ++tally_.failed_wishes;
     pending_.erase(refused->blob.number);
-    noteError("the server cannot give a blob: " + refused->message);
+    tally_.noteError(ErrorCode::kIo, "the server cannot give a blob: " + refused->message);
   }
   if (const auto* leaving = std::get_if<core::ServerLeaving>(&event)) {
     ++tally_.moved;
@@ -195,7 +176,7 @@ void LoadClient::handle(const core::SessionEvent& event, core::Session& session,
   }
 }
 
-void LoadClient::arrived(const core::BlobArrived& blob, core::Session& session, core::TimePoint now) {
+void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session, core::TimePoint now) {
   ++tally_.blobs;
   tally_.bytes += blob.bytes.size();
   const auto found = pending_.find(blob.blob.number);
@@ -225,7 +206,7 @@ void LoadClient::arrived(const core::BlobArrived& blob, core::Session& session, 
   }
 }
 
-void LoadClient::finish(core::TimePoint now) {
+void TraceClient::finish(core::TimePoint now) {
   if (gone_) return;
   for (const auto& [number, pending] : pending_) {
     if (pending.intended > now) continue;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <asio/io_context.hpp>
-#include <glm/gtc/constants.hpp>
 
 #include "client/app/cli/overheard_wishes.h"
 #include "client/net/tcp_transport.h"
@@ -20,8 +19,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kStepSeconds = 0.1;
 constexpr size_t kMaxSteps = 36'000;  ///< an hour of a path
-constexpr unsigned kOrbitKeys = 16;
-constexpr double kOrbitSeconds = 20;
 
 core::EngineOptions engineOptions(const stream::ServedModel& model, const stream::StreamOptions& options) {
   core::EngineOptions engine_options;
@@ -105,27 +102,12 @@ class Recorder {
 
 }  // namespace
 
-core::CameraPath orbit(const ModelSummary& model) {
-  core::CameraPath path = core::framingCamera(model);
-  const core::CameraKey first = path.keys.front();
-  const glm::dvec3 arm = first.eye - first.target;
-  path.keys.clear();
-  for (unsigned i = 0; i <= kOrbitKeys; ++i) {
-    const double part = static_cast<double>(i) / kOrbitKeys, angle = 2 * glm::pi<double>() * part;
-    const glm::dvec3 turned(arm.x * std::cos(angle) + arm.z * std::sin(angle), arm.y,
-                            arm.z * std::cos(angle) - arm.x * std::sin(angle));
-    path.keys.push_back(
-        {kOrbitSeconds * part, first.target + turned * (1 - part / 2), first.target, first.up});
-  }
-  return path;
-}
-
 WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
-                      const std::optional<core::CameraPath>& wanted_path, glm::uvec2 size_px, float pixels,
+                      const PathOf& path_of, glm::uvec2 size_px, float pixels,
                       std::chrono::milliseconds timeout) {
   Recorder recorder(model, options, Clock::now() + timeout);
   const ModelSummary& summary = recorder.open();
-  const core::CameraPath path = wanted_path ? *wanted_path : orbit(summary);
+  const core::CameraPath path = path_of(summary);
   const double begin_s = path.keys.front().t;
   WishTrace trace;
   trace.duration_s = path.keys.back().t - begin_s;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -26,13 +27,13 @@ struct WishTrace {
   std::vector<TracedWish> wishes;
 };
 
-/// For who names no path: 20 seconds once around the model, half as far away in the end.
-core::CameraPath orbit(const ModelSummary& model);
+/// The path that a client goes along, once it knows the model.
+using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
 
 /// Goes along a path in steps of a tenth of a second, waiting at each until nothing is missing.
-/// @param path  none: orbit(). @throws Error kNetwork and so on as a Session does, kTimeout.
+/// @throws Error kNetwork and so on as a Session does, kTimeout.
 WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
-                      const std::optional<core::CameraPath>& path, glm::uvec2 size_px, float pixels,
+                      const PathOf& path_of, glm::uvec2 size_px, float pixels,
                       std::chrono::milliseconds timeout);
 
 }  // namespace lode::app

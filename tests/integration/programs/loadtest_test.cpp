@@ -1,5 +1,7 @@
 // Many clients from one process: what loadtest says of a server that answers, and of one that does not.
 
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,15 @@ class Loadtest : public testing::Test {
     const Outcome outcome = lodestream(arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return Json::parse(outcome.out);
+  }
+
+  /// A path of a tenth of a second, which is replayed every second.
+  std::string shortPath() {
+    const std::filesystem::path file = folder_ / "path.json";
+    std::ofstream(file) << R"({"fov_y_deg": 45, "keys": [
+      {"t": 0, "eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]},
+      {"t": 0.1, "eye": [0, 0, 3], "target": [0, 0, 0], "up": [0, 1, 0]}]})";
+    return file.string();
   }
 
   WorkFolder folder_;
@@ -47,6 +58,69 @@ TEST_F(Loadtest, endsInTimeWithManyClients) {
   const Json told = run({"--clients", "300", "--seconds", "2", "--decode-off"});
   EXPECT_EQ(told["errors"], 0) << told["first_error"];
   EXPECT_EQ(told["first_image_ms"]["count"], 300);
+}
+
+TEST_F(Loadtest, ofFullClientsTellsWhenTheirPicturesHaveConverged) {
+  for (const char* path : {"orbit", "fly", "walk"}) {
+    const Json told = run({"--full", "--clients", "5", "--seconds", "2", "--ramp", "0.5", "--path", path});
+    EXPECT_EQ(told["errors"], 0) << told["first_error"];
+    EXPECT_EQ(told["started"], 5);
+    EXPECT_EQ(told["first_image_ms"]["count"], 5);
+    EXPECT_EQ(told["converged_ms"]["count"], 5);
+    EXPECT_GE(told["converged_ms"]["p50"], told["first_image_ms"]["p50"]);
+    EXPECT_LT(told["converged_ms"]["p50"], 1400);
+    EXPECT_GT(told["latency_ms"]["visible"]["count"], 0);
+    EXPECT_LT(told["seconds_far_off"], told["seconds_looked"]);
+    EXPECT_GT(told["seconds_looked"], 5);
+  }
+}
+
+TEST_F(Loadtest, takesSeveralModelsOfSeveralServersByTurns) {
+  const RunningServer other{{folder_ / "small.lode"}};
+  for (const auto& kind : {std::vector<std::string>{"--full"}, {"--path", "walk"}}) {
+    std::vector<std::string> arguments{other.url("small"), "--clients", "6", "--seconds", "2",
+                                       "--ramp",           "0.5"};
+    arguments.insert(arguments.end(), kind.begin(), kind.end());
+    const Json told = run(arguments);
+    EXPECT_EQ(told["errors"], 0) << told["first_error"];
+    EXPECT_EQ(told["first_image_ms"]["count"], 6);
+  }
+}
+
+TEST_F(Loadtest, startsItsClientsWithinTheRamp) {
+  EXPECT_LT(run({"--clients", "10", "--seconds", "2", "--ramp", "100", "--decode-off"})["started"], 3);
+  EXPECT_EQ(run({"--clients", "10", "--seconds", "1", "--ramp", "0", "--decode-off"})["started"], 10);
+}
+
+TEST_F(Loadtest, wishesForLessWhereClientsThink) {
+  const std::vector<std::string> arguments{"--clients", "4", "--seconds", "3",
+                                           "--ramp",    "0", "--camera",  shortPath()};
+  std::vector<std::string> thinking = arguments;
+  thinking.insert(thinking.end(), {"--think", "1000"});
+  EXPECT_LT(run(thinking)["blobs"], run(arguments)["blobs"]);
+}
+
+TEST_F(Loadtest, sortsErrorsByKind) {
+  const std::string url = server_.url("small");
+  server_.stop();
+  const Outcome outcome =
+      lodestream({"loadtest", url, "--full", "--clients", "3", "--seconds", "1", "--ramp", "0", "--json"});
+  EXPECT_EQ(outcome.status, 1);
+  const Json told = Json::parse(outcome.out);
+  EXPECT_EQ(told["errors"], 3);
+  EXPECT_EQ(told["errors_by_kind"], Json({{"network", 3}}));
+}
+
+TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {
+  const std::string url = server_.url("small");
+  for (const auto& more :
+       {std::vector<std::string>{"--full", "--decode-off"}, {url, "--trace", shortPath()}}) {
+    std::vector<std::string> arguments{"loadtest", url, "--clients", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = lodestream(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    expectOneLine(outcome.err);
+  }
 }
 
 TEST_F(Loadtest, thatNobodyAnswersFailsWithOneLine) {

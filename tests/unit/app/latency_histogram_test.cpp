@@ -57,5 +57,14 @@ TEST(LatencyHistogram, ofManyThreadsIsTheirSum) {
   EXPECT_EQ(one.maxMs(), 9);
 }
 
+TEST(LatencyHistogram, sinceAnEarlierOneHasWhatCameAfterIt) {
+  LatencyHistogram histogram;
+  for (int i = 0; i < 9; ++i) histogram.add(100ms);
+  const LatencyHistogram earlier = histogram;
+  histogram.add(3ms);
+  EXPECT_EQ(histogram.since(earlier).count(), 1u);
+  EXPECT_NEAR(histogram.since(earlier).percentileMs(0.99), 3, 0.1);
+}
+
 }  // namespace
 }  // namespace lode::app

@@ -1,0 +1,176 @@
+#include "client/app/cli/full_client.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+constexpr float kFarOffFactor = 2;  ///< of the threshold
+
+}  // namespace
+
+FullClient::FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
+                       KnownNames& names, LoadTally& tally)
+    : io_(io),
+      plan_(plan),
+      seed_(seed),
+      names_(names),
+      tally_(tally),
+      start_(start),
+      due_(start),
+      random_(seed),
+      engine_(engineOptions(seed)) {}
+
+core::EngineOptions FullClient::engineOptions(uint64_t seed) {
+  core::EngineOptions options;
+  options.session.model = plan_.model.model;
+  options.session.token = plan_.options.token;
+  options.session.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
+    return noteBlob(blob, bytes);
+  };
+  options.memory_budget_bytes = plan_.options.memory_budget_bytes;
+  options.hold_factor = core::kHoldFactor;
+  options.prefetch = true;
+  options.jitter_seed = static_cast<uint32_t>(seed);
+  return options;
+}
+
+bool FullClient::noteBlob(const BlobRef& blob, std::span<const std::byte> bytes) {
+  ++tally_.blobs;
+  const core::TimePoint now = std::chrono::steady_clock::now();
+  for (WishClock& clock : clocks_)
+    if (const auto wish = clock.arrived(blob.number))
+      tally_.latency[static_cast<size_t>(wish->wish_class)].add(now - wish->sent);
+  return names_.isNamed(blob, bytes);
+}
+
+template <typename Action>
+void FullClient::guarded(const Action& action) {
+  if (gone_ || survives(tally_, action)) return;
+  gone_ = true;
+  due_ = kNever;
+}
+
+void FullClient::step(core::TimePoint now) {
+  guarded([&] {
+    tally_.started += !std::exchange(started_, true);
+    ended_.clear();
+    keepConnected(now);
+    look(now);
+    work(now);
+    note(now);
+    while (due_ <= now) due_ = start_ + ofSeconds(static_cast<double>(++frames_) / plan_.fps);
+  });
+}
+
+void FullClient::keepConnected(core::TimePoint now) {
+  if (!engine_.wantsConnection(now)) return;
+  auto& [newest, leaving] = transports_;
+  if (newest) {
+    ++tally_.moved;
+    leaving = std::move(newest);
+  }
+  newest = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
+  clocks_ = {WishClock(), std::move(clocks_[0])};
+  engine_.connect(now);
+}
+
+void FullClient::receive() {
+  guarded([&] {
+    const core::TimePoint now = std::chrono::steady_clock::now();
+    for (const core::Line line : core::kLines) {
+      auto& transport = transports_[static_cast<size_t>(line)];
+      if (!transport) continue;
+      try {
+        while (engine_.connected(line)) {
+          const proto::Bytes bytes = transport->takeReceived();
+          if (bytes.empty()) break;
+          engine_.receive(bytes, now, line);
+        }
+      } catch (const Error& failed) {
+        disconnect(failed, line, now);
+      }
+      if (!engine_.connected(line)) ended_.push_back(std::move(transport));
+    }
+    work(now);
+  });
+}
+
+/// @throws the error if a new connection would not help.
+void FullClient::disconnect(const Error& why, core::Line line, core::TimePoint now) {
+  const uint64_t open = line == core::Line::kNewest ? engine_.counts().open_wishes : 0;
+  if (engine_.staysConnected() || open > 0) ++tally_.lost;
+  tally_.failed_wishes += open;
+  engine_.disconnect(why, now, line);
+}
+
+void FullClient::look(core::TimePoint now) {
+  const ModelSummary* const model = engine_.summary();
+  if (model == nullptr) return;
+  if (path_.keys.empty()) {
+    path_ = plan_.path_of(*model, seed_);
+    round_begin_ = start_;
+    pause_s_ = somePause(plan_.think_s, random_);
+  }
+  engine_.setView(core::toView(camera(now), path_.fov_y_deg, plan_.size_px.x, plan_.size_px.y, *model),
+                  plan_.pixels);
+}
+
+/// Along the path, and still at its end for as long as the pause takes.
+core::CameraKey FullClient::camera(core::TimePoint now) {
+  const double from_s = path_.keys.front().t, path_s = path_.keys.back().t - from_s;
+  while (path_s > 0 && now >= round_begin_ + ofSeconds(path_s + pause_s_)) {
+    round_begin_ += ofSeconds(path_s + pause_s_);
+    pause_s_ = somePause(plan_.think_s, random_);
+  }
+  const double at_s = std::chrono::duration<double>(now - round_begin_).count();
+  return core::cameraAt(path_, from_s + std::min(at_s, path_s));
+}
+
+/// Until nothing is left to decode.
+void FullClient::work(core::TimePoint now) {
+  for (bool decoded = true; decoded;) {
+    engine_.step(now);
+    for (const core::Line line : core::kLines) {
+      const auto& transport = transports_[static_cast<size_t>(line)];
+      if (!transport) continue;
+      proto::Bytes frames = engine_.takeOutgoing(line);
+      clocks_[static_cast<size_t>(line)].sent(frames, now);
+      transport->send(std::move(frames));
+    }
+    const std::vector<core::DecodeJob> jobs = engine_.takeDecodeJobs();
+    for (const core::DecodeJob& job : jobs) engine_.finishDecode(core::runDecodeJob(job));
+    decoded = !jobs.empty();
+  }
+  const uint64_t received = engine_.counts().received_bytes;
+  tally_.bytes += received - std::exchange(received_bytes_, received);
+  if (!engine_.failure().empty()) throw Error(ErrorCode::kFormat, engine_.failure());
+  const core::Cut* const cut = engine_.cut().get();
+  if (cut != nullptr && !std::exchange(image_seen_, true)) tally_.first_image.add(now - start_);
+  if (cut != nullptr && cut->converged && !std::exchange(converged_, true))
+    tally_.converged.add(now - start_);
+}
+
+/// What somebody would have seen until the next step.
+void FullClient::note(core::TimePoint now) {
+  if (now < start_) return;
+  const core::Cut* const cut = engine_.cut().get();
+  tally_.looked_s += 1 / plan_.fps;
+  if (cut == nullptr || cut->max_error_px > kFarOffFactor * plan_.pixels) tally_.far_off_s += 1 / plan_.fps;
+}
+
+void FullClient::finish(core::TimePoint now) {
+  if (gone_ || now < start_) return;
+  for (const WishClock& clock : clocks_) {
+    for (const auto& [blob, wish] : clock.open())
+      tally_.latency[static_cast<size_t>(wish.wish_class)].add(now - wish.sent);
+    tally_.unanswered += clock.open().size();
+  }
+  if (!image_seen_) tally_.first_image.add(now - start_);
+  if (!converged_) tally_.converged.add(now - start_);
+}
+
+}  // namespace lode::app

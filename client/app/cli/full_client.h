@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include <asio/io_context.hpp>
+
+#include "client/app/cli/known_names.h"
+#include "client/app/cli/load_client.h"
+#include "client/app/cli/load_plan.h"
+#include "client/app/cli/load_tally.h"
+#include "client/app/cli/wish_clock.h"
+#include "client/core/engine.h"
+#include "client/net/tcp_transport.h"
+
+namespace lode::app {
+
+/// A client that does all that one with a window does but draw: it goes along a path of its own, refines,
+/// decodes, and comes again when its connection ends. Its camera waits for nothing.
+class FullClient final : public LoadClient {
+ public:
+  /// @param start  when it connects. @param seed  of its path and pauses. @param names  of the clients of its
+  ///               thread.
+  FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
+             KnownNames& names, LoadTally& tally);
+
+  core::TimePoint due() const noexcept override { return due_; }
+  void step(core::TimePoint now) override;
+  void finish(core::TimePoint now) override;
+
+ private:
+  using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;  // by core::Line
+
+  core::EngineOptions engineOptions(uint64_t seed);
+  bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
+  template <typename Action>
+  void guarded(const Action& action);
+  void keepConnected(core::TimePoint now);
+  void receive();
+  void disconnect(const Error& why, core::Line line, core::TimePoint now);
+  void look(core::TimePoint now);
+  core::CameraKey camera(core::TimePoint now);
+  void work(core::TimePoint now);
+  void note(core::TimePoint now);
+
+  asio::io_context& io_;
+  const LoadPlan& plan_;
+  const uint64_t seed_;
+  KnownNames& names_;
+  LoadTally& tally_;
+  const core::TimePoint start_;
+  core::TimePoint due_;
+  uint64_t frames_ = 0;
+  std::mt19937_64 random_;
+  std::array<WishClock, 2> clocks_;  ///< by core::Line
+  core::Engine engine_;
+  core::CameraPath path_;        ///< no keys until the model is known
+  core::TimePoint round_begin_;  ///< of the path
+  double pause_s_ = 0;           ///< at this round's end
+  uint64_t received_bytes_ = 0;  ///< that the tally knows of
+  bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
+  Transports transports_;
+  std::vector<std::unique_ptr<net::TcpTransport>> ended_;  ///< gone at the next step: not in their own calls
+};
+
+}  // namespace lode::app

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <exception>
+
+#include "client/app/cli/load_tally.h"
+#include "client/core/time_point.h"
+#include "common/error.h"
+
+namespace lode::app {
+
+constexpr auto kNever = core::TimePoint::max();
+
+/// One client of a load test. Lives on the thread that runs its context.
+class LoadClient {
+ public:
+  virtual ~LoadClient() = default;
+
+  /// When step() has something to do next; kNever once it has ended.
+  virtual core::TimePoint due() const noexcept = 0;
+  /// Connects, also anew, wishes for what is due, keeps the connection alive.
+  virtual void step(core::TimePoint now) = 0;
+  /// What is not there yet counts as late as it is.
+  virtual void finish(core::TimePoint now) = 0;
+};
+
+/// What goes wrong with one client is counted and ends it; the others go on. @return false: it ends.
+template <typename Action>
+bool survives(LoadTally& tally, const Action& action) {
+  try {
+    action();
+    return true;
+  } catch (const Error& error) {
+    tally.noteError(error.code(), error.what());
+  } catch (const std::exception& error) {
+    tally.noteError(ErrorCode::kInternal, error.what());
+  }
+  return false;
+}
+
+}  // namespace lode::app

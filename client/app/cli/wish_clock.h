@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+
+#include "client/core/time_point.h"
+#include "proto/messages.h"
+
+namespace lode::app {
+
+/// How long the wishes of one connection take, by the frames that its client sends. Not thread safe.
+class WishClock {
+ public:
+  struct Wish {
+    uint32_t number;
+    proto::WishClass wish_class;
+    core::TimePoint sent;
+  };
+
+  /// Whole frames.
+  void sent(std::span<const std::byte> frames, core::TimePoint now);
+  /// @return the wish for a blob that has come; none if it came unasked.
+  std::optional<Wish> arrived(uint32_t blob);
+  /// Those that have not come, by blob.
+  const std::map<uint32_t, Wish>& open() const noexcept { return open_; }
+
+ private:
+  std::map<uint32_t, Wish> open_;
+  std::map<uint32_t, uint32_t> blob_of_;  ///< by wish
+};
+
+}  // namespace lode::app
