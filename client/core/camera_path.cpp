@@ -1,7 +1,6 @@
 #include "client/core/camera_path.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -12,8 +11,6 @@
 
 namespace lode::core {
 namespace {
-
-constexpr double kFramingMargin = 1.05;  ///< around the model in a framing picture
 
 using Json = nlohmann::json;
 
@@ -129,30 +126,6 @@ CameraPath readCameraPath(const std::filesystem::path& file) {
   if (stream.bad()) throw Error(ErrorCode::kIo, file.string() + ": cannot read the camera path");
   text.resize(static_cast<size_t>(stream.gcount()));
   return parseCameraPath(text, file.string());
-}
-
-CameraPath framingCamera(const glm::dvec3& box_min, const glm::dvec3& box_max) {
-  CameraPath path;
-  const glm::dvec3 centre = (box_min + box_max) / 2.0;
-  const glm::dvec3 half_size = box_min == box_max ? glm::dvec3(1) : (box_max - box_min) / 2.0;
-  const glm::dvec3 towards_eye = glm::normalize(glm::dvec3(0, 0.25, 1));
-  const glm::dvec3 right(1, 0, 0), up = glm::cross(towards_eye, right);
-  // Near enough that every corner of the box still lies inside a square picture.
-  double distance = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 at =
-        half_size * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-    const double across = std::max(std::abs(glm::dot(at, right)), std::abs(glm::dot(at, up)));
-    distance = std::max(distance, glm::dot(at, towards_eye) +
-                                      kFramingMargin * across / std::tan(glm::radians(path.fov_y_deg) / 2));
-  }
-  path.keys.push_back({0, centre + towards_eye * distance, centre, {0, 1, 0}});
-  return path;
-}
-
-CameraPath framingCamera(const ModelSummary& model) {
-  if (model.box.empty()) return framingCamera(model.lattice.origin, model.lattice.origin);
-  return framingCamera(model.lattice.toWorld(model.box.min), model.lattice.toWorld(model.box.max));
 }
 
 CameraKey cameraAt(const CameraPath& path, double t) {

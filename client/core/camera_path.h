@@ -37,10 +37,6 @@ CameraPath parseCameraPath(std::string_view json, std::string_view source);
 /// @throws Error kIo too.
 CameraPath readCameraPath(const std::filesystem::path& file);
 
-/// One key that frames a box given in true coordinates, seen from the front, a little above.
-CameraPath framingCamera(const glm::dvec3& box_min, const glm::dvec3& box_max);
-CameraPath framingCamera(const ModelSummary& model);
-
 /// The camera at a time; before the first key and after the last it stands still. At a key's t it is the key.
 /// Eye and target move by Catmull-Rom splines in t, up is interpolated linearly.
 /// Source: Catmull & Rom, A Class of Local Interpolating Splines, 1974 (non-uniform, finite differences).

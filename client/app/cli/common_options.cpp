@@ -120,8 +120,12 @@ void addServerOptions(CLI::App& command, CommonOptions& options, const char* tar
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
   addServerOptions(command, options, "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store or a PLY");
-  command.add_option("--camera", options.camera_file, "camera path (default: one that frames the model)")
-      ->type_name("PATH.json");
+  auto* camera =
+      command.add_option("--camera", options.camera_file, "camera path (default: one that frames the model)")
+          ->type_name("PATH.json");
+  command.add_option("--up", options.up_text, "the model's axis that is up (default: guessed, y or z)")
+      ->type_name("y|z|x|-y|-z|-x")
+      ->excludes(camera);
   command.add_option("--size", options.size_text, "size of the picture")
       ->type_name("WxH")
       ->capture_default_str();

@@ -6,6 +6,8 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "client/core/framing.h"
+
 namespace lode::app {
 namespace {
 
@@ -82,7 +84,9 @@ core::CameraPath walk(const core::CameraKey& first, const glm::dvec3& half, Dice
 core::CameraPath makePath(MadePath kind, const ModelSummary& model, uint64_t seed) {
   Dice dice(seed);
   const core::CameraPath framing = core::framingCamera(model);
-  const core::CameraKey& first = framing.keys.front();
+  core::CameraKey first = framing.keys.front();
+  if (!model.box.empty())  // the framing camera looks a little past the middle, to fill its picture
+    first.target = (model.lattice.toWorld(model.box.min) + model.lattice.toWorld(model.box.max)) / 2.0;
   const glm::dvec3 half = model.box.empty()
                               ? glm::dvec3(1)
                               : model.lattice.step * glm::dvec3(model.box.max - model.box.min) / 2.0;

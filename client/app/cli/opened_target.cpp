@@ -1,6 +1,8 @@
 #include "client/app/cli/opened_target.h"
 
+#include "client/app/cli/first_camera.h"
 #include "client/app/cli/target.h"
+#include "client/core/framing.h"
 
 namespace lode::app {
 std::optional<core::CameraPath> wantedPath(const CommonOptions& options) {
@@ -11,11 +13,14 @@ std::optional<core::CameraPath> wantedPath(const CommonOptions& options) {
 OpenedTarget::OpenedTarget(const CommonOptions& options, const stream::StreamOptions& stream_options,
                            bool announce)
     : wanted_path_(wantedPath(options)),
+      framing_(wantedFraming(options)),
       target_(resolveTarget(parseTarget(options.target), stream_options, announce)),
       start_(Clock::now()),
       streamer_(target_.served, target_.options),
       model_(openModel(streamer_, target_, options.timeout())),
-      path_(wanted_path_ ? *wanted_path_ : core::framingCamera(model_)) {}
+      path_(wanted_path_ ? *wanted_path_
+                         : core::framingCamera(
+                               model_, frameCoarsely(framing_, streamer_, model_, options.timeout()))) {}
 
 core::View OpenedTarget::viewAt(double t, const PictureSize& size) const {
   return core::toView(core::cameraAt(path_, t), path_.fov_y_deg, size.width_px, size.height_px, model_);

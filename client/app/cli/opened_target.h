@@ -6,6 +6,7 @@
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
 #include "client/core/camera_path.h"
+#include "client/core/framing.h"
 #include "client/stream/streamer.h"
 
 namespace lode::app {
@@ -32,6 +33,7 @@ class OpenedTarget {
 
  private:
   std::optional<core::CameraPath> wanted_path_;
+  core::Framing framing_;
   ResolvedTarget target_;
   Clock::time_point start_;
   stream::Streamer streamer_;

@@ -1,6 +1,8 @@
 #include "client/app/window/camera_rig.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 namespace lode::app {
 namespace {
@@ -24,28 +26,41 @@ double sizeOf(const ModelSummary& model) {
 
 }  // namespace
 
-CameraRig::CameraRig(const core::CameraPath& path, const ModelSummary& model, uint32_t width_px,
-                     uint32_t height_px)
-    : start_(core::toView(path.keys.front(), path.fov_y_deg, width_px, height_px, model)),
-      view_(start_),
-      start_distance_model_(glm::distance(path.keys.front().eye, path.keys.front().target)),
-      model_size_(sizeOf(model)),
-      axis_(nearestAxis(path.keys.front().up)),
-      orbit_(start_, std::max(start_distance_model_, model.lattice.step), axis_),
-      fly_(start_, model_size_ / kCrossingSeconds, axis_) {}
+CameraRig::CameraRig(const ModelSummary& model, core::Framing framing,
+                     const std::optional<core::CameraPath>& path, uint32_t width_px, uint32_t height_px)
+    : model_(model), framing_(std::move(framing)), model_size_(sizeOf(model)) {
+  resize(width_px, height_px);
+  startAt(path ? *path : core::framingCamera(model, framing_));
+}
+
+void CameraRig::startAt(const core::CameraPath& path) {
+  const core::CameraKey& key = path.keys.front();
+  start_ = core::toView(key, path.fov_y_deg, view_.width_px, view_.height_px, model_);
+  start_distance_model_ = std::max(glm::distance(key.eye, key.target), model_.lattice.step);
+  up_ = nearestAxis(key.up);
+  view_ = start_;
+  restart(start_, start_distance_model_);
+}
 
 /// Both cameras go on from a view; the orbit turns about what lies so far ahead.
 void CameraRig::restart(const core::View& from, double distance_model) {
-  orbit_ = render::OrbitCamera(from, distance_model, axis_);
-  fly_ = render::FlyCamera(from, model_size_ / kCrossingSeconds, axis_);
+  orbit_ = render::OrbitCamera(from, distance_model, up_);
+  fly_ = render::FlyCamera(from, model_size_ / kCrossingSeconds, up_);
+}
+
+/// The model stands on another side, and is framed anew.
+void CameraRig::turnUp() {
+  constexpr std::array<glm::dvec3, 6> kTurns{glm::dvec3{0, 1, 0}, {0, 0, 1},  {1, 0, 0},
+                                             {0, -1, 0},          {0, 0, -1}, {-1, 0, 0}};
+  const auto now = std::ranges::find(kTurns, up_);
+  framing_.up = kTurns[static_cast<size_t>(now - kTurns.begin() + 1) % kTurns.size()];
+  framing_.aspect = static_cast<double>(view_.width_px) / std::max(1u, view_.height_px);
+  startAt(core::framingCamera(model_, framing_));
 }
 
 void CameraRig::apply(const Input& input, double seconds) {
   if (input.reset_camera) restart(start_, start_distance_model_);
-  if (input.next_axis) {
-    axis_ = glm::dvec3(axis_.z, axis_.x, axis_.y);
-    restart(view_, orbit_.distanceModel());
-  }
+  if (input.next_axis) turnUp();
   if (input.toggle_camera) {
     restart(view_, orbit_.distanceModel());
     flying_ = !flying_;

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
+
 #include <glm/glm.hpp>
 
 #include "client/app/window/input.h"
 #include "client/core/camera_path.h"
+#include "client/core/framing.h"
 #include "client/render/cameras.h"
 #include "common/model_summary.h"
 
@@ -13,24 +16,31 @@ namespace lode::app {
 /// that changes.
 class CameraRig {
  public:
-  /// @param path  its first key is where the camera starts.
-  CameraRig(const core::CameraPath& path, const ModelSummary& model, uint32_t width_px, uint32_t height_px);
+  /// @param path  its first key is where the camera starts; nothing: the camera that frames the model.
+  CameraRig(const ModelSummary& model, core::Framing framing, const std::optional<core::CameraPath>& path,
+            uint32_t width_px, uint32_t height_px);
 
   void apply(const Input& input, double seconds);
   void resize(uint32_t width_px, uint32_t height_px) noexcept;
 
   const core::View& view() const noexcept { return view_; }
   bool flying() const noexcept { return flying_; }
+  const glm::dvec3& up() const noexcept { return up_; }
 
  private:
+  void startAt(const core::CameraPath& path);
   void restart(const core::View& from, double distance_model);
+  void turnUp();
 
+  const ModelSummary& model_;
+  core::Framing framing_;
+  double model_size_;
   core::View start_, view_;
-  double start_distance_model_, model_size_;
-  glm::dvec3 axis_;
+  double start_distance_model_ = 0;
+  glm::dvec3 up_{0, 1, 0};
   bool flying_ = false;
-  render::OrbitCamera orbit_;
-  render::FlyCamera fly_;
+  render::OrbitCamera orbit_{core::View{}, 1, {0, 1, 0}};
+  render::FlyCamera fly_{core::View{}, 1, {0, 1, 0}};
 };
 
 }  // namespace lode::app

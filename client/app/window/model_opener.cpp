@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "client/app/cli/child_server.h"
+#include "client/app/cli/first_camera.h"
 
 namespace lode::app {
 namespace {
@@ -18,8 +19,12 @@ std::string firstPhase(const Target& target) {
 
 }  // namespace
 
-ModelOpener::ModelOpener(Target target, stream::StreamOptions options, std::chrono::milliseconds timeout)
-    : target_(std::move(target)), options_(std::move(options)), timeout_(timeout) {
+ModelOpener::ModelOpener(Target target, stream::StreamOptions options, core::Framing framing,
+                         std::chrono::milliseconds timeout)
+    : target_(std::move(target)),
+      options_(std::move(options)),
+      framing_(std::move(framing)),
+      timeout_(timeout) {
   progress_.phase = firstPhase(target_);
   thread_ = std::thread([this] { run(); });
 }
@@ -49,10 +54,12 @@ void ModelOpener::run() {
     say("Connecting to " + net::toString(resolved.served.address));
     stream::Streamer streamer(resolved.served, resolved.options);
     const ModelSummary& model = openModel(streamer, resolved, timeout_, stopping_.get_token());
+    const core::Framing framing = frameCoarsely(framing_, streamer, model, timeout_, stopping_.get_token());
     std::unique_lock lock(mutex_);
     progress_.phase.clear();
     progress_.streamer = &streamer;
     progress_.model = &model;
+    progress_.framing = framing;
     stop_.wait(lock, [this] { return stopping_.stop_requested(); });
     progress_ = {};
   } catch (const Error& error) {

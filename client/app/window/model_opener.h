@@ -10,6 +10,7 @@
 
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/target.h"
+#include "client/core/framing.h"
 #include "client/stream/streamer.h"
 #include "common/error.h"
 #include "common/model_summary.h"
@@ -20,7 +21,9 @@ namespace lode::app {
 /// thread lives as long as this object, since a child process ends with the thread that started it.
 class ModelOpener {
  public:
-  ModelOpener(Target target, stream::StreamOptions options, std::chrono::milliseconds timeout);
+  /// @param framing  completed by the coarsest mesh, so that a first camera can be made of it.
+  ModelOpener(Target target, stream::StreamOptions options, core::Framing framing,
+              std::chrono::milliseconds timeout);
   ~ModelOpener();
   ModelOpener(const ModelOpener&) = delete;
   ModelOpener& operator=(const ModelOpener&) = delete;
@@ -29,6 +32,7 @@ class ModelOpener {
     std::string phase;                     ///< what is being done
     stream::Streamer* streamer = nullptr;  ///< once the model is open; lives as long as the opener
     const ModelSummary* model = nullptr;
+    core::Framing framing;
     std::optional<Error> error;
   };
   Progress progress() const;
@@ -39,6 +43,7 @@ class ModelOpener {
 
   const Target target_;
   const stream::StreamOptions options_;
+  const core::Framing framing_;
   const std::chrono::milliseconds timeout_;
   mutable std::mutex mutex_;
   std::condition_variable stop_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "client/app/cli/first_camera.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
 #include "client/core/camera_path.h"
@@ -48,13 +49,14 @@ Viewer::Viewer(const ViewOptions& options)
     : options_(options),
       named_(parseTarget(options.common.target)),
       threshold_px_(options.common.pixels),
-      path_(wantedPath(options.common)),
+      wanted_path_(wantedPath(options.common)),
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle(), window_.contentScale()),
       renderer_(1, render::shareMemory(options.common.streamOptions().memory_budget_bytes).gpu),
       control_(options.fps),
-      opener_(named_, streamOptions(options.common), options.common.timeout()) {
+      opener_(named_, streamOptions(options.common), wantedFraming(options.common),
+              options.common.timeout()) {
   content_.title = options.common.target;
 }
 
@@ -115,9 +117,10 @@ void Viewer::openWhenReady() {
   content_.waited_s = secondsSince(started_);
   if (progress.streamer == nullptr) return;
   const ModelSummary& model = *progress.model;
-  if (!path_) path_ = core::framingCamera(model);
   renderer_.setLatticeStep(model.lattice.step);
-  rig_.emplace(*path_, model, window_.widthPx(), window_.heightPx());
+  core::Framing framing = progress.framing;
+  framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
+  rig_.emplace(model, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   streamer_ = progress.streamer;
   content_.title = model.name;
   content_.model_triangles = model.triangles;

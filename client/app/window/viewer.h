@@ -55,7 +55,7 @@ class Viewer {
   const Target named_;
   float threshold_px_;  ///< while the camera rests,
   float asked_px_ = 1;  ///< and of the next cut
-  std::optional<core::CameraPath> path_;
+  const std::optional<core::CameraPath> wanted_path_;
   GlfwWindow window_;
   Panel panel_;
   render::Renderer renderer_;

@@ -13,6 +13,7 @@
 
 #include "client/app/cli/cut_mesh.h"
 #include "client/core/camera_path.h"
+#include "client/core/framing.h"
 #include "client/stream/streamer.h"
 #include "tests/integration/programs/programs.h"
 #include "tests/support/synthetic_store.h"

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "client/core/camera_path.h"
+#include "client/core/framing.h"
 #include "client/stream/streamer.h"
 #include "server/serve/server.h"
 #include "tests/support/synthetic_store.h"

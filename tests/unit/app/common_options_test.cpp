@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "client/app/cli/first_camera.h"
 #include "client/core/camera_path.h"
 #include "common/error.h"
 #include "proto/limits.h"
@@ -74,6 +75,17 @@ TEST(CommonOptions, takeTheTokenFromAFileWithoutItsLineEnds) {
   EXPECT_THROW(options.streamOptions(), Error);
   std::remove(file.c_str());
   EXPECT_THROW(options.streamOptions(), Error);
+}
+
+TEST(CommonOptions, sayWhatTheFirstCameraFrames) {
+  CommonOptions options;
+  options.size_text = "800x400";
+  EXPECT_EQ(wantedFraming(options).aspect, 2);
+  EXPECT_FALSE(wantedFraming(options).up);
+  options.up_text = "-z";
+  EXPECT_EQ(wantedFraming(options).up, glm::dvec3(0, 0, -1));
+  options.up_text = "north";
+  EXPECT_THROW(wantedFraming(options), Error);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/core/framing.h"
+
 namespace lode::app {
 namespace {
 
