@@ -74,13 +74,23 @@ struct Fit {
   double across, out;
 };
 
+/// What is looked at: points of it, an error by which it may lie elsewhere, and points that are around it.
+struct Shape {
+  std::vector<glm::dvec3> points;
+  double error;
+  std::vector<glm::dvec3> box;
+
+  Reach along(const glm::dvec3& direction) const {
+    const Reach near = reachAlong(points, direction), most = reachAlong(box, direction);
+    const double more = error * glm::length(direction);
+    return {std::max(near.low - more, most.low), std::min(near.high + more, most.high)};
+  }
+};
+
 /// @param slope  half the picture's size at distance 1.
-/// @param error  by which a point may lie elsewhere.
-Fit fit(const std::vector<glm::dvec3>& points, const glm::dvec3& side, const glm::dvec3& to_eye, double slope,
-        double error) {
-  const Reach reach{reachAlong(points, side - slope * to_eye).low,
-                    reachAlong(points, side + slope * to_eye).high};
-  return {reach.middle(), reach.size() / (2 * slope) + error * std::hypot(1, slope) / slope};
+Fit fit(const Shape& shape, const glm::dvec3& side, const glm::dvec3& to_eye, double slope) {
+  const Reach reach{shape.along(side - slope * to_eye).low, shape.along(side + slope * to_eye).high};
+  return {reach.middle(), reach.size() / (2 * slope)};
 }
 
 /// Where the eye is along a side's normal so that points lie as far from both sides of the picture, `out`
@@ -104,22 +114,22 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   constexpr glm::dvec3 kY(0, 1, 0);
   const Mesh* const mesh = framing.coarse.get();
   const glm::dvec3 up = framing.up.value_or(mesh != nullptr ? guessUp(*mesh) : kY);
-  std::vector<glm::dvec3> points = pointsOf(model, mesh);
-  const glm::dvec3 centre = points.front();  // far from the origin, sums of what follows would lose digits
-  for (glm::dvec3& point : points) point -= centre;
+  Shape shape{pointsOf(model, mesh), mesh != nullptr ? model.max_error_model : 0, pointsOf(model, nullptr)};
+  const glm::dvec3 centre = shape.box.front();  // far from the origin, sums of what follows would lose digits
+  for (auto* points : {&shape.points, &shape.box})
+    for (glm::dvec3& point : *points) point -= centre;
 
-  const double error = mesh != nullptr ? model.max_error_model : 0;
   CameraPath path;
-  const glm::dvec3 to_eye = directionToEye(points, standOf(up));
+  const glm::dvec3 to_eye = directionToEye(shape.points, standOf(up));
   const glm::dvec3 right = glm::normalize(glm::cross(up, to_eye)), above = glm::cross(to_eye, right);
   const double slope = std::tan(glm::radians(path.fov_y_deg) / 2) / kMargin;
-  const Fit horizontal = fit(points, right, to_eye, slope * framing.aspect, error);
-  const Fit vertical = fit(points, above, to_eye, slope, error);
-  const Reach depth = reachAlong(points, to_eye);
+  const Fit horizontal = fit(shape, right, to_eye, slope * framing.aspect);
+  const Fit vertical = fit(shape, above, to_eye, slope);
+  const Reach depth = reachAlong(shape.points, to_eye);
   double out = std::max(horizontal.out, vertical.out);
   if (!(out > depth.high)) out = depth.high + 1;  // a point, or all in a line with the eye
-  const glm::dvec3 aside = centre + centred(points, right, to_eye, horizontal.across, out) * right +
-                           centred(points, above, to_eye, vertical.across, out) * above;
+  const glm::dvec3 aside = centre + centred(shape.points, right, to_eye, horizontal.across, out) * right +
+                           centred(shape.points, above, to_eye, vertical.across, out) * above;
   path.keys.push_back({0, aside + out * to_eye, aside + depth.middle() * to_eye, up});
   return path;
 }

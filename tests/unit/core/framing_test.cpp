@@ -75,13 +75,26 @@ TEST(Framing, fillsThePictureWithTheMeshWhereThatIsSmallerThanItsBox) {
 }
 
 TEST(Framing, leavesRoomForWhatACoarseMeshHasLost) {
-  const auto mesh = std::make_shared<Mesh>(test::makeSphere(24, 12));
-  ModelSummary model = modelOf(test::boxOf(*mesh));
+  const auto mesh =
+      std::make_shared<Mesh>(test::makeSphere(24, 12, {.attributes = {}, .origin = glm::uvec3(2000)}));
+  LatticeBox box = test::boxOf(*mesh);
+  box.add(glm::uvec3(0));
+  box.add(box.max + 2000u);
+  ModelSummary model = modelOf(box);
   const CameraKey exact = framingCamera(model, {.coarse = mesh}).keys[0];
   model.max_error_model = 0.5;
   const CameraKey lossy = framingCamera(model, {.coarse = mesh}).keys[0];
   const double half_angle = glm::radians(45.0 / 2);
   EXPECT_GE(glm::distance(lossy.eye, exact.eye), 0.5 / std::sin(half_angle) * 0.999);
+}
+
+TEST(Framing, leavesRoomForNothingOutsideTheBox) {
+  const auto mesh = std::make_shared<Mesh>(test::makeSphere(24, 12));
+  ModelSummary model = modelOf(test::boxOf(*mesh));
+  const CameraKey of_box = framingCamera(model).keys[0];
+  model.max_error_model = 1e6;
+  const CameraKey lossy = framingCamera(model, {.coarse = mesh}).keys[0];
+  EXPECT_LE(glm::distance(lossy.eye, lossy.target), 1.001 * glm::distance(of_box.eye, of_box.target));
 }
 
 TEST(Framing, looksAtThreeQuartersFromAboveWhicheverAxisIsUp) {
