@@ -192,7 +192,7 @@ void MeshResidency::finish() {
     const auto vertices = static_cast<uint32_t>(part.mesh->positions.size());
     drawn_.push_back({entry.block.page, base, (base + vertices) * (vertex_bytes / 4),
                       static_cast<uint32_t>(part.mesh->triangles.size() * 3), entry.box,
-                      part.mesh->attributes, part.node, part.rung});
+                      part.mesh->attributes, part.node, part.rung, part.error_px});
   }
   trimTo(options_.spare_bytes);
 }

@@ -36,6 +36,7 @@ struct DrawItem {
   AttributeSet attributes;
   NodeKey node;
   uint32_t rung = 0;
+  float error_px = 0;  ///< when the cut was made
 };
 
 /// Which meshes are on the GPU. A cut is drawn when all of it is there, and until then the one before it:

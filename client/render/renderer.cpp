@@ -5,6 +5,7 @@
 
 #include "client/render/eye.h"
 #include "client/render/gpu_vertex.h"
+#include "client/render/light.h"
 #include "client/render/shader_program.h"
 #include "client/render/shaders.h"
 
@@ -18,39 +19,35 @@ enum MeshUniform : GLint {
   kViewRotation,
   kProjection,
   kUvFrame,
-  kTextureCount
+  kTextureCount,
+  kToSun,
+  kUp,
+  kExposure,
+  kDimming,
+  kAreLines
 };
 enum BackgroundUniform : GLint { kBottom, kTop };
-enum Attribute : GLuint { kPositionCode, kNormal, kColour, kDrawFlags, kTextureCode };
+enum Attribute : GLuint { kPositionCode, kNormal, kColour, kDrawState, kTextureCode };
 enum Binding : GLuint { kVertices, kDraws };
 
-GlVertexArray makeMeshArray(const GlBuffer& flags) {
+GlVertexArray makeMeshArray(const GlBuffer& states) {
   GlVertexArray array = GlVertexArray::create();
   const GLuint name = array.get();
-  for (const GLuint attribute : {kPositionCode, kNormal, kColour, kDrawFlags, kTextureCode}) {
+  for (const GLuint attribute : {kPositionCode, kNormal, kColour, kDrawState, kTextureCode}) {
     if (attribute != kTextureCode) glEnableVertexArrayAttrib(name, attribute);
-    glVertexArrayAttribBinding(name, attribute, attribute == kDrawFlags ? kDraws : kVertices);
+    glVertexArrayAttribBinding(name, attribute, attribute == kDrawState ? kDraws : kVertices);
   }
   glVertexArrayAttribIFormat(name, kPositionCode, 2, GL_UNSIGNED_INT, offsetof(GpuVertex, position_low));
   glVertexArrayAttribFormat(name, kNormal, 4, GL_INT_2_10_10_10_REV, GL_TRUE, offsetof(GpuVertex, normal));
   glVertexArrayAttribFormat(name, kColour, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(GpuVertex, colour));
   glVertexArrayAttribIFormat(name, kTextureCode, 3, GL_UNSIGNED_SHORT, offsetof(GpuTexturedVertex, texture));
-  glVertexArrayAttribIFormat(name, kDrawFlags, 1, GL_UNSIGNED_INT, 0);
+  glVertexArrayAttribIFormat(name, kDrawState, 2, GL_UNSIGNED_INT, 0);
   glVertexArrayBindingDivisor(name, kDraws, 1);
-  glVertexArrayVertexBuffer(name, kDraws, flags.get(), 0, sizeof(uint32_t));
+  glVertexArrayVertexBuffer(name, kDraws, states.get(), 0, 2 * sizeof(uint32_t));
   return array;
 }
 
-uint32_t flagsOf(const DrawItem& item, const DrawStyle& style, bool has_textures) {
-  uint32_t flags = style.lod_colours ? kDrawLodColour : 0;
-  if (hasNormals(item.attributes)) flags |= kDrawHasNormals;
-  if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
-  if (has_textures && item.attributes.has(AttributeSet::kTexture)) flags |= kDrawTextured;
-  const auto hash = static_cast<uint32_t>(item.node.value * 0x9e3779b97f4a7c15ull >> 56);
-  return flags | static_cast<uint32_t>(item.node.depth()) << 8 | std::min(item.rung, 255u) << 16 | hash << 24;
-}
-
-void setFrameState(const DrawStyle& style) {
+void setFrameState() {
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glEnable(GL_MULTISAMPLE);
@@ -60,7 +57,7 @@ void setFrameState(const DrawStyle& style) {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_GREATER);  // reversed: near is 1, far is 0
-  glPolygonMode(GL_FRONT_AND_BACK, style.wireframe ? GL_LINE : GL_FILL);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
 }  // namespace
@@ -69,13 +66,13 @@ Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
     : lattice_step_(lattice_step),
       meshes_(options),
       textures_(options.texture_budget_bytes, options.texture_staging_bytes),
-      plain_program_(linkProgram(kMeshVertexShader, kMeshFragmentShader)),
-      textured_program_(linkProgram(kMeshVertexShader, kMeshFragmentShader, "TEXTURED")),
-      background_program_(linkProgram(kBackgroundVertexShader, kBackgroundFragmentShader)),
+      plain_program_(linkProgram(kMeshVertexShader, {kLightShader, kMeshFragmentShader})),
+      textured_program_(linkProgram(kMeshVertexShader, {kLightShader, kMeshFragmentShader}, "TEXTURED")),
+      background_program_(linkProgram(kBackgroundVertexShader, {kBackgroundFragmentShader})),
       empty_array_(GlVertexArray::create()),
       commands_buffer_(GlBuffer::create()),
-      flags_buffer_(GlBuffer::create()) {
-  mesh_array_ = makeMeshArray(flags_buffer_);
+      states_buffer_(GlBuffer::create()) {
+  mesh_array_ = makeMeshArray(states_buffer_);
 }
 
 void Renderer::show(const std::shared_ptr<const core::Cut>& cut) {
@@ -100,7 +97,6 @@ void Renderer::drawBackground(const DrawStyle& style) const {
   const GLfloat far_depth = 0;
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
   glDisable(GL_DEPTH_TEST);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glUseProgram(background_program_.get());
   glUniform3fv(kBottom, 1, &style.background_bottom_srgb.x);
   glUniform3fv(kTop, 1, &style.background_top_srgb.x);
@@ -108,18 +104,29 @@ void Renderer::drawBackground(const DrawStyle& style) const {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+Renderer::DrawState Renderer::stateOf(const DrawItem& item, const DrawStyle& style) const {
+  uint32_t flags = hasNormals(item.attributes) ? kDrawHasNormals : 0;
+  if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
+  if (textures_.set() != nullptr && item.attributes.has(AttributeSet::kTexture)) flags |= kDrawTextured;
+  if (style.show == Show::kUnlit) flags |= kDrawUnlit;
+  if (style.show == Show::kNormals) flags |= kDrawNormals;
+  if (!coloursParts(style.show)) return {flags, glm::u8vec4(255)};
+  const glm::u8vec3 colour = colourOf(style.show, item, meshes_.drawnCut()->threshold_px);
+  return {flags | kDrawTinted, glm::u8vec4(colour, 255)};
+}
+
 /// Sorts what is in the picture by page.
 DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
   DrawCounts counts;
   commands_.resize(meshes_.pages().pageCount());
   for (auto& page : commands_) page.clear();
-  flags_.clear();
+  states_.clear();
   for (const DrawItem& item : meshes_.drawn()) {
     if (!core::boxMayBeVisible(core::toModelBox(item.box, lattice_step_), view)) continue;
     commands_[item.page].push_back({item.index_count, 1, item.first_index,
                                     static_cast<int32_t>(item.base_vertex),
-                                    static_cast<uint32_t>(flags_.size())});
-    flags_.push_back(flagsOf(item, style, textures_.set() != nullptr));
+                                    static_cast<uint32_t>(states_.size())});
+    states_.push_back(stateOf(item, style));
     counts.triangles += item.index_count / 3;
     ++counts.nodes;
   }
@@ -136,16 +143,37 @@ void Renderer::setTextures() const {
   textures_.bind();
 }
 
-uint32_t Renderer::drawPages() const {
+void Renderer::setCamera(const core::View& view, const DrawStyle& style) const {
+  const SplitEye eye = splitEye(view.eye_model, lattice_step_);
+  const glm::mat3 rotation = viewRotation(view);
+  const Projection projection = reversedProjection(view, lattice_step_);
+  glUniform3iv(kEyeHigh, 1, &eye.high.x);
+  glUniform3fv(kEyeLow, 1, &eye.low.x);
+  glUniform1f(kLatticeStep, static_cast<float>(lattice_step_));
+  glUniformMatrix3fv(kViewRotation, 1, GL_FALSE, &rotation[0][0]);
+  glUniform3f(kProjection, projection.scale.x, projection.scale.y, projection.near_model);
+  const Light light = lightFor(view, style.up == glm::dvec3(0) ? view.up : style.up);
+  glUniform3fv(kToSun, 1, &light.to_sun.x);
+  glUniform3fv(kUp, 1, &light.up.x);
+  glUniform1f(kExposure, style.exposure);
+  glUniform1f(kDimming, 1);
+  glUniform1i(kAreLines, GL_FALSE);
+}
+
+/// Gives the GPU what collect() has found.
+void Renderer::bindDraws() const {
   std::vector<DrawCommand> all;
-  all.reserve(flags_.size());
+  all.reserve(states_.size());
   for (const auto& page : commands_) all.insert(all.end(), page.begin(), page.end());
   glNamedBufferData(commands_buffer_.get(), static_cast<GLsizeiptr>(all.size() * sizeof(DrawCommand)),
                     all.data(), GL_STREAM_DRAW);
-  glNamedBufferData(flags_buffer_.get(), static_cast<GLsizeiptr>(flags_.size() * sizeof(uint32_t)),
-                    flags_.data(), GL_STREAM_DRAW);
+  glNamedBufferData(states_buffer_.get(), static_cast<GLsizeiptr>(states_.size() * sizeof(DrawState)),
+                    states_.data(), GL_STREAM_DRAW);
   glBindVertexArray(mesh_array_.get());
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_buffer_.get());
+}
+
+uint32_t Renderer::drawPages() const {
   const AttributeSet attributes = meshes_.drawn().front().attributes;  // the model's, of all meshes
   const auto stride = static_cast<GLsizei>(vertexBytes(attributes));
   if (attributes.has(AttributeSet::kTexture)) {
@@ -166,37 +194,45 @@ uint32_t Renderer::drawPages() const {
     first += commands_[page].size();
     ++calls;
   }
-  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
-  glBindVertexArray(0);
+  return calls;
+}
+
+/// Lines before dim surfaces, which hide those behind.
+uint32_t Renderer::drawWireframe() const {
+  constexpr float kDimmed = 0.25f;
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(-1, -1);  // away: depth is reversed
+  glUniform1f(kDimming, kDimmed);
+  uint32_t calls = drawPages();
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glUniform1f(kDimming, 1);
+  glUniform1i(kAreLines, GL_TRUE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  calls += drawPages();
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   return calls;
 }
 
 DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style) {
   target.bindForDrawing();
-  setFrameState(style);
+  setFrameState();
   drawBackground(style);
   DrawCounts counts = collect(view, style);
   if (counts.nodes == 0) return counts;
 
-  setFrameState(style);
   glEnable(GL_DEPTH_TEST);
-  const SplitEye eye = splitEye(view.eye_model, lattice_step_);
-  const glm::mat3 rotation = viewRotation(view);
-  const Projection projection = reversedProjection(view, lattice_step_);
   glUseProgram(textures_.set() != nullptr ? textured_program_.get() : plain_program_.get());
-  glUniform3iv(kEyeHigh, 1, &eye.high.x);
-  glUniform3fv(kEyeLow, 1, &eye.low.x);
-  glUniform1f(kLatticeStep, static_cast<float>(lattice_step_));
-  glUniformMatrix3fv(kViewRotation, 1, GL_FALSE, &rotation[0][0]);
-  glUniform3f(kProjection, projection.scale.x, projection.scale.y, projection.near_model);
+  setCamera(view, style);
   setTextures();
+  bindDraws();
   // What an image leaves clear is left out sample by sample, so that nothing has to be sorted.
   glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   glEnable(GL_SAMPLE_ALPHA_TO_ONE);
-  counts.calls = drawPages();
+  counts.calls = style.show == Show::kWireframe ? drawWireframe() : drawPages();
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   glDisable(GL_SAMPLE_ALPHA_TO_ONE);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+  glBindVertexArray(0);
   return counts;
 }
 

@@ -10,15 +10,19 @@
 #include "client/core/view.h"
 #include "client/render/framebuffer.h"
 #include "client/render/mesh_residency.h"
+#include "client/render/shown_colours.h"
 #include "client/render/texture_residency.h"
 
 namespace lode::render {
 
 struct DrawStyle {
-  bool wireframe = false;
-  bool lod_colours = false;                            ///< hue by depth, darker by rung
+  Show show = Show::kSurface;
+  glm::dvec3 up{0};                                    ///< of the model, where its sky is; 0: as the view
+  float exposure = 1;                                  ///< by which the light is multiplied, > 0
   glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< 0..1
   glm::vec3 background_bottom_srgb{0.10f, 0.11f, 0.13f};
+
+  bool operator==(const DrawStyle&) const = default;
 };
 
 struct DrawCounts {
@@ -63,19 +67,28 @@ class Renderer {
     int32_t base_vertex;
     uint32_t base_instance;
   };
+  /// What all triangles of a draw share, as the shaders read it.
+  struct DrawState {
+    uint32_t flags;
+    glm::u8vec4 tint;
+  };
   void drawBackground(const DrawStyle& style) const;
+  DrawState stateOf(const DrawItem& item, const DrawStyle& style) const;
   DrawCounts collect(const core::View& view, const DrawStyle& style);
+  void setCamera(const core::View& view, const DrawStyle& style) const;
   void setTextures() const;
+  void bindDraws() const;
   uint32_t drawPages() const;
+  uint32_t drawWireframe() const;
 
   double lattice_step_;
   MeshResidency meshes_;
   TextureResidency textures_;
   GlProgram plain_program_, textured_program_, background_program_;
   GlVertexArray mesh_array_, empty_array_;
-  GlBuffer commands_buffer_, flags_buffer_;
+  GlBuffer commands_buffer_, states_buffer_;
   std::vector<std::vector<DrawCommand>> commands_;  ///< by page
-  std::vector<uint32_t> flags_;                     ///< by base_instance
+  std::vector<DrawState> states_;                   ///< by base_instance
 };
 
 }  // namespace lode::render

@@ -1,7 +1,7 @@
 #include "client/render/shader_program.h"
 
-#include <array>
 #include <string>
+#include <vector>
 
 #include "common/error.h"
 
@@ -10,10 +10,12 @@ namespace {
 
 std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-void attachShader(GLuint program, GLenum kind, const std::string& head, const char* source) {
+void attachShader(GLuint program, GLenum kind, const std::string& head,
+                  std::initializer_list<const char*> sources) {
   const GLuint shader = glCreateShader(kind);
-  const std::array<const char*, 2> texts{head.c_str(), source};
-  glShaderSource(shader, texts.size(), texts.data(), nullptr);
+  std::vector<const char*> texts{head.c_str()};
+  texts.insert(texts.end(), sources);
+  glShaderSource(shader, static_cast<GLsizei>(texts.size()), texts.data(), nullptr);
   glCompileShader(shader);
   GLint compiled = GL_FALSE;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
@@ -30,12 +32,13 @@ void attachShader(GLuint program, GLenum kind, const std::string& head, const ch
 
 }  // namespace
 
-GlProgram linkProgram(const char* vertex_source, const char* fragment_source, std::string_view definition) {
+GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
+                      std::string_view definition) {
   std::string head = "#version 450 core\n";
   if (!definition.empty()) head += "#define " + std::string(definition) + "\n";
   GlProgram program = GlProgram::create();
-  attachShader(program.get(), GL_VERTEX_SHADER, head, vertex_source);
-  attachShader(program.get(), GL_FRAGMENT_SHADER, head, fragment_source);
+  attachShader(program.get(), GL_VERTEX_SHADER, head, {vertex_source});
+  attachShader(program.get(), GL_FRAGMENT_SHADER, head, fragment_sources);
   glLinkProgram(program.get());
   GLint linked = GL_FALSE;
   glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);

@@ -6,7 +6,7 @@ const char* const kMeshVertexShader = R"glsl(
 layout(location = 0) in uvec2 position_code;
 layout(location = 1) in vec4 normal;
 layout(location = 2) in vec4 colour_srgb;
-layout(location = 3) in uint draw_flags;
+layout(location = 3) in uvec2 draw_state;  // flags, colour of the whole draw
 layout(location = 4) in uvec3 texture_code;  // coordinates, material
 
 layout(location = 0) uniform ivec3 eye_high;
@@ -24,6 +24,7 @@ out vec3 colour;
 out vec2 uv;
 flat out uint material;
 flat out uint flags;
+flat out vec3 tint;
 
 vec3 toLinear(vec3 srgb) {
   return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
@@ -42,7 +43,8 @@ void main() {
   colour = toLinear(colour_srgb.rgb);
   uv = uv_frame.xy + vec2(texture_code.xy) * uv_frame.z;
   material = texture_code.z;
-  flags = draw_flags;
+  flags = draw_state.x;
+  tint = (flags & 4u) != 0u ? toLinear(unpackUnorm4x8(draw_state.y).rgb) : vec3(0.0);
   gl_Position = vec4(projection.xy * position_view.xy, projection.z, -position_view.z);
 }
 )glsl";
@@ -55,7 +57,12 @@ in vec3 colour;
 in vec2 uv;
 flat in uint material;
 flat in uint flags;
+flat in vec3 tint;
 out vec4 pixel;
+
+layout(location = 3) uniform mat3 view_rotation;
+layout(location = 10) uniform float dimming;   // of what lies between the lines of a wireframe
+layout(location = 11) uniform bool are_lines;  // which have no facet
 
 const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
 #ifdef TEXTURED
@@ -134,14 +141,11 @@ vec3 shownNormal(vec3 facet) {
   return normalize(mix(normalize(turned + 1e-4 * facet), mixed, smoothstep(0.25, 0.5, agreement)));
 }
 
-vec3 hueOf(float turn) {
-  return clamp(abs(fract(turn + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
-}
-
 void main() {
   vec3 to_eye = normalize(-position_view);
   vec3 facet = normalize(cross(dFdx(position_view), dFdy(position_view)));
   if (dot(facet, to_eye) < 0.0) facet = -facet;
+  if (are_lines) facet = to_eye;
   vec3 n = facet;
   if ((flags & 1u) != 0u && dot(normal_squares, vec3(1.0)) > 1e-6) n = shownNormal(facet);
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
@@ -153,21 +157,11 @@ void main() {
     coverage = texel.a;
   }
 #endif
-  if ((flags & 4u) != 0u) {
-    float depth = float(flags >> 8 & 0xffu), rung = float(flags >> 16 & 0xffu);
-    float node = float(flags >> 24) / 255.0;
-    albedo = mix(vec3(0.4), hueOf(depth * 0.15 + node * 0.05), 0.7) * (1.0 - 0.1 * min(rung, 5.0) - 0.35 * node);
-  }
-
-  // A key light over the viewer's left shoulder, a weak one from the right, a headlight, and sky and ground.
-  const vec3 key = normalize(vec3(-0.50, 0.65, 0.57));
-  const vec3 fill = normalize(vec3(0.80, 0.05, 0.45));
-  vec3 light = mix(vec3(0.08, 0.075, 0.07), vec3(0.21, 0.235, 0.275), n.y * 0.5 + 0.5);
-  light += vec3(0.86, 0.82, 0.75) * max(dot(n, key), 0.0);
-  light += vec3(0.10, 0.115, 0.15) * max(dot(n, fill), 0.0);
-  light += vec3(0.10) * max(dot(n, to_eye), 0.0);
-  float glint = pow(max(dot(n, normalize(key + to_eye)), 0.0), 40.0);
-  pixel = vec4(albedo * light + 0.06 * glint, coverage);
+  if ((flags & 4u) != 0u) albedo = tint;
+  vec3 seen = toned(lit(albedo, n, to_eye));
+  if ((flags & 16u) != 0u) seen = albedo;
+  if ((flags & 32u) != 0u) seen = pow((n * view_rotation) * 0.5 + 0.5, vec3(2.2));  // in the model's frame
+  pixel = vec4(seen * dimming, coverage);
 }
 )glsl";
 

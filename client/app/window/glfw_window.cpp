@@ -24,8 +24,8 @@ struct GlfwWindow::Callbacks {
   static GlfwWindow& of(GLFWwindow* window) {
     return *static_cast<GlfwWindow*>(glfwGetWindowUserPointer(window));
   }
-  static void key(GLFWwindow* window, int key, int, int action, int) {
-    if (action == GLFW_PRESS) of(window).pressKey(key);
+  static void key(GLFWwindow* window, int key, int, int action, int modifiers) {
+    if (action == GLFW_PRESS) of(window).pressKey(key, (modifiers & GLFW_MOD_SHIFT) != 0);
   }
   static void pointer(GLFWwindow* window, double x, double y) { of(window).moveTo({x, y}); }
   static void wheel(GLFWwindow* window, double, double y) { of(window).pending_.wheel += y; }
@@ -95,7 +95,7 @@ void GlfwWindow::handleEvents(double wait_s) {
   }
 }
 
-void GlfwWindow::pressKey(int key) {
+void GlfwWindow::pressKey(int key, bool is_shifted) {
   switch (key) {
     case GLFW_KEY_TAB:
       pending_.toggle_camera = true;
@@ -109,8 +109,8 @@ void GlfwWindow::pressKey(int key) {
     case GLFW_KEY_F:
       pending_.toggle_wireframe = true;
       break;
-    case GLFW_KEY_L:
-      pending_.toggle_lod_colours = true;
+    case GLFW_KEY_V:
+      pending_.next_show += is_shifted ? -1 : 1;
       break;
     case GLFW_KEY_H:
       pending_.toggle_panel = true;

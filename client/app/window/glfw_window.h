@@ -38,7 +38,7 @@ class GlfwWindow {
 
  private:
   struct Callbacks;
-  void pressKey(int key);
+  void pressKey(int key, bool is_shifted);
   void moveTo(glm::dvec2 position);
   render::FlyKeys heldKeys() const;
 

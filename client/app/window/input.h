@@ -15,14 +15,15 @@ struct Input {
 
   // Keys pressed once.
   bool toggle_camera = false, reset_camera = false, next_axis = false;
-  bool toggle_wireframe = false, toggle_lod_colours = false, toggle_panel = false;
-  int finer = 0;  ///< steps of the threshold, negative for coarser
+  bool toggle_wireframe = false, toggle_panel = false;
+  int next_show = 0;  ///< steps among what can be shown, negative for back
+  int finer = 0;      ///< steps of the threshold, negative for coarser
   bool screenshot = false, quit = false;
 
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || toggle_camera || reset_camera || next_axis ||
-           toggle_wireframe || toggle_lod_colours || toggle_panel || finer != 0 || screenshot || quit;
+           toggle_wireframe || toggle_panel || next_show != 0 || finer != 0 || screenshot || quit;
   }
 };
 

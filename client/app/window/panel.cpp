@@ -65,6 +65,7 @@ void drawFigures(const PanelContent& content) {
   if (content.textured) row("textures", tilesOf(content));
   row("threshold", formatted("%.2f px, error %.2f px", content.threshold_px, content.error_px));
   if (content.target_ms > 0) row("", formatted("coarser for %.0f frames a second", 1000 / content.target_ms));
+  row("view", std::string(content.show));
   row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
   ImGui::EndTable();
   if (content.converged) {
@@ -72,6 +73,19 @@ void drawFigures(const PanelContent& content) {
                        content.error_px <= content.threshold_px ? "converged" : "all the detail there is");
   } else {
     ImGui::TextColored(kWarning, "refining");
+  }
+}
+
+void drawLegend(const PanelContent& content) {
+  ImGui::Separator();
+  for (const render::LegendEntry& entry : content.legend) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float side = ImGui::GetFontSize();
+    ImGui::GetWindowDrawList()->AddRectFilled(
+        at, {at.x + side, at.y + side}, IM_COL32(entry.colour.r, entry.colour.g, entry.colour.b, 255), 2);
+    ImGui::Dummy({side, side});
+    ImGui::SameLine();
+    ImGui::TextUnformatted(entry.meaning.c_str());
   }
 }
 
@@ -102,7 +116,7 @@ void drawHelp(bool flying) {
   ImGui::TextColored(kMuted, "%s", camera);
   ImGui::TextColored(kMuted,
                      "R reset   U up axis   + - threshold\n"
-                     "F wireframe   L levels of detail\n"
+                     "V views   F wireframe\n"
                      "H this panel   F12 screenshot   Esc quit");
 }
 
@@ -147,6 +161,7 @@ void Panel::draw(const PanelContent& content) {
       drawWaiting(content);
     } else if (content.visible) {
       drawFigures(content);
+      if (!content.legend.empty()) drawLegend(content);
     }
     if (!content.message.empty()) {
       ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);

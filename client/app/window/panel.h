@@ -2,6 +2,10 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/render/shown_colours.h"
 
 struct GLFWwindow;
 
@@ -22,7 +26,9 @@ struct PanelContent {
   bool converged = false;
   double frame_ms = 0, upload_ms = 0;
   bool flying = false;
-  std::string message;  ///< a failure, or where a screenshot went
+  std::string_view show;                    ///< what the picture shows,
+  std::vector<render::LegendEntry> legend;  ///< and what its colours mean
+  std::string message;                      ///< a failure, or where a screenshot went
   bool visible = true;
 };
 

@@ -16,6 +16,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/window/look_options.h"
 #include "client/core/camera_path.h"
 #include "client/render/framebuffer.h"
 #include "client/render/image.h"
@@ -34,6 +35,7 @@ constexpr size_t kMaxPictures = 1'000'000;
 
 struct RenderOptions {
   CommonOptions common;
+  LookOptions look;
   std::string output;  ///< one picture, of the first key
   std::string folder;  ///< or one for each frame
   double fps = 30;
@@ -81,8 +83,15 @@ struct Shown {
   };
   size_t pictures = 0;
   float max_error_px = 0;
+  std::vector<render::LegendEntry> legend;  ///< of the last
   std::optional<Unconverged> first_unconverged;
 };
+
+std::string hexOf(const glm::u8vec3& colour) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", colour.r, colour.g, colour.b);
+  return text;
+}
 
 void printJson(const Shown& shown) {
   using Json = nlohmann::ordered_json;
@@ -90,7 +99,14 @@ void printJson(const Shown& shown) {
   json["converged"] = !shown.first_unconverged;
   json["pictures"] = shown.pictures;
   json["max_error_px"] = shown.pictures > 0 ? Json(shown.max_error_px) : Json();
+  for (const render::LegendEntry& entry : shown.legend)
+    json["legend"].push_back({{"colour", hexOf(entry.colour)}, {"meaning", entry.meaning}});
   std::printf("%s\n", json.dump().c_str());
+}
+
+void printLegend(const Shown& shown) {
+  for (const render::LegendEntry& entry : shown.legend)
+    std::printf("%s  %s\n", hexOf(entry.colour).c_str(), entry.meaning.c_str());
 }
 
 void render(const RenderOptions& options) {
@@ -125,13 +141,19 @@ void render(const RenderOptions& options) {
                                          " needs more graphics memory than there is; allow a larger error "
                                          "with --pixels");
     }
-    renderer.draw(view, target);
+    render::DrawStyle style = styleOf(options.look);
+    style.up = core::cameraAt(opened.path(), shot.t).up;
+    renderer.draw(view, target, style);
+    shown.legend = legendOf(style.show, renderer.meshes().drawn(), options.common.pixels);
     target.resolve();
     render::writePng(shot.file, target.readPixels());
     ++shown.pictures;
     shown.max_error_px = std::max(shown.max_error_px, status.cut->max_error_px);
   }
-  if (options.json) printJson(shown);
+  if (options.json)
+    printJson(shown);
+  else
+    printLegend(shown);
   if (shown.first_unconverged) {
     refuseUnconverged("the picture at t = " + std::to_string(shown.first_unconverged->t),
                       shown.first_unconverged->status, options.common);
@@ -156,6 +178,7 @@ void declareRender(CLI::App& program, int& /*exit_status*/) {
       ->check(CLI::Range(0.001, 1000.0))
       ->needs(frames)
       ->capture_default_str();
+  addLookOptions(*command, options->look);
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { render(*options); });
 }

@@ -22,6 +22,7 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
                    "frames a second while the camera moves, held by a coarser threshold; --pixels fixes it")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
+  addLookOptions(*command, options->look);
   const CLI::Option* const pixels = command->get_option("--pixels");
   command->callback([options, pixels] {
     options->is_threshold_fixed = pixels->count() > 0;

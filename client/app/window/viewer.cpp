@@ -58,6 +58,8 @@ Viewer::Viewer(const ViewOptions& options)
       opener_(named_, streamOptions(options.common), wantedFraming(options.common),
               options.common.timeout()) {
   content_.title = options.common.target;
+  style_ = styleOf(options.look);
+  filled_ = style_.show == render::Show::kWireframe ? render::Show::kSurface : style_.show;
 }
 
 void Viewer::run() {
@@ -99,14 +101,24 @@ void Viewer::frame() {
 
 void Viewer::obey(const Input& input) {
   if (input.quit) done_ = true;
-  if (input.toggle_wireframe) style_.wireframe = !style_.wireframe;
-  if (input.toggle_lod_colours) style_.lod_colours = !style_.lod_colours;
+  if (input.toggle_wireframe) toggleWireframe();
+  if (input.next_show != 0) {
+    const int next =
+        static_cast<int>(style_.show) + input.next_show % render::kShowCount + render::kShowCount;
+    style_.show = static_cast<render::Show>(next % render::kShowCount);
+  }
   if (input.toggle_panel) content_.visible = !content_.visible;
   if (input.screenshot) picture_wanted_ = true;
   if (input.finer != 0) {
     const float factor = std::pow(kThresholdStep, static_cast<float>(-input.finer));
     threshold_px_ = std::clamp(threshold_px_ * factor, kLeastThresholdPx, kLargestThresholdPx);
   }
+}
+
+void Viewer::toggleWireframe() {
+  const bool is_on = style_.show == render::Show::kWireframe;
+  if (!is_on) filled_ = style_.show;
+  style_.show = is_on ? filled_ : render::Show::kWireframe;
 }
 
 void Viewer::openWhenReady() {
@@ -152,6 +164,7 @@ void Viewer::draw() {
   view.height_px = target_->heightPx();
   const core::Cut* const cut = renderer_.meshes().drawnCut().get();
   timer_.begin(cut != nullptr ? std::max(1.0f, cut->threshold_px / threshold_px_) : 1);
+  if (rig_) style_.up = rig_->up();
   const render::DrawCounts drawn = renderer_.draw(rig_ ? rig_->view() : view, *target_, style_);
   target_->resolve();
   target_->copyTo(0);
@@ -166,6 +179,7 @@ void Viewer::draw() {
 }
 
 void Viewer::describe() {
+  const core::Cut* const cut = renderer_.meshes().drawnCut().get();
   content_.received_bytes = status_.counts.received_bytes;
   content_.resident_bytes = status_.counts.resident_bytes;
   content_.gpu_bytes = renderer_.gpuBytes();
@@ -178,6 +192,8 @@ void Viewer::describe() {
   content_.error_px = status_.cut ? status_.cut->max_error_px : 0;
   content_.converged = settled() && status_.cut->converged;
   content_.flying = rig_ && rig_->flying();
+  content_.show = nameOf(style_.show);
+  content_.legend = legendOf(style_.show, renderer_.meshes().drawn(), cut != nullptr ? cut->threshold_px : 1);
   if (!status_.failure.empty()) {
     content_.message = status_.failure;
   } else if (!status_.trouble.empty()) {

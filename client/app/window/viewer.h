@@ -8,6 +8,7 @@
 #include "client/app/cli/target.h"
 #include "client/app/window/camera_rig.h"
 #include "client/app/window/glfw_window.h"
+#include "client/app/window/look_options.h"
 #include "client/app/window/model_opener.h"
 #include "client/app/window/panel.h"
 #include "client/render/frame_rate_control.h"
@@ -19,6 +20,7 @@ namespace lode::app {
 
 struct ViewOptions {
   CommonOptions common;
+  LookOptions look;
   double fps = 60;
   bool is_threshold_fixed = false;  ///< whatever a frame takes
   std::string screenshot;  ///< if not empty: save the window there once the model has converged, and end
@@ -41,6 +43,7 @@ class Viewer {
   void frame();
   void openWhenReady();
   void obey(const Input& input);
+  void toggleWireframe();
   void controlFrameRate(double seconds);
   void stream();
   void draw();
@@ -68,6 +71,7 @@ class Viewer {
 
   stream::StreamStatus status_;
   render::DrawStyle style_;
+  render::Show filled_;  ///< what F goes back to from the wireframe
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), last_frame_ = started_, noted_ = started_;
   std::string note_;

@@ -1,0 +1,31 @@
+#include "client/app/window/look_options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace lode::app {
+
+void addLookOptions(CLI::App& command, LookOptions& options) {
+  const auto is_known = [](const std::string& name) {
+    return render::showNamed(name) ? std::string() : "'" + name + "' is none of " + render::showNames();
+  };
+  auto* show = command.add_option("--show", options.show, "what to show: " + render::showNames())
+                   ->type_name("NAME")
+                   ->check(is_known)
+                   ->capture_default_str();
+  command
+      .add_flag_callback(
+          "--unlit", [&options] { options.show = nameOf(render::Show::kUnlit); }, "show the paint alone")
+      ->excludes(show);
+  command.add_option("--exposure", options.exposure, "multiply the light by this")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+}
+
+render::DrawStyle styleOf(const LookOptions& options) {
+  render::DrawStyle style;
+  style.show = render::showNamed(options.show).value_or(render::Show::kSurface);
+  style.exposure = options.exposure;
+  return style;
+}
+
+}  // namespace lode::app

@@ -1,0 +1,120 @@
+#include "client/render/shown_colours.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "client/render/mesh_residency.h"
+
+namespace lode::render {
+namespace {
+
+constexpr std::array<std::string_view, kShowCount> kNames{"surface", "unlit",  "wireframe", "normals",
+                                                          "nodes",   "depths", "rungs",     "errors"};
+
+/// Neighbours differ clearly, for people who do not tell red from green too. Source: Okabe & Ito, Color
+/// Universal Design, 2008, lightened; the last four are between them.
+constexpr std::array<glm::u8vec3, 12> kLadder{{{240, 228, 66},
+                                               {230, 159, 0},
+                                               {213, 94, 0},
+                                               {204, 121, 167},
+                                               {120, 94, 200},
+                                               {0, 114, 178},
+                                               {86, 180, 233},
+                                               {0, 158, 115},
+                                               {150, 200, 90},
+                                               {170, 170, 170},
+                                               {130, 90, 60},
+                                               {90, 110, 120}}};
+
+/// Errors up to a part of the threshold each; the last: above it.
+struct ErrorBin {
+  float part;
+  glm::u8vec3 colour;
+};
+constexpr std::array<ErrorBin, 5> kErrorBins{{{0.125f, {49, 104, 190}},
+                                              {0.25f, {70, 170, 200}},
+                                              {0.5f, {110, 190, 90}},
+                                              {1, {235, 200, 60}},
+                                              {0, {220, 50, 40}}}};
+
+size_t errorBin(float error_px, float threshold_px) {
+  size_t bin = 0;
+  while (bin + 1 < kErrorBins.size() && error_px > kErrorBins[bin].part * threshold_px) ++bin;
+  return bin;
+}
+
+glm::u8vec3 ladder(uint32_t step) { return kLadder[step % kLadder.size()]; }
+
+/// Hue and lightness by the key.
+glm::u8vec3 colourOfNode(NodeKey node) {
+  const uint64_t hash = node.value * 0x9e3779b97f4a7c15ull;
+  const double hue = static_cast<double>(hash >> 40) / (1 << 24);
+  const double light = 0.6 + 0.4 * static_cast<double>(hash >> 20 & 0xfffff) / (1 << 20);
+  const glm::dvec3 third(0, 2.0 / 3, 1.0 / 3);
+  const glm::dvec3 pure = glm::clamp(glm::abs(glm::fract(hue + third) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
+  return glm::u8vec3(glm::mix(glm::dvec3(1), pure, 0.55) * light * 255.0);
+}
+
+std::string errorMeaning(size_t bin, float threshold_px) {
+  char text[32];
+  const bool is_last = bin + 1 == kErrorBins.size();
+  std::snprintf(text, sizeof text, is_last ? "above %.3g px" : "up to %.3g px",
+                static_cast<double>(threshold_px * (is_last ? 1 : kErrorBins[bin].part)));
+  return text;
+}
+
+}  // namespace
+
+std::string_view nameOf(Show show) noexcept { return kNames[static_cast<size_t>(show)]; }
+
+std::optional<Show> showNamed(std::string_view name) noexcept {
+  const auto found = std::ranges::find(kNames, name);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<Show>(found - kNames.begin());
+}
+
+std::string showNames() {
+  std::string names;
+  for (const std::string_view name : kNames) names += (names.empty() ? "" : ", ") + std::string(name);
+  return names;
+}
+
+glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexcept {
+  switch (show) {
+    case Show::kNodes:
+      return colourOfNode(part.node);
+    case Show::kDepths:
+      return ladder(static_cast<uint32_t>(part.node.depth()));
+    case Show::kRungs:
+      return ladder(part.rung);
+    case Show::kErrors:
+      return kErrorBins[errorBin(part.error_px, threshold_px)].colour;
+    default:
+      return glm::u8vec3(255);
+  }
+}
+
+std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px) {
+  if (show == Show::kNormals) return {{{255, 128, 128}, "x"}, {{128, 255, 128}, "y"}, {{128, 128, 255}, "z"}};
+  if (show == Show::kNodes) return {{{200, 200, 200}, "each node in a colour of its own"}};
+  std::vector<LegendEntry> legend;
+  if (show == Show::kErrors) {
+    for (size_t bin = 0; bin < kErrorBins.size(); ++bin)
+      legend.push_back({kErrorBins[bin].colour, errorMeaning(bin, threshold_px)});
+  }
+  if (show == Show::kDepths || show == Show::kRungs) {
+    std::map<uint32_t, glm::u8vec3> steps;
+    for (const DrawItem& part : drawn)
+      steps.emplace(show == Show::kDepths ? static_cast<uint32_t>(part.node.depth()) : part.rung,
+                    colourOf(show, part, threshold_px));
+    for (const auto& [step, colour] : steps)
+      legend.push_back(
+          {colour, std::string(show == Show::kDepths ? "depth " : "rung ") + std::to_string(step)});
+  }
+  return legend;
+}
+
+}  // namespace lode::render

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace lode::render {
+
+struct DrawItem;
+
+/// What a picture shows of a model.
+enum class Show : uint8_t {
+  kSurface,    ///< its paint in the light
+  kUnlit,      ///< its paint alone
+  kWireframe,  ///< triangles, those behind hidden
+  kNormals,    ///< x, y and z as red, green and blue
+  kNodes,
+  kDepths,  ///< of nodes in the octree
+  kRungs,   ///< of nodes
+  kErrors,  ///< projected, when the cut was made
+};
+constexpr int kShowCount = 8;
+
+std::string_view nameOf(Show show) noexcept;
+std::optional<Show> showNamed(std::string_view name) noexcept;
+/// "surface, unlit, ...", for help and errors.
+std::string showNames();
+
+/// Each part is drawn in one colour.
+constexpr bool coloursParts(Show show) noexcept { return show >= Show::kNodes; }
+/// sRGB. @param threshold_px  of the cut, for errors.
+glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexcept;
+
+/// A colour and what it means.
+struct LegendEntry {
+  glm::u8vec3 colour{0};
+  std::string meaning;
+};
+/// Of what is drawn. Empty where a picture explains itself.
+std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px);
+
+}  // namespace lode::render

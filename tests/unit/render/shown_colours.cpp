@@ -1,0 +1,164 @@
+#include "client/render/shown_colours.h"
+
+#include <set>
+
+#include "client/render/light.h"
+#include "gl_fixture.h"
+#include "tests/support/test_meshes.h"
+
+namespace lode::test {
+namespace {
+
+using render::Show;
+
+render::DrawItem partOf(NodeKey node, uint32_t rung = 0, float error_px = 0) {
+  render::DrawItem part;
+  part.node = node;
+  part.rung = rung;
+  part.error_px = error_px;
+  return part;
+}
+
+class Shown : public GlTest {
+ protected:
+  static render::DrawStyle showing(Show show) {
+    render::DrawStyle style = magentaBehind();
+    style.show = show;
+    return style;
+  }
+};
+
+const core::View kBeforeASquare = lookAt({500, 500, 800}, {500, 500, 0});
+
+TEST_F(Shown, unlitIsThePaintAlone) {
+  const Mesh square = squareAt(0, 0, 0, 1000, {200, 100, 30, 255});
+  const render::Image image = drawMeshes({square}, 1, kBeforeASquare, showing(Show::kUnlit));
+  const uint8_t* middle = image.pixel(kWidthPx / 2, kHeightPx / 2);
+  EXPECT_NEAR(middle[0], 200, 1);
+  EXPECT_NEAR(middle[1], 100, 1);
+  EXPECT_NEAR(middle[2], 30, 1);
+}
+
+TEST_F(Shown, normalsAreColoursOfTheModelsAxes) {
+  const Mesh square = squareAt(0, 0, 0, 1000, {255, 255, 255, 255});
+  for (const bool is_front : {true, false}) {
+    const core::View view = is_front ? kBeforeASquare : lookAt({500, 500, -800}, {500, 500, 0});
+    const uint8_t* middle =
+        drawMeshes({square}, 1, view, showing(Show::kNormals)).pixel(kWidthPx / 2, kHeightPx / 2);
+    EXPECT_NEAR(middle[0], 128, 3);
+    EXPECT_NEAR(middle[1], 128, 3);
+    EXPECT_NEAR(middle[2], is_front ? 255 : 0, 3);
+  }
+}
+
+TEST_F(Shown, wireframeHasBrightLinesAroundDimTrianglesThatHideWhatIsBehind) {
+  std::vector<Mesh> meshes{squareAt(0, 0, 500, 1000, {255, 255, 255, 255})};
+  for (uint32_t i = 0; i < 400; ++i)
+    meshes.push_back(squareAt(i % 20 * 50, i / 20 * 50, 0, 50, {255, 255, 255, 255}));
+  const render::Image image =
+      drawMeshes(meshes, 1, lookAt({500, 500, 1300}, {500, 500, 0}), showing(Show::kWireframe));
+  std::set<int> row;  // it crosses the diagonal in its middle
+  for (uint32_t x = kWidthPx / 2 + 10; x < kWidthPx / 2 + 40; ++x)
+    row.insert(image.pixel(x, kHeightPx / 2)[1]);
+  EXPECT_LE(*row.rbegin() - *row.begin(), 3) << "lines of what is behind";
+  int brightest = 0;
+  for (uint32_t x = kWidthPx / 2 - 3; x < kWidthPx / 2 + 3; ++x)
+    brightest = std::max(brightest, int{image.pixel(x, kHeightPx / 2)[1]});
+  EXPECT_GT(brightest, *row.rbegin() + 25) << "the diagonal";
+}
+
+TEST_F(Shown, whiteInTheSunKeepsItsShading) {
+  Mesh sphere = makeSphere(48, 24, {.attributes = {AttributeSet::kNormal}, .bump = 0});
+  sphere.attributes.bits |= AttributeSet::kColour;
+  for (VertexAttributes& attributes : sphere.vertex_attributes) attributes.colour = glm::u8vec4(255);
+  const render::Image image = drawMeshes({sphere}, 1, lookAt({2048, 2048, 9000}, {2048, 2048, 2048}));
+  std::set<int> greens;
+  for (uint32_t y = 0; y < image.height_px; ++y)
+    for (uint32_t x = 0; x < image.width_px; ++x)
+      if (!showsMagenta(image.pixel(x, y))) greens.insert(image.pixel(x, y)[1]);
+  EXPECT_LT(*greens.rbegin(), 255);
+  EXPECT_GT(greens.size(), 60u);
+}
+
+TEST_F(Shown, exposureMultipliesWhatIsDark) {
+  const Mesh square = squareAt(0, 0, 0, 1000, {40, 40, 40, 255});
+  const auto brightness = [&](float exposure) {
+    render::DrawStyle style = magentaBehind();
+    style.exposure = exposure;
+    return int{drawMeshes({square}, 1, kBeforeASquare, style).pixel(kWidthPx / 2, kHeightPx / 2)[1]};
+  };
+  EXPECT_GT(brightness(4), 1.6 * brightness(1));  // sRGB of four times the light
+}
+
+TEST_F(Shown, partsHaveTheColoursOfTheirLegend) {
+  const Mesh square = squareAt(0, 0, 0, 1000, {255, 0, 0, 255});
+  const auto drawn = [&](Show show) {
+    const uint8_t* pixel = drawMeshes({square}, 1, kBeforeASquare, showing(show)).pixel(kWidthPx / 2, 75);
+    return glm::ivec3(pixel[0], pixel[1], pixel[2]);
+  };
+  const render::DrawItem first = partOf(NodeKey{8});
+  for (const Show show : {Show::kDepths, Show::kRungs, Show::kErrors}) {
+    const glm::ivec3 expected(colourOf(show, first, 1)), pixel = drawn(show);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) EXPECT_EQ(expected[i] > expected[j] + 20, pixel[i] > pixel[j] + 20);
+  }
+}
+
+TEST(ShownColours, haveNamesThatAreReadBack) {
+  for (int i = 0; i < render::kShowCount; ++i) {
+    const Show show = static_cast<Show>(i);
+    EXPECT_EQ(render::showNamed(nameOf(show)), show);
+    EXPECT_NE(render::showNames().find(nameOf(show)), std::string::npos);
+  }
+  EXPECT_FALSE(render::showNamed("nothing"));
+}
+
+TEST(ShownColours, tellErrorsAboveTheThresholdFromThoseBelow) {
+  const auto colour = [](float error_px) {
+    return colourOf(Show::kErrors, partOf(kRootKey, 0, error_px), 2);
+  };
+  EXPECT_NE(colour(2.01f), colour(2));
+  EXPECT_EQ(colour(2.01f), colour(50));
+  EXPECT_NE(colour(0.1f), colour(2));
+  const auto legend = legendOf(Show::kErrors, {}, 2);
+  EXPECT_EQ(legend.back().meaning, "above 2 px");
+  EXPECT_EQ(legend.back().colour, colour(50));
+  EXPECT_EQ(legend[legend.size() - 2].meaning, "up to 2 px");
+}
+
+TEST(ShownColours, areExplainedForTheDepthsAndRungsThatAreDrawn) {
+  const std::vector<render::DrawItem> drawn{partOf(kRootKey.child(1).child(2), 3), partOf(kRootKey.child(1)),
+                                            partOf(kRootKey.child(3))};
+  const auto depths = legendOf(Show::kDepths, drawn, 1), rungs = legendOf(Show::kRungs, drawn, 1);
+  ASSERT_EQ(depths.size(), 2u);
+  EXPECT_EQ(depths[0].meaning, "depth 1");
+  EXPECT_EQ(depths[1].meaning, "depth 2");
+  EXPECT_NE(depths[0].colour, depths[1].colour);
+  ASSERT_EQ(rungs.size(), 2u);
+  EXPECT_EQ(rungs[1].meaning, "rung 3");
+  EXPECT_TRUE(legendOf(Show::kSurface, drawn, 1).empty());
+}
+
+TEST(Light, comesFromTheLeftAboveAndBehindOfALevelCamera) {
+  const render::Light light = render::lightFor(lookAt({0, 0, 5}, {0, 0, 0}), {0, 1, 0});
+  EXPECT_LT(light.to_sun.x, -0.3f);
+  EXPECT_GT(light.to_sun.y, 0.3f);
+  EXPECT_GT(light.to_sun.z, 0.3f);
+}
+
+TEST(Light, standsAboveTheModelHoweverTheCameraIsTilted) {
+  for (const glm::dvec3 eye : {glm::dvec3(0, 5, 5), glm::dvec3(3, -5, 1), glm::dvec3(0.01, 5, 0)}) {
+    const render::Light light = render::lightFor(lookAt(eye, {0, 0, 0}), {0, 3, 0});
+    EXPECT_NEAR(glm::length(light.to_sun), 1, 1e-5);
+    EXPECT_NEAR(glm::dot(light.to_sun, light.up), 0.78, 0.01);
+  }
+}
+
+TEST(Light, isThereForACameraThatLiesOnItsSide) {
+  const render::Light light = render::lightFor(lookAt({0, 0, 5}, {0, 0, 0}, {1, 0, 0}), {0, 1, 0});
+  EXPECT_NEAR(glm::length(light.to_sun), 1, 1e-5);
+  EXPECT_GT(light.to_sun.z, 0.3f);
+}
+
+}  // namespace
+}  // namespace lode::test
