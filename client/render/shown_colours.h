@@ -40,6 +40,8 @@ glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexce
 struct LegendEntry {
   glm::u8vec3 colour{0};
   std::string meaning;
+
+  bool operator==(const LegendEntry&) const = default;
 };
 /// Of what is drawn. Empty where a picture explains itself.
 std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px);

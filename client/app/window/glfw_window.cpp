@@ -28,6 +28,7 @@ struct GlfwWindow::Callbacks {
     if (action == GLFW_PRESS) of(window).pressKey(key, (modifiers & GLFW_MOD_SHIFT) != 0);
   }
   static void pointer(GLFWwindow* window, double x, double y) { of(window).moveTo({x, y}); }
+  static void refresh(GLFWwindow* window) { of(window).pending_.damaged = true; }
   static void wheel(GLFWwindow* window, double, double y) { of(window).pending_.wheel += y; }
 };
 
@@ -55,6 +56,7 @@ GlfwWindow::GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string&
   glfwSetKeyCallback(window_, Callbacks::key);
   glfwSetCursorPosCallback(window_, Callbacks::pointer);
   glfwSetScrollCallback(window_, Callbacks::wheel);
+  glfwSetWindowRefreshCallback(window_, Callbacks::refresh);
 }
 
 GlfwWindow::~GlfwWindow() {
@@ -161,6 +163,7 @@ Input GlfwWindow::takeInput(bool keyboard, bool mouse) {
   input.shifted_px = mouse ? pending_.shifted_px : glm::dvec2(0);
   input.wheel = mouse ? pending_.wheel : 0;
   if (keyboard) input.fly = heldKeys();
+  input.damaged = pending_.damaged;
   pending_ = {};
   return input;
 }

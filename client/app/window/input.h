@@ -20,6 +20,8 @@ struct Input {
   int finer = 0;      ///< steps of the threshold, negative for coarser
   bool screenshot = false, quit = false;
 
+  bool damaged = false;  ///< the window's picture is gone: the system's doing, not the user's
+
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || toggle_camera || reset_camera || next_axis ||

@@ -30,6 +30,8 @@ struct PanelContent {
   std::vector<render::LegendEntry> legend;  ///< and what its colours mean
   std::string message;                      ///< a failure, or where a screenshot went
   bool visible = true;
+
+  bool operator==(const PanelContent&) const = default;
 };
 
 /// The panel over the picture. Made after the window and its callbacks, destroyed before it, used on its

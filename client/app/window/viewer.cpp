@@ -20,6 +20,7 @@ constexpr float kLeastThresholdPx = 0.1f, kLargestThresholdPx = 64;
 constexpr double kIdleWaitS = 0.25;       ///< between looks at a stream that has nothing left to do
 constexpr double kStreamingWaitS = 0.01;  ///< between looks at one that has
 constexpr double kLongestStepS = 0.1;     ///< a flight goes no further in one frame, however long it took
+constexpr int kFramesToSettle = 2;        ///< that the panel takes to fit its text
 constexpr double kNoteS = 6;              ///< how long a note stays on the panel
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
@@ -74,7 +75,7 @@ bool Viewer::settled() const {
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
-  if (moved_ || !renderer_.upToDate()) return 0;
+  if (moved_ || frames_to_draw_ > 0 || !renderer_.upToDate()) return 0;
   return settled() || status_.ended ? kIdleWaitS : kStreamingWaitS;
 }
 
@@ -96,7 +97,21 @@ void Viewer::frame() {
     controlFrameRate(seconds);
     stream();
   }
+  describe();
+  if (isPictureOld(input)) frames_to_draw_ = 1 + kFramesToSettle;
+  if (frames_to_draw_ == 0) return;
+  --frames_to_draw_;
   draw();
+}
+
+/// Something has changed that can be seen, other than what the last frame took.
+bool Viewer::isPictureOld(const Input& input) const {
+  if (moved_ || input.damaged || uploading_ || picture_wanted_ || !options_.screenshot.empty()) return true;
+  PanelContent now = content_;
+  now.frame_ms = drawn_.content.frame_ms;
+  now.upload_ms = drawn_.content.upload_ms;
+  return now != drawn_.content || renderer_.meshes().drawnCut() != drawn_.cut ||
+         (rig_ && rig_->view() != drawn_.view);
 }
 
 void Viewer::obey(const Input& input) {
@@ -152,6 +167,7 @@ void Viewer::stream() {
   streamer_->setView(rig_->view(), asked_px_);
   status_ = streamer_->status();
   if (status_.cut) renderer_.show(status_.cut);
+  uploading_ = !renderer_.upToDate() && !renderer_.meshes().overBudget();
   const Clock::time_point start = Clock::now();
   renderer_.uploadInRenderThread({});
   content_.upload_ms = secondsSince(start) * 1e3;
@@ -170,7 +186,7 @@ void Viewer::draw() {
   target_->copyTo(0);
   content_.triangles = drawn.triangles;
   content_.nodes = drawn.nodes;
-  describe();
+  drawn_ = {rig_ ? rig_->view() : view, renderer_.meshes().drawnCut(), content_};
   panel_.draw(content_);
   saveScreenshots();
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;

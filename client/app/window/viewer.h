@@ -46,6 +46,7 @@ class Viewer {
   void toggleWireframe();
   void controlFrameRate(double seconds);
   void stream();
+  bool isPictureOld(const Input& input) const;
   void draw();
   void describe();
   void saveScreenshots();
@@ -69,13 +70,22 @@ class Viewer {
   ModelOpener opener_;
   stream::Streamer* streamer_ = nullptr;  ///< opener_'s, once the model is open
 
+  /// What the picture in the window was drawn from.
+  struct Drawn {
+    core::View view;
+    std::shared_ptr<const core::Cut> cut;
+    PanelContent content;
+  };
+
   stream::StreamStatus status_;
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), last_frame_ = started_, noted_ = started_;
   std::string note_;
-  bool moved_ = true, picture_wanted_ = false, done_ = false;
+  Drawn drawn_;
+  int frames_to_draw_ = 0;
+  bool moved_ = true, uploading_ = false, picture_wanted_ = false, done_ = false;
 };
 
 }  // namespace lode::app

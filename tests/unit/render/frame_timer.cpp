@@ -1,0 +1,54 @@
+#include "client/render/frame_timer.h"
+
+#include "gl_fixture.h"
+
+namespace lode::test {
+namespace {
+
+class FrameTimer : public GlTest {
+ protected:
+  static constexpr int kMostUnderWay = 4;
+
+  static void frame(render::FrameTimer& timer, int number) {
+    timer.begin(number);
+    glClear(GL_COLOR_BUFFER_BIT);
+    timer.end(10.0 * number);
+  }
+};
+
+TEST_F(FrameTimer, hasNothingToTellBeforeAFrame) {
+  render::FrameTimer timer;
+  EXPECT_FALSE(timer.take());
+}
+
+TEST_F(FrameTimer, tellsEachFrameOnceWithWhatBelongsToIt) {
+  render::FrameTimer timer;
+  for (int number = 1; number < 20; ++number) {
+    frame(timer, number);
+    glFinish();
+    const auto timed = timer.take();
+    ASSERT_TRUE(timed);
+    EXPECT_EQ(timed->coarsening, number);
+    EXPECT_EQ(timed->cpu_ms, 10.0 * number);
+    EXPECT_GE(timed->gpu_ms, 0);
+    EXPECT_FALSE(timer.take());
+  }
+}
+
+TEST_F(FrameTimer, leavesOutFramesThatComeWhileAsManyAsFitAreUnderWay) {
+  render::FrameTimer timer;
+  for (int number = 1; number <= kMostUnderWay + 3; ++number) frame(timer, number);
+  glFinish();
+  for (int number = 1; number <= kMostUnderWay; ++number) {
+    const auto timed = timer.take();
+    ASSERT_TRUE(timed);
+    EXPECT_EQ(timed->coarsening, number);
+  }
+  EXPECT_FALSE(timer.take());
+  frame(timer, 99);
+  glFinish();
+  EXPECT_EQ(timer.take()->coarsening, 99);
+}
+
+}  // namespace
+}  // namespace lode::test
