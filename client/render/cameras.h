@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <glm/glm.hpp>
 
 #include "client/core/view.h"
@@ -24,29 +26,45 @@ class Heading {
   double yaw_rad_ = 0, pitch_rad_ = 0;
 };
 
-/// Looks at a point from around it: drag to turn, drag otherwise to shift the point, wheel to come closer.
-/// Model frame, like View. Pure: no clock, no input device.
+/// Turns about a point, wherever in the picture it is: drag to turn, drag otherwise to shift, wheel to come
+/// closer. Model frame, like View. Pure: no clock, no input device.
 class OrbitCamera {
  public:
   /// @param start         its eye and up; the point lies ahead of it.
   /// @param distance_model  from the eye to the point, > 0.
   OrbitCamera(const core::View& start, double distance_model, glm::dvec3 axis) noexcept;
 
+  /// From now on about another point, which is before the eye. The view stays.
+  void turnAbout(const glm::dvec3& point_model) noexcept;
+  /// Sets out for a point: turnAbout() it, and come nearer until it is in the middle of the picture.
+  void flyTo(const glm::dvec3& point_model) noexcept;
+  /// Time passes on a flight. Whatever else moves the camera ends it.
+  void advance(double seconds) noexcept;
+  bool isFlying() const noexcept { return flight_.has_value(); }
+
   /// A drag over the picture's height turns by half a circle; the model follows the pointer.
   void drag(glm::dvec2 pixels, double height_px) noexcept;
-  /// The point under the pointer, at the distance of the target, follows the pointer.
+  /// What is under the pointer, as far away as the point, follows the pointer.
   void shift(glm::dvec2 pixels, const core::View& view) noexcept;
-  /// Each step forward leaves 85 % of the distance, down to closest_model.
+  /// Each step forward leaves 85 % of the distance, down to the closest; the point keeps its place in the
+  /// picture.
   void zoom(double steps) noexcept;
 
-  double distanceModel() const noexcept { return distance_model_; }
+  /// Of the point, along the view.
+  double distanceModel() const noexcept { return offset_model_.z; }
   /// Places eye, forward and up in a view.
   void apply(core::View& view) const noexcept;
 
  private:
   Heading heading_;
-  glm::dvec3 target_model_;
-  double distance_model_, closest_model_;
+  glm::dvec3 point_model_;
+  glm::dvec3 offset_model_;  ///< of the point from the eye: right, up and ahead
+  double closest_model_;
+  struct Flight {
+    glm::dvec3 from_model, to_model;  ///< offsets
+    double elapsed_s = 0;
+  };
+  std::optional<Flight> flight_;
 };
 
 /// What a flying camera is told for a stretch of time: -1, 0 or 1 (or between) along its own axes.

@@ -85,6 +85,61 @@ TEST(OrbitCamera, comesCloserButNeverThrough) {
   EXPECT_TRUE(std::isfinite(camera.distanceModel()));
 }
 
+TEST(OrbitCamera, turnsAboutAPointThatKeepsItsPlaceInThePictureAndItsDistance) {
+  core::View view = startView();
+  OrbitCamera camera(view, 10, kY);
+  const glm::dvec3 point(1, 2, 4);
+  const glm::dvec2 place = projectTo(view, point);
+  camera.turnAbout(point);
+  camera.apply(view);
+  EXPECT_NEAR(glm::distance(view.eye_model, glm::dvec3(0, 0, 10)), 0, 1e-12) << "the view stays";
+  const double away = glm::distance(view.eye_model, point);
+  std::mt19937 random(3);
+  for (int i = 0; i < 100; ++i) {
+    camera.drag({double(random() % 400) - 200, double(random() % 400) - 200}, 600);
+    camera.apply(view);
+    expectOrthonormal(view);
+    EXPECT_NEAR(glm::distance(projectTo(view, point), place), 0, 1e-6);
+    EXPECT_NEAR(glm::distance(view.eye_model, point), away, 1e-9);
+  }
+}
+
+TEST(OrbitCamera, comesCloserToThePointUnderThePointer) {
+  core::View view = startView();
+  OrbitCamera camera(view, 10, kY);
+  const glm::dvec3 point(1, 2, 4);
+  const glm::dvec2 place = projectTo(view, point);
+  camera.turnAbout(point);
+  camera.zoom(3);
+  camera.apply(view);
+  EXPECT_NEAR(glm::distance(projectTo(view, point), place), 0, 1e-6);
+  EXPECT_LT(camera.distanceModel(), 4);
+}
+
+TEST(OrbitCamera, fliesUntilThePointIsInTheMiddleAndNearer) {
+  core::View view = startView();
+  OrbitCamera camera(view, 10, kY);
+  const glm::dvec3 point(1, 2, 4);
+  camera.flyTo(point);
+  int frames = 0;
+  for (; camera.isFlying() && frames < 1000; ++frames) camera.advance(0.01);
+  camera.apply(view);
+  EXPECT_GT(frames, 10);
+  EXPECT_LT(frames, 200);
+  EXPECT_NEAR(glm::distance(projectTo(view, point), glm::dvec2(400, 300)), 0, 1e-6);
+  EXPECT_LT(glm::distance(view.eye_model, point), 3);
+}
+
+TEST(OrbitCamera, endsAFlightWhereItIsDragged) {
+  const core::View view = startView();
+  OrbitCamera camera(view, 10, kY);
+  camera.flyTo({1, 2, 4});
+  camera.advance(0.1);
+  EXPECT_TRUE(camera.isFlying());
+  camera.drag({1, 0}, 600);
+  EXPECT_FALSE(camera.isFlying());
+}
+
 TEST(FlyCamera, movesAlongItsOwnAxes) {
   core::View view = startView();
   FlyCamera camera(view, 2, kY);
