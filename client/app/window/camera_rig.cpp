@@ -71,6 +71,7 @@ void CameraRig::apply(const Input& input, double seconds) {
     fly_.move(input.fly, seconds);
     fly_.apply(view_);
   } else {
+    orbit_.advance(seconds);
     orbit_.zoom(input.wheel);
     orbit_.drag(input.turned_px, view_.height_px);
     orbit_.shift(input.shifted_px, view_);

@@ -21,10 +21,16 @@ class CameraRig {
             uint32_t width_px, uint32_t height_px);
 
   void apply(const Input& input, double seconds);
+  /// An orbit turns about this point from now on; the view stays.
+  void turnAbout(const glm::dvec3& point_model) noexcept { orbit_.turnAbout(point_model); }
+  /// An orbit comes nearer to this point, in a moment.
+  void flyTo(const glm::dvec3& point_model) noexcept { orbit_.flyTo(point_model); }
   void resize(uint32_t width_px, uint32_t height_px) noexcept;
 
   const core::View& view() const noexcept { return view_; }
   bool flying() const noexcept { return flying_; }
+  /// It moves without anybody's doing.
+  bool underWay() const noexcept { return !flying_ && orbit_.isFlying(); }
   const glm::dvec3& up() const noexcept { return up_; }
 
  private:

@@ -11,6 +11,10 @@
 namespace lode::app {
 namespace {
 
+constexpr double kClickReach = 4;             ///< of the pointer between down and up, in its own units
+constexpr double kDoubleClickS = 0.35;        ///< without the frames drawn meanwhile,
+constexpr double kLongestDoubleClickS = 1.2;  ///< and with them
+
 std::string lastGlfwError() {
   const char* text = nullptr;
   glfwGetError(&text);
@@ -28,6 +32,9 @@ struct GlfwWindow::Callbacks {
     if (action == GLFW_PRESS) of(window).pressKey(key, (modifiers & GLFW_MOD_SHIFT) != 0);
   }
   static void pointer(GLFWwindow* window, double x, double y) { of(window).moveTo({x, y}); }
+  static void button(GLFWwindow* window, int button, int action, int) {
+    of(window).pressButton(button, action == GLFW_PRESS);
+  }
   static void refresh(GLFWwindow* window) { of(window).pending_.damaged = true; }
   static void wheel(GLFWwindow* window, double, double y) { of(window).pending_.wheel += y; }
 };
@@ -55,6 +62,7 @@ GlfwWindow::GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string&
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, Callbacks::key);
   glfwSetCursorPosCallback(window_, Callbacks::pointer);
+  glfwSetMouseButtonCallback(window_, Callbacks::button);
   glfwSetScrollCallback(window_, Callbacks::wheel);
   glfwSetWindowRefreshCallback(window_, Callbacks::refresh);
 }
@@ -86,7 +94,10 @@ bool GlfwWindow::shouldClose() const noexcept { return glfwWindowShouldClose(win
 
 void GlfwWindow::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
+void GlfwWindow::copyToClipboard(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
+
 void GlfwWindow::handleEvents(double wait_s) {
+  unattended_s_ += glfwGetTime() - handled_s_;
   int width = 0, height = 0;
   glfwGetWindowSize(window_, &width, &height);
   to_px_ = height > 0 ? static_cast<double>(heightPx()) / height : 1;
@@ -95,6 +106,7 @@ void GlfwWindow::handleEvents(double wait_s) {
   } else {
     glfwPollEvents();
   }
+  handled_s_ = glfwGetTime();
 }
 
 void GlfwWindow::pressKey(int key, bool is_shifted) {
@@ -128,6 +140,9 @@ void GlfwWindow::pressKey(int key, bool is_shifted) {
     case GLFW_KEY_F12:
       pending_.screenshot = true;
       break;
+    case GLFW_KEY_C:
+      pending_.copy = true;
+      break;
     case GLFW_KEY_ESCAPE:
       pending_.quit = true;
       break;
@@ -149,6 +164,21 @@ void GlfwWindow::moveTo(glm::dvec2 position) {
   }
 }
 
+void GlfwWindow::pressButton(int button, bool is_down) {
+  if (is_down) {
+    pressed_at_ = pointer_;
+    pending_.pressed = true;
+    return;
+  }
+  if (button != GLFW_MOUSE_BUTTON_LEFT || glm::distance(pointer_, pressed_at_) > kClickReach) return;
+  const double since_s = glfwGetTime() - clicked_s_;
+  const double attended_s = since_s - (unattended_s_ - clicked_unattended_s_);
+  pending_.clicked = true;
+  pending_.double_clicked = attended_s < kDoubleClickS && since_s < kLongestDoubleClickS;
+  clicked_s_ = pending_.double_clicked ? -1e9 : glfwGetTime();
+  clicked_unattended_s_ = unattended_s_;
+}
+
 render::FlyKeys GlfwWindow::heldKeys() const {
   const auto held = [&](int key) { return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0; };
   return {.right = held(GLFW_KEY_D) - held(GLFW_KEY_A),
@@ -162,6 +192,10 @@ Input GlfwWindow::takeInput(bool keyboard, bool mouse) {
   input.turned_px = mouse ? pending_.turned_px : glm::dvec2(0);
   input.shifted_px = mouse ? pending_.shifted_px : glm::dvec2(0);
   input.wheel = mouse ? pending_.wheel : 0;
+  input.pointer_px = pointer_ * to_px_;
+  input.pressed = mouse && pending_.pressed;
+  input.clicked = mouse && pending_.clicked;
+  input.double_clicked = mouse && pending_.double_clicked;
   if (keyboard) input.fly = heldKeys();
   input.damaged = pending_.damaged;
   pending_ = {};

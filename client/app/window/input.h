@@ -8,24 +8,29 @@ namespace lode::app {
 
 /// What the user did since the last frame, in pixels of the picture, y down.
 struct Input {
-  glm::dvec2 turned_px{0};   ///< dragged with the left button
-  glm::dvec2 shifted_px{0};  ///< dragged with the right or middle button, or with Shift
-  double wheel = 0;          ///< steps forward
-  render::FlyKeys fly;       ///< held down now
+  glm::dvec2 turned_px{0};      ///< dragged with the left button
+  glm::dvec2 shifted_px{0};     ///< dragged with the right or middle button, or with Shift
+  double wheel = 0;             ///< steps forward
+  glm::dvec2 pointer_px{0};     ///< where the pointer is
+  bool pressed = false;         ///< a button went down there
+  bool clicked = false;         ///< the left button went down and up there,
+  bool double_clicked = false;  ///< twice
+  render::FlyKeys fly;          ///< held down now
 
   // Keys pressed once.
   bool toggle_camera = false, reset_camera = false, next_axis = false;
   bool toggle_wireframe = false, toggle_panel = false;
   int next_show = 0;  ///< steps among what can be shown, negative for back
   int finer = 0;      ///< steps of the threshold, negative for coarser
-  bool screenshot = false, quit = false;
+  bool screenshot = false, copy = false, quit = false;
 
   bool damaged = false;  ///< the window's picture is gone: the system's doing, not the user's
 
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || toggle_camera || reset_camera || next_axis ||
-           toggle_wireframe || toggle_panel || next_show != 0 || finer != 0 || screenshot || quit;
+           toggle_wireframe || toggle_panel || next_show != 0 || finer != 0 || screenshot || copy ||
+           pressed || clicked || quit;
   }
 };
 

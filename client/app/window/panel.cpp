@@ -89,6 +89,11 @@ void drawLegend(const PanelContent& content) {
   }
 }
 
+void drawPick(const PanelContent& content) {
+  ImGui::Separator();
+  for (const std::string& line : content.pick) ImGui::TextUnformatted(line.c_str());
+}
+
 void drawWaiting(const PanelContent& content) {
   ImGui::TextUnformatted(content.waiting.c_str());
   const ImVec2 size(ImGui::GetFontSize() * 18, ImGui::GetFontSize() * 0.5f);
@@ -112,11 +117,12 @@ void drawHelp(bool flying) {
                                       "drag to look, wheel for the speed\n"
                                       "Tab orbit"
                                     : "drag to turn, right drag to shift, wheel to zoom\n"
+                                      "click to measure, double click to go there\n"
                                       "Tab fly";
   ImGui::TextColored(kMuted, "%s", camera);
   ImGui::TextColored(kMuted,
                      "R reset   U up axis   + - threshold\n"
-                     "V views   F wireframe\n"
+                     "V views   F wireframe   C copy what was clicked\n"
                      "H this panel   F12 screenshot   Esc quit");
 }
 
@@ -162,6 +168,7 @@ void Panel::draw(const PanelContent& content) {
     } else if (content.visible) {
       drawFigures(content);
       if (!content.legend.empty()) drawLegend(content);
+      if (!content.pick.empty()) drawPick(content);
     }
     if (!content.message.empty()) {
       ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);

@@ -26,6 +26,7 @@ struct PanelContent {
   bool converged = false;
   double frame_ms = 0, upload_ms = 0;
   bool flying = false;
+  std::vector<std::string> pick;            ///< of the point last clicked on
   std::string_view show;                    ///< what the picture shows,
   std::vector<render::LegendEntry> legend;  ///< and what its colours mean
   std::string message;                      ///< a failure, or where a screenshot went

@@ -84,7 +84,6 @@ void Viewer::frame() {
   const double seconds = secondsSince(last_frame_);
   last_frame_ = Clock::now();
   const Input input = window_.takeInput(!panel_.wantsKeyboard(), !panel_.wantsMouse());
-  moved_ = input.any();
   obey(input);
   openWhenReady();
   if (window_.widthPx() == 0 || window_.heightPx() == 0) return;  // minimized
@@ -93,7 +92,10 @@ void Viewer::frame() {
   }
   if (streamer_ != nullptr) {
     rig_->resize(window_.widthPx(), window_.heightPx());
+    pick(input);
+    const core::View before = rig_->view();
     rig_->apply(input, std::min(seconds, kLongestStepS));
+    moved_ = rig_->view() != before || rig_->underWay();
     controlFrameRate(seconds);
     stream();
   }
@@ -104,12 +106,14 @@ void Viewer::frame() {
   draw();
 }
 
-/// Something has changed that can be seen, other than what the last frame took.
+/// Something has changed that can be seen, other than what the last frame took and, at rest, bytes that only
+/// keep the connection.
 bool Viewer::isPictureOld(const Input& input) const {
-  if (moved_ || input.damaged || uploading_ || picture_wanted_ || !options_.screenshot.empty()) return true;
+  if (input.any() || input.damaged || uploading_ || !options_.screenshot.empty()) return true;
   PanelContent now = content_;
   now.frame_ms = drawn_.content.frame_ms;
   now.upload_ms = drawn_.content.upload_ms;
+  if (now.converged) now.received_bytes = drawn_.content.received_bytes;
   return now != drawn_.content || renderer_.meshes().drawnCut() != drawn_.cut ||
          (rig_ && rig_->view() != drawn_.view);
 }
@@ -149,9 +153,38 @@ void Viewer::openWhenReady() {
   framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
   rig_.emplace(model, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   streamer_ = progress.streamer;
+  model_ = progress.model;
   content_.title = model.name;
   content_.model_triangles = model.triangles;
   window_.setTitle(model.name + " - Lodestream");
+}
+
+/// What the pointer is on, as it is drawn.
+std::optional<core::Hit> Viewer::under(const Input& input) {
+  const auto& cut = renderer_.meshes().drawnCut();
+  if (!cut) return std::nullopt;
+  if (!probe_ || probe_->cut() != cut) probe_.emplace(cut, model_->lattice.step);
+  return probe_->cast(core::rayThrough(rig_->view(), input.pointer_px));
+}
+
+void Viewer::pick(const Input& input) {
+  if (input.copy) {
+    std::string text;
+    for (const std::string& line : picks_.lines()) text += line + "\n";
+    if (!text.empty()) window_.copyToClipboard(text);
+    note(text.empty() ? "click on the model first" : "copied");
+  }
+  if (!input.pressed && !input.clicked && input.wheel == 0) return;
+  const std::optional<core::Hit> hit = under(input);
+  if (!hit) {
+    if (input.clicked) picks_.clear();
+    return;
+  }
+  if (input.double_clicked)
+    rig_->flyTo(hit->position_model);
+  else
+    rig_->turnAbout(hit->position_model);
+  if (input.clicked && !input.double_clicked) picks_.add(*hit, *model_);
 }
 
 void Viewer::controlFrameRate(double seconds) {
@@ -208,6 +241,7 @@ void Viewer::describe() {
   content_.error_px = status_.cut ? status_.cut->max_error_px : 0;
   content_.converged = settled() && status_.cut->converged;
   content_.flying = rig_ && rig_->flying();
+  content_.pick = picks_.lines();
   content_.show = nameOf(style_.show);
   content_.legend = legendOf(style_.show, renderer_.meshes().drawn(), cut != nullptr ? cut->threshold_px : 1);
   if (!status_.failure.empty()) {
@@ -245,7 +279,7 @@ void Viewer::saveScreenshots() {
       refuseScreenshot();
     }
   }
-  if (!picture_wanted_) return;
+  if (!picture_wanted_ || frames_to_draw_ > 0) return;  // the panel has not settled
   picture_wanted_ = false;
   const std::string file = screenshotName();
   try {

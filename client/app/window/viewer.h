@@ -11,6 +11,8 @@
 #include "client/app/window/look_options.h"
 #include "client/app/window/model_opener.h"
 #include "client/app/window/panel.h"
+#include "client/app/window/picks.h"
+#include "client/core/cut_probe.h"
 #include "client/render/frame_rate_control.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
@@ -44,6 +46,8 @@ class Viewer {
   void openWhenReady();
   void obey(const Input& input);
   void toggleWireframe();
+  void pick(const Input& input);
+  std::optional<core::Hit> under(const Input& input);
   void controlFrameRate(double seconds);
   void stream();
   bool isPictureOld(const Input& input) const;
@@ -69,6 +73,7 @@ class Viewer {
   std::optional<CameraRig> rig_;
   ModelOpener opener_;
   stream::Streamer* streamer_ = nullptr;  ///< opener_'s, once the model is open
+  const ModelSummary* model_ = nullptr;   ///< the same
 
   /// What the picture in the window was drawn from.
   struct Drawn {
@@ -77,6 +82,8 @@ class Viewer {
     PanelContent content;
   };
 
+  std::optional<core::CutProbe> probe_;  ///< of the cut last clicked on
+  Picks picks_;
   stream::StreamStatus status_;
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe

@@ -1,0 +1,58 @@
+#include "client/app/window/picks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace lode::app {
+namespace {
+
+/// As many digits as a step of the lattice can be told by: no more are true.
+int decimalsOf(double step) { return std::clamp(static_cast<int>(std::ceil(-std::log10(step))), 0, 12); }
+
+std::string coordinates(const glm::dvec3& position, int decimals) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%.*f %.*f %.*f", decimals, position.x, decimals, position.y, decimals,
+                position.z);
+  return text;
+}
+
+/// As `lodestreamd info --nodes` names it.
+std::string nodeName(NodeKey node) {
+  std::string name = "root";
+  for (int depth = 1; depth <= node.depth(); ++depth)
+    name += "/" + std::to_string(node.ancestorAt(depth).octant());
+  return name;
+}
+
+}  // namespace
+
+void Picks::add(const core::Hit& hit, const ModelSummary& model) {
+  if (picks_.size() == 2) picks_.erase(picks_.begin());
+  picks_.push_back({model.lattice.origin + hit.position_model, hit.part->node, hit.part->rung,
+                    hit.part->error_px, model.lattice.step, hit.colour,
+                    model.attributes.has(AttributeSet::kColour)});
+}
+
+std::vector<std::string> Picks::lines() const {
+  if (picks_.empty()) return {};
+  const Pick& last = picks_.back();
+  const int decimals = decimalsOf(last.step);
+  char text[160];
+  std::vector<std::string> lines{coordinates(last.position, decimals)};
+  std::snprintf(text, sizeof text, "node %s, rung %u, error %.2f px", nodeName(last.node).c_str(), last.rung,
+                static_cast<double>(last.error_px));
+  lines.emplace_back(text);
+  if (last.has_colour) {
+    std::snprintf(text, sizeof text, "colour #%02x%02x%02x", last.colour.r, last.colour.g, last.colour.b);
+    lines.emplace_back(text);
+  }
+  if (picks_.size() == 2) {
+    std::snprintf(text, sizeof text, "distance %.*f", decimals,
+                  glm::distance(picks_.front().position, last.position));
+    lines.emplace_back(text);
+  }
+  return lines;
+}
+
+}  // namespace lode::app

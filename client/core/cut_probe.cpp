@@ -1,0 +1,98 @@
+#include "client/core/cut_probe.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace lode::core {
+namespace {
+
+/// How far along a ray a box begins; nothing if the ray passes it by.
+std::optional<double> distanceTo(const ModelBox& box, const Ray& ray) {
+  double enter = 0, leave = std::numeric_limits<double>::max();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = box.min[axis] - ray.origin_model[axis], high = box.max[axis] - ray.origin_model[axis];
+    if (ray.direction[axis] == 0) {
+      if (low > 0 || high < 0) return std::nullopt;
+      continue;
+    }
+    const double a = low / ray.direction[axis], b = high / ray.direction[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  return enter <= leave ? std::optional(enter) : std::nullopt;
+}
+
+struct TriangleHit {
+  double distance;
+  glm::dvec3 weights;  ///< of the corners
+};
+
+/// Source: Moeller & Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.
+std::optional<TriangleHit> meet(const std::array<glm::dvec3, 3>& corners, const Ray& ray) {
+  const glm::dvec3 a = corners[1] - corners[0], b = corners[2] - corners[0];
+  const glm::dvec3 across = glm::cross(ray.direction, b);
+  const double determinant = glm::dot(a, across);
+  if (determinant == 0) return std::nullopt;
+  const glm::dvec3 offset = ray.origin_model - corners[0];
+  const double u = glm::dot(offset, across) / determinant;
+  if (u < 0 || u > 1) return std::nullopt;
+  const glm::dvec3 up = glm::cross(offset, a);
+  const double v = glm::dot(ray.direction, up) / determinant;
+  if (v < 0 || u + v > 1) return std::nullopt;
+  const double distance = glm::dot(b, up) / determinant;
+  if (!(distance > 0)) return std::nullopt;
+  return TriangleHit{distance, {1 - u - v, u, v}};
+}
+
+glm::u8vec4 colourAt(const Mesh& mesh, const glm::u32vec3& triangle, const glm::dvec3& weights) {
+  if (!mesh.attributes.has(AttributeSet::kColour) || mesh.vertex_attributes.empty()) return glm::u8vec4(255);
+  glm::dvec4 sum(0);
+  for (int i = 0; i < 3; ++i) sum += weights[i] * glm::dvec4(mesh.vertex_attributes[triangle[i]].colour);
+  return glm::u8vec4(glm::round(sum));
+}
+
+}  // namespace
+
+Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept {
+  const glm::dvec3 right = glm::cross(view.forward, view.up);
+  const double slope_per_px = 2 * std::tan(view.fov_y_rad / 2) / std::max(1u, view.height_px);
+  const glm::dvec2 middle_px(view.width_px / 2.0, view.height_px / 2.0);
+  const glm::dvec2 slope = (place_px - middle_px) * slope_per_px;
+  return {view.eye_model, glm::normalize(view.forward + slope.x * right - slope.y * view.up)};
+}
+
+CutProbe::CutProbe(std::shared_ptr<const Cut> cut, double step) : cut_(std::move(cut)), step_(step) {
+  boxes_.reserve(cut_->parts.size());
+  for (const CutPart& part : cut_->parts) {
+    LatticeBox& box = boxes_.emplace_back();
+    if (!part.mesh) continue;
+    for (const PositionCode code : part.mesh->positions) box.add(unpackPosition(code));
+  }
+}
+
+std::optional<Hit> CutProbe::cast(const Ray& ray) const {
+  std::optional<Hit> nearest;
+  double limit = std::numeric_limits<double>::max();
+  for (size_t i = 0; i < boxes_.size(); ++i) {
+    if (boxes_[i].empty()) continue;
+    const std::optional<double> begin = distanceTo(toModelBox(boxes_[i], step_), ray);
+    if (!begin || *begin > limit) continue;
+    const Mesh& mesh = *cut_->parts[i].mesh;
+    for (const glm::u32vec3& triangle : mesh.triangles) {
+      std::array<glm::dvec3, 3> corners;
+      for (int k = 0; k < 3; ++k)
+        corners[k] = glm::dvec3(unpackPosition(mesh.positions[triangle[k]])) * step_;
+      const std::optional<TriangleHit> met = meet(corners, ray);
+      if (!met || met->distance >= limit) continue;
+      limit = met->distance;
+      nearest = Hit{&cut_->parts[i], limit, ray.origin_model + limit * ray.direction,
+                    colourAt(mesh, triangle, met->weights)};
+    }
+  }
+  return nearest;
+}
+
+}  // namespace lode::core

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "client/core/cut.h"
+#include "client/core/view.h"
+
+namespace lode::core {
+
+/// Half a line in the model frame.
+struct Ray {
+  glm::dvec3 origin_model{0}, direction{0, 0, -1};  ///< the latter of unit length
+};
+
+/// From the eye through a place of the picture. @param place_px  from its top left corner, y down.
+Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept;
+
+/// Where a ray meets a cut first.
+struct Hit {
+  const CutPart* part = nullptr;  ///< of the probed cut
+  double distance_model = 0;
+  glm::dvec3 position_model{0};
+  glm::u8vec4 colour{255};  ///< of the vertices, between them; white where the model has none
+};
+
+/// Looks for what lies under a place of the picture, on the triangles that are drawn. Immutable.
+class CutProbe {
+ public:
+  /// Reads every vertex once. @param step  of the model's lattice.
+  CutProbe(std::shared_ptr<const Cut> cut, double step);
+
+  const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }
+  /// Looks at the triangles of parts whose box the ray meets, from both sides.
+  std::optional<Hit> cast(const Ray& ray) const;
+
+ private:
+  std::shared_ptr<const Cut> cut_;
+  double step_;
+  std::vector<LatticeBox> boxes_;  ///< by part
+};
+
+}  // namespace lode::core
