@@ -29,6 +29,8 @@ class CameraRig {
 
   const core::View& view() const noexcept { return view_; }
   bool flying() const noexcept { return flying_; }
+  /// Of what it looks at, along the view.
+  double distanceModel() const noexcept { return orbit_.distanceModel(); }
   /// It moves without anybody's doing.
   bool underWay() const noexcept { return !flying_ && orbit_.isFlying(); }
   const glm::dvec3& up() const noexcept { return up_; }

@@ -140,6 +140,9 @@ void GlfwWindow::pressKey(int key, bool is_shifted) {
     case GLFW_KEY_F12:
       pending_.screenshot = true;
       break;
+    case GLFW_KEY_P:
+      pending_.record = true;
+      break;
     case GLFW_KEY_C:
       pending_.copy = true;
       break;
@@ -173,8 +176,10 @@ void GlfwWindow::pressButton(int button, bool is_down) {
   if (button != GLFW_MOUSE_BUTTON_LEFT || glm::distance(pointer_, pressed_at_) > kClickReach) return;
   const double since_s = glfwGetTime() - clicked_s_;
   const double attended_s = since_s - (unattended_s_ - clicked_unattended_s_);
+  const bool is_there_again = glm::distance(pointer_, clicked_at_) <= kClickReach;
   pending_.clicked = true;
-  pending_.double_clicked = attended_s < kDoubleClickS && since_s < kLongestDoubleClickS;
+  pending_.double_clicked = is_there_again && attended_s < kDoubleClickS && since_s < kLongestDoubleClickS;
+  clicked_at_ = pointer_;
   clicked_s_ = pending_.double_clicked ? -1e9 : glfwGetTime();
   clicked_unattended_s_ = unattended_s_;
 }

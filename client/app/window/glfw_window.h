@@ -46,7 +46,7 @@ class GlfwWindow {
 
   GLFWwindow* window_ = nullptr;
   Input pending_;
-  glm::dvec2 pointer_{0}, pressed_at_{0};
+  glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
   double handled_s_ = 0;     ///< when events were last looked at
   double unattended_s_ = 0;  ///< in all, between looks: events bear no times of their own
   double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< at the last click

@@ -22,14 +22,14 @@ struct Input {
   bool toggle_wireframe = false, toggle_panel = false;
   int next_show = 0;  ///< steps among what can be shown, negative for back
   int finer = 0;      ///< steps of the threshold, negative for coarser
-  bool screenshot = false, copy = false, quit = false;
+  bool screenshot = false, copy = false, record = false, quit = false;
 
   bool damaged = false;  ///< the window's picture is gone: the system's doing, not the user's
 
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || toggle_camera || reset_camera || next_axis ||
-           toggle_wireframe || toggle_panel || next_show != 0 || finer != 0 || screenshot || copy ||
+           toggle_wireframe || toggle_panel || next_show != 0 || finer != 0 || screenshot || copy || record ||
            pressed || clicked || quit;
   }
 };

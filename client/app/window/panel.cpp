@@ -1,6 +1,8 @@
 #include "client/app/window/panel.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -69,11 +71,21 @@ void drawFigures(const PanelContent& content) {
   row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
   ImGui::EndTable();
   if (content.converged) {
-    ImGui::TextColored(kGood, "%s",
-                       content.error_px <= content.threshold_px ? "converged" : "all the detail there is");
+    const bool is_fine = content.error_px <= content.threshold_px;
+    ImGui::TextColored(kGood, "%s, at most %.2f px off where it is seen",
+                       is_fine ? "converged" : "all the detail there is",
+                       static_cast<double>(content.error_px));
   } else {
     ImGui::TextColored(kWarning, "refining");
   }
+}
+
+void drawFrameTimes(std::span<const float> frames_ms, size_t oldest) {
+  const float most_ms = std::max(1.0f, *std::ranges::max_element(frames_ms));
+  ImGui::TextColored(kMuted, "frame times, up to %.0f ms", static_cast<double>(most_ms));
+  ImGui::PlotHistogram("##frames", frames_ms.data(), static_cast<int>(frames_ms.size()),
+                       static_cast<int>(oldest), nullptr, 0, most_ms,
+                       {ImGui::GetFontSize() * 23.5f, ImGui::GetFontSize() * 2.5f});
 }
 
 void drawLegend(const PanelContent& content) {
@@ -122,8 +134,9 @@ void drawHelp(bool flying) {
   ImGui::TextColored(kMuted, "%s", camera);
   ImGui::TextColored(kMuted,
                      "R reset   U up axis   + - threshold\n"
-                     "V views   F wireframe   C copy what was clicked\n"
-                     "H this panel   F12 screenshot   Esc quit");
+                     "V views   F wireframe   H this panel\n"
+                     "C copy what was clicked   P record camera\n"
+                     "F12 screenshot   Esc quit");
 }
 
 }  // namespace
@@ -154,6 +167,8 @@ bool Panel::wantsMouse() const { return ImGui::GetIO().WantCaptureMouse; }
 bool Panel::wantsKeyboard() const { return ImGui::GetIO().WantCaptureKeyboard; }
 
 void Panel::draw(const PanelContent& content) {
+  frames_ms_[next_frame_] = static_cast<float>(content.frame_ms);
+  next_frame_ = (next_frame_ + 1) % kFramesShown;
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
@@ -167,6 +182,7 @@ void Panel::draw(const PanelContent& content) {
       drawWaiting(content);
     } else if (content.visible) {
       drawFigures(content);
+      drawFrameTimes(frames_ms_, next_frame_);
       if (!content.legend.empty()) drawLegend(content);
       if (!content.pick.empty()) drawPick(content);
     }

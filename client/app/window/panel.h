@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -49,6 +51,11 @@ class Panel {
   void draw(const PanelContent& content);
   bool wantsMouse() const;
   bool wantsKeyboard() const;
+
+ private:
+  static constexpr size_t kFramesShown = 120;
+  std::array<float, kFramesShown> frames_ms_{};  ///< a ring
+  size_t next_frame_ = 0;
 };
 
 }  // namespace lode::app

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <fstream>
 
 #include "client/app/cli/first_camera.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
-#include "client/core/camera_path.h"
+#include "client/core/camera_path_writer.h"
 #include "client/render/image.h"
 #include "client/render/memory_shares.h"
 #include "common/error.h"
@@ -35,13 +36,13 @@ stream::StreamOptions streamOptions(const CommonOptions& common) {
   return options;
 }
 
-std::string screenshotName() {
+std::string timedName(const std::string& ending) {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
   localtime_r(&now, &local);
   char name[64];
-  std::strftime(name, sizeof name, "lodestream-%Y%m%d-%H%M%S.png", &local);
-  return name;
+  std::strftime(name, sizeof name, "lodestream-%Y%m%d-%H%M%S.", &local);
+  return name + ending;
 }
 
 }  // namespace
@@ -96,6 +97,7 @@ void Viewer::frame() {
     const core::View before = rig_->view();
     rig_->apply(input, std::min(seconds, kLongestStepS));
     moved_ = rig_->view() != before || rig_->underWay();
+    record(input);
     controlFrameRate(seconds);
     stream();
   }
@@ -185,6 +187,22 @@ void Viewer::pick(const Input& input) {
   else
     rig_->turnAbout(hit->position_model);
   if (input.clicked && !input.double_clicked) picks_.add(*hit, *model_);
+}
+
+void Viewer::record(const Input& input) {
+  recorder_.see(secondsSince(started_), rig_->view(), rig_->distanceModel(), model_->lattice.origin);
+  if (!input.record) return;
+  if (!recorder_.recording()) {
+    recorder_.start();
+    note("recording the camera; P ends it");
+    return;
+  }
+  const std::optional<core::CameraPath> path = recorder_.finish();
+  if (!path) return;
+  const std::string file = timedName("json");
+  std::ofstream stream(file, std::ios::binary);
+  stream << core::writeCameraPath(*path) << std::flush;
+  note(stream ? "saved " + file + ", for render --frames and replay" : file + " cannot be written");
 }
 
 void Viewer::controlFrameRate(double seconds) {
@@ -281,7 +299,7 @@ void Viewer::saveScreenshots() {
   }
   if (!picture_wanted_ || frames_to_draw_ > 0) return;  // the panel has not settled
   picture_wanted_ = false;
-  const std::string file = screenshotName();
+  const std::string file = timedName("png");
   try {
     render::writePng(file, window_.readBack());
     note("saved " + file);

@@ -11,6 +11,7 @@
 #include "client/app/window/look_options.h"
 #include "client/app/window/model_opener.h"
 #include "client/app/window/panel.h"
+#include "client/app/window/path_recorder.h"
 #include "client/app/window/picks.h"
 #include "client/core/cut_probe.h"
 #include "client/render/frame_rate_control.h"
@@ -47,6 +48,7 @@ class Viewer {
   void obey(const Input& input);
   void toggleWireframe();
   void pick(const Input& input);
+  void record(const Input& input);
   std::optional<core::Hit> under(const Input& input);
   void controlFrameRate(double seconds);
   void stream();
@@ -84,6 +86,7 @@ class Viewer {
 
   std::optional<core::CutProbe> probe_;  ///< of the cut last clicked on
   Picks picks_;
+  PathRecorder recorder_;
   stream::StreamStatus status_;
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe
