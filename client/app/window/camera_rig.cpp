@@ -58,9 +58,22 @@ void CameraRig::turnUp() {
   startAt(core::framingCamera(model_, framing_));
 }
 
+void CameraRig::useBookmark(size_t number, bool set) {
+  std::optional<Bookmark>& bookmark = bookmarks_[number - 1];
+  if (set) bookmark = {view_, orbit_.distanceModel(), up_};
+  if (set || !bookmark) return;
+  up_ = bookmark->up;
+  core::View view = bookmark->view;
+  view.width_px = view_.width_px;  // the window may have another size by now
+  view.height_px = view_.height_px;
+  view_ = view;
+  restart(view, bookmark->distance_model);
+}
+
 void CameraRig::apply(const Input& input, double seconds) {
   if (input.reset_camera) restart(start_, start_distance_model_);
   if (input.next_axis) turnUp();
+  if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
   if (input.toggle_camera) {
     restart(view_, orbit_.distanceModel());
     flying_ = !flying_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include <glm/glm.hpp>
@@ -39,6 +40,7 @@ class CameraRig {
   void startAt(const core::CameraPath& path);
   void restart(const core::View& from, double distance_model);
   void turnUp();
+  void useBookmark(size_t number, bool set);
 
   const ModelSummary& model_;
   core::Framing framing_;
@@ -47,6 +49,12 @@ class CameraRig {
   double start_distance_model_ = 0;
   glm::dvec3 up_{0, 1, 0};
   bool flying_ = false;
+  struct Bookmark {
+    core::View view;
+    double distance_model;
+    glm::dvec3 up;
+  };
+  std::array<std::optional<Bookmark>, 9> bookmarks_;
   render::OrbitCamera orbit_{core::View{}, 1, {0, 1, 0}};
   render::FlyCamera fly_{core::View{}, 1, {0, 1, 0}};
 };

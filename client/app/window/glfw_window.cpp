@@ -29,7 +29,7 @@ struct GlfwWindow::Callbacks {
     return *static_cast<GlfwWindow*>(glfwGetWindowUserPointer(window));
   }
   static void key(GLFWwindow* window, int key, int, int action, int modifiers) {
-    if (action == GLFW_PRESS) of(window).pressKey(key, (modifiers & GLFW_MOD_SHIFT) != 0);
+    if (action == GLFW_PRESS) of(window).pressKey(key, modifiers);
   }
   static void pointer(GLFWwindow* window, double x, double y) { of(window).moveTo({x, y}); }
   static void button(GLFWwindow* window, int button, int action, int) {
@@ -109,7 +109,11 @@ void GlfwWindow::handleEvents(double wait_s) {
   handled_s_ = glfwGetTime();
 }
 
-void GlfwWindow::pressKey(int key, bool is_shifted) {
+void GlfwWindow::pressKey(int key, int modifiers) {
+  if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) {
+    pending_.bookmark = key - GLFW_KEY_1 + 1;
+    pending_.set_bookmark = (modifiers & GLFW_MOD_CONTROL) != 0;
+  }
   switch (key) {
     case GLFW_KEY_TAB:
       pending_.toggle_camera = true;
@@ -124,7 +128,7 @@ void GlfwWindow::pressKey(int key, bool is_shifted) {
       pending_.toggle_wireframe = true;
       break;
     case GLFW_KEY_V:
-      pending_.next_show += is_shifted ? -1 : 1;
+      pending_.next_show += (modifiers & GLFW_MOD_SHIFT) != 0 ? -1 : 1;
       break;
     case GLFW_KEY_H:
       pending_.toggle_panel = true;

@@ -39,7 +39,7 @@ class GlfwWindow {
 
  private:
   struct Callbacks;
-  void pressKey(int key, bool is_shifted);
+  void pressKey(int key, int modifiers);
   void moveTo(glm::dvec2 position);
   void pressButton(int button, bool is_down);
   render::FlyKeys heldKeys() const;

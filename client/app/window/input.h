@@ -20,8 +20,10 @@ struct Input {
   // Keys pressed once.
   bool toggle_camera = false, reset_camera = false, next_axis = false;
   bool toggle_wireframe = false, toggle_panel = false;
-  int next_show = 0;  ///< steps among what can be shown, negative for back
-  int finer = 0;      ///< steps of the threshold, negative for coarser
+  int bookmark = 0;           ///< 1 to 9: go there,
+  bool set_bookmark = false;  ///< or put it here
+  int next_show = 0;          ///< steps among what can be shown, negative for back
+  int finer = 0;              ///< steps of the threshold, negative for coarser
   bool screenshot = false, copy = false, record = false, quit = false;
 
   bool damaged = false;  ///< the window's picture is gone: the system's doing, not the user's
@@ -29,8 +31,8 @@ struct Input {
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || toggle_camera || reset_camera || next_axis ||
-           toggle_wireframe || toggle_panel || next_show != 0 || finer != 0 || screenshot || copy || record ||
-           pressed || clicked || quit;
+           toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 || finer != 0 || screenshot ||
+           copy || record || pressed || clicked || quit;
   }
 };
 

@@ -136,6 +136,7 @@ void drawHelp(bool flying) {
                      "R reset   U up axis   + - threshold\n"
                      "V views   F wireframe   H this panel\n"
                      "C copy what was clicked   P record camera\n"
+                     "1 to 9 go to a bookmark, Ctrl 1 to 9 set it\n"
                      "F12 screenshot   Esc quit");
 }
 

@@ -128,6 +128,8 @@ void Viewer::obey(const Input& input) {
         static_cast<int>(style_.show) + input.next_show % render::kShowCount + render::kShowCount;
     style_.show = static_cast<render::Show>(next % render::kShowCount);
   }
+  if (input.bookmark != 0 && input.set_bookmark)
+    note("bookmark " + std::to_string(input.bookmark) + " is here");
   if (input.toggle_panel) content_.visible = !content_.visible;
   if (input.screenshot) picture_wanted_ = true;
   if (input.finer != 0) {
@@ -152,7 +154,8 @@ void Viewer::openWhenReady() {
   const ModelSummary& model = *progress.model;
   renderer_.setLatticeStep(model.lattice.step);
   core::Framing framing = progress.framing;
-  framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
+  if (window_.heightPx() > 0)  // not minimized
+    framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
   rig_.emplace(model, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   streamer_ = progress.streamer;
   model_ = progress.model;
