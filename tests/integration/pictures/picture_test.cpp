@@ -72,6 +72,48 @@ TEST(Render, drawsTheFinestAndSaysThatItIsNotConvergedWhereTheLatticeIsSeen) {
   EXPECT_EQ(Json::parse(coarse.out, nullptr, false)["converged"], true);
 }
 
+TEST(Render, tellsWhatTheColoursMeanThatItWasAskedToShow) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  const Outcome outcome =
+      lodestream({"render", store, "--show", "rungs", "--json", "--size", "64x48", "-o", folder / "a.png"});
+  if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json legend = Json::parse(outcome.out, nullptr, false)["legend"];
+  ASSERT_FALSE(legend.empty());
+  EXPECT_EQ(legend[0]["meaning"].get<std::string>().substr(0, 5), "rung ");
+  EXPECT_EQ(legend[0]["colour"].get<std::string>().substr(0, 1), "#");
+}
+
+TEST(Render, refusesWhatItCannotShowAndTwoThingsThatSayWhereTheCameraIs) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  writeBytes(folder / "c.json", R"({"keys": [{"t": 0, "eye": [0, 0, 5], "target": [0, 0, 0]}]})");
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--show", "nothing"},
+                                                {"--up", "north"},
+                                                {"--unlit", "--show", "rungs"},
+                                                {"--up", "z", "--camera", folder / "c.json"}}) {
+    std::vector<std::string> arguments{"render", store, "-o", folder / "a.png"};
+    arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+    const Outcome outcome = lodestream(arguments);
+    if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+    EXPECT_EQ(outcome.status, 2) << wrong[0] << ": " << outcome.err;
+    expectOneLine(outcome.err);
+  }
+}
+
+TEST(Render, looksFromAnotherSideWithAnotherAxisUp) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  for (const char* up : {"y", "z"}) {
+    const Outcome outcome = lodestream(
+        {"render", store, "--up", up, "--size", "64x48", "-o", folder / (std::string(up) + ".png")});
+    if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  EXPECT_NE(Picture(folder / "y.png").pixels, Picture(folder / "z.png").pixels);
+}
+
 TEST(Window, showsAModelUnderAVirtualDisplay) {
   const Model& painted = models()[2];
   LODE_REQUIRE_MODEL(painted);
