@@ -52,7 +52,8 @@ void CameraRig::restart(const core::View& from, double distance_model) {
 void CameraRig::turnUp() {
   constexpr std::array<glm::dvec3, 6> kTurns{glm::dvec3{0, 1, 0}, {0, 0, 1},  {1, 0, 0},
                                              {0, -1, 0},          {0, 0, -1}, {-1, 0, 0}};
-  const auto now = std::ranges::find(kTurns, up_);
+  // After a guess comes the other axis that is likely.
+  const auto now = !framing_.up && up_ == kTurns[1] ? kTurns.end() - 1 : std::ranges::find(kTurns, up_);
   framing_.up = kTurns[static_cast<size_t>(now - kTurns.begin() + 1) % kTurns.size()];
   framing_.aspect = static_cast<double>(view_.width_px) / std::max(1u, view_.height_px);
   startAt(core::framingCamera(model_, framing_));
