@@ -16,7 +16,7 @@ namespace lode::core {
 struct CutPart {
   NodeKey node;
   uint32_t rung = 0;
-  bool visible = true;  ///< false: outside the view, held for completeness
+  bool visible = true;  ///< false: outside the view, held for completeness or as a fallback
   float error_px = 0;   ///< projected error at refinement
   std::shared_ptr<const Mesh> mesh;
 };
@@ -28,14 +28,31 @@ struct ResidentTile {
   std::shared_ptr<const TileImage> image;
 };
 
-/// What covers the model exactly once (design: cut), in key order; published by the refiner, immutable, read
-/// by the renderer on another thread. Parts without triangles are left out, and until it has settled parts
-/// that cannot be seen from the view, nor if it turned a little.
+/// A place where a cut has no part yet.
+struct LeftOut {
+  NodeKey node;
+  ModelBox box;
+};
+
+/// A part above places that are left out: to be drawn instead of the cut's parts below it as soon as a camera
+/// sees one of those places. See shown_parts.h.
+struct Fallback {
+  CutPart part;
+  uint32_t first_part = 0, end_part = 0;          ///< those of the cut below it
+  uint32_t first_left_out = 0, end_left_out = 0;  ///< what it is for: no other fallback is nearer
+  uint32_t first_nested = 0;                      ///< fallbacks below it: from here up to itself
+};
+
+/// What covers the model exactly once (design: cut), depth first, by octant; published by the refiner,
+/// immutable, read by the renderer on another thread. Parts without triangles are left out, and until it has
+/// settled parts that cannot be seen from the view, nor if it turned a little: shownParts() says what to draw
+/// for a camera that is elsewhere meanwhile.
 struct Cut {
   View view;               ///< for which it was refined,
   float threshold_px = 1;  ///< and down to which error
   std::vector<CutPart> parts;
-  std::vector<ModelBox> left_out;  ///< parts that are not there: none in the view
+  std::vector<LeftOut> left_out;    ///< parts that are not there: none in the view, a fallback for each
+  std::vector<Fallback> fallbacks;  ///< depth first, each after those below it
   uint64_t triangles = 0;
   uint64_t blob_bytes = 0;  ///< of the blobs that it is made of
   float max_error_px = 0;   ///< of the visible parts

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/core/shown_parts.h"
+
 namespace lode::core {
 namespace {
 
@@ -87,8 +89,8 @@ void Instance::dress(Cut& cut, Model& model) {
   const double step = model.summary().lattice.step;
   const std::shared_ptr<const TextureSet>& set = textures.set();
   std::vector<TexturedPart> parts;
-  for (const CutPart& part : cut.parts) {
-    if (!set) break;
+  for (size_t number = 0; set && number < partCount(cut); ++number) {
+    const CutPart& part = partOf(cut, number);
     const MeshKey key{part.node, part.rung};
     if (model.meshes().footprint(key) == nullptr)  // decoded before the set was there
       model.meshes().setFootprint(

@@ -1,7 +1,6 @@
 #include "client/core/refiner.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <tuple>
 
@@ -27,10 +26,14 @@ class Run {
         options_(options),
         seen_(seen),
         want_(hierarchy, lattice.step, attributes, view, options, held),
+        may_leave_out_(cache.rungsOf(kRootKey).any()),
         cut_(std::make_shared<Cut>()) {
     cut_->view = view;
     cut_->threshold_px = options.threshold_px;
-    for (WantedNode& wanted : want_.nodes()) wanted.resident = &cache_.rungsOf(wanted.node->key);
+    for (WantedNode& wanted : want_.nodes()) {
+      wanted.resident = &cache_.rungsOf(wanted.node->key);
+      wanted.near |= !may_leave_out_;
+    }
   }
 
   Refinement refine() {
@@ -66,6 +69,7 @@ class Run {
     WantedNode place = want_.place(node);
     place.resident = &cache_.rungsOf(node.key);
     place.rung = 0;
+    place.near |= !may_leave_out_;
     return place;
   }
 
@@ -121,8 +125,35 @@ class Run {
   /// A part that is not there and cannot be seen holds up nothing; it comes after all that is seen.
   void leaveOut(const WantedNode& wanted) {
     whole_ = false;
-    cut_->left_out.push_back(toModelBox(wanted.node->box, step_));
+    lacking_.push_back({wanted.node->key, toModelBox(wanted.node->box, step_)});
     wishFor(wanted, 0);
+  }
+
+  // ---- what is shown instead where a camera sees what is left out
+
+  /// How far the cut was when a node's children began.
+  struct Progress {
+    size_t parts, lacking, fallbacks;
+  };
+  Progress progress() const { return {cut_->parts.size(), lacking_.size(), cut_->fallbacks.size()}; }
+
+  /// Makes a node whose children are shown the fallback for what they leave out.
+  void standBy(const WantedNode& wanted, const Progress& before) {
+    if (lacking_.size() == before.lacking || !wanted.resident->any()) return;
+    if (!options_.finer_stand_ins && wanted.node->key != kRootKey) return;
+    const uint32_t rung = options_.finer_stand_ins ? wanted.resident->finest() : wanted.resident->coarsest();
+    in_use_.push_back({wanted.node->key, rung});
+    Fallback fallback;
+    fallback.part = {wanted.node->key, rung, false, want_.errorPx(wanted, rung), wanted.resident->mesh(rung)};
+    fallback.first_part = static_cast<uint32_t>(before.parts);
+    fallback.end_part = static_cast<uint32_t>(cut_->parts.size());
+    fallback.first_left_out = static_cast<uint32_t>(cut_->left_out.size());
+    const auto first = lacking_.begin() + static_cast<std::ptrdiff_t>(before.lacking);
+    cut_->left_out.insert(cut_->left_out.end(), first, lacking_.end());
+    lacking_.erase(first, lacking_.end());
+    fallback.end_left_out = static_cast<uint32_t>(cut_->left_out.size());
+    fallback.first_nested = static_cast<uint32_t>(before.fallbacks);
+    cut_->fallbacks.push_back(std::move(fallback));
   }
 
   /// Asks for the wanted rung of a part. @param shown_px  error of what stands in for it.
@@ -135,8 +166,9 @@ class Run {
     if (childrenCovered(wanted)) {
       for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
         if (wanted.resident->has(rung)) ancestors_.push_back({node.key, rung});
+      const Progress before = progress();
       for (WantedNode& child : want_.children(wanted)) show(child);
-      return;
+      return standBy(wanted, before);
     }
     uint32_t rung = finestShown(wanted);
     while (!ready(wanted, rung)) ++rung;
@@ -147,7 +179,6 @@ class Run {
 
   /// Shows the wanted rung of a part or what stands in for it: a finer rung, finer nodes, a coarser rung.
   void showPart(WantedNode& part) {
-    const KnownNode& node = *part.node;
     const uint32_t wanted = part.rung;
     if (ready(part, wanted)) return emit(part, wanted);
     (part.near ? exact_ : whole_) = false;
@@ -160,7 +191,9 @@ class Run {
     }
     if (part.near && childrenCovered(part)) {
       if (!is_blocked) wishFor(part, want_.errorPx(part, wanted));
-      return showFinerChildren(node);
+      const Progress before = progress();
+      showFinerChildren(*part.node);
+      return standBy(part, before);
     }
     uint32_t rung = wanted + 1;
     while (!ready(part, rung)) ++rung;
@@ -179,7 +212,7 @@ class Run {
     for (uint32_t rung = WantedCut::lastRung(node) + 1; rung-- > 0;)
       if (ready(place, rung)) return emit(place, rung);
     if (place.near) return showFinerChildren(node);
-    cut_->left_out.push_back(toModelBox(node.box, step_));
+    lacking_.push_back({node.key, toModelBox(node.box, step_)});
   }
 
   void emit(const WantedNode& part, uint32_t rung) {
@@ -187,11 +220,11 @@ class Run {
     if (shown.triangles == 0) return;
     const MeshKey key{part.node->key, rung};
     in_use_.push_back(key);
-    std::vector<CutPart>& parts = parts_at_[static_cast<size_t>(key.node.depth())];
-    parts.push_back({key.node, rung, part.visible, want_.errorPx(part, rung), part.resident->mesh(rung)});
+    const float error_px = want_.errorPx(part, rung);
+    cut_->parts.push_back({key.node, rung, part.visible, error_px, part.resident->mesh(rung)});
     cut_->triangles += shown.triangles;
     cut_->blob_bytes += shown.payload.bytes;
-    if (part.visible) cut_->max_error_px = std::max(cut_->max_error_px, parts.back().error_px);
+    if (part.visible) cut_->max_error_px = std::max(cut_->max_error_px, error_px);
   }
 
   // ---- the wishes
@@ -257,16 +290,7 @@ class Run {
                        is_stand_in});
   }
 
-  /// In key order: the coarser before the finer, and within a depth as they were met.
-  void collectParts() {
-    size_t count = 0;
-    for (const auto& parts : parts_at_) count += parts.size();
-    cut_->parts.reserve(count);
-    for (auto& parts : parts_at_) std::ranges::move(parts, std::back_inserter(cut_->parts));
-  }
-
   Refinement finish(bool has_cut) {
-    collectParts();
     std::sort(wanted_.begin(), wanted_.end(), [](const Wish& a, const Wish& b) {
       if (a.wish_class != b.wish_class) return a.wish_class < b.wish_class;
       if (a.priority_px != b.priority_px) return a.priority_px > b.priority_px;
@@ -291,12 +315,13 @@ class Run {
   const RefineOptions& options_;
   const SeenPlaces* const seen_;
   WantedCut want_;
+  const bool may_leave_out_;  // the root stands by for what is left out
 
   std::shared_ptr<Cut> cut_;
-  std::array<std::vector<CutPart>, kMaxDepth + 1> parts_at_;  // by depth
-  bool exact_ = true;          // near the view the published cut is the wanted one
-  bool whole_ = true;          // and elsewhere, with nothing left out
-  bool below_hidden_ = false;  // what is asked for is at or below a hidden node
+  std::vector<LeftOut> lacking_;  // left out, and no fallback yet
+  bool exact_ = true;             // near the view the published cut is the wanted one
+  bool whole_ = true;             // and elsewhere, with nothing left out
+  bool below_hidden_ = false;     // what is asked for is at or below a hidden node
   std::vector<Wish> wanted_;
   std::vector<MeshKey> in_use_, ancestors_;
   std::vector<NodeKey> pages_;  // that only stand-ins need

@@ -15,9 +15,9 @@
 namespace lode::core {
 
 struct Refinement {
-  std::shared_ptr<Cut> cut;        ///< without its textures; null while nothing covers the model yet
-  std::vector<Wish> wanted;        ///< pages and payloads, not resident; best first
-  std::vector<MeshKey> in_use;     ///< resident: the cut's meshes, and those that wait for their siblings
+  std::shared_ptr<Cut> cut;     ///< without its textures; null while nothing covers the model yet
+  std::vector<Wish> wanted;     ///< pages and payloads, not resident; best first
+  std::vector<MeshKey> in_use;  ///< resident: the cut's meshes, its fallbacks', and what waits for siblings
   std::vector<MeshKey> ancestors;  ///< resident: coarser stand-ins for the cut
   std::vector<NodeKey> pages;      ///< owners of those that the wanted cut and the published one go through
   std::vector<HeldNode> held;      ///< for the next refinement, where it is to have hysteresis
@@ -33,8 +33,8 @@ struct Refinement {
 /// What is wanted: see WantedCut. The published cut is the wanted one where it is resident. Elsewhere a finer
 /// stand-in is kept if it covers the place, else a coarser one: a node gives way to its children only when
 /// every child is covered that is in the view or in a margin around it. Of the others those that are missing
-/// are left out of the cut, and wished for in the margin class, coarsest first; where one comes into view the
-/// ancestor is shown again.
+/// are left out of the cut, and wished for in the margin class, coarsest first; the nearest ancestor that is
+/// resident is their fallback, and where one comes into view the ancestor is shown again.
 ///
 /// Levels between what is shown and what is wanted are skipped, but for one covering step that costs at most
 /// a twentieth of the bytes of the wanted cut.

@@ -2,10 +2,13 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -19,6 +22,7 @@
 #include "client/app/cli/target.h"
 #include "client/app/cli/wish_trace.h"
 #include "client/app/cli/wish_trace_file.h"
+#include "client/core/shown_parts.h"
 
 namespace lode::app {
 namespace {
@@ -56,7 +60,8 @@ uint64_t peakMemoryBytes() {
 /// What the frames of a path have seen.
 struct Replayed {
   uint64_t frames = 0;
-  uint64_t holes = 0;  ///< parts in the picture with nothing drawn, over all frames
+  uint64_t holes = 0;            ///< parts in the picture with nothing drawn, over all frames
+  uint64_t fallback_frames = 0;  ///< in which an ancestor is drawn for what the cut leaves out
   LatencyHistogram frame;
   std::optional<double> first_image_ms;
   std::array<double, kThresholdsPx.size()> seconds_above{};
@@ -95,18 +100,17 @@ class Replay {
     const Clock::time_point frame_start = Clock::now();
     streamer.setView(view, options_.common.pixels);
     result_.status = streamer.status();
+    const core::Cut* const cut = result_.status.cut.get();
+    const std::vector<uint32_t> shown = cut != nullptr ? shownParts(*cut, view) : std::vector<uint32_t>();
     result_.frame.add(Clock::now() - frame_start);
     ++result_.frames;
     const double now_ms = 1e3 * secondsSince(start_);
-    const core::Cut* const cut = result_.status.cut.get();
     is_current_ = cut != nullptr && cut->view == view;
-    if (cut != nullptr) {
-      if (!result_.first_image_ms) result_.first_image_ms = now_ms;
-      result_.holes += static_cast<uint64_t>(std::ranges::count_if(
-          cut->left_out, [&](const core::ModelBox& box) { return core::boxMayBeVisible(box, view); }));
-    }
+    if (cut != nullptr && !result_.first_image_ms) result_.first_image_ms = now_ms;
+    const float error_px =
+        cut != nullptr ? lookAt(*cut, shown, view) : std::numeric_limits<float>::infinity();
     for (size_t i = 0; i < kThresholdsPx.size(); ++i) {
-      if (cut == nullptr || cut->max_error_px > static_cast<float>(kThresholdsPx[i]))
+      if (error_px > static_cast<float>(kThresholdsPx[i]))
         result_.seconds_above[i] += 1 / options_.fps;
       else if (is_current_ && !result_.reached_ms[i])
         result_.reached_ms[i] = now_ms;
@@ -118,6 +122,16 @@ class Replay {
       result_.converged_ms.reset();
     else if (!result_.converged_ms)
       result_.converged_ms = now_ms;
+  }
+
+  /// At what would be drawn. @return its largest error.
+  float lookAt(const core::Cut& cut, std::span<const uint32_t> shown, const core::View& view) {
+    result_.holes += countHoles(cut, shown, view);
+    float fallback_px = 0;
+    for (const uint32_t number : shown)
+      if (number >= cut.parts.size()) fallback_px = std::max(fallback_px, partOf(cut, number).error_px);
+    if (fallback_px > 0) ++result_.fallback_frames;
+    return std::max(cut.max_error_px, fallback_px);
   }
 
   bool finished() const {
@@ -152,6 +166,7 @@ Json toJson(const Replayed& replayed) {
               {"p99", replayed.frame.percentileMs(0.99)},
               {"max", replayed.frame.maxMs()}}},
             {"holes", replayed.holes},
+            {"fallback_frames", replayed.fallback_frames},
             {"first_image_ms", orNull(replayed.first_image_ms)},
             {"reached_px_ms", byThreshold(replayed.reached_ms, orNull)},
             {"converged_ms", orNull(replayed.converged_ms)},

@@ -123,8 +123,8 @@ TEST_F(Streaming, convergesOnTheNewBuildOfAModelThatIsReplacedAndNeverShowsAHole
   while (!(status.settled && status.cut_build != before.cut_build) && status.failure.empty()) {
     status = streamer.waitForNews(kPatience);
     ASSERT_TRUE(status.cut);
-    for (const core::ModelBox& box : status.cut->left_out)
-      EXPECT_FALSE(core::boxMayBeVisible(box, status.cut->view)) << "a hole";
+    for (const core::LeftOut& place : status.cut->left_out)
+      EXPECT_FALSE(core::boxMayBeVisible(place.box, status.cut->view)) << "a hole";
   }
   EXPECT_EQ(status.failure, "");
   EXPECT_TRUE(status.cut->converged);

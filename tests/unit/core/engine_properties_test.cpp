@@ -1,9 +1,11 @@
 #include <deque>
+#include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "client/core/engine.h"
+#include "client/core/shown_parts.h"
 #include "common/error.h"
 #include "tests/unit/core/scripted_server.h"
 
@@ -18,6 +20,7 @@ class World {
  public:
   World(uint32_t seed, uint64_t memory_budget_bytes, uint32_t payload_bytes_a_triangle = 1)
       : random_(seed),
+        cameras_(seed),
         memory_budget_bytes_(memory_budget_bytes),
         models_{
             SyntheticModel({.seed = seed, .depth = 4, .payload_bytes_a_triangle = payload_bytes_a_triangle})},
@@ -126,14 +129,42 @@ class World {
     return nullptr;
   }
 
-  /// The cut covers what is near its view exactly once, and all of the model when it has settled: of the
-  /// newest build, or while that is not there of an older one.
-  void check() const {
+  /// The cut covers what is near its view exactly once, and all of the model when it has settled; and what is
+  /// shown of it to any other camera, what that one sees: of the newest build, or while that is not there of
+  /// an older one.
+  void check() {
     expectWithinBudget();
     if (!engine_.cut()) return;
+    const Cut& cut = *engine_.cut();
+    std::vector<uint32_t> all(cut.parts.size());
+    std::iota(all.begin(), all.end(), 0u);
+    expectCovered(all, [&](const ModelBox& box) {
+      return engine_.settled() || boxMayBeVisible(box, cut.view, kMarginWidening);
+    });
+    for (int camera = 0; camera < 2; ++camera) {
+      const View view = anyView();
+      expectCovered(shownParts(cut, view), [&](const ModelBox& box) { return boxMayBeVisible(box, view); });
+    }
+  }
+
+  /// Anywhere, looking anywhere.
+  View anyView() {
+    const auto number = [this] { return std::uniform_real_distribution<double>(-1, 1)(cameras_); };
+    const auto vector = [&] { return glm::dvec3(number(), number(), number()); };
+    View view;
+    view.eye_model = SyntheticModel::boxSide() * (0.5 + (cameras_() % 2 == 0 ? 0.5 : 2.0) * vector());
+    view.forward = glm::normalize(vector());
+    view.up = glm::normalize(glm::cross(view.forward, vector()));
+    view.fov_y_rad = 0.8 + 0.7 * number();
+    return view;
+  }
+
+  /// @param isDue  whether a place of the model has to be covered.
+  template <typename IsDue>
+  void expectCovered(std::span<const uint32_t> shown, IsDue&& isDue) const {
     std::string problem;
     for (auto model = models_.rbegin(); model != models_.rend(); ++model)
-      if (problem = problemWith(*model); problem.empty()) return;
+      if (problem = problemWith(*model, shown, isDue); problem.empty()) return;
     ASSERT_EQ(problem, "");
   }
 
@@ -157,9 +188,12 @@ class World {
     return largest;
   }
 
-  std::string problemWith(const SyntheticModel& model) const {
+  template <typename IsDue>
+  std::string problemWith(const SyntheticModel& model, std::span<const uint32_t> numbers,
+                          IsDue&& isDue) const {
     std::set<NodeKey> shown;
-    for (const CutPart& part : engine_.cut()->parts) {
+    for (const uint32_t number : numbers) {
+      const CutPart& part = partOf(*engine_.cut(), number);
       if (!part.mesh) return "node " + std::to_string(part.node.value) + " has no mesh";
       if (!model.nodes().contains(part.node)) return "a node of another build";
       if (!shown.insert(part.node).second)
@@ -172,14 +206,13 @@ class World {
         if (key == kRootKey) break;
       }
       const ModelBox box = toModelBox(model.nodes().at(leaf).box, SyntheticModel::lattice().step);
-      const bool due = engine_.settled() || boxMayBeVisible(box, engine_.cut()->view, kMarginWidening);
-      if (covered > 1 || (covered == 0 && due))
+      if (covered > 1 || (covered == 0 && isDue(box)))
         return "leaf " + std::to_string(leaf.value) + " is covered " + std::to_string(covered) + " times";
     }
     return "";
   }
 
-  std::mt19937 random_;
+  std::mt19937 random_, cameras_;
   TimePoint now_{};
   const uint64_t memory_budget_bytes_;
   std::deque<SyntheticModel> models_;  // builds, the newest last

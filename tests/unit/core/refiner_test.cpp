@@ -1,6 +1,7 @@
 #include "client/core/refiner.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "tests/unit/core/scripted_client.h"
@@ -301,6 +302,69 @@ TEST_P(RefinerOnSeeds, aCameraThatTurnsBeforeTheRestHasComeSeesAWholePicture) {
   }
 }
 
+/// The finest rung of the nearest node above a place that is resident.
+std::optional<MeshKey> nearestAbove(const MeshCache& cache, NodeKey place) {
+  while (place != kRootKey) {
+    place = place.parent();
+    const MeshCache::Rungs& rungs = cache.rungsOf(place);
+    for (uint32_t rung = 0; rung < kMaxRungs; ++rung)
+      if (rungs.has(rung)) return MeshKey{place, rung};
+  }
+  return std::nullopt;
+}
+
+TEST_P(RefinerOnSeeds, holdsForEachPlaceThatItLeavesOutTheNearestAncestorThatIsResident) {
+  Scripted client(model_);
+  client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
+  deliverWhatIsSeen(client, insideView(), 1);
+  const Refinement& now = client.last();
+  size_t held_for = 0;
+  for (const Fallback& fallback : now.cut->fallbacks) {
+    const MeshKey held{fallback.part.node, fallback.part.rung};
+    EXPECT_EQ(fallback.part.mesh, client.cache().find(held));
+    EXPECT_EQ(std::ranges::count(now.in_use, held), 1);
+    EXPECT_LT(fallback.first_left_out, fallback.end_left_out);
+    for (uint32_t place = fallback.first_left_out; place < fallback.end_left_out; ++place, ++held_for)
+      EXPECT_EQ(nearestAbove(client.cache(), now.cut->left_out[place].node), held);
+    for (uint32_t part = 0; part < now.cut->parts.size(); ++part)
+      EXPECT_EQ(held.node.contains(now.cut->parts[part].node),
+                part >= fallback.first_part && part < fallback.end_part);
+  }
+  EXPECT_EQ(held_for, now.cut->left_out.size());
+}
+
+TEST_P(RefinerOnSeeds, holdsTheRootAloneForWhatItLeavesOutWhereMemoryIsShort) {
+  Scripted client(model_);
+  client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
+  deliverWhatIsSeen(client, insideView(), 1);
+  const Refinement& now = client.refineFor(insideView(), {.threshold_px = 1, .finer_stand_ins = false});
+  ASSERT_EQ(now.cut->fallbacks.size(), now.cut->left_out.empty() ? 0u : 1u);
+  if (now.cut->left_out.empty()) return;
+  const Fallback& root = now.cut->fallbacks.front();
+  EXPECT_EQ(root.part.node, kRootKey);
+  EXPECT_EQ(root.part.rung, model_.nodes().at(kRootKey).rungs.size() - 1);
+  EXPECT_EQ(root.end_left_out - root.first_left_out, now.cut->left_out.size());
+  EXPECT_EQ(root.end_part - root.first_part, now.cut->parts.size());
+}
+
+TEST_P(RefinerOnSeeds, leavesNothingOutWhileNothingCouldBeShownInstead) {
+  const Hierarchy hierarchy = model_.hierarchy();
+  MeshCache cache(1ull << 40);  // never gets the root's meshes
+  std::vector<NodeKey> missing;
+  for (const auto& [key, node] : model_.nodes())
+    if (key != kRootKey) missing.push_back(key);
+  std::shuffle(missing.begin(), missing.end(), random_);
+  bool shown = false;
+  for (; !missing.empty(); missing.pop_back()) {
+    cache.insert({missing.back(), 0}, model_.mesh({missing.back(), 0}));
+    const Refinement now = refine(hierarchy, cache, SyntheticModel::lattice(), SyntheticModel::attributes(),
+                                  insideView(), {.threshold_px = 1});
+    shown |= now.cut != nullptr;
+    if (now.cut) expectComplete(model_, *now.cut, true);
+  }
+  EXPECT_TRUE(shown);
+}
+
 TEST(Refiner, refinesOnTheAppearanceErrorToo) {
   HierarchyPage page;
   Node root;
@@ -322,17 +386,18 @@ TEST(Refiner, refinesOnTheAppearanceErrorToo) {
   EXPECT_EQ(sharp.wanted[0].use.mesh.rung, 0u);
 }
 
-TEST(Refiner, publishesPartsInKeyOrderWithTheirMeshes) {
+TEST(Refiner, publishesPartsDepthFirstWithTheirMeshes) {
+  const auto cell = [](NodeKey node) { return node.value << 3 * (kMaxDepth - node.depth()); };  // its first
   const SyntheticModel model({.seed = 6, .empty_chance = 0.2});
   Scripted client(model);
   std::mt19937 random(3);
-  client.converge(closeView(), {.threshold_px = 1}, random, [](const Refinement& now) {
+  client.converge(closeView(), {.threshold_px = 1}, random, [&](const Refinement& now) {
     if (!now.cut) return;
     uint64_t triangles = 0;
     for (size_t i = 0; i < now.cut->parts.size(); ++i) {
       ASSERT_TRUE(now.cut->parts[i].mesh);
       triangles += now.cut->parts[i].mesh->triangles.size();
-      EXPECT_TRUE(i == 0 || now.cut->parts[i - 1].node < now.cut->parts[i].node);
+      EXPECT_TRUE(i == 0 || cell(now.cut->parts[i - 1].node) < cell(now.cut->parts[i].node));
     }
     EXPECT_EQ(triangles, now.cut->triangles);
   });

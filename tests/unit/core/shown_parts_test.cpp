@@ -1,0 +1,71 @@
+#include "client/core/shown_parts.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/core/scripted_client.h"
+
+namespace lode::core {
+namespace {
+
+using namespace test;
+using Numbers = std::vector<uint32_t>;
+
+constexpr NodeKey kNear = kRootKey.child(0), kFar = kRootKey.child(7);
+
+/// Octants 1 and 2 of one child of the root, of which the others are left out, and of another its octant 0
+/// alone.
+class ShownParts : public testing::Test {
+ protected:
+  ShownParts() {
+    for (const NodeKey node : {kNear.child(1), kNear.child(2), kFar.child(0)})
+      cut_.parts.push_back({node, 0, true, 1, nullptr});
+    cut_.left_out = {{kNear.child(3), boxAt({1000, 0, 0})}, {kRootKey.child(6), boxAt({0, 1000, 0})}};
+    cut_.fallbacks = {{{kNear, 0, false, 2, nullptr}, 0, 2, 0, 1, 0},
+                      {{kRootKey, 0, false, 4, nullptr}, 0, 3, 1, 2, 0}};
+  }
+
+  static ModelBox boxAt(glm::dvec3 corner) { return {corner, corner + 10.0}; }
+
+  Numbers shownTo(const View& view) const { return shownParts(cut_, view); }
+
+  static constexpr uint32_t kNearFallback = 3, kRootFallback = 4;
+  const View nowhere_ = lookingAt({0, 0, 0}, {0, 0, 1000}), at_near_ = lookingAt({0, 0, 0}, {1000, 0, 0}),
+             at_root_ = lookingAt({0, 0, 0}, {0, 1000, 0}),
+             at_both_ = lookingAt({2000, 2000, 0}, {500, 500, 0});
+  Cut cut_;
+};
+
+TEST_F(ShownParts, areTheCutsWhereNothingIsSeenThatItLeavesOut) {
+  EXPECT_EQ(shownTo(nowhere_), (Numbers{0, 1, 2}));
+  EXPECT_EQ(countHoles(cut_, shownTo(nowhere_), nowhere_), 0u);
+}
+
+TEST_F(ShownParts, areTheNearestAncestorForAllOfItsRegionWhereSomethingOfItIsMissing) {
+  EXPECT_EQ(shownTo(at_near_), (Numbers{kNearFallback, 2}));
+  EXPECT_EQ(countHoles(cut_, shownTo(at_near_), at_near_), 0u);
+}
+
+TEST_F(ShownParts, areTheOuterOfTwoAncestorsWhereBothAreNeeded) {
+  EXPECT_EQ(shownTo(at_root_), Numbers{kRootFallback});
+  EXPECT_EQ(shownTo(at_both_), Numbers{kRootFallback});
+  EXPECT_EQ(countHoles(cut_, shownTo(at_both_), at_both_), 0u);
+}
+
+TEST_F(ShownParts, areOneAncestorForARegionOfWhichNothingIsThere) {
+  cut_.parts.erase(cut_.parts.begin(), cut_.parts.begin() + 2);
+  cut_.fallbacks[0].end_part = 0;
+  cut_.fallbacks[1].end_part = 1;
+  EXPECT_EQ(shownTo(at_near_), (Numbers{1, 0}));
+  EXPECT_EQ(shownTo(at_both_), Numbers{2});
+}
+
+TEST_F(ShownParts, leaveHolesThatAreCountedIfTheCutAloneIsDrawn) {
+  const Numbers all{0, 1, 2};
+  EXPECT_EQ(countHoles(cut_, all, nowhere_), 0u);
+  EXPECT_EQ(countHoles(cut_, all, at_near_), 1u);
+  EXPECT_EQ(countHoles(cut_, all, at_both_), 2u);
+  EXPECT_EQ(countHoles(cut_, Numbers{kNearFallback, 2}, at_both_), 1u);
+}
+
+}  // namespace
+}  // namespace lode::core
