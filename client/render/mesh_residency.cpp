@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "client/core/shown_parts.h"
 #include "client/render/gpu_vertex.h"
 
 namespace lode::render {
@@ -57,8 +58,9 @@ bool MeshResidency::begin() {
 }
 
 void MeshResidency::pin(const core::Cut& cut, uint64_t serial) {
-  for (const core::CutPart& part : cut.parts) {
-    if (const auto it = entries_.find(part.mesh); it != entries_.end()) it->second.used_by = serial;
+  for (size_t number = 0; number < partCount(cut); ++number) {
+    const auto it = entries_.find(partOf(cut, number).mesh);
+    if (it != entries_.end()) it->second.used_by = serial;
   }
 }
 
@@ -69,8 +71,8 @@ bool MeshResidency::pinned(const Entry& entry) const noexcept {
 /// @return true if all of the target is on the GPU; false if the allowance ended first or the target was
 /// rejected.
 bool MeshResidency::advance(Allowance& allowance) {
-  for (; next_part_ < target_->parts.size(); ++next_part_) {
-    const core::CutPart& part = target_->parts[next_part_];
+  for (; next_part_ < partCount(*target_); ++next_part_) {
+    const core::CutPart& part = partOf(*target_, next_part_);
     if (!part.mesh || part.mesh->triangles.empty()) continue;
     const auto it = entries_.find(part.mesh);
     Entry* entry = it != entries_.end() ? &it->second : place(part.mesh);
@@ -158,7 +160,8 @@ bool MeshResidency::evictOldest() {
 /// Gives up what is drawn now, so that the target can take its place within the same frame.
 bool MeshResidency::makeRoomForTargetAlone() {
   std::vector<uint64_t> sizes;
-  for (const core::CutPart& part : target_->parts) {
+  for (size_t number = 0; number < partCount(*target_); ++number) {
+    const core::CutPart& part = partOf(*target_, number);
     if (part.mesh && !part.mesh->triangles.empty()) sizes.push_back(gpuBytes(*part.mesh));
   }
   if (!pages_.fitsAfterClear(sizes)) return false;
@@ -183,16 +186,24 @@ void MeshResidency::finish() {
   target_.reset();
   drawn_serial_ = target_serial_;
   drawn_.clear();
-  for (const core::CutPart& part : drawn_cut_->parts) {
+  for (size_t number = 0; number < partCount(*drawn_cut_); ++number) {
+    const core::CutPart& part = partOf(*drawn_cut_, number);
+    DrawItem& item = drawn_.emplace_back();
     const auto it = entries_.find(part.mesh);
-    if (it == entries_.end()) continue;
+    if (it == entries_.end()) continue;  // it has no triangles
     const Entry& entry = it->second;
     const uint32_t vertex_bytes = vertexBytes(part.mesh->attributes);
     const uint32_t base = entry.block.offset_bytes / vertex_bytes;
     const auto vertices = static_cast<uint32_t>(part.mesh->positions.size());
-    drawn_.push_back({entry.block.page, base, (base + vertices) * (vertex_bytes / 4),
-                      static_cast<uint32_t>(part.mesh->triangles.size() * 3), entry.box,
-                      part.mesh->attributes, part.node, part.rung, part.error_px});
+    item = {entry.block.page,
+            base,
+            (base + vertices) * (vertex_bytes / 4),
+            static_cast<uint32_t>(part.mesh->triangles.size() * 3),
+            entry.box,
+            part.mesh->attributes,
+            part.node,
+            part.rung,
+            part.error_px};
   }
   trimTo(options_.spare_bytes);
 }

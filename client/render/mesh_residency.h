@@ -39,9 +39,9 @@ struct DrawItem {
   float error_px = 0;  ///< when the cut was made
 };
 
-/// Which meshes are on the GPU. A cut is drawn when all of it is there, and until then the one before it:
-/// what arrives slowly never leaves a hole. Meshes are known by their shared_ptr's identity and not kept
-/// alive. Used on the thread of its context.
+/// Which meshes are on the GPU. A cut is drawn when all of it is there with its fallbacks, and until then the
+/// one before it: what arrives slowly never leaves a hole, wherever the camera goes. Meshes are known by
+/// their shared_ptr's identity and not kept alive. Used on the thread of its context.
 class MeshResidency {
  public:
   /// @throws Error kIo if there is no memory for uploads.
@@ -59,6 +59,7 @@ class MeshResidency {
   /// Null before the first, and while room is made for one that fits only alone.
   const std::shared_ptr<const core::Cut>& drawnCut() const noexcept { return drawn_cut_; }
   const std::shared_ptr<const core::Cut>& newest() const noexcept { return newest_; }
+  /// By the numbers of core::partOf(): the drawn cut's parts, and what is drawn instead where it lacks some.
   std::span<const DrawItem> drawn() const noexcept { return drawn_; }
   const GpuPages& pages() const noexcept { return pages_; }
   size_t meshCount() const noexcept { return entries_.size(); }
@@ -94,7 +95,7 @@ class MeshResidency {
   StagingRing staging_;
   Entries entries_;
   std::shared_ptr<const core::Cut> newest_, target_, drawn_cut_, rejected_;
-  size_t next_part_ = 0;  ///< of target_
+  size_t next_part_ = 0;  ///< of target_, a number for core::partOf()
   uint64_t serial_ = 0, target_serial_ = 0, drawn_serial_ = 0;
   std::vector<DrawItem> drawn_;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "client/core/shown_parts.h"
+#include "client/core/sight.h"
 #include "client/render/eye.h"
 #include "client/render/gpu_vertex.h"
 #include "client/render/light.h"
@@ -115,14 +117,18 @@ Renderer::DrawState Renderer::stateOf(const DrawItem& item, const DrawStyle& sty
   return {flags | kDrawTinted, glm::u8vec4(colour, 255)};
 }
 
-/// Sorts what is in the picture by page.
+/// Sorts by page what is in the picture of what the drawn cut shows to this camera.
 DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
   DrawCounts counts;
   commands_.resize(meshes_.pages().pageCount());
   for (auto& page : commands_) page.clear();
   states_.clear();
-  for (const DrawItem& item : meshes_.drawn()) {
-    if (!core::boxMayBeVisible(core::toModelBox(item.box, lattice_step_), view)) continue;
+  if (!meshes_.drawnCut()) return counts;
+  const core::Sight sight(view, 1);
+  for (const uint32_t number : core::shownParts(*meshes_.drawnCut(), view)) {
+    const DrawItem& item = meshes_.drawn()[number];
+    if (item.index_count == 0) continue;
+    if (sight.see(core::toModelBox(item.box, lattice_step_)) == core::Seen::kNot) continue;
     commands_[item.page].push_back({item.index_count, 1, item.first_index,
                                     static_cast<int32_t>(item.base_vertex),
                                     static_cast<uint32_t>(states_.size())});
@@ -174,7 +180,8 @@ void Renderer::bindDraws() const {
 }
 
 uint32_t Renderer::drawPages() const {
-  const AttributeSet attributes = meshes_.drawn().front().attributes;  // the model's, of all meshes
+  const auto first_drawn = std::ranges::find_if(meshes_.drawn(), &DrawItem::index_count);
+  const AttributeSet attributes = first_drawn->attributes;  // the model's, of all meshes
   const auto stride = static_cast<GLsizei>(vertexBytes(attributes));
   if (attributes.has(AttributeSet::kTexture)) {
     glEnableVertexArrayAttrib(mesh_array_.get(), kTextureCode);

@@ -36,6 +36,25 @@ TEST_F(Residency, drawsACutOnlyWhenAllOfItIsThere) {
   EXPECT_EQ(residency.drawn().size(), 2u);
 }
 
+TEST_F(Residency, drawsACutOnlyWhenItsFallbacksAreThereTooAndKeepsThem) {
+  MeshResidency residency({.spare_bytes = 0});
+  auto cut = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(1)}));
+  cut->fallbacks.push_back({{kRootKey, 0, false, 0, gridOf(2, 64)}, 0, 1, 0, 0, 0});
+  residency.show(cut);
+  residency.uploadInRenderThread(
+      {.bytes = static_cast<uint32_t>(render::gpuBytes(*cut->parts[0].mesh)), .ms = 1000});
+  EXPECT_FALSE(residency.upToDate());
+  residency.uploadInRenderThread({.wait = true});
+  ASSERT_TRUE(residency.upToDate());
+  EXPECT_EQ(residency.meshCount(), 2u);
+  ASSERT_EQ(residency.drawn().size(), 2u);
+  EXPECT_EQ(residency.drawn()[1].index_count, 3 * cut->fallbacks[0].part.mesh->triangles.size());
+
+  residency.show(cutOf(std::vector{gridOf(3)}));
+  residency.uploadInRenderThread({.bytes = 4000, .ms = 1000});
+  EXPECT_GE(residency.meshCount(), 2u);
+}
+
 TEST_F(Residency, completesACutAlthoughNewerOnesKeepComing) {
   MeshResidency residency({});
   int switched = 0;

@@ -227,6 +227,40 @@ TEST_F(Picture, isTheSameWhicheverSideTheNormalsOfItsVerticesPointTo) {
   EXPECT_LT(off, inside / 50);
 }
 
+TEST_F(Picture, showsTheAncestorForAllOfItsRegionOnceItHasAPlaceThatTheCutLeavesOut) {
+  const glm::u8vec4 red(255, 0, 0, 255), green(0, 255, 0, 255);
+  auto cut = std::make_shared<core::Cut>(*cutOf({squareAt(100, 100, 100, 100, red)}));
+  cut->fallbacks.push_back(
+      {{kRootKey, 0, false, 0, std::make_shared<const Mesh>(squareAt(100, 100, 90, 300, green))},
+       0,
+       1,
+       0,
+       1,
+       0});
+  cut->left_out.push_back({kRootKey.child(7), {{300, 300, 80}, {400, 400, 100}}});
+  render::Renderer renderer;
+  renderer.show(cut);
+  renderer.uploadInRenderThread({.wait = true});
+  const auto countOf = [&](const core::View& view, int channel) {
+    render::DrawStyle style = magentaBehind();
+    style.show = render::Show::kUnlit;
+    const render::Image image = draw(renderer, view, style);
+    int count = 0;
+    for (uint32_t y = 0; y < image.height_px; ++y)
+      for (uint32_t x = 0; x < image.width_px; ++x) {
+        const uint8_t* const pixel = image.pixel(x, y);
+        count += pixel[channel] > 50 && pixel[1 - channel] == 0 && pixel[2] == 0;
+      }
+    return count;
+  };
+  const core::View at_part = lookAt({150, 150, 300}, {150, 150, 100}),
+                   at_gap = lookAt({250, 250, 700}, {250, 250, 100});
+  EXPECT_GT(countOf(at_part, 0), 1000);
+  EXPECT_EQ(countOf(at_part, 1), 0);
+  EXPECT_GT(countOf(at_gap, 1), 1000);
+  EXPECT_EQ(countOf(at_gap, 0), 0);
+}
+
 TEST_F(Picture, ofAnEmptyCutIsTheBackground) {
   const render::Image image = drawMeshes({}, 1, lookAt({0, 0, 10}, {0, 0, 0}));
   EXPECT_TRUE(isMagenta(image.pixel(0, 0)));
