@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "client/core/shown_parts.h"
+#include "client/embed/camera.h"
 #include "client/embed/guard.h"
 #include "client/embed/handles.h"
 #include "client/embed/lodestream.h"
@@ -20,11 +23,21 @@ struct lodestream_mesh {
 namespace lode::embed {
 namespace {
 
+void checkNumber(size_t number, size_t count, const char* what) {
+  if (number >= count)
+    throw Error(ErrorCode::kUsage, "the cut has " + std::to_string(count) + " " + what + ", none of number " +
+                                       std::to_string(number));
+}
+
 template <typename Things>
 const auto& at(const Things& things, size_t number, const char* what) {
-  if (number < things.size()) return things[number];
-  throw Error(ErrorCode::kUsage, "the cut has " + std::to_string(things.size()) + " " + what +
-                                     ", none of number " + std::to_string(number));
+  checkNumber(number, things.size(), what);
+  return things[number];
+}
+
+const core::CutPart& partAt(const core::Cut& cut, size_t number) {
+  checkNumber(number, partCount(cut), "parts and fallbacks");
+  return partOf(cut, number);
 }
 
 template <typename Value>
@@ -90,6 +103,7 @@ void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* inf
   const lode::core::Cut& of = *cut->cut;
   *info = {};
   info->parts = of.parts.size();
+  info->fallbacks = of.fallbacks.size();
   info->tiles = of.tiles.size();
   info->textures = of.textures ? of.textures->textures.size() : 0;
   info->triangles = of.triangles;
@@ -99,7 +113,7 @@ void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* inf
 
 int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part) {
   return guard([&] {
-    const lode::core::CutPart& of = at(cut->cut->parts, number, "parts");
+    const lode::core::CutPart& of = lode::embed::partAt(*cut->cut, number);
     *part = {reinterpret_cast<uintptr_t>(of.mesh.get()),
              of.node.value,
              of.rung,
@@ -109,11 +123,20 @@ int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_par
   });
 }
 
+int lodestream_cut_shown(const lodestream_cut* cut, const lodestream_view* view, size_t* numbers,
+                         size_t* count) {
+  return guard([&] {
+    const std::vector<uint32_t> shown = shownParts(*cut->cut, lode::embed::toView(*view, cut->model));
+    std::copy(shown.begin(), shown.end(), numbers);
+    *count = shown.size();
+  });
+}
+
 lodestream_mesh* lodestream_take_mesh(const lodestream_cut* cut, size_t part, lodestream_arrays* arrays) {
   lodestream_mesh* mesh = nullptr;
   guard([&] {
-    const lode::Mesh& of = *at(cut->cut->parts, part, "parts").mesh;
-    mesh = lode::embed::flatten(of, cut->lattice_step, cut->cut->textures.get()).release();
+    const lode::Mesh& of = *lode::embed::partAt(*cut->cut, part).mesh;
+    mesh = lode::embed::flatten(of, cut->model.lattice.step, cut->cut->textures.get()).release();
     *arrays = lode::embed::arraysOf(*mesh);
   });
   return mesh;

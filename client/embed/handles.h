@@ -3,9 +3,10 @@
 #include <memory>
 
 #include "client/core/cut.h"
+#include "common/model_summary.h"
 
 /// What the C face hands out.
 struct lodestream_cut {
   std::shared_ptr<const lode::core::Cut> cut;
-  double lattice_step = 1;
+  lode::ModelSummary model;
 };

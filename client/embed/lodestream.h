@@ -1,8 +1,8 @@
 /* Lodestream's client for other programs: a model on a server, as the mesh that a camera needs now.
  *
- * Open a model, say where the camera is, step, take the cut: parts whose meshes cover the model, and after
- * each step as fine as has come so far. The library connects, decodes and refines on threads of its own; no
- * function waits for the network, but lodestream_step() as long as it is allowed to. C below; C++ in
+ * Open a model, say where the camera is, step, take the cut: parts whose meshes cover what the camera sees,
+ * and after each step as fine as has come so far. The library connects, decodes and refines on threads of its
+ * own; no function waits for the network, but lodestream_step() as long as it is allowed to. C below; C++ in
  * namespace lodestream at the end.
  *
  * Lengths are the model's unit. Positions of meshes are relative to the model's origin, which keeps them
@@ -63,7 +63,9 @@ typedef struct lodestream_status {
 } lodestream_status;
 
 typedef struct lodestream_cut_info {
-  size_t parts, tiles, textures;
+  size_t parts;
+  size_t fallbacks; /* parts beside the cut, numbered on from its own: see lodestream_cut_shown() */
+  size_t tiles, textures;
   uint64_t triangles;
   float max_error_px; /* of what is seen */
   uint32_t is_converged;
@@ -123,6 +125,11 @@ lodestream_cut* lodestream_take_cut(lodestream_stream* stream);
 void lodestream_release_cut(lodestream_cut* cut);
 void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info);
 int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part);
+/* Which parts to draw for a camera that may have moved on since the cut was made: the cut's own, but where it
+ * sees a place that has not come yet, a fallback for the whole region. numbers has room for parts +
+ * fallbacks. */
+int lodestream_cut_shown(const lodestream_cut* cut, const lodestream_view* view, size_t* numbers,
+                         size_t* count);
 
 /* A part's mesh as flat arrays, made for the caller, to be released. */
 lodestream_mesh* lodestream_take_mesh(const lodestream_cut* cut, size_t part, lodestream_arrays* arrays);
@@ -138,6 +145,7 @@ int lodestream_cut_texture(const lodestream_cut* cut, size_t number, lodestream_
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 /// The same, with objects that release what they hold and exceptions in place of return values.
 namespace lodestream {
@@ -194,6 +202,14 @@ class Cut {
     Part part;
     Error::unless(lodestream_cut_part(handle_.get(), number, &part) != 0);
     return part;
+  }
+  /// Numbers of the parts to draw for a camera that may have moved on since.
+  std::vector<size_t> shown(const View& view) const {
+    std::vector<size_t> numbers(info_.parts + info_.fallbacks);
+    size_t count = 0;
+    Error::unless(lodestream_cut_shown(handle_.get(), &view, numbers.data(), &count) != 0);
+    numbers.resize(count);
+    return numbers;
   }
   Mesh mesh(size_t part) const { return Mesh(handle_.get(), part); }
   Tile tile(size_t number) const {

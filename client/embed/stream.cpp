@@ -1,12 +1,10 @@
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "client/core/camera_path.h"
+#include "client/embed/camera.h"
 #include "client/embed/guard.h"
 #include "client/embed/handles.h"
 #include "client/embed/lodestream.h"
@@ -33,8 +31,6 @@ std::string& lastError() {
   return message;
 }
 
-glm::dvec3 toVector(const double (&values)[3]) { return {values[0], values[1], values[2]}; }
-
 void copyTo(double (&values)[3], const glm::dvec3& vector) {
   for (int axis = 0; axis < 3; ++axis) values[axis] = vector[axis];
 }
@@ -56,22 +52,6 @@ stream::StreamOptions toStreamOptions(const lodestream_options& options) {
   of_stream.connect_timeout = std::chrono::milliseconds(options.connect_timeout_ms);
   of_stream.decode_threads = options.decode_threads;
   return of_stream;
-}
-
-core::CameraPath toPath(const lodestream_view& view) {
-  const auto isFinite = [](const double(&values)[3]) {
-    return std::all_of(std::begin(values), std::end(values),
-                       [](double value) { return std::isfinite(value); });
-  };
-  const bool has_size = std::clamp(view.width_px, 1u, core::kMaxPictureSidePx) == view.width_px &&
-                        std::clamp(view.height_px, 1u, core::kMaxPictureSidePx) == view.height_px;
-  if (!isFinite(view.eye) || !isFinite(view.target) || !isFinite(view.up) || !has_size ||
-      !(view.fov_y_deg >= core::kMinFovDeg && view.fov_y_deg <= core::kMaxFovDeg) || !(view.threshold_px > 0))
-    throw Error(
-        ErrorCode::kUsage,
-        "this is no view: it needs finite vectors, a picture of 1 to 32768 pixels each way, an angle of "
-        "0.01 to 170 degrees and a threshold above 0");
-  return {view.fov_y_deg, {{0, toVector(view.eye), toVector(view.target), toVector(view.up)}}};
 }
 
 lodestream_status toStatus(const stream::StreamStatus& status, const lodestream_stream& stream) {
@@ -158,9 +138,7 @@ int lodestream_describe(lodestream_stream* stream, lodestream_model* model) {
 
 int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view) {
   return guard([&] {
-    const lode::ModelSummary& summary = lode::embed::modelOf(*stream);
-    const lode::core::CameraPath path = lode::embed::toPath(*view);
-    stream->view = toView(path.keys.front(), path.fov_y_deg, view->width_px, view->height_px, summary);
+    stream->view = lode::embed::toView(*view, lode::embed::modelOf(*stream));
     stream->threshold_px = view->threshold_px;
     stream->streamer.setView(*stream->view, view->threshold_px);
   });
@@ -170,8 +148,7 @@ lodestream_cut* lodestream_take_cut(lodestream_stream* stream) {
   lodestream_cut* cut = nullptr;
   guard([&] {
     if (!stream->cut) throw lode::Error(lode::ErrorCode::kUsage, "there is no cut yet: step until has_cut");
-    cut = std::make_unique<lodestream_cut>(
-              lodestream_cut{stream->cut, lode::embed::modelOf(*stream).lattice.step})
+    cut = std::make_unique<lodestream_cut>(lodestream_cut{stream->cut, lode::embed::modelOf(*stream)})
               .release();
   });
   return cut;

@@ -35,19 +35,25 @@ static int is_sound(const lodestream_arrays* mesh) {
   return 1;
 }
 
-static int walk(const lodestream_cut* cut) {
+static int walk(const lodestream_cut* cut, const lodestream_view* view) {
   lodestream_cut_info info;
   lodestream_cut_describe(cut, &info);
+  size_t* numbers = malloc((info.parts + info.fallbacks) * sizeof *numbers);
+  size_t count = 0;
+  int good = numbers != NULL && lodestream_cut_shown(cut, view, numbers, &count);
   uint64_t visible = 0;
-  for (size_t i = 0; i < info.parts; ++i) {
+  for (size_t i = 0; good && i < count; ++i) {
     lodestream_part part;
     lodestream_arrays arrays;
-    lodestream_mesh* mesh = lodestream_take_mesh(cut, i, &arrays);
-    if (mesh == NULL || !lodestream_cut_part(cut, i, &part)) return fail();
+    lodestream_mesh* mesh = lodestream_take_mesh(cut, numbers[i], &arrays);
+    good = mesh != NULL && lodestream_cut_part(cut, numbers[i], &part);
+    if (!good) break;
     if (!is_sound(&arrays)) printf("node %" PRIu64 " is damaged\n", part.node);
     visible += part.is_visible ? part.triangles : 0;
     lodestream_release_mesh(mesh);
   }
+  free(numbers);
+  if (!good) return fail();
   printf("%" PRIu64 " triangles in %zu parts, %" PRIu64 " of them in the picture, off by %.2f pixels at most\n",
          info.triangles, info.parts, visible, (double)info.max_error_px);
   return EXIT_SUCCESS;
@@ -69,7 +75,7 @@ static int run(lodestream_stream* stream) {
   } while (!status.is_settled);
   lodestream_cut* cut = lodestream_take_cut(stream);
   if (cut == NULL) return fail();
-  const int result = walk(cut);
+  const int result = walk(cut, &view);
   lodestream_release_cut(cut);
   printf("%" PRIu64 " bytes received\n", status.received_bytes);
   return result;

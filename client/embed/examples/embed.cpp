@@ -41,10 +41,10 @@ bool isSound(const lodestream::Mesh& mesh) {
 
 int depthOf(uint64_t node) { return (static_cast<int>(std::bit_width(node)) - 1) / 3; }
 
-void walk(const lodestream::Cut& cut) {
+void walk(const lodestream::Cut& cut, const lodestream::View& view) {
   std::map<int, uint64_t> triangles_at;
   uint64_t unseen = 0;
-  for (size_t i = 0; i < cut->parts; ++i) {
+  for (const size_t i : cut.shown(view)) {
     const lodestream::Part part = cut.part(i);
     if (!isSound(cut.mesh(i)))
       std::printf("node %llu is damaged\n", static_cast<unsigned long long>(part.node));
@@ -62,7 +62,8 @@ void run(const char* url) {
   lodestream::Stream stream(url);
   while (!stream.step(1000).is_open) {
   }
-  stream.setView(frame(stream.describe()));
+  const lodestream::View view = frame(stream.describe());
+  stream.setView(view);
 
   // A game would step without waiting, once a frame, and draw what it takes.
   lodestream::Status status{};
@@ -72,7 +73,7 @@ void run(const char* url) {
       std::fprintf(stderr, "%zu parts, %.2f pixels\n", cut->parts, static_cast<double>(cut->max_error_px));
   }
   if (status.has_failed) throw lodestream::Error(lodestream_last_error());
-  walk(stream.takeCut());
+  walk(stream.takeCut(), view);
   std::printf("%llu bytes received\n", static_cast<unsigned long long>(status.received_bytes));
 }
 
