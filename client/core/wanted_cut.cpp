@@ -31,14 +31,28 @@ WantedCut::WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeS
       attributes_(attributes),
       sight_(view, kMarginWidening),
       options_(options),
-      held_(options.hold_factor < 1 ? held : std::span<const HeldNode>()),
-      page_bytes_(hierarchy.rootPageBytes()) {
-  const KnownNode& first = *hierarchy_.root();
+      held_(options.hold_factor < 1 ? held : std::span<const HeldNode>()) {
   nodes_.reserve(kUsualNodes);
-  add(first, false, held_.empty() ? 0 : 1);
-  totals_.add(first.rungs.back(), attributes_);
+  begin();
   refine();
+  if (limited_) {
+    is_best_first_ = true;
+    begin();
+    refine();
+  }
   chooseCovers(root());
+}
+
+void WantedCut::begin() {
+  const KnownNode& first = *hierarchy_.root();
+  nodes_.clear();
+  open_.clear();
+  pages_.clear();
+  page_bytes_ = hierarchy_.rootPageBytes();
+  limited_ = blocked_ = false;
+  totals_ = {};
+  totals_.add(first.rungs.back(), attributes_);
+  add(first, false, held_.empty() ? 0 : 1);
 }
 
 WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
@@ -70,9 +84,18 @@ void WantedCut::enqueue(uint32_t place) {
   const WantedNode& wanted = nodes_[place];
   if (!wanted.visible) return;
   const float error_px = errorPx(wanted, wanted.rung);
-  if (error_px > options_.threshold_px ||
-      (error_px > options_.threshold_px * options_.hold_factor && wasFiner(wanted)))
-    queue_.push({error_px, place, wanted.node->key});
+  const bool is_too_coarse = error_px > options_.threshold_px ||
+                             (error_px > options_.threshold_px * options_.hold_factor && wasFiner(wanted));
+  if (!is_too_coarse) return;
+  open_.push_back({error_px, place, wanted.node->key});
+  if (is_best_first_) std::push_heap(open_.begin(), open_.end());
+}
+
+uint32_t WantedCut::takeNext() {
+  if (is_best_first_) std::pop_heap(open_.begin(), open_.end());
+  const uint32_t place = open_.back().place;
+  open_.pop_back();
+  return place;
 }
 
 bool WantedCut::wasFiner(const WantedNode& wanted) const {
@@ -82,11 +105,8 @@ bool WantedCut::wasFiner(const WantedNode& wanted) const {
 }
 
 void WantedCut::refine() {
-  while (!queue_.empty()) {
-    const uint32_t worst = queue_.top().place;
-    queue_.pop();
-    if (!giveWay(worst)) return;
-  }
+  while (!open_.empty())
+    if (!giveWay(takeNext()) || (limited_ && !is_best_first_)) return;
 }
 
 /// @return false if a budget forbids it.

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <queue>
 #include <span>
 #include <vector>
 
@@ -40,7 +39,8 @@ struct WantedNode {
 /// The cut that a view wants of the known octree, whatever is resident: it starts at the root's coarsest
 /// rung, and the part with the largest projected error gives way to its next finer rung, or from rung 0 to
 /// its children at their coarsest, until no visible part is above the threshold or a budget is reached. Ties
-/// go by node key. Parts outside the view are not refined.
+/// go by node key. Parts outside the view are not refined. Where no budget is reached the order makes no
+/// difference to the cut, so that it is tried first in one that needs no queue.
 class WantedCut {
  public:
   /// @param held  see held(), of the last refinement; used where the options ask for hysteresis.
@@ -85,8 +85,10 @@ class WantedCut {
     bool settled = false;  // a covering step was chosen, or not all of it is known yet
   };
 
+  void begin();
   void add(const KnownNode& node, bool in_sight, uint32_t held);
   void enqueue(uint32_t place);
+  uint32_t takeNext();
   void refine();
   bool wasFiner(const WantedNode& wanted) const;
   bool giveWay(uint32_t place);
@@ -101,7 +103,8 @@ class WantedCut {
   const RefineOptions& options_;
   const std::span<const HeldNode> held_;
   std::vector<WantedNode> nodes_;
-  std::priority_queue<Candidate> queue_;
+  bool is_best_first_ = false;
+  std::vector<Candidate> open_;  // a heap where it goes best first
   Totals totals_;
   uint64_t page_bytes_ = 0;
   std::vector<NodeKey> pages_;
