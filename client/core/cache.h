@@ -39,7 +39,6 @@ class MeshCache {
     bool has(uint32_t rung) const noexcept { return (resident_ >> rung & 1) != 0; }
     bool any() const noexcept { return resident_ != 0; }
     /// Where there is any.
-    uint32_t finest() const noexcept { return static_cast<uint32_t>(std::countr_zero(resident_)); }
     uint32_t coarsest() const noexcept { return static_cast<uint32_t>(std::bit_width(resident_)) - 1; }
     /// @return null if it is not resident.
     std::shared_ptr<const Mesh> mesh(uint32_t rung) const noexcept;

@@ -9,6 +9,8 @@ namespace lode::core {
 namespace {
 
 constexpr uint64_t kFinerRatio = 2;  // of a cut's triangles, from which on it is worth to look anew
+// One in so many bytes of the meshes is for fallbacks: with the wanted cut they fit the GPU's share.
+constexpr uint64_t kFallbackShare = 8;
 
 }  // namespace
 
@@ -53,12 +55,14 @@ bool Instance::refine(Model& model) {
   // Half for the wanted cut, half for the one still shown, so that neither waits for the other.
   options_.hierarchy_budget_bytes = model.hierarchyBudgetBytes();
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
+  options_.fallback_budget_bytes = model.meshes().budgetBytes() / kFallbackShare;
   Refinement refinement = refineWith(model, options_);
   if (refinement.cut && lookAtWhatIsSeen(*refinement.cut, model.summary()))
     refinement = refineWith(model, options_);
   if (!keep(model, refinement)) {
     RefineOptions coarser = options_;
     coarser.finer_stand_ins = false;
+    coarser.fallback_budget_bytes = 0;
     refinement = refineWith(model, coarser);
     keep(model, refinement);
   }

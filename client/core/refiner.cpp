@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include "client/core/wanted_cut.h"
@@ -30,6 +31,8 @@ class Run {
         cut_(std::make_shared<Cut>()) {
     cut_->view = view;
     cut_->threshold_px = options.threshold_px;
+    cut_->parts.reserve(want_.nodes().size());
+    in_use_.reserve(want_.nodes().size());
     for (WantedNode& wanted : want_.nodes()) {
       wanted.resident = &cache_.rungsOf(wanted.node->key);
       wanted.near |= !may_leave_out_;
@@ -137,14 +140,27 @@ class Run {
   };
   Progress progress() const { return {cut_->parts.size(), lacking_.size(), cut_->fallbacks.size()}; }
 
-  /// Makes a node whose children are shown the fallback for what they leave out.
+  /// The finest rung of a node that is resident and for which there is memory; the root's coarsest always.
+  std::optional<uint32_t> fallbackRung(const WantedNode& wanted) const {
+    const MeshCache::Rungs& resident = *wanted.resident;
+    for (uint32_t rung = 0; rung < wanted.node->rungs.size(); ++rung)
+      if (resident.has(rung) &&
+          fallback_bytes_ + meshBytes(*resident.mesh(rung)) <= options_.fallback_budget_bytes)
+        return rung;
+    if (wanted.node->key != kRootKey || !resident.any()) return std::nullopt;
+    return resident.coarsest();
+  }
+
+  /// Makes a node whose children are shown the fallback for what they leave out, or leaves that to one above.
   void standBy(const WantedNode& wanted, const Progress& before) {
-    if (lacking_.size() == before.lacking || !wanted.resident->any()) return;
-    if (!options_.finer_stand_ins && wanted.node->key != kRootKey) return;
-    const uint32_t rung = options_.finer_stand_ins ? wanted.resident->finest() : wanted.resident->coarsest();
-    in_use_.push_back({wanted.node->key, rung});
+    if (lacking_.size() == before.lacking) return;
+    const std::optional<uint32_t> rung = fallbackRung(wanted);
+    if (!rung) return;
+    in_use_.push_back({wanted.node->key, *rung});
     Fallback fallback;
-    fallback.part = {wanted.node->key, rung, false, want_.errorPx(wanted, rung), wanted.resident->mesh(rung)};
+    fallback.part = {wanted.node->key, *rung, false, want_.errorPx(wanted, *rung),
+                     wanted.resident->mesh(*rung)};
+    fallback_bytes_ += meshBytes(*fallback.part.mesh);
     fallback.first_part = static_cast<uint32_t>(before.parts);
     fallback.end_part = static_cast<uint32_t>(cut_->parts.size());
     fallback.first_left_out = static_cast<uint32_t>(cut_->left_out.size());
@@ -319,9 +335,10 @@ class Run {
 
   std::shared_ptr<Cut> cut_;
   std::vector<LeftOut> lacking_;  // left out, and no fallback yet
-  bool exact_ = true;             // near the view the published cut is the wanted one
-  bool whole_ = true;             // and elsewhere, with nothing left out
-  bool below_hidden_ = false;     // what is asked for is at or below a hidden node
+  uint64_t fallback_bytes_ = 0;
+  bool exact_ = true;          // near the view the published cut is the wanted one
+  bool whole_ = true;          // and elsewhere, with nothing left out
+  bool below_hidden_ = false;  // what is asked for is at or below a hidden node
   std::vector<Wish> wanted_;
   std::vector<MeshKey> in_use_, ancestors_;
   std::vector<NodeKey> pages_;  // that only stand-ins need

@@ -34,7 +34,8 @@ struct Refinement {
 /// stand-in is kept if it covers the place, else a coarser one: a node gives way to its children only when
 /// every child is covered that is in the view or in a margin around it. Of the others those that are missing
 /// are left out of the cut, and wished for in the margin class, coarsest first; the nearest ancestor that is
-/// resident is their fallback, and where one comes into view the ancestor is shown again.
+/// resident, as far as memory is for it, is their fallback, and where one comes into view the ancestor is
+/// shown again.
 ///
 /// Levels between what is shown and what is wanted are skipped, but for one covering step that costs at most
 /// a twentieth of the bytes of the wanted cut.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 
+#include "client/core/shown_parts.h"
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core {
@@ -333,18 +334,31 @@ TEST_P(RefinerOnSeeds, holdsForEachPlaceThatItLeavesOutTheNearestAncestorThatIsR
   EXPECT_EQ(held_for, now.cut->left_out.size());
 }
 
-TEST_P(RefinerOnSeeds, holdsTheRootAloneForWhatItLeavesOutWhereMemoryIsShort) {
+TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestRung) {
   Scripted client(model_);
   client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
   deliverWhatIsSeen(client, insideView(), 1);
-  const Refinement& now = client.refineFor(insideView(), {.threshold_px = 1, .finer_stand_ins = false});
-  ASSERT_EQ(now.cut->fallbacks.size(), now.cut->left_out.empty() ? 0u : 1u);
-  if (now.cut->left_out.empty()) return;
-  const Fallback& root = now.cut->fallbacks.front();
-  EXPECT_EQ(root.part.node, kRootKey);
-  EXPECT_EQ(root.part.rung, model_.nodes().at(kRootKey).rungs.size() - 1);
-  EXPECT_EQ(root.end_left_out - root.first_left_out, now.cut->left_out.size());
-  EXPECT_EQ(root.end_part - root.first_part, now.cut->parts.size());
+  const auto bytesOf = [](const Cut& cut) {
+    uint64_t bytes = 0;
+    for (const Fallback& fallback : cut.fallbacks) bytes += meshBytes(*fallback.part.mesh);
+    return bytes;
+  };
+  const MeshKey coarsest{kRootKey, static_cast<uint32_t>(model_.nodes().at(kRootKey).rungs.size()) - 1};
+  const uint64_t coarsest_bytes = meshBytes(*model_.mesh(coarsest));
+  for (uint64_t budget = bytesOf(*client.last().cut); budget > 0; budget /= 2) {
+    const Cut& cut =
+        *client.refineFor(insideView(), {.threshold_px = 1, .fallback_budget_bytes = budget}).cut;
+    EXPECT_LE(bytesOf(cut), budget + coarsest_bytes);
+    ASSERT_FALSE(cut.left_out.empty());
+    EXPECT_EQ(countHoles(cut, shownParts(cut, farView()), farView()), 0u);
+  }
+  const Cut& cut = *client.refineFor(insideView(), {.threshold_px = 1, .fallback_budget_bytes = 0}).cut;
+  ASSERT_EQ(cut.fallbacks.size(), cut.left_out.empty() ? 0u : 1u);
+  if (cut.left_out.empty()) return;
+  const Fallback& root = cut.fallbacks.front();
+  EXPECT_EQ((MeshKey{root.part.node, root.part.rung}), coarsest);
+  EXPECT_EQ(root.end_left_out - root.first_left_out, cut.left_out.size());
+  EXPECT_EQ(root.end_part - root.first_part, cut.parts.size());
 }
 
 TEST_P(RefinerOnSeeds, leavesNothingOutWhileNothingCouldBeShownInstead) {
