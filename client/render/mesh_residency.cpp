@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <functional>
+#include <iterator>
 
 #include "client/core/shown_parts.h"
 #include "client/render/gpu_vertex.h"
@@ -157,19 +159,26 @@ bool MeshResidency::evictOldest() {
   return true;
 }
 
-/// Gives up what is drawn now, so that the target can take its place within the same frame.
+/// Gives up what is drawn now, so that the target can take its place within the same frame: its largest
+/// meshes first, which leaves the fewest gaps.
 bool MeshResidency::makeRoomForTargetAlone() {
-  std::vector<uint64_t> sizes;
+  std::vector<std::shared_ptr<const Mesh>> meshes;
   for (size_t number = 0; number < partCount(*target_); ++number) {
     const core::CutPart& part = partOf(*target_, number);
-    if (part.mesh && !part.mesh->triangles.empty()) sizes.push_back(gpuBytes(*part.mesh));
+    if (part.mesh && !part.mesh->triangles.empty()) meshes.push_back(part.mesh);
   }
+  const auto bytesOf = [](const std::shared_ptr<const Mesh>& mesh) { return gpuBytes(*mesh); };
+  std::ranges::stable_sort(meshes, std::greater(), bytesOf);
+  std::vector<uint64_t> sizes;
+  std::ranges::transform(meshes, std::back_inserter(sizes), bytesOf);
   if (!pages_.fitsAfterClear(sizes)) return false;
   drawn_.clear();
   drawn_cut_.reset();
   drawn_serial_ = 0;
   entries_.clear();
   pages_.clear();
+  for (const std::shared_ptr<const Mesh>& mesh : meshes)
+    if (!entries_.contains(mesh)) place(mesh);
   next_part_ = 0;
   return true;
 }

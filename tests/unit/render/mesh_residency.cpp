@@ -159,6 +159,20 @@ TEST_F(Residency, exchangesWithinOneFrameTwoCutsThatDoNotFitTogether) {
   }
 }
 
+TEST_F(Residency, findsRoomForACutThatFitsOnlyAloneInWhateverOrderItsPartsAre) {
+  const auto small = [](uint32_t seed) { return gridOf(seed, 16); };
+  const auto large = [](uint32_t seed) { return gridOf(seed, 26); };
+  const auto page_bytes =
+      static_cast<uint32_t>(render::gpuBytes(*small(1)) + render::gpuBytes(*large(1)) + 512);
+  MeshResidency residency({.budget_bytes = 2 * page_bytes, .page_bytes = page_bytes});
+  for (const auto& cut :
+       {cutOf(std::vector{large(1), large(2)}), cutOf(std::vector{small(3), small(4), large(5), large(6)})}) {
+    residency.show(cut);
+    residency.uploadInRenderThread({.wait = true});
+    EXPECT_TRUE(residency.upToDate());
+  }
+}
+
 TEST_F(Residency, uploadsAMeshLargerThanTheStagingMemoryInPieces) {
   const auto large = gridOf(1, 100);
   MeshResidency residency({.staging_bytes = 4096});
