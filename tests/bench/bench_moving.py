@@ -11,7 +11,6 @@ BIN_DIR holds both programs, and wan. Server and client run at real-time priorit
 """
 import argparse
 import contextlib
-import functools
 import json
 import math
 import pathlib
@@ -21,7 +20,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 
 from bench_link import DELAY_MS, MBIT_S, PORT, REAL_TIME, await_answer
@@ -32,6 +30,7 @@ from surroundings import long_link  # noqa: E402
 
 SLOW_MBIT_S = 0.16  # 20 KB/s
 LEAP_S = 0.5
+FAULT_S = 4  # after the start
 
 
 def turned(radius, degrees, height=0.2):
@@ -108,10 +107,12 @@ def served(options, folder, **link):
         program, url = options.bin_dir / "lodestream", f"lode://10.9.0.1:{PORT}/{options.store.stem}"
         try:
             await_answer([*far, program, "list", f"lode://10.9.0.1:{PORT}", "--timeout", "5"], server.process)
-            def replay(path, *more):
+            def replay(path, *more, meanwhile=lambda: None):
                 command = [*far, *REAL_TIME, program, "replay", url, "--camera", path, "--cache", "off", "--json", *map(str, more), *options.replay]
-                done = subprocess.run(command, capture_output=True, text=True)
-                return json.loads(done.stdout) if done.stdout else sys.exit(f"{' '.join(map(str, command))}: {done.stderr}")
+                player = start(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                meanwhile()
+                said, complaint = player.communicate()
+                return json.loads(said) if said else sys.exit(f"{' '.join(map(str, command))}: {complaint}")
             yield server, replay
         finally:
             server.close()
@@ -150,17 +151,17 @@ FAULTS = {
 
 
 def measure_faults(options, folder, box):
-    print("| link | fault after 4 s | converged after, s | holes | received, KB | frames with an ancestor | seconds above 2 px |\n| --- | --- | --- | --- | --- | --- | --- |")
+    print("| link | fault | converged after, s | holes | received, KB | frames with an ancestor | seconds above 2 px |\n| --- | --- | --- | --- | --- | --- | --- |")
     path = write_path(pathlib.Path(folder, "walk.json"), box, walks(3, 2, 2))
     good = True
     links = ({"mbit_s": MBIT_S, "loss_percent": 1}, {"mbit_s": SLOW_MBIT_S}, {"mbit_s": SLOW_MBIT_S, "loss_percent": 1})
     for link in links:
         for fault, happen in FAULTS.items():
             with served(options, folder, **link) as (server, replay):
-                timer = threading.Timer(4, functools.partial(happen, server))
-                timer.start()
-                run = replay(path, "--fps", 60, "--timeout", options.seconds)
-                timer.join()
+                def meanwhile():
+                    time.sleep(FAULT_S)
+                    happen(server)
+                run = replay(path, "--fps", 60, "--timeout", options.seconds, meanwhile=meanwhile)
             good &= run["converged"] and run["holes"] == 0
             after = f"{run['converged_ms'] / 1e3:.1f}" if run["converged"] else "**not**"
             print(f"| {link['mbit_s'] * 125:.0f} KB/s, {link.get('loss_percent', 0)} % lost | {fault} | {after} | {run['holes']} | {run['bytes_received'] / 1e3:.0f} "
