@@ -2,8 +2,8 @@
 """Build speed, stage by stage: bench_build.py BIN_DIR [MODEL.ply ...] [--triangles N] [--runs R] [--threads T ...]
 
 Without a model it makes the samples asteroid, gyroid and terrain, of N triangles each. Prints, for each number of threads,
-the medians over R runs: million triangles per CPU second of each stage and of the whole, wall seconds, peak memory, and
-what a stored triangle costs.
+a table of medians over R runs: million triangles a CPU second, of the whole and of each stage, wall seconds, peak memory, and
+what is stored for an input triangle.
 """
 import argparse
 import json
@@ -11,6 +11,8 @@ import pathlib
 import statistics
 import subprocess
 import tempfile
+
+STAGES = ("scan", "dereference", "partition", "simplify", "pack")
 
 
 def main():
@@ -26,9 +28,12 @@ def main():
     daemon = str(options.bin_dir / "lodestreamd")
     with tempfile.TemporaryDirectory() as folder:
         models = options.models or [sample(daemon, kind, options, folder) for kind in options.samples]
-        for model in models:
-            for threads in options.threads:
+        for threads in options.threads:
+            print(f"| {threads} thread{'s' if threads > 1 else ''} | million triangles a CPU second: all | " + " | ".join(STAGES) +
+                  " | wall | peak memory | stored triangles, bytes an input triangle |\n" + "|" + " --- |" * (len(STAGES) + 5))
+            for model in models:
                 report(daemon, model, threads, options.runs, folder)
+            print()
 
 
 def sample(daemon, kind, options, folder):
@@ -50,16 +55,11 @@ def report(daemon, model, threads, runs, folder):
     def median(value):
         return statistics.median(value(result) for result in results)
 
-    print(f"{model.name}: {triangles} triangles, {threads} thread(s), median of {runs}")
-    for index, stage in enumerate(results[0]["stages"]):
-        cpu = median(lambda result: result["stages"][index]["cpu_seconds"])
-        print(f"  {stage['name']:12} {triangles / cpu / 1e6:8.2f} Mtri per CPU second  {cpu:8.2f} CPU s")
-    cpu = median(lambda result: result["cpu_seconds"])
-    print(f"  {'all':12} {triangles / cpu / 1e6:8.2f} Mtri per CPU second  {cpu:8.2f} CPU s, "
-          f"{median(lambda result: result['seconds']):.2f} s, "
-          f"peak {median(lambda result: result['peak_rss_bytes']) / 1e6:.0f} MB")
-    print(f"  {results[0]['stored_triangles'] / triangles:.2f} stored triangles and "
-          f"{results[0]['bytes'] / triangles:.2f} bytes an input triangle")
+    stages = [median(lambda result: result["stages"][index]["cpu_seconds"]) for index in range(len(STAGES))]
+    speeds = " | ".join(f"{triangles / cpu / 1e6:.2f}" for cpu in [median(lambda result: result["cpu_seconds"]), *stages])
+    print(f"| {model.stem}, {triangles} | {speeds} | {median(lambda result: result['seconds']):.1f} s | "
+          f"{median(lambda result: result['peak_rss_bytes']) / 1e6:.0f} MB | {results[0]['stored_triangles'] / triangles:.2f}, "
+          f"{results[0]['bytes'] / triangles:.2f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""What all.py makes of the benches' tables and of the document's."""
+import contextlib
+import importlib.util
+import io
+import pathlib
+import tempfile
+import unittest
+
+spec = importlib.util.spec_from_file_location("bench_all", pathlib.Path(__file__).with_name("all.py"))
+bench_all = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(bench_all)
+
+DOCUMENT = """Text | with a bar.
+
+| model | a node | CPU | memory |
+| --- | --- | --- | --- |
+| bunny | 512 | 10.0 s | **1,200 MB** |
+| bunny | 4096 | 20.0 s | 300 MB |
+
+| model | other |
+| --- | --- |
+| bunny | 7 |
+"""
+
+
+def run(cpu, memory="1,200 MB"):
+    return f"| model | a node | CPU | memory |\n| --- | --- | --- | --- |\n| bunny | 512 | {cpu} s | **{memory}** |\n| bunny | 4096 | 20.1 s | 300 MB |\n"
+
+
+class All(unittest.TestCase):
+    def moved(self, *outputs):
+        (table, cells), = bench_all.merge(outputs)
+        with contextlib.redirect_stdout(io.StringIO()):
+            return [(name, head, now) for name, head, _, now, _ in bench_all.compare(table, cells, bench_all.tables(DOCUMENT))]
+
+    def test_names_a_figure_that_is_not_what_the_document_says(self):
+        self.assertEqual(self.moved(run(12.0), run(12.4), run(12.1)), [(("bunny", "512"), "CPU", "12.1 s")])
+
+    def test_calls_nothing_moved_that_differs_by_less_than_the_runs_do(self):
+        self.assertEqual(self.moved(run(8.0), run(11.0), run(12.4)), [])
+
+    def test_calls_nothing_moved_that_differs_by_less_than_a_twentieth(self):
+        self.assertEqual(self.moved(run(10.4), run(10.4), run(10.4)), [])
+
+    def test_leaves_a_figure_as_precise_as_it_was(self):
+        self.assertEqual(self.moved(run("10.0", "2,345.67 MB"))[0][2], "**2,346 MB**")
+
+    def test_looks_at_no_table_with_other_heads(self):
+        other = run(99.0).replace("CPU", "seconds")
+        self.assertEqual(self.moved(other), [])
+
+    def test_writes_what_has_moved_and_nothing_else(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bench_all.DOCUMENT = pathlib.Path(folder, "benchmarks.md")
+            bench_all.DOCUMENT.write_text(DOCUMENT)
+            (table, cells), = bench_all.merge([run(15.0)])
+            bench_all.write(bench_all.compare(table, cells, bench_all.tables(DOCUMENT)))
+            self.assertEqual(bench_all.DOCUMENT.read_text(), DOCUMENT.replace("10.0 s", "15.0 s"))
+
+
+if __name__ == "__main__":
+    unittest.main()
