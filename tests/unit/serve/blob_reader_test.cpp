@@ -31,7 +31,7 @@ class BlobReaderTest : public testing::Test {
     return hot == ReadResult::kCold ? reader.readCold(range, into) : hot;
   }
 
-  test::TemporaryFolder folder_;
+  test::WorkFolder folder_;
   const fs::path path_ = folder_.path() / "a.lode";
   std::vector<std::string> reports_;
   BlobReaderOptions options_{.look_every = std::chrono::nanoseconds(0),

@@ -12,7 +12,7 @@ namespace lode::serve {
 namespace {
 
 namespace fs = std::filesystem;
-using test::TemporaryFolder;
+using test::WorkFolder;
 using test::writeSmallStore;
 
 class CatalogTest : public testing::Test {
@@ -38,7 +38,7 @@ class CatalogTest : public testing::Test {
     fs::rename(folder_.path() / "new.tmp", store(name));
   }
 
-  TemporaryFolder folder_;
+  WorkFolder folder_;
   std::vector<std::string> reports_;
   BlobReaderOptions options_{.report = [this](std::string_view line) { reports_.emplace_back(line); }};
 };

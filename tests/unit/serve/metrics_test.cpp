@@ -103,7 +103,7 @@ TEST(Metrics, areReadWhileTheyAreCounted) {
 TEST(Metrics, passPromtool) {
   if (std::system("promtool --version >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "promtool is not installed: it comes with Debian's package prometheus";
-  const test::TemporaryFolder folder;
+  const test::WorkFolder folder;
   const auto path = folder.path() / "metrics.txt";
   std::ofstream(path) << busyMetrics().text({});
   EXPECT_EQ(std::system(("promtool check metrics < " + path.string()).c_str()), 0);

@@ -83,7 +83,7 @@ class ServerTest : public testing::Test {
   }
 
   const int quiet_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-  TemporaryFolder folder_;
+  WorkFolder folder_;
   const std::filesystem::path store_ = folder_.path() / "a.lode";
   mutable std::optional<store::Reader> reader_;
   ServeOptions options_;

@@ -6,27 +6,12 @@
 #include <string>
 #include <vector>
 
-#include <unistd.h>
-
 #include "server/store/writer.h"
+#include "tests/support/work_folder.h"
 
 namespace lode::serve::test {
 
-/// A folder of its own, gone at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "lode-serve-XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using lode::test::WorkFolder;
 
 /// Writes a store of a root with eight leaves. A server never looks into payloads, so they are noise from the
 /// seed: the root's rungs of 150,000 and 9,000 bytes, the leaves' of about 40,000.

@@ -123,7 +123,7 @@ TEST(TokenFile, withMoreTokensThanItsLimitIsRefused) {
 }
 
 TEST(TokenFile, isReadFromAFileOfBoundedSize) {
-  const test::TemporaryFolder folder;
+  const test::WorkFolder folder;
   const auto path = folder.path() / "tokens";
   EXPECT_THROW(TokenFile::read(path), Error);
   EXPECT_THROW(TokenFile::read(folder.path()), Error);

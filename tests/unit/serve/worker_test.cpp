@@ -84,7 +84,7 @@ class WorkerTest : public testing::Test {
     const int descriptor = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   };
 
-  TemporaryFolder folder_;
+  WorkFolder folder_;
   const std::filesystem::path store_ = folder_.path() / "a.lode";
   const Quiet quiet_{};
   Log log_{{.descriptor = quiet_.descriptor}};
