@@ -1,13 +1,10 @@
 #include "server/serve/worker.h"
 
-#include <algorithm>
 #include <latch>
-#include <thread>
 
 #include <asio/post.hpp>
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include "server/serve/catalog.h"
@@ -24,14 +21,17 @@ using proto::WishAction;
 using proto::WishClass;
 using namespace std::chrono_literals;
 
-constexpr uint32_t kColdBlob = 5;
+/// Too large to be checked at once: a server leaves it to who may wait for the disk, wherever its bytes are.
+/// (One that is not in the page cache may be there by the time that the system has been asked.)
+constexpr uint32_t kColdBlob = 1;
+constexpr size_t kColdBytes = 300'000;
 
 /// A worker with one connection, and a disk that answers when it is let: the one thread that may wait for it
 /// waits for the test before.
 class WorkerTest : public testing::Test {
  protected:
   WorkerTest() {
-    writeSmallStore(store_);
+    writeSmallStore(store_, 1, kColdBytes);
     catalog_ = openCatalog(std::span(&store_, 1), {.report = [](std::string_view) {}});
     asio::post(disk_, [this] { disk_answers_.wait(); });
     worker_.emplace(Published{{catalog_, nullptr}, nullptr}, log_, tallies_, disk_, budget_, rate_,
@@ -48,27 +48,6 @@ class WorkerTest : public testing::Test {
   void letDiskAnswer() {
     answered_ = true;
     disk_answers_.count_down();
-  }
-  /// Takes the store out of the page cache. @return whether the system does so.
-  bool forgetStore() {
-    const int file = ::open(store_.c_str(), O_RDONLY | O_CLOEXEC);
-    ::fsync(file);
-    bool gone = false;
-    for (int tries = 0; tries < 100 && !gone; ++tries) {  // pages that are just being read stay
-      if (tries > 0) std::this_thread::sleep_for(10ms);
-      ::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
-      gone = !anyResident(file);
-    }
-    ::close(file);
-    return gone;
-  }
-  bool anyResident(int file) const {
-    const size_t bytes = std::filesystem::file_size(store_), page = 4096;
-    std::vector<unsigned char> resident((bytes + page - 1) / page);
-    void* const mapped = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, file, 0);
-    ::mincore(mapped, bytes, resident.data());
-    ::munmap(mapped, bytes);
-    return std::ranges::any_of(resident, [](unsigned char bits) { return (bits & 1) != 0; });
   }
   std::unique_ptr<TestClient> connect() {
     auto client = std::make_unique<TestClient>(acceptor_.local_endpoint().port());
@@ -105,7 +84,6 @@ TEST_F(WorkerTest, aColdReadHoldsUpNoAnswerOfItsConnection) {
   const auto client = connect();
   const proto::Opened opened = client->open("a");
   client->blobs(2);
-  if (!forgetStore()) GTEST_SKIP() << "this file system keeps everything in memory";
   const auto change = [&](WishAction action, uint32_t wish) {
     client->send(proto::Wishes{opened.handle, {{action, WishClass::kVisible, wish, kColdBlob, 1}}});
   };
