@@ -24,7 +24,7 @@ NUMBER = re.compile(r"(?<![\w.])\d[\d,]*(?:\.\d+)?")
 BENCHES = {  # {bin}, {store}: a store of the asteroid of 2 million triangles, {scans}: PLY files
     "build": "bench_build.py {bin} --threads 2 --runs 1",
     "forecast": "bench_forecast.py {bin}",
-    "errors": "bench_errors.py {bin} {scans} --nodes 512 4096 --quick",
+    "errors": "bench_errors.py {bin} {scans} --nodes 512 4096",
     "link": "bench_link.py {bin} {store} --runs 1",
     **{part: "bench_serving.py {bin} " + part
        for part in ("throughput", "tls", "fairness", "clients", "idle", "cold", "latency", "urgent")},
