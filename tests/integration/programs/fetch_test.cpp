@@ -160,6 +160,21 @@ TEST_P(Fetch, receivesAFiftiethAtMostOnASecondVisitAndNothingOffline) {
   EXPECT_TRUE(readBytes(folder_ / "a.ply") == readBytes(folder_ / "c.ply"));
 }
 
+TEST(FetchOffline, waitsForNothingThatTheCacheLacks) {
+  const WorkFolder folder;
+  RunningServer server({makeSmallStore(folder)});
+  const std::string url = server.url("small"), kept = folder / "kept";
+  EXPECT_EQ(lodestream({"fetch", url, "--cache", kept, "--json"}).status, 0);
+  server.stop();
+  std::filesystem::remove_all(folder / "kept/blobs");
+  constexpr double kTimeoutS = 20;
+  const Outcome outcome = lodestream(
+      {"fetch", url, "--cache", kept, "--offline", "--timeout", std::to_string(kTimeoutS), "--json"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("without --offline"), std::string::npos) << outcome.err;
+  EXPECT_LT(Json::parse(outcome.out)["waited_s"]["link"], kTimeoutS / 2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, Fetch, testing::ValuesIn(models()), nameOf);
 
 TEST(FetchOfAFile, servesAStoreByAChildThatEndsWithIt) {
