@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "client/core/shown_parts.h"
+
 namespace lode::core {
 namespace {
 
@@ -65,22 +67,23 @@ Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept {
 }
 
 CutProbe::CutProbe(std::shared_ptr<const Cut> cut, double step) : cut_(std::move(cut)), step_(step) {
-  boxes_.reserve(cut_->parts.size());
-  for (const CutPart& part : cut_->parts) {
-    LatticeBox& box = boxes_.emplace_back();
+  boxes_.resize(partCount(*cut_));
+  for (size_t number = 0; number < boxes_.size(); ++number) {
+    const CutPart& part = partOf(*cut_, number);
     if (!part.mesh) continue;
-    for (const PositionCode code : part.mesh->positions) box.add(unpackPosition(code));
+    for (const PositionCode code : part.mesh->positions) boxes_[number].add(unpackPosition(code));
   }
 }
 
-std::optional<Hit> CutProbe::cast(const Ray& ray) const {
+std::optional<Hit> CutProbe::cast(const Ray& ray, std::span<const uint32_t> shown) const {
   std::optional<Hit> nearest;
   double limit = std::numeric_limits<double>::max();
-  for (size_t i = 0; i < boxes_.size(); ++i) {
-    if (boxes_[i].empty()) continue;
-    const std::optional<double> begin = distanceTo(toModelBox(boxes_[i], step_), ray);
+  for (const uint32_t number : shown) {
+    if (boxes_[number].empty()) continue;
+    const std::optional<double> begin = distanceTo(toModelBox(boxes_[number], step_), ray);
     if (!begin || *begin > limit) continue;
-    const Mesh& mesh = *cut_->parts[i].mesh;
+    const CutPart& part = partOf(*cut_, number);
+    const Mesh& mesh = *part.mesh;
     for (const glm::u32vec3& triangle : mesh.triangles) {
       std::array<glm::dvec3, 3> corners;
       for (int k = 0; k < 3; ++k)
@@ -88,8 +91,8 @@ std::optional<Hit> CutProbe::cast(const Ray& ray) const {
       const std::optional<TriangleHit> met = meet(corners, ray);
       if (!met || met->distance >= limit) continue;
       limit = met->distance;
-      nearest = Hit{&cut_->parts[i], limit, ray.origin_model + limit * ray.direction,
-                    colourAt(mesh, triangle, met->weights)};
+      nearest =
+          Hit{&part, limit, ray.origin_model + limit * ray.direction, colourAt(mesh, triangle, met->weights)};
     }
   }
   return nearest;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -21,7 +23,7 @@ Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept;
 
 /// Where a ray meets a cut first.
 struct Hit {
-  const CutPart* part = nullptr;  ///< of the probed cut
+  const CutPart* part = nullptr;  ///< of the probed cut, or one of its fallbacks
   double distance_model = 0;
   glm::dvec3 position_model{0};
   glm::u8vec4 colour{255};  ///< of the vertices, between them; white where the model has none
@@ -35,12 +37,13 @@ class CutProbe {
 
   const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }
   /// Looks at the triangles of parts whose box the ray meets, from both sides.
-  std::optional<Hit> cast(const Ray& ray) const;
+  /// @param shown  the parts that are drawn: see shownParts().
+  std::optional<Hit> cast(const Ray& ray, std::span<const uint32_t> shown) const;
 
  private:
   std::shared_ptr<const Cut> cut_;
   double step_;
-  std::vector<LatticeBox> boxes_;  ///< by part
+  std::vector<LatticeBox> boxes_;  ///< by the numbers of partOf()
 };
 
 }  // namespace lode::core

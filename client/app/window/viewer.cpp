@@ -9,6 +9,7 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
 #include "client/core/camera_path_writer.h"
+#include "client/core/shown_parts.h"
 #include "client/render/image.h"
 #include "client/render/memory_shares.h"
 #include "common/error.h"
@@ -169,7 +170,7 @@ std::optional<core::Hit> Viewer::under(const Input& input) {
   const auto& cut = renderer_.meshes().drawnCut();
   if (!cut) return std::nullopt;
   if (!probe_ || probe_->cut() != cut) probe_.emplace(cut, model_->lattice.step);
-  return probe_->cast(core::rayThrough(rig_->view(), input.pointer_px));
+  return probe_->cast(core::rayThrough(rig_->view(), input.pointer_px), core::shownParts(*cut, rig_->view()));
 }
 
 void Viewer::pick(const Input& input) {

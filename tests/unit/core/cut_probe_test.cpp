@@ -1,6 +1,8 @@
 #include "client/core/cut_probe.h"
 
+#include <numeric>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -34,31 +36,48 @@ Mesh squareAt(uint32_t z) {
   return mesh;
 }
 
+/// With all of the cut's own parts drawn.
+std::optional<Hit> cast(const CutProbe& probe, const Ray& ray) {
+  std::vector<uint32_t> shown(probe.cut()->parts.size());
+  std::iota(shown.begin(), shown.end(), 0u);
+  return probe.cast(ray, shown);
+}
+
 TEST(CutProbe, findsTheNearestOfSeveralParts) {
   const CutProbe probe(cutOf({squareAt(0), squareAt(512), squareAt(256)}), kStep);
-  const auto hit = probe.cast({{0.5, 0.25, 3}, {0, 0, -1}});
+  const auto hit = cast(probe, {{0.5, 0.25, 3}, {0, 0, -1}});
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->part, &probe.cut()->parts[1]);
   EXPECT_EQ(hit->position_model, glm::dvec3(0.5, 0.25, 0.5));
   EXPECT_EQ(hit->distance_model, 2.5);
 }
 
+TEST(CutProbe, findsAFallbackWhereThatIsDrawnInTheCutsPlace) {
+  auto cut = std::make_shared<Cut>(*cutOf({squareAt(512)}));
+  Fallback& fallback = cut->fallbacks.emplace_back();
+  fallback.part = cutOf({squareAt(256)})->parts[0];
+  const CutProbe probe(cut, kStep);
+  const Ray down{{0.5, 0.25, 3}, {0, 0, -1}};
+  EXPECT_EQ(probe.cast(down, std::vector<uint32_t>{0})->part, &cut->parts[0]);
+  EXPECT_EQ(probe.cast(down, std::vector<uint32_t>{1})->part, &cut->fallbacks[0].part);
+}
+
 TEST(CutProbe, tellsTheColourBetweenTheVertices) {
-  const auto hit = CutProbe(cutOf({squareAt(0)}), kStep).cast({{0.5, 0.25, 3}, {0, 0, -1}});
+  const auto hit = cast(CutProbe(cutOf({squareAt(0)}), kStep), {{0.5, 0.25, 3}, {0, 0, -1}});
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->colour, glm::u8vec4(100, 25, 0, 255));
 }
 
 TEST(CutProbe, seesTrianglesFromBothSidesAndNothingBehindTheEye) {
   const CutProbe probe(cutOf({squareAt(0)}), kStep);
-  EXPECT_TRUE(probe.cast({{0.5, 0.5, -3}, {0, 0, 1}}));
-  EXPECT_FALSE(probe.cast({{0.5, 0.5, -3}, {0, 0, -1}}));
+  EXPECT_TRUE(cast(probe, {{0.5, 0.5, -3}, {0, 0, 1}}));
+  EXPECT_FALSE(cast(probe, {{0.5, 0.5, -3}, {0, 0, -1}}));
 }
 
 TEST(CutProbe, passesWhatIsBesideTheRay) {
   const CutProbe probe(cutOf({squareAt(0)}), kStep);
-  EXPECT_FALSE(probe.cast({{1.5, 0.5, 3}, {0, 0, -1}}));
-  EXPECT_FALSE(CutProbe(cutOf({}), kStep).cast({{0.5, 0.5, 3}, {0, 0, -1}}));
+  EXPECT_FALSE(cast(probe, {{1.5, 0.5, 3}, {0, 0, -1}}));
+  EXPECT_FALSE(cast(CutProbe(cutOf({}), kStep), {{0.5, 0.5, 3}, {0, 0, -1}}));
 }
 
 TEST(CutProbe, findsAClosedSurfaceFromWithinInEveryDirection) {
@@ -67,7 +86,7 @@ TEST(CutProbe, findsAClosedSurfaceFromWithinInEveryDirection) {
   std::normal_distribution<double> part;
   for (int i = 0; i < 1000; ++i) {
     const glm::dvec3 direction = glm::normalize(glm::dvec3(part(random), part(random), part(random)));
-    const auto hit = probe.cast({glm::dvec3(2), direction});
+    const auto hit = cast(probe, {glm::dvec3(2), direction});
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->distance_model, 2, 0.1);
   }
