@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Makes the pictures of README.md and docs/gallery.md from samples: docs/images/make.sh BIN_DIR
+set -euo pipefail
+
+bin="$(cd "${1:?usage: docs/images/make.sh BIN_DIR}" && pwd)"
+cd "$(dirname "${BASH_SOURCE[0]}")"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+
+sample() {  # NAME OPTIONS of sample...
+  "$bin/lodestreamd" sample "${@:2}" -o "$work/$1.ply" >/dev/null
+  "$bin/lodestreamd" build "$work/$1.ply" -o "$work/$1.lode" --triangles-per-node 4096 --quiet
+}
+
+picture() {  # NAME MODEL WIDTHxHEIGHT OPTIONS of render...
+  "$bin/lodestream" render "$work/$2.lode" --size "$3" "${@:4}" -o "$1.png" --json >/dev/null
+}
+
+sample asteroid asteroid --triangles 2000000 --attributes normal,color
+sample terrain terrain --triangles 1000000 --attributes normal,color
+sample gyroid gyroid --triangles 500000
+
+picture asteroid asteroid 960x540
+picture terrain terrain 640x360
+picture gyroid gyroid 640x360
+for show in unlit wireframe normals nodes rungs errors; do
+  pixels=1
+  [[ "$show" != wireframe ]] || pixels=24
+  picture "terrain_$show" terrain 640x360 --show "$show" --pixels "$pixels"
+done
