@@ -5,9 +5,8 @@
 namespace lode::core {
 
 std::string writeCameraPath(const CameraPath& path) {
-  using Json = nlohmann::ordered_json;
-  const auto vector = [](const glm::dvec3& v) { return Json::array({v.x, v.y, v.z}); };
-  Json json{{"fov_y_deg", path.fov_y_deg}, {"keys", Json::array()}};
+  const auto vector = [](const glm::dvec3& v) { return nlohmann::ordered_json::array({v.x, v.y, v.z}); };
+  nlohmann::ordered_json json{{"fov_y_deg", path.fov_y_deg}, {"keys", nlohmann::ordered_json::array()}};
   for (const CameraKey& key : path.keys)
     json["keys"].push_back(
         {{"t", key.t}, {"eye", vector(key.eye)}, {"target", vector(key.target)}, {"up", vector(key.up)}});
