@@ -26,7 +26,8 @@ struct RefineOptions {
   /// Of the pages that the wanted cut needs: nothing is refined beyond it.
   uint64_t hierarchy_budget_bytes = std::numeric_limits<uint64_t>::max();
   bool finer_stand_ins = true;  ///< false: what is finer than wanted gives way to coarser ancestors at once
-  /// Of fallbacks; beyond it the root's coarsest rung stands by, which counts nowhere.
+  /// Of fallbacks; beyond it an ancestor above stands by, at last the root's coarsest rung, which counts
+  /// nowhere.
   uint64_t fallback_budget_bytes = std::numeric_limits<uint64_t>::max();
   /// Hysteresis: what was finer in the last refinement stays so until it is this much below the threshold, so
   /// that nothing flickers. 1: none, and the cut depends on the view alone.

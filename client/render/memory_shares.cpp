@@ -16,7 +16,8 @@ constexpr uint64_t kSpareShare = 4;      // of it is for meshes that are no long
 }  // namespace
 
 /// Tiles have room for all that the core's budget allows, and a half of it more while their array grows.
-/// Meshes have the rest, which is more than the largest cut that the core wants.
+/// Meshes have the rest, which is more than the largest cut that the core wants; one that keeps finer
+/// stand-ins may be larger.
 MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   MemoryShares shares;
   shares.stream_bytes = memory_budget_bytes / 2;

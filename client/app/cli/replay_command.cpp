@@ -124,14 +124,18 @@ class Replay {
       result_.converged_ms = now_ms;
   }
 
-  /// At what would be drawn. @return its largest error.
+  /// At what would be drawn. @return its largest error, from where the cut was made for.
   float lookAt(const core::Cut& cut, std::span<const uint32_t> shown, const core::View& view) {
     result_.holes += countHoles(cut, shown, view);
-    float fallback_px = 0;
-    for (const uint32_t number : shown)
-      if (number >= cut.parts.size()) fallback_px = std::max(fallback_px, partOf(cut, number).error_px);
-    if (fallback_px > 0) ++result_.fallback_frames;
-    return std::max(cut.max_error_px, fallback_px);
+    float error_px = cut.max_error_px;
+    bool has_fallback = false;
+    for (const uint32_t number : shown) {
+      if (number < cut.parts.size()) continue;
+      has_fallback = true;
+      error_px = std::max(error_px, partOf(cut, number).error_px);
+    }
+    result_.fallback_frames += has_fallback;
+    return error_px;
   }
 
   bool finished() const {
