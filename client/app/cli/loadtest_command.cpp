@@ -135,6 +135,8 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       "Lets many clients look at models along camera paths, and measures how late comes what they wish for");
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
+  command->remove_option(command->get_option("--up"));  // made paths go around the y axis
+  auto* camera = command->get_option("--camera");
   command->add_option("--clients", options->load.clients, "independent clients")
       ->required()
       ->check(CLI::Range(1u, 100'000u));
@@ -148,9 +150,11 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
   command->add_flag(
       "--full", options->load.full,
       "clients refine and decode as one with a window does; else they replay the wishes of one that did");
-  command->add_option("--path", options->made_path, "where no --camera is given (default: orbit)")
-      ->transform(CLI::CheckedTransformer(kMadePaths))
-      ->type_name("orbit|fly|walk");
+  auto* path =
+      command->add_option("--path", options->made_path, "where no --camera is given (default: orbit)")
+          ->transform(CLI::CheckedTransformer(kMadePaths))
+          ->type_name("orbit|fly|walk")
+          ->excludes(camera);
   command
       ->add_option("--ramp", options->ramp_s,
                    "in which clients begin, one after the other (default: a quarter of --seconds)")
@@ -168,7 +172,9 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       ->capture_default_str();
   command->add_option("--trace", options->trace_file, "what to wish for, as replay --record wrote it")
       ->check(CLI::ExistingFile)
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->excludes(camera)
+      ->excludes(path);
   command->add_flag("--decode-off", options->decode_off, "check names of blobs, but decode none");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options, &exit_status] { loadtest(*options, exit_status); });

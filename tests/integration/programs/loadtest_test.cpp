@@ -113,8 +113,11 @@ TEST_F(Loadtest, sortsErrorsByKind) {
 
 TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {
   const std::string url = server_.url("small");
-  for (const auto& more :
-       {std::vector<std::string>{"--full", "--decode-off"}, {url, "--trace", shortPath()}}) {
+  for (const auto& more : {std::vector<std::string>{"--full", "--decode-off"},
+                           {url, "--trace", shortPath()},
+                           {"--path", "fly", "--camera", shortPath()},
+                           {"--path", "fly", "--trace", shortPath()},
+                           {"--up", "z"}}) {
     std::vector<std::string> arguments{"loadtest", url, "--clients", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = lodestream(arguments);
