@@ -54,10 +54,11 @@ struct Cut {
   std::vector<LeftOut> left_out;    ///< parts that are not there: none in the view, a fallback for each
   std::vector<Fallback> fallbacks;  ///< depth first, each after those below it
   uint64_t triangles = 0;
-  uint64_t blob_bytes = 0;  ///< of the blobs that it is made of
-  float max_error_px = 0;   ///< of the visible parts
-  bool converged = false;   ///< nothing visible is above the threshold, but leaves at their original
-                            ///< triangles, and every tile that the memory allows for textures is there
+  uint64_t blob_bytes = 0;   ///< of the blobs that it is made of
+  uint64_t drawn_bytes = 0;  ///< that its meshes and its fallbacks' take where they are drawn
+  float max_error_px = 0;    ///< of the visible parts
+  bool converged = false;    ///< nothing visible is above the threshold, but leaves at their original
+                             ///< triangles, and every tile that the memory allows for textures is there
   std::shared_ptr<const TextureSet> textures;  ///< null: the model has none, or they are not there yet
   std::vector<ResidentTile> tiles;             ///< by key, coarse levels first
 };

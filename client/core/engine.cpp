@@ -17,7 +17,9 @@ constexpr float kFarOffFactor = 2;  // of the threshold: nothing is asked for ah
 Engine::Engine(EngineOptions options)
     : options_(std::move(options)),
       link_(options_.session, options_.jitter_seed),
-      instance_(options_.triangle_budget, options_.hold_factor) {
+      instance_({.triangle_budget = options_.triangle_budget,
+                 .drawn_budget_bytes = options_.drawn_budget_bytes,
+                 .hold_factor = options_.hold_factor}) {
   if (options_.offline && options_.cached_model)
     model_.emplace(*options_.cached_model, options_.memory_budget_bytes);
   wishes_waiting_ = model_.has_value();

@@ -27,8 +27,10 @@ constexpr uint64_t kDefaultMemoryBudgetBytes = 1ull << 30;  ///< of decoded mesh
 struct EngineOptions {
   SessionOptions session;
   uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;
+  // See RefineOptions.
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
-  float hold_factor = 1;     ///< see RefineOptions
+  uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
+  float hold_factor = 1;
   uint32_t jitter_seed = 0;  ///< of the times between tries to connect
   bool has_cache = false;    ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
   /// Of the model as the cache has it, from an earlier run.

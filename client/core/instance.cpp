@@ -9,10 +9,15 @@ namespace lode::core {
 namespace {
 
 constexpr uint64_t kFinerRatio = 2;  // of a cut's triangles, from which on it is worth to look anew
-// One in so many bytes of the meshes is for fallbacks: with the wanted cut they fit the GPU's share.
+// One in so many bytes of the meshes, and of what may be drawn, is for fallbacks.
 constexpr uint64_t kFallbackShare = 8;
 
 }  // namespace
+
+Instance::Instance(const RefineOptions& options)
+    : options_(options), drawn_budget_bytes_(options.drawn_budget_bytes) {
+  options_.drawn_budget_bytes -= options.drawn_budget_bytes / kFallbackShare;
+}
 
 void Instance::setView(const View& view, float threshold_px) {
   if (view_ == view && options_.threshold_px == threshold_px) return;
@@ -40,11 +45,24 @@ Refinement Instance::refineWith(const Model& model, const RefineOptions& options
 }
 
 /// Marks what a refinement uses, and forgets pages that it does not, where memory is short.
-/// @return false if it uses more than there is room for.
-bool Instance::keep(Model& model, const Refinement& refinement) {
+/// @return false if it uses more than there is room for, here or where it is drawn.
+bool Instance::keep(Model& model, const Refinement& refinement) const {
   model.hierarchy().use(refinement.pages, model.hierarchyBudgetBytes());
   return model.meshes().use(refinement.in_use, refinement.ancestors) <= model.meshes().budgetBytes() &&
-         model.hierarchy().bytes() <= model.hierarchyBudgetBytes();
+         model.hierarchy().bytes() <= model.hierarchyBudgetBytes() &&
+         (!refinement.cut || refinement.cut->drawn_bytes <= drawn_budget_bytes_);
+}
+
+/// Gives up what stands by, unseen, then what is finer than wanted, until there is room for the rest.
+void Instance::fit(Model& model, Refinement& refinement) const {
+  if (keep(model, refinement)) return;
+  RefineOptions options = options_;
+  options.fallback_budget_bytes = 0;
+  refinement = refineWith(model, options);
+  if (keep(model, refinement)) return;
+  options.finer_stand_ins = false;
+  refinement = refineWith(model, options);
+  keep(model, refinement);
 }
 
 bool Instance::refine(Model& model) {
@@ -59,13 +77,7 @@ bool Instance::refine(Model& model) {
   Refinement refinement = refineWith(model, options_);
   if (refinement.cut && lookAtWhatIsSeen(*refinement.cut, model.summary()))
     refinement = refineWith(model, options_);
-  if (!keep(model, refinement)) {
-    RefineOptions coarser = options_;
-    coarser.finer_stand_ins = false;
-    coarser.fallback_budget_bytes = 0;
-    refinement = refineWith(model, coarser);
-    keep(model, refinement);
-  }
+  fit(model, refinement);
   model.meshes().trim();
   held_ = std::move(refinement.held);
   settled_ = refinement.settled;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -19,11 +18,9 @@ namespace lode::core {
 /// Not thread safe; the cuts it gives are.
 class Instance {
  public:
-  /// @param hold_factor  see RefineOptions.
-  explicit Instance(uint64_t triangle_budget, float hold_factor = 1) {
-    options_.triangle_budget = triangle_budget;
-    options_.hold_factor = hold_factor;
-  }
+  /// @param options  what of them stays: the hysteresis and the budgets of triangles and of drawn bytes; the
+  ///                 latter is here for the cut and its fallbacks together.
+  explicit Instance(const RefineOptions& options = {});
 
   /// @param view  in the model frame.
   void setView(const View& view, float threshold_px);
@@ -60,10 +57,12 @@ class Instance {
  private:
   bool lookAtWhatIsSeen(const Cut& cut, const ModelSummary& model);
   Refinement refineWith(const Model& model, const RefineOptions& options) const;
-  static bool keep(Model& model, const Refinement& refinement);
+  bool keep(Model& model, const Refinement& refinement) const;
+  void fit(Model& model, Refinement& refinement) const;
   void dress(Cut& cut, Model& model);
 
   RefineOptions options_;
+  uint64_t drawn_budget_bytes_;  // of the cut and its fallbacks
   std::optional<View> view_;
   uint64_t model_version_ = 0;  // that the last refinement saw
   bool view_changed_ = false;

@@ -21,6 +21,9 @@ struct HeldNode {
 struct RefineOptions {
   float threshold_px = 1;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
+  /// Of the wanted cut's meshes where they are drawn: see drawn_bytes.h. What is shown until it is there may
+  /// take more: see Cut::drawn_bytes.
+  uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
   uint64_t cut_budget_bytes =
       std::numeric_limits<uint64_t>::max();  ///< of the wanted cut and its decoded meshes
   /// Of the pages that the wanted cut needs: nothing is refined beyond it.

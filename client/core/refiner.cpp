@@ -5,6 +5,7 @@
 #include <optional>
 #include <tuple>
 
+#include "client/core/drawn_bytes.h"
 #include "client/core/wanted_cut.h"
 
 namespace lode::core {
@@ -161,6 +162,7 @@ class Run {
     fallback.part = {wanted.node->key, *rung, false, want_.errorPx(wanted, *rung),
                      wanted.resident->mesh(*rung)};
     fallback_bytes_ += meshBytes(*fallback.part.mesh);
+    cut_->drawn_bytes += drawnBytes(*fallback.part.mesh);
     fallback.first_part = static_cast<uint32_t>(before.parts);
     fallback.end_part = static_cast<uint32_t>(cut_->parts.size());
     fallback.first_left_out = static_cast<uint32_t>(cut_->left_out.size());
@@ -238,6 +240,7 @@ class Run {
     in_use_.push_back(key);
     const float error_px = want_.errorPx(part, rung);
     cut_->parts.push_back({key.node, rung, part.visible, error_px, part.resident->mesh(rung)});
+    cut_->drawn_bytes += drawnBytes(*cut_->parts.back().mesh);
     cut_->triangles += shown.triangles;
     cut_->blob_bytes += shown.payload.bytes;
     if (part.visible) cut_->max_error_px = std::max(cut_->max_error_px, error_px);

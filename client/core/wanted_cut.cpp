@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "client/core/drawn_bytes.h"
+
 namespace lode::core {
 namespace {
 
@@ -17,11 +19,13 @@ uint64_t partBytes(const Rung& rung, AttributeSet attributes) {
 void WantedCut::Totals::add(const Rung& rung, AttributeSet attributes) {
   triangles += rung.triangles;
   bytes += partBytes(rung, attributes);
+  drawn_bytes += drawnBytes(rung.vertices, rung.triangles, attributes);
 }
 
 void WantedCut::Totals::remove(const Rung& rung, AttributeSet attributes) {
   triangles -= rung.triangles;
   bytes -= partBytes(rung, attributes);
+  drawn_bytes -= drawnBytes(rung.vertices, rung.triangles, attributes);
 }
 
 WantedCut::WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeSet attributes,
@@ -156,10 +160,12 @@ bool WantedCut::expand(uint32_t place, const Totals& without) {
 }
 
 bool WantedCut::fits(const Totals& totals) {
-  limited_ |= totals.triangles > options_.triangle_budget || totals.bytes > options_.cut_budget_bytes;
-  if (totals.triangles > options_.triangle_budget || totals.bytes > options_.cut_budget_bytes) return false;
-  totals_ = totals;
-  return true;
+  const bool fits = totals.triangles <= options_.triangle_budget &&
+                    totals.bytes <= options_.cut_budget_bytes &&
+                    totals.drawn_bytes <= options_.drawn_budget_bytes;
+  limited_ |= !fits;
+  if (fits) totals_ = totals;
+  return fits;
 }
 
 /// Chooses the covering step: on each way down the deepest expanded node, at its finest rung, that costs

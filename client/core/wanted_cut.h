@@ -75,7 +75,7 @@ class WantedCut {
     }
   };
   struct Totals {
-    uint64_t triangles = 0, bytes = 0;
+    uint64_t triangles = 0, bytes = 0, drawn_bytes = 0;
     void add(const Rung& rung, AttributeSet attributes);
     void remove(const Rung& rung, AttributeSet attributes);
   };

@@ -126,6 +126,7 @@ int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_par
 int lodestream_cut_shown(const lodestream_cut* cut, const lodestream_view* view, size_t* numbers,
                          size_t* count) {
   return guard([&] {
+    *count = 0;
     const std::vector<uint32_t> shown = shownParts(*cut->cut, lode::embed::toView(*view, cut->model));
     std::copy(shown.begin(), shown.end(), numbers);
     *count = shown.size();

@@ -29,10 +29,6 @@ const std::vector<uint32_t>& normalTable() {
 
 }  // namespace
 
-uint64_t gpuBytes(const Mesh& mesh) noexcept {
-  return mesh.positions.size() * vertexBytes(mesh.attributes) + mesh.triangles.size() * sizeof(glm::u32vec3);
-}
-
 void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out) {
   const std::vector<uint32_t>& normals = normalTable();
   const bool has_attributes = !mesh.vertex_attributes.empty();

@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/core/drawn_bytes.h"
 #include "common/mesh.h"
 
 namespace lode::render {
@@ -17,7 +18,7 @@ struct GpuVertex {
   uint32_t normal;         ///< signed 10:10:10:2, x lowest
   glm::u8vec4 colour;      ///< sRGB, alpha
 };
-static_assert(sizeof(GpuVertex) == 16);
+static_assert(sizeof(GpuVertex) == core::kDrawnVertexBytes);
 
 /// The same with texture coordinates.
 struct GpuTexturedVertex {
@@ -26,15 +27,12 @@ struct GpuTexturedVertex {
   uint16_t material;
   uint16_t unused;
 };
-static_assert(sizeof(GpuTexturedVertex) == 24);
+static_assert(sizeof(GpuTexturedVertex) == core::kDrawnTexturedVertexBytes);
 
 /// Bytes of one vertex of meshes with these attributes.
 constexpr uint32_t vertexBytes(AttributeSet attributes) noexcept {
   return attributes.has(AttributeSet::kTexture) ? sizeof(GpuTexturedVertex) : sizeof(GpuVertex);
 }
-
-/// Bytes that a mesh takes on the GPU: its vertices, then its indices, 32 bits each.
-uint64_t gpuBytes(const Mesh& mesh) noexcept;
 
 /// Packs as many vertices of a mesh as fill `out`, from `first` on, each of vertexBytes(mesh.attributes).
 void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out);

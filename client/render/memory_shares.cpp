@@ -12,12 +12,12 @@ namespace {
 constexpr uint64_t kStagingShare = 256;  // one in so many bytes of the memory is what a frame uploads
 constexpr uint64_t kPageShare = 8;       // of the meshes' memory is in one buffer
 constexpr uint64_t kSpareShare = 4;      // of it is for meshes that are no longer drawn
+constexpr uint64_t kWasteShare = 8;      // of it is lost at the ends of buffers, at most
 
 }  // namespace
 
 /// Tiles have room for all that the core's budget allows, and a half of it more while their array grows.
-/// Meshes have the rest, which is more than the largest cut that the core wants; one that keeps finer
-/// stand-ins may be larger.
+/// Meshes have the rest, of which buffers that meshes do not fill to their ends waste a part.
 MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   MemoryShares shares;
   shares.stream_bytes = memory_budget_bytes / 2;
@@ -35,6 +35,7 @@ MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   gpu.page_bytes =
       static_cast<uint32_t>(std::clamp<uint64_t>(gpu.budget_bytes / kPageShare, 256u << 10, 32u << 20));
   gpu.spare_bytes = gpu.budget_bytes / kSpareShare;
+  shares.drawn_bytes = gpu.budget_bytes - gpu.budget_bytes / kWasteShare;
   return shares;
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <iterator>
 
+#include "client/core/drawn_bytes.h"
 #include "client/core/shown_parts.h"
 #include "client/render/gpu_vertex.h"
 
@@ -121,6 +122,7 @@ uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t lim
     return bytes;
   }
   constexpr uint32_t kTriangleBytes = sizeof(glm::u32vec3);
+  static_assert(kTriangleBytes == core::kDrawnTriangleBytes);
   const auto triangles = static_cast<uint32_t>(mesh.triangles.size());
   const uint32_t count = std::min(limit_bytes / kTriangleBytes, triangles - entry.triangles_done);
   if (count == 0) return 0;
@@ -134,7 +136,7 @@ uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t lim
 
 /// @return null if there is no room, although all that is not drawn or wanted was evicted.
 MeshResidency::Entry* MeshResidency::place(const std::shared_ptr<const Mesh>& mesh) {
-  const uint64_t bytes = gpuBytes(*mesh);
+  const uint64_t bytes = core::drawnBytes(*mesh);
   if (bytes > options_.budget_bytes || bytes > (1u << 31)) return nullptr;
   std::optional<GpuBlock> block;
   while (!(block = pages_.allocate(static_cast<uint32_t>(bytes)))) {
@@ -167,7 +169,7 @@ bool MeshResidency::makeRoomForTargetAlone() {
     const core::CutPart& part = partOf(*target_, number);
     if (part.mesh && !part.mesh->triangles.empty()) meshes.push_back(part.mesh);
   }
-  const auto bytesOf = [](const std::shared_ptr<const Mesh>& mesh) { return gpuBytes(*mesh); };
+  const auto bytesOf = [](const std::shared_ptr<const Mesh>& mesh) { return core::drawnBytes(*mesh); };
   std::ranges::stable_sort(meshes, std::greater(), bytesOf);
   std::vector<uint64_t> sizes;
   std::ranges::transform(meshes, std::back_inserter(sizes), bytesOf);

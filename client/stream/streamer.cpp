@@ -125,6 +125,7 @@ void Streamer::State::stream() {
   engine_options.session.token = options.token;
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   engine_options.triangle_budget = options.triangle_budget;
+  engine_options.drawn_budget_bytes = options.drawn_budget_bytes;
   engine_options.hold_factor = options.hold_factor;
   engine_options.prefetch = options.prefetch;
   engine_options.best_first = options.best_first;

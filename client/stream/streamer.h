@@ -21,8 +21,10 @@ struct StreamOptions {
   std::string token;
   std::filesystem::path ca_file;  ///< authorities that vouch for the server under TLS; empty: the system's
   uint64_t memory_budget_bytes = core::kDefaultMemoryBudgetBytes;
+  // See core::RefineOptions.
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
-  float hold_factor = 1;   ///< see core::RefineOptions: core::kHoldFactor where somebody watches
+  uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
+  float hold_factor = 1;   ///< core::kHoldFactor where somebody watches
   bool prefetch = false;   ///< asks ahead of a camera that moves
   bool best_first = true;  ///< see core::EngineOptions
   std::chrono::milliseconds connect_timeout{10'000};

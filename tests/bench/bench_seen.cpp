@@ -52,9 +52,7 @@ struct Look {
 class Client {
  public:
   Client(const store::Reader& store, const View& view)
-      : store_(store),
-        model_(store.summary(), uint64_t{8} << 30),
-        instance_(std::numeric_limits<uint64_t>::max()) {
+      : store_(store), model_(store.summary(), uint64_t{8} << 30) {
     instance_.setView(view, kThresholdPx);
   }
 

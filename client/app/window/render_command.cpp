@@ -117,6 +117,7 @@ void render(const RenderOptions& options) {
   stream::StreamOptions stream_options = options.common.streamOptions();
   const render::MemoryShares memory = render::shareMemory(stream_options.memory_budget_bytes);
   stream_options.memory_budget_bytes = memory.stream_bytes;
+  stream_options.drawn_budget_bytes = memory.drawn_bytes;
   // What this machine cannot draw is said before a long build is begun.
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);

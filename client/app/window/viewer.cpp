@@ -31,7 +31,9 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 
 stream::StreamOptions streamOptions(const CommonOptions& common) {
   stream::StreamOptions options = common.streamOptions();
-  options.memory_budget_bytes = render::shareMemory(options.memory_budget_bytes).stream_bytes;
+  const render::MemoryShares memory = render::shareMemory(options.memory_budget_bytes);
+  options.memory_budget_bytes = memory.stream_bytes;
+  options.drawn_budget_bytes = memory.drawn_bytes;
   options.hold_factor = core::kHoldFactor;
   options.prefetch = true;
   return options;

@@ -90,6 +90,7 @@ TEST_F(DrawnWithinMemory, countsTheCopiesOnTheGpuInTheMemoryThatAllDrawFrom) {
   const render::MemoryShares memory = render::shareMemory(kMemoryBytes);
   stream::StreamOptions options = threads(1);
   options.memory_budget_bytes = memory.stream_bytes;
+  options.drawn_budget_bytes = memory.drawn_bytes;
   Streamer streamer(served_, options);
   const ModelSummary& model = streamer.waitForModel(kPatience);
   render::Renderer renderer(model.lattice.step, memory.gpu);
@@ -102,6 +103,7 @@ TEST_F(DrawnWithinMemory, countsTheCopiesOnTheGpuInTheMemoryThatAllDrawFrom) {
       ASSERT_EQ(status.failure, "");
       renderer.show(status.cut);
       renderer.uploadInRenderThread({.wait = true});
+      EXPECT_FALSE(renderer.meshes().overBudget()) << "the GPU has no room for a cut that is shown";
       const core::EngineCounts& counts = status.counts;
       most_gpu_bytes = std::max(most_gpu_bytes, renderer.gpuBytes());
       most_bytes =

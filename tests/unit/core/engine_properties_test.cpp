@@ -18,14 +18,16 @@ using std::chrono::milliseconds;
 /// An engine and a server with a slow link between them, on a clock that only the test moves.
 class World {
  public:
-  World(uint32_t seed, uint64_t memory_budget_bytes, uint32_t payload_bytes_a_triangle = 1)
+  World(uint32_t seed, uint64_t memory_budget_bytes, uint32_t payload_bytes_a_triangle = 1,
+        uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max())
       : random_(seed),
         cameras_(seed),
         memory_budget_bytes_(memory_budget_bytes),
+        drawn_budget_bytes_(drawn_budget_bytes),
         models_{
             SyntheticModel({.seed = seed, .depth = 4, .payload_bytes_a_triangle = payload_bytes_a_triangle})},
         server_(models_.front()),
-        engine_(options(seed, memory_budget_bytes)) {}
+        engine_(options(seed, memory_budget_bytes, drawn_budget_bytes)) {}
 
   /// A step of the clock: bytes that are due arrive, some decoding ends, the engine is stepped.
   void step(milliseconds time) {
@@ -90,13 +92,14 @@ class World {
     Bytes bytes;
   };
 
-  static EngineOptions options(uint32_t seed, uint64_t memory_budget_bytes) {
+  static EngineOptions options(uint32_t seed, uint64_t memory_budget_bytes, uint64_t drawn_budget_bytes) {
     EngineOptions options;
     options.jitter_seed = seed;
     options.session.model = "model";
     if (memory_budget_bytes >= 1u << 30) options.session.max_wished_bytes = 20'000;
     options.prefetch = true;
     options.memory_budget_bytes = memory_budget_bytes;
+    options.drawn_budget_bytes = drawn_budget_bytes;
     return options;
   }
 
@@ -136,6 +139,7 @@ class World {
     expectWithinBudget();
     if (!engine_.cut()) return;
     const Cut& cut = *engine_.cut();
+    EXPECT_LE(cut.drawn_bytes, drawn_budget_bytes_);
     std::vector<uint32_t> all(cut.parts.size());
     std::iota(all.begin(), all.end(), 0u);
     expectCovered(all, [&](const ModelBox& box) {
@@ -214,7 +218,7 @@ class World {
 
   std::mt19937 random_, cameras_;
   TimePoint now_{};
-  const uint64_t memory_budget_bytes_;
+  const uint64_t memory_budget_bytes_, drawn_budget_bytes_;
   std::deque<SyntheticModel> models_;  // builds, the newest last
   ScriptedServer server_;
   Engine engine_;
@@ -303,6 +307,22 @@ TEST_P(EngineProperties, staysWithinItsMemoryAndSettlesAtATenthOfWhatTheViewWoul
   const auto before = waited();
   world.step(milliseconds(10));
   EXPECT_EQ(waited() - before, milliseconds(10));
+}
+
+TEST_P(EngineProperties, showsNeverMoreThanMayBeDrawnAndSettlesWithinIt) {
+  World unlimited(GetParam(), 1ull << 30);
+  const View near = unlimited.randomView();
+  convergeFor(unlimited, near);
+  const uint64_t liked_bytes = unlimited.engine().cut()->drawn_bytes;
+  World world(GetParam(), 1ull << 30, 1, liked_bytes / 2);
+  for (int place = 0; place < 12; ++place) {
+    for (uint32_t some = world.random() % 40; some > 0; --some) {
+      world.engine().setView(world.randomView(), 1);
+      world.step(milliseconds(1 + world.random() % 20));
+    }
+    convergeFor(world, place == 11 ? near : world.randomView());
+  }
+  EXPECT_TRUE(world.engine().limited());
 }
 
 TEST_P(EngineProperties, asksAtOneTimeForNoMoreThanItsShareOfTheMemoryAndConvergesAllTheSame) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "client/core/drawn_bytes.h"
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core {
@@ -10,9 +11,10 @@ namespace {
 
 using namespace test;
 
-class InstanceOnSeeds : public testing::TestWithParam<uint32_t> {
+/// A model that comes blob by blob, as the test asks.
+class Seeded {
  protected:
-  InstanceOnSeeds() : model_(summary(), 1ull << 40) {
+  explicit Seeded(uint32_t seed) : tree_({.seed = seed}), model_(summary(), 1ull << 40) {
     const BlobUse root_page{BlobKind::kRootPage, {kRootKey, 0}};
     model_.take(model_.summary().root_page, root_page, encodePage(tree_.rootPage()));
     deliver(*model_.firstWish());
@@ -27,8 +29,8 @@ class InstanceOnSeeds : public testing::TestWithParam<uint32_t> {
     return summary;
   }
 
-  static Instance seeing(const View& view) {
-    Instance instance(std::numeric_limits<uint64_t>::max());
+  static Instance seeing(const View& view, const RefineOptions& options = {}) {
+    Instance instance(options);
     instance.setView(view, 1);
     return instance;
   }
@@ -53,8 +55,13 @@ class InstanceOnSeeds : public testing::TestWithParam<uint32_t> {
     return order;
   }
 
-  const SyntheticModel tree_{{.seed = GetParam()}};
+  const SyntheticModel tree_;
   Model model_;
+};
+
+class InstanceOnSeeds : public testing::TestWithParam<uint32_t>, protected Seeded {
+ protected:
+  InstanceOnSeeds() : Seeded(GetParam()) {}
 };
 
 INSTANTIATE_TEST_SUITE_P(Seeds, InstanceOnSeeds, testing::Range(1u, 7u));
@@ -80,6 +87,70 @@ TEST_P(InstanceOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
   Instance late = seeing(kFront);
   late.refine(model_);
   EXPECT_EQ(orderOf(early), orderOf(late));
+}
+
+/// A camera within a model that asks for less than it did: what it sees is finer than it wants, and something
+/// stands by for what it leaves out.
+class Within : private Seeded {
+ public:
+  explicit Within(uint32_t seed) : Seeded(seed) {
+    Instance far;
+    far.setView(farView(), 5);
+    deliverBest(far, std::numeric_limits<int>::max());
+    for (Instance instance = within(1, {}); sees(instance); instance.refine(model_))
+      deliver(instance.wishes().front());
+  }
+
+  /// What such a camera is given.
+  std::shared_ptr<const Cut> cutAt(uint64_t drawn_budget_bytes, bool& limited) {
+    const Instance instance = within(30, {.drawn_budget_bytes = drawn_budget_bytes});
+    limited = instance.limited();
+    return instance.cut();
+  }
+
+  /// Of the fallback that is never given up.
+  uint64_t leastFallbackBytes() const {
+    const auto rungs = static_cast<uint32_t>(tree_.nodes().at(kRootKey).rungs.size());
+    return drawnBytes(*tree_.mesh({kRootKey, rungs - 1}));
+  }
+
+ private:
+  Instance within(float threshold_px, const RefineOptions& options) {
+    Instance instance(options);
+    instance.setView(insideView(), threshold_px);
+    instance.refine(model_);
+    return instance;
+  }
+  static bool sees(const Instance& instance) {
+    return !instance.wishes().empty() && instance.wishes().front().wish_class == proto::WishClass::kVisible;
+  }
+};
+
+uint64_t bytesOfParts(const Cut& cut) {
+  uint64_t bytes = 0;
+  for (const CutPart& part : cut.parts) bytes += drawnBytes(*part.mesh);
+  return bytes;
+}
+
+TEST(Instance, givesUpWhatStandsByBeforeWhatIsSeenAndThenWhatIsFinerThanWanted) {
+  int without_fallbacks = 0, without_finer = 0;  // budgets at which each was given up
+  for (uint32_t seed = 1; seed < 7; ++seed) {
+    Within camera(seed);
+    bool limited = false;
+    const std::shared_ptr<const Cut> liked = camera.cutAt(std::numeric_limits<uint64_t>::max(), limited);
+    for (uint64_t budget = liked->drawn_bytes; !limited; budget -= budget / 50) {
+      const std::shared_ptr<const Cut> cut = camera.cutAt(budget, limited);
+      if (limited) break;
+      EXPECT_LE(cut->drawn_bytes, budget) << seed;
+      const bool is_as_fine = partsOf(*cut) == partsOf(*liked);
+      const bool could_be = bytesOfParts(*liked) + camera.leastFallbackBytes() <= budget;
+      EXPECT_TRUE(is_as_fine || !could_be) << seed;
+      without_fallbacks += is_as_fine && cut->drawn_bytes < liked->drawn_bytes;
+      without_finer += !is_as_fine;
+    }
+  }
+  EXPECT_GT(without_fallbacks, 0);
+  EXPECT_GT(without_finer, 0);
 }
 
 }  // namespace

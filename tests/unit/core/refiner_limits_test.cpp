@@ -1,5 +1,9 @@
 // What budgets and hysteresis make of a refinement.
 
+#include <algorithm>
+#include <utility>
+
+#include "client/core/drawn_bytes.h"
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core {
@@ -30,6 +34,88 @@ TEST_P(RefinerLimits, showsAllOfEachPlaceInTurnThoughTheBudgetHoldsThePagesOfOne
     EXPECT_LE(client.hierarchy().bytes(), budget);
     EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, view, 4).parts());
   }
+}
+
+/// The cut of a triangle budget, written down as plainly as can be: the visible part with the largest error
+/// gives way, ties by key, until one would not fit.
+class LimitedBruteForce {
+ public:
+  LimitedBruteForce(const SyntheticModel& model, const View& view, float threshold_px, uint64_t triangles)
+      : model_(model), view_(view), errors_(model, view, threshold_px) {
+    parts_[kRootKey] = lastRung(kRootKey);
+    while (true) {
+      const auto worst = std::ranges::max_element(parts_, {}, [this](const auto& part) {
+        return std::pair(mayGiveWay(part.first) ? errorOf(part) : 0, ~part.first.value);
+      });
+      if (!mayGiveWay(worst->first) || errorOf(*worst) <= threshold_px) return;
+      const Parts before = parts_;
+      giveWay(worst->first);
+      if (trianglesOf(parts_) <= triangles) continue;
+      parts_ = before;
+      return;
+    }
+  }
+  Parts parts() const {
+    Parts shown = parts_;
+    std::erase_if(shown, [this](const auto& part) { return trianglesOf({part}) == 0; });
+    return shown;
+  }
+
+ private:
+  uint32_t lastRung(NodeKey key) const {
+    return static_cast<uint32_t>(model_.nodes().at(key).rungs.size()) - 1;
+  }
+  float errorOf(const Parts::value_type& part) const { return errors_.errorPx(part.first, part.second); }
+  bool mayGiveWay(NodeKey key) const {
+    const Node& node = model_.nodes().at(key);
+    return (parts_.at(key) > 0 || !node.isLeaf()) &&
+           boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view_);
+  }
+  void giveWay(NodeKey key) {
+    if (parts_[key] > 0) {
+      --parts_[key];
+      return;
+    }
+    parts_.erase(key);
+    for (unsigned octant = 0; octant < 8; ++octant)
+      if ((model_.nodes().at(key).child_mask >> octant & 1) != 0)
+        parts_[key.child(octant)] = lastRung(key.child(octant));
+  }
+  uint64_t trianglesOf(const Parts& parts) const {
+    uint64_t triangles = 0;
+    for (const auto& [key, rung] : parts) triangles += model_.nodes().at(key).rungs[rung].triangles;
+    return triangles;
+  }
+
+  const SyntheticModel& model_;
+  const View view_;
+  const BruteForce errors_;
+  Parts parts_;
+};
+
+TEST_P(RefinerLimits, givesATriangleBudgetToTheLargestErrors) {
+  for (const View& view : {closeView(), farView(), insideView()}) {
+    const uint64_t liked = BruteForce(model_, view, 2).triangles();
+    for (const uint64_t budget : {liked - 1, liked * 3 / 4, liked / 2, liked / 8}) {
+      Scripted client(model_);
+      client.converge(view, {.threshold_px = 2, .triangle_budget = budget}, random_, kNoCheck);
+      EXPECT_TRUE(client.last().limited);
+      EXPECT_EQ(partsOf(*client.last().cut), LimitedBruteForce(model_, view, 2, budget).parts()) << budget;
+    }
+  }
+}
+
+TEST_P(RefinerLimits, wantsNoMoreThanMayBeDrawnAndSaysSo) {
+  Scripted unlimited(model_), client(model_);
+  unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
+  uint64_t liked_bytes = 0;
+  for (const CutPart& part : unlimited.last().cut->parts) liked_bytes += drawnBytes(*part.mesh);
+  EXPECT_EQ(unlimited.last().cut->drawn_bytes, liked_bytes);
+  client.converge(closeView(), {.threshold_px = 1, .drawn_budget_bytes = liked_bytes - 1}, random_, kNoCheck);
+  EXPECT_LT(client.last().cut->drawn_bytes, liked_bytes);
+  EXPECT_GT(client.last().cut->drawn_bytes, liked_bytes / 2);
+  EXPECT_TRUE(client.last().limited);
+  EXPECT_TRUE(client.last().settled);
 }
 
 TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {

@@ -314,6 +314,19 @@ std::optional<MeshKey> nearestAbove(const MeshCache& cache, NodeKey place) {
   return std::nullopt;
 }
 
+TEST(Refiner, leavesOutPlacesOfMostModelsWhereTheFallbackTestsLook) {
+  int models = 0;
+  for (uint32_t seed = 1; seed < 13; ++seed) {
+    const SyntheticModel model({.seed = seed, .empty_chance = seed % 2 ? 0.1 : 0.0});
+    std::mt19937 random(seed * 7919);
+    Scripted client(model);
+    client.converge(farView(), {.threshold_px = 5}, random, kNoCheck);
+    deliverWhatIsSeen(client, insideView(), 1);
+    models += client.last().cut->fallbacks.size() > 1;
+  }
+  EXPECT_GE(models, 8);
+}
+
 TEST_P(RefinerOnSeeds, holdsForEachPlaceThatItLeavesOutTheNearestAncestorThatIsResident) {
   Scripted client(model_);
   client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);

@@ -37,6 +37,11 @@ class BruteForce {
     visit(kRootKey);
   }
   const Parts& parts() const { return parts_; }
+  uint64_t triangles() const {
+    uint64_t triangles = 0;
+    for (const auto& [key, rung] : parts_) triangles += model_.nodes().at(key).rungs[rung].triangles;
+    return triangles;
+  }
   float errorPx(NodeKey key, uint32_t rung) const {
     const Node& node = model_.nodes().at(key);
     const ModelBox box = toModelBox(node.box, SyntheticModel::lattice().step);

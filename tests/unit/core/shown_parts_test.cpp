@@ -59,6 +59,25 @@ TEST_F(ShownParts, areOneAncestorForARegionOfWhichNothingIsThere) {
   EXPECT_EQ(shownTo(at_both_), Numbers{2});
 }
 
+TEST_F(ShownParts, areTheInnermostOfThreeAncestorsThatIsEnoughAndSkipThoseBelowAnOuterOne) {
+  const NodeKey below = kNear.child(1);
+  cut_.parts[0].node = below.child(0);
+  cut_.left_out.insert(cut_.left_out.begin(), {below.child(7), boxAt({0, 0, -1000})});
+  cut_.fallbacks = {{{below, 0, false, 1, nullptr}, 0, 1, 0, 1, 0},
+                    {{kNear, 0, false, 2, nullptr}, 0, 2, 1, 2, 0},
+                    {{kRootKey, 0, false, 4, nullptr}, 0, 3, 2, 3, 0}};
+  const View at_below = lookingAt({0, 0, 0}, {0, 0, -1000});
+  View at_below_and_near = lookingAt({2000, 0, 2000}, {500, 0, -500});
+  at_below_and_near.fov_y_rad = 0.3;
+  EXPECT_EQ(shownTo(nowhere_), (Numbers{0, 1, 2}));
+  EXPECT_EQ(shownTo(at_below), (Numbers{3, 1, 2}));
+  EXPECT_EQ(shownTo(at_near_), (Numbers{4, 2}));
+  EXPECT_EQ(shownTo(at_below_and_near), (Numbers{4, 2}));
+  EXPECT_EQ(shownTo(at_root_), Numbers{5});
+  for (const View& view : {nowhere_, at_below, at_near_, at_below_and_near, at_root_})
+    EXPECT_EQ(countHoles(cut_, shownTo(view), view), 0u);
+}
+
 TEST_F(ShownParts, leaveHolesThatAreCountedIfTheCutAloneIsDrawn) {
   const Numbers all{0, 1, 2};
   EXPECT_EQ(countHoles(cut_, all, nowhere_), 0u);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/render/gpu_vertex.h"
+#include "client/core/drawn_bytes.h"
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"
 
@@ -42,7 +42,7 @@ TEST_F(Residency, drawsACutOnlyWhenItsFallbacksAreThereTooAndKeepsThem) {
   cut->fallbacks.push_back({{kRootKey, 0, false, 0, gridOf(2, 64)}, 0, 1, 0, 0, 0});
   residency.show(cut);
   residency.uploadInRenderThread(
-      {.bytes = static_cast<uint32_t>(render::gpuBytes(*cut->parts[0].mesh)), .ms = 1000});
+      {.bytes = static_cast<uint32_t>(core::drawnBytes(*cut->parts[0].mesh)), .ms = 1000});
   EXPECT_FALSE(residency.upToDate());
   residency.uploadInRenderThread({.wait = true});
   ASSERT_TRUE(residency.upToDate());
@@ -78,7 +78,7 @@ TEST_F(Residency, uploadsASharedMeshOnce) {
   residency.uploadInRenderThread({.wait = true});
   const auto added = gridOf(2);
   residency.show(cutOf(std::vector{kept, added}));
-  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), render::gpuBytes(*added));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), core::drawnBytes(*added));
 }
 
 TEST_F(Residency, staysWithinItsBudgetWhateverIsShown) {
@@ -100,14 +100,14 @@ TEST_F(Residency, keepsOnlyTheSpareBytesOfWhatIsNoLongerDrawn) {
     residency.show(cutOf(std::vector{alive.back()}));
     residency.uploadInRenderThread({.wait = true});
   }
-  const uint64_t drawn_bytes = render::gpuBytes(*alive.back());
+  const uint64_t drawn_bytes = core::drawnBytes(*alive.back());
   EXPECT_LE(residency.pages().usedBytes(), drawn_bytes + 100'000 + 16);
   EXPECT_GT(residency.meshCount(), 1u);
 }
 
 TEST_F(Residency, evictsTheLeastRecentlyDrawnFirst) {
   const auto a = gridOf(1), b = gridOf(2), c = gridOf(3);
-  MeshResidency residency({.spare_bytes = render::gpuBytes(*a) + 100});
+  MeshResidency residency({.spare_bytes = core::drawnBytes(*a) + 100});
   for (const auto& mesh : {a, b, c}) {
     residency.show(cutOf(std::vector{mesh}));
     residency.uploadInRenderThread({.wait = true});
@@ -115,7 +115,7 @@ TEST_F(Residency, evictsTheLeastRecentlyDrawnFirst) {
   residency.show(cutOf(std::vector{b}));
   EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), 0u);
   residency.show(cutOf(std::vector{a}));
-  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), render::gpuBytes(*a));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), core::drawnBytes(*a));
 }
 
 TEST_F(Residency, forgetsMeshesThatNobodyHoldsAnyMore) {
@@ -163,7 +163,7 @@ TEST_F(Residency, findsRoomForACutThatFitsOnlyAloneInWhateverOrderItsPartsAre) {
   const auto small = [](uint32_t seed) { return gridOf(seed, 16); };
   const auto large = [](uint32_t seed) { return gridOf(seed, 26); };
   const auto page_bytes =
-      static_cast<uint32_t>(render::gpuBytes(*small(1)) + render::gpuBytes(*large(1)) + 512);
+      static_cast<uint32_t>(core::drawnBytes(*small(1)) + core::drawnBytes(*large(1)) + 512);
   MeshResidency residency({.budget_bytes = 2 * page_bytes, .page_bytes = page_bytes});
   for (const auto& cut :
        {cutOf(std::vector{large(1), large(2)}), cutOf(std::vector{small(3), small(4), large(5), large(6)})}) {
@@ -177,7 +177,7 @@ TEST_F(Residency, uploadsAMeshLargerThanTheStagingMemoryInPieces) {
   const auto large = gridOf(1, 100);
   MeshResidency residency({.staging_bytes = 4096});
   residency.show(cutOf(std::vector{large}));
-  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), render::gpuBytes(*large));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), core::drawnBytes(*large));
   EXPECT_TRUE(residency.upToDate());
 }
 
