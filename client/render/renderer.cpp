@@ -123,6 +123,7 @@ DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
   commands_.resize(meshes_.pages().pageCount());
   for (auto& page : commands_) page.clear();
   states_.clear();
+  in_picture_.clear();
   if (!meshes_.drawnCut()) return counts;
   const core::Sight sight(view, 1);
   for (const uint32_t number : core::shownParts(*meshes_.drawnCut(), view)) {
@@ -133,6 +134,8 @@ DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
                                     static_cast<int32_t>(item.base_vertex),
                                     static_cast<uint32_t>(states_.size())});
     states_.push_back(stateOf(item, style));
+    in_picture_.push_back(item);
+    counts.error_px = std::max(counts.error_px, item.error_px);
     counts.triangles += item.index_count / 3;
     ++counts.nodes;
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -29,6 +30,7 @@ struct DrawCounts {
   uint64_t triangles = 0;  ///< sent to the GPU, after culling
   uint32_t nodes = 0;
   uint32_t calls = 0;
+  float error_px = 0;  ///< largest in the picture, from where the cut was made for
 };
 
 /// Draws the cuts of one model. Made, used and destroyed on the thread of its OpenGL 4.5 context.
@@ -54,6 +56,8 @@ class Renderer {
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
   const TextureResidency& textures() const noexcept { return textures_; }
+  /// What the last picture was made of.
+  std::span<const DrawItem> inPicture() const noexcept { return in_picture_; }
   /// Of the copies of meshes and tiles, and what uploads go through.
   uint64_t gpuBytes() const noexcept;
 
@@ -89,6 +93,7 @@ class Renderer {
   GlBuffer commands_buffer_, states_buffer_;
   std::vector<std::vector<DrawCommand>> commands_;  ///< by page
   std::vector<DrawState> states_;                   ///< by base_instance
+  std::vector<DrawItem> in_picture_;                ///< by base_instance
 };
 
 }  // namespace lode::render

@@ -145,7 +145,7 @@ void render(const RenderOptions& options) {
     render::DrawStyle style = styleOf(options.look);
     style.up = core::cameraAt(opened.path(), shot.t).up;
     renderer.draw(view, target, style);
-    shown.legend = legendOf(style.show, renderer.meshes().drawn(), options.common.pixels);
+    shown.legend = legendOf(style.show, renderer.inPicture(), options.common.pixels);
     target.resolve();
     render::writePng(shot.file, target.readPixels());
     ++shown.pictures;

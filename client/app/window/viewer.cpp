@@ -243,6 +243,7 @@ void Viewer::draw() {
   target_->copyTo(0);
   content_.triangles = drawn.triangles;
   content_.nodes = drawn.nodes;
+  content_.error_px = drawn.error_px;
   drawn_ = {rig_ ? rig_->view() : view, renderer_.meshes().drawnCut(), content_};
   panel_.draw(content_);
   saveScreenshots();
@@ -262,12 +263,11 @@ void Viewer::describe() {
   content_.textured = renderer_.textures().set() != nullptr;
   content_.threshold_px = asked_px_;
   content_.target_ms = asked_px_ > threshold_px_ ? control_.targetMs() : 0;
-  content_.error_px = status_.cut ? status_.cut->max_error_px : 0;
   content_.converged = settled() && status_.cut->converged;
   content_.flying = rig_ && rig_->flying();
   content_.pick = picks_.lines();
   content_.show = nameOf(style_.show);
-  content_.legend = legendOf(style_.show, renderer_.meshes().drawn(), cut != nullptr ? cut->threshold_px : 1);
+  content_.legend = legendOf(style_.show, renderer_.inPicture(), cut != nullptr ? cut->threshold_px : 1);
   if (!status_.failure.empty()) {
     content_.message = status_.failure;
   } else if (!status_.trouble.empty()) {

@@ -257,8 +257,12 @@ TEST_F(Picture, showsTheAncestorForAllOfItsRegionOnceItHasAPlaceThatTheCutLeaves
                    at_gap = lookAt({250, 250, 700}, {250, 250, 100});
   EXPECT_GT(countOf(at_part, 0), 1000);
   EXPECT_EQ(countOf(at_part, 1), 0);
+  ASSERT_EQ(renderer.inPicture().size(), 1u);
+  EXPECT_EQ(renderer.inPicture()[0].node, cut->parts[0].node);
   EXPECT_GT(countOf(at_gap, 1), 1000);
   EXPECT_EQ(countOf(at_gap, 0), 0);
+  ASSERT_EQ(renderer.inPicture().size(), 1u);
+  EXPECT_EQ(renderer.inPicture()[0].node, kRootKey);
 }
 
 TEST_F(Picture, ofAnEmptyCutIsTheBackground) {
