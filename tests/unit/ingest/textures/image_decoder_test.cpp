@@ -51,6 +51,14 @@ TEST(DecodeImage, readsPngJpegAndWebp) {
   EXPECT_LT(meanDifference(photo, opaque), 1.5);
 }
 
+TEST(DecodeImage, countsTheTablesOfAWebpInTheMemoryThatItTakes) {
+  const Image small = makePhoto(256, 256, true);
+  const std::vector<std::byte> file = encodeTile(small, TileCodec::kLossless);
+  constexpr uint64_t kTables = 640'000;  // as many as a larger picture was seen to have
+  EXPECT_GE(readImageHeader(file).working_bytes, 2 * small.texels.size() * sizeof(glm::u8vec4) + kTables);
+  expectRefused(file, "raise --memory", ErrorCode::kLimit, kMega);
+}
+
 TEST(DecodeImage, refusesWhatIsNoPicture) {
   expectRefused({}, "no JPEG, PNG or WebP");
   const std::string text = "GIF89a and so on";
