@@ -90,9 +90,17 @@ class ServiceManager(unittest.TestCase):
                 self.assertEqual(daemon.address, "127.0.0.1:%d" % listening.getsockname()[1])
                 self.assertGreater(daemon.read_whole()["payloads"], 20)
 
+    def test_that_hands_a_socket_to_another_process_does_not_mean_this_one(self):
+        with socket.create_server(("127.0.0.1", 0)) as listening:
+            move = f"exec 3<&{listening.fileno()}; LISTEN_PID=1 LISTEN_FDS=1"
+            with Daemon(STORE, shell=move, pass_fds=[listening.fileno()]) as daemon:
+                self.assertNotEqual(daemon.address, "127.0.0.1:%d" % listening.getsockname()[1])
+
     def test_is_told_what_is_wrong_with_what_it_hands_over(self):
-        with tempfile.TemporaryFile() as no_socket, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
-            for given, count, named in ((no_socket, 1, "listen on TCP"), (udp, 1, "listen on TCP"), (udp, 2, "2 sockets")):
+        udp, deaf = (socket.socket(socket.AF_INET, kind) for kind in (socket.SOCK_DGRAM, socket.SOCK_STREAM))
+        with tempfile.TemporaryFile() as no_socket, udp, deaf:
+            for given, count, named in ((no_socket, 1, "listen on TCP"), (udp, 1, "listen on TCP"), (deaf, 1, "listen on TCP"),
+                                        (udp, 2, "2 sockets")):
                 with self.subTest(named=named, given=given):
                     done = subprocess.run(
                         ["sh", "-c", f'exec 3<&{given.fileno()}; LISTEN_PID=$$ LISTEN_FDS={count} exec "$0" "$@"',
@@ -277,16 +285,29 @@ class UnderLoad(unittest.TestCase):
         daemon.process.send_signal(signal.SIGHUP)
         eventually(lambda: self.reads["steady"] >= before + 2 or self.mistakes)
 
+    def content(self, daemon):
+        """What there is to read of the model that changes; None if it is not offered."""
+        try:
+            return daemon.read_whole("changing")
+        except SystemExit as said:
+            self.assertIn(f"(code {NO_SUCH_MODEL})", str(said))
+
     def test_stores_are_replaced_and_removed_and_nobody_else_notices(self):
+        with Daemon(STORE, self.other) as daemon:
+            at_first, other = daemon.read_whole("painted"), daemon.read_whole("gyroid")
+        self.assertNotEqual(at_first, other)
         with Daemon(self.folder.name, stderr=subprocess.DEVNULL) as daemon:
             with self.readers(daemon, allowed=(f"(code {NO_SUCH_MODEL})",)):
                 for _ in range(4):
                     self.replace("changing", self.other)
                     self.reload(daemon)
+                    eventually(lambda: self.content(daemon) == other)
                     os.remove(self.path("changing"))
                     self.reload(daemon)
+                    eventually(lambda: self.content(daemon) is None)
                     self.replace("changing", STORE)
                     self.reload(daemon)
+                    eventually(lambda: self.content(daemon) == at_first)
             self.assertGreater(self.reads["changing"], 0)
 
     def test_a_store_that_is_overwritten_in_place_is_damaged_to_its_readers_and_to_nobody_else(self):
