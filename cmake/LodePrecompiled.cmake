@@ -23,6 +23,10 @@ endfunction()
 
 # For what is compiled more often than it runs long. (g++ 12 takes moved optionals for uninitialized at -O1.)
 set(LODE_LITTLE_OPTIMIZED -O1 -Wno-maybe-uninitialized)
+if(LODE_SANITIZE)
+  # What sanitizers add takes longer to optimize than all else: half of the time that a test's file takes.
+  set(LODE_LITTLE_OPTIMIZED -O0)
+endif()
 
 lode_precompiled(std HEADERS ${LODE_STD_HEADERS} LIBRARIES glm::glm)
 # CLI11 is not in this set: what it defines would be compiled into every file.

@@ -30,9 +30,8 @@ constexpr std::array<std::array<float, 4>, 16> kGradients{{
 template <bool kGradient>
 NoiseSample blend(const NoiseSample& a, const NoiseSample& b, float weight, float slope,
                   float NoiseSample::*axis) {
-  NoiseSample result;
   const float step = b.value - a.value;
-  result.value = a.value + weight * step;
+  NoiseSample result{a.value + weight * step, 0, 0, 0};
   if constexpr (kGradient) {
     result.x = a.x + weight * (b.x - a.x);
     result.y = a.y + weight * (b.y - a.y);
