@@ -19,11 +19,9 @@ EOF
 say() { echo "run.sh: $*" >&2; }
 
 build_programs() {
-  local launcher=()
-  if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
   mkdir -p "$build"
   if ! {
-    (cd "$root" && cmake --preset release -DLODE_TESTS=OFF "${launcher[@]}") >"$build/configure.log" 2>&1
+    (cd "$root" && cmake --preset release -DLODE_TESTS=OFF) >"$build/configure.log" 2>&1
   }; then
     cat "$build/configure.log" >&2
     say "the build could not be set up; the lines above say why"

@@ -28,11 +28,9 @@ case "${1:-}" in
 esac
 
 docker/install-packages.sh run window build test
-launcher=()
-if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 started=$SECONDS
 rm -f build/dev/test.log
-cmake --preset dev "${launcher[@]}"
+cmake --preset dev
 cmake --build --preset dev
 built=$SECONDS
 
