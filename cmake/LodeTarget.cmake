@@ -12,6 +12,7 @@ set(LODE_LAYER_render core common)
 set(LODE_LAYER_stream net core proto common)
 set(LODE_LAYER_embed stream net core proto common)
 set(LODE_LAYER_app_cli stream net core proto common)
+set(LODE_LAYER_window app_cli render stream net core proto common)
 
 # Errors with g++ 12, which CI has, and clang: what another compiler newly or falsely warns of ends nobody's build
 # (g++ 14, for one: -Wfree-nonheap-object where a vector<bool> is freed), nor what g++ takes for wrong in what a sanitizer

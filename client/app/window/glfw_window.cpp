@@ -31,6 +31,9 @@ struct GlfwWindow::Callbacks {
   static void key(GLFWwindow* window, int key, int, int action, int modifiers) {
     if (action == GLFW_PRESS) of(window).pressKey(key, modifiers);
   }
+  static void letter(GLFWwindow* window, unsigned code) {
+    if (code == '?') of(window).pending_.toggle_help = true;  // wherever the keyboard has it
+  }
   static void pointer(GLFWwindow* window, double x, double y) { of(window).moveTo({x, y}); }
   static void button(GLFWwindow* window, int button, int action, int) {
     of(window).pressButton(button, action == GLFW_PRESS);
@@ -61,6 +64,7 @@ GlfwWindow::GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string&
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, Callbacks::key);
+  glfwSetCharCallback(window_, Callbacks::letter);
   glfwSetCursorPosCallback(window_, Callbacks::pointer);
   glfwSetMouseButtonCallback(window_, Callbacks::button);
   glfwSetScrollCallback(window_, Callbacks::wheel);
@@ -110,6 +114,7 @@ void GlfwWindow::handleEvents(double wait_s) {
 }
 
 void GlfwWindow::pressKey(int key, int modifiers) {
+  if (key < GLFW_KEY_LEFT_SHIFT) pending_.any_key = true;  // what goes with others is none by itself
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) {
     pending_.bookmark = key - GLFW_KEY_1 + 1;
     pending_.set_bookmark = (modifiers & GLFW_MOD_CONTROL) != 0;
@@ -129,6 +134,9 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       break;
     case GLFW_KEY_V:
       pending_.next_show += (modifiers & GLFW_MOD_SHIFT) != 0 ? -1 : 1;
+      break;
+    case GLFW_KEY_F1:
+      pending_.toggle_help = true;
       break;
     case GLFW_KEY_H:
       pending_.toggle_panel = true;

@@ -19,7 +19,8 @@ struct Input {
 
   // Keys pressed once.
   bool toggle_camera = false, reset_camera = false, next_axis = false;
-  bool toggle_wireframe = false, toggle_panel = false;
+  bool toggle_wireframe = false, toggle_panel = false, toggle_help = false;
+  bool any_key = false;       ///< of all that there are
   int bookmark = 0;           ///< 1 to 9: go there,
   bool set_bookmark = false;  ///< or put it here
   int next_show = 0;          ///< steps among what can be shown, negative for back
@@ -32,7 +33,7 @@ struct Input {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || toggle_camera || reset_camera || next_axis ||
            toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 || finer != 0 || screenshot ||
-           copy || record || pressed || clicked || quit;
+           copy || record || pressed || clicked || any_key || quit;
   }
 };
 

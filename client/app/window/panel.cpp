@@ -8,6 +8,9 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include "client/app/window/key_help.h"
+#include "client/app/window/panel_font.h"
+
 namespace lode::app {
 namespace {
 
@@ -15,7 +18,9 @@ constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowF
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
                                     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoInputs;
 constexpr float kMarginPx = 12;
-const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1), kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1);
+constexpr float kPanelEm = 23.5f, kNameEm = 5.5f, kValueEm = 18;  ///< widths, in sizes of a letter
+const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1), kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1),
+    kBad(1.0f, 0.50f, 0.45f, 1), kBar(0.26f, 0.48f, 0.72f, 1);
 
 std::string countOf(uint64_t value) {
   std::string digits = std::to_string(value);
@@ -36,17 +41,43 @@ std::string bytesOf(uint64_t bytes) {
   return text;
 }
 
-void row(const char* name, const std::string& value) {
+void nameRow(const char* name) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   ImGui::TextColored(kMuted, "%s", name);
   ImGui::TableNextColumn();
+}
+
+void row(const char* name, const std::string& value) {
+  nameRow(name);
   ImGui::TextUnformatted(value.c_str());
 }
 
 std::string formatted(const char* format, double a, double b = 0) {
   char text[64];
   std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+/// A bar with its figures on it.
+void bar(double part, const std::string& text, float width_em) {
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kBar);
+  ImGui::ProgressBar(static_cast<float>(part), {ImGui::GetFontSize() * width_em, 0}, text.c_str());
+  ImGui::PopStyleColor();
+}
+
+void memoryRow(const char* name, uint64_t bytes, uint64_t budget_bytes) {
+  nameRow(name);
+  const double part = static_cast<double>(bytes) / static_cast<double>(std::max<uint64_t>(1, budget_bytes));
+  bar(part, bytesOf(bytes) + " of " + bytesOf(budget_bytes), kValueEm);
+}
+
+std::string networkOf(const PanelContent& content) {
+  std::string text = bytesOf(content.received_bytes);
+  if (content.link_bytes_per_s > 0)
+    text += ", " + bytesOf(static_cast<uint64_t>(content.link_bytes_per_s)) + "/s";
+  if (content.round_trip_ms > 0) text += formatted(", %.0f ms", content.round_trip_ms);
+  if (content.open_wishes > 0) text += ", " + countOf(content.open_wishes) + " wishes";
   return text;
 }
 
@@ -58,12 +89,13 @@ std::string tilesOf(const PanelContent& content) {
 void drawFigures(const PanelContent& content) {
   if (!ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) return;
   // Widths that do not follow the figures: the panel would lag a frame behind them.
-  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 5.5f);
-  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 18);
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * kNameEm);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * kValueEm);
   row("triangles", countOf(content.triangles) + " of " + countOf(content.model_triangles));
   row("nodes", countOf(content.nodes));
-  row("received", bytesOf(content.received_bytes));
-  row("memory", bytesOf(content.resident_bytes) + ", GPU " + bytesOf(content.gpu_bytes));
+  row("network", networkOf(content));
+  memoryRow("memory", content.resident_bytes, content.resident_budget_bytes);
+  memoryRow("on the GPU", content.gpu_bytes, content.gpu_budget_bytes);
   if (content.textured) row("textures", tilesOf(content));
   row("threshold", formatted("%.2f px, error %.2f px", content.threshold_px, content.error_px));
   if (content.target_ms > 0) row("", formatted("coarser for %.0f frames a second", 1000 / content.target_ms));
@@ -76,7 +108,7 @@ void drawFigures(const PanelContent& content) {
                        is_fine ? "converged" : "all the detail there is",
                        static_cast<double>(content.error_px));
   } else {
-    ImGui::TextColored(kWarning, "refining");
+    bar(content.progress, "refining", kPanelEm);
   }
 }
 
@@ -85,7 +117,7 @@ void drawFrameTimes(std::span<const float> frames_ms, size_t oldest) {
   ImGui::TextColored(kMuted, "frame times, up to %.0f ms", static_cast<double>(most_ms));
   ImGui::PlotHistogram("##frames", frames_ms.data(), static_cast<int>(frames_ms.size()),
                        static_cast<int>(oldest), nullptr, 0, most_ms,
-                       {ImGui::GetFontSize() * 23.5f, ImGui::GetFontSize() * 2.5f});
+                       {ImGui::GetFontSize() * kPanelEm, ImGui::GetFontSize() * 2.5f});
 }
 
 void drawLegend(const PanelContent& content) {
@@ -123,37 +155,38 @@ void drawWaiting(const PanelContent& content) {
   ImGui::TextColored(kMuted, "%.0f s", content.waited_s);
 }
 
-void drawHelp(bool flying) {
-  ImGui::Separator();
-  const char* const camera = flying ? "W A S D move, Q E down and up, Shift fast\n"
-                                      "drag to look, wheel for the speed\n"
-                                      "Tab orbit"
-                                    : "drag to turn, right drag to shift, wheel to zoom\n"
-                                      "click to measure, double click to go there\n"
-                                      "Tab fly";
-  ImGui::TextColored(kMuted, "%s", camera);
-  ImGui::TextColored(kMuted,
-                     "R reset   U up axis   + - threshold\n"
-                     "V views   F wireframe   H this panel\n"
-                     "C copy what was clicked   P record camera\n"
-                     "1 to 9 go to a bookmark, Ctrl 1 to 9 set it\n"
-                     "F12 screenshot   Esc quit");
+void drawNotice(const Notice& notice) {
+  const ImVec4& colour = notice.kind == Notice::Kind::kFailure   ? kBad
+                         : notice.kind == Notice::Kind::kTrouble ? kWarning
+                                                                 : kMuted;
+  ImGui::TextColored(colour, "%s", notice.text.c_str());
+}
+
+void drawKeys(std::span<const KeyHelp> keys) {
+  for (const KeyHelp& key : keys) row(key.keys.data(), std::string(key.what));
+}
+
+/// In the middle of the picture.
+void drawHelp(const PanelContent& content) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowBgAlpha(0.9f);
+  ImGui::Begin("help", nullptr, kPlain);
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    drawKeys(cameraHelp(content.flying));
+    drawKeys(commonHelp());
+    ImGui::EndTable();
+  }
+  ImGui::TextColored(kMuted, "any key closes this, F1 or ? opens it");
+  ImGui::End();
 }
 
 }  // namespace
 
-Panel::Panel(GLFWwindow* window, double scale) {
+Panel::Panel(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
-  ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;
-  ImFontConfig font;
-  font.SizePixels = std::round(13.0f * static_cast<float>(scale));
-  io.Fonts->AddFontDefault(&font);
-  ImGui::StyleColorsDark();
-  ImGui::GetStyle().WindowRounding = 5;
-  ImGui::GetStyle().WindowBorderSize = 0;
-  ImGui::GetStyle().ScaleAllSizes(static_cast<float>(scale));
+  ImGui::GetIO().IniFilename = nullptr;
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 450 core");
 }
@@ -167,6 +200,12 @@ Panel::~Panel() {
 bool Panel::wantsMouse() const { return ImGui::GetIO().WantCaptureMouse; }
 bool Panel::wantsKeyboard() const { return ImGui::GetIO().WantCaptureKeyboard; }
 
+void Panel::setScale(double scale) {
+  if (scale_ == static_cast<float>(scale)) return;
+  scale_ = static_cast<float>(scale);
+  setPanelScale(scale_);
+}
+
 void Panel::draw(const PanelContent& content) {
   frames_ms_[next_frame_] = static_cast<float>(content.frame_ms);
   next_frame_ = (next_frame_ + 1) % kFramesShown;
@@ -175,11 +214,12 @@ void Panel::draw(const PanelContent& content) {
   ImGui::NewFrame();
   ImGui::SetNextWindowPos({kMarginPx, kMarginPx});
   ImGui::SetNextWindowBgAlpha(0.65f);
-  const bool shown = content.visible || !content.waiting.empty() || !content.message.empty();
-  if (shown) {
+  const bool is_waiting = !content.waiting.empty(), has_notice = content.notice.kind != Notice::Kind::kNone;
+  if (content.visible || is_waiting || has_notice || !content.message.empty()) {
     ImGui::Begin("panel", nullptr, kPlain);
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * (kPanelEm + 1));
     ImGui::TextUnformatted(content.title.c_str());
-    if (!content.waiting.empty()) {
+    if (is_waiting) {
       drawWaiting(content);
     } else if (content.visible) {
       drawFigures(content);
@@ -187,14 +227,13 @@ void Panel::draw(const PanelContent& content) {
       if (!content.legend.empty()) drawLegend(content);
       if (!content.pick.empty()) drawPick(content);
     }
-    if (!content.message.empty()) {
-      ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
-      ImGui::TextColored(kWarning, "%s", content.message.c_str());
-      ImGui::PopTextWrapPos();
-    }
-    if (content.visible && content.waiting.empty()) drawHelp(content.flying);
+    if (has_notice) drawNotice(content.notice);
+    if (!content.message.empty()) ImGui::TextColored(kWarning, "%s", content.message.c_str());
+    if (content.visible && !content.help) ImGui::TextColored(kMuted, "F1: what keys do");
+    ImGui::PopTextWrapPos();
     ImGui::End();
   }
+  if (content.help) drawHelp(content);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

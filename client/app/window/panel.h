@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "client/app/window/notice.h"
 #include "client/render/shown_colours.h"
 
 struct GLFWwindow;
@@ -20,19 +21,24 @@ struct PanelContent {
   double waited_s = 0;
   uint64_t triangles = 0, nodes = 0;  ///< drawn
   uint64_t model_triangles = 0;
-  uint64_t received_bytes = 0, resident_bytes = 0, gpu_bytes = 0;
+  uint64_t received_bytes = 0;
+  double link_bytes_per_s = 0, round_trip_ms = 0;  ///< 0: not measured yet
+  uint64_t open_wishes = 0;
+  uint64_t resident_bytes = 0, resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
   bool textured = false;
   uint64_t tiles = 0, tiles_left_out = 0;  ///< of textures: on the GPU, and those that memory does not allow
   float threshold_px = 1, error_px = 0;
   double target_ms = 0;  ///< of a frame, for which the threshold is coarser than asked for; 0: it is not
   bool converged = false;
+  double progress = 0;  ///< towards that, 0 to 1
   double frame_ms = 0, upload_ms = 0;
   bool flying = false;
   std::vector<std::string> pick;            ///< of the point last clicked on
   std::string_view show;                    ///< what the picture shows,
   std::vector<render::LegendEntry> legend;  ///< and what its colours mean
-  std::string message;                      ///< a failure, or where a screenshot went
-  bool visible = true;
+  Notice notice;                            ///< how the stream fares
+  std::string message;                      ///< for a moment, such as where a screenshot went
+  bool visible = true, help = false;
 
   bool operator==(const PanelContent&) const = default;
 };
@@ -41,12 +47,13 @@ struct PanelContent {
 /// thread.
 class Panel {
  public:
-  /// @param scale  of the text: 1 for a plain display.
-  Panel(GLFWwindow* window, double scale);
+  explicit Panel(GLFWwindow* window);
   ~Panel();
   Panel(const Panel&) = delete;
   Panel& operator=(const Panel&) = delete;
 
+  /// Of the text: 1 for a plain display. Another one than before takes a moment.
+  void setScale(double scale);
   /// Draws into the window's own framebuffer.
   void draw(const PanelContent& content);
   bool wantsMouse() const;
@@ -56,6 +63,7 @@ class Panel {
   static constexpr size_t kFramesShown = 120;
   std::array<float, kFramesShown> frames_ms_{};  ///< a ring
   size_t next_frame_ = 0;
+  float scale_ = 0;
 };
 
 }  // namespace lode::app

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <fstream>
 
+#include "client/app/cli/cache_folder.h"
 #include "client/app/cli/first_camera.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
@@ -57,12 +58,18 @@ Viewer::Viewer(const ViewOptions& options)
       wanted_path_(wantedPath(options.common)),
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
-      panel_(window_.handle(), window_.contentScale()),
+      panel_(window_.handle()),
       renderer_(1, render::shareMemory(options.common.streamOptions().memory_budget_bytes).gpu),
       control_(options.fps),
-      opener_(named_, streamOptions(options.common), wantedFraming(options.common),
-              options.common.timeout()) {
+      opener_(named_, streamOptions(options.common), wantedFraming(options.common), options.common.timeout()),
+      first_start_(cacheFolder()) {
   content_.title = options.common.target;
+  content_.help = options.screenshot.empty() && first_start_.isHelpDue();
+  const render::MemoryShares memory = render::shareMemory(options.common.streamOptions().memory_budget_bytes);
+  content_.resident_budget_bytes = memory.stream_bytes;
+  content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
+                              render::StagingRing::kSegments *
+                                  (uint64_t{memory.gpu.staging_bytes} + memory.gpu.texture_staging_bytes);
   style_ = styleOf(options.look);
   filled_ = style_.show == render::Show::kWireframe ? render::Show::kSurface : style_.show;
 }
@@ -118,13 +125,18 @@ bool Viewer::isPictureOld(const Input& input) const {
   PanelContent now = content_;
   now.frame_ms = drawn_.content.frame_ms;
   now.upload_ms = drawn_.content.upload_ms;
-  if (now.converged) now.received_bytes = drawn_.content.received_bytes;
+  if (now.converged) {
+    now.received_bytes = drawn_.content.received_bytes;
+    now.link_bytes_per_s = drawn_.content.link_bytes_per_s;
+    now.round_trip_ms = drawn_.content.round_trip_ms;
+  }
   return now != drawn_.content || renderer_.meshes().drawnCut() != drawn_.cut ||
          (rig_ && rig_->view() != drawn_.view);
 }
 
 void Viewer::obey(const Input& input) {
   if (input.quit) done_ = true;
+  openOrCloseHelp(input);
   if (input.toggle_wireframe) toggleWireframe();
   if (input.next_show != 0) {
     const int next =
@@ -145,6 +157,16 @@ void Viewer::toggleWireframe() {
   const bool is_on = style_.show == render::Show::kWireframe;
   if (!is_on) filled_ = style_.show;
   style_.show = is_on ? filled_ : render::Show::kWireframe;
+}
+
+/// It goes with the next key, whatever that does, and is not shown by itself any more.
+void Viewer::openOrCloseHelp(const Input& input) {
+  if (!content_.help) {
+    content_.help = input.toggle_help;
+  } else if (input.any_key) {
+    content_.help = false;
+    first_start_.helpWasSeen();
+  }
 }
 
 void Viewer::openWhenReady() {
@@ -245,6 +267,7 @@ void Viewer::draw() {
   content_.nodes = drawn.nodes;
   content_.error_px = drawn.error_px;
   drawn_ = {rig_ ? rig_->view() : view, renderer_.meshes().drawnCut(), content_};
+  panel_.setScale(window_.contentScale());
   panel_.draw(content_);
   saveScreenshots();
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
@@ -252,33 +275,39 @@ void Viewer::draw() {
   window_.swap();
 }
 
+void Viewer::describeStream() {
+  const core::EngineCounts& counts = status_.counts;
+  content_.received_bytes = counts.received_bytes;
+  content_.link_bytes_per_s = counts.link_bytes_per_s;
+  content_.round_trip_ms = counts.round_trip_ms;
+  content_.open_wishes = counts.open_wishes;
+  content_.resident_bytes = counts.resident_bytes + counts.texture_bytes;
+  content_.tiles_left_out = counts.tiles_left_out;
+  content_.converged = settled() && status_.cut->converged;
+  content_.progress =
+      status_.cut ? progress_.see(status_.cut->max_error_px, asked_px_, content_.converged) : 0;
+  const bool is_offline = options_.common.streamOptions().offline;
+  content_.notice = noticeOf(status_, is_offline, renderer_.meshes().overBudget());
+}
+
 void Viewer::describe() {
+  describeStream();
   const core::Cut* const cut = renderer_.meshes().drawnCut().get();
-  content_.received_bytes = status_.counts.received_bytes;
-  content_.resident_bytes = status_.counts.resident_bytes;
+  if (streamer_ != nullptr) {
+    const bool is_waiting = cut == nullptr && !status_.ended;
+    content_.waiting = is_waiting ? "Loading the first picture" : "";
+    content_.waited_s = is_waiting ? secondsSince(started_) : 0;
+  }
   content_.gpu_bytes = renderer_.gpuBytes();
-  content_.resident_bytes += status_.counts.texture_bytes;
   content_.tiles = renderer_.textures().tileCount();
-  content_.tiles_left_out = status_.counts.tiles_left_out;
   content_.textured = renderer_.textures().set() != nullptr;
   content_.threshold_px = asked_px_;
   content_.target_ms = asked_px_ > threshold_px_ ? control_.targetMs() : 0;
-  content_.converged = settled() && status_.cut->converged;
   content_.flying = rig_ && rig_->flying();
   content_.pick = picks_.lines();
   content_.show = nameOf(style_.show);
   content_.legend = legendOf(style_.show, renderer_.inPicture(), cut != nullptr ? cut->threshold_px : 1);
-  if (!status_.failure.empty()) {
-    content_.message = status_.failure;
-  } else if (!status_.trouble.empty()) {
-    content_.message = "connecting anew: " + status_.trouble;
-  } else if (renderer_.meshes().overBudget()) {
-    content_.message = "not enough graphics memory for more detail";
-  } else if (status_.settled && status_.limited) {
-    content_.message = "the memory budget allows no more detail (--memory-budget)";
-  } else {
-    content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
-  }
+  content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
 }
 
 void Viewer::note(const std::string& message) {

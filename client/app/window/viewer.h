@@ -7,12 +7,14 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/target.h"
 #include "client/app/window/camera_rig.h"
+#include "client/app/window/first_start.h"
 #include "client/app/window/glfw_window.h"
 #include "client/app/window/look_options.h"
 #include "client/app/window/model_opener.h"
 #include "client/app/window/panel.h"
 #include "client/app/window/path_recorder.h"
 #include "client/app/window/picks.h"
+#include "client/app/window/refining_progress.h"
 #include "client/core/cut_probe.h"
 #include "client/render/frame_rate_control.h"
 #include "client/render/frame_timer.h"
@@ -47,6 +49,7 @@ class Viewer {
   void openWhenReady();
   void obey(const Input& input);
   void toggleWireframe();
+  void openOrCloseHelp(const Input& input);
   void pick(const Input& input);
   void record(const Input& input);
   std::optional<core::Hit> under(const Input& input);
@@ -55,6 +58,7 @@ class Viewer {
   bool isPictureOld(const Input& input) const;
   void draw();
   void describe();
+  void describeStream();
   void saveScreenshots();
   void note(const std::string& message);
   void refuseScreenshot() const;
@@ -86,6 +90,8 @@ class Viewer {
 
   std::optional<core::CutProbe> probe_;  ///< of the cut last clicked on
   Picks picks_;
+  RefiningProgress progress_;
+  const FirstStart first_start_;
   PathRecorder recorder_;
   stream::StreamStatus status_;
   render::DrawStyle style_;

@@ -1,0 +1,24 @@
+#include "client/app/window/notice.h"
+
+namespace lode::app {
+
+Notice noticeOf(const stream::StreamStatus& status, bool offline, bool gpu_full) {
+  using enum Notice::Kind;
+  if (!status.failure.empty())
+    return {kFailure, status.failure + (status.cut ? "\nWhat is here stays; nothing more will come." : "")};
+  if (!status.trouble.empty())
+    return {kTrouble,
+            "no connection: " + status.trouble + "\nThe picture stays; it connects again by itself."};
+  if (gpu_full)
+    return {kTrouble,
+            "no room on the GPU for more detail: allow more with --memory-budget, or a larger error (-)"};
+  if (status.settled && status.limited)
+    return {kTrouble, "the memory budget allows no more detail: allow more with --memory-budget"};
+  if (!offline) return {};
+  const bool is_all_there = status.cut && status.cut->converged;
+  if (status.settled && !is_all_there)
+    return {kTrouble, "offline: the cache has no more of this place; without --offline the server is asked"};
+  return {kHint, "offline: from the cache alone"};
+}
+
+}  // namespace lode::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "client/stream/streamer.h"
+
+namespace lode::app {
+
+/// A line over the picture on how the stream fares, with what to do where something can be done.
+struct Notice {
+  enum class Kind : uint8_t {
+    kNone,
+    kHint,     ///< all is well
+    kTrouble,  ///< it may pass by itself, or there is less to see than asked for
+    kFailure,  ///< it will not
+  };
+  Kind kind = Kind::kNone;
+  std::string text;
+
+  bool operator==(const Notice&) const = default;
+};
+
+/// The gravest that there is to say.
+/// @param offline   only the cache is asked.
+/// @param gpu_full  the newest cut does not fit on the GPU.
+Notice noticeOf(const stream::StreamStatus& status, bool offline, bool gpu_full);
+
+}  // namespace lode::app

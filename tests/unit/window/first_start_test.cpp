@@ -1,0 +1,27 @@
+#include "client/app/window/first_start.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/work_folder.h"
+
+namespace lode::app {
+namespace {
+
+TEST(FirstStart, showsTheHelpUntilItWasSeenThoughItsFolderIsNotThereYet) {
+  const test::WorkFolder work;
+  const FirstStart first(work.path() / "cache" / "lodestream");
+  EXPECT_TRUE(first.isHelpDue());
+  EXPECT_TRUE(first.isHelpDue());
+  first.helpWasSeen();
+  EXPECT_FALSE(first.isHelpDue());
+  EXPECT_FALSE(FirstStart(work.path() / "cache" / "lodestream").isHelpDue());
+}
+
+TEST(FirstStart, bearsAFolderThatCannotBeWritten) {
+  const FirstStart first("/proc/lodestream");
+  first.helpWasSeen();
+  EXPECT_TRUE(first.isHelpDue());
+}
+
+}  // namespace
+}  // namespace lode::app

@@ -1,0 +1,62 @@
+#include "client/app/window/notice.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+namespace lode::app {
+namespace {
+
+stream::StreamStatus statusOf(bool converged) {
+  auto cut = std::make_shared<core::Cut>();
+  cut->converged = converged;
+  stream::StreamStatus status;
+  status.cut = cut;
+  status.settled = true;
+  return status;
+}
+
+TEST(Notice, isNothingWhileAllIsWell) {
+  EXPECT_EQ(noticeOf(statusOf(true), false, false), Notice());
+  EXPECT_EQ(noticeOf({}, false, false), Notice());
+}
+
+TEST(Notice, saysOfALostConnectionWhyAndThatItComesBackByItself) {
+  stream::StreamStatus status = statusOf(false);
+  status.trouble = "10.0.0.1:7400 closed the connection";
+  const Notice notice = noticeOf(status, false, false);
+  EXPECT_EQ(notice.kind, Notice::Kind::kTrouble);
+  EXPECT_NE(notice.text.find(status.trouble), std::string::npos);
+  EXPECT_NE(notice.text.find("connects again by itself"), std::string::npos);
+}
+
+TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
+  stream::StreamStatus status = statusOf(true);
+  status.failure = "no such model";
+  status.trouble = "closed";
+  const Notice with_picture = noticeOf(status, false, true);
+  EXPECT_EQ(with_picture.kind, Notice::Kind::kFailure);
+  EXPECT_NE(with_picture.text.find("no such model"), std::string::npos);
+  EXPECT_NE(with_picture.text.find("What is here stays"), std::string::npos);
+  status.cut.reset();
+  EXPECT_EQ(noticeOf(status, false, true).text, "no such model");
+}
+
+TEST(Notice, namesTheOptionThatGivesMoreMemory) {
+  stream::StreamStatus status = statusOf(true);
+  EXPECT_NE(noticeOf(status, false, true).text.find("--memory-budget"), std::string::npos);
+  status.limited = true;
+  EXPECT_NE(noticeOf(status, false, false).text.find("--memory-budget"), std::string::npos);
+  status.settled = false;
+  EXPECT_EQ(noticeOf(status, false, false), Notice()) << "it may still become finer";
+}
+
+TEST(Notice, saysOfflineAsAHintWhereTheCacheHasAllAndAsTroubleWhereItHasNot) {
+  EXPECT_EQ(noticeOf(statusOf(true), true, false).kind, Notice::Kind::kHint);
+  const Notice lacking = noticeOf(statusOf(false), true, false);
+  EXPECT_EQ(lacking.kind, Notice::Kind::kTrouble);
+  EXPECT_NE(lacking.text.find("without --offline"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lode::app
