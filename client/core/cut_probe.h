@@ -36,6 +36,7 @@ class CutProbe {
   CutProbe(std::shared_ptr<const Cut> cut, double step);
 
   const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }
+  double step() const noexcept { return step_; }
   /// Looks at the triangles of parts whose box the ray meets, from both sides.
   /// @param shown  the parts that are drawn: see shownParts().
   std::optional<Hit> cast(const Ray& ray, std::span<const uint32_t> shown) const;

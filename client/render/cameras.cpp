@@ -43,9 +43,12 @@ void Heading::turn(double left_rad, double up_rad) noexcept {
   pitch_rad_ = std::clamp(pitch_rad_ + up_rad, -kMaxTiltRad, kMaxTiltRad);
 }
 
+glm::dvec3 Heading::level() const noexcept {
+  return ahead_ * std::cos(yaw_rad_) + left_ * std::sin(yaw_rad_);
+}
+
 glm::dvec3 Heading::forward() const noexcept {
-  const glm::dvec3 level = ahead_ * std::cos(yaw_rad_) + left_ * std::sin(yaw_rad_);
-  return level * std::cos(pitch_rad_) + axis_ * std::sin(pitch_rad_);
+  return level() * std::cos(pitch_rad_) + axis_ * std::sin(pitch_rad_);
 }
 
 glm::dvec3 Heading::right() const noexcept {

@@ -16,7 +16,8 @@ class Heading {
 
   /// Turns to the left and up, in radians. The tilt stops just short of the axis.
   void turn(double left_rad, double up_rad) noexcept;
-  glm::dvec3 forward() const noexcept;  ///< unit length, as the two below
+  glm::dvec3 forward() const noexcept;  ///< unit length, as the three below
+  glm::dvec3 level() const noexcept;    ///< the same without the tilt
   glm::dvec3 right() const noexcept;
   glm::dvec3 up() const noexcept;
   glm::dvec3 axis() const noexcept { return axis_; }

@@ -7,7 +7,11 @@
 namespace lode::app {
 namespace {
 
-constexpr double kCrossingSeconds = 4;  ///< in which a flight at first speed passes the whole model
+constexpr double kCrossingSeconds = 4;      ///< in which a flight at first speed passes the whole model
+constexpr double kPadHeightsASecond = 1.2;  ///< a stick at its end drags over so many heights of the picture
+constexpr double kPadStepsASecond = 6;      ///< and turns the wheel so far, as W and S do
+constexpr double kEyeHeight = 0.005;        ///< of the model's size, at which a walk begins
+constexpr double kDropHeights = 2;          ///< that it comes down from
 
 /// The coordinate axis nearest to a direction, with its sign.
 glm::dvec3 nearestAxis(glm::dvec3 direction) {
@@ -46,6 +50,15 @@ void CameraRig::startAt(const core::CameraPath& path) {
 void CameraRig::restart(const core::View& from, double distance_model) {
   orbit_ = render::OrbitCamera(from, distance_model, up_);
   fly_ = render::FlyCamera(from, model_size_ / kCrossingSeconds, up_);
+  walk_ = render::WalkCamera(from, model_size_ * kEyeHeight, up_);
+}
+
+void CameraRig::standAt(const glm::dvec3& point_model) {
+  if (kind_ != CameraKind::kWalk) return;
+  core::View above = view_;
+  above.eye_model = point_model + up_ * (walk_.eyeHeightModel() * kDropHeights);
+  above.forward = render::Heading(view_.forward, up_).level();
+  walk_ = render::WalkCamera(above, walk_.eyeHeightModel(), up_);
 }
 
 /// The model stands on another side, and is framed anew.
@@ -71,25 +84,36 @@ void CameraRig::useBookmark(size_t number, bool set) {
   restart(view, bookmark->distance_model);
 }
 
-void CameraRig::apply(const Input& input, double seconds) {
+void CameraRig::apply(const Input& input, double seconds, const render::GroundBelow& ground) {
   if (input.reset_camera) restart(start_, start_distance_model_);
   if (input.next_axis) turnUp();
   if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
   if (input.toggle_camera) {
     restart(view_, orbit_.distanceModel());
-    flying_ = !flying_;
+    kind_ = static_cast<CameraKind>((static_cast<int>(kind_) + 1) % kCameraKindCount);
   }
-  if (flying_) {
-    fly_.changeSpeed(input.wheel);
-    fly_.look(input.turned_px + input.shifted_px, view_);
-    fly_.move(input.fly, seconds);
-    fly_.apply(view_);
-  } else {
-    orbit_.advance(seconds);
-    orbit_.zoom(input.wheel);
-    orbit_.drag(input.turned_px, view_.height_px);
-    orbit_.shift(input.shifted_px, view_);
-    orbit_.apply(view_);
+  const glm::dvec2 looked_px =
+      input.turned_px + input.shifted_px - input.pad_turn * (kPadHeightsASecond * seconds * view_.height_px);
+  switch (kind_) {
+    case CameraKind::kOrbit:
+      orbit_.advance(seconds);
+      orbit_.zoom(input.wheel + input.fly.forward * kPadStepsASecond * seconds);
+      orbit_.drag(looked_px - input.shifted_px, view_.height_px);
+      orbit_.shift(input.shifted_px, view_);
+      orbit_.apply(view_);
+      break;
+    case CameraKind::kFly:
+      fly_.changeSpeed(input.wheel);
+      fly_.look(looked_px, view_);
+      fly_.move(input.fly, seconds);
+      fly_.apply(view_);
+      break;
+    case CameraKind::kWalk:
+      walk_.changeSpeed(input.wheel);
+      walk_.look(looked_px, view_);
+      walk_.move(input.fly, seconds, ground);
+      walk_.apply(view_);
+      break;
   }
 }
 

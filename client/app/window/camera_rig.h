@@ -5,23 +5,28 @@
 
 #include <glm/glm.hpp>
 
+#include "client/app/window/camera_kind.h"
 #include "client/app/window/input.h"
 #include "client/core/camera_path.h"
 #include "client/core/framing.h"
 #include "client/render/cameras.h"
+#include "client/render/walk_camera.h"
 #include "common/model_summary.h"
 
 namespace lode::app {
 
-/// The camera of the window: orbits or flies, whichever the user chose, and goes on from where it is when
-/// that changes.
+/// The camera of the window: orbits, flies or walks, whichever the user chose, and goes on from where it is
+/// when that changes.
 class CameraRig {
  public:
   /// @param path  its first key is where the camera starts; nothing: the camera that frames the model.
   CameraRig(const ModelSummary& model, core::Framing framing, const std::optional<core::CameraPath>& path,
             uint32_t width_px, uint32_t height_px);
 
-  void apply(const Input& input, double seconds);
+  /// @param ground  where it walks.
+  void apply(const Input& input, double seconds, const render::GroundBelow& ground);
+  /// If it walks: goes on from above this point, and looks ahead on the level.
+  void standAt(const glm::dvec3& point_model);
   /// An orbit turns about this point from now on; the view stays.
   void turnAbout(const glm::dvec3& point_model) noexcept { orbit_.turnAbout(point_model); }
   /// An orbit comes nearer to this point, in a moment.
@@ -29,11 +34,13 @@ class CameraRig {
   void resize(uint32_t width_px, uint32_t height_px) noexcept;
 
   const core::View& view() const noexcept { return view_; }
-  bool flying() const noexcept { return flying_; }
+  CameraKind kind() const noexcept { return kind_; }
   /// Of what it looks at, along the view.
   double distanceModel() const noexcept { return orbit_.distanceModel(); }
   /// It moves without anybody's doing.
-  bool underWay() const noexcept { return !flying_ && orbit_.isFlying(); }
+  bool underWay() const noexcept {
+    return kind_ == CameraKind::kOrbit ? orbit_.isFlying() : kind_ == CameraKind::kWalk && walk_.isSettling();
+  }
   const glm::dvec3& up() const noexcept { return up_; }
 
  private:
@@ -48,7 +55,7 @@ class CameraRig {
   core::View start_, view_;
   double start_distance_model_ = 0;
   glm::dvec3 up_{0, 1, 0};
-  bool flying_ = false;
+  CameraKind kind_ = CameraKind::kOrbit;
   struct Bookmark {
     core::View view;
     double distance_model;
@@ -57,6 +64,7 @@ class CameraRig {
   std::array<std::optional<Bookmark>, 9> bookmarks_;
   render::OrbitCamera orbit_{core::View{}, 1, {0, 1, 0}};
   render::FlyCamera fly_{core::View{}, 1, {0, 1, 0}};
+  render::WalkCamera walk_{core::View{}, 1, {0, 1, 0}};
 };
 
 }  // namespace lode::app

@@ -1,10 +1,13 @@
 #include "client/app/window/glfw_window.h"
 
+#include <algorithm>
+
 #include <epoxy/gl.h>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "client/app/window/gamepad.h"
 #include "client/render/framebuffer.h"
 #include "common/error.h"
 
@@ -204,6 +207,36 @@ render::FlyKeys GlfwWindow::heldKeys() const {
           .fast = held(GLFW_KEY_LEFT_SHIFT) > 0};
 }
 
+bool GlfwWindow::hasGamepad() const noexcept { return glfwJoystickIsGamepad(GLFW_JOYSTICK_1) == GLFW_TRUE; }
+
+/// Beside the keys. The right bumper is Shift, A the next camera, Y the first view, X the next view, Start
+/// the help.
+void GlfwWindow::takeGamepad(Input& input) {
+  GLFWgamepadstate pad;
+  if (!hasGamepad() || glfwGetGamepadState(GLFW_JOYSTICK_1, &pad) == GLFW_FALSE) return;
+  const float* const axes = pad.axes;
+  const PadMotion motion =
+      motionOf({.left = {axes[GLFW_GAMEPAD_AXIS_LEFT_X], axes[GLFW_GAMEPAD_AXIS_LEFT_Y]},
+                .right = {axes[GLFW_GAMEPAD_AXIS_RIGHT_X], axes[GLFW_GAMEPAD_AXIS_RIGHT_Y]},
+                .left_trigger = axes[GLFW_GAMEPAD_AXIS_LEFT_TRIGGER],
+                .right_trigger = axes[GLFW_GAMEPAD_AXIS_RIGHT_TRIGGER]});
+  input.pad_turn = motion.turn;
+  input.fly.right = std::clamp(input.fly.right + motion.move.right, -1.0, 1.0);
+  input.fly.up = std::clamp(input.fly.up + motion.move.up, -1.0, 1.0);
+  input.fly.forward = std::clamp(input.fly.forward + motion.move.forward, -1.0, 1.0);
+  unsigned held = 0;
+  for (int button = 0; button <= GLFW_GAMEPAD_BUTTON_LAST; ++button)
+    if (pad.buttons[button] == GLFW_PRESS) held |= 1u << button;
+  const auto isPressed = [&](int button) { return (held & ~pad_buttons_ & 1u << button) != 0; };
+  input.fly.fast = input.fly.fast || (held & 1u << GLFW_GAMEPAD_BUTTON_RIGHT_BUMPER) != 0;
+  input.toggle_camera = input.toggle_camera || isPressed(GLFW_GAMEPAD_BUTTON_A);
+  input.reset_camera = input.reset_camera || isPressed(GLFW_GAMEPAD_BUTTON_Y);
+  input.toggle_help = input.toggle_help || isPressed(GLFW_GAMEPAD_BUTTON_START);
+  if (isPressed(GLFW_GAMEPAD_BUTTON_X)) ++input.next_show;
+  input.any_key = input.any_key || (held & ~pad_buttons_) != 0;
+  pad_buttons_ = held;
+}
+
 Input GlfwWindow::takeInput(bool keyboard, bool mouse) {
   Input input = keyboard ? pending_ : Input{};
   input.turned_px = mouse ? pending_.turned_px : glm::dvec2(0);
@@ -214,6 +247,7 @@ Input GlfwWindow::takeInput(bool keyboard, bool mouse) {
   input.clicked = mouse && pending_.clicked;
   input.double_clicked = mouse && pending_.double_clicked;
   if (keyboard) input.fly = heldKeys();
+  takeGamepad(input);
   input.damaged = pending_.damaged;
   pending_ = {};
   return input;

@@ -29,6 +29,8 @@ class GlfwWindow {
   bool shouldClose() const noexcept;
   void setTitle(const std::string& title);
   void copyToClipboard(const std::string& text);
+  /// There is one with a mapping that GLFW knows; it makes no events.
+  bool hasGamepad() const noexcept;
   /// Waits for events at most so long (0: not at all) and handles them.
   void handleEvents(double wait_s);
   /// What the user did since the last call. @param keyboard, mouse  false: the panel has them.
@@ -43,12 +45,14 @@ class GlfwWindow {
   void moveTo(glm::dvec2 position);
   void pressButton(int button, bool is_down);
   render::FlyKeys heldKeys() const;
+  void takeGamepad(Input& input);
 
   GLFWwindow* window_ = nullptr;
   Input pending_;
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
-  double handled_s_ = 0;     ///< when events were last looked at
-  double unattended_s_ = 0;  ///< in all, between looks: events bear no times of their own
+  unsigned pad_buttons_ = 0;  ///< that were held at the last look, by GLFW's numbers
+  double handled_s_ = 0;      ///< when events were last looked at
+  double unattended_s_ = 0;   ///< in all, between looks: events bear no times of their own
   double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< at the last click
   double to_px_ = 1;                                    ///< pixels of the picture for one unit of the pointer
 };

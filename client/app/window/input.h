@@ -16,6 +16,7 @@ struct Input {
   bool clicked = false;         ///< the left button went down and up there,
   bool double_clicked = false;  ///< twice
   render::FlyKeys fly;          ///< held down now
+  glm::dvec2 pad_turn{0};       ///< by a gamepad's stick, -1 to 1: to the right, down
 
   // Keys pressed once.
   bool toggle_camera = false, reset_camera = false, next_axis = false;
@@ -31,9 +32,9 @@ struct Input {
 
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
-           fly.up != 0 || fly.forward != 0 || toggle_camera || reset_camera || next_axis ||
-           toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 || finer != 0 || screenshot ||
-           copy || record || pressed || clicked || any_key || quit;
+           fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) || toggle_camera || reset_camera ||
+           next_axis || toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 || finer != 0 ||
+           screenshot || copy || record || pressed || clicked || any_key || quit;
   }
 };
 

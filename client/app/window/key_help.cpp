@@ -8,7 +8,7 @@ namespace {
 constexpr std::array kOrbitHelp{
     KeyHelp{"drag", "turn about what is under the pointer"},
     KeyHelp{"right drag", "shift"},
-    KeyHelp{"wheel", "come nearer to what is under the pointer"},
+    KeyHelp{"wheel  W  S", "come nearer to what is under the pointer"},
     KeyHelp{"double click", "go there"},
 };
 
@@ -18,8 +18,14 @@ constexpr std::array kFlyHelp{
     KeyHelp{"wheel", "faster or slower"},
 };
 
+constexpr std::array kWalkHelp{
+    KeyHelp{"drag", "look around"},        KeyHelp{"W A S D", "walk"},
+    KeyHelp{"Q  E", "smaller and taller"}, KeyHelp{"Shift", "four times as fast"},
+    KeyHelp{"wheel", "faster or slower"},
+};
+
 constexpr std::array kCommonHelp{
-    KeyHelp{"Tab", "orbit or fly"},
+    KeyHelp{"Tab", "orbit, fly, or walk from where the pointer is"},
     KeyHelp{"R  U", "the first view again; another side up"},
     KeyHelp{"1 to 9", "go to a bookmark; with Ctrl: set it"},
     KeyHelp{"click  C", "measure; copy what the panel says of it"},
@@ -32,8 +38,16 @@ constexpr std::array kCommonHelp{
 
 }  // namespace
 
-std::span<const KeyHelp> cameraHelp(bool flying) noexcept {
-  return flying ? std::span<const KeyHelp>(kFlyHelp) : std::span<const KeyHelp>(kOrbitHelp);
+std::span<const KeyHelp> cameraHelp(CameraKind camera) noexcept {
+  switch (camera) {
+    case CameraKind::kFly:
+      return kFlyHelp;
+    case CameraKind::kWalk:
+      return kWalkHelp;
+    case CameraKind::kOrbit:
+      break;
+  }
+  return kOrbitHelp;
 }
 
 std::span<const KeyHelp> commonHelp() noexcept { return kCommonHelp; }

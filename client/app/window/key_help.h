@@ -3,6 +3,8 @@
 #include <span>
 #include <string_view>
 
+#include "client/app/window/camera_kind.h"
+
 namespace lode::app {
 
 /// What keys or the mouse do, for the help over the picture.
@@ -10,8 +12,8 @@ struct KeyHelp {
   std::string_view keys, what;
 };
 
-/// With the camera that orbits or the one that flies.
-std::span<const KeyHelp> cameraHelp(bool flying) noexcept;
+/// With one camera.
+std::span<const KeyHelp> cameraHelp(CameraKind camera) noexcept;
 /// With every camera.
 std::span<const KeyHelp> commonHelp() noexcept;
 

@@ -41,6 +41,18 @@ std::string bytesOf(uint64_t bytes) {
   return text;
 }
 
+std::string nameOf(CameraKind camera) {
+  switch (camera) {
+    case CameraKind::kFly:
+      return "fly: W A S D";
+    case CameraKind::kWalk:
+      return "walk: W A S D";
+    case CameraKind::kOrbit:
+      break;
+  }
+  return "orbit";
+}
+
 void nameRow(const char* name) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -76,7 +88,7 @@ std::string networkOf(const PanelContent& content) {
   std::string text = bytesOf(content.received_bytes);
   if (content.link_bytes_per_s > 0)
     text += ", " + bytesOf(static_cast<uint64_t>(content.link_bytes_per_s)) + "/s";
-  if (content.round_trip_ms > 0) text += formatted(", %.0f ms", content.round_trip_ms);
+  if (content.round_trip_ms > 0) text += formatted(", %.1f ms", content.round_trip_ms);
   if (content.open_wishes > 0) text += ", " + countOf(content.open_wishes) + " wishes";
   return text;
 }
@@ -100,6 +112,7 @@ void drawFigures(const PanelContent& content) {
   row("threshold", formatted("%.2f px, error %.2f px", content.threshold_px, content.error_px));
   if (content.target_ms > 0) row("", formatted("coarser for %.0f frames a second", 1000 / content.target_ms));
   row("view", std::string(content.show));
+  row("camera", nameOf(content.camera));
   row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
   ImGui::EndTable();
   if (content.converged) {
@@ -173,7 +186,7 @@ void drawHelp(const PanelContent& content) {
   ImGui::SetNextWindowBgAlpha(0.9f);
   ImGui::Begin("help", nullptr, kPlain);
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    drawKeys(cameraHelp(content.flying));
+    drawKeys(cameraHelp(content.camera));
     drawKeys(commonHelp());
     ImGui::EndTable();
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "client/app/window/camera_kind.h"
 #include "client/app/window/notice.h"
 #include "client/render/shown_colours.h"
 
@@ -32,7 +33,7 @@ struct PanelContent {
   bool converged = false;
   double progress = 0;  ///< towards that, 0 to 1
   double frame_ms = 0, upload_ms = 0;
-  bool flying = false;
+  CameraKind camera = CameraKind::kOrbit;
   std::vector<std::string> pick;            ///< of the point last clicked on
   std::string_view show;                    ///< what the picture shows,
   std::vector<render::LegendEntry> legend;  ///< and what its colours mean

@@ -9,6 +9,7 @@
 #include "client/app/cli/first_camera.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
+#include "client/app/window/ground_below.h"
 #include "client/core/camera_path_writer.h"
 #include "client/core/shown_parts.h"
 #include "client/render/image.h"
@@ -87,7 +88,7 @@ bool Viewer::settled() const {
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
   if (moved_ || frames_to_draw_ > 0 || !renderer_.upToDate()) return 0;
-  return settled() || status_.ended ? kIdleWaitS : kStreamingWaitS;
+  return (settled() || status_.ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
 }
 
 void Viewer::frame() {
@@ -104,9 +105,7 @@ void Viewer::frame() {
   if (streamer_ != nullptr) {
     rig_->resize(window_.widthPx(), window_.heightPx());
     pick(input);
-    const core::View before = rig_->view();
-    rig_->apply(input, std::min(seconds, kLongestStepS));
-    moved_ = rig_->view() != before || rig_->underWay();
+    moveCamera(input, seconds);
     record(input);
     controlFrameRate(seconds);
     stream();
@@ -189,12 +188,35 @@ void Viewer::openWhenReady() {
   window_.setTitle(model.name + " - Lodestream");
 }
 
-/// What the pointer is on, as it is drawn.
-std::optional<core::Hit> Viewer::under(const Input& input) {
+/// Of what is drawn; null while that is nothing.
+const core::CutProbe* Viewer::probe() {
   const auto& cut = renderer_.meshes().drawnCut();
-  if (!cut) return std::nullopt;
+  if (!cut) return nullptr;
   if (!probe_ || probe_->cut() != cut) probe_.emplace(cut, model_->lattice.step);
-  return probe_->cast(core::rayThrough(rig_->view(), input.pointer_px), core::shownParts(*cut, rig_->view()));
+  return &*probe_;
+}
+
+/// What is drawn at a place.
+std::optional<core::Hit> Viewer::under(const glm::dvec2& place_px) {
+  if (probe() == nullptr) return std::nullopt;
+  return probe_->cast(core::rayThrough(rig_->view(), place_px),
+                      core::shownParts(*probe_->cut(), rig_->view()));
+}
+
+void Viewer::moveCamera(const Input& input, double seconds) {
+  const core::View before = rig_->view();
+  const CameraKind kind_before = rig_->kind();
+  // A walk begins where the pointer is, or the middle of the picture.
+  std::optional<core::Hit> start;
+  if (input.toggle_camera) start = under(input.pointer_px);
+  if (input.toggle_camera && !start) start = under({before.width_px / 2.0, before.height_px / 2.0});
+  const auto ground = [this](const glm::dvec3& point) -> std::optional<render::Ground> {
+    if (probe() == nullptr) return std::nullopt;
+    return groundBelow(*probe_, rig_->view(), point, rig_->up());
+  };
+  rig_->apply(input, std::min(seconds, kLongestStepS), ground);
+  if (start && rig_->kind() != kind_before) rig_->standAt(start->position_model);
+  moved_ = rig_->view() != before || rig_->underWay();
 }
 
 void Viewer::pick(const Input& input) {
@@ -205,7 +227,7 @@ void Viewer::pick(const Input& input) {
     note(text.empty() ? "click on the model first" : "copied");
   }
   if (!input.pressed && !input.clicked && input.wheel == 0) return;
-  const std::optional<core::Hit> hit = under(input);
+  const std::optional<core::Hit> hit = under(input.pointer_px);
   if (!hit) {
     if (input.clicked) picks_.clear();
     return;
@@ -303,7 +325,7 @@ void Viewer::describe() {
   content_.textured = renderer_.textures().set() != nullptr;
   content_.threshold_px = asked_px_;
   content_.target_ms = asked_px_ > threshold_px_ ? control_.targetMs() : 0;
-  content_.flying = rig_ && rig_->flying();
+  content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
   content_.show = nameOf(style_.show);
   content_.legend = legendOf(style_.show, renderer_.inPicture(), cut != nullptr ? cut->threshold_px : 1);

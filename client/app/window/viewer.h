@@ -52,7 +52,9 @@ class Viewer {
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);
   void record(const Input& input);
-  std::optional<core::Hit> under(const Input& input);
+  const core::CutProbe* probe();
+  std::optional<core::Hit> under(const glm::dvec2& place_px);
+  void moveCamera(const Input& input, double seconds);
   void controlFrameRate(double seconds);
   void stream();
   bool isPictureOld(const Input& input) const;
@@ -88,7 +90,7 @@ class Viewer {
     PanelContent content;
   };
 
-  std::optional<core::CutProbe> probe_;  ///< of the cut last clicked on
+  std::optional<core::CutProbe> probe_;  ///< of the cut last clicked or walked on
   Picks picks_;
   RefiningProgress progress_;
   const FirstStart first_start_;

@@ -1,0 +1,76 @@
+#include "client/app/window/camera_rig.h"
+
+#include <gtest/gtest.h>
+
+namespace lode::app {
+namespace {
+
+/// A model of 1024 × 1024 × 512 steps of 1, with z up.
+ModelSummary someModel() {
+  ModelSummary model;
+  model.lattice.step = 1;
+  model.box.add({0, 0, 0});
+  model.box.add({1024, 1024, 512});
+  return model;
+}
+
+core::Framing zUp() {
+  core::Framing framing;
+  framing.up = glm::dvec3(0, 0, 1);
+  return framing;
+}
+
+/// A plain at a height.
+render::GroundBelow plainAt(double z) {
+  return [z](const glm::dvec3& point) -> std::optional<render::Ground> {
+    if (point.z < z) return std::nullopt;
+    return render::Ground{point.z - z, 0};
+  };
+}
+
+Input tab() {
+  Input input;
+  input.toggle_camera = true;
+  return input;
+}
+
+TEST(CameraRig, goesFromOrbitToFlyToWalkAndBackWithoutMovingAtOnce) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  const auto nowhere = [](const glm::dvec3&) { return std::optional<render::Ground>(); };
+  for (const CameraKind next : {CameraKind::kFly, CameraKind::kWalk, CameraKind::kOrbit}) {
+    const core::View before = rig.view();
+    rig.apply(tab(), 0.01, nowhere);
+    EXPECT_EQ(rig.kind(), next);
+    EXPECT_LT(glm::distance(rig.view().eye_model, before.eye_model), 1e-6);
+    EXPECT_GT(glm::dot(rig.view().forward, before.forward), 1 - 1e-9);
+  }
+}
+
+TEST(CameraRig, walksFromWhereItWasStoodLookingAhead) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  rig.apply(tab(), 0.01, plainAt(100));
+  rig.apply(tab(), 0.01, plainAt(100));
+  ASSERT_EQ(rig.kind(), CameraKind::kWalk);
+  rig.standAt({300, 400, 100});
+  for (int frame = 0; frame < 200; ++frame) rig.apply({}, 0.02, plainAt(100));
+  EXPECT_FALSE(rig.underWay());
+  EXPECT_NEAR(rig.view().eye_model.x, 300, 1e-6);
+  EXPECT_NEAR(rig.view().eye_model.y, 400, 1e-6);
+  EXPECT_GT(rig.view().eye_model.z, 105);
+  EXPECT_LT(rig.view().eye_model.z, 115);
+  EXPECT_NEAR(rig.view().forward.z, 0, 1e-9);
+}
+
+TEST(CameraRig, isNotStoodAnywhereWhileItDoesNotWalk) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  const core::View before = rig.view();
+  rig.standAt({300, 400, 100});
+  rig.apply({}, 0.01, plainAt(100));
+  EXPECT_LT(glm::distance(rig.view().eye_model, before.eye_model), 1e-9);
+}
+
+}  // namespace
+}  // namespace lode::app
