@@ -28,3 +28,13 @@ for show in unlit wireframe normals nodes rungs errors; do
   [[ "$show" != wireframe ]] || pixels=24
   picture "terrain_$show" terrain 640x360 --show "$show" --pixels "$pixels"
 done
+
+# A model that sharpens: each picture allows a smaller error than the one before.
+frames=()
+for pixels in 45 32 23 16 11 8 5.6 4 2.8 1; do
+  "$bin/lodestream" render "$work/asteroid.lode" --size 480x270 --pixels "$pixels" -o "$work/sharp_$pixels.png" --json >/dev/null
+  time_ms=300
+  [[ "$pixels" != 1 && "$pixels" != 45 ]] || time_ms=1500
+  frames+=("$time_ms:$work/sharp_$pixels.png")
+done
+./animate.py asteroid_sharpening.png "${frames[@]}"

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/window/look_options.h"
+#include "client/app/window/video.h"
 #include "client/core/camera_path.h"
 #include "client/render/framebuffer.h"
 #include "client/render/image.h"
@@ -37,7 +39,8 @@ struct RenderOptions {
   CommonOptions common;
   LookOptions look;
   std::string output;  ///< one picture, of the first key
-  std::string folder;  ///< or one for each frame
+  std::string folder;  ///< or one for each frame,
+  std::string video;   ///< or these as a video
   double fps = 30;
   bool json = false;
 };
@@ -64,6 +67,21 @@ std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath
   }
   return shots;
 }
+
+/// Where a video's frames lie until it is made.
+class FramesFolder {
+ public:
+  explicit FramesFolder(fs::path path) : path_(std::move(path)) {}
+  ~FramesFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  FramesFolder(const FramesFolder&) = delete;
+  FramesFolder& operator=(const FramesFolder&) = delete;
+
+ private:
+  const fs::path path_;
+};
 
 void makeFolder(const std::string& folder) {
   if (folder.empty()) return;
@@ -111,7 +129,7 @@ void printLegend(const Shown& shown) {
 
 void render(const RenderOptions& options) {
   if (options.output.empty() == options.folder.empty()) {
-    throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png and --frames DIR");
+    throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
   }
   const PictureSize size = options.common.size();
   stream::StreamOptions stream_options = options.common.streamOptions();
@@ -161,6 +179,17 @@ void render(const RenderOptions& options) {
   }
 }
 
+void renderVideo(RenderOptions options) {
+  const char* const search_path = std::getenv("PATH");
+  const fs::path ffmpeg = findFfmpeg(search_path != nullptr ? search_path : "");
+  options.folder = options.video + ".frames";
+  if (fs::exists(options.folder))
+    throw Error(ErrorCode::kIo, options.folder + " is in the way of the video's frames: remove it");
+  const FramesFolder frames(options.folder);
+  render(options);
+  makeVideo(ffmpeg, options.folder, options.fps, options.video);
+}
+
 }  // namespace
 
 void declareRender(CLI::App& program, int& /*exit_status*/) {
@@ -175,13 +204,22 @@ void declareRender(CLI::App& program, int& /*exit_status*/) {
       command->add_option("--frames", options->folder, "write a picture for every frame of the path")
           ->type_name("DIR")
           ->excludes(output);
-  command->add_option("--fps", options->fps, "frames a second of --frames")
+  auto* video = command->add_option("--video", options->video, "write the path as a video; needs ffmpeg")
+                    ->type_name("OUT.mp4")
+                    ->excludes(output)
+                    ->excludes(frames);
+  command->add_option("--fps", options->fps, "frames a second of --frames and --video")
       ->check(CLI::Range(0.001, 1000.0))
-      ->needs(frames)
+      ->excludes(output)
       ->capture_default_str();
   addLookOptions(*command, options->look);
   command->add_flag("--json", options->json, "print one JSON object");
-  command->callback([options] { render(*options); });
+  command->callback([options, video] {
+    if (video->count() > 0)
+      renderVideo(*options);
+    else
+      render(*options);
+  });
 }
 
 }  // namespace lode::app

@@ -1,0 +1,74 @@
+#include "client/app/window/video.h"
+
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A program in the encoder's place.
+fs::path fakeFfmpeg(const fs::path& folder, const std::string& script) {
+  fs::create_directories(folder);
+  const fs::path program = folder / "ffmpeg";
+  std::ofstream(program) << "#!/bin/sh\n" << script;
+  fs::permissions(program, fs::perms::owner_all);
+  return program;
+}
+
+std::string contentOf(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+constexpr const char* kWriteArguments = "for last; do :; done; echo \"$*\" > \"$last\"\n";
+
+TEST(Video, isMadeByTheFirstFfmpegOfTheSearchPath) {
+  const test::WorkFolder work;
+  const fs::path second = fakeFfmpeg(work / "b", "");
+  fakeFfmpeg(work / "c", "");
+  fs::create_directories(work / "a");
+  const std::string path = (work / "a").string() + "::" + (work / "b").string() + ":" + (work / "c").string();
+  EXPECT_EQ(findFfmpeg(path), second);
+}
+
+TEST(Video, saysWhatToDoWithoutFfmpeg) {
+  try {
+    findFfmpeg("/nowhere:");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("--frames"), std::string::npos);
+  }
+}
+
+TEST(Video, isMadeOfAFoldersFramesAtTheirRate) {
+  const test::WorkFolder work;
+  makeVideo(fakeFfmpeg(work / "bin", kWriteArguments), work / "frames", 29.97, work / "out.mp4");
+  const std::string arguments = contentOf(work / "out.mp4");
+  EXPECT_NE(arguments.find("-framerate 29.97 -i " + (work / "frames").string() + "/frame_%06d.png"),
+            std::string::npos)
+      << arguments;
+}
+
+TEST(Video, leavesNothingBehindWhereFfmpegFailsAndSaysWhy) {
+  const test::WorkFolder work;
+  const fs::path ffmpeg =
+      fakeFfmpeg(work / "bin", std::string(kWriteArguments) + "echo 'no codec' >&2; exit 1");
+  try {
+    makeVideo(ffmpeg, work / "frames", 30, work / "out.mp4");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("no codec"), std::string::npos);
+  }
+  EXPECT_EQ(work.contents(), (std::vector<std::string>{"bin", "bin/ffmpeg"}));
+}
+
+}  // namespace
+}  // namespace lode::app
