@@ -50,6 +50,7 @@ void WalkCamera::follow(const std::optional<Ground>& ground, double climb_model,
   const double foot_model = climb_model + height_model_ - ground->depth_model;  // ground above the foot: > 0
   double rise_model = std::max(0.0, foot_model);
   if (foot_model < -ground->uncertainty_model) rise_model = foot_model + ground->uncertainty_model;
+  if (std::abs(rise_model) < kSettled * height_model_) return;
   const double at_once_model = std::max(0.0, rise_model - (1 - kLeast) * height_model_);
   const double eased_model = (rise_model - at_once_model) * -std::expm1(-seconds / kSettleS);
   eye_model_ += heading_.axis() * (at_once_model + eased_model);
