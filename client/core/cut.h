@@ -19,6 +19,7 @@ struct CutPart {
   bool visible = true;  ///< false: outside the view, held for completeness or as a fallback
   float error_px = 0;   ///< projected error at refinement
   std::shared_ptr<const Mesh> mesh;
+  float error_model = 0;  ///< how far its surface lies from the original one
 };
 
 /// A tile of a texture that may be drawn. The image is shared with the cache and never changes; tiles that
@@ -50,6 +51,7 @@ struct Fallback {
 struct Cut {
   View view;               ///< for which it was refined,
   float threshold_px = 1;  ///< and down to which error
+  uint64_t build = 0;      ///< of the model: see Model::build()
   std::vector<CutPart> parts;
   std::vector<LeftOut> left_out;    ///< parts that are not there: none in the view, a fallback for each
   std::vector<Fallback> fallbacks;  ///< depth first, each after those below it

@@ -83,7 +83,7 @@ bool Instance::refine(Model& model) {
   settled_ = refinement.settled;
   limited_ = refinement.limited;
   if (refinement.cut) {
-    cut_build_ = model.build();
+    cut_build_ = refinement.cut->build = model.build();
     if (model.textures()) dress(*refinement.cut, model);
     cut_ = std::move(refinement.cut);
   }

@@ -239,7 +239,8 @@ class Run {
     const MeshKey key{part.node->key, rung};
     in_use_.push_back(key);
     const float error_px = want_.errorPx(part, rung);
-    cut_->parts.push_back({key.node, rung, part.visible, error_px, part.resident->mesh(rung)});
+    cut_->parts.push_back(
+        {key.node, rung, part.visible, error_px, part.resident->mesh(rung), shown.error_model});
     cut_->drawn_bytes += drawnBytes(*cut_->parts.back().mesh);
     cut_->triangles += shown.triangles;
     cut_->blob_bytes += shown.payload.bytes;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 #include "client/core/drawn_bytes.h"
 #include "client/core/shown_parts.h"
@@ -155,6 +156,7 @@ bool MeshResidency::evictOldest() {
     if (oldest == entries_.end() || it->second.used_by < oldest->second.used_by) oldest = it;
   }
   if (oldest == entries_.end()) return false;
+  if (oldest->second.used_by >= kept_from_) kept_from_ = oldest->second.used_by + 1;
   pages_.release(oldest->second.block);
   entries_.erase(oldest);
   pages_.dropEmptyPages();
@@ -177,6 +179,7 @@ bool MeshResidency::makeRoomForTargetAlone() {
   drawn_.clear();
   drawn_cut_.reset();
   drawn_serial_ = 0;
+  kept_from_ = std::max(kept_from_, target_serial_);
   entries_.clear();
   pages_.clear();
   for (const std::shared_ptr<const Mesh>& mesh : meshes)
@@ -214,12 +217,18 @@ void MeshResidency::finish() {
             part.mesh->attributes,
             part.node,
             part.rung,
-            part.error_px};
+            part.error_px,
+            part.error_model};
   }
   trimTo(options_.spare_bytes);
 }
 
-/// Evicts, oldest first, until meshes that are neither drawn nor wanted take at most spare_bytes.
+void MeshResidency::keepFrom(uint64_t serial) {
+  const uint64_t before = std::exchange(kept_from_, serial);
+  if (serial > before) trimTo(options_.spare_bytes);
+}
+
+/// Evicts, oldest first, until meshes that are neither drawn, kept nor wanted take at most spare_bytes.
 void MeshResidency::trimTo(uint64_t spare_bytes) {
   struct Spare {
     uint64_t age = 0;
@@ -229,7 +238,7 @@ void MeshResidency::trimTo(uint64_t spare_bytes) {
   std::vector<Spare> spare;
   uint64_t bytes = 0;
   for (auto it = entries_.begin(); it != entries_.end(); ++it) {
-    if (pinned(it->second)) continue;
+    if (pinned(it->second) || it->second.used_by >= kept_from_) continue;
     bytes += it->second.block.bytes;
     // Meshes that nobody holds any more can never be asked for again: they go first. Looked at once, since
     // another thread may let go of one at any time.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -37,6 +38,7 @@ struct DrawItem {
   NodeKey node;
   uint32_t rung = 0;
   float error_px = 0;  ///< when the cut was made
+  float error_model = 0;
 };
 
 /// Which meshes are on the GPU. A cut is drawn when all of it is there with its fallbacks, and until then the
@@ -61,6 +63,13 @@ class MeshResidency {
   const std::shared_ptr<const core::Cut>& newest() const noexcept { return newest_; }
   /// By the numbers of core::partOf(): the drawn cut's parts, and what is drawn instead where it lacks some.
   std::span<const DrawItem> drawn() const noexcept { return drawn_; }
+  /// Of the drawn cut; a later one's is larger.
+  uint64_t drawnSerial() const noexcept { return drawn_serial_; }
+  static constexpr uint64_t kNone = std::numeric_limits<uint64_t>::max();
+  /// Meshes of cuts drawn since this one stay while there is room, for what still shows them; keptFrom()
+  /// tells since which they have. @param serial  drawnSerial() of some time, or kNone.
+  void keepFrom(uint64_t serial);
+  uint64_t keptFrom() const noexcept { return kept_from_; }
   const GpuPages& pages() const noexcept { return pages_; }
   size_t meshCount() const noexcept { return entries_.size(); }
   /// That uploads go through.
@@ -97,6 +106,7 @@ class MeshResidency {
   std::shared_ptr<const core::Cut> newest_, target_, drawn_cut_, rejected_;
   size_t next_part_ = 0;  ///< of target_, a number for core::partOf()
   uint64_t serial_ = 0, target_serial_ = 0, drawn_serial_ = 0;
+  uint64_t kept_from_ = kNone;
   std::vector<DrawItem> drawn_;
 };
 

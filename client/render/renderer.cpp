@@ -1,7 +1,10 @@
 #include "client/render/renderer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <initializer_list>
+#include <string_view>
 
 #include "client/core/shown_parts.h"
 #include "client/core/sight.h"
@@ -43,11 +46,17 @@ GlVertexArray makeMeshArray(const GlBuffer& states) {
   glVertexArrayAttribFormat(name, kNormal, 4, GL_INT_2_10_10_10_REV, GL_TRUE, offsetof(GpuVertex, normal));
   glVertexArrayAttribFormat(name, kColour, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(GpuVertex, colour));
   glVertexArrayAttribIFormat(name, kTextureCode, 3, GL_UNSIGNED_SHORT, offsetof(GpuTexturedVertex, texture));
-  glVertexArrayAttribIFormat(name, kDrawState, 2, GL_UNSIGNED_INT, 0);
+  glVertexArrayAttribIFormat(name, kDrawState, 3, GL_UNSIGNED_INT, 0);
   glVertexArrayBindingDivisor(name, kDraws, 1);
-  glVertexArrayVertexBuffer(name, kDraws, states.get(), 0, 2 * sizeof(uint32_t));
+  glVertexArrayVertexBuffer(name, kDraws, states.get(), 0, 3 * sizeof(uint32_t));
   return array;
 }
+
+GlProgram meshProgram(std::initializer_list<std::string_view> definitions) {
+  return linkProgram(kMeshVertexShader, {kLightShader, kMeshFragmentShader}, definitions);
+}
+
+uint32_t in256ths(float share) { return static_cast<uint32_t>(std::lround(share * 256)); }
 
 void setFrameState() {
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -68,8 +77,10 @@ Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
     : lattice_step_(lattice_step),
       meshes_(options),
       textures_(options.texture_budget_bytes, options.texture_staging_bytes),
-      plain_program_(linkProgram(kMeshVertexShader, {kLightShader, kMeshFragmentShader})),
-      textured_program_(linkProgram(kMeshVertexShader, {kLightShader, kMeshFragmentShader}, "TEXTURED")),
+      plain_program_(meshProgram({})),
+      textured_program_(meshProgram({"TEXTURED"})),
+      fading_program_(meshProgram({"FADING"})),
+      fading_textured_program_(meshProgram({"FADING", "TEXTURED"})),
       background_program_(linkProgram(kBackgroundVertexShader, {kBackgroundFragmentShader})),
       empty_array_(GlVertexArray::create()),
       commands_buffer_(GlBuffer::create()),
@@ -106,35 +117,56 @@ void Renderer::drawBackground(const DrawStyle& style) const {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-Renderer::DrawState Renderer::stateOf(const DrawItem& item, const DrawStyle& style) const {
+Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style) const {
+  const DrawItem& item = faded.item;
   uint32_t flags = hasNormals(item.attributes) ? kDrawHasNormals : 0;
   if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
   if (textures_.set() != nullptr && item.attributes.has(AttributeSet::kTexture)) flags |= kDrawTextured;
   if (style.show == Show::kUnlit) flags |= kDrawUnlit;
   if (style.show == Show::kNormals) flags |= kDrawNormals;
-  if (!coloursParts(style.show)) return {flags, glm::u8vec4(255)};
+  const uint32_t share = in256ths(faded.from) | in256ths(faded.to) << 16;
+  if (!coloursParts(style.show)) return {flags, glm::u8vec4(255), share};
   const glm::u8vec3 colour = colourOf(style.show, item, meshes_.drawnCut()->threshold_px);
-  return {flags | kDrawTinted, glm::u8vec4(colour, 255)};
+  return {flags | kDrawTinted, glm::u8vec4(colour, 255), share};
 }
 
-/// Sorts by page what is in the picture of what the drawn cut shows to this camera.
+/// What the drawn cut shows to this camera, and what still fades.
+void Renderer::choose(const core::View& view, std::optional<double> time_s) {
+  if (meshes_.keptFrom() > std::min(fade_.oldestSerial(), shown_serial_)) fade_.forget();
+  ShownCover cover{meshes_.drawnCut(), meshes_.drawn(), {}, meshes_.drawnSerial()};
+  std::vector<uint32_t> numbers;
+  if (cover.cut) numbers = core::shownParts(*cover.cut, view);
+  cover.numbers = numbers;
+  shown_serial_ = cover.serial;
+  if (time_s)
+    fade_.show(cover, view, lattice_step_, *time_s);
+  else
+    fade_.showAtOnce(cover);
+  meshes_.keepFrom(time_s ? std::min(fade_.oldestSerial(), cover.serial) : MeshResidency::kNone);
+}
+
+/// Sorts by page what is in the picture.
 DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
   DrawCounts counts;
-  commands_.resize(meshes_.pages().pageCount());
-  for (auto& page : commands_) page.clear();
+  for (DrawList* const list : {&whole_, &fading_}) {
+    list->by_page.resize(meshes_.pages().pageCount());
+    for (auto& page : list->by_page) page.clear();
+  }
   states_.clear();
   in_picture_.clear();
-  if (!meshes_.drawnCut()) return counts;
   const core::Sight sight(view, 1);
-  for (const uint32_t number : core::shownParts(*meshes_.drawnCut(), view)) {
-    const DrawItem& item = meshes_.drawn()[number];
-    if (item.index_count == 0) continue;
+  size_t number = 0;
+  for (const FadedItem& faded : fade_.items()) {
+    const bool is_of_cut = number++ < fade_.coverCount();
+    const DrawItem& item = faded.item;
     if (sight.see(core::toModelBox(item.box, lattice_step_)) == core::Seen::kNot) continue;
-    commands_[item.page].push_back({item.index_count, 1, item.first_index,
-                                    static_cast<int32_t>(item.base_vertex),
-                                    static_cast<uint32_t>(states_.size())});
-    states_.push_back(stateOf(item, style));
-    in_picture_.push_back(item);
+    if (is_of_cut) in_picture_.push_back(item);
+    if (in256ths(faded.from) >= in256ths(faded.to)) continue;
+    DrawList& list = faded.whole() ? whole_ : fading_;
+    list.by_page[item.page].push_back({item.index_count, 1, item.first_index,
+                                       static_cast<int32_t>(item.base_vertex),
+                                       static_cast<uint32_t>(states_.size())});
+    states_.push_back(stateOf(faded, style));
     counts.error_px = std::max(counts.error_px, item.error_px);
     counts.triangles += item.index_count / 3;
     ++counts.nodes;
@@ -170,10 +202,13 @@ void Renderer::setCamera(const core::View& view, const DrawStyle& style) const {
 }
 
 /// Gives the GPU what collect() has found.
-void Renderer::bindDraws() const {
+void Renderer::bindDraws() {
   std::vector<DrawCommand> all;
   all.reserve(states_.size());
-  for (const auto& page : commands_) all.insert(all.end(), page.begin(), page.end());
+  for (DrawList* const list : {&whole_, &fading_}) {
+    list->first = all.size();
+    for (const auto& page : list->by_page) all.insert(all.end(), page.begin(), page.end());
+  }
   glNamedBufferData(commands_buffer_.get(), static_cast<GLsizeiptr>(all.size() * sizeof(DrawCommand)),
                     all.data(), GL_STREAM_DRAW);
   glNamedBufferData(states_buffer_.get(), static_cast<GLsizeiptr>(states_.size() * sizeof(DrawState)),
@@ -182,63 +217,75 @@ void Renderer::bindDraws() const {
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_buffer_.get());
 }
 
-uint32_t Renderer::drawPages() const {
-  const auto first_drawn = std::ranges::find_if(meshes_.drawn(), &DrawItem::index_count);
-  const AttributeSet attributes = first_drawn->attributes;  // the model's, of all meshes
+const GlProgram& Renderer::program(bool fades) const noexcept {
+  const bool textured = textures_.set() != nullptr;
+  if (fades) return textured ? fading_textured_program_ : fading_program_;
+  return textured ? textured_program_ : plain_program_;
+}
+
+uint32_t Renderer::drawList(const DrawList& list) const {
+  const AttributeSet attributes = fade_.items().front().item.attributes;  // the model's, of all meshes
   const auto stride = static_cast<GLsizei>(vertexBytes(attributes));
   if (attributes.has(AttributeSet::kTexture)) {
     glEnableVertexArrayAttrib(mesh_array_.get(), kTextureCode);
   } else {
     glDisableVertexArrayAttrib(mesh_array_.get(), kTextureCode);
   }
-  size_t first = 0;
+  size_t first = list.first;
   uint32_t calls = 0;
-  for (uint32_t page = 0; page < commands_.size(); ++page) {
-    if (commands_[page].empty()) continue;
+  for (uint32_t page = 0; page < list.by_page.size(); ++page) {
+    const size_t count = list.by_page[page].size();
+    if (count == 0) continue;
     const GLuint buffer = meshes_.pages().buffer(page);
     glVertexArrayVertexBuffer(mesh_array_.get(), kVertices, buffer, 0, stride);
     glVertexArrayElementBuffer(mesh_array_.get(), buffer);
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
                                 reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
-                                static_cast<GLsizei>(commands_[page].size()), sizeof(DrawCommand));
-    first += commands_[page].size();
+                                static_cast<GLsizei>(count), sizeof(DrawCommand));
+    first += count;
     ++calls;
   }
   return calls;
 }
 
 /// Lines before dim surfaces, which hide those behind.
-uint32_t Renderer::drawWireframe() const {
+uint32_t Renderer::drawWireframe(const DrawList& list) const {
   constexpr float kDimmed = 0.25f;
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(-1, -1);  // away: depth is reversed
   glUniform1f(kDimming, kDimmed);
-  uint32_t calls = drawPages();
+  uint32_t calls = drawList(list);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glUniform1f(kDimming, 1);
   glUniform1i(kAreLines, GL_TRUE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  calls += drawPages();
+  calls += drawList(list);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   return calls;
 }
 
-DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style) {
+DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style,
+                          std::optional<double> time_s) {
   target.bindForDrawing();
   setFrameState();
   drawBackground(style);
+  choose(view, time_s);
   DrawCounts counts = collect(view, style);
   if (counts.nodes == 0) return counts;
 
   glEnable(GL_DEPTH_TEST);
-  glUseProgram(textures_.set() != nullptr ? textured_program_.get() : plain_program_.get());
-  setCamera(view, style);
-  setTextures();
   bindDraws();
   // What an image leaves clear is left out sample by sample, so that nothing has to be sorted.
   glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   glEnable(GL_SAMPLE_ALPHA_TO_ONE);
-  counts.calls = style.show == Show::kWireframe ? drawWireframe() : drawPages();
+  for (const bool fades : {false, true}) {
+    const DrawList& list = fades ? fading_ : whole_;
+    if (std::ranges::all_of(list.by_page, &std::vector<DrawCommand>::empty)) continue;
+    glUseProgram(program(fades).get());
+    setCamera(view, style);
+    setTextures();
+    counts.calls += style.show == Show::kWireframe ? drawWireframe(list) : drawList(list);
+  }
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   glDisable(GL_SAMPLE_ALPHA_TO_ONE);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 
 #include "client/core/cut.h"
 #include "client/core/view.h"
+#include "client/render/cross_fade.h"
 #include "client/render/framebuffer.h"
 #include "client/render/mesh_residency.h"
 #include "client/render/shown_colours.h"
@@ -62,7 +64,12 @@ class Renderer {
   uint64_t gpuBytes() const noexcept;
 
   /// Draws background and model. view.width_px and height_px are those of the target.
-  DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {});
+  /// @param time_s  of any clock that does not go back: what has changed since the last frame takes its place
+  ///   by a cross-fade; without, at once.
+  DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
+                  std::optional<double> time_s = {});
+  /// The next frame differs from the last, although nothing else has changed.
+  bool fading() const noexcept { return fade_.fading(); }
 
  private:
   /// As glMultiDrawElementsIndirect reads it.
@@ -75,25 +82,35 @@ class Renderer {
   struct DrawState {
     uint32_t flags;
     glm::u8vec4 tint;
+    uint32_t share;  ///< of the pixels: from and to in 256ths, 16 bits each
+  };
+  /// What is drawn with one program.
+  struct DrawList {
+    std::vector<std::vector<DrawCommand>> by_page;
+    size_t first = 0;  ///< in the buffer of commands
   };
   void drawBackground(const DrawStyle& style) const;
-  DrawState stateOf(const DrawItem& item, const DrawStyle& style) const;
+  DrawState stateOf(const FadedItem& faded, const DrawStyle& style) const;
+  void choose(const core::View& view, std::optional<double> time_s);
   DrawCounts collect(const core::View& view, const DrawStyle& style);
   void setCamera(const core::View& view, const DrawStyle& style) const;
   void setTextures() const;
-  void bindDraws() const;
-  uint32_t drawPages() const;
-  uint32_t drawWireframe() const;
+  void bindDraws();
+  const GlProgram& program(bool fades) const noexcept;
+  uint32_t drawList(const DrawList& list) const;
+  uint32_t drawWireframe(const DrawList& list) const;
 
   double lattice_step_;
   MeshResidency meshes_;
   TextureResidency textures_;
-  GlProgram plain_program_, textured_program_, background_program_;
+  CrossFade fade_;
+  uint64_t shown_serial_ = 0;  ///< of the cut in the last picture
+  GlProgram plain_program_, textured_program_, fading_program_, fading_textured_program_, background_program_;
   GlVertexArray mesh_array_, empty_array_;
   GlBuffer commands_buffer_, states_buffer_;
-  std::vector<std::vector<DrawCommand>> commands_;  ///< by page
-  std::vector<DrawState> states_;                   ///< by base_instance
-  std::vector<DrawItem> in_picture_;                ///< by base_instance
+  DrawList whole_, fading_;
+  std::vector<DrawState> states_;     ///< by base_instance
+  std::vector<DrawItem> in_picture_;  ///< of the cut alone
 };
 
 }  // namespace lode::render

@@ -33,9 +33,9 @@ void attachShader(GLuint program, GLenum kind, const std::string& head,
 }  // namespace
 
 GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
-                      std::string_view definition) {
+                      std::initializer_list<std::string_view> definitions) {
   std::string head = "#version 450 core\n";
-  if (!definition.empty()) head += "#define " + std::string(definition) + "\n";
+  for (const std::string_view definition : definitions) head += "#define " + std::string(definition) + "\n";
   GlProgram program = GlProgram::create();
   attachShader(program.get(), GL_VERTEX_SHADER, head, {vertex_source});
   attachShader(program.get(), GL_FRAGMENT_SHADER, head, fragment_sources);

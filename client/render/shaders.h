@@ -4,7 +4,8 @@ namespace lode::render {
 
 /// GLSL of the renderer, for linkProgram(). Names of uniforms and their locations: renderer.cpp. With
 /// TEXTURED the mesh shaders sample textures: a driver that draws on the processor runs what is sampled for
-/// every pixel, also of models that have none.
+/// every pixel, also of models that have none. With FADING they draw a share of the pixels, which costs where
+/// depth could be tested first.
 extern const char* const kMeshVertexShader;
 extern const char* const kLightShader;  ///< before the one below
 extern const char* const kMeshFragmentShader;

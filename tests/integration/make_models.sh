@@ -10,6 +10,7 @@ mkdir -p "$out"
 "$daemon" build "$out/asteroid2m.ply" -o "$out/asteroid2m.lode" --quiet >/dev/null
 "$daemon" sample asteroid --triangles 60000 --seed 2 --attributes normal,color -o "$out/painted.ply" >/dev/null
 "$daemon" build "$out/painted.ply" -o "$out/painted.lode" --triangles-per-node 1024 --quiet >/dev/null
+"$daemon" build "$out/painted.ply" -o "$out/painted_in_small_nodes.lode" --triangles-per-node 512 --quiet >/dev/null
 "$daemon" sample gyroid --triangles 60000 --seed 3 -o "$out/gyroid.ply" >/dev/null
 "$daemon" build "$out/gyroid.ply" -o "$out/gyroid.lode" --triangles-per-node 1024 --quiet >/dev/null
 

@@ -34,16 +34,6 @@ std::string readToken(const std::string& file) {
   return token;
 }
 
-void addMissing(CLI::App& command, const std::string& name, bool takes_value) {
-  const auto refuse = [name] { throw Error(ErrorCode::kUsage, name + " is not there yet"); };
-  if (takes_value) {
-    command.add_option_function<std::string>(
-        name, [refuse](const std::string&) { refuse(); }, "not there yet");
-  } else {
-    command.add_flag_callback(name, refuse, "not there yet");
-  }
-}
-
 }  // namespace
 
 PictureSize parseSize(std::string_view text) {
@@ -141,7 +131,9 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
                   "keep blobs from servers in this folder (default: the user's cache), or off")
       ->type_name("DIR|off");
   command.add_flag("--offline", options.offline, "show what the cache has, without a server");
-  addMissing(command, "--no-fade", false);
+  command.add_flag_callback(
+      "--no-fade", [&options] { options.fade = false; },
+      "let what arrives in a window take its place at once, without a cross-fade");
 }
 
 }  // namespace lode::app

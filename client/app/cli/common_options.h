@@ -35,6 +35,7 @@ struct CommonOptions {
   std::string ca_file;
   std::string cache_text;  ///< --cache: a folder, "off", or empty for the user's own
   bool offline = false;
+  bool fade = true;  ///< in a window: what arrives and leaves, where frames are fast enough to show it
   float pixels = 1;
   double timeout_s = 120;
 

@@ -25,6 +25,7 @@ constexpr double kIdleWaitS = 0.25;       ///< between looks at a stream that ha
 constexpr double kStreamingWaitS = 0.01;  ///< between looks at one that has
 constexpr double kLongestStepS = 0.1;     ///< a flight goes no further in one frame, however long it took
 constexpr int kFramesToSettle = 2;        ///< that the panel takes to fit its text
+constexpr double kFramesOfFade = 4;       ///< that it takes to look like one
 constexpr double kNoteS = 6;              ///< how long a note stays on the panel
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
@@ -87,7 +88,7 @@ bool Viewer::settled() const {
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
-  if (moved_ || frames_to_draw_ > 0 || !renderer_.upToDate()) return 0;
+  if (moved_ || frames_to_draw_ > 0 || !renderer_.upToDate() || renderer_.fading()) return 0;
   return (settled() || status_.ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
 }
 
@@ -120,7 +121,8 @@ void Viewer::frame() {
 /// Something has changed that can be seen, other than what the last frame took and, at rest, bytes that only
 /// keep the connection.
 bool Viewer::isPictureOld(const Input& input) const {
-  if (input.any() || input.damaged || uploading_ || !options_.screenshot.empty()) return true;
+  if (input.any() || input.damaged || uploading_ || renderer_.fading() || !options_.screenshot.empty())
+    return true;
   PanelContent now = content_;
   now.frame_ms = drawn_.content.frame_ms;
   now.upload_ms = drawn_.content.upload_ms;
@@ -258,7 +260,8 @@ void Viewer::record(const Input& input) {
 void Viewer::controlFrameRate(double seconds) {
   const double coarsest = kLargestThresholdPx / threshold_px_;
   while (const auto frame = timer_.take()) {
-    if (!options_.is_threshold_fixed) control_.add(std::max(frame->cpu_ms, frame->gpu_ms), frame->coarsening);
+    work_ms_ = std::max(frame->cpu_ms, frame->gpu_ms);
+    if (!options_.is_threshold_fixed) control_.add(work_ms_, frame->coarsening);
   }
   control_.step(seconds, moved_);
   asked_px_ = threshold_px_ * static_cast<float>(std::min(control_.coarsening(), coarsest));
@@ -274,6 +277,13 @@ void Viewer::stream() {
   content_.upload_ms = secondsSince(start) * 1e3;
 }
 
+/// A screenshot shows the model alone.
+std::optional<double> Viewer::fadeTimeS() const {
+  const bool is_fast_enough = work_ms_ * kFramesOfFade <= render::kFadeS * 1e3;
+  if (!options_.common.fade || !is_fast_enough || !options_.screenshot.empty()) return std::nullopt;
+  return secondsSince(started_);
+}
+
 void Viewer::draw() {
   const Clock::time_point start = Clock::now();
   core::View view;
@@ -282,7 +292,7 @@ void Viewer::draw() {
   const core::Cut* const cut = renderer_.meshes().drawnCut().get();
   timer_.begin(cut != nullptr ? std::max(1.0f, cut->threshold_px / threshold_px_) : 1);
   if (rig_) style_.up = rig_->up();
-  const render::DrawCounts drawn = renderer_.draw(rig_ ? rig_->view() : view, *target_, style_);
+  const render::DrawCounts drawn = renderer_.draw(rig_ ? rig_->view() : view, *target_, style_, fadeTimeS());
   target_->resolve();
   target_->copyTo(0);
   content_.triangles = drawn.triangles;

@@ -58,6 +58,7 @@ class Viewer {
   void controlFrameRate(double seconds);
   void stream();
   bool isPictureOld(const Input& input) const;
+  std::optional<double> fadeTimeS() const;
   void draw();
   void describe();
   void describeStream();
@@ -69,6 +70,7 @@ class Viewer {
 
   const ViewOptions options_;
   const Target named_;
+  double work_ms_ = 0;  ///< of the last frame that was measured
   float threshold_px_;  ///< while the camera rests,
   float asked_px_ = 1;  ///< and of the next cut
   const std::optional<core::CameraPath> wanted_path_;

@@ -1,7 +1,11 @@
 // The threads of a window in one process with a server: a stream that refines, receives and decodes, and a
 // renderer that draws its cuts meanwhile. The thread sanitizer sees them all.
 
+#include <filesystem>
 #include <memory>
+#include <numbers>
+#include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -11,10 +15,12 @@
 #include "client/render/renderer.h"
 #include "common/error.h"
 #include "tests/integration/streaming/streaming_fixture.h"
+#include "tests/support/background_watch.h"
 
 namespace lode::test {
 namespace {
 
+namespace fs = std::filesystem;
 using stream::Streamer;
 using stream::StreamStatus;
 
@@ -70,6 +76,65 @@ TEST_F(DrawnStreaming, drawsWholeCutsWhileTheCameraMovesAndEndsInThePictureOfASt
   other.show(fresh.waitUntilSettled(kPatience).cut);
   other.uploadInRenderThread({.wait = true});
   EXPECT_TRUE(pictureOf(renderer, last).rgba == pictureOf(other, last).rgba);
+}
+
+/// A closed model of 60,000 triangles, of which two builds take turns.
+class DrawnFading : public DrawnStreaming {
+ protected:
+  DrawnFading() {
+    stopServer();
+    serveBuild(0);
+    startServer();
+  }
+  void serveBuild(int number) {
+    const fs::path models = fs::path(LODE_BIN_DIR) / "test-models";
+    fs::copy_file(models / (number % 2 == 0 ? "painted.lode" : "painted_in_small_nodes.lode"),
+                  folder_ / "next.lode");
+    fs::rename(folder_ / "next.lode", folder_ / "a.lode");
+  }
+  /// A camera anywhere around the model, that looks at some place of it.
+  static core::View randomView(const ModelSummary& model, std::mt19937& random) {
+    std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi), height(-0.9, 0.9), near(0.45, 1);
+    core::CameraPath path = core::framingCamera(model);
+    core::CameraKey& key = path.keys.front();
+    const double away = glm::length(key.eye - key.target) * near(random), at = angle(random);
+    const double z = height(random), side = angle(random);
+    key.eye =
+        key.target + away * glm::dvec3(std::sqrt(1 - z * z) * glm::dvec2(std::cos(at), std::sin(at)), z);
+    key.target += 0.1 * away * glm::dvec3(std::cos(side), std::sin(side), 0);
+    key.up = {0, 0, 1};
+    return core::toView(key, path.fov_y_deg, 200, 150, model);
+  }
+};
+
+TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelThatSharpensOrIsReplaced) {
+  constexpr int kCameras = 30;
+  constexpr double kFrameS = 0.07;
+  std::mt19937 random(3);
+  Streamer streamer(served_, threads(1));
+  const ModelSummary model = streamer.waitForModel(kPatience);
+  BackgroundWatch watch(model.lattice.step, 200, 150);
+  double now_s = 0;
+  uint64_t build = 0;
+  int builds = 0;
+  for (int camera = 0; camera < kCameras; ++camera) {
+    if (camera % 5 == 4) {
+      serveBuild(camera / 5 + 1);
+      server_->reload();
+    }
+    const core::View view = randomView(model, random);
+    for (const float threshold_px : {3.0f, 0.7f}) {
+      streamer.setView(view, threshold_px);
+      watch.frame(streamer.waitForCut(kPatience).cut, view, now_s += kFrameS);
+      const StreamStatus status = streamer.waitUntilSettled(kPatience);
+      builds += std::exchange(build, status.cut_build) != status.cut_build;
+      for (int frame = 0; frame < 3; ++frame) watch.frame(status.cut, view, now_s += kFrameS);
+    }
+  }
+  EXPECT_EQ(watch.tally().background, 0u);
+  EXPECT_GT(watch.tally().fading_frames, 60u);
+  EXPECT_GT(watch.tally().inside, 500'000u);
+  EXPECT_GT(builds, 3);
 }
 
 /// A larger model, of about 40 MB when all of it is drawn.

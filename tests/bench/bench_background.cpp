@@ -1,0 +1,163 @@
+// Counts background inside a closed model: bench_background STORE.lode OTHER_BUILD.lode [CAMERAS]
+// From random cameras, on a server in this process: one-pixel cuts beside full resolution without fades, and
+// every frame of a stream that cross-fades while cameras change, cuts sharpen and the builds take turns.
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <random>
+#include <thread>
+
+#include "client/core/camera_path.h"
+#include "client/core/framing.h"
+#include "client/render/offscreen_context.h"
+#include "client/stream/streamer.h"
+#include "common/error.h"
+#include "server/serve/server.h"
+#include "tests/support/background_watch.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint32_t kWidthPx = 640, kHeightPx = 360;
+constexpr auto kPatience = std::chrono::seconds(60);
+constexpr double kFrameS = 1 / 60.0;
+constexpr int kBuildsTakeTurnsAfter = 10;  // cameras
+
+class Models {
+ public:
+  Models(fs::path first, fs::path second) : builds_{std::move(first), std::move(second)} {
+    put(0);
+    serve::ServeOptions options;
+    options.stores = {folder_ / "model.lode"};
+    options.listen = "127.0.0.1:0";
+    server_.emplace(options);
+    thread_ = std::thread([this] { server_->run(); });
+  }
+  ~Models() {
+    server_->stop();
+    thread_.join();
+  }
+  Models(const Models&) = delete;
+  Models& operator=(const Models&) = delete;
+
+  stream::ServedModel served() const { return {{"127.0.0.1", server_->port()}, "model"}; }
+  void replace(int number) {
+    put(number);
+    server_->reload();
+  }
+
+ private:
+  void put(int number) {
+    fs::copy_file(builds_[number % 2], folder_ / "next.lode");
+    fs::rename(folder_ / "next.lode", folder_ / "model.lode");
+  }
+
+  const fs::path builds_[2];
+  const test::WorkFolder folder_;
+  std::optional<serve::Server> server_;
+  std::thread thread_;
+};
+
+core::View randomView(const ModelSummary& model, std::mt19937& random) {
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi), height(-0.9, 0.9), near(0.4, 1);
+  core::CameraPath path = core::framingCamera(model);
+  core::CameraKey& key = path.keys.front();
+  const double away = glm::length(key.eye - key.target) * near(random), at = angle(random);
+  const double z = height(random), side = angle(random);
+  key.eye = key.target + away * glm::dvec3(std::sqrt(1 - z * z) * glm::dvec2(std::cos(at), std::sin(at)), z);
+  key.target += 0.1 * away * glm::dvec3(std::cos(side), std::sin(side), 0);
+  key.up = {0, 0, 1};
+  return core::toView(key, path.fov_y_deg, kWidthPx, kHeightPx, model);
+}
+
+void print(const char* what, const test::BackgroundWatch::Tally& tally) {
+  std::printf(
+      "%s: %llu frames (%llu fading), %llu pixels inside, %llu of them background\n", what,
+      static_cast<unsigned long long>(tally.frames), static_cast<unsigned long long>(tally.fading_frames),
+      static_cast<unsigned long long>(tally.inside), static_cast<unsigned long long>(tally.background));
+}
+
+/// A picture of one pixel, inside what full resolution and it both cover.
+void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cameras) {
+  test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx);
+  std::mt19937 random(1);
+  test::BackgroundWatch::Tally tally;
+  for (int camera = 0; camera < cameras; ++camera) {
+    const core::View view = randomView(model, random);
+    std::vector<std::vector<bool>> covered;
+    for (const float threshold_px : {0.01f, 1.0f}) {
+      streamer.setView(view, threshold_px);
+      covered.push_back(watch.coveredBy(streamer.waitUntilSettled(kPatience).cut, view));
+    }
+    ++tally.frames;
+    for (uint32_t y = 2; y + 2 < kHeightPx; ++y) {
+      for (uint32_t x = 2; x + 2 < kWidthPx; ++x) {
+        bool inside = true;
+        for (uint32_t row = y - 2; row <= y + 2; ++row)
+          for (uint32_t column = x - 2; column <= x + 2; ++column)
+            inside = inside && covered[0][size_t{row} * kWidthPx + column];
+        if (!inside) continue;
+        ++tally.inside;
+        if (!covered[1][size_t{y} * kWidthPx + x]) ++tally.background;
+      }
+    }
+  }
+  print("without fades, one pixel inside full resolution", tally);
+}
+
+/// Every frame of a stream whose cameras jump, and sharpen from four pixels to one.
+void countFading(Models& models, stream::Streamer& streamer, const ModelSummary& model, int cameras) {
+  test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx);
+  std::mt19937 random(2);
+  double now_s = 0;
+  uint64_t build = 0;
+  int builds = 0;
+  for (int camera = 0; camera < cameras; ++camera) {
+    if (camera % kBuildsTakeTurnsAfter == kBuildsTakeTurnsAfter - 1)
+      models.replace(camera / kBuildsTakeTurnsAfter + 1);
+    const core::View view = randomView(model, random);
+    for (const float threshold_px : {4.0f, 2.0f, 1.0f}) {
+      streamer.setView(view, threshold_px);
+      stream::StreamStatus status = streamer.waitForCut(kPatience);
+      do {
+        status = streamer.waitForNews(std::chrono::milliseconds(10));
+        if (std::exchange(build, status.cut_build) != status.cut_build) ++builds;
+        watch.frame(status.cut, view, now_s += kFrameS);
+      } while (!(status.current && status.settled) || watch.fading());
+    }
+  }
+  std::printf("%d builds shown in turn\n", builds);
+  print("with fades", watch.tally());
+}
+
+void run(int argc, char** argv) {
+  if (argc < 3)
+    throw Error(ErrorCode::kUsage, "usage: bench_background STORE.lode OTHER_BUILD.lode [CAMERAS]");
+  const int cameras = argc > 3 ? std::atoi(argv[3]) : 100;
+  const render::OffscreenContext context;
+  Models models(argv[1], argv[2]);
+  stream::Streamer streamer(models.served(), {});
+  const ModelSummary model = streamer.waitForModel(kPatience);
+  std::printf("%d random cameras, %u x %u\n", cameras, kWidthPx, kHeightPx);
+  countSettled(streamer, model, cameras);
+  countFading(models, streamer, model, cameras);
+}
+
+}  // namespace
+}  // namespace lode::bench
+
+int main(int argc, char** argv) {
+  try {
+    lode::bench::run(argc, argv);
+    return 0;
+  } catch (const lode::Error& failed) {
+    std::fprintf(stderr, "%s\n", failed.what());
+    return 1;
+  }
+}

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "client/render/framebuffer.h"
+#include "client/render/renderer.h"
+
+namespace lode::test {
+
+/// Counts background inside a model while its cuts cross-fade. Inside is what every cut covers that was drawn
+/// for this camera since a fade's length ago, with a pixel around.
+class BackgroundWatch {
+ public:
+  struct Tally {
+    uint64_t frames = 0, fading_frames = 0;
+    uint64_t inside = 0;      ///< pixels
+    uint64_t background = 0;  ///< of them
+
+    bool operator==(const Tally&) const = default;
+  };
+
+  BackgroundWatch(double lattice_step, uint32_t width_px, uint32_t height_px)
+      : fading_(lattice_step), alone_(lattice_step), target_(width_px, height_px, 1) {}
+
+  /// One frame with a cut, which is uploaded at once.
+  void frame(const std::shared_ptr<const core::Cut>& cut, const core::View& view, double now_s) {
+    if (covered_.empty() || view != view_) {
+      view_ = view;
+      covered_.clear();
+      if (alone_.meshes().drawnCut()) cover(now_s);
+    }
+    const bool is_same = !covered_.empty() && alone_.meshes().drawnCut() == cut;
+    for (render::Renderer* const renderer : {&fading_, &alone_}) {
+      renderer->show(cut);
+      while (!renderer->upToDate()) renderer->uploadInRenderThread({.wait = true});
+    }
+    if (!is_same) cover(now_s);
+    covered_.back().now_s = now_s;
+    while (covered_.front().now_s < now_s - render::kFadeS) covered_.pop_front();
+    fading_.draw(view, target_, style_, now_s);
+    count(pixelsOfModel());
+  }
+  /// Pixels that a cut covers, drawn alone.
+  std::vector<bool> coveredBy(const std::shared_ptr<const core::Cut>& cut, const core::View& view) {
+    alone_.show(cut);
+    while (!alone_.upToDate()) alone_.uploadInRenderThread({.wait = true});
+    alone_.draw(view, target_, style_);
+    return pixelsOfModel();
+  }
+  const Tally& tally() const noexcept { return tally_; }
+  bool fading() const noexcept { return fading_.fading(); }
+
+ private:
+  struct Covered {
+    double now_s;
+    std::vector<bool> pixels;
+  };
+
+  static render::DrawStyle magenta() {
+    render::DrawStyle style;
+    style.background_top_srgb = style.background_bottom_srgb = glm::vec3(1, 0, 1);
+    return style;
+  }
+
+  std::vector<bool> pixelsOfModel() const {
+    target_.resolve();
+    const render::Image image = target_.readPixels();
+    std::vector<bool> pixels(size_t{image.width_px} * image.height_px);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const uint8_t* const p = &image.rgba[4 * i];
+      pixels[i] = !(p[0] == 255 && p[1] == 0 && p[2] == 255);
+    }
+    return pixels;
+  }
+  void cover(double now_s) {
+    alone_.draw(view_, target_, style_);
+    covered_.push_back({now_s, pixelsOfModel()});
+  }
+  void count(const std::vector<bool>& drawn) {
+    ++tally_.frames;
+    if (fading_.fading()) ++tally_.fading_frames;
+    for (uint32_t y = 1; y + 1 < view_.height_px; ++y) {
+      for (uint32_t x = 1; x + 1 < view_.width_px; ++x) {
+        if (!isInside(x, y)) continue;
+        ++tally_.inside;
+        if (!drawn[size_t{y} * view_.width_px + x]) ++tally_.background;
+      }
+    }
+  }
+  /// Its neighbours, too, are covered by all: the outline of a cut is not another's.
+  bool isInside(uint32_t x, uint32_t y) const {
+    for (const Covered& covered : covered_) {
+      for (uint32_t row = y - 1; row <= y + 1; ++row) {
+        for (uint32_t column = x - 1; column <= x + 1; ++column)
+          if (!covered.pixels[size_t{row} * view_.width_px + column]) return false;
+      }
+    }
+    return true;
+  }
+
+  render::Renderer fading_, alone_;
+  const render::Framebuffer target_;
+  const render::DrawStyle style_ = magenta();
+  core::View view_;
+  std::deque<Covered> covered_;
+  Tally tally_;
+};
+
+}  // namespace lode::test
