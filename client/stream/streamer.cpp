@@ -211,8 +211,8 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   now.settled = engine.settled();
   now.failure = engine.failure();
   now.trouble = engine.trouble();
-  if (number != 0 && engine.exhausted() && !now.settled && now.failure.empty())
-    now.failure = "the cache does not have all that the view needs: run without --offline";
+  now.exhausted = number != 0 && engine.exhausted() && !now.settled && now.failure.empty();
+  if (now.exhausted) now.failure = "the cache does not have all that the view needs: run without --offline";
   const std::lock_guard lock(mutex);
   has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
   if (!summary && engine.summary()) summary = *engine.summary();

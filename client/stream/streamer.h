@@ -42,12 +42,13 @@ struct StreamStatus {
   std::shared_ptr<const core::Cut> cut;  ///< null until there is something to show
   uint64_t cut_build = 0;  ///< names the build that it is of: another one after the model was replaced
   core::EngineCounts counts;
-  bool limited = false;  ///< a budget keeps the cut from converging
-  bool settled = false;  ///< the cut is all that the view and the budgets will ever give
-  std::string failure;   ///< why the stream has ended or a part cannot be had; empty while all is well
-  std::string trouble;   ///< why there is no connection, while a new one is tried for; empty otherwise
-  bool ended = false;    ///< nothing more will come
-  bool current = false;  ///< it is about the view last set
+  bool limited = false;    ///< a budget keeps the cut from converging
+  bool settled = false;    ///< the cut is all that the view and the budgets will ever give
+  bool exhausted = false;  ///< offline, and the cache does not have the rest of what the view needs
+  std::string failure;     ///< why the stream has ended or a part cannot be had; empty while all is well
+  std::string trouble;     ///< why there is no connection, while a new one is tried for; empty otherwise
+  bool ended = false;      ///< nothing more will come
+  bool current = false;    ///< it is about the view last set
 };
 
 /// A model streamed from a server: transport, refine thread and decode pool around a core::Engine. Connects

@@ -12,7 +12,7 @@ namespace {
 
 struct BuildArguments {
   ingest::BuildOptions options;
-  bool json = false, quiet = false;
+  bool json = false, quiet = false, json_progress = false;
 };
 
 Json describeAsJson(const ingest::BuildReport& report) {
@@ -54,7 +54,9 @@ void runBuild(const BuildArguments& arguments) {
   {
     const Interruption interruption(options.resume ? "interrupted"
                                                    : "interrupted; nothing was written, start it again");
-    ProgressBar bar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
+    ProgressBar bar = arguments.json_progress
+                          ? ProgressBar(stdout, ProgressBar::Mode::kJson)
+                          : ProgressBar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
     report = ingest::build(options, [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
       interruption.check();
       bar.update(stage, fraction, done);
@@ -65,7 +67,7 @@ void runBuild(const BuildArguments& arguments) {
       std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());
   if (arguments.json)
     printJson(describeAsJson(report));
-  else if (!arguments.quiet)
+  else if (!arguments.quiet && !arguments.json_progress)
     printText(describe(report, options.output));
 }
 
@@ -110,7 +112,12 @@ void addBuildCommand(CLI::App& program) {
   command->add_flag("--skip-bad", options.skip_bad, "drop and count bad indices and coordinates");
   command->add_flag("--strict", options.strict, "warnings are errors");
   command->add_flag("--json", arguments->json, "print the result as one JSON object");
-  command->add_flag("--quiet", arguments->quiet, "print no progress and no result");
+  CLI::Option* const quiet =
+      command->add_flag("--quiet", arguments->quiet, "print no progress and no result");
+  command
+      ->add_flag("--json-progress", arguments->json_progress,
+                 "print progress, for programs: lines of JSON with stage and fraction; and no result")
+      ->excludes(quiet);
   command->callback([arguments] { runBuild(*arguments); });
 }
 

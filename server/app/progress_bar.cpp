@@ -6,6 +6,8 @@
 
 #include <unistd.h>
 
+#include "server/app/json_output.h"
+
 namespace lode::app {
 namespace {
 
@@ -69,11 +71,12 @@ void ProgressBar::update(std::string_view stage, double fraction, uint64_t done)
     finishStage();
     stage_ = stage;
     stage_start_ = last_drawn_ = now;
+    if (mode_ == Mode::kJson) last_drawn_ = {};
   }
   fraction_ = fraction;
   done_ = done;
   if (now - last_drawn_ >=
-      (mode_ == Mode::kBar ? Clock::duration(kRedrawEvery) : Clock::duration(kLineEvery)))
+      (mode_ == Mode::kLines ? Clock::duration(kLineEvery) : Clock::duration(kRedrawEvery)))
     draw(now);
 }
 
@@ -86,6 +89,13 @@ void ProgressBar::finishStage() {
 }
 
 void ProgressBar::draw(Clock::time_point now) {
+  last_drawn_ = now;
+  if (mode_ == Mode::kJson) {
+    const Json json = {{"stage", stage_}, {"fraction", std::clamp(fraction_, 0.0, 1.0)}};
+    std::fprintf(stream_, "%s\n", json.dump().c_str());
+    std::fflush(stream_);
+    return;
+  }
   const double seconds = std::chrono::duration<double>(now - stage_start_).count();
   const bool bar = mode_ == Mode::kBar;
   const std::string line = describeProgress(stage_, fraction_, done_, seconds, bar ? kBarWidth : 0);
@@ -95,7 +105,6 @@ void ProgressBar::draw(Clock::time_point now) {
   else
     std::fprintf(stream_, "%s\n", line.c_str());
   std::fflush(stream_);
-  last_drawn_ = now;
 }
 
 }  // namespace lode::app

@@ -9,10 +9,11 @@
 namespace lode::app {
 
 /// Says on a stream how far each stage is: on a terminal a bar a stage, redrawn in place, with rate and time
-/// left; elsewhere a line every few seconds. One thread at a time.
+/// left; elsewhere a line every few seconds; for programs
+/// {"stage":NAME,"fraction":0..1} a line. One thread at a time.
 class ProgressBar {
  public:
-  enum class Mode { kQuiet, kLines, kBar };
+  enum class Mode { kQuiet, kLines, kBar, kJson };
 
   /// A bar if the stream is a terminal, else lines; nothing at all if quiet.
   static Mode modeFor(std::FILE* stream, bool quiet);

@@ -1,5 +1,6 @@
 #include "client/app/cli/child_server.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds kReadyTimeout{60};
+constexpr std::chrono::hours kLongestSilence{24 * 7};  // of a build
 constexpr size_t kKeyDigits = 16;
 constexpr size_t kTokenBytes = 32;
 
@@ -74,7 +76,16 @@ void removeOthers(const fs::path& folder, const fs::path& keep) {
     if (entry.path() != keep) fs::remove_all(entry.path(), ignored);
 }
 
-fs::path buildIntoCache(const fs::path& ply, bool announce, const std::stop_token& stop) {
+void tell(const BuildWatch& watch, const std::string& line) {
+  const auto json = nlohmann::json::parse(line, nullptr, false);
+  if (!json.is_object() || !json.contains("stage") || !json["stage"].is_string() ||
+      !json.contains("fraction") || !json["fraction"].is_number())
+    return;
+  watch(json["stage"].get<std::string>(), std::clamp(json["fraction"].get<double>(), 0.0, 1.0));
+}
+
+fs::path buildIntoCache(const fs::path& ply, bool announce, const std::stop_token& stop,
+                        const BuildWatch& watch) {
   const fs::path builder = siblingServer();
   const fs::path source = fs::absolute(ply).lexically_normal();
   const fs::path of_source = cacheFolder() / "stores" / hashOf(source.string());
@@ -88,15 +99,15 @@ fs::path buildIntoCache(const fs::path& ply, bool announce, const std::stop_toke
   if (failed)
     throw Error(ErrorCode::kIo, folder.string() + " cannot be made: " + failed.message() +
                                     "; set XDG_CACHE_HOME to a folder that can be written");
-  const bool show_progress = announce && isatty(STDERR_FILENO) == 1;
+  const bool show_progress = announce && !watch && isatty(STDERR_FILENO) == 1;
   std::vector<std::string> arguments{"build", source.string(), "-o", store.string()};
-  if (!show_progress) arguments.emplace_back("--quiet");
+  if (!show_progress) arguments.emplace_back(watch ? "--json-progress" : "--quiet");
   ChildProcess build(builder, arguments,
                      show_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep);
   {
     const std::stop_callback end_build(stop, [&build] { build.terminate(); });
-    while (!build.readLine(std::chrono::hours(24 * 7)).empty()) {
-    }
+    for (std::string line; !(line = build.readLine(kLongestSilence)).empty();)
+      if (watch) tell(watch, line);
   }
   if (const int status = build.wait(); status != 0) {
     fs::remove_all(folder, failed);
@@ -119,12 +130,12 @@ ChildServer::ChildServer(const fs::path& store, const std::stop_token& stop)
       served_(readReadyLine(process_, store, stop)) {}
 
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
-                             std::stop_token stop) {
+                             std::stop_token stop, const BuildWatch& watch) {
   if (const auto* served = std::get_if<stream::ServedModel>(&target))
     return {*served, std::move(options), nullptr, {}};
   const auto* ply = std::get_if<PlyFile>(&target);
   const fs::path file = ply ? ply->path : std::get<StoreFile>(target).path;
-  const fs::path store = ply ? buildIntoCache(file, announce, stop) : file;
+  const fs::path store = ply ? buildIntoCache(file, announce, stop, watch) : file;
   auto child = std::make_unique<ChildServer>(store, stop);
   options.token = child->token();
   stream::ServedModel served = child->served();

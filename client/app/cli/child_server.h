@@ -2,8 +2,10 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <stop_token>
+#include <string_view>
 
 #include "client/app/cli/child_process.h"
 #include "client/app/cli/target.h"
@@ -37,12 +39,16 @@ struct ResolvedTarget {
   std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
   std::filesystem::path file;          ///< as the user named it; empty: on a server
 };
+/// Told of a build's stage and how much of it is done, 0..1, on the thread that builds.
+using BuildWatch = std::function<void(std::string_view stage, double fraction)>;
+
 /// @param options   for the connection.
 /// @param announce  progress of a build goes to stderr if that is a terminal.
 /// @param stop      ends a child under way, which then counts as failed.
+/// @param watch     told of the progress of a build, which then does not go to stderr.
 /// @throws Error.
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
-                             std::stop_token stop = {});
+                             std::stop_token stop = {}, const BuildWatch& watch = {});
 
 /// Waits until the model of a target is open. @throws Error as stream::Streamer::waitForModel, naming the
 /// target's file.

@@ -43,14 +43,18 @@ ModelOpener::Progress ModelOpener::progress() const {
   return progress_;
 }
 
-void ModelOpener::say(std::string phase) {
+void ModelOpener::say(std::string phase, double part) {
   const std::lock_guard lock(mutex_);
   progress_.phase = std::move(phase);
+  progress_.part = part;
 }
 
 void ModelOpener::run() {
   try {
-    const ResolvedTarget resolved = resolveTarget(target_, options_, true, stopping_.get_token());
+    const auto watch = [this, phase = firstPhase(target_)](std::string_view stage, double part) {
+      say(phase + "\n" + std::string(stage), part);
+    };
+    const ResolvedTarget resolved = resolveTarget(target_, options_, true, stopping_.get_token(), watch);
     say("Connecting to " + net::toString(resolved.served.address));
     stream::Streamer streamer(resolved.served, resolved.options);
     const ModelSummary& model = openModel(streamer, resolved, timeout_, stopping_.get_token());

@@ -29,7 +29,8 @@ class ModelOpener {
   ModelOpener& operator=(const ModelOpener&) = delete;
 
   struct Progress {
-    std::string phase;                     ///< what is being done
+    std::string phase;                     ///< what is being done,
+    double part = -1;                      ///< and how much of it, 0 to 1; below: unknown
     stream::Streamer* streamer = nullptr;  ///< once the model is open; lives as long as the opener
     const ModelSummary* model = nullptr;
     core::Framing framing;
@@ -39,7 +40,7 @@ class ModelOpener {
 
  private:
   void run();
-  void say(std::string phase);
+  void say(std::string phase, double part = -1);
 
   const Target target_;
   const stream::StreamOptions options_;

@@ -4,6 +4,10 @@ namespace lode::app {
 
 Notice noticeOf(const stream::StreamStatus& status, bool offline, bool gpu_full) {
   using enum Notice::Kind;
+  if (status.exhausted && status.cut)
+    return {
+        kTrouble,
+        "offline: shown as finely as the cache has it; once without --offline brings the rest of this view"};
   if (!status.failure.empty())
     return {kFailure, status.failure + (status.cut ? "\nWhat is here stays; nothing more will come." : "")};
   if (!status.trouble.empty())

@@ -10,6 +10,7 @@
 
 #include "client/app/window/key_help.h"
 #include "client/app/window/panel_font.h"
+#include "client/app/window/sharpness.h"
 
 namespace lode::app {
 namespace {
@@ -109,20 +110,16 @@ void drawFigures(const PanelContent& content) {
   memoryRow("memory", content.resident_bytes, content.resident_budget_bytes);
   memoryRow("on the GPU", content.gpu_bytes, content.gpu_budget_bytes);
   if (content.textured) row("textures", tilesOf(content));
-  row("threshold", formatted("%.2f px, error %.2f px", content.threshold_px, content.error_px));
+  row("threshold", formatted("%.2f px", content.threshold_px));
   if (content.target_ms > 0) row("", formatted("coarser for %.0f frames a second", 1000 / content.target_ms));
   row("view", std::string(content.show));
   row("camera", nameOf(content.camera));
   row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
   ImGui::EndTable();
-  if (content.converged) {
-    const bool is_fine = content.error_px <= content.threshold_px;
-    ImGui::TextColored(kGood, "%s, at most %.2f px off where it is seen",
-                       is_fine ? "converged" : "all the detail there is",
-                       static_cast<double>(content.error_px));
-  } else {
-    bar(content.progress, "refining", kPanelEm);
-  }
+  if (content.converged)
+    ImGui::TextColored(kGood, "%s", convergedText(content.error_px, content.threshold_px).c_str());
+  else if (!content.exhausted)
+    bar(content.progress, refiningText(content.error_px), kPanelEm);
 }
 
 void drawFrameTimes(std::span<const float> frames_ms, size_t oldest) {
@@ -153,6 +150,10 @@ void drawPick(const PanelContent& content) {
 
 void drawWaiting(const PanelContent& content) {
   ImGui::TextUnformatted(content.waiting.c_str());
+  if (content.waiting_part >= 0) {
+    bar(content.waiting_part, formatted("%.0f %%", 100 * content.waiting_part), kPanelEm);
+    return;
+  }
   const ImVec2 size(ImGui::GetFontSize() * 18, ImGui::GetFontSize() * 0.5f);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const auto phase = static_cast<float>(std::fmod(content.waited_s, 2.0) / 2.0);

@@ -20,6 +20,7 @@ struct PanelContent {
   std::string title;    ///< of the model or the target
   std::string waiting;  ///< what is being waited for; empty once the model is open
   double waited_s = 0;
+  double waiting_part = -1;           ///< of it that is done, 0 to 1; below: unknown
   uint64_t triangles = 0, nodes = 0;  ///< drawn
   uint64_t model_triangles = 0;
   uint64_t received_bytes = 0;
@@ -31,7 +32,8 @@ struct PanelContent {
   float threshold_px = 1, error_px = 0;
   double target_ms = 0;  ///< of a frame, for which the threshold is coarser than asked for; 0: it is not
   bool converged = false;
-  double progress = 0;  ///< towards that, 0 to 1
+  bool exhausted = false;  ///< offline: the cache has no more of what is seen
+  double progress = 0;     ///< towards that, 0 to 1
   double frame_ms = 0, upload_ms = 0;
   CameraKind camera = CameraKind::kOrbit;
   std::vector<std::string> pick;            ///< of the point last clicked on

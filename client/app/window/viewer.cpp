@@ -175,6 +175,7 @@ void Viewer::openWhenReady() {
   const ModelOpener::Progress progress = opener_.progress();
   if (progress.error) throw *progress.error;
   content_.waiting = progress.phase;
+  content_.waiting_part = progress.part;
   content_.waited_s = secondsSince(started_);
   if (progress.streamer == nullptr) return;
   const ModelSummary& model = *progress.model;
@@ -316,6 +317,7 @@ void Viewer::describeStream() {
   content_.resident_bytes = counts.resident_bytes + counts.texture_bytes;
   content_.tiles_left_out = counts.tiles_left_out;
   content_.converged = settled() && status_.cut->converged;
+  content_.exhausted = status_.exhausted;
   content_.progress =
       status_.cut ? progress_.see(status_.cut->max_error_px, asked_px_, content_.converged) : 0;
   const bool is_offline = options_.common.streamOptions().offline;
@@ -328,6 +330,7 @@ void Viewer::describe() {
   if (streamer_ != nullptr) {
     const bool is_waiting = cut == nullptr && !status_.ended;
     content_.waiting = is_waiting ? "Loading the first picture" : "";
+    content_.waiting_part = -1;
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;
   }
   content_.gpu_bytes = renderer_.gpuBytes();

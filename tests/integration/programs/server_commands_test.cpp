@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -64,6 +65,20 @@ TEST_F(ServerCommands, printTheJsonThatScriptsRelyOn) {
   EXPECT_LE(cut["triangles"], 3000);
   EXPECT_TRUE(cut["converged"]);
   EXPECT_TRUE(Json::parse(run("verify a.lode --json").out)["sound"]);
+}
+
+TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
+  std::istringstream lines(run("build a.ply -o a.lode --triangles-per-node 2000 --json-progress").out);
+  std::vector<std::string> stages;
+  for (std::string line; std::getline(lines, line);) {
+    const Json progress = Json::parse(line);
+    EXPECT_GE(progress["fraction"], 0);
+    EXPECT_LE(progress["fraction"], 1);
+    if (stages.empty() || stages.back() != progress["stage"]) stages.push_back(progress["stage"]);
+  }
+  EXPECT_GE(stages.size(), 4u);
+  EXPECT_EQ(std::set(stages.begin(), stages.end()).size(), stages.size()) << "each comes once";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "a.lode"));
 }
 
 TEST_F(ServerCommands, verifyAgainstFindsTheInputInTheStoreAndNoOther) {

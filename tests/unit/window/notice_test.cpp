@@ -51,6 +51,19 @@ TEST(Notice, namesTheOptionThatGivesMoreMemory) {
   EXPECT_EQ(noticeOf(status, false, false), Notice()) << "it may still become finer";
 }
 
+TEST(Notice, saysCalmlyThatTheCacheHasNoMoreAndHowToHaveTheRest) {
+  stream::StreamStatus status = statusOf(false);
+  status.settled = false;
+  status.exhausted = true;
+  status.failure = "the cache does not have all that the view needs: run without --offline";
+  const Notice notice = noticeOf(status, true, false);
+  EXPECT_EQ(notice.kind, Notice::Kind::kTrouble);
+  EXPECT_NE(notice.text.find("as finely as the cache has it"), std::string::npos);
+  EXPECT_NE(notice.text.find("without --offline"), std::string::npos);
+  status.cut.reset();
+  EXPECT_EQ(noticeOf(status, true, false).kind, Notice::Kind::kFailure) << "there is nothing to see";
+}
+
 TEST(Notice, saysOfflineAsAHintWhereTheCacheHasAllAndAsTroubleWhereItHasNot) {
   EXPECT_EQ(noticeOf(statusOf(true), true, false).kind, Notice::Kind::kHint);
   const Notice lacking = noticeOf(statusOf(false), true, false);
