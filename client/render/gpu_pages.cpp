@@ -1,9 +1,13 @@
 #include "client/render/gpu_pages.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace lode::render {
+namespace {
+
+constexpr uint64_t kMostPageBytes = 1u << 31;
+
+}  // namespace
 
 GpuPages::GpuPages(uint64_t budget_bytes, uint32_t page_bytes)
     : budget_bytes_(budget_bytes), page_bytes_(page_bytes) {}
@@ -24,7 +28,7 @@ bool GpuPages::addPage(uint32_t needed_bytes) {
   GlBuffer buffer = GlBuffer::create();
   glNamedBufferStorage(buffer.get(), bytes, nullptr, 0);
   if (glGetError() != GL_NO_ERROR) {
-    budget_bytes_ = capacity_bytes_;  // the driver has no more, whatever we were allowed
+    budget_bytes_ = most_bytes_;  // the driver has no more, whatever we were allowed
     return false;
   }
   auto page = std::make_unique<Page>(Page{std::move(buffer), bytes, BlockAllocator(bytes)});
@@ -35,6 +39,7 @@ bool GpuPages::addPage(uint32_t needed_bytes) {
     pages_.push_back(std::move(page));
   }
   capacity_bytes_ += bytes;
+  most_bytes_ = std::max(most_bytes_, capacity_bytes_);
   return true;
 }
 
@@ -70,16 +75,22 @@ void GpuPages::dropEmptyPages() {
   }
 }
 
-void GpuPages::clear() {
+bool GpuPages::clearFor(const std::vector<uint64_t>& sizes) {
+  uint64_t together = 0;
+  for (const uint64_t bytes : sizes) together += bytes + BlockAllocator::kAlignment;
+  const bool fit_in_pages = fitInPages(sizes);
+  if (!fit_in_pages && (together > budget_bytes_ || together > kMostPageBytes)) return false;
   pages_.clear();
   used_bytes_ = capacity_bytes_ = 0;
+  if (!fit_in_pages) addPage(static_cast<uint32_t>(together));
+  return true;
 }
 
-bool GpuPages::fitsAfterClear(const std::vector<uint64_t>& sizes) const {
+bool GpuPages::fitInPages(const std::vector<uint64_t>& sizes) const {
   std::vector<BlockAllocator> pages;
   uint64_t capacity = 0;
   for (const uint64_t bytes : sizes) {
-    if (bytes > std::numeric_limits<uint32_t>::max() - BlockAllocator::kAlignment) return false;
+    if (bytes > kMostPageBytes) return false;
     const auto needed = static_cast<uint32_t>(bytes);
     const bool placed = std::any_of(pages.begin(), pages.end(),
                                     [&](BlockAllocator& page) { return page.allocate(needed).has_value(); });

@@ -28,11 +28,9 @@ class GpuPages {
   void release(const GpuBlock& block);
   /// Frees the buffers of pages that hold nothing, but one.
   void dropEmptyPages();
-  /// Frees everything; all blocks become invalid.
-  void clear();
-  /// True if blocks of these sizes, allocated in this order, would fit after clear(). Sizes above 4 GiB
-  /// never.
-  bool fitsAfterClear(const std::vector<uint64_t>& sizes) const;
+  /// Frees everything, and makes room for blocks of these sizes, allocated in this order: in pages where they
+  /// fit, else in one for all of them. @return false if the budget does not allow it; then nothing is freed.
+  bool clearFor(const std::vector<uint64_t>& sizes);
 
   GLuint buffer(uint32_t page) const noexcept { return pages_[page] ? pages_[page]->buffer.get() : 0; }
   uint32_t pageCount() const noexcept { return static_cast<uint32_t>(pages_.size()); }
@@ -45,12 +43,14 @@ class GpuPages {
     uint32_t bytes;
     BlockAllocator allocator;
   };
+  bool fitInPages(const std::vector<uint64_t>& sizes) const;
   uint32_t sizeOfNewPage(uint32_t needed_bytes, uint64_t capacity_bytes) const noexcept;
   bool addPage(uint32_t needed_bytes);
 
   uint64_t budget_bytes_;
   uint32_t page_bytes_;
   uint64_t used_bytes_ = 0, capacity_bytes_ = 0;
+  uint64_t most_bytes_ = 0;                   ///< that pages have ever taken
   std::vector<std::unique_ptr<Page>> pages_;  ///< null: a page that was dropped
 };
 

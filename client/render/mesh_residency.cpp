@@ -56,6 +56,7 @@ bool MeshResidency::begin() {
   target_ = newest_;
   rejected_.reset();
   next_part_ = 0;
+  has_room_alone_ = false;
   target_serial_ = ++serial_;
   pin(*target_, target_serial_);
   return true;
@@ -81,7 +82,7 @@ bool MeshResidency::advance(Allowance& allowance) {
     const auto it = entries_.find(part.mesh);
     Entry* entry = it != entries_.end() ? &it->second : place(part.mesh);
     if (entry == nullptr) {
-      if (!makeRoomForTargetAlone()) {
+      if (has_room_alone_ || !makeRoomForTargetAlone()) {
         reject();
         return false;
       }
@@ -175,16 +176,16 @@ bool MeshResidency::makeRoomForTargetAlone() {
   std::ranges::stable_sort(meshes, std::greater(), bytesOf);
   std::vector<uint64_t> sizes;
   std::ranges::transform(meshes, std::back_inserter(sizes), bytesOf);
-  if (!pages_.fitsAfterClear(sizes)) return false;
+  if (!pages_.clearFor(sizes)) return false;
   drawn_.clear();
   drawn_cut_.reset();
   drawn_serial_ = 0;
   kept_from_ = std::max(kept_from_, target_serial_);
   entries_.clear();
-  pages_.clear();
   for (const std::shared_ptr<const Mesh>& mesh : meshes)
     if (!entries_.contains(mesh)) place(mesh);
   next_part_ = 0;
+  has_room_alone_ = true;
   return true;
 }
 

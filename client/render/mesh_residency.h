@@ -104,7 +104,8 @@ class MeshResidency {
   StagingRing staging_;
   Entries entries_;
   std::shared_ptr<const core::Cut> newest_, target_, drawn_cut_, rejected_;
-  size_t next_part_ = 0;  ///< of target_, a number for core::partOf()
+  bool has_room_alone_ = false;  ///< target_: all else was given up for it
+  size_t next_part_ = 0;         ///< of target_, a number for core::partOf()
   uint64_t serial_ = 0, target_serial_ = 0, drawn_serial_ = 0;
   uint64_t kept_from_ = kNone;
   std::vector<DrawItem> drawn_;

@@ -137,20 +137,22 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelThatSharpensOrIsReplaced)
   EXPECT_GT(builds, 3);
 }
 
-/// A larger model, of about 40 MB when all of it is drawn.
-class DrawnWithinMemory : public DrawnStreaming {
+/// A larger model, of about 40 MB when all of it is drawn, with leaves of so many triangles.
+class DrawnWithinMemory : public DrawnStreaming, public testing::WithParamInterface<uint32_t> {
  protected:
   DrawnWithinMemory() {
     stopServer();
     SyntheticModel model =
         makeModel(makeSphere(700, 500, {.attributes = {AttributeSet::kColour}, .extent = 60'000}),
-                  {.leaf_triangles = 4000, .extent_bits = 16});
+                  {.leaf_triangles = GetParam(), .rungs = 4, .extent_bits = 16});
     writeStore(folder_ / "a.lode", model);
     startServer();
   }
 };
 
-TEST_F(DrawnWithinMemory, countsTheCopiesOnTheGpuInTheMemoryThatAllDrawFrom) {
+INSTANTIATE_TEST_SUITE_P(Leaves, DrawnWithinMemory, testing::Values(4000u, 16'384u));
+
+TEST_P(DrawnWithinMemory, countsTheCopiesOnTheGpuInTheMemoryThatAllDrawFrom) {
   constexpr uint64_t kMemoryBytes = 32u << 20;
   const render::MemoryShares memory = render::shareMemory(kMemoryBytes);
   stream::StreamOptions options = threads(1);

@@ -173,6 +173,21 @@ TEST_F(Residency, findsRoomForACutThatFitsOnlyAloneInWhateverOrderItsPartsAre) {
   }
 }
 
+TEST_F(Residency, drawsEachCutOfSevenEighthsOfItsBudgetThoughEachMeshLeavesHalfOfAPageEmpty) {
+  const uint64_t mesh_bytes = core::drawnBytes(*gridOf(1));
+  const auto page_bytes = static_cast<uint32_t>(mesh_bytes * 19 / 10);
+  MeshResidency residency({.budget_bytes = 8 * page_bytes, .page_bytes = page_bytes});
+  std::vector<std::shared_ptr<const Mesh>> meshes;
+  for (uint32_t seed = 1; (seed + 1) * mesh_bytes <= 7 * page_bytes; ++seed) meshes.push_back(gridOf(seed));
+  ASSERT_GT(meshes.size(), 8u);
+  for (const auto& cut : {cutOf(std::vector{gridOf(100)}), cutOf(meshes)}) {
+    residency.show(cut);
+    residency.uploadInRenderThread({.wait = true});
+    EXPECT_TRUE(residency.upToDate());
+  }
+  EXPECT_LE(residency.pages().capacityBytes(), 8 * page_bytes);
+}
+
 TEST_F(Residency, uploadsAMeshLargerThanTheStagingMemoryInPieces) {
   const auto large = gridOf(1, 100);
   MeshResidency residency({.staging_bytes = 4096});
