@@ -39,7 +39,7 @@ WantedCut::WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeS
   nodes_.reserve(kUsualNodes);
   begin();
   refine();
-  if (limited_) {
+  if (stopped_) {
     is_best_first_ = true;
     begin();
     refine();
@@ -53,7 +53,7 @@ void WantedCut::begin() {
   open_.clear();
   pages_.clear();
   page_bytes_ = hierarchy_.rootPageBytes();
-  limited_ = blocked_ = false;
+  stopped_ = limited_ = blocked_ = false;
   totals_ = {};
   totals_.add(first.rungs.back(), attributes_);
   add(first, false, held_.empty() ? 0 : 1);
@@ -95,11 +95,11 @@ void WantedCut::enqueue(uint32_t place) {
   if (is_best_first_) std::push_heap(open_.begin(), open_.end());
 }
 
-uint32_t WantedCut::takeNext() {
+WantedCut::Candidate WantedCut::takeNext() {
   if (is_best_first_) std::pop_heap(open_.begin(), open_.end());
-  const uint32_t place = open_.back().place;
+  const Candidate next = open_.back();
   open_.pop_back();
-  return place;
+  return next;
 }
 
 bool WantedCut::wasFiner(const WantedNode& wanted) const {
@@ -110,41 +110,42 @@ bool WantedCut::wasFiner(const WantedNode& wanted) const {
 
 void WantedCut::refine() {
   while (!open_.empty())
-    if (!giveWay(takeNext()) || (limited_ && !is_best_first_)) return;
+    if (!giveWay(takeNext()) || (stopped_ && !is_best_first_)) return;
 }
 
 /// @return false if a budget forbids it.
-bool WantedCut::giveWay(uint32_t place) {
-  WantedNode& wanted = nodes_[place];
+bool WantedCut::giveWay(const Candidate& candidate) {
+  WantedNode& wanted = nodes_[candidate.place];
   const KnownNode& node = *wanted.node;
   Totals totals = totals_;
   totals.remove(node.rungs[wanted.rung], attributes_);
   if (wanted.rung > 0) {
     totals.add(node.rungs[wanted.rung - 1], attributes_);
-    if (!fits(totals)) return false;
+    if (!fits(candidate, totals)) return false;
     --wanted.rung;
-    enqueue(place);
+    enqueue(candidate.place);
     return true;
   }
   if (node.isLeaf()) return true;
   const uint64_t page_bytes =
       node.childrenKnown() ? node.page_below_bytes : pageBytesAtMost(node.child_page.bytes);
   if (page_bytes_ + page_bytes > options_.hierarchy_budget_bytes) {
-    limited_ = true;
+    stopAt(candidate);
     return true;
   }
-  if (node.childrenKnown()) return expand(place, totals);
+  if (node.childrenKnown()) return expand(candidate, totals);
   wanted.role = Role::kBlocked;
   blocked_ = true;
   page_bytes_ += page_bytes;
   return true;
 }
 
-bool WantedCut::expand(uint32_t place, const Totals& without) {
+bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
+  const uint32_t place = candidate.place;
   const KnownNode& node = *nodes_[place].node;
   Totals totals = without;
   for (const KnownNode& child : node.knownChildren()) totals.add(child.rungs.back(), attributes_);
-  if (!fits(totals)) return false;
+  if (!fits(candidate, totals)) return false;
   if (node.child_page) {
     page_bytes_ += node.page_below_bytes;
     pages_.push_back(node.key);
@@ -159,13 +160,19 @@ bool WantedCut::expand(uint32_t place, const Totals& without) {
   return true;
 }
 
-bool WantedCut::fits(const Totals& totals) {
+bool WantedCut::fits(const Candidate& candidate, const Totals& totals) {
   const bool fits = totals.triangles <= options_.triangle_budget &&
                     totals.bytes <= options_.cut_budget_bytes &&
                     totals.drawn_bytes <= options_.drawn_budget_bytes;
-  limited_ |= !fits;
   if (fits) totals_ = totals;
+  if (!fits) stopAt(candidate);
   return fits;
+}
+
+/// A budget does not let a part give way. What is only held is right without.
+void WantedCut::stopAt(const Candidate& candidate) {
+  stopped_ = true;
+  limited_ |= candidate.error_px > options_.threshold_px;
 }
 
 /// Chooses the covering step: on each way down the deepest expanded node, at its finest rung, that costs

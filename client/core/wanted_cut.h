@@ -88,12 +88,13 @@ class WantedCut {
   void begin();
   void add(const KnownNode& node, bool in_sight, uint32_t held);
   void enqueue(uint32_t place);
-  uint32_t takeNext();
+  Candidate takeNext();
   void refine();
   bool wasFiner(const WantedNode& wanted) const;
-  bool giveWay(uint32_t place);
-  bool expand(uint32_t place, const Totals& totals);
-  bool fits(const Totals& totals);
+  bool giveWay(const Candidate& candidate);
+  bool expand(const Candidate& candidate, const Totals& totals);
+  bool fits(const Candidate& candidate, const Totals& totals);
+  void stopAt(const Candidate& candidate);
   Below chooseCovers(WantedNode& wanted);
 
   const Hierarchy& hierarchy_;
@@ -108,6 +109,7 @@ class WantedCut {
   Totals totals_;
   uint64_t page_bytes_ = 0;
   std::vector<NodeKey> pages_;
+  bool stopped_ = false;  // by a budget
   bool limited_ = false, blocked_ = false;
 };
 

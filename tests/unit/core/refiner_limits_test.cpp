@@ -168,6 +168,27 @@ TEST(Refiner, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
   EXPECT_GT(flickering, 0u);
 }
 
+TEST(Refiner, isLimitedByWhatIsAboveTheThresholdAloneNotByWhatItWouldHold) {
+  int held_back = 0;  // budgets that do not allow what would be held
+  for (uint32_t seed = 1; seed < 13; ++seed) {
+    const SyntheticModel model({.seed = seed});
+    std::mt19937 random(seed);
+    const RefineOptions plain{.threshold_px = 12}, holding{.threshold_px = 12, .hold_factor = kHoldFactor};
+    Scripted fresh(model), held(model);
+    fresh.converge(viewFrom(3000), plain, random, kNoCheck);
+    held.converge(viewFrom(3000), plain, random, kNoCheck);
+    held.converge(viewFrom(2700), holding, random, kNoCheck);
+    RefineOptions tight = holding;
+    tight.triangle_budget = fresh.last().cut->triangles;
+    const Refinement& refinement = held.refineFor(viewFrom(3000), tight);
+    EXPECT_FALSE(refinement.limited) << seed;
+    EXPECT_TRUE(refinement.cut->converged) << seed;
+    held.converge(viewFrom(2700), holding, random, kNoCheck);
+    held_back += held.refineFor(viewFrom(3000), holding).cut->triangles > tight.triangle_budget;
+  }
+  EXPECT_GT(held_back, 0);
+}
+
 TEST(Refiner, letsGoOfWhatItHoldsWhereTheErrorHasFallenByMoreThanThat) {
   const SyntheticModel model({.seed = 3});
   std::mt19937 random(3);
