@@ -11,12 +11,14 @@ namespace {
 constexpr uint64_t kFinerRatio = 2;  // of a cut's triangles, from which on it is worth to look anew
 // One in so many bytes of the meshes, and of what may be drawn, is for fallbacks.
 constexpr uint64_t kFallbackShare = 8;
+constexpr uint64_t kSpareShare = 4;  // one in so many bytes is free before what was given up comes back
 
 }  // namespace
 
 Instance::Instance(const RefineOptions& options)
     : options_(options), drawn_budget_bytes_(options.drawn_budget_bytes) {
-  options_.drawn_budget_bytes -= options.drawn_budget_bytes / kFallbackShare;
+  options_.fallback_drawn_budget_bytes = drawn_budget_bytes_ / kFallbackShare;
+  options_.drawn_budget_bytes -= options_.fallback_drawn_budget_bytes;
 }
 
 void Instance::setView(const View& view, float threshold_px) {
@@ -44,25 +46,37 @@ Refinement Instance::refineWith(const Model& model, const RefineOptions& options
                       *view_, options, held_, seen_ ? &*seen_ : nullptr);
 }
 
-/// Marks what a refinement uses, and forgets pages that it does not, where memory is short.
-/// @return false if it uses more than there is room for, here or where it is drawn.
-bool Instance::keep(Model& model, const Refinement& refinement) const {
-  model.hierarchy().use(refinement.pages, model.hierarchyBudgetBytes());
-  return model.meshes().use(refinement.in_use, refinement.ancestors) <= model.meshes().budgetBytes() &&
-         model.hierarchy().bytes() <= model.hierarchyBudgetBytes() &&
-         (!refinement.cut || refinement.cut->drawn_bytes <= drawn_budget_bytes_);
+RefineOptions Instance::optionsAt(Giving giving) const {
+  RefineOptions options = options_;
+  if (giving >= Giving::kFallbacks) options.fallback_budget_bytes = 0;
+  options.finer_stand_ins = giving < Giving::kFinerStandIns;
+  return options;
 }
 
-/// Gives up what stands by, unseen, then what is finer than wanted, until there is room for the rest.
-void Instance::fit(Model& model, Refinement& refinement) const {
-  if (keep(model, refinement)) return;
-  RefineOptions options = options_;
-  options.fallback_budget_bytes = 0;
-  refinement = refineWith(model, options);
-  if (keep(model, refinement)) return;
-  options.finer_stand_ins = false;
-  refinement = refineWith(model, options);
-  keep(model, refinement);
+/// Marks what a refinement uses, and forgets pages that it does not, where memory is short.
+/// @return whether there is room for it, here and where it is drawn, and with `to_spare` a part more.
+bool Instance::keep(Model& model, const Refinement& refinement, bool to_spare) const {
+  model.hierarchy().use(refinement.pages, model.hierarchyBudgetBytes());
+  const auto has_room = [&](uint64_t bytes, uint64_t budget_bytes) {
+    return bytes <= budget_bytes - (to_spare ? budget_bytes / kSpareShare : 0);
+  };
+  const uint64_t used_bytes = model.meshes().use(refinement.in_use, refinement.ancestors);
+  return has_room(used_bytes, model.meshes().budgetBytes()) &&
+         model.hierarchy().bytes() <= model.hierarchyBudgetBytes() &&
+         (!refinement.cut || has_room(refinement.cut->drawn_bytes, drawn_budget_bytes_));
+}
+
+/// Gives up what stands by, unseen, then what is finer than wanted, until there is room for the rest. It
+/// comes back where there is room to spare or nothing more to come, so that not every arrival changes all of
+/// it.
+void Instance::fit(Model& model, Refinement& refinement) {
+  const Giving before = giving_;
+  giving_ = Giving::kNothing;
+  while (!keep(model, refinement, giving_ < before) && giving_ != Giving::kFinerStandIns) {
+    giving_ = giving_ == Giving::kNothing ? Giving::kFallbacks : Giving::kFinerStandIns;
+    refinement = refineWith(model, optionsAt(giving_));
+  }
+  if (refinement.settled) giving_ = Giving::kNothing;
 }
 
 bool Instance::refine(Model& model) {

@@ -28,6 +28,7 @@ class Instance {
   void forgetModel() noexcept {
     model_version_ = 0;
     settled_ = limited_ = false;
+    giving_ = Giving::kNothing;
     held_.clear();
     wishes_.clear();
     pages_.clear();
@@ -55,10 +56,14 @@ class Instance {
   bool settled() const noexcept { return settled_; }
 
  private:
+  /// What is given up where there is no room for all that could be shown, each with what comes before.
+  enum class Giving { kNothing, kFallbacks, kFinerStandIns };
+
   bool lookAtWhatIsSeen(const Cut& cut, const ModelSummary& model);
   Refinement refineWith(const Model& model, const RefineOptions& options) const;
-  bool keep(Model& model, const Refinement& refinement) const;
-  void fit(Model& model, Refinement& refinement) const;
+  RefineOptions optionsAt(Giving giving) const;
+  bool keep(Model& model, const Refinement& refinement, bool to_spare) const;
+  void fit(Model& model, Refinement& refinement);
   void dress(Cut& cut, Model& model);
 
   RefineOptions options_;
@@ -70,9 +75,10 @@ class Instance {
   uint64_t cut_build_ = 0;
   std::vector<Wish> wishes_;
   std::vector<NodeKey> pages_;
-  std::vector<HeldNode> held_;      // by the last refinement
-  std::optional<SeenPlaces> seen_;  // by the view, as far as known, and
-  uint64_t seen_triangles_ = 0;     // those of the cut that told
+  std::vector<HeldNode> held_;        // by the last refinement
+  std::optional<SeenPlaces> seen_;    // by the view, as far as known, and
+  uint64_t seen_triangles_ = 0;       // those of the cut that told
+  Giving giving_ = Giving::kNothing;  // by the last refinement
   bool limited_ = false, settled_ = false;
 };
 

@@ -32,6 +32,8 @@ struct RefineOptions {
   /// Of fallbacks; beyond it an ancestor above stands by, at last the root's coarsest rung, which counts
   /// nowhere.
   uint64_t fallback_budget_bytes = std::numeric_limits<uint64_t>::max();
+  uint64_t fallback_drawn_budget_bytes =
+      std::numeric_limits<uint64_t>::max();  ///< the same where it is drawn
   /// Hysteresis: what was finer in the last refinement stays so until it is this much below the threshold, so
   /// that nothing flickers. 1: none, and the cut depends on the view alone.
   float hold_factor = 1;

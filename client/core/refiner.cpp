@@ -146,7 +146,8 @@ class Run {
     const MeshCache::Rungs& resident = *wanted.resident;
     for (uint32_t rung = 0; rung < wanted.node->rungs.size(); ++rung)
       if (resident.has(rung) &&
-          fallback_bytes_ + meshBytes(*resident.mesh(rung)) <= options_.fallback_budget_bytes)
+          fallback_bytes_ + meshBytes(*resident.mesh(rung)) <= options_.fallback_budget_bytes &&
+          fallback_drawn_bytes_ + drawnBytes(*resident.mesh(rung)) <= options_.fallback_drawn_budget_bytes)
         return rung;
     if (wanted.node->key != kRootKey || !resident.any()) return std::nullopt;
     return resident.coarsest();
@@ -162,7 +163,9 @@ class Run {
     fallback.part = {wanted.node->key, *rung, false, want_.errorPx(wanted, *rung),
                      wanted.resident->mesh(*rung)};
     fallback_bytes_ += meshBytes(*fallback.part.mesh);
-    cut_->drawn_bytes += drawnBytes(*fallback.part.mesh);
+    const uint64_t drawn_bytes = drawnBytes(*fallback.part.mesh);
+    fallback_drawn_bytes_ += drawn_bytes;
+    cut_->drawn_bytes += drawn_bytes;
     fallback.first_part = static_cast<uint32_t>(before.parts);
     fallback.end_part = static_cast<uint32_t>(cut_->parts.size());
     fallback.first_left_out = static_cast<uint32_t>(cut_->left_out.size());
@@ -339,7 +342,7 @@ class Run {
 
   std::shared_ptr<Cut> cut_;
   std::vector<LeftOut> lacking_;  // left out, and no fallback yet
-  uint64_t fallback_bytes_ = 0;
+  uint64_t fallback_bytes_ = 0, fallback_drawn_bytes_ = 0;
   bool exact_ = true;          // near the view the published cut is the wanted one
   bool whole_ = true;          // and elsewhere, with nothing left out
   bool below_hidden_ = false;  // what is asked for is at or below a hidden node

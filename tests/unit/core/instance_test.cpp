@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "client/core/drawn_bytes.h"
 #include "tests/unit/core/scripted_client.h"
@@ -151,6 +152,77 @@ TEST(Instance, givesUpWhatStandsByBeforeWhatIsSeenAndThenWhatIsFinerThanWanted) 
   }
   EXPECT_GT(without_fallbacks, 0);
   EXPECT_GT(without_finer, 0);
+}
+
+/// A camera whose cuts are looked at as blobs come.
+class Watched : private Seeded {
+ public:
+  Watched(uint32_t seed, uint64_t drawn_budget_bytes)
+      : Seeded(seed), instance_({.drawn_budget_bytes = drawn_budget_bytes}) {}
+
+  /// Goes on from near the model to where less is wanted of what is there, and what was not seen before.
+  static Watched steppingBack(uint32_t seed, uint64_t drawn_budget_bytes) {
+    Watched camera(seed, drawn_budget_bytes);
+    camera.see(closeView(), 4);
+    camera.watch([](const Cut&) {});
+    camera.see(kFront, 6);
+    return camera;
+  }
+
+  void see(const View& view, float threshold_px) { instance_.setView(view, threshold_px); }
+
+  /// Calls see(cut) each time that something has come, until all has.
+  template <typename See>
+  void watch(See&& see) {
+    for (instance_.refine(model_);; instance_.refine(model_)) {
+      see(*instance_.cut());
+      if (instance_.wishes().empty()) return;
+      deliver(instance_.wishes().front());
+    }
+  }
+
+  /// How often the place that does so most becomes coarser meanwhile.
+  int mostRises() {
+    std::map<NodeKey, int> rises;
+    std::map<NodeKey, float> before;
+    watch([&](const Cut& cut) {
+      const Parts parts = partsOf(cut);
+      for (const NodeKey leaf : tree_.leaves()) {
+        const auto shown = partAt(parts, leaf);
+        if (shown == parts.end()) continue;
+        const float error_model = tree_.nodes().at(shown->first).rungs[shown->second].error_model;
+        const auto [was, is_first] = before.emplace(leaf, error_model);
+        rises[leaf] += !is_first && error_model > was->second;
+        was->second = error_model;
+      }
+    });
+    int most = 0;
+    for (const auto& [leaf, count] : rises) most = std::max(most, count);
+    return most;
+  }
+
+  const Instance& instance() const { return instance_; }
+
+ private:
+  static Parts::const_iterator partAt(const Parts& parts, NodeKey place) {
+    for (int depth = place.depth(); depth >= 0; --depth)
+      if (const auto found = parts.find(place.ancestorAt(depth)); found != parts.end()) return found;
+    return parts.end();
+  }
+
+  Instance instance_;
+};
+
+TEST(Instance, doesNotTakeBackWhatItHasGivenUpEachTimeThatSomethingComes) {
+  int most = 0;
+  for (uint32_t seed = 1; seed < 4; ++seed) {
+    auto unlimited = Watched::steppingBack(seed, std::numeric_limits<uint64_t>::max());
+    unlimited.mostRises();
+    const uint64_t liked = unlimited.instance().cut()->drawn_bytes;
+    for (uint64_t budget = liked; budget < 4 * liked; budget += liked / 8)
+      most = std::max(most, Watched::steppingBack(seed, budget).mostRises());
+  }
+  EXPECT_LE(most, 2);
 }
 
 }  // namespace
