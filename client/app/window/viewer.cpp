@@ -88,7 +88,7 @@ bool Viewer::settled() const {
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
-  if (moved_ || frames_to_draw_ > 0 || !renderer_.upToDate() || renderer_.fading()) return 0;
+  if (moved_ || frames_to_draw_ > 0 || uploading_ || renderer_.fading()) return 0;
   return (settled() || status_.ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
 }
 
@@ -272,6 +272,7 @@ void Viewer::stream() {
   streamer_->setView(rig_->view(), asked_px_);
   status_ = streamer_->status();
   if (status_.cut) renderer_.show(status_.cut);
+  if (probe_ && probe_->cut() != renderer_.meshes().drawnCut()) probe_.reset();  // it keeps all of its meshes
   uploading_ = !renderer_.upToDate() && !renderer_.meshes().overBudget();
   const Clock::time_point start = Clock::now();
   renderer_.uploadInRenderThread({});
@@ -299,6 +300,7 @@ void Viewer::draw() {
   content_.triangles = drawn.triangles;
   content_.nodes = drawn.nodes;
   content_.error_px = drawn.error_px;
+  content_.legend = legendOf(style_.show, renderer_.inPicture(), cut != nullptr ? cut->threshold_px : 1);
   drawn_ = {rig_ ? rig_->view() : view, renderer_.meshes().drawnCut(), content_};
   panel_.setScale(window_.contentScale());
   panel_.draw(content_);
@@ -316,7 +318,7 @@ void Viewer::describeStream() {
   content_.open_wishes = counts.open_wishes;
   content_.resident_bytes = counts.resident_bytes + counts.texture_bytes;
   content_.tiles_left_out = counts.tiles_left_out;
-  content_.converged = settled() && status_.cut->converged;
+  content_.converged = settled() && renderer_.upToDate() && status_.cut->converged;
   content_.exhausted = status_.exhausted;
   content_.progress =
       status_.cut ? progress_.see(status_.cut->max_error_px, asked_px_, content_.converged) : 0;
@@ -341,7 +343,6 @@ void Viewer::describe() {
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
   content_.show = nameOf(style_.show);
-  content_.legend = legendOf(style_.show, renderer_.inPicture(), cut != nullptr ? cut->threshold_px : 1);
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
 }
 
