@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 
+#include "client/core/drawn_bytes.h"
 #include "client/core/shown_parts.h"
 #include "tests/unit/core/scripted_client.h"
 
@@ -351,20 +352,28 @@ TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestRun
   Scripted client(model_);
   client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
   deliverWhatIsSeen(client, insideView(), 1);
-  const auto bytesOf = [](const Cut& cut) {
+  const auto bytesOf = [](const Cut& cut, const auto& bytesOfMesh) {
     uint64_t bytes = 0;
-    for (const Fallback& fallback : cut.fallbacks) bytes += meshBytes(*fallback.part.mesh);
+    for (const Fallback& fallback : cut.fallbacks) bytes += bytesOfMesh(*fallback.part.mesh);
     return bytes;
   };
+  const auto residentBytes = [](const Mesh& mesh) { return meshBytes(mesh); };
+  const auto copiedBytes = [](const Mesh& mesh) { return drawnBytes(mesh); };
   const MeshKey coarsest{kRootKey, static_cast<uint32_t>(model_.nodes().at(kRootKey).rungs.size()) - 1};
-  const uint64_t coarsest_bytes = meshBytes(*model_.mesh(coarsest));
-  for (uint64_t budget = bytesOf(*client.last().cut); budget > 0; budget /= 2) {
-    const Cut& cut =
-        *client.refineFor(insideView(), {.threshold_px = 1, .fallback_budget_bytes = budget}).cut;
-    EXPECT_LE(bytesOf(cut), budget + coarsest_bytes);
-    ASSERT_FALSE(cut.left_out.empty());
-    EXPECT_EQ(countHoles(cut, shownParts(cut, farView()), farView()), 0u);
-  }
+  const std::shared_ptr<const Mesh> last = model_.mesh(coarsest);
+  const auto cutWith = [&](const RefineOptions& options) {
+    const std::shared_ptr<const Cut> cut = client.refineFor(insideView(), options).cut;
+    EXPECT_FALSE(cut->left_out.empty());
+    EXPECT_EQ(countHoles(*cut, shownParts(*cut, farView()), farView()), 0u);
+    return cut;
+  };
+  const std::shared_ptr<const Cut> all = client.last().cut;
+  for (uint64_t budget = bytesOf(*all, residentBytes); budget > 0; budget /= 2)
+    EXPECT_LE(bytesOf(*cutWith({.threshold_px = 1, .fallback_budget_bytes = budget}), residentBytes),
+              budget + meshBytes(*last));
+  for (uint64_t budget = bytesOf(*all, copiedBytes); budget > 0; budget /= 2)
+    EXPECT_LE(bytesOf(*cutWith({.threshold_px = 1, .fallback_drawn_budget_bytes = budget}), copiedBytes),
+              budget + drawnBytes(*last));
   const Cut& cut = *client.refineFor(insideView(), {.threshold_px = 1, .fallback_budget_bytes = 0}).cut;
   ASSERT_EQ(cut.fallbacks.size(), cut.left_out.empty() ? 0u : 1u);
   if (cut.left_out.empty()) return;
