@@ -18,29 +18,23 @@ float progressOf(double start_s, double now_s) {
 
 }  // namespace
 
-void CrossFade::show(const ShownCover& cover, const core::View& view, double lattice_step, double now_s) {
+void CrossFade::show(const ShownCover& cover, const core::View& view, double lattice_step,
+                     const DrawTime& time) {
   const core::Sight sight(view, 1);
-  std::erase_if(leaving_, [&](const Part& part) { return progressOf(part.left_s, now_s) >= 1; });
+  if (!time.fades) forget();
+  std::erase_if(leaving_, [&](const Part& part) { return progressOf(part.left_s, time.now_s) >= 1; });
   if (cover.cut != cut_ || !std::ranges::equal(cover.numbers, numbers_))
-    change(cover, sight, lattice_step, now_s);
+    change(cover, sight, lattice_step, time.now_s);
+  lost_ = false;
   endFadesInSight(sight);
-  list(now_s);
-}
-
-void CrossFade::showAtOnce(const ShownCover& cover) {
-  forget();
-  cut_ = cover.cut;
-  numbers_.assign(cover.numbers.begin(), cover.numbers.end());
-  live_ = partsOf(cover);
-  list(0);
+  list(time.now_s);
 }
 
 void CrossFade::forget() {
-  cut_.reset();
-  numbers_.clear();
-  live_.clear();
   leaving_.clear();
   gaps_.clear();
+  for (Part& part : live_) part.arrived_s = kEver;
+  lost_ = true;
 }
 
 uint64_t CrossFade::oldestSerial() const noexcept {
@@ -49,21 +43,21 @@ uint64_t CrossFade::oldestSerial() const noexcept {
   return oldest;
 }
 
-std::vector<CrossFade::Part> CrossFade::partsOf(const ShownCover& cover) {
+std::vector<CrossFade::Part> CrossFade::partsOf(const ShownCover& cover, double now_s) {
   std::vector<Part> parts;
   parts.reserve(cover.numbers.size());
   for (const uint32_t number : cover.numbers) {
     if (cover.drawn[number].index_count == 0) continue;
     parts.push_back(
-        {cover.drawn[number], core::partOf(*cover.cut, number).mesh.get(), kEver, 0, cover.serial});
+        {cover.drawn[number], core::partOf(*cover.cut, number).mesh.get(), now_s, kEver, 0, cover.serial});
   }
   return parts;
 }
 
 /// Lets live_ be the new cover; what stays keeps its clock.
-CrossFade::Change CrossFade::take(const ShownCover& cover) {
+CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   Change change;
-  change.before = std::exchange(live_, partsOf(cover));
+  change.before = std::exchange(live_, partsOf(cover, now_s));
   std::unordered_map<uint64_t, uint32_t> gone;  // by node
   for (uint32_t i = 0; i < change.before.size(); ++i) gone.emplace(change.before[i].item.node.value, i);
   std::vector<uint32_t> leaving, arriving;
@@ -73,6 +67,7 @@ CrossFade::Change CrossFade::take(const ShownCover& cover) {
       arriving.push_back(i);
     } else {
       live_[i].arrived_s = change.before[it->second].arrived_s;
+      live_[i].since_s = change.before[it->second].since_s;
       gone.erase(it);
     }
   }
@@ -92,7 +87,7 @@ CrossFade::Change CrossFade::take(const ShownCover& cover) {
 
 /// First what cannot fade, since it ends fades around it.
 void CrossFade::change(const ShownCover& cover, const core::Sight& sight, double lattice_step, double now_s) {
-  const Change change = take(cover);
+  const Change change = take(cover, now_s);
   std::vector<const ChangedRegion*> fading;
   std::vector<NodeKey> ended;
   for (const ChangedRegion& region : change.regions) {
@@ -114,7 +109,7 @@ void CrossFade::change(const ShownCover& cover, const core::Sight& sight, double
 
 bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::Sight& sight,
                         double lattice_step) const {
-  if (region.leaving.empty() || region.arriving.empty()) return false;
+  if (lost_ || region.leaving.empty() || region.arriving.empty()) return false;
   if (change.cut_before->build != cut_->build) return false;  // no error tells how far they are apart
   const auto fits = [&](const DrawItem& item) {
     const double distance_model = sight.distanceTo(core::toModelBox(item.box, lattice_step));
@@ -175,9 +170,12 @@ void CrossFade::endFadesInSight(const core::Sight& sight) {
 void CrossFade::list(double now_s) {
   items_.clear();
   items_.reserve(live_.size() + leaving_.size());
-  for (const Part& part : live_) items_.push_back({part.item, 0, progressOf(part.arrived_s, now_s)});
-  for (const Part& part : leaving_)
-    items_.push_back({part.item, progressOf(part.left_s, now_s), progressOf(part.arrived_s, now_s)});
+  const auto add = [&](const Part& part, float from) {
+    FadedItem& faded = items_.emplace_back(FadedItem{part.item, from, progressOf(part.arrived_s, now_s)});
+    faded.item.age_s = static_cast<float>(now_s - part.since_s);
+  };
+  for (const Part& part : live_) add(part, 0);
+  for (const Part& part : leaving_) add(part, progressOf(part.left_s, now_s));
 }
 
 }  // namespace lode::render

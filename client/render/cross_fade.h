@@ -19,6 +19,12 @@ constexpr double kFadeS = 0.25;
 constexpr float kLargestFadedStepPx =
     4;  ///< what moves further would show the background: it switches at once
 
+/// When a frame is drawn.
+struct DrawTime {
+  double now_s = 0;    ///< of any clock that does not go back
+  bool fades = false;  ///< what has changed since the last frame takes its place by a cross-fade
+};
+
 /// A part of the picture, drawn on those pixels whose dither value, 0..1, lies in [from, to). Where parts
 /// cover the same place, theirs add up to [0, 1) and do not overlap: each pixel shows one surface.
 struct FadedItem {
@@ -42,11 +48,9 @@ struct ShownCover {
 class CrossFade {
  public:
   /// Compares with what the last frame showed. What leaves is drawn from its place on the GPU.
-  /// @param now_s  of any clock that does not go back.
-  void show(const ShownCover& cover, const core::View& view, double lattice_step, double now_s);
-  /// Shows the cover without any fade, and ends those under way.
-  void showAtOnce(const ShownCover& cover);
-  /// What was shown has lost its place: nothing can fade from it.
+  /// @param fades  false: the cover is shown at once, and fades under way end.
+  void show(const ShownCover& cover, const core::View& view, double lattice_step, const DrawTime& time);
+  /// Something that was shown has lost its place: nothing fades from it.
   void forget();
 
   /// The cover's items and those that leave, with their shares at the time of the last show().
@@ -63,6 +67,7 @@ class CrossFade {
   struct Part {
     DrawItem item;
     const Mesh* mesh = nullptr;  ///< not looked into
+    double since_s = 0;          ///< it is shown; and where it fades
     double arrived_s = kEver, left_s = 0;
     uint64_t serial = 0;  ///< of the last cut that had it
   };
@@ -78,12 +83,12 @@ class CrossFade {
     std::vector<ChangedRegion> regions;  ///< of before and live_
   };
 
-  Change take(const ShownCover& cover);
+  Change take(const ShownCover& cover, double now_s);
   void change(const ShownCover& cover, const core::Sight& sight, double lattice_step, double now_s);
   bool mayFade(const Change& change, const ChangedRegion& region, const core::Sight& sight,
                double lattice_step) const;
   std::vector<Gap> gapsOf(const Change& change, const ChangedRegion& region) const;
-  static std::vector<Part> partsOf(const ShownCover& cover);
+  static std::vector<Part> partsOf(const ShownCover& cover, double now_s);
   std::optional<NodeKey> endFadesAt(NodeKey node);
   void endFadesInSight(const core::Sight& sight);
   void list(double now_s);
@@ -92,6 +97,7 @@ class CrossFade {
   std::vector<uint32_t> numbers_;
   std::vector<Part> live_, leaving_;
   std::vector<Gap> gaps_;
+  bool lost_ = false;
   std::vector<FadedItem> items_;
 };
 

@@ -39,6 +39,7 @@ struct DrawItem {
   uint32_t rung = 0;
   float error_px = 0;  ///< when the cut was made
   float error_model = 0;
+  float age_s = 0;  ///< that it is in the picture
 };
 
 /// Which meshes are on the GPU. A cut is drawn when all of it is there with its fallbacks, and until then the

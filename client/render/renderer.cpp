@@ -1,6 +1,7 @@
 #include "client/render/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
@@ -29,7 +30,8 @@ enum MeshUniform : GLint {
   kUp,
   kExposure,
   kDimming,
-  kAreLines
+  kAreLines,
+  kTexelColours
 };
 enum BackgroundUniform : GLint { kBottom, kTop };
 enum Attribute : GLuint { kPositionCode, kNormal, kColour, kDrawState, kTextureCode };
@@ -50,6 +52,15 @@ GlVertexArray makeMeshArray(const GlBuffer& states) {
   glVertexArrayBindingDivisor(name, kDraws, 1);
   glVertexArrayVertexBuffer(name, kDraws, states.get(), 0, 3 * sizeof(uint32_t));
   return array;
+}
+
+/// In light, as shaders reckon, what is meant for a screen.
+glm::vec3 toLinear(const glm::u8vec3& srgb) {
+  const auto channel = [](float part) {
+    return part <= 0.04045f ? part / 12.92f : std::pow((part + 0.055f) / 1.055f, 2.4f);
+  };
+  const glm::vec3 part = glm::vec3(srgb) / 255.0f;
+  return {channel(part.r), channel(part.g), channel(part.b)};
 }
 
 GlProgram meshProgram(std::initializer_list<std::string_view> definitions) {
@@ -124,6 +135,7 @@ Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& s
   if (textures_.set() != nullptr && item.attributes.has(AttributeSet::kTexture)) flags |= kDrawTextured;
   if (style.show == Show::kUnlit) flags |= kDrawUnlit;
   if (style.show == Show::kNormals) flags |= kDrawNormals;
+  if (style.show == Show::kTexels) flags |= kDrawTexels;
   const uint32_t share = in256ths(faded.from) | in256ths(faded.to) << 16;
   if (!coloursParts(style.show)) return {flags, glm::u8vec4(255), share};
   const glm::u8vec3 colour = colourOf(style.show, item, meshes_.drawnCut()->threshold_px);
@@ -131,18 +143,19 @@ Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& s
 }
 
 /// What the drawn cut shows to this camera, and what still fades.
-void Renderer::choose(const core::View& view, std::optional<double> time_s) {
+void Renderer::choose(const core::View& view, const DrawTime& time) {
   if (meshes_.keptFrom() > std::min(fade_.oldestSerial(), shown_serial_)) fade_.forget();
   ShownCover cover{meshes_.drawnCut(), meshes_.drawn(), {}, meshes_.drawnSerial()};
   std::vector<uint32_t> numbers;
   if (cover.cut) numbers = core::shownParts(*cover.cut, view);
   cover.numbers = numbers;
   shown_serial_ = cover.serial;
-  if (time_s)
-    fade_.show(cover, view, lattice_step_, *time_s);
-  else
-    fade_.showAtOnce(cover);
-  meshes_.keepFrom(time_s ? std::min(fade_.oldestSerial(), cover.serial) : MeshResidency::kNone);
+  fade_.show(cover, view, lattice_step_, time);
+  meshes_.keepFrom(time.fades ? std::min(fade_.oldestSerial(), cover.serial) : MeshResidency::kNone);
+}
+
+bool Renderer::ageing() const noexcept {
+  return std::ranges::any_of(in_picture_, [](const DrawItem& item) { return item.age_s <= kOldS; });
 }
 
 /// Sorts by page what is in the picture.
@@ -199,6 +212,9 @@ void Renderer::setCamera(const core::View& view, const DrawStyle& style) const {
   glUniform1f(kExposure, style.exposure);
   glUniform1f(kDimming, 1);
   glUniform1i(kAreLines, GL_FALSE);
+  std::array<glm::vec3, kTexelColourCount> texel_colours;
+  std::ranges::transform(texelColours(), texel_colours.begin(), toLinear);
+  glUniform3fv(kTexelColours, kTexelColourCount, &texel_colours[0].x);
 }
 
 /// Gives the GPU what collect() has found.
@@ -265,11 +281,11 @@ uint32_t Renderer::drawWireframe(const DrawList& list) const {
 }
 
 DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style,
-                          std::optional<double> time_s) {
+                          const DrawTime& time) {
   target.bindForDrawing();
   setFrameState();
   drawBackground(style);
-  choose(view, time_s);
+  choose(view, time);
   DrawCounts counts = collect(view, style);
   if (counts.nodes == 0) return counts;
 

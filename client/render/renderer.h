@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -64,12 +63,12 @@ class Renderer {
   uint64_t gpuBytes() const noexcept;
 
   /// Draws background and model. view.width_px and height_px are those of the target.
-  /// @param time_s  of any clock that does not go back: what has changed since the last frame takes its place
-  ///   by a cross-fade; without, at once.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
-                  std::optional<double> time_s = {});
+                  const DrawTime& time = {});
   /// The next frame differs from the last, although nothing else has changed.
   bool fading() const noexcept { return fade_.fading(); }
+  /// Something in the last picture is not old yet: colours by age still change.
+  bool ageing() const noexcept;
 
  private:
   /// As glMultiDrawElementsIndirect reads it.
@@ -91,7 +90,7 @@ class Renderer {
   };
   void drawBackground(const DrawStyle& style) const;
   DrawState stateOf(const FadedItem& faded, const DrawStyle& style) const;
-  void choose(const core::View& view, std::optional<double> time_s);
+  void choose(const core::View& view, const DrawTime& time);
   DrawCounts collect(const core::View& view, const DrawStyle& style);
   void setCamera(const core::View& view, const DrawStyle& style) const;
   void setTextures() const;

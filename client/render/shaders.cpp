@@ -66,6 +66,7 @@ out vec4 pixel;
 layout(location = 3) uniform mat3 view_rotation;
 layout(location = 10) uniform float dimming;   // of what lies between the lines of a wireframe
 layout(location = 11) uniform bool are_lines;  // which have no facet
+layout(location = 12) uniform vec3 texel_colours[6];  // 1/4 to 4 texels a pixel; no image
 
 const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
 #ifdef TEXTURED
@@ -131,6 +132,16 @@ bool sampleTexture(out vec4 texel) {
   return true;
 }
 
+/// By how many texels of the material's finest image lie under the pixel, along a side of it.
+vec3 texelColour() {
+  vec2 across = dFdx(uv), down = dFdy(uv);
+  if (material >= texture_count || table[material * kHeadWords + 2u] == 0u) return texel_colours[5];
+  vec2 size = vec2(table[material * kHeadWords], table[material * kHeadWords + 1u]);
+  float texels = sqrt(abs(determinant(mat2(across * size, down * size))));
+  float step = clamp(log2(max(texels, 1e-6)) + 2.0, 0.0, 4.0);
+  int lower = min(int(step), 3);
+  return mix(texel_colours[lower], texel_colours[lower + 1], step - float(lower));
+}
 #endif
 
 /// The vertex normal, turned to the side that the triangle shows: both sides are lit. Where vertices' normals
@@ -172,6 +183,10 @@ void main() {
     albedo = (flags & 2u) != 0u ? colour * texel.rgb : texel.rgb;
     coverage = texel.a;
   }
+#endif
+  if ((flags & 64u) != 0u) albedo = texel_colours[5];
+#ifdef TEXTURED
+  if ((flags & 72u) == 72u) albedo = texelColour();
 #endif
   if ((flags & 4u) != 0u) albedo = tint;
   vec3 seen = toned(lit(albedo, n, to_eye));

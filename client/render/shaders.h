@@ -14,6 +14,6 @@ extern const char* const kBackgroundFragmentShader;
 
 /// Bits of a draw's flags, as the shaders read them.
 constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawTinted = 4, kDrawTextured = 8,
-                   kDrawUnlit = 16, kDrawNormals = 32;
+                   kDrawUnlit = 16, kDrawNormals = 32, kDrawTexels = 64;
 
 }  // namespace lode::render

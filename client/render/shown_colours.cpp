@@ -11,8 +11,13 @@
 namespace lode::render {
 namespace {
 
-constexpr std::array<std::string_view, kShowCount> kNames{"surface", "unlit",  "wireframe", "normals",
-                                                          "nodes",   "depths", "rungs",     "errors"};
+constexpr std::array<std::string_view, kShowCount> kNames{
+    "surface", "unlit", "wireframe", "normals", "texels", "nodes", "depths", "rungs", "errors", "ages"};
+
+constexpr std::array<glm::u8vec3, kTexelColourCount> kTexelLadder{
+    {{220, 50, 40}, {235, 200, 60}, {110, 190, 90}, {70, 170, 200}, {49, 104, 190}, {130, 130, 130}}};
+constexpr std::array<const char*, kTexelColourCount> kTexelMeanings{
+    "a quarter of a texel a pixel or less: blurred", "a half", "one", "two", "four or more", "no image"};
 
 /// Neighbours differ clearly, for people who do not tell red from green too. Source: Okabe & Ito, Color
 /// Universal Design, 2008, lightened; the last four are between them.
@@ -39,6 +44,30 @@ constexpr std::array<ErrorBin, 5> kErrorBins{{{0.125f, {49, 104, 190}},
                                               {0.5f, {110, 190, 90}},
                                               {1, {235, 200, 60}},
                                               {0, {220, 50, 40}}}};
+
+/// Parts that have been in the picture up to so long; the last: longer.
+struct AgeBin {
+  float seconds;
+  glm::u8vec3 colour;
+};
+constexpr std::array<AgeBin, 5> kAgeBins{{{0.25f, {220, 50, 40}},
+                                          {1, {235, 200, 60}},
+                                          {4, {110, 190, 90}},
+                                          {kOldS, {70, 170, 200}},
+                                          {0, {49, 104, 190}}}};
+
+size_t ageBin(float age_s) {
+  size_t bin = 0;
+  while (bin + 1 < kAgeBins.size() && age_s > kAgeBins[bin].seconds) ++bin;
+  return bin;
+}
+
+std::string ageMeaning(size_t bin) {
+  char text[48];
+  if (bin + 1 == kAgeBins.size()) return "longer";
+  std::snprintf(text, sizeof text, "up to %.3g s in the picture", static_cast<double>(kAgeBins[bin].seconds));
+  return text;
+}
 
 size_t errorBin(float error_px, float threshold_px) {
   size_t bin = 0;
@@ -68,6 +97,8 @@ std::string errorMeaning(size_t bin, float threshold_px) {
 
 }  // namespace
 
+const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept { return kTexelLadder; }
+
 std::string_view nameOf(Show show) noexcept { return kNames[static_cast<size_t>(show)]; }
 
 std::optional<Show> showNamed(std::string_view name) noexcept {
@@ -92,6 +123,8 @@ glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexce
       return ladder(part.rung);
     case Show::kErrors:
       return kErrorBins[errorBin(part.error_px, threshold_px)].colour;
+    case Show::kAges:
+      return kAgeBins[ageBin(part.age_s)].colour;
     default:
       return glm::u8vec3(255);
   }
@@ -101,6 +134,13 @@ std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, fl
   if (show == Show::kNormals) return {{{255, 128, 128}, "x"}, {{128, 255, 128}, "y"}, {{128, 128, 255}, "z"}};
   if (show == Show::kNodes) return {{{200, 200, 200}, "each node in a colour of its own"}};
   std::vector<LegendEntry> legend;
+  if (show == Show::kTexels) {
+    for (size_t i = 0; i < kTexelColourCount; ++i) legend.push_back({kTexelLadder[i], kTexelMeanings[i]});
+  }
+  if (show == Show::kAges) {
+    for (size_t bin = 0; bin < kAgeBins.size(); ++bin)
+      legend.push_back({kAgeBins[bin].colour, ageMeaning(bin)});
+  }
   if (show == Show::kErrors) {
     for (size_t bin = 0; bin < kErrorBins.size(); ++bin)
       legend.push_back({kErrorBins[bin].colour, errorMeaning(bin, threshold_px)});

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -19,12 +21,15 @@ enum class Show : uint8_t {
   kUnlit,      ///< its paint alone
   kWireframe,  ///< triangles, those behind hidden
   kNormals,    ///< x, y and z as red, green and blue
+  kTexels,     ///< how many of its images' lie under a pixel
   kNodes,
   kDepths,  ///< of nodes in the octree
   kRungs,   ///< of nodes
   kErrors,  ///< projected, when the cut was made
+  kAges,    ///< how long they are in the picture
 };
-constexpr int kShowCount = 8;
+constexpr int kShowCount = 10;
+constexpr float kOldS = 16;  ///< what is older has no other colour any more
 
 std::string_view nameOf(Show show) noexcept;
 std::optional<Show> showNamed(std::string_view name) noexcept;
@@ -35,6 +40,11 @@ std::string showNames();
 constexpr bool coloursParts(Show show) noexcept { return show >= Show::kNodes; }
 /// sRGB. @param threshold_px  of the cut, for errors.
 glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexcept;
+
+/// sRGB, for a quarter of a texel a pixel or less, a half, 1, 2, 4 or more, between which colours are mixed;
+/// and for what has no image.
+constexpr size_t kTexelColourCount = 6;
+const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept;
 
 /// A colour and what it means.
 struct LegendEntry {

@@ -40,7 +40,7 @@ class BackgroundWatch {
     if (!is_same) cover(now_s);
     covered_.back().now_s = now_s;
     while (covered_.front().now_s < now_s - render::kFadeS) covered_.pop_front();
-    fading_.draw(view, target_, style_, now_s);
+    fading_.draw(view, target_, style_, {now_s, true});
     count(pixelsOfModel());
   }
   /// Pixels that a cut covers, drawn alone.

@@ -162,7 +162,7 @@ void render(const RenderOptions& options) {
     }
     render::DrawStyle style = styleOf(options.look);
     style.up = core::cameraAt(opened.path(), shot.t).up;
-    renderer.draw(view, target, style);
+    renderer.draw(view, target, style, {.now_s = shot.t});
     shown.legend = legendOf(style.show, renderer.inPicture(), options.common.pixels);
     target.resolve();
     render::writePng(shot.file, target.readPixels());

@@ -123,6 +123,7 @@ void Viewer::frame() {
 bool Viewer::isPictureOld(const Input& input) const {
   if (input.any() || input.damaged || uploading_ || renderer_.fading() || !options_.screenshot.empty())
     return true;
+  if (style_.show == render::Show::kAges && renderer_.ageing()) return true;
   PanelContent now = content_;
   now.frame_ms = drawn_.content.frame_ms;
   now.upload_ms = drawn_.content.upload_ms;
@@ -280,10 +281,9 @@ void Viewer::stream() {
 }
 
 /// A screenshot shows the model alone.
-std::optional<double> Viewer::fadeTimeS() const {
+render::DrawTime Viewer::time() const {
   const bool is_fast_enough = work_ms_ * kFramesOfFade <= render::kFadeS * 1e3;
-  if (!options_.common.fade || !is_fast_enough || !options_.screenshot.empty()) return std::nullopt;
-  return secondsSince(started_);
+  return {secondsSince(started_), options_.common.fade && is_fast_enough && options_.screenshot.empty()};
 }
 
 void Viewer::draw() {
@@ -294,7 +294,7 @@ void Viewer::draw() {
   const core::Cut* const cut = renderer_.meshes().drawnCut().get();
   timer_.begin(cut != nullptr ? std::max(1.0f, cut->threshold_px / threshold_px_) : 1);
   if (rig_) style_.up = rig_->up();
-  const render::DrawCounts drawn = renderer_.draw(rig_ ? rig_->view() : view, *target_, style_, fadeTimeS());
+  const render::DrawCounts drawn = renderer_.draw(rig_ ? rig_->view() : view, *target_, style_, time());
   target_->resolve();
   target_->copyTo(0);
   content_.triangles = drawn.triangles;

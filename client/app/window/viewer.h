@@ -58,7 +58,7 @@ class Viewer {
   void controlFrameRate(double seconds);
   void stream();
   bool isPictureOld(const Input& input) const;
-  std::optional<double> fadeTimeS() const;
+  render::DrawTime time() const;
   void draw();
   void describe();
   void describeStream();

@@ -53,7 +53,7 @@ struct Frames {
   void draw(double now_s, const core::View& view = kAhead) {
     std::vector<uint32_t> numbers(drawn.size());
     std::iota(numbers.begin(), numbers.end(), 0u);
-    fade.show({cut, drawn, numbers, serial}, view, 1, now_s);
+    fade.show({cut, drawn, numbers, serial}, view, 1, {now_s, true});
   }
   void show(double now_s, const std::vector<NodeKey>& nodes, float error_model = 0) {
     take(nodes, error_model);
@@ -188,6 +188,24 @@ TEST(CrossFade, switchesAtOnceWhereTheCameraSeesWhatOneSideLeavesOut) {
   EXPECT_FALSE(frames.fade.fading());
 }
 
+TEST(CrossFade, tellsHowLongEachPartIsInThePictureWhetherItFadesOrNot) {
+  const NodeKey other = kRootKey.child(6);
+  Frames frames;
+  frames.show(1, {kNode, other});
+  frames.show(3, {kNode.child(1), other});
+  frames.draw(5);
+  const auto ageOf = [&](NodeKey node) {
+    for (const FadedItem& faded : frames.fade.items())
+      if (faded.item.node == node) return faded.item.age_s;
+    return -1.0f;
+  };
+  EXPECT_EQ(ageOf(other), 4);
+  EXPECT_EQ(ageOf(kNode.child(1)), 2);
+  frames.fade.forget();
+  frames.draw(6);
+  EXPECT_EQ(ageOf(other), 5);
+}
+
 TEST(CrossFade, tellsWhichCutsMeshesAreStillDrawn) {
   Frames frames;
   frames.show(1, {kNode});
@@ -239,8 +257,8 @@ class Squares {
     renderer.uploadInRenderThread({.wait = true});
     sharesAt(now_s);
   }
-  Shares sharesAt(std::optional<double> now_s) {
-    renderer.draw(lookAt({500, 500, 800}, {500, 500, 0}), target_, GlTest::magentaBehind(), now_s);
+  Shares sharesAt(double now_s, bool fades = true) {
+    renderer.draw(lookAt({500, 500, 800}, {500, 500, 0}), target_, GlTest::magentaBehind(), {now_s, fades});
     target_.resolve();
     return sharesOf(target_.readPixels());
   }
@@ -288,12 +306,12 @@ TEST_F(FadedPicture, showsThreeSurfacesInTurnWithoutTheBackground) {
   EXPECT_NEAR(shares.green, kPixels / 2, 0.03 * kPixels);
 }
 
-TEST_F(FadedPicture, isDrawnAtOnceWithoutATime) {
+TEST_F(FadedPicture, isDrawnAtOnceWhereNothingIsToFade) {
   Squares squares;
   squares.show(kRed, 0);
   squares.show(kGreen, 1);
   EXPECT_TRUE(squares.renderer.fading());
-  EXPECT_EQ(squares.sharesAt({}).green, kPixels);
+  EXPECT_EQ(squares.sharesAt(1.1, false).green, kPixels);
   EXPECT_FALSE(squares.renderer.fading());
 }
 
@@ -324,11 +342,11 @@ TEST_F(FadedPicture, isGivenUpWhereThereIsNoRoomForWhatLeaves) {
     renderer.show(cut);
     renderer.uploadInRenderThread({.wait = true});
     EXPECT_TRUE(renderer.upToDate());
-    renderer.draw(view, target, magentaBehind(), now_s += 0.05);
+    renderer.draw(view, target, magentaBehind(), {now_s += 0.05, true});
     EXPECT_LE(renderer.meshes().pages().capacityBytes(), 2 * grid_bytes);
   }
   // The first had to go for the third, while it faded into the second.
-  renderer.draw(view, target, magentaBehind(), now_s + 0.05);
+  renderer.draw(view, target, magentaBehind(), {now_s + 0.05, true});
   EXPECT_FALSE(renderer.fading());
 }
 

@@ -160,5 +160,34 @@ TEST(Light, isThereForACameraThatLiesOnItsSide) {
   EXPECT_GT(light.to_sun.z, 0.3f);
 }
 
+TEST_F(Shown, agesAreColoursThatGetColderUntilAPartIsOldAndTheLegendHasThemAll) {
+  const auto colourAt = [](float age_s) {
+    render::DrawItem part;
+    part.age_s = age_s;
+    return colourOf(Show::kAges, part, 1);
+  };
+  const auto legend = legendOf(Show::kAges, {}, 1);
+  ASSERT_EQ(legend.size(), 5u);
+  const float ages_s[] = {0.25f, 1, 4, 16, 16.1f};
+  for (size_t i = 0; i < legend.size(); ++i) EXPECT_EQ(colourAt(ages_s[i]), legend[i].colour);
+  EXPECT_EQ(legend.back().meaning, "longer");
+}
+
+TEST_F(Shown, agesStopToChangeOnceAllIsOld) {
+  const auto cut = cutOf(std::vector{squareAt(0, 0, 0, 1000, {255, 255, 255, 255})});
+  render::Renderer renderer;
+  renderer.show(cut);
+  renderer.uploadInRenderThread({.wait = true});
+  const render::Framebuffer target(kWidthPx, kHeightPx);
+  renderer.draw(kBeforeASquare, target, showing(Show::kAges), {.now_s = 100});
+  EXPECT_TRUE(renderer.ageing());
+  renderer.draw(kBeforeASquare, target, showing(Show::kAges), {.now_s = 101 + render::kOldS});
+  EXPECT_FALSE(renderer.ageing());
+  target.resolve();
+  const render::Image image = target.readPixels();
+  const uint8_t* middle = image.pixel(kWidthPx / 2, kHeightPx / 2);
+  EXPECT_GT(middle[2], middle[0]) << "the last colour is blue";
+}
+
 }  // namespace
 }  // namespace lode::test

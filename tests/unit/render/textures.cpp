@@ -61,7 +61,9 @@ class TexturedSquare : public GlTest {
     renderer.show(cut);
     renderer.uploadInRenderThread({.wait = true});
     EXPECT_TRUE(renderer.upToDate());
-    return draw(renderer, view);
+    render::DrawStyle style = magentaBehind();
+    style.show = shown_;
+    return draw(renderer, view, style);
   }
 
   /// What the light makes of white and of black at each pixel.
@@ -87,6 +89,7 @@ class TexturedSquare : public GlTest {
   std::shared_ptr<const TextureSet> set_;
   std::vector<core::ResidentTile> tiles_;
   render::Image white_, black_;
+  render::Show shown_ = render::Show::kSurface;
 };
 
 /// Every texel another colour.
@@ -251,6 +254,35 @@ TEST_F(TexturedSquare, isAsEvenAsItsImageFromAfar) {
         ASSERT_NEAR(image.pixel(x, y)[1], lit(0.5, x, y, 1), 12) << texels_px;
       }
   }
+}
+
+/// In the light of a surface of this paint.
+void expectPaint(const render::Image& image, const render::Image& painted, const std::string& what) {
+  const uint8_t* const pixel = image.pixel(image.width_px / 2, image.height_px / 2);
+  const uint8_t* const expected = painted.pixel(image.width_px / 2, image.height_px / 2);
+  for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(pixel[channel], expected[channel], 3) << what;
+}
+
+TEST_F(TexturedSquare, tellsHowManyTexelsLieUnderAPixel) {
+  const double steps_a_pixel[] = {2, 4, 8, 16, 32};
+  for (size_t i = 0; i < std::size(steps_a_pixel); ++i) {
+    const core::View view = above({2048, 2048}, steps_a_pixel[i]);
+    wear(noise(512, 512));  // a texel is 8 steps wide
+    shown_ = render::Show::kTexels;
+    const render::Image image = drawSquare(view);
+    shown_ = render::Show::kSurface;
+    const glm::u8vec4 paint(render::texelColours()[i], 255);
+    expectPaint(image, drawSquare(view, paint, AttributeSet::kColour), std::to_string(steps_a_pixel[i]));
+  }
+}
+
+TEST_F(TexturedSquare, tellsWhereThereIsNoImage) {
+  const core::View view = above({2048, 2048}, 8);
+  shown_ = render::Show::kTexels;
+  const render::Image image = drawSquare(view, glm::u8vec4(255), AttributeSet::kColour);
+  shown_ = render::Show::kSurface;
+  const glm::u8vec4 paint(render::texelColours().back(), 255);
+  expectPaint(image, drawSquare(view, paint, AttributeSet::kColour), "no image");
 }
 
 TEST_F(TexturedSquare, showsTheFinestLevelThatIsThere) {
