@@ -1,7 +1,6 @@
 #include "client/render/changed_regions.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace lode::render {
 namespace {
@@ -12,11 +11,6 @@ struct Change {
   uint32_t index = 0;
 };
 
-/// An ancestor comes before all that is below it, and those come before anything else.
-auto depthFirst(const Change& change) {
-  return std::tuple(change.node.value << 3 * (kMaxDepth - change.node.depth()), change.node.depth());
-}
-
 }  // namespace
 
 std::vector<ChangedRegion> changedRegions(std::span<const NodeKey> leaving,
@@ -25,7 +19,7 @@ std::vector<ChangedRegion> changedRegions(std::span<const NodeKey> leaving,
   changes.reserve(leaving.size() + arriving.size());
   for (uint32_t i = 0; i < leaving.size(); ++i) changes.push_back({leaving[i], false, i});
   for (uint32_t i = 0; i < arriving.size(); ++i) changes.push_back({arriving[i], true, i});
-  std::ranges::stable_sort(changes, {}, depthFirst);
+  std::ranges::stable_sort(changes, {}, [](const Change& change) { return depthFirst(change.node); });
   std::vector<ChangedRegion> regions;
   for (const Change& change : changes) {
     if (regions.empty() || !regions.back().node.contains(change.node))

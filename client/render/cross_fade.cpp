@@ -16,6 +16,14 @@ float progressOf(double start_s, double now_s) {
   return static_cast<float>(std::clamp((now_s - start_s) / kFadeS, 0.0, 1.0));
 }
 
+auto placeOf(const ChangedRegion* region) { return depthFirst(region->node); }
+
+/// @param nodes  depth first, none below another.
+bool isWithin(NodeKey node, std::span<const NodeKey> nodes) {
+  const auto after = std::ranges::upper_bound(nodes, depthFirst(node), {}, depthFirst);
+  return after != nodes.begin() && (after - 1)->contains(node);
+}
+
 }  // namespace
 
 void CrossFade::show(const ShownCover& cover, const core::View& view, double lattice_step,
@@ -26,7 +34,7 @@ void CrossFade::show(const ShownCover& cover, const core::View& view, double lat
   if (cover.cut != cut_ || !std::ranges::equal(cover.numbers, numbers_))
     change(cover, sight, lattice_step, time.now_s);
   lost_ = false;
-  endFadesInSight(sight);
+  endFadesInSight(sight, time.now_s);
   list(time.now_s);
 }
 
@@ -89,22 +97,23 @@ CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
 void CrossFade::change(const ShownCover& cover, const core::Sight& sight, double lattice_step, double now_s) {
   const Change change = take(cover, now_s);
   std::vector<const ChangedRegion*> fading;
-  std::vector<NodeKey> ended;
+  std::vector<NodeKey> at_once;
   for (const ChangedRegion& region : change.regions) {
     if (mayFade(change, region, sight, lattice_step))
       fading.push_back(&region);
-    else if (const auto node = endFadesAt(region.node))
-      ended.push_back(*node);
+    else
+      at_once.push_back(region.node);
   }
+  const std::vector<NodeKey> ended = endFadesAt(at_once);
+  std::erase_if(fading, [&](const ChangedRegion* region) { return isWithin(region->node, ended); });
   for (const ChangedRegion* const region : fading) {
-    if (std::ranges::any_of(ended, [&](NodeKey node) { return node.contains(region->node); })) continue;
     for (const uint32_t index : region->arriving) live_[index].arrived_s = now_s;
     for (const uint32_t index : region->leaving) {
       leaving_.push_back(change.before[index]);
       leaving_.back().left_s = now_s;
     }
-    std::ranges::move(gapsOf(change, *region), std::back_inserter(gaps_));
   }
+  noteGaps(change, fading, now_s + kFadeS);
 }
 
 bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::Sight& sight,
@@ -119,51 +128,54 @@ bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const
          std::ranges::all_of(region.arriving, [&](uint32_t i) { return fits(live_[i].item); });
 }
 
-std::vector<CrossFade::Gap> CrossFade::gapsOf(const Change& change, const ChangedRegion& region) const {
-  std::vector<Gap> gaps;
-  const auto add = [&](const core::Cut* cut, std::span<const uint32_t> indices, std::span<const Part> parts) {
-    if (cut == nullptr || cut->left_out.empty()) return;
+/// What either cut leaves out in regions that fade, and none of its parts covers.
+void CrossFade::noteGaps(const Change& change, std::span<const ChangedRegion* const> regions,
+                         double until_s) {
+  const auto note = [&](const core::Cut* cut, bool is_before) {
+    if (cut == nullptr || cut->left_out.empty() || regions.empty()) return;
+    const std::vector<Part>& parts = is_before ? change.before : live_;
     std::unordered_set<uint64_t> covered;
-    for (const uint32_t index : indices) covered.insert(parts[index].item.node.value);
+    for (const Part& part : parts) covered.insert(part.item.node.value);
     for (const core::LeftOut& place : cut->left_out) {
-      if (!region.node.contains(place.node)) continue;
+      const auto after = std::ranges::upper_bound(regions, depthFirst(place.node), {}, placeOf);
+      if (after == regions.begin() || !(*(after - 1))->node.contains(place.node)) continue;
+      const NodeKey region = (*(after - 1))->node;
       NodeKey above = place.node;
-      while (above != region.node && !covered.contains(above.value)) above = above.parent();
-      if (!covered.contains(above.value)) gaps.push_back({region.node, place.box});
+      while (above != region && !covered.contains(above.value)) above = above.parent();
+      if (!covered.contains(above.value)) gaps_.push_back({region, place.box, until_s});
     }
   };
-  add(change.cut_before.get(), region.leaving, change.before);
-  add(cut_.get(), region.arriving, live_);
-  return gaps;
+  note(change.cut_before.get(), true);
+  note(cut_.get(), false);
 }
 
-/// Shows the newest cover alone there, and wherever a part that leaves reaches from there.
-/// @return where; nothing if none was under way.
-std::optional<NodeKey> CrossFade::endFadesAt(NodeKey node) {
-  const auto meets = [&](const Part& part) {
-    return node.contains(part.item.node) || part.item.node.contains(node);
-  };
-  if (std::ranges::none_of(leaving_, meets)) return std::nullopt;
-  const auto widen = [&](const std::vector<Part>& parts) {
-    for (const Part& part : parts) {
-      if (part.item.node.contains(node)) node = part.item.node;
-    }
-  };
-  widen(leaving_);
-  widen(live_);
-  std::erase_if(leaving_, [&](const Part& part) { return node.contains(part.item.node); });
-  for (Part& part : live_) {
-    if (node.contains(part.item.node)) part.arrived_s = kEver;
+/// Shows the newest cover alone at these nodes, and wherever a part that leaves reaches from there.
+/// @return where that was, depth first.
+std::vector<NodeKey> CrossFade::endFadesAt(std::span<const NodeKey> nodes) {
+  std::vector<NodeKey> ended;
+  if (leaving_.empty() || nodes.empty()) return ended;
+  std::vector<NodeKey> shown;
+  for (const Part& part : leaving_) shown.push_back(part.item.node);
+  for (const Part& part : live_) shown.push_back(part.item.node);
+  for (const ChangedRegion& region : changedRegions(nodes, shown)) {
+    const bool fades = std::ranges::any_of(region.arriving, [&](uint32_t i) { return i < leaving_.size(); });
+    if (fades && !region.leaving.empty()) ended.push_back(region.node);
   }
-  return node;
+  std::erase_if(leaving_, [&](const Part& part) { return isWithin(part.item.node, ended); });
+  for (Part& part : live_) {
+    if (isWithin(part.item.node, ended)) part.arrived_s = kEver;
+  }
+  return ended;
 }
 
 /// Where the camera sees a place that one side does not cover, or has turned to one.
-void CrossFade::endFadesInSight(const core::Sight& sight) {
-  if (leaving_.empty()) gaps_.clear();
-  for (const Gap& gap : std::vector(gaps_)) {
-    if (sight.see(gap.box) != core::Seen::kNot) endFadesAt(gap.node);
+void CrossFade::endFadesInSight(const core::Sight& sight, double now_s) {
+  std::erase_if(gaps_, [&](const Gap& gap) { return gap.until_s <= now_s; });
+  std::vector<NodeKey> seen;
+  for (const Gap& gap : gaps_) {
+    if (sight.see(gap.box) != core::Seen::kNot) seen.push_back(gap.region);
   }
+  endFadesAt(seen);
 }
 
 /// A part has the pixels that it has come to, less those that what follows it has taken.

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -73,8 +72,9 @@ class CrossFade {
   };
   /// A place that one side of a fade does not cover.
   struct Gap {
-    NodeKey node;
+    NodeKey region;
     core::ModelBox box;
+    double until_s = 0;
   };
 
   struct Change {
@@ -87,10 +87,10 @@ class CrossFade {
   void change(const ShownCover& cover, const core::Sight& sight, double lattice_step, double now_s);
   bool mayFade(const Change& change, const ChangedRegion& region, const core::Sight& sight,
                double lattice_step) const;
-  std::vector<Gap> gapsOf(const Change& change, const ChangedRegion& region) const;
+  void noteGaps(const Change& change, std::span<const ChangedRegion* const> regions, double until_s);
   static std::vector<Part> partsOf(const ShownCover& cover, double now_s);
-  std::optional<NodeKey> endFadesAt(NodeKey node);
-  void endFadesInSight(const core::Sight& sight);
+  std::vector<NodeKey> endFadesAt(std::span<const NodeKey> nodes);
+  void endFadesInSight(const core::Sight& sight, double now_s);
   void list(double now_s);
 
   std::shared_ptr<const core::Cut> cut_;

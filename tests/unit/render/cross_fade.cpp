@@ -188,6 +188,44 @@ TEST(CrossFade, switchesAtOnceWhereTheCameraSeesWhatOneSideLeavesOut) {
   EXPECT_FALSE(frames.fade.fading());
 }
 
+TEST(CrossFade, doesNotHeedWhatWasLeftOutBeforeAnEarlierFade) {
+  const core::LeftOut ahead{kNode.child(7), {{450, 450, -10}, {550, 550, 10}}};
+  const NodeKey other = kRootKey.child(6);
+  Frames frames;
+  frames.take({kNode.child(0), other}, 0, {ahead});
+  frames.draw(1, kAway);
+  frames.take({kNode, other});
+  frames.draw(2, kAway);
+  frames.take({kNode, other.child(0)});  // so that something fades all the time
+  frames.draw(2 + kFadeS / 2, kAway);
+  frames.take({kNode.child(0), kNode.child(7), other.child(0)});
+  frames.draw(2 + kFadeS, kAway);
+  frames.draw(2 + kFadeS * 5 / 4, kAhead);
+  EXPECT_FLOAT_EQ(frames.shareOf(kNode), 0.75f);
+}
+
+TEST(CrossFade, endsAboveAndAroundAPlaceThatIsLeftOutToo) {
+  Frames frames;
+  frames.take(kChildren, 0, {{kNode.child(7), {{450, 450, -10}, {550, 550, 10}}}});
+  frames.draw(1, kAway);
+  frames.take({kNode, kRootKey.child(6)});
+  frames.draw(2, kAway);
+  frames.take({kRootKey});
+  frames.draw(2 + kFadeS / 2, kAway);
+  frames.draw(2 + kFadeS * 3 / 4, kAhead);
+  EXPECT_FALSE(frames.fade.fading());
+  EXPECT_EQ(frames.shareOf(kRootKey), 1);
+}
+
+TEST(CrossFade, isWhereAFallbackCoversWhatIsLeftOut) {
+  Frames frames;
+  frames.take({kNode.child(0), kNode.child(7)}, 0,
+              {{kNode.child(7).child(1), {{450, 450, -10}, {550, 550, 10}}}});
+  frames.draw(1);
+  frames.show(2, {kNode});
+  EXPECT_TRUE(frames.fade.fading());
+}
+
 TEST(CrossFade, tellsHowLongEachPartIsInThePictureWhetherItFadesOrNot) {
   const NodeKey other = kRootKey.child(6);
   Frames frames;
