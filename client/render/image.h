@@ -11,9 +11,10 @@ struct Image {
   uint32_t width_px = 0, height_px = 0;
   std::vector<uint8_t> rgba;
 
-  const uint8_t* pixel(uint32_t x, uint32_t y) const noexcept {
+  const uint8_t* pixel(uint32_t x, uint32_t y) const& noexcept {
     return rgba.data() + (static_cast<size_t>(y) * width_px + x) * 4;
   }
+  const uint8_t* pixel(uint32_t x, uint32_t y) const&& = delete;  ///< the pixel would outlive its picture
 };
 
 /// Writes a PNG (colour only, no alpha) that appears under its name when it is whole.

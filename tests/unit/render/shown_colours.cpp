@@ -43,8 +43,8 @@ TEST_F(Shown, normalsAreColoursOfTheModelsAxes) {
   const Mesh square = squareAt(0, 0, 0, 1000, {255, 255, 255, 255});
   for (const bool is_front : {true, false}) {
     const core::View view = is_front ? kBeforeASquare : lookAt({500, 500, -800}, {500, 500, 0});
-    const uint8_t* middle =
-        drawMeshes({square}, 1, view, showing(Show::kNormals)).pixel(kWidthPx / 2, kHeightPx / 2);
+    const render::Image image = drawMeshes({square}, 1, view, showing(Show::kNormals));
+    const uint8_t* middle = image.pixel(kWidthPx / 2, kHeightPx / 2);
     EXPECT_NEAR(middle[0], 128, 3);
     EXPECT_NEAR(middle[1], 128, 3);
     EXPECT_NEAR(middle[2], is_front ? 255 : 0, 3);
@@ -85,7 +85,8 @@ TEST_F(Shown, exposureMultipliesWhatIsDark) {
   const auto brightness = [&](float exposure) {
     render::DrawStyle style = magentaBehind();
     style.exposure = exposure;
-    return int{drawMeshes({square}, 1, kBeforeASquare, style).pixel(kWidthPx / 2, kHeightPx / 2)[1]};
+    const render::Image image = drawMeshes({square}, 1, kBeforeASquare, style);
+    return int{image.pixel(kWidthPx / 2, kHeightPx / 2)[1]};
   };
   EXPECT_GT(brightness(4), 1.6 * brightness(1));  // sRGB of four times the light
 }
@@ -93,7 +94,8 @@ TEST_F(Shown, exposureMultipliesWhatIsDark) {
 TEST_F(Shown, partsHaveTheColoursOfTheirLegend) {
   const Mesh square = squareAt(0, 0, 0, 1000, {255, 0, 0, 255});
   const auto drawn = [&](Show show) {
-    const uint8_t* pixel = drawMeshes({square}, 1, kBeforeASquare, showing(show)).pixel(kWidthPx / 2, 75);
+    const render::Image image = drawMeshes({square}, 1, kBeforeASquare, showing(show));
+    const uint8_t* pixel = image.pixel(kWidthPx / 2, 75);
     return glm::ivec3(pixel[0], pixel[1], pixel[2]);
   };
   const render::DrawItem first = partOf(NodeKey{8});
