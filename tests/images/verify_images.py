@@ -69,7 +69,8 @@ def build_images(options):
         import_root(options.toolchain, TOOLCHAIN, slim=False)
         arguments += ["--build-arg", f"TOOLCHAIN={TOOLCHAIN}"]
     if options.ccache:
-        launcher = "-DCMAKE_CXX_COMPILER_LAUNCHER=env;CCACHE_DIR=/ccache;ccache"
+        sloppiness = "pch_defines,time_macros,include_file_mtime,include_file_ctime"  # as cmake/LodeCcache.cmake has it
+        launcher = f"-DCMAKE_CXX_COMPILER_LAUNCHER=env;CCACHE_DIR=/ccache;CCACHE_SLOPPINESS={sloppiness};ccache"
         arguments += ["--volume", f"{options.ccache}:/ccache", "--build-arg", f"CMAKE_OPTIONS={launcher}"]
     for target in TARGETS:
         started = time.monotonic()
