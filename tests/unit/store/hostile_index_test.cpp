@@ -8,6 +8,7 @@
 #include "common/limits.h"
 #include "server/store/format.h"
 #include "server/store/reader.h"
+#include "server/store/verify.h"
 #include "tests/unit/store/store_files.h"
 
 namespace lode::store {
@@ -220,6 +221,45 @@ TEST_F(HostileIndex, textureSetsThatAreNoneAreRefused) {
                 parts.header.summary.textures.number = parts.header.summary.root_page.number;
               }),
               "texture set");
+}
+
+TEST_F(HostileIndex, pagesAndTextureSetsAboveTheirLimitsAreRefused) {
+  const std::string page = open([](Parts& parts) {
+    replaceBlob(parts, parts.header.summary.root_page.number, std::vector<std::byte>(kMaxPageBytes + 1));
+  });
+  EXPECT_SAYS(page, "a page above the limit");
+  const std::string textures = open([](Parts& parts) {
+    replaceBlob(parts, 1, std::vector<std::byte>(kMaxTextureSetBytes + 1));
+    parts.header.summary.textures.number = 1;
+  });
+  EXPECT_SAYS(textures, "a texture set above the limit");
+}
+
+TEST_F(HostileIndex, hierarchiesDeeperThanTheLimitAreRefused) {
+  EXPECT_SAYS(open([](Parts& p) { p.header.summary.depth = kMaxDepth + 1; }), "too deep");
+}
+
+TEST_F(HostileIndex, pagesOfOtherNodesAreRefused) {
+  const auto swapped = [](HierarchyPage& page) {
+    std::vector<Node*> with_page;
+    for (Node& node : page.nodes)
+      if (node.child_page) with_page.push_back(&node);
+    ASSERT_GE(with_page.size(), 2u);
+    std::swap(with_page.front()->child_page, with_page.back()->child_page);
+  };
+  EXPECT_SAYS(openWithRootPage(swapped), "does not belong in it");
+}
+
+// A cache that trusted such a name would give one model's bytes to another.
+TEST_F(HostileIndex, namesThatAreNotTheHashOfTheirBytesAreFoundByVerify) {
+  EXPECT_EQ(openWithRootPage([](HierarchyPage&) {}), "");
+  const auto path = folder_ / "hostile.lode";
+  const std::string opened = open([](Parts& parts) {
+    const uint32_t number = parts.header.summary.root_page.number;
+    parts.table[number - 1].name.bytes[0] ^= std::byte{1};
+  });
+  EXPECT_EQ(opened, "");
+  EXPECT_SAYS(test::messageOf([&] { verifyStore(path); }), "its name is not the hash of its bytes");
 }
 
 TEST_F(HostileIndex, missingChildrenAreRefused) {

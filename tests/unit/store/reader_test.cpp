@@ -135,5 +135,18 @@ TEST(Reader, namesFileAndRemedyOfWhatIsNoStore) {
   EXPECT_NE(complain("other.lode").find("is no store"), std::string::npos);
 }
 
+TEST(Reader, saysWhereAFileEndsThatBecameShorterSinceItWasOpened) {
+  const WorkFolder folder;
+  const auto path = folder / "a.lode";
+  test::SyntheticModel model = test::smallModel();
+  test::writeStore(path, model);
+  const Reader reader(path);
+  const uint64_t end = reader.blob(2).offset + 1;
+  std::filesystem::resize_file(path, end);
+  EXPECT_NE(test::messageOf([&] { reader.readBlob(2); }).find("ends at byte " + std::to_string(end)),
+            std::string::npos);
+  EXPECT_NO_THROW(reader.readBlob(1));
+}
+
 }  // namespace
 }  // namespace lode::store

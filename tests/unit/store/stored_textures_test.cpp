@@ -178,6 +178,16 @@ TEST_F(StoredTextures, areRejoinedBesideThePlyByExport) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "two words.png"));
 }
 
+TEST_F(StoredTextures, ofLongNamesAreCutBetweenCharacters) {
+  write([](Writer& writer) {
+    TextureSet set;
+    set.textures = {addTexture(writer, std::string(99, 'x') + "\xc3\xbcy.png", gradient(3, 2))};
+    return set;
+  });
+  const TextureSet exported = exportTextures(Reader(path_), folder_ / "a.ply");
+  EXPECT_EQ(exported.textures[0].name, "a_" + std::string(99, 'x') + ".png");
+}
+
 TEST_F(StoredTextures, leaveNoHalfImageWhenExportFails) {
   write([](Writer& writer) {
     TextureSet set;

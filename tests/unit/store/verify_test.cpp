@@ -113,6 +113,16 @@ TEST(OpenEdges, cancelAcrossMeshes) {
   EXPECT_TRUE(edges.edges().empty());
 }
 
+TEST(OpenEdges, cancelWhileMoreAreAddedThanAreKept) {
+  constexpr uint32_t kEdges = 100000;
+  std::vector<OpenEdge> all;
+  for (uint32_t i = 0; i < kEdges; ++i) all.push_back({PositionCode{i}, PositionCode{i + 1}});
+  OpenEdges edges;
+  edges.add(std::span(all).first(kEdges - 1));
+  edges.add(all);
+  EXPECT_EQ(edges.edges(), std::vector<OpenEdge>{all.back()});
+}
+
 TEST(SegmentTree, findsTheSameDistanceAsLookingAtAll) {
   std::mt19937 random(5);
   const auto point = [&] { return glm::dvec3(random() % 1000, random() % 1000, random() % 1000); };

@@ -123,6 +123,14 @@ TEST(Writer, refusesTilesThatTheSetDoesNotName) {
                Error);
 }
 
+TEST(Writer, refusesNodesThatHaveAPageAlready) {
+  const WorkFolder folder;
+  test::SyntheticModel model = test::smallModel();
+  model.nodes[0].child_page = {1, 1, {}};
+  EXPECT_NE(test::messageOf([&] { test::writeStore(folder / "a.lode", model); }).find("has a page already"),
+            std::string::npos);
+}
+
 TEST(Writer, refusesPayloadsThatWereNotAdded) {
   const WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
