@@ -284,7 +284,7 @@ DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, con
                           const DrawTime& time) {
   target.bindForDrawing();
   setFrameState();
-  drawBackground(style);
+  if (!style.over) drawBackground(style);
   choose(view, time);
   DrawCounts counts = collect(view, style);
   if (counts.nodes == 0) return counts;

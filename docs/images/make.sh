@@ -29,6 +29,11 @@ for show in unlit wireframe normals nodes rungs errors; do
   picture "terrain_$show" terrain 640x360 --show "$show" --pixels "$pixels"
 done
 
+"$bin/lodestreamd" sample scene --triangles 100000 -o "$work/scene" >/dev/null
+printf '{"keys":[{"t":0,"eye":[-3,-5,3.6],"target":[11,10,0],"up":[0,0,1]}]}' >"$work/scene_camera.json"
+XDG_CACHE_HOME="$work/cache" "$bin/lodestream" render "$work/scene/scene.json" --camera "$work/scene_camera.json" \
+  --size 960x540 -o scene.png --json >/dev/null
+
 # A model that sharpens: each picture allows a smaller error than the one before.
 frames=()
 for pixels in 45 32 23 16 11 8 5.6 4 2.8 1; do

@@ -2,6 +2,7 @@
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
+#include "server/app/sample_scene.h"
 #include "server/ingest/sample/sample.h"
 
 namespace lode::app {
@@ -25,6 +26,14 @@ AttributeSet parseAttributes(const std::vector<std::string>& names) {
 }
 
 void runSample(SampleArguments& arguments) {
+  if (arguments.options.kind == "scene") {
+    const uint64_t triangles =
+        writeSampleScene(arguments.output, arguments.options.triangles, arguments.options.seed);
+    if (arguments.json) return printJson({{"triangles", triangles}, {"instances", kSampleSceneInstances}});
+    return printText((arguments.output / "scene.json").string() + ": " +
+                     std::to_string(kSampleSceneInstances) + " instances of three models of " +
+                     std::to_string(triangles) + " triangles together\n");
+  }
   arguments.options.attributes = parseAttributes(arguments.attributes);
   const uint64_t triangles = ingest::writeSample(arguments.options, arguments.output);
   const uint64_t bytes = std::filesystem::file_size(arguments.output);
@@ -38,7 +47,9 @@ void runSample(SampleArguments& arguments) {
 void addSampleCommand(CLI::App& program) {
   const auto arguments = std::make_shared<SampleArguments>();
   CLI::App* command = addCommand(program, "sample", "Write a procedural test model of any size");
-  command->add_option("kind", arguments->options.kind, "what to make: asteroid, gyroid or terrain")
+  command
+      ->add_option("kind", arguments->options.kind,
+                   "what to make: asteroid, gyroid, terrain, or a scene of 120 instances")
       ->required()
       ->type_name("KIND");
   command
@@ -52,7 +63,7 @@ void addSampleCommand(CLI::App& program) {
       ->type_name("A,B");
   command->add_option("--seed", arguments->options.seed, "another seed, another model")
       ->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "the PLY file to write")
+  command->add_option("-o,--output", arguments->output, "the PLY file to write; of a scene, the new folder")
       ->required()
       ->type_name("OUT.ply");
   command->add_flag("--json", arguments->json, "print one JSON object");

@@ -11,6 +11,9 @@ namespace {
 
 Target parseFile(std::string_view text) {
   const std::filesystem::path path{text};
+  if (namesScene(text))
+    throw Error(ErrorCode::kUsage,
+                path.string() + " is a scene: render draws scenes, this command takes one model");
   std::error_code failed;
   const auto status = std::filesystem::status(path, failed);
   if (!std::filesystem::exists(status))
@@ -27,6 +30,10 @@ Target parseFile(std::string_view text) {
 }
 
 }  // namespace
+
+bool namesScene(std::string_view text) {
+  return text.find("://") == std::string_view::npos && text.ends_with(".json");
+}
 
 Target parseTarget(std::string_view text) {
   if (text.find("://") == std::string_view::npos) return parseFile(text);

@@ -17,6 +17,9 @@ struct PlyFile {
 };
 using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 
+/// A scene's file: see scene_file.h.
+bool namesScene(std::string_view text);
+
 /// @throws Error kUsage for what cannot be a target, kIo for a file that is not there.
 Target parseTarget(std::string_view text);
 /// lode://host[:port] or lodes://host[:port] without a model, whose name stays empty. @throws Error kUsage.

@@ -17,7 +17,9 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/target.h"
 #include "client/app/window/look_options.h"
+#include "client/app/window/scene_subject.h"
 #include "client/app/window/video.h"
 #include "client/core/camera_path.h"
 #include "client/render/framebuffer.h"
@@ -127,47 +129,80 @@ void printLegend(const Shown& shown) {
     std::printf("%s  %s\n", hexOf(entry.colour).c_str(), entry.meaning.c_str());
 }
 
+/// A model whose server, stream and renderer live as long.
+class ModelSubject : public PictureSubject {
+ public:
+  ModelSubject(const CommonOptions& options, bool announce)
+      : options_(options),
+        memory_(render::shareMemory(options.streamOptions().memory_budget_bytes)),
+        opened_(options, streamOptions(), announce),
+        renderer_(opened_.model().lattice.step, memory_.gpu) {}
+
+  const core::CameraPath& path() const override { return opened_.path(); }
+
+  Taken take(double t, const render::Framebuffer& target, render::DrawStyle style) override {
+    const core::View view = opened_.viewAt(t, options_.size());
+    opened_.streamer().setView(view, options_.pixels);
+    Taken taken;
+    taken.status = opened_.streamer().waitForConvergence(options_.timeout());
+    const std::shared_ptr<const core::Cut>& cut = taken.status.cut;
+    taken.is_finest = cut && cut->converged;
+    if (!taken.is_finest) return taken;
+    taken.max_error_px = cut->max_error_px;
+    renderer_.show(cut);
+    renderer_.uploadInRenderThread({.wait = true});
+    if (!renderer_.upToDate()) {
+      throw Error(ErrorCode::kLimit, options_.target +
+                                         " needs more graphics memory than there is; allow a larger error "
+                                         "with --pixels");
+    }
+    style.up = core::cameraAt(path(), t).up;
+    renderer_.draw(view, target, style, {.now_s = t});
+    taken.legend = legendOf(style.show, renderer_.inPicture(), options_.pixels);
+    return taken;
+  }
+
+ private:
+  stream::StreamOptions streamOptions() const {
+    stream::StreamOptions options = options_.streamOptions();
+    options.memory_budget_bytes = memory_.stream_bytes;
+    options.drawn_budget_bytes = memory_.drawn_bytes;
+    return options;
+  }
+
+  const CommonOptions options_;
+  const render::MemoryShares memory_;
+  OpenedTarget opened_;
+  render::Renderer renderer_;
+};
+
+std::unique_ptr<PictureSubject> open(const RenderOptions& options) {
+  if (namesScene(options.common.target)) return std::make_unique<SceneSubject>(options.common, !options.json);
+  return std::make_unique<ModelSubject>(options.common, !options.json);
+}
+
 void render(const RenderOptions& options) {
   if (options.output.empty() == options.folder.empty()) {
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
   }
   const PictureSize size = options.common.size();
-  stream::StreamOptions stream_options = options.common.streamOptions();
-  const render::MemoryShares memory = render::shareMemory(stream_options.memory_budget_bytes);
-  stream_options.memory_budget_bytes = memory.stream_bytes;
-  stream_options.drawn_budget_bytes = memory.drawn_bytes;
   // What this machine cannot draw is said before a long build is begun.
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);
   makeFolder(options.folder);
 
-  OpenedTarget opened(options.common, stream_options, !options.json);
-  stream::Streamer& streamer = opened.streamer();
-  render::Renderer renderer(opened.model().lattice.step, memory.gpu);
+  const std::unique_ptr<PictureSubject> subject = open(options);
   Shown shown;
-  for (const Shot& shot : planShots(options, opened.path())) {
-    const core::View view = opened.viewAt(shot.t, size);
-    streamer.setView(view, options.common.pixels);
-    const stream::StreamStatus status = streamer.waitForConvergence(options.common.timeout());
-    const bool is_finest = status.cut && status.cut->converged;
-    if (!shown.first_unconverged && (!is_finest || status.cut->max_error_px > options.common.pixels))
-      shown.first_unconverged = {shot.t, status};
-    if (!is_finest) break;
-    renderer.show(status.cut);
-    renderer.uploadInRenderThread({.wait = true});
-    if (!renderer.upToDate()) {
-      throw Error(ErrorCode::kLimit, options.common.target +
-                                         " needs more graphics memory than there is; allow a larger error "
-                                         "with --pixels");
-    }
-    render::DrawStyle style = styleOf(options.look);
-    style.up = core::cameraAt(opened.path(), shot.t).up;
-    renderer.draw(view, target, style, {.now_s = shot.t});
-    shown.legend = legendOf(style.show, renderer.inPicture(), options.common.pixels);
+  for (const Shot& shot : planShots(options, subject->path())) {
+    Taken taken = subject->take(shot.t, target, styleOf(options.look));
+    if (!shown.first_unconverged && (!taken.is_finest || taken.max_error_px > options.common.pixels))
+      shown.first_unconverged = {shot.t, taken.status};
+    if (!taken.is_finest) break;
+    shown.legend = std::move(taken.legend);
     target.resolve();
     render::writePng(shot.file, target.readPixels());
     ++shown.pictures;
-    shown.max_error_px = std::max(shown.max_error_px, status.cut->max_error_px);
+    shown.max_error_px = std::max(shown.max_error_px, taken.max_error_px);
   }
   if (options.json)
     printJson(shown);
@@ -194,7 +229,8 @@ void renderVideo(RenderOptions options) {
 
 void declareRender(CLI::App& program, int& /*exit_status*/) {
   CLI::App* command = program.add_subcommand(
-      "render", "Draws pictures of a model off-screen, each when it has converged; needs no display");
+      "render",
+      "Draws pictures of a model or a scene off-screen, each when it has converged; needs no display");
   const auto options = std::make_shared<RenderOptions>();
   addCommonOptions(*command, options->common);
   auto* output =

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "client/core/view.h"
+
+namespace lode::app {
+
+constexpr uint64_t kMaxSceneBytes = 4u << 20;
+constexpr size_t kMaxSceneModels = 64;
+constexpr size_t kMaxSceneInstances = 10'000;
+constexpr double kMaxSceneCoordinate = 1e12;
+constexpr double kMinSceneScale = 1e-6, kMaxSceneScale = 1e6;
+
+/// Where a model stands in a scene: a point p of the model, in true coordinates, is at
+/// position + rotation * (scale * p).
+struct Placement {
+  glm::dvec3 position{0};
+  glm::dquat rotation{1, 0, 0, 0};  ///< unit length
+  double scale = 1;                 ///< the same along all axes, > 0
+};
+
+struct SceneInstance {
+  uint32_t model = 0;  ///< a number in Scene::models
+  Placement placement;
+};
+
+/// A level plane that models stand on.
+struct SceneGround {
+  double height = 0;  ///< along the scene's up
+  glm::u8vec3 colour_srgb{96, 100, 88};
+};
+
+struct SceneSky {
+  glm::u8vec3 top_srgb{77, 87, 99}, bottom_srgb{26, 28, 33};
+};
+
+struct Scene {
+  glm::dvec3 up{0, 0, 1};  ///< unit length
+  std::vector<std::string>
+      models;  ///< targets, as commands take them; paths are relative to the scene's folder
+  std::vector<SceneInstance> instances;  ///< at least one
+  std::optional<SceneGround> ground;
+  std::optional<SceneSky> sky;
+};
+
+/// A scene: {"up": "z", "models": {"rock": "rock.lode"}, "instances": [{"model": "rock", "position": [0,0,0],
+/// "axis": [0,0,1], "degrees": 30, "scale": 2}], "ground": {"height": 0, "colour": "#606458"},
+/// "sky": {"top": "#4d5763", "bottom": "#1a1c21"}}.
+/// @param source  names the text in errors.
+/// @throws Error kInput or kLimit, naming the member and the remedy.
+Scene parseScene(std::string_view json, std::string_view source);
+/// @throws Error kIo too.
+Scene readScene(const std::filesystem::path& file);
+
+/// A camera of the scene as the model sees it that stands there.
+/// @param view    in the scene: eye and near distance in its units.
+/// @param origin  of the model's lattice, in true coordinates.
+core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept;
+
+}  // namespace lode::app

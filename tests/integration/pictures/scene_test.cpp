@@ -1,0 +1,127 @@
+// Scenes, drawn off-screen.
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/pictures/picture.h"
+#include "tests/integration/programs/programs.h"
+
+namespace lode::test {
+namespace {
+
+constexpr const char* kCamera =
+    R"({"keys": [{"t": 0, "eye": [0, -4, 1], "target": [0, 0, 0], "up": [0, 0, 1]}]})";
+
+class Scenes : public testing::Test {
+ protected:
+  void SetUp() override { writeBytes(folder_ / "camera.json", kCamera); }
+
+  std::string withInstances(const std::string& instances, const std::string& more = "") const {
+    return R"({"models": {"m": ")" + store_.string() + R"("}, "instances": [)" + instances + "]" + more + "}";
+  }
+  Picture render(const std::string& name, const std::filesystem::path& target,
+                 const std::string& camera = "camera.json") {
+    const Outcome outcome = lodestream({"render", target, "--camera", folder_ / camera, "--size", "160x120",
+                                        "-o", folder_ / (name + ".png")});
+    skipped_ = cannotDraw(outcome, "cannot draw off-screen");
+    EXPECT_TRUE(skipped_ || outcome.status == 0) << outcome.err;
+    return Picture(folder_ / (name + ".png"));
+  }
+  Picture renderScene(const std::string& name, const std::string& scene,
+                      const std::string& camera = "camera.json") {
+    writeBytes(folder_ / (name + ".json"), scene);
+    return render(name, folder_ / (name + ".json"), camera);
+  }
+  /// The largest difference of a channel, but for so many pixels.
+  static int difference(const Picture& a, const Picture& b, size_t but_for) {
+    std::vector<int> worst;
+    for (size_t i = 0; i < a.pixels.size() && i < b.pixels.size(); ++i)
+      worst.push_back(std::abs(int{a.pixels[i]} - int{b.pixels[i]}));
+    std::ranges::sort(worst, std::greater());
+    return worst.size() > 3 * but_for ? worst[3 * but_for] : 255;
+  }
+
+  const std::filesystem::path store_ = std::filesystem::path(LODE_BIN_DIR) / "test-models" / "painted.lode";
+  WorkFolder folder_;
+  bool skipped_ = false;
+};
+
+TEST_F(Scenes, ofOneModelInItsOwnPlaceAreThePictureOfTheModel) {
+  const Picture model = render("model", store_);
+  if (skipped_) GTEST_SKIP() << "no OpenGL here";
+  const Picture scene = renderScene("scene", withInstances(R"({"model": "m"})"));
+  EXPECT_GT(model.covered(0, 0), 0.1);
+  EXPECT_EQ(difference(model, scene, 0), 0);
+}
+
+TEST_F(Scenes, areShownToACameraAsNearAsTheModelWouldBe) {
+  writeBytes(folder_ / "close.json",
+             R"({"keys": [{"t": 0, "eye": [0, -1.5, 0.2], "target": [0, 0, 0], "up": [0, 0, 1]}]})");
+  const Picture model = render("model", store_, "close.json");
+  if (skipped_) GTEST_SKIP() << "no OpenGL here";
+  EXPECT_GT(model.covered(0, 0), 0.5);
+  EXPECT_EQ(difference(model, renderScene("scene", withInstances(R"({"model": "m"})"), "close.json"), 0), 0);
+}
+
+TEST_F(Scenes, showAModelThatIsMovedTurnedAndScaledToACameraThatIsSoToo) {
+  // What a quarter turn about z, twice the size and a step aside make of the camera.
+  writeBytes(folder_ / "moved.json",
+             R"({"keys": [{"t": 0, "eye": [18, 20, 32], "target": [10, 20, 30], "up": [0, 0, 1]}]})");
+  const Picture model = render("model", store_);
+  if (skipped_) GTEST_SKIP() << "no OpenGL here";
+  const Picture moved = renderScene(
+      "scene",
+      withInstances(
+          R"({"model": "m", "position": [10, 20, 30], "axis": [0, 0, 1], "degrees": 90, "scale": 2})"),
+      "moved.json");
+  EXPECT_LE(difference(model, moved, 20), 6);
+}
+
+TEST_F(Scenes, hideWhatIsBehindInWhateverOrderInstancesComeAndHoweverTheyAreScaled) {
+  const std::string near = R"({"model": "m", "position": [0, -1, 0], "scale": 0.5})";
+  const std::string far = R"({"model": "m", "position": [0.5, 6, 0], "scale": 3})";
+  for (const std::string ground : {"", R"(, "ground": {"height": -0.4, "colour": "#408040"})"}) {
+    const Picture one = renderScene("one", withInstances(near + "," + far, ground));
+    if (skipped_) GTEST_SKIP() << "no OpenGL here";
+    const Picture other = renderScene("other", withInstances(far + "," + near, ground));
+    EXPECT_EQ(difference(one, other, 0), 0);
+    const Picture near_alone = renderScene("near", withInstances(near, ground));
+    for (int x = 76; x < 84; ++x)
+      EXPECT_EQ(one.pixel(x, 60)[0], near_alone.pixel(x, 60)[0]) << "the near one, in the middle";
+    const uint8_t* const below = one.pixel(5, 115);
+    EXPECT_EQ(below[1] > below[0] + 20 && below[1] > below[2] + 20, !ground.empty());
+  }
+}
+
+TEST_F(Scenes, areRefusedInOneLineWhereTheyAreWrongAndByCommandsThatTakeOneModel) {
+  const auto refusal = [&](const std::string& scene) {
+    writeBytes(folder_ / "s.json", scene);
+    const Outcome outcome = lodestream({"render", folder_ / "s.json", "-o", folder_ / "a.png"});
+    if (cannotDraw(outcome, "cannot draw off-screen")) return std::string("s.json");
+    EXPECT_NE(outcome.status, 0);
+    expectOneLine(outcome.err);
+    return outcome.err;
+  };
+  EXPECT_NE(refusal("{").find("s.json"), std::string::npos);
+  EXPECT_NE(refusal(R"({"models": {"m": "no.lode"}, "instances": [{"model": "m"}]})").find(""),
+            std::string::npos);
+  const Outcome fetched =
+      lodestream({"fetch", folder_ / "s.json", "--camera", folder_ / "camera.json", "-o", folder_ / "a.ply"});
+  EXPECT_EQ(fetched.status, 2);
+  EXPECT_NE(fetched.err.find("is a scene"), std::string::npos) << fetched.err;
+}
+
+TEST_F(Scenes, ofTheSampleHaveAHundredInstancesOfThreeModelsAndAreTheSameForASeed) {
+  for (const char* name : {"a", "b"}) {
+    const Outcome made = lodestreamd({"sample", "scene", "--triangles", "3000", "-o", folder_ / name});
+    ASSERT_EQ(made.status, 0) << made.err;
+  }
+  EXPECT_EQ(readBytes(folder_ / "a" / "scene.json"), readBytes(folder_ / "b" / "scene.json"));
+  const auto scene = nlohmann::json::parse(readBytes(folder_ / "a" / "scene.json"));
+  EXPECT_GE(scene["instances"].size(), 100u);
+  EXPECT_GE(scene["models"].size(), 3u);
+  EXPECT_NE(lodestreamd({"sample", "scene", "--triangles", "3000", "-o", folder_ / "a"}).status, 0);
+}
+
+}  // namespace
+}  // namespace lode::test

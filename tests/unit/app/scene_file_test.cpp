@@ -1,0 +1,107 @@
+#include "client/app/cli/scene_file.h"
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+const std::string kModels = R"("models": {"rock": "rock.lode", "tree": "lode://host/tree"})";
+
+Scene parse(const std::string& instances, const std::string& more = "") {
+  return parseScene("{" + kModels + ", \"instances\": [" + instances + "]" + more + "}", "scene.json");
+}
+
+std::string refusalOf(const std::string& text) {
+  try {
+    parseScene(text, "scene.json");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SceneFile, placesModelsByNameAndLeavesWhatIsNotSaidAsItIs) {
+  const Scene scene = parse(R"({"model": "tree"}, {"model": "rock", "position": [1, 2, 3], "scale": 2})");
+  EXPECT_EQ(scene.models, (std::vector<std::string>{"rock.lode", "lode://host/tree"}));
+  ASSERT_EQ(scene.instances.size(), 2u);
+  EXPECT_EQ(scene.instances[0].model, 1u);
+  EXPECT_EQ(scene.instances[0].placement.scale, 1);
+  EXPECT_EQ(scene.instances[1].placement.position, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(scene.instances[1].placement.scale, 2);
+  EXPECT_FALSE(scene.ground || scene.sky);
+  EXPECT_EQ(scene.up, glm::dvec3(0, 0, 1));
+}
+
+TEST(SceneFile, hasAGroundASkyAndAnAxisThatIsUp) {
+  const Scene scene = parse(R"({"model": "rock"})",
+                            R"(, "up": "-y", "ground": {"height": -2, "colour": "#0a0b0c"},
+                               "sky": {"top": "#ffffff"})");
+  EXPECT_EQ(scene.up, glm::dvec3(0, -1, 0));
+  EXPECT_EQ(scene.ground->height, -2);
+  EXPECT_EQ(scene.ground->colour_srgb, glm::u8vec3(10, 11, 12));
+  EXPECT_EQ(scene.sky->top_srgb, glm::u8vec3(255));
+  EXPECT_EQ(scene.sky->bottom_srgb, SceneSky().bottom_srgb);
+}
+
+TEST(SceneFile, refusesWhatIsNotOneAndNamesWhere) {
+  const std::pair<std::string, std::string> cases[] = {
+      {"", "not JSON"},
+      {"[]", "the scene is not an object"},
+      {R"({"models": {}, "instances": []})", "models is not an object with a model"},
+      {"{" + kModels + "}", "instances is not a list"},
+      {"{" + kModels + R"(, "instances": []})", "instances is not a list with an instance"},
+      {"{" + kModels + R"(, "instances": [{}]})", "instances[0].model is missing"},
+      {"{" + kModels + R"(, "instances": [{"model": "dog"}]})", "instances[0].model is none of models"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock", "positon": [0,0,0]}]})", "no member 'positon'"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock", "position": [0,0]}]})", "position"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock", "position": [1e13,0,0]}]})", "out of range"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock", "scale": 0}]})", "scale is out of range"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock", "scale": -1}]})", "scale is out of range"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock", "axis": [0,0,1]}]})", "both axis and degrees"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock", "axis": [0,0,0], "degrees": 3}]})", "no length"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock"}], "sky": {"top": "blue"}})", "sky.top"},
+      {"{" + kModels + R"(, "instances": [{"model": "rock"}], "up": "w"})", "up is none of"}};
+  for (const auto& [text, what] : cases) {
+    const std::string refusal = refusalOf(text);
+    EXPECT_NE(refusal.find(what), std::string::npos) << text << ": " << refusal;
+    EXPECT_EQ(refusal.find("scene.json: "), 0u);
+  }
+}
+
+TEST(SceneFile, hasNoMoreBytesModelsAndInstancesThanTheLimits) {
+  EXPECT_NE(refusalOf(std::string(kMaxSceneBytes + 1, ' ')).find("bytes; the limit"), std::string::npos);
+  std::string instances = R"({"model": "rock"})";
+  for (size_t i = 1; i < kMaxSceneInstances; ++i) instances += R"(,{"model": "rock"})";
+  EXPECT_EQ(parse(instances).instances.size(), kMaxSceneInstances);
+  EXPECT_THROW(parse(instances + R"(,{"model": "rock"})"), Error);
+  std::string models;
+  for (size_t i = 0; i <= kMaxSceneModels; ++i)
+    models += (i ? ",\"m" : "\"m") + std::to_string(i) + R"(": "a")";
+  EXPECT_NE(refusalOf("{\"models\": {" + models + R"(}, "instances": [{"model": "m0"}]})").find("65 models"),
+            std::string::npos);
+}
+
+TEST(SceneFile, showsAPlacedPointToTheModelWhereTheSceneHasIt) {
+  const Scene scene =
+      parse(R"({"model": "rock", "position": [10, -4, 2], "axis": [0, 0, 1], "degrees": 90, "scale": 2})");
+  const Placement& placement = scene.instances[0].placement;
+  const glm::dvec3 origin(100, 200, 300), point(101, 203, 305);
+  const glm::dvec3 in_scene = placement.position + placement.rotation * (placement.scale * point);
+  EXPECT_NEAR(glm::distance(in_scene, glm::dvec3(10 - 406, -4 + 202, 2 + 610)), 0, 1e-9);
+  core::View view;
+  view.eye_model = in_scene + glm::dvec3(0, 8, 0);
+  view.forward = {0, -1, 0};
+  view.up = {0, 0, 1};
+  view.near_model = 0.5;
+  const core::View seen = viewFrom(view, placement, origin);
+  const double away = glm::distance(seen.eye_model, point - origin);
+  EXPECT_NEAR(away, 4, 1e-9) << "a model of twice the size is half as far, in its own units";
+  EXPECT_NEAR(glm::distance(seen.eye_model + away * seen.forward, point - origin), 0, 1e-9);
+  EXPECT_EQ(seen.near_model, 0.25);
+  EXPECT_NEAR(glm::dot(seen.up, glm::dvec3(0, 0, 1)), 1, 1e-12);
+}
+
+}  // namespace
+}  // namespace lode::app
