@@ -7,6 +7,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/scene_file.h"
 #include "client/app/window/picture_subject.h"
+#include "client/render/memory_shares.h"
 
 namespace lode::app {
 
@@ -23,6 +24,7 @@ class SceneSubject : public PictureSubject {
   Taken take(double t, const render::Framebuffer& target, render::DrawStyle style) override;
 
  private:
+  static constexpr uint64_t kBackdropBytes = 1u << 20;  ///< of two triangles
   struct Model;
   core::CameraPath framingPath(const CommonOptions& options) const;
   void makeGround();
@@ -38,7 +40,7 @@ class SceneSubject : public PictureSubject {
   core::CameraPath path_;
   Lattice ground_lattice_;
   std::shared_ptr<const core::Cut> ground_;
-  render::Renderer backdrop_;
+  render::Renderer backdrop_{1, render::shareMemory(kBackdropBytes).gpu};
 };
 
 }  // namespace lode::app
