@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-#include "server/ingest/measure/four_triangles.h"
+#include "server/ingest/mesh/four_triangles.h"
 
 namespace lode::ingest {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/ingest/measure/point_triangle.h"
+#include "server/ingest/mesh/point_triangle.h"
 
 namespace lode::ingest {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-#include "server/ingest/measure/four_triangles.h"
+#include "server/ingest/mesh/four_triangles.h"
 #include "server/ingest/mesh/node_mesh.h"
 
 namespace lode::ingest {

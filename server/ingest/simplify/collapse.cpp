@@ -11,6 +11,7 @@
 #include "server/ingest/simplify/collapse_check.h"
 #include "server/ingest/simplify/collapse_mesh.h"
 #include "server/ingest/simplify/edge_queue.h"
+#include "server/ingest/simplify/far_points.h"
 #include "server/ingest/simplify/mesh_quadrics.h"
 #include "server/ingest/simplify/quadric.h"
 #include "server/ingest/simplify/taken_places.h"
@@ -29,6 +30,7 @@ constexpr std::array<CollapseLimits, 3> kLimits{{
 constexpr double kPostponed = 4;            // cost of a collapse that is not possible now, times this,
 constexpr uint32_t kMostPostponements = 6;  // so often; then it waits for the next round
 constexpr double kBreaksFeature = 8;  // cost of a collapse that pulls a position off its seam, times this
+constexpr double kLeastArea = 1e-6;   // square lattice steps: of triangles without any
 constexpr size_t kProgress = 32;      // a round that collapses fewer than 1 of so many edges ends its level
 
 /// Whether a collapse may move an end of an edge.
@@ -75,6 +77,8 @@ class Collapser {
   }
   void reduceWedges(Quadric& q, uint32_t u, uint32_t v);
   Candidate evaluate(uint32_t u, uint32_t v);
+  Candidate place(uint32_t u, uint32_t v);
+  double breadth(uint32_t u, uint32_t v) const noexcept;
   Freedom freedom(const CollapsePosition& position, EdgeKind edge) const;
   bool alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at);
   void put(Record record, double cost);
@@ -89,6 +93,7 @@ class Collapser {
   CollapseMesh mesh_;
   WedgeQuadrics attributes_;
   CollapseCheck check_;
+  FarPoints far_points_;
   glm::dvec3 max_point_;
   EdgeQueue<Record> queue_;
   TakenPlaces taken_;
@@ -105,6 +110,7 @@ Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
       mesh_(std::move(mesh), options.node_depth),
       attributes_(mesh_, glm::length(glm::dvec3(options.max_position)), options.attribute_weight),
       check_(mesh_),
+      far_points_(mesh_),
       max_point_(glm::dvec3(options.max_position)),
       taken_(mesh_.positions.size()) {
   for (uint32_t i = 0; i < mesh_.positions.size(); ++i) taken_.add(mesh_.point(i));
@@ -203,7 +209,21 @@ void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   });
 }
 
+/// The side of a square as large as the triangles around both ends, about; never 0.
+double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
+  return std::sqrt(std::max(mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight(), kLeastArea));
+}
+
+/// A collapse costs the sum of squared distances over the area around it, divided by its breadth: halfway
+/// from the sum, by which the mean distance is least for so many triangles, to the mean, by which the largest
+/// is.
 Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
+  Candidate candidate = place(u, v);
+  candidate.placement.cost /= breadth(u, v);
+  return candidate;
+}
+
+Collapser::Candidate Collapser::place(uint32_t u, uint32_t v) {
   const CollapsePosition &end_u = mesh_.positions[u], &end_v = mesh_.positions[v];
   const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
   quadric_ = quadricOf(u, v);
@@ -282,8 +302,9 @@ bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   return false;
 }
 
-// Takes the next edge from the queue; false when it is empty. Costs only grow as quadrics are summed, so that
-// the key of an edge that has changed since is a lower bound: it is evaluated again only when its turn comes.
+// Takes the next edge from the queue; false when it is empty. Costs hardly ever fall as quadrics are summed,
+// so that the key of an edge that has changed since is a lower bound: it is evaluated again only when its
+// turn comes.
 bool Collapser::collapseNext() {
   Record record;
   if (!queue_.pop(record, [this](Record& soon) { fetch(soon); })) return false;
@@ -318,13 +339,19 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
   }
   if (finding.folds) {  // a piece or a fin vanishes: that costs what it was
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
-    const double lost = finding.folded_area * glm::dot(along, along);
+    const double lost = finding.folded_area * glm::dot(along, along) / breadth(record.u, record.v);
     if (EdgeQueue<Record>::bucketOf(keyOf(lost)) > queue_.current()) {
       record.postponed = 0;
       return put(record, lost);
     }
   }
+  const double cost = far_points_.look(record.u, record.v, to) * breadth(record.u, record.v);
+  if (EdgeQueue<Record>::bucketOf(keyOf(cost)) > queue_.current()) {
+    record.postponed = 0;
+    return put(record, cost);
+  }
   apply(record.u, record.v, to, finding.folds);
+  far_points_.join(find(record.u));
 }
 
 SimplifiedMesh Collapser::snapshot() {

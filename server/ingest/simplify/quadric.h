@@ -64,6 +64,8 @@ struct Quadric {
   glm::dvec3 timesA(glm::dvec3 p) const noexcept {
     return {xx * p.x + xy * p.y + xz * p.z, xy * p.x + yy * p.y + yz * p.z, xz * p.x + yz * p.y + zz * p.z};
   }
+  /// Of the planes in it, as far as their normals have the length 1.
+  double weight() const noexcept { return xx + yy + zz; }
   double at(glm::dvec3 p) const noexcept { return glm::dot(p, timesA(p) + 2.0 * b) + c; }
 };
 

@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "235ce8863004e19af66dfd84b08babbcaf77fecc6a39eb6f377c30d0749b6957";
+constexpr const char* kSha256 = "84c2973bdda2a9dcf29f3e972f93b1bcc50a7540fa1dca9b692bedc7d66596d8";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;

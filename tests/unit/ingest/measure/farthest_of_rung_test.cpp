@@ -21,17 +21,19 @@ float farthest(const SimplifiedMesh& rung, const NodeMesh& input, float known) {
                         sourcesOf(rung, input), known);
 }
 
-TEST(FarthestOfRung, isWithinFivePercentOfWhatDensePointsFind) {
-  const NodeMesh input = test::nodeOf(test::makeSphere(60, 40));
-  collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleTree tree(input);
-    double found = 0;
-    for (const glm::dvec3 point : test::pointsOver(rung.mesh, 24))
-      found = std::max<double>(found, tree.distance(glm::vec3(point)));
-    const float measured = farthest(rung, input, 0);
-    EXPECT_GE(1.05 * measured, found);
-    EXPECT_LE(measured, 1.001 * found);
-  });
+TEST(FarthestOfRung, isWithinItsMarginOfWhatDensePointsFind) {
+  for (uint32_t seed = 1; seed <= 12; ++seed) {
+    const NodeMesh input = test::nodeOf(test::makeSphere(60, 40, {.attributes = {}, .seed = seed}));
+    collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
+      const TriangleTree tree(input);
+      double found = 0;
+      for (const glm::dvec3 point : test::pointsOver(rung.mesh, 24))
+        found = std::max<double>(found, tree.distance(glm::vec3(point)));
+      const float measured = farthest(rung, input, 0);
+      EXPECT_GE(1.12 * measured, found) << seed;
+      EXPECT_LE(measured, 1.001 * found) << seed;
+    });
+  }
 }
 
 /// A square of 64 x 64 cells with a narrow pit, 400 deep, in one half and a wide hill, 200 high, in the

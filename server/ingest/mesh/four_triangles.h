@@ -4,7 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "server/ingest/measure/point_triangle.h"
+#include "server/ingest/mesh/point_triangle.h"
 
 namespace lode::ingest {
 

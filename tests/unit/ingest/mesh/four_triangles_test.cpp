@@ -1,4 +1,4 @@
-#include "server/ingest/measure/four_triangles.h"
+#include "server/ingest/mesh/four_triangles.h"
 
 #include <array>
 #include <limits>
