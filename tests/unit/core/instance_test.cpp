@@ -215,11 +215,11 @@ class Watched : private Seeded {
 
 TEST(Instance, doesNotTakeBackWhatItHasGivenUpEachTimeThatSomethingComes) {
   int most = 0;
-  for (uint32_t seed = 1; seed < 4; ++seed) {
+  for (uint32_t seed = 1; seed < 7; ++seed) {
     auto unlimited = Watched::steppingBack(seed, std::numeric_limits<uint64_t>::max());
     unlimited.mostRises();
     const uint64_t liked = unlimited.instance().cut()->drawn_bytes;
-    for (uint64_t budget = liked; budget < 4 * liked; budget += liked / 8)
+    for (uint64_t budget = liked; budget < 5 * liked / 4; budget += liked / 16)
       most = std::max(most, Watched::steppingBack(seed, budget).mostRises());
   }
   EXPECT_LE(most, 2);
