@@ -13,9 +13,9 @@
 namespace lode::app {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
-[[noreturn]] void refuse(std::string_view source, const std::string& what) {
+[[noreturn]] void refuseScene(std::string_view source, const std::string& what) {
   throw Error(ErrorCode::kInput,
               std::string(source) + ": " + what +
                   R"(; a scene looks like {"models": {"rock": "rock.lode"}, "instances": [{"model": "rock", )"
@@ -31,22 +31,22 @@ void refuseMoreThan(size_t limit, size_t count, const char* what, std::string_vi
 /// Misspelt members would be left out without a word.
 void refuseOthers(const Json& object, std::initializer_list<std::string_view> known, std::string_view source,
                   const std::string& where) {
-  if (!object.is_object()) refuse(source, where + " is not an object");
+  if (!object.is_object()) refuseScene(source, where + " is not an object");
   for (const auto& [name, value] : object.items())
     if (std::ranges::find(known, name) == known.end())
-      refuse(source, std::string(where).append(" has no member '").append(name).append("'"));
+      refuseScene(source, std::string(where).append(" has no member '").append(name).append("'"));
 }
 
 double numberOf(const Json& value, double least, double largest, std::string_view source,
                 const std::string& what) {
-  if (!value.is_number()) refuse(source, what + " is not a number");
+  if (!value.is_number()) refuseScene(source, what + " is not a number");
   const double number = value.get<double>();
-  if (!(number >= least && number <= largest)) refuse(source, what + " is out of range");
+  if (!(number >= least && number <= largest)) refuseScene(source, what + " is out of range");
   return number;
 }
 
 glm::dvec3 vectorOf(const Json& value, std::string_view source, const std::string& what) {
-  if (!value.is_array() || value.size() != 3) refuse(source, what + " is not a list of three numbers");
+  if (!value.is_array() || value.size() != 3) refuseScene(source, what + " is not a list of three numbers");
   glm::dvec3 vector;
   for (int axis = 0; axis < 3; ++axis)
     vector[axis] =
@@ -55,7 +55,7 @@ glm::dvec3 vectorOf(const Json& value, std::string_view source, const std::strin
 }
 
 const std::string& textOf(const Json& value, std::string_view source, const std::string& what) {
-  if (!value.is_string()) refuse(source, what + " is not a text");
+  if (!value.is_string()) refuseScene(source, what + " is not a text");
   return value.get_ref<const std::string&>();
 }
 
@@ -63,7 +63,7 @@ glm::u8vec3 colourOf(const Json& value, std::string_view source, const std::stri
   const std::string& text = textOf(value, source, what);
   const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
   if (text.size() != 7 || text[0] != '#' || !std::all_of(text.begin() + 1, text.end(), is_digit))
-    refuse(source, what + " is not a colour like #4d5763");
+    refuseScene(source, what + " is not a colour like #4d5763");
   const auto packed = std::stoul(text.substr(1), nullptr, 16);
   return glm::u8vec3(packed >> 16, packed >> 8 & 255, packed & 255);
 }
@@ -73,7 +73,7 @@ glm::dvec3 upOf(const Json& value, std::string_view source) {
                                                        {"z", {0, 0, 1}},   {"-x", {-1, 0, 0}},
                                                        {"-y", {0, -1, 0}}, {"-z", {0, 0, -1}}};
   const auto axis = kAxes.find(textOf(value, source, "up"));
-  if (axis == kAxes.end()) refuse(source, "up is none of x, y, z, -x, -y, -z");
+  if (axis == kAxes.end()) refuseScene(source, "up is none of x, y, z, -x, -y, -z");
   return axis->second;
 }
 
@@ -85,11 +85,11 @@ Placement placementOf(const Json& json, std::string_view source, const std::stri
     placement.scale = numberOf(*scale, kMinSceneScale, kMaxSceneScale, source, where + ".scale");
   const auto axis = json.find("axis"), degrees = json.find("degrees");
   if ((axis == json.end()) != (degrees == json.end()))
-    refuse(source, where + " needs both axis and degrees, or neither");
+    refuseScene(source, where + " needs both axis and degrees, or neither");
   if (axis == json.end()) return placement;
   const glm::dvec3 about = vectorOf(*axis, source, where + ".axis");
   const double turn = numberOf(*degrees, -1e6, 1e6, source, where + ".degrees");
-  if (!(glm::length(about) > 0)) refuse(source, where + ".axis has no length");
+  if (!(glm::length(about) > 0)) refuseScene(source, where + ".axis has no length");
   placement.rotation = glm::angleAxis(std::fmod(turn, 360.0) * std::numbers::pi / 180, glm::normalize(about));
   return placement;
 }
@@ -98,13 +98,13 @@ Placement placementOf(const Json& json, std::string_view source, const std::stri
 std::map<std::string, uint32_t> addModels(const Json& json, std::string_view source, Scene& scene) {
   const auto models = json.find("models");
   if (models == json.end() || !models->is_object() || models->empty())
-    refuse(source, "models is not an object with a model");
+    refuseScene(source, "models is not an object with a model");
   refuseMoreThan(kMaxSceneModels, models->size(), "models", source);
   std::map<std::string, uint32_t> numbers;
   for (const auto& [name, target] : models->items()) {
     numbers.emplace(name, static_cast<uint32_t>(scene.models.size()));
     scene.models.push_back(textOf(target, source, "models." + name));
-    if (scene.models.back().empty()) refuse(source, "models." + name + " is empty");
+    if (scene.models.back().empty()) refuseScene(source, "models." + name + " is empty");
   }
   return numbers;
 }
@@ -113,16 +113,16 @@ void addInstances(const Json& json, const std::map<std::string, uint32_t>& model
                   Scene& scene) {
   const auto instances = json.find("instances");
   if (instances == json.end() || !instances->is_array() || instances->empty())
-    refuse(source, "instances is not a list with an instance");
+    refuseScene(source, "instances is not a list with an instance");
   refuseMoreThan(kMaxSceneInstances, instances->size(), "instances", source);
   scene.instances.reserve(instances->size());
   for (const Json& instance : *instances) {
     const std::string where = "instances[" + std::to_string(scene.instances.size()) + "]";
     refuseOthers(instance, {"model", "position", "axis", "degrees", "scale"}, source, where);
     const auto name = instance.find("model");
-    if (name == instance.end()) refuse(source, where + ".model is missing");
+    if (name == instance.end()) refuseScene(source, where + ".model is missing");
     const auto model = models.find(textOf(*name, source, where + ".model"));
-    if (model == models.end()) refuse(source, where + ".model is none of models");
+    if (model == models.end()) refuseScene(source, where + ".model is none of models");
     scene.instances.push_back({model->second, placementOf(instance, source, where)});
   }
 }
@@ -132,7 +132,7 @@ void addInstances(const Json& json, const std::map<std::string, uint32_t>& model
 Scene parseScene(std::string_view text, std::string_view source) {
   refuseMoreThan(kMaxSceneBytes, text.size(), "bytes", source);
   const Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) refuse(source, "not JSON");
+  if (json.is_discarded()) refuseScene(source, "not JSON");
   refuseOthers(json, {"up", "models", "instances", "ground", "sky"}, source, "the scene");
   Scene scene;
   if (const auto up = json.find("up"); up != json.end()) scene.up = upOf(*up, source);
