@@ -209,9 +209,12 @@ void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   });
 }
 
-/// The side of a square as large as the triangles around both ends, about; never 0.
+/// The side of a square as large as the triangles around both ends, about; never 0. What holds rims and seams
+/// counts by half: as an area, rims would be too cheap; not at all, they would take what the rest needs.
 double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
-  return std::sqrt(std::max(mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight(), kLeastArea));
+  const double area = mesh_.areas[u] + mesh_.areas[v];
+  const double weight = mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight();
+  return std::sqrt(std::sqrt(std::max(area, kLeastArea) * std::max(weight, kLeastArea)));
 }
 
 /// A collapse costs the sum of squared distances over the area around it, divided by its breadth: halfway

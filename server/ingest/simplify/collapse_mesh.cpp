@@ -20,7 +20,8 @@ CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
     : attributes(mesh.attributes),
       points(mesh.positions.size()),
       positions(mesh.positions.size()),
-      quadrics(mesh.positions.size()) {
+      quadrics(mesh.positions.size()),
+      areas(mesh.positions.size()) {
   LatticeBox box;
   for (const PositionCode code : mesh.positions) box.add(unpackPosition(code));
   if (!box.empty()) origin = glm::floor(0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)));
@@ -205,6 +206,7 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
   left.count = left.capacity = 0;
   points[keep] = glm::ivec4(point, 0);
   quadrics[keep] += quadrics[gone];
+  areas[keep] += areas[gone];
   if (hasWedges() && (only_wedge[keep] == kManyWedges || only_wedge[gone] == kManyWedges))
     only_wedge[keep] = findOnlyWedge(keep);
 }

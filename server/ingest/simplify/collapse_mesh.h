@@ -108,6 +108,7 @@ struct CollapseMesh {
   std::vector<glm::ivec4> points;
   std::vector<CollapsePosition> positions;
   std::vector<Quadric> quadrics;          ///< a position's
+  std::vector<float> areas;               ///< of the triangles that its quadric is made of
   std::vector<uint32_t> corner_position;  ///< four a triangle, the last unused
   std::vector<uint32_t> corner_wedge;     ///< the same, or empty where there are no attributes
   std::vector<uint32_t> only_wedge;  ///< a position's, or kManyWedges; empty where there are no attributes

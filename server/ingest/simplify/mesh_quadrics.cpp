@@ -37,8 +37,10 @@ void addQuadrics(CollapseMesh& mesh, std::span<const CollapseMesh::Edge> edges) 
       areas[i] += 0.5 * length;
     }
   }
-  for (uint32_t i = 0; i < areas.size(); ++i)
+  for (uint32_t i = 0; i < areas.size(); ++i) {
     mesh.quadrics[i].addPoint(mesh.point(i), kPointWeight * areas[i]);
+    mesh.areas[i] = static_cast<float>(areas[i]);
+  }
   for (const CollapseMesh::Edge& edge : edges) {
     const EdgeKind kind = edge.kind();
     if (kind == EdgeKind::kSmooth) continue;

@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "84c2973bdda2a9dcf29f3e972f93b1bcc50a7540fa1dca9b692bedc7d66596d8";
+constexpr const char* kSha256 = "9f2a9f6aec4e1e456ca2fd598bc2a55c50ce33e57075f6f620364c9eda9ce2e3";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;
