@@ -132,7 +132,7 @@ void Engine::step(TimePoint now) {
   if (model_) {
     bool changed = instance_.refine(*model_);
     if (changed) prefetcher_.needed(instance_.cut().get(), instance_.pages(), instance_.wishes());
-    if (options_.prefetch && instance_.view()) {
+    if (options_.prefetch && instance_.viewCount() == 1) {
       prefetcher_.see(*instance_.view(), now);
       changed |= prefetcher_.lookAhead(*model_, instance_.options(), now);
     }

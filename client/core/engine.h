@@ -36,7 +36,7 @@ struct EngineOptions {
   /// Of the model as the cache has it, from an earlier run.
   std::optional<ModelSummary> cached_model = std::nullopt;
   bool offline = false;   ///< shows cached_model from the cache and never wants a connection
-  bool prefetch = false;  ///< asks ahead of a camera that moves
+  bool prefetch = false;  ///< asks ahead of a camera that moves, where there is one view
   /// False: what is wished for comes in the order in which it was wished for, to compare with.
   bool best_first = true;
 };
@@ -61,10 +61,10 @@ struct EngineCounts {
   uint64_t window_bytes = 0;    ///< that the server may have under way
 };
 
-/// A link to a server, a model and a view of it, stepped together: bytes, blobs from a cache, decoded meshes
-/// and tiles and a camera in; bytes, decode jobs and cuts out. Blobs are asked of the cache first. The model
-/// and the last cut outlive the connection. Owns no thread, knows no clock and no socket. Not thread safe;
-/// the cuts it gives are.
+/// A link to a server, a model and the views of it, stepped together: bytes, blobs from a cache, decoded
+/// meshes and tiles and a camera in; bytes, decode jobs and cuts out. Blobs are asked of the cache first. The
+/// model and the last cut outlive the connection. Owns no thread, knows no clock and no socket. Not thread
+/// safe; the cuts it gives are.
 class Engine {
  public:
   explicit Engine(EngineOptions options);
@@ -86,7 +86,9 @@ class Engine {
   void receive(std::span<const std::byte> bytes, TimePoint now, Line line = Line::kNewest);
   void finishDecode(DecodeResult result);
   /// @param view  in the model frame: see camera_path.h for how to come from true coordinates.
-  void setView(const View& view, float threshold_px) { instance_.setView(view, threshold_px); }
+  void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
+  /// The same for a model that stands in several places. @param views  of pictures of one size.
+  void setViews(std::span<const View> views, float threshold_px) { instance_.setViews(views, threshold_px); }
 
   /// Refines if anything has changed, renews the wishes, keeps the connection alive. @throws Error as
   /// disconnect().
@@ -112,6 +114,8 @@ class Engine {
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
   /// The last cut published; null until the root's coarsest rung is there and a view is set.
   const std::shared_ptr<const Cut>& cut() const noexcept { return instance_.cut(); }
+  /// By view, as those; see Instance.
+  const std::shared_ptr<const PlacedCuts>& placed() const noexcept { return instance_.placed(); }
   uint64_t cutBuild() const noexcept { return instance_.cutBuild(); }
   bool limited() const noexcept { return instance_.limited(); }
   bool settled() const noexcept { return instance_.settled(); }

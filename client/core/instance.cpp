@@ -1,6 +1,8 @@
 #include "client/core/instance.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <utility>
 
 #include "client/core/shown_parts.h"
@@ -12,6 +14,13 @@ constexpr uint64_t kFinerRatio = 2;  // of a cut's triangles, from which on it i
 // One in so many bytes of the meshes, and of what may be drawn, is for fallbacks.
 constexpr uint64_t kFallbackShare = 8;
 constexpr uint64_t kSpareShare = 4;  // one in so many bytes is free before what was given up comes back
+constexpr float kStepsOfTwo = 4;     // the threshold is raised by steps of 2^1/4,
+constexpr int kMostCoarsening = 80;  // to a million times at most
+
+/// @param to_spare  with a part more.
+bool hasRoom(uint64_t bytes, uint64_t budget_bytes, bool to_spare) {
+  return bytes <= budget_bytes - (to_spare ? budget_bytes / kSpareShare : 0);
+}
 
 }  // namespace
 
@@ -21,119 +30,234 @@ Instance::Instance(const RefineOptions& options)
   options_.drawn_budget_bytes -= options_.fallback_drawn_budget_bytes;
 }
 
-void Instance::setView(const View& view, float threshold_px) {
-  if (view_ == view && options_.threshold_px == threshold_px) return;
-  view_ = view;
+void Instance::setViews(std::span<const View> views, float threshold_px) {
+  const bool is_same_count = views_.size() == views.size();
+  const bool is_same_threshold = options_.threshold_px == threshold_px;
+  views_.resize(views.size());
+  for (size_t number = 0; number < views.size(); ++number) {
+    Placed& placed = views_[number];
+    if (is_same_count && is_same_threshold && placed.view == views[number]) continue;
+    placed.view = views[number];
+    placed.seen.reset();
+    placed.seen_triangles = 0;
+    views_changed_ = true;
+  }
   options_.threshold_px = threshold_px;
-  view_changed_ = true;
-  seen_.reset();
-  seen_triangles_ = 0;
+}
+
+void Instance::forgetModel() noexcept {
+  model_version_ = 0;
+  settled_ = limited_ = false;
+  giving_ = Giving::kNothing;
+  coarsening_ = 0;
+  wishes_.clear();
+  pages_.clear();
+  for (Placed& placed : views_) {
+    placed.held.clear();
+    placed.seen.reset();
+    placed.seen_triangles = 0;
+  }
+}
+
+const std::shared_ptr<const Cut>& Instance::cut() const noexcept {
+  static const std::shared_ptr<const Cut> kNone;
+  return placed_ ? placed_->all : kNone;
 }
 
 /// Where something is missing: at once, and again whenever the cut has become finer.
 /// @return whether more is known than before.
-bool Instance::lookAtWhatIsSeen(const Cut& cut, const ModelSummary& model) {
-  if (cut.converged || cut.triangles < kFinerRatio * seen_triangles_ ||
+bool Instance::lookAtWhatIsSeen(Placed& placed, const Cut& cut, const ModelSummary& model) {
+  if (cut.converged || cut.triangles < kFinerRatio * placed.seen_triangles ||
       cut.triangles > SeenPlaces::kMostTriangles)
     return false;
-  seen_ = SeenPlaces::of(cut, model);
-  seen_triangles_ = cut.triangles;
-  return seen_.has_value();
+  placed.seen = SeenPlaces::of(cut, model);
+  placed.seen_triangles = cut.triangles;
+  return placed.seen.has_value();
 }
 
-Refinement Instance::refineWith(const Model& model, const RefineOptions& options) const {
-  return core::refine(model.hierarchy(), model.meshes(), model.summary().lattice, model.summary().attributes,
-                      *view_, options, held_, seen_ ? &*seen_ : nullptr);
+Instance::Gathered Instance::refineWith(const Model& model, const RefineOptions& options) const {
+  Gathered gathered;
+  std::vector<std::shared_ptr<const Cut>> cuts;
+  for (const Placed& placed : views_) {
+    const SeenPlaces* const seen = placed.seen ? &*placed.seen : nullptr;
+    gathered.refinements.push_back(core::refine(model.hierarchy(), model.meshes(), model.summary().lattice,
+                                                model.summary().attributes, placed.view, options, placed.held,
+                                                seen));
+    if (const auto& cut = gathered.refinements.back().cut) cuts.push_back(cut);
+  }
+  if (cuts.size() < views_.size()) return gathered;
+  gathered.all = cuts.size() == 1 ? gathered.refinements.front().cut : gatherMeshes(cuts);
+  return gathered;
 }
 
 RefineOptions Instance::optionsAt(Giving giving) const {
   RefineOptions options = options_;
+  options.threshold_px *= std::exp2(static_cast<float>(coarsening_) / kStepsOfTwo);
   if (giving >= Giving::kFallbacks) options.fallback_budget_bytes = 0;
   options.finer_stand_ins = giving < Giving::kFinerStandIns;
   return options;
 }
 
-/// Marks what a refinement uses, and forgets pages that it does not, where memory is short.
-/// @return whether there is room for it, here and where it is drawn, and with `to_spare` a part more.
-bool Instance::keep(Model& model, const Refinement& refinement, bool to_spare) const {
-  model.hierarchy().use(refinement.pages, model.hierarchyBudgetBytes());
-  const auto has_room = [&](uint64_t bytes, uint64_t budget_bytes) {
-    return bytes <= budget_bytes - (to_spare ? budget_bytes / kSpareShare : 0);
+/// Whether there is room for all that several views want together.
+bool Instance::wantsNoMoreThanFits(const Gathered& gathered, bool to_spare) const {
+  std::map<MeshKey, WantedMesh> wanted;
+  uint64_t bytes = 0, drawn_bytes = 0;
+  for (const Refinement& refinement : gathered.refinements) {
+    if (refinement.limited) return false;
+    for (const WantedMesh& mesh : refinement.wanted_meshes) {
+      bytes += kPartBytes;
+      if (!wanted.try_emplace(mesh.key, mesh).second) continue;
+      bytes += mesh.bytes;
+      drawn_bytes += mesh.drawn_bytes;
+    }
+  }
+  return hasRoom(bytes, options_.cut_budget_bytes, to_spare) &&
+         hasRoom(drawn_bytes, options_.drawn_budget_bytes, to_spare);
+}
+
+/// Refines all views alike: down to the threshold, or to the smallest error that there is room for. It
+/// becomes finer again where there is room to spare, so that it does not waver.
+Instance::Gathered Instance::refineWithin(const Model& model) {
+  const auto refineNow = [&] {
+    RefineOptions options = optionsAt(Giving::kNothing);
+    options.lists_wanted = views_.size() > 1;
+    return refineWith(model, options);
   };
-  const uint64_t used_bytes = model.meshes().use(refinement.in_use, refinement.ancestors);
-  return has_room(used_bytes, model.meshes().budgetBytes()) &&
+  if (views_.size() == 1) coarsening_ = 0;
+  Gathered gathered = refineNow();
+  if (views_.size() == 1) return gathered;
+  while (!wantsNoMoreThanFits(gathered, false) && coarsening_ < kMostCoarsening) {
+    ++coarsening_;
+    gathered = refineNow();
+  }
+  while (coarsening_ > 0) {
+    --coarsening_;
+    Gathered finer = refineNow();
+    if (!wantsNoMoreThanFits(finer, true)) {
+      ++coarsening_;
+      break;
+    }
+    gathered = std::move(finer);
+  }
+  return gathered;
+}
+
+/// Marks what the refinements use, and forgets pages that they do not, where memory is short.
+/// @return whether there is room for it, here and where it is drawn, and with `to_spare` a part more.
+bool Instance::keep(Model& model, const Gathered& gathered, bool to_spare) const {
+  std::vector<NodeKey> pages;
+  std::vector<MeshKey> in_use, ancestors;
+  for (const Refinement& refinement : gathered.refinements) {
+    pages.insert(pages.end(), refinement.pages.begin(), refinement.pages.end());
+    in_use.insert(in_use.end(), refinement.in_use.begin(), refinement.in_use.end());
+    ancestors.insert(ancestors.end(), refinement.ancestors.begin(), refinement.ancestors.end());
+  }
+  model.hierarchy().use(pages, model.hierarchyBudgetBytes());
+  const uint64_t used_bytes = model.meshes().use(in_use, ancestors);
+  return hasRoom(used_bytes, model.meshes().budgetBytes(), to_spare) &&
          model.hierarchy().bytes() <= model.hierarchyBudgetBytes() &&
-         (!refinement.cut || has_room(refinement.cut->drawn_bytes, drawn_budget_bytes_));
+         (!gathered.all || hasRoom(gathered.all->drawn_bytes, drawn_budget_bytes_, to_spare));
 }
 
 /// Gives up what stands by, unseen, then what is finer than wanted, until there is room for the rest. It
 /// comes back where there is room to spare or nothing more to come, so that not every arrival changes all of
 /// it.
-void Instance::fit(Model& model, Refinement& refinement) {
+void Instance::fit(Model& model, Gathered& gathered) {
   const Giving before = giving_;
   giving_ = Giving::kNothing;
-  while (!keep(model, refinement, giving_ < before) && giving_ != Giving::kFinerStandIns) {
+  while (!keep(model, gathered, giving_ < before) && giving_ != Giving::kFinerStandIns) {
     giving_ = giving_ == Giving::kNothing ? Giving::kFallbacks : Giving::kFinerStandIns;
-    refinement = refineWith(model, optionsAt(giving_));
+    gathered = refineWith(model, optionsAt(giving_));
   }
-  if (refinement.settled) giving_ = Giving::kNothing;
+  const auto isSettled = [](const Refinement& refinement) { return refinement.settled; };
+  if (std::ranges::all_of(gathered.refinements, isSettled)) giving_ = Giving::kNothing;
 }
 
 bool Instance::refine(Model& model) {
-  if (!view_ || !model.hierarchy().root()) return false;
-  if (!view_changed_ && model_version_ == model.version()) return false;
-  view_changed_ = false;
+  if (views_.empty() || !model.hierarchy().root()) return false;
+  if (!views_changed_ && model_version_ == model.version()) return false;
+  views_changed_ = false;
   model_version_ = model.version();
-  // Half for the wanted cut, half for the one still shown, so that neither waits for the other.
+  // Half for the wanted cuts, half for those still shown, so that neither wait for the other.
   options_.hierarchy_budget_bytes = model.hierarchyBudgetBytes();
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
   options_.fallback_budget_bytes = model.meshes().budgetBytes() / kFallbackShare;
-  Refinement refinement = refineWith(model, options_);
-  if (refinement.cut && lookAtWhatIsSeen(*refinement.cut, model.summary()))
-    refinement = refineWith(model, options_);
-  fit(model, refinement);
+  Gathered gathered = refineWithin(model);
+  // What hides a model in a scene is mostly not the model itself.
+  if (views_.size() == 1 && gathered.all && lookAtWhatIsSeen(views_.front(), *gathered.all, model.summary()))
+    gathered = refineWith(model, optionsAt(Giving::kNothing));
+  fit(model, gathered);
   model.meshes().trim();
-  held_ = std::move(refinement.held);
-  settled_ = refinement.settled;
-  limited_ = refinement.limited;
-  if (refinement.cut) {
-    cut_build_ = refinement.cut->build = model.build();
-    if (model.textures()) dress(*refinement.cut, model);
-    cut_ = std::move(refinement.cut);
+  publish(model, gathered);
+  return true;
+}
+
+/// Takes over what a refinement has given.
+void Instance::publish(Model& model, Gathered& gathered) {
+  settled_ = true;
+  limited_ = coarsening_ > 0;
+  pages_.clear();
+  std::vector<std::vector<Wish>> wishes;
+  for (size_t number = 0; number < views_.size(); ++number) {
+    Refinement& refinement = gathered.refinements[number];
+    settled_ = settled_ && refinement.settled;
+    limited_ = limited_ || refinement.limited;
+    views_[number].held = std::move(refinement.held);
+    pages_.insert(pages_.end(), refinement.pages.begin(), refinement.pages.end());
+    wishes.push_back(std::move(refinement.wanted));
   }
-  wishes_ = std::move(refinement.wanted);
-  pages_ = std::move(refinement.pages);
-  if (!model.textures()) return true;
+  wishes_ = mergeWishes(wishes);
+  if (gathered.all) {
+    cut_build_ = model.build();
+    for (const Refinement& refinement : gathered.refinements) sign(*refinement.cut);
+    sign(*gathered.all);
+    if (model.textures()) dress(*gathered.all, gathered.refinements, model);
+    auto placed = std::make_shared<PlacedCuts>();
+    for (Refinement& refinement : gathered.refinements) placed->cuts.push_back(std::move(refinement.cut));
+    placed->all = std::move(gathered.all);
+    placed_ = std::move(placed);
+  }
+  if (!model.textures()) return;
   const std::vector<Wish>& missing = model.textures()->missing();
   wishes_.insert(wishes_.end(), missing.begin(), missing.end());
   std::stable_sort(wishes_.begin(), wishes_.end(), [](const Wish& a, const Wish& b) {
     if (a.wish_class != b.wish_class) return a.wish_class < b.wish_class;
     return a.priority_px > b.priority_px;
   });
-  return true;
 }
 
-/// Says which tiles the cut needs, and gives it those that are there.
-void Instance::dress(Cut& cut, Model& model) {
+/// Says of what build a cut is, and against which threshold it has converged.
+void Instance::sign(Cut& cut) const {
+  cut.build = cut_build_;
+  cut.threshold_px = options_.threshold_px;
+  cut.converged = cut.converged && coarsening_ == 0;
+}
+
+/// Says which tiles the cuts need, and gives them those that are there.
+void Instance::dress(Cut& all, std::span<const Refinement> refinements, Model& model) {
   TextureStream& textures = *model.textures();
   const double step = model.summary().lattice.step;
   const std::shared_ptr<const TextureSet>& set = textures.set();
   std::vector<TexturedPart> parts;
-  for (size_t number = 0; set && number < partCount(cut); ++number) {
-    const CutPart& part = partOf(cut, number);
-    const MeshKey key{part.node, part.rung};
-    if (model.meshes().footprint(key) == nullptr)  // decoded before the set was there
-      model.meshes().setFootprint(
-          key, std::make_shared<const TextureFootprint>(makeFootprint(*part.mesh, *set, step)));
-    const ModelBox box = toModelBox(model.hierarchy().find(part.node)->box, step);
-    parts.push_back({model.meshes().footprint(key), distanceToBox(view_->eye_model, box), part.visible});
+  for (size_t place = 0; set && place < refinements.size(); ++place) {
+    const Cut& cut = *refinements[place].cut;
+    for (size_t number = 0; number < partCount(cut); ++number) {
+      const CutPart& part = partOf(cut, number);
+      const MeshKey key{part.node, part.rung};
+      if (model.meshes().footprint(key) == nullptr)  // decoded before the set was there
+        model.meshes().setFootprint(
+            key, std::make_shared<const TextureFootprint>(makeFootprint(*part.mesh, *set, step)));
+      const ModelBox box = toModelBox(model.hierarchy().find(part.node)->box, step);
+      const double distance_model = distanceToBox(views_[place].view.eye_model, box);
+      parts.push_back({model.meshes().footprint(key), distance_model, part.visible});
+    }
   }
-  textures.refine(parts, *view_, options_.threshold_px);
-  cut.textures = set;
-  cut.tiles = textures.residentTiles();
-  cut.blob_bytes += textures.blobBytesInUse();
+  textures.refine(parts, views_.front().view, options_.threshold_px);
+  all.textures = set;
+  all.tiles = textures.residentTiles();
+  all.blob_bytes += textures.blobBytesInUse();
   settled_ = settled_ && textures.complete();
-  cut.converged = cut.converged && textures.complete();
+  all.converged = all.converged && textures.complete();
 }
 
 }  // namespace lode::core

@@ -10,6 +10,7 @@
 #include "client/core/refine_options.h"
 #include "client/core/seen_places.h"
 #include "client/core/view.h"
+#include "client/core/wanted_cut.h"
 #include "client/core/wish.h"
 
 namespace lode::core {
@@ -20,9 +21,10 @@ struct Refinement {
   std::vector<MeshKey> in_use;  ///< resident: the cut's meshes, its fallbacks', and what waits for siblings
   std::vector<MeshKey> ancestors;  ///< resident: coarser stand-ins for the cut
   std::vector<NodeKey> pages;      ///< owners of those that the wanted cut and the published one go through
-  std::vector<HeldNode> held;      ///< for the next refinement, where it is to have hysteresis
-  bool limited = false;            ///< a budget stopped the wanted cut above the threshold
-  bool settled = false;            ///< the cut is the wanted one and whole: only another view will change it
+  std::vector<WantedMesh> wanted_meshes;  ///< all of the wanted cut, where they are to be listed
+  std::vector<HeldNode> held;             ///< for the next refinement, where it is to have hysteresis
+  bool limited = false;                   ///< a budget stopped the wanted cut above the threshold
+  bool settled = false;  ///< the cut is the wanted one and whole: only another view will change it
 };
 
 /// Best-first refinement: decides what the view needs of the known hierarchy, publishes the best cut that the

@@ -209,4 +209,16 @@ std::vector<HeldNode> WantedCut::held() const {
   return held;
 }
 
+std::vector<WantedMesh> WantedCut::meshes() const {
+  std::vector<WantedMesh> meshes;
+  for (const WantedNode& wanted : nodes_) {
+    const Rung& rung = wanted.node->rungs[wanted.rung];
+    if (wanted.role == Role::kExpanded || rung.triangles == 0) continue;
+    meshes.push_back({{wanted.node->key, wanted.rung},
+                      meshBytes(rung.vertices, rung.triangles, attributes_),
+                      drawnBytes(rung.vertices, rung.triangles, attributes_)});
+  }
+  return meshes;
+}
+
 }  // namespace lode::core

@@ -36,6 +36,12 @@ struct WantedNode {
   uint32_t held = 0;         ///< place in the last refinement's nodes + 1; 0: it had not come so far
 };
 
+/// A mesh of a wanted cut, resident or not, and what it takes: decoded, and where it is drawn.
+struct WantedMesh {
+  MeshKey key;
+  uint64_t bytes = 0, drawn_bytes = 0;
+};
+
 /// The cut that a view wants of the known octree, whatever is resident: it starts at the root's coarsest
 /// rung, and the part with the largest projected error gives way to its next finer rung, or from rung 0 to
 /// its children at their coarsest, until no visible part is above the threshold or a budget is reached. Ties
@@ -62,6 +68,7 @@ class WantedCut {
   /// Owners of the pages that it goes through.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
+  std::vector<WantedMesh> meshes() const;
   static uint32_t lastRung(const Node& node) { return static_cast<uint32_t>(node.rungs.size()) - 1; }
 
  private:

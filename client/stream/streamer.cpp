@@ -1,5 +1,6 @@
 #include "client/stream/streamer.h"
 
+#include <algorithm>
 #include <array>
 #include <condition_variable>
 #include <mutex>
@@ -77,7 +78,7 @@ struct Streamer::State {
   std::condition_variable work;
   std::condition_variable_any news;
   bool woken = true, stopping = false;
-  core::View view;
+  std::vector<core::View> views;
   float threshold_px = 1;
   uint64_t view_number = 0;         // of the view last set; 0: none
   uint64_t status_view_number = 0;  // of the view that the status is about
@@ -192,7 +193,7 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
   {
     const std::lock_guard lock(mutex);
     number = view_number;
-    if (number != 0) engine.setView(view, threshold_px);
+    if (number != 0) engine.setViews(views, threshold_px);
   }
   engine.step(Clock::now());
   for (const core::Line line : core::kLines)
@@ -205,6 +206,7 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
 void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   StreamStatus now;
   now.cut = engine.cut();
+  now.placed = engine.placed();
   now.cut_build = engine.cutBuild();
   now.counts = engine.counts();
   now.limited = engine.limited();
@@ -271,10 +273,12 @@ const ModelSummary& Streamer::waitForModel(std::chrono::milliseconds timeout, st
                   ": check the server, or allow more time");
 }
 
-void Streamer::setView(const core::View& view, float threshold_px) {
+void Streamer::setViews(std::span<const core::View> views, float threshold_px) {
   const std::lock_guard lock(state_->mutex);
-  if (state_->view_number != 0 && state_->view == view && state_->threshold_px == threshold_px) return;
-  state_->view = view;
+  if (state_->view_number != 0 && std::ranges::equal(state_->views, views) &&
+      state_->threshold_px == threshold_px)
+    return;
+  state_->views.assign(views.begin(), views.end());
   state_->threshold_px = threshold_px;
   ++state_->view_number;
   state_->woken = true;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
@@ -39,7 +40,8 @@ net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 
 /// What the last step of a stream has left.
 struct StreamStatus {
-  std::shared_ptr<const core::Cut> cut;  ///< null until there is something to show
+  std::shared_ptr<const core::Cut> cut;            ///< null until there is something to show
+  std::shared_ptr<const core::PlacedCuts> placed;  ///< by view, whose meshes `cut` has: see core::Instance
   uint64_t cut_build = 0;  ///< names the build that it is of: another one after the model was replaced
   core::EngineCounts counts;
   bool limited = false;    ///< a budget keeps the cut from converging
@@ -66,7 +68,9 @@ class Streamer {
   /// stopped.
   const ModelSummary& waitForModel(std::chrono::milliseconds timeout, std::stop_token stop = {});
   /// Refines for this view from now on; never waits for the network.
-  void setView(const core::View& view, float threshold_px);
+  void setView(const core::View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
+  /// The same for a model that stands in several places: see core::Engine.
+  void setViews(std::span<const core::View> views, float threshold_px);
   /// Never waits for the network.
   StreamStatus status() const;
   /// What is known of the model; nothing until it is open.

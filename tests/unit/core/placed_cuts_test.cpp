@@ -1,0 +1,190 @@
+#include "client/core/placed_cuts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "client/core/drawn_bytes.h"
+#include "client/core/shown_parts.h"
+#include "tests/unit/core/seeded_model.h"
+
+namespace lode::core {
+namespace {
+
+using namespace test;
+
+const View kNear = closeView(), kFar = farView(), kAside = lookingAt({2600, 512, 512}, {512, 512, 512}),
+           kAway = lookingAt({512, 512, 2500}, {512, 512, 9000});
+
+/// A model that stands in several places.
+class Standing : private Seeded {
+ public:
+  explicit Standing(uint32_t seed, uint64_t memory_budget_bytes = 1ull << 40,
+                    const RefineOptions& options = {})
+      : Seeded(seed, memory_budget_bytes), instance_(options) {}
+
+  void see(const std::vector<View>& views, float threshold_px = 1) {
+    instance_.setViews(views, threshold_px);
+    instance_.refine(model_);
+  }
+  /// Calls watch() each time that something has come, until all has. @return how much came.
+  template <typename Watch>
+  int deliverAll(Watch&& watch) {
+    constexpr int kTooMany = 5000;
+    int count = 0;
+    for (; !instance_.wishes().empty() && count < kTooMany; ++count) {
+      deliver(instance_.wishes().front());
+      instance_.refine(model_);
+      watch();
+    }
+    EXPECT_LT(count, kTooMany);
+    return count;
+  }
+  int deliverAll() {
+    return deliverAll([] {});
+  }
+
+  const Instance& instance() const { return instance_; }
+  const Cut& cut(size_t view) const { return *instance_.placed()->cuts[view]; }
+  const Cut& all() const { return *instance_.cut(); }
+  uint64_t residentBytes() const { return model_.meshes().bytes(); }
+  uint64_t budgetBytes() const { return model_.meshes().budgetBytes(); }
+  Parts wanted(const View& view, float threshold_px) const {
+    return BruteForce(tree_, view, threshold_px).parts();
+  }
+
+ private:
+  Instance instance_;
+};
+
+class PlacedViews : public testing::TestWithParam<uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, PlacedViews, testing::Range(1u, 7u));
+
+TEST_P(PlacedViews, convergeEachToTheCutThatItHasAlone) {
+  Standing model(GetParam());
+  model.see({kNear, kFar, kAside});
+  model.deliverAll();
+  EXPECT_EQ(partsOf(model.cut(0)), model.wanted(kNear, 1));
+  EXPECT_EQ(partsOf(model.cut(1)), model.wanted(kFar, 1));
+  EXPECT_EQ(partsOf(model.cut(2)), model.wanted(kAside, 1));
+  EXPECT_TRUE(model.instance().settled());
+  EXPECT_TRUE(model.all().converged);
+}
+
+std::map<BlobUse, Wish> byUse(const std::vector<Wish>& wishes) {
+  std::map<BlobUse, Wish> found;
+  for (const Wish& wish : wishes) EXPECT_TRUE(found.emplace(wish.use, wish).second);
+  return found;
+}
+
+TEST_P(PlacedViews, askForAMeshOnceWithThePriorityOfThePlaceThatNeedsItMost) {
+  Standing both(GetParam()), near(GetParam()), aside(GetParam());
+  both.see({kAside, kNear});
+  near.see({kNear, kNear});  // two, so that nothing is taken for hidden
+  aside.see({kAside, kAside});
+  const auto of_near = byUse(near.instance().wishes()), of_aside = byUse(aside.instance().wishes());
+  const auto merged = byUse(both.instance().wishes());
+  std::set<BlobUse> uses;
+  for (const auto* wishes : {&of_near, &of_aside})
+    for (const auto& [use, wish] : *wishes) uses.insert(use);
+  ASSERT_EQ(merged.size(), uses.size());
+  ASSERT_LT(uses.size(), of_near.size() + of_aside.size()) << "nothing is shared";
+  for (const auto& [use, wish] : merged) {
+    for (const auto* wishes : {&of_near, &of_aside}) {
+      const auto one = wishes->find(use);
+      if (one == wishes->end()) continue;
+      EXPECT_LE(wish.wish_class, one->second.wish_class);
+      if (wish.wish_class == one->second.wish_class) {
+        EXPECT_GE(wish.priority_px, one->second.priority_px);
+      }
+    }
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(both.instance().wishes(), [](const Wish& a, const Wish& b) {
+    return a.wish_class != b.wish_class ? a.wish_class < b.wish_class : a.priority_px > b.priority_px;
+  }));
+}
+
+TEST_P(PlacedViews, costNothingWhereTheCameraDoesNotSeeThem) {
+  Standing one(GetParam()), two(GetParam());
+  one.see({kFar, kFar});
+  two.see({kFar, kAway});
+  EXPECT_EQ(byUse(two.instance().wishes()).size(), byUse(one.instance().wishes()).size());
+  const int came = one.deliverAll();
+  EXPECT_EQ(two.deliverAll(), came);
+  EXPECT_EQ(two.residentBytes(), one.residentBytes());
+  EXPECT_EQ(two.cut(1).parts.size(), 1u) << "the root stands by";
+}
+
+TEST_P(PlacedViews, shareMeshesInWhatIsDrawn) {
+  Standing model(GetParam());
+  model.see({kNear, kNear, kFar});
+  model.deliverAll();
+  std::set<const Mesh*> drawn, of_cuts;
+  for (const CutPart& part : model.all().parts) EXPECT_TRUE(drawn.insert(part.mesh.get()).second);
+  for (size_t view = 0; view < 3; ++view)
+    for (size_t number = 0; number < partCount(model.cut(view)); ++number)
+      of_cuts.insert(partOf(model.cut(view), number).mesh.get());
+  EXPECT_EQ(drawn, of_cuts);
+  EXPECT_EQ(model.cut(0).triangles, model.cut(1).triangles);
+  EXPECT_EQ(model.all().triangles, 2 * model.cut(0).triangles + model.cut(2).triangles);
+}
+
+/// The threshold at which all views have what they would have alone; none if there is none.
+std::optional<float> commonThreshold(const Standing& model, const std::vector<View>& views) {
+  for (int step = 0; step < 80; ++step) {
+    const float threshold_px = std::exp2(static_cast<float>(step) / 4);
+    bool is_common = true;
+    for (size_t view = 0; view < views.size(); ++view)
+      is_common = is_common && partsOf(model.cut(view)) == model.wanted(views[view], threshold_px);
+    if (is_common) return threshold_px;
+  }
+  return std::nullopt;
+}
+
+TEST_P(PlacedViews, areHeldToOneErrorWhereWhatIsDrawnHasNoRoomForAll) {
+  const std::vector<View> views{kNear, kAside, kFar};
+  Standing unlimited(GetParam());
+  unlimited.see(views);
+  unlimited.deliverAll();
+  const uint64_t budget_bytes = unlimited.all().drawn_bytes / 2;
+  Standing model(GetParam(), 1ull << 40, {.drawn_budget_bytes = budget_bytes});
+  model.see(views);
+  model.deliverAll([&] { EXPECT_LE(model.all().drawn_bytes, budget_bytes); });
+  EXPECT_TRUE(model.instance().limited());
+  EXPECT_TRUE(model.instance().settled());
+  EXPECT_FALSE(model.all().converged);
+  const std::optional<float> threshold_px = commonThreshold(model, views);
+  ASSERT_TRUE(threshold_px);
+  EXPECT_GT(*threshold_px, 1);
+}
+
+TEST_P(PlacedViews, keepWithinTheMemoryOfTheModelTogether) {
+  const std::vector<View> views{kNear, kAside, insideView()};
+  Standing unlimited(GetParam());
+  unlimited.see(views);
+  unlimited.deliverAll();
+  Standing model(GetParam(), unlimited.residentBytes());
+  model.see(views);
+  model.deliverAll([&] { EXPECT_LE(model.residentBytes(), model.budgetBytes()); });
+  EXPECT_TRUE(model.instance().limited());
+  EXPECT_TRUE(commonThreshold(model, views));
+}
+
+TEST_P(PlacedViews, becomeAsFineAsWantedAgainWhereOneHasGone) {
+  Standing unlimited(GetParam());
+  unlimited.see({kFar, kFar});
+  unlimited.deliverAll();
+  Standing model(GetParam(), 1ull << 40, {.drawn_budget_bytes = 2 * unlimited.all().drawn_bytes});
+  model.see({kFar, kNear, insideView()});
+  model.deliverAll();
+  ASSERT_TRUE(model.instance().limited());
+  model.see({kFar, kAway, kAway});
+  model.deliverAll();
+  EXPECT_TRUE(model.all().converged);
+  EXPECT_EQ(partsOf(model.cut(0)), model.wanted(kFar, 1));
+}
+
+}  // namespace
+}  // namespace lode::core

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "client/core/instance.h"
+#include "tests/unit/core/scripted_client.h"
+
+namespace lode::core::test {
+
+/// A model that comes blob by blob, as the test asks.
+class Seeded {
+ protected:
+  explicit Seeded(uint32_t seed, uint64_t memory_budget_bytes = 1ull << 40)
+      : tree_({.seed = seed}), model_(summary(), memory_budget_bytes) {
+    const BlobUse root_page{BlobKind::kRootPage, {kRootKey, 0}};
+    model_.take(model_.summary().root_page, root_page, encodePage(tree_.rootPage()));
+    deliver(*model_.firstWish());
+  }
+
+  ModelSummary summary() const {
+    ModelSummary summary;
+    summary.lattice = SyntheticModel::lattice();
+    summary.attributes = SyntheticModel::attributes();
+    summary.box = tree_.nodes().at(kRootKey).box;
+    summary.nodes = tree_.nodes().size();
+    return summary;
+  }
+
+  static Instance seeing(const View& view, const RefineOptions& options = {}) {
+    Instance instance(options);
+    instance.setView(view, 1);
+    return instance;
+  }
+
+  void deliver(const Wish& wish) {
+    if (wish.use.kind == BlobKind::kPage)
+      return model_.take(wish.blob, wish.use, encodePage(tree_.pageBelow(wish.use.mesh.node)));
+    model_.take(wish.blob, wish.use, {});
+    for (const DecodeJob& job : model_.takeDecodeJobs())
+      model_.finishDecode({job.blob, job.use, tree_.mesh(job.use.mesh), nullptr, nullptr, ""});
+  }
+
+  /// The best wishes of a view come, so many, or until no more is missing.
+  void deliverBest(Instance& instance, int count) {
+    for (; instance.refine(model_), count > 0 && !instance.wishes().empty(); --count)
+      deliver(instance.wishes().front());
+  }
+
+  static std::vector<std::pair<BlobUse, float>> orderOf(const Instance& instance) {
+    std::vector<std::pair<BlobUse, float>> order;
+    for (const Wish& wish : instance.wishes()) order.emplace_back(wish.use, wish.priority_px);
+    return order;
+  }
+
+  const SyntheticModel tree_;
+  Model model_;
+};
+
+}  // namespace lode::core::test
