@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <thread>
 
@@ -55,27 +56,37 @@ class ServerTest : public testing::Test {
       wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, blob, blob, static_cast<float>(blob)});
     return wishes;
   }
-  /// Whether a client is welcome, of many that come one after the other: the server hears of another's end in
-  /// its own time.
-  bool isLetInSoon() {
+  /// A client that is welcome, of many that come one after the other: the server hears of another's end in
+  /// its own time. Nothing if none is.
+  std::unique_ptr<TestClient> letInSoon() {
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (std::chrono::steady_clock::now() < end) {
-      TestClient client = connect();
-      client.send(proto::Hello{});
-      const auto answer = client.receive();
-      if (answer && answer->is(FrameType::kWelcome)) return true;
+      auto client = std::make_unique<TestClient>(server_->port());
+      client->send(proto::Hello{});
+      const auto answer = client->receive();
+      if (answer && answer->is(FrameType::kWelcome)) return client;
     }
-    return false;
+    return nullptr;
   }
-  /// A client that opens "a" and gets every blob of it.
-  void expectServed() {
-    TestClient client = connect();
-    const proto::Opened opened = client.open("a");
+  bool isLetInSoon() { return letInSoon() != nullptr; }
+  void expectAllBlobs(TestClient& client, const proto::Opened& opened) {
     client.blobs(2);
     client.send(wishesForAll(opened.handle));
     const auto blobs = client.blobs(reader().blobCount());
     ASSERT_EQ(blobs.size(), reader().blobCount());
     for (const auto& [wish, bytes] : blobs) EXPECT_EQ(bytes, reader().readBlob(wish)) << wish;
+  }
+  /// A client that opens "a" and gets every blob of it.
+  void expectServed() {
+    TestClient client = connect();
+    expectAllBlobs(client, client.open("a"));
+  }
+  /// The same where the server may not have heard yet that others have gone.
+  void expectServedSoon() {
+    const auto client = letInSoon();
+    ASSERT_TRUE(client);
+    client->send(proto::Open{"a", {}}, 2);
+    expectAllBlobs(*client, client->expect<proto::Opened>(FrameType::kOpened));
   }
   const store::Reader& reader() const {
     if (!reader_) reader_.emplace(store_);

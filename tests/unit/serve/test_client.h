@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -63,7 +64,7 @@ class TestClient {
     const auto frame = receive();
     if (!frame || !frame->is(type)) {
       ADD_FAILURE() << "expected a frame of type " << proto::frameName(static_cast<uint8_t>(type)) << ", got "
-                    << (frame ? proto::frameName(frame->header.type) : "the end");
+                    << nameOf(frame);
       return {};
     }
     return proto::decode<Message>(frame->body);
@@ -90,8 +91,7 @@ class TestClient {
     while (complete.size() < count) {
       const auto frame = receive();
       if (!frame || !frame->is(proto::FrameType::kBlob)) {
-        ADD_FAILURE() << "no Blob frame but "
-                      << (frame ? proto::frameName(frame->header.type) : std::string_view("the end"));
+        ADD_FAILURE() << "no Blob frame but " << nameOf(frame);
         break;
       }
       received_bytes_ += frame->body.size();
@@ -110,6 +110,14 @@ class TestClient {
   asio::ip::tcp::socket& socket() { return socket_; }
 
  private:
+  /// What came, for whom a test fails; of an error what it says.
+  static std::string nameOf(const std::optional<Received>& frame) {
+    if (!frame) return "the end";
+    const std::string name(proto::frameName(frame->header.type));
+    if (!frame->is(proto::FrameType::kError)) return name;
+    return name + ": " + proto::decode<proto::ErrorMessage>(frame->body).message;
+  }
+
   asio::io_context context_;
   asio::ip::tcp::socket socket_;
   uint64_t received_bytes_ = 0;
