@@ -80,19 +80,28 @@ TEST(DecodeImage, survivesFilesCutOffAnywhere) {
     }
 }
 
-TEST(DecodeImage, survivesDamageAnywhere) {
+TEST(DecodeImage, refusesDamageAnywhereOrGivesASizeThatTheHeaderSays) {
   std::mt19937 random(5);
   const Image image = makePhoto(40, 30);
   for (const auto& whole : {pngOf(image), encodeTile(image, TileCodec::kJpeg),
-                            encodeTile(image, TileCodec::kWebp), encodeTile(image, TileCodec::kLossless)})
+                            encodeTile(image, TileCodec::kWebp), encodeTile(image, TileCodec::kLossless)}) {
+    int refused = 0;
     for (int i = 0; i < 500; ++i) {
       std::vector<std::byte> file = whole;
       file[random() % file.size()] ^= static_cast<std::byte>(1 + random() % 255);
       try {
-        decoded(file);
-      } catch (const Error&) {
+        const Image shown = decoded(file);
+        const ImageHeader header = readImageHeader(file);
+        EXPECT_EQ(shown.size, glm::uvec2(header.width, header.height));
+        EXPECT_EQ(shown.texels.size(), size_t{shown.size.x} * shown.size.y);
+      } catch (const Error& error) {
+        EXPECT_TRUE(error.code() == ErrorCode::kInput || error.code() == ErrorCode::kLimit) << error.what();
+        ++refused;
       }
     }
+    EXPECT_GT(refused, 0);
+    EXPECT_LT(refused, 500);
+  }
 }
 
 TEST(DecodeImage, refusesSizesAboveTheLimitBeforeItTakesMemory) {
