@@ -142,8 +142,8 @@ ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options
   return {std::move(served), std::move(options), std::move(child), file};
 }
 
-const ModelSummary& openModel(stream::Streamer& streamer, const ResolvedTarget& target,
-                              std::chrono::milliseconds timeout, std::stop_token stop) {
+ModelSummary openModel(stream::Streamer& streamer, const ResolvedTarget& target,
+                       std::chrono::milliseconds timeout, std::stop_token stop) {
   try {
     return streamer.waitForModel(timeout, std::move(stop));
   } catch (const Error& failed) {

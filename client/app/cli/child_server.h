@@ -52,7 +52,7 @@ ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options
 
 /// Waits until the model of a target is open. @throws Error as stream::Streamer::waitForModel, naming the
 /// target's file.
-const ModelSummary& openModel(stream::Streamer& streamer, const ResolvedTarget& target,
-                              std::chrono::milliseconds timeout, std::stop_token stop = {});
+ModelSummary openModel(stream::Streamer& streamer, const ResolvedTarget& target,
+                       std::chrono::milliseconds timeout, std::stop_token stop = {});
 
 }  // namespace lode::app

@@ -37,7 +37,7 @@ class OpenedTarget {
   ResolvedTarget target_;
   Clock::time_point start_;
   stream::Streamer streamer_;
-  const ModelSummary& model_;
+  ModelSummary model_;
   core::CameraPath path_;
 };
 

@@ -57,7 +57,7 @@ void ModelOpener::run() {
     const ResolvedTarget resolved = resolveTarget(target_, options_, true, stopping_.get_token(), watch);
     say("Connecting to " + net::toString(resolved.served.address));
     stream::Streamer streamer(resolved.served, resolved.options);
-    const ModelSummary& model = openModel(streamer, resolved, timeout_, stopping_.get_token());
+    const ModelSummary model = openModel(streamer, resolved, timeout_, stopping_.get_token());
     const core::Framing framing = frameCoarsely(framing_, streamer, model, timeout_, stopping_.get_token());
     std::unique_lock lock(mutex_);
     progress_.phase.clear();

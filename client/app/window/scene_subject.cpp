@@ -46,7 +46,7 @@ struct SceneSubject::Model {
 
   ResolvedTarget target;
   stream::Streamer streamer;
-  const ModelSummary& summary;
+  ModelSummary summary;
   render::Renderer renderer;
 };
 
