@@ -4,12 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/core/session_fixture.h"
+
 namespace lode::core {
 namespace {
 
 using std::chrono::milliseconds;
-
-constexpr TimePoint kStart{};
+constexpr TimePoint kLinkStart{};
 
 Link makeLink(uint32_t seed) {
   SessionOptions options;
@@ -26,9 +27,9 @@ milliseconds waitOf(const Link& link, TimePoint from) {
 
 TEST(Link, isDueAtOnceAndNotWhileThereIsASession) {
   Link link = makeLink(1);
-  EXPECT_TRUE(link.due(kStart));
-  link.begin({}, kStart);
-  EXPECT_FALSE(link.due(kStart));
+  EXPECT_TRUE(link.due(kLinkStart));
+  link.begin({}, kLinkStart);
+  EXPECT_FALSE(link.due(kLinkStart));
   EXPECT_TRUE(link.session());
 }
 
@@ -36,47 +37,59 @@ TEST(Link, waitsTwiceAsLongAfterEachFailureUpToALimit) {
   Link link = makeLink(1);
   milliseconds longest = kFirstRetry;
   for (int failure = 0; failure < 12; ++failure) {
-    link.begin({}, kStart);
-    link.end("gone", kStart);
-    const milliseconds wait = waitOf(link, kStart);
+    link.begin({}, kLinkStart);
+    link.end("gone", kLinkStart);
+    const milliseconds wait = waitOf(link, kLinkStart);
     EXPECT_GE(wait, longest / 2);
     EXPECT_LE(wait, longest);
     longest = std::min<milliseconds>(2 * longest, kLastRetry);
   }
-  link.begin({}, kStart);
+  link.begin({}, kLinkStart);
   link.succeeded();
-  link.end("gone", kStart);
-  EXPECT_LE(waitOf(link, kStart), kFirstRetry);
+  link.end("gone", kLinkStart);
+  EXPECT_LE(waitOf(link, kLinkStart), kFirstRetry);
 }
 
 TEST(Link, waitsOtherTimesWithOtherSeeds) {
   std::set<milliseconds> waits;
   for (uint32_t seed = 0; seed < 20; ++seed) {
     Link link = makeLink(seed);
-    link.end("gone", kStart);
-    waits.insert(waitOf(link, kStart));
+    link.end("gone", kLinkStart);
+    waits.insert(waitOf(link, kLinkStart));
   }
   EXPECT_GT(waits.size(), 10u);
 }
 
 TEST(Link, triesAnewOnlyWhereTheModelWasOpenAndTheNetworkIsToBlame) {
   Link link = makeLink(1);
-  link.begin({}, kStart);
-  EXPECT_THROW(link.fail(Error(ErrorCode::kNetwork, "refused"), kStart), Error);
+  link.begin({}, kLinkStart);
+  EXPECT_THROW(link.fail(Error(ErrorCode::kNetwork, "refused"), kLinkStart), Error);
   link.succeeded();
-  link.fail(Error(ErrorCode::kNetwork, "reset"), kStart);
+  link.fail(Error(ErrorCode::kNetwork, "reset"), kLinkStart);
   EXPECT_EQ(link.trouble(), "reset");
-  EXPECT_THROW(link.fail(Error(ErrorCode::kProtocol, "nonsense"), kStart), Error);
+  EXPECT_THROW(link.fail(Error(ErrorCode::kProtocol, "nonsense"), kLinkStart), Error);
 }
 
 TEST(Link, saysNothingOfTroubleOnceItWorksAgain) {
   Link link = makeLink(1);
-  link.begin({}, kStart);
-  link.end("gone", kStart);
+  link.begin({}, kLinkStart);
+  link.end("gone", kLinkStart);
   EXPECT_EQ(link.trouble(), "gone");
-  link.begin({}, kStart + kLastRetry);
+  link.begin({}, kLinkStart + kLastRetry);
   link.succeeded();
   EXPECT_EQ(link.trouble(), "");
+}
+
+TEST(Link, countsWhatAllSessionsReceivedAlsoTheOneThatIsLeaving) {
+  Link link = makeLink(1);
+  const proto::Bytes bytes = test::welcome();
+  for (uint64_t sessions = 1; sessions <= 3; ++sessions) {
+    link.begin({}, kLinkStart);
+    link.session()->receive(bytes, kLinkStart);
+    EXPECT_EQ(link.receivedBytes(), sessions * bytes.size());
+  }
+  link.endLeaving();
+  EXPECT_EQ(link.receivedBytes(), 3 * bytes.size());
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ TEST_F(SessionTest, cancelsWhatIsNoLongerWantedAndEndsItOnce) {
   EXPECT_TRUE(changesOf(session_.takeOutgoing()).empty());
   give(proto::encode(proto::Cancelled{wish}, 0));
   EXPECT_EQ(session_.openWishes(), 0u);
+  EXPECT_EQ(session_.wishedBytes(), 0u);
   expectRefused(proto::encode(proto::Cancelled{wish}, 0), "cancelled");
 }
 
