@@ -61,6 +61,7 @@ class EngineTest : public testing::Test {
     opened.summary.name = "strip";
     opened.summary.nodes = nodes_;
     opened.summary.build_id = build_id_;
+    opened.summary.lattice.step = step_;
     opened.summary.root_page = refOf(3);
     Bytes bytes = proto::encode(proto::Welcome{1, 0, 100, ""}, 1);
     append(bytes, proto::encode(opened, 2));
@@ -120,6 +121,7 @@ class EngineTest : public testing::Test {
   Node root_;
   BlobName build_id_{{std::byte{1}}};
   uint32_t nodes_ = 1;
+  double step_ = Lattice{}.step;
   View view_;
   Bytes sent_;
   Engine engine_{options()};
@@ -305,6 +307,31 @@ TEST_F(EngineTest, opensTheNewBuildOfAModelThatWasReplacedAndShowsTheOldOneMeanw
   decodeAll();
   engine_.step(kStart);
   EXPECT_EQ(engine_.counts().open_wishes, 1u);
+}
+
+TEST_F(EngineTest, refusesANewBuildOfAnotherSize) {
+  openAndShowCoarse();
+  engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart);
+  engine_.connect(kStart);
+  build_id_.bytes[0] = std::byte{2};
+  step_ *= 2;
+  try {
+    engine_.receive(greeting(), kStart);
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInput);
+    EXPECT_NE(std::string(error.what()).find("another size"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerFallsSilent) {
+  openAndShowCoarse();
+  TimePoint now = kStart;
+  for (int second = 0; second < 40 && engine_.trouble().empty(); ++second)
+    engine_.step(now += std::chrono::seconds(1));
+  EXPECT_NE(engine_.trouble(), "");
+  EXPECT_EQ(engine_.cut()->triangles, 4u);
+  EXPECT_TRUE(engine_.wantsConnection(now + kFirstRetry));
 }
 
 TEST_F(EngineTest, asksTheServerOfANewBuildForNothingOfTheOldOne) {

@@ -76,6 +76,24 @@ TEST_F(SessionTest, saysThatTheServerIsLeaving) {
   EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server is going away (drain)");
 }
 
+TEST_F(SessionTest, takesAnErrorOfTheServersOwnForOneThatMayPass) {
+  try {
+    give(proto::encode(proto::ErrorMessage{proto::WireError::kInternal, 0, true, "no threads"}, 0));
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kNetwork) << error.what();
+    EXPECT_NE(std::string(error.what()).find("no threads"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(SessionTest, answersPingWithItsPayload) {
+  open();
+  give(proto::encode(proto::Ping{77}, 0));
+  const auto pongs = messagesOf<proto::Pong>(session_.takeOutgoing(), FrameType::kPong);
+  ASSERT_EQ(pongs.size(), 1u);
+  EXPECT_EQ(pongs[0].payload, 77u);
+}
+
 TEST_F(SessionTest, pingsASilentServerAndMeasuresTheRoundTrip) {
   open();
   give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(70));

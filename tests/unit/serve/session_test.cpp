@@ -113,6 +113,30 @@ TEST_F(SessionTest, answersPingWithItsPayload) {
   EXPECT_EQ(only<proto::Pong>(FrameType::kPong, 4).payload, 77u);
 }
 
+TEST_F(SessionTest, takesAPongThatItDidNotAskForAndSaysNothing) {
+  send(proto::Hello{});
+  control();
+  send(proto::Pong{77});
+  EXPECT_TRUE(control().empty());
+  EXPECT_FALSE(session_.closing());
+}
+
+TEST_F(SessionTest, endsOnceItsTokenHasExpired) {
+  const std::chrono::sys_seconds expiry = std::chrono::sys_days(std::chrono::year(2200) / 1 / 31) + 12h;
+  offer_.tokens =
+      std::make_shared<const TokenFile>(TokenFile::parse("some 2200-01-31T12:00:00Z *\nother never *\n"));
+  Session other(host_, limits_, now_);
+  sendTo(other, proto::Hello{1, 1, 0, "other", "test"});
+  send(proto::Hello{1, 1, 0, "some", "test"});
+  control();
+  session_.checkExpiry(expiry - 1s);
+  EXPECT_FALSE(session_.closing());
+  session_.checkExpiry(expiry);
+  expectClosedWith(WireError::kUnauthorized);
+  other.checkExpiry(expiry);
+  EXPECT_FALSE(other.closing());
+}
+
 TEST_F(SessionTest, skipsAnUnknownFrameThatIsOptional) {
   sendRaw(200, proto::kFlagOptional);
   EXPECT_TRUE(control().empty());
