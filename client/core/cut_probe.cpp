@@ -11,22 +11,6 @@
 namespace lode::core {
 namespace {
 
-/// How far along a ray a box begins; nothing if the ray passes it by.
-std::optional<double> distanceTo(const ModelBox& box, const Ray& ray) {
-  double enter = 0, leave = std::numeric_limits<double>::max();
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = box.min[axis] - ray.origin_model[axis], high = box.max[axis] - ray.origin_model[axis];
-    if (ray.direction[axis] == 0) {
-      if (low > 0 || high < 0) return std::nullopt;
-      continue;
-    }
-    const double a = low / ray.direction[axis], b = high / ray.direction[axis];
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
-  }
-  return enter <= leave ? std::optional(enter) : std::nullopt;
-}
-
 struct TriangleHit {
   double distance;
   glm::dvec3 weights;  ///< of the corners
@@ -66,6 +50,21 @@ Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept {
   return {view.eye_model, glm::normalize(view.forward + slope.x * right - slope.y * view.up)};
 }
 
+std::optional<double> distanceAlong(const Ray& ray, const ModelBox& box) noexcept {
+  double enter = 0, leave = std::numeric_limits<double>::max();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = box.min[axis] - ray.origin_model[axis], high = box.max[axis] - ray.origin_model[axis];
+    if (ray.direction[axis] == 0) {
+      if (low > 0 || high < 0) return std::nullopt;
+      continue;
+    }
+    const double a = low / ray.direction[axis], b = high / ray.direction[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  return enter <= leave ? std::optional(enter) : std::nullopt;
+}
+
 CutProbe::CutProbe(std::shared_ptr<const Cut> cut, double step) : cut_(std::move(cut)), step_(step) {
   boxes_.resize(partCount(*cut_));
   for (size_t number = 0; number < boxes_.size(); ++number) {
@@ -80,7 +79,7 @@ std::optional<Hit> CutProbe::cast(const Ray& ray, std::span<const uint32_t> show
   double limit = std::numeric_limits<double>::max();
   for (const uint32_t number : shown) {
     if (boxes_[number].empty()) continue;
-    const std::optional<double> begin = distanceTo(toModelBox(boxes_[number], step_), ray);
+    const std::optional<double> begin = distanceAlong(ray, toModelBox(boxes_[number], step_));
     if (!begin || *begin > limit) continue;
     const CutPart& part = partOf(*cut_, number);
     const Mesh& mesh = *part.mesh;

@@ -21,6 +21,9 @@ struct Ray {
 /// From the eye through a place of the picture. @param place_px  from its top left corner, y down.
 Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept;
 
+/// How far along a ray a box begins, 0 inside; nothing if the ray passes it by.
+std::optional<double> distanceAlong(const Ray& ray, const ModelBox& box) noexcept;
+
 /// Where a ray meets a cut first.
 struct Hit {
   const CutPart* part = nullptr;  ///< of the probed cut, or one of its fallbacks

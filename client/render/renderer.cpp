@@ -104,6 +104,19 @@ void Renderer::show(const std::shared_ptr<const core::Cut>& cut) {
   textures_.show(cut, meshes_.drawnCut());
 }
 
+/// The cut that is uploaded and drawn keeps the others, whose meshes it has.
+void Renderer::show(const std::shared_ptr<const core::PlacedCuts>& placed) {
+  std::erase_if(placed_, [](const auto& known) { return known.expired(); });
+  if (!meshes_.newest() || meshes_.newest() != placed->all) placed_.push_back(placed);
+  show(std::shared_ptr<const core::Cut>(placed, placed->all.get()));
+}
+
+std::shared_ptr<const core::PlacedCuts> Renderer::drawnPlaced() const {
+  for (const auto& known : placed_)
+    if (const auto placed = known.lock(); placed && placed->all == meshes_.drawnCut()) return placed;
+  return nullptr;
+}
+
 void Renderer::uploadInRenderThread(const UploadBudget& budget) {
   UploadBudget left = budget;
   const uint64_t used_bytes = meshes_.uploadInRenderThread(budget);
@@ -158,8 +171,29 @@ bool Renderer::ageing() const noexcept {
   return std::ranges::any_of(in_picture_, [](const DrawItem& item) { return item.age_s <= kOldS; });
 }
 
+/// What a cut at a place shows to its camera.
+std::vector<FadedItem> Renderer::itemsOf(const core::Cut& cut, const core::View& view) {
+  if (numbered_serial_ != meshes_.drawnSerial()) {
+    numbered_serial_ = meshes_.drawnSerial();
+    drawn_numbers_.clear();
+    const core::Cut& all = *meshes_.drawnCut();
+    for (uint32_t number = 0; number < core::partCount(all); ++number)
+      drawn_numbers_.emplace(core::partOf(all, number).mesh.get(), number);
+  }
+  std::vector<FadedItem> items;
+  for (const uint32_t number : core::shownParts(cut, view)) {
+    const core::CutPart& part = core::partOf(cut, number);
+    DrawItem item = meshes_.drawn()[drawn_numbers_.at(part.mesh.get())];
+    item.error_px = part.error_px;
+    item.age_s = kOldS;
+    items.push_back({item});
+  }
+  return items;
+}
+
 /// Sorts by page what is in the picture.
-DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
+DrawCounts Renderer::collect(std::span<const FadedItem> items, size_t cover_count, const core::View& view,
+                             const DrawStyle& style) {
   DrawCounts counts;
   for (DrawList* const list : {&whole_, &fading_}) {
     list->by_page.resize(meshes_.pages().pageCount());
@@ -169,8 +203,8 @@ DrawCounts Renderer::collect(const core::View& view, const DrawStyle& style) {
   in_picture_.clear();
   const core::Sight sight(view, 1);
   size_t number = 0;
-  for (const FadedItem& faded : fade_.items()) {
-    const bool is_of_cut = number++ < fade_.coverCount();
+  for (const FadedItem& faded : items) {
+    const bool is_of_cut = number++ < cover_count;
     const DrawItem& item = faded.item;
     if (sight.see(core::toModelBox(item.box, lattice_step_)) == core::Seen::kNot) continue;
     if (is_of_cut) in_picture_.push_back(item);
@@ -240,7 +274,7 @@ const GlProgram& Renderer::program(bool fades) const noexcept {
 }
 
 uint32_t Renderer::drawList(const DrawList& list) const {
-  const AttributeSet attributes = fade_.items().front().item.attributes;  // the model's, of all meshes
+  const AttributeSet attributes = meshes_.drawn().front().attributes;  // the model's, of all meshes
   const auto stride = static_cast<GLsizei>(vertexBytes(attributes));
   if (attributes.has(AttributeSet::kTexture)) {
     glEnableVertexArrayAttrib(mesh_array_.get(), kTextureCode);
@@ -286,9 +320,22 @@ DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, con
   setFrameState();
   if (!style.over) drawBackground(style);
   choose(view, time);
-  DrawCounts counts = collect(view, style);
-  if (counts.nodes == 0) return counts;
+  return drawCollected(view, style, collect(fade_.items(), fade_.coverCount(), view, style));
+}
 
+DrawCounts Renderer::drawPlace(size_t place, const core::View& view, const Framebuffer& target,
+                               const DrawStyle& style) {
+  target.bindForDrawing();
+  setFrameState();
+  if (!style.over) drawBackground(style);
+  const auto placed = drawnPlaced();
+  if (!placed) return {};
+  const std::vector<FadedItem> items = itemsOf(*placed->cuts[place], view);
+  return drawCollected(view, style, collect(items, items.size(), view, style));
+}
+
+DrawCounts Renderer::drawCollected(const core::View& view, const DrawStyle& style, DrawCounts counts) {
+  if (counts.nodes == 0) return counts;
   glEnable(GL_DEPTH_TEST);
   bindDraws();
   // What an image leaves clear is left out sample by sample, so that nothing has to be sorted.

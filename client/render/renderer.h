@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "client/core/cut.h"
+#include "client/core/placed_cuts.h"
 #include "client/core/view.h"
 #include "client/render/cross_fade.h"
 #include "client/render/framebuffer.h"
@@ -49,6 +51,10 @@ class Renderer {
 
   /// The newest cut, its meshes and its textures.
   void show(const std::shared_ptr<const core::Cut>& cut);
+  /// The newest cuts of a model that stands in several places.
+  void show(const std::shared_ptr<const core::PlacedCuts>& placed);
+  /// Those that are drawn by place; null while there are none.
+  std::shared_ptr<const core::PlacedCuts> drawnPlaced() const;
   /// Uploads towards it, meshes first, within the budget.
   void uploadInRenderThread(const UploadBudget& budget);
   /// The newest cut is the one drawn, with all of its textures.
@@ -66,6 +72,10 @@ class Renderer {
   /// Draws background and model. view.width_px and height_px are those of the target.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
                   const DrawTime& time = {});
+  /// Draws the model at one of the places of drawnPlaced(). Nothing fades there, or is told by its age.
+  /// @param view  as the model sees it from there.
+  DrawCounts drawPlace(size_t place, const core::View& view, const Framebuffer& target,
+                       const DrawStyle& style);
   /// The next frame differs from the last, although nothing else has changed.
   bool fading() const noexcept { return fade_.fading(); }
   /// Something in the last picture is not old yet: colours by age still change.
@@ -92,7 +102,10 @@ class Renderer {
   void drawBackground(const DrawStyle& style) const;
   DrawState stateOf(const FadedItem& faded, const DrawStyle& style) const;
   void choose(const core::View& view, const DrawTime& time);
-  DrawCounts collect(const core::View& view, const DrawStyle& style);
+  DrawCounts collect(std::span<const FadedItem> items, size_t cover_count, const core::View& view,
+                     const DrawStyle& style);
+  DrawCounts drawCollected(const core::View& view, const DrawStyle& style, DrawCounts counts);
+  std::vector<FadedItem> itemsOf(const core::Cut& cut, const core::View& view);
   void setCamera(const core::View& view, const DrawStyle& style) const;
   void setTextures() const;
   void bindDraws();
@@ -101,6 +114,9 @@ class Renderer {
   uint32_t drawWireframe(const DrawList& list) const;
 
   double lattice_step_;
+  std::vector<std::weak_ptr<const core::PlacedCuts>> placed_;  ///< shown, and still to be drawn
+  std::unordered_map<const Mesh*, uint32_t> drawn_numbers_;    ///< of meshes_.drawn(), for places,
+  uint64_t numbered_serial_ = 0;                               ///< of this cut
   MeshResidency meshes_;
   TextureResidency textures_;
   CrossFade fade_;

@@ -13,7 +13,7 @@ Target parseFile(std::string_view text) {
   const std::filesystem::path path{text};
   if (namesScene(text))
     throw Error(ErrorCode::kUsage,
-                path.string() + " is a scene: render draws scenes, this command takes one model");
+                path.string() + " is a scene: view and render draw scenes, this command takes one model");
   std::error_code failed;
   const auto status = std::filesystem::status(path, failed);
   if (!std::filesystem::exists(status))

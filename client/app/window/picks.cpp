@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace lode::app {
 namespace {
@@ -27,19 +28,30 @@ std::string nodeName(NodeKey node) {
 
 }  // namespace
 
-void Picks::add(const core::Hit& hit, const ModelSummary& model) {
+PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model) {
+  return {hit.position_model,
+          model.lattice.origin + hit.position_model,
+          hit.part->node,
+          hit.part->rung,
+          hit.part->error_px,
+          model.lattice.step,
+          hit.colour,
+          model.attributes.has(AttributeSet::kColour),
+          ""};
+}
+
+void Picks::add(PickedPoint point) {
   if (picks_.size() == 2) picks_.erase(picks_.begin());
-  picks_.push_back({model.lattice.origin + hit.position_model, hit.part->node, hit.part->rung,
-                    hit.part->error_px, model.lattice.step, hit.colour,
-                    model.attributes.has(AttributeSet::kColour)});
+  picks_.push_back(std::move(point));
 }
 
 std::vector<std::string> Picks::lines() const {
   if (picks_.empty()) return {};
-  const Pick& last = picks_.back();
+  const PickedPoint& last = picks_.back();
   const int decimals = decimalsOf(last.step);
   char text[160];
   std::vector<std::string> lines{coordinates(last.position, decimals)};
+  if (!last.model.empty()) lines.push_back("model " + last.model);
   std::snprintf(text, sizeof text, "node %s, rung %u, error %.2f px", nodeName(last.node).c_str(), last.rung,
                 static_cast<double>(last.error_px));
   lines.emplace_back(text);

@@ -8,10 +8,25 @@
 
 namespace lode::app {
 
+/// A point of a picture.
+struct PickedPoint {
+  glm::dvec3 position_model;  ///< in the frame of what is looked at
+  glm::dvec3 position;        ///< true coordinates
+  NodeKey node;
+  uint32_t rung = 0;
+  float error_px = 0;
+  double step = 1;  ///< of the lattice
+  glm::u8vec4 colour{255};
+  bool has_colour = false;
+  std::string model;  ///< whose point it is, where there are several
+};
+
+PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model);
+
 /// The last two points that were clicked on, as text.
 class Picks {
  public:
-  void add(const core::Hit& hit, const ModelSummary& model);
+  void add(PickedPoint point);
   void clear() noexcept { picks_.clear(); }
 
   /// Of the last point: coordinates, node, rung, error, colour; and how far it is from the one before.
@@ -19,16 +34,7 @@ class Picks {
   std::vector<std::string> lines() const;
 
  private:
-  struct Pick {
-    glm::dvec3 position;  ///< true coordinates
-    NodeKey node;
-    uint32_t rung = 0;
-    float error_px = 0;
-    double step = 1;  ///< of the lattice
-    glm::u8vec4 colour{255};
-    bool has_colour = false;
-  };
-  std::vector<Pick> picks_;
+  std::vector<PickedPoint> picks_;
 };
 
 }  // namespace lode::app

@@ -1,8 +1,6 @@
 #include "client/app/window/scene_subject.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/first_camera.h"
@@ -11,12 +9,9 @@
 #include "client/core/sight.h"
 #include "client/render/memory_shares.h"
 #include "common/error.h"
-#include "common/octahedral.h"
 
 namespace lode::app {
 namespace {
-
-constexpr double kGroundRadii = 40;  ///< of the scene, that the ground reaches
 
 CommonOptions optionsOf(const CommonOptions& scene, const std::string& target) {
   CommonOptions options = scene;
@@ -59,22 +54,10 @@ SceneSubject::SceneSubject(const CommonOptions& options, bool announce)
     const CommonOptions of_model = optionsOf(options, target);
     models_.push_back(std::make_unique<Model>(of_model, shareOf(of_model, scene_.models.size()), announce));
   }
-  min_ = glm::dvec3(std::numeric_limits<double>::infinity());
-  max_ = -min_;
-  for (const auto& [model, placement] : scene_.instances) {
-    const ModelSummary& summary = models_[model]->summary;
-    near_ = std::max(near_, summary.lattice.step * placement.scale);
-    for (unsigned corner = 0; corner < 8; ++corner) {
-      const glm::uvec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
-      const glm::uvec3 at = glm::mix(summary.box.min, summary.box.max, glm::bvec3(choice));
-      const glm::dvec3 point =
-          placement.position + placement.rotation * (placement.scale * summary.lattice.toWorld(at));
-      min_ = glm::min(min_, point);
-      max_ = glm::max(max_, point);
-    }
-  }
+  std::vector<const ModelSummary*> summaries;
+  for (const auto& model : models_) summaries.push_back(&model->summary);
+  stage_.emplace(scene_, summaries);
   path_ = framingPath(options);
-  if (scene_.ground) makeGround();
 }
 
 SceneSubject::~SceneSubject() = default;
@@ -84,63 +67,16 @@ core::CameraPath SceneSubject::framingPath(const CommonOptions& options) const {
   if (const auto wanted = wantedPath(options)) return *wanted;
   core::Framing framing = wantedFraming(options);
   if (!framing.up) framing.up = scene_.up;
-  ModelSummary whole;
-  const double longest = std::max({max_.x - min_.x, max_.y - min_.y, max_.z - min_.z, 1e-9});
-  whole.lattice.origin = min_;
-  whole.lattice.step = std::exp2(std::ceil(std::log2(longest / kMaxLattice)));
-  whole.box.add(glm::uvec3(0));
-  whole.box.add(whole.lattice.snap(max_));
-  return core::framingCamera(whole, framing);
-}
-
-/// A square around the scene, as a model of two triangles.
-void SceneSubject::makeGround() {
-  const glm::dvec3 up = scene_.up, middle = (min_ + max_) / 2.0;
-  const double reach = kGroundRadii * std::max(glm::length(max_ - min_), 1e-9);
-  ground_lattice_.step = std::exp2(std::ceil(std::log2(2 * reach / kMaxLattice)));
-  ground_lattice_.origin = middle - glm::dvec3(ground_lattice_.step * (kMaxLattice * 0.5));
-  const glm::dvec3 across(up.y, up.z, up.x), along = glm::cross(up, across);
-  const glm::dvec3 below = middle + up * (scene_.ground->height - glm::dot(middle, up));
-  auto mesh = std::make_shared<Mesh>();
-  mesh->attributes.bits = AttributeSet::kColour | AttributeSet::kNormal;
-  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-    const glm::dvec3 corner =
-        below + reach * (across * static_cast<double>(x) + along * static_cast<double>(y));
-    mesh->positions.push_back(packPosition(ground_lattice_.snap(corner)));
-    mesh->vertex_attributes.push_back(
-        {encodeOctahedral(glm::vec3(up)), 0, glm::u8vec4(scene_.ground->colour_srgb, 255), {}});
-  }
-  mesh->triangles = {{0, 1, 2}, {0, 2, 3}};
-  auto cut = std::make_shared<core::Cut>();
-  cut->parts.push_back({kRootKey, 0, true, 0, std::move(mesh)});
-  cut->triangles = 2;
-  ground_ = std::move(cut);
-  backdrop_.setLatticeStep(ground_lattice_.step);
-  near_ = std::max(near_, ground_lattice_.step);
-  backdrop_.show(ground_);
-  backdrop_.uploadInRenderThread({.wait = true});
-}
-
-/// Behind all: the sky, and the ground if there is one.
-void SceneSubject::drawGround(const core::View& view, const render::Framebuffer& target,
-                              const render::DrawStyle& style) {
-  render::DrawStyle surface = style;
-  if (style.show != render::Show::kUnlit) surface.show = render::Show::kSurface;
-  backdrop_.draw(viewFrom(view, {}, ground_lattice_.origin), target, surface);
+  return core::framingCamera(stage_->whole(), framing);
 }
 
 Taken SceneSubject::take(double t, const render::Framebuffer& target, render::DrawStyle style) {
   const ModelSummary in_scene;  // whose origin is the scene's
   core::View view =
       core::toView(core::cameraAt(path_, t), path_.fov_y_deg, size_.width_px, size_.height_px, in_scene);
-  view.near_model = near_;
-  style.up = scene_.up;
-  if (scene_.sky) {
-    style.background_top_srgb = glm::vec3(scene_.sky->top_srgb) / 255.0f;
-    style.background_bottom_srgb = glm::vec3(scene_.sky->bottom_srgb) / 255.0f;
-  }
-  drawGround(view, target, style);
-  style.over = true;
+  view.near_model = stage_->nearest();
+  stage_->draw(view, target, style);
+  style = stage_->styleOver(style);
   Taken taken;
   taken.is_finest = true;
   for (const auto& [number, placement] : scene_.instances) {

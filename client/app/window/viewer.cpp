@@ -9,9 +9,9 @@
 #include "client/app/cli/first_camera.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
-#include "client/app/window/ground_below.h"
+#include "client/app/window/viewed_model.h"
+#include "client/app/window/viewed_scene.h"
 #include "client/core/camera_path_writer.h"
-#include "client/core/shown_parts.h"
 #include "client/render/image.h"
 #include "client/render/memory_shares.h"
 #include "common/error.h"
@@ -34,12 +34,15 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 
 stream::StreamOptions streamOptions(const CommonOptions& common) {
   stream::StreamOptions options = common.streamOptions();
-  const render::MemoryShares memory = render::shareMemory(options.memory_budget_bytes);
-  options.memory_budget_bytes = memory.stream_bytes;
-  options.drawn_budget_bytes = memory.drawn_bytes;
   options.hold_factor = core::kHoldFactor;
   options.prefetch = true;
   return options;
+}
+
+std::unique_ptr<Exhibit> exhibitOf(const CommonOptions& common) {
+  if (namesScene(common.target)) return std::make_unique<ViewedScene>(common);
+  return std::make_unique<ViewedModel>(parseTarget(common.target), streamOptions(common),
+                                       wantedFraming(common), common.timeout());
 }
 
 std::string timedName(const std::string& ending) {
@@ -55,15 +58,13 @@ std::string timedName(const std::string& ending) {
 
 Viewer::Viewer(const ViewOptions& options)
     : options_(options),
-      named_(parseTarget(options.common.target)),
       threshold_px_(options.common.pixels),
       wanted_path_(wantedPath(options.common)),
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
-      renderer_(1, render::shareMemory(options.common.streamOptions().memory_budget_bytes).gpu),
+      exhibit_(exhibitOf(options.common)),
       control_(options.fps),
-      opener_(named_, streamOptions(options.common), wantedFraming(options.common), options.common.timeout()),
       first_start_(cacheFolder()) {
   content_.title = options.common.target;
   content_.help = options.screenshot.empty() && first_start_.isHelpDue();
@@ -82,14 +83,15 @@ void Viewer::run() {
 
 /// Nothing more will come for what is looked at now.
 bool Viewer::settled() const {
-  return streamer_ != nullptr && status_.settled && status_.cut && status_.cut->view == rig_->view() &&
-         (renderer_.upToDate() || renderer_.meshes().overBudget());
+  const stream::StreamStatus& status = exhibit_->status();
+  return rig_ && status.settled && status.cut && status.cut->view == rig_->view() &&
+         (exhibit_->upToDate() || exhibit_->overBudget());
 }
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
-  if (moved_ || frames_to_draw_ > 0 || uploading_ || renderer_.fading()) return 0;
-  return (settled() || status_.ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
+  if (moved_ || frames_to_draw_ > 0 || uploading_ || exhibit_->fading()) return 0;
+  return (settled() || exhibit_->status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
 }
 
 void Viewer::frame() {
@@ -103,7 +105,7 @@ void Viewer::frame() {
   if (!target_ || target_->widthPx() != window_.widthPx() || target_->heightPx() != window_.heightPx()) {
     target_.emplace(window_.widthPx(), window_.heightPx());
   }
-  if (streamer_ != nullptr) {
+  if (rig_) {
     rig_->resize(window_.widthPx(), window_.heightPx());
     pick(input);
     moveCamera(input, seconds);
@@ -121,9 +123,9 @@ void Viewer::frame() {
 /// Something has changed that can be seen, other than what the last frame took and, at rest, bytes that only
 /// keep the connection.
 bool Viewer::isPictureOld(const Input& input) const {
-  if (input.any() || input.damaged || uploading_ || renderer_.fading() || !options_.screenshot.empty())
+  if (input.any() || input.damaged || uploading_ || exhibit_->fading() || !options_.screenshot.empty())
     return true;
-  if (style_.show == render::Show::kAges && renderer_.ageing()) return true;
+  if (style_.show == render::Show::kAges && exhibit_->ageing()) return true;
   PanelContent now = content_;
   now.frame_ms = drawn_.content.frame_ms;
   now.upload_ms = drawn_.content.upload_ms;
@@ -132,7 +134,7 @@ bool Viewer::isPictureOld(const Input& input) const {
     now.link_bytes_per_s = drawn_.content.link_bytes_per_s;
     now.round_trip_ms = drawn_.content.round_trip_ms;
   }
-  return now != drawn_.content || renderer_.meshes().drawnCut() != drawn_.cut ||
+  return now != drawn_.content || exhibit_->drawnSerial() != drawn_.serial ||
          (rig_ && rig_->view() != drawn_.view);
 }
 
@@ -172,51 +174,37 @@ void Viewer::openOrCloseHelp(const Input& input) {
 }
 
 void Viewer::openWhenReady() {
-  if (streamer_ != nullptr) return;
-  const ModelOpener::Progress progress = opener_.progress();
-  if (progress.error) throw *progress.error;
-  content_.waiting = progress.phase;
-  content_.waiting_part = progress.part;
+  if (rig_) return;
+  const Exhibit::Opening opening = exhibit_->open();
+  if (opening.error) throw *opening.error;
+  content_.waiting = opening.phase;
+  content_.waiting_part = opening.part;
   content_.waited_s = secondsSince(started_);
-  if (progress.streamer == nullptr) return;
-  const ModelSummary& model = *progress.model;
-  renderer_.setLatticeStep(model.lattice.step);
-  core::Framing framing = progress.framing;
+  if (!opening.is_open) return;
+  const ModelSummary& summary = exhibit_->summary();
+  core::Framing framing = exhibit_->framing();
   if (window_.heightPx() > 0)  // not minimized
     framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
-  rig_.emplace(model, framing, wanted_path_, window_.widthPx(), window_.heightPx());
-  streamer_ = progress.streamer;
-  model_ = progress.model;
-  content_.title = model.name;
-  content_.model_triangles = model.triangles;
-  window_.setTitle(model.name + " - Lodestream");
-}
-
-/// Of what is drawn; null while that is nothing.
-const core::CutProbe* Viewer::probe() {
-  const auto& cut = renderer_.meshes().drawnCut();
-  if (!cut) return nullptr;
-  if (!probe_ || probe_->cut() != cut) probe_.emplace(cut, model_->lattice.step);
-  return &*probe_;
+  rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
+  content_.title = summary.name;
+  content_.model_triangles = summary.triangles;
+  window_.setTitle(summary.name + " - Lodestream");
 }
 
 /// What is drawn at a place.
-std::optional<core::Hit> Viewer::under(const glm::dvec2& place_px) {
-  if (probe() == nullptr) return std::nullopt;
-  return probe_->cast(core::rayThrough(rig_->view(), place_px),
-                      core::shownParts(*probe_->cut(), rig_->view()));
+std::optional<PickedPoint> Viewer::under(const glm::dvec2& place_px) {
+  return exhibit_->under(rig_->view(), place_px);
 }
 
 void Viewer::moveCamera(const Input& input, double seconds) {
   const core::View before = rig_->view();
   const CameraKind kind_before = rig_->kind();
   // A walk begins where the pointer is, or the middle of the picture.
-  std::optional<core::Hit> start;
+  std::optional<PickedPoint> start;
   if (input.toggle_camera) start = under(input.pointer_px);
   if (input.toggle_camera && !start) start = under({before.width_px / 2.0, before.height_px / 2.0});
   const auto ground = [this](const glm::dvec3& point) -> std::optional<render::Ground> {
-    if (probe() == nullptr) return std::nullopt;
-    return groundBelow(*probe_, rig_->view(), point, rig_->up());
+    return exhibit_->groundBelow(rig_->view(), point, rig_->up());
   };
   rig_->apply(input, std::min(seconds, kLongestStepS), ground);
   if (start && rig_->kind() != kind_before) rig_->standAt(start->position_model);
@@ -231,7 +219,7 @@ void Viewer::pick(const Input& input) {
     note(text.empty() ? "click on the model first" : "copied");
   }
   if (!input.pressed && !input.clicked && input.wheel == 0) return;
-  const std::optional<core::Hit> hit = under(input.pointer_px);
+  const std::optional<PickedPoint> hit = under(input.pointer_px);
   if (!hit) {
     if (input.clicked) picks_.clear();
     return;
@@ -240,11 +228,12 @@ void Viewer::pick(const Input& input) {
     rig_->flyTo(hit->position_model);
   else
     rig_->turnAbout(hit->position_model);
-  if (input.clicked && !input.double_clicked) picks_.add(*hit, *model_);
+  if (input.clicked && !input.double_clicked) picks_.add(*hit);
 }
 
 void Viewer::record(const Input& input) {
-  recorder_.see(secondsSince(started_), rig_->view(), rig_->distanceModel(), model_->lattice.origin);
+  recorder_.see(secondsSince(started_), rig_->view(), rig_->distanceModel(),
+                exhibit_->summary().lattice.origin);
   if (!input.record) return;
   if (!recorder_.recording()) {
     recorder_.start();
@@ -270,13 +259,10 @@ void Viewer::controlFrameRate(double seconds) {
 }
 
 void Viewer::stream() {
-  streamer_->setView(rig_->view(), asked_px_);
-  status_ = streamer_->status();
-  if (status_.cut) renderer_.show(status_.cut);
-  if (probe_ && probe_->cut() != renderer_.meshes().drawnCut()) probe_.reset();  // it keeps all of its meshes
-  uploading_ = !renderer_.upToDate() && !renderer_.meshes().overBudget();
+  exhibit_->look(rig_->view(), asked_px_);
+  uploading_ = !exhibit_->upToDate() && !exhibit_->overBudget();
   const Clock::time_point start = Clock::now();
-  renderer_.uploadInRenderThread({});
+  exhibit_->uploadInRenderThread();
   content_.upload_ms = secondsSince(start) * 1e3;
 }
 
@@ -291,17 +277,17 @@ void Viewer::draw() {
   core::View view;
   view.width_px = target_->widthPx();
   view.height_px = target_->heightPx();
-  const core::Cut* const cut = renderer_.meshes().drawnCut().get();
-  timer_.begin(cut != nullptr ? std::max(1.0f, cut->threshold_px / threshold_px_) : 1);
+  timer_.begin(std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_));
   if (rig_) style_.up = rig_->up();
-  const render::DrawCounts drawn = renderer_.draw(rig_ ? rig_->view() : view, *target_, style_, time());
+  const render::DrawCounts drawn = exhibit_->draw(rig_ ? rig_->view() : view, *target_, style_, time());
   target_->resolve();
   target_->copyTo(0);
   content_.triangles = drawn.triangles;
   content_.nodes = drawn.nodes;
   content_.error_px = drawn.error_px;
-  content_.legend = legendOf(style_.show, renderer_.inPicture(), cut != nullptr ? cut->threshold_px : 1);
-  drawn_ = {rig_ ? rig_->view() : view, renderer_.meshes().drawnCut(), content_};
+  content_.legend =
+      legendOf(style_.show, exhibit_->inPicture(), std::max(exhibit_->drawnThresholdPx(), kLeastThresholdPx));
+  drawn_ = {rig_ ? rig_->view() : view, exhibit_->drawnSerial(), content_};
   panel_.setScale(window_.contentScale());
   panel_.draw(content_);
   saveScreenshots();
@@ -311,33 +297,33 @@ void Viewer::draw() {
 }
 
 void Viewer::describeStream() {
-  const core::EngineCounts& counts = status_.counts;
+  const stream::StreamStatus& status = exhibit_->status();
+  const core::EngineCounts& counts = status.counts;
   content_.received_bytes = counts.received_bytes;
   content_.link_bytes_per_s = counts.link_bytes_per_s;
   content_.round_trip_ms = counts.round_trip_ms;
   content_.open_wishes = counts.open_wishes;
   content_.resident_bytes = counts.resident_bytes + counts.texture_bytes;
   content_.tiles_left_out = counts.tiles_left_out;
-  content_.converged = settled() && renderer_.upToDate() && status_.cut->converged;
-  content_.exhausted = status_.exhausted;
-  content_.progress =
-      status_.cut ? progress_.see(status_.cut->max_error_px, asked_px_, content_.converged) : 0;
+  content_.converged = settled() && exhibit_->upToDate() && status.cut->converged;
+  content_.exhausted = status.exhausted;
+  content_.progress = status.cut ? progress_.see(status.cut->max_error_px, asked_px_, content_.converged) : 0;
   const bool is_offline = options_.common.streamOptions().offline;
-  content_.notice = noticeOf(status_, is_offline, renderer_.meshes().overBudget());
+  content_.notice = noticeOf(status, is_offline, exhibit_->overBudget());
 }
 
 void Viewer::describe() {
   describeStream();
-  const core::Cut* const cut = renderer_.meshes().drawnCut().get();
-  if (streamer_ != nullptr) {
-    const bool is_waiting = cut == nullptr && !status_.ended;
+  if (rig_) {
+    const bool is_waiting = exhibit_->drawnThresholdPx() == 0 && !exhibit_->status().ended;
     content_.waiting = is_waiting ? "Loading the first picture" : "";
     content_.waiting_part = -1;
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;
   }
-  content_.gpu_bytes = renderer_.gpuBytes();
-  content_.tiles = renderer_.textures().tileCount();
-  content_.textured = renderer_.textures().set() != nullptr;
+  const Exhibit::GpuUse gpu = exhibit_->gpuUse();
+  content_.gpu_bytes = gpu.bytes;
+  content_.tiles = gpu.tiles;
+  content_.textured = gpu.textured;
   content_.threshold_px = asked_px_;
   content_.target_ms = asked_px_ > threshold_px_ ? control_.targetMs() : 0;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
@@ -352,10 +338,11 @@ void Viewer::note(const std::string& message) {
 }
 
 void Viewer::refuseScreenshot() const {
+  const std::string& failure = exhibit_->status().failure;
   throw Error(ErrorCode::kTimeout,
               options_.common.target + " did not converge for the screenshot" +
-                  (status_.failure.empty() ? "; allow more with --timeout, or a larger error with --pixels"
-                                           : ": " + status_.failure));
+                  (failure.empty() ? "; allow more with --timeout, or a larger error with --pixels"
+                                   : ": " + failure));
 }
 
 /// The one that the command line asks for ends the program; one asked for by a key does not.
@@ -364,7 +351,7 @@ void Viewer::saveScreenshots() {
     if (content_.converged) {
       render::writePng(options_.screenshot, window_.readBack());
       done_ = true;
-    } else if (status_.ended || settled() || secondsSince(started_) > options_.common.timeout_s) {
+    } else if (exhibit_->status().ended || settled() || secondsSince(started_) > options_.common.timeout_s) {
       refuseScreenshot();
     }
   }

@@ -1,25 +1,23 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "client/app/cli/common_options.h"
-#include "client/app/cli/target.h"
 #include "client/app/window/camera_rig.h"
+#include "client/app/window/exhibit.h"
 #include "client/app/window/first_start.h"
 #include "client/app/window/glfw_window.h"
 #include "client/app/window/look_options.h"
-#include "client/app/window/model_opener.h"
 #include "client/app/window/panel.h"
 #include "client/app/window/path_recorder.h"
 #include "client/app/window/picks.h"
 #include "client/app/window/refining_progress.h"
-#include "client/core/cut_probe.h"
 #include "client/render/frame_rate_control.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
-#include "client/render/renderer.h"
 
 namespace lode::app {
 
@@ -52,8 +50,7 @@ class Viewer {
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);
   void record(const Input& input);
-  const core::CutProbe* probe();
-  std::optional<core::Hit> under(const glm::dvec2& place_px);
+  std::optional<PickedPoint> under(const glm::dvec2& place_px);
   void moveCamera(const Input& input, double seconds);
   void controlFrameRate(double seconds);
   void stream();
@@ -69,35 +66,28 @@ class Viewer {
   bool settled() const;
 
   const ViewOptions options_;
-  const Target named_;
   double work_ms_ = 0;  ///< of the last frame that was measured
   float threshold_px_;  ///< while the camera rests,
   float asked_px_ = 1;  ///< and of the next cut
   const std::optional<core::CameraPath> wanted_path_;
   GlfwWindow window_;
   Panel panel_;
-  render::Renderer renderer_;
+  const std::unique_ptr<Exhibit> exhibit_;
   std::optional<render::Framebuffer> target_;
   render::FrameTimer timer_;
   render::FrameRateControl control_;
-  std::optional<CameraRig> rig_;
-  ModelOpener opener_;
-  stream::Streamer* streamer_ = nullptr;  ///< opener_'s, once the model is open
-  const ModelSummary* model_ = nullptr;   ///< the same
-
+  std::optional<CameraRig> rig_;  ///< once it is open
   /// What the picture in the window was drawn from.
   struct Drawn {
     core::View view;
-    std::shared_ptr<const core::Cut> cut;
+    uint64_t serial = 0;
     PanelContent content;
   };
 
-  std::optional<core::CutProbe> probe_;  ///< of the cut last clicked or walked on
   Picks picks_;
   RefiningProgress progress_;
   const FirstStart first_start_;
   PathRecorder recorder_;
-  stream::StreamStatus status_;
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe
   PanelContent content_;

@@ -98,6 +98,35 @@ TEST_F(DrawnScenes, hideWhatIsBehindInWhateverOrderInstancesComeAndHoweverTheyAr
   }
 }
 
+TEST_F(DrawnScenes, areTheSamePictureInTheWindowFromSeveralServers) {
+  ASSERT_EQ(lodestreamd({"sample", "scene", "--triangles", "3000", "-o", folder_ / "s"}).status, 0);
+  const std::filesystem::path rock = folder_ / "s" / "rock.lode", file = folder_ / "s" / "scene.json";
+  ASSERT_EQ(lodestreamd({"build", folder_ / "s" / "rock.ply", "-o", rock}).status, 0);
+  RunningServer server({rock});
+  auto scene = nlohmann::json::parse(readBytes(file));
+  scene["models"]["rock"] = server.url("rock");
+  writeBytes(file, scene.dump());
+  const Outcome drawn = lodestream({"render", file, "--size", "1000x700", "-o", folder_ / "render.png"});
+  if (cannotDraw(drawn, "cannot draw off-screen")) GTEST_SKIP() << drawn.err;
+  ASSERT_EQ(drawn.status, 0) << drawn.err;
+  Program program("xvfb-run",
+                  {"-a", "-s", "-screen 0 1024x1024x24", LODE_BIN_DIR "/bin/lodestream", "view", file,
+                   "--size", "1000x700", "--pixels", "1", "--screenshot", folder_ / "window.png"});
+  const Outcome outcome = program.wait();
+  if (outcome.status == 127) GTEST_SKIP() << "no xvfb-run: install xvfb";
+  ASSERT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const Picture window(folder_ / "window.png"), render(folder_ / "render.png");
+  size_t other = 0, looked_at = 0;
+  for (int y = 0; y < 700; ++y) {
+    for (int x = 400; x < 1000; ++x, ++looked_at) {  // right of the panel
+      const uint8_t *const a = window.pixel(x, y), *const b = render.pixel(x, y);
+      other += std::abs(a[0] - b[0]) > 8 || std::abs(a[1] - b[1]) > 8 || std::abs(a[2] - b[2]) > 8;
+    }
+  }
+  EXPECT_LT(static_cast<double>(other), 1e-3 * static_cast<double>(looked_at));
+  EXPECT_GT(render.shades(), 50u) << "there is something to see";
+}
+
 TEST_F(DrawnScenes, areRefusedInOneLineWhereTheyAreWrong) {
   const auto refusal = [&](const std::string& scene) {
     writeBytes(folder_ / "s.json", scene);

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "client/app/window/picks.h"
+#include "client/core/framing.h"
+#include "client/core/view.h"
+#include "client/render/framebuffer.h"
+#include "client/render/renderer.h"
+#include "client/render/walk_camera.h"
+#include "client/stream/streamer.h"
+#include "common/error.h"
+#include "common/model_summary.h"
+
+namespace lode::app {
+
+/// What the window shows: a model or a scene, which opens beside the window's thread, streams and is drawn.
+/// Views and points are in the frame of summary(). For the window's thread.
+class Exhibit {
+ public:
+  struct Opening {
+    std::string phase;  ///< what is being done,
+    double part = -1;   ///< and how much of it, 0 to 1; below: unknown
+    bool is_open = false;
+    std::optional<Error> error;
+  };
+  virtual ~Exhibit() = default;
+
+  /// Looks how far it has come, without waiting. What is below is for when it is open.
+  virtual Opening open() = 0;
+  /// Of the whole: its name, place, size and triangles.
+  virtual const ModelSummary& summary() const = 0;
+  /// What a first camera is made of.
+  virtual core::Framing framing() const = 0;
+
+  /// Asks for what this camera needs, and takes what has come.
+  virtual void look(const core::View& view, float threshold_px) = 0;
+  /// About the view last looked from; of several streams what they say together. The cut of a scene has no
+  /// parts: it says how far all have come.
+  virtual const stream::StreamStatus& status() const = 0;
+  virtual void uploadInRenderThread() = 0;
+  /// Nothing is left to upload; or there is no room for it.
+  virtual bool upToDate() const = 0;
+  virtual bool overBudget() const = 0;
+
+  virtual render::DrawCounts draw(const core::View& view, const render::Framebuffer& target,
+                                  render::DrawStyle style, const render::DrawTime& time) = 0;
+  /// What the last picture was made of.
+  virtual std::span<const render::DrawItem> inPicture() const = 0;
+  /// Of the coarsest cut that is drawn; 0 while nothing is.
+  virtual float drawnThresholdPx() const = 0;
+  /// Grows with each cut that comes to be drawn.
+  virtual uint64_t drawnSerial() const = 0;
+  /// The next picture differs from the last although nothing has come: see render::Renderer.
+  virtual bool fading() const = 0;
+  virtual bool ageing() const = 0;
+
+  struct GpuUse {
+    uint64_t bytes = 0, tiles = 0;
+    bool textured = false;
+  };
+  virtual GpuUse gpuUse() const = 0;
+
+  /// What is drawn at a place of the picture. @param place_px  from its top left corner.
+  virtual std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& place_px) = 0;
+  /// What is drawn straight below a point. @param up  of unit length.
+  virtual std::optional<render::Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
+                                                    const glm::dvec3& up) = 0;
+};
+
+}  // namespace lode::app

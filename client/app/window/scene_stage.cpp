@@ -1,0 +1,88 @@
+#include "client/app/window/scene_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/octahedral.h"
+
+namespace lode::app {
+namespace {
+
+constexpr double kGroundRadii = 40;  ///< of the scene, that the ground reaches
+
+}  // namespace
+
+SceneStage::SceneStage(const Scene& scene, std::span<const ModelSummary* const> models)
+    : up_(scene.up), sky_(scene.sky) {
+  glm::dvec3 min(std::numeric_limits<double>::infinity()), max = -min;
+  for (const auto& [model, placement] : scene.instances) {
+    const ModelSummary& summary = *models[model];
+    whole_.triangles += summary.triangles;
+    near_ = std::max(near_, summary.lattice.step * placement.scale);
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const glm::uvec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
+      const glm::uvec3 at = glm::mix(summary.box.min, summary.box.max, glm::bvec3(choice));
+      const glm::dvec3 point =
+          placement.position + placement.rotation * (placement.scale * summary.lattice.toWorld(at));
+      min = glm::min(min, point);
+      max = glm::max(max, point);
+    }
+  }
+  const double longest = std::max({max.x - min.x, max.y - min.y, max.z - min.z, 1e-9});
+  whole_.lattice.origin = min;
+  whole_.lattice.step = std::exp2(std::ceil(std::log2(longest / kMaxLattice)));
+  whole_.box.add(glm::uvec3(0));
+  whole_.box.add(whole_.lattice.snap(max));
+  if (scene.ground) makeGround(scene, min, max);
+}
+
+/// A square around the scene, as a model of two triangles.
+void SceneStage::makeGround(const Scene& scene, const glm::dvec3& min, const glm::dvec3& max) {
+  const glm::dvec3 middle = (min + max) / 2.0;
+  const double reach = kGroundRadii * std::max(glm::length(max - min), 1e-9);
+  ground_lattice_.step = std::exp2(std::ceil(std::log2(2 * reach / kMaxLattice)));
+  ground_lattice_.origin = middle - glm::dvec3(ground_lattice_.step * (kMaxLattice * 0.5));
+  const glm::dvec3 across(up_.y, up_.z, up_.x), along = glm::cross(up_, across);
+  const glm::dvec3 below = middle + up_ * (scene.ground->height - glm::dot(middle, up_));
+  auto mesh = std::make_shared<Mesh>();
+  mesh->attributes.bits = AttributeSet::kColour | AttributeSet::kNormal;
+  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+    const glm::dvec3 corner =
+        below + reach * (across * static_cast<double>(x) + along * static_cast<double>(y));
+    mesh->positions.push_back(packPosition(ground_lattice_.snap(corner)));
+    mesh->vertex_attributes.push_back(
+        {encodeOctahedral(glm::vec3(up_)), 0, glm::u8vec4(scene.ground->colour_srgb, 255), {}});
+  }
+  mesh->triangles = {{0, 1, 2}, {0, 2, 3}};
+  auto cut = std::make_shared<core::Cut>();
+  cut->parts.push_back({kRootKey, 0, true, 0, std::move(mesh)});
+  cut->triangles = 2;
+  backdrop_.setLatticeStep(ground_lattice_.step);
+  near_ = std::max(near_, ground_lattice_.step);
+  backdrop_.show(std::move(cut));
+  backdrop_.uploadInRenderThread({.wait = true});
+}
+
+render::DrawStyle SceneStage::styleOf(render::DrawStyle style) const {
+  style.up = up_;
+  if (!sky_) return style;
+  style.background_top_srgb = glm::vec3(sky_->top_srgb) / 255.0f;
+  style.background_bottom_srgb = glm::vec3(sky_->bottom_srgb) / 255.0f;
+  return style;
+}
+
+render::DrawStyle SceneStage::styleOver(const render::DrawStyle& style) const {
+  render::DrawStyle over = styleOf(style);
+  over.over = true;
+  return over;
+}
+
+void SceneStage::draw(const core::View& view, const render::Framebuffer& target,
+                      const render::DrawStyle& style) {
+  render::DrawStyle surface = styleOf(style);
+  if (style.show != render::Show::kUnlit) surface.show = render::Show::kSurface;
+  backdrop_.draw(viewFrom(view, {}, ground_lattice_.origin), target, surface);
+}
+
+}  // namespace lode::app

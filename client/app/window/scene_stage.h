@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "client/app/cli/scene_file.h"
+#include "client/core/view.h"
+#include "client/render/framebuffer.h"
+#include "client/render/memory_shares.h"
+#include "client/render/renderer.h"
+#include "common/model_summary.h"
+
+namespace lode::app {
+
+/// What a scene is beside its models: how far it reaches, its ground and its sky. On the thread of its
+/// context.
+class SceneStage {
+ public:
+  /// @param models  those of the scene, by number.
+  SceneStage(const Scene& scene, std::span<const ModelSummary* const> models);
+
+  /// A model of the scene's place and size, with the triangles of all instances.
+  const ModelSummary& whole() const noexcept { return whole_; }
+  /// For views: no nearer than one lattice step of any instance, so that depths compare.
+  double nearest() const noexcept { return near_; }
+
+  /// Behind all: the sky, and the ground if there is one. @param view  in the scene.
+  void draw(const core::View& view, const render::Framebuffer& target, const render::DrawStyle& style);
+  /// How the models are drawn over it; their up is still to be set.
+  render::DrawStyle styleOver(const render::DrawStyle& style) const;
+
+ private:
+  static constexpr uint64_t kBackdropBytes = 1u << 20;  ///< of two triangles
+  void makeGround(const Scene& scene, const glm::dvec3& min, const glm::dvec3& max);
+  render::DrawStyle styleOf(render::DrawStyle style) const;
+
+  const glm::dvec3 up_;
+  const std::optional<SceneSky> sky_;
+  ModelSummary whole_;
+  double near_ = 0;
+  Lattice ground_lattice_;
+  render::Renderer backdrop_{1, render::shareMemory(kBackdropBytes).gpu};
+};
+
+}  // namespace lode::app

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+
+#include "client/app/window/exhibit.h"
+#include "client/app/window/model_opener.h"
+#include "client/core/cut_probe.h"
+
+namespace lode::app {
+
+/// One model in the window.
+class ViewedModel : public Exhibit {
+ public:
+  /// Begins to open the target. @param memory_budget_bytes  of the stream and the GPU together. @throws
+  /// Error.
+  ViewedModel(Target target, const stream::StreamOptions& options, core::Framing framing,
+              std::chrono::milliseconds timeout);
+
+  Opening open() override;
+  const ModelSummary& summary() const override { return *progress_.model; }
+  core::Framing framing() const override { return progress_.framing; }
+  void look(const core::View& view, float threshold_px) override;
+  const stream::StreamStatus& status() const override { return status_; }
+  void uploadInRenderThread() override { renderer_.uploadInRenderThread({}); }
+  bool upToDate() const override { return renderer_.upToDate(); }
+  bool overBudget() const override { return renderer_.meshes().overBudget(); }
+  render::DrawCounts draw(const core::View& view, const render::Framebuffer& target, render::DrawStyle style,
+                          const render::DrawTime& time) override;
+  std::span<const render::DrawItem> inPicture() const override { return renderer_.inPicture(); }
+  float drawnThresholdPx() const override;
+  uint64_t drawnSerial() const override { return renderer_.meshes().drawnSerial(); }
+  bool fading() const override { return renderer_.fading(); }
+  bool ageing() const override { return renderer_.ageing(); }
+  GpuUse gpuUse() const override;
+  std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& place_px) override;
+  std::optional<render::Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
+                                            const glm::dvec3& up) override;
+
+ private:
+  const core::CutProbe* probe();
+
+  render::Renderer renderer_;
+  ModelOpener opener_;
+  ModelOpener::Progress progress_;  ///< the last
+  stream::StreamStatus status_;
+  std::optional<core::CutProbe> probe_;  ///< of the cut last clicked or walked on
+};
+
+}  // namespace lode::app

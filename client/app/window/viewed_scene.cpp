@@ -1,0 +1,283 @@
+#include "client/app/window/viewed_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "client/app/cli/first_camera.h"
+#include "client/app/window/ground_below.h"
+#include "client/app/window/model_opener.h"
+#include "client/core/cut_probe.h"
+#include "client/core/shown_parts.h"
+#include "client/render/memory_shares.h"
+
+namespace lode::app {
+namespace {
+
+stream::StreamOptions streamOptionsOf(stream::StreamOptions options, const render::MemoryShares& memory) {
+  options.memory_budget_bytes = memory.stream_bytes;
+  options.drawn_budget_bytes = memory.drawn_bytes;
+  options.hold_factor = core::kHoldFactor;
+  return options;
+}
+
+}  // namespace
+
+/// A model, and the places where it stands.
+struct ViewedScene::Model {
+  Model(const CommonOptions& options, const render::MemoryShares& memory)
+      : renderer(1, memory.gpu),
+        opener(parseTarget(options.target), streamOptionsOf(options.streamOptions(), memory), {},
+               options.timeout()) {}
+
+  /// As the model at a place sees a camera of the scene.
+  core::View viewAt(size_t place, const core::View& scene_view) const {
+    return viewFrom(scene_view, places[place], opened.model->lattice.origin);
+  }
+  glm::dvec3 toScene(size_t place, const glm::dvec3& point_model) const {
+    const Placement& at = places[place];
+    return at.position + at.rotation * (at.scale * (opened.model->lattice.origin + point_model));
+  }
+  core::ModelBox box() const { return core::toModelBox(opened.model->box, opened.model->lattice.step); }
+  /// Of what is drawn at a place; null while that is nothing.
+  const core::CutProbe* probe(size_t place);
+
+  render::Renderer renderer;
+  ModelOpener opener;
+  ModelOpener::Progress opened;
+  std::vector<Placement> places;
+  std::vector<core::View> views;  ///< by place
+  stream::StreamStatus status;
+  std::vector<std::optional<core::CutProbe>> probes;  ///< by place, of cuts last clicked or walked on
+};
+
+const core::CutProbe* ViewedScene::Model::probe(size_t place) {
+  const std::shared_ptr<const core::PlacedCuts> drawn = renderer.drawnPlaced();
+  if (!drawn) return nullptr;
+  probes.resize(places.size());
+  std::optional<core::CutProbe>& probe = probes[place];
+  if (!probe || probe->cut() != drawn->cuts[place])
+    probe.emplace(drawn->cuts[place], opened.model->lattice.step);
+  return &*probe;
+}
+
+ViewedScene::ViewedScene(const CommonOptions& options)
+    : scene_(readScene(options.target)), options_(options), framing_(wantedFraming(options)) {
+  if (!framing_.up) framing_.up = scene_.up;
+  whole_.name = std::filesystem::path(options.target).filename().string();
+  for (const std::string& target : scene_.models) parseTarget(target);  // says what is wrong at once
+}
+
+ViewedScene::~ViewedScene() = default;
+
+Exhibit::Opening ViewedScene::open() {
+  if (stage_) return {"", -1, true, std::nullopt};
+  if (models_.empty() || models_.back()->opened.streamer != nullptr) {
+    CommonOptions of_model = options_;
+    of_model.target = scene_.models[models_.size()];
+    const uint64_t budget_bytes = of_model.streamOptions().memory_budget_bytes / scene_.models.size();
+    models_.push_back(std::make_unique<Model>(of_model, render::shareMemory(budget_bytes)));
+  }
+  Model& opening = *models_.back();
+  opening.opened = opening.opener.progress();
+  if (opening.opened.streamer != nullptr) opening.renderer.setLatticeStep(opening.opened.model->lattice.step);
+  if (opening.opened.streamer == nullptr || models_.size() < scene_.models.size())
+    return {opening.opened.phase, opening.opened.part, false, opening.opened.error};
+  std::vector<const ModelSummary*> summaries;
+  for (const auto& model : models_) summaries.push_back(model->opened.model);
+  for (const auto& [number, placement] : scene_.instances) models_[number]->places.push_back(placement);
+  stage_.emplace(scene_, summaries);
+  const std::string name = whole_.name;
+  whole_ = stage_->whole();
+  whole_.name = name;
+  return {"", -1, true, std::nullopt};
+}
+
+core::View ViewedScene::inScene(const core::View& view) const {
+  core::View in_scene = view;
+  in_scene.eye_model += whole_.lattice.origin;
+  in_scene.near_model = stage_->nearest();
+  return in_scene;
+}
+
+void ViewedScene::look(const core::View& view, float threshold_px) {
+  const core::View scene_view = inScene(view);
+  for (const auto& model : models_) {
+    if (model->places.empty()) continue;
+    model->views.clear();
+    for (size_t place = 0; place < model->places.size(); ++place)
+      model->views.push_back(model->viewAt(place, scene_view));
+    model->opened.streamer->setViews(model->views, threshold_px);
+    model->status = model->opened.streamer->status();
+    if (const auto& placed = model->status.placed; placed && placed->cuts.size() == model->places.size())
+      model->renderer.show(placed);
+    else
+      model->status.placed = nullptr;  // it is of the first look, at the model alone
+    const auto drawn = model->renderer.drawnPlaced();
+    for (size_t place = 0; place < model->probes.size(); ++place)  // they keep all of their meshes
+      if (model->probes[place] && (!drawn || model->probes[place]->cut() != drawn->cuts[place]))
+        model->probes[place].reset();
+  }
+  mergeStatus(view);
+}
+
+/// What the streams of all models say together.
+void ViewedScene::mergeStatus(const core::View& view) {
+  stream::StreamStatus all;
+  auto cut = std::make_shared<core::Cut>();
+  cut->converged = all.settled = true;
+  bool is_shown = true, is_for_view = true;
+  for (const auto& model : models_) {
+    if (model->places.empty()) continue;
+    const stream::StreamStatus& one = model->status;
+    core::EngineCounts& counts = all.counts;
+    counts.received_bytes += one.counts.received_bytes;
+    counts.link_bytes_per_s += one.counts.link_bytes_per_s;
+    counts.round_trip_ms = std::max(counts.round_trip_ms, one.counts.round_trip_ms);
+    counts.open_wishes += one.counts.open_wishes;
+    counts.resident_bytes += one.counts.resident_bytes;
+    counts.texture_bytes += one.counts.texture_bytes;
+    counts.tiles_left_out += one.counts.tiles_left_out;
+    all.limited = all.limited || one.limited;
+    all.settled = all.settled && one.settled;
+    all.exhausted = all.exhausted || one.exhausted;
+    all.ended = all.ended || one.ended;
+    if (all.failure.empty()) all.failure = one.failure;
+    if (all.trouble.empty()) all.trouble = one.trouble;
+    is_shown = is_shown && one.placed;
+    if (!one.placed) continue;
+    cut->threshold_px = std::max(cut->threshold_px, one.cut->threshold_px);
+    cut->max_error_px = std::max(cut->max_error_px, one.cut->max_error_px);
+    cut->converged = cut->converged && one.cut->converged;
+    is_for_view = is_for_view && one.cut->view == model->views.front();
+  }
+  if (is_for_view) cut->view = view;
+  if (is_shown) all.cut = std::move(cut);
+  status_ = std::move(all);
+}
+
+void ViewedScene::uploadInRenderThread() {
+  for (const auto& model : models_) model->renderer.uploadInRenderThread({});
+}
+
+bool ViewedScene::upToDate() const {
+  return std::ranges::all_of(models_, [](const auto& model) { return model->renderer.upToDate(); });
+}
+
+bool ViewedScene::overBudget() const {
+  return std::ranges::any_of(models_,
+                             [](const auto& model) { return model->renderer.meshes().overBudget(); });
+}
+
+float ViewedScene::drawnThresholdPx() const {
+  float threshold_px = 0;
+  for (const auto& model : models_)
+    if (const auto& cut = model->renderer.meshes().drawnCut())
+      threshold_px = std::max(threshold_px, cut->threshold_px);
+  return threshold_px;
+}
+
+uint64_t ViewedScene::drawnSerial() const {
+  uint64_t serial = 0;
+  for (const auto& model : models_) serial += model->renderer.meshes().drawnSerial();
+  return serial;
+}
+
+Exhibit::GpuUse ViewedScene::gpuUse() const {
+  GpuUse use;
+  for (const auto& model : models_) {
+    use.bytes += model->renderer.gpuBytes();
+    use.tiles += model->renderer.textures().tileCount();
+    use.textured = use.textured || model->renderer.textures().set() != nullptr;
+  }
+  return use;
+}
+
+/// The places that a camera may see, the nearest first, so that little is drawn that others hide.
+std::vector<ViewedScene::Standing> ViewedScene::inSight(const core::View& scene_view) const {
+  std::vector<Standing> found;
+  for (const auto& model : models_) {
+    const core::ModelBox box = model->box();
+    for (size_t place = 0; place < model->places.size(); ++place) {
+      const core::View view = model->viewAt(place, scene_view);
+      if (!core::boxMayBeVisible(box, view)) continue;
+      const double distance = core::distanceToBox(view.eye_model, box) * model->places[place].scale;
+      found.push_back({distance, model.get(), place});
+    }
+  }
+  std::ranges::stable_sort(found, {}, &Standing::distance);
+  return found;
+}
+
+render::DrawCounts ViewedScene::draw(const core::View& view, const render::Framebuffer& target,
+                                     render::DrawStyle style, const render::DrawTime& /*time*/) {
+  render::DrawCounts counts;
+  in_picture_.clear();
+  if (!stage_) return counts;
+  const core::View scene_view = inScene(view);
+  stage_->draw(scene_view, target, style);
+  render::DrawStyle over = stage_->styleOver(style);
+  for (const auto& [distance, model, place] : inSight(scene_view)) {
+    over.up = glm::conjugate(model->places[place].rotation) * scene_.up;
+    const render::DrawCounts drawn =
+        model->renderer.drawPlace(place, model->viewAt(place, scene_view), target, over);
+    counts.triangles += drawn.triangles;
+    counts.nodes += drawn.nodes;
+    counts.calls += drawn.calls;
+    counts.error_px = std::max(counts.error_px, drawn.error_px);
+    const auto items = model->renderer.inPicture();
+    in_picture_.insert(in_picture_.end(), items.begin(), items.end());
+  }
+  return counts;
+}
+
+std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& place_px) {
+  const core::View scene_view = inScene(view);
+  std::optional<PickedPoint> nearest;
+  double nearest_distance = 0;
+  for (const auto& [distance, model, place] : inSight(scene_view)) {
+    if (nearest && distance > nearest_distance) break;
+    const core::View seen = model->viewAt(place, scene_view);
+    const core::Ray ray = core::rayThrough(seen, place_px);
+    if (!core::distanceAlong(ray, model->box())) continue;
+    const core::CutProbe* const probe = model->probe(place);
+    if (probe == nullptr) continue;
+    const auto hit = probe->cast(ray, core::shownParts(*probe->cut(), seen));
+    const double scale = model->places[place].scale;
+    if (!hit || (nearest && hit->distance_model * scale >= nearest_distance)) continue;
+    nearest_distance = hit->distance_model * scale;
+    nearest = pointOf(*hit, *model->opened.model);
+    nearest->position = model->toScene(place, hit->position_model);
+    nearest->position_model = nearest->position - whole_.lattice.origin;
+    nearest->step *= scale;
+    nearest->model = model->opened.model->name;
+  }
+  return nearest;
+}
+
+std::optional<render::Ground> ViewedScene::groundBelow(const core::View& view, const glm::dvec3& point_model,
+                                                       const glm::dvec3& up) {
+  const core::View scene_view = inScene(view);
+  const glm::dvec3 point = point_model + whole_.lattice.origin;
+  std::optional<render::Ground> highest;
+  if (const double depth = scene_.ground ? glm::dot(point, scene_.up) - scene_.ground->height : -1;
+      depth > 0 && up == scene_.up)
+    highest = render::Ground{depth, 0};
+  for (const auto& model : models_) {
+    for (size_t place = 0; place < model->places.size(); ++place) {
+      const Placement& at = model->places[place];
+      const glm::dquat back = glm::conjugate(at.rotation);
+      const glm::dvec3 from = back * (point - at.position) / at.scale - model->opened.model->lattice.origin;
+      if (!core::distanceAlong({from, back * -up}, model->box())) continue;
+      const core::CutProbe* const probe = model->probe(place);
+      if (probe == nullptr) continue;
+      const auto ground = app::groundBelow(*probe, model->viewAt(place, scene_view), from, back * up);
+      if (ground && (!highest || ground->depth_model * at.scale < highest->depth_model))
+        highest = render::Ground{ground->depth_model * at.scale, ground->uncertainty_model * at.scale};
+    }
+  }
+  return highest;
+}
+
+}  // namespace lode::app

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/app/cli/common_options.h"
+#include "client/app/cli/scene_file.h"
+#include "client/app/window/exhibit.h"
+#include "client/app/window/scene_stage.h"
+
+namespace lode::app {
+
+/// A scene in the window: one stream and one renderer a model, which its places share; a cut and its culling
+/// for each place. Models are opened one after the other.
+class ViewedScene : public Exhibit {
+ public:
+  /// Reads the scene and begins to open its first model. @throws Error.
+  explicit ViewedScene(const CommonOptions& options);
+  ~ViewedScene() override;
+
+  Opening open() override;
+  const ModelSummary& summary() const override { return whole_; }
+  core::Framing framing() const override { return framing_; }
+  void look(const core::View& view, float threshold_px) override;
+  const stream::StreamStatus& status() const override { return status_; }
+  void uploadInRenderThread() override;
+  bool upToDate() const override;
+  bool overBudget() const override;
+  render::DrawCounts draw(const core::View& view, const render::Framebuffer& target, render::DrawStyle style,
+                          const render::DrawTime& time) override;
+  std::span<const render::DrawItem> inPicture() const override { return in_picture_; }
+  float drawnThresholdPx() const override;
+  uint64_t drawnSerial() const override;
+  bool fading() const override { return false; }
+  bool ageing() const override { return false; }
+  GpuUse gpuUse() const override;
+  std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& place_px) override;
+  std::optional<render::Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
+                                            const glm::dvec3& up) override;
+
+ private:
+  struct Model;
+  /// A place in the picture.
+  struct Standing {
+    double distance = 0;  ///< from the eye, in the scene
+    Model* model = nullptr;
+    size_t place = 0;  ///< of the model
+  };
+
+  core::View inScene(const core::View& view) const;
+  std::vector<Standing> inSight(const core::View& scene_view) const;
+  void mergeStatus(const core::View& view);
+
+  const Scene scene_;
+  const CommonOptions options_;
+  core::Framing framing_;
+  std::vector<std::unique_ptr<Model>> models_;
+  std::optional<SceneStage> stage_;  ///< once all are open
+  ModelSummary whole_;
+  stream::StreamStatus status_;
+  std::vector<render::DrawItem> in_picture_;
+};
+
+}  // namespace lode::app
