@@ -74,6 +74,8 @@ class MeshCache {
   uint64_t use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently);
   /// Evicts what does not fit the budget, but nothing in use or pinned.
   void trim();
+  /// From the next trim() on.
+  void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
 
   /// Of meshes and footprints.
   uint64_t bytes() const noexcept { return bytes_; }

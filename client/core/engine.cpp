@@ -19,10 +19,19 @@ Engine::Engine(EngineOptions options)
       link_(options_.session, options_.jitter_seed),
       instance_({.triangle_budget = options_.triangle_budget,
                  .drawn_budget_bytes = options_.drawn_budget_bytes,
-                 .hold_factor = options_.hold_factor}) {
+                 .hold_factor = options_.hold_factor,
+                 .lists_wanted = options_.shares_memory}) {
   if (options_.offline && options_.cached_model)
     model_.emplace(*options_.cached_model, options_.memory_budget_bytes);
   wishes_waiting_ = model_.has_value();
+}
+
+void Engine::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
+  if (options_.memory_budget_bytes == bytes && options_.drawn_budget_bytes == drawn_bytes) return;
+  options_.memory_budget_bytes = bytes;
+  options_.drawn_budget_bytes = drawn_bytes;
+  if (model_) model_->setMemoryBudget(bytes);
+  instance_.setDrawnBudget(drawn_bytes);
 }
 
 void Engine::connect(TimePoint now) {
@@ -224,6 +233,7 @@ EngineCounts Engine::counts() const noexcept {
   counts.transit_bytes = model_->undecodedBytes() + model_->decodingBytes();
   if (link_.session()) counts.transit_bytes += link_.session()->wishedBytes();
   counts.resident_bytes = model_->meshes().bytes();
+  counts.wanted_bytes = instance_.wantedBytes();
   counts.known_nodes = model_->hierarchy().size();
   counts.hierarchy_bytes = model_->hierarchy().bytes();
   counts.texture_blob_bytes = model_->textureBlobBytes();

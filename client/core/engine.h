@@ -31,8 +31,9 @@ struct EngineOptions {
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
   float hold_factor = 1;
-  uint32_t jitter_seed = 0;  ///< of the times between tries to connect
-  bool has_cache = false;    ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
+  bool shares_memory = false;  ///< with other models: counts what is wanted, and holds it to one error
+  uint32_t jitter_seed = 0;    ///< of the times between tries to connect
+  bool has_cache = false;      ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
   /// Of the model as the cache has it, from an earlier run.
   std::optional<ModelSummary> cached_model = std::nullopt;
   bool offline = false;   ///< shows cached_model from the cache and never wants a connection
@@ -48,6 +49,7 @@ struct EngineCounts {
   uint64_t decoding = 0;        ///< jobs handed out
   uint64_t transit_bytes = 0;   ///< asked for, not decoded, or being decoded, with what decoding takes
   uint64_t resident_bytes = 0;  ///< decoded meshes
+  uint64_t wanted_bytes = 0;    ///< of them for the error asked for: see Instance::wantedBytes()
   uint64_t known_nodes = 0;
   uint64_t hierarchy_bytes = 0;     ///< of the known nodes
   uint64_t texture_blob_bytes = 0;  ///< received for textures: their set and tiles
@@ -89,6 +91,9 @@ class Engine {
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
   /// The same for a model that stands in several places. @param views  of pictures of one size.
   void setViews(std::span<const View> views, float threshold_px) { instance_.setViews(views, threshold_px); }
+
+  /// Others than the options', from now on: of all, and of what is drawn.
+  void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
 
   /// Refines if anything has changed, renews the wishes, keeps the connection alive. @throws Error as
   /// disconnect().

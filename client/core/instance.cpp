@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 #include <utility>
 
 #include "client/core/shown_parts.h"
@@ -24,10 +24,15 @@ bool hasRoom(uint64_t bytes, uint64_t budget_bytes, bool to_spare) {
 
 }  // namespace
 
-Instance::Instance(const RefineOptions& options)
-    : options_(options), drawn_budget_bytes_(options.drawn_budget_bytes) {
-  options_.fallback_drawn_budget_bytes = drawn_budget_bytes_ / kFallbackShare;
-  options_.drawn_budget_bytes -= options_.fallback_drawn_budget_bytes;
+Instance::Instance(const RefineOptions& options) : options_(options) {
+  setDrawnBudget(options.drawn_budget_bytes);
+}
+
+void Instance::setDrawnBudget(uint64_t bytes) noexcept {
+  drawn_budget_bytes_ = bytes;
+  options_.fallback_drawn_budget_bytes = bytes / kFallbackShare;
+  options_.drawn_budget_bytes = bytes - options_.fallback_drawn_budget_bytes;
+  views_changed_ = true;
 }
 
 void Instance::setViews(std::span<const View> views, float threshold_px) {
@@ -98,21 +103,25 @@ RefineOptions Instance::optionsAt(Giving giving) const {
   return options;
 }
 
-/// Whether there is room for all that several views want together.
-bool Instance::wantsNoMoreThanFits(const Gathered& gathered, bool to_spare) const {
-  std::map<MeshKey, WantedMesh> wanted;
-  uint64_t bytes = 0, drawn_bytes = 0;
+Instance::Wanted Instance::wantedBy(const Gathered& gathered) {
+  Wanted wanted;
+  std::set<MeshKey> counted;
   for (const Refinement& refinement : gathered.refinements) {
-    if (refinement.limited) return false;
+    wanted.limited = wanted.limited || refinement.limited;
     for (const WantedMesh& mesh : refinement.wanted_meshes) {
-      bytes += kPartBytes;
-      if (!wanted.try_emplace(mesh.key, mesh).second) continue;
-      bytes += mesh.bytes;
-      drawn_bytes += mesh.drawn_bytes;
+      wanted.bytes += kPartBytes;
+      if (!counted.insert(mesh.key).second) continue;
+      wanted.bytes += mesh.bytes;
+      wanted.drawn_bytes += mesh.drawn_bytes;
     }
   }
-  return hasRoom(bytes, options_.cut_budget_bytes, to_spare) &&
-         hasRoom(drawn_bytes, options_.drawn_budget_bytes, to_spare);
+  return wanted;
+}
+
+/// Whether there is room for all that the views want.
+bool Instance::fits(const Wanted& wanted, bool to_spare) const noexcept {
+  return !wanted.limited && hasRoom(wanted.bytes, options_.cut_budget_bytes, to_spare) &&
+         hasRoom(wanted.drawn_bytes, options_.drawn_budget_bytes, to_spare);
 }
 
 /// Refines all views alike: down to the threshold, or to the smallest error that there is room for. It
@@ -120,25 +129,37 @@ bool Instance::wantsNoMoreThanFits(const Gathered& gathered, bool to_spare) cons
 Instance::Gathered Instance::refineWithin(const Model& model) {
   const auto refineNow = [&] {
     RefineOptions options = optionsAt(Giving::kNothing);
-    options.lists_wanted = views_.size() > 1;
+    options.lists_wanted = areHeldToOneError();
     return refineWith(model, options);
   };
-  if (views_.size() == 1) coarsening_ = 0;
+  if (!areHeldToOneError()) coarsening_ = 0;
   Gathered gathered = refineNow();
-  if (views_.size() == 1) return gathered;
-  while (!wantsNoMoreThanFits(gathered, false) && coarsening_ < kMostCoarsening) {
+  Wanted wanted = wantedBy(gathered);
+  while (areHeldToOneError() && !fits(wanted, false) && coarsening_ < kMostCoarsening) {
     ++coarsening_;
     gathered = refineNow();
+    wanted = wantedBy(gathered);
   }
   while (coarsening_ > 0) {
     --coarsening_;
     Gathered finer = refineNow();
-    if (!wantsNoMoreThanFits(finer, true)) {
+    const Wanted wanted_finer = wantedBy(finer);
+    if (!fits(wanted_finer, true)) {
       ++coarsening_;
       break;
     }
     gathered = std::move(finer);
+    wanted = wanted_finer;
   }
+  wanted_bytes_ = wanted.bytes;
+  if (coarsening_ == 0) return gathered;
+  // Twice the error is a quarter of the triangles, and there are no more than those of the file.
+  const uint64_t triangles = model.summary().triangles;
+  const double most_bytes =
+      std::max(static_cast<double>(wanted.bytes),
+               static_cast<double>(meshBytes(triangles / 2, triangles, model.summary().attributes)));
+  const double estimate = static_cast<double>(wanted.bytes) * std::exp2(2.0 * coarsening_ / kStepsOfTwo);
+  wanted_bytes_ = static_cast<uint64_t>(std::min(estimate, most_bytes));
   return gathered;
 }
 

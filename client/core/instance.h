@@ -26,6 +26,8 @@ class Instance {
   ///                 latter is here for the cut and its fallbacks together.
   explicit Instance(const RefineOptions& options = {});
 
+  /// Of drawn bytes, as in the options.
+  void setDrawnBudget(uint64_t bytes) noexcept;
   /// @param views  in the model frame, of pictures of one size.
   void setViews(std::span<const View> views, float threshold_px);
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
@@ -52,6 +54,9 @@ class Instance {
   const View* view() const noexcept { return views_.empty() ? nullptr : &views_.front().view; }
   /// A budget keeps the last cuts from converging.
   bool limited() const noexcept { return limited_; }
+  /// What the views want of the memory for meshes, for the error that is asked for; where a budget does not
+  /// allow that, an estimate. 0 unless the options hold views to one error or there are several.
+  uint64_t wantedBytes() const noexcept { return wanted_bytes_; }
   /// The last cuts are all that the views and the budgets will ever give.
   bool settled() const noexcept { return settled_; }
 
@@ -76,7 +81,15 @@ class Instance {
   static bool lookAtWhatIsSeen(Placed& placed, const Cut& cut, const ModelSummary& model);
   Gathered refineWith(const Model& model, const RefineOptions& options) const;
   RefineOptions optionsAt(Giving giving) const;
-  bool wantsNoMoreThanFits(const Gathered& gathered, bool to_spare) const;
+  /// Of the wanted cuts together: decoded, and where they are drawn.
+  struct Wanted {
+    uint64_t bytes = 0, drawn_bytes = 0;
+    bool limited = false;  // a budget has stopped one
+  };
+
+  bool areHeldToOneError() const noexcept { return views_.size() > 1 || options_.lists_wanted; }
+  static Wanted wantedBy(const Gathered& gathered);
+  bool fits(const Wanted& wanted, bool to_spare) const noexcept;
   Gathered refineWithin(const Model& model);
   bool keep(Model& model, const Gathered& gathered, bool to_spare) const;
   void fit(Model& model, Gathered& gathered);
@@ -85,7 +98,7 @@ class Instance {
   void dress(Cut& all, std::span<const Refinement> refinements, Model& model);
 
   RefineOptions options_;
-  uint64_t drawn_budget_bytes_;  // of the cuts and their fallbacks
+  uint64_t drawn_budget_bytes_ = 0;  // of the cuts and their fallbacks
   std::vector<Placed> views_;
   uint64_t model_version_ = 0;  // that the last refinement saw
   bool views_changed_ = false;
@@ -94,7 +107,8 @@ class Instance {
   std::vector<Wish> wishes_;
   std::vector<NodeKey> pages_;
   Giving giving_ = Giving::kNothing;  // by the last refinement,
-  int coarsening_ = 0;                // and steps of the threshold that it was raised by
+  uint64_t wanted_bytes_ = 0;
+  int coarsening_ = 0;  // and steps of the threshold that it was raised by
   bool limited_ = false, settled_ = false;
 };
 

@@ -24,13 +24,18 @@ uint64_t decodingBytes(const DecodeJob& job) {
 }  // namespace
 
 Model::Model(ModelSummary summary, uint64_t memory_budget_bytes)
-    : summary_(std::move(summary)),
-      hierarchy_(summary_.nodes),
-      hierarchy_budget_bytes_(memory_budget_bytes / kHierarchyBudgetShare),
-      meshes_(memory_budget_bytes - hierarchy_budget_bytes_ - 2 * transitShare(memory_budget_bytes) -
-              textureShare(summary_, memory_budget_bytes)),
-      transit_budget_bytes_(transitShare(memory_budget_bytes)) {
-  if (summary_.textures) textures_.emplace(summary_.textures, textureShare(summary_, memory_budget_bytes));
+    : summary_(std::move(summary)), hierarchy_(summary_.nodes), meshes_(0) {
+  if (summary_.textures) textures_.emplace(summary_.textures, 0);
+  setMemoryBudget(memory_budget_bytes);
+}
+
+void Model::setMemoryBudget(uint64_t bytes) {
+  hierarchy_budget_bytes_ = bytes / kHierarchyBudgetShare;
+  transit_budget_bytes_ = transitShare(bytes);
+  meshes_.setBudget(bytes - hierarchy_budget_bytes_ - 2 * transit_budget_bytes_ -
+                    textureShare(summary_, bytes));
+  if (textures_) textures_->setBudget(textureShare(summary_, bytes));
+  ++version_;
 }
 
 uint64_t Model::build() const noexcept {

@@ -34,6 +34,9 @@ class Model {
   /// @param memory_budget_bytes  of the hierarchy, blobs on their way, decoding, meshes and textures.
   Model(ModelSummary summary, uint64_t memory_budget_bytes);
 
+  /// Another budget from now on: views are refined anew.
+  void setMemoryBudget(uint64_t bytes);
+
   const ModelSummary& summary() const noexcept { return summary_; }
   const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
   Hierarchy& hierarchy() noexcept { return hierarchy_; }
@@ -102,16 +105,16 @@ class Model {
 
   ModelSummary summary_;
   Hierarchy hierarchy_;
-  uint64_t hierarchy_budget_bytes_;
+  uint64_t hierarchy_budget_bytes_ = 0;
   MeshCache meshes_;
   std::optional<TextureStream> textures_;
   std::map<Decoding, Work> decoding_;  // handed out or waiting for that
-  uint64_t transit_budget_bytes_;
+  uint64_t transit_budget_bytes_ = 0;
   uint64_t undecoded_bytes_ = 0, decoding_bytes_ = 0;
   std::deque<DecodeJob> jobs_;  // not handed out yet
   std::set<uint32_t> refused_;  // blob numbers
   uint64_t texture_blob_bytes_ = 0;
-  uint64_t version_ = 1;
+  uint64_t version_ = 0;
   std::string failure_;
 };
 

@@ -37,7 +37,9 @@ struct RefineOptions {
   /// Hysteresis: what was finer in the last refinement stays so until it is this much below the threshold, so
   /// that nothing flickers. 1: none, and the cut depends on the view alone.
   float hold_factor = 1;
-  bool lists_wanted = false;  ///< Refinement::wanted_meshes is to be made
+  /// Refinement::wanted_meshes is to be made; an Instance holds a single view, too, to a larger error where a
+  /// budget is short.
+  bool lists_wanted = false;
 };
 
 }  // namespace lode::core

@@ -33,6 +33,8 @@ class TextureCache {
 
   uint64_t bytes() const noexcept { return bytes_; }  ///< room taken, see tileRoomBytes()
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
+  /// From the next use() on.
+  void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
   size_t size() const noexcept { return entries_.size(); }
 
  private:

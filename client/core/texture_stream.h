@@ -41,6 +41,9 @@ class TextureStream {
     cache_.insert(blob, std::move(image));
   }
 
+  /// From the next refine() on.
+  void setBudget(uint64_t bytes) noexcept { cache_.setBudget(bytes); }
+
   /// Decides what is needed, and evicts what is not where room is short. Does nothing without the set.
   void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
   /// Needed and not resident, each blob once, best first; the set alone until it is there.

@@ -23,6 +23,8 @@ class GpuPages {
  public:
   GpuPages(uint64_t budget_bytes, uint32_t page_bytes);
 
+  /// Pages that there are stay while they hold something.
+  void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
   /// @return nothing if no page has room and none can be added. bytes > 0.
   std::optional<GpuBlock> allocate(uint32_t bytes);
   void release(const GpuBlock& block);

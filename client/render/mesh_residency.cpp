@@ -35,6 +35,11 @@ struct MeshResidency::Allowance {
 MeshResidency::MeshResidency(const ResidencyOptions& options)
     : options_(options), pages_(options.budget_bytes, options.page_bytes), staging_(options.staging_bytes) {}
 
+void MeshResidency::setBudget(uint64_t bytes) noexcept {
+  options_.budget_bytes = bytes;
+  pages_.setBudget(bytes);
+}
+
 uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
   if (!target_ && !begin()) return 0;
   Allowance allowance{budget};

@@ -50,6 +50,8 @@ class MeshResidency {
   /// @throws Error kIo if there is no memory for uploads.
   explicit MeshResidency(const ResidencyOptions& options);
 
+  /// Another budget from now on; what is drawn stays.
+  void setBudget(uint64_t bytes) noexcept;
   /// The newest cut; begun as soon as the one under way is complete.
   void show(std::shared_ptr<const core::Cut> cut) { newest_ = std::move(cut); }
   /// Uploads towards the newest cut, within the budget. @return bytes uploaded.

@@ -54,7 +54,10 @@ void receiveFrom(std::unique_ptr<net::TcpTransport>& transport, core::Line line,
 
 struct Streamer::State {
   State(ServedModel served_model, StreamOptions stream_options)
-      : model(std::move(served_model)), options(std::move(stream_options)) {}
+      : model(std::move(served_model)),
+        options(std::move(stream_options)),
+        memory_budget_bytes(options.memory_budget_bytes),
+        drawn_budget_bytes(options.drawn_budget_bytes) {}
 
   void run();
   void stream();
@@ -80,6 +83,7 @@ struct Streamer::State {
   bool woken = true, stopping = false;
   std::vector<core::View> views;
   float threshold_px = 1;
+  uint64_t memory_budget_bytes, drawn_budget_bytes;
   uint64_t view_number = 0;         // of the view last set; 0: none
   uint64_t status_view_number = 0;  // of the view that the status is about
   StreamStatus status;
@@ -128,6 +132,7 @@ void Streamer::State::stream() {
   engine_options.triangle_budget = options.triangle_budget;
   engine_options.drawn_budget_bytes = options.drawn_budget_bytes;
   engine_options.hold_factor = options.hold_factor;
+  engine_options.shares_memory = options.shares_memory;
   engine_options.prefetch = options.prefetch;
   engine_options.best_first = options.best_first;
   engine_options.jitter_seed = std::random_device()();
@@ -193,6 +198,7 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
   {
     const std::lock_guard lock(mutex);
     number = view_number;
+    engine.setMemoryBudget(memory_budget_bytes, drawn_budget_bytes);
     if (number != 0) engine.setViews(views, threshold_px);
   }
   engine.step(Clock::now());
@@ -281,6 +287,14 @@ void Streamer::setViews(std::span<const core::View> views, float threshold_px) {
   state_->views.assign(views.begin(), views.end());
   state_->threshold_px = threshold_px;
   ++state_->view_number;
+  state_->woken = true;
+  state_->work.notify_one();
+}
+
+void Streamer::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
+  const std::lock_guard lock(state_->mutex);
+  state_->memory_budget_bytes = bytes;
+  state_->drawn_budget_bytes = drawn_bytes;
   state_->woken = true;
   state_->work.notify_one();
 }

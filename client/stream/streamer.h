@@ -25,9 +25,10 @@ struct StreamOptions {
   // See core::RefineOptions.
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
-  float hold_factor = 1;   ///< core::kHoldFactor where somebody watches
-  bool prefetch = false;   ///< asks ahead of a camera that moves
-  bool best_first = true;  ///< see core::EngineOptions
+  float hold_factor = 1;       ///< core::kHoldFactor where somebody watches
+  bool shares_memory = false;  ///< see core::EngineOptions
+  bool prefetch = false;       ///< asks ahead of a camera that moves
+  bool best_first = true;      ///< see core::EngineOptions
   std::chrono::milliseconds connect_timeout{10'000};
   std::filesystem::path cache_folder;  ///< empty: nothing is kept between runs
   uint64_t cache_bytes = kDefaultCacheBytes;
@@ -71,6 +72,8 @@ class Streamer {
   void setView(const core::View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
   /// The same for a model that stands in several places: see core::Engine.
   void setViews(std::span<const core::View> views, float threshold_px);
+  /// Others than the options', from now on: see core::Engine.
+  void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
   /// Never waits for the network.
   StreamStatus status() const;
   /// What is known of the model; nothing until it is open.

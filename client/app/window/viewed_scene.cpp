@@ -19,6 +19,7 @@ stream::StreamOptions streamOptionsOf(stream::StreamOptions options, const rende
   options.memory_budget_bytes = memory.stream_bytes;
   options.drawn_budget_bytes = memory.drawn_bytes;
   options.hold_factor = core::kHoldFactor;
+  options.shares_memory = true;
   return options;
 }
 
@@ -63,7 +64,10 @@ const core::CutProbe* ViewedScene::Model::probe(size_t place) {
 }
 
 ViewedScene::ViewedScene(const CommonOptions& options)
-    : scene_(readScene(options.target)), options_(options), framing_(wantedFraming(options)) {
+    : scene_(readScene(options.target)),
+      options_(options),
+      framing_(wantedFraming(options)),
+      memory_(options.streamOptions().memory_budget_bytes, scene_.models.size()) {
   if (!framing_.up) framing_.up = scene_.up;
   whole_.name = std::filesystem::path(options.target).filename().string();
   for (const std::string& target : scene_.models) parseTarget(target);  // says what is wrong at once
@@ -76,8 +80,9 @@ Exhibit::Opening ViewedScene::open() {
   if (models_.empty() || models_.back()->opened.streamer != nullptr) {
     CommonOptions of_model = options_;
     of_model.target = scene_.models[models_.size()];
-    const uint64_t budget_bytes = of_model.streamOptions().memory_budget_bytes / scene_.models.size();
-    models_.push_back(std::make_unique<Model>(of_model, render::shareMemory(budget_bytes)));
+    const render::MemoryShares memory = render::shareMemory(memory_.parts()[models_.size()]);
+    models_.push_back(std::make_unique<Model>(of_model, memory));
+    gpu_budget_bytes_ += memory.gpu.budget_bytes;
   }
   Model& opening = *models_.back();
   opening.opened = opening.opener.progress();
@@ -103,6 +108,7 @@ core::View ViewedScene::inScene(const core::View& view) const {
 
 void ViewedScene::look(const core::View& view, float threshold_px) {
   const core::View scene_view = inScene(view);
+  if (!status_.cut || status_.cut->view != view) memory_.lookAnew();
   for (const auto& model : models_) {
     if (model->places.empty()) continue;
     model->views.clear();
@@ -120,6 +126,27 @@ void ViewedScene::look(const core::View& view, float threshold_px) {
         model->probes[place].reset();
   }
   mergeStatus(view);
+  shareMemory();
+}
+
+/// Gives the models other parts of the memory where one is short. On the GPU each may have what the others
+/// leave: what they have there goes by what they may have drawn.
+void ViewedScene::shareMemory() {
+  std::vector<SceneMemory::Need> needs;
+  uint64_t gpu_bytes = 0;
+  for (const auto& model : models_) {
+    needs.push_back({model->status.counts.wanted_bytes, model->status.limited});
+    gpu_bytes += model->renderer.meshes().pages().capacityBytes();
+  }
+  for (const auto& model : models_) {
+    const uint64_t others_bytes = gpu_bytes - model->renderer.meshes().pages().capacityBytes();
+    model->renderer.meshes().setBudget(gpu_budget_bytes_ - std::min(gpu_budget_bytes_, others_bytes));
+  }
+  if (!memory_.share(needs)) return;
+  for (size_t number = 0; number < models_.size(); ++number) {
+    const render::MemoryShares memory = render::shareMemory(memory_.parts()[number]);
+    models_[number]->opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
+  }
 }
 
 /// What the streams of all models say together.

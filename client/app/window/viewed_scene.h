@@ -8,6 +8,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/scene_file.h"
 #include "client/app/window/exhibit.h"
+#include "client/app/window/scene_memory.h"
 #include "client/app/window/scene_stage.h"
 
 namespace lode::app {
@@ -52,11 +53,14 @@ class ViewedScene : public Exhibit {
   core::View inScene(const core::View& view) const;
   std::vector<Standing> inSight(const core::View& scene_view) const;
   void mergeStatus(const core::View& view);
+  void shareMemory();
 
   const Scene scene_;
   const CommonOptions options_;
   core::Framing framing_;
   std::vector<std::unique_ptr<Model>> models_;
+  SceneMemory memory_;
+  uint64_t gpu_budget_bytes_ = 0;    ///< of meshes of all models
   std::optional<SceneStage> stage_;  ///< once all are open
   ModelSummary whole_;
   stream::StreamStatus status_;

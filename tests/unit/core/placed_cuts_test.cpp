@@ -46,6 +46,12 @@ class Standing : private Seeded {
     return deliverAll([] {});
   }
 
+  void give(uint64_t memory_budget_bytes, uint64_t drawn_budget_bytes) {
+    model_.setMemoryBudget(memory_budget_bytes);
+    instance_.setDrawnBudget(drawn_budget_bytes);
+    instance_.refine(model_);
+  }
+
   const Instance& instance() const { return instance_; }
   const Cut& cut(size_t view) const { return *instance_.placed()->cuts[view]; }
   const Cut& all() const { return *instance_.cut(); }
@@ -184,6 +190,41 @@ TEST_P(PlacedViews, becomeAsFineAsWantedAgainWhereOneHasGone) {
   model.deliverAll();
   EXPECT_TRUE(model.all().converged);
   EXPECT_EQ(partsOf(model.cut(0)), model.wanted(kFar, 1));
+}
+
+TEST_P(PlacedViews, sayWhatTheyWantOfTheMemoryAlsoWhereTheyDoNotGetIt) {
+  const RefineOptions counted{.lists_wanted = true};
+  Standing unlimited(GetParam(), 1ull << 40, counted);
+  unlimited.see({kNear});
+  unlimited.deliverAll();
+  uint64_t wanted_bytes = 0;
+  for (const CutPart& part : unlimited.all().parts) wanted_bytes += meshBytes(*part.mesh) + kPartBytes;
+  EXPECT_EQ(unlimited.instance().wantedBytes(), wanted_bytes);
+  Standing model(GetParam(), 1ull << 40, counted);
+  model.give(1ull << 40, unlimited.all().drawn_bytes / 2);
+  model.see({kNear});
+  model.deliverAll();
+  EXPECT_TRUE(model.instance().limited());
+  EXPECT_GT(model.instance().wantedBytes(), wanted_bytes / 3);
+  EXPECT_LT(model.instance().wantedBytes(), wanted_bytes * 3);
+}
+
+TEST_P(PlacedViews, becomeCoarserWithLessMemoryAndAsFineAgainWithMore) {
+  const std::vector<View> views{kNear, kAside};
+  Standing model(GetParam(), 1ull << 40);
+  model.see(views);
+  model.deliverAll();
+  const uint64_t resident_bytes = model.residentBytes(), drawn_bytes = model.all().drawn_bytes;
+  model.give(resident_bytes, drawn_bytes / 2);
+  EXPECT_LE(model.residentBytes(), model.budgetBytes());
+  EXPECT_LE(model.all().drawn_bytes, drawn_bytes / 2);
+  model.deliverAll();
+  EXPECT_TRUE(model.instance().limited());
+  EXPECT_TRUE(commonThreshold(model, views));
+  model.give(1ull << 40, 1ull << 40);
+  model.deliverAll();
+  EXPECT_TRUE(model.all().converged);
+  EXPECT_EQ(partsOf(model.cut(0)), model.wanted(kNear, 1));
 }
 
 }  // namespace

@@ -25,6 +25,8 @@ class Seeded {
     summary.attributes = SyntheticModel::attributes();
     summary.box = tree_.nodes().at(kRootKey).box;
     summary.nodes = tree_.nodes().size();
+    for (const auto& [key, node] : tree_.nodes())
+      if (node.isLeaf()) summary.triangles += node.rungs.front().triangles;
     return summary;
   }
 

@@ -1,0 +1,61 @@
+#include "client/app/window/scene_memory.h"
+
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+namespace lode::app {
+namespace {
+
+using Needs = std::vector<SceneMemory::Need>;
+
+uint64_t sum(const std::vector<uint64_t>& parts) {
+  return std::accumulate(parts.begin(), parts.end(), uint64_t{0});
+}
+
+TEST(SceneMemory, isSharedEquallyWhileNoModelIsShort) {
+  SceneMemory memory(3000, 3);
+  EXPECT_FALSE(memory.share(Needs{{900, false}, {10, false}, {1, false}}));
+  EXPECT_EQ(memory.parts(), (std::vector<uint64_t>{1000, 1000, 1000}));
+}
+
+TEST(SceneMemory, goesToTheModelsThatNeedItWhereOneIsShort) {
+  SceneMemory memory(8000, 2);
+  EXPECT_TRUE(memory.share(Needs{{9000, true}, {3000, false}}));
+  EXPECT_NEAR(static_cast<double>(memory.parts()[0]), 500 + 7000 * 0.75, 2);
+  EXPECT_NEAR(static_cast<double>(memory.parts()[1]), 500 + 7000 * 0.25, 2);
+}
+
+TEST(SceneMemory, leavesAModelThatNeedsNothingAPart) {
+  SceneMemory memory(8000, 2);
+  EXPECT_TRUE(memory.share(Needs{{9000, true}, {0, false}}));
+  EXPECT_GE(memory.parts()[1], 500u);
+}
+
+TEST(SceneMemory, isNeverMoreThanThereIs) {
+  for (uint64_t first = 1; first < uint64_t{1} << 40; first *= 3) {
+    SceneMemory memory((uint64_t{1} << 33) + 7, 3);
+    memory.share(Needs{{first, true}, {12345678, true}, {first / 7, false}});
+    EXPECT_LE(sum(memory.parts()), (uint64_t{1} << 33) + 7) << first;
+  }
+}
+
+TEST(SceneMemory, comesToRestUntilAnotherPictureIsLookedAt) {
+  SceneMemory memory(8000, 2);
+  int changes = 0;
+  for (int turn = 0; turn < 100; ++turn)
+    changes +=
+        memory.share(turn % 2 == 0 ? Needs{{900, true}, {100, true}} : Needs{{100, true}, {900, true}});
+  EXPECT_GT(changes, 1);
+  EXPECT_LT(changes, 10);
+  memory.lookAnew();
+  EXPECT_TRUE(memory.share(Needs{{900, true}, {100, true}}) || memory.share(Needs{{100, true}, {900, true}}));
+}
+
+TEST(SceneMemory, staysWhereNeedsHardlyDiffer) {
+  SceneMemory memory(8000, 2);
+  EXPECT_FALSE(memory.share(Needs{{510, true}, {500, true}}));
+}
+
+}  // namespace
+}  // namespace lode::app
