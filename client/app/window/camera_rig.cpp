@@ -94,6 +94,12 @@ void CameraRig::apply(const Input& input, double seconds, const render::GroundBe
   }
   const glm::dvec2 looked_px =
       input.turned_px + input.shifted_px - input.pad_turn * (kPadHeightsASecond * seconds * view_.height_px);
+  const auto steer = [&](auto& camera, const auto&... where) {
+    camera.changeSpeed(input.wheel);
+    camera.look(looked_px, view_);
+    camera.move(input.fly, seconds, where...);
+    camera.apply(view_);
+  };
   switch (kind_) {
     case CameraKind::kOrbit:
       orbit_.advance(seconds);
@@ -103,16 +109,10 @@ void CameraRig::apply(const Input& input, double seconds, const render::GroundBe
       orbit_.apply(view_);
       break;
     case CameraKind::kFly:
-      fly_.changeSpeed(input.wheel);
-      fly_.look(looked_px, view_);
-      fly_.move(input.fly, seconds);
-      fly_.apply(view_);
+      steer(fly_);
       break;
     case CameraKind::kWalk:
-      walk_.changeSpeed(input.wheel);
-      walk_.look(looked_px, view_);
-      walk_.move(input.fly, seconds, ground);
-      walk_.apply(view_);
+      steer(walk_, ground);
       break;
   }
 }

@@ -1,15 +1,26 @@
 #include "client/app/window/scene_stage.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "common/octahedral.h"
 
 namespace lode::app {
 namespace {
 
-constexpr double kGroundRadii = 40;  ///< of the scene, that the ground reaches
+constexpr double kGroundRadii = 40;      ///< of the scene, that the ground reaches
+constexpr double kShadowWidening = 1.3;  ///< of a model's box
+constexpr double kShadowDepth = 0.55;    ///< of what stands on the ground; none at its own height above it
+
+/// Where a corner of a model's box is in the scene.
+glm::dvec3 cornerOf(const ModelSummary& model, const Placement& placement, unsigned corner) {
+  const glm::uvec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
+  const glm::uvec3 at = glm::mix(model.box.min, model.box.max, glm::bvec3(choice));
+  return placement.position + placement.rotation * (placement.scale * model.lattice.toWorld(at));
+}
 
 }  // namespace
 
@@ -21,13 +32,11 @@ SceneStage::SceneStage(const Scene& scene, std::span<const ModelSummary* const> 
     whole_.triangles += summary.triangles;
     near_ = std::max(near_, summary.lattice.step * placement.scale);
     for (unsigned corner = 0; corner < 8; ++corner) {
-      const glm::uvec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
-      const glm::uvec3 at = glm::mix(summary.box.min, summary.box.max, glm::bvec3(choice));
-      const glm::dvec3 point =
-          placement.position + placement.rotation * (placement.scale * summary.lattice.toWorld(at));
+      const glm::dvec3 point = cornerOf(summary, placement, corner);
       min = glm::min(min, point);
       max = glm::max(max, point);
     }
+    if (scene.ground) addShadow(summary, placement, scene.ground->height);
   }
   const double longest = std::max({max.x - min.x, max.y - min.y, max.z - min.z, 1e-9});
   whole_.lattice.origin = min;
@@ -35,6 +44,33 @@ SceneStage::SceneStage(const Scene& scene, std::span<const ModelSummary* const> 
   whole_.box.add(glm::uvec3(0));
   whole_.box.add(whole_.lattice.snap(max));
   if (scene.ground) makeGround(scene, min, max);
+  // So that the picture does not depend on the order of instances.
+  std::ranges::sort(shadows_, [](const render::ContactShadow& a, const render::ContactShadow& b) {
+    return std::tie(a.middle.x, a.middle.y, a.middle.z, a.depth) <
+           std::tie(b.middle.x, b.middle.y, b.middle.z, b.depth);
+  });
+}
+
+/// An ellipse below a model's box, as that stands: its level sides, whichever are the most level.
+void SceneStage::addShadow(const ModelSummary& model, const Placement& placement, double ground_height) {
+  const glm::dvec3 first = cornerOf(model, placement, 0);
+  std::array<glm::dvec3, 3> sides;
+  for (unsigned axis = 0; axis < 3; ++axis)
+    sides[axis] = (cornerOf(model, placement, 1u << axis) - first) / 2.0;
+  const glm::dvec3 middle = first + sides[0] + sides[1] + sides[2];
+  double reach = 0;  // of the box, along up
+  for (const glm::dvec3& side : sides) reach += std::abs(glm::dot(side, up_));
+  const double above = glm::dot(middle, up_) - ground_height;
+  const double gap = std::max(0.0, above - reach) / std::max(2 * reach, 1e-12);
+  if (gap >= 1 || above < -reach) return;
+  std::ranges::sort(sides, {}, [this](const glm::dvec3& side) {
+    return std::abs(glm::dot(side, up_)) / std::max(glm::length(side), 1e-12);
+  });
+  const auto levelled = [this](const glm::dvec3& side) {
+    return kShadowWidening * (side - up_ * glm::dot(side, up_));
+  };
+  shadows_.push_back({middle - up_ * above, levelled(sides[0]), levelled(sides[1]),
+                      static_cast<float>(kShadowDepth * (1 - gap))});
 }
 
 /// A square around the scene, as a model of two triangles.
@@ -83,6 +119,7 @@ void SceneStage::draw(const core::View& view, const render::Framebuffer& target,
   render::DrawStyle surface = styleOf(style);
   if (style.show != render::Show::kUnlit) surface.show = render::Show::kSurface;
   backdrop_.draw(viewFrom(view, {}, ground_lattice_.origin), target, surface);
+  if (style.show != render::Show::kUnlit) shadow_pass_.draw(shadows_, view, target);
 }
 
 }  // namespace lode::app

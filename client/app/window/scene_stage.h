@@ -1,12 +1,15 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include <glm/glm.hpp>
 
 #include "client/app/cli/scene_file.h"
 #include "client/core/view.h"
+#include "client/render/contact_shadows.h"
 #include "client/render/framebuffer.h"
 #include "client/render/memory_shares.h"
 #include "client/render/renderer.h"
@@ -26,13 +29,15 @@ class SceneStage {
   /// For views: no nearer than one lattice step of any instance, so that depths compare.
   double nearest() const noexcept { return near_; }
 
-  /// Behind all: the sky, and the ground if there is one. @param view  in the scene.
+  /// Behind all: the sky, and the ground if there is one, darker where models stand. @param view  in the
+  /// scene.
   void draw(const core::View& view, const render::Framebuffer& target, const render::DrawStyle& style);
   /// How the models are drawn over it; their up is still to be set.
   render::DrawStyle styleOver(const render::DrawStyle& style) const;
 
  private:
   static constexpr uint64_t kBackdropBytes = 1u << 20;  ///< of two triangles
+  void addShadow(const ModelSummary& model, const Placement& placement, double ground_height);
   void makeGround(const Scene& scene, const glm::dvec3& min, const glm::dvec3& max);
   render::DrawStyle styleOf(render::DrawStyle style) const;
 
@@ -41,6 +46,8 @@ class SceneStage {
   ModelSummary whole_;
   double near_ = 0;
   Lattice ground_lattice_;
+  std::vector<render::ContactShadow> shadows_;
+  render::ContactShadows shadow_pass_;
   render::Renderer backdrop_{1, render::shareMemory(kBackdropBytes).gpu};
 };
 

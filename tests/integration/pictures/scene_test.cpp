@@ -98,6 +98,26 @@ TEST_F(DrawnScenes, hideWhatIsBehindInWhateverOrderInstancesComeAndHoweverTheyAr
   }
 }
 
+TEST_F(DrawnScenes, darkenTheGroundWhereAModelStandsAndNotBelowOneThatIsHighAbove) {
+  const auto on = [](const char* colour) {
+    return std::string(R"(, "ground": {"height": -1, "colour": ")") + colour + R"("})";
+  };
+  const std::string model = R"({"model": "m"})";
+  const Picture green = renderScene("green", withInstances(model, on("#40a040")));
+  const Picture red = renderScene("red", withInstances(model, on("#a04040")));
+  const Picture above =
+      renderScene("above", withInstances(R"({"model": "m", "position": [0, 0, 50]})", on("#40a040")));
+  int darker = 0;
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      const uint8_t *const a = green.pixel(x, y), *const b = red.pixel(x, y);
+      const bool is_ground = a[1] > a[0] + 20 && b[0] > b[1] + 20;
+      darker += is_ground && a[1] + 15 < above.pixel(x, y)[1];
+    }
+  }
+  EXPECT_GT(darker, 200);
+}
+
 TEST_F(DrawnScenes, areTheSamePictureInTheWindowFromSeveralServers) {
   ASSERT_EQ(lodestreamd({"sample", "scene", "--triangles", "3000", "-o", folder_ / "s"}).status, 0);
   const std::filesystem::path rock = folder_ / "s" / "rock.lode", file = folder_ / "s" / "scene.json";
