@@ -129,9 +129,9 @@ TEST_F(DrawnScenes, areTheSamePictureInTheWindowFromSeveralServers) {
   const Outcome drawn = lodestream({"render", file, "--size", "1000x700", "-o", folder_ / "render.png"});
   if (cannotDraw(drawn, "cannot draw off-screen")) GTEST_SKIP() << drawn.err;
   ASSERT_EQ(drawn.status, 0) << drawn.err;
-  Program program("xvfb-run",
-                  {"-a", "-s", "-screen 0 1024x1024x24", LODE_BIN_DIR "/bin/lodestream", "view", file,
-                   "--size", "1000x700", "--pixels", "1", "--screenshot", folder_ / "window.png"});
+  const std::string viewer = std::string(LODE_BIN_DIR) + "/bin/lodestream";
+  Program program("xvfb-run", {"-a", "-s", "-screen 0 1024x1024x24", viewer, "view", file, "--size",
+                               "1000x700", "--pixels", "1", "--screenshot", folder_ / "window.png"});
   const Outcome outcome = program.wait();
   if (outcome.status == 127) GTEST_SKIP() << "no xvfb-run: install xvfb";
   ASSERT_EQ(outcome.status, 0) << outcome.out << outcome.err;
