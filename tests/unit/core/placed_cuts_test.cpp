@@ -216,6 +216,7 @@ TEST_P(PlacedViews, becomeCoarserWithLessMemoryAndAsFineAgainWithMore) {
   model.deliverAll();
   const uint64_t resident_bytes = model.residentBytes(), drawn_bytes = model.all().drawn_bytes;
   model.give(resident_bytes, drawn_bytes / 2);
+  EXPECT_LT(model.budgetBytes(), resident_bytes);
   EXPECT_LE(model.residentBytes(), model.budgetBytes());
   EXPECT_LE(model.all().drawn_bytes, drawn_bytes / 2);
   model.deliverAll();
