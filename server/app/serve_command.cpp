@@ -5,7 +5,8 @@
 #include <thread>
 #include <utility>
 
-#include <asio.hpp>
+#include <asio/io_context.hpp>
+#include <asio/signal_set.hpp>
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
