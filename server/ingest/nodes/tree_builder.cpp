@@ -78,27 +78,14 @@ class Scheduler {
     }
   }
 
-  /// Ends when all is built, or when a worker or `progress` has thrown.
+  /// Ends when all is built, or when a worker or `progress` has thrown. Tells at least once, however small
+  /// the model.
   void waitUntilDone(const BuildProgress& progress) {
     std::unique_lock lock(mutex_);
+    tell(progress, lock);
     while (done_ < plan_.size() && !failure_) {
       changed_.wait_for(lock, kProgressInterval);
-      const bool is_noting = log_.isDue();
-      if (!progress && !is_noting) continue;
-      const size_t done = done_;
-      std::exception_ptr failure;
-      lock.unlock();
-      try {
-        if (is_noting) note();
-        if (progress) {
-          progress("simplify", static_cast<double>(done) / static_cast<double>(plan_.size()), done,
-                   plan_.size());
-        }
-      } catch (...) {
-        failure = std::current_exception();
-      }
-      lock.lock();
-      if (failure && !failure_) failure_ = failure;
+      tell(progress, lock);
     }
     changed_.notify_all();
   }
@@ -119,6 +106,24 @@ class Scheduler {
     uint32_t number = 0;
     NodeSpool::Place place;
   };
+
+  void tell(const BuildProgress& progress, std::unique_lock<std::mutex>& lock) {
+    const bool is_noting = log_.isDue();
+    if (!progress && !is_noting) return;
+    const size_t done = done_;
+    std::exception_ptr failure;
+    lock.unlock();
+    try {
+      if (is_noting) note();
+      if (progress)
+        progress("simplify", static_cast<double>(done) / static_cast<double>(plan_.size()), done,
+                 plan_.size());
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    if (failure && !failure_) failure_ = failure;
+  }
 
   /// The next node to build, or nothing when all are taken or one failed. Inner nodes first: they free
   /// memory.
