@@ -12,9 +12,9 @@
 #include "server/ingest/simplify/collapse_mesh.h"
 #include "server/ingest/simplify/edge_queue.h"
 #include "server/ingest/simplify/far_points.h"
+#include "server/ingest/simplify/lattice_places.h"
 #include "server/ingest/simplify/mesh_quadrics.h"
 #include "server/ingest/simplify/quadric.h"
-#include "server/ingest/simplify/taken_places.h"
 #include "server/ingest/simplify/wedge_quadrics.h"
 
 namespace lode::ingest {
@@ -82,7 +82,6 @@ class Collapser {
   Freedom freedom(const CollapsePosition& position, EdgeKind edge) const;
   bool alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at);
   void put(Record record, double cost);
-  glm::dvec3 settle(const Placement& placement, uint32_t u, uint32_t v);
   void apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds);
   SimplifiedMesh snapshot();
   uint32_t find(uint32_t position) noexcept;
@@ -94,9 +93,8 @@ class Collapser {
   WedgeQuadrics attributes_;
   CollapseCheck check_;
   FarPoints far_points_;
-  glm::dvec3 max_point_;
   EdgeQueue<Record> queue_;
-  TakenPlaces taken_;
+  LatticePlaces places_;
   std::vector<Seen> seen_;
   Quadric quadric_;                      ///< of both ends of the edge that was evaluated last
   std::vector<WedgeTable::Pair> pairs_;  ///< scratch
@@ -111,9 +109,7 @@ Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
       attributes_(mesh_, glm::length(glm::dvec3(options.max_position)), options.attribute_weight),
       check_(mesh_),
       far_points_(mesh_),
-      max_point_(glm::dvec3(options.max_position)),
-      taken_(mesh_.positions.size()) {
-  for (uint32_t i = 0; i < mesh_.positions.size(); ++i) taken_.add(mesh_.point(i));
+      places_(mesh_, options.max_position) {
   mesh_.mixes_values = !attributes_.coversAll();
   seen_.resize(std::bit_ceil(mesh_.positions.size() / 2 + 1));
   forward_.resize(mesh_.positions.size());
@@ -250,30 +246,6 @@ Collapser::Candidate Collapser::place(uint32_t u, uint32_t v) {
   return result;
 }
 
-// For the edge that was evaluated last: the best by the quadric of the eight lattice points around a place,
-// of those inside the box that are no other position's; the better end where all are taken. (Rounding to the
-// nearest would add the lattice's noise to the surface; of eight points one is usually close to it.)
-glm::dvec3 Collapser::settle(const Placement& placement, uint32_t u, uint32_t v) {
-  const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
-  if (placement.point == at_u || placement.point == at_v) return placement.point;
-  const Quadric& q = quadric_;
-  const glm::dvec3 low = glm::floor(placement.point), gradient = 2.0 * (q.timesA(low) + q.b);
-  // Costs of the eight, less that of `low`.
-  const double x = q.xx + gradient.x, y = q.yy + gradient.y, z = q.zz + gradient.z;
-  const double xy = x + y + 2 * q.xy, xz = x + z + 2 * q.xz, yz = y + z + 2 * q.yz;
-  std::array<std::pair<double, uint32_t>, 8> corners{
-      {{0, 0}, {x, 1}, {y, 2}, {xy, 3}, {z, 4}, {xz, 5}, {yz, 6}, {xy + z + 2 * (q.xz + q.yz), 7}}};
-  const glm::dvec3 highest = max_point_ - mesh_.origin;
-  for (auto next = corners.begin(); next != corners.end(); ++next) {
-    std::iter_swap(next, std::min_element(next, corners.end()));
-    const uint32_t bits = next->second;
-    const glm::dvec3 place =
-        glm::clamp(low + glm::dvec3(bits & 1, bits >> 1 & 1, bits >> 2), -mesh_.origin, highest);
-    if (place == at_u || place == at_v || !taken_.contains(place)) return place;
-  }
-  return q.at(at_u) < q.at(at_v) ? at_u : at_v;
-}
-
 void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
   const CollapsePosition &end_u = mesh_.positions[u], &end_v = mesh_.positions[v];
   const glm::dvec3 at_u = mesh_.point(u), along = mesh_.point(v) - at_u;
@@ -292,7 +264,7 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
   }
   forward_[gone] = keep;
   kept.merged_at = ++clock_;
-  taken_.add(to);
+  places_.take(to);
   if (folds) mesh_.removeFolds(keep);
 }
 
@@ -333,7 +305,10 @@ bool Collapser::collapseNext() {
 }
 
 void Collapser::collapseEdge(Record record, const Candidate& candidate) {
-  const glm::dvec3 to = settle(candidate.placement, record.u, record.v);
+  const glm::dvec3 to =
+      places_.settle(candidate.placement.point, quadric_,
+                     std::sqrt(std::max(candidate.placement.cost, 0.0) / breadth(record.u, record.v)),
+                     mesh_.point(record.u), mesh_.point(record.v));
   const CollapseFinding finding = check_.look(record.u, record.v, to, kLimits[level_]);
   if (finding.removed == 0) return;
   if (!finding.allowed) {
@@ -373,7 +348,9 @@ void Collapser::run(std::span<const size_t> targets, const SnapshotSink& sink) {
       sink(reached, snapshot());
       ++reached;
     }
-    return reached == targets.size();
+    if (reached == targets.size()) return true;
+    places_.aimFor(targets[reached]);
+    return false;
   };
   if (report()) return;
   for (bool first = true; level_ < kLimits.size(); first = false) {

@@ -1,0 +1,70 @@
+#include "server/ingest/simplify/lattice_places.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace lode::ingest {
+namespace {
+
+// Points are at most this far apart: as a share of the mean edge, and times the distance by which a collapse
+// is off in any case. docs/benchmarks.md (Bytes) has what other values give.
+constexpr double kOfEdge = 1.0 / 32, kOfError = 2;
+constexpr double kAreaOfEdge = 0.433;  ///< of an equilateral triangle, in squares of its edge
+
+double powerOfTwoAtMost(double value) { return std::exp2(std::floor(std::log2(value))); }
+
+double areaOf(const CollapseMesh& mesh) {
+  double twice = 0;
+  for (size_t t = 0; t < mesh.corner_position.size(); t += 4) {
+    const auto at = [&](size_t k) { return mesh.point(mesh.corner_position[t + k]); };
+    twice += glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
+  }
+  return twice / 2;
+}
+
+}  // namespace
+
+LatticePlaces::LatticePlaces(const CollapseMesh& mesh, glm::dvec3 highest)
+    : lowest_(-mesh.origin),
+      highest_(highest - mesh.origin),
+      area_(areaOf(mesh)),
+      taken_(mesh.positions.size()) {
+  for (uint32_t i = 0; i < mesh.positions.size(); ++i) taken_.add(mesh.point(i));
+}
+
+void LatticePlaces::aimFor(size_t triangles) {
+  const double edge = std::sqrt(area_ / kAreaOfEdge / static_cast<double>(std::max<size_t>(triangles, 1)));
+  coarsest_ = std::max(powerOfTwoAtMost(kOfEdge * edge), 1.0);
+}
+
+glm::dvec3 LatticePlaces::settle(glm::dvec3 point, const Quadric& q, double off, glm::dvec3 at_u,
+                                 glm::dvec3 at_v) const {
+  if (point == at_u || point == at_v) return point;
+  const double s = std::clamp(powerOfTwoAtMost(kOfError * off), 1.0, coarsest_);
+  const glm::dvec3 low = glm::floor((point - lowest_) / s) * s + lowest_;
+  const glm::dvec3 gradient = 2.0 * (q.timesA(low) + q.b);
+  // Costs of the eight, less that of `low`.
+  const double x = s * (s * q.xx + gradient.x), y = s * (s * q.yy + gradient.y),
+               z = s * (s * q.zz + gradient.z);
+  const double xy = 2 * s * s * q.xy, xz = 2 * s * s * q.xz, yz = 2 * s * s * q.yz;
+  std::array<std::pair<double, uint32_t>, 8> corners{{{0, 0},
+                                                      {x, 1},
+                                                      {y, 2},
+                                                      {x + y + xy, 3},
+                                                      {z, 4},
+                                                      {x + z + xz, 5},
+                                                      {y + z + yz, 6},
+                                                      {x + y + z + xy + xz + yz, 7}}};
+  for (auto next = corners.begin(); next != corners.end(); ++next) {
+    std::iter_swap(next, std::min_element(next, corners.end()));
+    const uint32_t bits = next->second;
+    const glm::dvec3 place =
+        glm::clamp(low + s * glm::dvec3(bits & 1, bits >> 1 & 1, bits >> 2), lowest_, highest_);
+    if (place == at_u || place == at_v || !taken_.contains(place)) return place;
+  }
+  return q.at(at_u) < q.at(at_v) ? at_u : at_v;
+}
+
+}  // namespace lode::ingest
