@@ -22,12 +22,15 @@ struct EncodedPayload {
   uint32_t vertices = 0;         ///< vertices that a decoder will produce
 };
 
+/// Where a mesh's triangles come from: those of a file are often regular, and are predicted more closely.
+enum class MeshSource { kFile, kSimplified };
+
 /// Encodes a rung with Draco's edgebreaker (settings: docs/store-format.md), float positions in the model
 /// frame. The decoded mesh has the same triangles (as sets of position and attributes, orientation kept) in
-/// another order.
+/// another order. Computed normals that the surface gives are left out, where they are most.
 /// @param step  the lattice's step.
 /// @throws Error kInternal if Draco fails. Thread safe.
-EncodedPayload encodePayload(const Mesh& mesh, double step);
+EncodedPayload encodePayload(const Mesh& mesh, double step, MeshSource source = MeshSource::kSimplified);
 
 /// Decodes a payload from an untrusted source, guarded as docs/protocol.md says: header and counts are
 /// checked before memory is taken, every index, position and attribute afterwards.

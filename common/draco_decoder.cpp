@@ -13,6 +13,7 @@
 #include "common/draco_settings.h"
 #include "common/error.h"
 #include "common/limits.h"
+#include "common/surface_normals.h"
 
 namespace lode {
 namespace {
@@ -49,6 +50,11 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
     refuse("its connectivity has more symbols than triangles");
 }
 
+bool leavesNormalsOut(const draco::Mesh& in, AttributeSet attributes) {
+  return attributes.has(AttributeSet::kNormal) && attributes.has(AttributeSet::kComputedNormal) &&
+         in.GetNamedAttribute(GeometryAttribute::NORMAL) == nullptr;
+}
+
 // Draco's decoder, which stops between declaration and decoding of attributes to compare the former with what
 // the model has: a hostile payload could declare any number of any width.
 class GuardedDecoder : public draco::MeshEdgebreakerDecoder {
@@ -72,6 +78,7 @@ class GuardedDecoder : public draco::MeshEdgebreakerDecoder {
   std::string checkAttributes() const {
     const AttributeSet set = expected_.attributes;
     const bool alpha = set.has(AttributeSet::kAlpha);
+    const bool normal = set.has(AttributeSet::kNormal) && !leavesNormalsOut(*mesh(), set);
     int wanted = 0;
     const auto fits = [&](GeometryAttribute::Type type, bool has, draco::DataType data_type, int least,
                           int most) {
@@ -83,7 +90,7 @@ class GuardedDecoder : public draco::MeshEdgebreakerDecoder {
     };
     const bool all_fit =
         fits(GeometryAttribute::POSITION, true, draco::DT_FLOAT32, 3, 3) &&
-        fits(GeometryAttribute::NORMAL, set.has(AttributeSet::kNormal), draco::DT_FLOAT32, 3, 3) &&
+        fits(GeometryAttribute::NORMAL, normal, draco::DT_FLOAT32, 3, 3) &&
         fits(GeometryAttribute::COLOR, set.has(AttributeSet::kColour | AttributeSet::kAlpha), draco::DT_UINT8,
              3, alpha ? 4 : 3) &&
         fits(GeometryAttribute::TEX_COORD, set.has(AttributeSet::kTexture), draco::DT_FLOAT32, 2, 2) &&
@@ -178,7 +185,7 @@ void readAttributes(const draco::Mesh& in, Mesh& mesh) {
   const AttributeSet set = mesh.attributes;
   if (set.bits == 0) return;
   mesh.vertex_attributes.resize(in.num_points());
-  if (set.has(AttributeSet::kNormal)) readNormals(in, mesh);
+  if (in.GetNamedAttribute(GeometryAttribute::NORMAL) != nullptr) readNormals(in, mesh);
   if (set.has(AttributeSet::kColour | AttributeSet::kAlpha)) readColours(in, mesh);
   if (set.has(AttributeSet::kTexture)) readTexture(in, mesh);
   if (set.has(AttributeSet::kMaterial))
@@ -200,7 +207,9 @@ void readTriangles(const draco::Mesh& in, Mesh& mesh) {
   }
 }
 
-void decodeGuarded(std::span<const std::byte> bytes, const PayloadExpectation& expected, draco::Mesh& out) {
+/// @return what follows the stream.
+std::span<const std::byte> decodeGuarded(std::span<const std::byte> bytes, const PayloadExpectation& expected,
+                                         draco::Mesh& out) {
   draco::DecoderOptions options;  // the quantized integers are wanted, not floats made of them
   for (const auto type :
        {GeometryAttribute::POSITION, GeometryAttribute::NORMAL, GeometryAttribute::TEX_COORD})
@@ -217,22 +226,26 @@ void decodeGuarded(std::span<const std::byte> bytes, const PayloadExpectation& e
   } catch (const std::length_error&) {
     refuse("it asks for too much memory");
   }
-  if (buffer.remaining_size() != 0) refuse("bytes follow its end");
+  return bytes.last(static_cast<size_t>(buffer.remaining_size()));
 }
 
 }  // namespace
 
 Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected) {
-  if (!isLatticeStep(step)) refuse("the lattice's step is no power of two in range");
+  if (!isLatticeStep(step)) refuse("the lattice's step is none that a store has");
   Mesh mesh;
   mesh.attributes = expected.attributes;
   if (bytes.empty() && expected.triangles == 0) return mesh;
   checkHeader(bytes, expected);
   draco::Mesh decoded;
-  decodeGuarded(bytes, expected, decoded);
+  const std::span<const std::byte> rest = decodeGuarded(bytes, expected, decoded);
   readTriangles(decoded, mesh);
   readPositions(decoded, step, expected.box, mesh);
   readAttributes(decoded, mesh);
+  if (leavesNormalsOut(decoded, expected.attributes))
+    giveNormals(mesh, rest);
+  else if (!rest.empty())
+    refuse("bytes follow its end");
   return mesh;
 }
 

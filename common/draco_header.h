@@ -13,7 +13,7 @@ namespace lode::draco_header {
   throw Error(ErrorCode::kFormat, "damaged payload: " + why + "; fetch it again or rebuild the store");
 }
 
-/// Reads the first bytes of a Draco stream. All functions throw Error kFormat.
+/// Reads the first bytes of a Draco stream, and what follows its end. All functions throw Error kFormat.
 /// Source: Draco's bitstream specification 2.2, sections 3 and 6.
 class Cursor {
  public:
@@ -26,8 +26,9 @@ class Cursor {
     for (const uint8_t byte : kStart)
       if (u8() != byte) refuse("it does not begin like a Draco 2.2 edgebreaker mesh");
   }
+  bool isAtEnd() const noexcept { return at_ == bytes_.size(); }
   uint8_t u8() {
-    if (at_ == bytes_.size()) refuse("its header is cut off");
+    if (isAtEnd()) refuse("it is cut off");
     return std::to_integer<uint8_t>(bytes_[at_++]);
   }
   uint32_t varint() {
@@ -37,7 +38,7 @@ class Cursor {
       value |= static_cast<uint64_t>(byte & 127) << shift;
       if (byte < 128 && value <= UINT32_MAX) return static_cast<uint32_t>(value);
     }
-    refuse("a count in its header is too long");
+    refuse("a number of its is too long");
   }
 
  private:

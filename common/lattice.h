@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <compare>
 #include <cstdint>
 
@@ -47,12 +48,23 @@ struct LatticeBox {
   }
 };
 
+/// Steps outside of these have lattice points whose floats are no normal numbers.
+constexpr double kMinStep = 0x1p-100, kMaxStep = 0x1p60;
+
+/// True for 4, 5, 6 and 7 times a power of two within kMinStep .. kMaxStep. So a multiple of up to 21 bits is
+/// exact in float.
+inline bool isLatticeStep(double step) noexcept {
+  int exponent = 0;
+  const double eighths = 8 * std::frexp(step, &exponent);
+  return step >= kMinStep && step <= kMaxStep && eighths == std::floor(eighths);
+}
+
 /// The grid on which every vertex of a model lies.
 /// True coordinates = origin + step * lattice coordinates; the **model frame** is step * lattice coordinates:
-/// its floats are exact, since coordinates have 21 bits and the step is a power of two.
+/// its floats are exact, since coordinates have 21 bits and the step has three.
 struct Lattice {
   glm::dvec3 origin{0};  ///< true coordinates of lattice point (0,0,0); a multiple of the step
-  double step = 1;       ///< a power of two, true units
+  double step = 1;       ///< see isLatticeStep(); true units
 
   bool operator==(const Lattice&) const = default;
   /// Source of all rounding in the system: nearest lattice point, in double, clamped to the grid.

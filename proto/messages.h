@@ -9,6 +9,7 @@
 
 #include "common/model_summary.h"
 #include "proto/frame.h"
+#include "proto/limits.h"
 
 /// The messages as plain structs, and their FlatBuffers bodies (proto/lodestream.fbs). Each encode function
 /// gives a whole frame, header included. Each decode function takes a frame's body from an untrusted peer and
@@ -18,14 +19,14 @@ namespace lode::proto {
 using Bytes = std::vector<std::byte>;
 
 struct Hello {
-  uint32_t min_version = 1, max_version = 1;
+  uint32_t min_version = kProtocolVersion, max_version = kProtocolVersion;
   uint64_t features = 0;
   std::string token, program;
   bool operator==(const Hello&) const = default;
 };
 
 struct Welcome {
-  uint32_t version = 1;
+  uint32_t version = kProtocolVersion;
   uint64_t features = 0;
   uint32_t max_open_wishes = 0;
   std::string program;

@@ -35,13 +35,6 @@ BlobRef fromWire(const wire::BlobRef& blob) { return {blob.number(), blob.bytes(
 
 glm::uvec3 fromWire(const wire::LatticePoint& p) { return {p.x(), p.y(), p.z()}; }
 
-/// A step at which every lattice coordinate is an exact, normal float.
-bool usableStep(double step) {
-  int exponent = 0;
-  return std::isfinite(step) && step > 0 && std::frexp(step, &exponent) == 0.5 && exponent > -125 &&
-         exponent <= std::numeric_limits<float>::max_exponent - kLatticeBits;
-}
-
 ModelSummary fromWire(const wire::ModelSummary& from) {
   ModelSummary out;
   out.name = getString(from.name(), kMaxModelNameBytes, "bytes in a model's name");
@@ -50,7 +43,7 @@ ModelSummary fromWire(const wire::ModelSummary& from) {
   out.lattice.origin = {from.origin()->x(), from.origin()->y(), from.origin()->z()};
   out.lattice.step = from.step();
   require(std::isfinite(out.lattice.origin.x) && std::isfinite(out.lattice.origin.y) &&
-              std::isfinite(out.lattice.origin.z) && usableStep(out.lattice.step),
+              std::isfinite(out.lattice.origin.z) && isLatticeStep(out.lattice.step),
           "a lattice that is no lattice");
   out.box = {fromWire(from.box()->min()), fromWire(from.box()->max())};
   const glm::uvec3 all = glm::max(out.box.min, out.box.max);

@@ -42,7 +42,7 @@ struct DrawCounts {
 /// and polygon state.
 class Renderer {
  public:
-  /// @param lattice_step  of the model, a power of two.
+  /// @param lattice_step  of the model, see isLatticeStep().
   /// @throws Error kIo or kInternal if the driver lacks memory or rejects a shader.
   explicit Renderer(double lattice_step = 1, const ResidencyOptions& options = {});
 

@@ -159,6 +159,11 @@ void Session::hello(const proto::Hello& message, uint32_t request) {
                   "this server speaks version " + std::to_string(proto::kProtocolVersion) +
                       " of the protocol, the client " + std::to_string(message.min_version) +
                       " or newer; update the server"};
+  if (message.max_version < proto::kProtocolVersion)
+    throw Refusal{WireError::kVersion, "this server speaks version " +
+                                           std::to_string(proto::kProtocolVersion) +
+                                           " of the protocol, the client none above " +
+                                           std::to_string(message.max_version) + "; update the client"};
   token_ = message.token;
   if (!authorize())
     throw Refusal{WireError::kUnauthorized, message.token.empty()

@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', '\r', '\n', '\x1a', '\n'};
 constexpr std::array<char, 8> kEndMagic{'L', 'O', 'D', 'E', '-', 'E', 'N', 'D'};
-constexpr double kMinStep = 0x1p-100, kMaxStep = 0x1p60;  ///< floats of the model frame stay normal numbers
 constexpr size_t kHeaderChecksumAt = kHeaderBytes - sizeof(uint64_t);
 
 /// Puts numbers into a fixed place, lowest byte first.
@@ -73,9 +72,8 @@ std::span<const std::byte> asBytes(const std::array<char, 8>& text) { return std
 
 void checkGrid(const ModelSummary& summary) {
   const Lattice& lattice = summary.lattice;
-  int exponent = 0;
-  if (!(lattice.step >= kMinStep && lattice.step <= kMaxStep) || std::frexp(lattice.step, &exponent) != 0.5)
-    fail("header: the lattice's step is no power of two from 2^-100 to 2^60");
+  if (!isLatticeStep(lattice.step))
+    fail("header: the lattice's step is not 4, 5, 6 or 7 times a power of two, from 2^-100 to 2^60");
   for (int axis = 0; axis < 3; ++axis) {
     const double origin = lattice.origin[axis];
     if (!std::isfinite(origin) || std::fmod(origin, lattice.step) != 0)
@@ -139,7 +137,7 @@ FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t
   Take sum(bytes.last<sizeof(uint64_t)>());
   if (sum.get<uint64_t>() != checksum(bytes.first<kHeaderChecksumAt>()))
     fail("header: the checksum does not match");
-  if (take.get<uint32_t>() != kHeaderBytes) fail("header: its size is not that of version 2");
+  if (take.get<uint32_t>() != kHeaderBytes) fail("header: its size is not that of version 3");
   FileHeader header;
   ModelSummary& summary = header.summary;
   take.number(summary.bytes);

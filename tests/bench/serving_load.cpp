@@ -54,7 +54,8 @@ class Client {
     if (connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
       throw Error(ErrorCode::kNetwork, "cannot connect to port " + std::to_string(port));
     if (tls != nullptr) shakeHands(tls);
-    send(proto::encode(proto::Hello{1, 1, 0, "", "serving_load"}, 1));
+    send(proto::encode(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "", "serving_load"},
+                       1));
     send(proto::encode(proto::Open{model, {}}, 2));
     send(proto::encode(proto::Credit{kEndlessWindow}, 0));
   }

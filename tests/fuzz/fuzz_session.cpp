@@ -91,7 +91,7 @@ class Play {
   void step() {
     switch (script_.byte() % 16) {
       case 0:
-        return send(Hello{1, 1, script_.byte(), "", "fuzz"});
+        return send(Hello{proto::kProtocolVersion, proto::kProtocolVersion, script_.byte(), "", "fuzz"});
       case 1:
         return send(Open{std::string(1, static_cast<char>('a' + script_.byte() % 3)), {}});
       case 2:

@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 from daemon import STORE, Daemon, eventually, refusal
-from read_model import HEADER, Connection, Reader
+from read_model import HEADER, VERSION, Connection, Reader
 
 
 class LogTest(unittest.TestCase):
@@ -74,7 +74,7 @@ class Log(LogTest):
             with Daemon(STORE, "--log-json", "--token-file", tokens.name, stderr=log) as daemon:
                 for kind, token, more in (("unauthorized", "wrong", b""), ("mistake", "right", b"x" * HEADER.size)):
                     with contextlib.closing(Connection(daemon.address)) as connection:
-                        connection.send("Hello", 1, minVersion=1, maxVersion=1, token=token)
+                        connection.send("Hello", 1, minVersion=VERSION, maxVersion=VERSION, token=token)
                         connection.socket.sendall(more)
                         with self.assertRaises(SystemExit):  # the Error
                             while True:

@@ -21,6 +21,7 @@ TYPES = dict(Hello=1, Welcome=2, Open=5, Opened=6, Wishes=7, Credit=8, Blob=9, C
              ModelReplaced=13, Ping=14, Pong=15)
 NAMES = {number: name for name, number in TYPES.items()}
 NO_SUCH_MODEL, LIMIT, DAMAGED_STORE = 5, 7, 8  # codes of an Error
+VERSION = 2  # of the protocol
 OPTIONAL, MAX_BODY, WINDOW, MAX_CHANGES, INNER_TEXELS = 1, 262144, 65536, 4096, 508
 
 Ref = collections.namedtuple("Ref", "number bytes name")
@@ -103,10 +104,10 @@ class Connection:
 
     def open(self, model, token=""):
         """Hello and Open together. Returns Opened, and how many wishes may be open."""
-        self.send("Hello", 1, minVersion=1, maxVersion=1, token=token, program="read_model.py")
+        self.send("Hello", 1, minVersion=VERSION, maxVersion=VERSION, token=token, program="read_model.py")
         self.send("Open", 2, model=model)
         (name, request, welcome), (also, follows, opened) = self.receive(), self.receive()
-        assert (name, request, welcome.Version(), also, follows) == ("Welcome", 1, 1, "Opened", 2)
+        assert (name, request, welcome.Version(), also, follows) == ("Welcome", 1, VERSION, "Opened", 2)
         return opened, welcome.MaxOpenWishes()
 
     def receive(self):

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "server/ingest/partition/leaf_mesh.h"
+#include "common/surface_normals.h"
 
 namespace lode::ingest {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -56,7 +57,7 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, Room room) {
   NodeMesh mesh = loadLeaf(leaf);
   built.original_triangles = mesh.triangles.size();
   built.rim_gap_steps = settings_.snap_error_steps;
-  addRung(built, mesh, encodePayload(toMesh(mesh), settings_.lattice.step),
+  addRung(built, mesh, encodePayload(toMesh(mesh), settings_.lattice.step, MeshSource::kFile),
           {.deviation_steps = settings_.snap_error_steps});
   if (built.node.key == kRootKey) {
     for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
@@ -218,8 +219,13 @@ RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung)
 }
 
 RungError NodeBuilder::errorOf(const Rung& rung) const noexcept {
-  return {static_cast<float>(rung.error_model / settings_.lattice.step),
-          static_cast<float>(rung.appearance_error_model / settings_.lattice.step)};
+  // Rounded up: in the model's units the same again, or a coarser rung's error could be smaller.
+  const auto inSteps = [&](float model) {
+    const auto steps = static_cast<float>(model / settings_.lattice.step);
+    const bool is_less = static_cast<float>(steps * settings_.lattice.step) < model;
+    return is_less ? std::nextafter(steps, std::numeric_limits<float>::infinity()) : steps;
+  };
+  return {inSteps(rung.error_model), inSteps(rung.appearance_error_model)};
 }
 
 void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload,

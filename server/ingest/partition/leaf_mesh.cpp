@@ -5,7 +5,7 @@
 #include <span>
 
 #include "common/error.h"
-#include "common/octahedral.h"
+#include "common/surface_normals.h"
 
 namespace lode::ingest {
 
@@ -66,19 +66,11 @@ std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh) {
   for (const glm::u32vec3& t : mesh.triangles) {
     const uint32_t corners[3] = {mesh.wedge_position[t.x], mesh.wedge_position[t.y],
                                  mesh.wedge_position[t.z]};
-    const glm::i64vec3 a(unpackPosition(mesh.positions[corners[0]]));
-    const glm::i64vec3 u = glm::i64vec3(unpackPosition(mesh.positions[corners[1]])) - a;
-    const glm::i64vec3 v = glm::i64vec3(unpackPosition(mesh.positions[corners[2]])) - a;
-    const glm::i64vec3 cross(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
-    for (const uint32_t corner : corners) sums[corner] += cross;
+    const glm::i64vec3 normal =
+        areaNormal(mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]);
+    for (const uint32_t corner : corners) sums[corner] += normal;
   }
   return sums;
-}
-
-uint16_t normalOf(glm::i64vec3 sum) noexcept {
-  const glm::dvec3 exact(sum);
-  const double length = glm::length(exact);
-  return encodeOctahedral(length > 0 ? glm::vec3(exact / length) : glm::vec3(0, 0, 1));
 }
 
 }  // namespace lode::ingest

@@ -24,8 +24,4 @@ NodeMesh getLeaf(RecordReader& record, AttributeSet attributes);
 /// Sum of the triangles' cross products at each position, in lattice steps: integers, so that sums over
 /// leaves do not depend on their order. Twice the area weighs each triangle's normal.
 std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh);
-
-/// Octahedral code of a sum of normals.
-uint16_t normalOf(glm::i64vec3 sum) noexcept;
-
 }  // namespace lode::ingest

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "common/surface_normals.h"
 #include "server/ingest/mesh/groups.h"
 #include "server/ingest/partition/leaf_mesh.h"
 
@@ -65,11 +66,8 @@ std::vector<Side> sidesOf(const NodeMesh& mesh, std::span<const uint32_t> corner
 }
 
 glm::i64vec3 crossOf(const NodeMesh& mesh, const glm::u32vec3& t) {
-  const auto at = [&](int k) {
-    return glm::i64vec3(unpackPosition(mesh.positions[mesh.wedge_position[t[k]]]));
-  };
-  const glm::i64vec3 u = at(1) - at(0), v = at(2) - at(0);
-  return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  const auto at = [&](uint32_t wedge) { return mesh.positions[mesh.wedge_position[wedge]]; };
+  return areaNormal(at(t.x), at(t.y), at(t.z));
 }
 
 /// Of several sums, the group with the longest takes in those without a direction.

@@ -16,9 +16,6 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kSampledFaces = 1 << 17;
-// What payloads and stores can hold: docs/store-format.md.
-constexpr double kSmallestStep = 0x1p-100;
-constexpr double kLargestStep = 0x1p60;
 constexpr double kStepsInShortEdge = 32;
 /// Of the longest side, at least. Snapping moves a corner by half the diagonal of a cell, 0.87 steps, at
 /// most; where the side fills 3840 pixels, those are 0.81 of a pixel.
@@ -46,14 +43,21 @@ UsedAndSampled lookAtFaces(const PackedInput& input) {
   return result;
 }
 
-double powerOfTwoAtMost(double value) { return std::exp2(std::floor(std::log2(value))); }
+/// The largest of isLatticeStep() that is not above a value.
+double stepAtMost(double value) {
+  int exponent = 0;
+  const double eighths = std::floor(8 * std::frexp(value, &exponent));
+  return std::ldexp(eighths, exponent - 3);
+}
 double powerOfTwoAtLeast(double value) { return std::exp2(std::ceil(std::log2(value))); }
 
+/// A power of two: of a step that is none, coordinates have more bits, for which double has room above twice
+/// its epsilon.
 double finestStep(glm::dvec3 box_min, glm::dvec3 box_max) {
   const glm::dvec3 size = box_max - box_min;
   const glm::dvec3 farthest = glm::max(glm::abs(box_min), glm::abs(box_max));
   return std::max(powerOfTwoAtLeast(std::max({size.x, size.y, size.z}) / kMostStepsInBox),
-                  powerOfTwoAtLeast(std::max({farthest.x, farthest.y, farthest.z}) *
+                  powerOfTwoAtLeast(std::max({farthest.x, farthest.y, farthest.z}) * 2 *
                                     std::numeric_limits<double>::epsilon()));
 }
 
@@ -81,7 +85,7 @@ double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box
   std::nth_element(edges.begin(), at, edges.end());
   const glm::dvec3 size = box_max - box_min;
   const double side = std::max({size.x, size.y, size.z});
-  return std::max(finest, powerOfTwoAtMost(std::min(*at / kStepsInShortEdge, side / kLeastStepsInBox)));
+  return std::max(finest, stepAtMost(std::min(*at / kStepsInShortEdge, side / kLeastStepsInBox)));
 }
 
 SampledFace sampledFace(std::span<const uint32_t> corners) {
@@ -137,7 +141,7 @@ Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& posi
   };
   const uint64_t bound = std::max(lostAt(finest), faces.size() / kFacesForEachLost);
   double step = coarsest;
-  while (step > finest && lostAt(step) > bound) step /= 2;
+  while (step > finest && lostAt(step) > bound) step = std::max(finest, step / 2);
   return latticeOf(step, box_min);
 }
 
@@ -181,7 +185,7 @@ LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::pat
   }
   LatticeChoice choice;
   choice.lattice = chooseLattice(used);
-  if (!(choice.lattice.step >= kSmallestStep && choice.lattice.step <= kLargestStep)) {
+  if (!isLatticeStep(choice.lattice.step)) {
     throw Error(ErrorCode::kInput,
                 name.string() +
                     ": the coordinates are too small or too large to be stored; give the model "

@@ -12,9 +12,9 @@
 
 namespace lode::ingest {
 
-/// Step of a model's lattice: the largest power of two that is at most 1/32 of the 5th-percentile edge and
-/// 1/4096 of the longest side of the box, but coarse enough that the box fits 21 bits and that double holds
-/// the coordinates. See docs/store-format.md.
+/// Step of a model's lattice: the largest of isLatticeStep() that is at most 1/32 of the 5th-percentile edge
+/// and 1/4096 of the longest side of the box, but coarse enough that the box fits 21 bits and that double
+/// holds the coordinates. See docs/store-format.md.
 /// @param edges  lengths of a sample of edges, true units; zero lengths are left out; changed (partly
 /// sorted).
 double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box_max);

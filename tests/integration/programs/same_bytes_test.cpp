@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "9f2a9f6aec4e1e456ca2fd598bc2a55c50ce33e57075f6f620364c9eda9ce2e3";
+constexpr const char* kSha256 = "f44c1580de1625fde17dbb9932d9f33844fb84b8049bf83deb18bf9b4de09871";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;

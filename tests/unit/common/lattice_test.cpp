@@ -40,9 +40,19 @@ TEST(Lattice, snapUndoesToWorldFarFromTheOrigin) {
 }
 
 TEST(Lattice, modelFrameIsExactInFloat) {
-  const Lattice lattice{{0, 0, 0}, 0x1p-13};
-  for (const uint32_t i : {1u, 12345u, kMaxLattice - 1, kMaxLattice})
-    EXPECT_EQ(double(lattice.toModel(glm::uvec3(i)).x), i * 0x1p-13) << i;
+  for (const double eighths : {4, 5, 6, 7}) {
+    const Lattice lattice{{0, 0, 0}, eighths * 0x1p-13};
+    for (const uint32_t i : {1u, 12345u, kMaxLattice - 1, kMaxLattice})
+      EXPECT_EQ(double(lattice.toModel(glm::uvec3(i)).x), i * lattice.step) << i;
+  }
+}
+
+TEST(Lattice, hasStepsOfThreeBitsInRange) {
+  for (const double step : {1.0, 5.0, 6 * 0x1p-30, 7 * 0x1p40, kMinStep, kMaxStep})
+    EXPECT_TRUE(isLatticeStep(step)) << step;
+  for (const double step :
+       {0.0, -1.0, 0.3, 9.0, kMinStep / 2, kMaxStep * 1.25, std::nan(""), double(INFINITY)})
+    EXPECT_FALSE(isLatticeStep(step)) << step;
 }
 
 TEST(LatticeBox, isEmptyUntilAPointIsAdded) {

@@ -63,7 +63,7 @@ class EngineTest : public testing::Test {
     opened.summary.build_id = build_id_;
     opened.summary.lattice.step = step_;
     opened.summary.root_page = refOf(3);
-    Bytes bytes = proto::encode(proto::Welcome{1, 0, 100, ""}, 1);
+    Bytes bytes = proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 100, ""}, 1);
     append(bytes, proto::encode(opened, 2));
     if (known == build_id_) return bytes;
     append(bytes, blobFrame(0, 3));

@@ -89,7 +89,7 @@ inline Bytes blobFrames(uint32_t wish, uint32_t number, size_t size) {
 
 constexpr uint32_t kPageBlob = 1, kPageBytes = 300;
 
-inline Bytes welcome() { return proto::encode(proto::Welcome{1, 0, 16384, "test"}, 1); }
+inline Bytes welcome() { return proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 16384, "test"}, 1); }
 
 inline Bytes opened() {
   proto::Opened message;

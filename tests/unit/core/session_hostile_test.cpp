@@ -30,15 +30,15 @@ TEST_F(SessionTest, refusesASecondWelcome) {
 }
 
 TEST_F(SessionTest, refusesAnAnswerToAnotherRequest) {
-  expectRefused(proto::encode(proto::Welcome{1, 0, 16, ""}, 9), "out of turn");
+  expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 16, ""}, 9), "out of turn");
 }
 
 TEST_F(SessionTest, refusesAVersionThatItDidNotOffer) {
-  expectRefused(proto::encode(proto::Welcome{2, 0, 16, ""}, 1), "version 2");
+  expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion + 1, 0, 16, ""}, 1), "it chose version");
 }
 
 TEST_F(SessionTest, refusesAServerWithoutWishes) {
-  expectRefused(proto::encode(proto::Welcome{1, 0, 0, ""}, 1), "no wishes");
+  expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 0, ""}, 1), "no wishes");
 }
 
 TEST_F(SessionTest, refusesABlobThatWasNotWishedFor) {

@@ -125,7 +125,7 @@ TEST_F(SessionTest, wishesForABlobLargerThanTheLimitAlone) {
 
 TEST_F(SessionTest, keepsWishesWithinTheNumberThatTheServerAllows) {
   Session session(optionsFor("model"), kStart);
-  session.receive(proto::encode(proto::Welcome{1, 0, 3, "test"}, 1) + opened(), kStart);
+  session.receive(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 3, "test"}, 1) + opened(), kStart);
   while (session.nextEvent()) {
   }
   std::vector<Wish> wishes;
@@ -183,7 +183,7 @@ TEST_F(SessionTest, grantsAsMuchAsTheLinkThatItMeasuresCanHold) {
 
 TEST_F(SessionTest, takesWishesOfALowerClassBackForThoseThatItHasNoRoomForOtherwise) {
   Session session(optionsFor("model"), kStart);
-  session.receive(proto::encode(proto::Welcome{1, 0, 3, "test"}, 1) + opened(), kStart);
+  session.receive(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 3, "test"}, 1) + opened(), kStart);
   while (session.nextEvent()) {
   }
   std::vector<Wish> wishes;

@@ -109,7 +109,7 @@ class TexturedEngine : public testing::Test {
     opened.summary.attributes.bits = AttributeSet::kTexture | AttributeSet::kMaterial;
     opened.summary.root_page = refOf(kPage);
     opened.summary.textures = refOf(kSet);
-    Bytes bytes = proto::encode(proto::Welcome{1, 0, 100, ""}, 1);
+    Bytes bytes = proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 100, ""}, 1);
     append(bytes, proto::encode(opened, 2));
     append(bytes, blobFrames(0, kPage));
     append(bytes, blobFrames(0, kMesh));

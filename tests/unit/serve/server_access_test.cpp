@@ -27,7 +27,7 @@ class ServerAccess : public ServerTest {
   }
   /// Says Hello with a token. @return the answer's type.
   FrameType greet(TestClient& client, const std::string& token) {
-    client.send(proto::Hello{1, 1, 0, token, "test"});
+    client.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, token, "test"});
     const auto answer = client.receive();
     return answer ? static_cast<FrameType>(answer->header.type) : FrameType{};
   }
@@ -45,7 +45,7 @@ TEST_F(ServerAccess, withoutAKnownTokenNobodyIsLetIn) {
   start();
   for (const char* token : {"", "wrong", "right "}) {
     TestClient client = connect();
-    client.send(proto::Hello{1, 1, 0, token, "test"});
+    client.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, token, "test"});
     client.expectErrorAndEnd(WireError::kUnauthorized);
   }
   TestClient client = connect();
@@ -56,7 +56,7 @@ TEST_F(ServerAccess, aTokenThatHasExpiredIsNone) {
   writeTokens("old 2020-01-31T12:00:00Z *\n");
   start();
   TestClient client = connect();
-  client.send(proto::Hello{1, 1, 0, "old", "test"});
+  client.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "old", "test"});
   client.expectErrorAndEnd(WireError::kUnauthorized);
 }
 

@@ -11,7 +11,8 @@ using namespace test;
 using SessionHandlesTest = SessionTest;
 
 TEST_F(SessionHandlesTest, saysThatItUnderstandsCloseToWhomAsks) {
-  send(proto::Hello{1, 1, proto::kFeatureClose | 1u << 5, "", ""});
+  send(
+      proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, proto::kFeatureClose | 1u << 5, "", ""});
   EXPECT_EQ(only<proto::Welcome>(FrameType::kWelcome).features, proto::kFeatureClose);
 }
 

@@ -21,6 +21,11 @@ TEST_F(SessionTest, refusesAClientThatIsTooNew) {
   expectClosedWith(WireError::kVersion);
 }
 
+TEST_F(SessionTest, refusesAClientThatIsTooOld) {
+  send(proto::Hello{1, proto::kProtocolVersion - 1, 0, "", "test"});
+  expectClosedWith(WireError::kVersion);
+}
+
 TEST_F(SessionTest, refusesAnyFrameBeforeHello) {
   send(proto::List{});
   expectClosedWith(WireError::kMalformed);
@@ -126,8 +131,8 @@ TEST_F(SessionTest, endsOnceItsTokenHasExpired) {
   offer_.tokens =
       std::make_shared<const TokenFile>(TokenFile::parse("some 2200-01-31T12:00:00Z *\nother never *\n"));
   Session other(host_, limits_, now_);
-  sendTo(other, proto::Hello{1, 1, 0, "other", "test"});
-  send(proto::Hello{1, 1, 0, "some", "test"});
+  sendTo(other, proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "other", "test"});
+  send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "some", "test"});
   control();
   session_.checkExpiry(expiry - 1s);
   EXPECT_FALSE(session_.closing());

@@ -78,7 +78,7 @@ class TestClient {
 
   /// Hello and Open together. @return the answer to Open.
   proto::Opened open(const std::string& model) {
-    send(proto::Hello{1, 1, 0, "", "test"}, 1);
+    send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "", "test"}, 1);
     send(proto::Open{model, {}}, 2);
     expect<proto::Welcome>(proto::FrameType::kWelcome);
     return expect<proto::Opened>(proto::FrameType::kOpened);

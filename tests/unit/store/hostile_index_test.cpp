@@ -105,9 +105,9 @@ TEST_F(HostileIndex, isFineWhenNothingIsChanged) {
   EXPECT_EQ(openWithRootPage([](HierarchyPage&) {}), "");
 }
 
-TEST_F(HostileIndex, stepsMustBePowersOfTwoInRange) {
+TEST_F(HostileIndex, stepsMustHaveThreeBitsAndBeInRange) {
   for (const double step :
-       {0.0, -1.0, 3.0, std::nan(""), std::numeric_limits<double>::infinity(), 0x1p-101, 0x1p61})
+       {0.0, -1.0, 9.0, 0.3, std::nan(""), std::numeric_limits<double>::infinity(), 0x1p-101, 0x1p61})
     EXPECT_SAYS(open([&](Parts& p) { p.header.summary.lattice.step = step; }), "step");
 }
 

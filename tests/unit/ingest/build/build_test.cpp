@@ -168,7 +168,7 @@ TEST_F(Build, warnsOfFacesThatTheFinestLatticeLosesAndRefusesThemIfStrict) {
   EXPECT_EQ(report.summary.triangles, 40u);
   EXPECT_EQ(report.summary.dropped, 1u);
   ASSERT_EQ(report.warnings.size(), 1u);
-  EXPECT_NE(report.warnings[0].find("1 faces with corners less than 0.125"), std::string::npos)
+  EXPECT_NE(report.warnings[0].find("1 faces with corners less than 0.219"), std::string::npos)
       << report.warnings[0];
   given.strict = true;
   EXPECT_THROW(build(given), Error);

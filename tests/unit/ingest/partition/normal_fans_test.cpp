@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/octahedral.h"
+#include "common/surface_normals.h"
 #include "server/ingest/partition/leaf_mesh.h"
 #include "server/ingest/plan/build_options.h"
 #include "tests/support/machine_parts.h"

@@ -86,7 +86,7 @@ TEST(LatticePlaces, thatAreFartherApartMakePayloadsSmaller) {
                                                code.value * 40503u >> 20 & 7, code.value * 69069u >> 25 & 7));
              }
              EXPECT_LT(static_cast<double>(encodePayload(mesh, 1).bytes.size()),
-                       0.85 * static_cast<double>(encodePayload(shaken, 1).bytes.size()));
+                       0.9 * static_cast<double>(encodePayload(shaken, 1).bytes.size()));
            });
 }
 

@@ -9,10 +9,12 @@
 namespace lode::ingest {
 namespace {
 
-TEST(ChooseStep, isThePowerOfTwoBelowAThirtySecondOfTheFifthPercentileEdge) {
+TEST(ChooseStep, isTheLargestAtMostAThirtySecondOfTheFifthPercentileEdge) {
   std::vector<double> edges;
-  for (int i = 1; i <= 100; ++i) edges.push_back(i);
-  EXPECT_EQ(chooseStep(edges, {0, 0, 0}, {1000, 100, 100}), 0.125);
+  for (int i = 1; i <= 100; ++i) edges.push_back(i * 1.1);
+  const double step = chooseStep(edges, {0, 0, 0}, {1000, 100, 100});
+  EXPECT_EQ(step, 0.1875) << "6 / 32, of 6.6 / 32";
+  EXPECT_TRUE(isLatticeStep(step));
 }
 
 TEST(ChooseStep, isSoFineThatACornerOfAModelThatFillsTheScreenIsWithinAPixel) {
@@ -23,6 +25,16 @@ TEST(ChooseStep, isSoFineThatACornerOfAModelThatFillsTheScreenIsWithinAPixel) {
     EXPECT_LE(std::sqrt(3) / 2 * step * kScreenPx / side, 1) << side;
     EXPECT_GE(step, side / 8192) << side;
   }
+}
+
+TEST(ChooseStep, hasMultiplesThatDoubleHolds) {
+  for (const double edge : {3.1e-5, 3.7e-5, 4.3e-5, 5.1e-5})
+    for (const double far : {1e9 + 1. / 3, 3e9 + 1. / 7}) {
+      std::vector<double> edges{edge};
+      const double step = chooseStep(edges, glm::dvec3(far), glm::dvec3(far + 0.5));
+      const double multiple = std::floor(far / step) * step;
+      EXPECT_EQ(std::fmod(multiple, step), 0) << step;
+    }
 }
 
 TEST(ChooseStep, leavesOutEdgesWithoutLength) {

@@ -1,0 +1,166 @@
+#include "common/surface_normals.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "common/draco_codec.h"
+#include "common/error.h"
+#include "common/octahedral.h"
+#include "tests/support/test_meshes.h"
+
+namespace lode {
+namespace {
+
+constexpr double kStep = 0x1.8p-6;
+constexpr uint8_t kComputed = AttributeSet::kNormal | AttributeSet::kComputedNormal;
+
+/// A sphere whose normals are its own surface's.
+Mesh sphereWithItsNormals(uint8_t attributes = kComputed) {
+  Mesh mesh = test::makeSphere(30, 20, {.attributes = {attributes}});
+  const std::vector<uint16_t> surface = surfaceNormals(mesh);
+  for (size_t v = 0; v < surface.size(); ++v) mesh.vertex_attributes[v].normal = surface[v];
+  return mesh;
+}
+
+PayloadExpectation expectationOf(const Mesh& mesh, const EncodedPayload& payload) {
+  return {static_cast<uint32_t>(mesh.triangles.size()), payload.vertices, mesh.attributes, test::boxOf(mesh)};
+}
+
+Mesh decode(const Mesh& mesh, const EncodedPayload& payload) {
+  return decodePayload(payload.bytes, kStep, expectationOf(mesh, payload));
+}
+
+/// By positions, each of which has one.
+std::vector<std::pair<PositionCode, uint16_t>> normalsOf(const Mesh& mesh) {
+  std::vector<std::pair<PositionCode, uint16_t>> normals;
+  for (size_t v = 0; v < mesh.positions.size(); ++v)
+    normals.emplace_back(mesh.positions[v], mesh.vertex_attributes[v].normal);
+  std::ranges::sort(normals);
+  const auto twice = std::ranges::unique(normals);
+  normals.erase(twice.begin(), twice.end());
+  return normals;
+}
+
+TEST(SurfaceNormals, areWeighedByTheAreasOfTriangles) {
+  Mesh mesh;
+  for (const glm::uvec3 p : {glm::uvec3(0, 0, 0), {10, 0, 0}, {0, 10, 0}, {0, 0, 30}})
+    mesh.positions.push_back(packPosition(p));
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  EXPECT_EQ(surfaceNormals(mesh)[0], encodeOctahedral({300, 0, 100}));
+  EXPECT_EQ(surfaceNormals(mesh)[1], encodeOctahedral({0, 0, 1}));
+}
+
+TEST(SurfaceNormals, ofAVertexWithoutSurfaceLookUp) {
+  Mesh mesh;
+  mesh.positions.resize(1);
+  EXPECT_EQ(surfaceNormals(mesh).at(0), encodeOctahedral({0, 0, 1}));
+}
+
+TEST(SurfaceNormals, thatAreComputedTakeNoBytes) {
+  const Mesh with = sphereWithItsNormals();
+  Mesh without = with;
+  without.attributes.bits = 0;
+  without.vertex_attributes.clear();
+  const EncodedPayload payload = encodePayload(with, kStep);
+  EXPECT_EQ(payload.bytes, encodePayload(without, kStep).bytes);
+  EXPECT_EQ(normalsOf(decode(with, payload)), normalsOf(with));
+}
+
+TEST(SurfaceNormals, ofAFileAreKept) {
+  const Mesh computed = sphereWithItsNormals(), given = sphereWithItsNormals(AttributeSet::kNormal);
+  EXPECT_GT(encodePayload(given, kStep).bytes.size(), encodePayload(computed, kStep).bytes.size());
+}
+
+TEST(SurfaceNormals, thatAreOthersInPlacesComeBackToTheBit) {
+  std::mt19937 random(3);
+  for (const bool is_far : {false, true}) {
+    Mesh mesh = sphereWithItsNormals();
+    for (size_t v = 0; v < mesh.positions.size(); v += 1 + random() % 40) {
+      const glm::vec3 normal = decodeOctahedral(mesh.vertex_attributes[v].normal);
+      const glm::vec3 other = is_far ? glm::vec3(normal.y, -normal.z, normal.x) : normal + glm::vec3(0.04f);
+      for (size_t w = 0; w < mesh.positions.size(); ++w)  // at the poles several have one position
+        if (mesh.positions[w] == mesh.positions[v])
+          mesh.vertex_attributes[w].normal = encodeOctahedral(other);
+    }
+    const EncodedPayload payload = encodePayload(mesh, kStep);
+    EXPECT_EQ(normalsOf(decode(mesh, payload)), normalsOf(mesh));
+    Mesh with_all = mesh;
+    with_all.attributes.bits = AttributeSet::kNormal;
+    EXPECT_LT(payload.bytes.size(), encodePayload(with_all, kStep).bytes.size());
+  }
+}
+
+/// A fold whose two sides have vertices of their own on it.
+TEST(SurfaceNormals, areThoseOfEachSideOfACrease) {
+  Mesh mesh;
+  mesh.attributes.bits = kComputed;
+  for (const glm::uvec3 p : {glm::uvec3(0, 0, 0),
+                             {0, 90, 0},
+                             {90, 0, 90},
+                             {90, 90, 90},
+                             {90, 0, 90},
+                             {90, 90, 90},
+                             {180, 0, 0},
+                             {180, 90, 0}})
+    mesh.positions.push_back(packPosition(p));
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 6, 7}, {4, 7, 5}};
+  for (const float x : {-1.f, 1.f})
+    mesh.vertex_attributes.insert(mesh.vertex_attributes.end(), 4,
+                                  {.normal = encodeOctahedral({x, 0, 1}), .material = 0});
+  EXPECT_EQ(normalsOf(decode(mesh, encodePayload(mesh, kStep))), normalsOf(mesh));
+}
+
+/// Two fans of one vertex, which Draco parts, with the normal of both.
+TEST(SurfaceNormals, ofAVertexThatDracoPartsComeBack) {
+  Mesh mesh;
+  mesh.attributes.bits = kComputed;
+  for (const glm::uvec3 p : {glm::uvec3(50, 50, 5), {90, 0, 0}, {0, 90, 4}, {10, 10, 1}, {20, 10, 80}})
+    mesh.positions.push_back(packPosition(p));
+  mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
+  for (const uint16_t normal : surfaceNormals(mesh))
+    mesh.vertex_attributes.push_back({.normal = normal, .material = 0});
+  EXPECT_EQ(normalsOf(decode(mesh, encodePayload(mesh, kStep))), normalsOf(mesh));
+}
+
+class DamagedNormals : public testing::Test {
+ protected:
+  /// Decodes with a list put in place of the one that is there.
+  void expectRefused(std::vector<uint8_t> list, const char* why) {
+    EncodedPayload damaged = payload_;
+    for (const uint8_t byte : list) damaged.bytes.push_back(static_cast<std::byte>(byte));
+    try {
+      decode(mesh_, damaged);
+      FAIL() << why;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kFormat);
+    }
+  }
+  const Mesh mesh_ = sphereWithItsNormals();
+  const EncodedPayload payload_ = encodePayload(mesh_, kStep);
+};
+
+TEST_F(DamagedNormals, areRefused) {
+  expectRefused({0}, "cut off after a vertex");
+  expectRefused({1, 17}, "cut off within a code");
+  expectRefused({0xfe, 0xff, 0xff, 0xff, 0x0f, 0x88}, "of a vertex far beyond the last");
+  expectRefused({1, 255, 3}, "off the octahedron");
+  expectRefused({0x80, 0x80, 0x80, 0x80, 0x80, 0x80}, "a number without an end");
+}
+
+TEST_F(DamagedNormals, areRefusedWhereTheyFollowAMeshWithNormals) {
+  Mesh mesh = mesh_;
+  mesh.attributes.bits = AttributeSet::kNormal;
+  EncodedPayload payload = encodePayload(mesh, kStep);
+  payload.bytes.insert(payload.bytes.end(), {std::byte{0}, std::byte{0x88}});
+  EXPECT_THROW(decode(mesh, payload), Error);
+}
+
+TEST_F(DamagedNormals, areRefusedWhereAModelsNormalsAreItsFiles) {
+  Mesh of_file = mesh_;
+  of_file.attributes.bits = AttributeSet::kNormal;
+  EXPECT_THROW(decode(of_file, payload_), Error) << "a payload without normals";
+}
+
+}  // namespace
+}  // namespace lode
