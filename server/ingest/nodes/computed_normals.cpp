@@ -2,7 +2,9 @@
 
 #include <vector>
 
+#include "common/cheap_normals.h"
 #include "common/octahedral.h"
+#include "common/surface_normals.h"
 #include "server/ingest/mesh/groups.h"
 #include "server/ingest/mesh/mesh_welder.h"
 
@@ -125,6 +127,17 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& rung, const NormalsByPosi
   return normals;
 }
 
+/// Of each normal of the rung, the sum of areaNormal() of its triangles.
+std::vector<glm::i64vec3> sumsOfSurface(const NodeMesh& rung, const NormalsByPosition& own) {
+  std::vector<glm::i64vec3> sums(own.codes.size(), glm::i64vec3(0));
+  for (const glm::u32vec3& t : rung.triangles) {
+    const auto at = [&](int k) { return rung.positions[rung.wedge_position[t[k]]]; };
+    const glm::i64vec3 normal = areaNormal(at(0), at(1), at(2));
+    for (int k = 0; k < 3; ++k) sums[own.of_wedge[t[k]]] += normal;
+  }
+  return sums;
+}
+
 }  // namespace
 
 NodeMesh withoutSmoothNormals(NodeMesh mesh) {
@@ -145,6 +158,7 @@ void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<c
   const NormalsByPosition given(mesh), own(rung.mesh);
   const std::vector<glm::vec3> means = meansOfMerged(rung, own, given, sources);
   const std::vector<glm::vec3> normals = sharpened(rung, own, means, given, places);
+  const std::vector<glm::i64vec3> surface = sumsOfSurface(rung.mesh, own);
   std::vector<uint16_t> codes(own.codes.size());
   for (uint32_t position = 0; position < sources.size(); ++position) {
     for (uint32_t normal = position; normal != kNoNormal; normal = own.next[normal]) {
@@ -152,7 +166,8 @@ void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<c
         codes[normal] = given.codes[given.mostAlike(sources[position], own.directions[normal])];
       } else {
         const bool is_long = glm::length(normals[normal]) > kShortest;
-        codes[normal] = encodeOctahedral(is_long ? normals[normal] : means[normal]);
+        codes[normal] =
+            cheapNormal(encodeOctahedral(is_long ? normals[normal] : means[normal]), surface[normal]);
       }
     }
   }
