@@ -9,8 +9,8 @@
 namespace lode::render {
 namespace {
 
-enum Uniform : GLint { kViewRotation, kProjection };
-enum Attribute : GLuint { kMiddle, kAcross, kAlong };
+enum ShadowUniform : GLint { kShadowRotation, kShadowProjection };
+enum ShadowAttribute : GLuint { kMiddle, kAcross, kAlong };
 
 const char* const kVertexShader = R"glsl(
 layout(location = 0) in vec4 middle_depth;  // from the eye
@@ -77,8 +77,8 @@ void ContactShadows::draw(std::span<const ContactShadow> shadows, const core::Vi
   const Projection projection = reversedProjection(view, view.near_model);
   target.bindForDrawing();
   glUseProgram(program_.get());
-  glUniformMatrix3fv(kViewRotation, 1, GL_FALSE, &rotation[0][0]);
-  glUniform3f(kProjection, projection.scale.x, projection.scale.y, projection.near_model);
+  glUniformMatrix3fv(kShadowRotation, 1, GL_FALSE, &rotation[0][0]);
+  glUniform3f(kShadowProjection, projection.scale.x, projection.scale.y, projection.near_model);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDisable(GL_DEPTH_TEST);
   glEnable(GL_BLEND);
