@@ -38,7 +38,7 @@ class Cursor {
       value |= static_cast<uint64_t>(byte & 127) << shift;
       if (byte < 128 && value <= UINT32_MAX) return static_cast<uint32_t>(value);
     }
-    refuse("a number of its is too long");
+    refuse("a number in it is too long");
   }
 
  private:

@@ -11,8 +11,8 @@ namespace lode {
 /// A triangle's normal, twice as long as it has area in square steps. Exact.
 glm::i64vec3 areaNormal(PositionCode a, PositionCode b, PositionCode c) noexcept;
 
-/// The code of a sum of such normals; +z for none. In double, from whole numbers: every machine finds the
-/// same.
+/// The code of a sum of such normals; +z for none. In double, from whole numbers: one that lies between two
+/// codes may become the other on a machine that fuses multiplications, and nothing else differs.
 uint16_t normalOf(glm::i64vec3 sum) noexcept;
 
 /// The normals that a mesh's triangles give its vertices, weighed by their areas: a code a vertex.
@@ -26,6 +26,7 @@ std::vector<std::byte> encodeOtherNormals(std::span<const uint16_t> surface,
                                           std::span<const uint16_t> wanted);
 
 /// Gives a mesh that was decoded without normals its surface's, then those that are listed.
+/// @pre it has attributes for each vertex.
 /// @throws Error kFormat where the list is damaged.
 void giveNormals(Mesh& mesh, std::span<const std::byte> others);
 
