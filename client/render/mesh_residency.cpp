@@ -36,6 +36,8 @@ MeshResidency::MeshResidency(const ResidencyOptions& options)
     : options_(options), pages_(options.budget_bytes, options.page_bytes), staging_(options.staging_bytes) {}
 
 void MeshResidency::setBudget(uint64_t bytes) noexcept {
+  if (bytes == options_.budget_bytes) return;
+  if (bytes > options_.budget_bytes) rejected_.reset();
   options_.budget_bytes = bytes;
   pages_.setBudget(bytes);
 }

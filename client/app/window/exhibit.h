@@ -46,6 +46,8 @@ class Exhibit {
   /// Nothing is left to upload; or there is no room for it.
   virtual bool upToDate() const = 0;
   virtual bool overBudget() const = 0;
+  /// Of every model either all is on the GPU or no more has room there.
+  virtual bool uploaded() const = 0;
 
   virtual render::DrawCounts draw(const core::View& view, const render::Framebuffer& target,
                                   render::DrawStyle style, const render::DrawTime& time) = 0;

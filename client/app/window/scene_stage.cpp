@@ -78,9 +78,9 @@ void SceneStage::makeGround(const Scene& scene, const glm::dvec3& min, const glm
   const glm::dvec3 middle = (min + max) / 2.0;
   const double reach = kGroundRadii * std::max(glm::length(max - min), 1e-9);
   ground_lattice_.step = std::exp2(std::ceil(std::log2(2 * reach / kMaxLattice)));
-  ground_lattice_.origin = middle - glm::dvec3(ground_lattice_.step * (kMaxLattice * 0.5));
   const glm::dvec3 across(up_.y, up_.z, up_.x), along = glm::cross(up_, across);
   const glm::dvec3 below = middle + up_ * (scene.ground->height - glm::dot(middle, up_));
+  ground_lattice_.origin = below - glm::dvec3(ground_lattice_.step * (kMaxLattice * 0.5));
   auto mesh = std::make_shared<Mesh>();
   mesh->attributes.bits = AttributeSet::kColour | AttributeSet::kNormal;
   for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {

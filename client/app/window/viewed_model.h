@@ -24,6 +24,7 @@ class ViewedModel : public Exhibit {
   void uploadInRenderThread() override { renderer_.uploadInRenderThread({}); }
   bool upToDate() const override { return renderer_.upToDate(); }
   bool overBudget() const override { return renderer_.meshes().overBudget(); }
+  bool uploaded() const override { return upToDate() || overBudget(); }
   render::DrawCounts draw(const core::View& view, const render::Framebuffer& target, render::DrawStyle style,
                           const render::DrawTime& time) override;
   std::span<const render::DrawItem> inPicture() const override { return renderer_.inPicture(); }

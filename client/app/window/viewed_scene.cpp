@@ -197,6 +197,12 @@ bool ViewedScene::overBudget() const {
                              [](const auto& model) { return model->renderer.meshes().overBudget(); });
 }
 
+bool ViewedScene::uploaded() const {
+  return std::ranges::all_of(models_, [](const auto& model) {
+    return model->renderer.upToDate() || model->renderer.meshes().overBudget();
+  });
+}
+
 float ViewedScene::drawnThresholdPx() const {
   float threshold_px = 0;
   for (const auto& model : models_)

@@ -29,6 +29,7 @@ class ViewedScene : public Exhibit {
   void uploadInRenderThread() override;
   bool upToDate() const override;
   bool overBudget() const override;
+  bool uploaded() const override;
   render::DrawCounts draw(const core::View& view, const render::Framebuffer& target, render::DrawStyle style,
                           const render::DrawTime& time) override;
   std::span<const render::DrawItem> inPicture() const override { return in_picture_; }

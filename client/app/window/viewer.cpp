@@ -84,8 +84,7 @@ void Viewer::run() {
 /// Nothing more will come for what is looked at now.
 bool Viewer::settled() const {
   const stream::StreamStatus& status = exhibit_->status();
-  return rig_ && status.settled && status.cut && status.cut->view == rig_->view() &&
-         (exhibit_->upToDate() || exhibit_->overBudget());
+  return rig_ && status.settled && status.cut && status.cut->view == rig_->view() && exhibit_->uploaded();
 }
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
@@ -260,7 +259,7 @@ void Viewer::controlFrameRate(double seconds) {
 
 void Viewer::stream() {
   exhibit_->look(rig_->view(), asked_px_);
-  uploading_ = !exhibit_->upToDate() && !exhibit_->overBudget();
+  uploading_ = !exhibit_->uploaded();
   const Clock::time_point start = Clock::now();
   exhibit_->uploadInRenderThread();
   content_.upload_ms = secondsSince(start) * 1e3;

@@ -127,6 +127,18 @@ TEST_F(Residency, forgetsMeshesThatNobodyHoldsAnyMore) {
   EXPECT_LE(residency.meshCount(), 2u);
 }
 
+TEST_F(Residency, triesACutAgainThatHadNoRoomOnceMoreIsAllowed) {
+  MeshResidency residency({.budget_bytes = 100'000, .page_bytes = 100'000});
+  residency.show(cutOf(std::vector{gridOf(2), gridOf(3), gridOf(4)}));
+  residency.uploadInRenderThread({.wait = true});
+  ASSERT_TRUE(residency.overBudget());
+  residency.setBudget(100'000);
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), 0u) << "as much as before";
+  residency.setBudget(1'000'000);
+  residency.uploadInRenderThread({.wait = true});
+  EXPECT_TRUE(residency.upToDate());
+}
+
 TEST_F(Residency, refusesACutAboveTheBudgetAndKeepsTheOneBefore) {
   MeshResidency residency({.budget_bytes = 100'000, .page_bytes = 100'000});
   const auto small = cutOf(std::vector{gridOf(1)});
