@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kFineStepDepth = 2;
 constexpr uint64_t kFineStepNodes = 16;   ///< node budgets that must lie below a node for fine steps
+constexpr size_t kTrianglesPerLocked = 8;
 constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
 
 }  // namespace
@@ -19,7 +20,8 @@ std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   const bool is_root = rule.depth == 0;
   const size_t enough =
       is_root ? kRootTriangles
-              : std::min<size_t>(std::max(rule.triangles_per_node, 4 * rule.locked), kMaxRungTriangles);
+              : std::min<size_t>(std::max(rule.triangles_per_node, kTrianglesPerLocked * rule.locked),
+                                 kMaxRungTriangles);
   const bool is_large = rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
   const double factor = is_root || (rule.depth <= kFineStepDepth && is_large) ? std::sqrt(0.5) : 0.5;
   std::vector<size_t> targets;

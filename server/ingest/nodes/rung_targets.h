@@ -16,9 +16,14 @@ struct RungRule {
   size_t triangles_per_node = 0;
 };
 
-/// Triangle counts of the reduced rungs of a node, falling, until at most max(triangles_per_node, 4 *
+/// Triangle counts of the reduced rungs of a node, falling, until at most max(triangles_per_node, 8 *
 /// locked); at the root, which locks nothing, until kRootTriangles. At least one, but for a root that is
 /// small enough already. Steps above kMaxRungTriangles, which no store takes, are left out.
+///
+/// So at most about a quarter of the vertices that a parent is made of cannot move below it. With 4 * locked
+/// it is half of them, and cuts that pass from a node to its children stand still over a factor of up to 3 in
+/// triangles; 16 * locked serves views from afar no better and those from close by worse, which then go
+/// through larger nodes. (docs/benchmarks.md, "Locked borders", has the measurements.)
 ///
 /// Steps are of 2; of the square root of 2 at the root, and at depths 1 and 2 where much lies below the node,
 /// so that the finer steps, which a view of the whole model profits from most, cost the store little: with

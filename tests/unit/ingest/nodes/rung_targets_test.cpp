@@ -15,9 +15,9 @@ TEST(RungTargets, halveUntilTheNodesBudget) {
   EXPECT_EQ(rungTargets(40000, rule), (std::vector<size_t>{20000, 10000}));
 }
 
-TEST(RungTargets, stopAtFourTimesTheLockedVertices) {
+TEST(RungTargets, stopAtEightTimesTheLockedVertices) {
   const RungRule rule{
-      .depth = 5, .locked = 6000, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
+      .depth = 5, .locked = 3000, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
   EXPECT_EQ(rungTargets(40000, rule), (std::vector<size_t>{20000}));
 }
 
