@@ -17,8 +17,9 @@ struct RungRule {
 };
 
 /// Triangle counts of the reduced rungs of a node, falling, until at most max(triangles_per_node, 8 *
-/// locked); at the root, which locks nothing, until kRootTriangles. At least one, but for a root that is
-/// small enough already. Steps above kMaxRungTriangles, which no store takes, are left out.
+/// locked), or 4 * locked where that is more than 2^17 triangles; at the root, which locks nothing, until
+/// kRootTriangles. At least one, but for a root that is small enough already. Steps above kMaxRungTriangles,
+/// which no store takes, are left out.
 ///
 /// So at most about a quarter of the vertices that a parent is made of cannot move below it. With 4 * locked
 /// it is half of them, and cuts that pass from a node to its children stand still over a factor of up to 3 in

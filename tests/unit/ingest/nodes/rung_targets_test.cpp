@@ -21,6 +21,20 @@ TEST(RungTargets, stopAtEightTimesTheLockedVertices) {
   EXPECT_EQ(rungTargets(40000, rule), (std::vector<size_t>{20000}));
 }
 
+TEST(RungTargets, goOnToFourTimesTheLockedVerticesWhereThereAreVeryMany) {
+  const RungRule rule{
+      .depth = 5, .locked = 40000, .original_triangles = uint64_t{1} << 30, .triangles_per_node = kBudget};
+  const std::vector<size_t> targets = rungTargets(700000, rule);
+  EXPECT_LE(targets.back(), 4 * rule.locked);
+  EXPECT_GT(targets[targets.size() - 2], 4 * rule.locked);
+}
+
+TEST(RungTargets, stopAtTwoToTheSeventeenthWhereEightTimesTheLockedVerticesIsMore) {
+  const RungRule rule{
+      .depth = 5, .locked = 20000, .original_triangles = uint64_t{1} << 30, .triangles_per_node = kBudget};
+  EXPECT_EQ(rungTargets(520000, rule), (std::vector<size_t>{260000, 130000}));
+}
+
 TEST(RungTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
   const RungRule rule{.depth = 5, .locked = 90, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
   EXPECT_EQ(rungTargets(141, rule), (std::vector<size_t>{107}));
