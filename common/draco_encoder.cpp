@@ -11,6 +11,7 @@
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/mesh.h>
 
+#include "common/corner_normals.h"
 #include "common/draco_codec.h"
 #include "common/draco_header.h"
 #include "common/draco_settings.h"
@@ -29,8 +30,8 @@ using namespace draco_settings;
 constexpr int kSpeed = 4;
 // Draco looks for an edge's other triangle among all of those around its end.
 constexpr uint32_t kMostTrianglesOfVertex = 1024;
-// A normal that is listed takes some 18 bits, one that Draco encodes 5 to 8.
-constexpr size_t kLeastForOtherNormal = 4;
+// For each normal that is listed: one takes some 18 bits, one that Draco encodes 5 to 8.
+constexpr size_t kLeastVerticesForOther = 4;
 
 // n steps as text that strtof reads back exactly, whatever the locale's decimal point. Draco keeps options as
 // text; numbers that it writes itself have six decimals.
@@ -220,41 +221,6 @@ EncodedPayload encodeByDraco(const Mesh& mesh, double step, MeshSource source) {
   return payload;
 }
 
-/// The normals that decoded vertices are to have, by their positions and, where one has several, by those
-/// that the surface gives.
-class WantedNormals {
- public:
-  WantedNormals(const Mesh& mesh, std::span<const uint16_t> surface) {
-    for (uint32_t v = 0; v < mesh.positions.size(); ++v)
-      vertices_.push_back({mesh.positions[v], surface[v], mesh.vertex_attributes[v].normal});
-    std::ranges::sort(vertices_);
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
-  }
-  /// @return nothing if that does not tell: where several normals meet at a place that Draco has split.
-  std::optional<uint16_t> at(PositionCode position, uint16_t surface) const {
-    std::optional<uint16_t> any, same;
-    bool differ = false, same_differ = false;
-    for (auto v = std::lower_bound(vertices_.begin(), vertices_.end(), Vertex{position, 0, 0});
-         v != vertices_.end() && v->position == position; ++v) {
-      differ = differ || (any && *any != v->normal);
-      any = v->normal;
-      if (v->surface != surface) continue;
-      same_differ = same_differ || (same && *same != v->normal);
-      same = v->normal;
-    }
-    if (!differ) return any;
-    return same_differ ? std::nullopt : same;
-  }
-
- private:
-  struct Vertex {
-    PositionCode position;
-    uint16_t surface = 0, normal = 0;
-    auto operator<=>(const Vertex&) const = default;
-  };
-  std::vector<Vertex> vertices_;  // each once, rising
-};
-
 /// Of a mesh whose computed normals are for the most part those of its own triangles, as in a leaf.
 std::optional<EncodedPayload> encodeWithoutNormals(const Mesh& mesh, double step, MeshSource source) {
   if (!mesh.attributes.has(AttributeSet::kNormal) || !mesh.attributes.has(AttributeSet::kComputedNormal))
@@ -262,7 +228,7 @@ std::optional<EncodedPayload> encodeWithoutNormals(const Mesh& mesh, double step
   const std::vector<uint16_t> surface = surfaceNormals(mesh);
   size_t others = 0;
   for (uint32_t v = 0; v < surface.size(); ++v) others += surface[v] != mesh.vertex_attributes[v].normal;
-  if (others > surface.size() / kLeastForOtherNormal) return std::nullopt;
+  if (others > surface.size() / kLeastVerticesForOther) return std::nullopt;
 
   Mesh bare = mesh;
   bare.attributes.bits &= static_cast<uint8_t>(~(AttributeSet::kNormal | AttributeSet::kComputedNormal));
@@ -271,16 +237,9 @@ std::optional<EncodedPayload> encodeWithoutNormals(const Mesh& mesh, double step
   const Mesh decoded = decodePayload(
       payload.bytes, step,
       {static_cast<uint32_t>(mesh.triangles.size()), payload.vertices, bare.attributes, boxOf(mesh)});
-  const std::vector<uint16_t> found = surfaceNormals(decoded);
-  const WantedNormals wanted_at(mesh, surface);
-  std::vector<uint16_t> wanted;
-  wanted.reserve(found.size());
-  for (uint32_t v = 0; v < found.size(); ++v) {
-    const std::optional<uint16_t> normal = wanted_at.at(decoded.positions[v], found[v]);
-    if (!normal) return std::nullopt;
-    wanted.push_back(*normal);
-  }
-  const std::vector<std::byte> list = encodeOtherNormals(found, wanted);
+  const std::optional<std::vector<uint16_t>> wanted = CornerNormals(mesh).ofVertices(decoded);
+  if (!wanted) return std::nullopt;
+  const std::vector<std::byte> list = encodeOtherNormals(surfaceNormals(decoded), *wanted);
   payload.bytes.insert(payload.bytes.end(), list.begin(), list.end());
   return payload;
 }

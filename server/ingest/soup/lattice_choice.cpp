@@ -51,13 +51,13 @@ double stepAtMost(double value) {
 }
 double powerOfTwoAtLeast(double value) { return std::exp2(std::ceil(std::log2(value))); }
 
-/// A power of two: of a step that is none, coordinates have more bits, for which double has room above twice
-/// its epsilon.
+/// A power of two: of a step that is none, coordinates have more bits, for which double has room above four
+/// times its epsilon, that of the box's corner rounded down to a step included.
 double finestStep(glm::dvec3 box_min, glm::dvec3 box_max) {
   const glm::dvec3 size = box_max - box_min;
   const glm::dvec3 farthest = glm::max(glm::abs(box_min), glm::abs(box_max));
   return std::max(powerOfTwoAtLeast(std::max({size.x, size.y, size.z}) / kMostStepsInBox),
-                  powerOfTwoAtLeast(std::max({farthest.x, farthest.y, farthest.z}) * 2 *
+                  powerOfTwoAtLeast(std::max({farthest.x, farthest.y, farthest.z}) * 4 *
                                     std::numeric_limits<double>::epsilon()));
 }
 

@@ -10,6 +10,7 @@
 #include "common/draco_codec.h"
 #include "common/error.h"
 #include "common/limits.h"
+#include "common/surface_normals.h"
 #include "tests/support/test_meshes.h"
 #include "tests/unit/common/memory_meter.h"
 
@@ -25,12 +26,20 @@ struct Sample {
   PayloadExpectation expected;
 };
 
+/// The surface's, but for some that a payload lists.
+void giveListedNormals(Mesh& mesh) {
+  const std::vector<uint16_t> surface = surfaceNormals(mesh);
+  for (size_t v = 0; v < surface.size(); ++v)
+    mesh.vertex_attributes[v].normal = v % 10 == 3 ? static_cast<uint16_t>(surface[v] ^ 2) : surface[v];
+}
+
 Sample makeSample(uint8_t attributes, uint32_t size = 5) {
   test::MeshOptions options;
   options.attributes.bits = attributes;
   options.extent = 200;
   Sample sample;
   sample.mesh = test::makeGrid(size, size, options);
+  if (options.attributes.has(AttributeSet::kComputedNormal)) giveListedNormals(sample.mesh);
   sample.payload = encodePayload(sample.mesh, kStep);
   sample.expected = {static_cast<uint32_t>(sample.mesh.triangles.size()), sample.payload.vertices,
                      sample.mesh.attributes, test::boxOf(sample.mesh)};
@@ -79,6 +88,15 @@ TEST(DracoCodecHostile, everyChangedByteIsRefusedOrDecodesWithinTheGuards) {
       byte = before;
     }
   }
+}
+
+TEST(DracoCodecHostile, isShownAListOfNormals) {
+  const size_t of_file_bytes = makeSample(AttributeSet::kNormal).payload.bytes.size();
+  const size_t bare_bytes = makeSample(0).payload.bytes.size();
+  const size_t listed_bytes =
+      makeSample(AttributeSet::kNormal | AttributeSet::kComputedNormal).payload.bytes.size();
+  EXPECT_GT(listed_bytes, bare_bytes);
+  EXPECT_LT(listed_bytes, of_file_bytes);
 }
 
 TEST(DracoCodecHostile, manyChangedBytesAreRefusedOrDecodeWithinTheGuards) {

@@ -37,6 +37,13 @@ TEST(ChooseStep, hasMultiplesThatDoubleHolds) {
     }
 }
 
+TEST(ChooseStep, hasMultiplesThatDoubleHoldsBelowANegativeCorner) {
+  const double spacing = 180 * 0x1p-33;
+  std::vector<double> edges{spacing};
+  const double step = chooseStep(edges, glm::dvec3(-0x1p20), glm::dvec3(-0x1p20 + 169 * spacing));
+  EXPECT_EQ(std::fmod(std::floor(-0x1p20 / step) * step, step), 0) << step;
+}
+
 TEST(ChooseStep, leavesOutEdgesWithoutLength) {
   std::vector<double> edges(1000, 0.0);
   edges.insert(edges.end(), 100, 64.0);
