@@ -72,7 +72,7 @@ class AsciiBody final : public PlyBody {
   AsciiBody(PlyInput& input, PlyReadOptions options, uint64_t first_line, uint64_t& extra_tokens)
       : PlyBody(input, options), line_(first_line), extra_tokens_(extra_tokens) {}
 
-  void readVertices(const VertexPlan& plan, VertexBatch& batch) override {
+  void readVertices(const VertexPlan& plan, PlyVertexBatch& batch) override {
     element_ = plan.element;
     VertexValues values{};
     for (row_ = 0; row_ < element_->count; ++row_) {
@@ -92,7 +92,7 @@ class AsciiBody final : public PlyBody {
     batch.flush();
   }
 
-  void readFaces(const FacePlan& plan, FaceBatch& batch) override {
+  void readFaces(const FacePlan& plan, PlyFaceBatch& batch) override {
     element_ = plan.element;
     for (row_ = 0; row_ < element_->count; ++row_) {
       beginRow();
@@ -218,7 +218,7 @@ class AsciiBody final : public PlyBody {
     for (uint64_t i = 0; i < values; ++i) takeToken(property.name);
   }
 
-  void readFaceRow(const FacePlan& plan, FaceBatch& batch) {
+  void readFaceRow(const FacePlan& plan, PlyFaceBatch& batch) {
     corners_.clear();
     texture_.clear();
     uint16_t material = 0;
@@ -245,7 +245,7 @@ class AsciiBody final : public PlyBody {
     giveFace(material, batch);
   }
 
-  void readStripRow(const FacePlan& plan, FaceBatch& batch) {
+  void readStripRow(const FacePlan& plan, PlyFaceBatch& batch) {
     for (size_t i = 0; i < plan.roles.size(); ++i) {
       const PlyProperty& property = element_->properties[i];
       if (plan.roles[i] != FaceRole::kIndices) {

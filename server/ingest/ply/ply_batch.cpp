@@ -17,24 +17,24 @@ bool SkippedVertices::contains(uint64_t vertex) const noexcept {
   return ((*pages_[page])[vertex % kPageBits / 64] >> (vertex % 64) & 1) != 0;
 }
 
-VertexBatch::VertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
-                         SkippedVertices& skipped)
+PlyVertexBatch::PlyVertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
+                               SkippedVertices& skipped)
     : sink_(sink),
       counts_(counts),
       skipped_(skipped),
       rows_(static_cast<size_t>(std::min<uint64_t>(vertices, kPlyBatchRows))) {}
 
-void VertexBatch::countDefect(size_t index, VertexDefect defect) {
+void PlyVertexBatch::countDefect(size_t index, VertexDefect defect) {
   ++counts_.skipped_bad;
   if (defect == VertexDefect::kPosition) skipped_.add(counts_.vertices + used_ + index);
 }
 
-void VertexBatch::commit(size_t vertices) {
+void PlyVertexBatch::commit(size_t vertices) {
   used_ += vertices;
   if (used_ == rows_.size()) flush();
 }
 
-void VertexBatch::flush() {
+void PlyVertexBatch::flush() {
   if (used_ == 0) return;
   const uint64_t first = counts_.vertices;
   counts_.vertices += used_;
@@ -42,8 +42,8 @@ void VertexBatch::flush() {
   used_ = 0;
 }
 
-FaceBatch::FaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,
-                     const SkippedVertices& skipped)
+PlyFaceBatch::PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,
+                           const SkippedVertices& skipped)
     : vertex_count_(plan.vertices.element->count),
       corner_texture_(plan.corner_texture),
       materials_(plan.materials),
@@ -51,7 +51,7 @@ FaceBatch::FaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCo
       counts_(counts),
       skipped_(skipped) {}
 
-FaceVerdict FaceBatch::judge(std::span<const int64_t> corners) {
+FaceVerdict PlyFaceBatch::judge(std::span<const int64_t> corners) {
   for (const int64_t corner : corners) {
     if (!isVertex(corner)) return FaceVerdict::kBadIndex;
   }
@@ -72,8 +72,8 @@ FaceVerdict FaceBatch::judge(std::span<const int64_t> corners) {
   return FaceVerdict::kAccepted;
 }
 
-FaceVerdict FaceBatch::add(std::span<const int64_t> corners, std::span<const float> texture,
-                           uint16_t material) {
+FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, std::span<const float> texture,
+                              uint16_t material) {
   const FaceVerdict verdict = judge(corners);
   if (verdict != FaceVerdict::kAccepted) {
     ++(verdict == FaceVerdict::kDropped ? counts_.dropped_faces : counts_.skipped_bad);
@@ -93,7 +93,7 @@ FaceVerdict FaceBatch::add(std::span<const int64_t> corners, std::span<const flo
   return verdict;
 }
 
-void FaceBatch::flush() {
+void PlyFaceBatch::flush() {
   if (faces_.corner_counts.empty()) return;
   if (sink_) sink_(faces_);
   faces_.clear();

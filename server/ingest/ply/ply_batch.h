@@ -30,11 +30,11 @@ class SkippedVertices {
 };
 
 /// Collects vertices and hands them on kPlyBatchRows at a time.
-class VertexBatch {
+class PlyVertexBatch {
  public:
   /// @param vertices  that will come; takes memory for no more than kPlyBatchRows of them.
-  VertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
-              SkippedVertices& skipped);
+  PlyVertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
+                 SkippedVertices& skipped);
 
   /// Room for at least one and at most kPlyBatchRows vertices, to be filled and handed to commit().
   std::span<PlyVertex> room() noexcept { return std::span(rows_).subspan(used_); }
@@ -55,10 +55,10 @@ class VertexBatch {
 enum class FaceVerdict { kAccepted, kDropped, kSkippedVertex, kBadIndex };
 
 /// Collects faces, drops those that are none, and hands the others on in batches.
-class FaceBatch {
+class PlyFaceBatch {
  public:
-  FaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,
-            const SkippedVertices& skipped);
+  PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,
+               const SkippedVertices& skipped);
 
   bool isVertex(int64_t index) const noexcept { return static_cast<uint64_t>(index) < vertex_count_; }
 
@@ -88,14 +88,14 @@ class FaceBatch {
 /// Cuts strips into triangles, index by index; -1 ends a strip and begins the next.
 class StripCutter {
  public:
-  explicit StripCutter(FaceBatch& batch) : batch_(batch) {}
+  explicit StripCutter(PlyFaceBatch& batch) : batch_(batch) {}
 
   static bool isRestart(int64_t index) noexcept { return index == -1 || index == int64_t{UINT32_MAX}; }
   void add(int64_t index);
   void end() noexcept { length_ = 0; }
 
  private:
-  FaceBatch& batch_;
+  PlyFaceBatch& batch_;
   int64_t before_last_ = 0;
   int64_t last_ = 0;
   uint64_t length_ = 0;  ///< indices of this strip so far

@@ -59,7 +59,7 @@ class BinaryBody final : public PlyBody {
  public:
   BinaryBody(PlyInput& input, bool swap, PlyReadOptions options) : PlyBody(input, options), swap_(swap) {}
 
-  void readVertices(const VertexPlan& plan, VertexBatch& batch) override {
+  void readVertices(const VertexPlan& plan, PlyVertexBatch& batch) override {
     element_ = plan.element;
     row_ = 0;
     while (row_ < element_->count) {
@@ -73,7 +73,7 @@ class BinaryBody final : public PlyBody {
     batch.flush();
   }
 
-  void readFaces(const FacePlan& plan, FaceBatch& batch) override {
+  void readFaces(const FacePlan& plan, PlyFaceBatch& batch) override {
     element_ = plan.element;
     for (row_ = 0; row_ < element_->count; ++row_) {
       row_offset_ = input_.offset();
@@ -163,7 +163,7 @@ class BinaryBody final : public PlyBody {
     input_.seek(input_.offset() + bytes);
   }
 
-  void readVertexColumns(const VertexPlan& plan, VertexBatch& batch) {
+  void readVertexColumns(const VertexPlan& plan, PlyVertexBatch& batch) {
     if (!input_.fill(plan.row_bytes)) failTruncated();
     const uint64_t whole_rows = input_.available() / plan.row_bytes;
     const std::span<PlyVertex> room = batch.room();
@@ -188,7 +188,7 @@ class BinaryBody final : public PlyBody {
   }
 
   /// The slow way, for a batch with a value that is NaN, infinite, or beyond the range of float.
-  void readVertexRowsOneByOne(const VertexPlan& plan, VertexBatch& batch, std::span<PlyVertex> rows) {
+  void readVertexRowsOneByOne(const VertexPlan& plan, PlyVertexBatch& batch, std::span<PlyVertex> rows) {
     const uint64_t first_row = row_;
     VertexValues values{};
     for (size_t i = 0; i < rows.size(); ++i) {
@@ -204,7 +204,7 @@ class BinaryBody final : public PlyBody {
     row_ = first_row;
   }
 
-  void readVertexRow(const VertexPlan& plan, VertexBatch& batch) {
+  void readVertexRow(const VertexPlan& plan, PlyVertexBatch& batch) {
     VertexValues values{};
     for (size_t i = 0; i < plan.fields.size(); ++i) {
       const PlyProperty& property = element_->properties[i];
@@ -219,7 +219,7 @@ class BinaryBody final : public PlyBody {
     batch.commit(1);
   }
 
-  void readFaceRow(const FacePlan& plan, FaceBatch& batch) {
+  void readFaceRow(const FacePlan& plan, PlyFaceBatch& batch) {
     texture_.clear();
     uint16_t material = 0;
     for (size_t i = 0; i < plan.roles.size(); ++i) {
@@ -242,7 +242,7 @@ class BinaryBody final : public PlyBody {
     giveFace(material, batch);
   }
 
-  void readStripRow(const FacePlan& plan, FaceBatch& batch) {
+  void readStripRow(const FacePlan& plan, PlyFaceBatch& batch) {
     for (size_t i = 0; i < plan.roles.size(); ++i) {
       const PlyProperty& property = element_->properties[i];
       if (plan.roles[i] != FaceRole::kIndices) {

@@ -35,7 +35,7 @@ void PlyBody::judgeIndex(int64_t index) const {
   tellDefect(true, what);
 }
 
-void PlyBody::judgeVertex(VertexDefect defect, size_t index, VertexBatch& batch) const {
+void PlyBody::judgeVertex(VertexDefect defect, size_t index, PlyVertexBatch& batch) const {
   if (defect == VertexDefect::kNone) return;
   const char* what = defect == VertexDefect::kPosition ? "its position is NaN or infinite"
                                                        : "an attribute is NaN or infinite";
@@ -44,7 +44,7 @@ void PlyBody::judgeVertex(VertexDefect defect, size_t index, VertexBatch& batch)
   batch.countDefect(index, defect);
 }
 
-void PlyBody::giveFace(uint16_t material, FaceBatch& batch) {
+void PlyBody::giveFace(uint16_t material, PlyFaceBatch& batch) {
   batch.countFace();
   const bool is_face = corners_.size() >= 3;
   if (is_face && !texture_.empty()) {
@@ -74,7 +74,7 @@ void PlyBody::giveFace(uint16_t material, FaceBatch& batch) {
   }
 }
 
-void PlyBody::giveStripIndex(int64_t index, StripCutter& strip, const FaceBatch& batch) const {
+void PlyBody::giveStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const {
   if (!StripCutter::isRestart(index) && !batch.isVertex(index)) judgeIndex(index);
   strip.add(index);
 }

@@ -25,8 +25,8 @@ class PlyBody {
   PlyBody(const PlyBody&) = delete;
   PlyBody& operator=(const PlyBody&) = delete;
 
-  virtual void readVertices(const VertexPlan& plan, VertexBatch& batch) = 0;
-  virtual void readFaces(const FacePlan& plan, FaceBatch& batch) = 0;
+  virtual void readVertices(const VertexPlan& plan, PlyVertexBatch& batch) = 0;
+  virtual void readFaces(const FacePlan& plan, PlyFaceBatch& batch) = 0;
   virtual void skip(const PlyElement& element) = 0;
 
   virtual PlyPlace place() const noexcept = 0;
@@ -45,10 +45,10 @@ class PlyBody {
   /// Tells the caller of a defect of the row at hand, if it asked for that.
   void tellDefect(bool is_bad, const std::string& what) const;
   /// Fails or counts, as the options say, for the vertex at batch.room()[index].
-  void judgeVertex(VertexDefect defect, size_t index, VertexBatch& batch) const;
+  void judgeVertex(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
   /// Gives the face in corners_ and texture_ to the batch.
-  void giveFace(uint16_t material, FaceBatch& batch);
-  void giveStripIndex(int64_t index, StripCutter& strip, const FaceBatch& batch) const;
+  void giveFace(uint16_t material, PlyFaceBatch& batch);
+  void giveStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const;
   void checkListLength(const PlyProperty& list, FaceRole role, uint64_t count) const;
   /// A texnumber as a material; what is no texture's number becomes kNoMaterial.
   static uint16_t materialNumber(double texnumber) noexcept;

@@ -44,7 +44,7 @@ class BodyWalk {
   BodyWalk(const PlyHeader& header, const PlyPlan& plan, PlyBody& body)
       : header_(header), plan_(plan), body_(body) {}
 
-  void run(VertexBatch& vertices, FaceBatch& faces) {
+  void run(PlyVertexBatch& vertices, PlyFaceBatch& faces) {
     bool vertices_read = false;
     std::vector<std::pair<const FacePlan*, PlyPlace>> postponed;
     for (const PlyElement& element : header_.elements) {
@@ -70,7 +70,8 @@ class BodyWalk {
   }
 
   /// Reads the faces that lie before the vertices, and comes back.
-  void readPostponed(const std::vector<std::pair<const FacePlan*, PlyPlace>>& postponed, FaceBatch& faces) {
+  void readPostponed(const std::vector<std::pair<const FacePlan*, PlyPlace>>& postponed,
+                     PlyFaceBatch& faces) {
     if (postponed.empty()) return;
     const PlyPlace here = body_.place();
     for (const auto& [plan, place] : postponed) {
@@ -141,8 +142,8 @@ PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, con
     report();
   };
   SkippedVertices skipped;
-  VertexBatch vertex_batch(plan.vertices.element->count, vertex_sink, counts, skipped);
-  FaceBatch face_batch(plan, face_sink, counts, skipped);
+  PlyVertexBatch vertex_batch(plan.vertices.element->count, vertex_sink, counts, skipped);
+  PlyFaceBatch face_batch(plan, face_sink, counts, skipped);
   BodyWalk(header_, plan, *body).run(vertex_batch, face_batch);
   counts.trailing_bytes = countTrailingBytes(input, header_.encoding);
   if (progress) progress(total_bytes, total_bytes);
