@@ -45,7 +45,6 @@ void giveLeafNormals(NodeMesh& mesh, std::span<const BorderVertex> border, const
     attributes.normal = normal;
     mesh.wedge_attributes.push_back(attributes);
     mesh.wedge_position.push_back(mesh.wedge_position[wedge]);
-    is_given.push_back(true);
     next.push_back(kNoWedge);
     next[wedge] = added;
     wedge = added;
