@@ -77,6 +77,19 @@ class Resume : public testing::Test {
     return {};
   }
 
+  /// Leaves a store that is complete, and the journal of the build that got to its end.
+  void completeButForTheJournal() const {
+    ASSERT_TRUE(interruptAt(options_, "pack", 1));
+    const auto building = folder_ / ".a.lode.building";
+    const auto kept = folder_ / "kept";
+    build(options_, [&](std::string_view stage, double, uint64_t, uint64_t) {
+      if (stage == "pack" && !std::filesystem::exists(kept))
+        std::filesystem::create_hard_link(building / "journal", kept);
+    });
+    std::filesystem::create_directory(building);
+    std::filesystem::rename(kept, building / "journal");
+  }
+
   void expectDone() const {
     EXPECT_TRUE(readBytes(options_.output) == expected_);
     std::filesystem::remove(options_.output);
@@ -250,19 +263,30 @@ TEST_F(Resume, keepsTemporaryFilesWhereItWasTold) {
 }
 
 TEST_F(Resume, endsAtOnceWhenTheStoreWasCompleteBeforeItsFilesWereGone) {
-  ASSERT_TRUE(interruptAt(options_, "pack", 1));
-  const auto building = folder_ / ".a.lode.building";
-  const auto kept = folder_ / "kept";
-  // The journal of a build that got to its end.
-  build(options_, [&](std::string_view stage, double, uint64_t, uint64_t) {
-    if (stage == "pack" && !std::filesystem::exists(kept))
-      std::filesystem::create_hard_link(building / "journal", kept);
-  });
-  std::filesystem::create_directory(building);
-  std::filesystem::rename(kept, building / "journal");
+  completeButForTheJournal();
   const BuildReport report = build(options_);
   EXPECT_TRUE(report.stages.empty());
   EXPECT_EQ(report.summary.bytes, expected_.size());
+  expectDone();
+}
+
+TEST_F(Resume, buildsAnewWhenAnotherStoreIsInThePlaceOfTheCompleteOne) {
+  completeButForTheJournal();
+  BuildOptions other = options_;
+  other.output = folder_ / "b.lode";
+  other.triangles_per_node = 600;
+  build(other);
+  std::filesystem::rename(other.output, options_.output);
+  EXPECT_FALSE(build(options_).stages.empty());
+  expectDone();
+}
+
+TEST_F(Resume, isNotHinderedByAJournalOfAnotherVersionWhereNobodyAskedToResume) {
+  ASSERT_TRUE(interruptAt(options_, "simplify", 1));
+  std::ofstream(folder_ / ".a.lode.building/journal", std::ios::binary) << "LODEJN00";
+  EXPECT_NE(failure(options_).find("build without --resume"), std::string::npos);
+  options_.resume = false;
+  build(options_);
   expectDone();
 }
 

@@ -1,0 +1,112 @@
+#include "server/ingest/nodes/simplify_log.h"
+
+#include <fstream>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::ingest {
+namespace {
+
+/// What a killed build noted: one subtree that is finished, whose parent is not.
+class KilledBuild : public testing::Test {
+ protected:
+  void SetUp() override {
+    PayloadSpool payloads(files_);
+    SimplifyLog log(files_, payloads, {}, append());
+    built_.node = leaf(kChild);
+    built_.payloads.resize(1);
+    built_.original_triangles = 123;
+    note(log, built_.node);
+    log.addRoot(built_);
+    log.write();
+  }
+
+  SimplifyLog::Append append() {
+    return [this](std::span<const std::byte> entry) { entries_.emplace_back(entry.begin(), entry.end()); };
+  }
+
+  static Node leaf(NodeKey key) {
+    Node node;
+    node.key = key;
+    node.rungs.resize(1);
+    return node;
+  }
+
+  static void note(SimplifyLog& log, const Node& node) {
+    RecordWriter record;
+    putFinishedNode(record, node, std::vector<PayloadSpool::Place>(1));
+    log.addFinished(record.bytes());
+  }
+
+  FinishedNodes finished() const {
+    FinishedNodes nodes;
+    for (const std::vector<std::byte>& entry : entries_) {
+      RecordReader record(entry);
+      nodes.add(record);
+    }
+    return nodes;
+  }
+
+  uint64_t trianglesBelow(NodeKey key) const {
+    PayloadSpool payloads(files_, 0);
+    return SimplifyLog(files_, payloads, finished(), {}).readRoot(key).original_triangles;
+  }
+
+  static constexpr NodeKey kChild = kRootKey.child(3);
+
+  test::WorkFolder folder_;
+  const TemporaryFolder files_ = TemporaryFolder::lasting(folder_ / "files");
+  BuiltNode built_;
+  std::vector<std::vector<std::byte>> entries_;
+};
+
+TEST_F(KilledBuild, givesBackWhatTheParentNeedsOfAFinishedSubtree) {
+  EXPECT_EQ(trianglesBelow(kChild), 123u);
+}
+
+TEST_F(KilledBuild, isRefusedWhenWhatItKeptOfASubtreeIsDamaged) {
+  std::fstream file(folder_ / "files" / SimplifyLog::kRootFile,
+                    std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(-1, std::ios::end).put('x');
+  file.close();
+  EXPECT_THROW(trianglesBelow(kChild), Error);
+}
+
+TEST_F(KilledBuild, isRefusedWhenASubtreeIsSaidToStandBehindTheEndOfItsFile) {
+  struct Root {
+    NodeKey key;
+    FinishedNodes::Place place;
+  };
+  RecordWriter entry;
+  entry.put(uint64_t{0});  // bytes of payloads
+  entry.put(uint64_t{8});  // bytes of subtrees
+  entry.putAll(std::vector{Root{kChild, {8, 8, 0}}});
+  entry.put(uint32_t{0});  // finished nodes
+  entries_.emplace_back(entry.bytes().begin(), entry.bytes().end());
+  EXPECT_THROW(finished(), Error);
+}
+
+TEST_F(KilledBuild, needsNoSubtreeOnceItsParentIsFinished) {
+  EXPECT_TRUE(finished().roots.contains(kChild));
+  entries_.clear();
+  PayloadSpool payloads(files_);
+  SimplifyLog log(files_, payloads, {}, append());
+  const auto write = [&](NodeKey key, uint8_t child_mask) {
+    Node node = leaf(key);
+    node.child_mask = child_mask;
+    note(log, node);
+    log.write();
+  };
+  log.addRoot(built_);
+  write(kChild, 0);
+  write(kRootKey, 1 << 3);
+  write(kRootKey.child(5), 0);
+  EXPECT_TRUE(finished().roots.empty());
+}
+
+}  // namespace
+}  // namespace lode::ingest
