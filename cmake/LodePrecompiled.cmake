@@ -12,7 +12,7 @@ set(LODE_STD_HEADERS
 function(lode_precompiled set)
   cmake_parse_arguments(arg "" "" "HEADERS;LIBRARIES;OPTIONS" ${ARGN})
   set(target precompiled_${set})
-  add_library(${target} OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
+  add_library(${target} OBJECT EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
   lode_compile_options(${target})
   target_compile_options(${target} PUBLIC ${arg_OPTIONS})
   target_link_libraries(${target} PRIVATE ${arg_LIBRARIES})

@@ -44,7 +44,8 @@ endfunction()
 #   LAYERS    the layers it may use; a library asking for one that its layer does not allow is a configure error
 #   PRECOMPILED  the headers of cmake/LodePrecompiled.cmake that its files need not parse, and the options that go with them
 # Where CMAKE_UNITY_BUILD is on (release), the sources of a folder are compiled as one, in about half the time; a source
-# that has a UNITY_GROUP keeps it. Each still includes what it uses, as other presets need it to.
+# that has a UNITY_GROUP keeps it. Each still includes what it uses, as other presets need it to. The commands are then
+# three files: a set of headers for them would cost more than it saves.
 function(lode_target name)
   cmake_parse_arguments(arg "EXECUTABLE" "PRECOMPILED" "SOURCES;LAYERS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   if(NOT arg_SOURCES)
@@ -81,7 +82,9 @@ function(lode_target name)
   if(NOT arg_PRECOMPILED)
     set(arg_PRECOMPILED std)
   endif()
-  target_precompile_headers(${name} REUSE_FROM precompiled_${arg_PRECOMPILED})
+  if(NOT (CMAKE_UNITY_BUILD AND arg_PRECOMPILED STREQUAL "app"))
+    target_precompile_headers(${name} REUSE_FROM precompiled_${arg_PRECOMPILED})
+  endif()
   target_compile_options(${name} PRIVATE $<TARGET_PROPERTY:precompiled_${arg_PRECOMPILED},INTERFACE_COMPILE_OPTIONS>)
   list(TRANSFORM arg_LAYERS PREPEND lode_)
   target_link_libraries(${name} PUBLIC ${arg_LAYERS} ${arg_PUBLIC_LIBRARIES} PRIVATE ${arg_LIBRARIES})

@@ -57,7 +57,7 @@ void runServe(serve::ServeOptions options) {
   std::signal(SIGPIPE, SIG_IGN);  // who reads our output may go; we stay
   serve::Server server(std::move(options));
   Signals signals(server);
-  nlohmann::json metrics = nullptr;
+  Json metrics = nullptr;
   if (const auto address = server.metricsAddress()) metrics = *address;
   printJson({{"listen", server.address()}, {"metrics", metrics}, {"models", server.models()}});
   notifyService("READY=1");

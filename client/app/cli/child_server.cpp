@@ -43,7 +43,7 @@ std::string makeToken() {
 stream::ServedModel readReadyLine(ChildProcess& child, const fs::path& store, const std::stop_token& stop) {
   const std::stop_callback end_child(stop, [&child] { child.terminate(); });
   const std::string line = child.readLine(kReadyTimeout);
-  const auto json = nlohmann::json::parse(line, nullptr, false);
+  const auto json = nlohmann::ordered_json::parse(line, nullptr, false);
   if (line.empty() || !json.is_object() || !json.contains("listen") || !json["listen"].is_string() ||
       !json.contains("models") || !json["models"].is_array() || json["models"].size() != 1 ||
       !json["models"][0].is_string())
@@ -77,7 +77,7 @@ void removeOthers(const fs::path& folder, const fs::path& keep) {
 }
 
 void tell(const BuildWatch& watch, const std::string& line) {
-  const auto json = nlohmann::json::parse(line, nullptr, false);
+  const auto json = nlohmann::ordered_json::parse(line, nullptr, false);
   if (!json.is_object() || !json.contains("stage") || !json["stage"].is_string() ||
       !json.contains("fraction") || !json["fraction"].is_number())
     return;
