@@ -226,7 +226,9 @@ std::span<const std::byte> decodeGuarded(std::span<const std::byte> bytes, const
   } catch (const std::length_error&) {
     refuse("it asks for too much memory");
   }
-  return bytes.last(static_cast<size_t>(buffer.remaining_size()));
+  const auto rest = static_cast<uint64_t>(buffer.remaining_size());
+  if (rest > bytes.size()) refuse("it is cut off");
+  return bytes.last(rest);
 }
 
 }  // namespace

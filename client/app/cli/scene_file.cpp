@@ -28,13 +28,16 @@ void refuseMoreThan(size_t limit, size_t count, const char* what, std::string_vi
                                      "; the limit is " + std::to_string(limit));
 }
 
+/// As the file has it, in quotes, in one line of ASCII.
+std::string quoted(const std::string& name) { return Json(name).dump(-1, ' ', true); }
+
 /// Misspelt members would be left out without a word.
 void refuseOthers(const Json& object, std::initializer_list<std::string_view> known, std::string_view source,
                   const std::string& where) {
   if (!object.is_object()) refuseScene(source, where + " is not an object");
   for (const auto& [name, value] : object.items())
     if (std::ranges::find(known, name) == known.end())
-      refuseScene(source, std::string(where).append(" has no member '").append(name).append("'"));
+      refuseScene(source, where + " has no member " + quoted(name));
 }
 
 double numberOf(const Json& value, double least, double largest, std::string_view source,

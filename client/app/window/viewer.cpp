@@ -149,7 +149,7 @@ void Viewer::obey(const Input& input) {
   if (input.bookmark != 0 && input.set_bookmark)
     note("bookmark " + std::to_string(input.bookmark) + " is here");
   if (input.toggle_panel) content_.visible = !content_.visible;
-  if (input.screenshot) picture_wanted_ = true;
+  if (input.screenshot) picture_request_.ask(Clock::now());
   if (input.finer != 0) {
     const float factor = std::pow(kThresholdStep, static_cast<float>(-input.finer));
     threshold_px_ = std::clamp(threshold_px_ * factor, kLeastThresholdPx, kLargestThresholdPx);
@@ -354,8 +354,7 @@ void Viewer::saveScreenshots() {
       refuseScreenshot();
     }
   }
-  if (!picture_wanted_ || frames_to_draw_ > 0) return;  // the panel has not settled
-  picture_wanted_ = false;
+  if (!picture_request_.take(frames_to_draw_ == 0, Clock::now())) return;
   const std::string file = timedName("png");
   try {
     render::writePng(file, window_.readBack());

@@ -14,6 +14,7 @@
 #include "client/app/window/panel.h"
 #include "client/app/window/path_recorder.h"
 #include "client/app/window/picks.h"
+#include "client/app/window/picture_request.h"
 #include "client/app/window/refining_progress.h"
 #include "client/render/frame_rate_control.h"
 #include "client/render/frame_timer.h"
@@ -94,8 +95,9 @@ class Viewer {
   Clock::time_point started_ = Clock::now(), last_frame_ = started_, noted_ = started_;
   std::string note_;
   Drawn drawn_;
+  PictureRequest picture_request_;
   int frames_to_draw_ = 0;
-  bool moved_ = true, uploading_ = false, picture_wanted_ = false, done_ = false;
+  bool moved_ = true, uploading_ = false, done_ = false;
 };
 
 }  // namespace lode::app
