@@ -27,7 +27,8 @@ function(lode_compile_options name)
   target_compile_features(${name} PUBLIC cxx_std_20)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
   # -Wrestrict: false alarms on string concatenation in g++ 12 (GCC bug 105651).
-  target_compile_options(${name} PRIVATE ${LODE_WARNINGS})
+  # Stores, and normals that a reader finds, are the same on machines that fuse multiplications and additions.
+  target_compile_options(${name} PRIVATE ${LODE_WARNINGS} -ffp-contract=off)
   if(CMAKE_UNITY_BUILD)
     # g++ takes what a source has for itself for a header's, as it is included.
     target_compile_options(${name} PRIVATE -Wno-subobject-linkage)

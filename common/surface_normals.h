@@ -11,8 +11,8 @@ namespace lode {
 /// A triangle's normal, twice as long as it has area in square steps. Exact.
 glm::i64vec3 areaNormal(PositionCode a, PositionCode b, PositionCode c) noexcept;
 
-/// The code of a sum of such normals; +z for none. In double, from whole numbers: one that lies between two
-/// codes may become the other on a machine that fuses multiplications, and nothing else differs.
+/// The code of a sum of such normals; +z for none. In double and float, nothing fused: the same on every
+/// machine.
 uint16_t normalOf(glm::i64vec3 sum) noexcept;
 
 /// The normals that a mesh's triangles give its vertices, weighed by their areas: a code a vertex.
