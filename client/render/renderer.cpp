@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
@@ -117,12 +118,19 @@ std::shared_ptr<const core::PlacedCuts> Renderer::drawnPlaced() const {
   return nullptr;
 }
 
-void Renderer::uploadInRenderThread(const UploadBudget& budget) {
-  UploadBudget left = budget;
-  const uint64_t used_bytes = meshes_.uploadInRenderThread(budget);
-  left.bytes -= static_cast<uint32_t>(std::min<uint64_t>(used_bytes, left.bytes));
+UploadBudget Renderer::uploadInRenderThread(const UploadBudget& budget) {
+  const auto start = std::chrono::steady_clock::now();
+  uint64_t used_bytes = meshes_.uploadInRenderThread(budget);
+  const auto left = [&] {
+    UploadBudget rest = budget;
+    const std::chrono::duration<double, std::milli> used = std::chrono::steady_clock::now() - start;
+    rest.bytes -= static_cast<uint32_t>(std::min<uint64_t>(used_bytes, rest.bytes));
+    rest.ms = std::max(0.0, rest.ms - used.count());
+    return rest;
+  };
   textures_.show(meshes_.newest(), meshes_.drawnCut());
-  textures_.uploadInRenderThread(left);
+  used_bytes += textures_.uploadInRenderThread(left());
+  return left();
 }
 
 uint64_t Renderer::gpuBytes() const noexcept {

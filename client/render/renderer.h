@@ -55,8 +55,8 @@ class Renderer {
   void show(const std::shared_ptr<const core::PlacedCuts>& placed);
   /// Those that are drawn by place; null while there are none.
   std::shared_ptr<const core::PlacedCuts> drawnPlaced() const;
-  /// Uploads towards it, meshes first, within the budget.
-  void uploadInRenderThread(const UploadBudget& budget);
+  /// Uploads towards it, meshes first, within the budget. @return what is left of that.
+  UploadBudget uploadInRenderThread(const UploadBudget& budget);
   /// The newest cut is the one drawn, with all of its textures.
   bool upToDate() const noexcept { return meshes_.upToDate() && textures_.upToDate(); }
 

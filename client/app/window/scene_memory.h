@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "client/core/view.h"
+
 namespace lode::app {
 
 /// Shares one budget of memory among the models of a scene, so that all can be shown with the same error: as
@@ -18,8 +20,8 @@ class SceneMemory {
     uint64_t bytes = 0;     ///< for the error that is asked for, in any measure that is the same for all
     bool is_short = false;  ///< its part does not give it that
   };
-  /// Another picture is looked at. Else parts change a few times only, so that they come to rest.
-  void lookAnew() noexcept { changes_ = 0; }
+  /// What is looked at, each frame. For one picture parts change a few times only, so that they come to rest.
+  void look(const core::View& view, float threshold_px);
   /// @param needs  by model. @return whether parts have changed.
   bool share(std::span<const Need> needs);
   /// By model; together no more than the budget.
@@ -28,7 +30,9 @@ class SceneMemory {
  private:
   uint64_t budget_bytes_;
   std::vector<uint64_t> parts_;
-  int changes_ = 0;
+  core::View view_;
+  float threshold_px_ = 0;
+  int changes_ = 0;  ///< for this picture
 };
 
 }  // namespace lode::app

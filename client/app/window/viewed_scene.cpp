@@ -8,6 +8,7 @@
 #include "client/app/cli/first_camera.h"
 #include "client/app/window/ground_below.h"
 #include "client/app/window/model_opener.h"
+#include "client/app/window/scene_status.h"
 #include "client/core/cut_probe.h"
 #include "client/core/shown_parts.h"
 #include "client/render/memory_shares.h"
@@ -108,7 +109,7 @@ core::View ViewedScene::inScene(const core::View& view) const {
 
 void ViewedScene::look(const core::View& view, float threshold_px) {
   const core::View scene_view = inScene(view);
-  if (!status_.cut || status_.cut->view != view) memory_.lookAnew();
+  memory_.look(view, threshold_px);
   for (const auto& model : models_) {
     if (model->places.empty()) continue;
     model->views.clear();
@@ -149,43 +150,19 @@ void ViewedScene::shareMemory() {
   }
 }
 
-/// What the streams of all models say together.
 void ViewedScene::mergeStatus(const core::View& view) {
-  stream::StreamStatus all;
-  auto cut = std::make_shared<core::Cut>();
-  cut->converged = all.settled = true;
-  bool is_shown = true, is_for_view = true;
-  for (const auto& model : models_) {
-    if (model->places.empty()) continue;
-    const stream::StreamStatus& one = model->status;
-    core::EngineCounts& counts = all.counts;
-    counts.received_bytes += one.counts.received_bytes;
-    counts.link_bytes_per_s += one.counts.link_bytes_per_s;
-    counts.round_trip_ms = std::max(counts.round_trip_ms, one.counts.round_trip_ms);
-    counts.open_wishes += one.counts.open_wishes;
-    counts.resident_bytes += one.counts.resident_bytes;
-    counts.texture_bytes += one.counts.texture_bytes;
-    counts.tiles_left_out += one.counts.tiles_left_out;
-    all.limited = all.limited || one.limited;
-    all.settled = all.settled && one.settled;
-    all.exhausted = all.exhausted || one.exhausted;
-    all.ended = all.ended || one.ended;
-    if (all.failure.empty()) all.failure = one.failure;
-    if (all.trouble.empty()) all.trouble = one.trouble;
-    is_shown = is_shown && one.placed;
-    if (!one.placed) continue;
-    cut->threshold_px = std::max(cut->threshold_px, one.cut->threshold_px);
-    cut->max_error_px = std::max(cut->max_error_px, one.cut->max_error_px);
-    cut->converged = cut->converged && one.cut->converged;
-    is_for_view = is_for_view && one.cut->view == model->views.front();
-  }
-  if (is_for_view) cut->view = view;
-  if (is_shown) all.cut = std::move(cut);
-  status_ = std::move(all);
+  std::vector<ModelStatus> statuses;
+  for (const auto& model : models_)
+    if (!model->places.empty()) statuses.push_back({model->status, model->views.front()});
+  status_ = sceneStatus(statuses, view);
 }
 
+/// One frame's budget for all models: each frame another one is the first.
 void ViewedScene::uploadInRenderThread() {
-  for (const auto& model : models_) model->renderer.uploadInRenderThread({});
+  render::UploadBudget left;
+  for (size_t i = 0; i < models_.size() && left.bytes > 0 && left.ms > 0; ++i)
+    left = models_[(first_upload_ + i) % models_.size()]->renderer.uploadInRenderThread(left);
+  ++first_upload_;
 }
 
 bool ViewedScene::upToDate() const {

@@ -62,6 +62,7 @@ class ViewedScene : public Exhibit {
   std::vector<std::unique_ptr<Model>> models_;
   SceneMemory memory_;
   uint64_t gpu_budget_bytes_ = 0;    ///< of meshes of all models
+  size_t first_upload_ = 0;          ///< model that uploads first, by turns
   std::optional<SceneStage> stage_;  ///< once all are open
   ModelSummary whole_;
   stream::StreamStatus status_;

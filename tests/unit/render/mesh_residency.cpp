@@ -36,6 +36,16 @@ TEST_F(Residency, drawsACutOnlyWhenAllOfItIsThere) {
   EXPECT_EQ(residency.drawn().size(), 2u);
 }
 
+TEST_F(Residency, leavesTheRestOfAFramesBudgetToOthers) {
+  render::Renderer renderer(1);
+  renderer.show(cutOf(std::vector{gridOf(1)}));
+  const render::UploadBudget left = renderer.uploadInRenderThread({.bytes = 10'000, .ms = 1000});
+  EXPECT_LT(left.bytes, 10'000u);
+  EXPECT_LT(left.ms, 1000);
+  renderer.uploadInRenderThread({.wait = true});
+  EXPECT_EQ(renderer.uploadInRenderThread({.bytes = 10'000}).bytes, 10'000u);
+}
+
 TEST_F(Residency, drawsACutOnlyWhenItsFallbacksAreThereTooAndKeepsThem) {
   MeshResidency residency({.spare_bytes = 0});
   auto cut = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(1)}));

@@ -1,0 +1,72 @@
+#include "client/app/window/scene_status.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "client/core/placed_cuts.h"
+
+namespace lode::app {
+namespace {
+
+core::View viewFrom(double x) {
+  core::View view;
+  view.eye_model = {x, 0, 0};
+  return view;
+}
+
+/// A model that is shown as it is to be for a view, with these bytes received.
+stream::StreamStatus makeStatus(const core::View& view, uint64_t received_bytes) {
+  stream::StreamStatus status;
+  auto cut = std::make_shared<core::Cut>();
+  cut->view = view;
+  cut->converged = true;
+  status.cut = std::move(cut);
+  status.placed = std::make_shared<core::PlacedCuts>();
+  status.settled = true;
+  status.counts.received_bytes = received_bytes;
+  return status;
+}
+
+class SceneStatus : public testing::Test {
+ protected:
+  stream::StreamStatus merged() const {
+    return sceneStatus(std::vector<ModelStatus>{{first_, first_view_}, {second_, second_view_}}, scene_view_);
+  }
+  const core::View scene_view_ = viewFrom(9), first_view_ = viewFrom(1), second_view_ = viewFrom(2);
+  stream::StreamStatus first_ = makeStatus(first_view_, 10), second_ = makeStatus(second_view_, 5);
+};
+
+TEST_F(SceneStatus, isOfTheScenesViewOnceEachModelIsOfItsOwn) {
+  ASSERT_TRUE(merged().cut);
+  EXPECT_EQ(merged().cut->view, scene_view_);
+  second_ = makeStatus(first_view_, 5);
+  EXPECT_NE(merged().cut->view, scene_view_);
+}
+
+TEST_F(SceneStatus, hasConvergedAndSettledOnceEachModelHas) {
+  EXPECT_TRUE(merged().cut->converged && merged().settled);
+  second_.settled = false;
+  EXPECT_FALSE(merged().settled);
+}
+
+TEST_F(SceneStatus, hasNoCutBeforeEachModelHasOne) {
+  second_.placed = nullptr;
+  EXPECT_FALSE(merged().cut);
+}
+
+TEST_F(SceneStatus, hasNotEndedWhileOneModelGoesOn) {
+  first_.ended = true;
+  first_.failure = "the server has gone";
+  EXPECT_FALSE(merged().ended);
+  EXPECT_EQ(merged().failure, "the server has gone");
+  second_.ended = true;
+  EXPECT_TRUE(merged().ended);
+}
+
+TEST_F(SceneStatus, hasNotEndedBeforeThereIsAModel) { EXPECT_FALSE(sceneStatus({}, scene_view_).ended); }
+
+TEST_F(SceneStatus, countsWhatAllModelsTake) { EXPECT_EQ(merged().counts.received_bytes, 15u); }
+
+}  // namespace
+}  // namespace lode::app
