@@ -35,7 +35,7 @@ class Daemon:
     def __exit__(self, failed, *_):
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM if not failed else signal.SIGKILL)
-        self.status = self.process.wait(timeout=60)
+        self.status = self.process.wait(timeout=300)
         self.process.stdout.close()
         if not failed:
             assert self.status == 0, f"it ended with {self.status}"
@@ -68,7 +68,7 @@ class Daemon:
             return Reader(connection, opened, most).run()
 
 
-def eventually(what, seconds=20):
+def eventually(what, seconds=120):
     """What it gives as soon as that is true."""
     end = time.monotonic() + seconds
     while not (found := what()):
@@ -80,7 +80,7 @@ def eventually(what, seconds=20):
 def refusal(address):
     """The Error that a connection gets before it says anything."""
     host, port = address.rsplit(":", 1)
-    with socket.create_connection((host, int(port)), timeout=20) as client:
+    with socket.create_connection((host, int(port)), timeout=120) as client:
         size, kind, *_ = HEADER.unpack(client.recv(HEADER.size, socket.MSG_WAITALL))
         assert kind == 11, f"a frame of type {kind}"
         return wire.Error.GetRootAs(client.recv(size, socket.MSG_WAITALL))

@@ -56,7 +56,7 @@ class ServiceManager(unittest.TestCase):
             for name in (os.path.join(folder, "notify"), f"\0lodestream-test-{os.getpid()}"):
                 with self.subTest(name=name), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
                     manager.bind(name)
-                    manager.settimeout(20)
+                    manager.settimeout(120)
                     hear = lambda: manager.recv(4096).decode()
                     with Daemon(STORE, env=dict(os.environ, NOTIFY_SOCKET=name.replace("\0", "@"))) as daemon:
                         self.assertEqual(hear(), "READY=1")
@@ -133,7 +133,7 @@ class ServiceManager(unittest.TestCase):
             eventually(lambda: self.nobody_listens(daemon.address))
             self.assertIsNone(daemon.process.poll())
             connection.close()
-            self.assertEqual(daemon.process.wait(timeout=20), 0)
+            self.assertEqual(daemon.process.wait(timeout=120), 0)
 
     def nobody_listens(self, address):
         host, port = address.rsplit(":", 1)
@@ -142,9 +142,9 @@ class ServiceManager(unittest.TestCase):
 
 
 class Latency(unittest.TestCase):
-    """What histograms say of a client that lets its wishes wait for a second."""
+    """What histograms say of a client that lets its wishes wait for seconds."""
 
-    WISHES, HELD_S = 4000, 1.0
+    WISHES, HELD_S = 4000, 3.0
 
     def seconds(self, daemon, figure):
         return daemon.metric(f'lodestream_wish_{figure}_seconds_sum{{class="visible"}}')
@@ -329,7 +329,7 @@ class UnderLoad(unittest.TestCase):
                 eventually(lambda: self.reads["steady"] > 2)
                 self.stop.set()  # from here on connections may break
                 daemon.process.send_signal(signal.SIGTERM)
-                self.assertEqual(daemon.process.wait(timeout=20), 0)
+                self.assertEqual(daemon.process.wait(timeout=120), 0)
 
 
 if __name__ == "__main__":

@@ -88,7 +88,7 @@ def to_ref(message):
 class Connection:
     def __init__(self, address):
         host, port = address.rsplit(":", 1)
-        self.socket = socket.create_connection((host.strip("[]"), int(port)), timeout=60)
+        self.socket = socket.create_connection((host.strip("[]"), int(port)), timeout=300)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # small frames shall not wait for acknowledgements
         self.input, self.credited = self.socket.makefile("rb"), 0
 

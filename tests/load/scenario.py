@@ -31,7 +31,7 @@ import links
 import soak
 from stage import Stage
 
-LONGEST_S, LONGEST_SHORT_S, LONGEST_SOAK_S, SKIPPED = 300, 60, 2100, 77
+LONGEST_S, LONGEST_SOAK_S, SKIPPED = 300, 2100, 77
 SCENARIOS = dict(steady=crowds.steady, flash=crowds.flash, greedy=crowds.greedy, restart=ends.restart,
                  rolling_upgrade=ends.rolling_upgrade, one_killed=ends.one_killed, slow=links.slow, lossy=links.lossy,
                  larger_than_memory=links.larger_than_memory, soak=soak.soak)
@@ -74,8 +74,7 @@ def main():
         sys.exit(SKIPPED)
     for ending in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM):
         signal.signal(ending, end)
-    longest_s = LONGEST_SOAK_S if scenario is soak.soak else LONGEST_S
-    signal.alarm(max(LONGEST_SHORT_S, longest_s // 10) if options.short else longest_s)
+    signal.alarm(LONGEST_SOAK_S if scenario is soak.soak and not options.short else LONGEST_S)
     with tempfile.TemporaryDirectory(prefix="lode-scenario-") as folder:
         with Stage(options.bin, folder, options.store, options.messages, options.short) as stage:
             plot = scenario(stage)

@@ -64,7 +64,7 @@ class Server:
         """Waits until it is gone. Returns its exit status."""
         if self.process.poll() is None:
             self.process.send_signal(how)
-        status = self.process.wait(timeout=60)
+        status = self.process.wait(timeout=300)
         self.process.stdout.close()
         return status
 

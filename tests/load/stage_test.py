@@ -104,7 +104,7 @@ class Processes(unittest.TestCase):
         with subprocess.Popen([sys.executable, "-c", script], env=environment, stdout=subprocess.PIPE, text=True) as parent:
             pid = int(parent.stdout.readline())
             parent.kill()
-        stat, end = pathlib.Path(f"/proc/{pid}/stat"), time.monotonic() + 10
+        stat, end = pathlib.Path(f"/proc/{pid}/stat"), time.monotonic() + 120
         with contextlib.suppress(FileNotFoundError, ProcessLookupError):
             while stat.read_text().rsplit(")", 1)[1].split()[0] != "Z":
                 self.assertLess(time.monotonic(), end)

@@ -96,7 +96,7 @@ class ResumedBuild : public testing::Test {
       return none ? 0 : size;
     };
     Program program("lodestreamd", with(more));
-    const auto deadline = Clock::now() + std::chrono::seconds(30);
+    const auto deadline = Clock::now() + std::chrono::seconds(300);
     constexpr uintmax_t kBytesOfScanned = 500;
     while (bytes() < kBytesOfScanned && Clock::now() < deadline)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -17,7 +17,7 @@
 
 namespace lode::test {
 
-constexpr auto kPatience = std::chrono::seconds(60);
+constexpr auto kPatience = std::chrono::seconds(600);
 
 inline stream::StreamOptions threads(unsigned count) {
   stream::StreamOptions options;

@@ -16,16 +16,16 @@ ChildProcess shell(const std::string& script) {
 
 TEST(ChildProcess, isReadLineByLine) {
   ChildProcess child = shell("printf 'one\\ntwo\\nrest'");
-  EXPECT_EQ(child.readLine(60s), "one");
-  EXPECT_EQ(child.readLine(60s), "two");
-  EXPECT_EQ(child.readLine(60s), "");  // no end of the line
+  EXPECT_EQ(child.readLine(300s), "one");
+  EXPECT_EQ(child.readLine(300s), "two");
+  EXPECT_EQ(child.readLine(300s), "");  // no end of the line
   EXPECT_EQ(child.wait(), 0);
 }
 
 TEST(ChildProcess, readsWhatItIsGivenAndMayOpenItAnew) {
   ChildProcess child("/bin/sh", {"-c", "cat; cat /proc/self/fd/0"}, ChildProcess::Messages::kKeep, "text\n");
-  EXPECT_EQ(child.readLine(60s), "text");
-  EXPECT_EQ(child.readLine(60s), "text");
+  EXPECT_EQ(child.readLine(300s), "text");
+  EXPECT_EQ(child.readLine(300s), "text");
 }
 
 TEST(ChildProcess, tellsHowItEnded) {
@@ -60,7 +60,7 @@ TEST(ChildProcess, endsWithItsObject) {
   pid_t process = 0;
   {
     ChildProcess child = shell("echo $$; exec sleep 1000");
-    process = static_cast<pid_t>(std::stol(child.readLine(60s)));
+    process = static_cast<pid_t>(std::stol(child.readLine(300s)));
     EXPECT_EQ(kill(process, 0), 0);
   }
   EXPECT_EQ(kill(process, 0), -1);

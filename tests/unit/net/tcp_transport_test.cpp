@@ -38,7 +38,7 @@ class SlowName {
   }
   bool waitUntilBegun() {
     std::unique_lock lock(mutex_);
-    return change_.wait_for(lock, 30s, [this] { return begun_; });
+    return change_.wait_for(lock, 300s, [this] { return begun_; });
   }
   bool ended() {
     const std::lock_guard lock(mutex_);
@@ -83,7 +83,7 @@ class Bell {
   }
   void wait() {
     std::unique_lock lock(mutex_);
-    ASSERT_TRUE(condition_.wait_for(lock, 30s, [this] { return rung_; }));
+    ASSERT_TRUE(condition_.wait_for(lock, 300s, [this] { return rung_; }));
     rung_ = false;
   }
 
@@ -224,7 +224,7 @@ TEST_F(TcpTransportTest, sharesACallersLoopWithManyOthers) {
       peers_.push_back(std::move(socket));
     }
   });
-  while (wakes < transports.size() && loop.run_one_for(30s) > 0) continue;
+  while (wakes < transports.size() && loop.run_one_for(300s) > 0) continue;
   peer.join();
   for (int i = 0; i < 20; ++i)
     EXPECT_EQ(transports[static_cast<size_t>(i)]->takeReceived(),

@@ -60,7 +60,7 @@ class EchoUnderTls : public testing::Test {
     while (answer.size() < text.size()) {
       {
         std::unique_lock lock(mutex_);
-        if (!bell_.wait_for(lock, 30s, [this] { return rung_; })) return "nothing";
+        if (!bell_.wait_for(lock, 300s, [this] { return rung_; })) return "nothing";
         rung_ = false;
       }
       try {
@@ -134,7 +134,7 @@ TEST(TlsTransport, saysThatAServerWithoutTlsHasNone) {
   tcp::socket peer = acceptor.accept();
   asio::write(peer, asio::buffer("220 no TLS here\r\n", 17));
   std::unique_lock lock(mutex);
-  ASSERT_TRUE(bell.wait_for(lock, 30s, [&] { return rung; }));
+  ASSERT_TRUE(bell.wait_for(lock, 300s, [&] { return rung; }));
   lock.unlock();
   try {
     transport.takeReceived();

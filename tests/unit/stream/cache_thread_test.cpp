@@ -39,7 +39,7 @@ TEST(CacheThreadTest, answersEachQuestionOnce) {
   thread.find({refOf(1), refOf(2)});
   {
     std::unique_lock lock(mutex);
-    ASSERT_TRUE(woken.wait_for(lock, 30s, [&] { return wakes == 2; }));
+    ASSERT_TRUE(woken.wait_for(lock, 300s, [&] { return wakes == 2; }));
   }
   std::map<uint32_t, bool> found;
   for (const CacheThread::Answer& answer : thread.takeAnswers())

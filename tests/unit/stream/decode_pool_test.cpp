@@ -23,7 +23,7 @@ class Results {
     std::unique_lock lock(mutex_);
     while (all.size() < count) {
       for (core::DecodeResult& result : pool.takeResults()) all.push_back(std::move(result));
-      if (all.size() < count && woken_.wait_for(lock, std::chrono::seconds(60)) == std::cv_status::timeout)
+      if (all.size() < count && woken_.wait_for(lock, std::chrono::seconds(300)) == std::cv_status::timeout)
         break;
     }
     return all;
