@@ -117,6 +117,8 @@ def soak(stage):
         probed = {model: result(probe) for model, probe in probes.items()}
     figures = around.server.figures()
     late = [ms for model in ("steady", "changing") for _, ms in probed[model]["times"]]
+    kinds = ("lost", "errors", "failed_wishes", "first_error")
+    broken = [{kind: run[kind] for kind in kinds} for run in told if any(run[kind] for kind in kinds)]
     clients, lost = sum(run["clients"] for run in told), sum(run["lost"] + run["errors"] + run["failed_wishes"] for run in told)
     grown, descriptors = growth(watch.resident), growth(watch.descriptors)
     print_table(("done to it", "times"), sorted(around.done.items()))
@@ -130,7 +132,7 @@ def soak(stage):
     plot.panel("resident MB", ("", watch.seconds, [r / 1e6 for r in watch.resident]))
     plot.panel("descriptors", ("", watch.seconds, watch.descriptors))
     plot.panel("a wish's ms", ("", *zip(*probed["steady"]["times"])), log=True)
-    assert lost == probed["steady"]["failed"] == probed["changing"]["failed"] == 0, "something failed that was not made to"
+    assert lost == probed["steady"]["failed"] == probed["changing"]["failed"] == 0, f"something failed that was not made to: {broken}"
     assert grown < max(NOISE_BYTES, 2 * statistics.stdev(watch.resident)), "memory grows"
     assert descriptors < 2 * statistics.stdev(watch.descriptors) + 4, "descriptors grow"
     return plot
