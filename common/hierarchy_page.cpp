@@ -11,7 +11,7 @@
 namespace lode {
 namespace {
 
-constexpr uint8_t kPageVersion = 1;
+constexpr uint8_t kPageVersion = 2;
 
 // ---- writing
 
@@ -56,6 +56,7 @@ void writeNode(PageWriter& out, const Node& node) {
   out.fixed(node.child_mask, 1);
   out.blob(node.child_page);
   out.varint(node.rungs.size());
+  out.varint(node.spare_rungs);
   for (const Rung& rung : node.rungs) writeRung(out, rung);
 }
 
@@ -165,6 +166,9 @@ Node readNode(PageReader& in) {
   node.child_page = in.blob(kMaxPageBytes);
   const uint32_t rungs = in.count(kMaxRungs, "rungs of a node");
   if (rungs == 0) refuseNode(node.key, "has no rung");
+  node.spare_rungs = in.count(rungs - 1, "spare rungs of a node");
+  if (node.spare_rungs > 0 && (node.isLeaf() || node.key == kRootKey))
+    refuseNode(node.key, "has spare rungs where none can be");
   node.rungs.reserve(rungs);
   for (uint32_t i = 0; i < rungs; ++i) {
     node.rungs.push_back(readRung(in));
@@ -207,7 +211,7 @@ class TreeCheck {
     if (parent.key != parent_key) refuseNode(node.key, "lacks its parent");
     seen_[parent_] = static_cast<uint8_t>(seen_[parent_] | 1 << node.key.octant());
     if (!parent.box.contains(node.box)) refuseNode(node.key, "has a box that its parent's does not hold");
-    if (fallsFrom(node.rungs.back(), parent.rungs.front()))
+    if (fallsFrom(node.sourceRung(), parent.rungs.front()))
       refuseNode(node.key, "has an error above its parent's");
   }
 

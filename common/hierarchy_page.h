@@ -28,11 +28,16 @@ struct Node {
   NodeKey key;
   LatticeBox box;  ///< tight box of all rungs and of the children's boxes; empty if there are no triangles
   uint8_t child_mask = 0;   ///< bit o: child(o) exists; 0 for a leaf
-  std::vector<Rung> rungs;  ///< at least one; errors never fall from finer to coarser, nor to the parent
-  BlobRef child_page;       ///< page that holds the children, where they are not in this page
+  std::vector<Rung> rungs;  ///< at least one; errors never fall from finer to coarser
+  /// At the end of `rungs`, coarser than what the parent is made of: for parts that a view does not see.
+  /// Their errors may be above the parent's, those of all others are not. None of the root, nor of leaves.
+  uint32_t spare_rungs = 0;
+  BlobRef child_page;  ///< page that holds the children, where they are not in this page
 
   bool operator==(const Node&) const = default;
   bool isLeaf() const noexcept { return child_mask == 0; }
+  /// The rung that the parent is made of.
+  const Rung& sourceRung() const noexcept { return rungs[rungs.size() - 1 - spare_rungs]; }
 };
 
 /// A subtree in one blob, so that a client learns of a model as it needs to. The root's page holds depths 0

@@ -6,7 +6,7 @@
 /// Every limit of the wire, checked before memory is taken. docs/protocol.md lists them.
 namespace lode::proto {
 
-constexpr uint32_t kProtocolVersion = 2;
+constexpr uint32_t kProtocolVersion = 3;
 constexpr uint16_t kDefaultPort = 7400;
 constexpr uint32_t kMaxFrameBodyBytes = 256u << 10;  ///< of any frame
 constexpr uint32_t kMaxHelloBodyBytes = 4u << 10;    ///< of any frame that a server takes before Hello

@@ -44,7 +44,7 @@ void Hierarchy::addPage(NodeKey owner_key, HierarchyPage page) {
     children |= 1u << node.key.octant();
     if (!node.box.empty() && !owner->box.contains(node.box)) refuse(owner_key, "leaves its owner's box");
     if (node.rungs.empty()) refuse(owner_key, "holds a node without rungs");
-    const Rung& coarsest = node.rungs.back();
+    const Rung& coarsest = node.sourceRung();
     const Rung& finest = owner->rungs.front();
     if (!(coarsest.error_model <= finest.error_model) ||
         !(coarsest.appearance_error_model <= finest.appearance_error_model))

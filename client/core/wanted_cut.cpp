@@ -56,7 +56,9 @@ void WantedCut::begin() {
   stopped_ = limited_ = blocked_ = false;
   totals_ = {};
   totals_.add(first.rungs.back(), attributes_);
-  add(first, false, held_.empty() ? 0 : 1);
+  nodes_.push_back(place(first));
+  nodes_.back().held = held_.empty() ? 0 : 1;
+  enqueue(0);
 }
 
 WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
@@ -76,12 +78,6 @@ WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
 float WantedCut::errorPx(const WantedNode& wanted, uint32_t rung) const {
   const Rung& of = wanted.node->rungs[rung];
   return sight_.errorPx(std::max(of.error_model, of.appearance_error_model), wanted.distance_model);
-}
-
-void WantedCut::add(const KnownNode& node, bool in_sight, uint32_t held) {
-  WantedNode& wanted = nodes_.emplace_back(place(node, in_sight));
-  wanted.held = held;
-  enqueue(static_cast<uint32_t>(nodes_.size()) - 1);
 }
 
 void WantedCut::enqueue(uint32_t place) {
@@ -143,21 +139,35 @@ bool WantedCut::giveWay(const Candidate& candidate) {
 bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
   const uint32_t place = candidate.place;
   const KnownNode& node = *nodes_[place].node;
+  const auto children = node.knownChildren();
+  const auto first_child = static_cast<uint32_t>(nodes_.size());
+  const uint32_t held = nodes_[place].held;
+  const uint32_t held_child = held == 0 ? 0 : held_[held - 1].first_child;
+  const bool in_sight = nodes_[place].wholly_visible;
   Totals totals = without;
-  for (const KnownNode& child : node.knownChildren()) totals.add(child.rungs.back(), attributes_);
-  if (!fits(candidate, totals)) return false;
+  for (uint32_t i = 0; i < children.size(); ++i) {
+    WantedNode& child = nodes_.emplace_back(this->place(children[i], in_sight));
+    child.held = held_child == 0 ? 0 : held_child + i + 1;  // + 1: it is a place
+    if (child.visible) skipWorse(child, candidate.error_px);
+    totals.add(children[i].rungs[child.rung], attributes_);
+  }
+  if (!fits(candidate, totals)) {
+    nodes_.resize(first_child);
+    return false;
+  }
   if (node.child_page) {
     page_bytes_ += node.page_below_bytes;
     pages_.push_back(node.key);
   }
-  const uint32_t held = nodes_[place].held;
-  uint32_t held_child = held == 0 ? 0 : held_[held - 1].first_child;  // + 1 below: it is a place
   nodes_[place].role = Role::kExpanded;
-  nodes_[place].first_child = static_cast<uint32_t>(nodes_.size());
-  const bool in_sight = nodes_[place].wholly_visible;
-  for (const KnownNode& child : node.knownChildren())
-    add(child, in_sight, held_child == 0 ? 0 : ++held_child);
+  nodes_[place].first_child = first_child;
+  for (uint32_t child = first_child; child < nodes_.size(); ++child) enqueue(child);
   return true;
+}
+
+/// Begins a node at the coarsest rung that is no worse than what it takes the place of.
+void WantedCut::skipWorse(WantedNode& wanted, float replaced_px) const {
+  while (wanted.rung > 0 && errorPx(wanted, wanted.rung) > replaced_px) --wanted.rung;
 }
 
 bool WantedCut::fits(const Candidate& candidate, const Totals& totals) {

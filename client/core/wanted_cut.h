@@ -44,8 +44,9 @@ struct WantedMesh {
 
 /// The cut that a view wants of the known octree, whatever is resident: it starts at the root's coarsest
 /// rung, and the part with the largest projected error gives way to its next finer rung, or from rung 0 to
-/// its children at their coarsest, until no visible part is above the threshold or a budget is reached. Ties
-/// go by node key. Parts outside the view are not refined. Where no budget is reached the order makes no
+/// its children, until no visible part is above the threshold or a budget is reached. Children begin at their
+/// coarsest rung, visible ones at the coarsest that is no worse than what they replace (spare rungs may be).
+/// Ties go by node key. Parts outside the view are not refined. Where no budget is reached the order makes no
 /// difference to the cut, so that it is tried first in one that needs no queue.
 class WantedCut {
  public:
@@ -93,13 +94,13 @@ class WantedCut {
   };
 
   void begin();
-  void add(const KnownNode& node, bool in_sight, uint32_t held);
   void enqueue(uint32_t place);
   Candidate takeNext();
   void refine();
   bool wasFiner(const WantedNode& wanted) const;
   bool giveWay(const Candidate& candidate);
   bool expand(const Candidate& candidate, const Totals& totals);
+  void skipWorse(WantedNode& wanted, float replaced_px) const;
   bool fits(const Candidate& candidate, const Totals& totals);
   void stopAt(const Candidate& candidate);
   Below chooseCovers(WantedNode& wanted);

@@ -78,6 +78,7 @@ Json rungAsJson(const Node& node, size_t number, const Lattice& lattice) {
           {"bytes", rung.payload.bytes},
           {"error", rung.error_model},
           {"appearance_error", rung.appearance_error_model},
+          {"spare", number + node.spare_rungs >= node.rungs.size()},
           {"box", toJson(node.box, lattice)}};
 }
 

@@ -13,6 +13,14 @@ CutItem coarsest(const NodeTree& tree, uint32_t node) {
   return {node, static_cast<uint32_t>(tree.node(node).rungs.size() - 1)};
 }
 
+/// The coarsest rung that is no worse than what it takes the place of.
+CutItem coarsestWithin(const NodeTree& tree, uint32_t node, float error) {
+  const std::vector<Rung>& rungs = tree.node(node).rungs;
+  auto rung = static_cast<uint32_t>(rungs.size() - 1);
+  while (rung > 0 && rungs[rung].error_model > error) --rung;
+  return {node, rung};
+}
+
 /// Puts the items in Morton order and fills in the sums.
 Cut finishCut(const NodeTree& tree, std::vector<CutItem> items) {
   const auto cell = [&](CutItem item) {
@@ -76,21 +84,21 @@ Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles) {
   uint64_t triangles = rungOf(tree, coarsest(tree, 0)).triangles;
   const bool fits = triangles <= max_triangles;
   while (!queue.empty()) {
-    const CutItem item = queue.top().item;
+    const auto [error, item] = queue.top();
     queue.pop();
     const uint64_t others = triangles - rungOf(tree, item).triangles;
     const uint32_t children = item.rung > 0 ? 0 : tree.childCount(item.node);
     uint64_t refined = others;
     if (item.rung > 0) refined += rungOf(tree, {item.node, item.rung - 1}).triangles;
     for (uint32_t i = 0; i < children; ++i)
-      refined += rungOf(tree, coarsest(tree, tree.firstChild(item.node) + i)).triangles;
+      refined += rungOf(tree, coarsestWithin(tree, tree.firstChild(item.node) + i, error)).triangles;
     if ((item.rung == 0 && children == 0) || refined > max_triangles) {
       done.push_back(item);
       continue;
     }
     triangles = refined;
     if (item.rung > 0) show({item.node, item.rung - 1});
-    for (uint32_t i = 0; i < children; ++i) show(coarsest(tree, tree.firstChild(item.node) + i));
+    for (uint32_t i = 0; i < children; ++i) show(coarsestWithin(tree, tree.firstChild(item.node) + i, error));
   }
   Cut cut = finishCut(tree, std::move(done));
   cut.converged = fits;

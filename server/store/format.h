@@ -13,7 +13,7 @@
 /// header, blobs back to back, blob table, footer. All numbers little-endian.
 namespace lode::store {
 
-constexpr uint32_t kFormatVersion = 3;
+constexpr uint32_t kFormatVersion = 4;
 constexpr size_t kHeaderBytes = 188;
 constexpr size_t kTableEntryBytes = 28;
 constexpr size_t kFooterBytes = 24;

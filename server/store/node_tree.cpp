@@ -40,6 +40,8 @@ void checkNode(const Node& node) {
                 "node " + describeKey(node.key) + ": more than " + std::to_string(kMaxRungs) + " rungs");
   if (node.isLeaf() && node.key != kRootKey && node.rungs.size() != 1)
     fail(node.key, "a leaf with more than one rung");
+  if (node.spare_rungs >= node.rungs.size() || (node.spare_rungs > 0 && node.key == kRootKey))
+    fail(node.key, "too many spare rungs");
   const Rung* finer = nullptr;
   for (const Rung& rung : node.rungs) {
     checkRung(node, rung, finer);
@@ -54,7 +56,7 @@ void checkNode(const Node& node) {
 void checkBelowParent(const Node& node, const Node& parent) {
   if ((parent.child_mask >> node.key.octant() & 1) == 0) fail(node.key, "its parent does not know it");
   if (!node.box.empty() && !parent.box.contains(node.box)) fail(node.key, "its box leaves its parent's box");
-  const Rung& coarsest = node.rungs.back();
+  const Rung& coarsest = node.sourceRung();
   const Rung& above = parent.rungs.front();
   if (above.error_model < coarsest.error_model ||
       above.appearance_error_model < coarsest.appearance_error_model)

@@ -21,7 +21,7 @@ TYPES = dict(Hello=1, Welcome=2, Open=5, Opened=6, Wishes=7, Credit=8, Blob=9, C
              ModelReplaced=13, Ping=14, Pong=15)
 NAMES = {number: name for name, number in TYPES.items()}
 NO_SUCH_MODEL, LIMIT, DAMAGED_STORE = 5, 7, 8  # codes of an Error
-VERSION = 2  # of the protocol
+VERSION = 3  # of the protocol
 OPTIONAL, MAX_BODY, WINDOW, MAX_CHANGES, INNER_TEXELS = 1, 262144, 65536, 4096, 508
 
 Ref = collections.namedtuple("Ref", "number bytes name")
@@ -51,11 +51,12 @@ class Bytes:
 def page_references(data):
     """The pages and the payloads that a page names, or None where there is none, and how many rungs its first node has."""
     page, pages, payloads, rungs = Bytes(data), [], [], []
-    assert page.read("B") == 1, "version of the page"
+    assert page.read("B") == 2, "version of the page"
     for _ in range(page.varint()):
         page.varint(), page.read("QQB")  # key, box, children
         pages.append(page.reference())
         rungs.append(page.varint())
+        page.varint()  # how many of them are spare
         for _ in range(rungs[-1]):
             payloads.append(page.reference())
             for _ in range(3 if payloads[-1] else 0):

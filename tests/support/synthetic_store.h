@@ -30,6 +30,7 @@ struct SyntheticModel {
 struct SyntheticOptions {
   size_t leaf_triangles = 24;  ///< a node with more is split
   uint32_t rungs = 2;          ///< of an inner node
+  uint32_t spare_rungs = 0;    ///< beside them, of one below the root
   int extent_bits = 12;        ///< the root's cell has 2^this lattice steps a side
   Lattice lattice{{100.5, -20.25, 3.75}, 0.25};
 };
@@ -144,17 +145,18 @@ class ModelMaker {
         distinct.begin(), distinct.end(), [&](PositionCode position) { return locked(node.key, position); }));
     const auto step = static_cast<float>(options_.lattice.step);
     const auto extent = static_cast<float>(1u << options_.extent_bits);
-    rung.error_model =
-        node.isLeaf() && node.rungs.empty()
-            ? step
-            : step * extent *
-                  std::ldexp(1.0f + 0.1f * static_cast<float>(node.rungs.size()), -node.key.depth());
+    const int above_parents = node.rungs.size() >= options_.rungs ? 2 : 0;
+    rung.error_model = node.isLeaf() && node.rungs.empty()
+                           ? step
+                           : step * extent *
+                                 std::ldexp(1.0f + 0.1f * static_cast<float>(node.rungs.size()),
+                                            above_parents - node.key.depth());
     node.box.add(boxOf(mesh));
     model_.meshes[{node.key, static_cast<uint32_t>(node.rungs.size())}] = mesh;
     node.rungs.push_back(rung);
   }
 
-  /// @return the triangles of the coarsest rung.
+  /// @return the triangles that the parent is made of.
   std::vector<glm::u32vec3> simplify(NodeKey key) {
     Node node;
     node.key = key;
@@ -174,6 +176,12 @@ class ModelMaker {
     while (!node.isLeaf() && node.rungs.size() < options_.rungs) {
       triangles = coarsen(key, triangles);
       addRung(node, triangles);
+    }
+    std::vector<glm::u32vec3> coarser = triangles;
+    while (!node.isLeaf() && key != kRootKey && node.spare_rungs < options_.spare_rungs) {
+      coarser = coarsen(key, coarser);
+      addRung(node, coarser);
+      ++node.spare_rungs;
     }
     boxes_[key] = node.box;
     model_.nodes.push_back(node);

@@ -15,6 +15,7 @@ struct PageOptions {
   uint32_t seed = 1;
   unsigned children = 8;      ///< of each inner node, 0..8
   unsigned rungs = 2;         ///< of each node
+  unsigned spare_rungs = 0;   ///< beside them, of inner nodes below the root
   bool deeper_pages = false;  ///< nodes of the deepest level have children in pages of their own
 };
 
@@ -36,12 +37,16 @@ inline HierarchyPage makePage(const PageOptions& options) {
     const bool inner = level < 2 || (options.deeper_pages && key.depth() < kMaxDepth);
     result.child_mask = static_cast<uint8_t>(inner ? (1u << options.children) - 1 : 0);
     if (level == 2 && !result.isLeaf()) result.child_page = blob(kMaxPageBytes);
+    const bool has_spare = !result.isLeaf() && key != kRootKey;
+    result.spare_rungs = has_spare ? options.spare_rungs : 0;
     float error = static_cast<float>(100 >> level * 2);
-    for (unsigned i = 0; i < options.rungs; ++i, error *= 1 + 0.1f / static_cast<float>(options.rungs)) {
+    for (unsigned i = 0; i < options.rungs + result.spare_rungs; ++i) {
+      if (i == options.rungs) error *= 10;  // above the parent's
       Rung rung{blob(60000), 1000 + static_cast<uint32_t>(random() % 15000), 0, 0, error, error / 2};
       rung.vertices = rung.triangles / 2 + 50;
       rung.locked = rung.vertices / 20;
       result.rungs.push_back(rung);
+      error *= 1 + 0.1f / static_cast<float>(options.rungs);
     }
     return result;
   };

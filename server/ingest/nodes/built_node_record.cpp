@@ -49,6 +49,7 @@ void putFinishedNode(RecordWriter& record, const Node& node, std::span<const Pay
                      rung.appearance_error_model, payloads[r].bytes, payloads[r].offset});
   }
   record.putAll(rungs);
+  record.put(node.spare_rungs);
 }
 
 FinishedNode getFinishedNode(RecordReader& record) {
@@ -57,6 +58,7 @@ FinishedNode getFinishedNode(RecordReader& record) {
   finished.node.box = record.get<LatticeBox>();
   finished.node.child_mask = record.get<uint8_t>();
   const std::vector<RungRecord> rungs = record.getAll<RungRecord>();
+  finished.node.spare_rungs = record.get<uint32_t>();
   finished.node.rungs.reserve(rungs.size());
   for (const RungRecord& from : rungs) {
     Rung rung;

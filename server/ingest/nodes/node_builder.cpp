@@ -80,7 +80,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
     built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
     built.node.box.add(child.node.box);
     built.original_triangles += child.original_triangles;
-    const RungError error = errorOf(child.node.rungs.back());
+    const RungError error = errorOf(child.node.sourceRung());
     built.inherited.deviation_steps = std::max(built.inherited.deviation_steps, error.deviation_steps);
     built.inherited.lost_detail_steps = std::max(built.inherited.lost_detail_steps, error.lost_detail_steps);
     built.rim_gap_steps = std::max(built.rim_gap_steps, child.rim_gap_steps);
@@ -158,12 +158,12 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   const int depth = built.node.key.depth();
   const auto locked = static_cast<size_t>(
       std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
-  const std::vector<size_t> targets =
-      rungTargets(mesh.triangles.size(), {.depth = depth,
-                                          .is_leaf = built.node.isLeaf(),
-                                          .locked = locked,
-                                          .original_triangles = built.original_triangles,
-                                          .triangles_per_node = settings_.triangles_per_node});
+  const RungRule rule{.depth = depth,
+                      .is_leaf = built.node.isLeaf(),
+                      .locked = locked,
+                      .original_triangles = built.original_triangles,
+                      .triangles_per_node = settings_.triangles_per_node};
+  const std::vector<size_t> targets = rungTargets(mesh.triangles.size(), rule);
   if (targets.empty()) {
     built.coarsest = std::move(mesh);
     return;
@@ -179,7 +179,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   std::vector<Deviation> deviations;  // from the coarsest rung
   InOrder<FinishedRung> rungs(room.helpers, [&](FinishedRung&& rung) {
     if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
-      addRung(built, rung, gap_of_input);
+      built.rim_gap_steps = addRung(built, rung, gap_of_input);
     built.coarsest = std::move(rung.simplified.mesh);
     deviations = std::move(rung.deviations);
   });
@@ -199,22 +199,39 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
     sample.near = deviations.empty() ? kVanished : deviations[i].near;
     if (!deviations.empty()) sample.deviation = deviations[i].steps;
   }
+  addSpareRungs(built, spareTargets(built.coarsest.triangles.size(), rule));
 }
 
-/// Adds a reduced rung. @param gap_of_input_steps  of rims, in what it was made of
-void NodeBuilder::addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps) {
-  built.rim_gap_steps = gap_of_input_steps + kRimMargin * rung.rim_gap_steps;
-  addRung(built, rung.simplified.mesh, rung.payload, errorOf(built, rung));
+/// Adds rungs that are made of the coarsest one, which stays what the parent is made of; so they cost as
+/// little as they are small, and are measured as the parent's are.
+void NodeBuilder::addSpareRungs(BuiltNode& built, std::span<const size_t> targets) {
+  if (targets.empty()) return;
+  const int depth = built.node.key.depth();
+  const RungInput input(built.coarsest, depth, errorOf(built.node.rungs.back()).deviation_steps);
+  simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& simplified) {
+    if (simplified.mesh.triangles.size() >= built.node.rungs.back().triangles) return;
+    const FinishedRung rung =
+        finishRung(std::move(simplified), input, built.samples, settings_.lattice.step, settings_.crease);
+    addRung(built, rung, built.rim_gap_steps);
+    ++built.node.spare_rungs;
+  });
 }
 
-RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung) const {
+/// Adds a reduced rung. @param gap_of_input_steps  of rims, in what it was made of @return the same of it
+float NodeBuilder::addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps) {
+  const float rim_gap_steps = gap_of_input_steps + kRimMargin * rung.rim_gap_steps;
+  addRung(built, rung.simplified.mesh, rung.payload, errorOf(built, rung, rim_gap_steps));
+  return rim_gap_steps;
+}
+
+RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung, float rim_gap_steps) const {
   const RungError finer = built.node.rungs.empty() ? built.inherited : errorOf(built.node.rungs.back());
   if (rung.simplified.mesh.triangles.empty()) {
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
   const float both = std::hypot(rung.deviation_steps, settings_.snap_error_steps);
-  return {std::max({finer.deviation_steps, both, built.rim_gap_steps}),
+  return {std::max({finer.deviation_steps, both, rim_gap_steps}),
           std::max(finer.lost_detail_steps, rung.lost_detail_steps)};
 }
 

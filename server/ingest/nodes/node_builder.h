@@ -56,10 +56,10 @@ struct RungError {
 struct BuiltNode {
   Node node;                                  ///< payloads not numbered yet
   std::vector<PayloadSpool::Place> payloads;  ///< one a rung
-  NodeMesh coarsest;
-  uint64_t original_triangles = 0;  ///< in the leaves below
-  RungError inherited;              ///< the largest of the children's coarsest rungs
-  float rim_gap_steps = 0;          ///< of `coarsest`: no rim is farther from one of the original's
+  NodeMesh coarsest;                          ///< but for spare rungs: what the parent is made of
+  uint64_t original_triangles = 0;            ///< in the leaves below
+  RungError inherited;                        ///< the largest of the children's source rungs
+  float rim_gap_steps = 0;                    ///< of `coarsest`: no rim is farther from one of the original's
   std::vector<SurfaceSample>
       samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
 };
@@ -95,15 +95,16 @@ class NodeBuilder {
   /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
   static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
                             const NodeMesh& input, std::span<const std::vector<uint32_t>> became);
+  void addSpareRungs(BuiltNode& built, std::span<const size_t> targets);
   void reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room);
   void simplify(NodeMesh mesh, int depth, std::span<const size_t> targets, const SnapshotSink& sink) const;
   RungShelf shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
-  void addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
+  float addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
   void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);
   /// Error of a rung in lattice steps: its deviation, and by what the lattice has moved vertices as an
   /// independent one; not below the gap of its rims, which I2 bounds strictly, nor the finer rung's error
   /// (I3).
-  RungError errorOf(const BuiltNode& built, const FinishedRung& rung) const;
+  RungError errorOf(const BuiltNode& built, const FinishedRung& rung, float rim_gap_steps) const;
   RungError errorOf(const Rung& rung) const noexcept;
 
   const Settings settings_;

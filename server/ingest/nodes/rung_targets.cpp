@@ -12,16 +12,31 @@ namespace {
 constexpr int kFineStepDepth = 2;
 constexpr uint64_t kFineStepNodes = 16;  ///< node budgets that must lie below a node for fine steps
 constexpr size_t kTrianglesPerLocked = 8;
+constexpr size_t kTrianglesPerLockedBelowRoot = 12;
 constexpr size_t kTrianglesPerLockedOfLarge = 4;  ///< for more than
 constexpr size_t kLargeTriangles = 1 << 17;       ///< so that a parent's input stays below some million
 constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
+constexpr uint64_t kSpareNodes = 8;       ///< node budgets that must lie below a node for spare rungs
+constexpr size_t kSpareShare = 4;         ///< of the budget, and
+constexpr size_t kSpareTrianglesPerLocked = 2;  ///< at which they end
+
+bool hasMuchBelow(const RungRule& rule) {
+  return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
+}
 
 /// Where a node's rungs end.
 size_t enoughOf(const RungRule& rule) {
   if (rule.depth == 0) return kRootTriangles;
-  const size_t roomy = std::min(kTrianglesPerLocked * rule.locked, kLargeTriangles);
+  const bool is_of_large_root = rule.depth == 1 && hasMuchBelow(rule);
+  const size_t per_locked = is_of_large_root ? kTrianglesPerLockedBelowRoot : kTrianglesPerLocked;
+  const size_t roomy = std::min(per_locked * rule.locked, kLargeTriangles);
   const size_t least = std::max({rule.triangles_per_node, roomy, kTrianglesPerLockedOfLarge * rule.locked});
   return std::min<size_t>(least, kMaxRungTriangles);
+}
+
+/// The next count below `target`, of which locked vertices hold `held`.
+double stepFrom(double target, double held, double factor) {
+  return std::max(factor * target, held + factor * kInnerFactor * (target - held));
 }
 
 }  // namespace
@@ -29,16 +44,30 @@ size_t enoughOf(const RungRule& rule) {
 std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   const bool is_root = rule.depth == 0;
   const size_t enough = enoughOf(rule);
-  const bool is_large = rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
-  const double factor = is_root || (rule.depth <= kFineStepDepth && is_large) ? std::sqrt(0.5) : 0.5;
+  const bool is_fine = is_root || (rule.depth <= kFineStepDepth && hasMuchBelow(rule));
+  const double factor = is_fine ? std::sqrt(0.5) : 0.5;
   std::vector<size_t> targets;
   if (rule.is_leaf && triangles <= enough) return targets;
   const auto held = static_cast<double>(std::min(rule.locked, triangles));
   double target = static_cast<double>(triangles);
   do {
-    target = std::max(factor * target, held + factor * kInnerFactor * (target - held));
+    target = stepFrom(target, held, factor);
     if (target < kMaxRungTriangles + 1.0) targets.push_back(static_cast<size_t>(target));
   } while (target >= static_cast<double>(enough) + 1);
+  return targets;
+}
+
+std::vector<size_t> spareTargets(size_t triangles, const RungRule& rule) {
+  std::vector<size_t> targets;
+  if (rule.depth == 0 || rule.original_triangles < kSpareNodes * rule.triangles_per_node) return targets;
+  const size_t enough =
+      std::max(rule.triangles_per_node / kSpareShare, kSpareTrianglesPerLocked * rule.locked);
+  const auto held = static_cast<double>(std::min(rule.locked, triangles));
+  auto target = static_cast<double>(triangles);
+  while (target >= static_cast<double>(enough) + 1) {
+    target = stepFrom(target, held, 0.5);
+    targets.push_back(static_cast<size_t>(target));
+  }
   return targets;
 }
 

@@ -16,15 +16,16 @@ struct RungRule {
   size_t triangles_per_node = 0;
 };
 
-/// Triangle counts of the reduced rungs of a node, falling, until at most max(triangles_per_node, 8 *
-/// locked), or 4 * locked where that is more than 2^17 triangles; at the root, which locks nothing, until
-/// kRootTriangles. At least one, but for a root that is small enough already. Steps above kMaxRungTriangles,
-/// which no store takes, are left out.
+/// Triangle counts of the reduced rungs of a node of which its parent is made at the last, falling, until at
+/// most max(triangles_per_node, 8 * locked), at depth 1 of a large model 12 * locked, or 4 * locked where
+/// that is more than 2^17 triangles; at the root, which locks nothing, until kRootTriangles. At least one,
+/// but for a root that is small enough already. Steps above kMaxRungTriangles, which no store takes, are left
+/// out.
 ///
-/// So at most about a quarter of the vertices that a parent is made of cannot move below it. With 4 * locked
-/// it is half of them, and cuts that pass from a node to its children stand still over a factor of up to 3 in
-/// triangles; 16 * locked serves views from afar no better and those from close by worse, which then go
-/// through larger nodes. (docs/benchmarks.md, "Locked borders", has the measurements.)
+/// So at most about a quarter of the vertices that a parent is made of cannot move below it, and a sixth of
+/// the root's. With 4 * locked it is half of them, and cuts that pass from a node to its children stand still
+/// over a factor of up to 3 in triangles; more of them serves views from afar no better, but where the root
+/// ends. (docs/benchmarks.md, "Locked borders", has the measurements.)
 ///
 /// Steps are of 2; of the square root of 2 at the root, and at depths 1 and 2 where much lies below the node,
 /// so that the finer steps, which a view of the whole model profits from most, cost the store little: with
@@ -37,5 +38,12 @@ struct RungRule {
 /// node: the root's finest rung had an error of 7.5e-3 of the diagonal without this and has 2.3e-3 with it.)
 /// @param triangles  of the node's input.
 std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule);
+
+/// Triangle counts of the spare rungs that follow: halves, until at most a quarter of the budget or two a
+/// locked vertex. They are what a view shows of parts beside it, so that coming close costs less of what is
+/// not seen. Only where much lies below the node: close to the leaves they would save little of a view's
+/// bytes for much of the store's.
+/// @param triangles  of the rung that the parent is made of.
+std::vector<size_t> spareTargets(size_t triangles, const RungRule& rule);
 
 }  // namespace lode::ingest

@@ -207,7 +207,7 @@ class Scheduler {
       noted_[at->second] = true;
       nodes_.append(finished.node, finished.payloads);
       if (!plan_.isRoot(at->second))
-        input_triangles_[plan_.parent(at->second)] += finished.node.rungs.back().triangles;
+        input_triangles_[plan_.parent(at->second)] += finished.node.sourceRung().triangles;
       ++done_;
     }
     for (uint32_t i = 0; i < plan_.size(); ++i) {

@@ -141,7 +141,7 @@ TEST_P(Invariants, I3ErrorsNeverFallTowardsCoarser) {
       EXPECT_GE(node.rungs[r].error_model, node.rungs[r - 1].error_model);
     }
     for (uint32_t c = 0; c < tree_->childCount(n); ++c) {
-      EXPECT_GE(node.rungs[0].error_model, tree_->node(tree_->firstChild(n) + c).rungs.back().error_model);
+      EXPECT_GE(node.rungs[0].error_model, tree_->node(tree_->firstChild(n) + c).sourceRung().error_model);
     }
   }
 }

@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "f44c1580de1625fde17dbb9932d9f33844fb84b8049bf83deb18bf9b4de09871";
+constexpr const char* kSha256 = "5fd6ffad94a8261da9c5c33c4c3e27a29f3783f1c4b852029d9b5810516f4a51";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;

@@ -40,6 +40,11 @@ TEST(HierarchyPage, ofTheDeepestLevelsComesBack) {
   expectRoundTrip({owner, false, 1, 8, 1, true});
 }
 
+TEST(HierarchyPage, withSpareRungsWhoseErrorsAreAboveTheParentsComesBack) {
+  expectRoundTrip({.spare_rungs = 2});
+  expectRoundTrip({.owner = kOwner, .is_root_page = false, .spare_rungs = 1, .deeper_pages = true});
+}
+
 TEST(HierarchyPage, withEmptyRungsComesBack) {
   HierarchyPage page = makePage({.children = 2});
   for (Node& node : page.nodes) {
@@ -198,6 +203,16 @@ TEST(HierarchyPage, refusesErrorsThatFallToTheParent) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[2].rungs.back().appearance_error_model = 51; });
 }
 
+TEST(HierarchyPage, refusesErrorsThatFallFromTheRungThatTheParentIsMadeOf) {
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[1].spare_rungs = 1; }, {.spare_rungs = 2});
+}
+
+TEST(HierarchyPage, refusesSpareRungsWhereThereIsNoParentOrNothingWasReduced) {
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].spare_rungs = 1; });
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.back().spare_rungs = 1; });
+  expectRefused(ErrorCode::kLimit, [](auto& nodes) { nodes[1].spare_rungs = 2; });
+}
+
 TEST(HierarchyPage, refusesErrorsThatAreNoLengths) {
   for (const float error : {-1.0f, -0.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
     expectRefused(ErrorCode::kFormat, [&](auto& nodes) { nodes[0].rungs[1].error_model = error; });
@@ -243,6 +258,7 @@ TEST(HierarchyPage, acceptsTheMostRungsAndRefusesOneMore) {
 
 TEST(HierarchyPage, refusesMoreNodesThanItsKindHolds) {
   std::vector<std::byte> bytes(10000, std::byte{1});
+  bytes[0] = encodePage({}).front();  // the version
   for (const bool is_root_page : {false, true}) {
     bytes[1] = static_cast<std::byte>(is_root_page ? 74 : 73);
     try {

@@ -108,7 +108,6 @@ TEST_F(CachedEngine, receivesNoBlobOnASecondVisitHoweverLateTheCacheAnswers) {
 TEST_F(CachedEngine, fetchesWhatTheCacheHasLostAndKeepsItAgain) {
   Engine first(options());
   run(first);
-  const size_t kept = cache_.size();
   for (auto blob = cache_.begin(); blob != cache_.end();) {
     blob = cache_.erase(blob);
     if (blob != cache_.end()) ++blob;
@@ -116,7 +115,12 @@ TEST_F(CachedEngine, fetchesWhatTheCacheHasLostAndKeepsItAgain) {
   Engine second(optionsAfter(first));
   run(second);
   EXPECT_TRUE(second.settled());
-  EXPECT_EQ(cache_.size(), kept);
+  const auto sent = server_.completed();
+  Engine third(optionsAfter(second));
+  run(third);
+  EXPECT_TRUE(third.settled());
+  EXPECT_EQ(third.cut()->triangles, first.cut()->triangles);
+  EXPECT_EQ(server_.completed(), sent);
 }
 
 TEST_F(CachedEngine, showsOfflineWhatTheCacheHas) {

@@ -83,8 +83,20 @@ TEST_F(HierarchyTest, refusesAChildOutsideItsOwnersBox) {
 TEST_F(HierarchyTest, refusesAChildWithALargerErrorThanItsOwner) {
   Hierarchy hierarchy = withRoot();
   HierarchyPage page = model_.pageBelow(owner_);
-  page.nodes.front().rungs.back().error_model = hierarchy.find(owner_)->rungs.front().error_model * 2;
+  for (Rung& rung : page.nodes.front().rungs)
+    rung.error_model = hierarchy.find(owner_)->rungs.front().error_model * 2;
   EXPECT_THROW(hierarchy.addPage(owner_, page), Error);
+}
+
+TEST_F(HierarchyTest, takesAChildWhoseSpareRungHasALargerErrorThanItsOwner) {
+  Hierarchy hierarchy = withRoot();
+  HierarchyPage page = model_.pageBelow(owner_);
+  Node& child = page.nodes.front();
+  child.rungs.push_back(child.rungs.back());
+  child.rungs.back().error_model = hierarchy.find(owner_)->rungs.front().error_model * 2;
+  ++child.spare_rungs;
+  hierarchy.addPage(owner_, page);
+  EXPECT_NE(hierarchy.find(child.key), nullptr);
 }
 
 TEST_F(HierarchyTest, refusesMoreNodesThanTheModelAnnounced) {

@@ -68,18 +68,25 @@ class LimitedBruteForce {
   float errorOf(const Parts::value_type& part) const { return errors_.errorPx(part.first, part.second); }
   bool mayGiveWay(NodeKey key) const {
     const Node& node = model_.nodes().at(key);
-    return (parts_.at(key) > 0 || !node.isLeaf()) &&
-           boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view_);
+    return (parts_.at(key) > 0 || !node.isLeaf()) && isVisible(key);
   }
   void giveWay(NodeKey key) {
     if (parts_[key] > 0) {
       --parts_[key];
       return;
     }
+    const float replaced_px = errorOf({key, 0});
     parts_.erase(key);
     for (unsigned octant = 0; octant < 8; ++octant)
-      if ((model_.nodes().at(key).child_mask >> octant & 1) != 0)
-        parts_[key.child(octant)] = lastRung(key.child(octant));
+      if ((model_.nodes().at(key).child_mask >> octant & 1) != 0) begin(key.child(octant), replaced_px);
+  }
+  void begin(NodeKey key, float replaced_px) {
+    uint32_t rung = lastRung(key);
+    while (isVisible(key) && rung > 0 && errorOf({key, rung}) > replaced_px) --rung;
+    parts_[key] = rung;
+  }
+  bool isVisible(NodeKey key) const {
+    return boxMayBeVisible(toModelBox(model_.nodes().at(key).box, SyntheticModel::lattice().step), view_);
   }
   uint64_t trianglesOf(const Parts& parts) const {
     uint64_t triangles = 0;
@@ -101,6 +108,21 @@ TEST_P(RefinerLimits, givesATriangleBudgetToTheLargestErrors) {
       client.converge(view, {.threshold_px = 2, .triangle_budget = budget}, random_, kNoCheck);
       EXPECT_TRUE(client.last().limited);
       EXPECT_EQ(partsOf(*client.last().cut), LimitedBruteForce(model_, view, 2, budget).parts()) << budget;
+    }
+  }
+}
+
+TEST_P(RefinerLimits, showsNothingThatIsSeenWorseThanItsParentWould) {
+  for (const View& view : {closeView(), insideView()}) {
+    const BruteForce errors(model_, view, 2);
+    for (const uint64_t budget :
+         {errors.triangles() * 3 / 4, errors.triangles() / 2, errors.triangles() / 4}) {
+      Scripted client(model_);
+      client.converge(view, {.threshold_px = 2, .triangle_budget = budget}, random_, kNoCheck);
+      for (const CutPart& part : client.last().cut->parts) {
+        if (!part.visible || part.node == kRootKey) continue;
+        EXPECT_LE(part.error_px, errors.errorPx(part.node.parent(), 0)) << part.node.value;
+      }
     }
   }
 }

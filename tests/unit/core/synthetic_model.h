@@ -25,9 +25,11 @@ class SyntheticModel {
     double child_chance = 0.6;
     double empty_chance = 0;  ///< of a node's coarsest rung without triangles
     uint32_t payload_bytes_a_triangle = 1;
+    uint32_t most_spare_rungs = 2;  ///< of an inner node below the root
   };
 
-  explicit SyntheticModel(Options options) : options_(options), random_(options.seed) {
+  explicit SyntheticModel(Options options)
+      : options_(options), random_(options.seed), spare_random_(options.seed) {
     LatticeBox box;
     box.add(glm::uvec3(0));
     box.add(glm::uvec3(1u << 20));
@@ -102,6 +104,7 @@ class SyntheticModel {
     for (size_t r = rungs - 1; r-- > 0;)
       node.rungs[r].appearance_error_model =
           std::min(node.rungs[r].appearance_error_model, node.rungs[r + 1].appearance_error_model);
+    if (splits && key != kRootKey) addSpareRungs(node);
     if (key != kRootKey && chance() < options_.empty_chance) {
       node.rungs.back().triangles = node.rungs.back().vertices = 0;
       node.rungs.back().payload = {};
@@ -119,6 +122,20 @@ class SyntheticModel {
       if ((node.child_mask >> octant & 1) != 0)
         grow(key.child(octant), childBox(box, octant), child_error,
              node.rungs.front().appearance_error_model);
+  }
+
+  /// With errors of twice and four times the last one's, which may be above the parent's.
+  void addSpareRungs(Node& node) {
+    node.spare_rungs = static_cast<uint32_t>(spare_random_() % (options_.most_spare_rungs + 1));
+    for (uint32_t i = 0; i < node.spare_rungs; ++i) {
+      Rung rung = node.rungs.back();
+      rung.triangles = std::max(12u, rung.triangles * 2 / 3);
+      rung.vertices = rung.triangles / 2 + 2;
+      rung.error_model *= 2;
+      rung.appearance_error_model *= 2;
+      rung.payload = {next_blob_++, 100 + rung.triangles * options_.payload_bytes_a_triangle, {}};
+      node.rungs.push_back(rung);
+    }
   }
 
   static LatticeBox childBox(const LatticeBox& box, unsigned octant) {
@@ -142,7 +159,7 @@ class SyntheticModel {
   }
 
   Options options_;
-  std::mt19937 random_;
+  std::mt19937 random_, spare_random_;
   uint32_t next_blob_ = 1;
   std::map<NodeKey, Node> nodes_;
 };

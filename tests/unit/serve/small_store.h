@@ -26,9 +26,9 @@ inline ModelSummary writeSmallStore(const std::filesystem::path& path, uint32_t 
     return Rung{writer.addBlob(payload), triangles, triangles, 0, error_model, 0};
   };
   const LatticeBox box{{0, 0, 0}, {1000, 1000, 1000}};
-  std::vector<Node> nodes{{kRootKey, box, 0xFF, {rung(root_bytes, 3000, 2), rung(9'000, 500, 4)}, {}}};
+  std::vector<Node> nodes{{kRootKey, box, 0xFF, {rung(root_bytes, 3000, 2), rung(9'000, 500, 4)}, 0, {}}};
   for (unsigned octant = 0; octant < 8; ++octant)
-    nodes.push_back({kRootKey.child(octant), box, 0, {rung(40'000 + octant, 1000, 1)}, {}});
+    nodes.push_back({kRootKey.child(octant), box, 0, {rung(40'000 + octant, 1000, 1)}, 0, {}});
   ModelSummary summary;
   summary.name = path.stem().string();
   summary.box = box;

@@ -145,6 +145,47 @@ TEST(CutByTriangles, goesOnWithSmallerStepsWhenTheWorstDoesNotFit) {
   EXPECT_EQ(cut.items, (std::vector<CutItem>{{1, 0}, {4, 0}}));
 }
 
+/// Spare rungs have errors above the parent's here.
+class CutWithSpareRungs : public testing::Test {
+ protected:
+  static test::SyntheticModel withSpareRungs() {
+    return test::makeModel(test::makeSphere(24, 16, {.attributes = {}, .extent = 4000, .seed = 7}),
+                           {.spare_rungs = 2});
+  }
+  test::SyntheticModel model_ = withSpareRungs();
+  NodeTree tree_{model_.nodes};
+};
+
+TEST_F(CutWithSpareRungs, byTrianglesShowsNothingThatIsWorseThanItsParentWouldBe) {
+  for (uint64_t budget = tree_.node(0).rungs.back().triangles; budget < 900; budget += 3) {
+    const Cut cut = cutByTriangles(tree_, budget);
+    EXPECT_TRUE(coversExactlyOnce(tree_, cut.items));
+    EXPECT_LE(cut.triangles, budget);
+    for (const CutItem item : cut.items) {
+      const Node& node = tree_.node(item.node);
+      if (node.key == kRootKey) continue;
+      const auto parent = std::ranges::find(model_.nodes, node.key.parent(), &Node::key);
+      EXPECT_LE(node.rungs[item.rung].error_model, parent->rungs[0].error_model);
+    }
+  }
+  EXPECT_EQ(cutByTriangles(tree_, 720).items, leafCut(tree_).items);
+}
+
+TEST_F(CutWithSpareRungs, byErrorKeepsItsPromiseAndAtRandomMeetsThem) {
+  bool takes_spare = false;
+  for (double error = 0.3; error < 8000; error *= 1.2) {
+    const Cut cut = cutByError(tree_, error);
+    EXPECT_TRUE(coversExactlyOnce(tree_, cut.items));
+    EXPECT_LE(cut.max_error_model, error);
+  }
+  for (uint64_t seed = 0; seed < 50; ++seed)
+    for (const CutItem item : randomCut(tree_, seed).items) {
+      const Node& node = tree_.node(item.node);
+      takes_spare |= item.rung + node.spare_rungs >= node.rungs.size();
+    }
+  EXPECT_TRUE(takes_spare);
+}
+
 TEST_F(CutTest, atRandomIsTheSameForASeedAndDiffersBetweenSeeds) {
   std::set<uint64_t> sizes;
   bool mixed_rungs = false;

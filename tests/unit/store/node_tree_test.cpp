@@ -82,6 +82,25 @@ TEST(Hierarchy, rejectsErrorsThatFallTowardsTheParent) {
             std::string::npos);
 }
 
+TEST(Hierarchy, takesSpareRungsWithErrorsAboveTheParents) {
+  const auto addSpare = [](std::vector<Node>& nodes) {
+    nodes[2].rungs.push_back(nodes[2].rungs.back());
+    nodes[2].rungs.back().error_model = 20;
+  };
+  EXPECT_NE(check(addSpare).find("I3"), std::string::npos);
+  EXPECT_EQ(check([&](auto& nodes) {
+              addSpare(nodes);
+              nodes[2].spare_rungs = 1;
+            }),
+            "");
+}
+
+TEST(Hierarchy, rejectsSpareRungsOfTheRootAndMoreThanThereAre) {
+  EXPECT_NE(check([](auto& nodes) { nodes[0].spare_rungs = 1; }).find("spare"), std::string::npos);
+  EXPECT_NE(check([](auto& nodes) { nodes[2].spare_rungs = 2; }).find("spare"), std::string::npos);
+  EXPECT_NE(check([](auto& nodes) { nodes[3].spare_rungs = 1; }).find("spare"), std::string::npos);
+}
+
 TEST(Hierarchy, rejectsErrorsThatAreNoNumbers) {
   for (const float error : {-1.0f, std::nanf(""), std::numeric_limits<float>::infinity()})
     EXPECT_NE(check([&](auto& nodes) { nodes[3].rungs[0].error_model = error; }), "");

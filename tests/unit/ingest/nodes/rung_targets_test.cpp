@@ -21,6 +21,14 @@ TEST(RungTargets, stopAtEightTimesTheLockedVertices) {
   EXPECT_EQ(rungTargets(40000, rule), (std::vector<size_t>{20000}));
 }
 
+TEST(RungTargets, stopAtTwelveTimesTheLockedVerticesBelowTheRootOfALargeModel) {
+  RungRule rule{
+      .depth = 1, .locked = 3000, .original_triangles = 16 * kBudget, .triangles_per_node = kBudget};
+  EXPECT_EQ(rungTargets(100000, rule), (std::vector<size_t>{70710, 50000, 35355}));
+  --rule.original_triangles;
+  EXPECT_EQ(rungTargets(100000, rule), (std::vector<size_t>{50000, 25000, 12500}));
+}
+
 TEST(RungTargets, goOnToFourTimesTheLockedVerticesWhereThereAreVeryMany) {
   const RungRule rule{
       .depth = 5, .locked = 40000, .original_triangles = uint64_t{1} << 30, .triangles_per_node = kBudget};
@@ -85,6 +93,32 @@ TEST(RungTargets, goDownTo512AtTheRoot) {
 TEST(RungTargets, areNoneForASmallRootThatIsALeaf) {
   const RungRule rule{.is_leaf = true, .original_triangles = 512, .triangles_per_node = kBudget};
   EXPECT_TRUE(rungTargets(512, rule).empty());
+}
+
+TEST(SpareTargets, halveUntilAQuarterOfTheBudget) {
+  const RungRule rule{
+      .depth = 2, .locked = 0, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
+  EXPECT_EQ(spareTargets(16000, rule), (std::vector<size_t>{8000, 4000}));
+  EXPECT_TRUE(spareTargets(4096, rule).empty());
+}
+
+TEST(SpareTargets, stopAtTwoTrianglesALockedVertex) {
+  const RungRule rule{
+      .depth = 2, .locked = 4000, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
+  EXPECT_EQ(spareTargets(32000, rule), (std::vector<size_t>{16000, 8000}));
+}
+
+TEST(SpareTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
+  const RungRule rule{
+      .depth = 2, .locked = 9000, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
+  EXPECT_EQ(spareTargets(19200, rule), (std::vector<size_t>{12400}));
+}
+
+TEST(SpareTargets, areNoneOfTheRootAndCloseToTheLeaves) {
+  RungRule rule{.depth = 2, .original_triangles = 8 * kBudget - 1, .triangles_per_node = kBudget};
+  EXPECT_TRUE(spareTargets(16000, rule).empty());
+  rule = {.depth = 0, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
+  EXPECT_TRUE(spareTargets(16000, rule).empty());
 }
 
 TEST(RungTargets, reduceASmallRootThatIsNoLeaf) {

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "server/ingest/build/build.h"
+#include "server/ingest/sample/sample.h"
+#include "server/store/reader.h"
+#include "server/store/verify.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint32_t kNodeBudget = 512;
+constexpr uint64_t kMuch = 8 * kNodeBudget;  // triangles of the original below a node
+
+/// A porous model, much of whose nodes is border, of three levels of inner nodes.
+class SpareRungs : public testing::Test {
+ protected:
+  SpareRungs() {
+    SampleOptions sample;
+    sample.kind = "gyroid";
+    sample.triangles = 60'000;
+    writeSample(sample, folder_ / "a.ply");
+    BuildOptions options;
+    options.input = folder_ / "a.ply";
+    options.output = folder_ / "a.lode";
+    options.triangles_per_node = kNodeBudget;
+    build(options);
+    reader_.emplace(folder_ / "a.lode");
+    for (const Node& node : reader_->nodes())
+      for (NodeKey key = node.key; node.isLeaf(); key = key.parent()) {
+        original_[key] += node.rungs.front().triangles;
+        if (key == kRootKey) break;
+      }
+  }
+
+  test::WorkFolder folder_;
+  std::optional<store::Reader> reader_;
+  std::map<NodeKey, uint64_t> original_;  ///< triangles in the leaves below
+};
+
+TEST_F(SpareRungs, areThereWhereMuchLiesBelowAndEndAtAQuarterOfTheBudgetOrTheBorder) {
+  size_t nodes = 0;
+  for (const Node& node : reader_->nodes()) {
+    const bool may_have = node.key != kRootKey && !node.isLeaf() && original_.at(node.key) >= kMuch;
+    const uint32_t enough = std::max(kNodeBudget / 4, 2 * node.sourceRung().locked);
+    EXPECT_EQ(node.spare_rungs > 0, may_have && node.sourceRung().triangles > enough) << node.key.value;
+    if (node.spare_rungs == 0) continue;
+    EXPECT_LE(node.rungs.back().triangles, enough + enough / 4) << node.key.value;
+    ++nodes;
+  }
+  EXPECT_GT(nodes, 5u);
+}
+
+TEST_F(SpareRungs, areNotWhatTheParentIsMadeOf) {
+  std::map<NodeKey, uint64_t> input;
+  for (const Node& node : reader_->nodes())
+    if (node.key != kRootKey) input[node.key.parent()] += node.sourceRung().triangles;
+  for (const auto& [key, triangles] : input)
+    EXPECT_GE(reader_->find(key)->rungs.front().triangles, triangles * 49 / 100) << key.value;
+}
+
+TEST_F(SpareRungs, fitTogetherWithAllOthers) {
+  const store::VerifyReport report = store::verifyStore(folder_ / "a.lode", {.random_cuts = 30});
+  EXPECT_EQ(report.cuts, 30u);
+  EXPECT_EQ(report.open_edges, 0u);
+}
+
+}  // namespace
+}  // namespace lode::ingest
