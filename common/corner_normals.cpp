@@ -1,30 +1,36 @@
 #include "common/corner_normals.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace lode {
 namespace {
 
-template <typename T>
-void sortOnce(std::vector<T>& items) {
-  std::sort(items.begin(), items.end());
-  items.erase(std::unique(items.begin(), items.end()), items.end());
+/// Spreads lattice neighbours. Source: Appleby, MurmurHash3 (its finalizer's first half).
+size_t hashOf(PositionCode position) noexcept {
+  const uint64_t mixed = (position.value ^ position.value >> 33) * 0xff51afd7ed558ccdULL;
+  return mixed ^ mixed >> 33;
 }
 
 }  // namespace
 
-CornerNormals::CornerNormals(const Mesh& mesh) {
-  positions_.reserve(mesh.positions.size());
-  for (uint32_t v = 0; v < mesh.positions.size(); ++v)
-    positions_.push_back({mesh.positions[v], mesh.vertex_attributes[v].normal});
-  sortOnce(positions_);
+CornerNormals::CornerNormals(const Mesh& mesh) : positions_(std::bit_ceil(2 * mesh.positions.size() + 1)) {
+  for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    OfPosition& place = positions_[placeOf(mesh.positions[v])];
+    const uint16_t normal = mesh.vertex_attributes[v].normal;
+    if (place.is_taken)
+      place.has_several |= place.normal != normal;
+    else
+      place = {mesh.positions[v], normal, true};
+  }
   for (const glm::u32vec3 t : mesh.triangles)
     for (int k = 0; k < 3; ++k) {
       if (at(mesh.positions[t[k]])) continue;
       corners_.push_back(cornerOf(mesh, t, k));
       corners_.back().normal = mesh.vertex_attributes[t[k]].normal;
     }
-  sortOnce(corners_);
+  std::sort(corners_.begin(), corners_.end());
+  corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
 }
 
 CornerNormals::OfCorner CornerNormals::cornerOf(const Mesh& mesh, glm::u32vec3 triangle, int corner) {
@@ -32,10 +38,16 @@ CornerNormals::OfCorner CornerNormals::cornerOf(const Mesh& mesh, glm::u32vec3 t
           mesh.positions[triangle[(corner + 2) % 3]], 0};
 }
 
+size_t CornerNormals::placeOf(PositionCode position) const noexcept {
+  size_t at = hashOf(position) & (positions_.size() - 1);
+  while (positions_[at].is_taken && positions_[at].position != position)
+    at = (at + 1) & (positions_.size() - 1);
+  return at;
+}
+
 std::optional<uint16_t> CornerNormals::at(PositionCode position) const {
-  const auto found = std::lower_bound(positions_.begin(), positions_.end(), OfPosition{position, 0});
-  const bool is_only = found + 1 == positions_.end() || found[1].position != position;
-  return is_only ? std::optional(found->normal) : std::nullopt;
+  const OfPosition& found = positions_[placeOf(position)];
+  return found.is_taken && !found.has_several ? std::optional(found.normal) : std::nullopt;
 }
 
 std::optional<uint16_t> CornerNormals::at(const OfCorner& corner) const {

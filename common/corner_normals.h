@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -22,7 +23,7 @@ class CornerNormals {
   struct OfPosition {
     PositionCode position;
     uint16_t normal = 0;
-    auto operator<=>(const OfPosition&) const = default;
+    bool is_taken = false, has_several = false;
   };
   /// Of a triangle, at a position that has several normals.
   struct OfCorner {
@@ -30,13 +31,15 @@ class CornerNormals {
     uint16_t normal = 0;
     auto operator<=>(const OfCorner&) const = default;
   };
+  /// The place of a position in the table, or where it would be.
+  size_t placeOf(PositionCode position) const noexcept;
   /// The only one there; nothing where there are several.
   std::optional<uint16_t> at(PositionCode position) const;
   std::optional<uint16_t> at(const OfCorner& corner) const;
   static OfCorner cornerOf(const Mesh& mesh, glm::u32vec3 triangle, int corner);
 
-  std::vector<OfPosition> positions_;  // each once, rising; so are the others
-  std::vector<OfCorner> corners_;
+  std::vector<OfPosition> positions_;  ///< by open addressing
+  std::vector<OfCorner> corners_;      ///< each once, rising
 };
 
 }  // namespace lode

@@ -54,6 +54,10 @@ struct SharedSurface {
   const SurfaceWalk& walk;
 
   const PackedTriangle& triangle(uint32_t number) const { return tree.triangle(number); }
+  std::optional<TriangleChain> chainAlong(const Segment& segment, uint32_t first, uint32_t last,
+                                          float near) const {
+    return walk.chainAlong(segment, first, last, near);
+  }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
     const float squared = tree.squaredDistance(at, hint);
     if (squared <= enough * enough) return {at, std::sqrt(squared), hint};

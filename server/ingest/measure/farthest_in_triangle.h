@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include <glm/glm.hpp>
 
+#include "server/ingest/measure/triangle_chain.h"
 #include "server/ingest/mesh/four_triangles.h"
 
 namespace lode::ingest {
@@ -37,7 +39,7 @@ class FarthestInTriangle {
   void look(const std::array<PointBeside, 3>& corners) {
     for (const PointBeside& corner : corners) note(corner);
     Part whole{corners, {}, 0};
-    if (isBoundedBySize(corners) || isBoundedBesideOne(whole)) return;
+    if (isBoundedBySize(corners) || isBoundedBesideOne(whole) || isBoundedByChain(corners)) return;
     std::array<Part, kMostCuts + 1> parts;
     size_t count = 0;
     parts[count++] = whole;
@@ -157,7 +159,38 @@ class FarthestInTriangle {
 
   bool isBounded(const Part& part) const {
     return isNear(part, 0) || isNear(part, 1) || isNear(part, 2) || part.cuts == kMostCuts ||
-           (part.cuts > 0 && isBoundedBySize(part.corners));
+           (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChain(part.corners)));
+  }
+
+  /// Whether a chain of the surface's triangles is near all of a part: from one corner's triangle to
+  /// another's, past the third. Each edge of the chain is near the two sides of the part that it crosses.
+  /// What lies between the places there of one edge and of the next is as near to the triangle between these,
+  /// as the distance from that is convex; so is a corner that it is near to.
+  bool isBoundedByChain(const std::array<PointBeside, 3>& corners) const {
+    for (size_t k = 0; k < 3; ++k) {
+      const PointBeside &from = corners[k], &to = corners[(k + 1) % 3], &third = corners[(k + 2) % 3];
+      if (from.triangle == to.triangle) continue;
+      const std::optional<TriangleChain> chain =
+          surface_.chainAlong({from.at, to.at}, from.triangle, to.triangle, limit());
+      if (chain && passes(*chain, from.at, third, to.at)) return true;
+    }
+    return false;
+  }
+
+  bool passes(const TriangleChain& chain, glm::vec3 from, const PointBeside& third, glm::vec3 to) const {
+    const float limit_squared = limit() * limit();
+    size_t before = 0;  // edges that lie before the third corner
+    const auto isNearThird = [&](uint32_t triangle) {
+      return triangle == third.triangle ||
+             surface_.triangle(triangle).squaredDistance(third.at) <= limit_squared;
+    };
+    while (!isNearThird(chain.triangles[before]))
+      if (++before > chain.edge_count) return false;
+    for (size_t i = 0; i < chain.edge_count; ++i) {
+      const Segment side{third.at, i < before ? from : to};
+      if (squaredDistance(chain.edges[i], side) > limit_squared) return false;
+    }
+    return true;
   }
 
   /// The one along which the ends' triangles of the surface part most.

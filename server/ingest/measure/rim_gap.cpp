@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/point_segment.h"
+#include "server/ingest/mesh/segment_distance.h"
 
 namespace lode::ingest {
 namespace {
@@ -18,10 +19,6 @@ constexpr float kShortestPart = 0.5f;  ///< lattice steps; rims are not divided 
 /// A position of the simplified mesh, and a rim of the input with an end that has become it.
 struct Meeting {
   uint32_t place, rim;
-};
-
-struct Segment {
-  glm::vec3 from, to;
 };
 
 float squaredDistance(glm::vec3 point, std::span<const Segment> rims) noexcept {

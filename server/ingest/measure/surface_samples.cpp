@@ -119,7 +119,8 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh
     } else if (sample.position == input.positions[sample.near]) {
       distances.push_back(places[sample.near].distance);
     } else {
-      distances.push_back(surface.walk().distance(pointOf(sample), near, kRanks * largest));
+      const uint32_t beside = places[sample.near].triangle;
+      distances.push_back(surface.walkFrom(pointOf(sample), beside, kRanks * largest).distance);
     }
     nears.push_back(near);
     largest = std::max(largest, distances.back());

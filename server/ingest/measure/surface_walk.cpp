@@ -122,6 +122,48 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float en
   return best;
 }
 
+uint32_t SurfaceWalk::beyond(uint32_t triangle, uint32_t from, uint32_t to) const noexcept {
+  for (uint32_t i = begin_[from]; i < begin_[from + 1]; ++i) {
+    const glm::u32vec3& t = triangles_[around_[i]];
+    if (around_[i] != triangle && (t.x == to || t.y == to || t.z == to)) return around_[i];
+  }
+  return triangle;
+}
+
+std::optional<TriangleChain> SurfaceWalk::chainAlong(const Segment& segment, uint32_t first, uint32_t last,
+                                                     float near) const noexcept {
+  TriangleChain chain;
+  chain.triangles[0] = first;
+  glm::u32vec2 came_by(~0u);
+  while (chain.triangles[chain.edge_count] != last) {
+    if (chain.edge_count == TriangleChain::kMostEdges) return std::nullopt;
+    const uint32_t here = chain.triangles[chain.edge_count];
+    const glm::u32vec3& t = triangles_[here];
+    const glm::vec3 normal = glm::cross(points_[t.y] - points_[t.x], points_[t.z] - points_[t.x]);
+    float farthest = 0;  // that the segment's end lies beyond an edge
+    glm::u32vec2 way(~0u);
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t from = t[k], to = t[(k + 1) % 3];
+      if (from == came_by.y && to == came_by.x) continue;
+      const glm::vec3 along = points_[to] - points_[from];
+      const float length_squared = glm::dot(along, along);
+      const float beyond_edge = glm::dot(glm::cross(along, normal), segment.to - points_[from]);
+      if (beyond_edge <= 0 || beyond_edge * beyond_edge <= farthest * farthest * length_squared) continue;
+      farthest = beyond_edge / std::sqrt(length_squared);
+      way = {from, to};
+    }
+    if (way.x == ~0u) return std::nullopt;
+    const Segment edge{points_[way.x], points_[way.y]};
+    if (ingest::squaredDistance(edge, segment) > near * near) return std::nullopt;
+    const uint32_t next = beyond(here, way.x, way.y);
+    if (next == here) return std::nullopt;
+    chain.edges[chain.edge_count++] = edge;
+    chain.triangles[chain.edge_count] = next;
+    came_by = way;
+  }
+  return chain;
+}
+
 TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept {
   Nearest best{known.squared, known.triangle};
   float distance = known.distance, reach = distance + longest_edge_;

@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "server/ingest/measure/triangle_chain.h"
 #include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/node_mesh.h"
 
@@ -43,6 +44,11 @@ class SurfaceWalk {
   /// Where a walk ends, or before it a triangle around the start that the point lies above.
   /// @param start  a position of the mesh that a triangle has.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
+  /// The triangles below a segment, from one that its first end is beside to one that its last end is.
+  /// @param near  every edge between them is as near to the segment as this.
+  /// @return nothing where there is no such chain, or it is not found at once.
+  std::optional<TriangleChain> chainAlong(const Segment& segment, uint32_t first, uint32_t last,
+                                          float near) const noexcept;
   /// By a look at every triangle. @param known  what is returned if none is nearer.
   TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept;
 
@@ -54,6 +60,8 @@ class SurfaceWalk {
   Nearest walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept;
   std::optional<Place> placeAround(glm::vec3 point, uint32_t position) const noexcept;
   void lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
+  /// Another triangle that has both positions; the given one if there is none.
+  uint32_t beyond(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
   void lookAround(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace lode::ingest {
@@ -13,7 +15,11 @@ namespace {
 constexpr double kOfEdge = 1.0 / 32, kOfError = 2;
 constexpr double kAreaOfEdge = 0.433;  ///< of an equilateral triangle, in squares of its edge
 
-double powerOfTwoAtMost(double value) { return std::exp2(std::floor(std::log2(value))); }
+/// 0 of what is smaller than all normal numbers. @param value  not negative
+double powerOfTwoAtMost(double value) noexcept {
+  constexpr uint64_t kExponent = 0x7FF0000000000000u;
+  return std::bit_cast<double>(std::bit_cast<uint64_t>(value) & kExponent);
+}
 
 double areaOf(const CollapseMesh& mesh) {
   double twice = 0;
