@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "5fd6ffad94a8261da9c5c33c4c3e27a29f3783f1c4b852029d9b5810516f4a51";
+constexpr const char* kSha256 = "53984e591c7e72a2098965b4e97f39e2f1cbab8fc45fda3286875a883a29faee";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;
