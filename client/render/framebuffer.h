@@ -20,9 +20,6 @@ class Framebuffer {
 
   uint32_t widthPx() const noexcept { return width_px_; }
   uint32_t heightPx() const noexcept { return height_px_; }
-  int samples() const noexcept { return samples_; }
-  /// A texture of several samples a pixel.
-  GLuint depth() const noexcept { return depth_.get(); }
 
   /// What is drawn from now on goes here.
   void bindForDrawing() const;
@@ -35,9 +32,7 @@ class Framebuffer {
 
  private:
   uint32_t width_px_, height_px_;
-  int samples_ = 1;
-  GlRenderbuffer colour_, resolved_colour_;
-  GlMultisampleTexture depth_;
+  GlRenderbuffer colour_, depth_, resolved_colour_;
   GlFramebuffer drawn_, resolved_;
 };
 

@@ -268,8 +268,7 @@ void Viewer::stream() {
 /// A screenshot shows the model alone.
 render::DrawTime Viewer::time() const {
   const bool is_fast_enough = work_ms_ * kFramesOfFade <= render::kFadeS * 1e3;
-  return {secondsSince(started_), options_.common.fade && is_fast_enough && options_.screenshot.empty(),
-          draws_in_software_};
+  return {secondsSince(started_), options_.common.fade && is_fast_enough && options_.screenshot.empty()};
 }
 
 void Viewer::draw() {
