@@ -36,6 +36,13 @@ struct VertexAttributes {
 };
 static_assert(sizeof(VertexAttributes) == 12);
 
+constexpr uint32_t kClusterTriangles = 128;
+
+/// Clusters of a mesh of so many triangles.
+constexpr uint64_t clusterCount(uint64_t triangles) noexcept {
+  return (triangles + kClusterTriangles - 1) / kClusterTriangles;
+}
+
 /// Triangles of one (node, rung), or of a cut. A vertex is one combination of position and attributes
 /// ("wedge"); at a seam several vertices share a position.
 struct Mesh {
@@ -43,6 +50,9 @@ struct Mesh {
   std::vector<PositionCode> positions;
   std::vector<VertexAttributes> vertex_attributes;  ///< one a vertex, or empty where `attributes` is empty
   std::vector<glm::u32vec3> triangles;              ///< indices of vertices, counter-clockwise
+  /// Where each kClusterTriangles triangles lie, in their order; empty where nobody has put near ones
+  /// together.
+  std::vector<LatticeBox> cluster_boxes = {};
 
   bool operator==(const Mesh&) const = default;
 };

@@ -8,13 +8,13 @@ namespace lode::core {
 uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept {
   const uint64_t attribute_bytes = attributes.bits != 0 ? sizeof(VertexAttributes) : 0;
   return sizeof(Mesh) + vertices * (sizeof(PositionCode) + attribute_bytes) +
-         triangles * sizeof(glm::u32vec3);
+         triangles * sizeof(glm::u32vec3) + clusterCount(triangles) * sizeof(LatticeBox);
 }
 
 uint64_t meshBytes(const Mesh& mesh) noexcept {
   return sizeof(Mesh) + mesh.positions.size() * sizeof(PositionCode) +
          mesh.vertex_attributes.size() * sizeof(VertexAttributes) +
-         mesh.triangles.size() * sizeof(glm::u32vec3);
+         mesh.triangles.size() * sizeof(glm::u32vec3) + mesh.cluster_boxes.size() * sizeof(LatticeBox);
 }
 
 const MeshCache::Entry* MeshCache::Rungs::find(uint32_t rung) const noexcept {

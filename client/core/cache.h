@@ -16,7 +16,7 @@ namespace lode::core {
 
 /// Bytes that a decoded mesh takes in memory.
 uint64_t meshBytes(const Mesh& mesh) noexcept;
-/// The same, before it is there.
+/// The same, before it is there, with its clusters: see clusterTriangles().
 uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept;
 
 /// The decoded meshes that are resident and their footprints, within a budget. What is in use (the cut and

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "client/core/tile_tail.h"
+#include "client/core/triangle_clusters.h"
 
 namespace lode::core {
 
@@ -18,7 +19,9 @@ DecodeResult runDecodeJob(const DecodeJob& job) {
       result.image = std::make_shared<const TileImage>(std::move(image));
       return result;
     }
-    auto mesh = std::make_shared<const Mesh>(decodePayload(job.bytes, job.step, job.expected));
+    Mesh decoded = decodePayload(job.bytes, job.step, job.expected);
+    clusterTriangles(decoded);
+    auto mesh = std::make_shared<const Mesh>(std::move(decoded));
     if (job.textures)
       result.footprint =
           std::make_shared<const TextureFootprint>(makeFootprint(*mesh, *job.textures, job.step));

@@ -12,8 +12,9 @@
 
 namespace lode::core {
 
-/// A payload to be decoded outside the core, on any thread: decodePayload(bytes, step, expected), and the
-/// footprint of the mesh where textures are known; or a tile: decodeTile(bytes, image_size), and its tail.
+/// A payload to be decoded outside the core, on any thread: decodePayload(bytes, step, expected), its
+/// triangles in clusters, and the footprint of the mesh where textures are known; or a tile:
+/// decodeTile(bytes, image_size), and its tail.
 struct DecodeJob {
   BlobRef blob;
   BlobUse use;

@@ -22,6 +22,8 @@ constexpr float kLargestFadedStepPx =
 struct DrawTime {
   double now_s = 0;    ///< of any clock that does not go back
   bool fades = false;  ///< what has changed since the last frame takes its place by a cross-fade
+  /// What is hidden is not drawn, by the depth of the rest, which is read back: see drawsInSoftware().
+  bool leaves_out_hidden = false;
 };
 
 /// A part of the picture, drawn on those pixels whose dither value, 0..1, lies in [from, to). Where parts

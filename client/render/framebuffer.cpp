@@ -19,28 +19,29 @@ namespace {
 
 Framebuffer::Framebuffer(uint32_t width_px, uint32_t height_px, int samples)
     : width_px_(width_px), height_px_(height_px) {
-  GLint limit_px = 0, limit_samples = 1;
+  GLint limit_px = 0, limit_samples = 1, limit_depth_samples = 1;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &limit_px);
   glGetIntegerv(GL_MAX_SAMPLES, &limit_samples);
+  glGetIntegerv(GL_MAX_DEPTH_TEXTURE_SAMPLES, &limit_depth_samples);
   const auto limit = static_cast<uint32_t>(limit_px);
   if (width_px == 0 || height_px == 0 || width_px > limit || height_px > limit) {
     failSize(width_px, height_px, limit_px);
   }
   const GLsizei width = static_cast<GLsizei>(width_px), height = static_cast<GLsizei>(height_px);
-  const GLsizei used_samples = std::clamp(samples, 1, limit_samples);
+  samples_ = std::clamp(samples, 1, std::min(limit_samples, limit_depth_samples));
   while (glGetError() != GL_NO_ERROR) {
   }
 
   colour_ = GlRenderbuffer::create();
-  depth_ = GlRenderbuffer::create();
+  depth_ = GlMultisampleTexture::create();
   resolved_colour_ = GlRenderbuffer::create();
-  glNamedRenderbufferStorageMultisample(colour_.get(), used_samples, GL_SRGB8_ALPHA8, width, height);
-  glNamedRenderbufferStorageMultisample(depth_.get(), used_samples, GL_DEPTH_COMPONENT32F, width, height);
+  glNamedRenderbufferStorageMultisample(colour_.get(), samples_, GL_SRGB8_ALPHA8, width, height);
+  glTextureStorage2DMultisample(depth_.get(), samples_, GL_DEPTH_COMPONENT32F, width, height, GL_TRUE);
   glNamedRenderbufferStorage(resolved_colour_.get(), GL_SRGB8_ALPHA8, width, height);
 
   drawn_ = GlFramebuffer::create();
   glNamedFramebufferRenderbuffer(drawn_.get(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_.get());
-  glNamedFramebufferRenderbuffer(drawn_.get(), GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.get());
+  glNamedFramebufferTexture(drawn_.get(), GL_DEPTH_ATTACHMENT, depth_.get(), 0);
   resolved_ = GlFramebuffer::create();
   glNamedFramebufferRenderbuffer(resolved_.get(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
                                  resolved_colour_.get());
@@ -83,7 +84,7 @@ void Framebuffer::copyTo(GLuint framebuffer) const {
   glDisable(GL_FRAMEBUFFER_SRGB);
   glBlitNamedFramebuffer(resolved_.get(), framebuffer, 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 }
 
 }  // namespace lode::render

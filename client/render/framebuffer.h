@@ -20,6 +20,9 @@ class Framebuffer {
 
   uint32_t widthPx() const noexcept { return width_px_; }
   uint32_t heightPx() const noexcept { return height_px_; }
+  int samples() const noexcept { return samples_; }
+  /// A texture of several samples a pixel.
+  GLuint depth() const noexcept { return depth_.get(); }
 
   /// What is drawn from now on goes here.
   void bindForDrawing() const;
@@ -27,12 +30,15 @@ class Framebuffer {
   void resolve() const;
   Image readPixels() const { return readFramebuffer(resolved_.get(), width_px_, height_px_); }
   /// Copies the resolved picture to a framebuffer of the same size (0: the window), lower left corner on
-  /// lower left corner, and leaves that one bound for drawing.
+  /// lower left corner, and leaves that one bound for drawing and for reading: Mesa reads black of a window
+  /// that was bound for reading only when it had been drawn.
   void copyTo(GLuint framebuffer) const;
 
  private:
   uint32_t width_px_, height_px_;
-  GlRenderbuffer colour_, depth_, resolved_colour_;
+  int samples_ = 1;
+  GlRenderbuffer colour_, resolved_colour_;
+  GlMultisampleTexture depth_;
   GlFramebuffer drawn_, resolved_;
 };
 

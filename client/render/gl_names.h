@@ -79,6 +79,15 @@ struct TextureArrayTraits {
   static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
 };
 
+struct MultisampleTextureTraits {
+  static GLuint create() noexcept {
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &name);
+    return name;
+  }
+  static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
+};
+
 struct TimeQueryTraits {
   static GLuint create() noexcept {
     GLuint name = 0;
@@ -98,6 +107,7 @@ using GlVertexArray = GlName<VertexArrayTraits>;
 using GlRenderbuffer = GlName<RenderbufferTraits>;
 using GlFramebuffer = GlName<FramebufferTraits>;
 using GlTextureArray = GlName<TextureArrayTraits>;
+using GlMultisampleTexture = GlName<MultisampleTextureTraits>;
 using GlTimeQuery = GlName<TimeQueryTraits>;
 using GlProgram = GlName<ProgramTraits>;
 

@@ -153,6 +153,7 @@ MeshResidency::Entry* MeshResidency::place(const std::shared_ptr<const Mesh>& me
   }
   Entry entry;
   entry.block = *block;
+  entry.clusters = std::make_shared<MeshClusters>(MeshClusters{mesh->cluster_boxes, {}});
   entry.used_by = target_serial_;
   return &entries_.emplace(mesh, entry).first->second;
 }
@@ -214,6 +215,8 @@ void MeshResidency::finish() {
     const auto it = entries_.find(part.mesh);
     if (it == entries_.end()) continue;  // it has no triangles
     const Entry& entry = it->second;
+    if (entry.clusters->boxes.empty()) entry.clusters->boxes = {entry.box};
+    entry.clusters->hidden.resize(entry.clusters->boxes.size());
     const uint32_t vertex_bytes = vertexBytes(part.mesh->attributes);
     const uint32_t base = entry.block.offset_bytes / vertex_bytes;
     const auto vertices = static_cast<uint32_t>(part.mesh->positions.size());
@@ -222,6 +225,7 @@ void MeshResidency::finish() {
             (base + vertices) * (vertex_bytes / 4),
             static_cast<uint32_t>(part.mesh->triangles.size() * 3),
             entry.box,
+            entry.clusters,
             part.mesh->attributes,
             part.node,
             part.rung,

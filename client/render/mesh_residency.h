@@ -29,11 +29,18 @@ struct UploadBudget {
   bool wait = false;  ///< go on, waiting for the GPU, until the newest cut is there: for off-screen pictures
 };
 
+/// Where the triangles of a mesh are, kClusterTriangles at a time; all in one where that is not known.
+struct MeshClusters {
+  std::vector<LatticeBox> boxes;
+  std::vector<bool> hidden;  ///< by others, in the last frame that looked
+};
+
 /// What a draw call needs of a mesh on the GPU.
 struct DrawItem {
   uint32_t page = 0;
   uint32_t base_vertex = 0, first_index = 0, index_count = 0;
   LatticeBox box;
+  std::shared_ptr<MeshClusters> clusters;  ///< never null in what is drawn
   AttributeSet attributes;
   NodeKey node;
   uint32_t rung = 0;
@@ -82,6 +89,7 @@ class MeshResidency {
   struct Entry {
     GpuBlock block;
     LatticeBox box;
+    std::shared_ptr<MeshClusters> clusters;
     uint64_t used_by = 0;  ///< serial of the last cut that has it
     uint32_t vertices_done = 0, triangles_done = 0;
     bool complete = false;

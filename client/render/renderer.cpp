@@ -10,6 +10,7 @@
 
 #include "client/core/shown_parts.h"
 #include "client/core/sight.h"
+#include "client/render/cluster_culling.h"
 #include "client/render/eye.h"
 #include "client/render/gpu_vertex.h"
 #include "client/render/light.h"
@@ -67,6 +68,9 @@ glm::vec3 toLinear(const glm::u8vec3& srgb) {
 GlProgram meshProgram(std::initializer_list<std::string_view> definitions) {
   return linkProgram(kMeshVertexShader, {kLightShader, kMeshFragmentShader}, definitions);
 }
+
+/// Fewer are drawn sooner than found to be hidden.
+constexpr size_t kFewClusters = 64;
 
 uint32_t in256ths(float share) { return static_cast<uint32_t>(std::lround(share * 256)); }
 
@@ -199,34 +203,47 @@ std::vector<FadedItem> Renderer::itemsOf(const core::Cut& cut, const core::View&
   return items;
 }
 
-/// Sorts by page what is in the picture.
+/// Finds what may be in the picture.
 DrawCounts Renderer::collect(std::span<const FadedItem> items, size_t cover_count, const core::View& view,
                              const DrawStyle& style) {
   DrawCounts counts;
-  for (DrawList* const list : {&whole_, &fading_}) {
-    list->by_page.resize(meshes_.pages().pageCount());
-    for (auto& page : list->by_page) page.clear();
-  }
+  seen_.clear();
   states_.clear();
   in_picture_.clear();
   const core::Sight sight(view, 1);
   size_t number = 0;
   for (const FadedItem& faded : items) {
     const bool is_of_cut = number++ < cover_count;
-    const DrawItem& item = faded.item;
-    if (sight.see(core::toModelBox(item.box, lattice_step_)) == core::Seen::kNot) continue;
-    if (is_of_cut) in_picture_.push_back(item);
-    if (in256ths(faded.from) >= in256ths(faded.to)) continue;
-    DrawList& list = faded.whole() ? whole_ : fading_;
-    list.by_page[item.page].push_back({item.index_count, 1, item.first_index,
-                                       static_cast<int32_t>(item.base_vertex),
-                                       static_cast<uint32_t>(states_.size())});
+    const bool is_drawn = in256ths(faded.from) < in256ths(faded.to);
+    const SeenCluster like{&faded.item, 0, static_cast<uint32_t>(states_.size()), !faded.whole()};
+    const size_t clusters = addSeenClusters(like, sight, lattice_step_, seen_);
+    if (clusters == 0) continue;
+    if (is_of_cut) in_picture_.push_back(faded.item);
+    if (!is_drawn) {
+      seen_.resize(seen_.size() - clusters);
+      continue;
+    }
     states_.push_back(stateOf(faded, style));
-    counts.error_px = std::max(counts.error_px, item.error_px);
-    counts.triangles += item.index_count / 3;
+    counts.error_px = std::max(counts.error_px, faded.item.error_px);
     ++counts.nodes;
   }
   return counts;
+}
+
+/// What follows on the last one in memory goes with it.
+void Renderer::DrawList::add(const SeenCluster& cluster) {
+  const DrawItem& item = *cluster.item;
+  std::vector<DrawCommand>& page = by_page[item.page];
+  const uint32_t index = item.first_index + 3 * cluster.firstTriangle(), count = 3 * cluster.triangles();
+  if (!page.empty() && page.back().base_instance == cluster.state &&
+      page.back().first_index + page.back().count == index)
+    page.back().count += count;
+  else
+    page.push_back({count, 1, index, static_cast<int32_t>(item.base_vertex), cluster.state});
+}
+
+bool Renderer::DrawList::empty() const noexcept {
+  return std::ranges::all_of(by_page, &std::vector<DrawCommand>::empty);
 }
 
 /// Coordinates are told to the shader without the whole repeats in their origin, which floats would lose.
@@ -259,10 +276,9 @@ void Renderer::setCamera(const core::View& view, const DrawStyle& style) const {
   glUniform3fv(kTexelColours, kTexelColourCount, &texel_colours[0].x);
 }
 
-/// Gives the GPU what collect() has found.
+/// Gives the GPU what is listed.
 void Renderer::bindDraws() {
   std::vector<DrawCommand> all;
-  all.reserve(states_.size());
   for (DrawList* const list : {&whole_, &fading_}) {
     list->first = all.size();
     for (const auto& page : list->by_page) all.insert(all.end(), page.begin(), page.end());
@@ -328,7 +344,9 @@ DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, con
   setFrameState();
   if (!style.over) drawBackground(style);
   choose(view, time);
-  return drawCollected(view, style, collect(fade_.items(), fade_.coverCount(), view, style));
+  DrawCounts counts = collect(fade_.items(), fade_.coverCount(), view, style);
+  drawCollected(view, target, style, time.leaves_out_hidden, counts);
+  return counts;
 }
 
 DrawCounts Renderer::drawPlace(size_t place, const core::View& view, const Framebuffer& target,
@@ -339,11 +357,47 @@ DrawCounts Renderer::drawPlace(size_t place, const core::View& view, const Frame
   const auto placed = drawnPlaced();
   if (!placed) return {};
   const std::vector<FadedItem> items = itemsOf(*placed->cuts[place], view);
-  return drawCollected(view, style, collect(items, items.size(), view, style));
+  DrawCounts counts = collect(items, items.size(), view, style);
+  drawCollected(view, target, style, false, counts);
+  return counts;
 }
 
-DrawCounts Renderer::drawCollected(const core::View& view, const DrawStyle& style, DrawCounts counts) {
-  if (counts.nodes == 0) return counts;
+/// First what was not hidden in the last frame, then what that does not hide either. The same samples get the
+/// same colours as if all were drawn. Lines hide nothing, and reach beyond what they belong to.
+void Renderer::drawCollected(const core::View& view, const Framebuffer& target, const DrawStyle& style,
+                             bool leaves_out_hidden, DrawCounts& counts) {
+  const auto hidden = [](const SeenCluster& cluster) {
+    return cluster.item->clusters->hidden[cluster.number];
+  };
+  if (!leaves_out_hidden || style.show == Show::kWireframe || seen_.size() < kFewClusters)
+    return drawClusters(view, style, counts, [](const SeenCluster&) { return true; });
+  drawClusters(view, style, counts, [&](const SeenCluster& cluster) { return !hidden(cluster); });
+  const Occluders occluders(view, lattice_step_, depth_reader_.read(target));
+  std::vector<bool> appears;
+  for (const SeenCluster& cluster : seen_) {
+    const bool was_hidden = hidden(cluster);
+    hidden(cluster) = occluders.hide(core::toModelBox(cluster.box(), lattice_step_));
+    appears.push_back(was_hidden && !hidden(cluster));
+  }
+  target.bindForDrawing();
+  drawClusters(view, style, counts, [&](const SeenCluster& cluster) {
+    return appears[static_cast<size_t>(&cluster - seen_.data())];
+  });
+}
+
+template <typename Chosen>
+void Renderer::drawClusters(const core::View& view, const DrawStyle& style, DrawCounts& counts,
+                            Chosen chosen) {
+  for (DrawList* const list : {&whole_, &fading_}) {
+    list->by_page.resize(meshes_.pages().pageCount());
+    for (auto& page : list->by_page) page.clear();
+  }
+  for (const SeenCluster& cluster : seen_) {
+    if (!chosen(cluster)) continue;
+    (cluster.fades ? fading_ : whole_).add(cluster);
+    counts.triangles += cluster.triangles();
+  }
+  if (whole_.empty() && fading_.empty()) return;
   glEnable(GL_DEPTH_TEST);
   bindDraws();
   // What an image leaves clear is left out sample by sample, so that nothing has to be sorted.
@@ -351,7 +405,7 @@ DrawCounts Renderer::drawCollected(const core::View& view, const DrawStyle& styl
   glEnable(GL_SAMPLE_ALPHA_TO_ONE);
   for (const bool fades : {false, true}) {
     const DrawList& list = fades ? fading_ : whole_;
-    if (std::ranges::all_of(list.by_page, &std::vector<DrawCommand>::empty)) continue;
+    if (list.empty()) continue;
     glUseProgram(program(fades).get());
     setCamera(view, style);
     setTextures();
@@ -361,7 +415,6 @@ DrawCounts Renderer::drawCollected(const core::View& view, const DrawStyle& styl
   glDisable(GL_SAMPLE_ALPHA_TO_ONE);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
   glBindVertexArray(0);
-  return counts;
 }
 
 }  // namespace lode::render

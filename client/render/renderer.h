@@ -11,7 +11,9 @@
 #include "client/core/cut.h"
 #include "client/core/placed_cuts.h"
 #include "client/core/view.h"
+#include "client/render/cluster_culling.h"
 #include "client/render/cross_fade.h"
+#include "client/render/depth_reader.h"
 #include "client/render/framebuffer.h"
 #include "client/render/mesh_residency.h"
 #include "client/render/shown_colours.h"
@@ -96,6 +98,9 @@ class Renderer {
   };
   /// What is drawn with one program.
   struct DrawList {
+    void add(const SeenCluster& cluster);
+    bool empty() const noexcept;
+
     std::vector<std::vector<DrawCommand>> by_page;
     size_t first = 0;  ///< in the buffer of commands
   };
@@ -104,7 +109,10 @@ class Renderer {
   void choose(const core::View& view, const DrawTime& time);
   DrawCounts collect(std::span<const FadedItem> items, size_t cover_count, const core::View& view,
                      const DrawStyle& style);
-  DrawCounts drawCollected(const core::View& view, const DrawStyle& style, DrawCounts counts);
+  void drawCollected(const core::View& view, const Framebuffer& target, const DrawStyle& style,
+                     bool leaves_out_hidden, DrawCounts& counts);
+  template <typename Chosen>
+  void drawClusters(const core::View& view, const DrawStyle& style, DrawCounts& counts, Chosen chosen);
   std::vector<FadedItem> itemsOf(const core::Cut& cut, const core::View& view);
   void setCamera(const core::View& view, const DrawStyle& style) const;
   void setTextures() const;
@@ -125,6 +133,8 @@ class Renderer {
   GlVertexArray mesh_array_, empty_array_;
   GlBuffer commands_buffer_, states_buffer_;
   DrawList whole_, fading_;
+  DepthReader depth_reader_;
+  std::vector<SeenCluster> seen_;     ///< of what may be in the picture
   std::vector<DrawState> states_;     ///< by base_instance
   std::vector<DrawItem> in_picture_;  ///< of the cut alone
 };

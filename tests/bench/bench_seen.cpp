@@ -24,6 +24,7 @@
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
 #include "server/store/reader.h"
+#include "tests/bench/surface_cameras.h"
 
 namespace lode::core {
 namespace {
@@ -277,54 +278,9 @@ void add(Shares& shares, const store::Reader& store, const Look& right, const st
   }
 }
 
-/// Above a place of the surface, which it sees at an angle.
-class Cameras {
- public:
-  explicit Cameras(const store::Reader& store) : step_(store.summary().lattice.step) {
-    for (const Node& node : store.nodes())
-      if (node.isLeaf()) leaves_.push_back(toModelBox(node.box, step_));
-    box_ = toModelBox(store.find(kRootKey)->box, step_);
-    const glm::dvec3 size = box_.max - box_.min;
-    for (int axis = 0; axis < 3; ++axis)
-      if (size[axis] * 3 < std::max({size.x, size.y, size.z})) flat_axis_ = axis;
-  }
-
-  View next(double diagonals) {
-    glm::dvec3 out = glm::normalize(glm::dvec3(number(), number(), number()));
-    if (flat_axis_ >= 0) out = glm::normalize(out * 0.6 + axis(flat_axis_));
-    const glm::dvec3 place = flat_axis_ >= 0 ? middleOf(leaves_[random_() % leaves_.size()]) : outermost(out);
-    const double height = diagonals * glm::length(box_.max - box_.min);
-    const glm::dvec3 aside = glm::normalize(glm::cross(out, glm::dvec3(number(), number(), number())));
-    View view;
-    view.width_px = kWidthPx;
-    view.height_px = kHeightPx;
-    view.eye_model = place + out * height;
-    view.forward = glm::normalize(place + aside * height * 0.4 - view.eye_model);
-    view.up = glm::normalize(glm::cross(glm::cross(view.forward, out + aside), view.forward));
-    return view;
-  }
-
- private:
-  double number() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
-  static glm::dvec3 axis(int which) { return {which == 0, which == 1, which == 2}; }
-  static glm::dvec3 middleOf(const ModelBox& box) { return (box.min + box.max) / 2.0; }
-  glm::dvec3 outermost(glm::dvec3 out) const {
-    glm::dvec3 best = middleOf(leaves_.front());
-    for (const ModelBox& leaf : leaves_)
-      if (glm::dot(middleOf(leaf), out) > glm::dot(best, out)) best = middleOf(leaf);
-    return best;
-  }
-
-  const double step_;
-  ModelBox box_;
-  int flat_axis_ = -1;
-  std::vector<ModelBox> leaves_;
-  std::mt19937 random_{1};
-};
-
 void measure(const std::string& file) {
   const store::Reader store(file);
-  Cameras cameras(store);
+  bench::SurfaceCameras cameras(store, kWidthPx, kHeightPx);
   render::Renderer renderer(store.summary().lattice.step);
   const render::Framebuffer target(kWidthPx, kHeightPx, 1);
   for (const Distance& distance : kDistances) {

@@ -268,7 +268,8 @@ void Viewer::stream() {
 /// A screenshot shows the model alone.
 render::DrawTime Viewer::time() const {
   const bool is_fast_enough = work_ms_ * kFramesOfFade <= render::kFadeS * 1e3;
-  return {secondsSince(started_), options_.common.fade && is_fast_enough && options_.screenshot.empty()};
+  return {secondsSince(started_), options_.common.fade && is_fast_enough && options_.screenshot.empty(),
+          draws_in_software_};
 }
 
 void Viewer::draw() {

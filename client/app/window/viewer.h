@@ -72,6 +72,7 @@ class Viewer {
   float asked_px_ = 1;  ///< and of the next cut
   const std::optional<core::CameraPath> wanted_path_;
   GlfwWindow window_;
+  const bool draws_in_software_ = render::drawsInSoftware();
   Panel panel_;
   const std::unique_ptr<Exhibit> exhibit_;
   std::optional<render::Framebuffer> target_;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/core/triangle_clusters.h"
+
 namespace lode::core {
 namespace {
 
@@ -53,8 +55,9 @@ TEST(MeshCache, predictsTheBytesOfAMesh) {
   mesh.attributes = {AttributeSet::kColour};
   mesh.positions.resize(7);
   mesh.vertex_attributes.resize(7);
-  mesh.triangles.resize(11);
-  EXPECT_EQ(meshBytes(mesh), meshBytes(7, 11, mesh.attributes));
+  mesh.triangles.resize(311);
+  clusterTriangles(mesh);
+  EXPECT_EQ(meshBytes(mesh), meshBytes(7, 311, mesh.attributes));
 }
 
 TEST(MeshCache, evictsTheLeastRecentlyUsedFirst) {

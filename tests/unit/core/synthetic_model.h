@@ -9,6 +9,7 @@
 
 #include "client/core/cache.h"
 #include "client/core/hierarchy.h"
+#include "client/core/triangle_clusters.h"
 #include "common/hierarchy_page.h"
 
 namespace lode::core::test {
@@ -71,6 +72,7 @@ class SyntheticModel {
     for (uint32_t i = 0; i < rung.triangles; ++i)
       mesh.triangles.push_back(i < 12 ? glm::u32vec3(kSides[i][0], kSides[i][1], kSides[i][2])
                                       : glm::u32vec3(0));
+    clusterTriangles(mesh);
     return std::make_shared<const Mesh>(std::move(mesh));
   }
 

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "client/core/sight.h"
+#include "client/render/mesh_residency.h"
+
+namespace lode::render {
+
+/// Some triangles of a part, near one another, that may be in the picture.
+struct SeenCluster {
+  const DrawItem* item = nullptr;
+  uint32_t number = 0;  ///< in item->clusters
+  uint32_t state = 0;   ///< what else a draw needs, by the caller's numbers
+  bool fades = false;
+
+  uint32_t firstTriangle() const noexcept { return number * kClusterTriangles; }
+  uint32_t triangles() const noexcept;
+  const LatticeBox& box() const noexcept { return item->clusters->boxes[number]; }
+};
+
+/// Adds what a camera may see of a part: all but clusters that are not in its picture.
+/// @param like  the part, and what its clusters have in common.
+/// @return how many were added.
+size_t addSeenClusters(const SeenCluster& like, const core::Sight& sight, double lattice_step,
+                       std::vector<SeenCluster>& seen);
+
+}  // namespace lode::render

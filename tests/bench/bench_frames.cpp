@@ -1,0 +1,140 @@
+// What a frame takes on this machine: bench_frames STORE... prints a line for each store and distance.
+// Converged cuts of one pixel are drawn off-screen as the window draws them, from a camera that turns a
+// little from frame to frame.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "client/core/camera_path.h"
+#include "client/core/decode_job.h"
+#include "client/core/framing.h"
+#include "client/core/instance.h"
+#include "client/core/model.h"
+#include "client/render/framebuffer.h"
+#include "client/render/offscreen_context.h"
+#include "client/render/renderer.h"
+#include "server/store/reader.h"
+#include "tests/bench/surface_cameras.h"
+
+namespace lode::bench {
+namespace {
+
+constexpr uint32_t kWidthPx = 1280, kHeightPx = 720;
+constexpr float kThresholdPx = 1;
+constexpr int kFrames = 15;
+constexpr double kTurnRad = 2e-3;  // between frames
+
+/// What a client of the store shows when all has come.
+class Converged {
+ public:
+  explicit Converged(const store::Reader& store)
+      : store_(store), model_(store.summary(), uint64_t{8} << 30) {}
+
+  std::shared_ptr<const core::Cut> cut(const core::View& view) {
+    instance_.setView(view, kThresholdPx);
+    while (true) {
+      instance_.refine(model_);
+      std::vector<core::Wish> wishes = instance_.wishes();
+      if (const auto first = model_.firstWish()) wishes.push_back(*first);
+      if (wishes.empty()) return instance_.cut();
+      for (const core::Wish& wish : wishes) {
+        if (!model_.wants(wish)) continue;
+        model_.take(wish.blob, wish.use, store_.readBlob(wish.blob.number));
+        for (auto jobs = model_.takeDecodeJobs(); !jobs.empty(); jobs = model_.takeDecodeJobs())
+          for (const core::DecodeJob& job : jobs) model_.finishDecode(runDecodeJob(job));
+      }
+    }
+  }
+
+ private:
+  const store::Reader& store_;
+  core::Model model_;
+  core::Instance instance_;
+};
+
+core::View turned(const core::View& view, double angle_rad) {
+  core::View next = view;
+  next.forward = glm::normalize(view.forward + std::tan(angle_rad) * glm::cross(view.forward, view.up));
+  return next;
+}
+
+double cpuMs() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+double medianOf(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+/// Frames of one way to draw.
+struct Frames {
+  std::vector<double> cpu_ms, ms;
+  uint64_t triangles = 0;  ///< of the last
+  render::Image image;
+};
+
+void draw(Frames& frames, bool leaves_out_hidden, const core::View& view, render::Renderer& renderer,
+          const render::Framebuffer& target) {
+  using Clock = std::chrono::steady_clock;
+  const double cpu_start = cpuMs();
+  const auto start = Clock::now();
+  frames.triangles = renderer.draw(view, target, {}, {.leaves_out_hidden = leaves_out_hidden}).triangles;
+  target.resolve();
+  glFinish();
+  frames.cpu_ms.push_back(cpuMs() - cpu_start);
+  frames.ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  frames.image = target.readPixels();
+}
+
+/// By turns all that is in the picture and without what is hidden there.
+void measure(const std::string& name, const core::Cut& cut, render::Renderer& renderer,
+             const render::Framebuffer& target) {
+  Frames all, seen;
+  size_t differing = 0;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const core::View view = turned(cut.view, frame * kTurnRad);
+    draw(all, false, view, renderer, target);
+    draw(seen, true, view, renderer, target);
+    for (size_t i = 0; i < all.image.rgba.size(); i += 4)
+      differing += !std::equal(&all.image.rgba[i], &all.image.rgba[i] + 4, &seen.image.rgba[i]);
+  }
+  std::printf("| %s | %llu | %llu | %llu | %.0f | %.0f | %.0f | %.0f | %zu |\n", name.c_str(),
+              static_cast<unsigned long long>(cut.triangles), static_cast<unsigned long long>(all.triangles),
+              static_cast<unsigned long long>(seen.triangles), medianOf(all.cpu_ms), medianOf(seen.cpu_ms),
+              medianOf(all.ms), medianOf(seen.ms), differing);
+  std::fflush(stdout);
+}
+
+void measure(const std::string& file) {
+  const store::Reader store(file);
+  Converged client(store);
+  SurfaceCameras cameras(store, kWidthPx, kHeightPx);
+  render::Renderer renderer(store.summary().lattice.step);
+  const render::Framebuffer target(kWidthPx, kHeightPx);
+  const core::CameraPath framing =
+      core::framingCamera(store.summary(), {.aspect = double{kWidthPx} / kHeightPx});
+  const auto show = [&](const std::string& distance, const core::View& view) {
+    const auto cut = client.cut(view);
+    renderer.show(cut);
+    renderer.uploadInRenderThread({.wait = true});
+    measure(file.substr(file.find_last_of('/') + 1) + " | " + distance, *cut, renderer, target);
+  };
+  show("framed", core::toView(framing.keys.front(), framing.fov_y_deg, kWidthPx, kHeightPx, store.summary()));
+  show("near", cameras.next(0.12));
+  show("close", cameras.next(0.03));
+}
+
+}  // namespace
+}  // namespace lode::bench
+
+int main(int argc, char** argv) {
+  const lode::render::OffscreenContext context;
+  std::puts(
+      "| store | from | triangles of the cut | in the picture | not hidden | CPU ms a frame | not hidden "
+      "| ms | not hidden | pixels that differ, of all frames |");
+  for (int i = 1; i < argc; ++i) lode::bench::measure(argv[i]);
+}

@@ -1,0 +1,152 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "client/core/triangle_clusters.h"
+#include "client/render/depth_reader.h"
+#include "gl_fixture.h"
+#include "tests/support/test_meshes.h"
+
+namespace lode::test {
+namespace {
+
+using Hidden = GlTest;
+
+std::shared_ptr<const Mesh> clustered(Mesh mesh) {
+  core::clusterTriangles(mesh);
+  return std::make_shared<const Mesh>(std::move(mesh));
+}
+
+std::shared_ptr<const Mesh> sphereAt(glm::uvec3 origin, uint32_t seed) {
+  return clustered(makeSphere(
+      96, 48, {.attributes = {AttributeSet::kNormal}, .origin = origin, .seed = seed, .bump = 0.1}));
+}
+
+std::shared_ptr<const Mesh> plainAt(glm::uvec3 origin, uint32_t seed) {
+  return clustered(makeGrid(
+      80, 80, {.attributes = {AttributeSet::kNormal}, .extent = 8000, .origin = origin, .seed = seed}));
+}
+
+/// Two closed models that hide one another by turns, over an open one.
+std::shared_ptr<const core::Cut> scene(uint32_t seed = 1) {
+  return GlTest::cutOf(std::vector{sphereAt({1000, 1000, 2500}, seed), sphereAt({4500, 2000, 3000}, seed + 1),
+                                   plainAt({500, 500, 500}, seed + 2)});
+}
+
+/// A camera on its way around, now and then below the plain or within a sphere.
+core::View viewAt(int frame) {
+  const double angle = 0.2 * frame;
+  const glm::dvec3 middle(4500, 4000, 3500);
+  const double away = frame % 37 == 36 ? 2000 : 9000;
+  const glm::dvec3 aside(std::cos(angle), std::sin(angle), 0.6 * std::sin(0.37 * angle));
+  core::View view = lookAt(middle + away * aside, middle, {0, 0, 1});
+  view.width_px *= 3;
+  view.height_px *= 3;
+  return view;
+}
+
+/// Draws everything with one renderer and without what is hidden with another.
+class TwoWays {
+ public:
+  void show(const std::shared_ptr<const core::Cut>& cut) {
+    for (render::Renderer* const renderer : {&all_, &seen_}) {
+      renderer->show(cut);
+      renderer->uploadInRenderThread({.wait = true});
+    }
+  }
+  void expectSamePicture(const core::View& view, const render::DrawStyle& style = {}, double now_s = 0,
+                         bool fades = false) {
+    const render::Framebuffer target(view.width_px, view.height_px);
+    all_triangles = all_.draw(view, target, style, {now_s, fades, false}).triangles;
+    target.resolve();
+    const render::Image all = target.readPixels();
+    seen_triangles = seen_.draw(view, target, style, {now_s, fades, true}).triangles;
+    target.resolve();
+    EXPECT_EQ(target.readPixels().rgba, all.rgba);
+  }
+  bool fading() const { return seen_.fading(); }
+
+  uint64_t all_triangles = 0, seen_triangles = 0;
+
+ private:
+  render::Renderer all_, seen_;
+};
+
+TEST_F(Hidden, isLeftOutAndThePictureIsTheSameToTheBit) {
+  TwoWays ways;
+  ways.show(scene());
+  uint64_t all = 0, seen = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    ways.expectSamePicture(viewAt(frame));
+    all += ways.all_triangles;
+    seen += ways.seen_triangles;
+  }
+  EXPECT_LT(seen, 0.95 * static_cast<double>(all));
+}
+
+TEST_F(Hidden, showsAtOnceWhenTheCameraJumps) {
+  TwoWays ways;
+  ways.show(scene());
+  for (const int frame : {0, 0, 29, 3, 29, 50, 0}) ways.expectSamePicture(viewAt(frame));
+}
+
+TEST_F(Hidden, isNotDrawnAgainWhileTheCameraRests) {
+  TwoWays ways;
+  ways.show(scene());
+  ways.expectSamePicture(viewAt(0));
+  EXPECT_EQ(ways.seen_triangles, ways.all_triangles);  // nothing is known to be hidden
+  ways.expectSamePicture(viewAt(0));
+  const uint64_t rest = ways.seen_triangles;
+  EXPECT_LT(rest, 0.8 * static_cast<double>(ways.all_triangles));
+  ways.expectSamePicture(viewAt(0));
+  EXPECT_EQ(ways.seen_triangles, rest);
+}
+
+TEST_F(Hidden, changesNoViewOfTheModel) {
+  TwoWays ways;
+  ways.show(scene());
+  for (const render::Show show : {render::Show::kUnlit, render::Show::kWireframe, render::Show::kNodes,
+                                  render::Show::kNormals, render::Show::kErrors}) {
+    for (int frame = 0; frame < 3; ++frame) ways.expectSamePicture(viewAt(frame), {.show = show});
+  }
+}
+
+TEST_F(Hidden, changesNoFade) {
+  TwoWays ways;
+  ways.show(scene(1));
+  ways.expectSamePicture(viewAt(0), {}, 0, true);
+  ways.show(scene(11));
+  int fading = 0;
+  for (int frame = 0; frame < 12; ++frame) {
+    ways.expectSamePicture(viewAt(frame), {}, 1 + 0.03 * frame, true);
+    fading += ways.fading();
+  }
+  EXPECT_GT(fading, 5);
+}
+
+TEST_F(Hidden, isToldByTheFarthestSampleOfEachSquare) {
+  const core::View view = lookAt({1500, 1500, 3000}, {1500, 1500, 1000});
+  render::Renderer renderer;
+  renderer.show(cutOf(std::vector{squareAt(1500, 0, 1000, 4000, {255, 0, 0, 255})}));
+  renderer.uploadInRenderThread({.wait = true});
+  const render::Framebuffer target(kWidthPx, kHeightPx);
+  renderer.draw(view, target);
+  render::DepthReader reader;
+  const render::FarthestDepths depths = reader.read(target);
+  ASSERT_EQ(depths.columns, kWidthPx / 8);
+  ASSERT_EQ(depths.rows, (kHeightPx + 7) / 8);
+  const float wall = 1.0f / 2000;
+  for (uint32_t row = 0; row < depths.rows; ++row) {
+    for (uint32_t column = 0; column < depths.columns; ++column) {
+      // The wall begins in the middle of the picture, within the 13th square from the left.
+      const float depth = depths.depths[size_t{row} * depths.columns + column];
+      if (column <= kWidthPx / 16)
+        EXPECT_EQ(depth, 0);
+      else
+        EXPECT_NEAR(depth, wall, wall * 1e-5);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lode::test

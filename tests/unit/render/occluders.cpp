@@ -1,0 +1,73 @@
+#include "client/render/occluders.h"
+
+#include <gtest/gtest.h>
+
+#include "gl_fixture.h"
+
+namespace lode::test {
+namespace {
+
+using render::FarthestDepths;
+using render::Occluders;
+
+// Along -z, a pixel is 1 wide at the distance of 1000.
+const core::View kAhead = [] {
+  core::View view = lookAt({0, 0, 1000}, {0, 0, 0});
+  view.fov_y_rad = 2 * std::atan(kHeightPx / 2000.0);
+  view.near_model = 1;
+  return view;
+}();
+
+/// A wall at z = 0 that fills the picture.
+FarthestDepths wall() {
+  FarthestDepths depths{kWidthPx / 8, (kHeightPx + 7) / 8, {}};
+  depths.depths.assign(size_t{depths.columns} * depths.rows, 1.0f / 1000);
+  return depths;
+}
+
+core::ModelBox boxAt(glm::dvec3 middle, double half = 5) { return {middle - half, middle + half}; }
+
+TEST(Occluders, hideWhatIsBehindThem) {
+  const Occluders occluders(kAhead, 1, wall());
+  EXPECT_TRUE(occluders.hide(boxAt({0, 0, -6})));
+  EXPECT_TRUE(occluders.hide(boxAt({-60, 40, -500}, 100)));
+}
+
+TEST(Occluders, doNotHideWhatIsBeforeThemOrReachesThere) {
+  const Occluders occluders(kAhead, 1, wall());
+  EXPECT_FALSE(occluders.hide(boxAt({0, 0, 6})));
+  EXPECT_FALSE(occluders.hide(boxAt({0, 0, -4})));
+  EXPECT_FALSE(occluders.hide(boxAt({0, 0, -5})));  // touches
+}
+
+TEST(Occluders, doNotHideWhatReachesPastTheNearPlaneOrTheEye) {
+  const Occluders occluders(kAhead, 1, wall());
+  EXPECT_FALSE(occluders.hide(boxAt({0, 0, 1000}, 4)));
+  EXPECT_FALSE(occluders.hide(boxAt({0, 0, 0}, 2000)));
+}
+
+TEST(Occluders, doNotHideWhatShowsThroughOneSquare) {
+  FarthestDepths holed = wall();
+  // 3 squares from the left, 5 from below.
+  holed.depths[size_t{5} * holed.columns + 3] = 0;
+  const Occluders occluders(kAhead, 1, std::move(holed));
+  const glm::dvec2 lower_left(-100, -75);
+  const auto at = [&](double x, double y) {  // in pixels, right at the wall
+    return boxAt({lower_left.x + x, lower_left.y + y, -0.6}, 0.5);
+  };
+  EXPECT_FALSE(occluders.hide(at(3.5 * 8, 5.5 * 8)));
+  EXPECT_FALSE(occluders.hide(at(3 * 8 - 1, 5.5 * 8)));  // its rim
+  EXPECT_FALSE(occluders.hide(at(3.5 * 8, 6 * 8 + 1)));
+  EXPECT_TRUE(occluders.hide(at(2.5 * 8, 5.5 * 8)));
+  EXPECT_TRUE(occluders.hide(at(3.5 * 8, 7.5 * 8)));
+  EXPECT_FALSE(occluders.hide(boxAt({-70, -30, -50}, 40)));  // around it
+}
+
+TEST(Occluders, doNotHideWhatLiesBeforeTheBackground) {
+  FarthestDepths empty = wall();
+  std::ranges::fill(empty.depths, 0.0f);
+  EXPECT_FALSE(Occluders(kAhead, 1, std::move(empty)).hide(boxAt({0, 0, -1e6})));
+}
+
+}  // namespace
+}  // namespace lode::test
