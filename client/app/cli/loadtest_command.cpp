@@ -36,7 +36,7 @@ struct LoadtestOptions {
   CommonOptions common;
   LoadOptions load;
   std::vector<std::string> more_targets;
-  MadePath made_path = MadePath::kOrbit;
+  std::string made_path = "orbit";
   double fps = 10, think_s = 0;
   std::optional<double> ramp_s;
   std::string trace_file;
@@ -57,10 +57,10 @@ class PlannedLoad {
  public:
   explicit PlannedLoad(const LoadtestOptions& options) : options_(options) {
     const std::optional<core::CameraPath> recorded = wantedPath(options.common);
-    path_of_ = [recorded, kind = options.made_path](const ModelSummary& model, uint64_t seed) {
+    path_of_ = [recorded, kind = kMadePaths.at(options.made_path)](const ModelSummary& model, uint64_t seed) {
       return recorded ? *recorded : makePath(kind, model, seed);
     };
-    const bool places_differ = !recorded && options.made_path != MadePath::kOrbit;
+    const bool places_differ = !recorded && options.made_path != "orbit";
     traces_ = options.load.full || !options.trace_file.empty() || !places_differ ? 1 : kTracesOfPlaces;
     add(options.common.target);
     for (const std::string& target : options.more_targets) add(target);
@@ -150,11 +150,10 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
   command->add_flag(
       "--full", options->load.full,
       "clients refine and decode as one with a window does; else they replay the wishes of one that did");
-  auto* path =
-      command->add_option("--path", options->made_path, "where no --camera is given (default: orbit)")
-          ->transform(CLI::CheckedTransformer(kMadePaths))
-          ->type_name("orbit|fly|walk")
-          ->excludes(camera);
+  auto* path = command->add_option("--path", options->made_path, "where no --camera is given")
+                   ->check(CLI::IsMember({"orbit", "fly", "walk"}))
+                   ->capture_default_str()
+                   ->excludes(camera);
   command
       ->add_option("--ramp", options->ramp_s,
                    "in which clients begin, one after the other (default: a quarter of --seconds)")

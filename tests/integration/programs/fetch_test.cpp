@@ -254,6 +254,15 @@ TEST(ClientCommands, failWhenStandardOutputTakesNoMore) {
   }
 }
 
+TEST(ClientCommands, explainThemselvesInText) {
+  for (const char* command : {"view", "render", "fetch", "replay", "loadtest", "list"}) {
+    const Outcome outcome = lodestream({command, "--help"});
+    EXPECT_EQ(outcome.status, 0) << command;
+    const auto isText = [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); };
+    EXPECT_TRUE(std::ranges::all_of(outcome.out, isText)) << outcome.out;
+  }
+}
+
 TEST(List, namesTheModelsOfAServerInOrder) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);

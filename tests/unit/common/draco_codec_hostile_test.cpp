@@ -12,7 +12,7 @@
 #include "common/limits.h"
 #include "common/surface_normals.h"
 #include "tests/support/test_meshes.h"
-#include "tests/unit/common/memory_meter.h"
+#include "tests/unit/memory_meter.h"
 
 namespace lode {
 namespace {

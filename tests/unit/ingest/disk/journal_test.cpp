@@ -10,6 +10,7 @@
 
 #include "common/error.h"
 #include "tests/support/work_folder.h"
+#include "tests/unit/memory_meter.h"
 
 namespace lode::ingest {
 namespace {
@@ -122,7 +123,9 @@ TEST_F(JournalFile, takesNoMemoryForALengthThatTheFileDoesNotHave) {
     std::string changed = bytes_;
     changed.replace(end(1) + 16, sizeof length, reinterpret_cast<const char*>(&length), sizeof length);
     put(changed);
+    const test::MemoryMeter meter;
     EXPECT_EQ(read(), first(1));
+    EXPECT_LT(meter.peakBytes(), 1 << 17);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "tests/unit/common/memory_meter.h"
+#include "tests/unit/memory_meter.h"
 
 #include <algorithm>
 #include <cstddef>
