@@ -10,14 +10,16 @@ usage: verify_images.py [--base FOLDER] [--toolchain FOLDER] [--ccache FOLDER] [
   --keep              leave the images
 
 Servers run in network namespaces of their own, as another user, on a root file system that is read only and without any
-capability; HAProxy and Prometheus are Debian's, with the files of docker/. Needs root, buildah, crun, haproxy, prometheus,
-docker-compose and python3-kubernetes; ends with 0 if all that it prints is true.
+capability; HAProxy and Prometheus are Debian's, with the files of docker/. Podman plays the Deployment of Kubernetes, with its
+ports on this machine while it does. Needs root, buildah, crun, podman, catatonit, containernetworking-plugins, haproxy,
+prometheus, docker-compose and python3-kubernetes; ends with 0 if all that it prints is true.
 """
 
 import argparse
 import json
 import os
 import re
+import secrets
 import subprocess
 import sys
 import tempfile
@@ -27,6 +29,7 @@ from pathlib import Path
 import yaml
 
 from container import Container, Network, image_size, run, wait_until
+from played_pod import PlayedPod
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCKER = ROOT / "docker"
@@ -177,6 +180,27 @@ def drain(network, folder, servers, models):
     expect(fetched >= 2, f"{fetched} fetches while a server drained, none failed")
 
 
+def play_deployment(folder, models):
+    """The pod of Kubernetes' Deployment, under TLS and with a token, and its drain."""
+    token = secrets.token_hex(16)
+    run("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2", "-subj", "/CN=localhost",
+        "-keyout", folder / "tls.key", "-out", folder / "tls.crt")
+    secret = {"tokens": f"{token} never *\n", **{name: (folder / name).read_text() for name in ("tls.crt", "tls.key")}}
+    (folder / "token").write_text(token)
+    (folder / "token").chmod(0o644)
+
+    def fetch_from_pod(*arguments):
+        with Container("lodestream-client", ["fetch", "lodes://localhost/gyroid", "--json", "--cache", "off", "--ca-file", "/pod/tls.crt",
+                                             *arguments], binds={"/pod": folder, "/etc/hosts": "/etc/hosts"}) as client:
+            return client.wait(60)
+
+    with PlayedPod(folder, models, secret) as pod:
+        wait_until(pod.ready, 60, "the pod is not ready")
+        expect(fetch_from_pod("--token-file", "/pod/token") == 0, "a fetch under TLS from the pod that podman made of the Deployment")
+        expect(fetch_from_pod() != 0, "without the token it gives nothing")
+        expect(pod.stop(30) == 0, "the pod drains and ends with 0")
+
+
 def in_mounts_of_its_own():
     """Goes on in a mount namespace. crun takes cgroups of version 1 or 2; where a system has both, version 2 is left out there."""
     if "LODESTREAM_OWN_MOUNTS" not in os.environ:
@@ -216,6 +240,7 @@ def main():
         finally:
             for server in servers.values():
                 server.remove()
+        play_deployment(folder, models)
     if not options.keep:
         run("buildah", "rmi", "-f", *(f"lodestream-{target}" for target in TARGETS), check=False)
     say("verify_images: all of it is so")
