@@ -3,8 +3,10 @@
 #include <string>
 #include <utility>
 
+#include <asio/error.hpp>
 #include <asio/ip/address.hpp>
 #include <asio/redirect_error.hpp>
+#include <asio/ssl/error.hpp>
 #include <asio/use_awaitable.hpp>
 #include <asio/write.hpp>
 #include <openssl/ssl.h>
@@ -52,8 +54,11 @@ asio::awaitable<void> ByteStream::connectHandshake(std::string host) {
 }
 
 asio::awaitable<size_t> ByteStream::readSome(asio::mutable_buffer into, asio::error_code& error) {
-  if (tls_) return tls_->async_read_some(into, asio::redirect_error(asio::use_awaitable, error));
-  return plain_->async_read_some(into, asio::redirect_error(asio::use_awaitable, error));
+  if (!tls_)
+    co_return co_await plain_->async_read_some(into, asio::redirect_error(asio::use_awaitable, error));
+  const size_t count = co_await tls_->async_read_some(into, asio::redirect_error(asio::use_awaitable, error));
+  if (error == asio::ssl::error::stream_truncated) error = asio::error::eof;
+  co_return count;
 }
 
 asio::awaitable<void> ByteStream::write(std::span<const asio::const_buffer> parts, asio::error_code& error) {

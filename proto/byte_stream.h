@@ -28,7 +28,8 @@ class ByteStream {
   /// @param host  name or number. @throws Error kNetwork: why it does not.
   asio::awaitable<void> connectHandshake(std::string host);
 
-  /// @param error  outlives the awaitable; asio::error::eof if the peer has closed its side.
+  /// @param error  outlives the awaitable; asio::error::eof if the peer has closed its side, under TLS with a
+  /// goodbye or without one: frames tell their lengths, so that none is cut short unseen.
   asio::awaitable<size_t> readSome(asio::mutable_buffer into, asio::error_code& error);
   /// Writes all of it. Under TLS several parts are cheaper in one.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts, asio::error_code& error);

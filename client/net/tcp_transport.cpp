@@ -16,7 +16,6 @@
 #include <asio/ip/tcp.hpp>
 #include <asio/post.hpp>
 #include <asio/redirect_error.hpp>
-#include <asio/ssl/error.hpp>
 #include <asio/steady_timer.hpp>
 #include <asio/use_awaitable.hpp>
 
@@ -154,7 +153,7 @@ asio::awaitable<void> TcpTransport::State::shakeHands() {
 /// Why a connection that there was has ended.
 std::string TcpTransport::State::describe(const asio::error_code& error) const {
   const std::string where = toString(route.address);
-  if (error != asio::error::eof && error != asio::ssl::error::stream_truncated)
+  if (error != asio::error::eof)
     return "the connection to " + where + " broke (" + error.message() +
            "): check the network and the server";
   if (!any_received && !route.tls)

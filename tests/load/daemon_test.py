@@ -6,6 +6,7 @@
 import contextlib
 import fcntl
 import os
+import pathlib
 import re
 import resource
 import shutil
@@ -20,7 +21,9 @@ import time
 import unittest
 
 from daemon import BIN, MODELS, SOURCE, STORE, Daemon, eventually, refusal, wishes
-from read_model import BLOB, DAMAGED_STORE, HEADER, LIMIT, NO_SUCH_MODEL
+from idle_clients import TlsConnection
+from processes import self_signed
+from read_model import BLOB, DAMAGED_STORE, HEADER, LIMIT, NO_SUCH_MODEL, Connection
 
 
 class OpenFiles(unittest.TestCase):
@@ -194,6 +197,20 @@ class Metrics(unittest.TestCase):
             text = daemon.ask("/metrics")[1]
         done = subprocess.run(["promtool", "check", "metrics"], input=text, capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def expect_told_as_gone_by_itself(self, client, *arguments):
+        with Daemon(STORE, *arguments) as daemon:
+            with contextlib.closing(client(daemon.address)) as connection:
+                connection.open("painted")
+            ended = lambda reason: daemon.metric(f'lodestream_connections_ended_total{{reason="{reason}"}}')
+            eventually(lambda: daemon.metric("lodestream_connections") == 0)
+            self.assertEqual((ended("client"), ended("broken")), (1, 0))
+
+    def test_tell_who_leaves_from_what_breaks_under_tls_too(self):
+        self.expect_told_as_gone_by_itself(Connection)
+        with tempfile.TemporaryDirectory() as folder:
+            made = self_signed(pathlib.Path(folder))
+            self.expect_told_as_gone_by_itself(TlsConnection, "--tls-cert", str(made / "cert.pem"), "--tls-key", str(made / "key.pem"))
 
 
 class OperatorsPage(unittest.TestCase):

@@ -21,7 +21,7 @@ render::DrawItem itemOf(const Mesh& mesh) {
 }
 
 Mesh clusteredPlain() {
-  Mesh mesh = makeGrid(96, 96, {.attributes = {}, .bump = 0.02});
+  Mesh mesh = makeGrid(97, 96, {.attributes = {}, .bump = 0.02});
   core::clusterTriangles(mesh);
   return mesh;
 }
