@@ -366,23 +366,24 @@ DrawCounts Renderer::drawPlace(size_t place, const core::View& view, const Frame
 /// same colours as if all were drawn. Lines hide nothing, and reach beyond what they belong to.
 void Renderer::drawCollected(const core::View& view, const Framebuffer& target, const DrawStyle& style,
                              bool leaves_out_hidden, DrawCounts& counts) {
+  if (!leaves_out_hidden || style.show == Show::kWireframe || seen_.size() < kFewClusters)
+    return drawClusters(view, style, counts, [](const SeenCluster&) { return true; });
   const auto hidden = [](const SeenCluster& cluster) {
     return cluster.item->clusters->hidden[cluster.number];
   };
-  if (!leaves_out_hidden || style.show == Show::kWireframe || seen_.size() < kFewClusters)
-    return drawClusters(view, style, counts, [](const SeenCluster&) { return true; });
-  drawClusters(view, style, counts, [&](const SeenCluster& cluster) { return !hidden(cluster); });
+  // Noted apart, as one that leaves and has come back is there twice.
+  std::vector<bool> is_drawn;
+  for (const SeenCluster& cluster : seen_) is_drawn.push_back(!hidden(cluster));
+  const auto isDrawn = [&](const SeenCluster& cluster) {
+    return is_drawn[static_cast<size_t>(&cluster - seen_.data())];
+  };
+  drawClusters(view, style, counts, isDrawn);
   const Occluders occluders(view, lattice_step_, depth_reader_.read(target));
-  std::vector<bool> appears;
-  for (const SeenCluster& cluster : seen_) {
-    const bool was_hidden = hidden(cluster);
+  for (const SeenCluster& cluster : seen_)
     hidden(cluster) = occluders.hide(core::toModelBox(cluster.box(), lattice_step_));
-    appears.push_back(was_hidden && !hidden(cluster));
-  }
   target.bindForDrawing();
-  drawClusters(view, style, counts, [&](const SeenCluster& cluster) {
-    return appears[static_cast<size_t>(&cluster - seen_.data())];
-  });
+  drawClusters(view, style, counts,
+               [&](const SeenCluster& cluster) { return !isDrawn(cluster) && !hidden(cluster); });
 }
 
 template <typename Chosen>

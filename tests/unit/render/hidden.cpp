@@ -124,6 +124,21 @@ TEST_F(Hidden, changesNoFade) {
   EXPECT_GT(fading, 5);
 }
 
+TEST_F(Hidden, showsAtOnceOfAPartThatLeavesAndHasComeBack) {
+  TwoWays ways;
+  const auto cut = scene(1), other = scene(11);
+  ways.show(cut);
+  for (int frame = 0; frame < 2; ++frame) ways.expectSamePicture(viewAt(0), {}, 0, true);
+  ways.show(other);
+  ways.expectSamePicture(viewAt(0), {}, 1, true);
+  ways.expectSamePicture(viewAt(0), {}, 1 + render::kFadeS / 4, true);
+  ways.show(cut);
+  double now_s = 1 + render::kFadeS / 2;
+  for (const int frame : {0, 0, 29, 3})
+    ways.expectSamePicture(viewAt(frame), {}, now_s += render::kFadeS / 16, true);
+  EXPECT_TRUE(ways.fading());
+}
+
 TEST_F(Hidden, isToldByTheFarthestSampleOfEachSquare) {
   const core::View view = lookAt({1500, 1500, 3000}, {1500, 1500, 1000});
   render::Renderer renderer;
