@@ -12,6 +12,7 @@
 #include "client/net/tcp_transport.h"
 #include "client/stream/cache_thread.h"
 #include "client/stream/decode_pool.h"
+#include "client/stream/published_cuts.h"
 #include "common/error.h"
 
 namespace lode::stream {
@@ -91,7 +92,9 @@ struct Streamer::State {
   std::optional<ModelSummary> summary;
   std::optional<Error> error;
 
-  BlobName kept_build_id;  // of the summary in the cache; of the thread
+  // Of the thread:
+  BlobName kept_build_id;  // of the summary in the cache
+  PublishedCuts published;
   std::thread thread;
 };
 
@@ -207,6 +210,7 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
   pool.add(engine.takeDecodeJobs());
   if (cache) cache->find(engine.takeCacheQueries());
   publish(engine, number);
+  published.letGo();
 }
 
 void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
@@ -221,6 +225,7 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   now.trouble = engine.trouble();
   now.exhausted = number != 0 && engine.exhausted() && !now.settled && now.failure.empty();
   if (now.exhausted) now.failure = "the cache does not have all that the view needs: run without --offline";
+  published.add(now.cut, now.placed);
   const std::lock_guard lock(mutex);
   has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
   if (!summary && engine.summary()) summary = *engine.summary();

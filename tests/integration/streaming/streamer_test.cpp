@@ -4,6 +4,7 @@
 #include "client/stream/streamer.h"
 
 #include <atomic>
+#include <memory>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -97,6 +98,24 @@ TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
   while (countOf("fd") > descriptors_before && std::chrono::steady_clock::now() < deadline)
     std::this_thread::yield();
   EXPECT_LE(countOf("fd"), descriptors_before);
+}
+
+TEST_F(Streaming, freesItsCutsOnItsOwnThreadAndNotWhereTheyWereShownLast) {
+  Streamer streamer(served_, threads(2));
+  const ModelSummary& model = streamer.waitForModel(kPatience);
+  streamer.setView(viewAt(1, model), 0.5f);
+  std::shared_ptr<const core::Cut> cut = streamer.waitUntilSettled(kPatience).cut;
+  ASSERT_TRUE(cut);
+  for (const float threshold_px : {kOnlyTheRootPx, 0.5f, kOnlyTheRootPx}) {
+    streamer.setView(viewAt(1, model), threshold_px);
+    ASSERT_NE(streamer.waitUntilSettled(kPatience).cut, cut);
+  }
+  EXPECT_EQ(cut.use_count(), 2);  // here and there
+  const std::weak_ptr<const core::Cut> shown = cut;
+  cut.reset();
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!shown.expired() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  EXPECT_TRUE(shown.expired());
 }
 
 TEST_F(Streaming, goesOnWhenTheServerComesBack) {

@@ -1,0 +1,29 @@
+#include "client/stream/published_cuts.h"
+
+namespace lode::stream {
+namespace {
+
+template <typename T>
+void addTo(std::vector<std::shared_ptr<const T>>& published, const std::shared_ptr<const T>& one) {
+  if (one && (published.empty() || published.back() != one)) published.push_back(one);
+}
+
+template <typename T>
+void letGoOf(std::vector<std::shared_ptr<const T>>& published) {
+  std::erase_if(published, [](const std::shared_ptr<const T>& one) { return one.use_count() == 1; });
+}
+
+}  // namespace
+
+void PublishedCuts::add(const std::shared_ptr<const core::Cut>& cut,
+                        const std::shared_ptr<const core::PlacedCuts>& placed) {
+  addTo(cuts_, cut);
+  addTo(placed_, placed);
+}
+
+void PublishedCuts::letGo() {
+  letGoOf(placed_);  // which have cuts
+  letGoOf(cuts_);
+}
+
+}  // namespace lode::stream
