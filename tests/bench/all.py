@@ -138,14 +138,17 @@ def main():
     options = parser.parse_args()
     for unknown in set(options.benches) - set(BENCHES):
         parser.error(f"no bench {unknown}: there are {', '.join(BENCHES)}")
-    moved, document = [], tables(DOCUMENT.read_text())
+    moved, failed, document = [], [], tables(DOCUMENT.read_text())
     with tempfile.TemporaryDirectory() as folder:
-        places = {"bin": options.bin_dir, "store": f"{folder}/asteroid.lode", "scans": scans()}
+        places = {"bin": options.bin_dir.resolve(), "store": f"{folder}/asteroid.lode", "scans": scans()}
         for name in options.benches or BENCHES:
             if "{store}" in BENCHES[name]:
                 make_store(options.bin_dir, folder)
             print(f"## {name}\n", flush=True)
             outputs = [run(BENCHES[name].format(**places)) for _ in range(options.runs)]
+            if None in outputs:
+                failed.append(name)
+                continue
             print(outputs[-1])
             for table, cells in merge(outputs):
                 moved += compare(table, cells, document)
@@ -154,6 +157,8 @@ def main():
         print(f"  {', '.join(name)}: {head}: {before} → {now}")
     if options.write:
         write(moved)
+    if failed:
+        sys.exit(f"all.py: {', '.join(failed)} failed; what each says of it is above")
 
 
 def scans():
@@ -170,10 +175,9 @@ def make_store(bin_dir, folder):
 
 
 def run(command):
+    """What it has printed; None if it failed: the others go on."""
     done = subprocess.run([sys.executable, *shlex.split(command)], cwd=HERE, stdout=subprocess.PIPE, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"{command}: ended with {done.returncode}; its own message above says why")
-    return done.stdout
+    return done.stdout if done.returncode == 0 else None
 
 
 if __name__ == "__main__":

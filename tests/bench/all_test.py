@@ -4,8 +4,10 @@ import contextlib
 import importlib.util
 import io
 import pathlib
+import sys
 import tempfile
 import unittest
+from unittest import mock
 
 spec = importlib.util.spec_from_file_location("bench_all", pathlib.Path(__file__).with_name("all.py"))
 bench_all = importlib.util.module_from_spec(spec)
@@ -57,6 +59,18 @@ class All(unittest.TestCase):
             (table, cells), = bench_all.merge([run(15.0)])
             bench_all.write(bench_all.compare(table, cells, bench_all.tables(DOCUMENT)))
             self.assertEqual(bench_all.DOCUMENT.read_text(), DOCUMENT.replace("10.0 s", "15.0 s"))
+
+    def test_goes_on_when_a_bench_fails_and_names_it_at_the_end(self):
+        with tempfile.TemporaryDirectory() as folder:
+            good, bad = pathlib.Path(folder, "good.py"), pathlib.Path(folder, "bad.py")
+            good.write_text("import os, sys\nassert os.path.isabs(sys.argv[1])\nprint('| model | other |\\n| --- | --- |\\n| bunny | 7 |')\n")
+            bad.write_text("raise SystemExit(1)\n")
+            with mock.patch.object(bench_all, "BENCHES", {"bad": str(bad), "good": f"{good} {{bin}}"}), \
+                    mock.patch.object(sys, "argv", ["all.py", "bin", "--runs", "1"]), \
+                    contextlib.redirect_stdout(io.StringIO()) as told, self.assertRaises(SystemExit) as ended:
+                bench_all.main()
+        self.assertTrue(str(ended.exception).startswith("all.py: bad failed"), ended.exception)
+        self.assertIn("| bunny | 7 |", told.getvalue())
 
 
 if __name__ == "__main__":
