@@ -5,17 +5,12 @@
 #include <string_view>
 
 #include "client/render/shader_program.h"
+#include "client/render/shaders.h"
 
 namespace lode::render {
 namespace {
 
 constexpr GLuint kDepthUnit = 1;
-
-const char* const kWholeVertexShader = R"glsl(
-void main() {
-  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
-}
-)glsl";
 
 const char* const kFarthestFragmentShader = R"glsl(
 layout(binding = 1) uniform sampler2DMS depths;

@@ -79,6 +79,15 @@ struct TextureArrayTraits {
   static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
 };
 
+struct TextureTraits {
+  static GLuint create() noexcept {
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &name);
+    return name;
+  }
+  static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
+};
+
 struct MultisampleTextureTraits {
   static GLuint create() noexcept {
     GLuint name = 0;
@@ -107,6 +116,7 @@ using GlVertexArray = GlName<VertexArrayTraits>;
 using GlRenderbuffer = GlName<RenderbufferTraits>;
 using GlFramebuffer = GlName<FramebufferTraits>;
 using GlTextureArray = GlName<TextureArrayTraits>;
+using GlTexture = GlName<TextureTraits>;
 using GlMultisampleTexture = GlName<MultisampleTextureTraits>;
 using GlTimeQuery = GlName<TimeQueryTraits>;
 using GlProgram = GlName<ProgramTraits>;

@@ -196,6 +196,12 @@ void main() {
 }
 )glsl";
 
+const char* const kWholeVertexShader = R"glsl(
+void main() {
+  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
+}
+)glsl";
+
 const char* const kBackgroundVertexShader = R"glsl(
 out float height;
 void main() {

@@ -11,6 +11,7 @@ extern const char* const kLightShader;  ///< before the one below
 extern const char* const kMeshFragmentShader;
 extern const char* const kBackgroundVertexShader;
 extern const char* const kBackgroundFragmentShader;
+extern const char* const kWholeVertexShader;  ///< one triangle over all of the target, at depth 0
 
 /// Bits of a draw's flags, as the shaders read them.
 constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawTinted = 4, kDrawTextured = 8,
