@@ -1,6 +1,6 @@
 // What a frame takes on this machine: bench_frames STORE... prints a line for each store and distance.
 // Converged cuts of one pixel are drawn off-screen as the window draws them, from a camera that turns a
-// little from frame to frame.
+// little from frame to frame; and what ambient occlusion adds.
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +15,7 @@
 #include "client/core/framing.h"
 #include "client/core/instance.h"
 #include "client/core/model.h"
+#include "client/render/ambient_occlusion.h"
 #include "client/render/framebuffer.h"
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
@@ -77,12 +78,14 @@ struct Frames {
   render::Image image;
 };
 
-void draw(Frames& frames, bool leaves_out_hidden, const core::View& view, render::Renderer& renderer,
-          const render::Framebuffer& target) {
+/// @param occlusion  null: none.
+void draw(Frames& frames, bool leaves_out_hidden, render::AmbientOcclusion* occlusion, const core::View& view,
+          render::Renderer& renderer, const render::Framebuffer& target) {
   using Clock = std::chrono::steady_clock;
   const double cpu_start = cpuMs();
   const auto start = Clock::now();
   frames.triangles = renderer.draw(view, target, {}, {.leaves_out_hidden = leaves_out_hidden}).triangles;
+  if (occlusion != nullptr) occlusion->darken(target, view.fov_y_rad, render::Show::kSurface);
   target.resolve();
   glFinish();
   frames.cpu_ms.push_back(cpuMs() - cpu_start);
@@ -90,22 +93,25 @@ void draw(Frames& frames, bool leaves_out_hidden, const core::View& view, render
   frames.image = target.readPixels();
 }
 
-/// By turns all that is in the picture and without what is hidden there.
+/// By turns all that is in the picture, without what is hidden there, and that with ambient occlusion.
 void measure(const std::string& name, const core::Cut& cut, render::Renderer& renderer,
              const render::Framebuffer& target) {
-  Frames all, seen;
+  Frames all, seen, darkened;
+  render::AmbientOcclusion occlusion;
   size_t differing = 0;
   for (int frame = 0; frame < kFrames; ++frame) {
     const core::View view = turned(cut.view, frame * kTurnRad);
-    draw(all, false, view, renderer, target);
-    draw(seen, true, view, renderer, target);
+    draw(all, false, nullptr, view, renderer, target);
+    draw(seen, true, nullptr, view, renderer, target);
+    draw(darkened, true, &occlusion, view, renderer, target);
     for (size_t i = 0; i < all.image.rgba.size(); i += 4)
       differing += !std::equal(&all.image.rgba[i], &all.image.rgba[i] + 4, &seen.image.rgba[i]);
   }
-  std::printf("| %s | %llu | %llu | %llu | %.0f | %.0f | %.0f | %.0f | %zu |\n", name.c_str(),
+  std::printf("| %s | %llu | %llu | %llu | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %zu |\n", name.c_str(),
               static_cast<unsigned long long>(cut.triangles), static_cast<unsigned long long>(all.triangles),
               static_cast<unsigned long long>(seen.triangles), medianOf(all.cpu_ms), medianOf(seen.cpu_ms),
-              medianOf(all.ms), medianOf(seen.ms), differing);
+              medianOf(darkened.cpu_ms), medianOf(all.ms), medianOf(seen.ms), medianOf(darkened.ms),
+              differing);
   std::fflush(stdout);
 }
 
@@ -135,6 +141,7 @@ int main(int argc, char** argv) {
   const lode::render::OffscreenContext context;
   std::puts(
       "| store | from | triangles of the cut | in the picture | not hidden | CPU ms a frame | not hidden "
-      "| ms | not hidden | pixels that differ, of all frames |");
+      "| with ambient occlusion | ms | not hidden | with ambient occlusion | pixels that differ, of all "
+      "frames |");
   for (int i = 1; i < argc; ++i) lode::bench::measure(argv[i]);
 }

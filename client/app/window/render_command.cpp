@@ -22,6 +22,7 @@
 #include "client/app/window/scene_subject.h"
 #include "client/app/window/video.h"
 #include "client/core/camera_path.h"
+#include "client/render/ambient_occlusion.h"
 #include "client/render/framebuffer.h"
 #include "client/render/image.h"
 #include "client/render/memory_shares.h"
@@ -189,16 +190,19 @@ void render(const RenderOptions& options) {
   // What this machine cannot draw is said before a long build is begun.
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);
+  render::AmbientOcclusion occlusion;
   makeFolder(options.folder);
 
   const std::unique_ptr<PictureSubject> subject = open(options);
   Shown shown;
+  const render::DrawStyle style = styleOf(options.look);
   for (const Shot& shot : planShots(options, subject->path())) {
-    Taken taken = subject->take(shot.t, target, styleOf(options.look));
+    Taken taken = subject->take(shot.t, target, style);
     if (!shown.first_unconverged && (!taken.is_finest || taken.max_error_px > options.common.pixels))
       shown.first_unconverged = {shot.t, taken.status};
     if (!taken.is_finest) break;
     shown.legend = std::move(taken.legend);
+    occlusion.darken(target, glm::radians(subject->path().fov_y_deg), style.show);
     target.resolve();
     render::writePng(shot.file, target.readPixels());
     ++shown.pictures;

@@ -272,6 +272,10 @@ render::DrawTime Viewer::time() const {
           draws_in_software_};
 }
 
+/// It costs about as much in every frame, which no threshold makes up for where the processor draws. A
+/// screenshot is the picture that `render` draws.
+bool Viewer::darkensHollows() const { return !draws_in_software_ || !options_.screenshot.empty(); }
+
 void Viewer::draw() {
   const Clock::time_point start = Clock::now();
   core::View view;
@@ -280,6 +284,7 @@ void Viewer::draw() {
   timer_.begin(std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_));
   if (rig_) style_.up = rig_->up();
   const render::DrawCounts drawn = exhibit_->draw(rig_ ? rig_->view() : view, *target_, style_, time());
+  if (rig_ && darkensHollows()) occlusion_.darken(*target_, rig_->view().fov_y_rad, style_.show);
   target_->resolve();
   target_->copyTo(0);
   content_.triangles = drawn.triangles;

@@ -16,6 +16,7 @@
 #include "client/app/window/picks.h"
 #include "client/app/window/picture_request.h"
 #include "client/app/window/refining_progress.h"
+#include "client/render/ambient_occlusion.h"
 #include "client/render/frame_rate_control.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
@@ -57,6 +58,7 @@ class Viewer {
   void stream();
   bool isPictureOld(const Input& input) const;
   render::DrawTime time() const;
+  bool darkensHollows() const;
   void draw();
   void describe();
   void describeStream();
@@ -76,6 +78,7 @@ class Viewer {
   Panel panel_;
   const std::unique_ptr<Exhibit> exhibit_;
   std::optional<render::Framebuffer> target_;
+  render::AmbientOcclusion occlusion_;
   render::FrameTimer timer_;
   render::FrameRateControl control_;
   std::optional<CameraRig> rig_;  ///< once it is open
