@@ -163,5 +163,32 @@ TEST_F(Hidden, isToldByTheFarthestSampleOfEachSquare) {
   }
 }
 
+TEST_F(Hidden, isToldByWhatShowsInAnySampleOfAPixel) {
+  const core::View view = lookAt({1500, 1500, 3000}, {1500, 1500, 1000});
+  const render::Framebuffer target(kWidthPx, kHeightPx);
+  render::DepthReader reader;
+  int partly = 0;
+  for (uint32_t x = 1500; x < 1600; x += 2) {
+    render::Renderer renderer;
+    renderer.show(cutOf(std::vector{squareAt(x, 0, 1000, 4000, {255, 0, 0, 255})}));
+    renderer.uploadInRenderThread({.wait = true});
+    render::DrawStyle style = magentaBehind();
+    style.show = render::Show::kUnlit;
+    renderer.draw(view, target, style);
+    target.resolve();
+    const render::Image picture = target.readPixels();
+    const render::FarthestDepths depths = reader.read(target);
+    for (uint32_t column = kWidthPx / 16; column < kWidthPx / 8; ++column) {
+      // The last pixels of a square on the left are the first to show the wall, the first ones the last.
+      const uint8_t* const first = picture.pixel(8 * column, kHeightPx / 2);
+      const bool shows_background = first[2] > 0;
+      partly += shows_background && first[2] < 255;
+      EXPECT_EQ(depths.depths[kHeightPx / 16 * depths.columns + column] == 0, shows_background)
+          << x << ", " << column;
+    }
+  }
+  EXPECT_GT(partly, 0);
+}
+
 }  // namespace
 }  // namespace lode::test
