@@ -70,28 +70,11 @@ struct FramebufferTraits {
   static void destroy(GLuint name) noexcept { glDeleteFramebuffers(1, &name); }
 };
 
-struct TextureArrayTraits {
-  static GLuint create() noexcept {
-    GLuint name = 0;
-    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
-    return name;
-  }
-  static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
-};
-
+template <GLenum kTarget>
 struct TextureTraits {
   static GLuint create() noexcept {
     GLuint name = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &name);
-    return name;
-  }
-  static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
-};
-
-struct MultisampleTextureTraits {
-  static GLuint create() noexcept {
-    GLuint name = 0;
-    glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &name);
+    glCreateTextures(kTarget, 1, &name);
     return name;
   }
   static void destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
@@ -115,9 +98,9 @@ using GlBuffer = GlName<BufferTraits>;
 using GlVertexArray = GlName<VertexArrayTraits>;
 using GlRenderbuffer = GlName<RenderbufferTraits>;
 using GlFramebuffer = GlName<FramebufferTraits>;
-using GlTextureArray = GlName<TextureArrayTraits>;
-using GlTexture = GlName<TextureTraits>;
-using GlMultisampleTexture = GlName<MultisampleTextureTraits>;
+using GlTexture = GlName<TextureTraits<GL_TEXTURE_2D>>;
+using GlTextureArray = GlName<TextureTraits<GL_TEXTURE_2D_ARRAY>>;
+using GlMultisampleTexture = GlName<TextureTraits<GL_TEXTURE_2D_MULTISAMPLE>>;
 using GlTimeQuery = GlName<TimeQueryTraits>;
 using GlProgram = GlName<ProgramTraits>;
 
