@@ -43,7 +43,11 @@ class StoreOfNoise {
     std::vector<Rung> rungs;
     for (uint32_t i = 0; i < (leaf ? 1 : kInnerRungs); ++i)
       rungs.push_back(rung(static_cast<float>(100 * (kDepth - depth)) + static_cast<float>(i)));
-    nodes_.push_back({node, box_, static_cast<uint8_t>(leaf ? 0 : 0xFF), std::move(rungs), {}});
+    Node& made = nodes_.emplace_back();
+    made.key = node;
+    made.box = box_;
+    made.child_mask = static_cast<uint8_t>(leaf ? 0 : 0xFF);
+    made.rungs = std::move(rungs);
   }
 
   Rung rung(float error_model) {
