@@ -49,8 +49,10 @@ class Table:
         return count
 
     def named(self):
+        """Rows by their names, in which 1,000 is 1000."""
         count = self.names()
-        return {row[:count]: (number, row[count:]) for number, row in self.rows.items()}
+        plain = lambda cell: re.sub(r"(?<=\d),(?=\d{3})", "", cell)
+        return {tuple(map(plain, row[:count])): (number, row[count:]) for number, row in self.rows.items()}
 
 
 def tables(text):

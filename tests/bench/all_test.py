@@ -18,7 +18,7 @@ DOCUMENT = """Text | with a bar.
 | model | a node | CPU | memory |
 | --- | --- | --- | --- |
 | bunny | 512 | 10.0 s | **1,200 MB** |
-| bunny | 4096 | 20.0 s | 300 MB |
+| bunny | 4,096 | 20.0 s | 300 MB |
 
 | model | other |
 | --- | --- |
@@ -38,6 +38,9 @@ class All(unittest.TestCase):
 
     def test_names_a_figure_that_is_not_what_the_document_says(self):
         self.assertEqual(self.moved(run(12.0), run(12.4), run(12.1)), [(("bunny", "512"), "CPU", "12.1 s")])
+
+    def test_knows_a_row_by_its_number_however_it_is_written(self):
+        self.assertEqual(self.moved(run(10.0).replace("20.1", "30.0")), [(("bunny", "4096"), "CPU", "30.0 s")])
 
     def test_calls_nothing_moved_that_differs_by_less_than_the_runs_do(self):
         self.assertEqual(self.moved(run(8.0), run(11.0), run(12.4)), [])

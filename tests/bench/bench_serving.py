@@ -120,7 +120,7 @@ def throughput(bench, tls=None):
         web_wall, web_cpu, our_wall, our_cpu = (statistics.median(column) / 1e6 for column in zip(*runs))
         wall = statistics.median(run[2] / run[0] for run in runs)
         cpu = statistics.median(run[3] / run[1] for run in runs)
-        print(f"| {size // 1024} KB | {web_wall:.0f} MB/s | {our_wall:.0f} MB/s | **{wall:.2f}** | "
+        print(f"| {size // 1024} KB{', TLS' if tls else ''} | {web_wall:.0f} MB/s | {our_wall:.0f} MB/s | **{wall:.2f}** | "
               f"{web_cpu:.0f} MB | {our_cpu:.0f} MB | **{cpu:.2f}** |", flush=True)
 
 
