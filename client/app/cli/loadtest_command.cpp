@@ -151,7 +151,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       "--full", options->load.full,
       "clients refine and decode as one with a window does; else they replay the wishes of one that did");
   auto* path = command->add_option("--path", options->made_path, "where no --camera is given")
-                   ->check(CLI::IsMember({"orbit", "fly", "walk"}))
+                   ->check(CLI::IsMember(kMadePaths))
                    ->capture_default_str()
                    ->excludes(camera);
   command
