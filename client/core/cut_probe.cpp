@@ -70,6 +70,8 @@ CutProbe::CutProbe(std::shared_ptr<const Cut> cut, double step) : cut_(std::move
   for (size_t number = 0; number < boxes_.size(); ++number) {
     const CutPart& part = partOf(*cut_, number);
     if (!part.mesh) continue;
+    for (const LatticeBox& box : part.mesh->cluster_boxes) boxes_[number].add(box);
+    if (!part.mesh->cluster_boxes.empty()) continue;
     for (const PositionCode code : part.mesh->positions) boxes_[number].add(unpackPosition(code));
   }
 }

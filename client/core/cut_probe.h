@@ -35,7 +35,7 @@ struct Hit {
 /// Looks for what lies under a place of the picture, on the triangles that are drawn. Immutable.
 class CutProbe {
  public:
-  /// Reads every vertex once. @param step  of the model's lattice.
+  /// Reads the boxes of clusters; of meshes without, every vertex once. @param step  of the model's lattice.
   CutProbe(std::shared_ptr<const Cut> cut, double step);
 
   const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }

@@ -16,6 +16,14 @@ namespace {
 
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 
+/// That a cut takes of the GPU, with its fallbacks.
+uint64_t bytesOf(const core::Cut& cut) {
+  uint64_t bytes = 0;
+  for (size_t number = 0; number < partCount(cut); ++number)
+    if (partOf(cut, number).mesh) bytes += core::drawnBytes(*partOf(cut, number).mesh);
+  return bytes;
+}
+
 }  // namespace
 
 /// What is left of a frame's UploadBudget.
@@ -53,20 +61,31 @@ uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
     complete = advance(allowance);
     staging_.close();
   }
-  if (complete) finish();
+  if (target_ && steps_done_ > steps_drawn_) drawWhatIsThere();
   return allowance.used_bytes;
 }
 
 /// @return false if there is nothing to do.
 bool MeshResidency::begin() {
   if (!newest_ || newest_ == drawn_cut_ || newest_ == rejected_) return false;
-  target_ = newest_;
   rejected_.reset();
-  next_part_ = 0;
+  if (bytesOf(*newest_) > options_.budget_bytes) {
+    rejected_ = newest_;
+    return false;
+  }
+  target_ = newest_;
+  const bool by_region = newest_exchange_ == Exchange::kByRegion && drawn_cut_ && !is_mixed_ &&
+                         drawn_cut_->build == target_->build;
+  startExchange(by_region ? drawn_cut_ : nullptr);
   has_room_alone_ = false;
   target_serial_ = ++serial_;
   pin(*target_, target_serial_);
   return true;
+}
+
+void MeshResidency::startExchange(std::shared_ptr<const core::Cut> from) {
+  exchange_.emplace(std::move(from), target_);
+  steps_done_ = steps_drawn_ = next_in_step_ = 0;
 }
 
 void MeshResidency::pin(const core::Cut& cut, uint64_t serial) {
@@ -83,22 +102,38 @@ bool MeshResidency::pinned(const Entry& entry) const noexcept {
 /// @return true if all of the target is on the GPU; false if the allowance ended first or the target was
 /// rejected.
 bool MeshResidency::advance(Allowance& allowance) {
-  for (; next_part_ < partCount(*target_); ++next_part_) {
-    const core::CutPart& part = partOf(*target_, next_part_);
+  while (steps_done_ < exchange_->steps().size()) {
+    if (!advanceStep(exchange_->steps()[steps_done_], allowance)) return false;
+    ++steps_done_;
+    next_in_step_ = 0;
+  }
+  return true;
+}
+
+bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) {
+  for (; next_in_step_ < step.numbers.size(); ++next_in_step_) {
+    const core::CutPart& part = partOf(*target_, step.numbers[next_in_step_]);
     if (!part.mesh || part.mesh->triangles.empty()) continue;
     const auto it = entries_.find(part.mesh);
     Entry* entry = it != entries_.end() ? &it->second : place(part.mesh);
     if (entry == nullptr) {
-      if (has_room_alone_ || !makeRoomForTargetAlone()) {
-        reject();
-        return false;
-      }
-      allowance.budget.wait = true;  // nothing is drawn until the whole target is there
+      makeRoom(allowance);
       return false;
     }
     if (!entry->complete && !uploadMesh(*part.mesh, *entry, allowance)) return false;
   }
   return true;
+}
+
+/// What has lost its place to regions of the target goes first, then all that is drawn.
+void MeshResidency::makeRoom(Allowance& allowance) {
+  if (steps_done_ > steps_drawn_) {
+    drawWhatIsThere();
+  } else if (!has_room_alone_ && makeRoomForTargetAlone()) {
+    allowance.budget.wait = true;  // nothing is drawn until the whole target is there
+  } else {
+    reject();
+  }
 }
 
 bool MeshResidency::uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowance) {
@@ -192,7 +227,7 @@ bool MeshResidency::makeRoomForTargetAlone() {
   entries_.clear();
   for (const std::shared_ptr<const Mesh>& mesh : meshes)
     if (!entries_.contains(mesh)) place(mesh);
-  next_part_ = 0;
+  startExchange(nullptr);
   has_room_alone_ = true;
   return true;
 }
@@ -200,14 +235,30 @@ bool MeshResidency::makeRoomForTargetAlone() {
 void MeshResidency::reject() {
   rejected_ = std::move(target_);
   target_.reset();
+  exchange_.reset();
   if (drawn_cut_) pin(*drawn_cut_, drawn_serial_);
   trimTo(options_.spare_bytes);
 }
 
-void MeshResidency::finish() {
-  drawn_cut_ = std::move(target_);
-  target_.reset();
-  drawn_serial_ = target_serial_;
+/// The target, or, until all of it is there, its mixture with what was drawn before.
+void MeshResidency::drawWhatIsThere() {
+  drawn_cut_ = exchange_->after(steps_done_);
+  steps_drawn_ = steps_done_;
+  is_mixed_ = drawn_cut_ != target_ && steps_done_ > 1;
+  drawn_serial_ = ++serial_;
+  pin(*drawn_cut_, drawn_serial_);
+  if (drawn_cut_ == target_) {
+    target_.reset();
+    exchange_.reset();
+  } else {
+    target_serial_ = ++serial_;
+    pin(*target_, target_serial_);
+  }
+  listDrawn();
+  trimTo(options_.spare_bytes);
+}
+
+void MeshResidency::listDrawn() {
   drawn_.clear();
   for (size_t number = 0; number < partCount(*drawn_cut_); ++number) {
     const core::CutPart& part = partOf(*drawn_cut_, number);
@@ -232,7 +283,6 @@ void MeshResidency::finish() {
             part.error_px,
             part.error_model};
   }
-  trimTo(options_.spare_bytes);
 }
 
 void MeshResidency::keepFrom(uint64_t serial) {

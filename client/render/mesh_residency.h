@@ -4,10 +4,12 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "client/core/cut.h"
+#include "client/render/cut_exchange.h"
 #include "client/render/gpu_pages.h"
 #include "client/render/staging_ring.h"
 
@@ -49,9 +51,16 @@ struct DrawItem {
   float age_s = 0;  ///< that it is in the picture
 };
 
-/// Which meshes are on the GPU. A cut is drawn when all of it is there with its fallbacks, and until then the
-/// one before it: what arrives slowly never leaves a hole, wherever the camera goes. Meshes are known by
-/// their shared_ptr's identity and not kept alive. Used on the thread of its context.
+/// How a newer cut takes the place of the one that is drawn.
+enum class Exchange {
+  kByRegion,  ///< each region as soon as all that it shows is on the GPU; as a whole if it is of another
+              ///< build
+  kWhole,
+};
+
+/// Which meshes are on the GPU. Of a newer cut a region is drawn when all of it is there, and until then what
+/// was drawn there before: what arrives slowly never leaves a hole, wherever the camera goes. Meshes are
+/// known by their shared_ptr's identity and not kept alive. Used on the thread of its context.
 class MeshResidency {
  public:
   /// @throws Error kIo if there is no memory for uploads.
@@ -60,7 +69,10 @@ class MeshResidency {
   /// Another budget from now on; what is drawn stays.
   void setBudget(uint64_t bytes) noexcept;
   /// The newest cut; begun as soon as the one under way is complete.
-  void show(std::shared_ptr<const core::Cut> cut) { newest_ = std::move(cut); }
+  void show(std::shared_ptr<const core::Cut> cut, Exchange exchange = Exchange::kByRegion) {
+    newest_ = std::move(cut);
+    newest_exchange_ = exchange;
+  }
   /// Uploads towards the newest cut, within the budget. @return bytes uploaded.
   uint64_t uploadInRenderThread(const UploadBudget& budget);
 
@@ -68,7 +80,8 @@ class MeshResidency {
   bool upToDate() const noexcept { return newest_ == drawn_cut_; }
   /// The newest cut does not fit into the budget: the one before stays.
   bool overBudget() const noexcept { return rejected_ != nullptr && rejected_ == newest_; }
-  /// Null before the first, and while room is made for one that fits only alone.
+  /// A cut that was shown, or a mixture of two: see CutExchange. Null before the first, and while room is
+  /// made for one that fits only alone.
   const std::shared_ptr<const core::Cut>& drawnCut() const noexcept { return drawn_cut_; }
   const std::shared_ptr<const core::Cut>& newest() const noexcept { return newest_; }
   /// By the numbers of core::partOf(): the drawn cut's parts, and what is drawn instead where it lacks some.
@@ -98,13 +111,17 @@ class MeshResidency {
   using Entries = std::map<std::weak_ptr<const Mesh>, Entry, std::owner_less<>>;
 
   bool begin();
+  void startExchange(std::shared_ptr<const core::Cut> from);
   bool advance(Allowance& allowance);
+  bool advanceStep(const ExchangeStep& step, Allowance& allowance);
+  void makeRoom(Allowance& allowance);
   bool uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowance);
   uint32_t uploadPiece(const Mesh& mesh, Entry& entry, uint32_t limit_bytes);
   Entry* place(const std::shared_ptr<const Mesh>& mesh);
   bool makeRoomForTargetAlone();
   void reject();
-  void finish();
+  void drawWhatIsThere();
+  void listDrawn();
   void trimTo(uint64_t spare_bytes);
   bool evictOldest();
   bool pinned(const Entry& entry) const noexcept;
@@ -115,8 +132,12 @@ class MeshResidency {
   StagingRing staging_;
   Entries entries_;
   std::shared_ptr<const core::Cut> newest_, target_, drawn_cut_, rejected_;
-  bool has_room_alone_ = false;  ///< target_: all else was given up for it
-  size_t next_part_ = 0;         ///< of target_, a number for core::partOf()
+  Exchange newest_exchange_ = Exchange::kByRegion;
+  std::optional<CutExchange> exchange_;      ///< to target_
+  size_t steps_done_ = 0, steps_drawn_ = 0;  ///< of exchange_
+  size_t next_in_step_ = 0;                  ///< of the step after those done
+  bool is_mixed_ = false;                    ///< drawn_cut_
+  bool has_room_alone_ = false;              ///< target_: all else was given up for it
   uint64_t serial_ = 0, target_serial_ = 0, drawn_serial_ = 0;
   uint64_t kept_from_ = kNone;
   std::vector<DrawItem> drawn_;

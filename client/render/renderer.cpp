@@ -113,7 +113,9 @@ void Renderer::show(const std::shared_ptr<const core::Cut>& cut) {
 void Renderer::show(const std::shared_ptr<const core::PlacedCuts>& placed) {
   std::erase_if(placed_, [](const auto& known) { return known.expired(); });
   if (!meshes_.newest() || meshes_.newest() != placed->all) placed_.push_back(placed);
-  show(std::shared_ptr<const core::Cut>(placed, placed->all.get()));
+  const std::shared_ptr<const core::Cut> all(placed, placed->all.get());
+  meshes_.show(all, Exchange::kWhole);
+  textures_.show(all, meshes_.drawnCut());
 }
 
 std::shared_ptr<const core::PlacedCuts> Renderer::drawnPlaced() const {

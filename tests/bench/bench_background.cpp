@@ -27,7 +27,8 @@ namespace fs = std::filesystem;
 constexpr uint32_t kWidthPx = 640, kHeightPx = 360;
 constexpr auto kPatience = std::chrono::seconds(60);
 constexpr double kFrameS = 1 / 60.0;
-constexpr int kBuildsTakeTurnsAfter = 10;  // cameras
+constexpr int kBuildsTakeTurnsAfter = 10;      // cameras
+constexpr uint32_t kUploadBytes = 256u << 10;  // of one frame
 
 class Models {
  public:
@@ -78,9 +79,10 @@ core::View randomView(const ModelSummary& model, std::mt19937& random) {
 
 void print(const char* what, const test::BackgroundWatch::Tally& tally) {
   std::printf(
-      "%s: %llu frames (%llu fading), %llu pixels inside, %llu of them background\n", what,
+      "%s: %llu frames (%llu fading, %llu mixed), %llu pixels inside, %llu of them background\n", what,
       static_cast<unsigned long long>(tally.frames), static_cast<unsigned long long>(tally.fading_frames),
-      static_cast<unsigned long long>(tally.inside), static_cast<unsigned long long>(tally.background));
+      static_cast<unsigned long long>(tally.mixed_frames), static_cast<unsigned long long>(tally.inside),
+      static_cast<unsigned long long>(tally.background));
 }
 
 /// A picture of one pixel, inside what full resolution and it both cover.
@@ -111,9 +113,9 @@ void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cam
   print("without fades, one pixel inside full resolution", tally);
 }
 
-/// Every frame of a stream whose cameras jump, and sharpen from four pixels to one.
+/// Every frame of a stream whose cameras jump, and sharpen from four pixels to one, region by region.
 void countFading(Models& models, stream::Streamer& streamer, const ModelSummary& model, int cameras) {
-  test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx);
+  test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx, kUploadBytes);
   std::mt19937 random(2);
   double now_s = 0;
   uint64_t build = 0;
@@ -129,7 +131,7 @@ void countFading(Models& models, stream::Streamer& streamer, const ModelSummary&
         status = streamer.waitForNews(std::chrono::milliseconds(10));
         if (std::exchange(build, status.cut_build) != status.cut_build) ++builds;
         watch.frame(status.cut, view, now_s += kFrameS);
-      } while (!(status.current && status.settled) || watch.fading());
+      } while (!(status.current && status.settled) || watch.fading() || !watch.uploaded());
     }
   }
   std::printf("%d builds shown in turn\n", builds);

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "client/render/framebuffer.h"
@@ -16,16 +18,23 @@ class BackgroundWatch {
  public:
   struct Tally {
     uint64_t frames = 0, fading_frames = 0;
-    uint64_t inside = 0;      ///< pixels
-    uint64_t background = 0;  ///< of them
+    uint64_t mixed_frames = 0;  ///< of a cut that has taken another's place in a part of its regions
+    uint64_t inside = 0;        ///< pixels
+    uint64_t background = 0;    ///< of them
 
     bool operator==(const Tally&) const = default;
   };
 
-  BackgroundWatch(double lattice_step, uint32_t width_px, uint32_t height_px)
-      : fading_(lattice_step), alone_(lattice_step), target_(width_px, height_px, 1) {}
+  /// @param upload_bytes  of one frame; none: a cut is uploaded at once.
+  BackgroundWatch(double lattice_step, uint32_t width_px, uint32_t height_px,
+                  std::optional<uint32_t> upload_bytes = std::nullopt)
+      : fading_(lattice_step),
+        alone_(lattice_step),
+        target_(width_px, height_px, 1),
+        upload_(upload_bytes ? render::UploadBudget{.bytes = *upload_bytes, .ms = 1000}
+                             : render::UploadBudget{.wait = true}) {}
 
-  /// One frame with a cut, which is uploaded at once.
+  /// One frame with a cut. The camera may be another only when uploaded().
   void frame(const std::shared_ptr<const core::Cut>& cut, const core::View& view, double now_s) {
     if (covered_.empty() || view != view_) {
       view_ = view;
@@ -33,28 +42,34 @@ class BackgroundWatch {
       if (alone_.meshes().drawnCut()) cover(now_s);
     }
     const bool is_same = !covered_.empty() && alone_.meshes().drawnCut() == cut;
-    for (render::Renderer* const renderer : {&fading_, &alone_}) {
-      renderer->show(cut);
-      while (!renderer->upToDate()) renderer->uploadInRenderThread({.wait = true});
-    }
+    uploadAlone(cut);
+    fading_.show(cut);
+    do fading_.uploadInRenderThread(upload_);
+    while ((upload_.wait && !uploaded()) || !fading_.meshes().drawnCut());
     if (!is_same) cover(now_s);
     covered_.back().now_s = now_s;
+    if (!uploaded())  // any of them may still be drawn somewhere
+      for (Covered& covered : covered_) covered.now_s = now_s;
+    const auto isDrawn = [&](const Covered& covered) { return covered.cut == fading_.meshes().drawnCut(); };
+    if (std::ranges::none_of(covered_, isDrawn)) ++tally_.mixed_frames;
     while (covered_.front().now_s < now_s - render::kFadeS) covered_.pop_front();
     fading_.draw(view, target_, style_, {now_s, true});
     count(pixelsOfModel());
   }
   /// Pixels that a cut covers, drawn alone.
   std::vector<bool> coveredBy(const std::shared_ptr<const core::Cut>& cut, const core::View& view) {
-    alone_.show(cut);
-    while (!alone_.upToDate()) alone_.uploadInRenderThread({.wait = true});
+    uploadAlone(cut);
     alone_.draw(view, target_, style_);
     return pixelsOfModel();
   }
   const Tally& tally() const noexcept { return tally_; }
   bool fading() const noexcept { return fading_.fading(); }
+  /// All of the last frame's cut is there.
+  bool uploaded() const noexcept { return fading_.upToDate(); }
 
  private:
   struct Covered {
+    std::shared_ptr<const core::Cut> cut;
     double now_s;
     std::vector<bool> pixels;
   };
@@ -75,9 +90,13 @@ class BackgroundWatch {
     }
     return pixels;
   }
+  void uploadAlone(const std::shared_ptr<const core::Cut>& cut) {
+    alone_.show(cut);
+    while (!alone_.upToDate()) alone_.uploadInRenderThread({.wait = true});
+  }
   void cover(double now_s) {
     alone_.draw(view_, target_, style_);
-    covered_.push_back({now_s, pixelsOfModel()});
+    covered_.push_back({alone_.meshes().drawnCut(), now_s, pixelsOfModel()});
   }
   void count(const std::vector<bool>& drawn) {
     ++tally_.frames;
@@ -103,6 +122,7 @@ class BackgroundWatch {
 
   render::Renderer fading_, alone_;
   const render::Framebuffer target_;
+  const render::UploadBudget upload_;
   const render::DrawStyle style_ = magenta();
   core::View view_;
   std::deque<Covered> covered_;

@@ -137,6 +137,27 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelThatSharpensOrIsReplaced)
   EXPECT_GT(builds, 3);
 }
 
+TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseRegionsArriveOneByOne) {
+  constexpr int kCameras = 15;
+  std::mt19937 random(4);
+  Streamer streamer(served_, threads(1));
+  const ModelSummary model = streamer.waitForModel(kPatience);
+  BackgroundWatch watch(model.lattice.step, 200, 150, 64u << 10);
+  double now_s = 0;
+  for (int camera = 0; camera < kCameras; ++camera) {
+    const core::View view = randomView(model, random);
+    for (const float threshold_px : {3.0f, 0.7f}) {
+      streamer.setView(view, threshold_px);
+      const StreamStatus status = streamer.waitUntilSettled(kPatience);
+      do watch.frame(status.cut, view, now_s += 0.05);
+      while (!watch.uploaded());
+    }
+  }
+  EXPECT_EQ(watch.tally().background, 0u);
+  EXPECT_GT(watch.tally().mixed_frames, 10u);
+  EXPECT_GT(watch.tally().inside, 500'000u);
+}
+
 /// A larger model, of about 40 MB when all of it is drawn, with leaves of so many triangles.
 class DrawnWithinMemory : public DrawnStreaming, public testing::WithParamInterface<uint32_t> {
  protected:

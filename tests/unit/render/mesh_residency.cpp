@@ -1,5 +1,8 @@
 #include "client/render/mesh_residency.h"
 
+#include <array>
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "client/core/drawn_bytes.h"
@@ -18,22 +21,129 @@ std::shared_ptr<const Mesh> gridOf(uint32_t seed, uint32_t side = 32) {
   return std::make_shared<const Mesh>(makeGrid(side, side, {.attributes = {}, .seed = seed}));
 }
 
-TEST_F(Residency, drawsACutOnlyWhenAllOfItIsThere) {
+/// Uploads in small pieces until the newest cut is drawn, and looks at what is drawn after each.
+template <typename Look>
+int uploadSlowly(MeshResidency& residency, Look look) {
+  int frames = 0;
+  while (!residency.upToDate() && frames < 1000) {
+    EXPECT_LE(residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000}), 10'000u);
+    look();
+    ++frames;
+  }
+  return frames;
+}
+
+TEST_F(Residency, drawsARegionOfACutOnlyWhenAllOfItIsThereAndTheOneBeforeUntilThen) {
   MeshResidency residency({});
-  const auto first = cutOf(std::vector{gridOf(1)});
-  residency.show(first);
+  residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
   residency.uploadInRenderThread({.wait = true});
   ASSERT_TRUE(residency.upToDate());
 
-  residency.show(cutOf(std::vector{gridOf(2), gridOf(3)}));
-  int frames = 0;
-  while (!residency.upToDate()) {
-    EXPECT_EQ(residency.drawn().size(), 1u);
-    EXPECT_LE(residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000}), 10'000u);
-    ASSERT_LT(++frames, 1000);
+  auto finer = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(3), gridOf(4), gridOf(5), gridOf(6)}));
+  const NodeKey first = kRootKey.child(0), second = kRootKey.child(1);
+  const std::array nodes{first.child(0), first.child(1), second.child(0), second.child(1)};
+  for (size_t i = 0; i < nodes.size(); ++i) finer->parts[i].node = nodes[i];
+  residency.show(finer);
+  std::set<std::vector<NodeKey>> seen;
+  const int frames = uploadSlowly(residency, [&] {
+    std::vector<NodeKey> drawn;
+    for (const render::DrawItem& item : residency.drawn()) drawn.push_back(item.node);
+    seen.insert(drawn);
+  });
+  EXPECT_GT(frames, 8);
+  EXPECT_EQ(seen,
+            (std::set<std::vector<NodeKey>>{
+                {first, second}, {first.child(0), first.child(1), second}, {nodes.begin(), nodes.end()}}));
+}
+
+TEST_F(Residency, drawsACutThatIsToBeExchangedAsAWholeOnlyWhenAllOfItIsThere) {
+  for (const bool is_other_build : {false, true}) {
+    MeshResidency residency({});
+    residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
+    residency.uploadInRenderThread({.wait = true});
+    auto next = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(3), gridOf(4)}));
+    next->build = is_other_build ? 1 : 0;
+    residency.show(next, is_other_build ? render::Exchange::kByRegion : render::Exchange::kWhole);
+    const auto before = residency.drawnCut();
+    uploadSlowly(residency,
+                 [&] { EXPECT_TRUE(residency.drawnCut() == before || residency.drawnCut() == next); });
+    EXPECT_EQ(residency.drawnCut(), next);
   }
-  EXPECT_GT(frames, 4);
-  EXPECT_EQ(residency.drawn().size(), 2u);
+}
+
+TEST_F(Residency, givesUpWhatHasLostItsPlaceBeforeTheRestOfTheCutIsThere) {
+  const uint64_t mesh_bytes = core::drawnBytes(*gridOf(1));
+  const auto page_bytes = static_cast<uint32_t>(mesh_bytes + 512);
+  MeshResidency residency({.budget_bytes = 5 * page_bytes, .spare_bytes = 0, .page_bytes = page_bytes});
+  residency.show(cutOf(std::vector{gridOf(1), gridOf(2), gridOf(3), gridOf(4)}));
+  residency.uploadInRenderThread({.wait = true});
+  residency.show(cutOf(std::vector{gridOf(5), gridOf(6), gridOf(7), gridOf(8)}));
+  uploadSlowly(residency, [&] {
+    ASSERT_EQ(residency.drawn().size(), 4u);
+    EXPECT_LE(residency.meshCount(), 5u);
+  });
+  EXPECT_TRUE(residency.upToDate());
+}
+
+/// The root's fallback comes first and is drawn for the third child until that is there.
+TEST_F(Residency, keepsAFallbackThatIsNotNeededForAWhileUntilTheCutIsDrawn) {
+  const auto withFallback = [](std::vector<std::shared_ptr<const Mesh>> meshes, uint32_t seed) {
+    auto cut = std::make_shared<core::Cut>(*cutOf(meshes));
+    cut->fallbacks.push_back(
+        {{kRootKey, 0, false, 0, gridOf(seed)}, 0, static_cast<uint32_t>(meshes.size()), 0, 1, 0});
+    return cut;
+  };
+  MeshResidency residency({.spare_bytes = 0});
+  const auto before = withFallback({gridOf(1), gridOf(2)}, 3);
+  before->left_out = {{kRootKey.child(2), {}}};
+  residency.show(before);
+  residency.uploadInRenderThread({.wait = true});
+  const auto next = withFallback({gridOf(4), gridOf(5), gridOf(6)}, 7);
+  next->parts[1].node = kRootKey.child(1).child(1);
+  next->parts[2].node = kRootKey.child(2);
+  next->parts[1].visible = next->parts[2].visible = false;
+  next->left_out = {{kRootKey.child(1).child(0), {}}};
+  residency.show(next);
+  uploadSlowly(residency, [] {});
+  ASSERT_EQ(residency.drawn().size(), 4u);
+  EXPECT_GT(residency.drawn()[3].index_count, 0u);
+}
+
+TEST_F(Residency, drawsWhatHasComeOfACutThatTurnsOutNotToFitAndThenTheNext) {
+  const uint64_t mesh_bytes = core::drawnBytes(*gridOf(1, 31));
+  ASSERT_NE(mesh_bytes % 16, 0u) << "two take more than twice as much";
+  MeshResidency residency({.budget_bytes = 2 * mesh_bytes, .spare_bytes = 0, .page_bytes = 1024});
+  residency.show(cutOf(std::vector{gridOf(1, 4)}));
+  residency.uploadInRenderThread({.wait = true});
+  residency.show(cutOf(std::vector{gridOf(2, 31), gridOf(3, 31)}));
+  residency.uploadInRenderThread({.wait = true});
+  ASSERT_TRUE(residency.overBudget());
+  ASSERT_EQ(residency.drawn().size(), 1u);
+  EXPECT_EQ(residency.drawn()[0].index_count, 3 * gridOf(2, 31)->triangles.size());
+  const auto mixture = residency.drawnCut();
+  const auto next = cutOf(std::vector{gridOf(4, 16), gridOf(5, 16)});
+  residency.show(next);
+  uploadSlowly(residency, [&] {
+    EXPECT_TRUE(residency.drawnCut() == mixture || residency.drawnCut() == next) << "mixed again";
+  });
+  EXPECT_EQ(residency.drawnCut(), next);
+}
+
+TEST_F(Residency, exchangesTheCutsOfAModelInSeveralPlacesAsAWhole) {
+  const auto placed = [](uint32_t seed) {
+    auto cuts = std::make_shared<core::PlacedCuts>();
+    cuts->cuts = {cutOf(std::vector{gridOf(seed), gridOf(seed + 1)}), cutOf(std::vector{gridOf(seed + 2)})};
+    cuts->all = core::gatherMeshes(cuts->cuts);
+    return std::shared_ptr<const core::PlacedCuts>(cuts);
+  };
+  render::Renderer renderer(1);
+  const auto before = placed(1), next = placed(10);
+  renderer.show(before);
+  renderer.uploadInRenderThread({.wait = true});
+  renderer.show(next);
+  uploadSlowly(renderer.meshes(),
+               [&] { EXPECT_TRUE(renderer.drawnPlaced() == before || renderer.drawnPlaced() == next); });
+  EXPECT_EQ(renderer.drawnPlaced(), next);
 }
 
 TEST_F(Residency, leavesTheRestOfAFramesBudgetToOthers) {

@@ -1,0 +1,217 @@
+#include "client/render/cut_exchange.h"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "client/core/drawn_bytes.h"
+#include "client/core/shown_parts.h"
+#include "client/render/changed_regions.h"
+
+namespace lode::render {
+namespace {
+
+using core::Cut;
+using core::CutPart;
+using core::Fallback;
+using core::LeftOut;
+
+/// Orders nodes depth first, each after all that is below it.
+constexpr std::pair<uint64_t, int> depthLast(NodeKey node) noexcept {
+  return {((node.value + 1) << 3 * (kMaxDepth - node.depth())) - 1, -node.depth()};
+}
+
+NodeKey nodeOf(const CutPart& part) { return part.node; }
+NodeKey nodeOf(const LeftOut& place) { return place.node; }
+
+/// What is at a node: a part, or, if the mesh is null, a place that is left out.
+using Cover = std::unordered_map<uint64_t, const Mesh*>;
+
+Cover coverOf(const Cut& cut) {
+  Cover cover;
+  for (const CutPart& part : cut.parts) cover.emplace(part.node.value, part.mesh.get());
+  for (const LeftOut& place : cut.left_out) cover.emplace(place.node.value, nullptr);
+  return cover;
+}
+
+bool has(const Cover& cover, NodeKey node, const Mesh* mesh) {
+  const auto at = cover.find(node.value);
+  return at != cover.end() && at->second == mesh;
+}
+
+/// Of what covers a cut, that which the other has not.
+std::vector<NodeKey> nodesMissingIn(const Cover& other, const Cut& cut) {
+  std::vector<NodeKey> nodes;
+  for (const CutPart& part : cut.parts)
+    if (!has(other, part.node, part.mesh.get())) nodes.push_back(part.node);
+  for (const LeftOut& place : cut.left_out)
+    if (!has(other, place.node, nullptr)) nodes.push_back(place.node);
+  return nodes;
+}
+
+/// Regions that do not overlap, depth first.
+class Regions {
+ public:
+  explicit Regions(std::vector<NodeKey> nodes) : nodes_(std::move(nodes)) {
+    std::ranges::sort(nodes_, {}, depthFirst);
+  }
+  size_t count() const noexcept { return nodes_.size(); }
+  NodeKey operator[](size_t index) const noexcept { return nodes_[index]; }
+  /// The index of the one that a node is in.
+  std::optional<size_t> around(NodeKey node) const noexcept {
+    const auto after = std::ranges::upper_bound(nodes_, depthFirst(node), {}, depthFirst);
+    if (after == nodes_.begin() || !(after - 1)->contains(node)) return std::nullopt;
+    return static_cast<size_t>(after - nodes_.begin()) - 1;
+  }
+
+ private:
+  std::vector<NodeKey> nodes_;
+};
+
+/// What a region waits for, and how urgent it is.
+struct PlannedRegion {
+  ExchangeStep step;
+  bool visible = false;
+  float error_px = 0;  ///< of what is there now
+
+  std::tuple<bool, float, std::pair<uint64_t, int>> order() const {
+    return {!visible, -error_px, depthFirst(*step.region)};
+  }
+};
+
+/// The older cut's in regions that are kept, the newer's elsewhere, where both may have the same.
+template <typename T>
+std::vector<T> mixed(const std::vector<T>& from, const std::vector<T>& to, const Regions& kept) {
+  std::vector<T> both;
+  const auto isKept = [&](const T& one) { return kept.around(nodeOf(one)).has_value(); };
+  std::ranges::copy_if(from, std::back_inserter(both), isKept);
+  std::ranges::copy_if(to, std::back_inserter(both), [&](const T& one) { return !isKept(one); });
+  std::ranges::sort(both, {}, [](const T& one) { return depthFirst(nodeOf(one)); });
+  return both;
+}
+
+/// The fallbacks of both cuts, of a node that both have one for the newer's.
+std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
+  std::vector<Fallback> both = to.fallbacks;
+  both.insert(both.end(), from.fallbacks.begin(), from.fallbacks.end());
+  std::ranges::stable_sort(both, {}, [](const Fallback& one) { return depthLast(one.part.node); });
+  const auto isSame = [](const Fallback& a, const Fallback& b) { return a.part.node == b.part.node; };
+  both.erase(std::unique(both.begin(), both.end(), isSame), both.end());
+  return both;
+}
+
+/// Gives a cut of parts and places that are left out, both depth first, those fallbacks that these need.
+void assign(std::vector<Fallback> fallbacks, Cut& cut) {
+  std::unordered_map<uint64_t, std::vector<LeftOut>> places;  // by the node of their fallback
+  for (const Fallback& fallback : fallbacks) places.emplace(fallback.part.node.value, std::vector<LeftOut>());
+  for (const LeftOut& place : std::exchange(cut.left_out, {})) {
+    NodeKey above = place.node;
+    while (above != kRootKey && !places.contains(above.value)) above = above.parent();
+    places[above.value].push_back(place);
+  }
+  for (Fallback& fallback : fallbacks) {
+    const NodeKey node = fallback.part.node;
+    const std::vector<LeftOut>& its_own = places[node.value];
+    if (its_own.empty()) continue;
+    const auto isBelow = [&](const CutPart& part) { return node.contains(part.node); };
+    const auto first = std::ranges::lower_bound(cut.parts, depthFirst(node), {},
+                                                [](const CutPart& part) { return depthFirst(part.node); });
+    const auto end = std::find_if_not(first, cut.parts.end(), isBelow);
+    fallback.first_part = static_cast<uint32_t>(first - cut.parts.begin());
+    fallback.end_part = static_cast<uint32_t>(end - cut.parts.begin());
+    fallback.first_left_out = static_cast<uint32_t>(cut.left_out.size());
+    cut.left_out.insert(cut.left_out.end(), its_own.begin(), its_own.end());
+    fallback.end_left_out = static_cast<uint32_t>(cut.left_out.size());
+    auto nested = cut.fallbacks.size();
+    while (nested > 0 && node.contains(cut.fallbacks[nested - 1].part.node)) --nested;
+    fallback.first_nested = static_cast<uint32_t>(nested);
+    cut.fallbacks.push_back(std::move(fallback));
+  }
+}
+
+std::vector<core::ResidentTile> tilesOf(const Cut& from, const Cut& to) {
+  std::vector<core::ResidentTile> tiles;
+  std::ranges::set_union(to.tiles, from.tiles, std::back_inserter(tiles), {}, &core::ResidentTile::key,
+                         &core::ResidentTile::key);
+  return tiles;
+}
+
+}  // namespace
+
+/// The cut goes first, so that the last reference to a mesh is never its.
+struct CutExchange::Mixture {
+  std::shared_ptr<const Cut> from, to;
+  Cut cut;
+};
+
+CutExchange::CutExchange(std::shared_ptr<const Cut> from, std::shared_ptr<const Cut> to)
+    : from_(std::move(from)), to_(std::move(to)) {
+  if (from_) {
+    planRegions();
+    return;
+  }
+  ExchangeStep& all = steps_.emplace_back();
+  for (uint32_t number = 0; number < partCount(*to_); ++number) all.numbers.push_back(number);
+  all.region = kRootKey;
+}
+
+void CutExchange::planRegions() {
+  const Cover before = coverOf(*from_), now = coverOf(*to_);
+  std::vector<NodeKey> nodes;
+  for (const ChangedRegion& region :
+       changedRegions(nodesMissingIn(now, *from_), nodesMissingIn(before, *to_)))
+    nodes.push_back(region.node);
+  const Regions regions(std::move(nodes));
+  std::vector<PlannedRegion> planned(regions.count());
+  for (size_t i = 0; i < regions.count(); ++i) planned[i].step.region = regions[i];
+  for (uint32_t number = 0; number < to_->parts.size(); ++number) {
+    const CutPart& part = to_->parts[number];
+    const auto region = regions.around(part.node);
+    if (!region) continue;
+    planned[*region].step.numbers.push_back(number);
+    planned[*region].visible |= part.visible;
+  }
+  for (const CutPart& part : from_->parts)
+    if (const auto region = regions.around(part.node))
+      planned[*region].error_px = std::max(planned[*region].error_px, part.error_px);
+  for (const LeftOut& place : from_->left_out)
+    if (const auto region = regions.around(place.node))
+      planned[*region].error_px = std::numeric_limits<float>::max();
+  std::ranges::sort(planned, {}, &PlannedRegion::order);
+
+  ExchangeStep& fallbacks = steps_.emplace_back();
+  for (size_t number = to_->parts.size(); number < partCount(*to_); ++number)
+    fallbacks.numbers.push_back(static_cast<uint32_t>(number));
+  for (PlannedRegion& region : planned) steps_.push_back(std::move(region.step));
+}
+
+std::shared_ptr<const Cut> CutExchange::after(size_t steps) const {
+  if (steps == steps_.size()) return to_;
+  if (steps <= 1) return from_;  // the first is that of the fallbacks
+  std::vector<NodeKey> nodes;
+  for (const ExchangeStep& step : std::span(steps_).subspan(steps)) nodes.push_back(*step.region);
+  const Regions kept(std::move(nodes));
+  const auto mixture = std::make_shared<Mixture>(Mixture{from_, to_, {}});
+  Cut& cut = mixture->cut;
+  cut.view = to_->view;
+  cut.threshold_px = std::max(from_->threshold_px, to_->threshold_px);
+  cut.build = to_->build;
+  cut.parts = mixed(from_->parts, to_->parts, kept);
+  cut.left_out = mixed(from_->left_out, to_->left_out, kept);
+  assign(fallbacksOf(*from_, *to_), cut);
+  for (size_t number = 0; number < partCount(cut); ++number) {
+    const CutPart& part = partOf(cut, number);
+    if (part.mesh) cut.drawn_bytes += core::drawnBytes(*part.mesh);
+    if (number >= cut.parts.size()) continue;
+    if (part.mesh) cut.triangles += part.mesh->triangles.size();
+    if (part.visible) cut.max_error_px = std::max(cut.max_error_px, part.error_px);
+  }
+  cut.textures = to_->textures;
+  cut.tiles = tilesOf(*from_, *to_);
+  return {mixture, &cut};
+}
+
+}  // namespace lode::render
