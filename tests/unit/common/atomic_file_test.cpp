@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
-#include <string_view>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -14,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "tests/support/bytes.h"
 #include "tests/support/work_folder.h"
 
 namespace lode {
@@ -21,14 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
+using test::bytesOf;
 
 class AtomicFileTest : public testing::Test {
  protected:
-  std::string content() const {
-    std::ifstream file(target_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string content() const { return test::readBytes(target_); }
   size_t filesInFolder() const { return folder_.contents().size(); }
 
   test::WorkFolder folder_;

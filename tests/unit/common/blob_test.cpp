@@ -1,13 +1,13 @@
 #include "common/blob.h"
 
-#include <string_view>
-
 #include <gtest/gtest.h>
+
+#include "tests/support/bytes.h"
 
 namespace lode {
 namespace {
 
-std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
+using test::bytesOf;
 
 TEST(Blob, isNamedByTheFirstHalfOfItsSha256) {
   // FIPS 180-2, appendix B.1: SHA-256 of "abc" begins so.

@@ -8,11 +8,11 @@
 #include "common/draco_codec.h"
 #include "common/surface_normals.h"
 #include "tests/support/test_meshes.h"
+#include "tests/unit/common/payload_fixture.h"
 
 namespace lode {
 namespace {
 
-constexpr double kStep = 0x1p-6;
 constexpr uint16_t kUp = 0x7f7f, kSideways = 0x9b7f, kBack = 0xfe7f;
 
 /// Four triangles around a place with three vertices: one of the middle two fans, which no edge joins.
@@ -89,9 +89,7 @@ TEST(CornerNormals, ofAVertexThatDracoPartsAmongOthersComeBack) {
   const std::vector<uint16_t> surface = surfaceNormals(mesh);
   for (size_t v = 0; v < surface.size(); ++v) mesh.vertex_attributes[v].normal = surface[v];
   const EncodedPayload payload = encodePayload(mesh, kStep);
-  const Mesh decoded = decodePayload(
-      payload.bytes, kStep,
-      {static_cast<uint32_t>(mesh.triangles.size()), payload.vertices, mesh.attributes, test::boxOf(mesh)});
+  const Mesh decoded = decodePayload(payload.bytes, kStep, expectationOf(mesh, payload));
   EXPECT_EQ(cornersOf(decoded), cornersOf(mesh));
 
   Mesh bare = mesh;

@@ -12,12 +12,12 @@
 #include "common/limits.h"
 #include "common/surface_normals.h"
 #include "tests/support/test_meshes.h"
+#include "tests/unit/common/payload_fixture.h"
 #include "tests/unit/memory_meter.h"
 
 namespace lode {
 namespace {
 
-constexpr double kStep = 0x1p-6;
 constexpr int64_t kMemoryLimit = 64 << 20;
 
 struct Sample {
@@ -259,7 +259,7 @@ std::vector<std::byte> encodeByDraco(int method, int position_bits, int extra_co
   return {bytes.begin(), bytes.end()};
 }
 
-PayloadExpectation oneTriangle(uint8_t attributes) { return {1, 3, {attributes}, kEverywhere}; }
+PayloadExpectation expectedTriangle(uint8_t attributes) { return {1, 3, {attributes}, kEverywhere}; }
 
 TEST(DracoCodecHostile, aStepThatNoStoreHasIsRefused) {
   const Sample sample = makeSample(0);
@@ -274,21 +274,21 @@ TEST(DracoCodecHostile, aStepThatNoStoreHasIsRefused) {
 }
 
 TEST(DracoCodecHostile, sequentialMeshesAreRefused) {
-  EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_SEQUENTIAL_ENCODING, 8, 0), oneTriangle(0)));
+  EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_SEQUENTIAL_ENCODING, 8, 0), expectedTriangle(0)));
 }
 
 TEST(DracoCodecHostile, positionsThatAreNotQuantizedAreRefused) {
-  EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_EDGEBREAKER_ENCODING, 0, 0), oneTriangle(0)));
+  EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_EDGEBREAKER_ENCODING, 0, 0), expectedTriangle(0)));
 }
 
 TEST(DracoCodecHostile, positionsOffTheLatticeAreRefused) {
-  EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_EDGEBREAKER_ENCODING, 8, 0), oneTriangle(0)));
+  EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_EDGEBREAKER_ENCODING, 8, 0), expectedTriangle(0)));
 }
 
 TEST(DracoCodecHostile, wideAttributesAreRefused) {
-  EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_EDGEBREAKER_ENCODING, 8, 100), oneTriangle(0)));
+  EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_EDGEBREAKER_ENCODING, 8, 100), expectedTriangle(0)));
   EXPECT_TRUE(decodeHostile(encodeByDraco(draco::MESH_EDGEBREAKER_ENCODING, 8, 2),
-                            oneTriangle(AttributeSet::kMaterial)));
+                            expectedTriangle(AttributeSet::kMaterial)));
 }
 
 }  // namespace

@@ -17,11 +17,10 @@
 #include "common/limits.h"
 #include "common/octahedral.h"
 #include "tests/support/test_meshes.h"
+#include "tests/unit/common/payload_fixture.h"
 
 namespace lode {
 namespace {
-
-constexpr double kStep = 0x1p-6;
 
 using Corner = std::array<uint64_t, 3>;  // position and attributes
 using Corners = std::array<Corner, 3>;
@@ -44,10 +43,6 @@ std::vector<Corners> trianglesOf(const Mesh& mesh) {
   }
   std::sort(result.begin(), result.end());
   return result;
-}
-
-PayloadExpectation expectationOf(const Mesh& mesh, const EncodedPayload& payload) {
-  return {static_cast<uint32_t>(mesh.triangles.size()), payload.vertices, mesh.attributes, test::boxOf(mesh)};
 }
 
 void expectRoundTrip(const Mesh& mesh, double step = kStep) {

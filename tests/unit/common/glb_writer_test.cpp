@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -11,8 +9,10 @@
 
 #include "common/error.h"
 #include "common/octahedral.h"
+#include "tests/support/bytes.h"
 #include "tests/support/test_meshes.h"
 #include "tests/support/work_folder.h"
+#include "tests/unit/common/wide_triangle.h"
 
 namespace lode {
 namespace {
@@ -24,8 +24,7 @@ class GlbWriter : public testing::Test {
  protected:
   void write(const Mesh& mesh, const Lattice& lattice, const TextureSet& textures = {}) {
     writeGlb(folder_ / "cut.glb", mesh, lattice, textures);
-    std::ifstream file(folder_ / "cut.glb", std::ios::binary);
-    const std::string all(std::istreambuf_iterator<char>(file), {});
+    const std::string all = test::readBytes(folder_ / "cut.glb");
     ASSERT_GE(all.size(), 20u);
     EXPECT_EQ(all.substr(0, 4), "glTF");
     EXPECT_EQ(number<uint32_t>(all, 4), 2u);
@@ -72,18 +71,8 @@ class GlbWriter : public testing::Test {
   std::string binary_;
 };
 
-Mesh oneTriangle(uint8_t attributes = 0) {
-  Mesh mesh;
-  mesh.attributes.bits = attributes;
-  for (const glm::uvec3 p : {glm::uvec3(0, 1, 2), glm::uvec3(4, 5, 6), glm::uvec3(kMaxLattice)})
-    mesh.positions.push_back(packPosition(p));
-  mesh.triangles = {{0, 2, 1}};
-  if (attributes != 0) mesh.vertex_attributes.resize(3);
-  return mesh;
-}
-
 TEST_F(GlbWriter, keepsPositionsFarFromTheOriginExactInTheNodesTranslation) {
-  write(oneTriangle(), {{5000000, -400000, 0.25}, 0x1p-10});
+  write(wideTriangle(), {{5000000, -400000, 0.25}, 0x1p-10});
   EXPECT_EQ(json_["nodes"][0]["translation"], (Json{5000000, -400000, 0.25}));
   const float far = kMaxLattice * 0x1p-10f;
   EXPECT_EQ(numbers<float>(primitive(0)["attributes"]["POSITION"]),
@@ -95,7 +84,7 @@ TEST_F(GlbWriter, keepsPositionsFarFromTheOriginExactInTheNodesTranslation) {
 }
 
 TEST_F(GlbWriter, writesUnitNormals) {
-  Mesh mesh = oneTriangle(AttributeSet::kNormal);
+  Mesh mesh = wideTriangle(AttributeSet::kNormal);
   mesh.vertex_attributes[1].normal = encodeOctahedral({0.6f, 0, -0.8f});
   write(mesh, {});
   const auto normals = numbers<float>(primitive(0)["attributes"]["NORMAL"]);
@@ -107,7 +96,7 @@ TEST_F(GlbWriter, writesUnitNormals) {
 }
 
 TEST_F(GlbWriter, writesColoursAsLinearLightAndAlphaAsItIs) {
-  Mesh mesh = oneTriangle(AttributeSet::kColour | AttributeSet::kAlpha);
+  Mesh mesh = wideTriangle(AttributeSet::kColour | AttributeSet::kAlpha);
   mesh.vertex_attributes[0].colour = {0, 255, 188, 51};
   write(mesh, {});
   const Json& accessor = json_["accessors"][primitive(0)["attributes"]["COLOR_0"].get<size_t>()];
@@ -121,7 +110,7 @@ TEST_F(GlbWriter, writesColoursAsLinearLightAndAlphaAsItIs) {
 }
 
 TEST_F(GlbWriter, countsTextureCoordinatesFromTheImagesTop) {
-  Mesh mesh = oneTriangle(AttributeSet::kTexture);
+  Mesh mesh = wideTriangle(AttributeSet::kTexture);
   mesh.vertex_attributes[0].texture = {16384, 49152};
   write(mesh, {});
   const auto uvs = numbers<float>(primitive(0)["attributes"]["TEXCOORD_0"]);
@@ -160,7 +149,7 @@ TEST_F(GlbWriter, writesAnEmptySceneOfAMeshWithoutTriangles) {
 }
 
 TEST_F(GlbWriter, refusesStepsThatFloatsDoNotHold) {
-  EXPECT_THROW(write(oneTriangle(), {{0, 0, 0}, 0x1p-140}), Error);
+  EXPECT_THROW(write(wideTriangle(), {{0, 0, 0}, 0x1p-140}), Error);
   EXPECT_TRUE(folder_.contents().empty());
 }
 

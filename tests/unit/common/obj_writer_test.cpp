@@ -1,12 +1,11 @@
 #include "common/obj_writer.h"
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "common/octahedral.h"
+#include "tests/support/bytes.h"
 #include "tests/support/test_meshes.h"
 #include "tests/support/work_folder.h"
 
@@ -19,10 +18,7 @@ class ObjWriter : public testing::Test {
     writeObj(folder_ / "cut.obj", mesh, lattice, textures);
     return read("cut.obj");
   }
-  std::string read(const char* name) const {
-    std::ifstream file(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string read(const char* name) const { return test::readBytes(folder_ / name); }
 
   test::WorkFolder folder_;
 };

@@ -1,15 +1,15 @@
 #include "common/ply_writer.h"
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "common/octahedral.h"
+#include "tests/support/bytes.h"
 #include "tests/support/test_meshes.h"
 #include "tests/support/work_folder.h"
+#include "tests/unit/common/wide_triangle.h"
 
 namespace lode {
 namespace {
@@ -19,8 +19,7 @@ class PlyWriter : public testing::Test {
   // Splits the file at the end of its header.
   void write(const Mesh& mesh, const Lattice& lattice, const TextureSet& textures = {}) {
     writePly(folder_ / "mesh.ply", mesh, lattice, textures);
-    std::ifstream file(folder_ / "mesh.ply", std::ios::binary);
-    const std::string all(std::istreambuf_iterator<char>(file), {});
+    const std::string all = test::readBytes(folder_ / "mesh.ply");
     const size_t end = all.find("end_header\n") + 11;
     header_ = all.substr(0, end);
     body_ = all.substr(end);
@@ -39,16 +38,8 @@ class PlyWriter : public testing::Test {
   std::string header_, body_;
 };
 
-Mesh oneTriangle() {
-  Mesh mesh;
-  for (const glm::uvec3 p : {glm::uvec3(0, 1, 2), glm::uvec3(4, 5, 6), glm::uvec3(kMaxLattice)})
-    mesh.positions.push_back(packPosition(p));
-  mesh.triangles = {{0, 2, 1}};
-  return mesh;
-}
-
 TEST_F(PlyWriter, writesFloatsWhereTheyAreExact) {
-  write(oneTriangle(), {{-8, 0, 16}, 0.5});
+  write(wideTriangle(), {{-8, 0, 16}, 0.5});
   EXPECT_EQ(header_,
             "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
             "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n");
@@ -60,7 +51,7 @@ TEST_F(PlyWriter, writesFloatsWhereTheyAreExact) {
 }
 
 TEST_F(PlyWriter, writesDoublesWhereFloatsWouldRound) {
-  write(oneTriangle(), {{5000000, 400000, 0}, 0x1p-10});
+  write(wideTriangle(), {{5000000, 400000, 0}, 0x1p-10});
   EXPECT_NE(header_.find("property double x\nproperty double y\nproperty double z\n"), std::string::npos);
   for (const double expected : {5000000.0, 400000 + 0x1p-10, 0x1p-9}) EXPECT_EQ(next<double>(), expected);
   EXPECT_EQ(next<double>(), 5000000 + 0x1p-8);
@@ -96,7 +87,7 @@ TEST_F(PlyWriter, writesEveryAttribute) {
 }
 
 TEST_F(PlyWriter, writesTrueTextureCoordinatesAndTheNamesOfTextures) {
-  Mesh mesh = oneTriangle();
+  Mesh mesh = wideTriangle();
   mesh.attributes.bits = AttributeSet::kTexture;
   mesh.vertex_attributes.resize(3);
   mesh.vertex_attributes[0].texture = {0, 65535};

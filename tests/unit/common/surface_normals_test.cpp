@@ -8,11 +8,12 @@
 #include "common/error.h"
 #include "common/octahedral.h"
 #include "tests/support/test_meshes.h"
+#include "tests/unit/common/payload_fixture.h"
 
 namespace lode {
 namespace {
 
-constexpr double kStep = 0x1.8p-6;
+constexpr double kUnevenStep = 0x1.8p-6;
 constexpr uint8_t kComputed = AttributeSet::kNormal | AttributeSet::kComputedNormal;
 
 /// A sphere whose normals are its own surface's.
@@ -23,12 +24,8 @@ Mesh sphereWithItsNormals(uint8_t attributes = kComputed) {
   return mesh;
 }
 
-PayloadExpectation expectationOf(const Mesh& mesh, const EncodedPayload& payload) {
-  return {static_cast<uint32_t>(mesh.triangles.size()), payload.vertices, mesh.attributes, test::boxOf(mesh)};
-}
-
 Mesh decode(const Mesh& mesh, const EncodedPayload& payload) {
-  return decodePayload(payload.bytes, kStep, expectationOf(mesh, payload));
+  return decodePayload(payload.bytes, kUnevenStep, expectationOf(mesh, payload));
 }
 
 /// By positions, each of which has one.
@@ -47,7 +44,7 @@ size_t bytesOfNormals(const Mesh& mesh) {
   Mesh bare = mesh;
   bare.attributes.bits &= static_cast<uint8_t>(~kComputed);
   if (bare.attributes.bits == 0) bare.vertex_attributes.clear();
-  return encodePayload(mesh, kStep).bytes.size() - encodePayload(bare, kStep).bytes.size();
+  return encodePayload(mesh, kUnevenStep).bytes.size() - encodePayload(bare, kUnevenStep).bytes.size();
 }
 
 TEST(SurfaceNormals, areWeighedByTheAreasOfTriangles) {
@@ -70,14 +67,15 @@ TEST(SurfaceNormals, thatAreComputedTakeNoBytes) {
   Mesh without = with;
   without.attributes.bits = 0;
   without.vertex_attributes.clear();
-  const EncodedPayload payload = encodePayload(with, kStep);
-  EXPECT_EQ(payload.bytes, encodePayload(without, kStep).bytes);
+  const EncodedPayload payload = encodePayload(with, kUnevenStep);
+  EXPECT_EQ(payload.bytes, encodePayload(without, kUnevenStep).bytes);
   EXPECT_EQ(normalsOf(decode(with, payload)), normalsOf(with));
 }
 
 TEST(SurfaceNormals, ofAFileAreKept) {
   const Mesh computed = sphereWithItsNormals(), given = sphereWithItsNormals(AttributeSet::kNormal);
-  EXPECT_GT(encodePayload(given, kStep).bytes.size(), encodePayload(computed, kStep).bytes.size());
+  EXPECT_GT(encodePayload(given, kUnevenStep).bytes.size(),
+            encodePayload(computed, kUnevenStep).bytes.size());
 }
 
 TEST(SurfaceNormals, thatAreOthersInPlacesComeBackToTheBit) {
@@ -89,11 +87,11 @@ TEST(SurfaceNormals, thatAreOthersInPlacesComeBackToTheBit) {
       const glm::vec3 other = is_far ? glm::vec3(normal.y, -normal.z, normal.x) : normal + glm::vec3(0.04f);
       mesh.vertex_attributes[v].normal = encodeOctahedral(other);
     }
-    const EncodedPayload payload = encodePayload(mesh, kStep);
+    const EncodedPayload payload = encodePayload(mesh, kUnevenStep);
     EXPECT_EQ(normalsOf(decode(mesh, payload)), normalsOf(mesh));
     Mesh with_all = mesh;
     with_all.attributes.bits = AttributeSet::kNormal;
-    EXPECT_LT(payload.bytes.size(), encodePayload(with_all, kStep).bytes.size());
+    EXPECT_LT(payload.bytes.size(), encodePayload(with_all, kUnevenStep).bytes.size());
   }
 }
 
@@ -114,7 +112,7 @@ TEST(SurfaceNormals, areThoseOfEachSideOfACrease) {
   for (const float x : {-1.f, 1.f})
     mesh.vertex_attributes.insert(mesh.vertex_attributes.end(), 4,
                                   {.normal = encodeOctahedral({x, 0, 1}), .material = 0});
-  EXPECT_EQ(normalsOf(decode(mesh, encodePayload(mesh, kStep))), normalsOf(mesh));
+  EXPECT_EQ(normalsOf(decode(mesh, encodePayload(mesh, kUnevenStep))), normalsOf(mesh));
   EXPECT_EQ(bytesOfNormals(mesh), 0);
 }
 
@@ -127,7 +125,7 @@ TEST(SurfaceNormals, ofAVertexThatDracoPartsComeBack) {
   mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
   for (const uint16_t normal : surfaceNormals(mesh))
     mesh.vertex_attributes.push_back({.normal = normal, .material = 0});
-  EXPECT_EQ(normalsOf(decode(mesh, encodePayload(mesh, kStep))), normalsOf(mesh));
+  EXPECT_EQ(normalsOf(decode(mesh, encodePayload(mesh, kUnevenStep))), normalsOf(mesh));
   EXPECT_LE(bytesOfNormals(mesh), 6);
 }
 
@@ -145,7 +143,7 @@ class DamagedNormals : public testing::Test {
     }
   }
   const Mesh mesh_ = sphereWithItsNormals();
-  const EncodedPayload payload_ = encodePayload(mesh_, kStep);
+  const EncodedPayload payload_ = encodePayload(mesh_, kUnevenStep);
 };
 
 TEST_F(DamagedNormals, areRefused) {
@@ -159,7 +157,7 @@ TEST_F(DamagedNormals, areRefused) {
 TEST_F(DamagedNormals, areRefusedWhereTheyFollowAMeshWithNormals) {
   Mesh mesh = mesh_;
   mesh.attributes.bits = AttributeSet::kNormal;
-  EncodedPayload payload = encodePayload(mesh, kStep);
+  EncodedPayload payload = encodePayload(mesh, kUnevenStep);
   payload.bytes.insert(payload.bytes.end(), {std::byte{0}, std::byte{0x88}});
   EXPECT_THROW(decode(mesh, payload), Error);
 }

@@ -10,9 +10,9 @@ namespace {
 using std::chrono::milliseconds;
 
 /// A link that brings what the window allows, as fast as it can, in pieces.
-class Link {
+class SteadyLink {
  public:
-  Link(double bytes_per_s, milliseconds trip) : bytes_per_s_(bytes_per_s), trip_(trip) {
+  SteadyLink(double bytes_per_s, milliseconds trip) : bytes_per_s_(bytes_per_s), trip_(trip) {
     window_.measureTrip(trip);
   }
 
@@ -51,19 +51,19 @@ TEST(CreditWindow, startsWithWhatEveryServerIsGranted) {
 }
 
 TEST(CreditWindow, isOneAndAHalfTimesWhatASlowLinkHolds) {
-  Link link(1.25e6, milliseconds(50));
+  SteadyLink link(1.25e6, milliseconds(50));
   link.run(milliseconds(1000));
   EXPECT_NEAR(link.windowRatio(), 1.5, 0.1);
 }
 
 TEST(CreditWindow, growsWithinASecondToWhatAFastLongLinkHolds) {
-  Link link(25e6, milliseconds(100));
+  SteadyLink link(25e6, milliseconds(100));
   link.run(milliseconds(1000));
   EXPECT_NEAR(link.windowRatio(), 1.5, 0.1);
 }
 
 TEST(CreditWindow, shrinksWhenTheLinkSlowsDown) {
-  Link link(12.5e6, milliseconds(100));
+  SteadyLink link(12.5e6, milliseconds(100));
   link.run(milliseconds(2000));
   link.slowDown(1.25e6);
   link.run(milliseconds(2000));
@@ -71,7 +71,7 @@ TEST(CreditWindow, shrinksWhenTheLinkSlowsDown) {
 }
 
 TEST(CreditWindow, doesNotTakeAPauseForASlowLink) {
-  Link link(12.5e6, milliseconds(100));
+  SteadyLink link(12.5e6, milliseconds(100));
   link.run(milliseconds(2000));
   for (int time = 0; time < 20; ++time) {
     link.pause(milliseconds(500));
@@ -81,7 +81,7 @@ TEST(CreditWindow, doesNotTakeAPauseForASlowLink) {
 }
 
 TEST(CreditWindow, staysWithinItsLimitHoweverFastTheLink) {
-  Link link(1e12, milliseconds(100));
+  SteadyLink link(1e12, milliseconds(100));
   link.run(milliseconds(3000));
   EXPECT_EQ(link.window().bytes(), kMaxWindowBytes);
 }

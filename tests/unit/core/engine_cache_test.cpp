@@ -10,7 +10,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 /// Runs of an engine with one cache, against one server.
 class CachedEngine : public testing::Test {

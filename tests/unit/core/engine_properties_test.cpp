@@ -12,7 +12,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 using std::chrono::milliseconds;
 
 /// An engine and a server with a slow link between them, on a clock that only the test moves.

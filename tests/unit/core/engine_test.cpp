@@ -4,13 +4,14 @@
 
 #include "common/error.h"
 #include "proto/limits.h"
+#include "tests/unit/core/session_fixture.h"
 
 namespace lode::core {
 namespace {
 
 using proto::Bytes;
 
-constexpr TimePoint kStart{};
+using fixture::kStart;
 
 /// A mesh of triangles in the plane z = 0, of a size that tells rungs apart.
 Mesh stripOf(uint32_t triangles) {

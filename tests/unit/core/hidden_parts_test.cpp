@@ -5,7 +5,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 /// What closeView() sees past a wall close before it, which hides what is to the left, or everything.
 SeenPlaces seenPastAWall(const SyntheticModel& model, bool all) {

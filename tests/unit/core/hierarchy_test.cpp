@@ -8,7 +8,7 @@
 namespace lode::core {
 namespace {
 
-using test::SyntheticModel;
+using fixture::SyntheticModel;
 
 class HierarchyTest : public testing::Test {
  protected:

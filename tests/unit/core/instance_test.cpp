@@ -10,7 +10,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 class InstanceOnSeeds : public testing::TestWithParam<uint32_t>, protected Seeded {
  protected:

@@ -82,7 +82,7 @@ TEST(Link, saysNothingOfTroubleOnceItWorksAgain) {
 
 TEST(Link, countsWhatAllSessionsReceivedAlsoTheOneThatIsLeaving) {
   Link link = makeLink(1);
-  const proto::Bytes bytes = test::welcome();
+  const proto::Bytes bytes = fixture::welcome();
   for (uint64_t sessions = 1; sessions <= 3; ++sessions) {
     link.begin({}, kLinkStart);
     link.session()->receive(bytes, kLinkStart);

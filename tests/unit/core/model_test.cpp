@@ -7,7 +7,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 /// Of a job, as the model counts it.
 uint64_t workBytes(const DecodeJob& job) {

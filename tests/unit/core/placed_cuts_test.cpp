@@ -13,7 +13,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 const View kNear = closeView(), kFar = farView(), kAside = lookingAt({2600, 512, 512}, {512, 512, 512}),
            kAway = lookingAt({512, 512, 2500}, {512, 512, 9000});

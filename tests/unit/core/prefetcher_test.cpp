@@ -5,7 +5,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 using std::chrono::milliseconds;
 
 constexpr RefineOptions kOptions{.threshold_px = 1};

@@ -9,7 +9,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 class RefinerLimits : public testing::TestWithParam<uint32_t> {
  protected:

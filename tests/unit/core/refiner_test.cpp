@@ -11,7 +11,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 class RefinerOnSeeds : public testing::TestWithParam<uint32_t> {
  protected:

@@ -11,7 +11,7 @@
 #include "client/core/refiner.h"
 #include "tests/unit/core/synthetic_model.h"
 
-namespace lode::core::test {
+namespace lode::core::fixture {
 
 using Parts = std::map<NodeKey, uint32_t>;
 
@@ -161,4 +161,4 @@ inline void expectComplete(const SyntheticModel& model, const Cut& cut, bool set
   }
 }
 
-}  // namespace lode::core::test
+}  // namespace lode::core::fixture

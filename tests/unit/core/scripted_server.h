@@ -12,7 +12,7 @@
 #include "tests/unit/core/session_fixture.h"
 #include "tests/unit/core/synthetic_model.h"
 
-namespace lode::core::test {
+namespace lode::core::fixture {
 
 /// The server's side of the protocol about one synthetic model, without a socket: frames in, frames out. Its
 /// payloads are bytes of the announced size; meshes come from the model.
@@ -193,4 +193,4 @@ class ScriptedServer {
   uint64_t granted_ = proto::kInitialWindowBytes, sent_ = 0;
 };
 
-}  // namespace lode::core::test
+}  // namespace lode::core::fixture

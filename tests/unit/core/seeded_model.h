@@ -7,7 +7,7 @@
 #include "client/core/instance.h"
 #include "tests/unit/core/scripted_client.h"
 
-namespace lode::core::test {
+namespace lode::core::fixture {
 
 /// A model that comes blob by blob, as the test asks.
 class Seeded {
@@ -60,4 +60,4 @@ class Seeded {
   Model model_;
 };
 
-}  // namespace lode::core::test
+}  // namespace lode::core::fixture

@@ -7,7 +7,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 constexpr NodeKey kLeftOfAll{0b1'000}, kRightOfAll{0b1'001};  // below, in front of the others' places
 

@@ -9,7 +9,7 @@
 #include "common/error.h"
 #include "proto/limits.h"
 
-namespace lode::core::test {
+namespace lode::core::fixture {
 
 using proto::Bytes;
 using proto::FrameType;
@@ -148,4 +148,4 @@ class SessionTest : public testing::Test {
   Session session_{optionsFor("model"), kStart};
 };
 
-}  // namespace lode::core::test
+}  // namespace lode::core::fixture

@@ -7,7 +7,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 TEST_F(SessionTest, sendsHelloAndOpenTogether) {
   const auto frames = framesOf(session_.takeOutgoing());

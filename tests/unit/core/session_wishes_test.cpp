@@ -6,7 +6,7 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 
 TEST_F(SessionTest, wishesOnceForABlobAndDeliversItsBytes) {
   open();

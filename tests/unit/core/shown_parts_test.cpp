@@ -7,20 +7,20 @@
 namespace lode::core {
 namespace {
 
-using namespace test;
+using namespace fixture;
 using Numbers = std::vector<uint32_t>;
 
-constexpr NodeKey kNear = kRootKey.child(0), kFar = kRootKey.child(7);
+constexpr NodeKey kNearNode = kRootKey.child(0), kFarNode = kRootKey.child(7);
 
 /// Octants 1 and 2 of one child of the root, of which the others are left out, and of another its octant 0
 /// alone.
 class ShownParts : public testing::Test {
  protected:
   ShownParts() {
-    for (const NodeKey node : {kNear.child(1), kNear.child(2), kFar.child(0)})
+    for (const NodeKey node : {kNearNode.child(1), kNearNode.child(2), kFarNode.child(0)})
       cut_.parts.push_back({node, 0, true, 1, nullptr});
-    cut_.left_out = {{kNear.child(3), boxAt({1000, 0, 0})}, {kRootKey.child(6), boxAt({0, 1000, 0})}};
-    cut_.fallbacks = {{{kNear, 0, false, 2, nullptr}, 0, 2, 0, 1, 0},
+    cut_.left_out = {{kNearNode.child(3), boxAt({1000, 0, 0})}, {kRootKey.child(6), boxAt({0, 1000, 0})}};
+    cut_.fallbacks = {{{kNearNode, 0, false, 2, nullptr}, 0, 2, 0, 1, 0},
                       {{kRootKey, 0, false, 4, nullptr}, 0, 3, 1, 2, 0}};
   }
 
@@ -60,11 +60,11 @@ TEST_F(ShownParts, areOneAncestorForARegionOfWhichNothingIsThere) {
 }
 
 TEST_F(ShownParts, areTheInnermostOfThreeAncestorsThatIsEnoughAndSkipThoseBelowAnOuterOne) {
-  const NodeKey below = kNear.child(1);
+  const NodeKey below = kNearNode.child(1);
   cut_.parts[0].node = below.child(0);
   cut_.left_out.insert(cut_.left_out.begin(), {below.child(7), boxAt({0, 0, -1000})});
   cut_.fallbacks = {{{below, 0, false, 1, nullptr}, 0, 1, 0, 1, 0},
-                    {{kNear, 0, false, 2, nullptr}, 0, 2, 1, 2, 0},
+                    {{kNearNode, 0, false, 2, nullptr}, 0, 2, 1, 2, 0},
                     {{kRootKey, 0, false, 4, nullptr}, 0, 3, 2, 3, 0}};
   const View at_below = lookingAt({0, 0, 0}, {0, 0, -1000});
   View at_below_and_near = lookingAt({2000, 0, 2000}, {500, 0, -500});

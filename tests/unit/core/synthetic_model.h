@@ -12,7 +12,7 @@
 #include "client/core/triangle_clusters.h"
 #include "common/hierarchy_page.h"
 
-namespace lode::core::test {
+namespace lode::core::fixture {
 
 /// A random octree: boxes, rungs and errors as a store would have them, cut into pages as
 /// docs/store-format.md says. Meshes have the announced numbers of vertices and triangles, which cover the
@@ -166,4 +166,4 @@ class SyntheticModel {
   std::map<NodeKey, Node> nodes_;
 };
 
-}  // namespace lode::core::test
+}  // namespace lode::core::fixture

@@ -12,14 +12,15 @@
 #include "common/error.h"
 #include "proto/limits.h"
 #include "tests/support/texture_images.h"
+#include "tests/unit/core/session_fixture.h"
 
 namespace lode::core {
 namespace {
 
+using fixture::kStart;
 using proto::Bytes;
 using test::TextureImages;
 
-constexpr TimePoint kStart{};
 constexpr uint32_t kPage = 1, kMesh = 2, kSet = 3, kFirstTile = 4;
 
 void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }

@@ -37,14 +37,14 @@ std::vector<TileKey> keysOf(const std::vector<WantedTile>& wanted) {
   return keys;
 }
 
-const View kView;
+const View kPlainView;
 
 TEST(TextureWants, areTheLevelWhereATexelIsAPixelAndAllCoarserOnes) {
   const TextureFootprint footprint = footprintOf({{4, 4}});
   const auto levels = [&](double texels_px, float threshold_px) {
     std::set<uint32_t> seen;
-    const TexturedPart part{&footprint, distanceFor(texels_px, kView), true};
-    for (const WantedTile& tile : wantTiles(twoTextures(), {&part, 1}, kView, threshold_px))
+    const TexturedPart part{&footprint, distanceFor(texels_px, kPlainView), true};
+    for (const WantedTile& tile : wantTiles(twoTextures(), {&part, 1}, kPlainView, threshold_px))
       seen.insert(tile.key.level);
     return seen;
   };
@@ -61,7 +61,7 @@ TEST(TextureWants, areTheLevelWhereATexelIsAPixelAndAllCoarserOnes) {
 TEST(TextureWants, coverTheTouchedTilesAtEveryLevel) {
   const TextureFootprint footprint = footprintOf({{0, 0}, {4, 4}});
   const TexturedPart part{&footprint, 0, true};
-  std::vector<TileKey> keys = keysOf(wantTiles(twoTextures(), {&part, 1}, kView, 1));
+  std::vector<TileKey> keys = keysOf(wantTiles(twoTextures(), {&part, 1}, kPlainView, 1));
   std::sort(keys.begin(), keys.end());
   const std::vector<TileKey> expected{{3, 0, 0, 0}, {2, 0, 0, 0}, {2, 0, 1, 1}, {1, 0, 0, 0},
                                       {1, 0, 2, 2}, {0, 0, 0, 0}, {0, 0, 4, 4}};
@@ -73,18 +73,19 @@ TEST(TextureWants, ofAWholeTextureAreThoseOfAllItsTiles) {
   for (uint32_t y = 0; y < 5; ++y)
     for (uint32_t x = 0; x < 5; ++x) all.tiles.push_back({0, y, x, kTexelsPerModel});
   const TextureFootprint whole{{}, {{0, kTexelsPerModel}}}, corner = footprintOf({{4, 4}});
-  const double far_model = distanceFor(2.5, kView), close_model = distanceFor(0.5, kView);
+  const double far_model = distanceFor(2.5, kPlainView), close_model = distanceFor(0.5, kPlainView);
   for (const bool visible : {true, false}) {
     const TexturedPart with_tiles[] = {{&all, far_model, visible}, {&corner, close_model, true}};
     const TexturedPart as_whole[] = {{&whole, far_model, visible}, {&corner, close_model, true}};
-    EXPECT_EQ(wantTiles(twoTextures(), as_whole, kView, 1), wantTiles(twoTextures(), with_tiles, kView, 1));
+    EXPECT_EQ(wantTiles(twoTextures(), as_whole, kPlainView, 1),
+              wantTiles(twoTextures(), with_tiles, kPlainView, 1));
   }
 }
 
 TEST(TextureWants, comeCoarserBeforeFiner) {
   const TextureFootprint large = footprintOf({{1, 1}, {2, 2}}), small = footprintOf({{0, 0}}, 1);
   const TexturedPart parts[] = {{&large, 3, true}, {&small, 70, true}};
-  const std::vector<WantedTile> wanted = wantTiles(twoTextures(), parts, kView, 1);
+  const std::vector<WantedTile> wanted = wantTiles(twoTextures(), parts, kPlainView, 1);
   for (size_t i = 0; i < wanted.size(); ++i)
     for (size_t j = i + 1; j < wanted.size(); ++j) {
       const bool same = wanted[i].key.texture == wanted[j].key.texture;
@@ -95,33 +96,36 @@ TEST(TextureWants, comeCoarserBeforeFiner) {
 
 TEST(TextureWants, haveThePixelsOfACoarserTexelForAPriority) {
   const TextureFootprint footprint = footprintOf({{0, 0}});
-  const TexturedPart part{&footprint, distanceFor(1.5, kView), true};
-  for (const WantedTile& tile : wantTiles(twoTextures(), {&part, 1}, kView, 1)) {
-    const double expected = tile.key.level == 3 ? kView.width_px : std::exp2(tile.key.level + 1) / 1.5;
+  const TexturedPart part{&footprint, distanceFor(1.5, kPlainView), true};
+  for (const WantedTile& tile : wantTiles(twoTextures(), {&part, 1}, kPlainView, 1)) {
+    const double expected = tile.key.level == 3 ? kPlainView.width_px : std::exp2(tile.key.level + 1) / 1.5;
     EXPECT_NEAR(tile.priority_px, expected, 1e-3 * expected);
   }
 }
 
 TEST(TextureWants, followTheNearestOfThePartsThatShareATile) {
   const TextureFootprint footprint = footprintOf({{0, 0}});
-  const TexturedPart near_part{&footprint, distanceFor(0.5, kView), true};
-  const TexturedPart parts[] = {{&footprint, distanceFor(100, kView), true}, near_part};
-  EXPECT_EQ(wantTiles(twoTextures(), parts, kView, 1), wantTiles(twoTextures(), {&near_part, 1}, kView, 1));
+  const TexturedPart near_part{&footprint, distanceFor(0.5, kPlainView), true};
+  const TexturedPart parts[] = {{&footprint, distanceFor(100, kPlainView), true}, near_part};
+  EXPECT_EQ(wantTiles(twoTextures(), parts, kPlainView, 1),
+            wantTiles(twoTextures(), {&near_part, 1}, kPlainView, 1));
 }
 
 TEST(TextureWants, outsideTheViewAreTheCoarsestLevelInTheMargin) {
   const TextureFootprint footprint = footprintOf({{0, 0}, {3, 3}});
   const TexturedPart hidden{&footprint, 0, false};
-  const std::vector<WantedTile> wanted = wantTiles(twoTextures(), {&hidden, 1}, kView, 1);
+  const std::vector<WantedTile> wanted = wantTiles(twoTextures(), {&hidden, 1}, kPlainView, 1);
   ASSERT_EQ(wanted.size(), 1u);
   EXPECT_EQ(wanted[0].key.level, 3u);
   EXPECT_FALSE(wanted[0].visible);
 
-  const TexturedPart seen{&footprint, distanceFor(2.5, kView), true};
+  const TexturedPart seen{&footprint, distanceFor(2.5, kPlainView), true};
   const TexturedPart both[] = {hidden, seen};
-  EXPECT_EQ(wantTiles(twoTextures(), both, kView, 1), wantTiles(twoTextures(), {&seen, 1}, kView, 1));
+  EXPECT_EQ(wantTiles(twoTextures(), both, kPlainView, 1),
+            wantTiles(twoTextures(), {&seen, 1}, kPlainView, 1));
   const TexturedPart reversed[] = {seen, hidden};
-  EXPECT_EQ(wantTiles(twoTextures(), reversed, kView, 1), wantTiles(twoTextures(), {&seen, 1}, kView, 1));
+  EXPECT_EQ(wantTiles(twoTextures(), reversed, kPlainView, 1),
+            wantTiles(twoTextures(), {&seen, 1}, kPlainView, 1));
 }
 
 TEST(TextureWants, haveEveryTileThatAFinerOneLiesOnInLevelsOfUnevenSize) {
@@ -131,7 +135,7 @@ TEST(TextureWants, haveEveryTileThatAFinerOneLiesOnInLevelsOfUnevenSize) {
   for (uint32_t x = 0; x < tilesAcross(texture, 0); ++x) {
     const TextureFootprint footprint = footprintOf({{x, 1}});
     const TexturedPart part{&footprint, 0, true};
-    const std::vector<TileKey> keys = keysOf(wantTiles(set, {&part, 1}, kView, 1));
+    const std::vector<TileKey> keys = keysOf(wantTiles(set, {&part, 1}, kPlainView, 1));
     for (uint32_t texel = x * kTileInnerPx; texel < std::min((x + 1) * kTileInnerPx, texture.width); ++texel)
       for (uint32_t level = 0; level < levelCount(texture); ++level) {
         const glm::dvec2 at((texel + 0.5) / texture.width, (kTileInnerPx * 1.5) / texture.height);
@@ -145,7 +149,7 @@ TEST(TextureWants, thatFitAreAPrefixWithinTheBudget) {
   const TextureFootprint large = footprintOf({{0, 0}, {1, 1}, {2, 2}}), small = footprintOf({{0, 0}}, 1);
   const TexturedPart parts[] = {{&large, 0, true}, {&small, 0, true}};
   const TextureSet set = twoTextures();
-  const std::vector<WantedTile> wanted = wantTiles(set, parts, kView, 1);
+  const std::vector<WantedTile> wanted = wantTiles(set, parts, kPlainView, 1);
   uint64_t all_bytes = 0;
   for (const WantedTile& tile : wanted) all_bytes += tileRoomBytes(set, tile.key);
   EXPECT_EQ(countFitting(set, wanted, all_bytes), wanted.size());

@@ -1,5 +1,6 @@
 #include "client/render/changed_regions.h"
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -10,26 +11,26 @@ namespace {
 using render::ChangedRegion;
 using render::changedRegions;
 
-const NodeKey kNode = kRootKey.child(3), kOther = kRootKey.child(5);
+const NodeKey kHere = kRootKey.child(3), kElsewhere = kRootKey.child(5);
 
 TEST(ChangedRegions, matchANodeWithItsChildrenWhicheverOfThemArrive) {
-  const std::vector above{kNode};
-  const std::vector below{kNode.child(0), kNode.child(6), kNode.child(7).child(1)};
-  EXPECT_EQ(changedRegions(above, below), (std::vector<ChangedRegion>{{kNode, {0}, {0, 1, 2}}}));
-  EXPECT_EQ(changedRegions(below, above), (std::vector<ChangedRegion>{{kNode, {0, 1, 2}, {0}}}));
+  const std::vector above{kHere};
+  const std::vector below{kHere.child(0), kHere.child(6), kHere.child(7).child(1)};
+  EXPECT_EQ(changedRegions(above, below), (std::vector<ChangedRegion>{{kHere, {0}, {0, 1, 2}}}));
+  EXPECT_EQ(changedRegions(below, above), (std::vector<ChangedRegion>{{kHere, {0, 1, 2}, {0}}}));
 }
 
 TEST(ChangedRegions, matchANodeWithItselfInAnotherRung) {
-  EXPECT_EQ(changedRegions(std::vector{kNode}, std::vector{kNode}),
-            (std::vector<ChangedRegion>{{kNode, {0}, {0}}}));
+  EXPECT_EQ(changedRegions(std::vector{kHere}, std::vector{kHere}),
+            (std::vector<ChangedRegion>{{kHere, {0}, {0}}}));
 }
 
 TEST(ChangedRegions, areApartWhereNodesAreAndHaveOneSideWhereTheOtherHasNothing) {
-  const std::vector leaving{kOther, kNode.child(2)};
-  const std::vector arriving{kNode.child(2).child(4), kRootKey.child(7)};
+  const std::vector leaving{kElsewhere, kHere.child(2)};
+  const std::vector arriving{kHere.child(2).child(4), kRootKey.child(7)};
   EXPECT_EQ(changedRegions(leaving, arriving),
             (std::vector<ChangedRegion>{
-                {kNode.child(2), {1}, {0}}, {kOther, {0}, {}}, {kRootKey.child(7), {}, {1}}}));
+                {kHere.child(2), {1}, {0}}, {kElsewhere, {0}, {}}, {kRootKey.child(7), {}, {1}}}));
 }
 
 /// A random cover: nodes are split until a coin says no.

@@ -11,7 +11,7 @@ using render::FarthestDepths;
 using render::Occluders;
 
 // Along -z, a pixel is 1 wide at the distance of 1000.
-const core::View kAhead = [] {
+const core::View kTowardsWall = [] {
   core::View view = lookAt({0, 0, 1000}, {0, 0, 0});
   view.fov_y_rad = 2 * std::atan(kHeightPx / 2000.0);
   view.near_model = 1;
@@ -28,20 +28,20 @@ FarthestDepths wall() {
 core::ModelBox boxAt(glm::dvec3 middle, double half = 5) { return {middle - half, middle + half}; }
 
 TEST(Occluders, hideWhatIsBehindThem) {
-  const Occluders occluders(kAhead, 1, wall());
+  const Occluders occluders(kTowardsWall, 1, wall());
   EXPECT_TRUE(occluders.hide(boxAt({0, 0, -6})));
   EXPECT_TRUE(occluders.hide(boxAt({-60, 40, -500}, 100)));
 }
 
 TEST(Occluders, doNotHideWhatIsBeforeThemOrReachesThere) {
-  const Occluders occluders(kAhead, 1, wall());
+  const Occluders occluders(kTowardsWall, 1, wall());
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 6})));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, -4})));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, -5})));  // touches
 }
 
 TEST(Occluders, doNotHideWhatReachesPastTheNearPlaneOrTheEye) {
-  const Occluders occluders(kAhead, 1, wall());
+  const Occluders occluders(kTowardsWall, 1, wall());
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 1000}, 4)));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 0}, 2000)));
 }
@@ -50,7 +50,7 @@ TEST(Occluders, doNotHideWhatShowsThroughOneSquare) {
   FarthestDepths holed = wall();
   // 3 squares from the left, 5 from below.
   holed.depths[size_t{5} * holed.columns + 3] = 0;
-  const Occluders occluders(kAhead, 1, std::move(holed));
+  const Occluders occluders(kTowardsWall, 1, std::move(holed));
   const glm::dvec2 lower_left(-100, -75);
   const auto at = [&](double x, double y) {  // in pixels, right at the wall
     return boxAt({lower_left.x + x, lower_left.y + y, -0.6}, 0.5);
@@ -66,7 +66,7 @@ TEST(Occluders, doNotHideWhatShowsThroughOneSquare) {
 TEST(Occluders, doNotHideWhatLiesBeforeTheBackground) {
   FarthestDepths empty = wall();
   std::ranges::fill(empty.depths, 0.0f);
-  EXPECT_FALSE(Occluders(kAhead, 1, std::move(empty)).hide(boxAt({0, 0, -1e6})));
+  EXPECT_FALSE(Occluders(kTowardsWall, 1, std::move(empty)).hide(boxAt({0, 0, -1e6})));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace lode::render {
 namespace {
 
-const glm::dvec3 kY(0, 1, 0);
+const glm::dvec3 kUp(0, 1, 0);
 constexpr double kHeight = 2;
 constexpr double kFrameS = 1.0 / 60;
 
@@ -15,7 +15,7 @@ core::View standingAt(const glm::dvec3& eye) {
   core::View view;
   view.eye_model = eye;
   view.forward = {0, 0, -1};
-  view.up = kY;
+  view.up = kUp;
   view.width_px = 800;
   view.height_px = 600;
   return view;
@@ -46,7 +46,7 @@ void walk(WalkCamera& camera, const FlyKeys& keys, double seconds, const GroundB
 }
 
 TEST(WalkCamera, comesDownToItsHeightAboveTheGroundSmoothly) {
-  WalkCamera camera(standingAt({3, 10, 4}), kHeight, kY);
+  WalkCamera camera(standingAt({3, 10, 4}), kHeight, kUp);
   double before = 10;
   for (int frame = 0; frame < 120; ++frame) {
     camera.move({}, kFrameS, flatAt(1));
@@ -63,7 +63,7 @@ TEST(WalkCamera, comesDownToItsHeightAboveTheGroundSmoothly) {
 }
 
 TEST(WalkCamera, walksOnTheLevelWhereverItLooks) {
-  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kY);
+  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   camera.look({0, 500}, standingAt({}));  // up or down
   walk(camera, {.forward = 1}, 1, flatAt(0));
   EXPECT_NEAR(eyeOf(camera).y, 2, 1e-9);
@@ -74,7 +74,7 @@ TEST(WalkCamera, walksOnTheLevelWhereverItLooks) {
 TEST(WalkCamera, staysAboveASlopeHoweverFastItWalksUp) {
   const auto slope = [](const glm::dvec3& point) { return std::max(0.0, -point.z); };
   for (const bool fast : {false, true}) {
-    WalkCamera camera(standingAt({0, 2, 0}), kHeight, kY);
+    WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
     for (int frame = 0; frame < 30; ++frame) {
       camera.move({.forward = 1, .fast = fast}, 0.1, groundOf(slope));
       EXPECT_GE(eyeOf(camera).y - slope(eyeOf(camera)), kHeight / 4 - 1e-9);
@@ -84,7 +84,7 @@ TEST(WalkCamera, staysAboveASlopeHoweverFastItWalksUp) {
 }
 
 TEST(WalkCamera, staysAsHighAsItIsWhereThereIsNoGround) {
-  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kY);
+  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   walk(camera, {.forward = 1}, 2, [](const glm::dvec3&) { return std::nullopt; });
   EXPECT_NEAR(eyeOf(camera).y, 2, 1e-12);
   EXPECT_LT(eyeOf(camera).z, -5);
@@ -92,11 +92,11 @@ TEST(WalkCamera, staysAsHighAsItIsWhereThereIsNoGround) {
 
 TEST(WalkCamera, doesNotSinkIntoGroundThatIsOnlyKnownCoarsely) {
   // It stands on what is really at 0, and coarser data say -3, give or take 4.
-  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kY);
+  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   walk(camera, {}, 2, flatAt(-3, 4));
   EXPECT_EQ(eyeOf(camera).y, 2);
   // From afar it comes down to where the ground may be at most.
-  WalkCamera high(standingAt({0, 50, 0}), kHeight, kY);
+  WalkCamera high(standingAt({0, 50, 0}), kHeight, kUp);
   walk(high, {}, 3, flatAt(-3, 4));
   EXPECT_NEAR(eyeOf(high).y, 1 + kHeight, 0.01);
   walk(high, {}, 3, flatAt(0));
@@ -104,7 +104,7 @@ TEST(WalkCamera, doesNotSinkIntoGroundThatIsOnlyKnownCoarsely) {
 }
 
 TEST(WalkCamera, isLiftedByGroundThatComesInHigher) {
-  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kY);
+  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   walk(camera, {}, 1, flatAt(1.5));
   EXPECT_NEAR(eyeOf(camera).y, 3.5, 0.01);
 }
@@ -114,13 +114,13 @@ TEST(WalkCamera, passesUnderACeilingThatIsHigherThanItLooksUp) {
     const double top = point.y >= 6 ? 6 : 0;
     return Ground{point.y - top, 0};
   };
-  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kY);
+  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   walk(camera, {.forward = 1}, 1, cave);
   EXPECT_NEAR(eyeOf(camera).y, 2, 1e-9);
 }
 
 TEST(WalkCamera, growsAndShrinksByKeysAndItsSpeedWithIt) {
-  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kY);
+  WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   walk(camera, {.up = 1}, 1, flatAt(0));
   EXPECT_NEAR(camera.eyeHeightModel(), 2 * kHeight, 0.1);
   walk(camera, {}, 2, flatAt(0));

@@ -15,34 +15,34 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = ByteRate::Clock;
 
-constexpr Clock::time_point kStart{1000s};
+constexpr Clock::time_point kFirstTake{1000s};
 
 TEST(ByteRate, thatIsNoneNeverMakesAnybodyWait) {
   ByteRate rate(0);
   EXPECT_FALSE(rate.limited());
-  for (int i = 0; i < 100; ++i) EXPECT_EQ(rate.take(1u << 30, kStart), kStart);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(rate.take(1u << 30, kFirstTake), kFirstTake);
 }
 
 TEST(ByteRate, givesTurnsInOrderAsFarApartAsTheirBytesLast) {
   ByteRate rate(1'000'000);
-  const auto first = rate.take(10'000, kStart);
-  EXPECT_LE(first, kStart);
-  EXPECT_EQ(rate.take(20'000, kStart) - first, 10ms);
-  EXPECT_EQ(rate.take(10'000, kStart) - first, 30ms);
+  const auto first = rate.take(10'000, kFirstTake);
+  EXPECT_LE(first, kFirstTake);
+  EXPECT_EQ(rate.take(20'000, kFirstTake) - first, 10ms);
+  EXPECT_EQ(rate.take(10'000, kFirstTake) - first, 30ms);
 }
 
 TEST(ByteRate, whatIsGivenBackIsTheNexts) {
   ByteRate rate(1'000'000);
-  const auto first = rate.take(10'000, kStart);
+  const auto first = rate.take(10'000, kFirstTake);
   rate.give(4'000);
-  EXPECT_EQ(rate.take(10'000, kStart) - first, 6ms);
+  EXPECT_EQ(rate.take(10'000, kFirstTake) - first, 6ms);
 }
 
 TEST(ByteRate, isKeptByWhoComesLateAndSavedByNobody) {
   ByteRate rate(1'000'000);
-  Clock::time_point now = kStart;
+  Clock::time_point now = kFirstTake;
   uint64_t bytes = 0;
-  for (; now < kStart + 10s; bytes += 10'000)
+  for (; now < kFirstTake + 10s; bytes += 10'000)
     now = std::max(now, rate.take(10'000, now)) + 1ms;  // late each time
   EXPECT_NEAR(static_cast<double>(bytes), 10e6, 0.1e6);
   now += 60s;  // a minute of silence

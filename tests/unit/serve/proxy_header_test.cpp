@@ -14,7 +14,7 @@ std::optional<ProxyHeader> parse(std::string_view text) {
   return parseProxyHeader(std::as_bytes(std::span(text)));
 }
 
-std::string refusal(std::string_view text) {
+std::string headerRefusal(std::string_view text) {
   try {
     parse(text);
   } catch (const Error& error) {
@@ -86,10 +86,10 @@ TEST(ProxyHeader, isAwaitedByteByByte) {
 }
 
 TEST(ProxyHeader, isRefusedAtTheFirstByteThatCannotBe) {
-  EXPECT_NE(refusal(std::string_view("\x38\0\0\0\1", 5)).find("begins with something else"),
+  EXPECT_NE(headerRefusal(std::string_view("\x38\0\0\0\1", 5)).find("begins with something else"),
             std::string::npos);
-  EXPECT_NE(refusal("GET / HTTP/1.1").find("begins with something else"), std::string::npos);
-  EXPECT_NE(refusal("PROXZ").find("begins with something else"), std::string::npos);
+  EXPECT_NE(headerRefusal("GET / HTTP/1.1").find("begins with something else"), std::string::npos);
+  EXPECT_NE(headerRefusal("PROXZ").find("begins with something else"), std::string::npos);
 }
 
 TEST(ProxyHeader, withALineThatIsWrongIsRefused) {
@@ -98,21 +98,22 @@ TEST(ProxyHeader, withALineThatIsWrongIsRefused) {
         "PROXY TCP4 ::1 ::1 1 1\r\n", "PROXY TCP6 1.1.1.1 1.1.1.1 1 1\r\n",
         "PROXY TCP4 1.1.1.1 1.1.1.1 65536 1\r\n", "PROXY TCP4 1.1.1.1 1.1.1.1 1\r\n",
         "PROXY TCP4 1.1.1.1 1.1.1.1 1 1 1\r\n", "PROXY TCP4  1.1.1.1 1.1.1.1 1 1\r\n", "PROXY \r\n"})
-    EXPECT_NE(refusal(line), "accepted") << line;
+    EXPECT_NE(headerRefusal(line), "accepted") << line;
 }
 
 TEST(ProxyHeader, withoutAnEndIsRefusedAtItsLimit) {
   const std::string endless = "PROXY UNKNOWN " + std::string(200, 'x');
   EXPECT_FALSE(parse(std::string_view(endless).substr(0, 106)));
-  EXPECT_NE(refusal(endless.substr(0, 107)).find("does not end"), std::string::npos);
+  EXPECT_NE(headerRefusal(endless.substr(0, 107)).find("does not end"), std::string::npos);
 }
 
 TEST(ProxyHeader, inBinaryWithABadHeadIsRefused) {
-  EXPECT_NE(refusal(binary(0x11, 0x11, kFour)).find("version or command"), std::string::npos);
-  EXPECT_NE(refusal(binary(0x22, 0x11, kFour)).find("version or command"), std::string::npos);
-  EXPECT_NE(refusal(binary(0x21, 0x11, kFour.substr(0, 11))).find("cut off"), std::string::npos);
-  EXPECT_NE(refusal(binary(0x21, 0x21, std::string(35, 'x'))).find("cut off"), std::string::npos);
-  EXPECT_NE(refusal(binary(0x21, 0x11, std::string(3000, 'x'))).find("the limit is 2048"), std::string::npos);
+  EXPECT_NE(headerRefusal(binary(0x11, 0x11, kFour)).find("version or command"), std::string::npos);
+  EXPECT_NE(headerRefusal(binary(0x22, 0x11, kFour)).find("version or command"), std::string::npos);
+  EXPECT_NE(headerRefusal(binary(0x21, 0x11, kFour.substr(0, 11))).find("cut off"), std::string::npos);
+  EXPECT_NE(headerRefusal(binary(0x21, 0x21, std::string(35, 'x'))).find("cut off"), std::string::npos);
+  EXPECT_NE(headerRefusal(binary(0x21, 0x11, std::string(3000, 'x'))).find("the limit is 2048"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ using std::chrono::sys_days;
 
 constexpr auto kNow = sys_days(std::chrono::year(2026) / 11 / 22) + 3h;
 
-std::string refusal(const std::string& text, ErrorCode code = ErrorCode::kUsage) {
+std::string tokenRefusal(const std::string& text, ErrorCode code = ErrorCode::kUsage) {
   try {
     TokenFile::parse(text);
   } catch (const Error& error) {
@@ -29,7 +29,7 @@ std::string refusal(const std::string& text, ErrorCode code = ErrorCode::kUsage)
 }
 
 void expectRefused(const std::string& text, const std::string& why) {
-  EXPECT_NE(refusal(text).find(why), std::string::npos) << refusal(text);
+  EXPECT_NE(tokenRefusal(text).find(why), std::string::npos) << tokenRefusal(text);
 }
 
 TEST(TokenFile, grantsWhatATokensLineSays) {
@@ -112,14 +112,14 @@ TEST(TokenFile, withoutATokenIsRefused) {
 TEST(TokenFile, neverTellsATokenInAnError) {
   for (const char* text : {"hushhush\n", "hushhush x *\n", "hushhush never *\nhushhush never *\n",
                            "hushhush never \"x\n", "\"hushhush never x\n"})
-    EXPECT_EQ(refusal(text).find("hush"), std::string::npos) << refusal(text);
+    EXPECT_EQ(tokenRefusal(text).find("hush"), std::string::npos) << tokenRefusal(text);
 }
 
 TEST(TokenFile, withMoreTokensThanItsLimitIsRefused) {
   std::string text;
   for (size_t i = 0; i < kMaxTokens; ++i) text += "t" + std::to_string(i) + " never *\n";
   EXPECT_EQ(TokenFile::parse(text).size(), kMaxTokens);
-  EXPECT_NE(refusal(text + "last never *\n", ErrorCode::kLimit).find("line 4097"), std::string::npos);
+  EXPECT_NE(tokenRefusal(text + "last never *\n", ErrorCode::kLimit).find("line 4097"), std::string::npos);
 }
 
 TEST(TokenFile, isReadFromAFileOfBoundedSize) {

@@ -1,7 +1,6 @@
 #include "server/ingest/build/build.h"
 
 #include <fstream>
-#include <iterator>
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -15,18 +14,15 @@
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/sample/sample.h"
 #include "server/store/reader.h"
+#include "tests/support/bytes.h"
 #include "tests/support/porous_surface.h"
 #include "tests/support/work_folder.h"
 
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kMega = 1 << 20;
-
-std::string readBytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+using test::kMega;
+using test::readBytes;
 
 class Build : public testing::Test {
  protected:

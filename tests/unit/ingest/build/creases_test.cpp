@@ -1,5 +1,3 @@
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 
@@ -13,11 +11,14 @@
 #include "server/store/node_tree.h"
 #include "server/store/open_edges.h"
 #include "server/store/reader.h"
+#include "tests/support/bytes.h"
 #include "tests/support/machine_parts.h"
 #include "tests/support/work_folder.h"
 
 namespace lode::ingest {
 namespace {
+
+using test::readBytes;
 
 class Creases : public testing::TestWithParam<bool> {
  protected:
@@ -40,11 +41,6 @@ class Creases : public testing::TestWithParam<bool> {
 
   test::WorkFolder folder_;
 };
-
-std::string readBytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 TEST_P(Creases, giveTheSameBytesForAnyNumberOfThreadsAndAnyMemory) {
   const std::string expected = readBytes(built(1));

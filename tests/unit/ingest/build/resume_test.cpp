@@ -2,7 +2,6 @@
 
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -11,18 +10,15 @@
 #include "server/ingest/build/build.h"
 #include "server/ingest/disk/build_folder.h"
 #include "server/ingest/sample/sample.h"
+#include "tests/support/bytes.h"
 #include "tests/support/work_folder.h"
 #include "tests/unit/ingest/textures/image_files.h"
 
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kMega = 1 << 20;
-
-std::string readBytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+using test::kMega;
+using test::readBytes;
 
 class Resume : public testing::Test {
  protected:

@@ -9,15 +9,15 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint32_t kCells = 20, kCellSteps = 100;
+constexpr uint32_t kCellsAlong = 20, kCellSteps = 100;
 
 /// A flat grid's triangles of those cells that are kept.
 template <typename IsKept>
 Mesh gridOf(IsKept&& is_kept) {
   test::MeshOptions options;
-  options.extent = kCells * kCellSteps;
+  options.extent = kCellsAlong * kCellSteps;
   options.bump = 0;
-  Mesh grid = test::makeGrid(kCells, kCells, options);
+  Mesh grid = test::makeGrid(kCellsAlong, kCellsAlong, options);
   std::erase_if(grid.triangles, [&](glm::u32vec3 t) {
     const glm::uvec3 a = unpackPosition(grid.positions[t.x]), b = unpackPosition(grid.positions[t.y]),
                      c = unpackPosition(grid.positions[t.z]);

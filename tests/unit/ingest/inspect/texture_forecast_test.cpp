@@ -14,24 +14,24 @@ using test::makePhoto;
 using test::pngOf;
 using test::writeBytes;
 
-constexpr uint64_t kBudget = 1ull << 30;
+constexpr uint64_t kMemoryBytes = 1ull << 30;
 
 class ForecastTextures : public testing::Test {
  protected:
   std::vector<TextureImage> surveyed(const std::vector<std::string>& names) const {
-    return surveyTextures(folder_ / "a.ply", names, kBudget);
+    return surveyTextures(folder_ / "a.ply", names, kMemoryBytes);
   }
 
   /// What a build stages.
   uint64_t stagedBytes(const std::vector<TextureImage>& images) const {
     BuildOptions options;
     options.input = folder_ / "a.ply";
-    options.memory_bytes = kBudget;
+    options.memory_bytes = kMemoryBytes;
     options.threads = 1;
     const TemporaryFolder files(folder_.path());
     Spool tiles(files.file("tiles"));
     std::vector<std::string> warnings;
-    stageTextures(options, images, {}, tiles, kBudget, {}, warnings);
+    stageTextures(options, images, {}, tiles, kMemoryBytes, {}, warnings);
     return tiles.size();
   }
 
@@ -44,7 +44,7 @@ TEST_F(ForecastTextures, saysWithinHalfHowLargeTheTilesWillBe) {
   writeBytes(folder_ / "small.png", pngOf(makePhoto(40, 30)));
   for (const char* name : {"large.png", "clear.png", "small.png"}) {
     const std::vector<TextureImage> images = surveyed({name});
-    const auto forecast = static_cast<double>(forecastTextures(images, kBudget, 1).tile_bytes);
+    const auto forecast = static_cast<double>(forecastTextures(images, kMemoryBytes, 1).tile_bytes);
     const auto staged = static_cast<double>(stagedBytes(images));
     EXPECT_LE(forecast, 1.5 * staged) << name;
     EXPECT_GE(forecast, staged / 1.5) << name;
@@ -53,19 +53,20 @@ TEST_F(ForecastTextures, saysWithinHalfHowLargeTheTilesWillBe) {
 
 TEST_F(ForecastTextures, countsEachImageInBytesAndTheLargestInMemory) {
   writeBytes(folder_ / "a.png", pngOf(makePhoto(1200, 1100)));
-  const TextureForecast one = forecastTextures(surveyed({"a.png"}), kBudget, 1);
-  const TextureForecast four = forecastTextures(surveyed({"a.png", "a.png", "a.png", "a.png"}), kBudget, 1);
+  const TextureForecast one = forecastTextures(surveyed({"a.png"}), kMemoryBytes, 1);
+  const TextureForecast four =
+      forecastTextures(surveyed({"a.png", "a.png", "a.png", "a.png"}), kMemoryBytes, 1);
   EXPECT_NEAR(static_cast<double>(four.tile_bytes), 4 * static_cast<double>(one.tile_bytes), 4);
   EXPECT_EQ(four.memory_bytes, one.memory_bytes);
   EXPECT_GE(one.memory_bytes, uint64_t{1200} * 1100 * 5);
-  EXPECT_GT(forecastTextures(surveyed({"a.png"}), kBudget, 3).memory_bytes, one.memory_bytes);
+  EXPECT_GT(forecastTextures(surveyed({"a.png"}), kMemoryBytes, 3).memory_bytes, one.memory_bytes);
 }
 
 TEST_F(ForecastTextures, countsNothingForImagesThatAreLeftOut) {
   writeBytes(folder_ / "a.png", pngOf(makePhoto(100, 100)));
   const std::vector<TextureImage> images =
       surveyTextures(folder_ / "a.ply", std::vector<std::string>{"a.png", "gone.png"}, 1000);
-  const TextureForecast forecast = forecastTextures(images, kBudget, 1);
+  const TextureForecast forecast = forecastTextures(images, kMemoryBytes, 1);
   EXPECT_EQ(forecast.tile_bytes, 0u);
   EXPECT_EQ(forecast.memory_bytes, 0u);
   EXPECT_EQ(forecast.serial_cpu_seconds, 0);

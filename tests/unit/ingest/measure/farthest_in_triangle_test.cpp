@@ -13,14 +13,14 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint32_t kCells = 16, kCell = 64;
+constexpr uint32_t kGroundCells = 16, kGroundCell = 64;
 constexpr int kSteps = 48;
 
 /// A grid in x and y, each of its points raised by up to so much.
 NodeMesh foldedGround(uint32_t height, std::mt19937& random) {
   test::MeshOptions options;
-  options.extent = kCells * kCell;
-  NodeMesh ground = test::nodeOf(test::makeGrid(kCells, kCells, options));
+  options.extent = kGroundCells * kGroundCell;
+  NodeMesh ground = test::nodeOf(test::makeGrid(kGroundCells, kGroundCells, options));
   for (PositionCode& code : ground.positions) {
     const glm::uvec3 place = unpackPosition(code);
     code = packPosition({place.x, place.y, 100 + random() % height});
@@ -29,11 +29,13 @@ NodeMesh foldedGround(uint32_t height, std::mt19937& random) {
 }
 
 std::array<glm::vec3, 3> triangleAbove(uint32_t height, std::mt19937& random) {
-  const auto along = [&] { return static_cast<float>(2 * kCell + random() % (kCell * (kCells - 4))); };
+  const auto along = [&] {
+    return static_cast<float>(2 * kGroundCell + random() % (kGroundCell * (kGroundCells - 4)));
+  };
   const float x = along(), y = along();
   std::array<glm::vec3, 3> corners;
   for (glm::vec3& corner : corners) {
-    const auto aside = [&] { return static_cast<float>(random() % (4 * kCell)) - 2 * kCell; };
+    const auto aside = [&] { return static_cast<float>(random() % (4 * kGroundCell)) - 2 * kGroundCell; };
     corner = {x + aside(), y + aside(), static_cast<float>(100 + random() % height)};
   }
   return corners;

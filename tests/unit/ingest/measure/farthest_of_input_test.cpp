@@ -26,7 +26,7 @@ NodeMesh meshOf(const std::vector<glm::uvec3>& points, const std::vector<glm::u3
   return mesh;
 }
 
-float farthest(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
+float farthestPlaceOfInput(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
   const RungSurface surface(rung.mesh);
   return farthestOfInput(rung, input, surface, placesOn(rung, input, surface.walk()), known);
 }
@@ -37,7 +37,7 @@ void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2
     double found = 0;
     for (const glm::dvec3 point : test::pointsOver(input, 16))
       found = std::max<double>(found, tree.distance(glm::vec3(point)));
-    const float measured = farthest(rung, input);
+    const float measured = farthestPlaceOfInput(rung, input);
     EXPECT_GE(1.021 * measured, found);
     EXPECT_LE(measured, 1.05 * found);
   });
@@ -61,7 +61,7 @@ TEST(FarthestOfInput, liesInsideATriangleWhoseCornersAreOnTheRung) {
   NodeMesh input = ridge;
   input.triangles.emplace_back(0, 4, 5);
   SimplifiedMesh rung{ridge, {0, 1, 2, 3, 4, 5}};
-  EXPECT_NEAR(farthest(rung, input), 80 / std::hypot(1, 0.8), 1.5);
+  EXPECT_NEAR(farthestPlaceOfInput(rung, input), 80 / std::hypot(1, 0.8), 1.5);
 }
 
 TEST(FarthestOfInput, countsWhatHasVanished) {
@@ -71,14 +71,14 @@ TEST(FarthestOfInput, countsWhatHasVanished) {
   input.wedge_position.push_back(3);
   input.lca_depth.push_back(kNeverLocked);
   input.triangles.emplace_back(0, 1, 3);
-  EXPECT_FLOAT_EQ(farthest({near, {0, 1, 2, kVanished}}, input), 500);
+  EXPECT_FLOAT_EQ(farthestPlaceOfInput({near, {0, 1, 2, kVanished}}, input), 500);
 }
 
 TEST(FarthestOfInput, isNotBelowWhatIsKnown) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   std::vector<uint32_t> same(mesh.positions.size());
   std::iota(same.begin(), same.end(), 0u);
-  EXPECT_EQ(farthest({mesh, same}, mesh, 7), 7);
+  EXPECT_EQ(farthestPlaceOfInput({mesh, same}, mesh, 7), 7);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 namespace lode::ingest {
 namespace {
 
-float farthest(const SimplifiedMesh& rung, const NodeMesh& input, float known) {
+float farthestPlaceOfRung(const SimplifiedMesh& rung, const NodeMesh& input, float known) {
   return farthestOfRung(rung, RungInput(input, 0), placesOn(rung, input, SurfaceWalk(rung.mesh)),
                         sourcesOf(rung, input), known);
 }
@@ -30,7 +30,7 @@ TEST(FarthestOfRung, isWithinItsMarginOfWhatDensePointsFind) {
       double found = 0;
       for (const glm::dvec3 point : test::pointsOver(rung.mesh, 24))
         found = std::max<double>(found, tree.distance(glm::vec3(point)));
-      const float measured = farthest(rung, input, 0);
+      const float measured = farthestPlaceOfRung(rung, input, 0);
       EXPECT_GE(kPointMargin * measured, found) << seed;
       EXPECT_LE(measured, 1.001 * found) << seed;
     });
@@ -78,14 +78,14 @@ TEST(FarthestOfRung, seesAPitInOneOfFewTrianglesAlthoughAnotherIsFartherAtFirstS
   const float pit = TriangleTree(input).distance({800, 800, 1000});
   const float hill = TriangleTree(input).distance({4800, 4800, 1000});
   ASSERT_GT(pit, 1.1f * hill);
-  EXPECT_GE(farthest(rung, input, 0), pit * 0.999f);
+  EXPECT_GE(farthestPlaceOfRung(rung, input, 0), pit * 0.999f);
 }
 
 TEST(FarthestOfRung, isNotBelowWhatIsKnown) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   SimplifiedMesh same{mesh, std::vector<uint32_t>(mesh.positions.size())};
   std::iota(same.became.begin(), same.became.end(), 0u);
-  EXPECT_EQ(farthest(same, mesh, 7), 7);
+  EXPECT_EQ(farthestPlaceOfRung(same, mesh, 7), 7);
 }
 
 }  // namespace

@@ -14,18 +14,19 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint32_t kCells = 64, kSpacing = 32;
-constexpr float kSide = kCells * kSpacing;
+constexpr uint32_t kWallCells = 64, kSpacing = 32;
+constexpr float kWallSide = kWallCells * kSpacing;
 
 using Paint = std::function<void(glm::vec2 at, VertexAttributes& attributes)>;  ///< of a place in 0..1
 
 /// A flat square, painted.
 NodeMesh wall(uint8_t attributes, const Paint& paint) {
-  Mesh mesh = test::makeGrid(kCells, kCells, {.attributes = {}, .extent = kCells * kSpacing, .bump = 0});
+  Mesh mesh =
+      test::makeGrid(kWallCells, kWallCells, {.attributes = {}, .extent = kWallCells * kSpacing, .bump = 0});
   mesh.attributes.bits = attributes;
   for (const PositionCode code : mesh.positions) {
     mesh.vertex_attributes.emplace_back();
-    paint(glm::vec2(glm::uvec2(unpackPosition(code))) / kSide, mesh.vertex_attributes.back());
+    paint(glm::vec2(glm::uvec2(unpackPosition(code))) / kWallSide, mesh.vertex_attributes.back());
   }
   return test::nodeOf(mesh);
 }
@@ -59,7 +60,7 @@ TEST(LostDetail, isNothingWhereColoursRiseEvenly) {
 TEST(LostDetail, ofAPaintedFlatWallIsAboutAsLargeAsTheTrianglesThatLostIt) {
   const NodeMesh painted = wall(AttributeSet::kColour, rings);
   for (const size_t triangles : {2000u, 500u, 100u}) {
-    const float side = kSide / std::sqrt(static_cast<float>(triangles));
+    const float side = kWallSide / std::sqrt(static_cast<float>(triangles));
     const float lost = lostAt(triangles, painted);
     EXPECT_GE(lost, 0.7f * side) << triangles;
     EXPECT_LE(lost, 4 * side) << triangles;
@@ -80,13 +81,13 @@ TEST(LostDetail, ofAPictureIsHowFarItHasSlid) {
     attributes.texture = glm::u16vec2(60000 * (at.x + bend * (1 - at.x)), 60000 * at.y);
   });
   const float lost = lostAt(2, squeezed);
-  EXPECT_GT(lost, 0.02f * kSide);
-  EXPECT_LT(lost, 0.2f * kSide);
+  EXPECT_GT(lost, 0.02f * kWallSide);
+  EXPECT_LT(lost, 0.2f * kWallSide);
 }
 
 TEST(LostDetail, isNothingAtASeamWhereBothSidesAreKept) {
-  Mesh mesh =
-      test::makeGrid(kCells, kCells, {.attributes = {AttributeSet::kMaterial}, .extent = 2048, .bump = 0});
+  Mesh mesh = test::makeGrid(kWallCells, kWallCells,
+                             {.attributes = {AttributeSet::kMaterial}, .extent = 2048, .bump = 0});
   mesh.attributes.bits |= AttributeSet::kColour;
   mesh.vertex_attributes.resize(mesh.positions.size());
   for (VertexAttributes& attributes : mesh.vertex_attributes)
@@ -96,7 +97,8 @@ TEST(LostDetail, isNothingAtASeamWhereBothSidesAreKept) {
 
 TEST(LostDetail, ofASingleStrayPointIsNothing) {
   NodeMesh stray = wall(AttributeSet::kColour, [](glm::vec2, VertexAttributes&) {});
-  stray.wedge_attributes[stray.wedge_attributes.size() / 2 + kCells / 2].colour = glm::u8vec4(0, 0, 0, 255);
+  stray.wedge_attributes[stray.wedge_attributes.size() / 2 + kWallCells / 2].colour =
+      glm::u8vec4(0, 0, 0, 255);
   EXPECT_EQ(lostAt(4000, stray), 0);
 }
 

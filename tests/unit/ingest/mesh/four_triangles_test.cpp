@@ -9,7 +9,7 @@
 namespace lode::ingest {
 namespace {
 
-class Places {
+class RandomPlaces {
  public:
   /// On few places, so that triangles are often lines, and points on corners and edges.
   glm::vec3 few() { return {number() % 4, number() % 4, number() % 4}; }
@@ -62,7 +62,7 @@ void expectTheSameFromFourAsFromOne(Place&& place) {
 }
 
 TEST(FourTriangles, areAsFarToTheBitAsEachAlone) {
-  Places places;
+  RandomPlaces places;
   expectTheSameFromFourAsFromOne([&] { return places.many(); });
   expectTheSameFromFourAsFromOne([&] { return places.few(); });
 }

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <iterator>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "server/ingest/sample/sample.h"
+#include "tests/support/bytes.h"
 #include "tests/unit/ingest/ply/ply_fixture.h"
 
 namespace lode::ingest {
@@ -18,12 +18,10 @@ inline SampleOptions sampleOf(const std::string& kind, uint64_t triangles, uint8
   return {kind, triangles, {attributes}, seed, threads};
 }
 
-/// The whole file.
 inline std::string sampleBytes(const SampleOptions& options) {
   const PlyFolder folder;
   writeSample(options, folder.path() / "sample.ply");
-  std::ifstream file(folder.path() / "sample.ply", std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  return test::readBytes(folder.path() / "sample.ply");
 }
 
 inline PlyContent sampleContent(const SampleOptions& options) { return readPlyBytes(sampleBytes(options)); }

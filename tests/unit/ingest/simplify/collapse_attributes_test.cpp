@@ -12,7 +12,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr double kSide = 4096;  // of the sheet, in steps
+constexpr double kSheetSide = 4096;  // of the sheet, in steps
 
 double height(double x, double y) { return 150 * (1 + std::sin(0.004 * x + 1) * std::sin(0.003 * y)) + 20; }
 

@@ -14,8 +14,8 @@
 namespace lode::ingest {
 namespace {
 
-std::vector<Snapshot> run(const NodeMesh& mesh, const std::vector<size_t>& targets,
-                          const CollapseOptions& options = {}) {
+std::vector<Snapshot> collapsedTo(const NodeMesh& mesh, const std::vector<size_t>& targets,
+                                  const CollapseOptions& options = {}) {
   std::vector<Snapshot> snapshots;
   collapse(mesh, targets, options, [&](size_t target, SimplifiedMesh&& snapshot) {
     snapshots.push_back({target, std::move(snapshot.mesh)});
@@ -26,7 +26,7 @@ std::vector<Snapshot> run(const NodeMesh& mesh, const std::vector<size_t>& targe
 TEST(Collapse, deliversEveryTargetInOrderAndNearIt) {
   const NodeMesh mesh = test::nodeOf(test::makeSphere(60, 40));
   const std::vector<size_t> targets{2400, 1200, 600, 100, 4};
-  const std::vector<Snapshot> snapshots = run(mesh, targets);
+  const std::vector<Snapshot> snapshots = collapsedTo(mesh, targets);
   ASSERT_EQ(snapshots.size(), targets.size());
   for (size_t i = 0; i < targets.size(); ++i) {
     EXPECT_EQ(snapshots[i].target, i);
@@ -38,7 +38,7 @@ TEST(Collapse, deliversEveryTargetInOrderAndNearIt) {
 
 TEST(Collapse, deliversTheInputForTargetsThatItMeets) {
   const NodeMesh mesh = test::nodeOf(test::makeSphere(8, 6, with(AttributeSet::kColour)));
-  const std::vector<Snapshot> snapshots = run(mesh, {1000, mesh.triangles.size()});
+  const std::vector<Snapshot> snapshots = collapsedTo(mesh, {1000, mesh.triangles.size()});
   ASSERT_EQ(snapshots.size(), 2u);
   EXPECT_EQ(snapshots[1].mesh.positions, mesh.positions);
   EXPECT_EQ(snapshots[1].mesh.triangles.size(), mesh.triangles.size());
@@ -49,7 +49,7 @@ TEST(Collapse, keepsClosedMeshesClosedWhateverIsLocked) {
     NodeMesh mesh =
         test::nodeOf(test::makeSphere(20 + seed, 14, with(seed % 2 ? AttributeSet::kAll : 0, seed)));
     lockSome(mesh, seed, 2 + seed);
-    for (const Snapshot& snapshot : run(mesh, {300, 200, 100, 50, 0}, {.node_depth = 2})) {
+    for (const Snapshot& snapshot : collapsedTo(mesh, {300, 200, 100, 50, 0}, {.node_depth = 2})) {
       EXPECT_TRUE(test::oddEdges(snapshot.mesh).empty());
       expectSound(snapshot.mesh);
     }
@@ -61,7 +61,7 @@ TEST(Collapse, keepsTheBorderEdgeForEdgeWhereItIsLocked) {
     NodeMesh mesh = test::nodeOf(test::makeGrid(24, 16, with(seed % 2 ? AttributeSet::kAll : 0, seed)));
     lockOddEdges(mesh);
     const std::set<test::PositionEdge> border = test::oddEdges(mesh);
-    for (const Snapshot& snapshot : run(mesh, {300, 100, 0}, {.node_depth = 2}))
+    for (const Snapshot& snapshot : collapsedTo(mesh, {300, 100, 0}, {.node_depth = 2}))
       EXPECT_EQ(test::oddEdges(snapshot.mesh), border);
   }
 }
@@ -71,7 +71,7 @@ TEST(Collapse, keepsTheLockedBorderOfATangle) {
     NodeMesh mesh = test::makeTangle(80, 60, seed);
     lockOddEdges(mesh);
     const std::set<test::PositionEdge> border = test::oddEdges(mesh);
-    for (const Snapshot& snapshot : run(mesh, {50, 30, 0}, {.node_depth = 2})) {
+    for (const Snapshot& snapshot : collapsedTo(mesh, {50, 30, 0}, {.node_depth = 2})) {
       EXPECT_EQ(test::oddEdges(snapshot.mesh), border);
       expectSound(snapshot.mesh);
     }
@@ -80,7 +80,7 @@ TEST(Collapse, keepsTheLockedBorderOfATangle) {
 
 TEST(Collapse, takesATangleDownToNothing) {
   for (uint32_t seed = 1; seed <= 8; ++seed) {
-    const std::vector<Snapshot> snapshots = run(test::makeTangle(60, 400, seed), {200, 50, 0});
+    const std::vector<Snapshot> snapshots = collapsedTo(test::makeTangle(60, 400, seed), {200, 50, 0});
     ASSERT_EQ(snapshots.size(), 3u);
     for (const Snapshot& snapshot : snapshots) expectSound(snapshot.mesh);
     EXPECT_TRUE(snapshots[2].mesh.triangles.empty());
@@ -96,7 +96,7 @@ TEST(Collapse, leavesLockedPositionsAndTheirAttributesAlone) {
     const uint32_t position = mesh.wedge_position[i];
     if (mesh.lca_depth[position] == 1) locked[mesh.positions[position].value] = mesh.wedge_attributes[i];
   }
-  const NodeMesh result = run(mesh, {200}, {.node_depth = 2}).at(0).mesh;
+  const NodeMesh result = collapsedTo(mesh, {200}, {.node_depth = 2}).at(0).mesh;
   size_t found = 0;
   for (size_t i = 0; i < result.wedge_position.size(); ++i) {
     const uint32_t position = result.wedge_position[i];
@@ -112,8 +112,8 @@ TEST(Collapse, leavesLockedPositionsAndTheirAttributesAlone) {
 TEST(Collapse, locksOnlyWhatWasSharedAboveTheNode) {
   NodeMesh mesh = test::nodeOf(test::makeSphere(12, 8));
   mesh.lca_depth.assign(mesh.positions.size(), 3);
-  EXPECT_EQ(run(mesh, {20}, {.node_depth = 3}).at(0).mesh.triangles.size(), 20u);
-  const std::vector<Snapshot> stuck = run(mesh, {20}, {.node_depth = 4});
+  EXPECT_EQ(collapsedTo(mesh, {20}, {.node_depth = 3}).at(0).mesh.triangles.size(), 20u);
+  const std::vector<Snapshot> stuck = collapsedTo(mesh, {20}, {.node_depth = 4});
   ASSERT_EQ(stuck.size(), 1u);
   EXPECT_EQ(stuck[0].mesh.triangles.size(), mesh.triangles.size());
 }
@@ -121,7 +121,7 @@ TEST(Collapse, locksOnlyWhatWasSharedAboveTheNode) {
 TEST(Collapse, deliversWhereItGotStuckOnce) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(20, 20));
   lockOddEdges(mesh);
-  const std::vector<Snapshot> snapshots = run(mesh, {400, 10, 5}, {.node_depth = 2});
+  const std::vector<Snapshot> snapshots = collapsedTo(mesh, {400, 10, 5}, {.node_depth = 2});
   ASSERT_EQ(snapshots.size(), 2u);
   EXPECT_EQ(snapshots[0].target, 0u);
   EXPECT_EQ(snapshots[1].target, 1u);
@@ -131,7 +131,7 @@ TEST(Collapse, deliversWhereItGotStuckOnce) {
 TEST(Collapse, reducesAFlatSheetToItsCorners) {
   MeshOptions options;
   options.bump = 0;
-  const NodeMesh result = run(test::nodeOf(test::makeGrid(30, 30, options)), {2}).at(0).mesh;
+  const NodeMesh result = collapsedTo(test::nodeOf(test::makeGrid(30, 30, options)), {2}).at(0).mesh;
   ASSERT_EQ(result.triangles.size(), 2u);
   double area = 0;
   for (const glm::u32vec3 t : result.triangles) {
@@ -149,7 +149,7 @@ TEST(Collapse, turnsNoTriangleOver) {
   MeshOptions options = with(0, 3);
   options.bump = 0.02;
   const NodeMesh mesh = test::nodeOf(test::makeGrid(40, 40, options));
-  for (const Snapshot& snapshot : run(mesh, {1600, 800, 400, 100})) {
+  for (const Snapshot& snapshot : collapsedTo(mesh, {1600, 800, 400, 100})) {
     for (const glm::u32vec3 t : snapshot.mesh.triangles) {
       const auto at = [&](uint32_t i) {
         return glm::dvec3(unpackPosition(snapshot.mesh.positions[snapshot.mesh.wedge_position[i]]));
@@ -163,7 +163,7 @@ TEST(Collapse, mixesNothingAcrossASeam) {
   Mesh sheet = test::makeGrid(40, 20, with(AttributeSet::kColour | AttributeSet::kMaterial));
   for (VertexAttributes& attributes : sheet.vertex_attributes)
     attributes.colour = attributes.material == 0 ? glm::u8vec4(200, 0, 0, 255) : glm::u8vec4(0, 0, 200, 255);
-  const NodeMesh result = run(test::nodeOf(sheet), {60}).at(0).mesh;
+  const NodeMesh result = collapsedTo(test::nodeOf(sheet), {60}).at(0).mesh;
   size_t at_seam = 0;
   for (size_t i = 0; i < result.wedge_attributes.size(); ++i) {
     const VertexAttributes& attributes = result.wedge_attributes[i];
@@ -187,7 +187,8 @@ TEST(Collapse, placesNothingOutsideTheModelsBox) {
     options.bump = 0.4;
     const Mesh sphere = test::makeSphere(16, 12, options);
     const glm::uvec3 max = test::boxOf(sphere).max;
-    for (const Snapshot& snapshot : run(test::nodeOf(sphere), {200, 100, 40, 10}, {.max_position = max})) {
+    for (const Snapshot& snapshot :
+         collapsedTo(test::nodeOf(sphere), {200, 100, 40, 10}, {.max_position = max})) {
       for (const PositionCode code : snapshot.mesh.positions)
         EXPECT_TRUE(glm::all(glm::lessThanEqual(unpackPosition(code), max)));
       expectSound(snapshot.mesh);
@@ -202,13 +203,13 @@ TEST(Collapse, keepsPositionsApartOnACrowdedLattice) {
   for (uint32_t seed = 1; seed <= 6; ++seed) {
     options.seed = seed;
     const NodeMesh mesh = test::nodeOf(test::makeGrid(8, 8, options));
-    for (const Snapshot& snapshot : run(mesh, {100, 60, 30, 10})) expectSound(snapshot.mesh);
+    for (const Snapshot& snapshot : collapsedTo(mesh, {100, 60, 30, 10})) expectSound(snapshot.mesh);
   }
 }
 
 TEST(Collapse, givesTheSameAgain) {
   const NodeMesh mesh = test::nodeOf(test::makeSphere(40, 30, with(AttributeSet::kAll)));
-  const NodeMesh a = run(mesh, {300}).at(0).mesh, b = run(mesh, {300}).at(0).mesh;
+  const NodeMesh a = collapsedTo(mesh, {300}).at(0).mesh, b = collapsedTo(mesh, {300}).at(0).mesh;
   EXPECT_EQ(a.positions, b.positions);
   EXPECT_EQ(a.wedge_attributes, b.wedge_attributes);
   EXPECT_EQ(a.triangles, b.triangles);
@@ -216,7 +217,7 @@ TEST(Collapse, givesTheSameAgain) {
 
 /// Distances of a mesh without attributes from what collapse() makes of it, in lattice steps.
 test::SurfaceDistance distanceOf(const Mesh& mesh, size_t target) {
-  const NodeMesh result = run(test::nodeOf(mesh), {target}).at(0).mesh;
+  const NodeMesh result = collapsedTo(test::nodeOf(mesh), {target}).at(0).mesh;
   Mesh simplified;
   simplified.positions = result.positions;
   simplified.triangles = result.triangles;
@@ -259,7 +260,7 @@ TEST(Collapse, givesSmallTrianglesTheirShareOfARoughSurface) {
     const auto first = static_cast<uint32_t>(sheet.positions.size());
     sheet.positions.insert(sheet.positions.end(), small.positions.begin(), small.positions.end());
     for (const glm::u32vec3& t : small.triangles) sheet.triangles.push_back(t + first);
-    const NodeMesh result = run(test::nodeOf(sheet), {1600}).at(0).mesh;
+    const NodeMesh result = collapsedTo(test::nodeOf(sheet), {1600}).at(0).mesh;
     size_t of_small = 0;
     for (const glm::u32vec3& t : result.triangles)
       of_small += unpackPosition(result.positions[result.wedge_position[t.x]]).x >= 2 * kLarge;
@@ -268,7 +269,7 @@ TEST(Collapse, givesSmallTrianglesTheirShareOfARoughSurface) {
 }
 
 TEST(Collapse, survivesAnEmptyMesh) {
-  const std::vector<Snapshot> snapshots = run({}, {10, 0});
+  const std::vector<Snapshot> snapshots = collapsedTo({}, {10, 0});
   ASSERT_EQ(snapshots.size(), 2u);
   EXPECT_TRUE(snapshots[1].mesh.triangles.empty());
 }
@@ -277,7 +278,7 @@ TEST(Collapse, copesWithAFanOfThousands) {
   MeshOptions options;
   options.extent = 1 << 20;
   const NodeMesh mesh = test::nodeOf(test::makeSphere(20000, 2, options));
-  const std::vector<Snapshot> snapshots = run(mesh, {20000, 1000, 10});
+  const std::vector<Snapshot> snapshots = collapsedTo(mesh, {20000, 1000, 10});
   ASSERT_EQ(snapshots.size(), 3u);
   for (const Snapshot& snapshot : snapshots) EXPECT_TRUE(test::oddEdges(snapshot.mesh).empty());
 }
@@ -289,7 +290,7 @@ double cpuSecondsOfCoincident(uint32_t triangles) {
   mesh.wedge_position = {0, 1, 2};
   mesh.triangles.assign(triangles, {0, 1, 2});
   const double before = cpuSeconds();
-  EXPECT_EQ(run(mesh, {triangles / 2}).size(), 1u);
+  EXPECT_EQ(collapsedTo(mesh, {triangles / 2}).size(), 1u);
   return cpuSeconds() - before;
 }
 

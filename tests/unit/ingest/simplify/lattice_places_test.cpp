@@ -24,7 +24,7 @@ NodeMesh square() {
   return test::nodeOf(mesh);
 }
 
-struct Places {
+struct PlacesOfSquare {
   CollapseMesh mesh{square(), 0};
   LatticePlaces places{mesh, glm::dvec3(1024)};
 
@@ -39,12 +39,12 @@ struct Places {
 bool isMultipleOf(glm::dvec3 place, double step) { return glm::floor(place / step) * step == place; }
 
 TEST(LatticePlaces, areTheNearestOfTheLatticeWhereAllThatIsCloseTells) {
-  Places p;
+  PlacesOfSquare p;
   EXPECT_EQ(p.settle({100.3, 77.6, 3.2}, 1e9), glm::dvec3(100, 78, 3));
 }
 
 TEST(LatticePlaces, areFurtherApartForLongerEdges) {
-  Places p;
+  PlacesOfSquare p;
   p.places.aimFor(8);  // edges of some 550 steps
   EXPECT_TRUE(isMultipleOf(p.settle({100.3, 77.6, 3.2}, 1e9), 16));
   EXPECT_FALSE(isMultipleOf(p.settle({100.3, 77.6, 3.2}, 1e9), 32));
@@ -52,20 +52,20 @@ TEST(LatticePlaces, areFurtherApartForLongerEdges) {
 }
 
 TEST(LatticePlaces, areCloseWhereTheSurfaceIs) {
-  Places p;
+  PlacesOfSquare p;
   p.places.aimFor(8);
   EXPECT_EQ(p.settle({100.3, 77.6, 3.2}, 0.1), glm::dvec3(100, 78, 3));
   EXPECT_EQ(p.settle({100.3, 77.6, 3.2}, 1.1), glm::dvec3(100, 78, 4));
 }
 
 TEST(LatticePlaces, areNoOthers) {
-  Places p;
+  PlacesOfSquare p;
   p.places.take(glm::dvec3(100, 78, 3) - p.mesh.origin);
   EXPECT_NE(p.settle({100.3, 77.6, 3.2}, 0), glm::dvec3(100, 78, 3));
 }
 
 TEST(LatticePlaces, stayInTheBox) {
-  Places p;
+  PlacesOfSquare p;
   p.places.aimFor(2);
   const glm::dvec3 place = p.settle({1023.5, 1023.5, -0.5}, 1e9);
   EXPECT_TRUE(glm::all(glm::greaterThanEqual(place, glm::dvec3(0))) &&

@@ -6,17 +6,17 @@
 
 #include "common/jpeg_decoder.h"
 #include "server/ingest/textures/tile_encoder.h"
+#include "tests/support/bytes.h"
 #include "tests/support/jpeg_files.h"
 #include "tests/unit/ingest/textures/image_files.h"
 
 namespace lode::ingest {
 namespace {
 
+using test::kMega;
 using test::makePhoto;
 using test::pngHeader;
 using test::pngOf;
-
-constexpr uint64_t kMega = 1 << 20;
 
 Image decoded(std::span<const std::byte> file, uint64_t memory_bytes = 64 * kMega) {
   std::string damage;
