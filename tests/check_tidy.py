@@ -19,6 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 SOURCES = ["common/*.cpp", "proto/*.cpp", "server/*.cpp", "client/*.cpp"]
 WITH_THEIR_OWN_BUILD = ":!client/embed/examples"  # compiled against an installed tree
+UNITY = re.compile(r"/Unity/unity_[^/]+\.cxx$")
 CHATTER = re.compile(r"^\d+ warnings? (generated|treated)")
 
 
@@ -28,12 +29,21 @@ def all_sources():
     return listed.stdout.split()
 
 
+def sources_of(file):
+    """What is compiled with the file: a unity build's includes its sources, any other is one."""
+    if not UNITY.search(file):
+        return [file]
+    return re.findall(r'^#include "(.+)"$', pathlib.Path(file).read_text(), re.MULTILINE)
+
+
 def read_commands(build):
     """By file. clang reads no headers that g++ precompiled: each file must include what it uses."""
-    entries = json.loads((build / "compile_commands.json").read_text())
-    for entry in entries:
-        entry["command"] = re.sub(r" -Winvalid-pch -include \S+", "", entry["command"])
-    return {os.path.relpath(entry["file"]): entry for entry in entries}
+    commands = {}
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        command = re.sub(r" -Winvalid-pch -include \S+", "", entry["command"])
+        for file in sources_of(entry["file"]):
+            commands[os.path.relpath(file)] = entry | {"file": file, "command": command.replace(entry["file"], file)}
+    return commands
 
 
 def together(files, commands):
