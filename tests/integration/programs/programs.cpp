@@ -24,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kPatience{600};  // what takes longer hangs
 constexpr int kCannotStart = 127;
 
 /// Between fork and exec.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -12,6 +13,8 @@
 /// Runs the two programs as a script does, with arguments as they are (no shell), and without waiting for
 /// ever.
 namespace lode::test {
+
+constexpr std::chrono::seconds kPatience{600};  ///< what takes longer hangs
 
 std::string readBytes(const std::filesystem::path& file);
 void writeBytes(const std::filesystem::path& file, std::string_view bytes);

@@ -25,7 +25,6 @@ using namespace std::chrono_literals;
 using stream::Streamer;
 using stream::StreamStatus;
 
-constexpr auto kPatience = 600s;
 constexpr float kThresholdPx = 0.5f;
 
 class KilledServer : public testing::Test {

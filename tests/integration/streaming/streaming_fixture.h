@@ -12,12 +12,11 @@
 #include "client/core/framing.h"
 #include "client/stream/streamer.h"
 #include "server/serve/server.h"
+#include "tests/integration/programs/programs.h"
 #include "tests/support/synthetic_store.h"
 #include "tests/support/work_folder.h"
 
 namespace lode::test {
-
-constexpr auto kPatience = std::chrono::seconds(600);
 
 inline stream::StreamOptions threads(unsigned count) {
   stream::StreamOptions options;
