@@ -33,7 +33,7 @@ target_compile_definitions(lode_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATE
 target_compile_definitions(lode_asio INTERFACE ASIO_RECYCLING_ALLOCATOR_CACHE_SIZE=8 ASIO_DISABLE_STD_ALIGNED_ALLOC)
 target_link_libraries(lode_asio INTERFACE Threads::Threads)
 if(LODE_SANITIZE)
-  # At -O1 g++ 12 sees the operator new in a coroutine's frame, but not the delete that goes with it: a false alarm.
+  # At their -O1 g++ 12 sees the operator new in a coroutine's frame, but not the delete that goes with it: a false alarm.
   target_compile_options(lode_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-mismatched-new-delete>)
 endif()
 if(LODE_SANITIZE MATCHES thread)
