@@ -74,7 +74,8 @@ TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
     const Json progress = Json::parse(line);
     EXPECT_GE(progress["fraction"], 0);
     EXPECT_LE(progress["fraction"], 1);
-    if (stages.empty() || stages.back() != progress["stage"]) stages.push_back(progress["stage"]);
+    const std::string stage = progress["stage"];
+    if (stages.empty() || stages.back() != stage) stages.push_back(stage);
   }
   EXPECT_GE(stages.size(), 4u);
   EXPECT_EQ(std::set(stages.begin(), stages.end()).size(), stages.size()) << "each comes once";
