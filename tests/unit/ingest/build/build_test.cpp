@@ -287,7 +287,8 @@ TEST_F(SlowBuild, storesNoRungThatIsTooLargeAndGoesOnToCoarserOnes) {
   BuildOptions large = options();
   large.triangles_per_node = 300000;
   EXPECT_NO_THROW(build(large));
-  for (const Node& node : store::Reader(large.output).nodes())
+  const store::Reader stored(large.output);
+  for (const Node& node : stored.nodes())
     for (const Rung& rung : node.rungs) EXPECT_LE(rung.triangles, kMaxRungTriangles);
 }
 
