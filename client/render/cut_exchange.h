@@ -26,7 +26,6 @@ class CutExchange {
   /// @param from  of the same build as `to`; null: all of `to` is one step.
   CutExchange(std::shared_ptr<const core::Cut> from, std::shared_ptr<const core::Cut> to);
 
-  const std::shared_ptr<const core::Cut>& to() const noexcept { return to_; }
   std::span<const ExchangeStep> steps() const noexcept { return steps_; }
   /// What to draw once the first `steps` are done, `from` for none and `to` for all. It keeps both alive, so
   /// that no mesh is freed with it. Its tiles are those of both.

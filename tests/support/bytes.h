@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include <gtest/gtest.h>
+
 namespace lode::test {
 
 constexpr uint64_t kMega = 1 << 20;
@@ -18,6 +20,7 @@ inline std::span<const std::byte> bytesOf(std::string_view text) { return std::a
 /// The whole file.
 inline std::string readBytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << path;
   return {std::istreambuf_iterator<char>(file), {}};
 }
 

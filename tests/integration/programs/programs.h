@@ -8,6 +8,7 @@
 
 #include <sys/types.h>
 
+#include "tests/support/bytes.h"
 #include "tests/support/work_folder.h"
 
 /// Runs the two programs as a script does, with arguments as they are (no shell), and without waiting for
@@ -16,7 +17,6 @@ namespace lode::test {
 
 constexpr std::chrono::seconds kPatience{600};  ///< what takes longer hangs
 
-std::string readBytes(const std::filesystem::path& file);
 void writeBytes(const std::filesystem::path& file, std::string_view bytes);
 
 /// How a program ended. One that did not end in time was killed, and has failed the running test.
