@@ -7,7 +7,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.request
 
@@ -66,15 +65,6 @@ class Daemon:
         connection, opened, most = self.open(model)
         with contextlib.closing(connection):
             return Reader(connection, opened, most).run()
-
-
-def eventually(what, seconds=120):
-    """What it gives as soon as that is true."""
-    end = time.monotonic() + seconds
-    while not (found := what()):
-        assert time.monotonic() < end, "it did not come to that"
-        time.sleep(0.01)
-    return found
 
 
 def refusal(address):

@@ -8,7 +8,8 @@ import socket
 import time
 import unittest
 
-from daemon import STORE, Daemon, eventually, wishes
+from daemon import STORE, Daemon, wishes
+from processes import eventually
 from read_model import HEADER, LIMIT, Connection
 
 

@@ -9,7 +9,8 @@ import socket
 import tempfile
 import unittest
 
-from daemon import STORE, Daemon, eventually, refusal
+from daemon import STORE, Daemon, refusal
+from processes import eventually
 from read_model import HEADER, VERSION, Connection, Reader
 
 

@@ -18,7 +18,8 @@ import time
 import unittest
 
 import lodestream_generated as wire
-from daemon import STORE, Daemon, eventually
+from daemon import STORE, Daemon
+from processes import eventually
 from read_model import HEADER, Connection
 
 BUDGET, THREADS = 32_000_000, 2
