@@ -3,8 +3,8 @@
 
 usage: check_manifests.py FOLDER
 
-Unknown keys, wrong types and keys that are missing are printed, a line each; exit status 1 if there are any. kubectl checks
-manifests only where there is a server.
+Unknown keys, wrong types and keys that are missing are printed, a line each; exit status 1 if there are any, or no manifest.
+kubectl checks manifests only where there is a server.
 """
 
 import re
@@ -81,9 +81,10 @@ def problems_in(text):
 
 def main():
     found = 0
-    for file in sorted(Path(sys.argv[1]).glob("*.yaml")):
-        if file.name in NOT_OF_THE_API:
-            continue
+    files = [file for file in sorted(Path(sys.argv[1]).glob("*.yaml")) if file.name not in NOT_OF_THE_API]
+    if not files:
+        sys.exit(f"no manifest in {sys.argv[1]}")
+    for file in files:
         for problem in problems_in(file.read_text()):
             print(f"{file}: {problem}")
             found += 1

@@ -1,5 +1,6 @@
 """Containers by buildah and crun, and network namespaces for them: what verify_images.py needs of an engine."""
 
+import contextlib
 import json
 import os
 import shutil
@@ -45,6 +46,13 @@ class Network:
         self.processes = []
 
     def __enter__(self):
+        with contextlib.ExitStack() as failing:
+            failing.callback(self.__exit__)
+            self.set_up()
+            failing.pop_all()
+        return self
+
+    def set_up(self):
         run("ip", "netns", "add", self.namespace("hub", path=False))
         self.run("hub", "ip", "link", "set", "lo", "up", check=True)
         for number, (name, address) in enumerate(self.names.items(), 1):
@@ -55,7 +63,6 @@ class Network:
                 self.run(space, "ip", "address", "add", f"{own}/24", "dev", device, check=True)
                 self.run(space, "ip", "link", "set", device, "up", check=True)
             self.run(name, "ip", "link", "set", "lo", "up", check=True)
-        return self
 
     def __exit__(self, *_):
         for process in self.processes:

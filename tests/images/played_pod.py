@@ -1,5 +1,6 @@
 """The Deployment of docker/kubernetes as a pod that podman plays on one machine: with its secret, its volume, its probes and its drain."""
 
+import contextlib
 import json
 import os
 import sys
@@ -57,12 +58,14 @@ class PlayedPod:
         return run("podman", *arguments, check=check, env=self.environment).stdout.strip()
 
     def __enter__(self):
-        self.remove()
-        self.podman("volume", "create", VOLUME)
-        inside = self.podman("volume", "inspect", VOLUME, "--format", "{{.Mountpoint}}")
-        run("cp", "-r", f"{self.models}/.", inside)
-        self.podman("secret", "create", SECRET, self.secret)
-        self.podman("play", "kube", self.manifest)
+        with contextlib.ExitStack() as failing:
+            failing.callback(self.remove)
+            self.podman("volume", "create", VOLUME)
+            inside = self.podman("volume", "inspect", VOLUME, "--format", "{{.Mountpoint}}")
+            run("cp", "-r", f"{self.models}/.", inside)
+            self.podman("secret", "create", SECRET, self.secret)
+            self.podman("play", "kube", self.manifest)
+            failing.pop_all()
         return self
 
     def __exit__(self, *_):

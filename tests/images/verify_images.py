@@ -7,19 +7,23 @@ usage: verify_images.py [--base FOLDER] [--toolchain FOLDER] [--ccache FOLDER] [
                       no registry to pull it from
   --toolchain FOLDER  a root that has the packages that compile, to save their installation
   --ccache FOLDER     of objects that were compiled before; the toolchain must have ccache
-  --keep              leave the images
+  --keep              leave the images, and say where they are
 
-Servers run in network namespaces of their own, as another user, on a root file system that is read only and without any
-capability; HAProxy and Prometheus are Debian's, with the files of docker/. Podman plays the Deployment of Kubernetes, with its
-ports on this machine while it does. Needs root, buildah, crun, podman, catatonit, containernetworking-plugins, haproxy,
-prometheus, docker-compose and python3-kubernetes; ends with 0 if all that it prints is true.
+Images, volumes and secrets lie in a storage of its own, not in that of the machine. Servers run in network namespaces of their
+own, as another user, on a root file system that is read only and without any capability; HAProxy and Prometheus are Debian's,
+with the files of docker/. Podman plays the Deployment of Kubernetes, with its ports on this machine while it does. Needs root,
+buildah, crun, podman, catatonit, containernetworking-plugins, haproxy, prometheus, docker-compose and python3-kubernetes; ends
+with 0 if all that it prints is true, after an hour at most.
 """
 
 import argparse
+import contextlib
 import json
 import os
 import re
 import secrets
+import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -36,6 +40,7 @@ DOCKER = ROOT / "docker"
 DEBIAN = "localhost/lodestream-debian:trixie-slim"
 TOOLCHAIN = "localhost/lodestream-toolchain"
 TARGETS = ("builder", "server", "client")
+LONGEST_S = 3600
 NOT_IN_SLIM = ("doc", "man", "locale", "info")  # of /usr/share
 
 
@@ -51,8 +56,6 @@ def expect(condition, text):
 
 def import_root(folder, image, slim):
     """Makes a base image of a root file system."""
-    if run("buildah", "images", "-q", image, check=False).stdout:
-        return
     container = run("buildah", "from", "scratch").stdout.strip()
     mounted = Path(run("buildah", "mount", container).stdout.strip())
     run("tar", "-C", folder, "--one-file-system", "--exclude=./proc/*", "--exclude=./dev/*", "--exclude=./var/cache/apt/*",
@@ -86,11 +89,14 @@ def build_images(options):
 
 def check_files():
     """What other programs read, by those programs or their types."""
-    environment = {**os.environ, "SERVER_A": "127.0.0.2", "SERVER_B": "127.0.0.3", "LODESTREAM_MODELS": "/tmp"}
+    environment = {**os.environ, "SERVER_A": "127.0.0.2", "SERVER_B": "127.0.0.3", "LODESTREAM_MODELS": "/tmp", "GRAFANA_PASSWORD": "a"}
     run("docker-compose", "-f", DOCKER / "compose.yaml", "config", "-q", env=environment)
     run("haproxy", "-c", "-q", "-f", DOCKER / "haproxy.cfg", env=environment)
     run("promtool", "check", "config", DOCKER / "prometheus" / "prometheus.yml")
     run(Path(__file__).with_name("check_manifests.py"), DOCKER / "kubernetes")
+    services = [part for part in yaml.safe_load_all((DOCKER / "kubernetes" / "lodestream.yaml").read_text()) if part["kind"] == "Service"]
+    expect(all(service["spec"]["externalTrafficPolicy"] == "Local" for service in services),
+           "servers see clients' own addresses on Kubernetes, and so count each client's connections")
     say("ok: compose.yaml, haproxy.cfg, prometheus.yml and the manifests of Kubernetes are what their readers want")
 
 
@@ -201,6 +207,22 @@ def play_deployment(folder, models):
         expect(pod.stop(30) == 0, "the pod drains and ends with 0")
 
 
+@contextlib.contextmanager
+def storage_of_its_own(keep):
+    """What buildah and podman keep while the `with` lasts, apart from what an operator of this machine has them keep."""
+    folder = Path(tempfile.mkdtemp(prefix="lodestream-storage-", dir="/var/tmp"))
+    settings = folder / "storage.conf"
+    settings.write_text(f'[storage]\ndriver = "vfs"\ngraphroot = "{folder}/kept"\nrunroot = "{folder}/running"\n')
+    os.environ["CONTAINERS_STORAGE_CONF"] = str(settings)
+    try:
+        yield
+    finally:
+        if keep:
+            say(f"the images are kept: CONTAINERS_STORAGE_CONF={settings} buildah images")
+        else:
+            shutil.rmtree(folder)
+
+
 def in_mounts_of_its_own():
     """Goes on in a mount namespace. crun takes cgroups of version 1 or 2; where a system has both, version 2 is left out there."""
     if "LODESTREAM_OWN_MOUNTS" not in os.environ:
@@ -219,9 +241,17 @@ def main():
     parser.add_argument("--keep", action="store_true")
     options = parser.parse_args()
     in_mounts_of_its_own()
-    os.environ.setdefault("STORAGE_DRIVER", "vfs")
+    for ending in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM):  # as SIGINT does, so that containers and networks go too
+        signal.signal(ending, lambda number, _: sys.exit(128 + number))
+    signal.alarm(LONGEST_S)
     check_files()
-    build_images(options)
+    with storage_of_its_own(options.keep):
+        build_images(options)
+        run_images()
+    say("verify_images: all of it is so")
+
+
+def run_images():
     servers = {}
     with tempfile.TemporaryDirectory(prefix="lodestream-images-") as name, Network(("a", "b")) as network:
         folder = Path(name)
@@ -241,9 +271,6 @@ def main():
             for server in servers.values():
                 server.remove()
         play_deployment(folder, models)
-    if not options.keep:
-        run("buildah", "rmi", "-f", *(f"lodestream-{target}" for target in TARGETS), check=False)
-    say("verify_images: all of it is so")
 
 
 if __name__ == "__main__":
