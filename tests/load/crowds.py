@@ -1,4 +1,6 @@
 """Scenarios of many clients of one server: how late their wishes come."""
+import statistics
+
 from stage import Plot, Sampler, print_table, probe_row, rates, result
 
 CROWD_HEADS = ("clients", "wishes a second", "MB/s", "visible, median", "p99", "first image, median", "p99", "lost", "errors")
@@ -63,6 +65,8 @@ def greedy(stage):
             probes.append((name, dict(times=[(t + began, ms) for t, ms in probed["times"]])))
             assert run["errors"] == run["lost"] == probed["failed"] == 0, "the polite were not served"
             assert not hog or taken["bytes"] > 0, "the greedy one got nothing"
+    alone, beside = (statistics.median(ms for _, ms in probe["times"]) for _, probe in probes)
+    assert beside <= 4 * alone + 20, f"the polite wait {beside:.1f} ms instead of {alone:.1f} ms"
     print_table(("one wish at a time", "median", "p99", "longest", f"visible wishes of {clients} clients, median", "p99", "lost",
                  "the greedy one"), rows)
     return crowd_plot("one greedy client among polite ones", sampler, *probes)

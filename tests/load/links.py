@@ -10,13 +10,10 @@ SERVER_SIDE = "10.9.0.1"
 
 def over_link(stage, clients, seconds, beside=False, **link):
     """A crowd on the far side of a link, and a probe there, or on the server's own side."""
-    with long_link(stage.bin, **link) as (near, far):
-        server = stage.server(prefix=near, host=SERVER_SIDE)
+    with long_link(stage.bin, **link) as (near, far), stage.server(prefix=near, host=SERVER_SIDE) as server:
         probe = stage.probe(server.listen, seconds, every=0.05 if beside else 0.5, prefix=near if beside else far)
         crowd = stage.crowd(server.listen, clients, seconds, prefix=far) if clients else None
-        run, probed = result(crowd) if crowd else None, result(probe)
-        server.end()
-    return run, probed
+        return result(crowd) if crowd else None, result(probe)
 
 
 def slow(stage):
@@ -62,17 +59,16 @@ def larger_than_memory(stage):
     shutil.copy(stage.store, hot)
     plot, rows = Plot("a store larger than memory"), []
     with slow_disk(cold, 20 << 20, 48 << 20) as slowly:
-        server = stage.server(prefix=slowly, store=folder)
-        result(stage.probe(server.listen, 1, store=hot))  # into memory, and counted to the server
-        for name, count in (("alone", 0), ("beside them", readers)):
-            forget(cold)
-            others = [stage.probe(server.listen, seconds, 8, store=cold) for _ in range(count)]
-            probed = result(stage.probe(server.listen, seconds, store=hot))
-            taken = sum(result(other)["bytes"] for other in others) / seconds / 1e6
-            rows.append((name, *probe_row(probed["times"]), f"{taken:.1f} MB/s"))
-            plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
-            assert probed["failed"] == 0 and (taken > 0) == (count > 0), "somebody was not served"
-        server.end()
+        with stage.server(prefix=slowly, store=folder) as server:
+            result(stage.probe(server.listen, 1, store=hot))  # into memory, and counted to the server
+            for name, count in (("alone", 0), ("beside them", readers)):
+                forget(cold)
+                others = [stage.probe(server.listen, seconds, 8, store=cold) for _ in range(count)]
+                probed = result(stage.probe(server.listen, seconds, store=hot))
+                taken = sum(result(other)["bytes"] for other in others) / seconds / 1e6
+                rows.append((name, *probe_row(probed["times"]), f"{taken:.1f} MB/s"))
+                plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
+                assert probed["failed"] == 0 and (taken > 0) == (count > 0), "somebody was not served"
     print_table(("one wish at a time for what is in memory", "median", "p99", "longest", f"{readers} readers of the large store, 8 wishes each"),
                 rows)
     return plot

@@ -13,8 +13,8 @@ larger_than_memory  a store of 100 MB in 48 MB of memory, from a slow disk
 soak                half an hour of crowds, reloads, new certificates and stores, killed clients and a damaged store
 
 Prints a table and writes a plot, NAME.svg. Everything stays on loopback or in network namespaces of its own, ends by itself
-within a bounded time and leaves nothing behind. BIN_DIR holds both programs, and wan and serving_store for the last three, which
-need root. Exit status 1: it went otherwise than the scenario says; 77: something that it takes is not there.
+within a bounded time and leaves nothing behind. BIN_DIR holds both programs, and for slow, lossy and larger_than_memory, which
+need root, wan and serving_store. Exit status 1: it went otherwise than the scenario says; 77: something that it takes is not there.
 """
 import argparse
 import contextlib
@@ -29,21 +29,31 @@ import crowds
 import ends
 import links
 import soak
+import surroundings
 from stage import Stage
 
 LONGEST_S, LONGEST_SOAK_S, SKIPPED = 300, 2100, 77
 SCENARIOS = dict(steady=crowds.steady, flash=crowds.flash, greedy=crowds.greedy, restart=ends.restart,
                  rolling_upgrade=ends.rolling_upgrade, one_killed=ends.one_killed, slow=links.slow, lossy=links.lossy,
                  larger_than_memory=links.larger_than_memory, soak=soak.soak)
-BALANCED = (ends.rolling_upgrade, ends.one_killed)
+COMMANDS = {ends.rolling_upgrade: "haproxy", ends.one_killed: "haproxy", links.slow: "ip", links.lossy: "ip", soak.soak: "openssl"}
+PACKAGES = dict(haproxy="haproxy", ip="iproute2", openssl="openssl")
+PROGRAMS = {links.slow: "wan", links.lossy: "wan", links.larger_than_memory: "serving_store"}
+MESSAGES = "lodestream_generated.py"
 
 
-def missing(scenario):
-    """What the system lacks for it, or None."""
-    if scenario in BALANCED and not shutil.which("haproxy"):
-        return "Debian's package haproxy"
+def missing(scenario, programs, messages):
+    """What there is not that it takes, or None."""
+    command = COMMANDS.get(scenario)
+    if command and not shutil.which(command):
+        return f"Debian's package {PACKAGES[command]}"
     if scenario.__module__ == links.__name__ and os.geteuid() != 0:
         return "root, for network namespaces and control groups"
+    if scenario is links.larger_than_memory and not surroundings.has_control_groups():
+        return "control groups of version 1 for memory and disks, which this system has not"
+    for file in (programs / "lodestreamd", programs / "lodestream", programs / PROGRAMS.get(scenario, "lodestreamd"), messages / MESSAGES):
+        if not file.exists():
+            return f"{file}: cmake --build {programs.parent} --target lodestreamd lodestream benchmarks makes it"
     return None
 
 
@@ -65,18 +75,19 @@ def main():
     parser.add_argument("bin", type=pathlib.Path, metavar="BIN_DIR")
     parser.add_argument("--short", action="store_true", help="few clients and seconds: whether it goes as it should, no figures")
     parser.add_argument("--store", help="by default a sample of 500,000 triangles, 20,000 of the short form")
-    parser.add_argument("--messages", help="folder of lodestream_generated.py, by default that of BIN_DIR's build")
+    parser.add_argument("--messages", type=pathlib.Path, help="folder of lodestream_generated.py, by default that of BIN_DIR's build")
     parser.add_argument("--plot", help="its ending says what it is; default NAME.svg, none of the short form")
     options = parser.parse_args()
     scenario = SCENARIOS[options.name]
-    if lacking := missing(scenario):
+    messages = options.messages or options.bin.parent / "tests" / "load"
+    if lacking := missing(scenario, options.bin, messages):
         print(f"skipped: it takes {lacking}")
         sys.exit(SKIPPED)
     for ending in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM):
         signal.signal(ending, end)
     signal.alarm(LONGEST_SOAK_S if scenario is soak.soak and not options.short else LONGEST_S)
     with tempfile.TemporaryDirectory(prefix="lode-scenario-") as folder:
-        with Stage(options.bin, folder, options.store, options.messages, options.short) as stage:
+        with Stage(options.bin, folder, options.store, messages, options.short) as stage:
             plot = scenario(stage)
         if options.plot or not options.short:
             plot.write(options.plot or f"{options.name}.svg")

@@ -68,6 +68,12 @@ class Server:
         self.process.stdout.close()
         return status
 
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.end()
+
     def figures(self):
         """None where it does not answer."""
         with contextlib.suppress(OSError), urllib.request.urlopen(f"http://{self.metrics}/metrics", timeout=2) as answer:
@@ -109,8 +115,7 @@ class Stage:
     """A folder, the programs, a store; ends all that was started on it."""
 
     def __init__(self, programs, folder, store=None, messages=None, short=False):
-        self.bin, self.folder, self.short = pathlib.Path(programs).resolve(), pathlib.Path(folder), short
-        self.messages = messages or self.bin.parent / "tests" / "load"
+        self.bin, self.folder, self.messages, self.short = pathlib.Path(programs).resolve(), pathlib.Path(folder), messages, short
         self.ending, self.probes = contextlib.ExitStack(), 0
         self.store = pathlib.Path(store).resolve() if store else self.sample(20_000 if short else 500_000)
 
@@ -192,8 +197,8 @@ frontend clients
 def result(process):
     """What one of a stage's clients has printed, when it is done."""
     told = process.communicate(timeout=600)[0]
-    if not told:
-        sys.exit(f"a client ended with {process.returncode} and without a result")
+    if not told or process.returncode not in (0, 1):  # 1: it tells of errors
+        sys.exit(f"a client ended with {process.returncode} and {'a' if told else 'without a'} result")
     return json.loads(told)
 
 

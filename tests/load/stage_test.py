@@ -17,6 +17,7 @@ import ends
 import probe
 import processes
 import scenario
+import soak
 import stage
 import surroundings
 
@@ -140,11 +141,45 @@ class Scenarios(unittest.TestCase):
         self.assertIn("in time", str(said.exception))
 
     def test_say_what_they_lack(self):
-        with mock.patch.object(scenario.shutil, "which", return_value=None):
-            self.assertIn("haproxy", scenario.missing(ends.rolling_upgrade))
-            self.assertIsNone(scenario.missing(ends.restart))
-        with mock.patch.object(scenario.os, "geteuid", return_value=1):
-            self.assertIn("root", scenario.missing(scenario.links.lossy))
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            lacking = lambda of: scenario.missing(of, folder, folder)
+            for file in ("lodestreamd", "lodestream"):
+                self.assertIn(str(folder / file), lacking(ends.restart))
+                (folder / file).touch()
+            self.assertIn(scenario.MESSAGES, lacking(ends.restart))
+            (folder / scenario.MESSAGES).touch()
+            with mock.patch.object(scenario.shutil, "which", return_value=None):
+                self.assertIn("haproxy", lacking(ends.rolling_upgrade))
+                self.assertIn("openssl", lacking(scenario.soak.soak))
+                self.assertIsNone(lacking(ends.restart))
+            with mock.patch.object(scenario.shutil, "which", return_value="there"), mock.patch.object(scenario.os, "geteuid", return_value=1):
+                self.assertIn("root", lacking(scenario.links.lossy))
+            with mock.patch.object(scenario.shutil, "which", return_value="there"), mock.patch.object(scenario.os, "geteuid", return_value=0):
+                self.assertIn("wan", lacking(scenario.links.lossy))
+                with mock.patch.object(surroundings, "KINDS", [folder / "none"]):
+                    self.assertIn("control groups", lacking(scenario.links.larger_than_memory))
+
+
+class Growth(unittest.TestCase):
+    SAMPLES = 7200
+
+    def wavering(self, by, leak=0):
+        """A crowd that comes and goes, and what a run leaks in all."""
+        return [by * math.sin(number / 40) + leak * number / self.SAMPLES for number in range(self.SAMPLES)]
+
+    def test_of_what_leaks_is_told_however_much_comes_and_goes_beside_it(self):
+        for leak in (20e6, 300e6):
+            self.assertTrue(soak.grows(self.wavering(0, leak), soak.NOISE_BYTES), leak)
+        self.assertTrue(soak.grows(self.wavering(3e6, 20e6), soak.NOISE_BYTES))
+        self.assertTrue(soak.grows(self.wavering(5, 40), soak.NOISE_DESCRIPTORS))
+
+    def test_at_the_end_of_a_run_is_told(self):
+        self.assertTrue(soak.grows(self.wavering(3e6)[:5400] + [30e6 + value for value in self.wavering(3e6)[5400:]], soak.NOISE_BYTES))
+
+    def test_of_what_comes_and_goes_is_none(self):
+        self.assertFalse(soak.grows(self.wavering(30e6), soak.NOISE_BYTES))
+        self.assertFalse(soak.grows(self.wavering(0, 6e6), soak.NOISE_BYTES))
 
     def test_print_tables_and_draw_what_they_are_given(self):
         said = io.StringIO()

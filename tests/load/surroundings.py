@@ -14,14 +14,21 @@ def abandoned(names):
     return [name for name in names if not pathlib.Path(f"/proc/{str(name).rsplit('-', 1)[1]}").exists()]
 
 
+KINDS = [pathlib.Path("/sys/fs/cgroup", kind) for kind in ("blkio", "memory")]
+
+
+def has_control_groups():
+    """Those that slow_disk() takes."""
+    return all(kind.is_dir() for kind in KINDS)
+
+
 @contextlib.contextmanager
 def slow_disk(file, bytes_per_second, memory_bytes):
     """A prefix for commands that read the file's disk so slowly and keep so little of it in memory; cgroups of version 1."""
     device = os.stat(file).st_dev
-    kinds = [pathlib.Path("/sys/fs/cgroup", kind) for kind in ("blkio", "memory")]
-    for group in abandoned(group for kind in kinds for group in kind.glob("lode-bench-*")):
+    for group in abandoned(group for kind in KINDS for group in kind.glob("lode-bench-*")):
         group.rmdir()
-    groups = [kind / f"lode-bench-{os.getpid()}" for kind in kinds]
+    groups = [kind / f"lode-bench-{os.getpid()}" for kind in KINDS]
     for group in groups:
         group.mkdir()
     (groups[0] / "blkio.throttle.read_bps_device").write_text(f"{os.major(device)}:{os.minor(device)} {bytes_per_second}")

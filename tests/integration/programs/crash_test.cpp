@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <optional>
 #include <random>
 #include <thread>
@@ -15,6 +16,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using Strings = std::vector<std::string>;
+
+struct Kills {
+  int all = 0, while_writing = 0;
+};
+
+int unfinishedFiles(const std::filesystem::path& cache) {
+  int count = 0;
+  if (!std::filesystem::exists(cache)) return 0;
+  for (const auto& file : std::filesystem::recursive_directory_iterator(cache))
+    count += file.path().filename().string().starts_with(".new-") ? 1 : 0;
+  return count;
+}
 
 class KilledClient : public testing::Test {
  protected:
@@ -44,18 +57,20 @@ class KilledClient : public testing::Test {
   }
 
   /// Kills clients at moments drawn from the time that one takes; after every third one shows all, and again
-  /// without the server. @return those that were killed.
-  int killMany(int kills, uint32_t seed) const {
+  /// without the server. @return those that were killed, and of them those that were writing to their cache.
+  Kills killMany(int kills, uint32_t seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> part(0, 1);
     const std::string cache = folder_ / "cache";
-    int killed = 0;
-    for (int rounds = 0; killed < kills && rounds < 4 * kills && !HasFailure(); ++rounds) {
+    Kills killed;
+    for (int rounds = 0; killed.all < kills && rounds < 4 * kills && !HasFailure(); ++rounds) {
+      const int unfinished = unfinishedFiles(cache);
       Program client("lodestream", fetch({"--cache", cache}));
       const double moment = part(random);
       std::this_thread::sleep_for(moment * moment * undisturbed_);  // early: later all is in the cache
       client.signal(SIGKILL);
-      if (client.wait().status == 128 + SIGKILL) ++killed;
+      if (client.wait().status == 128 + SIGKILL) ++killed.all;
+      if (unfinishedFiles(cache) > unfinished) ++killed.while_writing;
       if (rounds % 3 != 2) continue;
       expectTheSameCut({"--cache", cache});
       expectTheSameCut({"--cache", cache, "--offline"});
@@ -70,7 +85,7 @@ class KilledClient : public testing::Test {
   std::string expected_;
 };
 
-TEST_F(KilledClient, leavesACacheFromWhichTheNextOneShowsTheSame) { EXPECT_EQ(killMany(10, 1), 10); }
+TEST_F(KilledClient, leavesACacheFromWhichTheNextOneShowsTheSame) { EXPECT_EQ(killMany(10, 1).all, 10); }
 
 TEST_F(KilledClient, withAFullDiskForItsCacheShowsTheSame) {
   if (Program("unshare", {"--mount", "true"}).wait().status != 0)
@@ -88,7 +103,11 @@ TEST_F(KilledClient, withAFullDiskForItsCacheShowsTheSame) {
 
 using SlowKilledClient = KilledClient;
 
-TEST_F(SlowKilledClient, leavesAGoodCacheTwoHundredTimes) { EXPECT_EQ(killMany(200, 2), 200); }
+TEST_F(SlowKilledClient, leavesAGoodCacheTwoHundredTimes) {
+  const Kills killed = killMany(200, 2);
+  EXPECT_EQ(killed.all, 200);
+  EXPECT_GT(killed.while_writing, 0);
+}
 
 }  // namespace
 }  // namespace lode::test
