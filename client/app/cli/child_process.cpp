@@ -63,7 +63,11 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
 
   std::array<int, 2> pipe_ends{};
   const int input_file = fileOf(input);
-  if (input_file < 0 || pipe2(pipe_ends.data(), O_CLOEXEC) != 0) refuse(program);
+  if (input_file < 0) refuse(program);
+  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) {
+    close(input_file);
+    refuse(program);
+  }
   output_ = pipe_ends[0];
   if (messages == Messages::kKeep) messages_ = memfd_create("lodestreamd messages", MFD_CLOEXEC);
   const pid_t parent = getpid();
