@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""All benchmarks that print tables, and what has moved: all.py BIN_DIR [BENCH ...] [--runs R] [--write]
+"""The benchmarks whose tables stand in docs/benchmarks.md, and what has moved: all.py BIN_DIR [BENCH ...] [--runs R] [--write]
 
 Runs each bench R times, prints its tables with the medians of all figures, and compares them with those of
 docs/benchmarks.md, which it finds by the heads of the columns and the first cells of the rows. A figure has moved if it differs by
@@ -21,7 +21,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 DOCUMENT = HERE.parent.parent / "docs" / "benchmarks.md"
 NOISE = 0.05  # of a figure: what differs by less is not called moved, however alike the runs are
 NUMBER = re.compile(r"(?<![\w.])\d[\d,]*(?:\.\d+)?")
-BENCHES = {  # {bin}, {store}: a store of the asteroid of 2 million triangles, {scans}: PLY files
+BENCHES = {  # {bin}, {store}: a store of the asteroid of 20 million triangles, {scans}: PLY files
     "build": "bench_build.py {bin} --threads 2 --runs 1",
     "forecast": "bench_forecast.py {bin}",
     "errors": "bench_errors.py {bin} {scans} --nodes 512 4096",
@@ -101,11 +101,11 @@ def merge(outputs):
 
 
 def compare(table, cells, document):
-    """@return (row, column, text in the document, text now, line) of each cell of which a figure has moved."""
+    """@return (row, column, text in the document, text now, line) of each cell of which a figure has moved; None if no table there
+    has this head and one of these rows."""
     known = next((other for other in document if other.head == table.head and set(other.named()) & set(table.named())), None)
     if known is None:
-        print("(no table of docs/benchmarks.md has this head and one of these rows)")
-        return []
+        return None
     moved, heads = [], table.head[table.names():]
     for (name, place), (_, now) in cells.items():
         if name not in known.named():
@@ -140,9 +140,9 @@ def main():
     options = parser.parse_args()
     for unknown in set(options.benches) - set(BENCHES):
         parser.error(f"no bench {unknown}: there are {', '.join(BENCHES)}")
-    moved, failed, document = [], [], tables(DOCUMENT.read_text())
+    moved, failed, unknown, document = [], [], [], tables(DOCUMENT.read_text())
     with tempfile.TemporaryDirectory() as folder:
-        places = {"bin": options.bin_dir.resolve(), "store": f"{folder}/asteroid.lode", "scans": scans()}
+        places = {"bin": options.bin_dir.resolve(), "store": f"{folder}/asteroid20.lode", "scans": scans()}
         for name in options.benches or BENCHES:
             if "{store}" in BENCHES[name]:
                 make_store(options.bin_dir, folder)
@@ -153,14 +153,21 @@ def main():
                 continue
             print(outputs[-1])
             for table, cells in merge(outputs):
-                moved += compare(table, cells, document)
+                found = compare(table, cells, document)
+                if found is None:
+                    unknown.append(f"{name} ({table.head[0]})")
+                else:
+                    moved += found
     print(f"\n{len(moved)} cells have moved" + (":" if moved else ""))
     for name, head, before, now, _ in moved:
         print(f"  {', '.join(name)}: {head}: {before} → {now}")
     if options.write:
         write(moved)
-    if failed:
-        sys.exit(f"all.py: {', '.join(failed)} failed; what each says of it is above")
+    complaints = [f"{', '.join(failed)} failed; what each says of it is above"] if failed else []
+    if unknown:
+        complaints.append(f"no table of docs/benchmarks.md has the head and a row of those of {', '.join(unknown)}")
+    if complaints:
+        sys.exit(f"all.py: {'; '.join(complaints)}")
 
 
 def scans():
@@ -169,11 +176,9 @@ def scans():
 
 
 def make_store(bin_dir, folder):
-    if pathlib.Path(folder, "asteroid.lode").exists():
-        return
-    daemon = bin_dir / "lodestreamd"
-    subprocess.run([daemon, "sample", "asteroid", "--triangles", "2000000", "-o", f"{folder}/asteroid.ply"], check=True, stdout=subprocess.DEVNULL)
-    subprocess.run([daemon, "build", f"{folder}/asteroid.ply", "-o", f"{folder}/asteroid.lode", "--quiet"], check=True)
+    model, store = (f"{folder}/asteroid20.{ending}" for ending in ("ply", "lode"))
+    for command in (["sample", "asteroid", "--triangles", "20000000", "-o", model], ["build", model, "-o", store, "--quiet"]):
+        subprocess.run([bin_dir / "lodestreamd", *command], check=True, stdout=subprocess.DEVNULL)
 
 
 def run(command):
