@@ -101,8 +101,9 @@ void TraceClient::onLine(core::Line line, core::TimePoint now, const Action& act
     if (!leaves || session->openWishes() > 0) ++tally_.lost;
     tally_.failed_wishes += session->openWishes();
     ended_ = std::move(transport(line));
-    if (line == core::Line::kLeaving) return link_.endLeaving();
-    link_.fail(error, now);
+    if (line == core::Line::kNewest) return link_.fail(error, now);
+    link_.endLeaving();
+    sendWishes();
   }
 }
 
