@@ -60,6 +60,7 @@ void Engine::handleAll(Line line) {
 }
 
 void Engine::disconnect(const Error& why, TimePoint now, Line line) {
+  if (options_.on_broken && link_.session(line)) options_.on_broken(line);
   wishes_waiting_ = true;
   if (line == Line::kNewest) return link_.fail(why, now);
   link_.endLeaving();
@@ -114,6 +115,7 @@ bool Engine::exhausted() const noexcept {
 }
 
 void Engine::handle(BlobRefused event) {
+  if (options_.on_refused) options_.on_refused(event.blob, event.message);
   model_->refuse(event.blob,
                  "the server cannot give blob " + std::to_string(event.blob.number) + ": " + event.message);
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -40,6 +41,10 @@ struct EngineOptions {
   bool prefetch = false;  ///< asks ahead of a camera that moves, where there is one view
   /// False: what is wished for comes in the order in which it was wished for, to compare with.
   bool best_first = true;
+  /// Told of a connection that breaks, while it still has what it had open; may be empty.
+  std::function<void(Line line)> on_broken = nullptr;
+  /// Told of a blob that the server cannot give, and why; may be empty.
+  std::function<void(const BlobRef& blob, const std::string& why)> on_refused = nullptr;
 };
 
 struct EngineCounts {
@@ -79,6 +84,11 @@ class Engine {
   bool connected(Line line = Line::kNewest) const noexcept { return link_.session(line) != nullptr; }
   /// There is a connection, and its server does not go away.
   bool staysConnected() const noexcept { return link_.takesWishes(); }
+  /// Those that a connection has open, with those taken back.
+  uint64_t openWishes(Line line) const noexcept {
+    const Session* const session = link_.session(line);
+    return session ? session->openWishes() : 0;
+  }
   /// The transport failed. @throws the error if a new one would not help; the last cut stays good.
   void disconnect(const Error& why, TimePoint now, Line line = Line::kNewest);
   /// Why there is no connection now, while a new one is tried for; empty otherwise.

@@ -31,6 +31,8 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
   options.session.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
     return noteBlob(blob, bytes);
   };
+  options.on_broken = [this](core::Line line) { noteBroken(line); };
+  options.on_refused = [this](const BlobRef& blob, const std::string& why) { noteRefused(blob, why); };
   options.memory_budget_bytes = plan_.options.memory_budget_bytes;
   options.hold_factor = core::kHoldFactor;
   options.prefetch = true;
@@ -45,6 +47,19 @@ bool FullClient::noteBlob(const BlobRef& blob, std::span<const std::byte> bytes)
     if (const auto wish = clock.arrived(blob.number))
       tally_.latency[static_cast<size_t>(wish->wish_class)].add(now - wish->sent);
   return names_.isNamed(blob, bytes);
+}
+
+/// One whose server was going away counts only if it still owed something.
+void FullClient::noteBroken(core::Line line) {
+  const uint64_t open = engine_.openWishes(line);
+  if ((line == core::Line::kNewest && engine_.staysConnected()) || open > 0) ++tally_.lost;
+  tally_.failed_wishes += open;
+}
+
+void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
+  ++tally_.failed_wishes;
+  for (WishClock& clock : clocks_) clock.refused(blob.number);
+  tally_.noteError(ErrorCode::kIo, "the server cannot give a blob: " + why);
 }
 
 template <typename Action>
@@ -69,8 +84,9 @@ void FullClient::step(core::TimePoint now) {
 void FullClient::keepConnected(core::TimePoint now) {
   if (!engine_.wantsConnection(now)) return;
   auto& [newest, leaving] = transports_;
-  if (newest) {
-    ++tally_.moved;
+  if (engine_.connected()) {
+    // Two servers left one soon after the other.
+    tally_.failed_wishes += engine_.openWishes(core::Line::kLeaving);
     leaving = std::move(newest);
   }
   newest = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
@@ -88,23 +104,17 @@ void FullClient::receive() {
         while (engine_.connected(line)) {
           const proto::Bytes bytes = transport->takeReceived();
           if (bytes.empty()) break;
+          const bool stayed = engine_.staysConnected();
           engine_.receive(bytes, now, line);
+          tally_.moved += stayed && engine_.connected() && !engine_.staysConnected();
         }
       } catch (const Error& failed) {
-        disconnect(failed, line, now);
+        engine_.disconnect(failed, now, line);
       }
       if (!engine_.connected(line)) ended_.push_back(std::move(transport));
     }
     work(now);
   });
-}
-
-/// @throws the error if a new connection would not help.
-void FullClient::disconnect(const Error& why, core::Line line, core::TimePoint now) {
-  const uint64_t open = line == core::Line::kNewest ? engine_.counts().open_wishes : 0;
-  if (engine_.staysConnected() || open > 0) ++tally_.lost;
-  tally_.failed_wishes += open;
-  engine_.disconnect(why, now, line);
 }
 
 void FullClient::look(core::TimePoint now) {
@@ -142,16 +152,21 @@ void FullClient::work(core::TimePoint now) {
       transport->send(std::move(frames));
     }
     const std::vector<core::DecodeJob> jobs = engine_.takeDecodeJobs();
-    for (const core::DecodeJob& job : jobs) engine_.finishDecode(core::runDecodeJob(job));
+    for (const core::DecodeJob& job : jobs) decode(job);
     decoded = !jobs.empty();
   }
   const uint64_t received = engine_.counts().received_bytes;
   tally_.bytes += received - std::exchange(received_bytes_, received);
-  if (!engine_.failure().empty()) throw Error(ErrorCode::kFormat, engine_.failure());
   const core::Cut* const cut = engine_.cut().get();
   if (cut != nullptr && !std::exchange(image_seen_, true)) tally_.first_image.add(now - start_);
   if (cut != nullptr && cut->converged && !std::exchange(converged_, true))
     tally_.converged.add(now - start_);
+}
+
+void FullClient::decode(const core::DecodeJob& job) {
+  core::DecodeResult result = core::runDecodeJob(job);
+  if (!result.failure.empty()) throw Error(ErrorCode::kFormat, "a blob cannot be decoded: " + result.failure);
+  engine_.finishDecode(std::move(result));
 }
 
 /// What somebody would have seen until the next step.

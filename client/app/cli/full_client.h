@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <asio/io_context.hpp>
@@ -35,14 +36,16 @@ class FullClient final : public LoadClient {
 
   core::EngineOptions engineOptions(uint64_t seed);
   bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
+  void noteBroken(core::Line line);
+  void noteRefused(const BlobRef& blob, const std::string& why);
   template <typename Action>
   void guarded(const Action& action);
   void keepConnected(core::TimePoint now);
   void receive();
-  void disconnect(const Error& why, core::Line line, core::TimePoint now);
   void look(core::TimePoint now);
   core::CameraKey camera(core::TimePoint now);
   void work(core::TimePoint now);
+  void decode(const core::DecodeJob& job);
   void note(core::TimePoint now);
 
   asio::io_context& io_;

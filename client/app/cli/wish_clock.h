@@ -24,6 +24,8 @@ class WishClock {
   void sent(std::span<const std::byte> frames, core::TimePoint now);
   /// @return the wish for a blob that has come; none if it came unasked.
   std::optional<Wish> arrived(uint32_t blob);
+  /// The blob will not come.
+  void refused(uint32_t blob) { arrived(blob); }
   /// Those that have not come, by blob.
   const std::map<uint32_t, Wish>& open() const noexcept { return open_; }
 

@@ -1,0 +1,288 @@
+// What both kinds of a load test's clients count of servers that go, break off, refuse or fall silent.
+
+#include "client/app/cli/load_client.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/write.hpp>
+#include <gtest/gtest.h>
+
+#include "client/app/cli/full_client.h"
+#include "client/app/cli/trace_client.h"
+#include "client/app/cli/whole_frames.h"
+#include "client/core/framing.h"
+#include "proto/limits.h"
+#include "server/store/reader.h"
+#include "tests/support/synthetic_store.h"
+
+namespace lode::app {
+namespace {
+
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+using proto::FrameType;
+
+/// A server of one small store on the clients' own loop: it does what a test tells it.
+class ToldServer {
+ public:
+  ToldServer(asio::io_context& io, const store::Reader& store) : store_(store), acceptor_(io, loopback()) {
+    accept();
+  }
+
+  /// Wishes stay open from now on, or are granted as they come.
+  void holdBack(bool held) { holds_back_ = held; }
+  /// The next wish ends with an error.
+  void refuseOne() { refuses_ = true; }
+  void goAway(size_t connection) { send(*connections_[connection], proto::GoAway{"maintenance"}, 0); }
+  void breakOff(size_t connection) { connections_[connection]->socket.close(); }
+
+  uint16_t port() const { return acceptor_.local_endpoint().port(); }
+  /// That have the model open, up to now.
+  size_t opened() const { return opened_; }
+  size_t openWishes(size_t connection) const {
+    return connection < connections_.size() ? connections_[connection]->wishes.size() : 0;
+  }
+
+ private:
+  struct Connection {
+    explicit Connection(tcp::socket accepted) : socket(std::move(accepted)) {}
+    tcp::socket socket;
+    std::vector<std::byte> buffer = std::vector<std::byte>(64u << 10), input;
+    std::map<uint32_t, uint32_t> wishes;  // blobs by wish
+  };
+
+  static tcp::endpoint loopback() { return {asio::ip::address_v4::loopback(), 0}; }
+
+  void accept() {
+    acceptor_.async_accept([this](asio::error_code error, tcp::socket socket) {
+      if (error) return;
+      socket.set_option(tcp::no_delay(true));
+      connections_.push_back(std::make_unique<Connection>(std::move(socket)));
+      read(*connections_.back());
+      accept();
+    });
+  }
+
+  void read(Connection& from) {
+    from.socket.async_read_some(
+        asio::buffer(from.buffer), [this, &from](asio::error_code error, size_t count) {
+          if (error) return;
+          from.input.insert(from.input.end(), from.buffer.begin(),
+                            from.buffer.begin() + static_cast<long>(count));
+          const size_t taken = forEachFrame(
+              from.input, [&](FrameType type, std::span<const std::byte> body) { answer(from, type, body); });
+          from.input.erase(from.input.begin(), from.input.begin() + static_cast<long>(taken));
+          read(from);
+        });
+  }
+
+  void answer(Connection& to, FrameType type, std::span<const std::byte> body) {
+    if (type == FrameType::kHello) send(to, proto::Welcome{proto::kProtocolVersion, 0, 16384, "test"}, 1);
+    if (type == FrameType::kOpen) open(to, proto::decode<proto::Open>(body).known_build_id);
+    if (type == FrameType::kPing) send(to, proto::Pong{proto::decode<proto::Ping>(body).payload}, 0);
+    if (type != FrameType::kWishes) return;
+    for (const proto::WishChange& change : proto::decode<proto::Wishes>(body).changes) take(to, change);
+  }
+
+  void open(Connection& to, const BlobName& known_build_id) {
+    ++opened_;
+    send(to, proto::Opened{1, store_.summary()}, 2);
+    if (known_build_id == store_.summary().build_id) return;
+    give(to, 0, store_.summary().root_page.number);
+    give(to, 0, store_.find(kRootKey)->rungs.back().payload.number);
+  }
+
+  void take(Connection& from, const proto::WishChange& change) {
+    if (change.action == proto::WishAction::kCancel && from.wishes.erase(change.wish) > 0)
+      send(from, proto::Cancelled{change.wish}, 0);
+    if (change.action != proto::WishAction::kAdd) return;
+    if (std::exchange(refuses_, false))
+      send(from, proto::ErrorMessage{proto::WireError::kDamagedStore, change.wish, false, "damaged"}, 0);
+    else if (holds_back_)
+      from.wishes[change.wish] = change.blob;
+    else
+      give(from, change.wish, change.blob);
+  }
+
+  void give(Connection& to, uint32_t wish, uint32_t blob) {
+    const std::vector<std::byte> bytes = store_.readBlob(blob);
+    const auto size = static_cast<uint32_t>(bytes.size());
+    const auto fields = proto::encodeBlobChunkHeader({wish, size, 0});
+    const auto header = proto::encodeFrameHeader(
+        {static_cast<uint32_t>(fields.size()) + size, static_cast<uint8_t>(FrameType::kBlob), 0, 0});
+    asio::write(to.socket, std::array{asio::buffer(header), asio::buffer(fields), asio::buffer(bytes)});
+  }
+
+  template <typename Message>
+  static void send(Connection& to, const Message& message, uint32_t request) {
+    asio::write(to.socket, asio::buffer(proto::encode(message, request)));
+  }
+
+  const store::Reader& store_;
+  tcp::acceptor acceptor_;
+  std::vector<std::unique_ptr<Connection>> connections_;
+  size_t opened_ = 0;
+  bool holds_back_ = false, refuses_ = false;
+};
+
+enum class Kind { kFull, kTrace };
+
+class EveryLoadClient : public testing::TestWithParam<Kind> {
+ protected:
+  void SetUp() override {
+    lode::test::SyntheticModel model = lode::test::makeModel(lode::test::makeSphere(24, 16));
+    lode::test::writeStore(folder_ / "a.lode", model);
+    store_.emplace(folder_ / "a.lode");
+    uint64_t bytes = 0;  // all of it fits into the window that a client grants at first, and into frames
+    for (uint32_t blob = 1; blob <= store_->blobCount(); ++blob) bytes += store_->blob(blob).bytes;
+    ASSERT_LT(bytes, proto::kMaxChunkBytes);
+    server_.emplace(io_, *store_);
+    plan_.model = {{"127.0.0.1", server_->port()}, "a"};
+    plan_.route = {plan_.model.address};
+    plan_.path_of = [](const ModelSummary& summary, uint64_t) { return core::framingCamera(summary); };
+    plan_.pixels = 0.01f;
+    plan_.fps = 100;
+    plan_.end = start_;  // a trace is replayed once
+    for (const Node& node : store_->nodes())
+      if (node.isLeaf())
+        plan_.trace.wishes.push_back(
+            {0, {node.rungs[0].payload, {core::BlobKind::kMesh, {node.key, 0}}}, {}});
+    if (GetParam() == Kind::kFull)
+      client_ = std::make_unique<FullClient>(io_, plan_, start_, 1, names_, tally_);
+    else
+      client_ = std::make_unique<TraceClient>(io_, plan_, start_, 0, names_, tally_);
+  }
+
+  /// Lets the client and the server work until it has come to that.
+  template <typename Done>
+  void run(const Done& done) {
+    for (const auto deadline = Clock::now() + 60s; !done(); turn()) {
+      ASSERT_NE(client_->due(), kNever) << tally_.first_error;
+      ASSERT_LT(Clock::now(), deadline) << "it did not come to that";
+    }
+  }
+  /// Until nothing is left to say.
+  void settle() {
+    for (int turns = 0; turns < 50; ++turns) turn();
+  }
+  /// Until the server has the wishes of what the client can know of.
+  void runUntilWishedFor(size_t connection) {
+    run([&] { return server_->openWishes(connection) > 0; });
+    settle();
+  }
+  void runUntilOpened(size_t count) {
+    run([&] { return server_->opened() == count; });
+  }
+  void turn() {
+    client_->step(Clock::now());
+    io_.restart();
+    io_.run_one_for(1ms);
+    io_.poll();
+  }
+
+  const core::TimePoint start_ = Clock::now();
+  const lode::test::WorkFolder folder_;
+  asio::io_context io_{1};
+  std::optional<store::Reader> store_;
+  std::optional<ToldServer> server_;
+  LoadPlan plan_;
+  KnownNames names_;
+  LoadTally tally_;
+  std::unique_ptr<LoadClient> client_;
+};
+
+TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerBreaksOff) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  const size_t open = server_->openWishes(0);
+  server_->breakOff(0);
+  runUntilWishedFor(1);
+  EXPECT_EQ(tally_.lost, 1u);
+  EXPECT_EQ(tally_.failed_wishes, open);
+  EXPECT_EQ(tally_.moved, 0u);
+  EXPECT_EQ(server_->openWishes(1), open) << "wished for again";
+}
+
+TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerThatIsGoingAwayBreaksOff) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  const size_t open = server_->openWishes(0);
+  server_->goAway(0);
+  runUntilOpened(2);
+  server_->breakOff(0);
+  runUntilWishedFor(1);
+  EXPECT_EQ(tally_.lost, 1u);
+  EXPECT_EQ(tally_.failed_wishes, open);
+  EXPECT_EQ(tally_.moved, 1u);
+  EXPECT_EQ(server_->openWishes(1), open) << "wished for again";
+}
+
+TEST_P(EveryLoadClient, countsWhatIsOpenWhereTwoServersGoAwayOneSoonAfterTheOther) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  const size_t open = server_->openWishes(0);
+  server_->goAway(0);
+  runUntilOpened(2);
+  server_->goAway(1);
+  runUntilWishedFor(2);
+  EXPECT_EQ(tally_.failed_wishes, open);
+  EXPECT_EQ(tally_.moved, 2u);
+}
+
+TEST_P(EveryLoadClient, losesNothingWhereAServerThatIsGoingAwayHasGivenAll) {
+  runUntilOpened(1);
+  settle();
+  ASSERT_GT(tally_.blobs, plan_.trace.wishes.size() / 2);
+  server_->goAway(0);
+  runUntilOpened(2);
+  server_->breakOff(0);
+  settle();
+  EXPECT_EQ(tally_.lost, 0u);
+  EXPECT_EQ(tally_.failed_wishes, 0u);
+  EXPECT_EQ(tally_.moved, 1u);
+}
+
+TEST_P(EveryLoadClient, hasMovedThoughTheServerIsGoneBeforeItComesAgain) {
+  runUntilOpened(1);
+  settle();
+  server_->goAway(0);
+  server_->breakOff(0);
+  runUntilOpened(2);
+  EXPECT_EQ(tally_.moved, 1u);
+  EXPECT_EQ(tally_.lost, 0u);
+}
+
+TEST_P(EveryLoadClient, countsAWishThatIsRefusedAndGoesOn) {
+  server_->refuseOne();
+  run([&] { return tally_.failed_wishes > 0; });
+  settle();
+  EXPECT_NE(client_->due(), kNever);
+  client_->finish(Clock::now());
+  EXPECT_EQ(tally_.failed_wishes, 1u);
+  EXPECT_EQ(tally_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kIo, 1}}));
+  EXPECT_EQ(tally_.first_error, "the server cannot give a blob: damaged");
+  EXPECT_EQ(tally_.unanswered, 0u);
+  EXPECT_GT(tally_.blobs, 2u);
+}
+
+TEST_P(EveryLoadClient, countsWhatIsOpenWhereTheServerFallsSilent) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  const core::TimePoint since = Clock::now();
+  for (int calls = 1; calls <= 40 && tally_.lost == 0; ++calls) client_->step(since + calls * 1s);
+  EXPECT_EQ(tally_.lost, 1u);
+  EXPECT_EQ(tally_.failed_wishes, server_->openWishes(0));
+}
+
+INSTANTIATE_TEST_SUITE_P(OfALoadTest, EveryLoadClient, testing::Values(Kind::kFull, Kind::kTrace),
+                         [](const auto& kind) { return kind.param == Kind::kFull ? "full" : "trace"; });
+
+}  // namespace
+}  // namespace lode::app
