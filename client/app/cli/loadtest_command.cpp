@@ -136,6 +136,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
   command->remove_option(command->get_option("--up"));  // made paths go around the y axis
+  command->remove_option(command->get_option("--offline"));
   auto* camera = command->get_option("--camera");
   command->add_option("--clients", options->load.clients, "independent clients")
       ->required()

@@ -117,7 +117,8 @@ TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {
                            {url, "--trace", shortPath()},
                            {"--path", "fly", "--camera", shortPath()},
                            {"--path", "fly", "--trace", shortPath()},
-                           {"--up", "z"}}) {
+                           {"--up", "z"},
+                           {"--offline"}}) {
     std::vector<std::string> arguments{"loadtest", url, "--clients", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = lodestream(arguments);
