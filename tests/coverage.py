@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Which lines of parsing, store, session and refinement the unit tests run: tests/coverage.py [BUILD] [--lines]
+"""Which lines of parsing, store, session and refinement the unit and integration tests run: tests/coverage.py [BUILD] [--lines]
 
 BUILD (build/coverage) is where `cmake --workflow --preset coverage` ran. Prints a table; with --lines the lines that
 nothing ran, too, as FILE:FIRST-LAST.
