@@ -73,8 +73,9 @@ class Authority:
         self.openssl("req", "-x509", "-subj", "/CN=an authority", "-keyout", self.folder / "authority.key", "-out", self.certificate)
 
     def openssl(self, *arguments):
-        subprocess.run(["openssl", *map(str, arguments), "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2"],
-                       check=True, capture_output=True)
+        # With a use for each key: Python 3.13 believes no other.
+        subprocess.run(["openssl", *map(str, arguments), "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
+                        "-addext", "keyUsage=critical,digitalSignature,keyCertSign"], check=True, capture_output=True)
 
     def issue(self, host):
         """cert.pem and key.pem anew, each renamed into place. Returns their folder."""
