@@ -241,11 +241,9 @@ class Picks(WindowTest):
     def test_are_copied_with_their_place_node_and_distance(self):
         with self.window() as window:
             window.click(MIDDLE)
-            window.picture()
             one = window.copied()
             self.assertRegex(one, r"^-?[\d.]+ -?[\d.]+ -?[\d.]+\nnode root[/\d]*, rung \d+, error [\d.]+ px\ncolour #[\da-f]{6}\n$")
             window.click((MIDDLE[0] + 40, MIDDLE[1] + 20))
-            window.picture()
             two = window.copied()
             places = [[float(number) for number in text.split("\n")[0].split()] for text in (one, two)]
             distance = float(re.search(r"^distance ([\d.]+)$", two, re.M).group(1))

@@ -210,14 +210,17 @@ void Viewer::moveCamera(const Input& input, double seconds) {
   moved_ = rig_->view() != before || rig_->underWay();
 }
 
+/// What was clicked on in the same frame is copied, too.
 void Viewer::pick(const Input& input) {
-  if (input.copy) {
-    std::string text;
-    for (const std::string& line : picks_.lines()) text += line + "\n";
-    if (!text.empty()) window_.copyToClipboard(text);
-    note(text.empty() ? "click on the model first" : "copied");
-  }
-  if (!input.pressed && !input.clicked && input.wheel == 0) return;
+  if (input.pressed || input.clicked || input.wheel != 0) pointAt(input);
+  if (!input.copy) return;
+  std::string text;
+  for (const std::string& line : picks_.lines()) text += line + "\n";
+  if (!text.empty()) window_.copyToClipboard(text);
+  note(text.empty() ? "click on the model first" : "copied");
+}
+
+void Viewer::pointAt(const Input& input) {
   const std::optional<PickedPoint> hit = under(input.pointer_px);
   if (!hit) {
     if (input.clicked) picks_.clear();

@@ -51,6 +51,7 @@ class Viewer {
   void toggleWireframe();
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);
+  void pointAt(const Input& input);
   void record(const Input& input);
   std::optional<PickedPoint> under(const glm::dvec2& place_px);
   void moveCamera(const Input& input, double seconds);
