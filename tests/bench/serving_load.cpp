@@ -1,8 +1,9 @@
 // Takes as much as a server gives: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls].
 // Each connection keeps so many wishes open for blobs from FIRST to LAST, at random; with IN_FLIGHT as 16,256
 // the first one keeps 256 and the others 16. It looks at headers and drops the bytes, so that one core of it
-// does not hold up one of the server. Prints blobs, bytes, those of each connection, the seconds that they
-// took, and percentiles of what a wish took, which are exact where IN_FLIGHT is 1.
+// does not hold up one of the server. Time begins when all have the model open. Prints blobs, bytes, those of
+// each connection, the seconds that they took, and percentiles of what a wish took, which are exact where
+// IN_FLIGHT is 1.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -76,7 +77,13 @@ class Client {
       if (got < 0) break;
       take(room.first(static_cast<size_t>(got)));
     }
-    if (opened_ && open_ + std::min(kRefill, in_flight_) <= in_flight_) wish();
+    if (wishes_ && open_ + std::min(kRefill, in_flight_) <= in_flight_) wish();
+  }
+  bool opened() const noexcept { return opened_; }
+  /// Once it is opened: wishes from now on.
+  void begin() {
+    wishes_ = true;
+    wish();
   }
 
  private:
@@ -167,7 +174,7 @@ class Client {
   std::mt19937 random_;
   std::array<std::byte, kHeadBytes> head_;
   size_t head_used_ = 0, wanted_fields_ = 0, body_bytes_ = 0, skip_ = 0;
-  bool opened_ = false;
+  bool opened_ = false, wishes_ = false;
   Clock::time_point asked_;
   Tally tally_;
 };
@@ -194,6 +201,12 @@ void print(std::span<const std::unique_ptr<Client>> clients, double seconds) {
       seconds, percentile(all.times_ms, 0.5), percentile(all.times_ms, 0.99));
 }
 
+void readWhatHasCome(int poll, std::span<std::byte> room) {
+  std::array<epoll_event, 256> events;
+  const int count = epoll_wait(poll, events.data(), static_cast<int>(events.size()), 100);
+  for (int i = 0; i < count; ++i) static_cast<Client*>(events[static_cast<size_t>(i)].data.ptr)->read(room);
+}
+
 void run(std::span<char*> arguments) {
   const auto number = [&](size_t i) {
     return static_cast<uint32_t>(std::strtoul(arguments[i], nullptr, 10));
@@ -215,12 +228,11 @@ void run(std::span<char*> arguments) {
     epoll_ctl(poll, EPOLL_CTL_ADD, clients.back()->descriptor(), &event);
   }
   std::vector<std::byte> room(256u << 10);
+  while (!std::ranges::all_of(clients, &Client::opened, &std::unique_ptr<Client>::operator*))
+    readWhatHasCome(poll, room);
   const auto start = Clock::now(), end = start + std::chrono::seconds(number(6));
-  while (Clock::now() < end) {
-    std::array<epoll_event, 256> events;
-    const int count = epoll_wait(poll, events.data(), static_cast<int>(events.size()), 100);
-    for (int i = 0; i < count; ++i) static_cast<Client*>(events[static_cast<size_t>(i)].data.ptr)->read(room);
-  }
+  for (const auto& client : clients) client->begin();
+  while (Clock::now() < end) readWhatHasCome(poll, room);
   close(poll);
   SSL_CTX_free(tls);
   print(clients, std::chrono::duration<double>(Clock::now() - start).count());
