@@ -123,6 +123,23 @@ TEST_F(SessionMemoryTest, anOpenModelIsChargedUntilItIsClosed) {
   EXPECT_EQ(budget_.used(), memory_.held());
 }
 
+TEST_F(SessionMemoryTest, closingAModelGivesItsWishesBack) {
+  open();
+  const uint64_t before = memory_.held();
+  for (uint32_t i = 1; i <= 10; ++i) wish(WishClass::kVisible, i, 30, 1);
+  send(proto::Close{1});
+  EXPECT_EQ(memory_.held() + kOpenModelBytes, before + session_.controlBytes());
+}
+
+TEST_F(SessionMemoryTest, aRefusedSessionGivesItsWishesBackBeforeItsLastWordIsOut) {
+  open();
+  session_.controlSent(memory_.held() - kOpenModelBytes);
+  for (uint32_t i = 1; i <= 10; ++i) wish(WishClass::kVisible, i, 30, 1);
+  EXPECT_EQ(memory_.held(), kOpenModelBytes + 10 * kWishBytes);
+  session_.refuse(WireError::kMalformed, "this is no frame");
+  EXPECT_EQ(memory_.held(), kOpenModelBytes + session_.controlBytes());
+}
+
 TEST_F(SessionMemoryTest, aModelThatThereIsNoMemoryForIsNotOpened) {
   send(proto::Hello{});
   session_.takeControl();

@@ -40,6 +40,22 @@ TEST_F(SessionHandlesTest, aChunkOfAClosedHandleIsNotSent) {
   EXPECT_FALSE(session_.finishChunk());
 }
 
+TEST_F(SessionHandlesTest, anUnaskedChunkOfAClosedHandleIsNotSentNorTakenForAnothers) {
+  send(proto::Hello{});
+  send(proto::Open{"a", {}}, 1);
+  send(proto::Open{"b", {}}, 2);
+  session_.takeControl();
+  ASSERT_EQ(session_.beginChunk()->request, 1u);
+  send(proto::Close{1}, 3);
+  session_.takeControl();
+  EXPECT_FALSE(session_.finishChunk());
+  const auto next = session_.beginChunk();
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->request, 2u);
+  EXPECT_EQ(next->blob, kPageBlob);
+  EXPECT_TRUE(next->first());
+}
+
 TEST_F(SessionHandlesTest, aClosedHandleIsUnknownAndNotGivenAgain) {
   open();
   send(proto::Close{1});

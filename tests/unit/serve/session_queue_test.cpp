@@ -99,6 +99,17 @@ TEST_F(SessionQueueTest, aChunkCancelledWhileItIsReadIsNotSent) {
   EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled).wish, 1u);
 }
 
+TEST_F(SessionQueueTest, aChunkThatIsReadWhenTheSessionIsRefusedIsNotSent) {
+  open();
+  wish(WishClass::kVisible, 1, 30, 1);
+  ASSERT_TRUE(session_.beginChunk());
+  session_.refuse(WireError::kMalformed, "this is no frame");
+  EXPECT_FALSE(session_.finishChunk());
+  session_.failChunk(WireError::kNotReady, "the disk failed");
+  session_.parkChunk();
+  expectClosedWith(WireError::kMalformed);
+}
+
 TEST_F(SessionQueueTest, aNumberUsedAgainWhileItsOldChunkIsReadStartsAnew) {
   open();
   wish(WishClass::kVisible, 1, 3, 5);
@@ -242,6 +253,20 @@ TEST_F(SessionQueueTest, whatAClientsWindowHoldsUpIsToldFromWhatTheServerTakes) 
   EXPECT_EQ(chunk->header.wish, 2u);
   EXPECT_EQ(now_ - chunk->asked, 3s);
   EXPECT_EQ(session_.heldSince(*chunk, now_), 2s);
+}
+
+TEST_F(SessionQueueTest, aWindowHoldsUpUntilTheLeastChunkFits) {
+  open();
+  wish(WishClass::kVisible, 1, 30, 1);
+  while (sendChunk()) {
+  }
+  const uint64_t enough = proto::kInitialWindowBytes + proto::kBlobChunkHeaderBytes + kMinChunkBytes;
+  send(proto::Credit{enough - 1});
+  EXPECT_TRUE(session_.waitsForWindow());
+  EXPECT_FALSE(session_.beginChunk());
+  send(proto::Credit{enough});
+  EXPECT_FALSE(session_.waitsForWindow());
+  EXPECT_TRUE(session_.beginChunk());
 }
 
 TEST_F(SessionQueueTest, aWindowHoldsNobodyUpWhoseWishesWaitForTheDisk) {
