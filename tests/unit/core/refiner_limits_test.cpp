@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "client/core/drawn_bytes.h"
 #include "tests/unit/core/scripted_client.h"
@@ -33,6 +34,42 @@ TEST_P(RefinerLimits, showsAllOfEachPlaceInTurnThoughTheBudgetHoldsThePagesOfOne
     EXPECT_TRUE(client.last().cut->converged);
     EXPECT_LE(client.hierarchy().bytes(), budget);
     EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, view, 4).parts());
+  }
+}
+
+TEST_P(RefinerLimits, asksForNoMorePagesAtOnceThanTheBudgetHoldsTogether) {
+  const auto isPage = [](const Wish& wish) { return wish.use.kind == BlobKind::kPage; };
+  const auto pagesAskedFor = [&](uint64_t budget) {
+    Scripted client(model_);
+    while (true) {
+      const std::vector<Wish>& wanted =
+          client.refineFor(closeView(), {.threshold_px = 1, .hierarchy_budget_bytes = budget}).wanted;
+      const auto mesh = std::ranges::find_if_not(wanted, isPage);
+      if (mesh == wanted.end()) return wanted.size();
+      client.deliver(*mesh);
+    }
+  };
+  const uint64_t first_page = Scripted(model_).hierarchy().bytes();
+  const size_t all = pagesAskedFor(first_page + 1000 * pageBytesAtMost(1000));
+  for (const size_t pages : {1, 2})
+    EXPECT_EQ(pagesAskedFor(first_page + pages * pageBytesAtMost(1000)), std::min(pages, all));
+}
+
+TEST_P(RefinerLimits, saysThatItIsLimitedThoughTheBudgetLastStoppedWhatWasOnlyHeld) {
+  constexpr float kHold = 0.25f;
+  const uint64_t first_page = Scripted(model_).hierarchy().bytes();
+  for (const View& view : {closeView(), farView()}) {
+    const BruteForce errors(model_, view, 1);
+    float largest_px = 0;  // of what the first page alone allows of the model
+    for (const auto& [key, node] : model_.nodes())
+      if (node.child_page && boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view))
+        largest_px = std::max(largest_px, errors.errorPx(key, 0));
+    if (largest_px == 0) continue;
+    Scripted client(model_);
+    client.converge(view, {.threshold_px = largest_px / 16, .hold_factor = kHold}, random_, kNoCheck);
+    const RefineOptions coarser{
+        .threshold_px = largest_px * 0.9f, .hierarchy_budget_bytes = first_page, .hold_factor = kHold};
+    EXPECT_TRUE(client.refineFor(view, coarser).limited);
   }
 }
 
