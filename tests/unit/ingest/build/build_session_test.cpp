@@ -88,6 +88,15 @@ TEST_F(Session, takesOverWhatAnotherHadFinishedAndRunsTheRest) {
   EXPECT_EQ(second.session.takeReport().resumed_from, "dereference");
 }
 
+TEST_F(Session, keepsNothingOfABuildThatHasFinishedNoStage) {
+  const auto before = folder_.contents();
+  {
+    Build build(options_);
+    EXPECT_FALSE(build.session.keep());
+  }
+  EXPECT_EQ(folder_.contents(), before);
+}
+
 TEST_F(Session, removesAStagesFilesWhenWhatIsMadeOfThemIsNoted) {
   Build build(options_);
   build.session.run(build.scan);
