@@ -16,7 +16,7 @@ struct Model {
   bool is_closed = true;
 
   std::filesystem::path store() const;
-  bool exists() const { return std::filesystem::exists(store()); }
+  bool exists() const { return std::filesystem::exists(store()) && std::filesystem::exists(input); }
 };
 
 /// All of them; those made of scans exist only with LODESTREAM_TEST_DATA.
