@@ -244,6 +244,7 @@ Input GlfwWindow::takeInput(bool keyboard, bool mouse) {
   input.wheel = mouse ? pending_.wheel : 0;
   input.pointer_px = pointer_ * to_px_;
   input.pressed = mouse && pending_.pressed;
+  input.pressed_px = pressed_at_ * to_px_;
   input.clicked = mouse && pending_.clicked;
   input.double_clicked = mouse && pending_.double_clicked;
   if (keyboard) input.fly = heldKeys();

@@ -12,8 +12,9 @@ struct Input {
   glm::dvec2 shifted_px{0};     ///< dragged with the right or middle button, or with Shift
   double wheel = 0;             ///< steps forward
   glm::dvec2 pointer_px{0};     ///< where the pointer is
-  bool pressed = false;         ///< a button went down there
-  bool clicked = false;         ///< the left button went down and up there,
+  bool pressed = false;         ///< a button went down
+  glm::dvec2 pressed_px{0};     ///< where one did last: the pointer may have gone on since
+  bool clicked = false;         ///< the left button went down and up where the pointer is,
   bool double_clicked = false;  ///< twice
   render::FlyKeys fly;          ///< held down now
   glm::dvec2 pad_turn{0};       ///< by a gamepad's stick, -1 to 1: to the right, down

@@ -221,7 +221,7 @@ void Viewer::pick(const Input& input) {
 }
 
 void Viewer::pointAt(const Input& input) {
-  const std::optional<PickedPoint> hit = under(input.pointer_px);
+  const std::optional<PickedPoint> hit = under(input.pressed ? input.pressed_px : input.pointer_px);
   if (!hit) {
     if (input.clicked) picks_.clear();
     return;
