@@ -95,7 +95,7 @@ def check_files():
     run("promtool", "check", "config", DOCKER / "prometheus" / "prometheus.yml")
     run(Path(__file__).with_name("check_manifests.py"), DOCKER / "kubernetes")
     services = [part for part in yaml.safe_load_all((DOCKER / "kubernetes" / "lodestream.yaml").read_text()) if part["kind"] == "Service"]
-    expect(all(service["spec"]["externalTrafficPolicy"] == "Local" for service in services),
+    expect(all(service["spec"].get("externalTrafficPolicy") == "Local" for service in services),
            "servers see clients' own addresses on Kubernetes, and so count each client's connections")
     say("ok: compose.yaml, haproxy.cfg, prometheus.yml and the manifests of Kubernetes are what their readers want")
 
