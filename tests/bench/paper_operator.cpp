@@ -118,7 +118,7 @@ class PaperTree {
   NodeMesh makeOne(NodeKey key, const std::vector<NodeMesh>& meshes) {
     std::vector<std::vector<uint32_t>> became;
     NodeMesh result;
-    ingest::cluster(ingest::mergeMeshes(meshes, welder_, became), std::array{size_t{0}},
+    ingest::cluster(ingest::mergeMeshes(meshes, became), std::array{size_t{0}},
                     {.node_depth = key.depth(), .max_position = model_.extent},
                     [&](size_t, ingest::SimplifiedMesh&& one) { result = std::move(one.mesh); });
     return result;

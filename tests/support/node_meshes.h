@@ -11,6 +11,7 @@
 
 #include "common/mesh.h"
 #include "server/ingest/mesh/node_mesh.h"
+#include "server/ingest/simplify/collapse_mesh.h"
 #include "tests/support/test_meshes.h"
 
 /// Nodes of the build, made from meshes and from a seed, and what tests ask of them.
@@ -54,6 +55,12 @@ inline ingest::NodeMesh makeTangle(uint32_t positions, uint32_t triangles, uint3
     if (t.x != t.y && t.y != t.z && t.z != t.x) node.triangles.push_back(t);
   }
   return node;
+}
+
+inline std::vector<ingest::CollapseMesh::Edge> edgesOf(const ingest::CollapseMesh& mesh) {
+  std::vector<ingest::CollapseMesh::Edge> edges;
+  mesh.forEachEdge([&](const ingest::CollapseMesh::Edge& edge) { edges.push_back(edge); });
+  return edges;
 }
 
 using PositionEdge = std::array<uint64_t, 2>;  ///< codes, lower first

@@ -1,8 +1,10 @@
 #include "server/ingest/build/simplify_stage.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
+#include "server/ingest/nodes/rung_targets.h"
 #include "server/ingest/nodes/simplify_log.h"
 #include "server/ingest/nodes/tree_builder.h"
 
@@ -10,6 +12,19 @@ namespace lode::ingest {
 namespace {
 
 constexpr double kRounding = 1.0001;  ///< of an error that is noted as a float
+
+/// What the root's children leave it at most: the longer their borders are, the more.
+uint64_t mostTrianglesOfRoot(const Partition& partition, uint32_t triangles_per_node) {
+  uint64_t triangles = 0;
+  for (const uint64_t locked : partition.border.lockedBelowRoot()) {
+    if (locked == 0) continue;
+    triangles += mostTriangles({.depth = 1,
+                                .locked = locked,
+                                .original_triangles = partition.triangles,
+                                .triangles_per_node = triangles_per_node});
+  }
+  return std::min(triangles, partition.triangles);
+}
 
 }  // namespace
 
@@ -34,11 +49,20 @@ NodeBuilder::Settings SimplifyStage::settings() const {
 }
 
 void SimplifyStage::warnOfSmallMemory() {
+  const BuildOptions& options = session_.options();
+  const Partition& partition = partition_.partition();
+  if (partition.leaves.size() == 1) return;
+  const auto warn = [&](uint64_t bytes, const std::string& of_what) {
+    session_.warn("--memory is less than " + std::to_string(bytes) + " bytes, which " + of_what +
+                  " take; the build may use more");
+  };
   const uint64_t minimum_bytes = session_.plan().minimum_bytes;
-  if (partition_.partition().leaves.size() == 1 || session_.options().memory_bytes >= minimum_bytes) return;
-  session_.warn("--memory is less than " + std::to_string(minimum_bytes) + " bytes, which " +
-                std::to_string(session_.options().triangles_per_node) +
-                " triangles a node take; the build may use more");
+  if (options.memory_bytes < minimum_bytes)
+    return warn(minimum_bytes, std::to_string(options.triangles_per_node) + " triangles a node");
+  const uint64_t root = mostTrianglesOfRoot(partition, options.triangles_per_node);
+  const uint64_t root_bytes = memoryForLargeNode(root, session_.facts().payloadAttributes());
+  if (options.memory_bytes < root_bytes)
+    warn(root_bytes, "the up to " + std::to_string(root) + " triangles that the root is made of");
 }
 
 /// Nodes that a killed build had finished are not made again.

@@ -20,7 +20,7 @@ namespace lode::ingest {
 namespace {
 
 // To be changed with the meaning of any entry.
-constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', 'J', 'N', '0', '5'};
+constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', 'J', 'N', '0', '6'};
 
 /// Stands before each entry's bytes; the checksum is of the other fields and the bytes.
 struct EntryHeader {

@@ -10,39 +10,53 @@ namespace {
 constexpr size_t kMostHalvings = 32;                        ///< triangles are numbered in so many bits
 constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;  ///< three more a fork, which halves twice
 
+/// About as many as there are: quarters of quarters, until they fit into leaves.
+size_t forksOver(size_t triangles) {
+  size_t forks = 0;
+  for (size_t level = 1; 4 * level < triangles; level *= 4) forks += level;
+  return forks;
+}
+
+struct Triangle {
+  glm::vec3 a;
+  TriangleSides sides;
+};
+
+Triangle triangleOf(const NodeMesh& mesh, uint32_t number) {
+  const auto corner = [&](int k) {
+    return glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[mesh.triangles[number][k]]]));
+  };
+  const glm::vec3 a = corner(0);
+  return {a, {corner(1) - a, corner(2) - a}};
+}
+
 }  // namespace
 
 TriangleTree::TriangleTree(const NodeMesh& mesh) : place_(mesh.triangles.size()) {
   if (place_.empty()) return;
-  std::vector<Triangle> triangles;
   std::vector<Middle> middles;
-  triangles.reserve(mesh.triangles.size());
   middles.reserve(mesh.triangles.size());
-  for (const glm::u32vec3& t : mesh.triangles) {
-    const auto corner = [&](uint32_t wedge) {
-      return glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[wedge]]));
-    };
-    const glm::vec3 a = corner(t.x), ab = corner(t.y) - a, ac = corner(t.z) - a;
-    middles.push_back({3.f * a + ab + ac, static_cast<uint32_t>(triangles.size())});
-    triangles.push_back({a, {ab, ac}});
+  for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [a, sides] = triangleOf(mesh, t);
+    middles.push_back({3.f * a + sides.ab + sides.ac, t});
   }
-  const size_t places = (triangles.size() + 3) / 4 * 4;
+  const size_t places = (middles.size() + 3) / 4 * 4;
   triangles_.reserve(places);
   number_.reserve(places);
-  top_ = build(triangles, middles).inside;
+  forks_.reserve(forksOver(places));
+  top_ = build(mesh, middles).inside;
 }
 
-TriangleTree::Branch TriangleTree::buildLeaf(std::span<const Triangle> triangles,
-                                             std::span<const Middle> middles) {
+TriangleTree::Branch TriangleTree::buildLeaf(const NodeMesh& mesh, std::span<const Middle> middles) {
   const auto begin = static_cast<uint32_t>(triangles_.size());
   Box box;
   for (const Middle& middle : middles) {
-    const Triangle& t = triangles[middle.triangle];
-    const glm::vec3 b = t.a + t.sides.ab, c = t.a + t.sides.ac;
-    box.min = glm::min(box.min, glm::min(t.a, glm::min(b, c)));
-    box.max = glm::max(box.max, glm::max(t.a, glm::max(b, c)));
+    const auto [a, sides] = triangleOf(mesh, middle.triangle);
+    const glm::vec3 b = a + sides.ab, c = a + sides.ac;
+    box.min = glm::min(box.min, glm::min(a, glm::min(b, c)));
+    box.max = glm::max(box.max, glm::max(a, glm::max(b, c)));
     place_[middle.triangle] = static_cast<uint32_t>(triangles_.size());
-    triangles_.emplace_back(t.a, t.sides);
+    triangles_.emplace_back(a, sides);
     number_.push_back(middle.triangle);
   }
   triangles_.resize(begin + 4);
@@ -68,9 +82,9 @@ size_t TriangleTree::partInHalves(std::span<Middle> middles) {
   return half;
 }
 
-/// The tree of some triangles. @param middles  of the triangles, thrice; changes their order.
-TriangleTree::Branch TriangleTree::build(std::span<const Triangle> triangles, std::span<Middle> middles) {
-  if (middles.size() <= 4) return buildLeaf(triangles, middles);
+/// The tree of some triangles. @param middles  of them, thrice; changes their order.
+TriangleTree::Branch TriangleTree::build(const NodeMesh& mesh, std::span<Middle> middles) {
+  if (middles.size() <= 4) return buildLeaf(mesh, middles);
   std::array<std::span<Middle>, 4> parts;
   size_t count = 0;
   const size_t half = partInHalves(middles);
@@ -84,7 +98,7 @@ TriangleTree::Branch TriangleTree::build(std::span<const Triangle> triangles, st
   std::array<Branch, 4> in{};
   Box whole;
   for (size_t i = 0; i < count; ++i) {
-    in[i] = build(triangles, parts[i]);
+    in[i] = build(mesh, parts[i]);
     whole.min = glm::min(whole.min, in[i].box.min);
     whole.max = glm::max(whole.max, in[i].box.max);
   }

@@ -50,10 +50,6 @@ class TriangleTree {
   struct Box {
     glm::vec3 min{kInfinity}, max{-kInfinity};
   };
-  struct Triangle {
-    glm::vec3 a;
-    TriangleSides sides;
-  };
   struct Middle {
     glm::vec3 at;
     uint32_t triangle;
@@ -63,9 +59,9 @@ class TriangleTree {
     uint32_t inside = 0;
     Box box;
   };
-  Branch build(std::span<const Triangle> triangles, std::span<Middle> middles);
+  Branch build(const NodeMesh& mesh, std::span<Middle> middles);
   static size_t partInHalves(std::span<Middle> middles);
-  Branch buildLeaf(std::span<const Triangle> triangles, std::span<const Middle> middles);
+  Branch buildLeaf(const NodeMesh& mesh, std::span<const Middle> middles);
 
   static constexpr uint32_t kIsLeaf = 1u << 31;
 

@@ -40,8 +40,7 @@ void MeshWelder::addTriangle(glm::u32vec3 wedges) {
   if (a != b && b != c && c != a) mesh_.triangles.push_back(wedges);
 }
 
-NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder,
-                     std::vector<std::vector<uint32_t>>& became) {
+NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& became) {
   size_t positions = 0, triangles = 0;
   AttributeSet attributes;
   for (const NodeMesh& mesh : meshes) {
@@ -49,6 +48,7 @@ NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder,
     triangles += mesh.triangles.size();
     attributes = mesh.attributes;
   }
+  MeshWelder welder;
   welder.begin(attributes, positions, triangles);
   became.clear();
   std::vector<uint32_t> numbers;

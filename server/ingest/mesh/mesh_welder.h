@@ -10,7 +10,7 @@
 namespace lode::ingest {
 
 /// Puts meshes together vertex by vertex: equal positions become one, and of a position's wedges, equal
-/// attributes. Numbers follow the order of addition. Reused between nodes. For one thread.
+/// attributes. Numbers follow the order of addition. Reused between leaves. For one thread.
 class MeshWelder {
  public:
   /// @param expected_positions  how many to make room for; there may be more.
@@ -34,8 +34,7 @@ class MeshWelder {
 /// The union of nodes' meshes, welded. Where meshes disagree on a position's lock, the stronger one stays.
 /// @param became  gets for each mesh the numbers that its positions have in the union; all of them have
 /// wedges.
-NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, MeshWelder& welder,
-                     std::vector<std::vector<uint32_t>>& became);
+NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& became);
 
 /// Makes wedges of one position that have become equal one.
 void joinEqualWedges(NodeMesh& mesh);

@@ -88,14 +88,11 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
     meshes.push_back(std::move(child.coarsest));
   }
   std::vector<std::vector<uint32_t>> became;
-  NodeMesh input = mergeMeshes(meshes, welder_, became);
+  NodeMesh input = mergeMeshes(meshes, became);
   gatherSamples(built, children, meshes, input, became);
   letGo(meshes);
   letGo(became);
-  if (room.is_tight) {
-    built.samples.shrink_to_fit();
-    welder_ = {};
-  }
+  if (room.is_tight) built.samples.shrink_to_fit();
   reduce(built, std::move(input), is_original, room);
   selectSamples(built.samples, built.coarsest.positions.size(), sampleCapacity());
   return built;
@@ -189,7 +186,10 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
     });
   };
   if (shelf) {
-    for (size_t i = 1; i < shelf->size(); ++i) finish(shelf->read(i));
+    for (size_t i = 1; i < shelf->size(); ++i) {
+      finish(shelf->read(i));
+      giveBackFreedMemory();
+    }
   } else {
     simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& rung) { finish(std::move(rung)); });
   }

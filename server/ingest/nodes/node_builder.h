@@ -11,7 +11,6 @@
 #include "server/ingest/disk/spool.h"
 #include "server/ingest/disk/temporary_folder.h"
 #include "server/ingest/measure/surface_samples.h"
-#include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/finished_rung.h"
 #include "server/ingest/nodes/rung_shelf.h"
 #include "server/ingest/partition/partition.h"
@@ -111,7 +110,6 @@ class NodeBuilder {
   const Partition& partition_;
   PayloadSpool& payloads_;
   const TemporaryFolder& folder_;
-  MeshWelder welder_;
 };
 
 }  // namespace lode::ingest

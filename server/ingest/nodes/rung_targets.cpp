@@ -13,11 +13,12 @@ constexpr int kFineStepDepth = 2;
 constexpr uint64_t kFineStepNodes = 16;  ///< node budgets that must lie below a node for fine steps
 constexpr size_t kTrianglesPerLocked = 8;
 constexpr size_t kTrianglesPerLockedBelowRoot = 12;
-constexpr size_t kTrianglesPerLockedOfLarge = 4;  ///< for more than
-constexpr size_t kLargeTriangles = 1 << 17;       ///< so that a parent's input stays below some million
-constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
-constexpr uint64_t kSpareNodes = 8;       ///< node budgets that must lie below a node for spare rungs
-constexpr size_t kSpareShare = 4;         ///< of the budget, and
+constexpr size_t kTrianglesPerLockedOfLarge = 4;  ///< for more than the lesser of
+constexpr size_t kLargeNodes = 8,
+                 kLargeTriangles = 1 << 17;  ///< budgets; so that a parent's input is bounded
+constexpr double kInnerFactor = 2.0 / 3;     ///< by which what locked vertices do not hold may fall further
+constexpr uint64_t kSpareNodes = 8;          ///< node budgets that must lie below a node for spare rungs
+constexpr size_t kSpareShare = 4;            ///< of the budget, and
 constexpr size_t kSpareTrianglesPerLocked = 2;  ///< at which they end
 
 bool hasMuchBelow(const RungRule& rule) {
@@ -29,7 +30,8 @@ size_t enoughOf(const RungRule& rule) {
   if (rule.depth == 0) return kRootTriangles;
   const bool is_of_large_root = rule.depth == 1 && hasMuchBelow(rule);
   const size_t per_locked = is_of_large_root ? kTrianglesPerLockedBelowRoot : kTrianglesPerLocked;
-  const size_t roomy = std::min(per_locked * rule.locked, kLargeTriangles);
+  const size_t large = std::min(kLargeNodes * rule.triangles_per_node, kLargeTriangles);
+  const size_t roomy = std::min(per_locked * rule.locked, large);
   const size_t least = std::max({rule.triangles_per_node, roomy, kTrianglesPerLockedOfLarge * rule.locked});
   return std::min<size_t>(least, kMaxRungTriangles);
 }
@@ -56,6 +58,8 @@ std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   } while (target >= static_cast<double>(enough) + 1);
   return targets;
 }
+
+size_t mostTriangles(const RungRule& rule) { return enoughOf(rule); }
 
 std::vector<size_t> spareTargets(size_t triangles, const RungRule& rule) {
   std::vector<size_t> targets;

@@ -18,9 +18,9 @@ struct RungRule {
 
 /// Triangle counts of the reduced rungs of a node of which its parent is made at the last, falling, until at
 /// most max(triangles_per_node, 8 * locked), at depth 1 of a large model 12 * locked, or 4 * locked where
-/// that is more than 2^17 triangles; at the root, which locks nothing, until kRootTriangles. At least one,
-/// but for a root that is small enough already. Steps above kMaxRungTriangles, which no store takes, are left
-/// out.
+/// that is more than 8 budgets or 2^17 triangles, so that what a node is made of has a bound; at the root,
+/// which locks nothing, until kRootTriangles. At least one, but for a root that is small enough already.
+/// Steps above kMaxRungTriangles, which no store takes, are left out.
 ///
 /// So at most about a quarter of the vertices that a parent is made of cannot move below it, and a sixth of
 /// the root's. With 4 * locked it is half of them, and cuts that pass from a node to its children stand still
@@ -38,6 +38,9 @@ struct RungRule {
 /// node: the root's finest rung had an error of 7.5e-3 of the diagonal without this and has 2.3e-3 with it.)
 /// @param triangles  of the node's input.
 std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule);
+
+/// The most triangles that a node gives its parent where its simplifier reaches the targets.
+size_t mostTriangles(const RungRule& rule);
 
 /// Triangle counts of the spare rungs that follow: halves, until at most a quarter of the budget or two a
 /// locked vertex. They are what a view shows of parts beside it, so that coming close costs less of what is

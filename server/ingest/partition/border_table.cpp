@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kListingsOfProgress = 1 << 16;  ///< between two words of progress
+
+unsigned octantBelowRoot(NodeKey key) {
+  while (key.depth() > 1) key = key.parent();
+  return key.octant();
+}
 
 }  // namespace
 
@@ -18,7 +24,9 @@ BorderTable::BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes)
       joined_(folder.lastingFile(kFile)) {}
 
 BorderTable::BorderTable(const TemporaryFolder& folder, RecordReader& record)
-    : joined_(folder.lastingFile(kFile), record.get<uint64_t>()), first_of_leaf_(record.getAll<uint64_t>()) {
+    : joined_(folder.lastingFile(kFile), record.get<uint64_t>()),
+      first_of_leaf_(record.getAll<uint64_t>()),
+      locked_below_root_(record.get<std::array<uint64_t, 8>>()) {
   if (first_of_leaf_.empty() || !std::is_sorted(first_of_leaf_.begin(), first_of_leaf_.end()) ||
       first_of_leaf_.back() != joined_.size() / sizeof(BorderVertex)) {
     throw Error(ErrorCode::kFormat, "the journal of a build names no border table; build without --resume");
@@ -29,6 +37,7 @@ void BorderTable::save(RecordWriter& record) const {
   joined_.sync();
   record.put(joined_.size());
   record.putAll(first_of_leaf_);
+  record.put(locked_below_root_);
 }
 
 std::span<const BorderVertex> sharedAt(std::span<const BorderVertex> border, PositionCode position) noexcept {
@@ -52,6 +61,7 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
       std::memset(static_cast<void*>(&vertex), 0, sizeof(vertex));
       vertex.position = position;
       vertex.lca_depth = static_cast<uint8_t>(ancestor.depth());
+      if (ancestor == kRootKey) countBelowRoot(leaves, sharing);
       uint32_t fans = 0;  // of the leaf
       for (size_t i = 0; i < sharing.size(); ++i) {
         if (i > 0 && sharing[i].leaf != sharing[i - 1].leaf) fans = 0;
@@ -95,6 +105,16 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
   by_leaf_.reset();
   joined_.flush();
   for (size_t leaf = 0; leaf < leaves.size(); ++leaf) first_of_leaf_[leaf + 1] += first_of_leaf_[leaf];
+}
+
+/// @param sharing  of one position, by rising leaf.
+void BorderTable::countBelowRoot(std::span<const NodeKey> leaves, std::span<const ListedFan> sharing) {
+  std::optional<unsigned> last;
+  for (const ListedFan& listed : sharing) {
+    const unsigned octant = octantBelowRoot(leaves[listed.leaf]);
+    if (octant != last) ++locked_below_root_[octant];
+    last = octant;
+  }
 }
 
 std::vector<BorderVertex> BorderTable::read(uint32_t leaf) const {

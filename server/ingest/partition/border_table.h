@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -51,16 +52,21 @@ class BorderTable {
 
   /// Leaves of the joined table.
   size_t leafCount() const noexcept { return first_of_leaf_.size() - 1; }
+  /// Positions on borders between the root's children, of each by its octant: what is locked in it.
+  const std::array<uint64_t, 8>& lockedBelowRoot() const noexcept { return locked_below_root_; }
   /// The shared vertices of a leaf, by position and fan.
   std::vector<BorderVertex> read(uint32_t leaf) const;
   /// Written to temporary files so far.
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_ + joined_.size(); }
 
  private:
+  void countBelowRoot(std::span<const NodeKey> leaves, std::span<const ListedFan> sharing);
+
   std::unique_ptr<RecordSorter> by_position_, by_leaf_;  ///< gone once joined
   uint64_t temporary_bytes_ = 0;
   Spool joined_;
   std::vector<uint64_t> first_of_leaf_;
+  std::array<uint64_t, 8> locked_below_root_{};
 };
 
 }  // namespace lode::ingest

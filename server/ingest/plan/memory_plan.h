@@ -28,6 +28,9 @@ constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
   return triangles * kTriangleBytes;
 }
 
+/// The budget with which a node of more triangles than a budget can be built, with nothing beside it.
+uint64_t memoryForLargeNode(uint64_t triangles, AttributeSet attributes) noexcept;
+
 /// The least budget that leaves an image so many bytes.
 uint64_t budgetForImage(uint64_t image_bytes) noexcept;
 

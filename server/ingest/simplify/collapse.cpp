@@ -154,18 +154,17 @@ void Collapser::put(Record record, double cost) {
 // Fills the queue; returns how many edges it holds.
 size_t Collapser::startRound(bool is_first) {
   queue_.clear();
-  const std::vector<CollapseMesh::Edge> edges = mesh_.edges();
-  if (is_first) addQuadrics(mesh_, edges);
-  mesh_.classifyPositions(edges);
-  queue_.reserve(edges.size());
+  if (is_first) addQuadrics(mesh_);
+  mesh_.classifyPositions();
+  queue_.reserve(mesh_.live_triangles * 3 / 2);
   size_t count = 0;
-  for (const CollapseMesh::Edge& edge : edges) {
-    if (mesh_.positions[edge.u].locked && mesh_.positions[edge.v].locked) continue;
+  mesh_.forEachEdge([&](const CollapseMesh::Edge& edge) {
+    if (mesh_.positions[edge.u].locked && mesh_.positions[edge.v].locked) return;
     const Candidate candidate = evaluate(edge.u, edge.v);
-    if (!candidate.possible) continue;
+    if (!candidate.possible) return;
     put({edge.u, edge.v, 0, 0}, candidate.placement.cost);
     ++count;
-  }
+  });
   return count;
 }
 

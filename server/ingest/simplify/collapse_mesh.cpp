@@ -71,31 +71,24 @@ void CollapseMesh::gatherCorners() {
   }
 }
 
-std::vector<CollapseMesh::Edge> CollapseMesh::edges() const {
-  std::vector<Edge> result;
-  result.reserve(live_triangles * 3 / 2 + positions.size() / 16);
-  std::vector<uint32_t> slot(positions.size(), kNoIndex);
-  const uint32_t count = static_cast<uint32_t>(positions.size());
-  for (uint32_t u = 0; u < count; ++u) {
-    const size_t first = result.size();
-    for (const uint32_t corner : around(u)) {
-      for (const uint32_t other : {next(corner), previous(corner)}) {
-        const uint32_t v = corner_position[other];
-        if (v < u) continue;
-        const uint32_t wedge_u = hasWedges() ? corner_wedge[corner] : 0;
-        const uint32_t wedge_v = hasWedges() ? corner_wedge[other] : 0;
-        if (slot[v] != kNoIndex && slot[v] >= first) {
-          Edge& edge = result[slot[v]];
-          ++edge.uses;
-          edge.seam |= edge.wedge_u != wedge_u || edge.wedge_v != wedge_v;
-        } else {
-          slot[v] = static_cast<uint32_t>(result.size());
-          result.push_back({u, v, 1, corner, wedge_u, wedge_v, false});
-        }
+void CollapseMesh::findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<uint32_t>& places) const {
+  edges.clear();
+  for (const uint32_t corner : around(u)) {
+    for (const uint32_t other : {next(corner), previous(corner)}) {
+      const uint32_t v = corner_position[other];
+      if (v < u) continue;
+      const uint32_t wedge_u = hasWedges() ? corner_wedge[corner] : 0;
+      const uint32_t wedge_v = hasWedges() ? corner_wedge[other] : 0;
+      if (places[v] < edges.size() && edges[places[v]].v == v) {
+        Edge& edge = edges[places[v]];
+        ++edge.uses;
+        edge.seam |= edge.wedge_u != wedge_u || edge.wedge_v != wedge_v;
+      } else {
+        places[v] = static_cast<uint32_t>(edges.size());
+        edges.push_back({u, v, 1, corner, wedge_u, wedge_v, false});
       }
     }
   }
-  return result;
 }
 
 EdgeKind CollapseMesh::edgeKind(uint32_t u, uint32_t v) const noexcept {
@@ -116,18 +109,18 @@ EdgeKind CollapseMesh::edgeKind(uint32_t u, uint32_t v) const noexcept {
   return uses != 2 ? EdgeKind::kRim : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
 }
 
-void CollapseMesh::classifyPositions(std::span<const Edge> edges) {
+void CollapseMesh::classifyPositions() {
   struct Features {
     uint8_t seams = 0, rims = 0;
   };
   std::vector<Features> features(positions.size());
   const auto count = [](uint8_t& n) { n = static_cast<uint8_t>(std::min(n + 1, 3)); };
-  for (const Edge& edge : edges) {
+  forEachEdge([&](const Edge& edge) {
     const EdgeKind kind = edge.kind();
-    if (kind == EdgeKind::kSmooth) continue;
+    if (kind == EdgeKind::kSmooth) return;
     for (const uint32_t end : {edge.u, edge.v})
       count(kind == EdgeKind::kSeam ? features[end].seams : features[end].rims);
-  }
+  });
   for (size_t i = 0; i < positions.size(); ++i) {
     const auto [seams, rims] = features[i];
     positions[i].kind = rims == 0                 ? seams == 0   ? PositionKind::kSmooth

@@ -71,10 +71,19 @@ struct CollapseMesh {
   };
   /// kSmooth too where no triangle has the edge.
   EdgeKind edgeKind(uint32_t u, uint32_t v) const noexcept;
+  /// Calls visit(edge) for every edge once, u < v, by rising u. No list of all is made: of a large node it
+  /// would be a sixth of all that is held.
+  template <typename Visit>
+  void forEachEdge(Visit&& visit) const {
+    std::vector<uint32_t> places(positions.size());
+    std::vector<Edge> edges;
+    for (uint32_t u = 0; u < positions.size(); ++u) {
+      findEdges(u, edges, places);
+      for (const Edge& edge : edges) visit(edge);
+    }
+  }
   /// Sets every position's kind from all edges.
-  void classifyPositions(std::span<const Edge> edges);
-  /// Every edge once, u < v, by rising u.
-  std::vector<Edge> edges() const;
+  void classifyPositions();
 
   /// Moves `keep` to `point` and gives it all that is at `gone`; triangles with both die.
   /// @param gone_share  how far the point lies from keep (0) to gone (1): attributes are mixed so
@@ -119,6 +128,9 @@ struct CollapseMesh {
 
  private:
   void gatherCorners();
+  /// Puts the edges from u to higher positions into `edges`. @param places  a position's place there, if it
+  /// has one; anything else else.
+  void findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<uint32_t>& places) const;
   void kill(uint32_t triangle, uint32_t except);
   /// kill() of the triangle of each corner, in time proportional to them and the lists that they stand in.
   void killAll(std::span<const uint32_t> corners, uint32_t except);

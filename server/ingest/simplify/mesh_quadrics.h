@@ -1,14 +1,11 @@
 #pragma once
 
-#include <span>
-
 #include "server/ingest/simplify/collapse_mesh.h"
 
 namespace lode::ingest {
 
 /// Gives each position the quadric of what meets there: the planes of its triangles by their area, a little
 /// of its own place, and planes upright on rims and seams, so that these keep their course.
-/// @param edges  all edges of the mesh
-void addQuadrics(CollapseMesh& mesh, std::span<const CollapseMesh::Edge> edges);
+void addQuadrics(CollapseMesh& mesh);
 
 }  // namespace lode::ingest

@@ -1,6 +1,7 @@
 #include "server/ingest/build/build.h"
 
 #include <fstream>
+#include <functional>
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -10,7 +11,6 @@
 
 #include "common/error.h"
 #include "common/limits.h"
-#include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/sample/sample.h"
 #include "server/store/reader.h"
@@ -205,25 +205,44 @@ TEST_F(Build, saysThatTheDiskIsFullAndClearsIt) {
 /// I7 with more threads than have room, I6 with memory that makes sorts go to disk.
 class SlowBuild : public Build {
  protected:
-  /// The peak of a process that does nothing but build.
-  uint64_t peakOfBuild(const BuildOptions& options) const {
+  /// What `work` gives in a process of its own, which leaves none of its heaps here; 0 if it throws.
+  static uint64_t inChild(const std::function<uint64_t()>& work) {
     int pipe_ends[2];
     if (::pipe(pipe_ends) != 0) return 0;
     const pid_t child = ::fork();
     if (child == 0) {
-      uint64_t peak = 0;
+      uint64_t result = 0;
       try {
-        peak = build(options).peak_rss_bytes;
+        result = work();
       } catch (const Error&) {
       }
-      ::_exit(::write(pipe_ends[1], &peak, sizeof peak) == sizeof peak ? 0 : 1);
+      ::_exit(::write(pipe_ends[1], &result, sizeof result) == sizeof result ? 0 : 1);
     }
     ::close(pipe_ends[1]);
-    uint64_t peak = 0;
-    EXPECT_EQ(::read(pipe_ends[0], &peak, sizeof peak), static_cast<ssize_t>(sizeof peak));
+    uint64_t result = 0;
+    EXPECT_EQ(::read(pipe_ends[0], &result, sizeof result), static_cast<ssize_t>(sizeof result));
     ::close(pipe_ends[0]);
     ::waitpid(child, nullptr, 0);
-    return peak;
+    return result;
+  }
+
+  void makeSample(uint64_t triangles, uint8_t attributes) const {
+    inChild([&] {
+      Build::makeSample(triangles, attributes);
+      return triangles;
+    });
+  }
+
+  void makePorousSurface(uint32_t cells, double periods) const {
+    inChild([&] {
+      test::PorousSurface(cells, periods).write(folder_ / "a.ply");
+      return cells;
+    });
+  }
+
+  /// The peak of a process that does nothing but build.
+  static uint64_t peakOfBuild(const BuildOptions& options) {
+    return inChild([&] { return build(options).peak_rss_bytes; });
   }
 };
 
@@ -254,7 +273,7 @@ TEST_F(SlowBuild, staysBelowLittleMemoryWithVeryManyNodes) {
 }
 
 TEST_F(SlowBuild, staysBelowLittleMemoryWithASurfaceThatIsAllBorders) {
-  test::PorousSurface(100, 5).write(folder_ / "a.ply");
+  makePorousSurface(100, 5);
   for (const unsigned threads : {1u, 8u}) {
     BuildOptions given = options();
     given.memory_bytes = 96 * kMega;
@@ -266,11 +285,27 @@ TEST_F(SlowBuild, staysBelowLittleMemoryWithASurfaceThatIsAllBorders) {
   }
 }
 
+TEST_F(SlowBuild, warnsWhenTheRootOfAPorousModelMayTakeMoreThanThereIs) {
+  makePorousSurface(80, 12);
+  BuildOptions given = options();
+  given.triangles_per_node = 64;
+  given.memory_bytes = planMemory(0, 1, given.triangles_per_node).minimum_bytes;
+  given.strict = true;
+  try {
+    build(given);
+    ADD_FAILURE() << "no warning";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("that the root is made of"), std::string::npos) << error.what();
+  }
+  given.memory_bytes *= 4;
+  EXPECT_GT(peakOfBuild(given), 0u);
+}
+
 TEST_F(SlowBuild, staysBelowLittleMemoryWithThePorousSample) {
   SampleOptions porous;
   porous.kind = "gyroid";
   porous.triangles = 3'648'532;
-  writeSample(porous, folder_ / "a.ply");
+  ASSERT_EQ(inChild([&] { return writeSample(porous, folder_ / "a.ply"); }), porous.triangles);
   for (const unsigned threads : {2u, 8u}) {
     BuildOptions given = options();
     given.memory_bytes = 64'000'000;

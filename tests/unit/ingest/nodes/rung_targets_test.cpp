@@ -43,6 +43,22 @@ TEST(RungTargets, stopAtTwoToTheSeventeenthWhereEightTimesTheLockedVerticesIsMor
   EXPECT_EQ(rungTargets(520000, rule), (std::vector<size_t>{260000, 130000}));
 }
 
+TEST(RungTargets, stopAtEightBudgetsWhereTwelveTimesTheLockedVerticesIsMore) {
+  const RungRule rule{.depth = 1, .locked = 900, .original_triangles = 1 << 20, .triangles_per_node = 512};
+  EXPECT_EQ(rungTargets(16000, rule).back(), 4000u);
+  EXPECT_EQ(mostTriangles(rule), 4096u);
+}
+
+TEST(RungTargets, endBelowTheMostThatIsToldBeforehand) {
+  for (const size_t locked : {0u, 700u, 3000u, 20000u, 60000u}) {
+    for (const size_t budget : {size_t{512}, kBudget}) {
+      const RungRule rule{
+          .depth = 1, .locked = locked, .original_triangles = 1 << 20, .triangles_per_node = budget};
+      EXPECT_LE(rungTargets(600000, rule).back(), mostTriangles(rule)) << locked << ", " << budget;
+    }
+  }
+}
+
 TEST(RungTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
   const RungRule rule{.depth = 5, .locked = 90, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
   EXPECT_EQ(rungTargets(141, rule), (std::vector<size_t>{107}));

@@ -48,6 +48,24 @@ TEST(BorderTable, locksSharedVerticesBelowTheLowestCommonAncestorOfTheirLeaves) 
   EXPECT_EQ(table.read(2).size(), 1u);
 }
 
+TEST(BorderTable, countsWhatIsLockedInEachChildOfTheRootOnce) {
+  const TemporaryFolder folder(testing::TempDir());
+  BorderTable table(folder, 1 << 20);
+  const NodeKey leaves[] = {kRootKey.child(0).child(0), kRootKey.child(0).child(1), kRootKey.child(5)};
+  const glm::i64vec3 up{0, 0, 1};
+  for (const uint32_t leaf : {0u, 1u}) table.add({10}, listed(leaf, up));      // within a child
+  for (const uint32_t leaf : {0u, 1u, 2u}) table.add({20}, listed(leaf, up));  // twice in one
+  for (const uint32_t leaf : {1u, 2u}) table.add({30}, listed(leaf, up));
+  table.add({40}, listed(2, up));
+  table.join(leaves, kCrease);
+  const std::array<uint64_t, 8> expected{2, 0, 0, 0, 0, 2, 0, 0};
+  EXPECT_EQ(table.lockedBelowRoot(), expected);
+  RecordWriter saved;
+  table.save(saved);
+  RecordReader reader(saved.bytes());
+  EXPECT_EQ(BorderTable(folder, reader).lockedBelowRoot(), expected);
+}
+
 TEST(BorderTable, leavesVerticesThatOnlyOneLeafListsUnlocked) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);

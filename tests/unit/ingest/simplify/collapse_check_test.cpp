@@ -13,7 +13,7 @@ namespace {
 TEST(CollapseCheck, findsTheSameOfAnEdgeWhateverItLookedAtBefore) {
   const CollapseMesh mesh(test::nodeOf(test::makeGrid(12, 12)), 0);
   CollapseCheck used(mesh);
-  const std::vector<CollapseMesh::Edge> edges = mesh.edges();
+  const std::vector<CollapseMesh::Edge> edges = test::edgesOf(mesh);
   std::mt19937 random(3);
   size_t allowed = 0;
   for (int i = 0; i < 4000; ++i) {

@@ -19,7 +19,7 @@ class RandomMerges {
   }
 
   bool step() {
-    const std::vector<CollapseMesh::Edge> edges = mesh_.edges();
+    const std::vector<CollapseMesh::Edge> edges = test::edgesOf(mesh_);
     if (edges.empty()) return false;
     const CollapseMesh::Edge edge = edges[random_() % edges.size()];
     const bool folds = check_.look(edge.u, edge.v, mesh_.point(edge.v), {.link_condition = false}).folds;
@@ -78,7 +78,7 @@ TEST(CollapseMesh, givesEachEdgeOnceWithItsUses) {
   book.wedge_position = {0, 1, 2, 3, 4};
   book.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
   const CollapseMesh mesh(std::move(book), 0);
-  const std::vector<CollapseMesh::Edge> edges = mesh.edges();
+  const std::vector<CollapseMesh::Edge> edges = test::edgesOf(mesh);
   ASSERT_EQ(edges.size(), 7u);
   for (const CollapseMesh::Edge& edge : edges) EXPECT_EQ(edge.uses, edge.u == 0 && edge.v == 1 ? 3u : 1u);
 }
@@ -88,7 +88,7 @@ TEST(CollapseMesh, knowsRimsSeamsAndTheirCorners) {
   options.attributes.bits = AttributeSet::kMaterial;
   const Mesh sheet = test::makeGrid(8, 6, options);
   CollapseMesh mesh(test::nodeOf(sheet), 0);
-  mesh.classifyPositions(mesh.edges());
+  mesh.classifyPositions();
   std::array<size_t, 5> counts{};
   for (const CollapsePosition& position : mesh.positions) ++counts[static_cast<size_t>(position.kind)];
   EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kSmooth)], 6u * 5);
