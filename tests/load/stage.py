@@ -180,7 +180,7 @@ frontend clients
         """`lodestream loadtest`, whose clients all arrive within a quarter of the time; under TLS with an authority."""
         target = f"lode{'s' if authority else ''}://{listen}/{(store or self.store).stem}"
         return self.run([*prefix, self.bin / "lodestream", "loadtest", target, "--clients", clients, "--seconds", seconds, "--decode-off",
-                         "--cache", "off", "--json", *(["--ca-file", authority] if authority else [])], stdout=subprocess.PIPE, text=True)
+                         "--json", *(["--ca-file", authority] if authority else [])], stdout=subprocess.PIPE, text=True)
 
     def probe(self, listen, seconds, wishes=None, every=0.05, prefix=(), store=None, model=None, authority=None):
         """probe.py, for the blobs of a store; with `wishes` a greedy client that keeps so many open."""

@@ -1,6 +1,8 @@
 #include "client/app/cli/full_client.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "common/error.h"
@@ -42,11 +44,16 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
 
 bool FullClient::noteBlob(const BlobRef& blob, std::span<const std::byte> bytes) {
   ++tally_.blobs;
-  const core::TimePoint now = std::chrono::steady_clock::now();
+  std::optional<WishClock::Wish> first;
   for (WishClock& clock : clocks_)
     if (const auto wish = clock.arrived(blob.number))
-      tally_.latency[static_cast<size_t>(wish->wish_class)].add(now - wish->sent);
+      if (!first || wish->sent < first->sent) first = wish;
+  if (first) noteLatency(*first, std::chrono::steady_clock::now());
   return names_.isNamed(blob, bytes);
+}
+
+void FullClient::noteLatency(const WishClock::Wish& wish, core::TimePoint now) {
+  tally_.latency[static_cast<size_t>(wish.wish_class)].add(now - wish.sent);
 }
 
 /// One whose server was going away counts only if it still owed something.
@@ -179,11 +186,10 @@ void FullClient::note(core::TimePoint now) {
 
 void FullClient::finish(core::TimePoint now) {
   if (gone_ || now < start_) return;
-  for (const WishClock& clock : clocks_) {
-    for (const auto& [blob, wish] : clock.open())
-      tally_.latency[static_cast<size_t>(wish.wish_class)].add(now - wish.sent);
-    tally_.unanswered += clock.open().size();
-  }
+  std::map<uint32_t, WishClock::Wish> open = clocks_[1].open();  // the older one: wishes that were made again
+  open.insert(clocks_[0].open().begin(), clocks_[0].open().end());
+  for (const auto& [blob, wish] : open) noteLatency(wish, now);
+  tally_.unanswered += open.size();
   if (!image_seen_) tally_.first_image.add(now - start_);
   if (!converged_) tally_.converged.add(now - start_);
 }

@@ -36,6 +36,7 @@ class FullClient final : public LoadClient {
 
   core::EngineOptions engineOptions(uint64_t seed);
   bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
+  void noteLatency(const WishClock::Wish& wish, core::TimePoint now);
   void noteBroken(core::Line line);
   void noteRefused(const BlobRef& blob, const std::string& why);
   template <typename Action>

@@ -135,8 +135,9 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       "Lets many clients look at models along camera paths, and measures how late comes what they wish for");
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
-  command->remove_option(command->get_option("--up"));  // made paths go around the y axis
-  command->remove_option(command->get_option("--offline"));
+  command->remove_option(command->get_option("--up"));              // made paths go around the y axis
+  for (const char* option : {"--cache", "--offline", "--no-fade"})  // clients keep and show nothing
+    command->remove_option(command->get_option(option));
   auto* camera = command->get_option("--camera");
   command->add_option("--clients", options->load.clients, "independent clients")
       ->required()

@@ -172,7 +172,7 @@ void TraceClient::handle(const core::SessionEvent& event, core::Session& session
     tally_.noteError(ErrorCode::kIo, "the server cannot give a blob: " + refused->message);
   }
   if (const auto* leaving = std::get_if<core::ServerLeaving>(&event)) {
-    ++tally_.moved;
+    tally_.moved += session.opened();
     link_.leave(leaving->reason, now);
   }
 }

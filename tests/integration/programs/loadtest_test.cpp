@@ -118,6 +118,8 @@ TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {
                            {"--path", "fly", "--camera", shortPath()},
                            {"--path", "fly", "--trace", shortPath()},
                            {"--up", "z"},
+                           {"--cache", "off"},
+                           {"--no-fade"},
                            {"--offline"}}) {
     std::vector<std::string> arguments{"loadtest", url, "--clients", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());

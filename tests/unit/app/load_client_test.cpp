@@ -40,12 +40,16 @@ class ToldServer {
   void holdBack(bool held) { holds_back_ = held; }
   /// The next wish ends with an error.
   void refuseOne() { refuses_ = true; }
+  /// Sends away the next one that comes.
+  void turnOneAway() { turns_away_ = true; }
   void goAway(size_t connection) { send(*connections_[connection], proto::GoAway{"maintenance"}, 0); }
   void breakOff(size_t connection) { connections_[connection]->socket.close(); }
 
   uint16_t port() const { return acceptor_.local_endpoint().port(); }
   /// That have the model open, up to now.
   size_t opened() const { return opened_; }
+  /// Wishes, up to now.
+  size_t granted() const { return granted_; }
   size_t openWishes(size_t connection) const {
     return connection < connections_.size() ? connections_[connection]->wishes.size() : 0;
   }
@@ -84,7 +88,10 @@ class ToldServer {
   }
 
   void answer(Connection& to, FrameType type, std::span<const std::byte> body) {
-    if (type == FrameType::kHello) send(to, proto::Welcome{proto::kProtocolVersion, 0, 16384, "test"}, 1);
+    if (type == FrameType::kHello && std::exchange(turns_away_, false))
+      send(to, proto::GoAway{"maintenance"}, 0);
+    else if (type == FrameType::kHello)
+      send(to, proto::Welcome{proto::kProtocolVersion, 0, 16384, "test"}, 1);
     if (type == FrameType::kOpen) open(to, proto::decode<proto::Open>(body).known_build_id);
     if (type == FrameType::kPing) send(to, proto::Pong{proto::decode<proto::Ping>(body).payload}, 0);
     if (type != FrameType::kWishes) return;
@@ -108,7 +115,12 @@ class ToldServer {
     else if (holds_back_)
       from.wishes[change.wish] = change.blob;
     else
-      give(from, change.wish, change.blob);
+      grant(from, change);
+  }
+
+  void grant(Connection& to, const proto::WishChange& wish) {
+    ++granted_;
+    give(to, wish.wish, wish.blob);
   }
 
   void give(Connection& to, uint32_t wish, uint32_t blob) {
@@ -128,8 +140,8 @@ class ToldServer {
   const store::Reader& store_;
   tcp::acceptor acceptor_;
   std::vector<std::unique_ptr<Connection>> connections_;
-  size_t opened_ = 0;
-  bool holds_back_ = false, refuses_ = false;
+  size_t opened_ = 0, granted_ = 0;
+  bool holds_back_ = false, refuses_ = false, turns_away_ = false;
 };
 
 enum class Kind { kFull, kTrace };
@@ -257,6 +269,33 @@ TEST_P(EveryLoadClient, hasMovedThoughTheServerIsGoneBeforeItComesAgain) {
   runUntilOpened(2);
   EXPECT_EQ(tally_.moved, 1u);
   EXPECT_EQ(tally_.lost, 0u);
+}
+
+TEST_P(EveryLoadClient, hasNotMovedWhereItIsTurnedAwayAtTheDoor) {
+  server_->turnOneAway();
+  runUntilOpened(1);
+  EXPECT_EQ(tally_.moved, 0u);
+}
+
+TEST_P(EveryLoadClient, timesAWishThatIsMadeAgainOnceAndFromItsBeginning) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  server_->breakOff(0);
+  server_->holdBack(false);
+  const core::TimePoint broken_off = Clock::now();
+  runUntilOpened(2);
+  const std::chrono::duration<double, std::milli> until_opened = Clock::now() - broken_off;
+  settle();
+  client_->finish(Clock::now());
+  EXPECT_EQ(tally_.unanswered, 0u);
+  uint64_t timed = 0;
+  double longest_ms = 0;
+  for (const LatencyHistogram& of_class : tally_.latency) {
+    timed += of_class.count();
+    longest_ms = std::max(longest_ms, of_class.maxMs());
+  }
+  EXPECT_EQ(timed, server_->granted());
+  EXPECT_GE(longest_ms, until_opened.count());
 }
 
 TEST_P(EveryLoadClient, countsAWishThatIsRefusedAndGoesOn) {
