@@ -8,6 +8,7 @@
 
 #include "common/draco_codec.h"
 #include "common/let_go.h"
+#include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/computed_normals.h"
 #include "server/ingest/nodes/finished_rung.h"
 #include "server/ingest/nodes/leaf_normals.h"

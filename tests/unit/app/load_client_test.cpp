@@ -2,6 +2,7 @@
 
 #include "client/app/cli/load_client.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
