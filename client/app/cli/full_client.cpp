@@ -1,8 +1,6 @@
 #include "client/app/cli/full_client.h"
 
 #include <algorithm>
-#include <map>
-#include <optional>
 #include <utility>
 
 #include "common/error.h"
@@ -44,11 +42,8 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
 
 bool FullClient::noteBlob(const BlobRef& blob, std::span<const std::byte> bytes) {
   ++tally_.blobs;
-  std::optional<WishClock::Wish> first;
   for (WishClock& clock : clocks_)
-    if (const auto wish = clock.arrived(blob.number))
-      if (!first || wish->sent < first->sent) first = wish;
-  if (first) noteLatency(*first, std::chrono::steady_clock::now());
+    if (const auto wish = clock.arrived(blob.number)) noteLatency(*wish, std::chrono::steady_clock::now());
   return names_.isNamed(blob, bytes);
 }
 
@@ -61,6 +56,13 @@ void FullClient::noteBroken(core::Line line) {
   const uint64_t open = engine_.openWishes(line);
   if ((line == core::Line::kNewest && engine_.staysConnected()) || open > 0) ++tally_.lost;
   tally_.failed_wishes += open;
+  lose(line);
+}
+
+/// What its connection owed will be wished for again, if the view still wants it.
+void FullClient::lose(core::Line line) {
+  WishClock::Wishes open = std::exchange(clocks_[static_cast<size_t>(line)], {}).open();
+  lost_.merge(open);
 }
 
 void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
@@ -94,10 +96,11 @@ void FullClient::keepConnected(core::TimePoint now) {
   if (engine_.connected()) {
     // Two servers left one soon after the other.
     tally_.failed_wishes += engine_.openWishes(core::Line::kLeaving);
+    lose(core::Line::kLeaving);
     leaving = std::move(newest);
+    clocks_[1] = std::exchange(clocks_[0], {});
   }
   newest = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
-  clocks_ = {WishClock(), std::move(clocks_[0])};
   engine_.connect(now);
 }
 
@@ -155,7 +158,7 @@ void FullClient::work(core::TimePoint now) {
       const auto& transport = transports_[static_cast<size_t>(line)];
       if (!transport) continue;
       proto::Bytes frames = engine_.takeOutgoing(line);
-      clocks_[static_cast<size_t>(line)].sent(frames, now);
+      clocks_[static_cast<size_t>(line)].sent(frames, now, lost_);
       transport->send(std::move(frames));
     }
     const std::vector<core::DecodeJob> jobs = engine_.takeDecodeJobs();
@@ -166,8 +169,9 @@ void FullClient::work(core::TimePoint now) {
   tally_.bytes += received - std::exchange(received_bytes_, received);
   const core::Cut* const cut = engine_.cut().get();
   if (cut != nullptr && !std::exchange(image_seen_, true)) tally_.first_image.add(now - start_);
-  if (cut != nullptr && cut->converged && !std::exchange(converged_, true))
-    tally_.converged.add(now - start_);
+  const bool has_all = cut != nullptr && cut->converged;
+  if (has_all && !std::exchange(converged_, true)) tally_.converged.add(now - start_);
+  if (has_all && engine_.staysConnected()) lost_.clear();  // the view wants them no more
 }
 
 void FullClient::decode(const core::DecodeJob& job) {
@@ -186,10 +190,12 @@ void FullClient::note(core::TimePoint now) {
 
 void FullClient::finish(core::TimePoint now) {
   if (gone_ || now < start_) return;
-  std::map<uint32_t, WishClock::Wish> open = clocks_[1].open();  // the older one: wishes that were made again
-  open.insert(clocks_[0].open().begin(), clocks_[0].open().end());
-  for (const auto& [blob, wish] : open) noteLatency(wish, now);
-  tally_.unanswered += open.size();
+  for (const WishClock& clock : clocks_) {
+    for (const auto& [blob, wish] : clock.open()) noteLatency(wish, now);
+    tally_.unanswered += clock.open().size();
+  }
+  if (!engine_.connected())
+    for (const auto& [blob, wish] : lost_) noteLatency(wish, now);
   if (!image_seen_) tally_.first_image.add(now - start_);
   if (!converged_) tally_.converged.add(now - start_);
 }

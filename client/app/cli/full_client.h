@@ -38,6 +38,7 @@ class FullClient final : public LoadClient {
   bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
   void noteLatency(const WishClock::Wish& wish, core::TimePoint now);
   void noteBroken(core::Line line);
+  void lose(core::Line line);
   void noteRefused(const BlobRef& blob, const std::string& why);
   template <typename Action>
   void guarded(const Action& action);
@@ -59,6 +60,7 @@ class FullClient final : public LoadClient {
   uint64_t frames_ = 0;
   std::mt19937_64 random_;
   std::array<WishClock, 2> clocks_;  ///< by core::Line
+  WishClock::Wishes lost_;           ///< with connections that broke off, and not made again since
   core::Engine engine_;
   core::CameraPath path_;        ///< no keys until the model is known
   core::TimePoint round_begin_;  ///< of the path

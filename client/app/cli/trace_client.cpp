@@ -208,7 +208,8 @@ void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session,
 }
 
 void TraceClient::finish(core::TimePoint now) {
-  if (gone_) return;
+  if (gone_ || now < start_) return;
+  if (!image_seen_) tally_.first_image.add(now - start_);
   for (const auto& [number, pending] : pending_) {
     if (pending.intended > now) continue;
     ++tally_.unanswered;

@@ -4,12 +4,13 @@
 
 namespace lode::app {
 
-void WishClock::sent(std::span<const std::byte> frames, core::TimePoint now) {
+void WishClock::sent(std::span<const std::byte> frames, core::TimePoint now, Wishes& lost) {
   forEachFrame(frames, [&](proto::FrameType type, std::span<const std::byte> body) {
     if (type != proto::FrameType::kWishes) return;
     for (const proto::WishChange& change : proto::decode<proto::Wishes>(body).changes) {
       if (change.action == proto::WishAction::kAdd) {
-        open_[change.blob] = {change.wish, change.wish_class, now};
+        const auto before = lost.extract(change.blob);
+        open_[change.blob] = {change.wish, change.wish_class, before ? before.mapped().sent : now};
         blob_of_[change.wish] = change.blob;
       } else if (change.action == proto::WishAction::kCancel) {
         if (const auto found = blob_of_.find(change.wish); found != blob_of_.end())

@@ -20,17 +20,21 @@ class WishClock {
     core::TimePoint sent;
   };
 
-  /// Whole frames.
-  void sent(std::span<const std::byte> frames, core::TimePoint now);
+  /// By blob.
+  using Wishes = std::map<uint32_t, Wish>;
+
+  /// Whole frames. @param lost  of connections that broke off: those made again here leave it, and count from
+  /// when they were sent first.
+  void sent(std::span<const std::byte> frames, core::TimePoint now, Wishes& lost);
   /// @return the wish for a blob that has come; none if it came unasked.
   std::optional<Wish> arrived(uint32_t blob);
   /// The blob will not come.
   void refused(uint32_t blob) { arrived(blob); }
-  /// Those that have not come, by blob.
-  const std::map<uint32_t, Wish>& open() const noexcept { return open_; }
+  /// Those that have not come.
+  const Wishes& open() const noexcept { return open_; }
 
  private:
-  std::map<uint32_t, Wish> open_;
+  Wishes open_;
   std::map<uint32_t, uint32_t> blob_of_;  ///< by wish
 };
 

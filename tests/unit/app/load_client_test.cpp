@@ -41,6 +41,9 @@ class ToldServer {
   void holdBack(bool held) { holds_back_ = held; }
   /// The next wish ends with an error.
   void refuseOne() { refuses_ = true; }
+  /// The next so many that come find nobody.
+  void closeToTheNext(size_t count) { closed_to_ = count; }
+  void saysNothing() { says_nothing_ = true; }
   /// Sends away the next one that comes.
   void turnOneAway() { turns_away_ = true; }
   void goAway(size_t connection) { send(*connections_[connection], proto::GoAway{"maintenance"}, 0); }
@@ -68,6 +71,10 @@ class ToldServer {
   void accept() {
     acceptor_.async_accept([this](asio::error_code error, tcp::socket socket) {
       if (error) return;
+      if (closed_to_ > 0) {
+        --closed_to_;
+        return accept();
+      }
       socket.set_option(tcp::no_delay(true));
       connections_.push_back(std::make_unique<Connection>(std::move(socket)));
       read(*connections_.back());
@@ -89,6 +96,7 @@ class ToldServer {
   }
 
   void answer(Connection& to, FrameType type, std::span<const std::byte> body) {
+    if (says_nothing_) return;
     if (type == FrameType::kHello && std::exchange(turns_away_, false))
       send(to, proto::GoAway{"maintenance"}, 0);
     else if (type == FrameType::kHello)
@@ -141,8 +149,8 @@ class ToldServer {
   const store::Reader& store_;
   tcp::acceptor acceptor_;
   std::vector<std::unique_ptr<Connection>> connections_;
-  size_t opened_ = 0, granted_ = 0;
-  bool holds_back_ = false, refuses_ = false, turns_away_ = false;
+  size_t opened_ = 0, granted_ = 0, closed_to_ = 0;
+  bool holds_back_ = false, refuses_ = false, turns_away_ = false, says_nothing_ = false;
 };
 
 enum class Kind { kFull, kTrace };
@@ -192,6 +200,12 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
   }
   void runUntilOpened(size_t count) {
     run([&] { return server_->opened() == count; });
+  }
+  /// Wishes.
+  uint64_t timed() const {
+    uint64_t count = 0;
+    for (const LatencyHistogram& of_class : tally_.latency) count += of_class.count();
+    return count;
   }
   void turn() {
     client_->step(Clock::now());
@@ -282,6 +296,7 @@ TEST_P(EveryLoadClient, timesAWishThatIsMadeAgainOnceAndFromItsBeginning) {
   server_->holdBack(true);
   runUntilWishedFor(0);
   server_->breakOff(0);
+  server_->closeToTheNext(2);
   server_->holdBack(false);
   const core::TimePoint broken_off = Clock::now();
   runUntilOpened(2);
@@ -289,14 +304,32 @@ TEST_P(EveryLoadClient, timesAWishThatIsMadeAgainOnceAndFromItsBeginning) {
   settle();
   client_->finish(Clock::now());
   EXPECT_EQ(tally_.unanswered, 0u);
-  uint64_t timed = 0;
+  EXPECT_EQ(timed(), server_->granted());
   double longest_ms = 0;
-  for (const LatencyHistogram& of_class : tally_.latency) {
-    timed += of_class.count();
-    longest_ms = std::max(longest_ms, of_class.maxMs());
-  }
-  EXPECT_EQ(timed, server_->granted());
+  for (const LatencyHistogram& of_class : tally_.latency) longest_ms = std::max(longest_ms, of_class.maxMs());
   EXPECT_GE(longest_ms, until_opened.count());
+}
+
+TEST_P(EveryLoadClient, leavesNothingUnansweredThatIsNotWishedForAgain) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  server_->breakOff(0);
+  run([&] { return tally_.lost > 0; });
+  plan_.pixels = 10000;  // what it has will do
+  server_->holdBack(false);
+  runUntilOpened(2);
+  settle();
+  client_->finish(Clock::now());
+  EXPECT_EQ(tally_.unanswered, 0u);
+  EXPECT_EQ(timed(), server_->granted());
+}
+
+TEST_P(EveryLoadClient, thatNeverSeesAPictureCountsAsOneThatIsAsLateAsTheEnd) {
+  server_->saysNothing();
+  for (int turns = 0; turns < 20; ++turns) turn();
+  client_->finish(start_ + 9s);
+  EXPECT_EQ(tally_.first_image.count(), 1u);
+  EXPECT_GE(tally_.first_image.maxMs(), 9000);
 }
 
 TEST_P(EveryLoadClient, countsAWishThatIsRefusedAndGoesOn) {

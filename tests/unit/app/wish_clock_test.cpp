@@ -13,8 +13,9 @@ using proto::WishClass;
 
 constexpr core::TimePoint kThen{10s};
 
-void say(WishClock& clock, WishAction action, uint32_t wish, uint32_t blob, core::TimePoint now = kThen) {
-  clock.sent(proto::encode(proto::Wishes{1, {{action, WishClass::kMargin, wish, blob, 2.5f}}}, 3), now);
+void say(WishClock& clock, WishAction action, uint32_t wish, uint32_t blob, core::TimePoint now = kThen,
+         WishClock::Wishes&& lost = {}) {
+  clock.sent(proto::encode(proto::Wishes{1, {{action, WishClass::kMargin, wish, blob, 2.5f}}}, 3), now, lost);
 }
 
 TEST(WishClock, tellsWhenABlobsWishWasSent) {
@@ -45,6 +46,15 @@ TEST(WishClock, countsAWishThatIsMadeAgainFromThen) {
   say(clock, WishAction::kAdd, 10, 20, kThen + 1s);
   EXPECT_EQ(clock.open().size(), 1u);
   EXPECT_EQ(clock.arrived(20)->sent, kThen + 1s);
+}
+
+TEST(WishClock, countsAWishThatWasLostElsewhereFromWhenItWasSentThere) {
+  WishClock::Wishes lost{{20, {5, WishClass::kVisible, kThen}}, {21, {6, WishClass::kVisible, kThen}}};
+  WishClock clock;
+  clock.sent(proto::encode(proto::Wishes{1, {{WishAction::kAdd, WishClass::kMargin, 9, 20, 2.5f}}}, 3),
+             kThen + 3s, lost);
+  EXPECT_EQ(clock.arrived(20)->sent, kThen);
+  EXPECT_EQ(lost.size(), 1u) << "the other may be made again later";
 }
 
 TEST(WishClock, letsANewPriorityChangeNothing) {
