@@ -13,7 +13,7 @@ latency     `lodestream loadtest --decode-off` with more and more clients, 99th 
 urgent      a visible wish of 24 KB behind as much prefetching as the window takes, at 10 Mbit/s and 50 ms, directly and
             through HAProxy, under each congestion control that the system has; needs root, for network namespaces
 
-Starts nginx and HAProxy itself. Server and clients each have one core. Needs nginx-light, wrk and haproxy, the programs
+Starts nginx and HAProxy itself. Server and clients each have one core. Needs `docker/install-packages.sh bench`, the programs
 serving_store, serving_load and wan in BIN_DIR, and python3-flatbuffers. Prints tables for docs/benchmarks.md.
 """
 import argparse

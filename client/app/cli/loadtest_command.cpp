@@ -106,6 +106,8 @@ class PlannedLoad {
 void check(const LoadtestOptions& options) {
   if (!options.trace_file.empty() && (options.load.full || !options.more_targets.empty()))
     throw Error(ErrorCode::kUsage, "--trace is of one model, and full clients replay none: leave it out");
+  if (!options.common.cache_text.empty() && options.common.cache_text != "off")
+    throw Error(ErrorCode::kUsage, "clients of a load test keep no cache: leave out --cache");
   if (options.decode_off && options.load.full)
     throw Error(ErrorCode::kUsage, "full clients decode: leave out --full or --decode-off");
 }
@@ -135,9 +137,8 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       "Lets many clients look at models along camera paths, and measures how late comes what they wish for");
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
-  command->remove_option(command->get_option("--up"));              // made paths go around the y axis
-  for (const char* option : {"--cache", "--offline", "--no-fade"})  // clients keep and show nothing
-    command->remove_option(command->get_option(option));
+  command->remove_option(command->get_option("--up"));  // made paths go around the y axis
+  command->remove_option(command->get_option("--offline"));
   auto* camera = command->get_option("--camera");
   command->add_option("--clients", options->load.clients, "independent clients")
       ->required()
@@ -149,7 +150,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       ->add_option("more", options->more_targets,
                    "other models, on the same or other servers: clients take turns")
       ->type_name("TARGET");
-  command->add_flag(
+  auto* full = command->add_flag(
       "--full", options->load.full,
       "clients refine and decode as one with a window does; else they replay the wishes of one that did");
   auto* path = command->add_option("--path", options->made_path, "where no --camera is given")
@@ -167,6 +168,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       ->capture_default_str();
   command->add_option("--fps", options->fps, "views a second of a full client")
       ->check(CLI::Range(0.1, 1000.0))
+      ->needs(full)
       ->capture_default_str();
   command->add_option("--threads", options->load.threads, "threads that step the clients")
       ->check(CLI::Range(1u, 64u))
@@ -175,7 +177,9 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       ->check(CLI::ExistingFile)
       ->type_name("FILE")
       ->excludes(camera)
-      ->excludes(path);
+      ->excludes(path)
+      ->excludes(command->get_option("--size"))
+      ->excludes(command->get_option("--pixels"));
   command->add_flag("--decode-off", options->decode_off, "check names of blobs, but decode none");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options, &exit_status] { loadtest(*options, exit_status); });

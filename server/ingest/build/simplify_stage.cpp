@@ -1,6 +1,7 @@
 #include "server/ingest/build/simplify_stage.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -15,11 +16,13 @@ constexpr double kRounding = 1.0001;  ///< of an error that is noted as a float
 
 /// What the root's children leave it at most: the longer their borders are, the more.
 uint64_t mostTrianglesOfRoot(const Partition& partition, uint32_t triangles_per_node) {
+  std::array<bool, 8> has_leaves{};
+  for (const NodeKey leaf : partition.leaves) has_leaves[leaf.ancestorAt(1).octant()] = true;
   uint64_t triangles = 0;
-  for (const uint64_t locked : partition.border.lockedBelowRoot()) {
-    if (locked == 0) continue;
+  for (size_t octant = 0; octant < has_leaves.size(); ++octant) {
+    if (!has_leaves[octant]) continue;
     triangles += mostTriangles({.depth = 1,
-                                .locked = locked,
+                                .locked = partition.border.lockedBelowRoot()[octant],
                                 .original_triangles = partition.triangles,
                                 .triangles_per_node = triangles_per_node});
   }

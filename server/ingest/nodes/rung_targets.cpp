@@ -13,12 +13,12 @@ constexpr int kFineStepDepth = 2;
 constexpr uint64_t kFineStepNodes = 16;  ///< node budgets that must lie below a node for fine steps
 constexpr size_t kTrianglesPerLocked = 8;
 constexpr size_t kTrianglesPerLockedBelowRoot = 12;
-constexpr size_t kTrianglesPerLockedOfLarge = 4;  ///< for more than the lesser of
-constexpr size_t kLargeNodes = 8,
-                 kLargeTriangles = 1 << 17;  ///< budgets; so that a parent's input is bounded
-constexpr double kInnerFactor = 2.0 / 3;     ///< by which what locked vertices do not hold may fall further
-constexpr uint64_t kSpareNodes = 8;          ///< node budgets that must lie below a node for spare rungs
-constexpr size_t kSpareShare = 4;            ///< of the budget, and
+constexpr size_t kTrianglesPerLockedOfLarge = 4;  ///< for more than the lesser of these, of which
+constexpr size_t kLargeNodes = 8;                 ///< are budgets; so that a parent's input is bounded
+constexpr size_t kLargeTriangles = 1 << 17;
+constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
+constexpr uint64_t kSpareNodes = 8;       ///< node budgets that must lie below a node for spare rungs
+constexpr size_t kSpareShare = 4;         ///< of the budget, and
 constexpr size_t kSpareTrianglesPerLocked = 2;  ///< at which they end
 
 bool hasMuchBelow(const RungRule& rule) {

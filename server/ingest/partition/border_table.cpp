@@ -9,11 +9,6 @@ namespace {
 
 constexpr uint64_t kListingsOfProgress = 1 << 16;  ///< between two words of progress
 
-unsigned octantBelowRoot(NodeKey key) {
-  while (key.depth() > 1) key = key.parent();
-  return key.octant();
-}
-
 }  // namespace
 
 BorderTable::BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes)
@@ -111,7 +106,7 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
 void BorderTable::countBelowRoot(std::span<const NodeKey> leaves, std::span<const ListedFan> sharing) {
   std::optional<unsigned> last;
   for (const ListedFan& listed : sharing) {
-    const unsigned octant = octantBelowRoot(leaves[listed.leaf]);
+    const unsigned octant = leaves[listed.leaf].ancestorAt(1).octant();
     if (octant != last) ++locked_below_root_[octant];
     last = octant;
   }

@@ -118,8 +118,9 @@ TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {
                            {"--path", "fly", "--camera", shortPath()},
                            {"--path", "fly", "--trace", shortPath()},
                            {"--up", "z"},
-                           {"--cache", "off"},
-                           {"--no-fade"},
+                           {"--cache", shortPath()},
+                           {"--fps", "10"},
+                           {"--pixels", "2", "--trace", shortPath()},
                            {"--offline"}}) {
     std::vector<std::string> arguments{"loadtest", url, "--clients", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
