@@ -11,9 +11,8 @@ usage: verify_images.py [--base FOLDER] [--toolchain FOLDER] [--ccache FOLDER] [
 
 Images, volumes and secrets lie in a storage of its own, not in that of the machine. Servers run in network namespaces of their
 own, as another user, on a root file system that is read only and without any capability; HAProxy and Prometheus are Debian's,
-with the files of docker/. Podman plays the Deployment of Kubernetes, with its ports on this machine while it does. Needs root,
-buildah, crun, podman, catatonit, containernetworking-plugins, haproxy, prometheus, docker-compose and python3-kubernetes; ends
-with 0 if all that it prints is true, after an hour at most.
+with the files of docker/. Podman plays the Deployment of Kubernetes, with its ports on this machine while it does. Needs root
+and `docker/install-packages.sh images`; ends with 0 if all that it prints is true, after an hour at most.
 """
 
 import argparse
