@@ -86,7 +86,6 @@ void TraceClient::connect(core::TimePoint now) {
   leaving_ = std::move(newest_);
   newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
   link_.begin({}, now);
-  first_rung_ = 0;
 }
 
 /// What the network does to a connection ends it; what else goes wrong ends the client.
@@ -198,9 +197,8 @@ void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session,
   if (blob.blob.number == first_rung_ && !image_seen_) {
     image_seen_ = true;
     tally_.first_image.add(now - start_);
-  } else if (first_rung_ == 0) {
-    const HierarchyPage page =
-        decodePage(blob.bytes, kRootKey, true);  // the root's page comes before all others
+  } else if (blob.use.kind == core::BlobKind::kRootPage) {
+    const HierarchyPage page = decodePage(blob.bytes, kRootKey, true);
     const BlobRef& coarsest = page.nodes.front().rungs.back().payload;
     first_rung_ = coarsest.number;
     if (coarsest) session.expectUnasked(coarsest, {});

@@ -43,6 +43,12 @@ class ToldServer {
   void refuseOne() { refuses_ = true; }
   /// The next so many that come find nobody.
   void closeToTheNext(size_t count) { closed_to_ = count; }
+  /// What is wished for on a connection, though it was held back.
+  void grantAll(size_t connection) {
+    for (const auto& [wish, blob] : std::exchange(connections_[connection]->wishes, {}))
+      grant(*connections_[connection], wish, blob);
+  }
+  size_t connections() const { return connections_.size(); }
   void saysNothing() { says_nothing_ = true; }
   /// Sends away the next one that comes.
   void turnOneAway() { turns_away_ = true; }
@@ -124,12 +130,12 @@ class ToldServer {
     else if (holds_back_)
       from.wishes[change.wish] = change.blob;
     else
-      grant(from, change);
+      grant(from, change.wish, change.blob);
   }
 
-  void grant(Connection& to, const proto::WishChange& wish) {
+  void grant(Connection& to, uint32_t wish, uint32_t blob) {
     ++granted_;
-    give(to, wish.wish, wish.blob);
+    give(to, wish, blob);
   }
 
   void give(Connection& to, uint32_t wish, uint32_t blob) {
@@ -261,6 +267,21 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereTwoServersGoAwayOneSoonAfterTheOthe
   runUntilWishedFor(2);
   EXPECT_EQ(tally_.failed_wishes, open);
   EXPECT_EQ(tally_.moved, 2u);
+}
+
+TEST_P(EveryLoadClient, takesWhatItWasPromisedBeforeTheNextServerHasSaidAnything) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  server_->saysNothing();
+  server_->goAway(0);
+  run([&] { return server_->connections() == 2; });
+  const uint64_t before = tally_.blobs, open = server_->openWishes(0);
+  server_->grantAll(0);
+  settle();
+  EXPECT_EQ(tally_.blobs, before + open);
+  EXPECT_EQ(tally_.lost, 0u);
+  EXPECT_EQ(tally_.failed_wishes, 0u);
+  EXPECT_NE(client_->due(), kNever) << tally_.first_error;
 }
 
 TEST_P(EveryLoadClient, losesNothingWhereAServerThatIsGoingAwayHasGivenAll) {
