@@ -98,7 +98,8 @@ void FullClient::keepConnected(core::TimePoint now) {
     tally_.failed_wishes += engine_.openWishes(core::Line::kLeaving);
     lose(core::Line::kLeaving);
     leaving = std::move(newest);
-    clocks_[1] = std::exchange(clocks_[0], {});
+    auto& [newest_clock, leaving_clock] = clocks_;
+    leaving_clock = std::exchange(newest_clock, {});
   }
   newest = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
   engine_.connect(now);

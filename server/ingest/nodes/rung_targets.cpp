@@ -13,9 +13,10 @@ constexpr int kFineStepDepth = 2;
 constexpr uint64_t kFineStepNodes = 16;  ///< node budgets that must lie below a node for fine steps
 constexpr size_t kTrianglesPerLocked = 8;
 constexpr size_t kTrianglesPerLockedBelowRoot = 12;
-constexpr size_t kTrianglesPerLockedOfLarge = 4;  ///< for more than the lesser of these, of which
-constexpr size_t kLargeNodes = 8;                 ///< are budgets; so that a parent's input is bounded
+// Where those are more than so many budgets, or triangles, fewer do: what a parent is made of has a bound.
+constexpr size_t kLargeNodes = 8;
 constexpr size_t kLargeTriangles = 1 << 17;
+constexpr size_t kTrianglesPerLockedOfLarge = 4;
 constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
 constexpr uint64_t kSpareNodes = 8;       ///< node budgets that must lie below a node for spare rungs
 constexpr size_t kSpareShare = 4;         ///< of the budget, and
@@ -25,8 +26,14 @@ bool hasMuchBelow(const RungRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
 }
 
-/// Where a node's rungs end.
-size_t enoughOf(const RungRule& rule) {
+/// The next count below `target`, of which locked vertices hold `held`.
+double stepFrom(double target, double held, double factor) {
+  return std::max(factor * target, held + factor * kInnerFactor * (target - held));
+}
+
+}  // namespace
+
+size_t mostTriangles(const RungRule& rule) {
   if (rule.depth == 0) return kRootTriangles;
   const bool is_of_large_root = rule.depth == 1 && hasMuchBelow(rule);
   const size_t per_locked = is_of_large_root ? kTrianglesPerLockedBelowRoot : kTrianglesPerLocked;
@@ -36,16 +43,9 @@ size_t enoughOf(const RungRule& rule) {
   return std::min<size_t>(least, kMaxRungTriangles);
 }
 
-/// The next count below `target`, of which locked vertices hold `held`.
-double stepFrom(double target, double held, double factor) {
-  return std::max(factor * target, held + factor * kInnerFactor * (target - held));
-}
-
-}  // namespace
-
 std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   const bool is_root = rule.depth == 0;
-  const size_t enough = enoughOf(rule);
+  const size_t enough = mostTriangles(rule);
   const bool is_fine = is_root || (rule.depth <= kFineStepDepth && hasMuchBelow(rule));
   const double factor = is_fine ? std::sqrt(0.5) : 0.5;
   std::vector<size_t> targets;
@@ -58,8 +58,6 @@ std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   } while (target >= static_cast<double>(enough) + 1);
   return targets;
 }
-
-size_t mostTriangles(const RungRule& rule) { return enoughOf(rule); }
 
 std::vector<size_t> spareTargets(size_t triangles, const RungRule& rule) {
   std::vector<size_t> targets;

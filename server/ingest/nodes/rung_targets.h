@@ -39,7 +39,7 @@ struct RungRule {
 /// @param triangles  of the node's input.
 std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule);
 
-/// The most triangles that a node gives its parent where its simplifier reaches the targets.
+/// At how many triangles a node's rungs end, so the most that it gives its parent.
 size_t mostTriangles(const RungRule& rule);
 
 /// Triangle counts of the spare rungs that follow: halves, until at most a quarter of the budget or two a
