@@ -6,86 +6,54 @@
 #include <vector>
 
 #include "server/ingest/measure/farthest_in_triangle.h"
-#include "server/ingest/mesh/mesh_edges.h"
 
 namespace lode::ingest {
 namespace {
 
-// Of the largest distance so far: triangles that are nearer at corners and ridges are passed over. At 0.6
-// three of 480 rungs came out too small, by up to 0.95; at 0.45 two of 7,000, by up to 0.98; at 0.35 none.
-constexpr float kWorthInInput = 0.35f;
+// Of the largest distance so far: triangles that are nearer, as far as is known without a look, are passed
+// over. docs/benchmarks.md (Errors) has how many rungs come out too small so.
+constexpr float kWorthInInput = 0.7f;
 
-std::vector<glm::vec3> normalsOf(const NodeMesh& mesh) {
-  std::vector<glm::vec3> normals;
-  normals.reserve(mesh.triangles.size());
+/// A triangle's plane; its normal is 0 where the triangle has no area.
+struct Plane {
+  glm::vec3 normal, at;
+
+  float height(glm::vec3 point) const noexcept { return glm::dot(normal, point - at); }
+};
+
+std::vector<Plane> planesOf(const NodeMesh& mesh) {
+  std::vector<Plane> planes;
+  planes.reserve(mesh.triangles.size());
   const auto corner = [&](uint32_t wedge) {
     return glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[wedge]]));
   };
   for (const glm::u32vec3& t : mesh.triangles) {
     const glm::vec3 a = corner(t.x), normal = glm::cross(corner(t.y) - a, corner(t.z) - a);
     const float length = glm::length(normal);
-    normals.push_back(length > 0 ? normal / length : glm::vec3(0));
+    planes.push_back({length > 0 ? normal / length : glm::vec3(0), a});
   }
-  return normals;
+  return planes;
 }
 
-/// The distance of an edge from a rung where it may be farther than at its ends; 0 if no point of it is
-/// farther than `enough` and its ends. Where the ends are beside triangles of the rung that meet at an angle,
-/// the edge is farthest where it crosses the ridge between them: by a quarter of its length times that angle
-/// more than its ends, at most. Otherwise the distance from a triangle is convex.
-float ridgeDistance(const PointBeside& from, const PointBeside& to, std::span<const glm::vec3> rung_normals,
-                    const RungSurface& surface, float enough) {
-  const float high = std::max(from.distance, to.distance);
-  if (high > enough || from.triangle == to.triangle) return 0;
-  const glm::vec3 along = to.at - from.at, turn = rung_normals[from.triangle] - rung_normals[to.triangle];
-  const float room = 4 * (enough - high);
-  if (glm::dot(along, along) * glm::dot(turn, turn) <= room * room) return 0;
-  const float across = std::sqrt(surface.squaredDistance(from.at, to.triangle));
-  if (across <= enough) return 0;
-  const float back = std::sqrt(surface.squaredDistance(to.at, from.triangle));
-  if (back <= enough) return 0;
-  const float parting = across - from.distance, closing = back - to.distance;
-  const float share = std::clamp(parting / (parting + closing), 0.f, 1.f);
-  const float walked = surface.walkFrom(from.at + share * along, from.triangle, enough).distance;
-  return walked > enough ? walked : 0;
+/// How far a triangle's points are from a rung, about and rather too much, by the planes beside its corners:
+/// where a side crosses the ridge between two of them it is less high above both than its ends are above the
+/// plane beside the other end.
+float triangleDistance(const std::array<PointBeside, 3>& corners, std::span<const Plane> rung_planes) {
+  float most = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    const PointBeside &from = corners[k], &to = corners[(k + 1) % 3];
+    const float from_last = std::abs(rung_planes[to.triangle].height(from.at)),
+                to_first = std::abs(rung_planes[from.triangle].height(to.at));
+    most = std::max({most, from.distance, std::min(from_last, to_first)});
+  }
+  return most;
 }
 
-/// The edges of a mesh at whose ridges the distance from a rung is larger than some `enough`.
-class FarEdges {
- public:
-  FarEdges(const NodeMesh& input, std::span<const PointBeside> beside,
-           std::span<const glm::vec3> rung_normals, const RungSurface& surface, float enough)
-      : begin_(input.positions.size() + 1) {
-    forEachEdge(input, [&](uint32_t lower, uint32_t upper, uint32_t) {
-      const float found = ridgeDistance(beside[lower], beside[upper], rung_normals, surface, enough);
-      if (found == 0) return;
-      ++begin_[lower + 1];
-      uppers_.push_back({upper, found});
-    });
-    for (size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
-  }
-
-  /// The distance at an edge's ridge; 0 if it is not larger.
-  float distance(uint32_t a, uint32_t b) const {
-    const uint32_t lower = std::min(a, b), upper = std::max(a, b);
-    for (uint32_t i = begin_[lower]; i < begin_[lower + 1]; ++i)
-      if (uppers_[i].position == upper) return uppers_[i].distance;
-    return 0;
-  }
-
- private:
-  struct Upper {
-    uint32_t position;
-    float distance;
-  };
-  std::vector<uint32_t> begin_;  ///< in uppers_, of the edges of each lower position
-  std::vector<Upper> uppers_;
-};
-
-}  // namespace
-
-float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
-                      std::span<const SurfaceWalk::Place> places, float known) {
+/// Each position of the input, with its distance where that may be larger than all others'; `known` becomes
+/// the largest.
+std::vector<PointBeside> positionsBeside(const SimplifiedMesh& rung, const NodeMesh& input,
+                                         const RungSurface& surface,
+                                         std::span<const SurfaceWalk::Place> places, float& known) {
   std::vector<PointBeside> beside;
   beside.reserve(input.positions.size());
   for (uint32_t i = 0; i < input.positions.size(); ++i) {
@@ -98,14 +66,22 @@ float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const R
       known = std::max(known, nearest.distance);
     }
   }
-  const FarEdges edges(input, beside, normalsOf(rung.mesh), surface, kWorthInInput * known);
+  return beside;
+}
+
+}  // namespace
+
+float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
+                      std::span<const SurfaceWalk::Place> places, float known) {
+  const std::vector<PointBeside> beside = positionsBeside(rung, input, surface, places, known);
+  const std::vector<Plane> rung_planes = planesOf(rung.mesh);
   FarthestInTriangle farthest(surface, known, known);
   for (const glm::u32vec3& t : input.triangles) {
-    const uint32_t a = input.wedge_position[t.x], b = input.wedge_position[t.y],
-                   c = input.wedge_position[t.z];
-    const float high = std::max({beside[a].distance, beside[b].distance, beside[c].distance,
-                                 edges.distance(a, b), edges.distance(b, c), edges.distance(c, a)});
-    if (high > kWorthInInput * farthest.told()) farthest.look({beside[a], beside[b], beside[c]});
+    const PointBeside &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
+                      &c = beside[input.wedge_position[t.z]];
+    if (a.triangle == b.triangle && b.triangle == c.triangle) continue;  // farthest at a corner
+    const std::array<PointBeside, 3> corners{a, b, c};
+    if (triangleDistance(corners, rung_planes) > kWorthInInput * farthest.told()) farthest.look(corners);
   }
   return farthest.largest();
 }

@@ -10,8 +10,8 @@
 namespace lode::ingest {
 
 /// The largest distance of a mesh from a rung that was made of it, in lattice steps, to 2 %: of all points of
-/// those triangles that may hide the largest, as their corners and the ridges of the rung that they cross
-/// say. (What is passed over, RungCheck looks at.)
+/// those triangles that may hide the largest, as their corners and the planes of the rung beside these say.
+/// (What is passed over, RungCheck looks at; what is far along a rim alone, rimGap() measures.)
 /// @param surface  of the rung.
 /// @param places of the input's positions on it; see placesOn().
 /// @param known  what is nearer does not matter. @return not below it.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -62,6 +63,49 @@ TEST(FarthestOfInput, liesInsideATriangleWhoseCornersAreOnTheRung) {
   input.triangles.emplace_back(0, 4, 5);
   SimplifiedMesh rung{ridge, {0, 1, 2, 3, 4, 5}};
   EXPECT_NEAR(farthestPlaceOfInput(rung, input), 80 / std::hypot(1, 0.8), 1.5);
+}
+
+/// What a look at every triangle finds.
+float farthestOfEveryTriangle(const SimplifiedMesh& rung, const NodeMesh& input) {
+  const TriangleTree tree(rung.mesh);
+  std::vector<PointBeside> beside;
+  for (const PositionCode position : input.positions) {
+    const glm::vec3 at(unpackPosition(position));
+    const TriangleTree::Nearest nearest = tree.nearest(at);
+    beside.push_back({at, nearest.distance, nearest.triangle});
+  }
+  const RungSurface surface(rung.mesh);
+  FarthestInTriangle farthest(surface, 0, 0);
+  for (const glm::u32vec3& t : input.triangles)
+    farthest.look({beside[input.wedge_position[t.x]], beside[input.wedge_position[t.y]],
+                   beside[input.wedge_position[t.z]]});
+  return farthest.largest();
+}
+
+/// A grid of positions that lie higher at random, by up to half as much as they are apart.
+NodeMesh roughGrid(uint32_t seed) {
+  constexpr uint32_t kQuads = 24, kSpacing = 256;
+  test::MeshOptions options;
+  options.extent = kQuads * kSpacing;
+  Mesh mesh = test::makeGrid(kQuads, kQuads, options);
+  std::mt19937 random(seed);
+  for (PositionCode& position : mesh.positions)
+    position = packPosition(unpackPosition(position) + glm::uvec3(0, 0, random() % (kSpacing / 2)));
+  return test::nodeOf(mesh);
+}
+
+TEST(FarthestOfInput, isTooSmallForAtMostOneInAHundredRungsOfRoughGrids) {
+  size_t rungs = 0, too_small = 0;
+  for (uint32_t seed = 1; seed <= 100; ++seed) {
+    const NodeMesh input = roughGrid(seed);
+    const size_t all = input.triangles.size();
+    collapse(input, std::array{all / 2, all / 4}, {}, [&](size_t, SimplifiedMesh&& rung) {
+      ++rungs;
+      if (1.021 * farthestPlaceOfInput(rung, input) < farthestOfEveryTriangle(rung, input)) ++too_small;
+    });
+  }
+  EXPECT_EQ(rungs, 200u);
+  EXPECT_LE(100 * too_small, rungs);
 }
 
 TEST(FarthestOfInput, countsWhatHasVanished) {
