@@ -96,7 +96,7 @@ NodeMesh roughGrid(uint32_t seed) {
 
 TEST(FarthestOfInput, isTooSmallForAtMostOneInAHundredRungsOfRoughGrids) {
   size_t rungs = 0, too_small = 0;
-  for (uint32_t seed = 1; seed <= 100; ++seed) {
+  for (uint32_t seed = 1; seed <= 500; ++seed) {
     const NodeMesh input = roughGrid(seed);
     const size_t all = input.triangles.size();
     collapse(input, std::array{all / 2, all / 4}, {}, [&](size_t, SimplifiedMesh&& rung) {
@@ -104,7 +104,7 @@ TEST(FarthestOfInput, isTooSmallForAtMostOneInAHundredRungsOfRoughGrids) {
       if (1.021 * farthestPlaceOfInput(rung, input) < farthestOfEveryTriangle(rung, input)) ++too_small;
     });
   }
-  EXPECT_EQ(rungs, 200u);
+  EXPECT_EQ(rungs, 1000u);
   EXPECT_LE(100 * too_small, rungs);
 }
 
