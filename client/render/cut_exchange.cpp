@@ -77,10 +77,38 @@ struct PlannedRegion {
   bool visible = false;
   float error_px = 0;  ///< of what is there now
 
-  std::tuple<bool, float, std::pair<uint64_t, int>> order() const {
-    return {!visible, -error_px, depthFirst(*step.region)};
+  std::tuple<bool, float, uint32_t, std::pair<uint64_t, int>> order() const {
+    return {!visible, -error_px, step.place, depthFirst(*step.region)};
   }
 };
+
+/// Those at one place, depth first.
+std::vector<PlannedRegion> regionsBetween(const Cut& from, const Cut& to, uint32_t place) {
+  const Cover before = coverOf(from), now = coverOf(to);
+  std::vector<NodeKey> nodes;
+  for (const ChangedRegion& region : changedRegions(nodesMissingIn(now, from), nodesMissingIn(before, to)))
+    nodes.push_back(region.node);
+  const Regions regions(std::move(nodes));
+  std::vector<PlannedRegion> planned(regions.count());
+  for (size_t i = 0; i < regions.count(); ++i) {
+    planned[i].step.place = place;
+    planned[i].step.region = regions[i];
+  }
+  for (uint32_t number = 0; number < to.parts.size(); ++number) {
+    const CutPart& part = to.parts[number];
+    const auto region = regions.around(part.node);
+    if (!region) continue;
+    planned[*region].step.parts.push_back({place, number});
+    planned[*region].visible |= part.visible;
+  }
+  for (const CutPart& part : from.parts)
+    if (const auto region = regions.around(part.node))
+      planned[*region].error_px = std::max(planned[*region].error_px, part.error_px);
+  for (const LeftOut& left_out : from.left_out)
+    if (const auto region = regions.around(left_out.node))
+      planned[*region].error_px = std::numeric_limits<float>::max();
+  return planned;
+}
 
 /// The older cut's in regions that are kept, the newer's elsewhere, where both may have the same.
 template <typename T>
@@ -132,86 +160,63 @@ void assign(std::vector<Fallback> fallbacks, Cut& cut) {
   }
 }
 
-std::vector<core::ResidentTile> tilesOf(const Cut& from, const Cut& to) {
-  std::vector<core::ResidentTile> tiles;
-  std::ranges::set_union(to.tiles, from.tiles, std::back_inserter(tiles), {}, &core::ResidentTile::key,
-                         &core::ResidentTile::key);
-  return tiles;
-}
-
 }  // namespace
 
-/// The cut goes first, so that the last reference to a mesh is never its.
-struct CutExchange::Mixture {
-  std::shared_ptr<const Cut> from, to;
-  Cut cut;
-};
-
-CutExchange::CutExchange(std::shared_ptr<const Cut> from, std::shared_ptr<const Cut> to)
-    : from_(std::move(from)), to_(std::move(to)) {
-  if (from_) {
-    planRegions();
-    return;
+CutExchange::CutExchange(Cuts from, Cuts to) : from_(std::move(from)), to_(std::move(to)) {
+  ExchangeStep& first = steps_.emplace_back();
+  for (uint32_t place = 0; place < to_.size(); ++place) {
+    const size_t parts = from_.empty() ? 0 : to_[place]->parts.size();
+    for (size_t number = parts; number < partCount(*to_[place]); ++number)
+      first.parts.push_back({place, static_cast<uint32_t>(number)});
   }
-  ExchangeStep& all = steps_.emplace_back();
-  for (uint32_t number = 0; number < partCount(*to_); ++number) all.numbers.push_back(number);
-  all.region = kRootKey;
+  if (!from_.empty()) planRegions();
 }
 
 void CutExchange::planRegions() {
-  const Cover before = coverOf(*from_), now = coverOf(*to_);
-  std::vector<NodeKey> nodes;
-  for (const ChangedRegion& region :
-       changedRegions(nodesMissingIn(now, *from_), nodesMissingIn(before, *to_)))
-    nodes.push_back(region.node);
-  const Regions regions(std::move(nodes));
-  std::vector<PlannedRegion> planned(regions.count());
-  for (size_t i = 0; i < regions.count(); ++i) planned[i].step.region = regions[i];
-  for (uint32_t number = 0; number < to_->parts.size(); ++number) {
-    const CutPart& part = to_->parts[number];
-    const auto region = regions.around(part.node);
-    if (!region) continue;
-    planned[*region].step.numbers.push_back(number);
-    planned[*region].visible |= part.visible;
-  }
-  for (const CutPart& part : from_->parts)
-    if (const auto region = regions.around(part.node))
-      planned[*region].error_px = std::max(planned[*region].error_px, part.error_px);
-  for (const LeftOut& place : from_->left_out)
-    if (const auto region = regions.around(place.node))
-      planned[*region].error_px = std::numeric_limits<float>::max();
+  std::vector<PlannedRegion> planned;
+  for (uint32_t place = 0; place < to_.size(); ++place)
+    std::ranges::move(regionsBetween(*from_[place], *to_[place], place), std::back_inserter(planned));
   std::ranges::sort(planned, {}, &PlannedRegion::order);
-
-  ExchangeStep& fallbacks = steps_.emplace_back();
-  for (size_t number = to_->parts.size(); number < partCount(*to_); ++number)
-    fallbacks.numbers.push_back(static_cast<uint32_t>(number));
   for (PlannedRegion& region : planned) steps_.push_back(std::move(region.step));
+  mixtures_.resize(to_.size());
 }
 
-std::shared_ptr<const Cut> CutExchange::after(size_t steps) const {
+CutExchange::Cuts CutExchange::after(size_t steps) {
   if (steps == steps_.size()) return to_;
-  if (steps <= 1) return from_;  // the first is that of the fallbacks
-  std::vector<NodeKey> nodes;
-  for (const ExchangeStep& step : std::span(steps_).subspan(steps)) nodes.push_back(*step.region);
-  const Regions kept(std::move(nodes));
-  const auto mixture = std::make_shared<Mixture>(Mixture{from_, to_, {}});
-  Cut& cut = mixture->cut;
-  cut.view = to_->view;
-  cut.threshold_px = std::max(from_->threshold_px, to_->threshold_px);
-  cut.build = to_->build;
-  cut.parts = mixed(from_->parts, to_->parts, kept);
-  cut.left_out = mixed(from_->left_out, to_->left_out, kept);
-  assign(fallbacksOf(*from_, *to_), cut);
-  for (size_t number = 0; number < partCount(cut); ++number) {
-    const CutPart& part = partOf(cut, number);
-    if (part.mesh) cut.drawn_bytes += core::drawnBytes(*part.mesh);
-    if (number >= cut.parts.size()) continue;
-    if (part.mesh) cut.triangles += part.mesh->triangles.size();
-    if (part.visible) cut.max_error_px = std::max(cut.max_error_px, part.error_px);
+  if (steps == 0) return from_;
+  std::vector<size_t> done(to_.size(), 0);
+  for (const ExchangeStep& step : std::span(steps_).subspan(1, steps - 1)) ++done[step.place];
+  std::vector<std::vector<NodeKey>> left(to_.size());
+  for (const ExchangeStep& step : std::span(steps_).subspan(steps)) left[step.place].push_back(*step.region);
+  Cuts cuts = from_;
+  for (uint32_t place = 0; place < to_.size(); ++place) {
+    if (left[place].empty()) cuts[place] = to_[place];
+    if (left[place].empty() || done[place] == 0) continue;
+    Mixture& mixture = mixtures_[place];
+    if (mixture.steps != done[place]) mixture = {done[place], mixtureAt(place, std::move(left[place]))};
+    cuts[place] = mixture.cut;
   }
-  cut.textures = to_->textures;
-  cut.tiles = tilesOf(*from_, *to_);
-  return {mixture, &cut};
+  return cuts;
+}
+
+std::shared_ptr<const Cut> CutExchange::mixtureAt(uint32_t place, std::vector<NodeKey> regions_left) const {
+  const Regions kept(std::move(regions_left));
+  const Cut &from = *from_[place], &to = *to_[place];
+  const auto cut = std::make_shared<Cut>();
+  cut->view = to.view;
+  cut->threshold_px = std::max(from.threshold_px, to.threshold_px);
+  cut->build = to.build;
+  cut->parts = mixed(from.parts, to.parts, kept);
+  cut->left_out = mixed(from.left_out, to.left_out, kept);
+  assign(fallbacksOf(from, to), *cut);
+  for (size_t number = 0; number < partCount(*cut); ++number) {
+    const CutPart& part = partOf(*cut, number);
+    if (part.mesh) cut->drawn_bytes += core::drawnBytes(*part.mesh);
+    if (number >= cut->parts.size()) continue;
+    if (part.mesh) cut->triangles += part.mesh->triangles.size();
+    if (part.visible) cut->max_error_px = std::max(cut->max_error_px, part.error_px);
+  }
+  return cut;
 }
 
 }  // namespace lode::render

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <functional>
 #include <iterator>
+#include <unordered_set>
 #include <utility>
 
 #include "client/core/drawn_bytes.h"
@@ -16,11 +17,31 @@ namespace {
 
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 
-/// That a cut takes of the GPU, with its fallbacks.
-uint64_t bytesOf(const core::Cut& cut) {
+/// Calls visit(mesh) for each part and fallback that has triangles.
+template <typename Visit>
+void forEachMesh(const core::PlacedCuts& placed, Visit visit) {
+  for (const auto& cut : placed.cuts) {
+    for (size_t number = 0; number < partCount(*cut); ++number) {
+      const std::shared_ptr<const Mesh>& mesh = partOf(*cut, number).mesh;
+      if (mesh && !mesh->triangles.empty()) visit(mesh);
+    }
+  }
+}
+
+/// Each once.
+std::vector<std::shared_ptr<const Mesh>> meshesOf(const core::PlacedCuts& placed) {
+  std::vector<std::shared_ptr<const Mesh>> meshes;
+  std::unordered_set<const Mesh*> known;
+  forEachMesh(placed, [&](const std::shared_ptr<const Mesh>& mesh) {
+    if (known.insert(mesh.get()).second) meshes.push_back(mesh);
+  });
+  return meshes;
+}
+
+/// That cuts take of the GPU, with their fallbacks.
+uint64_t bytesOf(const core::PlacedCuts& placed) {
   uint64_t bytes = 0;
-  for (size_t number = 0; number < partCount(cut); ++number)
-    if (partOf(cut, number).mesh) bytes += core::drawnBytes(*partOf(cut, number).mesh);
+  for (const auto& mesh : meshesOf(placed)) bytes += core::drawnBytes(*mesh);
   return bytes;
 }
 
@@ -50,16 +71,28 @@ void MeshResidency::setBudget(uint64_t bytes) noexcept {
   pages_.setBudget(bytes);
 }
 
+void MeshResidency::show(const std::shared_ptr<const core::Cut>& cut) {
+  if (newest_ && newest_->all == cut) return;
+  show(cut ? std::make_shared<const core::PlacedCuts>(core::PlacedCuts{{cut}, cut}) : nullptr);
+}
+
+const std::shared_ptr<const core::Cut>& MeshResidency::drawnCut(size_t place) const noexcept {
+  static const std::shared_ptr<const core::Cut> kNothing;
+  return place < places_.size() ? places_[place].cut : kNothing;
+}
+
+std::span<const DrawItem> MeshResidency::drawn(size_t place) const noexcept {
+  if (place >= places_.size()) return {};
+  return places_[place].drawn;
+}
+
 uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
-  if (!target_ && !begin()) return 0;
+  mixtures_.clear();
   Allowance allowance{budget};
-  if (!staging_.open(budget.wait)) return 0;
-  bool complete = advance(allowance);
-  staging_.close();
-  while (!complete && target_ && allowance.budget.wait) {
-    staging_.open(true);
-    complete = advance(allowance);
+  while (begin() && staging_.open(allowance.budget.wait)) {
+    const bool goes_on = advance(allowance);
     staging_.close();
+    if (!goes_on && !allowance.budget.wait) break;
   }
   if (target_ && steps_done_ > steps_drawn_) drawWhatIsThere();
   return allowance.used_bytes;
@@ -67,52 +100,70 @@ uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
 
 /// @return false if there is nothing to do.
 bool MeshResidency::begin() {
-  if (!newest_ || newest_ == drawn_cut_ || newest_ == rejected_) return false;
+  if (target_) return true;
+  if (!newest_ || newest_ == complete_ || newest_ == rejected_) return false;
   rejected_.reset();
   if (bytesOf(*newest_) > options_.budget_bytes) {
     rejected_ = newest_;
     return false;
   }
   target_ = newest_;
-  const bool by_region = newest_exchange_ == Exchange::kByRegion && drawn_cut_ && !is_mixed_ &&
-                         drawn_cut_->build == target_->build;
-  startExchange(by_region ? drawn_cut_ : nullptr);
+  CutExchange::Cuts from;
+  if (mayMix())
+    for (const Place& place : places_) from.push_back(place.cut);
+  startExchange(std::move(from));
   has_room_alone_ = false;
   target_serial_ = ++serial_;
-  pin(*target_, target_serial_);
+  pinTarget();
   return true;
 }
 
-void MeshResidency::startExchange(std::shared_ptr<const core::Cut> from) {
-  exchange_.emplace(std::move(from), target_);
+/// What is drawn and the target.
+bool MeshResidency::mayMix() const noexcept {
+  return !places_.empty() && places_.size() == target_->cuts.size() &&
+         places_.front().cut->build == target_->cuts.front()->build;
+}
+
+void MeshResidency::startExchange(CutExchange::Cuts from) {
+  exchange_.emplace(std::move(from), target_->cuts);
   steps_done_ = steps_drawn_ = next_in_step_ = 0;
 }
 
-void MeshResidency::pin(const core::Cut& cut, uint64_t serial) {
-  for (size_t number = 0; number < partCount(cut); ++number) {
-    const auto it = entries_.find(partOf(cut, number).mesh);
-    if (it != entries_.end()) it->second.used_by = serial;
-  }
+void MeshResidency::pinDrawn() noexcept {
+  for (const Place& place : places_)
+    for (Entry* const entry : place.entries) entry->used_by = drawn_serial_;
+}
+
+void MeshResidency::pinTarget() {
+  forEachMesh(*target_, [&](const std::shared_ptr<const Mesh>& mesh) {
+    const auto it = entries_.find(mesh);
+    if (it != entries_.end()) it->second.used_by = target_serial_;
+  });
 }
 
 bool MeshResidency::pinned(const Entry& entry) const noexcept {
   return entry.used_by == drawn_serial_ || (target_ && entry.used_by == target_serial_);
 }
 
-/// @return true if all of the target is on the GPU; false if the allowance ended first or the target was
-/// rejected.
+/// Until all of the target is on the GPU, or a region of it while there is a newer one.
+/// @return false if the allowance ended first or the target was rejected.
 bool MeshResidency::advance(Allowance& allowance) {
-  while (steps_done_ < exchange_->steps().size()) {
+  const size_t steps = exchange_->steps().size();
+  while (steps_done_ < steps) {
     if (!advanceStep(exchange_->steps()[steps_done_], allowance)) return false;
     ++steps_done_;
     next_in_step_ = 0;
+    if (steps_done_ > 1 && newest_ != target_) break;
   }
+  drawWhatIsThere();
+  if (target_) endExchange();
   return true;
 }
 
 bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) {
-  for (; next_in_step_ < step.numbers.size(); ++next_in_step_) {
-    const core::CutPart& part = partOf(*target_, step.numbers[next_in_step_]);
+  for (; next_in_step_ < step.parts.size(); ++next_in_step_) {
+    const PlacedPart& placed = step.parts[next_in_step_];
+    const core::CutPart& part = partOf(*target_->cuts[placed.place], placed.number);
     if (!part.mesh || part.mesh->triangles.empty()) continue;
     const auto it = entries_.find(part.mesh);
     Entry* entry = it != entries_.end() ? &it->second : place(part.mesh);
@@ -210,62 +261,70 @@ bool MeshResidency::evictOldest() {
 /// Gives up what is drawn now, so that the target can take its place within the same frame: its largest
 /// meshes first, which leaves the fewest gaps.
 bool MeshResidency::makeRoomForTargetAlone() {
-  std::vector<std::shared_ptr<const Mesh>> meshes;
-  for (size_t number = 0; number < partCount(*target_); ++number) {
-    const core::CutPart& part = partOf(*target_, number);
-    if (part.mesh && !part.mesh->triangles.empty()) meshes.push_back(part.mesh);
-  }
+  std::vector<std::shared_ptr<const Mesh>> meshes = meshesOf(*target_);
   const auto bytesOf = [](const std::shared_ptr<const Mesh>& mesh) { return core::drawnBytes(*mesh); };
   std::ranges::stable_sort(meshes, std::greater(), bytesOf);
   std::vector<uint64_t> sizes;
   std::ranges::transform(meshes, std::back_inserter(sizes), bytesOf);
   if (!pages_.clearFor(sizes)) return false;
-  drawn_.clear();
-  drawn_cut_.reset();
+  places_.clear();
+  complete_.reset();
   drawn_serial_ = 0;
   kept_from_ = std::max(kept_from_, target_serial_);
   entries_.clear();
-  for (const std::shared_ptr<const Mesh>& mesh : meshes)
-    if (!entries_.contains(mesh)) place(mesh);
-  startExchange(nullptr);
+  for (const std::shared_ptr<const Mesh>& mesh : meshes) place(mesh);
+  startExchange({});
   has_room_alone_ = true;
   return true;
 }
 
 void MeshResidency::reject() {
-  rejected_ = std::move(target_);
+  rejected_ = target_;
+  endExchange();
+}
+
+/// What is drawn stays.
+void MeshResidency::endExchange() {
+  if (steps_drawn_ > 0) before_ = target_;
   target_.reset();
   exchange_.reset();
-  if (drawn_cut_) pin(*drawn_cut_, drawn_serial_);
+  pinDrawn();
   trimTo(options_.spare_bytes);
 }
 
-/// The target, or, until all of it is there, its mixture with what was drawn before.
+/// The target, or, where not all of it is there, its mixture with what was drawn before.
 void MeshResidency::drawWhatIsThere() {
-  drawn_cut_ = exchange_->after(steps_done_);
+  CutExchange::Cuts cuts = exchange_->after(steps_done_);
   steps_drawn_ = steps_done_;
-  is_mixed_ = drawn_cut_ != target_ && steps_done_ > 1;
-  drawn_serial_ = ++serial_;
-  pin(*drawn_cut_, drawn_serial_);
-  if (drawn_cut_ == target_) {
-    target_.reset();
-    exchange_.reset();
-  } else {
-    target_serial_ = ++serial_;
-    pin(*target_, target_serial_);
+  places_.resize(cuts.size());
+  for (size_t i = 0; i < cuts.size(); ++i) {
+    if (cuts[i] == places_[i].cut) continue;
+    if (cuts[i] != target_->cuts[i]) mixtures_.push_back(cuts[i]);
+    list(places_[i], std::move(cuts[i]));
   }
-  listDrawn();
+  drawn_serial_ = ++serial_;
+  complete_ = nullptr;
+  if (steps_done_ == exchange_->steps().size()) {
+    complete_ = target_;
+    return endExchange();
+  }
+  pinDrawn();
+  target_serial_ = ++serial_;
+  pinTarget();
   trimTo(options_.spare_bytes);
 }
 
-void MeshResidency::listDrawn() {
-  drawn_.clear();
-  for (size_t number = 0; number < partCount(*drawn_cut_); ++number) {
-    const core::CutPart& part = partOf(*drawn_cut_, number);
-    DrawItem& item = drawn_.emplace_back();
+void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
+  place.cut = std::move(cut);
+  place.drawn.clear();
+  place.entries.clear();
+  for (size_t number = 0; number < partCount(*place.cut); ++number) {
+    const core::CutPart& part = partOf(*place.cut, number);
+    DrawItem& item = place.drawn.emplace_back();
     const auto it = entries_.find(part.mesh);
     if (it == entries_.end()) continue;  // it has no triangles
-    const Entry& entry = it->second;
+    Entry& entry = it->second;
+    place.entries.push_back(&entry);
     if (entry.clusters->boxes.empty()) entry.clusters->boxes = {entry.box};
     entry.clusters->hidden.resize(entry.clusters->boxes.size());
     const uint32_t vertex_bytes = vertexBytes(part.mesh->attributes);

@@ -6,9 +6,11 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "client/core/cut.h"
+#include "client/core/placed_cuts.h"
 #include "client/render/cut_exchange.h"
 #include "client/render/gpu_pages.h"
 #include "client/render/staging_ring.h"
@@ -51,16 +53,11 @@ struct DrawItem {
   float age_s = 0;  ///< that it is in the picture
 };
 
-/// How a newer cut takes the place of the one that is drawn.
-enum class Exchange {
-  kByRegion,  ///< each region as soon as all that it shows is on the GPU; as a whole if it is of another
-              ///< build
-  kWhole,
-};
-
-/// Which meshes are on the GPU. Of a newer cut a region is drawn when all of it is there, and until then what
-/// was drawn there before: what arrives slowly never leaves a hole, wherever the camera goes. Meshes are
-/// known by their shared_ptr's identity and not kept alive. Used on the thread of its context.
+/// Which meshes of a model are on the GPU, and what is drawn of them at the places where it stands. Of a
+/// newer cut a region is drawn when all of it is there, and until then what was drawn there before: what
+/// arrives slowly never leaves a hole, wherever the camera goes. A cut of another build is exchanged as a
+/// whole. Meshes are known by their shared_ptr's identity and not kept alive. Used on the thread of its
+/// context.
 class MeshResidency {
  public:
   /// @throws Error kIo if there is no memory for uploads.
@@ -68,26 +65,33 @@ class MeshResidency {
 
   /// Another budget from now on; what is drawn stays.
   void setBudget(uint64_t bytes) noexcept;
-  /// The newest cut; begun as soon as the one under way is complete.
-  void show(std::shared_ptr<const core::Cut> cut, Exchange exchange = Exchange::kByRegion) {
-    newest_ = std::move(cut);
-    newest_exchange_ = exchange;
-  }
-  /// Uploads towards the newest cut, within the budget. @return bytes uploaded.
+  /// The newest cuts. They are begun when a region of those under way has taken its place, however fast newer
+  /// ones follow.
+  void show(std::shared_ptr<const core::PlacedCuts> cuts) { newest_ = std::move(cuts); }
+  /// The newest cut of a model that stands in one place.
+  void show(const std::shared_ptr<const core::Cut>& cut);
+  /// Uploads towards the newest cuts, within the budget. @return bytes uploaded.
   uint64_t uploadInRenderThread(const UploadBudget& budget);
 
-  /// The newest cut is the one drawn.
-  bool upToDate() const noexcept { return newest_ == drawn_cut_; }
-  /// The newest cut does not fit into the budget: the one before stays.
+  /// The newest cuts are those drawn.
+  bool upToDate() const noexcept { return newest_ == complete_; }
+  /// The newest cuts do not fit into the budget: what was there before stays.
   bool overBudget() const noexcept { return rejected_ != nullptr && rejected_ == newest_; }
-  /// A cut that was shown, or a mixture of two: see CutExchange. Null before the first, and while room is
+  const std::shared_ptr<const core::PlacedCuts>& newest() const noexcept { return newest_; }
+  /// The last cuts that something was drawn of before those under way; of none under way, those drawn.
+  const std::shared_ptr<const core::PlacedCuts>& before() const noexcept { return before_; }
+  /// How many places something is drawn at.
+  size_t placeCount() const noexcept { return places_.size(); }
+  /// A cut that was shown, or a mixture of such: see CutExchange. Null before the first, and while room is
   /// made for one that fits only alone.
-  const std::shared_ptr<const core::Cut>& drawnCut() const noexcept { return drawn_cut_; }
-  const std::shared_ptr<const core::Cut>& newest() const noexcept { return newest_; }
+  const std::shared_ptr<const core::Cut>& drawnCut(size_t place = 0) const noexcept;
   /// By the numbers of core::partOf(): the drawn cut's parts, and what is drawn instead where it lacks some.
-  std::span<const DrawItem> drawn() const noexcept { return drawn_; }
-  /// Of the drawn cut; a later one's is larger.
+  std::span<const DrawItem> drawn(size_t place = 0) const noexcept;
+  /// Of the drawn cuts; later ones' is larger.
   uint64_t drawnSerial() const noexcept { return drawn_serial_; }
+  /// The mixtures made by the last upload. They may be the last to have a mesh: who gives them to the thread
+  /// that frees cuts spares this one the work.
+  std::vector<std::shared_ptr<const core::Cut>> takeMixtures() { return std::exchange(mixtures_, {}); }
   static constexpr uint64_t kNone = std::numeric_limits<uint64_t>::max();
   /// Meshes of cuts drawn since this one stay while there is room, for what still shows them; keptFrom()
   /// tells since which they have. @param serial  drawnSerial() of some time, or kNone.
@@ -107,11 +111,18 @@ class MeshResidency {
     uint32_t vertices_done = 0, triangles_done = 0;
     bool complete = false;
   };
+  /// What is drawn where the model stands once.
+  struct Place {
+    std::shared_ptr<const core::Cut> cut;
+    std::vector<DrawItem> drawn;
+    std::vector<Entry*> entries;  ///< of what is drawn
+  };
   struct Allowance;
   using Entries = std::map<std::weak_ptr<const Mesh>, Entry, std::owner_less<>>;
 
   bool begin();
-  void startExchange(std::shared_ptr<const core::Cut> from);
+  bool mayMix() const noexcept;
+  void startExchange(CutExchange::Cuts from);
   bool advance(Allowance& allowance);
   bool advanceStep(const ExchangeStep& step, Allowance& allowance);
   void makeRoom(Allowance& allowance);
@@ -121,26 +132,28 @@ class MeshResidency {
   bool makeRoomForTargetAlone();
   void reject();
   void drawWhatIsThere();
-  void listDrawn();
+  void endExchange();
+  void list(Place& place, std::shared_ptr<const core::Cut> cut);
   void trimTo(uint64_t spare_bytes);
   bool evictOldest();
   bool pinned(const Entry& entry) const noexcept;
-  void pin(const core::Cut& cut, uint64_t serial);
+  void pinDrawn() noexcept;
+  void pinTarget();
 
   ResidencyOptions options_;
   GpuPages pages_;
   StagingRing staging_;
   Entries entries_;
-  std::shared_ptr<const core::Cut> newest_, target_, drawn_cut_, rejected_;
-  Exchange newest_exchange_ = Exchange::kByRegion;
+  std::shared_ptr<const core::PlacedCuts> newest_, target_, before_, rejected_;
+  std::shared_ptr<const core::PlacedCuts> complete_;  ///< drawn at all places; null where cuts are mixed
+  std::vector<Place> places_;
   std::optional<CutExchange> exchange_;      ///< to target_
   size_t steps_done_ = 0, steps_drawn_ = 0;  ///< of exchange_
   size_t next_in_step_ = 0;                  ///< of the step after those done
-  bool is_mixed_ = false;                    ///< drawn_cut_
   bool has_room_alone_ = false;              ///< target_: all else was given up for it
   uint64_t serial_ = 0, target_serial_ = 0, drawn_serial_ = 0;
   uint64_t kept_from_ = kNone;
-  std::vector<DrawItem> drawn_;
+  std::vector<std::shared_ptr<const core::Cut>> mixtures_;  ///< of the last upload
 };
 
 }  // namespace lode::render

@@ -106,26 +106,24 @@ Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
 
 void Renderer::show(const std::shared_ptr<const core::Cut>& cut) {
   meshes_.show(cut);
-  textures_.show(cut, meshes_.drawnCut());
+  showTextures();
 }
 
-/// The cut that is uploaded and drawn keeps the others, whose meshes it has.
-void Renderer::show(const std::shared_ptr<const core::PlacedCuts>& placed) {
-  std::erase_if(placed_, [](const auto& known) { return known.expired(); });
-  if (!meshes_.newest() || meshes_.newest() != placed->all) placed_.push_back(placed);
-  const std::shared_ptr<const core::Cut> all(placed, placed->all.get());
-  meshes_.show(all, Exchange::kWhole);
-  textures_.show(all, meshes_.drawnCut());
+void Renderer::show(std::shared_ptr<const core::PlacedCuts> placed) {
+  meshes_.show(std::move(placed));
+  showTextures();
 }
 
-std::shared_ptr<const core::PlacedCuts> Renderer::drawnPlaced() const {
-  for (const auto& known : placed_)
-    if (const auto placed = known.lock(); placed && placed->all == meshes_.drawnCut()) return placed;
-  return nullptr;
+void Renderer::showTextures() {
+  const auto all = [](const std::shared_ptr<const core::PlacedCuts>& placed) {
+    return placed ? placed->all : nullptr;
+  };
+  textures_.show(all(meshes_.newest()), all(meshes_.before()));
 }
 
 UploadBudget Renderer::uploadInRenderThread(const UploadBudget& budget) {
   const auto start = std::chrono::steady_clock::now();
+  keepWhatIsShown();
   uint64_t used_bytes = meshes_.uploadInRenderThread(budget);
   const auto left = [&] {
     UploadBudget rest = budget;
@@ -134,9 +132,18 @@ UploadBudget Renderer::uploadInRenderThread(const UploadBudget& budget) {
     rest.ms = std::max(0.0, rest.ms - used.count());
     return rest;
   };
-  textures_.show(meshes_.newest(), meshes_.drawnCut());
+  showTextures();
   used_bytes += textures_.uploadInRenderThread(left());
   return left();
+}
+
+/// So that the next picture can fade from the last.
+void Renderer::keepWhatIsShown() {
+  uint64_t oldest = MeshResidency::kNone;
+  for (const Place& place : places_)
+    if (fades_ && place.shown_serial > 0)
+      oldest = std::min({oldest, place.fade.oldestSerial(), place.shown_serial});
+  meshes_.keepFrom(oldest);
 }
 
 uint64_t Renderer::gpuBytes() const noexcept {
@@ -155,7 +162,8 @@ void Renderer::drawBackground(const DrawStyle& style) const {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style) const {
+Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style,
+                                      float threshold_px) const {
   const DrawItem& item = faded.item;
   uint32_t flags = hasNormals(item.attributes) ? kDrawHasNormals : 0;
   if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
@@ -165,57 +173,48 @@ Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& s
   if (style.show == Show::kTexels) flags |= kDrawTexels;
   const uint32_t share = in256ths(faded.from) | in256ths(faded.to) << 16;
   if (!coloursParts(style.show)) return {flags, glm::u8vec4(255), share};
-  const glm::u8vec3 colour = colourOf(style.show, item, meshes_.drawnCut()->threshold_px);
+  const glm::u8vec3 colour = colourOf(style.show, item, threshold_px);
   return {flags | kDrawTinted, glm::u8vec4(colour, 255), share};
 }
 
 /// What the drawn cut shows to this camera, and what still fades.
-void Renderer::choose(const core::View& view, const DrawTime& time) {
-  if (meshes_.keptFrom() > std::min(fade_.oldestSerial(), shown_serial_)) fade_.forget();
-  ShownCover cover{meshes_.drawnCut(), meshes_.drawn(), {}, meshes_.drawnSerial()};
+const CrossFade& Renderer::choose(size_t place, const core::View& view, const DrawTime& time) {
+  if (place >= places_.size()) places_.resize(place + 1);
+  auto& [fade, shown_serial] = places_[place];
+  if (meshes_.keptFrom() > std::min(fade.oldestSerial(), shown_serial)) fade.forget();
+  ShownCover cover{meshes_.drawnCut(place), meshes_.drawn(place), {}, meshes_.drawnSerial()};
   std::vector<uint32_t> numbers;
   if (cover.cut) numbers = core::shownParts(*cover.cut, view);
   cover.numbers = numbers;
-  shown_serial_ = cover.serial;
-  fade_.show(cover, view, lattice_step_, time);
-  meshes_.keepFrom(time.fades ? std::min(fade_.oldestSerial(), cover.serial) : MeshResidency::kNone);
+  fade.show(cover, view, lattice_step_, time);
+  shown_serial = cover.serial;
+  fades_ = time.fades;
+  return fade;
+}
+
+void Renderer::leaveOut(size_t place) {
+  if (place < places_.size()) places_[place] = {};
+}
+
+bool Renderer::fading() const noexcept {
+  return std::ranges::any_of(places_, [](const Place& place) { return place.fade.fading(); });
 }
 
 bool Renderer::ageing() const noexcept {
   return std::ranges::any_of(in_picture_, [](const DrawItem& item) { return item.age_s <= kOldS; });
 }
 
-/// What a cut at a place shows to its camera.
-std::vector<FadedItem> Renderer::itemsOf(const core::Cut& cut, const core::View& view) {
-  if (numbered_serial_ != meshes_.drawnSerial()) {
-    numbered_serial_ = meshes_.drawnSerial();
-    drawn_numbers_.clear();
-    const core::Cut& all = *meshes_.drawnCut();
-    for (uint32_t number = 0; number < core::partCount(all); ++number)
-      drawn_numbers_.emplace(core::partOf(all, number).mesh.get(), number);
-  }
-  std::vector<FadedItem> items;
-  for (const uint32_t number : core::shownParts(cut, view)) {
-    const core::CutPart& part = core::partOf(cut, number);
-    DrawItem item = meshes_.drawn()[drawn_numbers_.at(part.mesh.get())];
-    item.error_px = part.error_px;
-    item.age_s = kOldS;
-    items.push_back({item});
-  }
-  return items;
-}
-
 /// Finds what may be in the picture.
-DrawCounts Renderer::collect(std::span<const FadedItem> items, size_t cover_count, const core::View& view,
-                             const DrawStyle& style) {
+DrawCounts Renderer::collect(const CrossFade& fade, const core::View& view, const DrawStyle& style,
+                             float threshold_px) {
   DrawCounts counts;
   seen_.clear();
   states_.clear();
   in_picture_.clear();
   const core::Sight sight(view, 1);
   size_t number = 0;
-  for (const FadedItem& faded : items) {
-    const bool is_of_cut = number++ < cover_count;
+  for (const FadedItem& faded : fade.items()) {
+    const bool is_of_cut = number++ < fade.coverCount();
     const bool is_drawn = in256ths(faded.from) < in256ths(faded.to);
     const SeenCluster like{&faded.item, 0, static_cast<uint32_t>(states_.size()), !faded.whole()};
     const size_t clusters = addSeenClusters(like, sight, lattice_step_, seen_);
@@ -225,7 +224,7 @@ DrawCounts Renderer::collect(std::span<const FadedItem> items, size_t cover_coun
       seen_.resize(seen_.size() - clusters);
       continue;
     }
-    states_.push_back(stateOf(faded, style));
+    states_.push_back(stateOf(faded, style, threshold_px));
     counts.error_px = std::max(counts.error_px, faded.item.error_px);
     ++counts.nodes;
   }
@@ -300,7 +299,7 @@ const GlProgram& Renderer::program(bool fades) const noexcept {
 }
 
 uint32_t Renderer::drawList(const DrawList& list) const {
-  const AttributeSet attributes = meshes_.drawn().front().attributes;  // the model's, of all meshes
+  const AttributeSet attributes = seen_.front().item->attributes;  // the model's, of all meshes
   const auto stride = static_cast<GLsizei>(vertexBytes(attributes));
   if (attributes.has(AttributeSet::kTexture)) {
     glEnableVertexArrayAttrib(mesh_array_.get(), kTextureCode);
@@ -340,27 +339,15 @@ uint32_t Renderer::drawWireframe(const DrawList& list) const {
   return calls;
 }
 
-DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style,
-                          const DrawTime& time) {
-  target.bindForDrawing();
-  setFrameState();
-  if (!style.over) drawBackground(style);
-  choose(view, time);
-  DrawCounts counts = collect(fade_.items(), fade_.coverCount(), view, style);
-  drawCollected(view, target, style, time.leaves_out_hidden, counts);
-  return counts;
-}
-
 DrawCounts Renderer::drawPlace(size_t place, const core::View& view, const Framebuffer& target,
-                               const DrawStyle& style) {
+                               const DrawStyle& style, const DrawTime& time) {
   target.bindForDrawing();
   setFrameState();
   if (!style.over) drawBackground(style);
-  const auto placed = drawnPlaced();
-  if (!placed) return {};
-  const std::vector<FadedItem> items = itemsOf(*placed->cuts[place], view);
-  DrawCounts counts = collect(items, items.size(), view, style);
-  drawCollected(view, target, style, false, counts);
+  const CrossFade& fade = choose(place, view, time);
+  const auto& cut = meshes_.drawnCut(place);
+  DrawCounts counts = collect(fade, view, style, cut ? cut->threshold_px : 0);
+  drawCollected(view, target, style, time.leaves_out_hidden, counts);
   return counts;
 }
 

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -39,9 +38,9 @@ struct DrawCounts {
   float error_px = 0;  ///< largest in the picture, from where the cut was made for
 };
 
-/// Draws the cuts of one model. Made, used and destroyed on the thread of its OpenGL 4.5 context.
-/// Needs nothing of the context's state and leaves behind: bound framebuffer, program, vertex array, depth
-/// and polygon state.
+/// Draws the cuts of one model where it stands, in one place or several. Made, used and destroyed on the
+/// thread of its OpenGL 4.5 context. Needs nothing of the context's state and leaves behind: bound
+/// framebuffer, program, vertex array, depth and polygon state.
 class Renderer {
  public:
   /// @param lattice_step  of the model, see isLatticeStep().
@@ -51,15 +50,13 @@ class Renderer {
   /// For a model that becomes known later; before its first cut is shown.
   void setLatticeStep(double lattice_step) noexcept { lattice_step_ = lattice_step; }
 
-  /// The newest cut, its meshes and its textures.
+  /// The newest cut of a model that stands in one place, its meshes and its textures.
   void show(const std::shared_ptr<const core::Cut>& cut);
-  /// The newest cuts of a model that stands in several places.
-  void show(const std::shared_ptr<const core::PlacedCuts>& placed);
-  /// Those that are drawn by place; null while there are none.
-  std::shared_ptr<const core::PlacedCuts> drawnPlaced() const;
-  /// Uploads towards it, meshes first, within the budget. @return what is left of that.
+  /// The newest cuts of one that stands in several.
+  void show(std::shared_ptr<const core::PlacedCuts> placed);
+  /// Uploads towards them, meshes first, within the budget. @return what is left of that.
   UploadBudget uploadInRenderThread(const UploadBudget& budget);
-  /// The newest cut is the one drawn, with all of its textures.
+  /// The newest cuts are those drawn, with all of their textures.
   bool upToDate() const noexcept { return meshes_.upToDate() && textures_.upToDate(); }
 
   /// Decides what is drawn; see MeshResidency.
@@ -73,13 +70,16 @@ class Renderer {
 
   /// Draws background and model. view.width_px and height_px are those of the target.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
-                  const DrawTime& time = {});
-  /// Draws the model at one of the places of drawnPlaced(). Nothing fades there, or is told by its age.
-  /// @param view  as the model sees it from there.
+                  const DrawTime& time = {}) {
+    return drawPlace(0, view, target, style, time);
+  }
+  /// Draws the model at one of its places. @param view  as the model sees it from there.
   DrawCounts drawPlace(size_t place, const core::View& view, const Framebuffer& target,
-                       const DrawStyle& style);
+                       const DrawStyle& style, const DrawTime& time);
+  /// Nothing is drawn at this place now: when it is next, all appears at once.
+  void leaveOut(size_t place);
   /// The next frame differs from the last, although nothing else has changed.
-  bool fading() const noexcept { return fade_.fading(); }
+  bool fading() const noexcept;
   /// Something in the last picture is not old yet: colours by age still change.
   bool ageing() const noexcept;
 
@@ -104,16 +104,22 @@ class Renderer {
     std::vector<std::vector<DrawCommand>> by_page;
     size_t first = 0;  ///< in the buffer of commands
   };
+  /// What is in the picture where the model stands once.
+  struct Place {
+    CrossFade fade;
+    uint64_t shown_serial = 0;  ///< of the cuts in the last picture; 0: it was not in it
+  };
+  void showTextures();
+  void keepWhatIsShown();
   void drawBackground(const DrawStyle& style) const;
-  DrawState stateOf(const FadedItem& faded, const DrawStyle& style) const;
-  void choose(const core::View& view, const DrawTime& time);
-  DrawCounts collect(std::span<const FadedItem> items, size_t cover_count, const core::View& view,
-                     const DrawStyle& style);
+  DrawState stateOf(const FadedItem& faded, const DrawStyle& style, float threshold_px) const;
+  const CrossFade& choose(size_t place, const core::View& view, const DrawTime& time);
+  DrawCounts collect(const CrossFade& fade, const core::View& view, const DrawStyle& style,
+                     float threshold_px);
   void drawCollected(const core::View& view, const Framebuffer& target, const DrawStyle& style,
                      bool leaves_out_hidden, DrawCounts& counts);
   template <typename Chosen>
   void drawClusters(const core::View& view, const DrawStyle& style, DrawCounts& counts, Chosen chosen);
-  std::vector<FadedItem> itemsOf(const core::Cut& cut, const core::View& view);
   void setCamera(const core::View& view, const DrawStyle& style) const;
   void setTextures() const;
   void bindDraws();
@@ -122,13 +128,10 @@ class Renderer {
   uint32_t drawWireframe(const DrawList& list) const;
 
   double lattice_step_;
-  std::vector<std::weak_ptr<const core::PlacedCuts>> placed_;  ///< shown, and still to be drawn
-  std::unordered_map<const Mesh*, uint32_t> drawn_numbers_;    ///< of meshes_.drawn(), for places,
-  uint64_t numbered_serial_ = 0;                               ///< of this cut
   MeshResidency meshes_;
   TextureResidency textures_;
-  CrossFade fade_;
-  uint64_t shown_serial_ = 0;  ///< of the cut in the last picture
+  std::vector<Place> places_;
+  bool fades_ = false;  ///< the last picture did
   GlProgram plain_program_, textured_program_, fading_program_, fading_textured_program_, background_program_;
   GlVertexArray mesh_array_, empty_array_;
   GlBuffer commands_buffer_, states_buffer_;

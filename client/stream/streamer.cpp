@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <condition_variable>
+#include <iterator>
 #include <mutex>
 #include <random>
 #include <string_view>
@@ -87,6 +88,7 @@ struct Streamer::State {
   uint64_t memory_budget_bytes, drawn_budget_bytes;
   uint64_t view_number = 0;         // of the view last set; 0: none
   uint64_t status_view_number = 0;  // of the view that the status is about
+  std::vector<std::shared_ptr<const core::Cut>> to_keep;
   StreamStatus status;
   bool has_news = false;  // for waitForNews()
   std::optional<ModelSummary> summary;
@@ -203,6 +205,7 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
     number = view_number;
     engine.setMemoryBudget(memory_budget_bytes, drawn_budget_bytes);
     if (number != 0) engine.setViews(views, threshold_px);
+    for (const auto& cut : std::exchange(to_keep, {})) published.add(cut, nullptr);
   }
   engine.step(Clock::now());
   for (const core::Line line : core::kLines)
@@ -302,6 +305,12 @@ void Streamer::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
   state_->drawn_budget_bytes = drawn_bytes;
   state_->woken = true;
   state_->work.notify_one();
+}
+
+void Streamer::keep(std::vector<std::shared_ptr<const core::Cut>> cuts) {
+  const std::lock_guard lock(state_->mutex);
+  if (state_->status.ended) return;  // and nobody is there to free them
+  std::ranges::move(cuts, std::back_inserter(state_->to_keep));
 }
 
 StreamStatus Streamer::status() const {

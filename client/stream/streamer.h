@@ -74,6 +74,8 @@ class Streamer {
   void setViews(std::span<const core::View> views, float threshold_px);
   /// Others than the options', from now on: see core::Engine.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
+  /// Cuts made of the stream's: freed on its thread when nobody else has them, as its own are.
+  void keep(std::vector<std::shared_ptr<const core::Cut>> cuts);
   /// Never waits for the network.
   StreamStatus status() const;
   /// What is known of the model; nothing until it is open.

@@ -33,8 +33,13 @@ Exhibit::Opening ViewedModel::open() {
 void ViewedModel::look(const core::View& view, float threshold_px) {
   progress_.streamer->setView(view, threshold_px);
   status_ = progress_.streamer->status();
-  if (status_.cut) renderer_.show(status_.cut);
+  if (status_.placed) renderer_.show(status_.placed);
   if (probe_ && probe_->cut() != renderer_.meshes().drawnCut()) probe_.reset();  // it keeps all of its meshes
+}
+
+void ViewedModel::uploadInRenderThread() {
+  renderer_.uploadInRenderThread({});
+  progress_.streamer->keep(renderer_.meshes().takeMixtures());
 }
 
 render::DrawCounts ViewedModel::draw(const core::View& view, const render::Framebuffer& target,

@@ -21,7 +21,7 @@ class ViewedModel : public Exhibit {
   core::Framing framing() const override { return progress_.framing; }
   void look(const core::View& view, float threshold_px) override;
   const stream::StreamStatus& status() const override { return status_; }
-  void uploadInRenderThread() override { renderer_.uploadInRenderThread({}); }
+  void uploadInRenderThread() override;
   bool upToDate() const override { return renderer_.upToDate(); }
   bool overBudget() const override { return renderer_.meshes().overBudget(); }
   bool uploaded() const override { return upToDate() || overBudget(); }

@@ -55,12 +55,11 @@ struct ViewedScene::Model {
 };
 
 const core::CutProbe* ViewedScene::Model::probe(size_t place) {
-  const std::shared_ptr<const core::PlacedCuts> drawn = renderer.drawnPlaced();
+  const auto& drawn = renderer.meshes().drawnCut(place);
   if (!drawn) return nullptr;
   probes.resize(places.size());
   std::optional<core::CutProbe>& probe = probes[place];
-  if (!probe || probe->cut() != drawn->cuts[place])
-    probe.emplace(drawn->cuts[place], opened.model->lattice.step);
+  if (!probe || probe->cut() != drawn) probe.emplace(drawn, opened.model->lattice.step);
   return &*probe;
 }
 
@@ -121,10 +120,10 @@ void ViewedScene::look(const core::View& view, float threshold_px) {
       model->renderer.show(placed);
     else
       model->status.placed = nullptr;  // it is of the first look, at the model alone
-    const auto drawn = model->renderer.drawnPlaced();
     for (size_t place = 0; place < model->probes.size(); ++place)  // they keep all of their meshes
-      if (model->probes[place] && (!drawn || model->probes[place]->cut() != drawn->cuts[place]))
-        model->probes[place].reset();
+      if (auto& probe = model->probes[place];
+          probe && probe->cut() != model->renderer.meshes().drawnCut(place))
+        probe.reset();
   }
   mergeStatus(view);
   shareMemory();
@@ -160,8 +159,11 @@ void ViewedScene::mergeStatus(const core::View& view) {
 /// One frame's budget for all models: each frame another one is the first.
 void ViewedScene::uploadInRenderThread() {
   render::UploadBudget left;
-  for (size_t i = 0; i < models_.size() && left.bytes > 0 && left.ms > 0; ++i)
-    left = models_[(first_upload_ + i) % models_.size()]->renderer.uploadInRenderThread(left);
+  for (size_t i = 0; i < models_.size() && left.bytes > 0 && left.ms > 0; ++i) {
+    Model& model = *models_[(first_upload_ + i) % models_.size()];
+    left = model.renderer.uploadInRenderThread(left);
+    model.opened.streamer->keep(model.renderer.meshes().takeMixtures());
+  }
   ++first_upload_;
 }
 
@@ -183,8 +185,9 @@ bool ViewedScene::uploaded() const {
 float ViewedScene::drawnThresholdPx() const {
   float threshold_px = 0;
   for (const auto& model : models_)
-    if (const auto& cut = model->renderer.meshes().drawnCut())
-      threshold_px = std::max(threshold_px, cut->threshold_px);
+    for (size_t place = 0; place < model->places.size(); ++place)
+      if (const auto& cut = model->renderer.meshes().drawnCut(place))
+        threshold_px = std::max(threshold_px, cut->threshold_px);
   return threshold_px;
 }
 
@@ -192,6 +195,14 @@ uint64_t ViewedScene::drawnSerial() const {
   uint64_t serial = 0;
   for (const auto& model : models_) serial += model->renderer.meshes().drawnSerial();
   return serial;
+}
+
+bool ViewedScene::fading() const {
+  return std::ranges::any_of(models_, [](const auto& model) { return model->renderer.fading(); });
+}
+
+bool ViewedScene::ageing() const {
+  return std::ranges::any_of(in_picture_, [](const auto& item) { return item.age_s <= render::kOldS; });
 }
 
 Exhibit::GpuUse ViewedScene::gpuUse() const {
@@ -220,18 +231,32 @@ std::vector<ViewedScene::Standing> ViewedScene::inSight(const core::View& scene_
   return found;
 }
 
+/// What comes into sight again has nothing to fade from.
+void ViewedScene::leaveOutAllBut(std::span<const Standing> seen) {
+  for (const auto& model : models_) {
+    std::vector<bool> is_seen(model->places.size());
+    for (const Standing& standing : seen)
+      if (standing.model == model.get()) is_seen[standing.place] = true;
+    for (size_t place = 0; place < is_seen.size(); ++place)
+      if (!is_seen[place]) model->renderer.leaveOut(place);
+  }
+}
+
 render::DrawCounts ViewedScene::draw(const core::View& view, const render::Framebuffer& target,
-                                     render::DrawStyle style, const render::DrawTime& /*time*/) {
+                                     render::DrawStyle style, const render::DrawTime& time) {
   render::DrawCounts counts;
   in_picture_.clear();
   if (!stage_) return counts;
   const core::View scene_view = inScene(view);
   stage_->draw(scene_view, target, style);
   render::DrawStyle over = stage_->styleOver(style);
-  for (const auto& [distance, model, place] : inSight(scene_view)) {
+  const render::DrawTime of_place{.now_s = time.now_s, .fades = time.fades};
+  const std::vector<Standing> seen = inSight(scene_view);
+  leaveOutAllBut(seen);
+  for (const auto& [distance, model, place] : seen) {
     over.up = glm::conjugate(model->places[place].rotation) * scene_.up;
     const render::DrawCounts drawn =
-        model->renderer.drawPlace(place, model->viewAt(place, scene_view), target, over);
+        model->renderer.drawPlace(place, model->viewAt(place, scene_view), target, over, of_place);
     counts.triangles += drawn.triangles;
     counts.nodes += drawn.nodes;
     counts.calls += drawn.calls;

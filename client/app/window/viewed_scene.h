@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,8 @@ class ViewedScene : public Exhibit {
   std::span<const render::DrawItem> inPicture() const override { return in_picture_; }
   float drawnThresholdPx() const override;
   uint64_t drawnSerial() const override;
-  bool fading() const override { return false; }
-  bool ageing() const override { return false; }
+  bool fading() const override;
+  bool ageing() const override;
   GpuUse gpuUse() const override;
   std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& place_px) override;
   std::optional<render::Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
@@ -53,6 +54,7 @@ class ViewedScene : public Exhibit {
 
   core::View inScene(const core::View& view) const;
   std::vector<Standing> inSight(const core::View& scene_view) const;
+  void leaveOutAllBut(std::span<const Standing> seen);
   void mergeStatus(const core::View& view);
   void shareMemory();
 

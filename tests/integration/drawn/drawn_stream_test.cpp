@@ -158,6 +158,31 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseRegionsArriveOneByOn
   EXPECT_GT(watch.tally().inside, 500'000u);
 }
 
+/// Each threshold's cut comes while regions of the one before are still to arrive.
+TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseNewerCutsKeepComing) {
+  constexpr unsigned kCameras = 12;
+  std::mt19937 random(5);
+  Streamer streamer(served_, threads(1));
+  const ModelSummary model = streamer.waitForModel(kPatience);
+  BackgroundWatch watch(model.lattice.step, 200, 150, 4u << 10);
+  double now_s = 0;
+  unsigned overtaken = 0;
+  for (unsigned camera = 0; camera < kCameras; ++camera) {
+    const core::View view = randomView(model, random);
+    for (const float threshold_px : {3.0f, 2.0f, 0.7f, 1.4f, 0.7f}) {
+      streamer.setView(view, threshold_px);
+      const StreamStatus status = streamer.waitUntilSettled(kPatience);
+      watch.frame(status.cut, view, now_s += 0.05);
+      overtaken += !watch.uploaded();
+    }
+    const StreamStatus status = streamer.status();
+    while (!watch.uploaded()) watch.frame(status.cut, view, now_s += 0.05);
+  }
+  EXPECT_EQ(watch.tally().background, 0u);
+  EXPECT_GT(overtaken, kCameras);
+  EXPECT_GT(watch.tally().inside, 500'000u);
+}
+
 /// A larger model, of about 40 MB when all of it is drawn, with leaves of so many triangles.
 class DrawnWithinMemory : public DrawnStreaming, public testing::WithParamInterface<uint32_t> {
  protected:

@@ -118,6 +118,22 @@ TEST_F(Streaming, freesItsCutsOnItsOwnThreadAndNotWhereTheyWereShownLast) {
   EXPECT_TRUE(shown.expired());
 }
 
+TEST_F(Streaming, freesOnItsOwnThreadWhatItIsGivenToKeep) {
+  Streamer streamer(served_, threads(2));
+  const ModelSummary& model = streamer.waitForModel(kPatience);
+  auto cut = std::make_shared<const core::Cut>();
+  const std::weak_ptr<const core::Cut> kept = cut;
+  streamer.keep({cut});
+  EXPECT_EQ(cut.use_count(), 2);
+  streamer.setView(viewAt(1, model), 0.5f);
+  streamer.waitUntilSettled(kPatience);
+  EXPECT_EQ(cut.use_count(), 2);
+  cut.reset();
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!kept.expired() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  EXPECT_TRUE(kept.expired());
+}
+
 TEST_F(Streaming, goesOnWhenTheServerComesBack) {
   Streamer streamer(served_, threads(2));
   const ModelSummary& model = streamer.waitForModel(kPatience);

@@ -359,7 +359,41 @@ TEST_F(FadedPicture, keepsWhatLeavesOnTheGpuUntilItIsGone) {
   squares.show(kGreen, 1);
   EXPECT_EQ(squares.renderer.meshes().meshCount(), 2u);
   squares.sharesAt(1 + kFadeS);
+  squares.renderer.uploadInRenderThread({});
   EXPECT_EQ(squares.renderer.meshes().meshCount(), 1u);
+}
+
+/// A square at two places, of which the other one's stays.
+TEST_F(FadedPicture, fadesAtOnePlaceOfAModelAndStaysAtAnother) {
+  const auto cutOfSquare = [](glm::u8vec4 colour) {
+    auto cut = std::make_shared<Cut>();
+    cut->parts.push_back(
+        {kRootKey, 0, true, 0, std::make_shared<const Mesh>(squareAt(0, 0, 500, 1000, colour))});
+    return cut;
+  };
+  const auto red = cutOfSquare(kRed), green = cutOfSquare(kGreen);
+  render::Renderer renderer(1);
+  const render::Framebuffer target(kWidthPx, kHeightPx);
+  const auto sharesAt = [&](size_t place, double now_s) {
+    renderer.drawPlace(place, lookAt({500, 500, 800}, {500, 500, 0}), target, GlTest::magentaBehind(),
+                       {now_s, true});
+    target.resolve();
+    return sharesOf(target.readPixels());
+  };
+  const auto show = [&](std::vector<std::shared_ptr<const Cut>> cuts) {
+    renderer.show(std::make_shared<const core::PlacedCuts>(core::PlacedCuts{cuts, core::gatherMeshes(cuts)}));
+    renderer.uploadInRenderThread({.wait = true});
+  };
+  show({red, red});
+  for (const size_t place : {0u, 1u}) sharesAt(place, 0);
+  show({red, green});
+  for (const size_t place : {0u, 1u}) sharesAt(place, 1);
+  EXPECT_EQ(sharesAt(0, 1 + kFadeS / 2).red, kPixels);
+  EXPECT_NEAR(sharesAt(1, 1 + kFadeS / 2).green, kPixels / 2, 0.03 * kPixels);
+  EXPECT_TRUE(renderer.fading());
+  renderer.leaveOut(1);
+  EXPECT_FALSE(renderer.fading());
+  EXPECT_EQ(sharesAt(1, 1 + kFadeS / 2).green, kPixels) << "it comes into sight again";
 }
 
 /// A budget for two grids and no third.

@@ -56,19 +56,57 @@ TEST_F(Residency, drawsARegionOfACutOnlyWhenAllOfItIsThereAndTheOneBeforeUntilTh
                 {first, second}, {first.child(0), first.child(1), second}, {nodes.begin(), nodes.end()}}));
 }
 
-TEST_F(Residency, drawsACutThatIsToBeExchangedAsAWholeOnlyWhenAllOfItIsThere) {
-  for (const bool is_other_build : {false, true}) {
-    MeshResidency residency({});
-    residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
-    residency.uploadInRenderThread({.wait = true});
-    auto next = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(3), gridOf(4)}));
-    next->build = is_other_build ? 1 : 0;
-    residency.show(next, is_other_build ? render::Exchange::kByRegion : render::Exchange::kWhole);
-    const auto before = residency.drawnCut();
-    uploadSlowly(residency,
-                 [&] { EXPECT_TRUE(residency.drawnCut() == before || residency.drawnCut() == next); });
-    EXPECT_EQ(residency.drawnCut(), next);
+TEST_F(Residency, drawsACutOfAnotherBuildOnlyWhenAllOfItIsThere) {
+  MeshResidency residency({});
+  residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
+  residency.uploadInRenderThread({.wait = true});
+  auto next = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(3), gridOf(4)}));
+  next->build = 1;
+  residency.show(next);
+  const auto before = residency.drawnCut();
+  uploadSlowly(residency,
+               [&] { EXPECT_TRUE(residency.drawnCut() == before || residency.drawnCut() == next); });
+  EXPECT_EQ(residency.drawnCut(), next);
+}
+
+/// One of the second cut's regions, in four, is under way when the third comes.
+TEST_F(Residency, turnsToANewerCutOnceARegionOfTheOneUnderWayHasTakenItsPlace) {
+  const auto cutFrom = [](uint32_t seed) {
+    return cutOf(std::vector{gridOf(seed), gridOf(seed + 1), gridOf(seed + 2), gridOf(seed + 3)});
+  };
+  MeshResidency residency({});
+  const auto first = cutFrom(1), second = cutFrom(11), third = cutFrom(21);
+  residency.show(first);
+  residency.uploadInRenderThread({.wait = true});
+  residency.show(second);
+  uint64_t bytes = residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000});
+  residency.show(third);
+  std::set<const core::Cut*> complete;
+  for (int frame = 0; frame < 1000 && !residency.upToDate(); ++frame) {
+    bytes += residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000});
+    complete.insert(residency.drawnCut().get());
   }
+  EXPECT_FALSE(complete.contains(second.get()));
+  EXPECT_EQ(residency.drawnCut(), third);
+  const uint64_t mesh_bytes = core::drawnBytes(*gridOf(1));
+  EXPECT_EQ(bytes, 5 * mesh_bytes) << "a region of the second, and the third";
+}
+
+TEST_F(Residency, givesOutTheMixturesThatItMakesAndKeepsThemWhileTheyAreDrawn) {
+  MeshResidency residency({});
+  residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
+  residency.uploadInRenderThread({.wait = true});
+  EXPECT_TRUE(residency.takeMixtures().empty());
+  const auto next = cutOf(std::vector{gridOf(3), gridOf(4)});
+  residency.show(next);
+  std::set<std::shared_ptr<const core::Cut>> drawn, taken;
+  uploadSlowly(residency, [&] {
+    for (const auto& mixture : residency.takeMixtures()) taken.insert(mixture);
+    if (residency.drawnCut() == next || residency.drawnCut()->parts[0].mesh != next->parts[0].mesh) return;
+    drawn.insert(residency.drawnCut());
+  });
+  EXPECT_EQ(drawn.size(), 1u);
+  EXPECT_EQ(taken, drawn);
 }
 
 TEST_F(Residency, givesUpWhatHasLostItsPlaceBeforeTheRestOfTheCutIsThere) {
@@ -120,30 +158,48 @@ TEST_F(Residency, drawsWhatHasComeOfACutThatTurnsOutNotToFitAndThenTheNext) {
   ASSERT_TRUE(residency.overBudget());
   ASSERT_EQ(residency.drawn().size(), 1u);
   EXPECT_EQ(residency.drawn()[0].index_count, 3 * gridOf(2, 31)->triangles.size());
-  const auto mixture = residency.drawnCut();
   const auto next = cutOf(std::vector{gridOf(4, 16), gridOf(5, 16)});
   residency.show(next);
-  uploadSlowly(residency, [&] {
-    EXPECT_TRUE(residency.drawnCut() == mixture || residency.drawnCut() == next) << "mixed again";
-  });
+  uploadSlowly(residency, [] {});
   EXPECT_EQ(residency.drawnCut(), next);
 }
 
-TEST_F(Residency, exchangesTheCutsOfAModelInSeveralPlacesAsAWhole) {
-  const auto placed = [](uint32_t seed) {
-    auto cuts = std::make_shared<core::PlacedCuts>();
-    cuts->cuts = {cutOf(std::vector{gridOf(seed), gridOf(seed + 1)}), cutOf(std::vector{gridOf(seed + 2)})};
-    cuts->all = core::gatherMeshes(cuts->cuts);
-    return std::shared_ptr<const core::PlacedCuts>(cuts);
-  };
-  render::Renderer renderer(1);
-  const auto before = placed(1), next = placed(10);
-  renderer.show(before);
-  renderer.uploadInRenderThread({.wait = true});
-  renderer.show(next);
-  uploadSlowly(renderer.meshes(),
-               [&] { EXPECT_TRUE(renderer.drawnPlaced() == before || renderer.drawnPlaced() == next); });
-  EXPECT_EQ(renderer.drawnPlaced(), next);
+std::shared_ptr<const core::PlacedCuts> placedAt(std::vector<std::shared_ptr<const core::Cut>> cuts) {
+  auto placed = std::make_shared<core::PlacedCuts>();
+  placed->cuts = std::move(cuts);
+  placed->all = core::gatherMeshes(placed->cuts);
+  return placed;
+}
+
+TEST_F(Residency, exchangesTheCutsOfAModelInSeveralPlacesRegionByRegion) {
+  MeshResidency residency({});
+  residency.show(placedAt({cutOf(std::vector{gridOf(1), gridOf(2)}), cutOf(std::vector{gridOf(3)})}));
+  residency.uploadInRenderThread({.wait = true});
+  const auto next = placedAt({cutOf(std::vector{gridOf(4), gridOf(5)}), cutOf(std::vector{gridOf(6)})});
+  residency.show(next);
+  std::set<size_t> regions;  // that have changed hands
+  uploadSlowly(residency, [&] {
+    size_t changed = 0;
+    for (size_t place = 0; place < 2; ++place)
+      for (size_t part = 0; part < residency.drawn(place).size(); ++part) {
+        EXPECT_GT(residency.drawn(place)[part].index_count, 0u);
+        changed += residency.drawnCut(place)->parts[part].mesh == next->cuts[place]->parts[part].mesh;
+      }
+    regions.insert(changed);
+  });
+  EXPECT_EQ(regions, (std::set<size_t>{0, 1, 2, 3}));
+  EXPECT_TRUE(residency.upToDate());
+}
+
+TEST_F(Residency, hasAMeshThatStandsInSeveralPlacesOnce) {
+  const auto shared = gridOf(1);
+  const uint64_t mesh_bytes = core::drawnBytes(*shared);
+  MeshResidency residency({.budget_bytes = 2 * mesh_bytes});
+  residency.show(
+      placedAt({cutOf(std::vector{shared}), cutOf(std::vector{shared}), cutOf(std::vector{shared})}));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), mesh_bytes);
+  EXPECT_EQ(residency.meshCount(), 1u);
+  EXPECT_TRUE(residency.upToDate());
 }
 
 TEST_F(Residency, leavesTheRestOfAFramesBudgetToOthers) {
@@ -189,6 +245,26 @@ TEST_F(Residency, completesACutAlthoughNewerOnesKeepComing) {
     if (!drawn.empty()) first_part = drawn[0].base_vertex;
   }
   EXPECT_GE(switched, 5);
+}
+
+/// Fallbacks come first, and each cut's are others.
+TEST_F(Residency, drawsPartsOfCutsWhoseFallbacksAreNeverThereBeforeANewerOneComes) {
+  MeshResidency residency({});
+  const auto cutWithFallback = [](uint32_t seed) {
+    auto cut = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(seed)}));
+    cut->left_out = {{kRootKey.child(1), {}}};
+    cut->fallbacks.push_back({{kRootKey, 0, false, 0, gridOf(1000 + seed)}, 0, 1, 0, 1, 0});
+    return cut;
+  };
+  std::set<const Mesh*> drawn;
+  std::vector<std::shared_ptr<const core::Cut>> alive;
+  for (uint32_t seed = 1; seed < 60; ++seed) {
+    alive.push_back(cutWithFallback(seed));
+    residency.show(alive.back());
+    residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000});
+    if (residency.drawnCut()) drawn.insert(residency.drawnCut()->parts[0].mesh.get());
+  }
+  EXPECT_GT(drawn.size(), 3u);
 }
 
 TEST_F(Residency, uploadsASharedMeshOnce) {
