@@ -74,8 +74,8 @@ fi
 picture=""
 previous=""
 for argument in "$@"; do
-  case "$previous" in -o | --output | --frames) picture="$argument" ;; esac
-  case "$argument" in --output=* | --frames=*) picture="${argument#*=}" ;; esac
+  case "$previous" in -o | --output | --frames | --video) picture="$argument" ;; esac
+  case "$argument" in --output=* | --frames=* | --video=*) picture="${argument#*=}" ;; esac
   previous="$argument"
 done
 if [[ -z "$picture" ]]; then

@@ -30,6 +30,7 @@ Json describeAsJson(const ingest::BuildReport& report) {
                               {"peak_rss_bytes", stage.peak_rss_bytes}});
   json["resumed_from"] = report.resumed_from.empty() ? Json(nullptr) : Json(report.resumed_from);
   json["warnings"] = report.warnings;
+  json["texture_files"] = report.texture_files;
   return json;
 }
 

@@ -233,6 +233,26 @@ class Walk(WindowTest):
             self.assertGreater(min(heights), 0)
             self.assertLess(max(heights), 0.1)  # of a model that is two wide
 
+    def test_begins_on_the_ground_of_a_scene_where_the_pointer_is_and_picks_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder, "scene")
+            subprocess.run([BIN / "lodestreamd", "sample", "scene", "--triangles", "3000", "-o", scene], check=True,
+                           capture_output=True)
+            with self.window(scene / "scene.json") as window:
+                beside = (WIDTH // 2, HEIGHT - 20)  # in front of all models
+                window.click(beside)
+                picked = window.copied()
+                self.assertIn("\nthe ground\n", picked)
+                window.move(beside)
+                for _ in range(2):
+                    window.key("Tab")
+                    window.picture()
+                last = window.recorded(lambda: window.hold("a"))[-1]
+        self.assertLess(math.dist(last["eye"][:2], place_of(picked)[:2]), 4)  # it has gone aside meanwhile
+        self.assertGreater(last["eye"][2], 0)
+        self.assertLess(last["eye"][2], 0.5)
+        self.assertAlmostEqual(direction(last)[2], 0, delta=0.01)
+
     @staticmethod
     def ground_of(ply, eye):
         """The height of the model's nearest vertex, seen from above."""

@@ -140,6 +140,13 @@ std::string ChildProcess::lastMessage() const {
   return line == std::string::npos ? text : text.substr(line + 1);
 }
 
+std::string saidBy(const ChildProcess& server, const std::string& otherwise) {
+  std::string said = server.lastMessage();
+  constexpr std::string_view kPrefix = "lodestreamd: ";
+  if (said.starts_with(kPrefix)) said.erase(0, kPrefix.size());
+  return said.empty() ? otherwise : said;
+}
+
 std::filesystem::path siblingServer() {
   std::error_code failed;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failed);

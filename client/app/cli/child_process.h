@@ -41,6 +41,9 @@ class ChildProcess {
 
 constexpr size_t kMaxMessageBytes = 4096;
 
+/// What a lodestreamd that has failed said last; `otherwise` if it said nothing.
+std::string saidBy(const ChildProcess& server, const std::string& otherwise);
+
 /// The lodestreamd beside this program. @throws Error kIo if there is none.
 std::filesystem::path siblingServer();
 

@@ -2,11 +2,11 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <stop_token>
-#include <string_view>
+#include <string>
 
+#include "client/app/cli/built_store.h"
 #include "client/app/cli/child_process.h"
 #include "client/app/cli/target.h"
 #include "client/stream/streamer.h"
@@ -32,15 +32,13 @@ class ChildServer {
 };
 
 /// A target that can be connected to: starts a child server where the target is a file, after building a PLY
-/// into the XDG cache (keyed by path, size, time, options and builder) unless that was done before.
+/// where that was not done before.
 struct ResolvedTarget {
   stream::ServedModel served;
   stream::StreamOptions options;       ///< with the token of the child, if there is one
   std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
   std::filesystem::path file;          ///< as the user named it; empty: on a server
 };
-/// Told of a build's stage and how much of it is done, 0..1, on the thread that builds.
-using BuildWatch = std::function<void(std::string_view stage, double fraction)>;
 
 /// @param options   for the connection.
 /// @param announce  progress of a build goes to stderr if that is a terminal.

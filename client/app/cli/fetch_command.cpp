@@ -148,6 +148,7 @@ class Fetch {
 
 void fetch(const FetchOptions& options) {
   meshFormatOf(options.output);  // said before the work
+  refuseToReplace(options.common.target, options.output);
   Fetch run(options);
   run.run();
 }

@@ -42,6 +42,10 @@ class CameraRig {
     return kind_ == CameraKind::kOrbit ? orbit_.isFlying() : kind_ == CameraKind::kWalk && walk_.isSettling();
   }
   const glm::dvec3& up() const noexcept { return up_; }
+  /// @param number  1 to 9.
+  bool hasBookmark(int number) const noexcept {
+    return bookmarks_[static_cast<size_t>(number) - 1].has_value();
+  }
 
  private:
   void startAt(const core::CameraPath& path);

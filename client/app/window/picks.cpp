@@ -31,6 +31,7 @@ std::string nodeName(NodeKey node) {
 PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model) {
   return {hit.position_model,
           model.lattice.origin + hit.position_model,
+          false,
           hit.part->node,
           hit.part->rung,
           hit.part->error_px,
@@ -54,7 +55,7 @@ std::vector<std::string> Picks::lines() const {
   if (!last.model.empty()) lines.push_back("model " + last.model);
   std::snprintf(text, sizeof text, "node %s, rung %u, error %.2f px", nodeName(last.node).c_str(), last.rung,
                 static_cast<double>(last.error_px));
-  lines.emplace_back(text);
+  lines.emplace_back(last.is_ground ? "the ground" : text);
   if (last.has_colour) {
     std::snprintf(text, sizeof text, "colour #%02x%02x%02x", last.colour.r, last.colour.g, last.colour.b);
     lines.emplace_back(text);

@@ -12,6 +12,7 @@ namespace lode::app {
 struct PickedPoint {
   glm::dvec3 position_model;  ///< in the frame of what is looked at
   glm::dvec3 position;        ///< true coordinates
+  bool is_ground = false;     ///< of a scene: it has no node, rung and error
   NodeKey node;
   uint32_t rung = 0;
   float error_px = 0;

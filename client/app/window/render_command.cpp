@@ -182,10 +182,20 @@ std::unique_ptr<PictureSubject> open(const RenderOptions& options) {
   return std::make_unique<ModelSubject>(options.common, !options.json);
 }
 
-void render(const RenderOptions& options) {
-  if (options.output.empty() == options.folder.empty()) {
+/// Said before the work.
+void checkOutput(const RenderOptions& options) {
+  if (options.output.empty() == options.folder.empty())
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
-  }
+  if (options.output.empty()) return;
+  if (fs::path(options.output).extension() != ".png")
+    throw Error(ErrorCode::kUsage, options.output + ": pictures are PNG files: give it the ending .png");
+  if (fs::is_directory(options.output))
+    throw Error(ErrorCode::kUsage, options.output + ": is a directory; name a file in it, or use --frames");
+  refuseToReplace(options.common.target, options.output);
+}
+
+void render(const RenderOptions& options) {
+  checkOutput(options);
   const PictureSize size = options.common.size();
   // What this machine cannot draw is said before a long build is begun.
   const render::OffscreenContext context;

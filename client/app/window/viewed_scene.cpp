@@ -267,10 +267,27 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
   return counts;
 }
 
+/// Along a ray of the scene. Nothing where it does not come down on it, or there is no ground.
+std::optional<double> ViewedScene::distanceToGround(const core::Ray& ray) const {
+  const double falls = -glm::dot(ray.direction, scene_.up);
+  if (!scene_.ground || falls <= 0) return std::nullopt;
+  const double distance = (glm::dot(ray.origin_model, scene_.up) - scene_.ground->height) / falls;
+  return distance > 0 ? std::optional(distance) : std::nullopt;
+}
+
 std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& place_px) {
   const core::View scene_view = inScene(view);
   std::optional<PickedPoint> nearest;
   double nearest_distance = 0;
+  const core::Ray scene_ray = core::rayThrough(scene_view, place_px);
+  if (const auto distance = distanceToGround(scene_ray)) {
+    nearest_distance = *distance;
+    nearest.emplace();
+    nearest->is_ground = true;
+    nearest->position = scene_ray.origin_model + *distance * scene_ray.direction;
+    nearest->position_model = nearest->position - whole_.lattice.origin;
+    nearest->step = whole_.lattice.step;
+  }
   for (const auto& [distance, model, place] : inSight(scene_view)) {
     if (nearest && distance > nearest_distance) break;
     const core::View seen = model->viewAt(place, scene_view);

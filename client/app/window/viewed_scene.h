@@ -53,6 +53,7 @@ class ViewedScene : public Exhibit {
   };
 
   core::View inScene(const core::View& view) const;
+  std::optional<double> distanceToGround(const core::Ray& ray) const;
   std::vector<Standing> inSight(const core::View& scene_view) const;
   void leaveOutAllBut(std::span<const Standing> seen);
   void mergeStatus(const core::View& view);

@@ -146,14 +146,21 @@ void Viewer::obey(const Input& input) {
         static_cast<int>(style_.show) + input.next_show % render::kShowCount + render::kShowCount;
     style_.show = static_cast<render::Show>(next % render::kShowCount);
   }
-  if (input.bookmark != 0 && input.set_bookmark)
-    note("bookmark " + std::to_string(input.bookmark) + " is here");
+  if (input.bookmark != 0) tellOfBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
   if (input.screenshot) picture_request_.ask(Clock::now());
   if (input.finer != 0) {
     const float factor = std::pow(kThresholdStep, static_cast<float>(-input.finer));
     threshold_px_ = std::clamp(threshold_px_ * factor, kLeastThresholdPx, kLargestThresholdPx);
   }
+}
+
+void Viewer::tellOfBookmark(const Input& input) {
+  const std::string number = std::to_string(input.bookmark);
+  if (input.set_bookmark)
+    note("bookmark " + number + " is here");
+  else if (rig_ && !rig_->hasBookmark(input.bookmark))
+    note("no bookmark " + number + " yet: Ctrl+" + number + " sets it");
 }
 
 void Viewer::toggleWireframe() {
@@ -195,18 +202,26 @@ std::optional<PickedPoint> Viewer::under(const glm::dvec2& place_px) {
   return exhibit_->under(rig_->view(), place_px);
 }
 
+/// Where the pointer is, or the middle of the picture, or straight below the eye.
+std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px,
+                                              const render::GroundBelow& ground) {
+  const core::View& view = rig_->view();
+  for (const glm::dvec2& place_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})
+    if (const auto hit = under(place_px)) return hit->position_model;
+  if (const auto below = ground(view.eye_model)) return view.eye_model - below->depth_model * rig_->up();
+  return std::nullopt;
+}
+
 void Viewer::moveCamera(const Input& input, double seconds) {
   const core::View before = rig_->view();
   const CameraKind kind_before = rig_->kind();
-  // A walk begins where the pointer is, or the middle of the picture.
-  std::optional<PickedPoint> start;
-  if (input.toggle_camera) start = under(input.pointer_px);
-  if (input.toggle_camera && !start) start = under({before.width_px / 2.0, before.height_px / 2.0});
   const auto ground = [this](const glm::dvec3& point) -> std::optional<render::Ground> {
     return exhibit_->groundBelow(rig_->view(), point, rig_->up());
   };
+  std::optional<glm::dvec3> start;
+  if (input.toggle_camera) start = startOfWalk(input.pointer_px, ground);
   rig_->apply(input, std::min(seconds, kLongestStepS), ground);
-  if (start && rig_->kind() != kind_before) rig_->standAt(start->position_model);
+  if (start && rig_->kind() != kind_before) rig_->standAt(*start);
   moved_ = rig_->view() != before || rig_->underWay();
 }
 

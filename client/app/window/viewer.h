@@ -48,12 +48,14 @@ class Viewer {
   void frame();
   void openWhenReady();
   void obey(const Input& input);
+  void tellOfBookmark(const Input& input);
   void toggleWireframe();
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);
   void pointAt(const Input& input);
   void record(const Input& input);
   std::optional<PickedPoint> under(const glm::dvec2& place_px);
+  std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
   void moveCamera(const Input& input, double seconds);
   void controlFrameRate(double seconds);
   void stream();

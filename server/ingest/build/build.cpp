@@ -43,6 +43,7 @@ void runStages(BuildSession& session) {
   PackStage pack(session, textures, simplify);
   const std::array<Stage*, 6> in_order{&scan, &textures, &dereference, &partition, &simplify, &pack};
   for (Stage* stage : in_order) session.run(*stage);
+  session.noteTextureFiles(scan.textureFiles());
 }
 
 /// How a build that failed may go on; empty where it would only fail again.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/ingest/build/build_facts.h"
@@ -47,6 +48,7 @@ class BuildSession {
   /// @throws Error kInput if warnings are errors.
   void warn(std::string warning);
   void warn(const std::vector<std::string>& warnings);
+  void noteTextureFiles(std::vector<std::string> names) { report_.texture_files = std::move(names); }
   /// @throws Error kLimit always; the same build may do with more memory.
   [[noreturn]] void refuseForMemory(const std::string& problem);
   /// Notes in the journal how far a stage has come, when the names of its files are on the disk.

@@ -43,6 +43,7 @@ struct BuildReport {
   std::vector<Stage> stages;  ///< those of this run
   std::string resumed_from;   ///< the stage with which this run went on; empty: it began at the beginning
   std::vector<std::string> warnings;
+  std::vector<std::string> texture_files;  ///< that the file names and has coordinates for, found or not
   uint64_t peak_rss_bytes = 0;
   double seconds = 0, cpu_seconds = 0;
 };

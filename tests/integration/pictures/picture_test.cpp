@@ -2,6 +2,9 @@
 
 #include "tests/integration/pictures/picture.h"
 
+#include <array>
+#include <string>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -129,6 +132,22 @@ TEST(Window, showsAModelUnderAVirtualDisplay) {
   ASSERT_EQ(picture.height_px, 800);
   EXPECT_GT(picture.covered(500, 400), 0.1);  // right of the panel and below it
   EXPECT_LT(picture.covered(500, 400), 0.9);
+}
+
+TEST(Render, writesPicturesThatAreCalledSoAndNeverOverItsModel) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  std::filesystem::copy_file(store, folder / "model.png");
+  const std::array<std::array<std::string, 2>, 3> refused{{{folder / "a.jpg", "give it the ending .png"},
+                                                           {folder.path(), ".png"},
+                                                           {folder / "model.png", "is the target itself"}}};
+  for (const auto& [output, why] : refused) {
+    const Outcome outcome = lodestream({"render", folder / "model.png", "--size", "32x32", "-o", output});
+    if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find(why), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(readBytes(folder / "model.png"), readBytes(store));
 }
 
 TEST(Render, failsWithOneLineIfItsPictureCannotBeWritten) {

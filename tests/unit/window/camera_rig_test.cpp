@@ -63,6 +63,19 @@ TEST(CameraRig, walksFromWhereItWasStoodLookingAhead) {
   EXPECT_NEAR(rig.view().forward.z, 0, 1e-9);
 }
 
+TEST(CameraRig, knowsWhichBookmarksAreSet) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  Input input;
+  input.bookmark = 3;
+  rig.apply(input, 0.01, plainAt(100));
+  EXPECT_FALSE(rig.hasBookmark(3));
+  input.set_bookmark = true;
+  rig.apply(input, 0.01, plainAt(100));
+  EXPECT_TRUE(rig.hasBookmark(3));
+  EXPECT_FALSE(rig.hasBookmark(2));
+}
+
 TEST(CameraRig, isNotStoodAnywhereWhileItDoesNotWalk) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);

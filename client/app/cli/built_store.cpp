@@ -1,0 +1,203 @@
+#include "client/app/cli/built_store.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "client/app/cli/cache_folder.h"
+#include "client/app/cli/child_process.h"
+#include "common/blob.h"
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::chrono::hours kLongestSilence{24 * 7};  // of a build
+constexpr std::chrono::milliseconds kLockPoll{100};
+constexpr size_t kKeyDigits = 16;
+constexpr const char* kLock = "lock";
+constexpr const char* kRecord = "built.json";
+
+std::string hashOf(const std::string& text) {
+  return toHex(nameBlob(std::as_bytes(std::span(text)))).substr(0, kKeyDigits);
+}
+
+/// Of a file that is there; empty if it is not.
+std::string versionOf(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return {};
+  return std::to_string(status.st_size) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
+         std::to_string(status.st_mtim.tv_nsec);
+}
+
+/// One program's right to a folder, until the end of its life.
+class FolderLock {
+ public:
+  /// @throws Error kIo, kTimeout when it is stopped.
+  FolderLock(const fs::path& folder, const fs::path& ply, bool announce, const std::stop_token& stop)
+      : file_(open((folder / kLock).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+    if (file_ < 0)
+      throw Error(ErrorCode::kIo, (folder / kLock).string() + ": " + std::strerror(errno) +
+                                      "; set XDG_CACHE_HOME to a folder that can be written");
+    for (bool told = !announce; flock(file_, LOCK_EX | LOCK_NB) != 0;
+         std::this_thread::sleep_for(kLockPoll)) {
+      if (stop.stop_requested()) {
+        close(file_);
+        throw Error(ErrorCode::kTimeout, ply.string() + ": stopped while another program builds it");
+      }
+      if (!std::exchange(told, true))
+        std::fprintf(stderr, "lodestream: another program builds %s: waiting for it\n", ply.c_str());
+    }
+  }
+  ~FolderLock() { close(file_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int file_;
+};
+
+/// What is kept beside a store: the build's warnings, and the images that it looked for as they were.
+struct BuildRecord {
+  struct Image {
+    fs::path path;
+    std::string version;
+  };
+  std::vector<std::string> warnings;
+  std::vector<Image> images;
+
+  bool isCurrent() const {
+    return std::ranges::all_of(images,
+                               [](const Image& image) { return versionOf(image.path) == image.version; });
+  }
+};
+
+std::vector<std::string> textsIn(const Json& json, const char* key) {
+  std::vector<std::string> texts;
+  if (!json.is_object() || !json.contains(key) || !json[key].is_array()) return texts;
+  for (const Json& text : json[key])
+    if (text.is_string()) texts.push_back(text.get<std::string>());
+  return texts;
+}
+
+std::optional<BuildRecord> readRecord(const fs::path& folder) {
+  std::ifstream file(folder / kRecord);
+  const Json json = Json::parse(file, nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  BuildRecord record;
+  record.warnings = textsIn(json, "warnings");
+  const std::vector<std::string> images = textsIn(json, "images"), versions = textsIn(json, "versions");
+  if (images.size() != versions.size()) return std::nullopt;
+  for (size_t i = 0; i < images.size(); ++i) record.images.push_back({images[i], versions[i]});
+  return record;
+}
+
+/// A record that cannot be written is one build more the next time.
+void writeRecord(const fs::path& folder, const BuildRecord& record) {
+  Json json{{"warnings", record.warnings}, {"images", Json::array()}, {"versions", Json::array()}};
+  for (const BuildRecord::Image& image : record.images) {
+    json["images"].push_back(image.path.string());
+    json["versions"].push_back(image.version);
+  }
+  std::ofstream(folder / kRecord) << json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// Removes what was built of the same file before it changed.
+void removeOthers(const fs::path& folder, const fs::path& keep) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path() != keep && entry.path().filename() != kLock) fs::remove_all(entry.path(), ignored);
+}
+
+void tell(const BuildWatch& watch, const Json& line) {
+  if (!line.contains("stage") || !line["stage"].is_string() || !line.contains("fraction") ||
+      !line["fraction"].is_number())
+    return;
+  watch(line["stage"].get<std::string>(), std::clamp(line["fraction"].get<double>(), 0.0, 1.0));
+}
+
+/// @return what the build says of itself. @throws Error if it fails.
+Json build(const fs::path& source, const fs::path& store, bool shows_progress, const std::stop_token& stop,
+           const BuildWatch& watch) {
+  std::vector<std::string> arguments{"build", source.string(), "-o", store.string(), "--json"};
+  if (!shows_progress) arguments.emplace_back(watch ? "--json-progress" : "--quiet");
+  ChildProcess builder(siblingServer(), arguments,
+                       shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep);
+  Json result;
+  {
+    const std::stop_callback end_build(stop, [&builder] { builder.terminate(); });
+    for (std::string line; !(line = builder.readLine(kLongestSilence)).empty();) {
+      Json json = Json::parse(line, nullptr, false);
+      if (!json.is_object()) continue;
+      if (watch) tell(watch, json);
+      result = std::move(json);
+    }
+  }
+  if (const int status = builder.wait(); status != 0)
+    throw Error(ErrorCode::kInput, saidBy(builder, "building " + source.string() +
+                                                       " failed with exit status " + std::to_string(status)));
+  return result;
+}
+
+void warn(const BuildRecord& record) {
+  for (const std::string& warning : record.warnings)
+    std::fprintf(stderr, "lodestream: warning: %s\n", warning.c_str());
+}
+
+}  // namespace
+
+fs::path builtStore(const fs::path& ply, bool announce, const std::stop_token& stop,
+                    const BuildWatch& watch) {
+  const fs::path source = fs::absolute(ply).lexically_normal();
+  const fs::path of_source = cacheFolder() / "stores" / hashOf(source.string());
+  const fs::path folder = of_source / hashOf(versionOf(source) + " " + versionOf(siblingServer()));
+  const fs::path store = folder / (source.stem().string() + ".lode");
+  std::error_code failed;
+  fs::create_directories(of_source, failed);
+  if (failed)
+    throw Error(ErrorCode::kIo, of_source.string() + " cannot be made: " + failed.message() +
+                                    "; set XDG_CACHE_HOME to a folder that can be written");
+  const FolderLock lock(of_source, ply, announce, stop);
+  if (const auto record = readRecord(folder); record && record->isCurrent() && fs::exists(store)) {
+    warn(*record);
+    return store;
+  }
+  fs::create_directory(folder, failed);
+  const bool shows_progress = announce && !watch && isatty(STDERR_FILENO) == 1;
+  BuildRecord record;
+  try {
+    const Json built = build(source, store, shows_progress, stop, watch);
+    record.warnings = textsIn(built, "warnings");
+    for (const std::string& name : textsIn(built, "texture_files")) {
+      const fs::path image = source.parent_path() / name;
+      record.images.push_back({image, versionOf(image)});
+    }
+  } catch (...) {
+    fs::remove_all(folder, failed);
+    throw;
+  }
+  writeRecord(folder, record);
+  removeOthers(of_source, folder);
+  if (!shows_progress) warn(record);  // else the build has
+  return store;
+}
+
+}  // namespace lode::app

@@ -1,0 +1,116 @@
+// A PLY as a target of the client: the store that is built of it, kept in the cache and used again.
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "programs.h"
+#include "tests/support/bytes.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class BuiltStore : public testing::Test {
+ protected:
+  std::vector<std::string> fetchOf(const fs::path& ply) const {
+    return {"fetch", ply.string(), "--json", "--pixels", "4"};
+  }
+  Outcome fetch(const fs::path& ply) const { return lodestream(fetchOf(ply), environment_); }
+  /// The stores in the cache.
+  std::vector<fs::path> stores() const {
+    std::vector<fs::path> found;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
+      if (entry.path().extension() == ".lode") found.push_back(entry.path());
+    return found;
+  }
+
+  const WorkFolder folder_;
+  const std::vector<std::string> environment_{"XDG_CACHE_HOME=" + (folder_ / "cache").string()};
+};
+
+TEST_F(BuiltStore, isBuiltOnceByProgramsThatOpenTheSameFileAtOnce) {
+  const fs::path ply = folder_ / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "60000", "-o", ply}).status, 0);
+  Program first("lodestream", fetchOf(ply), environment_), second("lodestream", fetchOf(ply), environment_);
+  for (Program* const program : {&first, &second}) {
+    const Outcome outcome = program->wait();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  }
+  EXPECT_EQ(stores().size(), 1u);
+}
+
+TEST_F(BuiltStore, isBuiltAnewWhenTheFileHasChangedAndTheOneBeforeGoes) {
+  const fs::path ply = folder_ / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "1000", "-o", ply}).status, 0);
+  ASSERT_EQ(fetch(ply).status, 0);
+  const auto before = stores();
+  ASSERT_EQ(fetch(ply).status, 0);
+  EXPECT_EQ(stores(), before);
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "2000", "-o", ply}).status, 0);
+  ASSERT_EQ(fetch(ply).status, 0);
+  EXPECT_EQ(stores().size(), 1u);
+  EXPECT_NE(stores(), before);
+}
+
+/// A PNG of one pixel, in hexadecimal digits.
+constexpr std::string_view kRed =
+    "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c49444154789c63f8"
+    "cfc0000003010100c9fe92ef0000000049454e44ae426082";
+constexpr std::string_view kGreen =
+    "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c49444154789c6360"
+    "f8cf0000020201007b0981780000000049454e44ae426082";
+
+void writeImage(const fs::path& file, std::string_view digits) {
+  std::string bytes;
+  for (size_t i = 0; i < digits.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(std::string(digits.substr(i, 2)), nullptr, 16));
+  writeBytes(file, bytes);
+}
+
+TEST_F(BuiltStore, isBuiltAnewWhenAnImageComesOrChangesAndWarnsEachTimeWhileOneIsMissing) {
+  const fs::path ply = folder_ / "a.ply", image = folder_ / "red.png";
+  writeBytes(ply,
+             "ply\nformat ascii 1.0\ncomment TextureFile red.png\nelement vertex 4\nproperty float x\n"
+             "property float y\nproperty float z\nproperty float s\nproperty float t\nelement face 1\n"
+             "property list uchar int vertex_indices\nend_header\n"
+             "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n");
+  for (int times = 0; times < 2; ++times) {
+    const Outcome outcome = fetch(ply);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_NE(outcome.err.find("warning: "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("red.png"), std::string::npos) << outcome.err;
+    EXPECT_EQ(Json::parse(outcome.out).value("tiles", -1), 0);
+  }
+  std::set<std::string> seen;
+  for (const std::string_view digits : {kRed, kGreen}) {
+    writeImage(image, digits);
+    const Outcome outcome = fetch(ply);
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_EQ(Json::parse(outcome.out).value("tiles", -1), 1);
+    ASSERT_EQ(stores().size(), 1u);
+    seen.insert(readBytes(stores().front()));
+  }
+  EXPECT_EQ(seen.size(), 2u);
+}
+
+TEST_F(BuiltStore, doesNotReplaceTheFileThatItIsBuiltOf) {
+  const fs::path ply = folder_ / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "1000", "-o", ply}).status, 0);
+  const auto bytes = fs::file_size(ply);
+  const Outcome outcome = lodestream({"fetch", ply, "-o", ply}, environment_);
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("is the target itself: name another output"), std::string::npos) << outcome.err;
+  EXPECT_EQ(fs::file_size(ply), bytes);
+}
+
+}  // namespace
+}  // namespace lode::test
