@@ -46,8 +46,10 @@ void FrameRateControl::add(double work_ms, double coarsening) noexcept {
   }
 }
 
+bool FrameRateControl::isResting() const noexcept { return still_s_ >= kRestSeconds; }
+
 double FrameRateControl::coarsening() const noexcept {
-  return still_s_ >= kRestSeconds ? 1 : std::exp2(steps_ / kStepsOfOctave);
+  return isResting() ? 1 : std::exp2(steps_ / kStepsOfOctave);
 }
 
 double FrameRateControl::targetMs() const noexcept { return wanted_ms_ * std::exp2(halvings_); }

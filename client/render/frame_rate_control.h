@@ -18,6 +18,8 @@ class FrameRateControl {
   /// @param coarsening  of its threshold, the finest one being 1
   void add(double work_ms, double coarsening) noexcept;
 
+  /// The camera has not moved for a while.
+  bool isResting() const noexcept;
   /// By what to multiply the finest threshold for the next frame: 1 while the camera rests.
   double coarsening() const noexcept;
   /// What a frame may take now.

@@ -6,12 +6,13 @@ FrameTimer::FrameTimer() {
   for (UnderWay& frame : ring_) frame.query = GlTimeQuery::create();
 }
 
-void FrameTimer::begin(double coarsening) {
+bool FrameTimer::begin(double coarsening) {
   timing_ = begun_ - told_ < ring_.size();
-  if (!timing_) return;
+  if (!timing_) return false;
   UnderWay& next = ring_[begun_ % ring_.size()];
   next.frame = {.coarsening = coarsening};
   glBeginQuery(GL_TIME_ELAPSED, next.query.get());
+  return true;
 }
 
 void FrameTimer::end(double cpu_ms) {

@@ -16,7 +16,8 @@ class FrameTimer {
 
   /// What is drawn from here to end() is timed, unless as many frames as fit are still under way.
   /// @param coarsening  of the frame, told again with its time.
-  void begin(double coarsening);
+  /// @return whether it is timed.
+  bool begin(double coarsening);
   /// @param cpu_ms  what the frame took on this thread.
   void end(double cpu_ms);
 

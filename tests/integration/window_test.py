@@ -274,6 +274,24 @@ class Picks(WindowTest):
             self.assertGreater(distance, 0)
 
 
+class Flight(WindowTest):
+    def test_flies_the_path_so_often_says_what_frames_took_and_ends(self):
+        path = {"fov_y_deg": 45, "keys": [{"t": t, "eye": [8 - t, 0, 3], "target": [0, 0, 0], "up": [0, 0, 1]} for t in (0, 1)]}
+        with tempfile.TemporaryDirectory() as folder, display() as screen:
+            camera = pathlib.Path(folder, "path.json")
+            camera.write_text(json.dumps(path))
+            window = Window(screen, folder, STORE, "--camera", camera, "--laps", "2", "--json")
+            flown = json.loads(subprocess.run(window.command, env=window.environment, check=True, capture_output=True, timeout=120).stdout)
+        self.assertEqual(len(flown["laps"]), 2)
+        self.assertEqual(len(flown["frames"]), sum(lap["frames"] for lap in flown["laps"]))
+        for lap in flown["laps"]:
+            self.assertGreater(lap["frames"], 1)
+            self.assertGreater(lap["triangles"]["p50"], 0)
+            self.assertLessEqual(lap["upload_ms"]["max"], lap["work_ms"]["max"])
+        times = [(frame["lap"], frame["t"]) for frame in flown["frames"]]
+        self.assertEqual(times, sorted(times))
+
+
 class Shown(WindowTest):
     def test_panel_comes_and_goes(self):
         with self.window() as window:

@@ -53,6 +53,11 @@ void CameraRig::restart(const core::View& from, double distance_model) {
   walk_ = render::WalkCamera(from, model_size_ * kEyeHeight, up_);
 }
 
+void CameraRig::lookFrom(const core::CameraKey& camera, double fov_y_deg) {
+  view_ = core::toView(camera, fov_y_deg, view_.width_px, view_.height_px, model_);
+  restart(view_, std::max(glm::distance(camera.eye, camera.target), model_.lattice.step));
+}
+
 void CameraRig::standAt(const glm::dvec3& point_model) {
   if (kind_ != CameraKind::kWalk) return;
   core::View above = view_;

@@ -27,6 +27,8 @@ class CameraRig {
   void apply(const Input& input, double seconds, const render::GroundBelow& ground);
   /// If it walks: goes on from above this point, and looks ahead on the level.
   void standAt(const glm::dvec3& point_model);
+  /// Looks from elsewhere, and goes on from there. @param camera  in true coordinates.
+  void lookFrom(const core::CameraKey& camera, double fov_y_deg);
   /// An orbit turns about this point from now on; the view stays.
   void turnAbout(const glm::dvec3& point_model) noexcept { orbit_.turnAbout(point_model); }
   /// An orbit comes nearer to this point, in a moment.

@@ -22,6 +22,13 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
                    "frames a second while the camera moves, held by a coarser threshold; --pixels fixes it")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
+  CLI::Option* const laps =
+      command
+          ->add_option(
+              "--laps", options->laps,
+              "fly the path of --camera (default: an orbit) so often, say what the frames took, and end")
+          ->check(CLI::Range(1, 1000));
+  command->add_flag("--json", options->json, "say it as one JSON object, with each frame")->needs(laps);
   addLookOptions(*command, options->look);
   const CLI::Option* const pixels = command->get_option("--pixels");
   command->callback([options, pixels] {

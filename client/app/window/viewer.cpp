@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <fstream>
 
+#include <nlohmann/json.hpp>
+
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/first_camera.h"
+#include "client/app/cli/made_path.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
 #include "client/app/window/viewed_model.h"
@@ -79,6 +83,9 @@ Viewer::Viewer(const ViewOptions& options)
 
 void Viewer::run() {
   while (!window_.shouldClose() && !done_) frame();
+  if (!flight_) return;
+  const std::string said = options_.json ? flight_->toJson().dump() + "\n" : flight_->describe();
+  std::fputs(said.c_str(), stdout);
 }
 
 /// Nothing more will come for what is looked at now.
@@ -101,13 +108,11 @@ void Viewer::frame() {
   obey(input);
   openWhenReady();
   if (window_.widthPx() == 0 || window_.heightPx() == 0) return;  // minimized
-  if (!target_ || target_->widthPx() != window_.widthPx() || target_->heightPx() != window_.heightPx()) {
-    target_.emplace(window_.widthPx(), window_.heightPx());
-  }
   if (rig_) {
     rig_->resize(window_.widthPx(), window_.heightPx());
     pick(input);
     moveCamera(input, seconds);
+    fly();
     record(input);
     controlFrameRate(seconds);
     stream();
@@ -133,7 +138,7 @@ bool Viewer::isPictureOld(const Input& input) const {
     now.link_bytes_per_s = drawn_.content.link_bytes_per_s;
     now.round_trip_ms = drawn_.content.round_trip_ms;
   }
-  return now != drawn_.content || exhibit_->drawnSerial() != drawn_.serial ||
+  return now != drawn_.content || exhibit_->drawnSerial() != drawn_.serial || isQuick() != drawn_.is_quick ||
          (rig_ && rig_->view() != drawn_.view);
 }
 
@@ -225,6 +230,31 @@ void Viewer::moveCamera(const Input& input, double seconds) {
   moved_ = rig_->view() != before || rig_->underWay();
 }
 
+/// Along the path, from the first picture on, whatever the user does.
+void Viewer::fly() {
+  const float drawn_px = exhibit_->drawnThresholdPx();
+  if (options_.laps == 0 || (!flight_ && (drawn_px == 0 || drawn_px > kLargestThresholdPx))) return;
+  if (!flight_) {
+    const ModelSummary& summary = exhibit_->summary();
+    flight_.emplace(wanted_path_ ? *wanted_path_ : makePath(MadePath::kOrbit, summary, 0), options_.laps);
+    flight_start_ = Clock::now();
+  }
+  const std::optional<core::CameraKey> camera = flight_->cameraAt(secondsSince(flight_start_));
+  if (camera) rig_->lookFrom(*camera, flight_->fovYDeg());
+  done_ = done_ || !camera;
+  moved_ = true;
+}
+
+void Viewer::noteFlight(bool is_timed) {
+  if (!flight_ || !is_timed) return;
+  FlownFrame frame;
+  frame.upload_ms = content_.upload_ms;
+  frame.target_ms = options_.is_threshold_fixed ? 0 : control_.targetMs();
+  frame.threshold_px = exhibit_->drawnThresholdPx();
+  frame.triangles = content_.triangles;
+  flight_->draw(frame);
+}
+
 /// What was clicked on in the same frame is copied, too.
 void Viewer::pick(const Input& input) {
   if (input.pressed || input.clicked || input.wheel != 0) pointAt(input);
@@ -270,6 +300,7 @@ void Viewer::controlFrameRate(double seconds) {
   while (const auto frame = timer_.take()) {
     work_ms_ = std::max(frame->cpu_ms, frame->gpu_ms);
     if (!options_.is_threshold_fixed) control_.add(work_ms_, frame->coarsening);
+    if (flight_) flight_->finish(work_ms_);
   }
   control_.step(seconds, moved_);
   asked_px_ = threshold_px_ * static_cast<float>(std::min(control_.coarsening(), coarsest));
@@ -294,28 +325,44 @@ render::DrawTime Viewer::time() const {
 /// screenshot is the picture that `render` draws.
 bool Viewer::darkensHollows() const { return !draws_in_software_ || !options_.screenshot.empty(); }
 
+/// Where the processor draws, more than half of a frame is samples of pixels: one is enough while the camera
+/// moves.
+bool Viewer::isQuick() const {
+  return draws_in_software_ && rig_ && !control_.isResting() && options_.screenshot.empty();
+}
+
+const render::Framebuffer& Viewer::target() {
+  std::optional<render::Framebuffer>& target = isQuick() ? quick_ : smooth_;
+  const uint32_t width_px = window_.widthPx(), height_px = window_.heightPx();
+  if (!target || target->widthPx() != width_px || target->heightPx() != height_px)
+    target.emplace(width_px, height_px, isQuick() ? 1 : 4);
+  return *target;
+}
+
 void Viewer::draw() {
   const Clock::time_point start = Clock::now();
+  const render::Framebuffer& target = this->target();
   core::View view;
-  view.width_px = target_->widthPx();
-  view.height_px = target_->heightPx();
-  timer_.begin(std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_));
+  view.width_px = target.widthPx();
+  view.height_px = target.heightPx();
+  const bool is_timed = timer_.begin(std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_));
   if (rig_) style_.up = rig_->up();
-  const render::DrawCounts drawn = exhibit_->draw(rig_ ? rig_->view() : view, *target_, style_, time());
-  if (rig_ && darkensHollows()) occlusion_.darken(*target_, rig_->view().fov_y_rad, style_.show);
-  target_->resolve();
-  target_->copyTo(0);
+  const render::DrawCounts drawn = exhibit_->draw(rig_ ? rig_->view() : view, target, style_, time());
+  if (rig_ && darkensHollows()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
+  target.resolve();
+  target.copyTo(0);
   content_.triangles = drawn.triangles;
   content_.nodes = drawn.nodes;
   content_.error_px = drawn.error_px;
   content_.legend =
       legendOf(style_.show, exhibit_->inPicture(), std::max(exhibit_->drawnThresholdPx(), kLeastThresholdPx));
-  drawn_ = {rig_ ? rig_->view() : view, exhibit_->drawnSerial(), content_};
+  drawn_ = {rig_ ? rig_->view() : view, exhibit_->drawnSerial(), isQuick(), content_};
   panel_.setScale(window_.contentScale());
   panel_.draw(content_);
   saveScreenshots();
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
   timer_.end(content_.frame_ms);
+  noteFlight(is_timed);
   window_.swap();
 }
 

@@ -9,6 +9,7 @@
 #include "client/app/window/camera_rig.h"
 #include "client/app/window/exhibit.h"
 #include "client/app/window/first_start.h"
+#include "client/app/window/flight.h"
 #include "client/app/window/glfw_window.h"
 #include "client/app/window/look_options.h"
 #include "client/app/window/panel.h"
@@ -29,6 +30,8 @@ struct ViewOptions {
   double fps = 60;
   bool is_threshold_fixed = false;  ///< whatever a frame takes
   std::string screenshot;  ///< if not empty: save the window there once the model has converged, and end
+  int laps = 0;            ///< fly the camera's path so often, say what the frames took, and end
+  bool json = false;       ///< say it as JSON
 };
 
 /// The window: takes input, tells the stream what is looked at, uploads within each frame's budget and draws.
@@ -55,6 +58,8 @@ class Viewer {
   void pointAt(const Input& input);
   void record(const Input& input);
   std::optional<PickedPoint> under(const glm::dvec2& place_px);
+  void fly();
+  void noteFlight(bool is_timed);
   std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
   void moveCamera(const Input& input, double seconds);
   void controlFrameRate(double seconds);
@@ -62,6 +67,8 @@ class Viewer {
   bool isPictureOld(const Input& input) const;
   render::DrawTime time() const;
   bool darkensHollows() const;
+  bool isQuick() const;
+  const render::Framebuffer& target();
   void draw();
   void describe();
   void describeStream();
@@ -80,7 +87,7 @@ class Viewer {
   const bool draws_in_software_ = render::drawsInSoftware();
   Panel panel_;
   const std::unique_ptr<Exhibit> exhibit_;
-  std::optional<render::Framebuffer> target_;
+  std::optional<render::Framebuffer> smooth_, quick_;  ///< of several samples a pixel, and of one
   render::AmbientOcclusion occlusion_;
   render::FrameTimer timer_;
   render::FrameRateControl control_;
@@ -89,6 +96,7 @@ class Viewer {
   struct Drawn {
     core::View view;
     uint64_t serial = 0;
+    bool is_quick = false;
     PanelContent content;
   };
 
@@ -96,6 +104,8 @@ class Viewer {
   RefiningProgress progress_;
   const FirstStart first_start_;
   PathRecorder recorder_;
+  std::optional<Flight> flight_;  ///< once there is a picture
+  Clock::time_point flight_start_;
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe
   PanelContent content_;

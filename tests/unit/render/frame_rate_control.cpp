@@ -115,5 +115,16 @@ TEST(FrameRateControl, givesTheRateBackWhenFramesBecomeCheap) {
   EXPECT_EQ(control.coarsening(), 1);
 }
 
+TEST(FrameRateControl, restsWhenTheCameraHasNotMovedForAQuarterOfASecond) {
+  FrameRateControl control(60);
+  EXPECT_TRUE(control.isResting());
+  control.step(0.1, true);
+  EXPECT_FALSE(control.isResting());
+  control.step(0.2, false);
+  EXPECT_FALSE(control.isResting());
+  control.step(0.06, false);
+  EXPECT_TRUE(control.isResting());
+}
+
 }  // namespace
 }  // namespace lode::render

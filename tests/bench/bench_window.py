@@ -1,0 +1,75 @@
+#!/usr/bin/python3
+"""What frames of the window take while a model streams into it: bench_window.py BIN_DIR TARGET...
+
+A window of 1280 x 720 on an Xvfb flies an orbit twice: on the first lap parts arrive, on the second nearly all are there. By turns with
+the frame rate's control (60 and 15 frames a second wanted) and without (--pixels 1). "Of the fit": the 99th percentile of what frames
+of the first lap take over what their triangles cost, by a line through the frames of the second.
+"""
+import argparse
+import contextlib
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "load"))
+from processes import running  # noqa: E402
+
+WAYS = (("60 frames a second", ["--fps", "60"]), ("15 frames a second", ["--fps", "15"]), ("1 pixel", ["--pixels", "1"]))
+
+
+@contextlib.contextmanager
+def display():
+    reader, writer = os.pipe()
+    with running(["Xvfb", "-displayfd", writer, "-screen", "0", "1400x900x24", "-nolisten", "tcp"], pass_fds=[writer],
+                 stderr=subprocess.DEVNULL):
+        os.close(writer)
+        with open(reader) as said:
+            yield f":{said.readline().strip()}"
+
+
+def fly(bin_dir, target, options):
+    with tempfile.TemporaryDirectory() as cache, display() as screen:
+        environment = dict(os.environ, DISPLAY=screen, XDG_CACHE_HOME=cache)
+        command = [bin_dir / "lodestream", "view", target, "--laps", "2", "--json", "--cache", "off", "--size", "1280x720", *options]
+        return json.loads(subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout)
+
+
+def line_through(points):
+    """Least squares of milliseconds over triangles: at none, and a triangle's."""
+    count = len(points)
+    mean_x, mean_y = (sum(point[i] for point in points) / count for i in (0, 1))
+    spread = sum((x - mean_x) ** 2 for x, _ in points)
+    slope = sum((x - mean_x) * (y - mean_y) for x, y in points) / spread if spread else 0
+    return mean_y - slope * mean_x, slope
+
+
+def over_fit(frames):
+    base, slope = line_through([(frame["triangles"], frame["work_ms"]) for frame in frames if frame["lap"] == 1])
+    ratios = sorted(frame["work_ms"] / (base + slope * frame["triangles"]) for frame in frames if frame["lap"] == 0)
+    return ratios[int(0.99 * (len(ratios) - 1))]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin_dir", type=pathlib.Path)
+    parser.add_argument("targets", nargs="+")
+    arguments = parser.parse_args()
+    print("| target | held | frames | median ms | 99th percentile | aimed at, ms | of the fit | triangles, median | threshold px, median |"
+          " uploads ms, 99th percentile, most |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    for target in arguments.targets:
+        for name, options in WAYS:
+            flown = fly(arguments.bin_dir.resolve(), target, options)
+            lap = flown["laps"][0]
+            aimed = lap["target_ms"]["max"]
+            print(f"| {pathlib.PurePath(target).name} | {name} | {lap['frames']} | {lap['work_ms']['p50']:.0f} |"
+                  f" {lap['work_ms']['p99']:.0f} | {f'{aimed:.0f}' if aimed else '–'} | {over_fit(flown['frames']):.2f} |"
+                  f" {lap['triangles']['p50']:,.0f} | {lap['threshold_px']['p50']:.2f} |"
+                  f" {lap['upload_ms']['p99']:.2f}, {lap['upload_ms']['max']:.2f} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+#include "client/app/window/flight.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace lode::app {
+namespace {
+
+/// Two seconds along x, from 10 on its own clock.
+core::CameraPath somePath() {
+  core::CameraPath path;
+  path.keys = {{10, {0, 0, 5}, {0, 0, 0}, {0, 1, 0}}, {12, {4, 0, 5}, {4, 0, 0}, {0, 1, 0}}};
+  return path;
+}
+
+TEST(Flight, fliesItsPathFromTheFirstKeyInEachLapAndEnds) {
+  Flight flight(somePath(), 2);
+  for (const double start : {0.0, 2.0}) {
+    EXPECT_NEAR(flight.cameraAt(start)->eye.x, 0, 1e-9);
+    EXPECT_NEAR(flight.cameraAt(start + 1)->eye.x, 2, 1e-9);
+  }
+  EXPECT_FALSE(flight.cameraAt(4.001));
+}
+
+TEST(Flight, endsThoughItsPathHasOneKey) {
+  core::CameraPath path = somePath();
+  path.keys.pop_back();
+  Flight flight(path, 1);
+  EXPECT_TRUE(flight.cameraAt(0));
+  EXPECT_FALSE(flight.cameraAt(1));
+}
+
+TEST(Flight, tellsForEachLapTheMedianThe99thPercentileAndTheLargestByNearestRank) {
+  Flight flight(somePath(), 2);
+  flight.cameraAt(0.5);
+  for (int i = 1; i <= 200; ++i) {
+    flight.draw({.upload_ms = 1, .threshold_px = 2, .triangles = 10});
+    flight.finish(i);
+  }
+  flight.cameraAt(2.5);
+  flight.draw({});
+  flight.finish(7);
+  const nlohmann::ordered_json json = flight.toJson();
+  EXPECT_EQ(json["laps"].size(), 2u);
+  EXPECT_EQ(json["laps"][0]["work_ms"],
+            (nlohmann::ordered_json{{"p50", 100.0}, {"p99", 198.0}, {"max", 200.0}}));
+  EXPECT_EQ(json["laps"][0]["frames"], 200);
+  EXPECT_EQ(json["laps"][1]["work_ms"]["p50"], 7.0);
+  EXPECT_EQ(json["frames"].size(), 201u);
+  EXPECT_EQ(json["frames"][0]["t"], 10.5);
+  EXPECT_NE(flight.describe().find("lap 1: 200 frames, each 100.0 ms in the median, 198.0 in the 99th"),
+            std::string::npos);
+}
+
+TEST(Flight, givesEachFrameItsOwnWorkThoughThatIsToldLater) {
+  Flight flight(somePath(), 1);
+  flight.cameraAt(0);
+  flight.draw({.triangles = 1});
+  flight.draw({.triangles = 2});
+  flight.finish(30);
+  flight.finish(40);
+  const nlohmann::ordered_json json = flight.toJson();
+  EXPECT_EQ(json["frames"][0]["work_ms"], 30.0);
+  EXPECT_EQ(json["frames"][1]["triangles"], 2);
+  EXPECT_EQ(json["frames"][1]["work_ms"], 40.0);
+}
+
+}  // namespace
+}  // namespace lode::app
