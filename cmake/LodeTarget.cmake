@@ -1,9 +1,10 @@
 # One function a target: C++20, warnings, sanitizers, and the layers of docs/architecture.md.
 
 set(LODE_LAYER_common "")
+set(LODE_LAYER_mesh_images common)
 set(LODE_LAYER_proto common)
 set(LODE_LAYER_frame_stream proto common)
-set(LODE_LAYER_store common)
+set(LODE_LAYER_store mesh_images common)
 set(LODE_LAYER_ingest store common)
 set(LODE_LAYER_serve store proto frame_stream common)
 set(LODE_LAYER_core proto common)
@@ -11,7 +12,7 @@ set(LODE_LAYER_net core proto frame_stream common)
 set(LODE_LAYER_render core common)
 set(LODE_LAYER_stream net core proto common)
 set(LODE_LAYER_embed stream net core proto common)
-set(LODE_LAYER_app_cli stream net core proto common)
+set(LODE_LAYER_app_cli stream net core mesh_images proto common)
 set(LODE_LAYER_window app_cli render stream net core proto common)
 
 # Errors with g++ 12, which CI has, and clang: what another compiler newly or falsely warns of ends nobody's build

@@ -13,6 +13,7 @@ from pathlib import Path
 
 # A file belongs to the first layer whose prefix its path has.
 LAYER_OF = [
+    ("common/mesh_images/", "mesh_images"),
     ("common/", "common"),
     ("proto/byte_stream", "frame_stream"),
     ("proto/frame_stream", "frame_stream"),
@@ -32,9 +33,10 @@ LAYER_OF = [
 
 ALLOWED = {
     "common": {"common"},
+    "mesh_images": {"mesh_images", "common"},
     "proto": {"proto", "common"},
     "frame_stream": {"frame_stream", "proto", "common"},
-    "store": {"store", "common"},
+    "store": {"store", "mesh_images", "common"},
     "ingest": {"ingest", "store", "common"},
     "serve": {"serve", "store", "proto", "frame_stream", "common"},
     "server_app": {"server_app", "serve", "ingest", "store", "proto", "frame_stream", "common"},
@@ -44,7 +46,8 @@ ALLOWED = {
     "embed": {"embed", "stream", "net", "core", "proto", "common"},
     "render": {"render", "core", "common"},
     "window": {"window", "client_app", "render", "stream", "net", "core", "proto", "frame_stream", "common"},
-    "client_app": {"window", "client_app", "render", "stream", "net", "core", "proto", "frame_stream", "common"},
+    "client_app": {"window", "client_app", "render", "stream", "net", "core", "mesh_images", "proto", "frame_stream",
+                   "common"},
 }
 
 # The folders of server/ingest, as the build flows: each may use itself and those before it.

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/cli/common_options.h"
+#include "client/app/cli/cut_images.h"
 #include "client/app/cli/cut_mesh.h"
 #include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
@@ -94,9 +95,7 @@ class Fetch {
       if (!keys_.back().converged()) break;
     }
     const KeyResult& last = keys_.back();
-    if (last.is_complete && !options_.output.empty())
-      writeMesh(options_.output, weldCut(*last.status.cut, target.model().attributes), target.model().lattice,
-                last.status.cut->textures ? *last.status.cut->textures : TextureSet());
+    if (last.is_complete && !options_.output.empty()) write(*last.status.cut, target.model());
     print(total_ms);
     for (const KeyResult& key : keys_)
       if (!key.converged() || (!key.is_complete && !options_.output.empty()))
@@ -124,6 +123,17 @@ class Fetch {
     key.status = streamer.waitUntilSettled(left());
     key.is_complete = key.status.settled && key.status.cut && key.status.cut->converged;
     return key;
+  }
+
+  void write(const core::Cut& cut, const ModelSummary& model) const {
+    const Mesh mesh = weldCut(cut, model.attributes);
+    const CutImages images = writeCutImages(cut, mesh, options_.output);
+    writeMesh(options_.output, mesh, model.lattice, images.set);
+    for (const std::string& name : images.left_out)
+      std::fprintf(stderr,
+                   "lodestream: %s: the image %s is left out, as the memory budget had no room for it; raise "
+                   "--memory-budget\n",
+                   options_.output.c_str(), name.c_str());
   }
 
   void print(double total_ms) const {
@@ -160,7 +170,10 @@ void declareFetch(CLI::App& program, int& /*exit_status*/) {
       "fetch", "Streams what a camera sees until it has converged, without a window: times, bytes, the cut");
   const auto options = std::make_shared<FetchOptions>();
   addCommonOptions(*command, options->common);
-  command->add_option("-o,--output", options->output, "write the last key's cut; the ending says the format")
+  command
+      ->add_option("-o,--output", options->output,
+                   "write the last key's cut, its images beside it as sharp as the camera needs them; the "
+                   "ending says the format")
       ->type_name("CUT.ply|.obj|.glb");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { fetch(*options); });

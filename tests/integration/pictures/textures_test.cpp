@@ -151,6 +151,31 @@ TEST_F(CheckeredSheet, isFetchedWithTheTilesThatTheCameraNeeds) {
   EXPECT_GT(near_by["texture_bytes"], far_off["texture_bytes"]);
 }
 
+TEST_F(CheckeredSheet, isFetchedWithItsImageBesideTheMesh) {
+  std::vector<std::string> fetch = arguments("fetch", cameraAbove(0.75, 0.9, 0.1));
+  fetch.insert(fetch.end(), {"-o", folder_ / "cut.obj"});
+  const Outcome outcome = lodestream(fetch);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(readBytes(folder_ / "cut.mtl").find("map_Kd cut_checkered sheet.png\n"), std::string::npos);
+  const Picture image(folder_ / "cut_checkered sheet.png");
+  ASSERT_EQ(image.width_px, kImagePx);
+  int wrong = 0;
+  for (int y = kSquarePx / 2; y < kImagePx; y += kSquarePx)
+    for (int x = kSquarePx / 2; x < kImagePx; x += kSquarePx)
+      for (unsigned channel = 0; channel < 3; ++channel)
+        wrong += (image.pixel(x, y)[channel] > 128) != ((colourAt(x, y) >> channel & 1) != 0);
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(CheckeredSheet, isFetchedFromAfarWithACoarseImage) {
+  std::vector<std::string> fetch = arguments("fetch", cameraAbove(0.75, 0.9, 20));
+  fetch.insert(fetch.end(), {"-o", folder_ / "cut.glb"});
+  const Outcome outcome = lodestream(fetch);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(readBytes(folder_ / "cut.glb").find("cut_checkered%20sheet.png"), std::string::npos);
+  EXPECT_EQ(Picture(folder_ / "cut_checkered sheet.png").width_px, kImagePx / 8);
+}
+
 TEST_F(CheckeredSheet, isShownInCoarserTilesWhereMemoryIsShort) {
   std::vector<std::string> fetch = arguments("fetch", cameraAbove(0.9, 0.9, 0.5));
   std::vector<std::string> render = arguments("render", cameraAbove(0.9, 0.9, 0.5));

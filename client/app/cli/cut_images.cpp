@@ -1,0 +1,42 @@
+#include "client/app/cli/cut_images.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "client/app/cli/resident_image.h"
+#include "common/material_groups.h"
+#include "common/mesh_images/image_names.h"
+#include "common/mesh_images/png_writer.h"
+
+namespace lode::app {
+
+CutImages writeCutImages(const core::Cut& cut, const Mesh& mesh, const std::filesystem::path& mesh_file) {
+  CutImages images;
+  if (!cut.textures) return images;
+  images.set = *cut.textures;
+  ImageNames names(mesh_file);
+  std::vector<bool> is_written(images.set.textures.size());
+  for (const MaterialGroup& group : groupByMaterial(mesh)) {
+    if (imageOf(mesh, images.set, group.material).empty()) continue;
+    Texture& texture = images.set.textures[group.material];
+    const ResidentImage image(cut.textures->textures[group.material], group.material, cut.tiles);
+    if (!image.isThere()) {
+      images.left_out.push_back(texture.name);
+      continue;
+    }
+    const std::string name = names.next(texture.name);
+    writePng(mesh_file.parent_path() / name, image.size(), image.hasAlpha(),
+             [&](uint32_t y, std::span<glm::u8vec4> row) { image.fill(y, row); });
+    texture.name = name;
+    is_written[group.material] = true;
+  }
+  for (size_t i = 0; i < is_written.size(); ++i)
+    if (!is_written[i]) images.set.textures[i].width = images.set.textures[i].height = 0;
+  return images;
+}
+
+}  // namespace lode::app

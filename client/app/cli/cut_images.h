@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "client/core/cut.h"
+#include "common/mesh.h"
+#include "common/texture_set.h"
+
+namespace lode::app {
+
+/// The textures of a mesh, with the names of their files.
+struct CutImages {
+  TextureSet set;                     ///< one without a file has no image
+  std::vector<std::string> left_out;  ///< names of textures that the mesh wears and of which nothing is there
+};
+
+/// Writes the images that a cut's mesh wears as PNG files beside the mesh's file, as sharp as they are
+/// resident: see ResidentImage and ImageNames. @throws Error kIo.
+CutImages writeCutImages(const core::Cut& cut, const Mesh& mesh, const std::filesystem::path& mesh_file);
+
+}  // namespace lode::app

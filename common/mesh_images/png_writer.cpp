@@ -1,0 +1,103 @@
+#include "common/mesh_images/png_writer.h"
+
+#include <csetjmp>
+#include <cstddef>
+#include <exception>
+#include <vector>
+
+#include <png.h>
+
+#include "common/atomic_file.h"
+#include "common/error.h"
+#include "common/texture_set.h"
+
+namespace lode {
+namespace {
+
+/// What libpng holds for a file that it writes; null if there was no memory.
+struct PngHandle {
+  PngHandle() = default;
+  ~PngHandle() { png_destroy_write_struct(&writer, &info); }
+  PngHandle(const PngHandle&) = delete;
+  PngHandle& operator=(const PngHandle&) = delete;
+
+  png_structp writer = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = writer ? png_create_info_struct(writer) : nullptr;
+};
+
+/// Writes a PNG file row by row. libpng reports errors by a jump; no call but its own lies between that and
+/// where it lands.
+class PngWriter {
+ public:
+  PngWriter(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha) : path_(path), file_(path) {
+    if (!png_.info || !begin(size, has_alpha)) fail();
+  }
+
+  /// @param row  of the image's width; without alpha that channel is left out.
+  void write(std::span<const glm::u8vec4> row) {
+    if (!tryToWrite(row.data())) fail();
+  }
+  void finish() {
+    if (!tryToEnd()) fail();
+    file_.commit();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    if (failure_) std::rethrow_exception(failure_);
+    throw Error(ErrorCode::kInternal, path_.string() + ": libpng cannot encode the image");
+  }
+
+  bool begin(glm::uvec2 size, bool has_alpha) {
+    if (setjmp(png_jmpbuf(png_.writer)) != 0) return false;
+    png_set_write_fn(png_.writer, this, append, nullptr);
+    png_set_user_limits(png_.writer, kMaxTextureEdgePx, kMaxTextureEdgePx);
+    png_set_IHDR(png_.writer, png_.info, size.x, size.y, 8,
+                 has_alpha ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB(png_.writer, png_.info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_write_info(png_.writer, png_.info);
+    if (!has_alpha) png_set_filler(png_.writer, 0, PNG_FILLER_AFTER);
+    return true;
+  }
+  bool tryToWrite(const glm::u8vec4* row) {
+    if (setjmp(png_jmpbuf(png_.writer)) != 0) return false;
+    png_write_row(png_.writer, reinterpret_cast<png_const_bytep>(row));
+    return true;
+  }
+  bool tryToEnd() {
+    if (setjmp(png_jmpbuf(png_.writer)) != 0) return false;
+    png_write_end(png_.writer, nullptr);
+    return true;
+  }
+
+  static void append(png_structp png, png_bytep data, png_size_t size) {
+    auto* const self = static_cast<PngWriter*>(png_get_io_ptr(png));
+    try {
+      self->file_.write({reinterpret_cast<const std::byte*>(data), size});
+      return;
+    } catch (...) {
+      self->failure_ = std::current_exception();
+    }
+    png_error(png, "");
+  }
+
+  const std::filesystem::path path_;
+  AtomicFile file_;
+  std::exception_ptr failure_;
+  PngHandle png_;
+};
+
+}  // namespace
+
+void writePng(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha, const FillRow& fill) {
+  PngWriter png(path, size, has_alpha);
+  std::vector<glm::u8vec4> row(size.x);
+  for (uint32_t y = 0; y < size.y; ++y) {
+    fill(y, row);
+    png.write(row);
+  }
+  png.finish();
+}
+
+}  // namespace lode
