@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -13,16 +14,38 @@
 #include "client/core/camera_path.h"
 #include "common/error.h"
 #include "proto/limits.h"
+#include "proto/messages.h"
 
 namespace lode::app {
 namespace {
 
 constexpr uint64_t kMinMemoryBudgetBytes = 16u << 20;
 
+/// A line of a server's token file: TOKEN EXPIRY MODEL…
+bool isGrant(std::string_view text) {
+  const size_t first = text.find(' ');
+  if (first == std::string_view::npos) return false;
+  const std::string_view rest = text.substr(first + 1);
+  const std::string_view expiry = rest.substr(0, rest.find(' '));
+  const bool is_time =
+      !expiry.empty() && expiry.front() >= '0' && expiry.front() <= '9' && expiry.back() == 'Z';
+  return expiry.size() < rest.size() && (expiry == "never" || is_time);
+}
+
+/// @param source  names the token in errors.
+std::string checkedToken(std::string token, const std::string& source) {
+  if (token.size() > proto::kMaxTokenBytes || !proto::isWireText(token) || isGrant(token))
+    throw Error(ErrorCode::kUsage,
+                source + ": is not one token: that is up to " + std::to_string(proto::kMaxTokenBytes) +
+                    " bytes of printable UTF-8 in one line, without what follows it in the "
+                    "server's token file");
+  return token;
+}
+
 std::string readToken(const std::string& file) {
   if (file.empty()) {
     const char* token = std::getenv("LODESTREAM_TOKEN");
-    return token ? token : "";
+    return checkedToken(token ? token : "", "LODESTREAM_TOKEN");
   }
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
@@ -31,7 +54,8 @@ std::string readToken(const std::string& file) {
   stream.read(token.data(), static_cast<std::streamsize>(token.size()));
   token.resize(static_cast<size_t>(stream.gcount()));
   while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
-  return token;
+  if (token.empty()) throw Error(ErrorCode::kUsage, file + ": is not one token: it is empty");
+  return checkedToken(std::move(token), file);
 }
 
 }  // namespace
@@ -78,9 +102,6 @@ stream::StreamOptions CommonOptions::streamOptions() const {
   stream::StreamOptions options;
   options.ca_file = ca_file;
   options.token = readToken(token_file);
-  if (options.token.size() > proto::kMaxTokenBytes)
-    throw Error(ErrorCode::kUsage,
-                "the token is longer than " + std::to_string(proto::kMaxTokenBytes) + " bytes");
   if (!memory_text.empty()) options.memory_budget_bytes = parseBytes(memory_text);
   if (options.memory_budget_bytes < kMinMemoryBudgetBytes)
     throw Error(ErrorCode::kUsage, "--memory-budget must be at least 16M");

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include "client/core/camera_path.h"
 #include "common/error.h"
 #include "proto/limits.h"
+#include "tests/support/work_folder.h"
 
 namespace lode::app {
 namespace {
@@ -75,6 +77,31 @@ TEST(CommonOptions, takeTheTokenFromAFileWithoutItsLineEnds) {
   EXPECT_THROW(options.streamOptions(), Error);
   std::remove(file.c_str());
   EXPECT_THROW(options.streamOptions(), Error);
+}
+
+TEST(CommonOptions, refuseAFileThatIsNotOneToken) {
+  const lode::test::WorkFolder folder;
+  CommonOptions options;
+  options.token_file = folder / "tokens";
+  for (const char* text : {"", "\n", "one never *\ntwo never *\n", "# for guests\none\n", "one never *\n",
+                           "one 2027-01-31T12:00:00Z scan\n", "a\tb", "\xff"}) {
+    std::ofstream(options.token_file) << text;
+    try {
+      options.streamOptions();
+      ADD_FAILURE() << "taken: " << text;
+    } catch (const Error& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with(options.token_file + ": is not one token"))
+          << text << ": " << error.what();
+    }
+  }
+}
+
+TEST(CommonOptions, takeATokenWithSpaces) {
+  const lode::test::WorkFolder folder;
+  CommonOptions options;
+  options.token_file = folder / "token";
+  std::ofstream(options.token_file) << "correct horse never tires\n";
+  EXPECT_EQ(options.streamOptions().token, "correct horse never tires");
 }
 
 TEST(CommonOptions, sayWhatTheFirstCameraFrames) {
