@@ -25,14 +25,15 @@ typedef struct lodestream_stream lodestream_stream;
 typedef struct lodestream_cut lodestream_cut;
 typedef struct lodestream_mesh lodestream_mesh;
 
+/* All zeros are the default, as lodestream_default_options() gives it with its values. */
 typedef struct lodestream_options {
   const char* token;            /* NULL: none */
   const char* ca_file;          /* authorities for lodes://, in PEM; NULL: the system's */
   const char* cache_folder;     /* keeps what came between runs; NULL: nothing is kept */
-  uint64_t memory_budget_bytes; /* of what is known and decoded */
-  uint64_t triangle_budget;     /* of a cut */
-  uint32_t connect_timeout_ms;
-  uint32_t decode_threads; /* 0: as many as there are cores but two, at least one */
+  uint64_t memory_budget_bytes; /* of what is known and decoded; 0: 1 GiB */
+  uint64_t triangle_budget;     /* of a cut; 0: as many as the view needs */
+  uint32_t connect_timeout_ms;  /* 0: 10,000 */
+  uint32_t decode_threads;      /* 0: as many as there are cores but two, at least one */
 } lodestream_options;
 
 typedef struct lodestream_model {

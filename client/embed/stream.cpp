@@ -47,9 +47,10 @@ stream::StreamOptions toStreamOptions(const lodestream_options& options) {
   of_stream.token = textOf(options.token);
   of_stream.ca_file = textOf(options.ca_file);
   of_stream.cache_folder = textOf(options.cache_folder);
-  of_stream.memory_budget_bytes = options.memory_budget_bytes;
-  of_stream.triangle_budget = options.triangle_budget;
-  of_stream.connect_timeout = std::chrono::milliseconds(options.connect_timeout_ms);
+  if (options.memory_budget_bytes != 0) of_stream.memory_budget_bytes = options.memory_budget_bytes;
+  if (options.triangle_budget != 0) of_stream.triangle_budget = options.triangle_budget;
+  if (options.connect_timeout_ms != 0)
+    of_stream.connect_timeout = std::chrono::milliseconds(options.connect_timeout_ms);
   of_stream.decode_threads = options.decode_threads;
   return of_stream;
 }

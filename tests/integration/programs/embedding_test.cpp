@@ -38,6 +38,16 @@ class Embedding : public testing::Test {
   }
   fs::path examples() const { return installed_ / "share/doc/lodestream/examples"; }
 
+  fs::path compileInC(const fs::path& source) const {
+    const std::vector<std::string> paths{"PKG_CONFIG_PATH=" +
+                                         (library().parent_path() / "pkgconfig").string()};
+    const std::string flags = run("pkg-config", {"--cflags", "--libs", "lodestream"}, paths);
+    const fs::path program = folder_ / source.stem().string();
+    run("sh", {"-c", "cc -std=c99 -Wall -Wextra -Werror -pedantic -o " + program.string() + " " +
+                         source.string() + " " + flags.substr(0, flags.find('\n'))});
+    return program;
+  }
+
   void expectWalk(const fs::path& program, const std::string& url) const {
     const std::string said = run(program, {url});
     EXPECT_NE(said.find(" triangles in "), std::string::npos) << said;
@@ -58,12 +68,39 @@ TEST_F(Embedding, buildsAndRunsTheExamplesWithFindPackage) {
   expectWalk(build / "embed_c", server.url("small"));
 }
 
+/// Converges with options of zeros, or not.
+constexpr const char* kZeroOptions = R"(
+#include <lodestream.h>
+#include <stdio.h>
+#include <string.h>
+int main(int count, char** arguments) {
+  lodestream_options options;
+  lodestream_status status;
+  lodestream_view view = {{0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 45, 640, 480, 1};
+  lodestream_stream* stream;
+  memset(&options, 0, sizeof options);
+  memset(&status, 0, sizeof status);
+  if (count != 2 || (stream = lodestream_open(arguments[1], &options)) == NULL) return 1;
+  while (!status.is_open && lodestream_step(stream, 1000, &status) && !status.has_ended) continue;
+  if (!lodestream_set_view(stream, &view)) return 1;
+  do {
+    if (!lodestream_step(stream, 1000, &status)) return 1;
+  } while (!status.is_settled && !status.has_ended);
+  puts(status.is_converged && !status.is_limited ? "converged" : "coarse");
+  lodestream_close(stream);
+  return 0;
+}
+)";
+
+TEST_F(Embedding, takesOptionsOfZerosForTheDefault) {
+  writeBytes(folder_ / "zeros.c", kZeroOptions);
+  const fs::path program = compileInC(folder_ / "zeros.c");
+  const RunningServer server({makeSmallStore(folder_)});
+  EXPECT_EQ(run(program, {server.url("small")}), "converged\n");
+}
+
 TEST_F(Embedding, buildsAndRunsTheExampleInCWithPkgConfig) {
-  const std::vector<std::string> paths{"PKG_CONFIG_PATH=" + (library().parent_path() / "pkgconfig").string()};
-  const std::string flags = run("pkg-config", {"--cflags", "--libs", "lodestream"}, paths);
-  const fs::path program = folder_ / "embed_c";
-  run("sh", {"-c", "cc -std=c99 -Wall -Wextra -Werror -pedantic -o " + program.string() + " " +
-                       (examples() / "embed.c").string() + " " + flags.substr(0, flags.find('\n'))});
+  const fs::path program = compileInC(examples() / "embed.c");
   const RunningServer server({makeSmallStore(folder_)});
   expectWalk(program, server.url("small"));
   const Outcome nobody = Program(program, {server.url("nobody")}).wait();
