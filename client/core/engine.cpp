@@ -60,7 +60,7 @@ void Engine::handleAll(Line line) {
 }
 
 void Engine::disconnect(const Error& why, TimePoint now, Line line) {
-  if (options_.on_broken && link_.session(line)) options_.on_broken(line);
+  if (options_.on_broken && link_.session(line)) options_.on_broken(line, why);
   wishes_waiting_ = true;
   if (line == Line::kNewest) return link_.fail(why, now);
   link_.endLeaving();

@@ -20,6 +20,7 @@
 #include "client/core/prefetcher.h"
 #include "client/core/view.h"
 #include "client/core/wait_times.h"
+#include "common/error.h"
 
 namespace lode::core {
 
@@ -41,8 +42,8 @@ struct EngineOptions {
   bool prefetch = false;  ///< asks ahead of a camera that moves, where there is one view
   /// False: what is wished for comes in the order in which it was wished for, to compare with.
   bool best_first = true;
-  /// Told of a connection that breaks, while it still has what it had open; may be empty.
-  std::function<void(Line line)> on_broken = nullptr;
+  /// Told of a connection that breaks, and why, while it still has what it had open; may be empty.
+  std::function<void(Line line, const Error& why)> on_broken = nullptr;
   /// Told of a blob that the server cannot give, and why; may be empty.
   std::function<void(const BlobRef& blob, const std::string& why)> on_refused = nullptr;
 };

@@ -23,9 +23,9 @@ def under_load(stage, title, servers, listen, seconds, act, allowed_failures):
     print_table(("clients", "visible, median", "p99", "longest", "moved when told", "connections lost", "wishes failed", "given up",
                  "one wish at a time, p99", "longest without one"),
                 [(clients, f"{visible['p50']:.1f} ms", f"{visible['p99']:.1f} ms", f"{visible['max']:.0f} ms", run["moved"], run["lost"],
-                  run["failed_wishes"], run["errors"], f"{percentile([ms for _, ms in probed['times']], 0.99):.1f} ms",
+                  run["failed_wishes"], run["gave_up"], f"{percentile([ms for _, ms in probed['times']], 0.99):.1f} ms",
                   f"{longest_gap(probed['times'], seconds):.2f} s")])
-    assert run["errors"] == 0, f"clients have given up: {run['first_error']}"
+    assert run["gave_up"] == 0, f"clients have given up: {run['first_error']}"
     assert allowed_failures or run["failed_wishes"] == 0, "wishes failed"
     return run, crowd_plot(title, sampler, ("one wish at a time", probed))
 

@@ -31,7 +31,7 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
   options.session.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
     return noteBlob(blob, bytes);
   };
-  options.on_broken = [this](core::Line line) { noteBroken(line); };
+  options.on_broken = [this](core::Line line, const Error& why) { noteBroken(line, why); };
   options.on_refused = [this](const BlobRef& blob, const std::string& why) { noteRefused(blob, why); };
   options.memory_budget_bytes = plan_.options.memory_budget_bytes;
   options.hold_factor = core::kHoldFactor;
@@ -52,9 +52,12 @@ void FullClient::noteLatency(const WishClock::Wish& wish, core::TimePoint now) {
 }
 
 /// One whose server was going away counts only if it still owed something.
-void FullClient::noteBroken(core::Line line) {
+void FullClient::noteBroken(core::Line line, const Error& why) {
   const uint64_t open = engine_.openWishes(line);
-  if ((line == core::Line::kNewest && engine_.staysConnected()) || open > 0) ++tally_.lost;
+  if ((line == core::Line::kNewest && engine_.staysConnected()) || open > 0) {
+    ++tally_.lost;
+    breaks_.push_back(why);
+  }
   tally_.failed_wishes += open;
   lose(line);
 }
@@ -73,9 +76,14 @@ void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
 
 template <typename Action>
 void FullClient::guarded(const Action& action) {
-  if (gone_ || survives(tally_, action)) return;
-  gone_ = true;
-  due_ = kNever;
+  if (gone_) return;
+  breaks_.clear();
+  if (!survives(tally_, action)) {
+    gone_ = true;
+    due_ = kNever;
+    if (!breaks_.empty()) breaks_.pop_back();  // it is what has ended the client
+  }
+  for (const Error& why : breaks_) tally_.noteError(why.code(), why.what());
 }
 
 void FullClient::step(core::TimePoint now) {
@@ -195,8 +203,10 @@ void FullClient::finish(core::TimePoint now) {
     for (const auto& [blob, wish] : clock.open()) noteLatency(wish, now);
     tally_.unanswered += clock.open().size();
   }
-  if (!engine_.connected())
+  if (!engine_.connected()) {
     for (const auto& [blob, wish] : lost_) noteLatency(wish, now);
+    tally_.unanswered += lost_.size();
+  }
   if (!image_seen_) tally_.first_image.add(now - start_);
   if (!converged_) tally_.converged.add(now - start_);
 }

@@ -15,6 +15,7 @@
 #include "client/app/cli/wish_clock.h"
 #include "client/core/engine.h"
 #include "client/net/tcp_transport.h"
+#include "common/error.h"
 
 namespace lode::app {
 
@@ -37,7 +38,7 @@ class FullClient final : public LoadClient {
   core::EngineOptions engineOptions(uint64_t seed);
   bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
   void noteLatency(const WishClock::Wish& wish, core::TimePoint now);
-  void noteBroken(core::Line line);
+  void noteBroken(core::Line line, const Error& why);
   void lose(core::Line line);
   void noteRefused(const BlobRef& blob, const std::string& why);
   template <typename Action>
@@ -66,6 +67,7 @@ class FullClient final : public LoadClient {
   core::TimePoint round_begin_;  ///< of the path
   double pause_s_ = 0;           ///< at this round's end
   uint64_t received_bytes_ = 0;  ///< that the tally knows of
+  std::vector<Error> breaks_;    ///< of connections, in this call
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;
   std::vector<std::unique_ptr<net::TcpTransport>> ended_;  ///< gone at the next step: not in their own calls

@@ -34,6 +34,7 @@ bool survives(LoadTally& tally, const Action& action) {
   } catch (const std::exception& error) {
     tally.noteError(ErrorCode::kInternal, error.what());
   }
+  ++tally.gave_up;
   return false;
 }
 

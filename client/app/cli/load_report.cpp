@@ -1,6 +1,9 @@
 #include "client/app/cli/load_report.h"
 
+#include <array>
+#include <cstdint>
 #include <cstdio>
+#include <string>
 
 namespace lode::app {
 namespace {
@@ -8,12 +11,32 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json percentiles(const LatencyHistogram& latency) {
+  if (latency.count() == 0)
+    return {{"count", 0}, {"p50", nullptr}, {"p90", nullptr}, {"p99", nullptr}, {"max", nullptr}};
   return {{"count", latency.count()},
           {"p50", latency.percentileMs(0.5)},
           {"p90", latency.percentileMs(0.9)},
           {"p99", latency.percentileMs(0.99)},
           {"max", latency.maxMs()}};
 }
+
+std::string number(double value, int digits = 1) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+std::string milliseconds(const LatencyHistogram& latency, double part) {
+  return number(latency.percentileMs(part)) + " ms";
+}
+
+/// Of wishes or clients; "none" where there were none.
+std::string medianAndWorst(const LatencyHistogram& latency) {
+  if (latency.count() == 0) return "none";
+  return milliseconds(latency, 0.5) + " (median), " + milliseconds(latency, 0.99) + " (p99)";
+}
+
+std::string counted(uint64_t count, const char* what) { return std::to_string(count) + " " + what; }
 
 const char* nameOf(ErrorCode code) {
   switch (code) {
@@ -41,12 +64,12 @@ const char* nameOf(ErrorCode code) {
 
 }  // namespace
 
-Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const LoadTally& tally,
+Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const LoadResult& result,
             double cpu_seconds) {
-  Json json{{"clients", options.clients},
-            {"seconds", options.seconds},
-            {"full", options.full},
-            {"started", tally.started}};
+  const LoadTally& tally = result.tally;
+  Json json{
+      {"clients", options.clients}, {"seconds", options.seconds},        {"full", options.full},
+      {"started", tally.started},   {"interrupted", result.interrupted}, {"seconds_run", result.seconds}};
   if (!options.full)
     json["trace"] = {{"seconds", plans[0].trace.duration_s}, {"wishes", plans[0].trace.wishes.size()}};
   json["blobs"] = tally.blobs;
@@ -58,6 +81,7 @@ Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const L
   json["unanswered"] = tally.unanswered;
   json["moved"] = tally.moved;
   json["lost"] = tally.lost;
+  json["gave_up"] = tally.gave_up;
   json["failed_wishes"] = tally.failed_wishes;
   json["latency_ms"] = {{"visible", percentiles(tally.latency[0])},
                         {"margin", percentiles(tally.latency[1])},
@@ -72,32 +96,35 @@ Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const L
   return json;
 }
 
-void print(const LoadOptions& options, const LoadTally& tally) {
-  std::printf(
-      "%u clients, %.0f s: %llu blobs, %.1f MB/s; visible wishes %.1f ms (median), %.1f ms (p99); first "
-      "image %.1f ms (p99)",
-      options.clients, options.seconds, static_cast<unsigned long long>(tally.blobs),
-      static_cast<double>(tally.bytes) * 1e-6 / options.seconds, tally.latency[0].percentileMs(0.5),
-      tally.latency[0].percentileMs(0.99), tally.first_image.percentileMs(0.99));
-  if (options.full)
-    std::printf("; converged %.1f ms (median), %.1f ms (p99); far off %.1f %% of the time",
-                tally.converged.percentileMs(0.5), tally.converged.percentileMs(0.99),
-                tally.looked_s > 0 ? 100 * tally.far_off_s / tally.looked_s : 0.0);
-  std::printf("; %llu unanswered, %llu connections lost, %llu errors%s%s\n",
-              static_cast<unsigned long long>(tally.unanswered), static_cast<unsigned long long>(tally.lost),
-              static_cast<unsigned long long>(tally.errorCount()), tally.first_error.empty() ? "" : ": ",
-              tally.first_error.c_str());
+std::string describe(const LoadOptions& options, const LoadResult& result) {
+  const LoadTally& tally = result.tally;
+  std::string text = result.interrupted ? "interrupted after " + number(result.seconds) + " of " : "";
+  text += number(options.seconds, 0) + " s: ";
+  text += tally.started < options.clients
+              ? counted(tally.started, "of ") + counted(options.clients, "clients had begun")
+              : counted(options.clients, "clients");
+  text += ", " + counted(tally.blobs, "blobs");
+  if (result.seconds > 0)
+    text += ", " + number(static_cast<double>(tally.bytes) * 1e-6 / result.seconds) + " MB/s";
+  text += "; visible wishes: " + medianAndWorst(tally.latency[0]);
+  text += "; first image: " + medianAndWorst(tally.first_image);
+  if (options.full) {
+    text += "; converged: " + medianAndWorst(tally.converged);
+    if (tally.looked_s > 0)
+      text += "; far off " + number(100 * tally.far_off_s / tally.looked_s) + " % of the time";
+  }
+  text += "; " + counted(tally.unanswered, "unanswered") + ", " + counted(tally.lost, "connections lost") +
+          ", " + counted(tally.gave_up, "clients gave up") + ", " + counted(tally.errorCount(), "errors");
+  return tally.first_error.empty() ? text : text + ", the first: " + tally.first_error;
 }
 
 void LiveLine::print(double seconds, const LoadTally& now) {
   std::fprintf(stderr,
-               "%4.0f s: %llu clients, %llu blobs/s, %.1f MB/s, visible wishes %.1f ms (median), %.1f ms "
-               "(p99), %llu lost, %llu errors\n",
+               "%4.0f s: %llu clients, %llu blobs/s, %.1f MB/s, visible wishes: %s, %llu lost, %llu errors\n",
                seconds, static_cast<unsigned long long>(now.started),
                static_cast<unsigned long long>(now.blobs - last_.blobs),
                static_cast<double>(now.bytes - last_.bytes) * 1e-6,
-               now.latency[0].since(last_.latency[0]).percentileMs(0.5),
-               now.latency[0].since(last_.latency[0]).percentileMs(0.99),
+               medianAndWorst(now.latency[0].since(last_.latency[0])).c_str(),
                static_cast<unsigned long long>(now.lost), static_cast<unsigned long long>(now.errorCount()));
   last_ = now;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -12,10 +13,10 @@ namespace lode::app {
 
 /// docs/json.md tells what the keys mean.
 nlohmann::ordered_json toJson(const LoadOptions& options, std::span<const LoadPlan> plans,
-                              const LoadTally& tally, double cpu_seconds);
+                              const LoadResult& result, double cpu_seconds);
 
-/// One line on stdout.
-void print(const LoadOptions& options, const LoadTally& tally);
+/// The result in one line.
+std::string describe(const LoadOptions& options, const LoadResult& result);
 
 /// A line a second on stderr, for who watches.
 class LiveLine {

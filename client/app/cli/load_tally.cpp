@@ -15,6 +15,7 @@ void LoadTally::add(const LoadTally& other) {
   moved += other.moved;
   lost += other.lost;
   failed_wishes += other.failed_wishes;
+  gave_up += other.gave_up;
   for (const auto& [code, count] : other.errors) errors[code] += count;
   if (first_error.empty()) first_error = other.first_error;
 }

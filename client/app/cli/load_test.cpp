@@ -1,6 +1,8 @@
 #include "client/app/cli/load_test.h"
 
 #include <algorithm>
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <queue>
@@ -46,9 +48,13 @@ class Stepper {
     add(std::make_unique<TraceClient>(io_, plan, start, phase_s, names_, tally_), start);
   }
 
-  void run(Clock::time_point end) {
+  void run(Clock::time_point end, const std::function<bool()>& is_stopped) {
     Clock::time_point publish_at{};
     for (Clock::time_point now = Clock::now(); now < end; now = Clock::now()) {
+      if (is_stopped && is_stopped()) {
+        end = now;
+        break;
+      }
       if (now >= publish_at) {
         publish();
         publish_at = now + kPublishEvery;
@@ -103,6 +109,17 @@ class Stepper {
 
 using Steppers = std::vector<std::unique_ptr<Stepper>>;
 
+/// @return false: stopped before.
+bool sleepUntil(Clock::time_point moment, const std::function<bool()>& is_stopped) {
+  for (Clock::time_point now = Clock::now(); now < moment; now = Clock::now()) {
+    if (is_stopped && is_stopped()) return false;
+    std::this_thread::sleep_until(std::min(moment, now + kLongestWait));
+  }
+  return true;
+}
+
+double secondsOf(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
 LoadTally tallyOf(const Steppers& steppers) {
   LoadTally tally;
   for (const auto& stepper : steppers) tally.add(stepper->tally());
@@ -111,7 +128,7 @@ LoadTally tallyOf(const Steppers& steppers) {
 
 }  // namespace
 
-LoadTally runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options) {
+LoadResult runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options) {
   allowDescriptors(options.clients);
   const Clock::time_point start = Clock::now(), end = start + ofSeconds(options.seconds);
   for (LoadPlan& plan : plans) plan.end = end;
@@ -129,13 +146,14 @@ LoadTally runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options) {
   }
   {
     std::vector<std::jthread> threads;
-    for (const auto& stepper : steppers) threads.emplace_back([&] { stepper->run(end); });
+    for (const auto& stepper : steppers) threads.emplace_back([&] { stepper->run(end, options.is_stopped); });
     for (unsigned second = 1; options.progress && start + std::chrono::seconds(second) < end; ++second) {
-      std::this_thread::sleep_until(start + std::chrono::seconds(second));
+      if (!sleepUntil(start + std::chrono::seconds(second), options.is_stopped)) break;
       options.progress(second, tallyOf(steppers));
     }
   }
-  return tallyOf(steppers);
+  const Clock::time_point ended = Clock::now();
+  return {tallyOf(steppers), std::min(secondsOf(ended - start), options.seconds), ended < end};
 }
 
 }  // namespace lode::app

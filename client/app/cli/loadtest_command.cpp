@@ -16,6 +16,7 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
+#include "client/app/cli/interruption.h"
 #include "client/app/cli/load_report.h"
 #include "client/app/cli/load_test.h"
 #include "client/app/cli/made_path.h"
@@ -27,6 +28,7 @@
 namespace lode::app {
 namespace {
 
+constexpr int kSignalled = 128;          ///< and the signal: the exit status as shells give it
 constexpr uint64_t kTracesOfPlaces = 4;  ///< that are recorded of paths which differ by their seeds
 
 const std::map<std::string, MadePath> kMadePaths{
@@ -120,13 +122,17 @@ void loadtest(const LoadtestOptions& options, int& exit_status) {
   LiveLine live;
   if (isatty(STDERR_FILENO) == 1)
     load.progress = [&](double seconds, const LoadTally& tally) { live.print(seconds, tally); };
+  const Interruption interruption;
+  load.is_stopped = [] { return Interruption::signal() != 0; };
   const double cpu_before = cpuSeconds();
-  const LoadTally tally = runLoadTest(planned.plans(), load);
-  if (options.json)
-    std::printf("%s\n", toJson(load, planned.plans(), tally, cpuSeconds() - cpu_before).dump().c_str());
+  const LoadResult result = runLoadTest(planned.plans(), load);
+  std::printf("%s\n", options.json
+                          ? toJson(load, planned.plans(), result, cpuSeconds() - cpu_before).dump().c_str()
+                          : describe(load, result).c_str());
+  if (result.interrupted)
+    exit_status = kSignalled + Interruption::signal();
   else
-    print(load, tally);
-  exit_status = tally.errors.empty() ? 0 : 1;
+    exit_status = result.tally.errors.empty() ? 0 : 1;
 }
 
 }  // namespace

@@ -97,12 +97,16 @@ void TraceClient::onLine(core::Line line, core::TimePoint now, const Action& act
     action(*session);
   } catch (const Error& error) {
     const bool leaves = line == core::Line::kLeaving || !link_.takesWishes();
-    if (!leaves || session->openWishes() > 0) ++tally_.lost;
+    const bool is_lost = !leaves || session->openWishes() > 0;
+    tally_.lost += is_lost;
     tally_.failed_wishes += session->openWishes();
     ended_ = std::move(transport(line));
-    if (line == core::Line::kNewest) return link_.fail(error, now);
-    link_.endLeaving();
-    sendWishes();
+    if (line == core::Line::kNewest)
+      link_.fail(error, now);
+    else
+      link_.endLeaving();
+    if (is_lost) tally_.noteError(error.code(), error.what());
+    if (line == core::Line::kLeaving) sendWishes();
   }
 }
 

@@ -1,12 +1,20 @@
 // Many clients from one process: what loadtest says of a server that answers, and of one that does not.
 
+#include <chrono>
+#include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <nlohmann/json.hpp>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "programs.h"
 
@@ -14,6 +22,34 @@ namespace lode::test {
 namespace {
 
 using Json = nlohmann::json;
+
+/// Takes connections, and says nothing.
+class SilentServer {
+ public:
+  SilentServer() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof(address);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(listen(socket_, 8), 0);
+    getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size);
+    port_ = ntohs(address.sin_port);
+  }
+  ~SilentServer() { close(socket_); }
+  SilentServer(const SilentServer&) = delete;
+  SilentServer& operator=(const SilentServer&) = delete;
+
+  std::string url() const { return "lode://127.0.0.1:" + std::to_string(port_) + "/model"; }
+  void waitForAConnection() const {
+    pollfd waiting{socket_, POLLIN, 0};
+    EXPECT_EQ(poll(&waiting, 1, static_cast<int>(std::chrono::milliseconds(kPatience).count())), 1);
+  }
+
+ private:
+  int socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  uint16_t port_ = 0;
+};
 
 class Loadtest : public testing::Test {
  protected:
@@ -109,6 +145,19 @@ TEST_F(Loadtest, sortsErrorsByKind) {
   const Json told = Json::parse(outcome.out);
   EXPECT_EQ(told["errors"], 3);
   EXPECT_EQ(told["errors_by_kind"], Json({{"network", 3}}));
+}
+
+TEST_F(Loadtest, thatIsInterruptedTellsWhatItHasSeen) {
+  const SilentServer silent;
+  Program test("lodestream", {"loadtest", silent.url(), "--full", "--clients", "1", "--seconds", "600",
+                              "--ramp", "0", "--json"});
+  silent.waitForAConnection();
+  test.signal(SIGINT);
+  const Outcome outcome = test.wait();
+  EXPECT_EQ(outcome.status, 128 + SIGINT);
+  const Json told = Json::parse(outcome.out, nullptr, false);
+  EXPECT_EQ(told.value("interrupted", false), true);
+  EXPECT_EQ(told.value("started", 0), 1);
 }
 
 TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {

@@ -243,6 +243,55 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerBreaksOff) {
   EXPECT_EQ(server_->openWishes(1), open) << "wished for again";
 }
 
+TEST_P(EveryLoadClient, countsAConnectionThatBreaksAsAnErrorOfTheNetwork) {
+  runUntilOpened(1);
+  server_->breakOff(0);
+  runUntilOpened(2);
+  EXPECT_EQ(tally_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 1}}));
+}
+
+TEST_P(EveryLoadClient, countsATryToConnectThatNobodyTakesAsAnErrorOfTheNetwork) {
+  runUntilOpened(1);
+  server_->closeToTheNext(2);
+  server_->breakOff(0);
+  runUntilOpened(2);
+  EXPECT_EQ(tally_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 3}}));
+}
+
+TEST_P(EveryLoadClient, hasNotGivenUpWhereItComesAgain) {
+  runUntilOpened(1);
+  server_->breakOff(0);
+  runUntilOpened(2);
+  EXPECT_EQ(tally_.gave_up, 0u);
+}
+
+TEST_P(EveryLoadClient, givesUpWithOneErrorWhereNobodyIsThereAtFirst) {
+  server_->closeToTheNext(1);
+  while (client_->due() != kNever) turn();
+  EXPECT_EQ(tally_.gave_up, 1u);
+  EXPECT_EQ(tally_.errorCount(), 1u);
+}
+
+TEST_P(EveryLoadClient, hasNoErrorWhereAServerGoesAway) {
+  runUntilOpened(1);
+  settle();
+  server_->goAway(0);
+  runUntilOpened(2);
+  server_->breakOff(0);
+  settle();
+  EXPECT_EQ(tally_.errorCount(), 0u);
+}
+
+TEST_P(EveryLoadClient, leavesUnansweredWhatABrokenConnectionOwed) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  const size_t open = server_->openWishes(0);
+  server_->breakOff(0);
+  run([&] { return tally_.lost > 0; });
+  client_->finish(Clock::now());
+  EXPECT_EQ(tally_.unanswered, open);
+}
+
 TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerThatIsGoingAwayBreaksOff) {
   server_->holdBack(true);
   runUntilWishedFor(0);
