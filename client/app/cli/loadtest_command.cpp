@@ -86,13 +86,27 @@ class PlannedLoad {
     plan.think_s = options_.think_s;
     plan.decode = !options_.decode_off;
     for (uint64_t seed = 0; seed < traces_; ++seed) {
-      if (!options_.load.full) plan.trace = traceOf(plan, seed);
+      if (!options_.load.full) plan.trace = traceOf(open, plan, seed);
       plans_.push_back(plan);
     }
   }
 
-  WishTrace traceOf(const LoadPlan& plan, uint64_t seed) const {
-    if (!options_.trace_file.empty()) return readWishTrace(options_.trace_file);
+  WishTrace readTrace(const ResolvedTarget& target) const {
+    const WishTrace trace = readWishTrace(options_.trace_file);
+    if (trace.wishes.empty())
+      throw Error(ErrorCode::kInput,
+                  options_.trace_file +
+                      ": the trace has no wishes, there is nothing to replay; record a path "
+                      "that comes closer to the model, or with fewer --pixels");
+    stream::StreamOptions options = target.options;
+    options.cache_folder.clear();
+    stream::Streamer streamer(target.served, options);
+    checkBuild(trace, openModel(streamer, target, options_.common.timeout()).build_id, options_.trace_file);
+    return trace;
+  }
+
+  WishTrace traceOf(const ResolvedTarget& target, const LoadPlan& plan, uint64_t seed) const {
+    if (!options_.trace_file.empty()) return readTrace(target);
     const auto path_of = [&](const ModelSummary& model) { return path_of_(model, seed); };
     return recordTrace(plan.model, plan.options, path_of, plan.size_px, plan.pixels,
                        options_.common.timeout());

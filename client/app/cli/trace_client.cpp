@@ -164,7 +164,8 @@ void TraceClient::receive() {
 }
 
 void TraceClient::handle(const core::SessionEvent& event, core::Session& session, core::TimePoint now) {
-  if (std::holds_alternative<core::ModelOpened>(event)) {
+  if (const auto* opened = std::get_if<core::ModelOpened>(&event)) {
+    checkBuild(plan_.trace, opened->summary.build_id, plan_.model.model);
     link_.succeeded();
     return sendWishes();
   }

@@ -102,6 +102,13 @@ class Recorder {
 
 }  // namespace
 
+void checkBuild(const WishTrace& trace, const BlobName& build_id, const std::string& source) {
+  if (trace.build_id == build_id) return;
+  throw Error(ErrorCode::kInput, source + ": the trace is of another build of the model (" +
+                                     toHex(trace.build_id) + ", and this one is " + toHex(build_id) +
+                                     "): record it anew with replay --record");
+}
+
 WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
                       const PathOf& path_of, glm::uvec2 size_px, float pixels,
                       std::chrono::milliseconds timeout) {
@@ -110,6 +117,7 @@ WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOpti
   const core::CameraPath path = path_of(summary);
   const double begin_s = path.keys.front().t;
   WishTrace trace;
+  trace.build_id = summary.build_id;
   trace.duration_s = path.keys.back().t - begin_s;
   if (trace.duration_s > kStepSeconds * kMaxSteps)
     throw Error(ErrorCode::kUsage, "a camera path of more than an hour: shorten it");

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -11,6 +12,7 @@
 #include "client/core/camera_path.h"
 #include "client/core/engine.h"
 #include "client/stream/streamer.h"
+#include "common/blob.h"
 
 namespace lode::app {
 
@@ -23,12 +25,16 @@ struct TracedWish {
 
 /// What a camera path wishes for, in the order of time: recorded once, replayed by any number of clients.
 struct WishTrace {
+  BlobName build_id;  ///< of the model: in another build of it blobs have other numbers
   double duration_s = 0;
   std::vector<TracedWish> wishes;
 };
 
 /// The path that a client goes along, once it knows the model.
 using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
+
+/// @param source  names the trace. @throws Error kInput if it is not of this build of the model.
+void checkBuild(const WishTrace& trace, const BlobName& build_id, const std::string& source);
 
 /// Goes along a path in steps of a tenth of a second, waiting at each until nothing is missing.
 /// @throws Error kNetwork and so on as a Session does, kTimeout.

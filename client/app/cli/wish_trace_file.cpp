@@ -134,6 +134,8 @@ TracedWish readWish(const Reader& json, double duration_s, double step) {
 
 std::string toJson(const WishTrace& trace) {
   Json json;
+  json["version"] = kTraceVersion;
+  json["build_id"] = toHex(trace.build_id);
   json["duration_s"] = trace.duration_s;
   json["step"] = 1.0;
   json["wishes"] = Json::array();
@@ -155,7 +157,13 @@ WishTrace parseWishTrace(std::string_view text, std::string_view source) {
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) refuse(source, "not JSON");
   const Reader reader(json, "the trace", source);
+  const uint32_t version = reader.has("version") ? reader.count("version", kAny) : 1;
+  if (version != kTraceVersion)
+    throw Error(ErrorCode::kInput, std::string(source) + ": a trace of version " + std::to_string(version) +
+                                       ", and this program reads version " + std::to_string(kTraceVersion) +
+                                       ": record it anew with replay --record");
   WishTrace trace;
+  trace.build_id = reader.name("build_id");
   trace.duration_s = reader.number("duration_s", kLongestTraceSeconds);
   const double step = reader.number("step", std::numeric_limits<double>::max());
   const auto wishes = json.find("wishes");

@@ -10,7 +10,10 @@ namespace lode::app {
 constexpr uint64_t kMaxTraceFileBytes = 256ull << 20;
 constexpr size_t kMaxTracedWishes = 1'000'000;
 
-/// A trace as JSON: {"duration_s": 20, "step": 0.001, "wishes": [{"t": 0, "blob": 7, "bytes": 900, "name":
+constexpr uint32_t kTraceVersion = 2;  ///< of the format; 1 had neither it nor the build's name
+
+/// A trace as JSON: {"version": 2, "build_id": "<32 hexadecimal digits>", "duration_s": 20, "step": 0.001,
+/// "wishes": [{"t": 0, "blob": 7, "bytes": 900, "name":
 /// "<32 hexadecimal digits>", "class": 0, "px": 8.5, "mesh": {"triangles": 90, "vertices": 60, "attributes":
 /// 1, "box": [0, 0, 0, 9, 9, 9]} or "tile": {"size": [512, 512], "tail": 0} or neither, of pages}]}.
 std::string toJson(const WishTrace& trace);

@@ -72,6 +72,38 @@ TEST(Replay, recordsATraceThatALoadTestReplays) {
   EXPECT_GT(json["latency_ms"]["visible"]["count"], 0);
 }
 
+/// A trace of the small model, whose file the test may change.
+class ReplayedTrace : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(
+        lodestream({"replay", store_, "--camera", writePath(folder_), "--pixels", "2", "--record", trace_})
+            .status,
+        0);
+  }
+  Outcome loadtest() const {
+    return lodestream({"loadtest", store_, "--trace", trace_, "--clients", "1", "--seconds", "1"});
+  }
+
+  const WorkFolder folder_;
+  const std::string store_ = makeSmallStore(folder_), trace_ = folder_ / "trace.json";
+};
+
+TEST_F(ReplayedTrace, ofAnotherBuildOfTheModelIsRefused) {
+  ASSERT_EQ(
+      lodestreamd({"build", folder_ / "small.ply", "-o", store_, "--triangles-per-node", "512", "--quiet"})
+          .status,
+      0);
+  expectFailure(loadtest(), {trace_, "another build of the model", "replay --record"});
+}
+
+TEST_F(ReplayedTrace, withoutAWishIsRefused) {
+  Json trace = Json::parse(readBytes(trace_));
+  trace["wishes"] = Json::array();
+  writeBytes(trace_, trace.dump());
+  expectFailure(loadtest(), {trace_, "nothing to replay"});
+}
+
 TEST(Replay, saysWhyItDidNotConverge) {
   const WorkFolder folder;
   const RunningServer server({makeSmallStore(folder)});

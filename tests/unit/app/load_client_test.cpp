@@ -177,6 +177,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
     plan_.pixels = 0.01f;
     plan_.fps = 100;
     plan_.end = start_;  // a trace is replayed once
+    plan_.trace.build_id = store_->summary().build_id;
     for (const Node& node : store_->nodes())
       if (node.isLeaf())
         plan_.trace.wishes.push_back(

@@ -11,6 +11,7 @@ namespace {
 
 WishTrace someTrace() {
   WishTrace trace;
+  trace.build_id = {{std::byte{0xcd}}};
   trace.duration_s = 2;
   TracedWish page{0, {{3, 900, {{std::byte{0xab}}}}, {}, proto::WishClass::kVisible, 8.5f}, {}};
   TracedWish mesh{0.1, {{4, 5000, {{std::byte{1}}}}, {}, proto::WishClass::kMargin, 2}, core::DecodeJob()};
@@ -27,6 +28,7 @@ WishTrace someTrace() {
 TEST(WishTraceFile, givesBackTheTraceThatWasWritten) {
   const WishTrace trace = someTrace();
   const WishTrace read = parseWishTrace(toJson(trace), "t");
+  EXPECT_EQ(read.build_id, trace.build_id);
   EXPECT_EQ(read.duration_s, trace.duration_s);
   ASSERT_EQ(read.wishes.size(), trace.wishes.size());
   for (size_t i = 0; i < trace.wishes.size(); ++i) {
@@ -65,8 +67,11 @@ TEST(WishTraceFile, refusesWhatIsNoTraceAndSaysWhere) {
   };
   expectRefused("[", "not JSON");
   expectRefused("[]", "the trace is not an object");
-  expectRefused("{}", "duration_s is missing");
-  expectRefused(R"({"duration_s": 1, "step": 1})", "wishes is not a list");
+  expectRefused("{}", "trace.json: a trace of version 1");
+  expectRefused(changed("\"version\":2", "\"version\":3"), "a trace of version 3");
+  expectRefused(R"({"version": 2})", "build_id is missing");
+  expectRefused(R"({"version": 2, "build_id": "00000000000000000000000000000000"})", "duration_s is missing");
+  expectRefused(changed("\"wishes\":[", "\"others\":["), "wishes is not a list");
   expectRefused(changed("\"t\":0.1", "\"t\":7"), "wishes[1].t is out of range");
   expectRefused(changed("\"t\":0.0", "\"t\":1.0"), "wishes[1].t is before");
   expectRefused(changed("\"blob\":4", "\"blob\":-4"), "wishes[1].blob is out of range");
