@@ -20,6 +20,8 @@ struct CutPart {
   float error_px = 0;   ///< projected error at refinement
   std::shared_ptr<const Mesh> mesh;
   float error_model = 0;  ///< how far its surface lies from the original one
+  float off_model = 0;    ///< the larger of that and of its lost detail: error_px is of it
+  ModelBox box = {};      ///< of its node
 };
 
 /// A tile of a texture that may be drawn. The image is shared with the cache and never changes; tiles that

@@ -160,8 +160,8 @@ class Run {
     if (!rung) return;
     in_use_.push_back({wanted.node->key, *rung});
     Fallback fallback;
-    fallback.part = {wanted.node->key, *rung, false, want_.errorPx(wanted, *rung),
-                     wanted.resident->mesh(*rung)};
+    fallback.part = partAt(wanted, *rung);
+    fallback.part.visible = false;
     fallback_bytes_ += meshBytes(*fallback.part.mesh);
     const uint64_t drawn_bytes = drawnBytes(*fallback.part.mesh);
     fallback_drawn_bytes_ += drawn_bytes;
@@ -236,14 +236,25 @@ class Run {
     lacking_.push_back({node.key, toModelBox(node.box, step_)});
   }
 
+  CutPart partAt(const WantedNode& wanted, uint32_t rung) const {
+    const Rung& shown = wanted.node->rungs[rung];
+    return {wanted.node->key,
+            rung,
+            wanted.visible,
+            want_.errorPx(wanted, rung),
+            wanted.resident->mesh(rung),
+            shown.error_model,
+            WantedCut::offModel(shown),
+            toModelBox(wanted.node->box, step_)};
+  }
+
   void emit(const WantedNode& part, uint32_t rung) {
     const Rung& shown = part.node->rungs[rung];
     if (shown.triangles == 0) return;
     const MeshKey key{part.node->key, rung};
     in_use_.push_back(key);
-    const float error_px = want_.errorPx(part, rung);
-    cut_->parts.push_back(
-        {key.node, rung, part.visible, error_px, part.resident->mesh(rung), shown.error_model});
+    cut_->parts.push_back(partAt(part, rung));
+    const float error_px = cut_->parts.back().error_px;
     cut_->drawn_bytes += drawnBytes(*cut_->parts.back().mesh);
     cut_->triangles += shown.triangles;
     cut_->blob_bytes += shown.payload.bytes;

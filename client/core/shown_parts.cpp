@@ -31,6 +31,17 @@ std::vector<uint32_t> shownParts(const Cut& cut, const View& view) {
   return shown;
 }
 
+float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept {
+  const Sight sight(view, 1);
+  float largest_px = 0;
+  for (const uint32_t number : shown) {
+    const CutPart& part = partOf(cut, number);
+    if (sight.see(part.box) == Seen::kNot) continue;
+    largest_px = std::max(largest_px, sight.errorPx(part.off_model, sight.distanceTo(part.box)));
+  }
+  return largest_px;
+}
+
 size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& view) {
   if (cut.left_out.empty()) return 0;
   const Sight sight(view, 1);

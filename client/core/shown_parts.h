@@ -21,6 +21,10 @@ inline const CutPart& partOf(const Cut& cut, size_t number) noexcept {
 /// @return numbers for partOf(), depth first.
 std::vector<uint32_t> shownParts(const Cut& cut, const View& view);
 
+/// The largest error in the picture of a camera, wherever it has gone since, of what is drawn of a cut; 0 if
+/// it sees none of it. @param shown  numbers for partOf().
+float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept;
+
 /// Places that are left out of a cut, that a camera sees, and that nothing drawn covers.
 /// @param shown  numbers for partOf() of what is drawn.
 size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& view);

@@ -76,8 +76,7 @@ WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
 }
 
 float WantedCut::errorPx(const WantedNode& wanted, uint32_t rung) const {
-  const Rung& of = wanted.node->rungs[rung];
-  return sight_.errorPx(std::max(of.error_model, of.appearance_error_model), wanted.distance_model);
+  return sight_.errorPx(offModel(wanted.node->rungs[rung]), wanted.distance_model);
 }
 
 void WantedCut::enqueue(uint32_t place) {

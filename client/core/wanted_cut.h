@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -70,6 +71,8 @@ class WantedCut {
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
   std::vector<WantedMesh> meshes() const;
+  /// What is refined on.
+  static float offModel(const Rung& rung) { return std::max(rung.error_model, rung.appearance_error_model); }
   static uint32_t lastRung(const Node& node) { return static_cast<uint32_t>(node.rungs.size()) - 1; }
 
  private:

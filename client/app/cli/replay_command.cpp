@@ -112,7 +112,7 @@ class Replay {
     for (size_t i = 0; i < kThresholdsPx.size(); ++i) {
       if (error_px > static_cast<float>(kThresholdsPx[i]))
         result_.seconds_above[i] += 1 / options_.fps;
-      else if (is_current_ && !result_.reached_ms[i])
+      else if (!result_.reached_ms[i])
         result_.reached_ms[i] = now_ms;
     }
     if (view != view_) result_.converged_ms.reset();
@@ -124,18 +124,12 @@ class Replay {
       result_.converged_ms = now_ms;
   }
 
-  /// At what would be drawn. @return its largest error, from where the cut was made for.
+  /// At what would be drawn. @return its largest error, as this frame's view sees it.
   float lookAt(const core::Cut& cut, std::span<const uint32_t> shown, const core::View& view) {
     result_.holes += countHoles(cut, shown, view);
-    float error_px = cut.max_error_px;
-    bool has_fallback = false;
-    for (const uint32_t number : shown) {
-      if (number < cut.parts.size()) continue;
-      has_fallback = true;
-      error_px = std::max(error_px, partOf(cut, number).error_px);
-    }
-    result_.fallback_frames += has_fallback;
-    return error_px;
+    result_.fallback_frames +=
+        std::ranges::any_of(shown, [&](uint32_t number) { return number >= cut.parts.size(); });
+    return shownErrorPx(cut, shown, view);
   }
 
   bool finished() const {

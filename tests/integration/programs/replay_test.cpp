@@ -45,6 +45,15 @@ TEST(Replay, movesInRealTimeWithoutAHoleAndConvergesAtTheEnd) {
   EXPECT_GT(json["link"]["round_trip_ms"], 0);
 }
 
+TEST(Replay, reachesAnErrorWhileTheCameraMoves) {
+  const WorkFolder folder;
+  const RunningServer server({makeSmallStore(folder)});
+  const Outcome outcome = lodestream({"replay", server.url("small"), "--camera", writePath(folder),
+                                      "--pixels", "2", "--fps", "100", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_LT(Json::parse(outcome.out)["reached_px_ms"]["4"], 1000) << "the path takes as long";
+}
+
 TEST(Replay, asksForNothingAheadWhereThatIsNotWanted) {
   const WorkFolder folder;
   const RunningServer server({makeSmallStore(folder)});

@@ -42,6 +42,15 @@ TEST_P(RefinerOnSeeds, convergesToTheSameCutWhateverCameBefore) {
   }
 }
 
+TEST_P(RefinerOnSeeds, saysOfEachPartWhatTheErrorInAnyPictureFollowsFrom) {
+  for (const View& view : {closeView(), farView(), insideView()}) {
+    Scripted client(model_);
+    client.converge(view, {.threshold_px = 5}, random_, kNoCheck);
+    const Cut& cut = *client.last().cut;
+    EXPECT_EQ(shownErrorPx(cut, shownParts(cut, view), view), cut.max_error_px);
+  }
+}
+
 TEST_P(RefinerOnSeeds, neverShowsAHoleOrAPlaceTwice) {
   Scripted client(model_);
   bool shown = false;

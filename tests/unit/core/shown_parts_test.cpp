@@ -86,5 +86,28 @@ TEST_F(ShownParts, leaveHolesThatAreCountedIfTheCutAloneIsDrawn) {
   EXPECT_EQ(countHoles(cut_, Numbers{kNearFallback, 2}, at_both_), 1u);
 }
 
+/// One part of a hundred units, off by one.
+class ShownError : public testing::Test {
+ protected:
+  ShownError() {
+    CutPart& part = cut_.parts.emplace_back();
+    part.off_model = 1;
+    part.box = {{0, 0, 0}, {100, 100, 100}};
+  }
+  float errorPx(const View& view) const { return shownErrorPx(cut_, Numbers{0}, view); }
+
+  Cut cut_;
+};
+
+TEST_F(ShownError, isLargerTheNearerTheCameraHasCome) {
+  const float far_px = errorPx(lookingAt({50, 50, 1100}, {50, 50, 0}));
+  EXPECT_GT(far_px, 0);
+  EXPECT_NEAR(errorPx(lookingAt({50, 50, 200}, {50, 50, 0})), 10 * far_px, 0.01f * far_px);
+}
+
+TEST_F(ShownError, isNothingOfWhatIsNotInThePicture) {
+  EXPECT_EQ(errorPx(lookingAt({50, 50, 1100}, {50, 50, 2000})), 0);
+}
+
 }  // namespace
 }  // namespace lode::core
