@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +24,14 @@ constexpr double kMaxCoordinate = 1e15;  // so that no square overflows
       std::string(source) + ": " + what +
           R"(; a camera path looks like {"fov_y_deg": 45, "keys": [{"t": 0, "eye": [0,0,5], "target": [0,0,0], )"
           R"("up": [0,1,0]}]})");
+}
+
+/// Misspelt members would be left out without a word.
+void refuseOthers(const Json& object, std::initializer_list<std::string_view> known, std::string_view source,
+                  const std::string& where) {
+  for (const auto& [name, value] : object.items())
+    if (std::ranges::find(known, name) == known.end())
+      refuse(source, where + " has no member " + Json(name).dump(-1, ' ', true));
 }
 
 double parseNumber(const Json& value, std::string_view source, const std::string& what) {
@@ -44,6 +54,7 @@ glm::dvec3 parseVector(const Json& key, const char* name, std::string_view sourc
 
 CameraKey parseKey(const Json& json, std::string_view source, const std::string& where) {
   if (!json.is_object()) refuse(source, where + " is not an object");
+  refuseOthers(json, {"t", "eye", "target", "up"}, source, where);
   CameraKey key;
   if (const auto t = json.find("t"); t != json.end()) key.t = parseNumber(*t, source, where + ".t");
   key.eye = parseVector(json, "eye", source, where);
@@ -92,6 +103,7 @@ CameraPath parseCameraPath(std::string_view text, std::string_view source) {
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) refuse(source, "not JSON");
   if (!json.is_object()) refuse(source, "not a JSON object");
+  refuseOthers(json, {"fov_y_deg", "keys"}, source, "a camera path");
   CameraPath path;
   if (const auto fov = json.find("fov_y_deg"); fov != json.end()) {
     path.fov_y_deg = parseNumber(*fov, source, "fov_y_deg");

@@ -38,6 +38,14 @@ TEST(CameraPath, hasAFieldOfViewOf45DegreesIfNoneIsGiven) {
   EXPECT_EQ(parseCameraPath(R"({"keys": [)" + keyAt("0", "[0,0,5]") + "]}", "p").fov_y_deg, 45);
 }
 
+TEST(CameraPath, refusesMembersThatItDoesNotKnowAndNamesThem) {
+  const std::string good = keyAt("0", "[0,0,5]");
+  expectRefused(R"({"fov": 60, "keys": [)" + good + "]}", R"(has no member "fov")");
+  expectRefused(pathOf(R"({"eye": [0,0,5], "target": [0,0,0], "upp": [0,0,1]})"),
+                R"(keys[0] has no member "upp")");
+  expectRefused(R"({"a\nb": 60, "keys": [)" + good + "]}", R"(has no member "a\nb")");
+}
+
 TEST(CameraPath, refusesWhatIsNotACameraPathAndSaysWhere) {
   const std::string good = keyAt("0", "[0,0,5]");
   expectRefused("", "not JSON");
