@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 
 #include "client/render/mesh_residency.h"
 
@@ -56,6 +57,8 @@ constexpr std::array<AgeBin, 5> kAgeBins{{{0.25f, {220, 50, 40}},
                                           {kOldS, {70, 170, 200}},
                                           {0, {49, 104, 190}}}};
 
+constexpr size_t kMostNodesInLegend = 16;  ///< of nodes by name
+
 size_t ageBin(float age_s) {
   size_t bin = 0;
   while (bin + 1 < kAgeBins.size() && age_s > kAgeBins[bin].seconds) ++bin;
@@ -85,6 +88,30 @@ glm::u8vec3 colourOfNode(NodeKey node) {
   const glm::dvec3 third(0, 2.0 / 3, 1.0 / 3);
   const glm::dvec3 pure = glm::clamp(glm::abs(glm::fract(hue + third) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
   return glm::u8vec3(glm::mix(glm::dvec3(1), pure, 0.55) * light * 255.0);
+}
+
+/// As `lodestreamd info --nodes` names it.
+std::string nodeName(NodeKey node) {
+  std::string name = "root";
+  for (int depth = 1; depth <= node.depth(); ++depth)
+    name += "/" + std::to_string(node.ancestorAt(depth).octant());
+  return name;
+}
+
+std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
+  std::set<NodeKey> nodes;
+  for (const DrawItem& part : drawn) nodes.insert(part.node);
+  std::vector<LegendEntry> legend;
+  for (const NodeKey node : nodes) {
+    if (legend.size() == kMostNodesInLegend) {
+      legend.push_back({{200, 200, 200},
+                        "and " + std::to_string(nodes.size() - kMostNodesInLegend) +
+                            " nodes more, each in a colour of its own"});
+      break;
+    }
+    legend.push_back({colourOfNode(node), "node " + nodeName(node)});
+  }
+  return legend;
 }
 
 std::string errorMeaning(size_t bin, float threshold_px) {
@@ -132,7 +159,7 @@ glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexce
 
 std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px) {
   if (show == Show::kNormals) return {{{255, 128, 128}, "x"}, {{128, 255, 128}, "y"}, {{128, 128, 255}, "z"}};
-  if (show == Show::kNodes) return {{{200, 200, 200}, "each node in a colour of its own"}};
+  if (show == Show::kNodes) return legendOfNodes(drawn);
   std::vector<LegendEntry> legend;
   if (show == Show::kTexels) {
     for (size_t i = 0; i < kTexelColourCount; ++i) legend.push_back({kTexelLadder[i], kTexelMeanings[i]});

@@ -141,6 +141,22 @@ TEST(ShownColours, areExplainedForTheDepthsAndRungsThatAreDrawn) {
   EXPECT_TRUE(legendOf(Show::kSurface, drawn, 1).empty());
 }
 
+TEST(ShownColours, areExplainedForTheNodesThatAreDrawn) {
+  const std::vector<render::DrawItem> drawn{partOf(kRootKey.child(1).child(2)), partOf(kRootKey.child(3)),
+                                            partOf(kRootKey.child(3))};
+  const std::vector<render::LegendEntry> expected{{colourOf(Show::kNodes, drawn[1], 1), "node root/3"},
+                                                  {colourOf(Show::kNodes, drawn[0], 1), "node root/1/2"}};
+  EXPECT_EQ(legendOf(Show::kNodes, drawn, 1), expected);
+}
+
+TEST(ShownColours, areExplainedForTheFirstOfVeryManyNodesAndTheOthersCounted) {
+  std::vector<render::DrawItem> drawn;
+  for (unsigned i = 0; i < 64; ++i) drawn.push_back(partOf(kRootKey.child(i / 8).child(i % 8)));
+  const auto legend = legendOf(Show::kNodes, drawn, 1);
+  EXPECT_EQ(legend.size(), 17u);
+  EXPECT_EQ(legend.back().meaning, "and 48 nodes more, each in a colour of its own");
+}
+
 TEST(Light, comesFromTheLeftAboveAndBehindOfALevelCamera) {
   const render::Light light = render::lightFor(lookAt({0, 0, 5}, {0, 0, 0}), {0, 1, 0});
   EXPECT_LT(light.to_sun.x, -0.3f);
