@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -58,6 +59,16 @@ std::string readToken(const std::string& file) {
   return checkedToken(std::move(token), file);
 }
 
+/// A folder that was asked for is made at once: blobs that cannot be kept are let go without a word.
+std::filesystem::path chosenCache(const std::string& folder, bool offline) {
+  std::error_code failed;
+  if (!offline) std::filesystem::create_directories(folder, failed);
+  if (failed)
+    throw Error(ErrorCode::kIo, folder + ": nothing can be kept there (" + failed.message() +
+                                    "); give --cache a folder, or off");
+  return folder;
+}
+
 }  // namespace
 
 PictureSize parseSize(std::string_view text) {
@@ -108,7 +119,7 @@ stream::StreamOptions CommonOptions::streamOptions() const {
   options.connect_timeout = std::min(options.connect_timeout, timeout());
   const bool on_server = target.find("://") != std::string::npos;
   if (on_server && cache_text != "off")
-    options.cache_folder = cache_text.empty() ? cacheFolder() : std::filesystem::path(cache_text);
+    options.cache_folder = cache_text.empty() ? cacheFolder() : chosenCache(cache_text, offline);
   options.offline = offline;
   if (offline && options.cache_folder.empty())
     throw Error(ErrorCode::kUsage, "--offline shows what the cache has of a model on a server: it needs one");
@@ -129,8 +140,11 @@ void addServerOptions(CLI::App& command, CommonOptions& options, const char* tar
   command.set_version_flag("--version", "lodestream " LODE_VERSION);
 }
 
-void addCommonOptions(CLI::App& command, CommonOptions& options) {
-  addServerOptions(command, options, "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store or a PLY");
+void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
+  addServerOptions(command, options,
+                   takes == Takes::kScenesToo
+                       ? "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store, a PLY or a scene (.json)"
+                       : "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store or a PLY");
   auto* camera =
       command.add_option("--camera", options.camera_file, "camera path (default: one that frames the model)")
           ->type_name("PATH.json");
@@ -152,9 +166,12 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
                   "keep blobs from servers in this folder (default: the user's cache), or off")
       ->type_name("DIR|off");
   command.add_flag("--offline", options.offline, "show what the cache has, without a server");
+}
+
+void addFadeOption(CLI::App& command, CommonOptions& options) {
   command.add_flag_callback(
       "--no-fade", [&options] { options.fade = false; },
-      "let what arrives in a window take its place at once, without a cross-fade");
+      "let what arrives take its place at once, without a cross-fade");
 }
 
 }  // namespace lode::app

@@ -49,8 +49,14 @@ struct CommonOptions {
 /// Declares what every client command has: the target (as the command names it), --timeout and --token-file.
 void addServerOptions(CLI::App& command, CommonOptions& options, const char* target_form);
 
+/// What may be a command's TARGET.
+enum class Takes : uint8_t { kModels, kScenesToo };
+
 /// Declares TARGET, --camera, --size, --pixels, --timeout, --memory-budget and --token-file on a subcommand.
-void addCommonOptions(CLI::App& command, CommonOptions& options);
+void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes = Takes::kModels);
+
+/// Declares --no-fade, of what has a window.
+void addFadeOption(CLI::App& command, CommonOptions& options);
 
 /// A subcommand is declared by a function like this: it adds itself to the program with a callback that does
 /// the work and sets the exit status; an Error that leaves the callback is printed by main().

@@ -246,7 +246,7 @@ void declareRender(CLI::App& program, int& /*exit_status*/) {
       "render",
       "Draws pictures of a model or a scene off-screen, each when it has converged; needs no display");
   const auto options = std::make_shared<RenderOptions>();
-  addCommonOptions(*command, options->common);
+  addCommonOptions(*command, options->common, Takes::kScenesToo);
   auto* output =
       command->add_option("-o,--output", options->output, "write the picture of the path's first key")
           ->type_name("OUT.png");

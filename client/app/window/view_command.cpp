@@ -12,7 +12,8 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
   CLI::App* command =
       program.add_subcommand("view", "Shows a model in a window while it streams; keys are listed there");
   const auto options = std::make_shared<ViewOptions>();
-  addCommonOptions(*command, options->common);
+  addCommonOptions(*command, options->common, Takes::kScenesToo);
+  addFadeOption(*command, options->common);
   command
       ->add_option("--screenshot", options->screenshot,
                    "save a picture of the window once the model has converged, and end")

@@ -180,5 +180,10 @@ TEST_F(Scenes, ofTheSampleHaveAHundredInstancesOfThreeModelsAndAreTheSameForASee
   EXPECT_NE(lodestreamd({"sample", "scene", "--triangles", "3000", "-o", folder_ / "a"}).status, 0);
 }
 
+TEST(HelpOfWhatDraws, saysThatATargetMayBeAScene) {
+  for (const char* command : {"view", "render"})
+    EXPECT_NE(lodestream({command, "--help"}).out.find("a scene"), std::string::npos) << command;
+}
+
 }  // namespace
 }  // namespace lode::test

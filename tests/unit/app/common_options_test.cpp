@@ -1,6 +1,7 @@
 #include "client/app/cli/common_options.h"
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -94,6 +95,29 @@ TEST(CommonOptions, refuseAFileThatIsNotOneToken) {
           << text << ": " << error.what();
     }
   }
+}
+
+TEST(CommonOptions, refuseACacheThatIsNoFolder) {
+  const lode::test::WorkFolder folder;
+  CommonOptions options;
+  options.target = "lode://localhost/model";
+  options.cache_text = folder / "file";
+  std::ofstream(options.cache_text) << "something";
+  try {
+    options.streamOptions();
+    ADD_FAILURE() << "taken";
+  } catch (const Error& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with(options.cache_text + ": ")) << error.what();
+  }
+}
+
+TEST(CommonOptions, makeTheFolderOfACache) {
+  const lode::test::WorkFolder folder;
+  CommonOptions options;
+  options.target = "lode://localhost/model";
+  options.cache_text = folder / "a/b";
+  EXPECT_EQ(options.streamOptions().cache_folder, options.cache_text);
+  EXPECT_TRUE(std::filesystem::is_directory(options.cache_text));
 }
 
 TEST(CommonOptions, takeATokenWithSpaces) {
