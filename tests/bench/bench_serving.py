@@ -268,7 +268,8 @@ def latency(bench):
             queue, send = (visible_in_server(metrics, figure) for figure in ("queue", "send"))
         visible, margin, image = run["latency_ms"]["visible"], run["latency_ms"]["margin"], run["first_image_ms"]
         print(f"| {clients} | {run['blobs'] / run['seconds']:.0f} | {run['bytes'] / run['seconds'] / 1e6:.0f} | "
-              f"{visible['p50']:.1f} ms | **{visible['p99']:.1f} ms** | {visible['max']:.0f} ms | {margin['p99']:.1f} ms | "
+              f"{visible['p50']:.1f} ms | **{visible['p99']:.1f} ms** | {visible['max']:.0f} ms | "
+              f"{'none' if margin['p99'] is None else format(margin['p99'], '.1f') + ' ms'} | "
               f"{image['p99']:.1f} ms | {run['unanswered']} | {run['errors']} | {100 * used:.0f} % | "
               f"{100 * run['cpu_seconds'] / run['seconds']:.0f} % | ≤ {at_most_ms(queue, 0.99):g} ms | "
               f"**≤ {at_most_ms(send, 0.99):g} ms** | ≤ {at_most_ms(send, 0.999):g} ms |", flush=True)
