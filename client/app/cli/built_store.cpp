@@ -48,21 +48,15 @@ std::string versionOf(const fs::path& path) {
          std::to_string(status.st_mtim.tv_nsec);
 }
 
-/// One program's right to a folder, until the end of its life.
+/// One program's right to a folder, until the end of its life. Makes the folder.
 class FolderLock {
  public:
   /// @throws Error kIo, kTimeout when it is stopped.
   FolderLock(const fs::path& folder, const fs::path& ply, bool announce, const std::stop_token& stop)
-      : file_(open((folder / kLock).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-    if (file_ < 0)
-      throw Error(ErrorCode::kIo, (folder / kLock).string() + ": " + std::strerror(errno) +
-                                      "; set XDG_CACHE_HOME to a folder that can be written");
-    for (bool told = !announce; flock(file_, LOCK_EX | LOCK_NB) != 0;
-         std::this_thread::sleep_for(kLockPoll)) {
-      if (stop.stop_requested()) {
-        close(file_);
+      : path_(folder / kLock) {
+    for (bool told = !announce; !take(); std::this_thread::sleep_for(kLockPoll)) {
+      if (stop.stop_requested())
         throw Error(ErrorCode::kTimeout, ply.string() + ": stopped while another program builds it");
-      }
       if (!std::exchange(told, true))
         std::fprintf(stderr, "lodestream: another program builds %s: waiting for it\n", ply.c_str());
     }
@@ -71,8 +65,36 @@ class FolderLock {
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
+  /// Removes the folder if nothing else is in it.
+  void removeEmptyFolder() const {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+    fs::remove(path_.parent_path(), ignored);
+  }
+
  private:
-  int file_;
+  /// @return false while another has it, or if that has removed it meanwhile.
+  bool take() {
+    std::error_code failed;
+    fs::create_directories(path_.parent_path(), failed);
+    const int file = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (file < 0 && errno == ENOENT && !failed) return false;  // another has just removed the folder
+    if (file < 0)
+      throw Error(ErrorCode::kIo, path_.string() + " cannot be made: " + std::strerror(errno) +
+                                      "; set XDG_CACHE_HOME to a folder that can be written");
+    struct stat taken {
+    }, named{};
+    if (flock(file, LOCK_EX | LOCK_NB) == 0 && fstat(file, &taken) == 0 && stat(path_.c_str(), &named) == 0 &&
+        taken.st_ino == named.st_ino) {
+      file_ = file;
+      return true;
+    }
+    close(file);
+    return false;
+  }
+
+  fs::path path_;
+  int file_ = -1;
 };
 
 /// What is kept beside a store: the build's warnings, and the images that it looked for as they were.
@@ -170,17 +192,13 @@ fs::path builtStore(const fs::path& ply, bool announce, const std::stop_token& s
   const fs::path of_source = cacheFolder() / "stores" / hashOf(source.string());
   const fs::path folder = of_source / hashOf(versionOf(source) + " " + versionOf(siblingServer()));
   const fs::path store = folder / (source.stem().string() + ".lode");
-  std::error_code failed;
-  fs::create_directories(of_source, failed);
-  if (failed)
-    throw Error(ErrorCode::kIo, of_source.string() + " cannot be made: " + failed.message() +
-                                    "; set XDG_CACHE_HOME to a folder that can be written");
   const FolderLock lock(of_source, ply, announce, stop);
   if (const auto record = readRecord(folder); record && record->isCurrent() && fs::exists(store)) {
     warn(*record);
     return store;
   }
-  fs::create_directory(folder, failed);
+  std::error_code ignored;
+  fs::create_directory(folder, ignored);
   const bool shows_progress = announce && !watch && isatty(STDERR_FILENO) == 1;
   BuildRecord record;
   try {
@@ -191,7 +209,8 @@ fs::path builtStore(const fs::path& ply, bool announce, const std::stop_token& s
       record.images.push_back({image, versionOf(image)});
     }
   } catch (...) {
-    fs::remove_all(folder, failed);
+    fs::remove_all(folder, ignored);
+    lock.removeEmptyFolder();
     throw;
   }
   writeRecord(folder, record);
