@@ -82,8 +82,8 @@ class FolderLock {
     if (file < 0)
       throw Error(ErrorCode::kIo, path_.string() + " cannot be made: " + std::strerror(errno) +
                                       "; set XDG_CACHE_HOME to a folder that can be written");
-    struct stat taken {
-    }, named{};
+    struct stat taken {};
+    struct stat named {};
     if (flock(file, LOCK_EX | LOCK_NB) == 0 && fstat(file, &taken) == 0 && stat(path_.c_str(), &named) == 0 &&
         taken.st_ino == named.st_ino) {
       file_ = file;

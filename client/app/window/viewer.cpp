@@ -325,8 +325,8 @@ render::DrawTime Viewer::time() const {
 /// screenshot is the picture that `render` draws.
 bool Viewer::darkensHollows() const { return !draws_in_software_ || !options_.screenshot.empty(); }
 
-/// Where the processor draws, more than half of a frame is samples of pixels: one is enough while the camera
-/// moves.
+/// Where the processor draws, samples of pixels cost time that is better spent on a finer threshold while the
+/// camera moves.
 bool Viewer::isQuick() const {
   return draws_in_software_ && rig_ && !control_.isResting() && options_.screenshot.empty();
 }
