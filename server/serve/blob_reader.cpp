@@ -104,13 +104,17 @@ uint32_t BlobReader::lookAtFile() const noexcept {
 void BlobReader::lookNow() const noexcept {
   struct stat status {};
   if (fstat(reader_.fileDescriptor(), &status) != 0) return;
+  bool was_written = false;
   {
     const std::lock_guard lock(look_mutex_);
     const Look now(status);
     if (now == look_) return;
+    // That it was renamed or removed, as what it was replaced by does, changes its status alone.
+    was_written = now.bytes != look_.bytes || now.modified_ns != look_.modified_ns;
     look_ = now;
     generation_.fetch_add(1, std::memory_order_release);
   }
+  if (!was_written) return;
   try {
     options_.report("the store of model '" + reader_.summary().name +
                     "' was changed in place; its blobs are checked again. Rename new stores into place");

@@ -35,7 +35,8 @@ struct BlobReaderOptions {
   std::chrono::nanoseconds look_every = std::chrono::milliseconds(20);
   /// After this a blob that was damaged is tried again: somebody may have copied it anew.
   std::chrono::seconds retry_damaged{10};
-  /// One line for the operator, from any thread: once for each blob that becomes bad, once for each change.
+  /// One line for the operator, from any thread: once for each blob that becomes bad, once each time
+  /// that the file was written to.
   std::function<void(std::string_view)> report = [](std::string_view) {};
 };
 

@@ -137,6 +137,17 @@ TEST_F(BlobReaderTest, aFileThatWasTruncatedIsDamagedAndReportedByBlob) {
   EXPECT_EQ(reports_.size(), 3u) << "the change and two blobs";
 }
 
+TEST_F(BlobReaderTest, aStoreThatIsReplacedOrRemovedIsNotCalledChangedInPlace) {
+  const BlobReader reader = open();
+  ASSERT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDone);
+  fs::rename(path_, folder_ / "kept.lode");
+  EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDone);
+  test::writeSmallStore(folder_ / "b.lode", 2);
+  fs::rename(folder_ / "b.lode", folder_ / "kept.lode");
+  EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDone);
+  EXPECT_TRUE(reports_.empty()) << reports_.front();
+}
+
 TEST_F(BlobReaderTest, knowsWhetherAFileIsTheOneThatItHasOpen) {
   const BlobReader reader = open();
   struct stat file {};
