@@ -24,7 +24,8 @@ ListenAddress parseListenAddress(std::string_view text) {
     host = text.substr(0, colon);
     port = text.substr(colon);
   }
-  if (host.empty()) throw wrong();
+  // A number alone is a port that somebody gave without its address, and the system takes it for an address.
+  if (host.find_first_not_of("0123456789") == std::string_view::npos) throw wrong();
   ListenAddress address{std::string(host), proto::kDefaultPort};
   if (port.empty()) return address;
   const char* const end = port.data() + port.size();

@@ -1,5 +1,7 @@
 #include "server/serve/listener.h"
 
+#include <cerrno>
+
 #include <sys/socket.h>
 
 #include "common/error.h"
@@ -20,6 +22,16 @@ tcp::endpoint resolveListen(asio::io_context& context, const std::string& listen
   return found.begin()->endpoint();
 }
 
+namespace {
+
+std::string remedyFor(const asio::error_code& error, const std::string& option) {
+  if (error.value() == EADDRNOTAVAIL) return "name an address of this machine with " + option;
+  if (error == asio::error::access_denied) return "choose a port from 1024 on with " + option;
+  return "stop what uses it or choose another with " + option + " (port 0 picks a free one)";
+}
+
+}  // namespace
+
 tcp::acceptor openListener(asio::io_context& context, const tcp::endpoint& endpoint,
                            const std::string& option) {
   tcp::acceptor acceptor(context);
@@ -29,9 +41,8 @@ tcp::acceptor openListener(asio::io_context& context, const tcp::endpoint& endpo
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.listen(tcp::acceptor::max_listen_connections, error);
   if (error)
-    throw Error(ErrorCode::kIo, "cannot listen on " + toString(endpoint) + ": " + error.message() +
-                                    "; stop what uses it or choose another with " + option +
-                                    " (port 0 picks a free one)");
+    throw Error(ErrorCode::kIo, "cannot listen on " + toString(endpoint) + ": " + error.message() + "; " +
+                                    remedyFor(error, option));
   return acceptor;
 }
 

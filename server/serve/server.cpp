@@ -277,7 +277,10 @@ void Server::State::halt() {
 }
 
 void Server::State::stopNow() {
-  if (stopping.exchange(true)) return;
+  if (stopping.exchange(true)) {
+    drain_timer.cancel();  // which goes on as when the time is over
+    return;
+  }
   log.write(LogKind::kServer, "stopping");
   drain_timer.expires_after(options.drain_delay);
   drain_timer.async_wait([this](const asio::error_code&) { closeDoor(); });

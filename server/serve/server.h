@@ -68,7 +68,8 @@ class Server {
   void reload();
 
   /// Is no longer ready; after the drain delay takes no more connections, says GoAway to those there are,
-  /// lets their wishes end and makes run() return, at the latest after the drain deadline. Thread safe, and
+  /// lets their wishes end and makes run() return, at the latest after the drain deadline. Called again,
+  /// it ends the delay, or the wait for wishes, that is under way. Thread safe, and
   /// good before run(); not for a signal handler.
   void stop();
 

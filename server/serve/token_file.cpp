@@ -120,12 +120,17 @@ TokenFile TokenFile::read(const std::filesystem::path& path) {
   std::string text(kMaxTokenFileBytes + 1, '\0');
   if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!in.is_open() || in.bad())
-    throw Error(ErrorCode::kIo, std::string("cannot read the token file: ") + std::strerror(errno));
+    throw Error(ErrorCode::kIo, "cannot read the token file " + path.string() + ": " + std::strerror(errno) +
+                                    "; check its name and permissions");
   text.resize(static_cast<size_t>(in.gcount()));
   if (text.size() > kMaxTokenFileBytes)
-    throw Error(ErrorCode::kLimit,
-                "the token file has more than " + std::to_string(kMaxTokenFileBytes) + " bytes");
-  return parse(text);
+    throw Error(ErrorCode::kLimit, "the token file " + path.string() + " has more than " +
+                                       std::to_string(kMaxTokenFileBytes) + " bytes");
+  try {
+    return parse(text);
+  } catch (const Error& error) {
+    throw Error(error.code(), path.string() + ": " + error.what());
+  }
 }
 
 const TokenGrant* TokenFile::find(std::string_view token, std::chrono::system_clock::time_point now) const {

@@ -122,6 +122,21 @@ TEST(TokenFile, withMoreTokensThanItsLimitIsRefused) {
   EXPECT_NE(tokenRefusal(text + "last never *\n", ErrorCode::kLimit).find("line 4097"), std::string::npos);
 }
 
+TEST(TokenFile, isNamedByWhatIsWrongWithIt) {
+  const test::WorkFolder folder;
+  const auto expectNamed = [&](const std::filesystem::path& path) {
+    try {
+      TokenFile::read(path);
+      ADD_FAILURE() << path << " was read";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos) << error.what();
+    }
+  };
+  expectNamed(folder / "missing");
+  std::ofstream(folder / "wrong") << "a tomorrow *\n";
+  expectNamed(folder / "wrong");
+}
+
 TEST(TokenFile, isReadFromAFileOfBoundedSize) {
   const test::WorkFolder folder;
   const auto path = folder.path() / "tokens";
