@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "common/file_io.h"
+#include "common/output_target.h"
 
 namespace lode {
 namespace {
@@ -47,16 +48,26 @@ void syncDirectory(const std::filesystem::path& directory) {
 
 AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path temporary)
     : path_(std::move(path)), temporary_(std::move(temporary)) {
-  if (!temporary_.empty()) {
-    file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (file_ < 0) fail("create", temporary_, errno);
+  OutputTarget target = findOutput(path_);
+  if (target.is_stream) {
+    temporary_.clear();
+    file_ = ::open(path_.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
+    if (file_ < 0) fail("open", path_, errno);
     return;
   }
+  target_ = std::move(target.path);
+  if (!temporary_.empty()) {
+    file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file_ < 0) fail("create", path_, errno);
+    return;
+  }
+  const Uninterrupted until_it_is_known;
   do {  // the number of a process that was killed may come again
-    temporary_ = temporaryName(path_);
+    temporary_ = temporaryName(target_);
     file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (file_ < 0 && errno == EEXIST);
-  if (file_ < 0) fail("create", temporary_, errno);
+  if (file_ < 0) fail("create", path_, errno);
+  unfinished_ = Unfinished(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
@@ -66,7 +77,9 @@ AtomicFile::~AtomicFile() {
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept
     : path_(std::move(other.path_)),
+      target_(std::move(other.target_)),
       temporary_(std::exchange(other.temporary_, {})),
+      unfinished_(std::move(other.unfinished_)),
       file_(std::exchange(other.file_, -1)),
       size_(std::exchange(other.size_, 0)),
       buffer_(std::exchange(other.buffer_, {})) {}
@@ -81,6 +94,10 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
 void AtomicFile::writeAt(uint64_t offset, std::span<const std::byte> bytes) {
   if (offset > size_ || bytes.size() > size_ - offset)
     throw Error(ErrorCode::kInternal, "write beyond the end of " + path_.string());
+  if (target_.empty())
+    throw Error(ErrorCode::kUsage, path_.string() +
+                                       ": is a pipe or a device, where nothing can be written "
+                                       "but one after the other: name a file");
   flush();
   if (!lode::writeAt(file_, offset, bytes)) fail("write", path_, errno);
 }
@@ -89,17 +106,21 @@ uint64_t AtomicFile::size() const noexcept { return size_; }
 
 void AtomicFile::flush() {
   const auto bytes = std::as_bytes(std::span(buffer_));
-  if (!lode::writeAt(file_, size_ - bytes.size(), bytes)) fail("write", path_, errno);
+  const bool is_written =
+      target_.empty() ? append(file_, bytes) : lode::writeAt(file_, size_ - bytes.size(), bytes);
+  if (!is_written) fail("write", path_, errno);
   buffer_.clear();
 }
 
 void AtomicFile::commit() {
   flush();
-  if (::fsync(file_) != 0) fail("sync", path_, errno);
+  if (!target_.empty() && ::fsync(file_) != 0) fail("sync", path_, errno);
   if (::close(std::exchange(file_, -1)) != 0) fail("close", path_, errno);
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("rename a finished file to", path_, errno);
+  if (target_.empty()) return;
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail("rename a finished file to", path_, errno);
   temporary_.clear();
-  syncDirectory(directoryOf(path_));
+  unfinished_.finish();
+  syncDirectory(directoryOf(target_));
 }
 
 }  // namespace lode

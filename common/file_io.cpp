@@ -31,6 +31,16 @@ bool writeAt(int file, uint64_t offset, std::span<const std::byte> bytes) noexce
   return true;
 }
 
+bool append(int file, std::span<const std::byte> bytes) noexcept {
+  while (!bytes.empty()) {
+    const ssize_t more = ::write(file, bytes.data(), bytes.size());
+    if (more < 0 && errno == EINTR) continue;
+    if (more < 0) return false;
+    bytes = bytes.subspan(static_cast<size_t>(more));
+  }
+  return true;
+}
+
 std::string fileErrorInWords(int error, const char* when_full) {
   if (error == ENOSPC || error == EDQUOT) return std::string("the disk is full; ") + when_full;
   return std::strerror(error);

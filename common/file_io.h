@@ -17,6 +17,10 @@ std::optional<size_t> readAt(int file, uint64_t offset, std::span<std::byte> byt
 /// @return false, with errno set, if it fails.
 bool writeAt(int file, uint64_t offset, std::span<const std::byte> bytes) noexcept;
 
+/// Writes all bytes where the file stands, whatever interrupts it or goes in parts.
+/// @return false, with errno set, if it fails.
+bool append(int file, std::span<const std::byte> bytes) noexcept;
+
 /// What an error of a file means: the system's words, but for a disk or a quota that is full
 /// "the disk is full; " and what to do.
 std::string fileErrorInWords(int error, const char* when_full = "free some space");

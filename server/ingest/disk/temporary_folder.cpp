@@ -40,8 +40,10 @@ void makeOwnFolder(const std::filesystem::path& path) {
 
 TemporaryFolder::TemporaryFolder(const std::filesystem::path& parent) {
   std::string name = (parent / ".lodestream-build-XXXXXX").string();
+  const Uninterrupted until_it_is_known;
   if (::mkdtemp(name.data()) == nullptr) fail(parent);
   path_ = name;
+  unfinished_ = Unfinished(path_);
 }
 
 TemporaryFolder TemporaryFolder::lasting(std::filesystem::path path) {
@@ -59,6 +61,8 @@ TemporaryFolder::~TemporaryFolder() {
 }
 
 TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept
-    : path_(std::exchange(other.path_, {})), is_lasting_(other.is_lasting_) {}
+    : path_(std::exchange(other.path_, {})),
+      unfinished_(std::move(other.unfinished_)),
+      is_lasting_(other.is_lasting_) {}
 
 }  // namespace lode::ingest

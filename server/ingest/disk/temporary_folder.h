@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "common/interrupted.h"
 #include "server/ingest/disk/spool.h"
 
 namespace lode::ingest {
@@ -14,7 +15,8 @@ void makeOwnFolder(const std::filesystem::path& path);
 /// A folder for temporary files.
 class TemporaryFolder {
  public:
-  /// One of its own in `parent`, removed with what is in it at destruction.
+  /// One of its own in `parent`, removed with what is in it at destruction, or when a signal ends
+  /// the process.
   /// @throws Error kIo if it cannot be made there.
   explicit TemporaryFolder(const std::filesystem::path& parent);
 
@@ -36,6 +38,7 @@ class TemporaryFolder {
   TemporaryFolder() = default;
 
   std::filesystem::path path_;
+  Unfinished unfinished_;  ///< unless it is lasting
   bool is_lasting_ = false;
 };
 

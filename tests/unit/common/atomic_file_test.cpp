@@ -122,11 +122,84 @@ TEST_F(AtomicFileTest, namesTheFileThatCannotBeCreated) {
 }
 
 TEST_F(AtomicFileTest, leavesNothingBehindWhenTheRenameFails) {
-  fs::create_directory(target_);
   {
     AtomicFile file(target_);
+    fs::create_directory(target_);
     EXPECT_THROW(file.commit(), Error);
   }
+  EXPECT_EQ(filesInFolder(), 1u);
+}
+
+TEST_F(AtomicFileTest, namesTheFileThatWasAskedForAndNotTheTemporary) {
+  const std::string name(250, 'x');  // with its own ending the temporary's is too long
+  try {
+    AtomicFile file(folder_ / name);
+    FAIL() << "made a temporary file of too long a name";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string_view(error.what()).find(name + ": "), std::string_view::npos) << error.what();
+  }
+}
+
+TEST_F(AtomicFileTest, replacesWhatALinkLeadsToAndNotTheLink) {
+  fs::create_directory(folder_ / "there");
+  std::ofstream(folder_ / "there/file") << "old";
+  fs::create_symlink("there/second", target_);
+  fs::create_symlink("file", folder_ / "there/second");
+  AtomicFile file(target_);
+  file.write(bytesOf("new"));
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(target_));
+  EXPECT_EQ(test::readBytes(folder_ / "there/file"), "new");
+}
+
+TEST_F(AtomicFileTest, makesWhatALinkLeadsToThatIsNotThereYet) {
+  fs::create_symlink("later", target_);
+  AtomicFile file(target_);
+  file.write(bytesOf("new"));
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(target_));
+  EXPECT_EQ(test::readBytes(folder_ / "later"), "new");
+}
+
+TEST_F(AtomicFileTest, writesIntoAPipeThatIsThere) {
+  ASSERT_EQ(::mkfifo(target_.c_str(), 0600), 0);
+  const int reader = ::open(target_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  AtomicFile file(target_);
+  file.write(bytesOf("through"));
+  file.commit();
+  std::string came(16, '\0');
+  const ssize_t bytes = ::read(reader, came.data(), came.size());
+  ::close(reader);
+  ASSERT_EQ(bytes, 7);
+  EXPECT_EQ(came.substr(0, 7), "through");
+  EXPECT_TRUE(fs::is_fifo(target_));
+  EXPECT_EQ(filesInFolder(), 1u);
+}
+
+TEST_F(AtomicFileTest, writesIntoADeviceBehindALink) {
+  fs::create_symlink("/dev/null", target_);
+  AtomicFile file(target_);
+  file.write(bytesOf("nothing of it stays"));
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(target_));
+}
+
+TEST_F(AtomicFileTest, isNoFileOfAPipeInWhichSomethingIsWrittenOver) {
+  ASSERT_EQ(::mkfifo(target_.c_str(), 0600), 0);
+  const int reader = ::open(target_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  AtomicFile file(target_);
+  file.write(bytesOf("0123"));
+  EXPECT_THROW(file.writeAt(0, bytesOf("ab")), Error);
+  ::close(reader);
+}
+
+TEST_F(AtomicFileTest, isRefusedAtOnceWhereNoFileCanBe) {
+  fs::create_directory(target_);
+  fs::create_symlink("circle", folder_ / "circle");
+  for (const fs::path& name : {target_, fs::path(), folder_ / "missing/", folder_ / "circle"}) {
+    EXPECT_THROW(AtomicFile{name}, Error) << name;
+  }
+  fs::remove(folder_ / "circle");
   EXPECT_EQ(filesInFolder(), 1u);
 }
 

@@ -1,0 +1,46 @@
+#include "common/output_target.h"
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include <sys/stat.h>
+
+#include "common/error.h"
+
+namespace lode {
+namespace {
+
+constexpr int kMostLinks = 40;  // as the kernel follows
+
+[[noreturn]] void refuse(const std::filesystem::path& asked, const char* what) {
+  throw Error(ErrorCode::kUsage, asked.string() + ": is " + what + ": name a file to write");
+}
+
+/// Also where the last of the links leads to nothing.
+std::filesystem::path behindLinks(const std::filesystem::path& asked) {
+  std::filesystem::path path = asked;
+  for (int links = 0; links < kMostLinks; ++links) {
+    std::error_code no_link;
+    const std::filesystem::path next = std::filesystem::read_symlink(path, no_link);
+    if (no_link) return path;
+    path = path.parent_path() / next;  // of an absolute one, itself
+  }
+  throw Error(ErrorCode::kIo, asked.string() + ": " + std::strerror(ELOOP) + ": name a file to write");
+}
+
+}  // namespace
+
+OutputTarget findOutput(const std::filesystem::path& asked) {
+  if (asked.empty()) throw Error(ErrorCode::kUsage, "the output's name is empty: name a file to write");
+  struct stat status {};
+  // What is no file is not looked for behind links: those of /proc/self/fd lead to no name.
+  const bool is_there = ::stat(asked.c_str(), &status) == 0;
+  if (is_there && (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode))) return {asked, true};
+  if (is_there && S_ISDIR(status.st_mode)) refuse(asked, "a folder");
+  if (is_there && !S_ISREG(status.st_mode)) refuse(asked, "a socket or a block device");
+  if (!asked.has_filename()) refuse(asked, "the name of a folder");
+  return {behindLinks(asked)};
+}
+
+}  // namespace lode
