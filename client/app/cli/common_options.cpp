@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -13,6 +12,7 @@
 
 #include "client/app/cli/cache_folder.h"
 #include "client/core/camera_path.h"
+#include "common/byte_size.h"
 #include "common/error.h"
 #include "proto/limits.h"
 #include "proto/messages.h"
@@ -88,23 +88,6 @@ PictureSize parseSize(std::string_view text) {
   return size;
 }
 
-uint64_t parseBytes(std::string_view text) {
-  uint64_t count = 0;
-  const char* const end = text.data() + text.size();
-  const auto [unit, error] = std::from_chars(text.data(), end, count);
-  int shift = 0;
-  bool good = error == std::errc();
-  if (good && unit != end) {
-    const size_t which = std::string_view("KMGT").find(static_cast<char>(*unit & ~0x20));
-    good = which != std::string_view::npos && unit + 1 == end;
-    shift = good ? 10 * (static_cast<int>(which) + 1) : 0;
-  }
-  if (!good || count > std::numeric_limits<uint64_t>::max() >> shift)
-    throw Error(ErrorCode::kUsage,
-                "'" + std::string(text) + "' is not a count of bytes; write 500000000 or 512M");
-  return count << shift;
-}
-
 std::chrono::milliseconds CommonOptions::timeout() const {
   return std::chrono::milliseconds(static_cast<int64_t>(std::ceil(timeout_s * 1000)));
 }
@@ -113,9 +96,9 @@ stream::StreamOptions CommonOptions::streamOptions() const {
   stream::StreamOptions options;
   options.ca_file = ca_file;
   options.token = readToken(token_file);
-  if (!memory_text.empty()) options.memory_budget_bytes = parseBytes(memory_text);
+  if (!memory_text.empty()) options.memory_budget_bytes = parseByteSize(memory_text);
   if (options.memory_budget_bytes < kMinMemoryBudgetBytes)
-    throw Error(ErrorCode::kUsage, "--memory-budget must be at least 16M");
+    throw Error(ErrorCode::kUsage, "--memory-budget must be at least 16MiB");
   options.connect_timeout = std::min(options.connect_timeout, timeout());
   const bool on_server = target.find("://") != std::string::npos;
   if (on_server && cache_text != "off")

@@ -21,8 +21,6 @@ struct PictureSize {
 
 /// "WxH". @throws Error kUsage.
 PictureSize parseSize(std::string_view text);
-/// A count of bytes, with K, M, G (powers of 1024) if wanted: "512M". @throws Error kUsage.
-uint64_t parseBytes(std::string_view text);
 
 /// What view, render and fetch understand alike.
 struct CommonOptions {

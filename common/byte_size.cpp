@@ -1,0 +1,88 @@
+#include "common/byte_size.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "common/error.h"
+
+namespace lode {
+namespace {
+
+/// @param name  in lower case, "" for bytes.
+std::optional<uint64_t> unitOf(std::string_view name) {
+  if (name.empty() || name == "b") return 1;
+  const size_t power = std::string_view("kmgt").find(name[0]);
+  const std::string_view rest = name.substr(1);
+  if (power == std::string_view::npos || (!rest.empty() && rest != "b" && rest != "ib")) return std::nullopt;
+  const uint64_t base = rest == "b" ? 1000 : 1024;
+  uint64_t unit = base;
+  for (size_t i = 0; i < power; ++i) unit *= base;
+  return unit;
+}
+
+}  // namespace
+
+uint64_t parseByteSize(std::string_view text) {
+  const auto fail = [&] [[noreturn]] {
+    throw Error(ErrorCode::kUsage, "'" + std::string(text) +
+                                       "' is not a count of bytes; write 500000000, 512MB, 1.5GB or 512MiB");
+  };
+  const char* const end = text.data() + text.size();
+  const size_t digits = std::min(text.find_first_not_of("0123456789."), text.size());
+  std::string name(text.substr(digits));
+  if (name.starts_with(' ')) name.erase(0, 1);
+  std::ranges::transform(name, name.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::optional<uint64_t> unit = unitOf(name);
+  if (!unit) fail();
+  constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
+  uint64_t whole = 0;
+  const auto [after_whole, bad_whole] = std::from_chars(text.data(), end, whole);
+  if (bad_whole == std::errc() && after_whole == text.data() + digits) {
+    if (whole > kMost / *unit) fail();
+    return whole * *unit;
+  }
+  double value = 0;
+  const auto [after, bad] =
+      std::from_chars(text.data(), text.data() + digits, value, std::chars_format::fixed);
+  const double bytes = std::round(value * static_cast<double>(*unit));
+  if (bad != std::errc() || after != text.data() + digits || *unit == 1 || bytes >= 0x1p64) fail();
+  return static_cast<uint64_t>(bytes);
+}
+
+std::string describeBytes(uint64_t bytes) {
+  constexpr std::array kUnits{"bytes", "KB", "MB", "GB", "TB"};
+  double value = static_cast<double>(bytes);
+  size_t unit = 0;
+  for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.1f %s", value, kUnits[unit]);
+  return text.data();
+}
+
+std::string byteSizeAtLeast(uint64_t bytes) {
+  constexpr std::array kUnits{"", "KB", "MB", "GB", "TB"};
+  size_t power = 0;
+  uint64_t unit = 1;
+  for (; bytes / unit >= 1000 && power + 1 < kUnits.size(); ++power) unit *= 1000;
+  const uint64_t whole = bytes / unit;
+  const uint64_t parts = unit == 1 || whole >= 100 ? 1 : whole >= 10 ? 10 : 100;
+  const uint64_t step = unit / parts;
+  const uint64_t steps = bytes / step + (bytes % step != 0 ? 1 : 0);
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.*f%s",
+                parts == 100  ? 2
+                : parts == 10 ? 1
+                              : 0,
+                static_cast<double>(steps) / static_cast<double>(parts), kUnits[power]);
+  return text.data();
+}
+
+}  // namespace lode
