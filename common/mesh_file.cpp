@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "common/glb_writer.h"
 #include "common/obj_writer.h"
+#include "common/output_target.h"
 #include "common/ply_writer.h"
 
 namespace lode {
@@ -15,10 +16,12 @@ MeshFormat meshFormatOf(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   std::ranges::transform(ending, ending.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending.empty() || ending == ".ply") return MeshFormat::kPly;
+  if (ending == ".ply") return MeshFormat::kPly;
   if (ending == ".obj") return MeshFormat::kObj;
   if (ending == ".glb") return MeshFormat::kGlb;
-  throw Error(ErrorCode::kUsage, path.string() + ": PLY, OBJ and GLB can be written, not " + ending +
+  if (ending.empty() && (path.empty() || findOutput(path).is_stream)) return MeshFormat::kPly;
+  throw Error(ErrorCode::kUsage, path.string() + ": PLY, OBJ and GLB can be written" +
+                                     (ending.empty() ? "" : ", not " + ending) +
                                      ": give a name that ends in .ply, .obj or .glb");
 }
 

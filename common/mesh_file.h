@@ -11,8 +11,9 @@ namespace lode {
 /// Formats in which meshes are written.
 enum class MeshFormat { kPly, kObj, kGlb };
 
-/// What a file's name asks for by its ending: .ply, .obj or .glb in either case, PLY where there is none.
-/// @throws Error kUsage for another ending, naming those that there are.
+/// What a file's name asks for by its ending: .ply, .obj or .glb in either case. PLY for no name at all, and
+/// where a pipe or a device has no ending.
+/// @throws Error kUsage for another ending or none, naming those that there are, and as findOutput().
 MeshFormat meshFormatOf(const std::filesystem::path& path);
 
 /// Writes a mesh in the format that the name asks for, in true coordinates, with its attributes as far as the

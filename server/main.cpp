@@ -7,6 +7,7 @@
 #include <new>
 #include <string>
 
+#include "common/interrupted.h"
 #include "server/app/command.h"
 
 namespace {
@@ -39,6 +40,7 @@ void addCommands(CLI::App& program) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  lode::endCleanlyWhenInterrupted();
   CLI::App program("Lodestream's server: builds stores from PLY files, serves, checks and exports them.",
                    "lodestreamd");
   try {
@@ -50,11 +52,11 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& asked) {  // --help, --version
     return endAfterPrinting(program.exit(asked));
   } catch (const CLI::ExtrasError&) {
-    return fail(
-        "not known here: " + CLI::detail::join(program.remaining(true), " ") + ": see lodestreamd --help",
-        kWrongUsage);
+    return fail("not known here: " + CLI::detail::join(program.remaining(true), " ") + ": " +
+                    lode::app::whereHelpIs(program),
+                kWrongUsage);
   } catch (const CLI::ParseError& error) {
-    return fail(std::string(error.what()) + ": see lodestreamd --help", kWrongUsage);
+    return fail(std::string(error.what()) + ": " + lode::app::whereHelpIs(program), kWrongUsage);
   } catch (const lode::Error& error) {
     return fail(error.what(), error.code() == lode::ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
   } catch (const std::bad_alloc&) {

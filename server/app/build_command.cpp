@@ -1,6 +1,8 @@
 #include <memory>
 
+#include "common/byte_size.h"
 #include "common/limits.h"
+#include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/interruption.h"
 #include "server/app/json_output.h"
@@ -41,9 +43,10 @@ std::string describe(const ingest::BuildReport& report, const std::filesystem::p
       numbers, sizeof numbers, "%.1f s, %.1f CPU s, %.2f M triangles a CPU second, peak memory ",
       report.seconds, report.cpu_seconds,
       report.cpu_seconds > 0 ? static_cast<double>(summary.triangles) / report.cpu_seconds / 1e6 : 0.0);
-  return output.string() + ": " + std::to_string(summary.triangles) + " triangles in " +
-         std::to_string(summary.nodes) + " nodes, " + describeBytes(summary.bytes) + "; " + numbers +
-         describeBytes(report.peak_rss_bytes) + "\n";
+  return output.string() + ": " + counted(summary.triangles, "triangle") + " in " +
+         counted(summary.nodes, "node") + ", " + describeBytes(summary.bytes) +
+         (summary.dropped > 0 ? ", " + counted(summary.dropped, "flat or bad face") + " dropped" : "") +
+         "; " + numbers + describeBytes(report.peak_rss_bytes) + "\n";
 }
 
 void runBuild(const BuildArguments& arguments) {
@@ -62,6 +65,7 @@ void runBuild(const BuildArguments& arguments) {
       interruption.check();
       bar.update(stage, fraction, done);
     });
+    bar.finishStage();
   }
   if (!arguments.quiet)
     for (const std::string& warning : report.warnings)
@@ -80,11 +84,9 @@ void addBuildCommand(CLI::App& program) {
   CLI::App* command = addCommand(program, "build", "Build a store from a PLY file");
   command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
   command->add_option("-o,--output", options.output, "the store to write")->required()->type_name("OUT.lode");
-  command
-      ->add_option("--memory", options.memory_bytes,
-                   "memory to use at most, 512MB or 4GB (default: half of the machine's or the container's)")
-      ->transform(CLI::AsSizeValue(true))
-      ->type_name("BYTES");
+  addByteSize(*command, "--memory", options.memory_bytes,
+              "memory to use at most, as 512MB, 1.5GB or 4GiB (default: half of the machine's or the "
+              "container's)");
   command->add_option("--threads", options.threads, "threads to use (default: one a core)")
       ->check(CLI::Range(1u, 1024u));
   command->add_option("--tmp", options.temporary_folder, "folder for temporary files (default: the output's)")

@@ -1,6 +1,35 @@
 #include "server/app/command.h"
 
+#include "common/byte_size.h"
+#include "server/app/json_output.h"
+
 namespace lode::app {
+
+std::string whereHelpIs(const CLI::App& program) {
+  std::string words = "see " + program.get_name();
+  for (const CLI::App* command : program.get_subcommands()) words += " " + command->get_name();
+  return words + " --help";
+}
+
+std::string wholeNumber(const std::string& text) {
+  const bool is_one = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  return is_one ? "" : "must be a whole number, as 2000000, not " + text;
+}
+
+CLI::Option* addByteSize(CLI::App& command, const std::string& name, uint64_t& value, const std::string& help,
+                         uint64_t least, uint64_t most) {
+  const auto read = [&value, name, least, most](const std::string& text) {
+    try {
+      value = parseByteSize(text);
+    } catch (const Error& error) {
+      throw CLI::ValidationError(name, error.what());
+    }
+    if (value < least || value > most)
+      throw CLI::ValidationError(
+          name, text + " is not from " + describeBytes(least) + " to " + describeBytes(most));
+  };
+  return command.add_option_function<std::string>(name, read, help)->type_name("BYTES");
+}
 
 CLI::App* addCommand(CLI::App& program, const std::string& name, const std::string& description) {
   CLI::App* command = program.add_subcommand(name, description);

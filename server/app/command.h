@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +19,16 @@ void addInfoCommand(CLI::App& program);
 void addVerifyCommand(CLI::App& program);
 void addExportCommand(CLI::App& program);
 void addSampleCommand(CLI::App& program);
+
+/// Ends a message about wrong usage: "see lodestreamd build --help", of the command that was called, if any.
+std::string whereHelpIs(const CLI::App& program);
+
+/// A check of options: CLI11 takes "-5" for a very large one. @return what is wrong, if anything.
+std::string wholeNumber(const std::string& text);
+
+/// Adds an option that takes a count of bytes (see parseByteSize()), from `least` to `most`.
+CLI::Option* addByteSize(CLI::App& command, const std::string& name, uint64_t& value, const std::string& help,
+                         uint64_t least = 0, uint64_t most = std::numeric_limits<uint64_t>::max());
 
 /// Adds a command with what all have in common (--version).
 CLI::App* addCommand(CLI::App& program, const std::string& name, const std::string& description);

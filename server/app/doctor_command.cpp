@@ -1,5 +1,9 @@
+#include <array>
+#include <charconv>
 #include <memory>
 
+#include "common/byte_size.h"
+#include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/ingest/inspect/doctor.h"
@@ -25,6 +29,19 @@ const char* encodingName(ingest::PlyEncoding encoding) {
 }
 
 Json pointAsJson(glm::dvec3 v) { return {v.x, v.y, v.z}; }
+
+/// Of a float the digits that tell it from other floats.
+std::string describe(double value) {
+  const auto as_float = static_cast<float>(value);
+  std::array<char, 32> text{};
+  const auto end = static_cast<double>(as_float) == value ? std::to_chars(text.begin(), text.end(), as_float)
+                                                          : std::to_chars(text.begin(), text.end(), value);
+  return {text.begin(), end.ptr};
+}
+
+std::string describe(glm::dvec3 v) {
+  return "[" + describe(v.x) + ", " + describe(v.y) + ", " + describe(v.z) + "]";
+}
 
 Json topologyAsJson(const ingest::Topology& topology) {
   return {{"duplicate_vertices", topology.duplicate_vertices},
@@ -102,18 +119,17 @@ std::string describe(const ingest::DoctorReport& report) {
     sheet.line("encoding",
                std::string(encodingName(report.header->encoding)) + ", " + describeBytes(report.file_bytes));
   sheet.line("vertices", std::to_string(counts.vertices));
-  sheet.line("faces", std::to_string(counts.faces) + ", " + std::to_string(counts.triangles) + " triangles");
+  sheet.line("faces", std::to_string(counts.faces) + ", " + counted(counts.triangles, "triangle"));
   sheet.line("attributes", joined(attributeNames(report.attributes)));
   for (const auto& texture : report.textures)
     sheet.line("texture", texture.name + (texture.is_found ? "" : " (missing)"));
-  if (report.is_readable)
-    sheet.line("box", pointAsJson(report.min).dump() + " to " + pointAsJson(report.max).dump());
+  if (report.is_readable) sheet.line("box", describe(report.min) + " to " + describe(report.max));
   if (report.topology) {
     const ingest::Topology& topology = *report.topology;
     sheet.line("pieces", std::to_string(topology.pieces));
-    sheet.line("duplicates", std::to_string(topology.duplicate_vertices) + " vertices");
+    sheet.line("duplicates", counted(topology.duplicate_vertices, "vertex", "vertices"));
     sheet.line("open edges", std::to_string(topology.open_edges));
-    sheet.line("non-manifold", std::to_string(topology.non_manifold_edges) + " edges");
+    sheet.line("non-manifold", counted(topology.non_manifold_edges, "edge"));
   } else if (report.is_readable) {
     sheet.line("topology", "not counted: there are more vertices than can be indexed");
   }
@@ -153,12 +169,10 @@ void addDoctorCommand(CLI::App& program) {
   CLI::App* command =
       addCommand(program, "doctor", "Say what is in a PLY file, what is wrong, and what a build will cost");
   command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
-  command
-      ->add_option("--memory", options.memory_bytes,
-                   "memory to count topology in, about, and of the build to forecast (default: half of the "
-                   "machine's or the container's)")
-      ->transform(CLI::AsSizeValue(true))
-      ->type_name("BYTES");
+  addByteSize(
+      *command, "--memory", options.memory_bytes,
+      "memory to count topology in, about, and of the build to forecast, as 512MB (default: half of the "
+      "machine's or the container's)");
   command->add_option("--threads", options.threads, "of the build to forecast (default: one a core)")
       ->check(CLI::Range(1u, 1024u));
   command

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "common/mesh_file.h"
+#include "common/output_target.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/store/export.h"
@@ -39,24 +40,15 @@ Json describeAsJson(const store::Cut& cut, const store::Reader& reader) {
           {"bytes", bytes},
           {"max_error", cut.max_error_model},
           {"max_error_of_diagonal", cut.max_error_model / boxDiagonal(reader.summary())},
-          {"converged", cut.converged}};
+          {"converged", cut.converged},
+          {"finest", cut.triangles == reader.summary().triangles}};
 }
 
 std::string describe(const Json& json, const std::filesystem::path& output) {
-  return output.string() + ": " + json["triangles"].dump() + " triangles of " + json["nodes"].dump() +
-         " nodes, largest error " + json["max_error"].dump() + "\n";
-}
-
-/// What to say of a cut that does not keep the bound; nothing if it does.
-std::string describeFailure(const ExportArguments& arguments, const store::Cut& cut) {
-  const std::string store = arguments.store.string() + ": ";
-  if (cut.converged) return {};
-  if (arguments.triangles)
-    return store + "its coarsest cut has " + std::to_string(cut.triangles) +
-           " triangles: ask for as many at least";
-  return store +
-         "even the original triangles have a larger error, that of the lattice: the cut that was "
-         "written holds them all; ask for a larger error";
+  std::string text = output.string() + ": " + json["triangles"].dump() + " triangles of " +
+                     json["nodes"].dump() + " nodes, largest error " + json["max_error"].dump();
+  if (!json["converged"]) text += ", that of the lattice: the store has nothing finer";
+  return text + "\n";
 }
 
 void runExport(const ExportArguments& arguments) {
@@ -65,13 +57,20 @@ void runExport(const ExportArguments& arguments) {
   std::error_code ignored;
   if (std::filesystem::equivalent(arguments.store, arguments.output, ignored))
     throw Error(ErrorCode::kUsage, arguments.output.string() + ": is the store itself: name another output");
+  if (findOutput(arguments.output).is_stream && !reader.textures().textures.empty())
+    throw Error(ErrorCode::kUsage, arguments.output.string() +
+                                       ": is a pipe or a device, beside which no images can be: name a file");
   const store::Cut cut = chooseCut(arguments, reader);
-  const bool too_large = arguments.triangles && !cut.converged;
-  if (!too_large) store::exportCut(reader, cut, arguments.output);
   const Json json = describeAsJson(cut, reader);
-  if (arguments.json) printJson(json);
-  if (!cut.converged) throw Error(ErrorCode::kInput, describeFailure(arguments, cut));
-  if (!arguments.json) printText(describe(json, arguments.output));
+  if (arguments.triangles && !cut.converged) {
+    if (arguments.json) printJson(json);
+    throw Error(ErrorCode::kInput, arguments.store.string() + ": its coarsest cut has " +
+                                       std::to_string(cut.triangles) +
+                                       " triangles: ask for as many at least");
+  }
+  store::exportCut(reader, cut, arguments.output);
+  if (arguments.json) return printJson(json);
+  printText(describe(json, arguments.output));
 }
 
 }  // namespace
@@ -85,12 +84,14 @@ void addExportCommand(CLI::App& program) {
   CLI::Option_group* which = command->add_option_group("cut", "which cut");
   which
       ->add_option("--error", arguments->error,
-                   "the coarsest cut with at most this error, a fraction of the box diagonal")
+                   "the coarsest cut with at most this error, a fraction of the box diagonal; 0: all that "
+                   "there is")
       ->check(atLeastZero)
       ->type_name("E");
   which->add_option("--triangles", arguments->triangles, "the best cut of at most this many triangles")
+      ->check(wholeNumber)
       ->type_name("N");
-  which->add_option("--random", arguments->seed, "a random cut")->type_name("SEED");
+  which->add_option("--random", arguments->seed, "a random cut")->check(wholeNumber)->type_name("SEED");
   which->require_option(1);
   command->add_option("-o,--output", arguments->output, "the file to write: its ending says the format")
       ->required()

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/byte_size.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/store/node_tree.h"

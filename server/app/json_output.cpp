@@ -65,14 +65,4 @@ double boxDiagonal(const ModelSummary& summary) {
   return summary.lattice.step * glm::length(glm::dvec3(summary.box.max) - glm::dvec3(summary.box.min));
 }
 
-std::string describeBytes(uint64_t bytes) {
-  constexpr std::array kUnits{"bytes", "KB", "MB", "GB", "TB"};
-  double value = static_cast<double>(bytes);
-  size_t unit = 0;
-  for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.1f %s", value, kUnits[unit]);
-  return text.data();
-}
-
 }  // namespace lode::app

@@ -30,7 +30,4 @@ Json toJson(const ModelSummary& summary);
 /// The length of the box's diagonal, in model units.
 double boxDiagonal(const ModelSummary& summary);
 
-/// A number of bytes for people: "1.5 MB".
-std::string describeBytes(uint64_t bytes);
-
 }  // namespace lode::app

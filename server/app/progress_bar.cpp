@@ -81,15 +81,20 @@ void ProgressBar::update(std::string_view stage, double fraction, uint64_t done)
 }
 
 void ProgressBar::finishStage() {
-  if (mode_ == Mode::kBar && !stage_.empty()) {
-    draw(Clock::now());
-    std::fputc('\n', stream_);
-  }
+  const bool is_said = mode_ == Mode::kJson && drawn_fraction_ >= 1;
+  fraction_ = 1;
+  if (!stage_.empty() && mode_ != Mode::kLines && !is_said) draw(Clock::now());
+  endLine();
+}
+
+void ProgressBar::endLine() {
+  if (mode_ == Mode::kBar && !stage_.empty()) std::fputc('\n', stream_);
   stage_.clear();
 }
 
 void ProgressBar::draw(Clock::time_point now) {
   last_drawn_ = now;
+  drawn_fraction_ = fraction_;
   if (mode_ == Mode::kJson) {
     const Json json = {{"stage", stage_}, {"fraction", std::clamp(fraction_, 0.0, 1.0)}};
     std::fprintf(stream_, "%s\n", json.dump().c_str());

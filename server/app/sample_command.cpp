@@ -1,5 +1,12 @@
+#include <filesystem>
 #include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
 
+#include "common/byte_size.h"
+#include "common/output_target.h"
+#include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/app/sample_scene.h"
@@ -25,6 +32,13 @@ AttributeSet parseAttributes(const std::vector<std::string>& names) {
   return attributes;
 }
 
+void checkEnding(const std::filesystem::path& output) {
+  const std::string ending = output.extension().string();
+  if (!ending.empty() && CLI::detail::to_lower(ending) != ".ply" && !findOutput(output).is_stream)
+    throw Error(ErrorCode::kUsage,
+                output.string() + ": samples are PLY, not " + ending + ": give a name that ends in .ply");
+}
+
 void runSample(SampleArguments& arguments) {
   if (arguments.options.kind == "scene") {
     const uint64_t triangles =
@@ -34,12 +48,15 @@ void runSample(SampleArguments& arguments) {
                      std::to_string(kSampleSceneInstances) + " instances of three models of " +
                      std::to_string(triangles) + " triangles together\n");
   }
+  checkEnding(arguments.output);
   arguments.options.attributes = parseAttributes(arguments.attributes);
   const uint64_t triangles = ingest::writeSample(arguments.options, arguments.output);
-  const uint64_t bytes = std::filesystem::file_size(arguments.output);
-  if (arguments.json) return printJson({{"triangles", triangles}, {"bytes", bytes}});
-  printText(arguments.output.string() + ": " + std::to_string(triangles) + " triangles, " +
-            describeBytes(bytes) + "\n");
+  std::error_code is_stream;
+  const uint64_t bytes = std::filesystem::file_size(arguments.output, is_stream);
+  if (arguments.json)
+    return printJson({{"triangles", triangles}, {"bytes", is_stream ? Json(nullptr) : Json(bytes)}});
+  printText(arguments.output.string() + ": " + counted(triangles, "triangle") +
+            (is_stream ? "" : ", " + describeBytes(bytes)) + "\n");
 }
 
 }  // namespace
@@ -51,17 +68,20 @@ void addSampleCommand(CLI::App& program) {
       ->add_option("kind", arguments->options.kind,
                    "what to make: asteroid, gyroid, terrain, or a scene of 120 instances")
       ->required()
+      ->check(CLI::IsMember({"asteroid", "gyroid", "terrain", "scene"}))
       ->type_name("KIND");
   command
       ->add_option("--triangles", arguments->options.triangles,
                    "make at most this many, the largest count that there is")
       ->required()
+      ->check(wholeNumber)
       ->type_name("N");
   command->add_option("--attributes", arguments->attributes, "normal, color, uv")
       ->delimiter(',')
       ->check(CLI::IsMember({"normal", "color", "uv"}))
       ->type_name("A,B");
   command->add_option("--seed", arguments->options.seed, "another seed, another model")
+      ->check(wholeNumber)
       ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "the PLY file to write; of a scene, the new folder")
       ->required()

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "common/error.h"
+#include "common/interrupted.h"
 #include "server/app/json_output.h"
 #include "server/ingest/sample/sample.h"
 
@@ -41,14 +42,19 @@ Json placed(size_t number, std::mt19937_64& random) {
           {"scale", scale}};
 }
 
+Unfinished makeFolder(const fs::path& folder) {
+  const Uninterrupted until_it_is_known;
+  std::error_code failed;
+  if (fs::create_directory(folder, failed)) return Unfinished(folder);
+  throw Error(ErrorCode::kIo, folder.string() +
+                                  " cannot be made: " + (failed ? failed.message() : "it is there already") +
+                                  "; name a new folder");
+}
+
 }  // namespace
 
 uint64_t writeSampleScene(const fs::path& folder, uint64_t triangles, uint64_t seed) {
-  std::error_code failed;
-  if (!fs::create_directory(folder, failed))
-    throw Error(ErrorCode::kIo,
-                folder.string() + " cannot be made: " + (failed ? failed.message() : "it is there already") +
-                    "; name a new folder");
+  Unfinished unfinished = makeFolder(folder);
   Json scene;
   scene["up"] = "z";
   uint64_t written = 0;
@@ -70,6 +76,7 @@ uint64_t writeSampleScene(const fs::path& folder, uint64_t triangles, uint64_t s
   std::ofstream stream(folder / "scene.json", std::ios::binary);
   stream << scene.dump(1) << "\n" << std::flush;
   if (!stream) throw Error(ErrorCode::kIo, (folder / "scene.json").string() + " cannot be written");
+  unfinished.finish();
   return written;
 }
 

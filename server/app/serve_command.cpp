@@ -64,24 +64,23 @@ void runServe(serve::ServeOptions options) {
   server.run();
 }
 
+constexpr double kLeastSeconds = 0.001;  // of a deadline: none would end every connection at once
+
 /// An option of so many seconds, which may have a fraction.
-void addSeconds(CLI::App& command, const std::string& name, std::chrono::milliseconds& value,
+void addSeconds(CLI::App& command, const std::string& name, std::chrono::milliseconds& value, double least,
                 const std::string& help) {
   command
       .add_option_function<double>(
           name, [&value](double seconds) { value = std::chrono::milliseconds(std::llround(1000 * seconds)); },
           help)
-      ->check(CLI::Range(0.0, 86400.0))
+      ->check(CLI::Range(least, 86400.0))
       ->type_name("SECONDS")
       ->default_str(std::to_string(value.count() / 1000));
 }
 
 void addRates(CLI::App& command, serve::ServeOptions& options) {
   const auto add = [&](const char* name, uint64_t& bytes_per_second, const char* help) {
-    command.add_option(name, bytes_per_second, help)
-        ->transform(CLI::AsSizeValue(false))
-        ->check(CLI::Range(uint64_t{1} << 10, uint64_t{1} << 40))
-        ->type_name("BYTES");
+    addByteSize(command, name, bytes_per_second, help, 1000, uint64_t{1} << 40);
   };
   add("--max-rate", options.bytes_per_second, "bytes of blobs a second in all, as 50MB (default: no limit)");
   add("--max-rate-per-connection", options.bytes_per_second_per_connection, "the same for each connection");
@@ -102,22 +101,22 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
   command.add_option("--max-open-models", options.max_open_models, "models that a connection has open")
       ->check(CLI::Range(1u, proto::kMaxOpenModels))
       ->capture_default_str();
-  command
-      .add_option("--max-queued-bytes", options.max_queued_answer_bytes,
-                  "answers that a connection has not read before nothing more is read from it, as 16KB")
-      ->transform(CLI::AsSizeValue(false))
-      ->check(CLI::Range(uint64_t{1} << 10, proto::kMaxQueuedAnswerBytes))
-      ->capture_default_str();
-  command
-      .add_option("--memory-budget", options.memory_budget_bytes,
-                  "bytes for all connections together, as 512MB (default: an eighth of what there is)")
-      ->transform(CLI::AsSizeValue(false))
-      ->check(CLI::Range(uint64_t{1} << 20, uint64_t{1} << 50));
-  addSeconds(command, "--handshake-deadline", options.handshake_deadline, "from the connection to Hello");
-  addSeconds(command, "--idle-deadline", options.idle_deadline, "from one frame of a client to the next");
-  addSeconds(command, "--write-deadline", options.write_deadline, "for a write that a client does not take");
-  addSeconds(command, "--drain-delay", options.drain_delay, "to go on accepting after SIGTERM");
-  addSeconds(command, "--drain-deadline", options.drain_deadline, "for open wishes, after that");
+  addByteSize(command, "--max-queued-bytes", options.max_queued_answer_bytes,
+              "answers that a connection has not read before nothing more is read from it, as 16KB", 1000,
+              proto::kMaxQueuedAnswerBytes)
+      ->default_str(std::to_string(options.max_queued_answer_bytes));
+  addByteSize(command, "--memory-budget", options.memory_budget_bytes,
+              "bytes for all connections together, as 512MB or 2GiB (default: an eighth of what there is)",
+              1'000'000, uint64_t{1} << 50);
+  addSeconds(command, "--handshake-deadline", options.handshake_deadline, kLeastSeconds,
+             "from the connection to Hello");
+  addSeconds(command, "--idle-deadline", options.idle_deadline, kLeastSeconds,
+             "from one frame of a client to the next");
+  addSeconds(command, "--write-deadline", options.write_deadline, kLeastSeconds,
+             "for a write that a client does not take");
+  addSeconds(command, "--drain-delay", options.drain_delay, 0,
+             "to go on accepting after SIGTERM; a second one ends it");
+  addSeconds(command, "--drain-deadline", options.drain_deadline, 0, "for open wishes, after that");
 }
 
 }  // namespace

@@ -102,19 +102,18 @@ void addVerifyCommand(CLI::App& program) {
       ->type_name("N|all");
   command->add_option("--threads", against.threads, "threads that measure (default: one a core)")
       ->check(CLI::Range(1u, 1024u));
-  command
-      ->add_option("--memory", against.memory_bytes,
-                   "memory to use with --against (default: half of the machine's or the container's)")
-      ->transform(CLI::AsSizeValue(true))
-      ->type_name("BYTES");
+  addByteSize(*command, "--memory", against.memory_bytes,
+              "memory to use with --against, as 512MB (default: half of the machine's or the container's)");
   command
       ->add_option("--tmp", against.temporary_folder,
                    "folder for temporary files of --against (default: the system's)")
       ->type_name("DIR");
   command->add_option("--cuts", arguments->options.random_cuts, "random cuts to compare with the leaves")
+      ->check(wholeNumber)
       ->capture_default_str();
   command
       ->add_option("--seed", arguments->options.seed, "of the random cuts, the choice of rungs and of points")
+      ->check(wholeNumber)
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->add_flag("--quiet", arguments->quiet, "print no progress");

@@ -34,7 +34,7 @@ class Limits(unittest.TestCase):
 
     def test_of_answers_that_nobody_reads_is_kept(self):
         held = self.held_by_a_client_that_pings_and_never_reads
-        for limit, kept in ((4096, held("--max-queued-bytes", "4KB")), (65536, held())):
+        for limit, kept in ((4096, held("--max-queued-bytes", "4KiB")), (65536, held())):
             self.assertIn(kept // limit, (1, 2))  # a full queue, and one that is being sent
 
     def test_of_bytes_a_second_is_kept(self):

@@ -32,6 +32,13 @@ int endAfterPrinting(int status) {
   return fail(std::string("standard output cannot be written: ") + std::strerror(errno), kWorkFailed);
 }
 
+/// Ends a message about wrong usage: "see lodestream fetch --help", of the command that was called, if any.
+std::string whereHelpIs(const CLI::App& program) {
+  std::string words = "see " + program.get_name();
+  for (const CLI::App* command : program.get_subcommands()) words += " " + command->get_name();
+  return words + " --help";
+}
+
 }  // namespace
 
 void declareMissing(CLI::App& program, const char* name, const char* why) {
@@ -55,10 +62,10 @@ int runProgram(int argc, char** argv, DeclareCommand declare) {
     return endAfterPrinting(program.exit(asked));
   } catch (const CLI::ExtrasError&) {
     return fail(
-        "not known here: " + CLI::detail::join(program.remaining(true), " ") + ": see lodestream --help",
+        "not known here: " + CLI::detail::join(program.remaining(true), " ") + ": " + whereHelpIs(program),
         kWrongUsage);
   } catch (const CLI::ParseError& error) {
-    return fail(std::string(error.what()) + ": see lodestream --help", kWrongUsage);
+    return fail(std::string(error.what()) + ": " + whereHelpIs(program), kWrongUsage);
   } catch (const Error& error) {
     return fail(error.what(), error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
   } catch (const std::bad_alloc&) {

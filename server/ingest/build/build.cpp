@@ -2,10 +2,13 @@
 
 #include <array>
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/error.h"
+#include "common/output_target.h"
 #include "server/ingest/build/build_session.h"
 #include "server/ingest/build/dereference_stage.h"
 #include "server/ingest/build/pack_stage.h"
@@ -20,7 +23,18 @@ namespace {
 
 constexpr uint32_t kMinTrianglesPerNode = 64;
 
+/// Behind the links of its name, so that the temporary files lie where it is to be.
+std::filesystem::path outputOf(const BuildOptions& options) {
+  OutputTarget target = findOutput(options.output);
+  if (target.is_stream)
+    throw Error(
+        ErrorCode::kUsage,
+        options.output.string() + ": is a pipe or a device, which no store can be written to: name a file");
+  return std::move(target.path);
+}
+
 BuildOptions withDefaults(BuildOptions options) {
+  options.output = outputOf(options);
   if (options.memory_bytes == 0) options.memory_bytes = defaultMemoryBytes();
   if (options.threads == 0) options.threads = defaultThreads();
   if (options.temporary_folder.empty()) {
@@ -59,6 +73,9 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   shareHeaps(options.memory_bytes);
   BuildSession session(options, progress);
   try {
+    if (options.output.extension() != ".lode")
+      session.warn(options.output.string() +
+                   ": serve finds stores in a folder only if their names end in .lode");
     runStages(session);
     return session.takeReport();
   } catch (const Error& error) {

@@ -3,6 +3,7 @@
 #include "server/ingest/build/texture_stage.h"
 #include "server/ingest/ply/ply_reader.h"
 #include "server/ingest/soup/scan.h"
+#include "server/ingest/textures/texture_images.h"
 
 namespace lode::ingest {
 
@@ -27,6 +28,7 @@ Stage::Work ScanStage::run() {
   noteFacts(scanned.input, scanned.counts.dropped_faces + scanned.counts.skipped_bad);
   if (scanned.input.attributes().has(AttributeSet::kTexture)) {
     texture_files_ = std::move(scanned.texture_files);
+    if (texture_files_.empty()) session_.warn(options.input.string() + ": " + kNoTextureFile);
   } else if (!scanned.texture_files.empty()) {
     session_.warn(options.input.string() +
                   ": it names texture files, but has no texture coordinates; they are left out");

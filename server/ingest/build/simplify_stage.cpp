@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/byte_size.h"
 #include "server/ingest/nodes/rung_targets.h"
 #include "server/ingest/nodes/simplify_log.h"
 #include "server/ingest/nodes/tree_builder.h"
@@ -56,7 +57,7 @@ void SimplifyStage::warnOfSmallMemory() {
   const Partition& partition = partition_.partition();
   if (partition.leaves.size() == 1) return;
   const auto warn = [&](uint64_t bytes, const std::string& of_what) {
-    session_.warn("--memory is less than " + std::to_string(bytes) + " bytes, which " + of_what +
+    session_.warn("--memory is less than " + byteSizeAtLeast(bytes) + ", which " + of_what +
                   " take; the build may use more");
   };
   const uint64_t minimum_bytes = session_.plan().minimum_bytes;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/error.h"
+#include "common/printable.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/ply/ply_input.h"
@@ -158,8 +159,7 @@ class Doctor {
                      std::to_string(report_.file_bytes - counts.trailing_bytes) +
                      "; a build ignores them, but check that the header counts all");
     if (report_.attributes.has(AttributeSet::kTexture) && report_.textures.empty())
-      say(false,
-          name_ + ": texture coordinates, but no comment TextureFile names a texture; add one to the header");
+      say(false, name_ + ": " + kNoTextureFile);
     if (!report_.topology) return;
     report_.min = report_.topology->used_min;
     report_.max = report_.topology->used_max;
@@ -169,20 +169,21 @@ class Doctor {
   }
 
   void judgeTopology(const Topology& topology) {
-    const auto warn = [&](uint64_t count, const char* what) {
-      if (count > 0) say(false, name_ + ": " + std::to_string(count) + what);
+    const auto warn = [&](uint64_t count, const char* one, const char* several, const char* what) {
+      if (count > 0) say(false, name_ + ": " + counted(count, one, several) + what);
     };
-    warn(topology.unused_vertices, " vertices that no face uses; a build leaves them out");
-    warn(topology.flat_faces, " faces with fewer than three distinct places; a build drops and counts them");
+    warn(topology.unused_vertices, "vertex", "vertices", " that no face uses; a build leaves such out");
+    warn(topology.flat_faces, "face", "faces",
+         " with fewer than three distinct places; a build drops and counts such");
     if (topology.lost_faces > 0)
       say(false, name_ + ": " + inWordsOfLost(topology.lost_faces, topology.lattice_step));
-    warn(topology.opposed_faces,
-         " faces whose normals in the file point to their back; a build keeps both, and either side that is "
+    warn(topology.opposed_faces, "face", "faces",
+         " whose normals in the file point to the back; a build keeps both, and either side that is "
          "seen is lit; for an even surface leave the normals out, so that a build computes them");
-    warn(topology.non_manifold_edges,
-         " edges of three or more faces; a build keeps them, but simplifies less well around them");
-    warn(topology.misoriented_edges,
-         " edges whose two faces are oriented against each other; turn the faces round to shade them right");
+    warn(topology.non_manifold_edges, "edge", "edges",
+         " of three or more faces; a build keeps such, but simplifies less well around them");
+    warn(topology.misoriented_edges, "edge", "edges",
+         " whose two faces are oriented against each other; turn the faces round to shade them right");
   }
 
   void forecast() {

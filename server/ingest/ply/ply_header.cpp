@@ -133,6 +133,10 @@ class HeaderParser {
     if (text_.starts_with("\x1f\x8b") || text_.starts_with("PK\x03\x04")) {
       throw Error(ErrorCode::kInput, file_ + " is a compressed archive; unpack it first");
     }
+    if (text_.starts_with("\xef\xbb\xbf")) {
+      throw Error(ErrorCode::kInput, file_ + " begins with a byte-order mark, which no PLY file has; " +
+                                         "save it as UTF-8 without one");
+    }
     if (lines_.next() != "ply") {
       throw Error(ErrorCode::kInput, file_ + " is not a PLY file: it begins with " + quotedText(text_, 16) +
                                          " instead of 'ply'; convert the mesh to PLY");

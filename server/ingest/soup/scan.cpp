@@ -1,6 +1,7 @@
 #include "server/ingest/soup/scan.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <string>
 
 #include "common/error.h"
@@ -20,6 +21,19 @@ bool hasDoublePositions(const PlyHeader& header) {
   }
   return false;
 }
+
+namespace {
+
+void checkFaces(const PlyCounts& counts, const std::filesystem::path& name) {
+  if (counts.triangles > 0) return;
+  const std::string skipped = counts.skipped_bad > 0
+                                  ? " is left without the " + std::to_string(counts.skipped_bad) + " bad ones"
+                                  : "";
+  throw Error(ErrorCode::kInput,
+              name.string() + ": no usable face" + skipped + "; export the model again, with its faces");
+}
+
+}  // namespace
 
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings) {
@@ -42,9 +56,13 @@ ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, co
           progress("scan", total ? static_cast<double>(done) / static_cast<double>(total) : 1, done, total);
       });
   model.input.flush();
+  checkFaces(model.counts, options.input);
   model.input.setUvGrid(chooseUvGrid(model.input.usedUvRange(), options.input.string()));
   const std::string skipped = skippedInWords(reader.skippedProperties());
   if (!skipped.empty()) warnings.push_back(options.input.string() + ": " + skipped);
+  if (model.counts.skipped_bad > 0)
+    warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.skipped_bad) +
+                       " bad indices, coordinates or faces were left out; lodestreamd doctor says where");
   if (model.counts.extra_tokens > 0) {
     warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.extra_tokens) +
                        " surplus values at the ends of lines were ignored");

@@ -18,6 +18,7 @@ struct ScannedModel {
 bool hasDoublePositions(const PlyHeader& header);
 
 /// Stage 1: reads the PLY file once and packs it.
+/// @throws Error as PlyReader; kInput also if no face is usable.
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings);
 

@@ -7,6 +7,7 @@
 #include <png.h>
 #include <webp/decode.h>
 
+#include "common/byte_size.h"
 #include "common/error.h"
 #include "common/jpeg_decoder.h"
 #include "common/texture_set.h"
@@ -111,8 +112,8 @@ Image decodeImage(std::span<const std::byte> file, uint64_t memory_bytes, std::s
   if (header.working_bytes > memory_bytes)
     throw Error(ErrorCode::kLimit, "has " + std::to_string(header.width) + " x " +
                                        std::to_string(header.height) + " pixels, which take " +
-                                       std::to_string(header.working_bytes) +
-                                       " bytes of memory; raise --memory or scale it down");
+                                       byteSizeAtLeast(header.working_bytes) +
+                                       " of memory; raise --memory or scale it down");
   Image image;
   image.size = {header.width, header.height};
   image.texels.resize(header.width * header.height);

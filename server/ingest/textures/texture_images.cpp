@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "common/byte_size.h"
 #include "common/error.h"
 #include "common/texture_set.h"
 #include "server/ingest/plan/memory_plan.h"
@@ -15,11 +16,11 @@ bool isInside(const std::filesystem::path& path, const std::filesystem::path& fo
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
-/// "takes N bytes of memory, ...": why an image is left out, and what to do.
+/// "takes N MB of memory, ...": why an image is left out, and what to do.
 std::string tooLarge(uint64_t needed, uint64_t memory_bytes) {
-  return "takes " + std::to_string(needed) + " bytes of memory, and an image may take " +
-         std::to_string(memory_bytes) + " of --memory: raise it to " +
-         std::to_string(budgetForImage(needed)) + " or scale the image down";
+  return "takes " + byteSizeAtLeast(needed) + " of memory, and an image may take " +
+         describeBytes(memory_bytes) + " of --memory: raise it to " +
+         byteSizeAtLeast(budgetForImage(needed)) + " or scale the image down";
 }
 
 std::string inPixels(const ImageHeader& header) {
@@ -64,17 +65,23 @@ void checkTiles(const std::filesystem::path& ply, const std::vector<TextureImage
 }  // namespace
 
 TextureFile findTexture(const std::filesystem::path& ply, const std::string& name) {
-  const std::filesystem::path relative(name);
+  constexpr const char* kOutside =
+      "is outside the PLY file's folder; put it there and name it without a path";
+  const std::filesystem::path named(name);
   const auto is_up = [](const std::filesystem::path& part) { return part == ".."; };
-  if (relative.is_absolute() || std::any_of(relative.begin(), relative.end(), is_up))
-    return {{}, "is outside the PLY file's folder; put it there and name it without a path"};
+  if (std::any_of(named.begin(), named.end(), is_up)) return {{}, kOutside};
   std::error_code failed;
   const std::filesystem::path folder =
       std::filesystem::canonical(ply.has_parent_path() ? ply.parent_path() : ".", failed);
   if (failed) return {{}, "is not there; put it into the PLY file's folder"};
-  const std::filesystem::path path = std::filesystem::canonical(folder / relative, failed);
-  if (failed || !std::filesystem::exists(path, failed))
-    return {{}, "is not there; put it into the PLY file's folder"};
+  const std::filesystem::path path = std::filesystem::canonical(folder / named, failed);
+  const bool is_there = !failed && std::filesystem::exists(path, failed);
+  if (named.is_absolute() && (!is_there || !isInside(path, folder))) return {{}, kOutside};
+  if (!is_there && name.find('\\') != std::string::npos)
+    return {{},
+            "is named with a path of another system; put it into the PLY file's folder and name it without a "
+            "path"};
+  if (!is_there) return {{}, "is not there; put it into the PLY file's folder"};
   if (!isInside(path, folder))
     return {{}, "is a link out of the PLY file's folder; put the image itself there"};
   if (!std::filesystem::is_regular_file(path, failed)) return {{}, "is no file; put the image there"};

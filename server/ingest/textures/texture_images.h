@@ -11,6 +11,10 @@
 
 namespace lode::ingest {
 
+/// What is wrong with a model that has texture coordinates and names no image.
+constexpr const char* kNoTextureFile =
+    "texture coordinates, but no comment TextureFile names a texture; add one to the header";
+
 /// Where the image of a `comment TextureFile` is.
 struct TextureFile {
   std::filesystem::path path;

@@ -76,13 +76,19 @@ TEST_F(ServerCommands, printTheJsonThatScriptsRelyOn) {
 TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
   std::istringstream lines(run("build a.ply -o a.lode --triangles-per-node 2000 --json-progress").out);
   std::vector<std::string> stages;
+  double last = 0;
   for (std::string line; std::getline(lines, line);) {
     const Json progress = Json::parse(line);
     EXPECT_GE(progress["fraction"], 0);
     EXPECT_LE(progress["fraction"], 1);
     const std::string stage = progress["stage"];
+    if (!stages.empty() && stages.back() != stage) {
+      EXPECT_EQ(last, 1) << stages.back();
+    }
+    last = progress["fraction"];
     if (stages.empty() || stages.back() != stage) stages.push_back(stage);
   }
+  EXPECT_EQ(last, 1) << stages.back();
   EXPECT_GE(stages.size(), 4u);
   EXPECT_EQ(std::set(stages.begin(), stages.end()).size(), stages.size()) << "each comes once";
   EXPECT_TRUE(std::filesystem::exists(folder_ / "a.lode"));
@@ -225,11 +231,124 @@ TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind
   EXPECT_EQ(folder_.contents(), before);
 }
 
-TEST_F(ServerCommands, sayWhenTheErrorThatWasAskedForIsBelowTheLattices) {
+TEST_F(ServerCommands, exportTheOriginalTrianglesForAnErrorBelowTheLatticesAndSayWhatItIs) {
   build();
-  const Outcome outcome = run("export a.lode --error 1e-12 -o b.ply --json");
-  EXPECT_EQ(outcome.status, 1);
-  EXPECT_FALSE(Json::parse(outcome.out)["converged"]);
+  const Json info = Json::parse(run("info a.lode --json").out);
+  for (const char* error : {"0", "1e-12"}) {
+    const Outcome outcome = run(std::string("export a.lode -o b.ply --json --error ") + error);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Json cut = Json::parse(outcome.out);
+    EXPECT_EQ(cut["triangles"], info["triangles"]);
+    EXPECT_TRUE(cut["finest"]);
+    EXPECT_FALSE(cut["converged"]);
+    EXPECT_GT(cut["max_error"], 0);
+  }
+  const std::string text = run("export a.lode -o b.ply --error 0").out;
+  EXPECT_NE(text.find("that of the lattice: the store has nothing finer"), std::string::npos) << text;
+}
+
+TEST_F(ServerCommands, refuseOutputsThatCannotBeBeforeAnyWork) {
+  std::filesystem::create_directory(folder_ / "folder");
+  const std::vector<std::string> before = folder_.contents();
+  for (const char* command :
+       {"build a.ply -o ", "build a.ply --resume -o ", "sample asteroid --triangles 100 -o "}) {
+    const Outcome outcome = run(std::string(command) + "folder");
+    EXPECT_EQ(outcome.status, 2) << command;
+    EXPECT_NE(outcome.err.find("folder: is a folder: name a file"), std::string::npos) << outcome.err;
+    expectOneLine(outcome.err);
+  }
+  EXPECT_EQ(lodestreamd({"build", folder_ / "a.ply", "-o", ""}).status, 2);
+  EXPECT_EQ(folder_.contents(), before);
+}
+
+TEST_F(ServerCommands, buildBehindTheLinkThatTheOutputIs) {
+  std::filesystem::create_directory(folder_ / "stores");
+  std::filesystem::create_symlink("stores/first.lode", folder_ / "a.lode");
+  build();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "a.lode"));
+  EXPECT_EQ(folder_.contents().size(), 4u) << "the model, the link, the folder and the store";
+  EXPECT_EQ(run("verify stores/first.lode --quiet").status, 0);
+}
+
+TEST_F(ServerCommands, warnOfAStoreThatAServerOfItsFolderWouldNotFind) {
+  const Json built = Json::parse(run("build a.ply -o a.txt --json").out);
+  ASSERT_EQ(built["warnings"].size(), 1u);
+  EXPECT_NE(built["warnings"][0].get<std::string>().find("end in .lode"), std::string::npos);
+}
+
+TEST_F(ServerCommands, refuseEndingsOfWhatTheyDoNotWrite) {
+  build();
+  for (const char* arguments :
+       {"sample asteroid --triangles 100 -o b.obj", "export a.lode --error 0 -o cut"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.err.find("give a name that ends in .ply"), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(folder_.contents(), (std::vector<std::string>{"a.lode", "a.ply"}));
+}
+
+TEST_F(ServerCommands, pointToTheHelpOfTheCommandThatWasCalled) {
+  EXPECT_NE(run("build a.ply --bogus").err.find("see lodestreamd build --help"), std::string::npos);
+  EXPECT_NE(run("build a.ply").err.find("see lodestreamd build --help"), std::string::npos);
+  EXPECT_NE(run("bogus").err.find("see lodestreamd --help"), std::string::npos);
+}
+
+TEST_F(ServerCommands, nameTheRemedyForNumbersThatAreNone) {
+  const auto expectWords = [&](const char* arguments, const char* words) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  };
+  expectWords("build a.ply -o b.lode --memory 1XB", "512MB, 1.5GB or 512MiB");
+  expectWords("serve . --memory-budget 0.5", "512MB, 1.5GB or 512MiB");
+  expectWords("serve . --memory-budget 0.5KB", "from 1.0 MB to");
+  expectWords("serve . --idle-deadline 0", "--idle-deadline");
+  expectWords("sample asteroid --triangles -5 -o b.ply", "a whole number, as 2000000, not -5");
+  expectWords("sample nope --triangles 5 -o b.ply", "scene");
+}
+
+TEST_F(ServerCommands, takeFractionsOfMegabytesEverywhere) {
+  EXPECT_EQ(run("build a.ply -o a.lode --memory 0.2GB --quiet").status, 0);
+  EXPECT_EQ(run("doctor a.ply --memory 100.5MiB").status, 0);
+}
+
+TEST_F(ServerCommands, countWhatABuildLeavesOutAndSaySo) {
+  writeBytes(folder_ / "bad.ply",
+             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 3\nproperty list uchar int vertex_indices\nend_header\n"
+             "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 9\n3 0 1 1\n");
+  const Outcome outcome = run("build bad.ply -o bad.lode --skip-bad");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_NE(outcome.err.find("1 bad indices, coordinates or faces were left out"), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.out.find("1 triangle in 1 node, "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("2 flat or bad faces dropped"), std::string::npos) << outcome.out;
+  EXPECT_EQ(Json::parse(run("build bad.ply -o bad.lode --skip-bad --json").out)["warnings"].size(), 1u);
+}
+
+TEST_F(ServerCommands, sayThatNoFaceIsLeftWhereAllAreBad) {
+  writeBytes(folder_ / "bad.ply",
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+             "0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n");
+  expectFailure(run("build bad.ply -o bad.lode --skip-bad"), {"no usable face is left without the 1 bad"});
+}
+
+TEST_F(ServerCommands, warnOfTextureCoordinatesWithoutAnImageAsDoctorDoes) {
+  ASSERT_EQ(run("sample asteroid --triangles 100 --attributes uv -o uv.ply").status, 0);
+  const std::string words = "no comment TextureFile names a texture";
+  EXPECT_NE(run("build uv.ply -o uv.lode").err.find(words), std::string::npos);
+  EXPECT_NE(run("doctor uv.ply").out.find(words), std::string::npos);
+}
+
+TEST_F(ServerCommands, doctorWritesNumbersAsTheFileHasThem) {
+  writeBytes(folder_ / "b.ply",
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+             "0.1 0 0\n1.3 0 0\n0.1 1 0\n3 0 1 2\n");
+  const std::string text = run("doctor b.ply").out;
+  EXPECT_NE(text.find("[0.1, 0, 0] to [1.3, 1, 0]"), std::string::npos) << text;
+  EXPECT_NE(text.find("1, 1 triangle\n"), std::string::npos) << text;
 }
 
 TEST_F(ServerCommands, tellTheirVersionEverywhere) {

@@ -15,14 +15,15 @@ namespace {
 TEST(MeshFile, hasTheFormatThatItsEndingNames) {
   EXPECT_EQ(meshFormatOf("a/cut.ply"), MeshFormat::kPly);
   EXPECT_EQ(meshFormatOf("cut.PLY"), MeshFormat::kPly);
-  EXPECT_EQ(meshFormatOf("a.obj/cut"), MeshFormat::kPly);
   EXPECT_EQ(meshFormatOf("cut.obj"), MeshFormat::kObj);
   EXPECT_EQ(meshFormatOf("cut.v2.Glb"), MeshFormat::kGlb);
 }
 
+TEST(MeshFile, isAPlyInADeviceWithoutAnEnding) { EXPECT_EQ(meshFormatOf("/dev/null"), MeshFormat::kPly); }
+
 TEST(MeshFile, isRefusedUnderAnotherEndingAndSaysWhichThereAre) {
   const test::WorkFolder folder;
-  for (const char* name : {"cut.stl", "cut.gltf", "cut.ply.gz"}) {
+  for (const char* name : {"cut.stl", "cut.gltf", "cut.ply.gz", "cut", "a.obj/cut"}) {
     try {
       writeMesh(folder / name, test::makeGrid(1, 1), {});
       ADD_FAILURE() << name << " was written";

@@ -74,7 +74,7 @@ TEST(Doctor, countsFacesWhoseNormalsPointToTheirBack) {
       "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 -1\n5 0 0 0 0 -1\n6 0 0 0 0 -1\n5 1 0 0 0 1\n3 0 1 2\n3 3 4 5\n"));
   ASSERT_TRUE(report.topology);
   EXPECT_EQ(report.topology->opposed_faces, 1u);
-  EXPECT_TRUE(mentions(report, false, "1 faces whose normals"));
+  EXPECT_TRUE(mentions(report, false, "1 face whose normals"));
 }
 
 TEST(Doctor, saysWhereEveryBadValueIs) {

@@ -95,6 +95,7 @@ TEST(PlyHeader, saysWhatIsWrongAndWhere) {
   const std::string start = "ply\nformat ascii 1.0\n";
   expectMentions(headerError(""), {"is empty"});
   expectMentions(headerError("solid cube\n"), {"not a PLY file", "'solid cube\\x0a'"});
+  expectMentions(headerError("\xef\xbb\xbfply\n"), {"byte-order mark", "without one"});
   expectMentions(headerError("version https://git-lfs.github.com/spec/v1\noid sha256:0\n"), {"git lfs pull"});
   expectMentions(headerError("\x1f\x8b\x08"), {"compressed"});
   expectMentions(headerError("ply\nformat ascii 2.0\nend_header\n"), {"line 2", "version '2.0'"});

@@ -1,0 +1,63 @@
+// Commands of lodestreamd that a signal ends while they write: nothing of it stays, and they say so.
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/integration/programs/programs.h"
+
+namespace lode::test {
+namespace {
+
+using Strings = std::vector<std::string>;
+
+class InterruptedCommand : public testing::Test {
+ protected:
+  /// Sends a signal once there is one more file or folder than before, and expects it gone again.
+  void expectNothingLeft(const Strings& command, int signal) const {
+    const Strings before = folder_.contents();
+    Program program("lodestreamd", command);
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (countEntries() == before.size() && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    program.signal(signal);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.status, 128 + signal);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_NE(outcome.err.find("interrupted; what was unfinished is removed"), std::string::npos);
+    expectOneLine(outcome.err);
+    EXPECT_EQ(folder_.contents(), before);
+  }
+
+  WorkFolder folder_;
+
+ private:
+  size_t countEntries() const {
+    using Files = std::filesystem::directory_iterator;
+    return static_cast<size_t>(std::distance(Files(folder_.path()), Files()));
+  }
+};
+
+TEST_F(InterruptedCommand, leavesNothingOfASample) {
+  expectNothingLeft({"sample", "gyroid", "--triangles", "100000000", "-o", folder_ / "x.ply"}, SIGINT);
+}
+
+TEST_F(InterruptedCommand, leavesNothingOfASampleScene) {
+  expectNothingLeft({"sample", "scene", "--triangles", "100000000", "-o", folder_ / "scene"}, SIGTERM);
+}
+
+TEST_F(InterruptedCommand, leavesNoTemporaryFolderOfADoctor) {
+  const WorkFolder models;
+  const std::string model = models / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "1000000", "-o", model}).status, 0);
+  expectNothingLeft({"doctor", model, "--tmp", folder_.path()}, SIGHUP);
+}
+
+}  // namespace
+}  // namespace lode::test
