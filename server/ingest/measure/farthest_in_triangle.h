@@ -39,7 +39,7 @@ class FarthestInTriangle {
   void look(const std::array<PointBeside, 3>& corners) {
     for (const PointBeside& corner : corners) note(corner);
     Part whole{corners, {}, 0};
-    if (isBoundedBySize(corners) || isBoundedBesideOne(whole) || isBoundedByChain(corners)) return;
+    if (isBoundedBySize(corners) || isBoundedBesideOne(whole) || isBoundedByChain(whole)) return;
     std::array<Part, kMostCuts + 1> parts;
     size_t count = 0;
     parts[count++] = whole;
@@ -159,22 +159,37 @@ class FarthestInTriangle {
 
   bool isBounded(const Part& part) const {
     return isNear(part, 0) || isNear(part, 1) || isNear(part, 2) || part.cuts == kMostCuts ||
-           (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChain(part.corners)));
+           (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChain(part)));
   }
 
   /// Whether a chain of the surface's triangles is near all of a part: from one corner's triangle to
   /// another's, past the third. Each edge of the chain is near the two sides of the part that it crosses.
   /// What lies between the places there of one edge and of the next is as near to the triangle between these,
   /// as the distance from that is convex; so is a corner that it is near to.
-  bool isBoundedByChain(const std::array<PointBeside, 3>& corners) const {
-    for (size_t k = 0; k < 3; ++k) {
-      const PointBeside &from = corners[k], &to = corners[(k + 1) % 3], &third = corners[(k + 2) % 3];
+  bool isBoundedByChain(const Part& part) const {
+    const size_t first = sideToBeginWith(part.from);
+    TriangleChain chain;
+    for (const size_t k : {first, (first + 1) % 3, (first + 2) % 3}) {
+      const PointBeside &from = part.corners[k], &to = part.corners[(k + 1) % 3],
+                        &third = part.corners[(k + 2) % 3];
       if (from.triangle == to.triangle) continue;
-      const std::optional<TriangleChain> chain =
-          surface_.chainAlong({from.at, to.at}, from.triangle, to.triangle, limit());
-      if (chain && passes(*chain, from.at, third, to.at)) return true;
+      if (surface_.chainAlong({from.at, to.at}, from.triangle, to.triangle, chain) &&
+          passes(chain, from.at, third, to.at))
+        return true;
     }
     return false;
+  }
+
+  /// The one that a chain along it is likeliest to pass: the third corner is nearest to an end's triangle.
+  static size_t sideToBeginWith(const Distances& from) {
+    const auto ofThird = [&](size_t k) {
+      const std::array<float, 3>& third = from[(k + 2) % 3];
+      return std::min(third[k], third[(k + 1) % 3]);
+    };
+    size_t first = 0;
+    for (size_t k = 1; k < 3; ++k)
+      if (ofThird(k) < ofThird(first)) first = k;
+    return first;
   }
 
   bool passes(const TriangleChain& chain, glm::vec3 from, const PointBeside& third, glm::vec3 to) const {
@@ -186,9 +201,14 @@ class FarthestInTriangle {
     };
     while (!isNearThird(chain.triangles[before]))
       if (++before > chain.edge_count) return false;
-    for (size_t i = 0; i < chain.edge_count; ++i) {
-      const Segment side{third.at, i < before ? from : to};
-      if (squaredDistance(chain.edges[i], side) > limit_squared) return false;
+    const FourSegments base{FourVectors(from), FourVectors(to)};
+    for (size_t i = 0; i < chain.edge_count; i += 4) {
+      const auto end = [&](size_t k) { return i + k < before ? from : to; };
+      const FourSegments edges = chain.edgesFrom(i),
+                         sides{FourVectors(third.at), FourVectors(end(0), end(1), end(2), end(3))};
+      if (anyOf(squaredDistances(edges, base) > limit_squared) ||
+          anyOf(squaredDistances(edges, sides) > limit_squared))
+        return false;
     }
     return true;
   }

@@ -26,10 +26,10 @@ class RungSurface {
   }
 
   /// For FarthestInTriangle.
-  PackedTriangle triangle(uint32_t number) const noexcept { return walk_.triangle(number); }
-  std::optional<TriangleChain> chainAlong(const Segment& segment, uint32_t first, uint32_t last,
-                                          float near) const noexcept {
-    return walk_.chainAlong(segment, first, last, near);
+  const PackedTriangle& triangle(uint32_t number) const noexcept { return walk_.triangle(number); }
+  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last,
+                  TriangleChain& chain) const noexcept {
+    return walk_.chainAlong(segment, first, last, chain);
   }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const;
   /// The same, but never exact: by a walk from the hint.

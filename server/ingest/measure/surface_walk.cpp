@@ -1,6 +1,7 @@
 #include "server/ingest/measure/surface_walk.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -11,27 +12,71 @@ namespace {
 
 float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
 
+glm::vec3 vectorOf(Four four) noexcept { return {four[0], four[1], four[2]}; }
+
+/// A triangle's corners, exactly: whole lattice steps are whole in float.
+std::array<Four, 3> cornersOf(const PackedTriangle& t) noexcept {
+  return {t.a(), t.a() + t.ab(), t.a() + t.ac()};
+}
+
+/// The edges of a triangle, and what leads out of it across them.
+class TriangleOutline {
+ public:
+  explicit TriangleOutline(const PackedTriangle& t) noexcept
+      : corners_(cornersOf(t)),
+        starts_(corners_[0], corners_[1], corners_[2], corners_[0]),
+        sides_(t.ab(), t.ac() - t.ab(), Four{} - t.ac(), t.ab()),
+        squared_lengths_(dot(sides_, sides_)),
+        outwards_(cross(sides_, FourVectors(glm::cross(vectorOf(t.ab()), vectorOf(t.ac()))))) {}
+
+  Four corner(size_t k) const noexcept { return corners_[k % 3]; }
+
+  /// The edge that a point lies farthest beyond; -1 if there is none. Without jumps, as nobody could guess
+  /// them, where it lies beyond one alone. @param passed_over  an edge; -1: none
+  int edgeTowards(glm::vec3 point, int passed_over) const noexcept {
+    const Four heights = dot(outwards_, FourVectors(point) - starts_);
+    const FourTruths is_beyond = heights > 0;
+    const int all = (is_beyond[0] & 1) | (is_beyond[1] & 2) | (is_beyond[2] & 4);
+    const int edges = passed_over < 0 ? all : all & ~(1 << passed_over);
+    const bool has_several = (edges & (edges - 1)) != 0;
+    if (!has_several) return (edges >> 1) - (edges == 0);
+    int most = -1;
+    for (int k = 0; k < 3; ++k) {
+      if ((edges >> k & 1) == 0) continue;
+      const float farthest = most < 0 ? 0 : heights[most] / std::sqrt(squared_lengths_[most]);
+      if (heights[k] * heights[k] > farthest * farthest * squared_lengths_[k]) most = k;
+    }
+    return most;
+  }
+
+ private:
+  std::array<Four, 3> corners_;
+  FourVectors starts_, sides_;
+  Four squared_lengths_;
+  FourVectors outwards_;  ///< as long as the side and the normal together
+};
+
 }  // namespace
 
 SurfaceWalk::SurfaceWalk(const NodeMesh& mesh) : begin_(mesh.positions.size() + 1) {
-  points_.reserve(mesh.positions.size());
-  for (const PositionCode code : mesh.positions) points_.emplace_back(unpackPosition(code));
+  const auto at = [&](uint32_t position) { return glm::vec3(unpackPosition(mesh.positions[position])); };
+  corners_.reserve(mesh.triangles.size());
   triangles_.reserve(mesh.triangles.size());
   for (const glm::u32vec3& t : mesh.triangles) {
-    triangles_.emplace_back(mesh.wedge_position[t.x], mesh.wedge_position[t.y], mesh.wedge_position[t.z]);
-    const glm::u32vec3& corners = triangles_.back();
-    for (int k = 0; k < 3; ++k) {
-      ++begin_[corners[k]];
-      longest_edge_ =
-          std::max(longest_edge_, squaredLength(points_[corners[k]] - points_[corners[(k + 1) % 3]]));
-    }
+    const glm::u32vec3 corners(mesh.wedge_position[t.x], mesh.wedge_position[t.y], mesh.wedge_position[t.z]);
+    const glm::vec3 a = at(corners.x), b = at(corners.y), c = at(corners.z);
+    corners_.push_back(corners);
+    triangles_.emplace_back(a, TriangleSides(b - a, c - a));
+    longest_edge_ =
+        std::max({longest_edge_, squaredLength(b - a), squaredLength(c - b), squaredLength(a - c)});
+    for (int k = 0; k < 3; ++k) ++begin_[corners[k]];
   }
   longest_edge_ = std::sqrt(longest_edge_);
   uint32_t end = 0;
   for (uint32_t& begin : begin_) begin = end += begin;
   around_.resize(end);
-  for (auto t = static_cast<uint32_t>(triangles_.size()); t-- > 0;) {
-    for (int k = 0; k < 3; ++k) around_[--begin_[triangles_[t][k]]] = t;
+  for (auto t = static_cast<uint32_t>(corners_.size()); t-- > 0;) {
+    for (int k = 0; k < 3; ++k) around_[--begin_[corners_[t][k]]] = t;
   }
 }
 
@@ -41,26 +86,15 @@ float SurfaceWalk::distance(glm::vec3 point, uint32_t start, float enough) const
 
 float SurfaceWalk::distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept {
   const Nearest nearest = walk(point, start, enough * enough);
-  if (!std::isinf(nearest.squared)) start = triangles_[nearest.triangle].x;
+  if (!std::isinf(nearest.squared)) start = corners_[nearest.triangle].x;
   return std::sqrt(nearest.squared);
 }
 
-float SurfaceWalk::squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
-  const glm::u32vec3& t = triangles_[triangle];
-  const glm::vec3 a = points_[t.x];
-  return squaredDistanceToTriangle(point - a, {points_[t.y] - a, points_[t.z] - a});
-}
-
-PackedTriangle SurfaceWalk::triangle(uint32_t number) const noexcept {
-  const glm::u32vec3& t = triangles_[number];
-  const glm::vec3 a = points_[t.x];
-  return {a, {points_[t.y] - a, points_[t.z] - a}};
-}
-
 float SurfaceWalk::distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept {
-  const glm::u32vec3& t = triangles_[triangle];
-  const auto away = [&](uint32_t position) { return squaredLength(points_[position] - point); };
-  const float a = away(t.x), b = away(t.y), c = away(t.z);
+  const glm::u32vec3& t = corners_[triangle];
+  const std::array<Four, 3> corners = cornersOf(triangles_[triangle]);
+  const auto away = [&](size_t k) { return squaredLength(vectorOf(corners[k]) - point); };
+  const float a = away(0), b = away(1), c = away(2);
   const uint32_t start = a <= b && a <= c ? t.x : b <= c ? t.y : t.z;
   const Nearest nearest = walk(point, start, enough * enough);
   triangle = nearest.triangle;
@@ -70,10 +104,18 @@ float SurfaceWalk::distanceFrom(glm::vec3 point, uint32_t& triangle, float enoug
 SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const noexcept {
   if (const std::optional<Place> above = placeAround(point, start)) return *above;
   const Nearest nearest = walk(point, start, 0);
-  const glm::u32vec3& t = triangles_[nearest.triangle];
-  const glm::vec3 a = points_[t.x];
-  const glm::vec2 shares = nearestInTriangle(point - a, {points_[t.y] - a, points_[t.z] - a});
+  const PackedTriangle& t = triangles_[nearest.triangle];
+  const glm::vec2 shares =
+      nearestInTriangle(point - vectorOf(t.a()), TriangleSides(vectorOf(t.ab()), vectorOf(t.ac())));
   return {nearest.triangle, {1 - shares.x - shares.y, shares}, std::sqrt(nearest.squared)};
+}
+
+/// Four of those around a position; where it has no more, the last again.
+FourTriangles SurfaceWalk::trianglesFrom(uint32_t begin, uint32_t end) const noexcept {
+  const auto at = [&](uint32_t i) -> const PackedTriangle& {
+    return triangles_[around_[std::min(begin + i, end - 1)]];
+  };
+  return {at(0), at(1), at(2), at(3)};
 }
 
 /// Most points lie above a triangle around the start; edges and corners then need no look, unless the
@@ -82,24 +124,26 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
   float nearest = std::numeric_limits<float>::infinity();
   Place place;
-  glm::vec3 first_normal(0);
-  for (uint32_t i = begin_[position]; i < begin_[position + 1]; ++i) {
-    const glm::u32vec3& t = triangles_[around_[i]];
-    const glm::vec3 a = points_[t.x], ap = point - a, ab = points_[t.y] - a, ac = points_[t.z] - a;
-    const glm::vec3 normal = glm::cross(ab, ac);
-    if (i == begin_[position]) first_normal = normal;
-    if (glm::dot(normal, first_normal) < 0) return std::nullopt;
-    const float of_b = glm::dot(normal, glm::cross(ap, ac));
-    if (!(of_b > 0)) continue;
-    const float of_c = glm::dot(normal, glm::cross(ab, ap));
-    if (!(of_c > 0)) continue;
-    const float all = glm::dot(normal, normal), of_a = all - of_b - of_c;
-    if (!(of_a > 0)) continue;
+  const FourVectors points(point);
+  const uint32_t end = begin_[position + 1];
+  FourVectors first_normal;
+  for (uint32_t i = begin_[position]; i < end; i += 4) {
+    const FourTriangles four = trianglesFrom(i, end);
+    const FourVectors ap = points - four.a(), normals = cross(four.ab(), four.ac());
+    if (i == begin_[position]) first_normal = FourVectors({normals.x[0], normals.y[0], normals.z[0]});
+    if (anyOf(dot(normals, first_normal) < 0)) return std::nullopt;
+    const Four of_b = dot(normals, cross(ap, four.ac())), of_c = dot(normals, cross(four.ab(), ap)),
+               all = dot(normals, normals), of_a = all - of_b - of_c;
+    const auto is_above = (of_b > 0) & (of_c > 0) & (of_a > 0);
+    if (!anyOf(is_above)) continue;
     // From the foot, not along the normal: a sliver's is rounding noise, which may be much too short.
-    const float squared = squaredLength(ap - (of_b * ab + of_c * ac) / all);
-    if (squared >= nearest) continue;
-    nearest = squared;
-    place = {around_[i], glm::vec3(of_a, of_b, of_c) / all, std::sqrt(squared)};
+    const FourVectors away = ap - (of_b * four.ab() + of_c * four.ac()) / all;
+    const Four squared = dot(away, away);
+    for (uint32_t k = 0; k < 4; ++k) {
+      if (!is_above[k] || squared[k] >= nearest) continue;
+      nearest = squared[k];
+      place = {around_[i + k], glm::vec3(of_a[k], of_b[k], of_c[k]) / all[k], std::sqrt(squared[k])};
+    }
   }
   return std::isinf(nearest) ? std::nullopt : std::optional(place);
 }
@@ -112,7 +156,7 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float en
   for (float before = std::numeric_limits<float>::infinity(); best.squared < before;) {
     if (best.squared <= enough_squared || isAbove(point, best.triangle)) break;
     before = best.squared;
-    const glm::u32vec3 corners = triangles_[best.triangle];
+    const glm::u32vec3 corners = corners_[best.triangle];
     for (int k = 0; k < 3; ++k) {
       if (corners[k] != done.x && corners[k] != done.y && corners[k] != done.z)
         lookAround(point, corners[k], enough_squared, best);
@@ -123,52 +167,47 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float en
 }
 
 uint32_t SurfaceWalk::beyond(uint32_t triangle, uint32_t from, uint32_t to) const noexcept {
-  for (uint32_t i = begin_[from]; i < begin_[from + 1]; ++i) {
-    const glm::u32vec3& t = triangles_[around_[i]];
-    if (around_[i] != triangle && (t.x == to || t.y == to || t.z == to)) return around_[i];
+  uint32_t found = triangle;
+  for (uint32_t i = begin_[from + 1]; i-- > begin_[from];) {  // the first last, instead of a jump
+    const uint32_t other = around_[i];
+    const glm::u32vec3& t = corners_[other];
+    const uint32_t has_both = (t.x == to) | (t.y == to) | (t.z == to);
+    const uint32_t chosen = 0u - (has_both & (other != triangle));
+    found = (chosen & other) | (~chosen & found);
   }
-  return triangle;
+  return found;
 }
 
-std::optional<TriangleChain> SurfaceWalk::chainAlong(const Segment& segment, uint32_t first, uint32_t last,
-                                                     float near) const noexcept {
-  TriangleChain chain;
+bool SurfaceWalk::chainAlong(const Segment& segment, uint32_t first, uint32_t last,
+                             TriangleChain& chain) const noexcept {
   chain.triangles[0] = first;
+  chain.edge_count = 0;
   glm::u32vec2 came_by(~0u);
-  while (chain.triangles[chain.edge_count] != last) {
-    if (chain.edge_count == TriangleChain::kMostEdges) return std::nullopt;
-    const uint32_t here = chain.triangles[chain.edge_count];
-    const glm::u32vec3& t = triangles_[here];
-    const glm::vec3 normal = glm::cross(points_[t.y] - points_[t.x], points_[t.z] - points_[t.x]);
-    float farthest = 0;  // that the segment's end lies beyond an edge
-    glm::u32vec2 way(~0u);
-    for (int k = 0; k < 3; ++k) {
-      const uint32_t from = t[k], to = t[(k + 1) % 3];
-      if (from == came_by.y && to == came_by.x) continue;
-      const glm::vec3 along = points_[to] - points_[from];
-      const float length_squared = glm::dot(along, along);
-      const float beyond_edge = glm::dot(glm::cross(along, normal), segment.to - points_[from]);
-      if (beyond_edge <= 0 || beyond_edge * beyond_edge <= farthest * farthest * length_squared) continue;
-      farthest = beyond_edge / std::sqrt(length_squared);
-      way = {from, to};
-    }
-    if (way.x == ~0u) return std::nullopt;
-    const Segment edge{points_[way.x], points_[way.y]};
-    if (ingest::squaredDistance(edge, segment) > near * near) return std::nullopt;
-    const uint32_t next = beyond(here, way.x, way.y);
-    if (next == here) return std::nullopt;
-    chain.edges[chain.edge_count++] = edge;
-    chain.triangles[chain.edge_count] = next;
-    came_by = way;
+  for (uint32_t here = first; here != last;) {
+    if (chain.edge_count == TriangleChain::kMostEdges) return false;
+    const std::array<uint32_t, 4> t{corners_[here].x, corners_[here].y, corners_[here].z, corners_[here].x};
+    const auto isBack = [&](size_t k) { return int{t[k] == came_by.y} & int{t[k + 1] == came_by.x}; };
+    const int back = isBack(0) + 2 * isBack(1) + 3 * isBack(2) - 1;
+    const TriangleOutline outline(triangles_[here]);
+    const int towards = outline.edgeTowards(segment.to, back);
+    if (towards < 0) return false;
+    const auto way = static_cast<size_t>(towards);
+    came_by = {t[way], t[way + 1]};
+    const uint32_t next = beyond(here, came_by.x, came_by.y);
+    if (next == here) return false;
+    chain.from[chain.edge_count] = outline.corner(way);
+    chain.to[chain.edge_count] = outline.corner(way + 1);
+    chain.triangles[++chain.edge_count] = next;
+    here = next;
   }
-  return chain;
+  return true;
 }
 
 TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept {
   Nearest best{known.squared, known.triangle};
   float distance = known.distance, reach = distance + longest_edge_;
   for (uint32_t t = 0; t < triangles_.size(); ++t) {
-    if (squaredLength(point - points_[triangles_[t].x]) > reach * reach) continue;
+    if (squaredLength(point - vectorOf(triangles_[t].a())) > reach * reach) continue;
     const float before = best.squared;
     lookAt(point, t, best);
     if (best.squared == before) continue;
@@ -180,8 +219,9 @@ TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::N
 
 /// Whether the triangle's nearest place is inside it, so that its neighbours are farther away.
 bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
-  const glm::u32vec3& t = triangles_[triangle];
-  const glm::vec3 a = points_[t.x] - point, b = points_[t.y] - point, c = points_[t.z] - point;
+  const std::array<Four, 3> corners = cornersOf(triangles_[triangle]);
+  const glm::vec3 a = vectorOf(corners[0]) - point, b = vectorOf(corners[1]) - point,
+                  c = vectorOf(corners[2]) - point;
   const glm::vec3 normal = glm::cross(b - a, c - a);
   return glm::dot(normal, glm::cross(a, b)) > 0 && glm::dot(normal, glm::cross(b, c)) > 0 &&
          glm::dot(normal, glm::cross(c, a)) > 0;
@@ -189,14 +229,10 @@ bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
 
 void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_squared,
                              Nearest& best) const noexcept {
-  const FourVectors points(point, point, point, point);
+  const FourVectors points(point);
   const uint32_t end = begin_[position + 1];
   for (uint32_t i = begin_[position]; i < end && best.squared > enough_squared; i += 4) {
-    const auto corner = [&](int k) {
-      const auto of = [&](uint32_t at) { return points_[triangles_[around_[std::min(at, end - 1)]][k]]; };
-      return FourVectors(of(i), of(i + 1), of(i + 2), of(i + 3));
-    };
-    const Four found = FourTriangles(corner(0), corner(1), corner(2)).squaredDistances(points);
+    const Four found = trianglesFrom(i, end).squaredDistances(points);
     for (uint32_t k = 0; k < 4 && best.squared > enough_squared; ++k)
       if (found[k] < best.squared) best = {found[k], around_[i + k]};
   }

@@ -31,8 +31,10 @@ class SurfaceWalk {
   /// shorter.
   float distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept;
   /// From one of the mesh's triangles.
-  float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept;
-  PackedTriangle triangle(uint32_t number) const noexcept;
+  float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
+    return triangles_[triangle].squaredDistance(point);
+  }
+  const PackedTriangle& triangle(uint32_t number) const noexcept { return triangles_[number]; }
   /// From a triangle onwards; `triangle` becomes the one where the walk has ended.
   float distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept;
   /// A place on the mesh near a point.
@@ -45,10 +47,8 @@ class SurfaceWalk {
   /// @param start  a position of the mesh that a triangle has.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
   /// The triangles below a segment, from one that its first end is beside to one that its last end is.
-  /// @param near  every edge between them is as near to the segment as this.
-  /// @return nothing where there is no such chain, or it is not found at once.
-  std::optional<TriangleChain> chainAlong(const Segment& segment, uint32_t first, uint32_t last,
-                                          float near) const noexcept;
+  /// @return false where there is no such chain, or it is not found at once.
+  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, TriangleChain& chain) const noexcept;
   /// By a look at every triangle. @param known  what is returned if none is nearer.
   TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept;
 
@@ -60,14 +60,15 @@ class SurfaceWalk {
   Nearest walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept;
   std::optional<Place> placeAround(glm::vec3 point, uint32_t position) const noexcept;
   void lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
+  FourTriangles trianglesFrom(uint32_t begin, uint32_t end) const noexcept;
   /// Another triangle that has both positions; the given one if there is none.
   uint32_t beyond(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
   void lookAround(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;
 
-  std::vector<glm::vec3> points_;  ///< a position
   float longest_edge_ = 0;
-  std::vector<glm::u32vec3> triangles_;   ///< positions
+  std::vector<PackedTriangle> triangles_;
+  std::vector<glm::u32vec3> corners_;     ///< positions, of each triangle
   std::vector<uint32_t> begin_, around_;  ///< triangles around each position
 };
 

@@ -4,31 +4,10 @@
 
 #include <glm/glm.hpp>
 
+#include "server/ingest/mesh/four_vectors.h"
 #include "server/ingest/mesh/point_triangle.h"
 
 namespace lode::ingest {
-
-/// Four numbers that are reckoned with at once, by the vector extensions of GCC and Clang.
-using Four = float __attribute__((vector_size(16)));
-
-inline Four fourOf(float value) noexcept { return Four{value, value, value, value}; }
-inline Four larger(Four a, Four b) noexcept { return a > b ? a : b; }
-
-struct FourVectors {
-  FourVectors() = default;
-  FourVectors(Four of_x, Four of_y, Four of_z) noexcept : x(of_x), y(of_y), z(of_z) {}
-  FourVectors(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) noexcept
-      : x{a.x, b.x, c.x, d.x}, y{a.y, b.y, c.y, d.y}, z{a.z, b.z, c.z, d.z} {}
-
-  Four x{}, y{}, z{};
-};
-
-inline FourVectors operator-(const FourVectors& a, const FourVectors& b) noexcept {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline Four dot(const FourVectors& a, const FourVectors& b) noexcept {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 
 /// A triangle as it lies in memory, for FourTriangles.
 class PackedTriangle {
@@ -46,6 +25,10 @@ class PackedTriangle {
         point - glm::vec3(a_[0], a_[1], a_[2]),
         {{ab_[0], ab_[1], ab_[2]}, {ac_[0], ac_[1], ac_[2]}, a_[3], ab_[3], ac_[3]});
   }
+
+  Four a() const noexcept { return a_; }
+  Four ab() const noexcept { return ab_; }
+  Four ac() const noexcept { return ac_; }
 
  private:
   friend class FourTriangles;
@@ -69,6 +52,10 @@ class FourTriangles {
   /// What squaredDistanceToTriangle() says of the first point and triangle, of the second, third and fourth,
   /// to the bit.
   Four squaredDistances(const FourVectors& points) const noexcept;
+
+  const FourVectors& a() const noexcept { return a_; }
+  const FourVectors& ab() const noexcept { return ab_; }
+  const FourVectors& ac() const noexcept { return ac_; }
 
  private:
   /// Vectors and what follows each.

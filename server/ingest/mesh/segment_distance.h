@@ -1,8 +1,8 @@
 #pragma once
 
-#include <algorithm>
-
 #include <glm/glm.hpp>
+
+#include "server/ingest/mesh/four_vectors.h"
 
 namespace lode::ingest {
 
@@ -10,21 +10,27 @@ struct Segment {
   glm::vec3 from, to;
 };
 
-/// Square of the distance between two segments; one of them may be a point.
+struct FourSegments {
+  FourVectors from, to;
+};
+
+/// Squares of the distances between the first two segments, the second two, the third and the fourth; one of
+/// two may be a point.
 /// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.9.
-inline float squaredDistance(const Segment& p, const Segment& q) noexcept {
-  const glm::vec3 along_p = p.to - p.from, along_q = q.to - q.from, between = p.from - q.from;
-  const float pp = glm::dot(along_p, along_p), qq = glm::dot(along_q, along_q),
-              pq = glm::dot(along_p, along_q);
-  const float pb = glm::dot(along_p, between), qb = glm::dot(along_q, between);
-  const auto share = [](float part, float whole) {
-    return whole > 0 ? std::clamp(part / whole, 0.f, 1.f) : 0.f;
+inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexcept {
+  const FourVectors along_p = p.to - p.from, along_q = q.to - q.from, between = p.from - q.from;
+  const Four pp = dot(along_p, along_p), qq = dot(along_q, along_q), pq = dot(along_p, along_q);
+  const Four pb = dot(along_p, between), qb = dot(along_q, between);
+  const auto share = [zero = Four{}, one = fourOf(1)](Four part, Four whole) {
+    const Four quotient = part / whole;
+    const Four clamped = quotient < zero ? zero : one < quotient ? one : quotient;
+    return whole > zero ? clamped : zero;
   };
-  const float of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);  // of the lines; 0 where they are parallel
-  const float of_q = share(pq * of_p + qb, qq);
-  const float back = share(pq * of_q - pb, pp);  // nearest to that place of q, should it be an end
-  const glm::vec3 away = between + back * along_p - of_q * along_q;
-  return glm::dot(away, away);
+  const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);  // of the lines; 0 where they are parallel
+  const Four of_q = share(pq * of_p + qb, qq);
+  const Four back = share(pq * of_q - pb, pp);  // nearest to that place of q, should it be an end
+  const FourVectors away = between + back * along_p - of_q * along_q;
+  return dot(away, away);
 }
 
 }  // namespace lode::ingest

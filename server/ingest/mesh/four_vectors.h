@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+
+#include <glm/glm.hpp>
+
+namespace lode::ingest {
+
+/// Four numbers that are reckoned with at once, by the vector extensions of GCC and Clang.
+using Four = float __attribute__((vector_size(16)));
+/// What comparing two fours gives.
+using FourTruths = int32_t __attribute__((vector_size(16)));
+
+inline Four fourOf(float value) noexcept { return Four{value, value, value, value}; }
+inline Four larger(Four a, Four b) noexcept { return a > b ? a : b; }
+inline bool anyOf(FourTruths truths) noexcept {
+  using Halves = int64_t __attribute__((vector_size(16)));
+  const auto halves = reinterpret_cast<Halves>(truths);
+  return (halves[0] | halves[1]) != 0;
+}
+
+struct FourVectors {
+  FourVectors() = default;
+  FourVectors(Four of_x, Four of_y, Four of_z) noexcept : x(of_x), y(of_y), z(of_z) {}
+  explicit FourVectors(glm::vec3 all) noexcept : x(fourOf(all.x)), y(fourOf(all.y)), z(fourOf(all.z)) {}
+  FourVectors(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) noexcept
+      : x{a.x, b.x, c.x, d.x}, y{a.y, b.y, c.y, d.y}, z{a.z, b.z, c.z, d.z} {}
+  /// By the first three numbers of each.
+  FourVectors(Four a, Four b, Four c, Four d) noexcept {
+    const Four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5), cd = __builtin_shufflevector(c, d, 0, 4, 1, 5),
+               ab_z = __builtin_shufflevector(a, b, 2, 6, 2, 6),
+               cd_z = __builtin_shufflevector(c, d, 2, 6, 2, 6);
+    x = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+    y = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+    z = __builtin_shufflevector(ab_z, cd_z, 0, 1, 4, 5);
+  }
+
+  Four x{}, y{}, z{};
+};
+
+inline FourVectors operator+(const FourVectors& a, const FourVectors& b) noexcept {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline FourVectors operator-(const FourVectors& a, const FourVectors& b) noexcept {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline FourVectors operator*(Four by, const FourVectors& a) noexcept {
+  return {by * a.x, by * a.y, by * a.z};
+}
+inline FourVectors operator/(const FourVectors& a, Four by) noexcept {
+  return {a.x / by, a.y / by, a.z / by};
+}
+inline Four dot(const FourVectors& a, const FourVectors& b) noexcept {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline FourVectors cross(const FourVectors& a, const FourVectors& b) noexcept {
+  return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
+}
+
+}  // namespace lode::ingest
