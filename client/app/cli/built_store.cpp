@@ -5,11 +5,13 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <optional>
 #include <span>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -40,15 +42,34 @@ std::string hashOf(const std::string& text) {
   return toHex(nameBlob(std::as_bytes(std::span(text)))).substr(0, kKeyDigits);
 }
 
-/// Of a file that is there; empty if it is not.
-std::string versionOf(const fs::path& path) {
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0) return {};
+std::string versionOf(const struct stat& status) {
   return std::to_string(status.st_size) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
          std::to_string(status.st_mtim.tv_nsec);
 }
 
-/// One program's right to a folder, until the end of its life. Makes the folder.
+/// Of a file that is there; empty if it is not.
+std::string versionOf(const fs::path& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 ? versionOf(status) : std::string();
+}
+
+/// The time that files get which change now.
+timespec fileTime() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME_COARSE, &now);
+  return now;
+}
+
+/// Of a file that is as it was at a time, by the kernel's own record; none that any file has if it is not.
+std::string versionSince(const fs::path& path, timespec time) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return {};
+  const timespec& changed = status.st_ctim;
+  return std::tie(changed.tv_sec, changed.tv_nsec) < std::tie(time.tv_sec, time.tv_nsec) ? versionOf(status)
+                                                                                         : "changed";
+}
+
+/// One program's right to a folder, until the end of its life and of those that inherit it. Makes the folder.
 class FolderLock {
  public:
   /// @throws Error kIo, kTimeout when it is stopped.
@@ -65,6 +86,8 @@ class FolderLock {
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
+  int descriptor() const noexcept { return file_; }
+
   /// Removes the folder if nothing else is in it.
   void removeEmptyFolder() const {
     std::error_code ignored;
@@ -76,21 +99,31 @@ class FolderLock {
   /// @return false while another has it, or if that has removed it meanwhile.
   bool take() {
     std::error_code failed;
-    fs::create_directories(path_.parent_path(), failed);
+    const fs::path folder = path_.parent_path();
+    fs::create_directories(folder, failed);
+    if (failed) refuse(folder, "made", failed.message());
     const int file = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (file < 0 && errno == ENOENT && !failed) return false;  // another has just removed the folder
-    if (file < 0)
-      throw Error(ErrorCode::kIo, path_.string() + " cannot be made: " + std::strerror(errno) +
-                                      "; set XDG_CACHE_HOME to a folder that can be written");
-    struct stat taken {};
-    struct stat named {};
-    if (flock(file, LOCK_EX | LOCK_NB) == 0 && fstat(file, &taken) == 0 && stat(path_.c_str(), &named) == 0 &&
-        taken.st_ino == named.st_ino) {
-      file_ = file;
-      return true;
+    if (file < 0 && errno == ENOENT) return false;  // another has just removed the folder
+    if (file < 0) refuse(path_, "made", std::strerror(errno));
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) {
+      struct stat taken {};
+      struct stat named {};
+      if (fstat(file, &taken) == 0 && stat(path_.c_str(), &named) == 0 && taken.st_ino == named.st_ino) {
+        file_ = file;
+        return true;
+      }
+    } else if (errno != EWOULDBLOCK && errno != EINTR) {
+      const std::string why = std::strerror(errno);
+      close(file);
+      refuse(path_, "locked", why);
     }
     close(file);
     return false;
+  }
+
+  [[noreturn]] static void refuse(const fs::path& path, const char* what, const std::string& why) {
+    throw Error(ErrorCode::kIo, path.string() + " cannot be " + what + ": " + why +
+                                    "; set XDG_CACHE_HOME to a folder that can be written");
   }
 
   fs::path path_;
@@ -156,13 +189,15 @@ void tell(const BuildWatch& watch, const Json& line) {
   watch(line["stage"].get<std::string>(), std::clamp(line["fraction"].get<double>(), 0.0, 1.0));
 }
 
+/// @param lock  that the builder has too: it may outlive this program for a while.
 /// @return what the build says of itself. @throws Error if it fails.
-Json build(const fs::path& source, const fs::path& store, bool shows_progress, const std::stop_token& stop,
-           const BuildWatch& watch) {
+Json build(const fs::path& source, const fs::path& store, const FolderLock& lock, bool shows_progress,
+           const std::stop_token& stop, const BuildWatch& watch) {
   std::vector<std::string> arguments{"build", source.string(), "-o", store.string(), "--json"};
   if (!shows_progress) arguments.emplace_back(watch ? "--json-progress" : "--quiet");
   ChildProcess builder(siblingServer(), arguments,
-                       shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep);
+                       shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep, {},
+                       lock.descriptor());
   Json result;
   {
     const std::stop_callback end_build(stop, [&builder] { builder.terminate(); });
@@ -202,11 +237,12 @@ fs::path builtStore(const fs::path& ply, bool announce, const std::stop_token& s
   const bool shows_progress = announce && !watch && isatty(STDERR_FILENO) == 1;
   BuildRecord record;
   try {
-    const Json built = build(source, store, shows_progress, stop, watch);
+    const timespec start = fileTime();
+    const Json built = build(source, store, lock, shows_progress, stop, watch);
     record.warnings = textsIn(built, "warnings");
     for (const std::string& name : textsIn(built, "texture_files")) {
       const fs::path image = source.parent_path() / name;
-      record.images.push_back({image, versionOf(image)});
+      record.images.push_back({image, versionSince(image, start)});
     }
   } catch (...) {
     fs::remove_all(folder, ignored);

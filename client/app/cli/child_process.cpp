@@ -28,12 +28,14 @@ constexpr int kCannotStart = 127;
 }
 
 /// What happens in the child between fork and exec: only calls that are safe there.
-[[noreturn]] void become(char* const* arguments, int input, int output, int messages, pid_t parent) {
+[[noreturn]] void become(char* const* arguments, int input, int output, int messages, int inherited,
+                         pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(kCannotStart);
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   if (messages >= 0) dup2(messages, STDERR_FILENO);
+  if (inherited >= 0) fcntl(inherited, F_SETFD, 0);
   execv(arguments[0], arguments);
   _exit(kCannotStart);
 }
@@ -54,7 +56,7 @@ int exitStatus(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 12
 }  // namespace
 
 ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                           Messages messages, const std::string& input) {
+                           Messages messages, const std::string& input, int inherited) {
   std::vector<std::string> texts{program.string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
@@ -72,7 +74,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   if (messages == Messages::kKeep) messages_ = memfd_create("lodestreamd messages", MFD_CLOEXEC);
   const pid_t parent = getpid();
   process_ = fork();
-  if (process_ == 0) become(pointers.data(), input_file, pipe_ends[1], messages_, parent);
+  if (process_ == 0) become(pointers.data(), input_file, pipe_ends[1], messages_, inherited, parent);
   close(input_file);
   close(pipe_ends[1]);
   if (process_ < 0) {
@@ -85,6 +87,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept
     : process_(std::exchange(other.process_, -1)),
       output_(std::exchange(other.output_, -1)),
+      read_(std::move(other.read_)),
       messages_(std::exchange(other.messages_, -1)) {}
 
 ChildProcess::~ChildProcess() {
@@ -103,21 +106,30 @@ ChildProcess::~ChildProcess() {
 
 std::string ChildProcess::readLine(std::chrono::milliseconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
-  std::string line;
-  while (line.size() < kMaxMessageBytes * 16) {
+  std::array<char, 4096> bytes;
+  for (size_t looked_at = 0;;) {
+    const size_t end = read_.find('\n', looked_at);
+    if (end != std::string::npos) {
+      std::string line = read_.substr(0, end);
+      read_.erase(0, end + 1);
+      return line;
+    }
+    looked_at = read_.size();
+    if (looked_at > kMaxLineBytes)
+      throw Error(ErrorCode::kLimit, "a program that was started says more in a line than " +
+                                         std::to_string(kMaxLineBytes) + " bytes");
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     pollfd ready{output_, POLLIN, 0};
     if (left.count() <= 0 || poll(&ready, 1, static_cast<int>(left.count())) <= 0) return {};
-    char next = 0;
-    if (read(output_, &next, 1) != 1) return {};
-    if (next == '\n') return line;
-    line += next;
+    const ssize_t more = read(output_, bytes.data(), bytes.size());
+    if (more <= 0) return {};
+    read_.append(bytes.data(), static_cast<size_t>(more));
   }
-  return {};
 }
 
 int ChildProcess::wait() {
+  close(std::exchange(output_, -1));
   int status = 0;
   while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
   }

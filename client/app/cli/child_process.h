@@ -16,17 +16,20 @@ class ChildProcess {
  public:
   enum class Messages { kKeep, kPassOn };
 
-  /// @param input  what it reads from stdin, a file in memory that it may open anew.
+  /// @param input      what it reads from stdin, a file in memory that it may open anew.
+  /// @param inherited  a descriptor that stays open in it as long as it lives; -1: none.
   /// @throws Error kIo if it cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               Messages messages, const std::string& input = {});
+               Messages messages, const std::string& input = {}, int inherited = -1);
   ~ChildProcess();
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
 
   /// One line of its stdout, without the end of the line; empty if it ended or the time is over first.
+  /// @throws Error kLimit if it is longer than kMaxLineBytes.
   std::string readLine(std::chrono::milliseconds timeout);
-  /// Waits until it ends. @return its exit status; 128 + the signal that killed it.
+  /// Waits until it ends; what it writes to its stdout from now on fails.
+  /// @return its exit status; 128 + the signal that killed it.
   int wait();
   /// Asks it to end; any thread may, while wait() was not called.
   void terminate() const noexcept;
@@ -36,10 +39,12 @@ class ChildProcess {
  private:
   pid_t process_ = -1;
   int output_ = -1;    // read end of its stdout
+  std::string read_;   // of its stdout, after the last line
   int messages_ = -1;  // its stderr: a file in memory
 };
 
 constexpr size_t kMaxMessageBytes = 4096;
+constexpr size_t kMaxLineBytes = size_t{64} << 20;  // a build names its images and may warn of each
 
 /// What a lodestreamd that has failed said last; `otherwise` if it said nothing.
 std::string saidBy(const ChildProcess& server, const std::string& otherwise);

@@ -1,13 +1,22 @@
 // A PLY as a target of the client: the store that is built of it, kept in the cache and used again.
 
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <thread>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "programs.h"
 #include "tests/support/bytes.h"
@@ -33,6 +42,16 @@ class BuiltStore : public testing::Test {
     return found;
   }
 
+  /// Waits until the cache has a file whose name ends so.
+  fs::path waitFor(std::string_view ending) const {
+    while (true) {
+      std::error_code gone;
+      fs::recursive_directory_iterator at(folder_ / "cache", gone);
+      for (const fs::recursive_directory_iterator end; !gone && at != end; at.increment(gone))
+        if (at->path().string().ends_with(ending)) return at->path();
+    }
+  }
+
   const WorkFolder folder_;
   const std::vector<std::string> environment_{"XDG_CACHE_HOME=" + (folder_ / "cache").string()};
 };
@@ -41,11 +60,66 @@ TEST_F(BuiltStore, isBuiltOnceByProgramsThatOpenTheSameFileAtOnce) {
   const fs::path ply = folder_ / "a.ply";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "60000", "-o", ply}).status, 0);
   Program first("lodestream", fetchOf(ply), environment_), second("lodestream", fetchOf(ply), environment_);
+  std::set<fs::file_time_type> built;
   for (Program* const program : {&first, &second}) {
     const Outcome outcome = program->wait();
     EXPECT_EQ(outcome.status, 0) << outcome.err;
+    ASSERT_EQ(stores().size(), 1u);
+    built.insert(fs::last_write_time(stores().front()));
   }
-  EXPECT_EQ(stores().size(), 1u);
+  EXPECT_EQ(built.size(), 1u);
+}
+
+/// The lodestreamd that builds a store of a file; 0 if there is none.
+pid_t builderOf(const fs::path& ply) {
+  for (const auto& process : fs::directory_iterator("/proc")) {
+    std::ifstream file(process.path() / "cmdline");
+    const std::string line{std::istreambuf_iterator<char>(file), {}};
+    if (line.find(std::string("lodestreamd") + '\0' + "build" + '\0' + ply.string() + '\0') !=
+        std::string::npos)
+      return std::atoi(process.path().filename().c_str());
+  }
+  return 0;
+}
+
+/// Returns when the process stands still.
+void stop(pid_t process) {
+  kill(process, SIGSTOP);
+  const std::string status = "/proc/" + std::to_string(process) + "/stat";
+  while (readBytes(status).find(") T ") == std::string::npos) std::this_thread::yield();
+}
+
+TEST_F(BuiltStore, isLockedUntilItsBuilderHasEndedThoughTheProgramIsKilled) {
+  const fs::path ply = folder_ / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "60000", "-o", ply}).status, 0);
+  Program first("lodestream", fetchOf(ply), environment_);
+  pid_t builder = 0;
+  while (builder == 0) builder = builderOf(ply);
+  stop(builder);
+  first.signal(SIGKILL);
+  first.wait();
+  const int lock = open(waitFor("lock").c_str(), O_RDWR | O_CLOEXEC);
+  EXPECT_EQ(flock(lock, LOCK_EX | LOCK_NB), -1);
+  kill(builder, SIGKILL);
+  EXPECT_EQ(flock(lock, LOCK_EX), 0);
+  close(lock);
+  EXPECT_EQ(fetch(ply).status, 0);
+}
+
+TEST_F(BuiltStore, keepsWarningsOfAsManyImagesAsAPlyMayName) {
+  const fs::path ply = folder_ / "a.ply";
+  std::string header = "ply\nformat ascii 1.0\n";
+  for (int i = 0; i < 4096; ++i) header += "comment TextureFile missing_" + std::to_string(i) + ".png\n";
+  writeBytes(ply, header +
+                      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                      "property float s\nproperty float t\nelement face 1\n"
+                      "property list uchar int vertex_indices\nend_header\n"
+                      "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n3 0 1 2\n");
+  for (int times = 0; times < 2; ++times) {
+    const Outcome outcome = fetch(ply);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_NE(outcome.err.find("missing_4095.png"), std::string::npos) << outcome.err.size();
+  }
 }
 
 TEST_F(BuiltStore, isBuiltAnewWhenTheFileHasChangedAndTheOneBeforeGoes) {
@@ -100,6 +174,20 @@ TEST_F(BuiltStore, isBuiltAnewWhenAnImageComesOrChangesAndWarnsEachTimeWhileOneI
     seen.insert(readBytes(stores().front()));
   }
   EXPECT_EQ(seen.size(), 2u);
+}
+
+TEST_F(BuiltStore, isBuiltAnewAfterAnImageThatCameWhileItWasBuilt) {
+  const fs::path ply = folder_ / "a.ply";
+  ASSERT_EQ(
+      lodestreamd({"sample", "asteroid", "--triangles", "60000", "--attributes", "uv", "-o", ply}).status, 0);
+  std::string bytes = readBytes(ply);
+  bytes.insert(bytes.find("element"), "comment TextureFile red.png\n");
+  writeBytes(ply, bytes);
+  Program program("lodestream", fetchOf(ply), environment_);
+  waitFor(".lode");  // it has the name when the build is over
+  writeImage(folder_ / "red.png", kRed);
+  EXPECT_EQ(program.wait().status, 0);
+  EXPECT_EQ(Json::parse(fetch(ply).out).value("tiles", -1), 1);
 }
 
 TEST_F(BuiltStore, doesNotReplaceTheFileThatItIsBuiltOf) {

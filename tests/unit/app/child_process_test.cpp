@@ -1,9 +1,12 @@
 #include "client/app/cli/child_process.h"
 
+#include <array>
 #include <csignal>
 #include <string>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 namespace lode::app {
 namespace {
@@ -26,6 +29,30 @@ TEST(ChildProcess, readsWhatItIsGivenAndMayOpenItAnew) {
   ChildProcess child("/bin/sh", {"-c", "cat; cat /proc/self/fd/0"}, ChildProcess::Messages::kKeep, "text\n");
   EXPECT_EQ(child.readLine(300s), "text");
   EXPECT_EQ(child.readLine(300s), "text");
+}
+
+TEST(ChildProcess, readsALineOfAnyLengthThatABuildMayHave) {
+  ChildProcess child = shell("head -c 3000000 /dev/zero | tr '\\0' x; echo; echo next");
+  EXPECT_EQ(child.readLine(300s).size(), 3'000'000u);
+  EXPECT_EQ(child.readLine(300s), "next");
+}
+
+TEST(ChildProcess, isNotWaitedForInVainWhileItSaysMoreThanIsRead) {
+  ChildProcess child = shell("yes");
+  EXPECT_EQ(child.readLine(300s), "y");
+  EXPECT_EQ(child.wait(), 128 + SIGPIPE);
+}
+
+TEST(ChildProcess, keepsADescriptorOpenThatItInherits) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
+  ChildProcess child("/bin/sh", {"-c", "echo still here > /proc/self/fd/" + std::to_string(ends[1])},
+                     ChildProcess::Messages::kKeep, {}, ends[1]);
+  close(ends[1]);
+  EXPECT_EQ(child.wait(), 0);
+  std::array<char, 64> said{};
+  EXPECT_EQ(read(ends[0], said.data(), said.size()), 11);
+  close(ends[0]);
 }
 
 TEST(ChildProcess, tellsHowItEnded) {
