@@ -1,6 +1,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/loadtest_command.h"
 #include "client/app/cli/program.h"
+#include "common/interrupted.h"
 #ifdef LODE_GL
 #include "client/app/window/render_command.h"
 #include "client/app/window/view_command.h"
@@ -26,4 +27,7 @@ void declareCommands(CLI::App& program, int& exit_status) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return runProgram(argc, argv, declareCommands); }
+int main(int argc, char** argv) {
+  lode::endCleanlyWhenInterrupted();
+  return runProgram(argc, argv, declareCommands);
+}

@@ -61,28 +61,27 @@ std::string describeBytes(uint64_t bytes) {
   constexpr std::array kUnits{"bytes", "KB", "MB", "GB", "TB"};
   double value = static_cast<double>(bytes);
   size_t unit = 0;
-  for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+  const auto isTooLong = [&] { return value >= (unit == 0 ? 1000 : 999.95); };  // as it is rounded
+  for (; isTooLong() && unit + 1 < kUnits.size(); ++unit) value /= 1000;
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.1f %s", value, kUnits[unit]);
   return text.data();
 }
 
 std::string byteSizeAtLeast(uint64_t bytes) {
-  constexpr std::array kUnits{"", "KB", "MB", "GB", "TB"};
-  size_t power = 0;
-  uint64_t unit = 1;
-  for (; bytes / unit >= 1000 && power + 1 < kUnits.size(); ++power) unit *= 1000;
-  const uint64_t whole = bytes / unit;
-  const uint64_t parts = unit == 1 || whole >= 100 ? 1 : whole >= 10 ? 10 : 100;
-  const uint64_t step = unit / parts;
-  const uint64_t steps = bytes / step + (bytes % step != 0 ? 1 : 0);
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*f%s",
-                parts == 100  ? 2
-                : parts == 10 ? 1
-                              : 0,
-                static_cast<double>(steps) / static_cast<double>(parts), kUnits[power]);
-  return text.data();
+  if (bytes < 1000) return std::to_string(bytes);
+  uint64_t step = 10;  // the last of three digits
+  for (const char* unit : {"KB", "MB", "GB", "TB"}) {
+    for (int decimals = 2; decimals >= 0; --decimals, step *= 10) {
+      const uint64_t steps = bytes / step + (bytes % step != 0 ? 1 : 0);
+      if (steps >= 1000) continue;
+      std::array<char, 32> text{};
+      std::snprintf(text.data(), text.size(), "%.*f%s", decimals,
+                    static_cast<double>(steps) / std::pow(10, decimals), unit);
+      return text.data();
+    }
+  }
+  return std::to_string(bytes);
 }
 
 }  // namespace lode

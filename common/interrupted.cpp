@@ -54,6 +54,16 @@ void removeFolder(int in, const char* name, int depth) noexcept {
   }
 }
 
+void remove(const char* path) noexcept {
+  if (::unlink(path) != 0 && errno == EISDIR) removeFolder(AT_FDCWD, path, 0);
+}
+
+/// Another thread, which ends the process, may have looked too early.
+[[noreturn]] void removeAndWait(const char* path) noexcept {
+  remove(path);
+  while (true) ::pause();
+}
+
 void say(const char* text) noexcept {
   [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, text, std::strlen(text));
 }
@@ -65,7 +75,7 @@ void endBy(int signal) {
   for (const std::atomic<const char*>& slot : unfinished) {
     const char* const path = slot;
     if (path == nullptr) continue;
-    if (::unlink(path) != 0 && errno == EISDIR) removeFolder(AT_FDCWD, path, 0);
+    remove(path);
     is_removed = true;
   }
   say(program_invocation_short_name);
@@ -106,6 +116,7 @@ Unfinished::Unfinished(const std::filesystem::path& path) {
     const char* none = nullptr;
     if (!slot.compare_exchange_strong(none, text)) continue;
     slot_ = &slot;
+    if (is_ending) removeAndWait(text);
     return;
   }
   std::free(const_cast<char*>(text));

@@ -10,7 +10,8 @@ namespace lode {
 /// removed: but for those that are ignored, or that somebody else handles, then or later.
 void endCleanlyWhenInterrupted() noexcept;
 
-/// While it lives, this thread is not interrupted: what it makes and tells of meanwhile is known before.
+/// While it lives, this thread is not interrupted: in a program of one thread, what it makes meanwhile is
+/// told of before. Where another thread takes the signal, Unfinished removes what comes too late.
 class Uninterrupted {
  public:
   Uninterrupted() noexcept;
@@ -24,7 +25,7 @@ class Uninterrupted {
 
 /// A file or a folder that is not finished yet: if a signal ends the process while this lives, it is removed,
 /// a folder with all that is in it. Calls endCleanlyWhenInterrupted(). Thread safe.
-/// To be made under the same Uninterrupted as what it names.
+/// To be made under the same Uninterrupted as what it names, or before that is there.
 class Unfinished {
  public:
   Unfinished() = default;  ///< nothing

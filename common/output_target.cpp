@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "common/error.h"
 
@@ -41,6 +42,24 @@ OutputTarget findOutput(const std::filesystem::path& asked) {
   if (is_there && !S_ISREG(status.st_mode)) refuse(asked, "a socket or a block device");
   if (!asked.has_filename()) refuse(asked, "the name of a folder");
   return {behindLinks(asked)};
+}
+
+std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
+  struct stat asked {};
+  struct stat printed {};
+  const bool is_stdout = ::stat(output.c_str(), &asked) == 0 && ::fstat(STDOUT_FILENO, &printed) == 0 &&
+                         asked.st_dev == printed.st_dev && asked.st_ino == printed.st_ino;
+  if (!is_stdout) return stdout;
+  if (as_json)
+    throw Error(ErrorCode::kUsage,
+                output.string() + ": is where --json prints: name a file, or leave --json out");
+  return stderr;
+}
+
+void refuseFilesBesideStream(const std::filesystem::path& output) {
+  if (findOutput(output).is_stream)
+    throw Error(ErrorCode::kUsage,
+                output.string() + ": is a pipe or a device, beside which no images can be: name a file");
 }
 
 }  // namespace lode

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
 
 namespace lode {
@@ -14,5 +15,12 @@ struct OutputTarget {
 /// @throws Error kUsage for an empty name and for what is neither file, pipe nor character device, kIo for
 /// links that lead in circles.
 OutputTarget findOutput(const std::filesystem::path& asked);
+
+/// Where to say what was written: stdout, or stderr if the output is stdout itself. To be asked before it is
+/// written. @throws Error kUsage in that case if it is to be said as JSON, which is for stdout.
+std::FILE* reportStream(const std::filesystem::path& output, bool as_json);
+
+/// @throws Error kUsage if files can be written beside no such output: a pipe or a device.
+void refuseFilesBesideStream(const std::filesystem::path& output);
 
 }  // namespace lode

@@ -90,14 +90,6 @@ glm::u8vec3 colourOfNode(NodeKey node) {
   return glm::u8vec3(glm::mix(glm::dvec3(1), pure, 0.55) * light * 255.0);
 }
 
-/// As `lodestreamd info --nodes` names it.
-std::string nodeName(NodeKey node) {
-  std::string name = "root";
-  for (int depth = 1; depth <= node.depth(); ++depth)
-    name += "/" + std::to_string(node.ancestorAt(depth).octant());
-  return name;
-}
-
 std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
   std::set<NodeKey> nodes;
   for (const DrawItem& part : drawn) nodes.insert(part.node);
@@ -123,6 +115,13 @@ std::string errorMeaning(size_t bin, float threshold_px) {
 }
 
 }  // namespace
+
+std::string nodeName(NodeKey node) {
+  std::string name = "root";
+  for (int depth = 1; depth <= node.depth(); ++depth)
+    name += "/" + std::to_string(node.ancestorAt(depth).octant());
+  return name;
+}
 
 const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept { return kTexelLadder; }
 

@@ -11,6 +11,8 @@
 
 #include <glm/glm.hpp>
 
+#include "common/node_key.h"
+
 namespace lode::render {
 
 struct DrawItem;
@@ -45,6 +47,9 @@ glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexce
 /// and for what has no image.
 constexpr size_t kTexelColourCount = 6;
 const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept;
+
+/// As `lodestreamd info --nodes` names it: "root/3/0".
+std::string nodeName(NodeKey node);
 
 /// A colour and what it means.
 struct LegendEntry {

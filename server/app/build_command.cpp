@@ -119,7 +119,8 @@ void addBuildCommand(CLI::App& program) {
       command->add_flag("--quiet", arguments->quiet, "print no progress and no result");
   command
       ->add_flag("--json-progress", arguments->json_progress,
-                 "print progress, for programs: lines of JSON with stage and fraction; and no result")
+                 "print progress, for programs: lines of JSON with stage and fraction; and no result but "
+                 "that of --json")
       ->excludes(quiet);
   command->callback([arguments] { runBuild(*arguments); });
 }

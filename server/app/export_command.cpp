@@ -3,6 +3,7 @@
 
 #include "common/mesh_file.h"
 #include "common/output_target.h"
+#include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/store/export.h"
@@ -26,7 +27,11 @@ std::string atLeastZero(const std::string& text) {
 
 store::Cut chooseCut(const ExportArguments& arguments, const store::Reader& reader) {
   const store::NodeTree tree(reader.nodes());
-  if (arguments.error) return store::cutByError(tree, *arguments.error * boxDiagonal(reader.summary()));
+  if (arguments.error) {
+    store::Cut cut = store::cutByError(tree, *arguments.error * boxDiagonal(reader.summary()));
+    cut.converged = cut.converged || *arguments.error == 0;  // all that there is was asked for
+    return cut;
+  }
   if (arguments.triangles) return store::cutByTriangles(tree, *arguments.triangles);
   return store::randomCut(tree, *arguments.seed);
 }
@@ -45,10 +50,17 @@ Json describeAsJson(const store::Cut& cut, const store::Reader& reader) {
 }
 
 std::string describe(const Json& json, const std::filesystem::path& output) {
-  std::string text = output.string() + ": " + json["triangles"].dump() + " triangles of " +
-                     json["nodes"].dump() + " nodes, largest error " + json["max_error"].dump();
-  if (!json["converged"]) text += ", that of the lattice: the store has nothing finer";
-  return text + "\n";
+  return output.string() + ": " + counted(json["triangles"], "triangle") + " of " +
+         counted(json["nodes"], "node") + ", largest error " + json["max_error"].dump() +
+         (json["finest"] ? ", that of the lattice: the store has nothing finer" : "") + "\n";
+}
+
+/// What to say of a cut that does not keep the bound.
+std::string describeFailure(const ExportArguments& arguments, const store::Cut& cut) {
+  if (arguments.triangles)
+    return "its coarsest cut has " + std::to_string(cut.triangles) + " triangles: ask for as many at least";
+  return "even the original triangles have a larger error, that of the lattice: the cut that was written "
+         "holds them all; ask for a larger error, or with 0 for all that there is";
 }
 
 void runExport(const ExportArguments& arguments) {
@@ -57,20 +69,16 @@ void runExport(const ExportArguments& arguments) {
   std::error_code ignored;
   if (std::filesystem::equivalent(arguments.store, arguments.output, ignored))
     throw Error(ErrorCode::kUsage, arguments.output.string() + ": is the store itself: name another output");
-  if (findOutput(arguments.output).is_stream && !reader.textures().textures.empty())
-    throw Error(ErrorCode::kUsage, arguments.output.string() +
-                                       ": is a pipe or a device, beside which no images can be: name a file");
+  if (!reader.textures().textures.empty()) refuseFilesBesideStream(arguments.output);
+  std::FILE* const report = reportStream(arguments.output, arguments.json);
   const store::Cut cut = chooseCut(arguments, reader);
   const Json json = describeAsJson(cut, reader);
-  if (arguments.triangles && !cut.converged) {
-    if (arguments.json) printJson(json);
-    throw Error(ErrorCode::kInput, arguments.store.string() + ": its coarsest cut has " +
-                                       std::to_string(cut.triangles) +
-                                       " triangles: ask for as many at least");
-  }
-  store::exportCut(reader, cut, arguments.output);
-  if (arguments.json) return printJson(json);
-  printText(describe(json, arguments.output));
+  const bool is_too_large = arguments.triangles && !cut.converged;
+  if (!is_too_large) store::exportCut(reader, cut, arguments.output);
+  if (arguments.json) printJson(json);
+  if (!cut.converged)
+    throw Error(ErrorCode::kInput, arguments.store.string() + ": " + describeFailure(arguments, cut));
+  if (!arguments.json) printText(describe(json, arguments.output), report);
 }
 
 }  // namespace

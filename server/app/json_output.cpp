@@ -9,8 +9,8 @@
 
 namespace lode::app {
 
-void printText(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
+void printText(const std::string& text, std::FILE* stream) {
+  if (std::fwrite(text.data(), 1, text.size(), stream) == text.size() && std::fflush(stream) == 0) return;
   throw Error(ErrorCode::kIo, std::string("standard output cannot be written: ") + std::strerror(errno));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,8 +16,8 @@ using Json = nlohmann::ordered_json;
 /// Prints one JSON object as one line on stdout. @throws Error kIo if stdout takes no more.
 void printJson(const Json& object);
 
-/// Prints text on stdout. @throws Error kIo if stdout takes no more.
-void printText(const std::string& text);
+/// @throws Error kIo if the stream takes no more.
+void printText(const std::string& text, std::FILE* stream = stdout);
 
 /// A box in true coordinates: {"min":[x,y,z],"max":[x,y,z]}, or null if it is empty.
 Json toJson(const LatticeBox& box, const Lattice& lattice);

@@ -49,6 +49,7 @@ void runSample(SampleArguments& arguments) {
                      std::to_string(triangles) + " triangles together\n");
   }
   checkEnding(arguments.output);
+  std::FILE* const report = reportStream(arguments.output, arguments.json);
   arguments.options.attributes = parseAttributes(arguments.attributes);
   const uint64_t triangles = ingest::writeSample(arguments.options, arguments.output);
   std::error_code is_stream;
@@ -56,7 +57,8 @@ void runSample(SampleArguments& arguments) {
   if (arguments.json)
     return printJson({{"triangles", triangles}, {"bytes", is_stream ? Json(nullptr) : Json(bytes)}});
   printText(arguments.output.string() + ": " + counted(triangles, "triangle") +
-            (is_stream ? "" : ", " + describeBytes(bytes)) + "\n");
+                (is_stream ? "" : ", " + describeBytes(bytes)) + "\n",
+            report);
 }
 
 }  // namespace

@@ -11,12 +11,14 @@
 #include "common/material_groups.h"
 #include "common/mesh_images/image_names.h"
 #include "common/mesh_images/png_writer.h"
+#include "common/output_target.h"
 
 namespace lode::app {
 
 CutImages writeCutImages(const core::Cut& cut, const Mesh& mesh, const std::filesystem::path& mesh_file) {
   CutImages images;
-  if (!cut.textures) return images;
+  if (!cut.textures || cut.textures->textures.empty()) return images;
+  refuseFilesBesideStream(mesh_file);
   images.set = *cut.textures;
   ImageNames names(mesh_file);
   std::vector<bool> is_written(images.set.textures.size());

@@ -16,7 +16,7 @@ struct CutImages {
 };
 
 /// Writes the images that a cut's mesh wears as PNG files beside the mesh's file, as sharp as they are
-/// resident: see ResidentImage and ImageNames. @throws Error kIo.
+/// resident: see ResidentImage and ImageNames. @throws Error kIo; kUsage for a pipe or a device.
 CutImages writeCutImages(const core::Cut& cut, const Mesh& mesh, const std::filesystem::path& mesh_file);
 
 }  // namespace lode::app

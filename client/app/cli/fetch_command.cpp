@@ -17,6 +17,7 @@
 #include "client/app/cli/stream_report.h"
 #include "common/error.h"
 #include "common/mesh_file.h"
+#include "common/output_target.h"
 
 namespace lode::app {
 namespace {
@@ -143,7 +144,8 @@ class Fetch {
     }
     const KeyResult& last = keys_.back();
     if (!std::ranges::all_of(keys_, &KeyResult::converged)) return;
-    std::printf(
+    std::fprintf(
+        report_,
         "converged in %.0f ms, first image after %.0f ms: %llu triangles in %zu nodes, %llu bytes received\n",
         total_ms, keys_.front().first_image_ms.value_or(total_ms),
         static_cast<unsigned long long>(last.status.cut->triangles), last.status.cut->parts.size(),
@@ -152,6 +154,7 @@ class Fetch {
 
   const FetchOptions& options_;
   const PictureSize size_;
+  std::FILE* const report_ = reportStream(options_.output, options_.json);
   Clock::time_point start_ = Clock::now();
   std::vector<KeyResult> keys_;
 };
@@ -174,6 +177,7 @@ void declareFetch(CLI::App& program, int& /*exit_status*/) {
       ->add_option("-o,--output", options->output,
                    "write the last key's cut, its images beside it as sharp as the camera needs them; the "
                    "ending says the format")
+      ->check([](const std::string& name) { return name.empty() ? "its name is empty: name a file" : ""; })
       ->type_name("CUT.ply|.obj|.glb");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { fetch(*options); });

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <string>
 
+#include "common/printable.h"
+
 namespace lode::app {
 namespace {
 
@@ -35,8 +37,6 @@ std::string medianAndWorst(const LatencyHistogram& latency) {
   if (latency.count() == 0) return "none";
   return milliseconds(latency, 0.5) + " (median), " + milliseconds(latency, 0.99) + " (p99)";
 }
-
-std::string counted(uint64_t count, const char* what) { return std::to_string(count) + " " + what; }
 
 const char* nameOf(ErrorCode code) {
   switch (code) {
@@ -101,9 +101,9 @@ std::string describe(const LoadOptions& options, const LoadResult& result) {
   std::string text = result.interrupted ? "interrupted after " + number(result.seconds) + " of " : "";
   text += number(options.seconds, 0) + " s: ";
   text += tally.started < options.clients
-              ? counted(tally.started, "of ") + counted(options.clients, "clients had begun")
-              : counted(options.clients, "clients");
-  text += ", " + counted(tally.blobs, "blobs");
+              ? std::to_string(tally.started) + " of " + counted(options.clients, "client") + " had begun"
+              : counted(options.clients, "client");
+  text += ", " + counted(tally.blobs, "blob");
   if (result.seconds > 0)
     text += ", " + number(static_cast<double>(tally.bytes) * 1e-6 / result.seconds) + " MB/s";
   text += "; visible wishes: " + medianAndWorst(tally.latency[0]);
@@ -113,8 +113,9 @@ std::string describe(const LoadOptions& options, const LoadResult& result) {
     if (tally.looked_s > 0)
       text += "; far off " + number(100 * tally.far_off_s / tally.looked_s) + " % of the time";
   }
-  text += "; " + counted(tally.unanswered, "unanswered") + ", " + counted(tally.lost, "connections lost") +
-          ", " + counted(tally.gave_up, "clients gave up") + ", " + counted(tally.errorCount(), "errors");
+  text += "; " + std::to_string(tally.unanswered) + " unanswered, " + counted(tally.lost, "connection") +
+          " lost" + ", " + counted(tally.gave_up, "client") + " gave up, " +
+          counted(tally.errorCount(), "error");
   return tally.first_error.empty() ? text : text + ", the first: " + tally.first_error;
 }
 

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "client/render/shown_colours.h"
+
 namespace lode::app {
 namespace {
 
@@ -16,14 +18,6 @@ std::string coordinates(const glm::dvec3& position, int decimals) {
   std::snprintf(text, sizeof text, "%.*f %.*f %.*f", decimals, position.x, decimals, position.y, decimals,
                 position.z);
   return text;
-}
-
-/// As `lodestreamd info --nodes` names it.
-std::string nodeName(NodeKey node) {
-  std::string name = "root";
-  for (int depth = 1; depth <= node.depth(); ++depth)
-    name += "/" + std::to_string(node.ancestorAt(depth).octant());
-  return name;
 }
 
 }  // namespace
@@ -53,8 +47,8 @@ std::vector<std::string> Picks::lines() const {
   char text[160];
   std::vector<std::string> lines{coordinates(last.position, decimals)};
   if (!last.model.empty()) lines.push_back("model " + last.model);
-  std::snprintf(text, sizeof text, "node %s, rung %u, error %.2f px", nodeName(last.node).c_str(), last.rung,
-                static_cast<double>(last.error_px));
+  std::snprintf(text, sizeof text, "node %s, rung %u, error %.2f px", render::nodeName(last.node).c_str(),
+                last.rung, static_cast<double>(last.error_px));
   lines.emplace_back(last.is_ground ? "the ground" : text);
   if (last.has_colour) {
     std::snprintf(text, sizeof text, "colour #%02x%02x%02x", last.colour.r, last.colour.g, last.colour.b);

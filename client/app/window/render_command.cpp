@@ -30,6 +30,7 @@
 #include "client/render/renderer.h"
 #include "client/stream/streamer.h"
 #include "common/error.h"
+#include "common/interrupted.h"
 
 namespace lode::app {
 namespace {
@@ -74,7 +75,7 @@ std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath
 /// Where a video's frames lie until it is made.
 class FramesFolder {
  public:
-  explicit FramesFolder(fs::path path) : path_(std::move(path)) {}
+  explicit FramesFolder(fs::path path) : path_(std::move(path)), unfinished_(path_) {}
   ~FramesFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
@@ -84,6 +85,7 @@ class FramesFolder {
 
  private:
   const fs::path path_;
+  const Unfinished unfinished_;
 };
 
 void makeFolder(const std::string& folder) {

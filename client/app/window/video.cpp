@@ -8,6 +8,7 @@
 
 #include "client/app/cli/child_process.h"
 #include "common/error.h"
+#include "common/interrupted.h"
 
 namespace lode::app {
 
@@ -26,6 +27,7 @@ void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path&
                const std::filesystem::path& output) {
   std::filesystem::path unfinished = output;
   unfinished += ".part";
+  const Unfinished until_it_has_its_name(unfinished);
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", fps);
   // What most players take: halved colours, which want even sides.

@@ -73,8 +73,8 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   shareHeaps(options.memory_bytes);
   BuildSession session(options, progress);
   try {
-    if (options.output.extension() != ".lode")
-      session.warn(options.output.string() +
+    if (given.output.extension() != ".lode")
+      session.warn(given.output.string() +
                    ": serve finds stores in a folder only if their names end in .lode");
     runStages(session);
     return session.takeReport();

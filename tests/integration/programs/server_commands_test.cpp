@@ -231,20 +231,42 @@ TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind
   EXPECT_EQ(folder_.contents(), before);
 }
 
-TEST_F(ServerCommands, exportTheOriginalTrianglesForAnErrorBelowTheLatticesAndSayWhatItIs) {
+TEST_F(ServerCommands, exportAllThatThereIsForAnErrorOfNothing) {
   build();
   const Json info = Json::parse(run("info a.lode --json").out);
-  for (const char* error : {"0", "1e-12"}) {
-    const Outcome outcome = run(std::string("export a.lode -o b.ply --json --error ") + error);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    const Json cut = Json::parse(outcome.out);
-    EXPECT_EQ(cut["triangles"], info["triangles"]);
-    EXPECT_TRUE(cut["finest"]);
-    EXPECT_FALSE(cut["converged"]);
-    EXPECT_GT(cut["max_error"], 0);
-  }
+  const Outcome outcome = run("export a.lode -o b.ply --json --error 0");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json cut = Json::parse(outcome.out);
+  EXPECT_EQ(cut["triangles"], info["triangles"]);
+  EXPECT_TRUE(cut["finest"]);
+  EXPECT_TRUE(cut["converged"]);
+  EXPECT_GT(cut["max_error"], 0);
   const std::string text = run("export a.lode -o b.ply --error 0").out;
   EXPECT_NE(text.find("that of the lattice: the store has nothing finer"), std::string::npos) << text;
+}
+
+TEST_F(ServerCommands, exportTheOriginalTrianglesForAnErrorBelowTheLatticesAndFail) {
+  build();
+  const Json info = Json::parse(run("info a.lode --json").out);
+  const Outcome outcome = run("export a.lode -o b.ply --json --error 1e-12");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("the cut that was written holds them all"), std::string::npos) << outcome.err;
+  const Json cut = Json::parse(outcome.out);
+  EXPECT_EQ(cut["triangles"], info["triangles"]);
+  EXPECT_FALSE(cut["converged"]);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "b.ply"));
+}
+
+TEST_F(ServerCommands, sayNothingOnStdoutBesideAMeshThatGoesThere) {
+  build();
+  for (const char* arguments : {"export a.lode --error 0.01 -o ", "sample asteroid --triangles 1000 -o "}) {
+    ASSERT_EQ(run(std::string(arguments) + "b.ply").status, 0);
+    const Outcome outcome = run(std::string(arguments) + "/dev/stdout");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, readBytes(folder_ / "b.ply"));
+    EXPECT_NE(outcome.err.find("triangles"), std::string::npos) << outcome.err;
+    EXPECT_EQ(run(std::string(arguments) + "/dev/stdout --json").status, 2);
+  }
 }
 
 TEST_F(ServerCommands, refuseOutputsThatCannotBeBeforeAnyWork) {

@@ -44,6 +44,8 @@ TEST(ByteSize, isSaidInThreeDigitsThatAreNoLess) {
   EXPECT_EQ(byteSizeAtLeast(180355072), "181MB");
   EXPECT_EQ(byteSizeAtLeast(68719476736), "68.8GB");
   EXPECT_EQ(byteSizeAtLeast(4000), "4.00KB");
+  EXPECT_EQ(byteSizeAtLeast(99'999'999), "100MB");
+  EXPECT_EQ(byteSizeAtLeast(999'600'000), "1.00GB");
   for (const uint64_t bytes : {uint64_t{1}, uint64_t{9991}, uint64_t{99'999'999}, uint64_t{999'999'999'999}})
     EXPECT_GE(parseByteSize(byteSizeAtLeast(bytes)), bytes);
 }
