@@ -9,6 +9,8 @@
 #include <asio/ssl/error.hpp>
 #include <asio/use_awaitable.hpp>
 #include <asio/write.hpp>
+#include <openssl/bio.h>
+#include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509_vfy.h>
 
@@ -25,12 +27,31 @@ ByteStream::ByteStream(tcp::socket socket, std::shared_ptr<asio::ssl::context> t
   tls_.emplace(std::move(socket), *context_);
 }
 
-asio::awaitable<void> ByteStream::acceptHandshake() {
-  if (!tls_) co_return;
+namespace {
+
+bool hasClosed(const asio::error_code& error) {
+  return error == asio::error::eof || error == asio::ssl::error::stream_truncated;
+}
+
+/// OpenSSL's short reason, without the part of OpenSSL that it comes from.
+std::string reasonOf(const asio::error_code& error) {
+  if (hasClosed(error)) return "the client closed in the handshake";
+  const bool is_openssl = error.category() == asio::error::get_ssl_category();
+  const char* reason =
+      is_openssl ? ERR_reason_error_string(static_cast<unsigned long>(error.value())) : nullptr;
+  return reason != nullptr ? reason : error.message();
+}
+
+}  // namespace
+
+asio::awaitable<bool> ByteStream::acceptHandshake() {
+  if (!tls_) co_return true;
   asio::error_code error;
   co_await tls_->async_handshake(asio::ssl::stream_base::server,
                                  asio::redirect_error(asio::use_awaitable, error));
-  if (error) throw Error(ErrorCode::kNetwork, "the TLS handshake failed: " + error.message());
+  if (!error) co_return true;
+  if (hasClosed(error) && BIO_number_read(SSL_get_rbio(tls_->native_handle())) == 0) co_return false;
+  throw Error(ErrorCode::kNetwork, reasonOf(error));
 }
 
 asio::awaitable<void> ByteStream::connectHandshake(std::string host) {

@@ -22,8 +22,10 @@ class ByteStream {
   /// Under TLS: a handshake comes before anything else.
   ByteStream(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls);
 
-  /// The server's side of the TLS handshake; nothing on a plain stream. @throws Error kNetwork.
-  asio::awaitable<void> acceptHandshake();
+  /// The server's side of the TLS handshake; nothing on a plain stream.
+  /// @return false if the peer closed before it said anything.
+  /// @throws Error kNetwork: why it failed, in a few words of OpenSSL's or of the system's.
+  asio::awaitable<bool> acceptHandshake();
   /// The client's side: the peer must prove to be this host. Nothing on a plain stream.
   /// @param host  name or number. @throws Error kNetwork: why it does not.
   asio::awaitable<void> connectHandshake(std::string host);

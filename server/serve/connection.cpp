@@ -1,5 +1,6 @@
 #include "server/serve/connection.h"
 
+#include <array>
 #include <utility>
 
 #include <asio/co_spawn.hpp>
@@ -18,6 +19,7 @@ namespace {
 constexpr size_t kMaxKeptBodyBytes = 4u << 10;  ///< of the last frame, kept for the next
 
 LogKind kindOfEnd(EndReason reason, bool unauthorized) {
+  if (reason == EndReason::kTls || reason == EndReason::kProxyHeader) return LogKind::kProtocolMistake;
   if (reason != EndReason::kMistake) return LogKind::kConnectionEnd;
   return unauthorized ? LogKind::kUnauthorized : LogKind::kProtocolMistake;
 }
@@ -46,13 +48,15 @@ Connection::~Connection() {
   const EndReason reason = end_.value_or(EndReason::kStopping);
   host_.tallies->ended[static_cast<size_t>(reason)].add();
   const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+  const std::array<LogField, 7> fields{{{"client", client_},
+                                        {"reason", endName(reason)},
+                                        {"seconds", seconds},
+                                        {"frames", frames_},
+                                        {"blobs", blobs_},
+                                        {"bytes", sent_bytes_},
+                                        {"why", why_}}};
   host_.log->write(kindOfEnd(reason, session_.unauthorized()), "a connection ended",
-                   {{"client", client_},
-                    {"reason", endName(reason)},
-                    {"seconds", seconds},
-                    {"frames", frames_},
-                    {"blobs", blobs_},
-                    {"bytes", sent_bytes_}});
+                   std::span(fields).first(fields.size() - (why_.empty() ? 1 : 0)));
 }
 
 void Connection::start() {
@@ -117,9 +121,10 @@ asio::awaitable<void> Connection::sleep(asio::steady_timer& until, bool& woken) 
 asio::awaitable<void> Connection::read() {
   bool broken = false;
   try {
-    co_await greet();
-    startWriting();
-    co_await readFrames();
+    if (co_await greet()) {
+      startWriting();
+      co_await readFrames();
+    }
   } catch (const Error& error) {
     broken = error.code() == ErrorCode::kNetwork;
     if (broken) end(EndReason::kBroken);
@@ -144,25 +149,39 @@ asio::awaitable<void> Connection::read() {
   wakeWriter();
 }
 
-/// What comes before the first frame.
-asio::awaitable<void> Connection::greet() {
+/// What comes before the first frame. @return false if the client closed before it said anything.
+asio::awaitable<bool> Connection::greet() {
   if (limits_.proxy_protocol) {
-    const ProxyHeader header = co_await readProxyHeader(stream_.bytes().socket());
-    if (header.client) {
-      client_ = header.client->to_string();
-      if (!place_.countUnder(*header.client)) {
+    std::optional<ProxyHeader> header;
+    try {
+      header = co_await readProxyHeader(stream_.bytes().socket());
+    } catch (const Error& error) {
+      turnAway(RefusalReason::kProxyHeader, EndReason::kProxyHeader, error.what());
+      throw;
+    }
+    if (!header) co_return false;
+    if (header->client) {
+      client_ = header->client->to_string();
+      if (!place_.countUnder(*header->client)) {
         host_.tallies->refused[static_cast<size_t>(RefusalReason::kAddress)].add();
         session_.refuse(proto::WireError::kLimit, "this address has as many connections as it may");
       }
     }
   }
-  if (!stream_.bytes().encrypted()) co_return;
   try {
-    co_await stream_.bytes().acceptHandshake();
-  } catch (const Error&) {
-    if (!end_) host_.tallies->refused[static_cast<size_t>(RefusalReason::kTls)].add();
+    co_return co_await stream_.bytes().acceptHandshake();
+  } catch (const Error& error) {
+    turnAway(RefusalReason::kTls, EndReason::kTls, error.what());
     throw;
   }
+}
+
+/// Unless a deadline has ended it, which is why it failed then.
+void Connection::turnAway(RefusalReason refused, EndReason ended, const std::string& why) {
+  if (end_) return;
+  host_.tallies->refused[static_cast<size_t>(refused)].add();
+  end(ended);
+  why_ = why;
 }
 
 /// Lets the memory go that a large frame took beyond what is kept for the next, and gives it back.

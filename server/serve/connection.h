@@ -99,7 +99,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   };
 
   asio::awaitable<void> read();
-  asio::awaitable<void> greet();
+  asio::awaitable<bool> greet();
+  void turnAway(RefusalReason refused, EndReason ended, const std::string& why);
   asio::awaitable<void> readFrames();
   void letGoOf(proto::Frame& frame);
   asio::awaitable<void> write();
@@ -136,6 +137,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<Clock::time_point> linger_until_;   ///< all is said; the client should close before this
   std::optional<Clock::time_point> writing_since_;  ///< something is to be written
   std::optional<EndReason> end_;
+  std::string why_;  ///< it was turned away before the first frame
   std::string client_;
   Clock::time_point began_ = Clock::now();
   uint64_t frames_ = 0, sent_bytes_ = 0, blobs_ = 0;  ///< of the connection so far

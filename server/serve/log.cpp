@@ -88,7 +88,7 @@ Log::Log(LogOptions options) : state_(std::make_unique<State>(std::move(options)
 
 Log::~Log() { tick(); }
 
-void Log::write(LogKind kind, std::string_view message, std::initializer_list<LogField> fields) noexcept {
+void Log::write(LogKind kind, std::string_view message, std::span<const LogField> fields) noexcept {
   try {
     const auto now = state_->options.clock();
     uint64_t left_out = 0;

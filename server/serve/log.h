@@ -5,6 +5,7 @@
 #include <functional>
 #include <initializer_list>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "server/serve/log_line.h"
@@ -29,7 +30,10 @@ class Log {
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
 
-  void write(LogKind kind, std::string_view message, std::initializer_list<LogField> fields = {}) noexcept;
+  void write(LogKind kind, std::string_view message, std::span<const LogField> fields) noexcept;
+  void write(LogKind kind, std::string_view message, std::initializer_list<LogField> fields = {}) noexcept {
+    write(kind, message, std::span(fields.begin(), fields.size()));
+  }
   /// Says how many lines were left out, of the kinds that may be written again; call it about every second.
   void tick() noexcept;
 

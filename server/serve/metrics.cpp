@@ -119,13 +119,14 @@ void addGauges(std::vector<MetricFamily>& families, const ServerGauges& gauges) 
 
 std::string_view refusalName(RefusalReason reason) noexcept {
   constexpr std::array<std::string_view, kRefusalReasons> kNames{
-      "connections", "address", "memory", "descriptors", "token", "proxy_header", "tls", "stopping"};
+      "connections", "address", "memory", "descriptors", "token", "proxy_header", "tls"};
   return kNames[static_cast<size_t>(reason)];
 }
 
 std::string_view endName(EndReason reason) noexcept {
-  constexpr std::array<std::string_view, kEndReasons> kNames{"client", "broken",  "mistake", "handshake",
-                                                             "idle",   "stalled", "memory",  "stopping"};
+  constexpr std::array<std::string_view, kEndReasons> kNames{
+      "client",    "broken", "proxy_header", "tls",    "mistake",
+      "handshake", "idle",   "stalled",      "memory", "stopping"};
   return kNames[static_cast<size_t>(reason)];
 }
 
@@ -141,16 +142,18 @@ Metrics::Metrics(size_t threads) {
 std::string Metrics::text(const ServerGauges& gauges) const {
   std::vector<MetricFamily> families;
   addGauges(families, gauges);
-  families.push_back(
-      number("lodestream_connections_accepted_total", "Connections that were let in", MetricType::Counter,
-             sum(threads_, [](const ThreadTallies& t) -> const Tally& { return t.accepted; })));
+  families.push_back(number(
+      "lodestream_connections_accepted_total",
+      "Connections that were taken in, before TLS, a balancer's header or a token were looked at",
+      MetricType::Counter, sum(threads_, [](const ThreadTallies& t) -> const Tally& { return t.accepted; })));
   families.push_back(counters(
-      "lodestream_connections_refused_total", "Connections that were not let in, by reason", "reason",
+      "lodestream_connections_refused_total",
+      "Connections that were turned away, before or after they were taken in, by reason", "reason",
       kRefusalReasons, threads_, [](size_t i) { return refusalName(static_cast<RefusalReason>(i)); },
       [](const ThreadTallies& t) -> const auto& { return t.refused; }));
   families.push_back(counters(
-      "lodestream_connections_ended_total", "Connections that have ended, by reason", "reason", kEndReasons,
-      threads_, [](size_t i) { return endName(static_cast<EndReason>(i)); },
+      "lodestream_connections_ended_total", "Connections of those taken in that have ended, by reason",
+      "reason", kEndReasons, threads_, [](size_t i) { return endName(static_cast<EndReason>(i)); },
       [](const ThreadTallies& t) -> const auto& { return t.ended; }));
   families.push_back(counters(
       "lodestream_wishes_total", "Wishes taken, by class", "class", kWishClasses, threads_,

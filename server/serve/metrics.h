@@ -14,7 +14,8 @@
 
 namespace lode::serve {
 
-/// Why a client was not let in.
+/// Why a client was not let in: the first four at the door, the others and, behind a balancer, its address
+/// once it was accepted.
 enum class RefusalReason : uint8_t {
   kConnections,  ///< --max-connections
   kAddress,      ///< --max-connections-per-address
@@ -23,23 +24,24 @@ enum class RefusalReason : uint8_t {
   kToken,        ///< none, unknown or expired
   kProxyHeader,  ///< with --proxy-protocol
   kTls,          ///< the handshake failed
-  kStopping,
 };
-constexpr size_t kRefusalReasons = 8;
+constexpr size_t kRefusalReasons = 7;
 std::string_view refusalName(RefusalReason reason) noexcept;
 
-/// Why a connection that was let in has ended.
+/// Why a connection that was accepted has ended.
 enum class EndReason : uint8_t {
-  kClient,     ///< it closed
-  kBroken,     ///< reset, or gone in the middle of a frame
-  kMistake,    ///< it broke a rule of the protocol
-  kHandshake,  ///< no Hello in time
-  kIdle,       ///< no frame in time
-  kStalled,    ///< it took nothing in time
-  kMemory,     ///< the greediest, when the budget was used up
+  kClient,       ///< it closed
+  kBroken,       ///< reset, or gone in the middle of a frame
+  kProxyHeader,  ///< the balancer's header was missing or wrong
+  kTls,          ///< the handshake failed
+  kMistake,      ///< it broke a rule of the protocol
+  kHandshake,    ///< no Hello in time
+  kIdle,         ///< no frame in time
+  kStalled,      ///< it took nothing in time
+  kMemory,       ///< the greediest, when the budget was used up
   kStopping,
 };
-constexpr size_t kEndReasons = 8;
+constexpr size_t kEndReasons = 10;
 std::string_view endName(EndReason reason) noexcept;
 
 constexpr size_t kWishClasses = 3;
@@ -52,7 +54,7 @@ struct ModelTallies {
 /// What one thread of the server counts; it alone adds, whoever asks for the metrics reads.
 class ThreadTallies {
  public:
-  Tally accepted;
+  Tally accepted;  ///< past the door, whatever they said then
   std::array<Tally, kRefusalReasons> refused;
   std::array<Tally, kEndReasons> ended;
   std::array<Tally, kWishClasses> wishes;

@@ -13,7 +13,7 @@ namespace lode::serve {
 
 using asio::ip::tcp;
 
-asio::awaitable<ProxyHeader> readProxyHeader(tcp::socket& socket) {
+asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(tcp::socket& socket) {
   const auto broken = [](const std::string& why) { return Error(ErrorCode::kNetwork, why); };
   socket.non_blocking(true);
   std::vector<std::byte> header;  // what was taken from the socket
@@ -27,7 +27,9 @@ asio::awaitable<ProxyHeader> readProxyHeader(tcp::socket& socket) {
                                        tcp::socket::message_peek, error);
     header.resize(taken + seen);
     if (error == asio::error::would_block) continue;
-    if (error) throw broken("the connection ended in the balancer's header: " + error.message());
+    if (error == asio::error::eof && taken == 0) co_return std::nullopt;
+    if (error == asio::error::eof) throw broken("the connection ended in the balancer's header");
+    if (error) throw broken("the connection broke in the balancer's header: " + error.message());
     std::optional<ProxyHeader> parsed;
     try {
       parsed = parseProxyHeader(header);
@@ -37,7 +39,7 @@ asio::awaitable<ProxyHeader> readProxyHeader(tcp::socket& socket) {
     const size_t take = parsed ? parsed->bytes - taken : seen;
     socket.receive(asio::buffer(header.data() + taken, take), 0, error);  // they are there: they were seen
     if (error) throw broken("the connection broke in the balancer's header: " + error.message());
-    if (parsed) co_return *parsed;
+    if (parsed) co_return parsed;
   }
 }
 

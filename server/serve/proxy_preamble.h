@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <asio/awaitable.hpp>
 #include <asio/ip/tcp.hpp>
 
@@ -8,8 +10,9 @@
 namespace lode::serve {
 
 /// Reads the balancer's header and not a byte more: the client's own may be TLS.
+/// @return nothing if the peer closed before the first byte, as a check of health may.
 /// @throws Error kNetwork: it is none, or the connection ended in it. A balancer that does not speak the
 /// protocol is told nothing.
-asio::awaitable<ProxyHeader> readProxyHeader(asio::ip::tcp::socket& socket);
+asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(asio::ip::tcp::socket& socket);
 
 }  // namespace lode::serve

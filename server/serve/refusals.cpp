@@ -35,13 +35,13 @@ void say(tcp::socket& socket, std::span<const std::byte> last_word) {
 /// Until the client closes, or sweep() does.
 asio::awaitable<void> tell(std::shared_ptr<proto::ByteStream> stream, proto::Bytes last_word) {
   try {
-    co_await stream->acceptHandshake();
+    const bool is_there = co_await stream->acceptHandshake();
     asio::error_code error;
     const std::array parts{asio::const_buffer(last_word.data(), last_word.size())};
     co_await stream->write(parts, error);
     stream->shutdownSend();
     std::array<std::byte, 1024> dropped;
-    while (!error) co_await stream->readSome(asio::buffer(dropped), error);
+    while (is_there && !error) co_await stream->readSome(asio::buffer(dropped), error);
   } catch (const std::exception&) {  // it spoke no TLS, or there is no memory for it
   }
   stream->close();

@@ -1,0 +1,169 @@
+// What the log and the metrics say of connections that never got as far as a frame.
+
+#include <fstream>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/test_certificate.h"
+#include "tests/unit/serve/server_fixture.h"
+#include "tests/unit/serve/tls_client.h"
+
+namespace lode::serve {
+namespace {
+
+using namespace test;
+class ServerEnds : public ServerTest {
+ protected:
+  ServerEnds() {
+    options_.metrics = "127.0.0.1:0";
+    options_.log.json = true;
+    options_.log.descriptor = log_;
+  }
+  ~ServerEnds() override {
+    stop();
+    server_.reset();
+    ::close(log_);
+  }
+  void startUnderTls() {
+    options_.tls_certificate = folder_.path() / "chain.pem";
+    options_.tls_key = folder_.path() / "key.pem";
+    lode::test::writeCertificate(options_.tls_certificate, options_.tls_key);
+    start();
+  }
+  void startBehindABalancer() {
+    options_.proxy_protocol = true;
+    start();
+  }
+
+  /// The line of the only connection, which comes at its end.
+  nlohmann::json end() const {
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (std::chrono::steady_clock::now() < deadline) {
+      std::ifstream log(path_);
+      for (std::string line; std::getline(log, line) && !log.eof();) {
+        nlohmann::json json = nlohmann::json::parse(line);
+        if (json["message"] == "a connection ended") return json;
+      }
+      std::this_thread::sleep_for(5ms);
+    }
+    ADD_FAILURE() << "no connection has ended";
+    return {};
+  }
+
+  /// A sample's value, by its name and labels; -1 if there is none.
+  double metric(const std::string& sample) const {
+    const std::string address = *server_->metricsAddress();
+    asio::io_context context;
+    asio::ip::tcp::socket socket(context);
+    socket.connect({asio::ip::address_v4::loopback(),
+                    static_cast<uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)))});
+    asio::write(socket, asio::buffer(std::string("GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n")));
+    std::string text;
+    asio::error_code all_read;
+    asio::read(socket, asio::dynamic_buffer(text), all_read);
+    const size_t at = text.find("\n" + sample + " ");
+    return at == std::string::npos ? -1 : std::stod(text.substr(at + sample.size() + 2));
+  }
+  double refused(const std::string& reason) const {
+    return metric("lodestream_connections_refused_total{reason=\"" + reason + "\"}");
+  }
+  double ended(const std::string& reason) const {
+    return metric("lodestream_connections_ended_total{reason=\"" + reason + "\"}");
+  }
+  /// The only connection, at its end.
+  void expectCountedOnce(const std::string& reason) const {
+    end();
+    EXPECT_EQ(metric("lodestream_connections_accepted_total"), 1);
+    EXPECT_EQ(refused(reason), 1);
+    EXPECT_EQ(ended(reason), 1);
+    EXPECT_EQ(ended("broken"), 0);
+  }
+
+  const std::filesystem::path path_ = folder_.path() / "log.txt";
+  const int log_ = ::open(path_.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+};
+
+TEST_F(ServerEnds, aHandshakeThatFailsIsLoggedAsTlsInTheWordsOfOpenSsl) {
+  startUnderTls();
+  TestClient client = connect();
+  client.sendText("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_EQ(end()["reason"], "tls");
+  EXPECT_EQ(end()["why"], "http request");
+}
+
+TEST_F(ServerEnds, anOlderTlsIsLoggedAsWhatItIs) {
+  startUnderTls();
+  const TlsClient client(server_->port(), TLS1_2_VERSION);
+  EXPECT_EQ(end()["why"], "unsupported protocol");
+}
+
+TEST_F(ServerEnds, aClientThatLeavesInTheHandshakeIsLoggedAsLeaving) {
+  startUnderTls();
+  { connect().sendText("\x16\x03\x01"); }
+  EXPECT_EQ(end()["reason"], "tls");
+  EXPECT_EQ(end()["why"], "the client closed in the handshake");
+}
+
+TEST_F(ServerEnds, aConnectionWithoutTheBalancersHeaderIsLoggedAsThat) {
+  startBehindABalancer();
+  TestClient client = connect();
+  client.send(proto::Hello{});
+  EXPECT_EQ(end()["reason"], "proxy_header");
+  EXPECT_NE(end().value("why", "").find("it begins with something else"), std::string::npos) << end();
+}
+
+TEST_F(ServerEnds, aFailedHandshakeAndAWrongHeaderAreMistakesInTheLog) {
+  startBehindABalancer();
+  connect().sendText("nonsense");
+  EXPECT_EQ(end()["kind"], "mistake");
+}
+
+TEST_F(ServerEnds, whoClosesBeforeTheFirstByteOfAHandshakeHasJustClosed) {
+  startUnderTls();
+  { connect(); }
+  EXPECT_EQ(end()["reason"], "client");
+  EXPECT_EQ(refused("tls"), 0);
+}
+
+TEST_F(ServerEnds, whoClosesBeforeTheFirstByteOfAHeaderHasJustClosed) {
+  startBehindABalancer();
+  { connect(); }
+  EXPECT_EQ(end()["reason"], "client");
+  EXPECT_EQ(refused("proxy_header"), 0);
+}
+
+TEST_F(ServerEnds, aHandshakeThatTakesTooLongIsLoggedAsLateAndNotAsTls) {
+  options_.handshake_deadline = 40ms;
+  startUnderTls();
+  TestClient client = connect();
+  EXPECT_EQ(end()["reason"], "handshake");
+  EXPECT_FALSE(end().contains("why"));
+  EXPECT_EQ(refused("tls"), 0);
+}
+
+TEST_F(ServerEnds, aFailedHandshakeIsAcceptedRefusedAndEndedOnceEach) {
+  startUnderTls();
+  connect().sendText("nonsense");
+  expectCountedOnce("tls");
+}
+
+TEST_F(ServerEnds, aWrongHeaderIsAcceptedRefusedAndEndedOnceEach) {
+  startBehindABalancer();
+  connect().sendText("nonsense");
+  expectCountedOnce("proxy_header");
+}
+
+TEST_F(ServerEnds, whoIsRefusedAtTheDoorIsNotAmongThoseAccepted) {
+  options_.max_connections = 1;
+  start();
+  TestClient served = connect();
+  served.open("a");
+  TestClient refused_client = connect();
+  refused_client.expectErrorAndEnd(WireError::kLimit);
+  EXPECT_EQ(refused("connections"), 1);
+  EXPECT_EQ(metric("lodestream_connections_accepted_total"), 1);
+}
+
+}  // namespace
+}  // namespace lode::serve
