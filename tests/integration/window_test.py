@@ -98,11 +98,14 @@ class Window:
 
     def picture(self):
         """Of the window at rest, or nearly so: when it is there, all that was pressed before has been done."""
+        self.key("F12")
+        return self.saved_picture()
+
+    def saved_picture(self):
         def whole(png):
             if not png.endswith(b"IEND\xaeB`\x82"):
                 raise ValueError
             return png
-        self.key("F12")
         return self.saved("png", whole)
 
     def recorded(self, act):
@@ -314,6 +317,12 @@ class Shown(WindowTest):
                 window.key("v")
                 pictures.append(lower_half(window.picture()))
             self.assertEqual(len(set(pictures)), len(pictures))
+
+    def test_picture_is_written_though_the_window_is_left_at_once(self):
+        with self.window() as window:
+            window.xdotool("key", "--delay", "0", "F12", "Escape")
+            self.assertEqual(window.process.wait(timeout=120), 0)
+            self.assertEqual(size_of(window.saved_picture()), (WIDTH, HEIGHT))
 
     def test_picture_is_as_large_as_the_window_and_survives_that_it_is_hidden(self):
         with self.window() as window:

@@ -15,6 +15,7 @@ class PictureRequest {
   void ask(TimePoint now) noexcept {
     if (!asked_) asked_ = now;
   }
+  bool isOpen() const noexcept { return asked_.has_value(); }
   /// After a frame. @return true once for each request
   bool take(bool is_at_rest, TimePoint now) noexcept {
     if (!asked_ || !(is_at_rest || now - *asked_ >= kLongestWait)) return false;

@@ -82,11 +82,14 @@ Viewer::Viewer(const ViewOptions& options)
 }
 
 void Viewer::run() {
-  while (!window_.shouldClose() && !done_) frame();
+  while (!isLeaving()) frame();
+  if (picture_request_.isOpen() && window_.widthPx() > 0 && window_.heightPx() > 0) draw();
   if (!flight_) return;
   const std::string said = options_.json ? flight_->toJson().dump() + "\n" : flight_->describe();
   std::fputs(said.c_str(), stdout);
 }
+
+bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
 
 /// Nothing more will come for what is looked at now.
 bool Viewer::settled() const {
@@ -425,12 +428,17 @@ void Viewer::saveScreenshots() {
       refuseScreenshot();
     }
   }
-  if (!picture_request_.take(frames_to_draw_ == 0, Clock::now())) return;
+  if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now())) savePicture();
+}
+
+/// Whoever is leaving would not read a note.
+void Viewer::savePicture() {
   const std::string file = timedName("png");
   try {
     render::writePng(file, window_.readBack());
     note("saved " + file);
   } catch (const Error& error) {
+    if (isLeaving()) throw;
     note(error.what());
   }
 }

@@ -41,8 +41,9 @@ class Viewer {
  public:
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
-  /// Returns when the user closes the window.
-  /// @throws Error if the target cannot be opened, or the screenshot asked for is not to be had in time.
+  /// Returns when the user closes the window; a picture that a key has asked for is written before.
+  /// @throws Error if the target cannot be opened, the screenshot asked for is not to be had in time, or that
+  /// last picture cannot be written.
   void run();
 
  private:
@@ -72,7 +73,9 @@ class Viewer {
   void draw();
   void describe();
   void describeStream();
+  bool isLeaving() const;
   void saveScreenshots();
+  void savePicture();
   void note(const std::string& message);
   void refuseScreenshot() const;
   double waitSeconds() const;
