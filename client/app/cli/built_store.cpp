@@ -196,8 +196,8 @@ Json build(const fs::path& source, const fs::path& store, const FolderLock& lock
   std::vector<std::string> arguments{"build", source.string(), "-o", store.string(), "--json"};
   if (!shows_progress) arguments.emplace_back(watch ? "--json-progress" : "--quiet");
   ChildProcess builder(siblingServer(), arguments,
-                       shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep, {},
-                       lock.descriptor());
+                       shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep,
+                       {.inherited = lock.descriptor()});
   Json result;
   {
     const std::stop_callback end_build(stop, [&builder] { builder.terminate(); });

@@ -28,14 +28,15 @@ constexpr int kCannotStart = 127;
 }
 
 /// What happens in the child between fork and exec: only calls that are safe there.
-[[noreturn]] void become(char* const* arguments, int input, int output, int messages, int inherited,
-                         pid_t parent) {
+[[noreturn]] void become(char* const* arguments, int input, int output, int messages, pid_t parent,
+                         const ChildSetup& setup) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(kCannotStart);
+  if (!setup.heeds_keys) setpgid(0, 0);  // terminals signal a group
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   if (messages >= 0) dup2(messages, STDERR_FILENO);
-  if (inherited >= 0) fcntl(inherited, F_SETFD, 0);
+  if (setup.inherited >= 0) fcntl(setup.inherited, F_SETFD, 0);
   execv(arguments[0], arguments);
   _exit(kCannotStart);
 }
@@ -56,7 +57,7 @@ int exitStatus(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 12
 }  // namespace
 
 ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                           Messages messages, const std::string& input, int inherited) {
+                           Messages messages, const ChildSetup& setup) {
   std::vector<std::string> texts{program.string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
@@ -64,7 +65,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   pointers.push_back(nullptr);
 
   std::array<int, 2> pipe_ends{};
-  const int input_file = fileOf(input);
+  const int input_file = fileOf(setup.input);
   if (input_file < 0) refuse(program);
   if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) {
     close(input_file);
@@ -74,7 +75,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   if (messages == Messages::kKeep) messages_ = memfd_create("lodestreamd messages", MFD_CLOEXEC);
   const pid_t parent = getpid();
   process_ = fork();
-  if (process_ == 0) become(pointers.data(), input_file, pipe_ends[1], messages_, inherited, parent);
+  if (process_ == 0) become(pointers.data(), input_file, pipe_ends[1], messages_, parent, setup);
   close(input_file);
   close(pipe_ends[1]);
   if (process_ < 0) {

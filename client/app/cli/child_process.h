@@ -9,6 +9,13 @@
 
 namespace lode::app {
 
+/// How a program is started as a child.
+struct ChildSetup {
+  std::string input;       ///< what it reads from stdin, a file in memory that it may open anew
+  int inherited = -1;      ///< a descriptor that stays open in it as long as it lives
+  bool heeds_keys = true;  ///< a terminal's Ctrl-C and Ctrl-Z are for it too
+};
+
 /// A program started as a child. The kernel ends it when the thread that started it ends; the destructor ends
 /// it, first gently. It reads a text that is given to it, or nothing; its stdout can be read; its stderr is
 /// kept for messages, or goes to ours. Move only.
@@ -16,11 +23,9 @@ class ChildProcess {
  public:
   enum class Messages { kKeep, kPassOn };
 
-  /// @param input      what it reads from stdin, a file in memory that it may open anew.
-  /// @param inherited  a descriptor that stays open in it as long as it lives; -1: none.
   /// @throws Error kIo if it cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               Messages messages, const std::string& input = {}, int inherited = -1);
+               Messages messages, const ChildSetup& setup = {});
   ~ChildProcess();
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;

@@ -45,7 +45,7 @@ ChildServer::ChildServer(const fs::path& store, const std::stop_token& stop)
     : token_(makeToken()),
       process_(siblingServer(),
                {"serve", store.string(), "--listen", "127.0.0.1:0", "--token-file", "/proc/self/fd/0"},
-               ChildProcess::Messages::kKeep, token_ + " never *\n"),
+               ChildProcess::Messages::kKeep, {.input = token_ + " never *\n", .heeds_keys = false}),
       served_(readReadyLine(process_, store, stop)) {}
 
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,

@@ -14,8 +14,9 @@
 namespace lode::app {
 
 /// The sibling lodestreamd as a child process that serves one store on a port of loopback; it ends with this
-/// object, and with the thread that made it however that ends. It knows one token, made for it: other users
-/// of the machine can reach its port.
+/// object, and with the thread that made it however that ends. A terminal's
+/// Ctrl-C is not for it, so that it serves on while the client comes to its end. It knows one token, made for
+/// it: other users of the machine can reach its port.
 class ChildServer {
  public:
   /// Starts it and waits until it is ready. @throws Error kIo naming what failed and what the child said, or

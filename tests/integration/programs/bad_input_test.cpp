@@ -104,7 +104,7 @@ TEST(BadInput, isNamedByFetchWhichLeavesNothingBehind) {
   std::filesystem::remove(folder / "cache");
   EXPECT_EQ(folder.contents(),
             (std::vector<std::string>{"empty.lode", "empty.ply", "folder.lode", "nan.ply", "text.lode"}));
-  EXPECT_EQ(processesNaming(folder.path().string()), std::vector<std::string>{});
+  EXPECT_EQ(processesNaming(folder.path().string()), Processes{});
 }
 
 TEST(BadInput, isNamedByFetchIfItsCutCannotBeWritten) {

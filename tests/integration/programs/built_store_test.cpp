@@ -1,10 +1,7 @@
 // A PLY as a target of the client: the store that is built of it, kept in the cache and used again.
 
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <string>
 #include <string_view>
@@ -70,18 +67,6 @@ TEST_F(BuiltStore, isBuiltOnceByProgramsThatOpenTheSameFileAtOnce) {
   EXPECT_EQ(built.size(), 1u);
 }
 
-/// The lodestreamd that builds a store of a file; 0 if there is none.
-pid_t builderOf(const fs::path& ply) {
-  for (const auto& process : fs::directory_iterator("/proc")) {
-    std::ifstream file(process.path() / "cmdline");
-    const std::string line{std::istreambuf_iterator<char>(file), {}};
-    if (line.find(std::string("lodestreamd") + '\0' + "build" + '\0' + ply.string() + '\0') !=
-        std::string::npos)
-      return std::atoi(process.path().filename().c_str());
-  }
-  return 0;
-}
-
 /// Returns when the process stands still.
 void stop(pid_t process) {
   kill(process, SIGSTOP);
@@ -93,8 +78,9 @@ TEST_F(BuiltStore, isLockedUntilItsBuilderHasEndedThoughTheProgramIsKilled) {
   const fs::path ply = folder_ / "a.ply";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "60000", "-o", ply}).status, 0);
   Program first("lodestream", fetchOf(ply), environment_);
-  pid_t builder = 0;
-  while (builder == 0) builder = builderOf(ply);
+  Processes builders;
+  while (builders.empty()) builders = processesNaming("lodestreamd build " + ply.string());
+  const pid_t builder = builders.begin()->first;
   stop(builder);
   first.signal(SIGKILL);
   first.wait();

@@ -186,7 +186,7 @@ TEST(FetchOfAFile, servesAStoreByAChildThatEndsWithIt) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   expectFiguresOfAConvergedFetch(Json::parse(outcome.out, nullptr, false));
-  EXPECT_EQ(processesNaming(folder.path().string()), std::vector<std::string>{});
+  EXPECT_EQ(processesNaming(folder.path().string()), Processes{});
   EXPECT_EQ(folder.contents(), before);
 }
 
@@ -220,7 +220,7 @@ TEST(FetchOfAFile, buildsAPlyIntoTheCacheOnce) {
                                        {"XDG_CACHE_HOME=" + (folder / "cache").string()});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
-    EXPECT_EQ(processesNaming(folder.path().string()), std::vector<std::string>{});
+    EXPECT_EQ(processesNaming(folder.path().string()), Processes{});
   };
   fetch();
   const auto built = folder.contents();

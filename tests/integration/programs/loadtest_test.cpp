@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -158,6 +159,36 @@ TEST_F(Loadtest, thatIsInterruptedTellsWhatItHasSeen) {
   const Json told = Json::parse(outcome.out, nullptr, false);
   EXPECT_EQ(told.value("interrupted", false), true);
   EXPECT_EQ(told.value("started", 0), 1);
+}
+
+/// A load test of a store file that is under way.
+class LoadtestOfAFile : public testing::Test {
+ protected:
+  LoadtestOfAFile() { silent_.waitForAConnection(); }
+  /// The server that it has started.
+  Processes servers() const { return processesNaming(store_.string() + " --listen"); }
+
+  WorkFolder folder_;
+  const std::filesystem::path store_ = makeSmallStore(folder_);
+  const SilentServer silent_;  // is asked when the clients begin
+  Program test_{
+      "lodestream",
+      {"loadtest", store_, silent_.url(), "--full", "--clients", "2", "--seconds", "600", "--ramp", "0"}};
+};
+
+TEST_F(LoadtestOfAFile, hasAServerThatCtrlCInATerminalDoesNotReach) {
+  ASSERT_EQ(servers().size(), 1u);
+  EXPECT_NE(getpgid(servers().begin()->first), getpgrp()) << "terminals signal a process group";
+}
+
+TEST_F(LoadtestOfAFile, thatIsKilledLeavesNoServerBehind) {
+  ASSERT_EQ(servers().size(), 1u);
+  test_.signal(SIGKILL);
+  test_.wait();
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!servers().empty() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(servers(), Processes{});
 }
 
 TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {

@@ -168,13 +168,13 @@ Outcome RunningServer::stop() {
   return program_.wait();
 }
 
-std::vector<std::string> processesNaming(std::string_view text) {
-  std::vector<std::string> found;
+Processes processesNaming(std::string_view text) {
+  Processes found;
   for (const auto& entry : fs::directory_iterator("/proc")) {
     std::ifstream file(entry.path() / "cmdline", std::ios::binary);
     std::string line{std::istreambuf_iterator<char>(file), {}};
     std::replace(line.begin(), line.end(), '\0', ' ');
-    if (line.find(text) != std::string::npos) found.push_back(line);
+    if (line.find(text) != std::string::npos) found.emplace(std::stoi(entry.path().filename()), line);
   }
   return found;
 }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,8 +73,10 @@ class RunningServer {
   std::string address_;
 };
 
-/// Command lines of all running processes in which the text occurs.
-std::vector<std::string> processesNaming(std::string_view text);
+using Processes = std::map<pid_t, std::string>;  ///< their command lines
+
+/// All running processes in whose command line the text occurs.
+Processes processesNaming(std::string_view text);
 
 /// Fails the running test unless the work failed as the command lines promise: exit 1, nothing on stdout, and
 /// one line on stderr in which each of `named` occurs.

@@ -26,7 +26,8 @@ TEST(ChildProcess, isReadLineByLine) {
 }
 
 TEST(ChildProcess, readsWhatItIsGivenAndMayOpenItAnew) {
-  ChildProcess child("/bin/sh", {"-c", "cat; cat /proc/self/fd/0"}, ChildProcess::Messages::kKeep, "text\n");
+  ChildProcess child("/bin/sh", {"-c", "cat; cat /proc/self/fd/0"}, ChildProcess::Messages::kKeep,
+                     {.input = "text\n"});
   EXPECT_EQ(child.readLine(300s), "text");
   EXPECT_EQ(child.readLine(300s), "text");
 }
@@ -47,7 +48,7 @@ TEST(ChildProcess, keepsADescriptorOpenThatItInherits) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
   ChildProcess child("/bin/sh", {"-c", "echo still here > /proc/self/fd/" + std::to_string(ends[1])},
-                     ChildProcess::Messages::kKeep, {}, ends[1]);
+                     ChildProcess::Messages::kKeep, {.inherited = ends[1]});
   close(ends[1]);
   EXPECT_EQ(child.wait(), 0);
   std::array<char, 64> said{};
@@ -91,6 +92,16 @@ TEST(ChildProcess, endsWithItsObject) {
     EXPECT_EQ(kill(process, 0), 0);
   }
   EXPECT_EQ(kill(process, 0), -1);
+}
+
+TEST(ChildProcess, sharesTheTerminalsKeysUnlessItIsToIgnoreThem) {
+  for (const bool heeds_keys : {true, false}) {
+    ChildSetup setup;
+    setup.heeds_keys = heeds_keys;
+    ChildProcess child("/bin/sh", {"-c", "echo $$; exec sleep 1000"}, ChildProcess::Messages::kKeep, setup);
+    const auto process = static_cast<pid_t>(std::stol(child.readLine(300s)));
+    EXPECT_EQ(getpgid(process) == getpgrp(), heeds_keys);
+  }
 }
 
 TEST(ChildProcess, thatIsNoProgramEndsWithAStatus) {
