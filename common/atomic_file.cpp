@@ -23,6 +23,12 @@ constexpr size_t kBufferBytes = 256u << 10;
                                   fileErrorInWords(error, "free some space or choose another place"));
 }
 
+[[noreturn]] void failToCreate(const std::filesystem::path& path, int error) {
+  if (error == ENOSPC || error == EDQUOT) fail("create", path, error);
+  throw Error(ErrorCode::kIo, "cannot create " + path.string() + ": " + fileErrorInWords(error) +
+                                  "; name a folder that is there and can be written");
+}
+
 std::filesystem::path directoryOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
@@ -58,7 +64,7 @@ AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path tempora
   target_ = std::move(target.path);
   if (!temporary_.empty()) {
     file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (file_ < 0) fail("create", path_, errno);
+    if (file_ < 0) failToCreate(path_, errno);
     return;
   }
   const Uninterrupted until_it_is_known;
@@ -66,7 +72,7 @@ AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path tempora
     temporary_ = temporaryName(target_);
     file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (file_ < 0 && errno == EEXIST);
-  if (file_ < 0) fail("create", path_, errno);
+  if (file_ < 0) failToCreate(path_, errno);
   unfinished_ = Unfinished(temporary_);
 }
 

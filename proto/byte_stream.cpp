@@ -35,7 +35,7 @@ bool hasClosed(const asio::error_code& error) {
 
 /// OpenSSL's short reason, without the part of OpenSSL that it comes from.
 std::string reasonOf(const asio::error_code& error) {
-  if (hasClosed(error)) return "the client closed in the handshake";
+  if (hasClosed(error)) return "the other side closed it";
   const bool is_openssl = error.category() == asio::error::get_ssl_category();
   const char* reason =
       is_openssl ? ERR_reason_error_string(static_cast<unsigned long>(error.value())) : nullptr;
@@ -71,8 +71,10 @@ asio::awaitable<void> ByteStream::connectHandshake(std::string host) {
   if (verdict != X509_V_OK)
     throw Error(ErrorCode::kNetwork, "the server's certificate is not believed: " +
                                          std::string(X509_verify_cert_error_string(verdict)));
-  throw Error(ErrorCode::kNetwork, "the TLS handshake failed: " + error.message());
+  throw Error(ErrorCode::kNetwork, "the TLS handshake failed: " + reasonOf(error));
 }
+
+bool ByteStream::isPeerDoubted() { return tls_ && SSL_get_verify_result(tls_->native_handle()) != X509_V_OK; }
 
 asio::awaitable<size_t> ByteStream::readSome(asio::mutable_buffer into, asio::error_code& error) {
   if (!tls_)

@@ -29,6 +29,8 @@ class ByteStream {
   /// The client's side: the peer must prove to be this host. Nothing on a plain stream.
   /// @param host  name or number. @throws Error kNetwork: why it does not.
   asio::awaitable<void> connectHandshake(std::string host);
+  /// Whether the certificate was what a handshake of the client's side failed for.
+  bool isPeerDoubted();
 
   /// @param error  outlives the awaitable; asio::error::eof if the peer has closed its side, under TLS with a
   /// goodbye or without one: frames tell their lengths, so that none is cut short unseen.

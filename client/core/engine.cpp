@@ -116,8 +116,7 @@ bool Engine::exhausted() const noexcept {
 
 void Engine::handle(BlobRefused event) {
   if (options_.on_refused) options_.on_refused(event.blob, event.message);
-  model_->refuse(event.blob,
-                 "the server cannot give blob " + std::to_string(event.blob.number) + ": " + event.message);
+  model_->refuse(event.blob, "the server says: " + event.message);
 }
 
 void Engine::handle(WishCancelled) { wishes_waiting_ = true; }

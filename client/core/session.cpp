@@ -105,7 +105,8 @@ void Session::handleFrame(const proto::FrameHeader& header, std::span<const std:
     case proto::FrameType::kPing:
       return send(proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.request));
     case proto::FrameType::kGoAway:
-      event_ = ServerLeaving{"the server is going away (" + proto::decode<proto::GoAway>(body).reason + ")"};
+      event_ = ServerLeaving{"the server is going away (" + proto::decode<proto::GoAway>(body).reason +
+                             "); try again later"};
       return;
     case proto::FrameType::kModelReplaced:
       require(state_ == State::kOpen && proto::decode<proto::ModelReplaced>(body).handle == handle_,

@@ -2,7 +2,6 @@
 
 #include <charconv>
 
-#include "common/error.h"
 #include "proto/limits.h"
 
 namespace lode::net {
@@ -57,6 +56,11 @@ Address parseAddress(std::string_view text) {
 std::string toString(const Address& address) {
   const bool v6 = address.host.find(':') != std::string::npos;
   return (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(address.port);
+}
+
+Error naming(const Address& server, const Error& error) {
+  const std::string where = toString(server), what = error.what();
+  return {error.code(), what.find(where) == std::string::npos ? where + ": " + what : what};
 }
 
 }  // namespace lode::net

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/error.h"
+
 namespace lode::net {
 
 struct Address {
@@ -16,5 +18,7 @@ struct Address {
 Address parseAddress(std::string_view text);
 /// With brackets where needed.
 std::string toString(const Address& address);
+/// An error with the server that it is about before it, unless it names that already.
+Error naming(const Address& server, const Error& error);
 
 }  // namespace lode::net

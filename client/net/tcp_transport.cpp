@@ -145,8 +145,11 @@ asio::awaitable<void> TcpTransport::State::shakeHands() {
   try {
     co_await stream->connectHandshake(route.address.host);
   } catch (const Error& error) {
-    throw Error(ErrorCode::kNetwork, toString(route.address) + ": " + error.what() +
-                                         "; check that it serves TLS, and the authorities in --ca-file");
+    throw Error(ErrorCode::kNetwork,
+                toString(route.address) + ": " + error.what() +
+                    (stream->isPeerDoubted()
+                         ? "; name the host as the certificate does, and its authority with --ca-file"
+                         : "; use lode:// if it serves no TLS"));
   }
 }
 

@@ -152,9 +152,7 @@ void Streamer::State::stream() {
       if (cache) askCache(engine, *cache);
       stepOnce(engine, transports, pool, cache.get());
     } catch (const Error& failed) {
-      const std::string where = net::toString(model.address);
-      const bool named = std::string_view(failed.what()).find(where) != std::string_view::npos;
-      throw Error(failed.code(), named ? failed.what() : where + ": " + failed.what());
+      throw net::naming(model.address, failed);
     }
   }
 }
@@ -283,8 +281,8 @@ const ModelSummary& Streamer::waitForModel(std::chrono::milliseconds timeout, st
   throw Error(ErrorCode::kTimeout,
               "no answer from " + net::toString(state_->model.address) + " within " +
                   std::to_string(timeout.count()) + " ms" +
-                  (state_->status.trouble.empty() ? "" : " (" + state_->status.trouble + ")") +
-                  ": check the server, or allow more time");
+                  (state_->status.trouble.empty() ? ": check the server, or allow more time"
+                                                  : ": " + state_->status.trouble));
 }
 
 void Streamer::setViews(std::span<const core::View> views, float threshold_px) {

@@ -188,8 +188,7 @@ void Session::open(const proto::Open& message, uint32_t request) {
   };
   std::shared_ptr<const Model> model = host_.offer->catalog->find(message.model);
   if (!model || !allows(*model))
-    return refuse(WireError::kNoSuchModel,
-                  "there is no model '" + message.model + "' here; List names those there are");
+    return refuse(WireError::kNoSuchModel, "there is no model '" + message.model + "' here");
   if (opened_.size() >= limits_.max_open_models)
     return refuse(WireError::kLimit, "a connection has at most " + std::to_string(limits_.max_open_models) +
                                          " models open; close one, or open another connection");

@@ -71,7 +71,7 @@ void FullClient::lose(core::Line line) {
 void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
   ++tally_.failed_wishes;
   for (WishClock& clock : clocks_) clock.refused(blob.number);
-  tally_.noteError(ErrorCode::kIo, "the server cannot give a blob: " + why);
+  tally_.noteError(ErrorCode::kIo, "the server says: " + why);
 }
 
 template <typename Action>

@@ -63,8 +63,7 @@ std::vector<ModelSummary> askForModels(const net::Route& route, const std::strin
     while (auto event = session.nextEvent()) {
       if (auto* listed = std::get_if<core::ModelsListed>(&*event)) return std::move(listed->models);
       if (const auto* leaving = std::get_if<core::ServerLeaving>(&*event))
-        throw Error(ErrorCode::kNetwork,
-                    where + " takes no more clients now (" + leaving->reason + "): try again later");
+        throw Error(ErrorCode::kNetwork, leaving->reason);
     }
     transport.send(session.takeOutgoing());
   }
@@ -86,8 +85,13 @@ Json toJson(const ModelSummary& model) {
 void list(const ListOptions& options) {
   const stream::ServedModel server = parseServerUrl(options.common.target);
   const stream::StreamOptions stream_options = options.common.streamOptions();
-  const auto models =
-      askForModels(stream::routeTo(server, stream_options), stream_options.token, options.common.timeout());
+  std::vector<ModelSummary> models;
+  try {
+    models =
+        askForModels(stream::routeTo(server, stream_options), stream_options.token, options.common.timeout());
+  } catch (const Error& failed) {
+    throw net::naming(server.address, failed);
+  }
   if (options.json) {
     Json json;
     json["models"] = Json::array();

@@ -18,9 +18,9 @@ void refuseUnconverged(const std::string& where, const stream::StreamStatus& sta
                     std::to_string(status.cut->max_error_px) +
                     " pixels so near, that is the lattice's step: the cut holds them all; allow a larger " +
                     "error with --pixels");
-  const std::string why = status.trouble.empty() ? "" : " (" + status.trouble + ")";
+  const std::string remedy = "; allow more with --timeout, or a larger error with --pixels";
   throw Error(ErrorCode::kTimeout, what + " within " + std::to_string(options.timeout().count()) + " ms" +
-                                       why + "; allow more with --timeout, or a larger error with --pixels");
+                                       (status.trouble.empty() ? remedy : ": " + status.trouble));
 }
 
 }  // namespace lode::app

@@ -173,7 +173,7 @@ void TraceClient::handle(const core::SessionEvent& event, core::Session& session
   if (const auto* refused = std::get_if<core::BlobRefused>(&event)) {
     ++tally_.failed_wishes;
     pending_.erase(refused->blob.number);
-    tally_.noteError(ErrorCode::kIo, "the server cannot give a blob: " + refused->message);
+    tally_.noteError(ErrorCode::kIo, "the server says: " + refused->message);
   }
   if (const auto* leaving = std::get_if<core::ServerLeaving>(&event)) {
     tally_.moved += session.opened();

@@ -34,6 +34,7 @@ class Recorder {
   Recorder(const stream::ServedModel& model, const stream::StreamOptions& options, Clock::time_point deadline)
       : deadline_(deadline),
         where_(stream::toString(model)),
+        server_(model.address),
         engine_(engineOptions(model, options)),
         transport_(io_, stream::routeTo(model, options), [] {}) {
     engine_.connect(Clock::now());
@@ -63,8 +64,16 @@ class Recorder {
  private:
   bool settled() const { return engine_.settled() && engine_.cut(); }
 
-  /// One step of the engine, and if it misses anything, what the server has to say.
   void exchange() {
+    try {
+      step();
+    } catch (const Error& failed) {
+      throw net::naming(server_, failed);
+    }
+  }
+
+  /// Of the engine, and if it misses anything, what the server has to say.
+  void step() {
     engine_.step(Clock::now());
     if (settled()) return;
     proto::Bytes frames = engine_.takeOutgoing();
@@ -74,6 +83,7 @@ class Recorder {
     const proto::Bytes bytes = transport_.takeReceived();
     overheard_.received(bytes);
     engine_.receive(bytes, Clock::now());
+    if (!engine_.trouble().empty()) throw Error(ErrorCode::kNetwork, engine_.trouble());
     for (core::DecodeJob& job : engine_.takeDecodeJobs()) {
       engine_.finishDecode(core::runDecodeJob(job));
       const BlobName name = nameBlob(job.bytes);
@@ -89,6 +99,7 @@ class Recorder {
 
   const Clock::time_point deadline_;
   const std::string where_;
+  const net::Address server_;
   double t_s_ = 0;
   std::vector<TracedWish> wishes_;
   OverheardWishes overheard_{[this](const core::Wish& wish, double t_s) {

@@ -168,6 +168,11 @@ Outcome RunningServer::stop() {
   return program_.wait();
 }
 
+void RunningServer::kill() {
+  program_.signal(SIGKILL);
+  program_.wait();
+}
+
 Processes processesNaming(std::string_view text) {
   Processes found;
   for (const auto& entry : fs::directory_iterator("/proc")) {

@@ -67,6 +67,7 @@ class RunningServer {
   std::string url(std::string_view model = {}) const;
   /// Asks it to end, as an operator does.
   Outcome stop();
+  void kill();
 
  private:
   Program program_;

@@ -22,6 +22,15 @@ TEST(Address, refusesWhatIsNone) {
   EXPECT_THROW(parseAddress(std::string(300, 'a')), Error);
 }
 
+TEST(Address, standsBeforeAnErrorThatDoesNotNameIt) {
+  const Address server{"example.org", 81};
+  const auto naming = [&](const char* what) {
+    return std::string(net::naming(server, Error(ErrorCode::kNetwork, what)).what());
+  };
+  EXPECT_EQ(naming("it broke"), "example.org:81: it broke");
+  EXPECT_EQ(naming("no answer from example.org:81"), "no answer from example.org:81");
+}
+
 TEST(Address, isWrittenAsItIsRead) {
   for (const char* text : {"example.org:81", "[::1]:7"}) EXPECT_EQ(toString(parseAddress(text)), text);
 }

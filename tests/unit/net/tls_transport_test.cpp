@@ -140,7 +140,8 @@ TEST(TlsTransport, saysThatAServerWithoutTlsHasNone) {
     transport.takeReceived();
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("check that it serves TLS"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("use lode:// if it serves no TLS"), std::string::npos)
+        << error.what();
   }
 }
 

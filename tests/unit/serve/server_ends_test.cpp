@@ -102,7 +102,7 @@ TEST_F(ServerEnds, aClientThatLeavesInTheHandshakeIsLoggedAsLeaving) {
   startUnderTls();
   { connect().sendText("\x16\x03\x01"); }
   EXPECT_EQ(end()["reason"], "tls");
-  EXPECT_EQ(end()["why"], "the client closed in the handshake");
+  EXPECT_EQ(end()["why"], "the other side closed it");
 }
 
 TEST_F(ServerEnds, aConnectionWithoutTheBalancersHeaderIsLoggedAsThat) {
