@@ -15,14 +15,13 @@
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <nlohmann/json.hpp>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/child_process.h"
+#include "client/app/cli/store_cache.h"
 #include "common/blob.h"
 #include "common/error.h"
 
@@ -35,8 +34,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::chrono::hours kLongestSilence{24 * 7};  // of a build
 constexpr std::chrono::milliseconds kLockPoll{100};
 constexpr size_t kKeyDigits = 16;
-constexpr const char* kLock = "lock";
-constexpr const char* kRecord = "built.json";
 
 std::string hashOf(const std::string& text) {
   return toHex(nameBlob(std::as_bytes(std::span(text)))).substr(0, kKeyDigits);
@@ -74,7 +71,7 @@ class FolderLock {
  public:
   /// @throws Error kIo, kTimeout when it is stopped.
   FolderLock(const fs::path& folder, const fs::path& ply, bool announce, const std::stop_token& stop)
-      : path_(folder / kLock) {
+      : path_(folder / kStoreBuildLock) {
     for (bool told = !announce; !take(); std::this_thread::sleep_for(kLockPoll)) {
       if (stop.stop_requested())
         throw Error(ErrorCode::kTimeout, ply.string() + ": stopped while another program builds it");
@@ -82,11 +79,8 @@ class FolderLock {
         std::fprintf(stderr, "lodestream: another program builds %s: waiting for it\n", ply.c_str());
     }
   }
-  ~FolderLock() { close(file_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
 
-  int descriptor() const noexcept { return file_; }
+  int descriptor() const noexcept { return lock_->descriptor(); }
 
   /// Removes the folder if nothing else is in it.
   void removeEmptyFolder() const {
@@ -102,22 +96,10 @@ class FolderLock {
     const fs::path folder = path_.parent_path();
     fs::create_directories(folder, failed);
     if (failed) refuse(folder, "made", failed.message());
-    const int file = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (file < 0 && errno == ENOENT) return false;  // another has just removed the folder
-    if (file < 0) refuse(path_, "made", std::strerror(errno));
-    if (flock(file, LOCK_EX | LOCK_NB) == 0) {
-      struct stat taken {};
-      struct stat named {};
-      if (fstat(file, &taken) == 0 && stat(path_.c_str(), &named) == 0 && taken.st_ino == named.st_ino) {
-        file_ = file;
-        return true;
-      }
-    } else if (errno != EWOULDBLOCK && errno != EINTR) {
-      const std::string why = std::strerror(errno);
-      close(file);
-      refuse(path_, "locked", why);
-    }
-    close(file);
+    lock_ = FileLock::tryTake(path_, FileLock::Kind::kExclusive, true);
+    if (lock_) return true;
+    const bool has_just_gone = errno == ENOENT;  // the folder, by another's doing
+    if (errno != 0 && !has_just_gone) refuse(path_, "locked", std::strerror(errno));
     return false;
   }
 
@@ -127,7 +109,7 @@ class FolderLock {
   }
 
   fs::path path_;
-  int file_ = -1;
+  std::optional<FileLock> lock_;
 };
 
 /// What is kept beside a store: the build's warnings, and the images that it looked for as they were.
@@ -154,7 +136,7 @@ std::vector<std::string> textsIn(const Json& json, const char* key) {
 }
 
 std::optional<BuildRecord> readRecord(const fs::path& folder) {
-  std::ifstream file(folder / kRecord);
+  std::ifstream file(folder / kBuildRecord);
   const Json json = Json::parse(file, nullptr, false);
   if (!json.is_object()) return std::nullopt;
   BuildRecord record;
@@ -172,14 +154,15 @@ void writeRecord(const fs::path& folder, const BuildRecord& record) {
     json["images"].push_back(image.path.string());
     json["versions"].push_back(image.version);
   }
-  std::ofstream(folder / kRecord) << json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::ofstream(folder / kBuildRecord) << json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 /// Removes what was built of the same file before it changed.
 void removeOthers(const fs::path& folder, const fs::path& keep) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path() != keep && entry.path().filename() != kLock) fs::remove_all(entry.path(), ignored);
+    if (entry.path() != keep && entry.path().filename() != kStoreBuildLock)
+      fs::remove_all(entry.path(), ignored);
 }
 
 void tell(const BuildWatch& watch, const Json& line) {
@@ -197,7 +180,7 @@ Json build(const fs::path& source, const fs::path& store, const FolderLock& lock
   if (!shows_progress) arguments.emplace_back(watch ? "--json-progress" : "--quiet");
   ChildProcess builder(siblingServer(), arguments,
                        shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep,
-                       {.inherited = lock.descriptor()});
+                       {.input = {}, .inherited = lock.descriptor()});
   Json result;
   {
     const std::stop_callback end_build(stop, [&builder] { builder.terminate(); });
@@ -221,16 +204,17 @@ void warn(const BuildRecord& record) {
 
 }  // namespace
 
-fs::path builtStore(const fs::path& ply, bool announce, const std::stop_token& stop,
-                    const BuildWatch& watch) {
+BuiltStore builtStore(const fs::path& ply, bool announce, const std::stop_token& stop,
+                      const BuildWatch& watch, std::optional<uint64_t> max_bytes) {
   const fs::path source = fs::absolute(ply).lexically_normal();
-  const fs::path of_source = cacheFolder() / "stores" / hashOf(source.string());
+  const fs::path stores = cacheFolder() / "stores";
+  const fs::path of_source = stores / hashOf(source.string());
   const fs::path folder = of_source / hashOf(versionOf(source) + " " + versionOf(siblingServer()));
   const fs::path store = folder / (source.stem().string() + ".lode");
   const FolderLock lock(of_source, ply, announce, stop);
   if (const auto record = readRecord(folder); record && record->isCurrent() && fs::exists(store)) {
     warn(*record);
-    return store;
+    return {store, useStore(store)};
   }
   std::error_code ignored;
   fs::create_directory(folder, ignored);
@@ -251,8 +235,10 @@ fs::path builtStore(const fs::path& ply, bool announce, const std::stop_token& s
   }
   writeRecord(folder, record);
   removeOthers(of_source, folder);
+  FileLock in_use = useStore(store);
+  trimStores(stores, max_bytes.value_or(storeCacheBytes(stores)));
   if (!shows_progress) warn(record);  // else the build has
-  return store;
+  return {store, std::move(in_use)};
 }
 
 }  // namespace lode::app

@@ -51,14 +51,14 @@ ChildServer::ChildServer(const fs::path& store, const std::stop_token& stop)
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
                              std::stop_token stop, const BuildWatch& watch) {
   if (const auto* served = std::get_if<stream::ServedModel>(&target))
-    return {*served, std::move(options), nullptr, {}};
+    return {*served, std::move(options), nullptr, {}, {}};
   const auto* ply = std::get_if<PlyFile>(&target);
   const fs::path file = ply ? ply->path : std::get<StoreFile>(target).path;
-  const fs::path store = ply ? builtStore(file, announce, stop, watch) : file;
-  auto child = std::make_unique<ChildServer>(store, stop);
+  BuiltStore store = ply ? builtStore(file, announce, stop, watch) : BuiltStore{file, {}};
+  auto child = std::make_unique<ChildServer>(store.path, stop);
   options.token = child->token();
   stream::ServedModel served = child->served();
-  return {std::move(served), std::move(options), std::move(child), file};
+  return {std::move(served), std::move(options), std::move(child), file, std::move(store.in_use)};
 }
 
 ModelSummary openModel(stream::Streamer& streamer, const ResolvedTarget& target,

@@ -39,6 +39,7 @@ struct ResolvedTarget {
   stream::StreamOptions options;       ///< with the token of the child, if there is one
   std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
   std::filesystem::path file;          ///< as the user named it; empty: on a server
+  FileLock in_use;                     ///< of a store in the cache
 };
 
 /// @param options   for the connection.

@@ -1,6 +1,7 @@
 // A PLY as a target: the client builds it by the server's program, and says how far that is.
 
 #include <cstdlib>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -25,6 +26,35 @@ TEST(BuildOfATarget, tellsItsStagesAndHowFarTheyAreAndNothingWhereItWasDoneBefor
   stages.clear();
   app::resolveTarget(app::PlyFile{ply}, {}, true, {}, watch);
   EXPECT_TRUE(stages.empty());
+}
+
+/// Two files, and room for the store of one.
+class StoresOfTargets : public testing::Test {
+ protected:
+  StoresOfTargets() {
+    setenv("XDG_CACHE_HOME", folder_.path().c_str(), 1);
+    for (const auto& ply : {first_, second_})
+      std::ofstream(ply) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                            "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                            "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  }
+  void buildTheSecond() const { app::builtStore(second_, false, {}, {}, 1); }
+
+  const WorkFolder folder_;
+  const std::filesystem::path first_ = folder_ / "first.ply", second_ = folder_ / "second.ply";
+};
+
+TEST_F(StoresOfTargets, goWhereTheyAreNotUsedAndAnotherIsBuilt) {
+  const std::filesystem::path first = app::builtStore(first_, false, {}, {}).path;
+  buildTheSecond();
+  EXPECT_FALSE(std::filesystem::exists(first));
+}
+
+TEST_F(StoresOfTargets, stayAsLongAsTheTargetIsOpen) {
+  const app::ResolvedTarget open = app::resolveTarget(app::PlyFile{first_}, {}, false);
+  const std::filesystem::path first = app::builtStore(first_, false, {}, {}).path;
+  buildTheSecond();
+  EXPECT_TRUE(std::filesystem::exists(first));
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(ChildProcess, keepsADescriptorOpenThatItInherits) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
   ChildProcess child("/bin/sh", {"-c", "echo still here > /proc/self/fd/" + std::to_string(ends[1])},
-                     ChildProcess::Messages::kKeep, {.inherited = ends[1]});
+                     ChildProcess::Messages::kKeep, {.input = {}, .inherited = ends[1]});
   close(ends[1]);
   EXPECT_EQ(child.wait(), 0);
   std::array<char, 64> said{};

@@ -1,0 +1,92 @@
+#include "client/app/cli/store_cache.h"
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace lode::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kLeastBytes = 20'000'000'000;
+constexpr uint64_t kShareOfDisk = 10;
+
+/// What was built of a source, in all versions, and what a killed build has left.
+struct BuiltSource {
+  fs::path folder;
+  uint64_t bytes = 0;
+  fs::file_time_type used = fs::file_time_type::min();
+  std::vector<fs::path> stores;
+};
+
+BuiltSource lookAt(const fs::path& folder) {
+  BuiltSource source;
+  source.folder = folder;
+  std::error_code failed;
+  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    std::error_code gone;  // another program may remove it meanwhile
+    if (!entry->is_regular_file(gone)) continue;
+    const uint64_t bytes = entry->file_size(gone);
+    const fs::file_time_type used = entry->last_write_time(gone);
+    if (gone) continue;
+    source.bytes += bytes;
+    source.used = std::max(source.used, used);
+    if (entry->path().extension() == ".lode") source.stores.push_back(entry->path());
+  }
+  return source;
+}
+
+/// @return false where it is in use or being built.
+bool remove(const BuiltSource& source) {
+  const auto build_lock =
+      FileLock::tryTake(source.folder / kStoreBuildLock, FileLock::Kind::kExclusive, true);
+  if (!build_lock) return false;
+  std::vector<FileLock> nobody_uses;
+  for (const fs::path& store : source.stores) {
+    auto lock = FileLock::tryTake(store, FileLock::Kind::kExclusive, false);
+    if (!lock) return false;
+    nobody_uses.push_back(std::move(*lock));
+  }
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(source.folder, ignored))
+    if (entry.path().filename() != kStoreBuildLock) fs::remove_all(entry.path(), ignored);
+  fs::remove(source.folder / kStoreBuildLock, ignored);  // last: who waits for it begins with a new folder
+  fs::remove(source.folder, ignored);
+  return true;
+}
+
+}  // namespace
+
+uint64_t storeCacheBytes(const fs::path& stores) {
+  std::error_code failed;
+  const fs::space_info disk = fs::space(stores, failed);
+  return failed ? kLeastBytes : std::max<uint64_t>(kLeastBytes, disk.capacity / kShareOfDisk);
+}
+
+FileLock useStore(const fs::path& store) {
+  std::error_code ignored;
+  fs::last_write_time(store.parent_path() / kBuildRecord, fs::file_time_type::clock::now(), ignored);
+  auto lock = FileLock::tryTake(store, FileLock::Kind::kShared, false);
+  return lock ? std::move(*lock) : FileLock();
+}
+
+void trimStores(const fs::path& stores, uint64_t max_bytes) {
+  std::vector<BuiltSource> sources;
+  uint64_t bytes = 0;
+  std::error_code failed;
+  for (fs::directory_iterator entry(stores, failed), end; !failed && entry != end; entry.increment(failed)) {
+    sources.push_back(lookAt(entry->path()));
+    bytes += sources.back().bytes;
+  }
+  std::ranges::sort(sources, {}, &BuiltSource::used);
+  for (const BuiltSource& source : sources) {
+    if (bytes <= max_bytes) return;
+    if (remove(source)) bytes -= source.bytes;
+  }
+}
+
+}  // namespace lode::app
