@@ -25,7 +25,9 @@ BENCHES = {  # {bin}, {store}: a store of the asteroid of 20 million triangles, 
     "build": "bench_build.py {bin} --threads 2 --runs 1",
     "forecast": "bench_forecast.py {bin}",
     "errors": "bench_errors.py {bin} {scans} --nodes 512 4096",
+    "hot": "bench_hot.py {bin}",
     "link": "bench_link.py {bin} {store} --runs 1",
+    "paths": "bench_moving.py paths {bin} {store}",
     **{part: "bench_serving.py {bin} " + part
        for part in ("throughput", "tls", "fairness", "clients", "idle", "cold", "latency", "urgent")},
 }
