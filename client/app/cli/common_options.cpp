@@ -1,6 +1,7 @@
 #include "client/app/cli/common_options.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <unistd.h>
 
 #include "client/app/cli/cache_folder.h"
 #include "client/core/camera_path.h"
@@ -59,10 +61,22 @@ std::string readToken(const std::string& file) {
   return checkedToken(std::move(token), file);
 }
 
-/// A folder that was asked for is made at once: blobs that cannot be kept are let go without a word.
+/// @return what keeps a file from being made there, if anything.
+std::error_code triedToWriteTo(const std::filesystem::path& folder) {
+  std::string name = folder / ".new-XXXXXX";
+  const int file = mkstemp(name.data());
+  if (file < 0) return {errno, std::generic_category()};
+  close(file);
+  unlink(name.c_str());
+  return {};
+}
+
+/// A folder that was asked for is made and tried at once: blobs that cannot be kept are let go without a
+/// word.
 std::filesystem::path chosenCache(const std::string& folder, bool offline) {
   std::error_code failed;
   if (!offline) std::filesystem::create_directories(folder, failed);
+  if (!offline && !failed) failed = triedToWriteTo(folder);
   if (failed)
     throw Error(ErrorCode::kIo, folder + ": nothing can be kept there (" + failed.message() +
                                     "); give --cache a folder, or off");

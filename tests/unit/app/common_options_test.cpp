@@ -96,6 +96,13 @@ TEST(CommonOptions, refuseACacheThatIsNoFolder) {
   }
 }
 
+TEST(CommonOptions, refuseACacheThatNothingCanBeWrittenTo) {
+  CommonOptions options;
+  options.target = "lode://host/model";
+  options.cache_text = "/proc";  // where not even root makes files
+  EXPECT_THROW(options.streamOptions(), Error);
+}
+
 TEST(CommonOptions, makeTheFolderOfACache) {
   const lode::test::WorkFolder folder;
   CommonOptions options;
