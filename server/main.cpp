@@ -51,12 +51,10 @@ int main(int argc, char** argv) {
     return endAfterPrinting(kDone);
   } catch (const CLI::Success& asked) {  // --help, --version
     return endAfterPrinting(program.exit(asked));
-  } catch (const CLI::ExtrasError&) {
-    return fail("not known here: " + CLI::detail::join(program.remaining(true), " ") + ": " +
-                    lode::app::whereHelpIs(program),
-                kWrongUsage);
   } catch (const CLI::ParseError& error) {
-    return fail(std::string(error.what()) + ": " + lode::app::whereHelpIs(program), kWrongUsage);
+    const std::string unknown = CLI::detail::join(program.remaining(true), " ");
+    const std::string what = unknown.empty() ? error.what() : "not known here: " + unknown;
+    return fail(what + ": " + lode::app::whereHelpIs(program), kWrongUsage);
   } catch (const lode::Error& error) {
     return fail(error.what(), error.code() == lode::ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
   } catch (const std::bad_alloc&) {

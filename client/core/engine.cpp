@@ -121,7 +121,10 @@ void Engine::handle(BlobRefused event) {
 
 void Engine::handle(WishCancelled) { wishes_waiting_ = true; }
 
-void Engine::handle(ServerLeaving event) { link_.leave(std::move(event.reason), now_); }
+void Engine::handle(ServerLeaving event) {
+  if (options_.on_turned_away && !link_.session()->opened()) options_.on_turned_away(event.reason);
+  link_.leave(std::move(event.reason), now_);
+}
 
 void Engine::handle(ModelChanged) { link_.restart(now_); }
 

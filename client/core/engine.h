@@ -44,6 +44,8 @@ struct EngineOptions {
   bool best_first = true;
   /// Told of a connection that breaks, and why, while it still has what it had open; may be empty.
   std::function<void(Line line, const Error& why)> on_broken = nullptr;
+  /// Told of a server that does not let it in, as it is full or going away, and why; may be empty.
+  std::function<void(const std::string& why)> on_turned_away = nullptr;
   /// Told of a blob that the server cannot give, and why; may be empty.
   std::function<void(const BlobRef& blob, const std::string& why)> on_refused = nullptr;
 };

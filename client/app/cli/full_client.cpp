@@ -32,6 +32,10 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
     return noteBlob(blob, bytes);
   };
   options.on_broken = [this](core::Line line, const Error& why) { noteBroken(line, why); };
+  options.on_turned_away = [this](const std::string& why) {
+    ++tally_.turned_away;
+    turned_away_ = why;
+  };
   options.on_refused = [this](const BlobRef& blob, const std::string& why) { noteRefused(blob, why); };
   options.memory_budget_bytes = plan_.options.memory_budget_bytes;
   options.hold_factor = core::kHoldFactor;
@@ -199,6 +203,7 @@ void FullClient::note(core::TimePoint now) {
 
 void FullClient::finish(core::TimePoint now) {
   if (gone_ || now < start_) return;
+  if (engine_.summary() == nullptr) noteNeverLetIn(tally_, turned_away_);
   for (const WishClock& clock : clocks_) {
     for (const auto& [blob, wish] : clock.open()) noteLatency(wish, now);
     tally_.unanswered += clock.open().size();

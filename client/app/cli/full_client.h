@@ -67,6 +67,7 @@ class FullClient final : public LoadClient {
   core::TimePoint round_begin_;  ///< of the path
   double pause_s_ = 0;           ///< at this round's end
   uint64_t received_bytes_ = 0;  ///< that the tally knows of
+  std::string turned_away_;      ///< why, the last time
   std::vector<Error> breaks_;    ///< of connections, in this call
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <exception>
+#include <string>
 
 #include "client/app/cli/load_tally.h"
 #include "client/core/time_point.h"
@@ -36,6 +37,12 @@ bool survives(LoadTally& tally, const Action& action) {
   }
   ++tally.gave_up;
   return false;
+}
+
+/// A client that a server has turned away until the test's end is an error.
+/// @param why  the last time; empty if none has.
+inline void noteNeverLetIn(LoadTally& tally, const std::string& why) {
+  if (!why.empty()) tally.noteError(ErrorCode::kNetwork, "never let in: " + why);
 }
 
 }  // namespace lode::app

@@ -80,6 +80,7 @@ Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const L
   json["first_error"] = tally.first_error;
   json["unanswered"] = tally.unanswered;
   json["moved"] = tally.moved;
+  json["turned_away"] = tally.turned_away;
   json["lost"] = tally.lost;
   json["gave_up"] = tally.gave_up;
   json["failed_wishes"] = tally.failed_wishes;
@@ -116,6 +117,7 @@ std::string describe(const LoadOptions& options, const LoadResult& result) {
   text += "; " + std::to_string(tally.unanswered) + " unanswered, " + counted(tally.lost, "connection") +
           " lost" + ", " + counted(tally.gave_up, "client") + " gave up, " +
           counted(tally.errorCount(), "error");
+  if (tally.turned_away > 0) text += ", turned away " + counted(tally.turned_away, "time");
   return tally.first_error.empty() ? text : text + ", the first: " + tally.first_error;
 }
 

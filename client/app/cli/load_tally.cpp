@@ -13,6 +13,7 @@ void LoadTally::add(const LoadTally& other) {
   bytes += other.bytes;
   unanswered += other.unanswered;
   moved += other.moved;
+  turned_away += other.turned_away;
   lost += other.lost;
   failed_wishes += other.failed_wishes;
   gave_up += other.gave_up;

@@ -21,7 +21,8 @@ struct LoadTally {
   uint64_t started = 0;          ///< clients
   uint64_t blobs = 0, bytes = 0, unanswered = 0;
   uint64_t moved = 0;  ///< clients that a server told to go away, and who went on with another connection
-  uint64_t lost = 0;   ///< connections that broke, or that could not be made anew; each is an error, too
+  uint64_t turned_away = 0;  ///< times that a server let a client not in, full or going away; it came again
+  uint64_t lost = 0;  ///< connections that broke, or that could not be made anew; each is an error, too
   uint64_t failed_wishes = 0;  ///< refused, or open when a connection broke; those were wished for again
   uint64_t gave_up = 0;        ///< clients that an error has ended
   /// That ended a client or a connection, or came in the place of a blob.

@@ -60,12 +60,10 @@ int runProgram(int argc, char** argv, DeclareCommand declare) {
     return endAfterPrinting(exit_status);
   } catch (const CLI::Success& asked) {  // --help, --version
     return endAfterPrinting(program.exit(asked));
-  } catch (const CLI::ExtrasError&) {
-    return fail(
-        "not known here: " + CLI::detail::join(program.remaining(true), " ") + ": " + whereHelpIs(program),
-        kWrongUsage);
   } catch (const CLI::ParseError& error) {
-    return fail(std::string(error.what()) + ": " + whereHelpIs(program), kWrongUsage);
+    const std::string unknown = CLI::detail::join(program.remaining(true), " ");
+    const std::string what = unknown.empty() ? error.what() : "not known here: " + unknown;
+    return fail(what + ": " + whereHelpIs(program), kWrongUsage);
   } catch (const Error& error) {
     return fail(error.what(), error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
   } catch (const std::bad_alloc&) {

@@ -167,6 +167,8 @@ void TraceClient::handle(const core::SessionEvent& event, core::Session& session
   if (const auto* opened = std::get_if<core::ModelOpened>(&event)) {
     checkBuild(plan_.trace, opened->summary.build_id, plan_.model.model);
     link_.succeeded();
+    was_let_in_ = true;
+    turned_away_.clear();
     return sendWishes();
   }
   if (const auto* blob = std::get_if<core::BlobArrived>(&event)) return arrived(*blob, session, now);
@@ -177,6 +179,8 @@ void TraceClient::handle(const core::SessionEvent& event, core::Session& session
   }
   if (const auto* leaving = std::get_if<core::ServerLeaving>(&event)) {
     tally_.moved += session.opened();
+    tally_.turned_away += !session.opened();
+    if (!was_let_in_) turned_away_ = leaving->reason;
     link_.leave(leaving->reason, now);
   }
 }
@@ -212,6 +216,7 @@ void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session,
 
 void TraceClient::finish(core::TimePoint now) {
   if (gone_ || now < start_) return;
+  noteNeverLetIn(tally_, turned_away_);
   if (!image_seen_) tally_.first_image.add(now - start_);
   for (const auto& [number, pending] : pending_) {
     if (pending.intended > now) continue;

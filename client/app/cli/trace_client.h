@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <string>
 
 #include <asio/io_context.hpp>
 
@@ -68,7 +69,8 @@ class TraceClient final : public LoadClient {
   core::TimePoint due_;
   core::Link link_;
   std::map<uint32_t, Pending> pending_;  ///< by blob number
-  bool started_ = false, image_seen_ = false, gone_ = false;
+  bool started_ = false, was_let_in_ = false, image_seen_ = false, gone_ = false;
+  std::string turned_away_;  ///< why, the last time, until it is let in
   uint32_t first_rung_ = 0;  ///< number of the blob that makes the first image
   Transport newest_, leaving_;
   Transport ended_;  ///< gone at the next step: not in its own call

@@ -201,6 +201,10 @@ TEST_F(ServerCommands, listUnknownOptionsInTheOrderInWhichTheyWereGiven) {
   EXPECT_NE(run("doctor a.ply --one --two --three").err.find("--one --two --three"), std::string::npos);
 }
 
+TEST_F(ServerCommands, nameACommandThatThereIsNot) {
+  EXPECT_EQ(run("biuld a.ply -o b.lode").err.rfind("lodestreamd: not known here: biuld", 0), 0u);
+}
+
 TEST_F(ServerCommands, exportRefusesEndingsOfFormatsThatItDoesNotWrite) {
   build();
   const Outcome outcome = run("export a.lode --error 0.01 -o cut.stl");

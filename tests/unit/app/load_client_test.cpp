@@ -70,6 +70,7 @@ class ToldServer {
     tcp::socket socket;
     std::vector<std::byte> buffer = std::vector<std::byte>(64u << 10), input;
     std::map<uint32_t, uint32_t> wishes;  // blobs by wish
+    bool is_turned_away = false;
   };
 
   static tcp::endpoint loopback() { return {asio::ip::address_v4::loopback(), 0}; }
@@ -102,10 +103,12 @@ class ToldServer {
   }
 
   void answer(Connection& to, FrameType type, std::span<const std::byte> body) {
-    if (says_nothing_) return;
-    if (type == FrameType::kHello && std::exchange(turns_away_, false))
-      send(to, proto::GoAway{"maintenance"}, 0);
-    else if (type == FrameType::kHello)
+    if (says_nothing_ || to.is_turned_away) return;
+    if (type == FrameType::kHello && std::exchange(turns_away_, false)) {
+      to.is_turned_away = true;
+      return send(to, proto::GoAway{"maintenance"}, 0);
+    }
+    if (type == FrameType::kHello)
       send(to, proto::Welcome{proto::kProtocolVersion, 0, 16384, "test"}, 1);
     if (type == FrameType::kOpen) open(to, proto::decode<proto::Open>(body).known_build_id);
     if (type == FrameType::kPing) send(to, proto::Pong{proto::decode<proto::Ping>(body).payload}, 0);
@@ -361,6 +364,23 @@ TEST_P(EveryLoadClient, hasNotMovedWhereItIsTurnedAwayAtTheDoor) {
   server_->turnOneAway();
   runUntilOpened(1);
   EXPECT_EQ(tally_.moved, 0u);
+}
+
+TEST_P(EveryLoadClient, countsWhereItIsTurnedAwayAndHasNoErrorIfItIsLetInLater) {
+  server_->turnOneAway();
+  runUntilOpened(1);
+  settle();
+  client_->finish(Clock::now());
+  EXPECT_EQ(tally_.turned_away, 1u);
+  EXPECT_EQ(tally_.errorCount(), 0u) << tally_.first_error;
+}
+
+TEST_P(EveryLoadClient, isAnErrorWhereItIsNeverLetIn) {
+  server_->turnOneAway();
+  run([&] { return tally_.turned_away == 1; });
+  client_->finish(Clock::now());
+  EXPECT_EQ(tally_.errorCount(), 1u);
+  EXPECT_NE(tally_.first_error.find("maintenance"), std::string::npos) << tally_.first_error;
 }
 
 TEST_P(EveryLoadClient, timesAWishThatIsMadeAgainOnceAndFromItsBeginning) {
