@@ -8,6 +8,8 @@
 #include <asio/use_awaitable.hpp>
 #include <netinet/tcp.h>
 
+#include "common/printable.h"
+
 namespace lode::serve {
 
 namespace {
@@ -126,8 +128,8 @@ void Door::take(tcp::socket socket) {
   std::optional<Place> place = admission_.enter();
   if (!place)
     return refuse(std::move(socket), RefusalReason::kConnections,
-                  "this server has its " + std::to_string(admission_.total()) +
-                      " connections; try again later, or another server");
+                  "this server is full (" + counted(admission_.total(), "connection") +
+                      "); try again later, or another server");
   if (options_.count_addresses && !place->countUnder(client.address()))
     return refuse(std::move(socket), RefusalReason::kAddress,
                   "this address has as many connections as it may; close some");

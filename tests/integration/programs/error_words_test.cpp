@@ -61,7 +61,7 @@ TEST_F(ErrorWords, ofAFullServerAreItsOwn) {
   serve({"--max-connections", "1"});
   const SilentClient first(where());
   const std::string said =
-      "the server says: this server has its 1 connections; try again later, or another server";
+      "the server says: this server is full (1 connection); try again later, or another server";
   expectWords({"list", server_->url()}, where() + ": " + said);
   expectWords({"fetch", server_->url("small"), "--timeout", "0.5"},
               "no answer from " + where() + " within 500 ms: " + said);
