@@ -1,0 +1,41 @@
+// A video that a signal ends while its frames are drawn.
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/integration/programs/programs.h"
+
+namespace lode::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(InterruptedVideo, leavesNoFrames) {
+  const WorkFolder folder;
+  const fs::path ply = folder / "a.ply", path = folder / "path.json", ffmpeg = folder / "ffmpeg";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "1000", "-o", ply}).status, 0);
+  writeBytes(path, R"({"keys": [{"t": 0, "eye": [3, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1]},
+                                {"t": 600, "eye": [0, 3, 0], "target": [0, 0, 0], "up": [0, 0, 1]}]})");
+  writeBytes(ffmpeg, "#!/bin/sh\n");
+  fs::permissions(ffmpeg, fs::perms::owner_all);
+  const fs::path frames = folder / "out.mp4.frames";
+  Program program("lodestream",
+                  {"render", ply, "--camera", path, "--size", "160x120", "--video", folder / "out.mp4"},
+                  {"PATH=" + folder.path().string(), "XDG_CACHE_HOME=" + (folder / "cache").string()});
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!fs::exists(frames / "frame_000000.png") && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::yield();
+  program.signal(SIGINT);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.status, 128 + SIGINT);
+  EXPECT_NE(outcome.err.find("interrupted; what was unfinished is removed"), std::string::npos)
+      << outcome.err;
+  EXPECT_FALSE(fs::exists(frames));
+}
+
+}  // namespace
+}  // namespace lode::test
