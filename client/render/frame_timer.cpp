@@ -6,13 +6,13 @@ FrameTimer::FrameTimer() {
   for (UnderWay& frame : ring_) frame.query = GlTimeQuery::create();
 }
 
-bool FrameTimer::begin(double coarsening) {
+std::optional<uint64_t> FrameTimer::begin(double coarsening) {
   timing_ = begun_ - told_ < ring_.size();
-  if (!timing_) return false;
+  if (!timing_) return std::nullopt;
   UnderWay& next = ring_[begun_ % ring_.size()];
-  next.frame = {.coarsening = coarsening};
+  next.frame = {.number = begun_, .coarsening = coarsening};
   glBeginQuery(GL_TIME_ELAPSED, next.query.get());
-  return true;
+  return begun_;
 }
 
 void FrameTimer::end(double cpu_ms) {
@@ -34,5 +34,7 @@ std::optional<FrameTimer::Timed> FrameTimer::take() {
   ++told_;
   return oldest.frame;
 }
+
+void FrameTimer::wait() { glFinish(); }
 
 }  // namespace lode::render

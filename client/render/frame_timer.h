@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "client/render/gl_names.h"
@@ -16,16 +17,19 @@ class FrameTimer {
 
   /// What is drawn from here to end() is timed, unless as many frames as fit are still under way.
   /// @param coarsening  of the frame, told again with its time.
-  /// @return whether it is timed.
-  bool begin(double coarsening);
+  /// @return its number, if it is timed: told again with its time, too, and never that of another.
+  std::optional<uint64_t> begin(double coarsening);
   /// @param cpu_ms  what the frame took on this thread.
   void end(double cpu_ms);
 
   struct Timed {
+    uint64_t number = 0;
     double gpu_ms = 0, cpu_ms = 0, coarsening = 1;
   };
   /// The oldest frame that is not yet told of, if its time is known.
   std::optional<Timed> take();
+  /// Waits until the times of all frames that have ended are known.
+  void wait();
 
  private:
   struct UnderWay {
@@ -33,7 +37,7 @@ class FrameTimer {
     Timed frame;
   };
   std::array<UnderWay, 4> ring_;
-  size_t begun_ = 0, told_ = 0;
+  uint64_t begun_ = 0, told_ = 0;
   bool timing_ = false;
 };
 

@@ -62,18 +62,20 @@ std::optional<core::CameraKey> Flight::cameraAt(double seconds) {
   return core::cameraAt(path_, t_s_);
 }
 
-void Flight::draw(FlownFrame frame) {
+void Flight::draw(uint64_t number, FlownFrame frame) {
+  if (lap_ >= laps_) return;
   frame.lap = lap_;
   frame.t_s = t_s_;
-  under_way_.push_back(frame);
+  under_way_.push_back({number, frame});
   if (under_way_.size() > kMostUnderWay) under_way_.pop_front();
 }
 
-void Flight::finish(double work_ms) {
-  if (under_way_.empty()) return;
-  under_way_.front().work_ms = work_ms;
-  frames_.push_back(under_way_.front());
-  under_way_.pop_front();
+void Flight::finish(uint64_t number, double work_ms) {
+  const auto drawn = std::ranges::find(under_way_, number, &UnderWay::number);
+  if (drawn == under_way_.end()) return;
+  drawn->frame.work_ms = work_ms;
+  frames_.push_back(drawn->frame);
+  under_way_.erase(drawn);
 }
 
 std::string Flight::describe() const {

@@ -33,9 +33,11 @@ class Flight {
   std::optional<core::CameraKey> cameraAt(double seconds);
   double fovYDeg() const noexcept { return path_.fov_y_deg; }
 
-  /// A frame was drawn whose work is told later, in the order of frames, by finish().
-  void draw(FlownFrame frame);
-  void finish(double work_ms);
+  /// A frame was drawn whose work is told later, by its number; what is drawn once the flight is over is no
+  /// frame of it.
+  void draw(uint64_t number, FlownFrame frame);
+  /// What a frame took; nothing is told of one that this flight did not draw.
+  void finish(uint64_t number, double work_ms);
 
   /// A line for each lap: frames, their times, thresholds and uploads, medians, 99th percentiles and largest.
   std::string describe() const;
@@ -43,10 +45,15 @@ class Flight {
   nlohmann::ordered_json toJson() const;
 
  private:
+  struct UnderWay {
+    uint64_t number = 0;
+    FlownFrame frame;
+  };
+
   core::CameraPath path_;
   int laps_, lap_ = 0;
   double t_s_ = 0;
-  std::deque<FlownFrame> under_way_;
+  std::deque<UnderWay> under_way_;
   std::vector<FlownFrame> frames_;
 };
 

@@ -85,6 +85,8 @@ void Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && window_.widthPx() > 0 && window_.heightPx() > 0) draw();
   if (!flight_) return;
+  timer_.wait();
+  takeTimes();
   const std::string said = options_.json ? flight_->toJson().dump() + "\n" : flight_->describe();
   std::fputs(said.c_str(), stdout);
 }
@@ -248,14 +250,14 @@ void Viewer::fly() {
   moved_ = true;
 }
 
-void Viewer::noteFlight(bool is_timed) {
-  if (!flight_ || !is_timed) return;
+void Viewer::noteFlight(std::optional<uint64_t> number) {
+  if (!flight_ || !number) return;
   FlownFrame frame;
   frame.upload_ms = content_.upload_ms;
   frame.target_ms = options_.is_threshold_fixed ? 0 : control_.targetMs();
   frame.threshold_px = exhibit_->drawnThresholdPx();
   frame.triangles = content_.triangles;
-  flight_->draw(frame);
+  flight_->draw(*number, frame);
 }
 
 /// What was clicked on in the same frame is copied, too.
@@ -298,13 +300,18 @@ void Viewer::record(const Input& input) {
   note(stream ? "saved " + file + ", for render --frames and replay" : file + " cannot be written");
 }
 
-void Viewer::controlFrameRate(double seconds) {
-  const double coarsest = kLargestThresholdPx / threshold_px_;
+/// Those of frames that were drawn some frames ago.
+void Viewer::takeTimes() {
   while (const auto frame = timer_.take()) {
     work_ms_ = std::max(frame->cpu_ms, frame->gpu_ms);
     if (!options_.is_threshold_fixed) control_.add(work_ms_, frame->coarsening);
-    if (flight_) flight_->finish(work_ms_);
+    if (flight_) flight_->finish(frame->number, work_ms_);
   }
+}
+
+void Viewer::controlFrameRate(double seconds) {
+  const double coarsest = kLargestThresholdPx / threshold_px_;
+  takeTimes();
   control_.step(seconds, moved_);
   asked_px_ = threshold_px_ * static_cast<float>(std::min(control_.coarsening(), coarsest));
 }
@@ -348,7 +355,8 @@ void Viewer::draw() {
   core::View view;
   view.width_px = target.widthPx();
   view.height_px = target.heightPx();
-  const bool is_timed = timer_.begin(std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_));
+  const std::optional<uint64_t> number =
+      timer_.begin(std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_));
   if (rig_) style_.up = rig_->up();
   const render::DrawCounts drawn = exhibit_->draw(rig_ ? rig_->view() : view, target, style_, time());
   if (rig_ && darkensHollows()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
@@ -365,7 +373,7 @@ void Viewer::draw() {
   saveScreenshots();
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
   timer_.end(content_.frame_ms);
-  noteFlight(is_timed);
+  noteFlight(number);
   window_.swap();
 }
 

@@ -60,9 +60,10 @@ class Viewer {
   void record(const Input& input);
   std::optional<PickedPoint> under(const glm::dvec2& place_px);
   void fly();
-  void noteFlight(bool is_timed);
+  void noteFlight(std::optional<uint64_t> number);
   std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
   void moveCamera(const Input& input, double seconds);
+  void takeTimes();
   void controlFrameRate(double seconds);
   void stream();
   bool isPictureOld(const Input& input) const;

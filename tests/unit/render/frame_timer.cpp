@@ -35,6 +35,22 @@ TEST_F(FrameTimer, tellsEachFrameOnceWithWhatBelongsToIt) {
   }
 }
 
+TEST_F(FrameTimer, tellsTheNumberThatItGaveAFrame) {
+  render::FrameTimer timer;
+  frame(timer, 1);  // under way while the next is begun
+  const std::optional<uint64_t> number = timer.begin(2);
+  timer.end(20);
+  timer.wait();
+  ASSERT_TRUE(timer.take());
+  EXPECT_EQ(timer.take()->number, number);
+}
+
+TEST_F(FrameTimer, numbersNoFrameThatIsNotTimed) {
+  render::FrameTimer timer;
+  for (int number = 1; number <= kMostUnderWay; ++number) frame(timer, number);
+  EXPECT_FALSE(timer.begin(5));
+}
+
 TEST_F(FrameTimer, leavesOutFramesThatComeWhileAsManyAsFitAreUnderWay) {
   render::FrameTimer timer;
   for (int number = 1; number <= kMostUnderWay + 3; ++number) frame(timer, number);

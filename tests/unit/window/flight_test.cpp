@@ -34,12 +34,13 @@ TEST(Flight, tellsForEachLapTheMedianThe99thPercentileAndTheLargestByNearestRank
   Flight flight(somePath(), 2);
   flight.cameraAt(0.5);
   for (int i = 1; i <= 200; ++i) {
-    flight.draw({.upload_ms = 1, .threshold_px = 2, .triangles = 10});
-    flight.finish(i);
+    const auto number = static_cast<uint64_t>(i);
+    flight.draw(number, {.upload_ms = 1, .threshold_px = 2, .triangles = 10});
+    flight.finish(number, i);
   }
   flight.cameraAt(2.5);
-  flight.draw({});
-  flight.finish(7);
+  flight.draw(201, {});
+  flight.finish(201, 7);
   const nlohmann::ordered_json json = flight.toJson();
   EXPECT_EQ(json["laps"].size(), 2u);
   EXPECT_EQ(json["laps"][0]["work_ms"],
@@ -55,14 +56,37 @@ TEST(Flight, tellsForEachLapTheMedianThe99thPercentileAndTheLargestByNearestRank
 TEST(Flight, givesEachFrameItsOwnWorkThoughThatIsToldLater) {
   Flight flight(somePath(), 1);
   flight.cameraAt(0);
-  flight.draw({.triangles = 1});
-  flight.draw({.triangles = 2});
-  flight.finish(30);
-  flight.finish(40);
+  flight.draw(0, {.triangles = 1});
+  flight.draw(1, {.triangles = 2});
+  flight.finish(0, 30);
+  flight.finish(1, 40);
   const nlohmann::ordered_json json = flight.toJson();
   EXPECT_EQ(json["frames"][0]["work_ms"], 30.0);
   EXPECT_EQ(json["frames"][1]["triangles"], 2);
   EXPECT_EQ(json["frames"][1]["work_ms"], 40.0);
+}
+
+/// The script of a timer that answers late: of the frames before the flight when its own are under way.
+TEST(Flight, takesNoWorkOfFramesThatWereDrawnBeforeIt) {
+  Flight flight(somePath(), 1);
+  flight.cameraAt(0);
+  flight.draw(4, {.triangles = 1});
+  for (const uint64_t before : {0, 1, 2, 3}) flight.finish(before, 500);
+  flight.finish(4, 30);
+  const nlohmann::ordered_json json = flight.toJson();
+  EXPECT_EQ(json["frames"].size(), 1u);
+  EXPECT_EQ(json["frames"][0]["work_ms"], 30.0);
+}
+
+TEST(Flight, hasNoFrameOfThePictureThatIsDrawnWhenItIsOver) {
+  Flight flight(somePath(), 1);
+  flight.cameraAt(0);
+  flight.draw(0, {});
+  flight.cameraAt(2.001);
+  flight.draw(1, {});
+  flight.finish(0, 30);
+  flight.finish(1, 40);
+  EXPECT_EQ(flight.toJson()["laps"].size(), 1u);
 }
 
 }  // namespace
