@@ -13,10 +13,12 @@ import pathlib
 import re
 import shutil
 import socket
+import socketserver
 import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 import urllib.request
 import zlib
@@ -41,17 +43,50 @@ def display():
             yield f":{said.readline().strip()}"
 
 
+class WithoutBlobs(socketserver.StreamRequestHandler):
+    """Between a client and a server: blobs get lost."""
+
+    def handle(self):
+        with socket.create_connection(self.server.behind) as behind, behind.makefile("rb") as said:
+            threading.Thread(target=self.ask, args=[behind], daemon=True).start()
+            with contextlib.suppress(OSError):
+                while header := said.read(12):
+                    size, kind = struct.unpack_from("<IB", header)
+                    frame = header + said.read(size)
+                    if kind != 9:
+                        self.wfile.write(frame)
+
+    def ask(self, behind):
+        with contextlib.suppress(OSError):
+            while asked := self.request.recv(65536):
+                behind.sendall(asked)
+            behind.shutdown(socket.SHUT_RDWR)
+
+
+@contextlib.contextmanager
+def served_without_blobs():
+    """A model whose server answers, but for blobs."""
+    command = [BIN / "lodestreamd", "serve", STORE, "--listen", "127.0.0.1:0"]
+    with running(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as server, \
+            socketserver.ThreadingTCPServer(("127.0.0.1", 0), WithoutBlobs) as between:
+        host, port = json.loads(server.stdout.readline())["listen"].split(":")
+        between.behind, between.daemon_threads, between.block_on_close = (host, int(port)), True, False
+        threading.Thread(target=between.serve_forever, daemon=True).start()
+        yield f"lode://127.0.0.1:{between.server_address[1]}/painted"
+        between.shutdown()
+
+
 class Window:
     """`lodestream view` on a display, with its files in a folder; ended with the `with`."""
 
-    def __init__(self, screen, folder, target, *options):
-        self.folder = pathlib.Path(folder)
+    def __init__(self, screen, folder, target, *options, stdout=None):
+        self.folder, self.stdout = pathlib.Path(folder), stdout
         self.environment = dict(os.environ, DISPLAY=screen, HOME=folder, XDG_CACHE_HOME=folder, LIBGL_ALWAYS_SOFTWARE="1")
         self.command = [BIN / "lodestream", "view", target, "--size", f"{WIDTH}x{HEIGHT}", *options]
 
     def __enter__(self):
         with contextlib.ExitStack() as stack:
-            self.process = stack.enter_context(running(self.command, cwd=self.folder, env=self.environment))
+            self.process = stack.enter_context(running(self.command, cwd=self.folder, env=self.environment, stdout=self.stdout))
             self.id = self.xdotool("search", "--sync", "--onlyvisible", "--name", "Lodestream").split()[-1]
             self.xdotool("windowfocus", self.id)
             self.move(MIDDLE)
@@ -173,8 +208,9 @@ def moved(keys):
 
 class WindowTest(unittest.TestCase):
     @contextlib.contextmanager
-    def window(self, target=STORE, *options, is_open=True):
-        with tempfile.TemporaryDirectory() as folder, display() as screen, Window(screen, folder, target, *options) as window:
+    def window(self, target=STORE, *options, is_open=True, stdout=None):
+        with tempfile.TemporaryDirectory() as folder, display() as screen, \
+                Window(screen, folder, target, *options, stdout=stdout) as window:
             if is_open:
                 window.picture()  # with the first key the help of the first start goes
             yield window
@@ -293,6 +329,36 @@ class Flight(WindowTest):
             self.assertLessEqual(lap["upload_ms"]["max"], lap["work_ms"]["max"])
         times = [(frame["lap"], frame["t"]) for frame in flown["frames"]]
         self.assertEqual(times, sorted(times))
+
+
+    def test_that_is_cut_short_is_told_as_far_as_it_came_and_fails(self):
+        with self.window(STORE, "--laps", "1000", "--json", is_open=False, stdout=subprocess.PIPE) as window:
+            eventually(lambda: len(window.recorded(lambda: None)) > 1)  # the camera moves by itself
+            self.assertEqual(window.leave(), 1)
+            with window.process.stdout as said:
+                flown = json.load(said)
+        self.assertTrue(flown["interrupted"])
+        self.assertGreater(len(flown["frames"]), 1)
+
+    def test_that_has_not_begun_fails(self):
+        with served_without_blobs() as target, self.window(target, "--laps", "1", is_open=False) as window:
+            self.assertEqual(window.leave(), 1)
+
+    def test_fails_where_the_time_ends_before_the_first_picture(self):
+        with served_without_blobs() as target:
+            self.refused(target, "--cache", "off", "--timeout", "3")
+
+    def test_fails_where_the_cache_has_no_first_picture(self):
+        with served_without_blobs() as target, tempfile.TemporaryDirectory() as cache:
+            self.refused(target, "--cache", cache, "--timeout", "3")  # it has the model's summary now
+            self.refused(target, "--cache", cache, "--offline")
+
+    def refused(self, target, *options):
+        with tempfile.TemporaryDirectory() as folder, display() as screen:
+            window = Window(screen, folder, target, "--laps", "1", *options)
+            ended = subprocess.run(window.command, env=window.environment, capture_output=True, text=True, timeout=120)
+        self.assertEqual(ended.returncode, 1)
+        self.assertIn("no first picture", ended.stderr)
 
 
 class Shown(WindowTest):

@@ -57,13 +57,13 @@ Flight::Flight(core::CameraPath path, int laps) : path_(std::move(path)), laps_(
 std::optional<core::CameraKey> Flight::cameraAt(double seconds) {
   const double first = path_.keys.front().t, length = std::max(path_.keys.back().t - first, 1e-3);
   lap_ = static_cast<int>(seconds / length);
-  if (lap_ >= laps_) return std::nullopt;
+  if (isOver()) return std::nullopt;
   t_s_ = first + seconds - lap_ * length;
   return core::cameraAt(path_, t_s_);
 }
 
 void Flight::draw(uint64_t number, FlownFrame frame) {
-  if (lap_ >= laps_) return;
+  if (isOver()) return;
   frame.lap = lap_;
   frame.t_s = t_s_;
   under_way_.push_back({number, frame});
@@ -104,7 +104,8 @@ std::string Flight::describe() const {
 }
 
 nlohmann::ordered_json Flight::toJson() const {
-  nlohmann::ordered_json json{{"laps", nlohmann::ordered_json::array()},
+  nlohmann::ordered_json json{{"interrupted", !isOver()},
+                              {"laps", nlohmann::ordered_json::array()},
                               {"frames", nlohmann::ordered_json::array()}};
   for (const Lap& lap : lapsOf(frames_))
     json["laps"].push_back({{"frames", lap.frames.size()},

@@ -31,6 +31,8 @@ class Flight {
 
   /// The camera, so many seconds after the flight began; nothing once it is over.
   std::optional<core::CameraKey> cameraAt(double seconds);
+  /// All laps are flown.
+  bool isOver() const noexcept { return lap_ >= laps_; }
   double fovYDeg() const noexcept { return path_.fov_y_deg; }
 
   /// A frame was drawn whose work is told later, by its number; what is drawn once the flight is over is no
@@ -41,7 +43,7 @@ class Flight {
 
   /// A line for each lap: frames, their times, thresholds and uploads, medians, 99th percentiles and largest.
   std::string describe() const;
-  /// The same, and each frame.
+  /// The same, each frame, and whether it was interrupted.
   nlohmann::ordered_json toJson() const;
 
  private:

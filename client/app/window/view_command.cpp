@@ -14,10 +14,11 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
   const auto options = std::make_shared<ViewOptions>();
   addCommonOptions(*command, options->common, Takes::kScenesToo);
   addFadeOption(*command, options->common);
-  command
-      ->add_option("--screenshot", options->screenshot,
-                   "save a picture of the window once the model has converged, and end")
-      ->type_name("OUT.png");
+  CLI::Option* const screenshot =
+      command
+          ->add_option("--screenshot", options->screenshot,
+                       "save a picture of the window once the model has converged, and end")
+          ->type_name("OUT.png");
   command
       ->add_option("--fps", options->fps,
                    "frames a second while the camera moves, held by a coarser threshold; --pixels fixes it")
@@ -28,7 +29,8 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
           ->add_option(
               "--laps", options->laps,
               "fly the path of --camera (default: an orbit) so often, say what the frames took, and end")
-          ->check(CLI::Range(1, 1000));
+          ->check(CLI::Range(1, 1000))
+          ->excludes(screenshot);
   command->add_flag("--json", options->json, "say it as one JSON object, with each frame")->needs(laps);
   addLookOptions(*command, options->look);
   const CLI::Option* const pixels = command->get_option("--pixels");

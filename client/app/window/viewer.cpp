@@ -84,11 +84,18 @@ Viewer::Viewer(const ViewOptions& options)
 void Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && window_.widthPx() > 0 && window_.heightPx() > 0) draw();
-  if (!flight_) return;
+  if (options_.laps == 0) return;
   timer_.wait();
   takeTimes();
+  tellFlight();
+}
+
+void Viewer::tellFlight() const {
+  const std::string closed = options_.common.target + ": the window was closed before the flight ";
+  if (!flight_) throw Error(ErrorCode::kTimeout, closed + "began");
   const std::string said = options_.json ? flight_->toJson().dump() + "\n" : flight_->describe();
   std::fputs(said.c_str(), stdout);
+  if (!flight_->isOver()) throw Error(ErrorCode::kTimeout, closed + "was over: what was flown is told");
 }
 
 bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
@@ -201,6 +208,7 @@ void Viewer::openWhenReady() {
   core::Framing framing = exhibit_->framing();
   if (window_.heightPx() > 0)  // not minimized
     framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
+  opened_ = Clock::now();
   rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
   content_.model_triangles = summary.triangles;
@@ -235,10 +243,19 @@ void Viewer::moveCamera(const Input& input, double seconds) {
   moved_ = rig_->view() != before || rig_->underWay();
 }
 
+/// There is a picture to begin with. @throws Error once there can be none any more.
+bool Viewer::mayFly() const {
+  const float drawn_px = exhibit_->drawnThresholdPx();
+  if (drawn_px > 0 && drawn_px <= kLargestThresholdPx) return true;
+  const stream::StreamStatus& status = exhibit_->status();
+  const bool is_all_there = (status.ended || status.exhausted) && exhibit_->uploaded();
+  if (is_all_there || isTimeOver()) refuseFlight();
+  return false;
+}
+
 /// Along the path, from the first picture on, whatever the user does.
 void Viewer::fly() {
-  const float drawn_px = exhibit_->drawnThresholdPx();
-  if (options_.laps == 0 || (!flight_ && (drawn_px == 0 || drawn_px > kLargestThresholdPx))) return;
+  if (options_.laps == 0 || (!flight_ && !mayFly())) return;
   if (!flight_) {
     const ModelSummary& summary = exhibit_->summary();
     flight_.emplace(wanted_path_ ? *wanted_path_ : makePath(MadePath::kOrbit, summary, 0), options_.laps);
@@ -418,6 +435,9 @@ void Viewer::note(const std::string& message) {
   noted_ = Clock::now();
 }
 
+/// That --timeout allows from when the target was open.
+bool Viewer::isTimeOver() const { return rig_ && secondsSince(opened_) > options_.common.timeout_s; }
+
 void Viewer::refuseScreenshot() const {
   const std::string& failure = exhibit_->status().failure;
   throw Error(ErrorCode::kTimeout,
@@ -426,13 +446,20 @@ void Viewer::refuseScreenshot() const {
                                    : ": " + failure));
 }
 
+void Viewer::refuseFlight() const {
+  const stream::StreamStatus& status = exhibit_->status();
+  const std::string& why = status.failure.empty() ? status.trouble : status.failure;
+  throw Error(ErrorCode::kTimeout, options_.common.target + " gave no first picture to fly from" +
+                                       (why.empty() ? "; allow more with --timeout" : ": " + why));
+}
+
 /// The one that the command line asks for ends the program; one asked for by a key does not.
 void Viewer::saveScreenshots() {
   if (!options_.screenshot.empty()) {
     if (content_.converged) {
       render::writePng(options_.screenshot, window_.readBack());
       done_ = true;
-    } else if (exhibit_->status().ended || settled() || secondsSince(started_) > options_.common.timeout_s) {
+    } else if (exhibit_->status().ended || settled() || isTimeOver()) {
       refuseScreenshot();
     }
   }

@@ -42,8 +42,9 @@ class Viewer {
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
   /// Returns when the user closes the window; a picture that a key has asked for is written before.
-  /// @throws Error if the target cannot be opened, the screenshot asked for is not to be had in time, or that
-  /// last picture cannot be written.
+  /// @throws Error if the target cannot be opened, the screenshot asked for is not to be had in time, that
+  /// last picture cannot be written, or the flight asked for cannot begin or is not over: what was flown of it
+  /// is printed before.
   void run();
 
  private:
@@ -60,6 +61,8 @@ class Viewer {
   void record(const Input& input);
   std::optional<PickedPoint> under(const glm::dvec2& place_px);
   void fly();
+  bool mayFly() const;
+  void tellFlight() const;
   void noteFlight(std::optional<uint64_t> number);
   std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
   void moveCamera(const Input& input, double seconds);
@@ -78,7 +81,9 @@ class Viewer {
   void saveScreenshots();
   void savePicture();
   void note(const std::string& message);
+  bool isTimeOver() const;
   void refuseScreenshot() const;
+  [[noreturn]] void refuseFlight() const;
   double waitSeconds() const;
   bool settled() const;
 
@@ -113,7 +118,7 @@ class Viewer {
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe
   PanelContent content_;
-  Clock::time_point started_ = Clock::now(), last_frame_ = started_, noted_ = started_;
+  Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;
   std::string note_;
   Drawn drawn_;
   PictureRequest picture_request_;

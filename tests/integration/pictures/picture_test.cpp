@@ -134,6 +134,14 @@ TEST(Window, showsAModelUnderAVirtualDisplay) {
   EXPECT_LT(picture.covered(500, 400), 0.9);
 }
 
+TEST(Window, takesNoScreenshotOfAFlight) {
+  const WorkFolder folder;
+  const Outcome outcome = lodestream(
+      {"view", makeSmallStore(folder), "--laps", "1", "--screenshot", (folder / "a.png").string()});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("excludes"), std::string::npos) << outcome.err;
+}
+
 TEST(Render, writesPicturesThatAreCalledSoAndNeverOverItsModel) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
