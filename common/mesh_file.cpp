@@ -1,10 +1,9 @@
 #include "common/mesh_file.h"
 
-#include <algorithm>
-#include <cctype>
 #include <string>
 
 #include "common/error.h"
+#include "common/file_ending.h"
 #include "common/glb_writer.h"
 #include "common/obj_writer.h"
 #include "common/output_target.h"
@@ -13,9 +12,7 @@
 namespace lode {
 
 MeshFormat meshFormatOf(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = fileEnding(path);
   if (ending == ".ply") return MeshFormat::kPly;
   if (ending == ".obj") return MeshFormat::kObj;
   if (ending == ".glb") return MeshFormat::kGlb;

@@ -196,6 +196,7 @@ void record(const ReplayOptions& options) {
 }
 
 void replay(const ReplayOptions& options) {
+  refuseToReplace(options.common.target, options.record_file);  // said before the work
   if (!options.record_file.empty()) record(options);
   const Replayed replayed = Replay(options).run();
   if (options.json) {

@@ -19,6 +19,7 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
 #include "client/app/window/look_options.h"
+#include "client/app/window/picture_file.h"
 #include "client/app/window/scene_subject.h"
 #include "client/app/window/video.h"
 #include "client/core/camera_path.h"
@@ -188,12 +189,7 @@ std::unique_ptr<PictureSubject> open(const RenderOptions& options) {
 void checkOutput(const RenderOptions& options) {
   if (options.output.empty() == options.folder.empty())
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
-  if (options.output.empty()) return;
-  if (fs::path(options.output).extension() != ".png")
-    throw Error(ErrorCode::kUsage, options.output + ": pictures are PNG files: give it the ending .png");
-  if (fs::is_directory(options.output))
-    throw Error(ErrorCode::kUsage, options.output + ": is a directory; name a file in it, or use --frames");
-  refuseToReplace(options.common.target, options.output);
+  if (!options.output.empty()) checkPictureFile(options.common.target, options.output);
 }
 
 void render(const RenderOptions& options) {

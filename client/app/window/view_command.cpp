@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/app/window/picture_file.h"
 #include "client/app/window/viewer.h"
 
 namespace lode::app {
@@ -36,6 +37,7 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
   const CLI::Option* const pixels = command->get_option("--pixels");
   command->callback([options, pixels] {
     options->is_threshold_fixed = pixels->count() > 0;
+    if (!options->screenshot.empty()) checkPictureFile(options->common.target, options->screenshot);
     Viewer(*options).run();
   });
 }

@@ -122,8 +122,9 @@ TEST(Window, showsAModelUnderAVirtualDisplay) {
   LODE_REQUIRE_MODEL(painted);
   const WorkFolder folder;
   const auto file = folder / "a.png";
-  Program program("xvfb-run", {"-a", "-s", "-screen 0 1024x1024x24", LODE_BIN_DIR "/bin/lodestream", "view",
-                               painted.store(), "--size", "1000x800", "--screenshot", file});
+  const std::string lodestream = LODE_BIN_DIR "/bin/lodestream";
+  Program program("xvfb-run", {"-a", "-s", "-screen 0 1024x1024x24", lodestream, "view", painted.store(),
+                               "--size", "1000x800", "--screenshot", file});
   const Outcome outcome = program.wait();
   if (outcome.status == 127) GTEST_SKIP() << "no xvfb-run: install xvfb";
   ASSERT_EQ(outcome.status, 0) << outcome.out << outcome.err;
@@ -132,6 +133,23 @@ TEST(Window, showsAModelUnderAVirtualDisplay) {
   ASSERT_EQ(picture.height_px, 800);
   EXPECT_GT(picture.covered(500, 400), 0.1);  // right of the panel and below it
   EXPECT_LT(picture.covered(500, 400), 0.9);
+}
+
+TEST(Window, takesNoScreenshotThatIsNotCalledAPicture) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  const Outcome outcome = lodestream({"view", store, "--screenshot", folder / "a.jpg"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("give it the ending .png"), std::string::npos) << outcome.err;
+}
+
+TEST(Window, takesNoScreenshotOverItsModel) {
+  const WorkFolder folder;
+  std::filesystem::rename(makeSmallStore(folder), folder / "model.png");
+  const Outcome outcome =
+      lodestream({"view", folder / "model.png", "--screenshot", folder / "model.png"}, {"DISPLAY="});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("is the target itself"), std::string::npos) << outcome.err;
 }
 
 TEST(Window, takesNoScreenshotOfAFlight) {
@@ -156,6 +174,14 @@ TEST(Render, writesPicturesThatAreCalledSoAndNeverOverItsModel) {
     EXPECT_NE(outcome.err.find(why), std::string::npos) << outcome.err;
   }
   EXPECT_EQ(readBytes(folder / "model.png"), readBytes(store));
+}
+
+TEST(Render, writesAPictureThatIsCalledSoInCapitals) {
+  const WorkFolder folder;
+  const Outcome outcome =
+      lodestream({"render", makeSmallStore(folder), "--size", "32x24", "-o", folder / "a.PNG"});
+  if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+  EXPECT_EQ(Picture(folder / "a.PNG").width_px, 32) << outcome.err;
 }
 
 TEST(Render, failsWithOneLineIfItsPictureCannotBeWritten) {

@@ -114,6 +114,14 @@ TEST_F(ReplayedTrace, withoutAWishIsRefused) {
   expectFailure(loadtest(), {trace_, "nothing to replay"});
 }
 
+TEST(Replay, recordsNoTraceOverItsModel) {
+  const WorkFolder folder;
+  const std::string store = makeSmallStore(folder);
+  const auto before = readBytes(store);
+  EXPECT_EQ(lodestream({"replay", store, "--camera", writePath(folder), "--record", store}).status, 2);
+  EXPECT_TRUE(readBytes(store) == before);
+}
+
 TEST(Replay, saysWhyItDidNotConverge) {
   const WorkFolder folder;
   const RunningServer server({makeSmallStore(folder)});

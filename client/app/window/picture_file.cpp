@@ -1,0 +1,17 @@
+#include "client/app/window/picture_file.h"
+
+#include "client/app/cli/target.h"
+#include "common/error.h"
+#include "common/file_ending.h"
+
+namespace lode::app {
+
+void checkPictureFile(std::string_view target, const std::filesystem::path& picture) {
+  if (fileEnding(picture) != ".png")
+    throw Error(ErrorCode::kUsage, picture.string() + ": pictures are PNG files: give it the ending .png");
+  if (std::filesystem::is_directory(picture))
+    throw Error(ErrorCode::kUsage, picture.string() + ": is a directory; name a file in it");
+  refuseToReplace(target, picture);
+}
+
+}  // namespace lode::app

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace lode::app {
+
+/// Said before the work that a picture takes.
+/// @throws Error kUsage for a file that is not called a PNG, a folder, and the target's own file.
+void checkPictureFile(std::string_view target, const std::filesystem::path& picture);
+
+}  // namespace lode::app
