@@ -340,6 +340,11 @@ class Flight(WindowTest):
         self.assertTrue(flown["interrupted"])
         self.assertGreater(len(flown["frames"]), 1)
 
+    def test_is_not_hidden_by_the_help_of_the_first_start(self):
+        with self.window(STORE, "--laps", "1000", is_open=False) as window:
+            window.leave()  # a key: with it the help would go, which the cache would remember
+            self.assertEqual(list(window.folder.rglob("help-seen")), [])
+
     def test_that_has_not_begun_fails(self):
         with served_without_blobs() as target, self.window(target, "--laps", "1", is_open=False) as window:
             self.assertEqual(window.leave(), 1)

@@ -71,7 +71,8 @@ Viewer::Viewer(const ViewOptions& options)
       control_(options.fps),
       first_start_(cacheFolder()) {
   content_.title = options.common.target;
-  content_.help = options.screenshot.empty() && first_start_.isHelpDue();
+  const bool is_for_a_person = options.screenshot.empty() && options.laps == 0;
+  content_.help = is_for_a_person && first_start_.isHelpDue();
   const render::MemoryShares memory = render::shareMemory(options.common.streamOptions().memory_budget_bytes);
   content_.resident_budget_bytes = memory.stream_bytes;
   content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
