@@ -28,28 +28,60 @@ NodeKey nodeOf(const CutPart& part) { return part.node; }
 NodeKey nodeOf(const LeftOut& place) { return place.node; }
 
 /// What is at a node: a part, or, if the mesh is null, a place that is left out.
-using Cover = std::unordered_map<uint64_t, const Mesh*>;
+struct Covering {
+  NodeKey node;
+  const Mesh* mesh = nullptr;
 
-Cover coverOf(const Cut& cut) {
-  Cover cover;
-  for (const CutPart& part : cut.parts) cover.emplace(part.node.value, part.mesh.get());
-  for (const LeftOut& place : cut.left_out) cover.emplace(place.node.value, nullptr);
+  bool operator==(const Covering&) const = default;
+  std::pair<uint64_t, int> order() const noexcept { return depthFirst(node); }
+};
+
+/// All that covers a cut, depth first, as its parts are.
+std::vector<Covering> coverOf(const Cut& cut) {
+  std::vector<Covering> cover;
+  cover.reserve(cut.parts.size() + cut.left_out.size());
+  for (const CutPart& part : cut.parts) cover.push_back({part.node, part.mesh.get()});
+  for (const LeftOut& place : cut.left_out) cover.push_back({place.node, nullptr});
+  const auto left_out = cover.begin() + static_cast<std::ptrdiff_t>(cut.parts.size());
+  std::ranges::sort(left_out, cover.end(), {}, &Covering::order);
+  std::ranges::inplace_merge(cover, left_out, {}, &Covering::order);
   return cover;
 }
 
-bool has(const Cover& cover, NodeKey node, const Mesh* mesh) {
-  const auto at = cover.find(node.value);
-  return at != cover.end() && at->second == mesh;
+/// Where what covers one cut differs from what covers the other, depth first: what leaves a region and what
+/// arrives there covers the same, since nothing else reaches below its node, the shallowest that differs.
+std::vector<NodeKey> regionsThatDiffer(const std::vector<Covering>& before,
+                                       const std::vector<Covering>& now) {
+  std::vector<NodeKey> regions;
+  for (auto one = before.begin(), other = now.begin(); one != before.end() || other != now.end();) {
+    if (one != before.end() && other != now.end() && *one == *other) {
+      ++one;
+      ++other;
+      continue;
+    }
+    const bool leaves = other == now.end() || (one != before.end() && one->order() <= other->order());
+    const NodeKey node = leaves ? (one++)->node : (other++)->node;
+    if (regions.empty() || !regions.back().contains(node)) regions.push_back(node);
+  }
+  return regions;
 }
 
-/// Of what covers a cut, that which the other has not.
-std::vector<NodeKey> nodesMissingIn(const Cover& other, const Cut& cut) {
-  std::vector<NodeKey> nodes;
-  for (const CutPart& part : cut.parts)
-    if (!has(other, part.node, part.mesh.get())) nodes.push_back(part.node);
-  for (const LeftOut& place : cut.left_out)
-    if (!has(other, place.node, nullptr)) nodes.push_back(place.node);
-  return nodes;
+/// The same covers both: most cuts of a scene differ from the ones before in the camera alone.
+bool haveSameCover(const Cut& a, const Cut& b) {
+  const auto isSamePart = [](const CutPart& one, const CutPart& other) {
+    return one.node == other.node && one.mesh == other.mesh;
+  };
+  const auto isSamePlace = [](const LeftOut& one, const LeftOut& other) { return one.node == other.node; };
+  return std::ranges::equal(a.parts, b.parts, isSamePart) &&
+         std::ranges::equal(a.left_out, b.left_out, isSamePlace);
+}
+
+/// A cut's parts at a node and below it.
+std::span<const CutPart> partsIn(NodeKey node, const Cut& cut) {
+  const auto first = std::ranges::lower_bound(cut.parts, depthFirst(node), {},
+                                              [](const CutPart& part) { return depthFirst(part.node); });
+  const auto isIn = [&](const CutPart& part) { return node.contains(part.node); };
+  return {first, std::find_if_not(first, cut.parts.end(), isIn)};
 }
 
 /// Regions that do not overlap, depth first.
@@ -58,8 +90,7 @@ class Regions {
   explicit Regions(std::vector<NodeKey> nodes) : nodes_(std::move(nodes)) {
     std::ranges::sort(nodes_, {}, depthFirst);
   }
-  size_t count() const noexcept { return nodes_.size(); }
-  NodeKey operator[](size_t index) const noexcept { return nodes_[index]; }
+  std::span<const NodeKey> nodes() const noexcept { return nodes_; }
   /// The index of the one that a node is in.
   std::optional<size_t> around(NodeKey node) const noexcept {
     const auto after = std::ranges::upper_bound(nodes_, depthFirst(node), {}, depthFirst);
@@ -82,28 +113,26 @@ struct PlannedRegion {
   }
 };
 
+/// But for what is left out of the older cut.
+PlannedRegion planRegion(const Cut& from, const Cut& to, uint32_t place, NodeKey region) {
+  PlannedRegion planned;
+  planned.step.place = place;
+  planned.step.region = region;
+  for (const CutPart& part : partsIn(region, to)) {
+    planned.step.parts.push_back({place, static_cast<uint32_t>(&part - to.parts.data())});
+    planned.visible |= part.visible;
+  }
+  for (const CutPart& part : partsIn(region, from))
+    planned.error_px = std::max(planned.error_px, part.error_px);
+  return planned;
+}
+
 /// Those at one place, depth first.
 std::vector<PlannedRegion> regionsBetween(const Cut& from, const Cut& to, uint32_t place) {
-  const Cover before = coverOf(from), now = coverOf(to);
-  std::vector<NodeKey> nodes;
-  for (const ChangedRegion& region : changedRegions(nodesMissingIn(now, from), nodesMissingIn(before, to)))
-    nodes.push_back(region.node);
-  const Regions regions(std::move(nodes));
-  std::vector<PlannedRegion> planned(regions.count());
-  for (size_t i = 0; i < regions.count(); ++i) {
-    planned[i].step.place = place;
-    planned[i].step.region = regions[i];
-  }
-  for (uint32_t number = 0; number < to.parts.size(); ++number) {
-    const CutPart& part = to.parts[number];
-    const auto region = regions.around(part.node);
-    if (!region) continue;
-    planned[*region].step.parts.push_back({place, number});
-    planned[*region].visible |= part.visible;
-  }
-  for (const CutPart& part : from.parts)
-    if (const auto region = regions.around(part.node))
-      planned[*region].error_px = std::max(planned[*region].error_px, part.error_px);
+  if (haveSameCover(from, to)) return {};
+  std::vector<PlannedRegion> planned;
+  const Regions regions(regionsThatDiffer(coverOf(from), coverOf(to)));
+  for (const NodeKey region : regions.nodes()) planned.push_back(planRegion(from, to, place, region));
   for (const LeftOut& left_out : from.left_out)
     if (const auto region = regions.around(left_out.node))
       planned[*region].error_px = std::numeric_limits<float>::max();
@@ -144,12 +173,9 @@ void assign(std::vector<Fallback> fallbacks, Cut& cut) {
     const NodeKey node = fallback.part.node;
     const std::vector<LeftOut>& its_own = places[node.value];
     if (its_own.empty()) continue;
-    const auto isBelow = [&](const CutPart& part) { return node.contains(part.node); };
-    const auto first = std::ranges::lower_bound(cut.parts, depthFirst(node), {},
-                                                [](const CutPart& part) { return depthFirst(part.node); });
-    const auto end = std::find_if_not(first, cut.parts.end(), isBelow);
-    fallback.first_part = static_cast<uint32_t>(first - cut.parts.begin());
-    fallback.end_part = static_cast<uint32_t>(end - cut.parts.begin());
+    const std::span<const CutPart> below = partsIn(node, cut);
+    fallback.first_part = static_cast<uint32_t>(below.data() - cut.parts.data());
+    fallback.end_part = fallback.first_part + static_cast<uint32_t>(below.size());
     fallback.first_left_out = static_cast<uint32_t>(cut.left_out.size());
     cut.left_out.insert(cut.left_out.end(), its_own.begin(), its_own.end());
     fallback.end_left_out = static_cast<uint32_t>(cut.left_out.size());

@@ -17,14 +17,12 @@ namespace {
 
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 
-/// Calls visit(mesh) for each part and fallback that has triangles.
+/// Calls visit(mesh) for each part and fallback that has triangles; of several places once for a mesh.
 template <typename Visit>
 void forEachMesh(const core::PlacedCuts& placed, Visit visit) {
-  for (const auto& cut : placed.cuts) {
-    for (size_t number = 0; number < partCount(*cut); ++number) {
-      const std::shared_ptr<const Mesh>& mesh = partOf(*cut, number).mesh;
-      if (mesh && !mesh->triangles.empty()) visit(mesh);
-    }
+  for (size_t number = 0; number < partCount(*placed.all); ++number) {
+    const std::shared_ptr<const Mesh>& mesh = partOf(*placed.all, number).mesh;
+    if (mesh && !mesh->triangles.empty()) visit(mesh);
   }
 }
 

@@ -311,6 +311,26 @@ TEST(CutExchange, mixesAnewOnlyWhereMoreIsDone) {
   EXPECT_NE(second[1], first[1]);
 }
 
+TEST(CutExchange, changesNoRegionWhereTheNewerCutIsOfTheSameMeshes) {
+  Meshes meshes;
+  const auto from = RandomCuts(1, meshes).make();
+  const auto to = std::make_shared<Cut>(*from);
+  for (CutPart& part : to->parts) part.error_px += 1;
+  EXPECT_EQ(CutExchange({from}, {to}).steps().size(), 1u);
+}
+
+TEST(CutExchange, changesOnlyTheRegionThatIsNoLongerLeftOut) {
+  const auto mesh = aMesh();
+  const auto from = cutOfChildren({{child(3), 0, true, 1, mesh}});
+  from->left_out = {{child(7), {}}, {child(0), {}}};
+  const auto to = cutOfChildren({{child(3), 0, true, 1, mesh}, {child(7), 0, true, 1, aMesh()}});
+  to->left_out = {{child(0), {}}};
+  std::vector<std::optional<NodeKey>> regions;
+  const CutExchange exchange({from}, {to});
+  for (const ExchangeStep& step : exchange.steps().subspan(1)) regions.push_back(step.region);
+  EXPECT_EQ(regions, (std::vector<std::optional<NodeKey>>{child(7)}));
+}
+
 TEST(CutExchange, isOneStepWhereNothingWasDrawnBefore) {
   Meshes meshes;
   RandomCuts cuts(1, meshes);

@@ -202,6 +202,12 @@ TEST_F(Residency, hasAMeshThatStandsInSeveralPlacesOnce) {
   EXPECT_TRUE(residency.upToDate());
 }
 
+TEST_F(Residency, uploadsNothingOfCutsOfSeveralPlacesThatDoNotFitTogether) {
+  MeshResidency residency({.budget_bytes = core::drawnBytes(*gridOf(1)) * 3 / 2});
+  residency.show(placedAt({cutOf(std::vector{gridOf(1)}), cutOf(std::vector{gridOf(2)})}));
+  EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), 0u);
+}
+
 TEST_F(Residency, leavesTheRestOfAFramesBudgetToOthers) {
   render::Renderer renderer(1);
   renderer.show(cutOf(std::vector{gridOf(1)}));

@@ -1,0 +1,96 @@
+// What the thread that draws does for newer cuts of a scene whose meshes are all there: it plans their
+// exchange and lists what is drawn, in one frame. Needs OpenGL 4.5, but no display.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "client/render/cut_exchange.h"
+#include "client/render/mesh_residency.h"
+#include "client/render/offscreen_context.h"
+#include "common/error.h"
+#include "tests/support/test_meshes.h"
+
+namespace lode {
+namespace {
+
+constexpr uint32_t kPlaces = 120, kParts = 256;
+constexpr uint32_t kRungs = 2;
+
+/// The meshes of a model's nodes, and cuts of it at all places as a refiner publishes them: each of them
+/// anew.
+class Scene {
+ public:
+  Scene() {
+    for (uint32_t i = 0; i < kParts * kRungs; ++i)
+      meshes_.push_back(
+          std::make_shared<const Mesh>(test::makeGrid(2, 2, {.attributes = {}, .seed = i + 1})));
+  }
+
+  /// So many parts of so many places have the other rung in every other step.
+  std::shared_ptr<const core::PlacedCuts> at(uint64_t step, const benchmark::State& state) const {
+    auto placed = std::make_shared<core::PlacedCuts>();
+    for (uint32_t place = 0; place < kPlaces; ++place)
+      placed->cuts.push_back(cutOf(place < state.range(0) && step % kRungs != 0 ? state.range(1) : 0));
+    placed->all = core::gatherMeshes(placed->cuts);
+    return placed;
+  }
+
+ private:
+  std::shared_ptr<const core::Cut> cutOf(int64_t changed) const {
+    auto cut = std::make_shared<core::Cut>();
+    for (uint32_t i = 0; i < kParts; ++i) {
+      const uint32_t rung = i < changed ? 1 : 0;
+      const NodeKey node{8u * 8 * 8 * 8 + i};  // four levels down, depth first
+      cut->parts.push_back({node, rung, true, 1, meshes_[i * kRungs + rung]});
+    }
+    return cut;
+  }
+
+  std::vector<std::shared_ptr<const Mesh>> meshes_;
+};
+
+/// All places' cuts are new, as they are when the camera moves; so many have other meshes.
+void planAnExchange(benchmark::State& state) {
+  const Scene scene;
+  const auto from = scene.at(0, state), to = scene.at(1, state);
+  for (auto _ : state) benchmark::DoNotOptimize(render::CutExchange(from->cuts, to->cuts).steps().size());
+}
+BENCHMARK(planAnExchange)
+    ->Args({1, kParts})
+    ->Args({kPlaces, 8})
+    ->Args({kPlaces, kParts})
+    ->Unit(benchmark::kMicrosecond);
+
+void exchangeCuts(benchmark::State& state) {
+  std::optional<render::OffscreenContext> context;
+  try {
+    context.emplace();
+  } catch (const Error& error) {
+    return state.SkipWithError(error.what());
+  }
+  const Scene scene;
+  render::MeshResidency residency({});
+  uint64_t step = 0;
+  for (; step < kRungs; ++step) {
+    residency.show(scene.at(step, state));
+    residency.uploadInRenderThread({.wait = true});
+  }
+  for (auto _ : state) {
+    state.PauseTiming();
+    residency.show(scene.at(step++, state));
+    state.ResumeTiming();
+    residency.uploadInRenderThread({.ms = 1000});
+    if (!residency.upToDate()) return state.SkipWithError("not all is exchanged in a frame");
+  }
+}
+BENCHMARK(exchangeCuts)
+    ->Args({1, kParts})
+    ->Args({kPlaces, 8})
+    ->Args({kPlaces, kParts})
+    ->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace lode
