@@ -2,49 +2,12 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "client/app/window/camera_kind.h"
-#include "client/app/window/notice.h"
-#include "client/render/shown_colours.h"
+#include "client/app/window/panel_content.h"
 
 struct GLFWwindow;
 
 namespace lode::app {
-
-/// What the panel shows.
-struct PanelContent {
-  std::string title;    ///< of the model or the target
-  std::string waiting;  ///< what is being waited for; empty once the model is open
-  double waited_s = 0;
-  double waiting_part = -1;           ///< of it that is done, 0 to 1; below: unknown
-  uint64_t triangles = 0, nodes = 0;  ///< drawn
-  uint64_t model_triangles = 0;
-  uint64_t received_bytes = 0;
-  double link_bytes_per_s = 0, round_trip_ms = 0;  ///< 0: not measured yet
-  uint64_t open_wishes = 0;
-  uint64_t resident_bytes = 0, resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
-  bool textured = false;
-  uint64_t tiles = 0, tiles_left_out = 0;  ///< of textures: on the GPU, and those that memory does not allow
-  float threshold_px = 1, error_px = 0;
-  double target_ms = 0;  ///< of a frame, for which the threshold is coarser than asked for; 0: it is not
-  bool converged = false;
-  bool exhausted = false;  ///< offline: the cache has no more of what is seen
-  double progress = 0;     ///< towards that, 0 to 1
-  double frame_ms = 0, upload_ms = 0;
-  CameraKind camera = CameraKind::kOrbit;
-  std::vector<std::string> pick;            ///< of the point last clicked on
-  std::string_view show;                    ///< what the picture shows,
-  std::vector<render::LegendEntry> legend;  ///< and what its colours mean
-  Notice notice;                            ///< how the stream fares
-  std::string message;                      ///< for a moment, such as where a screenshot went
-  bool visible = true, help = false;
-
-  bool operator==(const PanelContent&) const = default;
-};
 
 /// The panel over the picture. Made after the window and its callbacks, destroyed before it, used on its
 /// thread.

@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <ctime>
 #include <fstream>
 
-#include <nlohmann/json.hpp>
-
 #include "client/app/cli/cache_folder.h"
-#include "client/app/cli/first_camera.h"
-#include "client/app/cli/made_path.h"
 #include "client/app/cli/opened_target.h"
-#include "client/app/cli/target.h"
-#include "client/app/window/viewed_model.h"
-#include "client/app/window/viewed_scene.h"
+#include "client/app/window/named_exhibit.h"
+#include "client/app/window/timed_name.h"
 #include "client/core/camera_path_writer.h"
 #include "client/render/image.h"
 #include "client/render/memory_shares.h"
@@ -24,38 +17,15 @@ namespace lode::app {
 namespace {
 
 constexpr float kThresholdStep = 1.189207115f;  ///< 2^1/4
-constexpr float kLeastThresholdPx = 0.1f, kLargestThresholdPx = 64;
-constexpr double kIdleWaitS = 0.25;       ///< between looks at a stream that has nothing left to do
-constexpr double kStreamingWaitS = 0.01;  ///< between looks at one that has
-constexpr double kLongestStepS = 0.1;     ///< a flight goes no further in one frame, however long it took
-constexpr int kFramesToSettle = 2;        ///< that the panel takes to fit its text
-constexpr double kFramesOfFade = 4;       ///< that it takes to look like one
-constexpr double kNoteS = 6;              ///< how long a note stays on the panel
+constexpr double kIdleWaitS = 0.25;             ///< between looks at a stream that has nothing left to do
+constexpr double kStreamingWaitS = 0.01;        ///< between looks at one that has
+constexpr double kLongestStepS = 0.1;  ///< a flight goes no further in one frame, however long it took
+constexpr int kFramesToSettle = 2;     ///< that the panel takes to fit its text
+constexpr double kFramesOfFade = 4;    ///< that it takes to look like one
+constexpr double kNoteS = 6;           ///< how long a note stays on the panel
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-stream::StreamOptions streamOptions(const CommonOptions& common) {
-  stream::StreamOptions options = common.streamOptions();
-  options.hold_factor = core::kHoldFactor;
-  options.prefetch = true;
-  return options;
-}
-
-std::unique_ptr<Exhibit> exhibitOf(const CommonOptions& common) {
-  if (namesScene(common.target)) return std::make_unique<ViewedScene>(common);
-  return std::make_unique<ViewedModel>(parseTarget(common.target), streamOptions(common),
-                                       wantedFraming(common), common.timeout());
-}
-
-std::string timedName(const std::string& ending) {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char name[64];
-  std::strftime(name, sizeof name, "lodestream-%Y%m%d-%H%M%S.", &local);
-  return name + ending;
 }
 
 }  // namespace
@@ -71,6 +41,7 @@ Viewer::Viewer(const ViewOptions& options)
       control_(options.fps),
       first_start_(cacheFolder()) {
   content_.title = options.common.target;
+  if (options.laps > 0) pilot_.emplace(options, wanted_path_);
   const bool is_for_a_person = options.screenshot.empty() && options.laps == 0;
   content_.help = is_for_a_person && first_start_.isHelpDue();
   const render::MemoryShares memory = render::shareMemory(options.common.streamOptions().memory_budget_bytes);
@@ -85,18 +56,10 @@ Viewer::Viewer(const ViewOptions& options)
 void Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && window_.widthPx() > 0 && window_.heightPx() > 0) draw();
-  if (options_.laps == 0) return;
+  if (!pilot_) return;
   timer_.wait();
   takeTimes();
-  tellFlight();
-}
-
-void Viewer::tellFlight() const {
-  const std::string closed = options_.common.target + ": the window was closed before the flight ";
-  if (!flight_) throw Error(ErrorCode::kTimeout, closed + "began");
-  const std::string said = options_.json ? flight_->toJson().dump() + "\n" : flight_->describe();
-  std::fputs(said.c_str(), stdout);
-  if (!flight_->isOver()) throw Error(ErrorCode::kTimeout, closed + "was over: what was flown is told");
+  pilot_->tell();
 }
 
 bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
@@ -137,22 +100,13 @@ void Viewer::frame() {
   draw();
 }
 
-/// Something has changed that can be seen, other than what the last frame took and, at rest, bytes that only
-/// keep the connection.
+/// Something has changed that can be seen.
 bool Viewer::isPictureOld(const Input& input) const {
   if (input.any() || input.damaged || uploading_ || exhibit_->fading() || !options_.screenshot.empty())
     return true;
   if (style_.show == render::Show::kAges && exhibit_->ageing()) return true;
-  PanelContent now = content_;
-  now.frame_ms = drawn_.content.frame_ms;
-  now.upload_ms = drawn_.content.upload_ms;
-  if (now.converged) {
-    now.received_bytes = drawn_.content.received_bytes;
-    now.link_bytes_per_s = drawn_.content.link_bytes_per_s;
-    now.round_trip_ms = drawn_.content.round_trip_ms;
-  }
-  return now != drawn_.content || exhibit_->drawnSerial() != drawn_.serial || isQuick() != drawn_.is_quick ||
-         (rig_ && rig_->view() != drawn_.view);
+  return differ(content_, drawn_.content) || exhibit_->drawnSerial() != drawn_.serial ||
+         isQuick() != drawn_.is_quick || (rig_ && rig_->view() != drawn_.view);
 }
 
 void Viewer::obey(const Input& input) {
@@ -244,38 +198,21 @@ void Viewer::moveCamera(const Input& input, double seconds) {
   moved_ = rig_->view() != before || rig_->underWay();
 }
 
-/// There is a picture to begin with. @throws Error once there can be none any more.
-bool Viewer::mayFly() const {
-  const float drawn_px = exhibit_->drawnThresholdPx();
-  if (drawn_px > 0 && drawn_px <= kLargestThresholdPx) return true;
-  const stream::StreamStatus& status = exhibit_->status();
-  const bool is_all_there = (status.ended || status.exhausted) && exhibit_->uploaded();
-  if (is_all_there || isTimeOver()) refuseFlight();
-  return false;
-}
-
-/// Along the path, from the first picture on, whatever the user does.
 void Viewer::fly() {
-  if (options_.laps == 0 || (!flight_ && !mayFly())) return;
-  if (!flight_) {
-    const ModelSummary& summary = exhibit_->summary();
-    flight_.emplace(wanted_path_ ? *wanted_path_ : makePath(MadePath::kOrbit, summary, 0), options_.laps);
-    flight_start_ = Clock::now();
-  }
-  const std::optional<core::CameraKey> camera = flight_->cameraAt(secondsSince(flight_start_));
-  if (camera) rig_->lookFrom(*camera, flight_->fovYDeg());
-  done_ = done_ || !camera;
-  moved_ = true;
+  if (!pilot_) return;
+  const Pilot::State state = pilot_->fly(*exhibit_, isTimeOver(), *rig_);
+  moved_ = moved_ || state != Pilot::State::kWaiting;
+  done_ = done_ || state == Pilot::State::kOver;
 }
 
 void Viewer::noteFlight(std::optional<uint64_t> number) {
-  if (!flight_ || !number) return;
+  if (!pilot_ || !number) return;
   FlownFrame frame;
   frame.upload_ms = content_.upload_ms;
   frame.target_ms = options_.is_threshold_fixed ? 0 : control_.targetMs();
   frame.threshold_px = exhibit_->drawnThresholdPx();
   frame.triangles = content_.triangles;
-  flight_->draw(*number, frame);
+  pilot_->draw(*number, frame);
 }
 
 /// What was clicked on in the same frame is copied, too.
@@ -323,7 +260,7 @@ void Viewer::takeTimes() {
   while (const auto frame = timer_.take()) {
     work_ms_ = std::max(frame->cpu_ms, frame->gpu_ms);
     if (!options_.is_threshold_fixed) control_.add(work_ms_, frame->coarsening);
-    if (flight_) flight_->finish(frame->number, work_ms_);
+    if (pilot_) pilot_->finish(frame->number, work_ms_);
   }
 }
 
@@ -397,21 +334,14 @@ void Viewer::draw() {
 
 void Viewer::describeStream() {
   const stream::StreamStatus& status = exhibit_->status();
-  const core::EngineCounts& counts = status.counts;
-  content_.received_bytes = counts.received_bytes;
-  content_.link_bytes_per_s = counts.link_bytes_per_s;
-  content_.round_trip_ms = counts.round_trip_ms;
-  content_.open_wishes = counts.open_wishes;
-  content_.resident_bytes = counts.resident_bytes + counts.texture_bytes;
-  content_.tiles_left_out = counts.tiles_left_out;
   content_.converged = settled() && exhibit_->upToDate() && status.cut->converged;
-  content_.exhausted = status.exhausted;
   content_.progress = status.cut ? progress_.see(status.cut->max_error_px, asked_px_, content_.converged) : 0;
   const bool is_offline = options_.common.streamOptions().offline;
   content_.notice = noticeOf(status, is_offline, exhibit_->overBudget());
 }
 
 void Viewer::describe() {
+  app::describe(*exhibit_, content_);
   describeStream();
   if (rig_) {
     const bool is_waiting = exhibit_->drawnThresholdPx() == 0 && !exhibit_->status().ended;
@@ -419,10 +349,6 @@ void Viewer::describe() {
     content_.waiting_part = -1;
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;
   }
-  const Exhibit::GpuUse gpu = exhibit_->gpuUse();
-  content_.gpu_bytes = gpu.bytes;
-  content_.tiles = gpu.tiles;
-  content_.textured = gpu.textured;
   content_.threshold_px = asked_px_;
   content_.target_ms = asked_px_ > threshold_px_ ? control_.targetMs() : 0;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
@@ -445,13 +371,6 @@ void Viewer::refuseScreenshot() const {
               options_.common.target + " did not converge for the screenshot" +
                   (failure.empty() ? "; allow more with --timeout, or a larger error with --pixels"
                                    : ": " + failure));
-}
-
-void Viewer::refuseFlight() const {
-  const stream::StreamStatus& status = exhibit_->status();
-  const std::string& why = status.failure.empty() ? status.trouble : status.failure;
-  throw Error(ErrorCode::kTimeout, options_.common.target + " gave no first picture to fly from" +
-                                       (why.empty() ? "; allow more with --timeout" : ": " + why));
 }
 
 /// The one that the command line asks for ends the program; one asked for by a key does not.

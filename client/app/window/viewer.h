@@ -5,34 +5,23 @@
 #include <optional>
 #include <string>
 
-#include "client/app/cli/common_options.h"
 #include "client/app/window/camera_rig.h"
 #include "client/app/window/exhibit.h"
 #include "client/app/window/first_start.h"
-#include "client/app/window/flight.h"
 #include "client/app/window/glfw_window.h"
-#include "client/app/window/look_options.h"
 #include "client/app/window/panel.h"
 #include "client/app/window/path_recorder.h"
 #include "client/app/window/picks.h"
 #include "client/app/window/picture_request.h"
+#include "client/app/window/pilot.h"
 #include "client/app/window/refining_progress.h"
+#include "client/app/window/view_options.h"
 #include "client/render/ambient_occlusion.h"
 #include "client/render/frame_rate_control.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
 
 namespace lode::app {
-
-struct ViewOptions {
-  CommonOptions common;
-  LookOptions look;
-  double fps = 60;
-  bool is_threshold_fixed = false;  ///< whatever a frame takes
-  std::string screenshot;  ///< if not empty: save the window there once the model has converged, and end
-  int laps = 0;            ///< fly the camera's path so often, say what the frames took, and end
-  bool json = false;       ///< say it as JSON
-};
 
 /// The window: takes input, tells the stream what is looked at, uploads within each frame's budget and draws.
 /// Refinement, network and decoding happen on the threads of the stream::Streamer. For the program's first
@@ -61,8 +50,6 @@ class Viewer {
   void record(const Input& input);
   std::optional<PickedPoint> under(const glm::dvec2& place_px);
   void fly();
-  bool mayFly() const;
-  void tellFlight() const;
   void noteFlight(std::optional<uint64_t> number);
   std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
   void moveCamera(const Input& input, double seconds);
@@ -83,7 +70,6 @@ class Viewer {
   void note(const std::string& message);
   bool isTimeOver() const;
   void refuseScreenshot() const;
-  [[noreturn]] void refuseFlight() const;
   double waitSeconds() const;
   bool settled() const;
 
@@ -113,8 +99,7 @@ class Viewer {
   RefiningProgress progress_;
   const FirstStart first_start_;
   PathRecorder recorder_;
-  std::optional<Flight> flight_;  ///< once there is a picture
-  Clock::time_point flight_start_;
+  std::optional<Pilot> pilot_;  ///< of --laps
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe
   PanelContent content_;

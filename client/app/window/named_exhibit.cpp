@@ -1,0 +1,26 @@
+#include "client/app/window/named_exhibit.h"
+
+#include "client/app/cli/first_camera.h"
+#include "client/app/cli/target.h"
+#include "client/app/window/viewed_model.h"
+#include "client/app/window/viewed_scene.h"
+
+namespace lode::app {
+namespace {
+
+stream::StreamOptions streamOptions(const CommonOptions& common) {
+  stream::StreamOptions options = common.streamOptions();
+  options.hold_factor = core::kHoldFactor;
+  options.prefetch = true;
+  return options;
+}
+
+}  // namespace
+
+std::unique_ptr<Exhibit> exhibitOf(const CommonOptions& common) {
+  if (namesScene(common.target)) return std::make_unique<ViewedScene>(common);
+  return std::make_unique<ViewedModel>(parseTarget(common.target), streamOptions(common),
+                                       wantedFraming(common), common.timeout());
+}
+
+}  // namespace lode::app

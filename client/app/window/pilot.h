@@ -1,0 +1,45 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "client/app/window/camera_rig.h"
+#include "client/app/window/exhibit.h"
+#include "client/app/window/flight.h"
+#include "client/app/window/view_options.h"
+#include "client/core/camera_path.h"
+
+namespace lode::app {
+
+/// Flies the window's camera, from the first picture on, whatever the user does, and tells what the frames
+/// took.
+class Pilot {
+ public:
+  /// @param path  where to fly; none: an orbit.
+  Pilot(const ViewOptions& options, std::optional<core::CameraPath> path);
+
+  enum class State { kWaiting, kFlying, kOver };
+  /// Takes the camera to where it is to be now.
+  /// @throws Error once there can be no first picture any more: nothing more comes, or the time is over.
+  State fly(const Exhibit& exhibit, bool is_time_over, CameraRig& rig);
+
+  /// A frame was drawn, whose work is told later: see Flight.
+  void draw(uint64_t number, const FlownFrame& frame);
+  void finish(uint64_t number, double work_ms);
+
+  /// Prints what the frames took. @throws Error, then, unless the flight is over.
+  void tell() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool mayBegin(const Exhibit& exhibit, bool is_time_over) const;
+
+  const ViewOptions options_;
+  const std::optional<core::CameraPath> path_;
+  std::optional<Flight> flight_;  ///< once there is a picture
+  Clock::time_point start_;
+};
+
+}  // namespace lode::app
