@@ -1,0 +1,154 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/write.hpp>
+
+#include "client/app/cli/whole_frames.h"
+#include "proto/limits.h"
+#include "server/store/reader.h"
+
+namespace lode::app {
+
+/// A server of one small store on the clients' own loop: it does what a test tells it.
+class ToldServer {
+ public:
+  ToldServer(asio::io_context& io, const store::Reader& store) : store_(store), acceptor_(io, loopback()) {
+    accept();
+  }
+
+  /// Wishes stay open from now on, or are granted as they come.
+  void holdBack(bool held) { holds_back_ = held; }
+  /// The next wish ends with an error.
+  void refuseOne() { refuses_ = true; }
+  /// The next so many that come find nobody.
+  void closeToTheNext(size_t count) { closed_to_ = count; }
+  /// What is wished for on a connection, though it was held back.
+  void grantAll(size_t connection) {
+    for (const auto& [wish, blob] : std::exchange(connections_[connection]->wishes, {}))
+      grant(*connections_[connection], wish, blob);
+  }
+  size_t connections() const { return connections_.size(); }
+  void saysNothing() { says_nothing_ = true; }
+  /// Sends away the next one that comes.
+  void turnOneAway() { turns_away_ = true; }
+  void goAway(size_t connection) { send(*connections_[connection], proto::GoAway{"maintenance"}, 0); }
+  void breakOff(size_t connection) { connections_[connection]->socket.close(); }
+
+  uint16_t port() const { return acceptor_.local_endpoint().port(); }
+  /// That have the model open, up to now.
+  size_t opened() const { return opened_; }
+  /// Wishes, up to now.
+  size_t granted() const { return granted_; }
+  size_t openWishes(size_t connection) const {
+    return connection < connections_.size() ? connections_[connection]->wishes.size() : 0;
+  }
+
+ private:
+  struct Connection {
+    explicit Connection(asio::ip::tcp::socket accepted) : socket(std::move(accepted)) {}
+    asio::ip::tcp::socket socket;
+    std::vector<std::byte> buffer = std::vector<std::byte>(64u << 10), input;
+    std::map<uint32_t, uint32_t> wishes;  // blobs by wish
+    bool is_turned_away = false;
+  };
+
+  static asio::ip::tcp::endpoint loopback() { return {asio::ip::address_v4::loopback(), 0}; }
+
+  void accept() {
+    acceptor_.async_accept([this](asio::error_code error, asio::ip::tcp::socket socket) {
+      if (error) return;
+      if (closed_to_ > 0) {
+        --closed_to_;
+        return accept();
+      }
+      socket.set_option(asio::ip::tcp::no_delay(true));
+      connections_.push_back(std::make_unique<Connection>(std::move(socket)));
+      read(*connections_.back());
+      accept();
+    });
+  }
+
+  void read(Connection& from) {
+    from.socket.async_read_some(
+        asio::buffer(from.buffer), [this, &from](asio::error_code error, size_t count) {
+          if (error) return;
+          from.input.insert(from.input.end(), from.buffer.begin(),
+                            from.buffer.begin() + static_cast<long>(count));
+          const size_t taken = forEachFrame(
+              from.input,
+              [&](proto::FrameType type, std::span<const std::byte> body) { answer(from, type, body); });
+          from.input.erase(from.input.begin(), from.input.begin() + static_cast<long>(taken));
+          read(from);
+        });
+  }
+
+  void answer(Connection& to, proto::FrameType type, std::span<const std::byte> body) {
+    if (says_nothing_ || to.is_turned_away) return;
+    if (type == proto::FrameType::kHello && std::exchange(turns_away_, false)) {
+      to.is_turned_away = true;
+      return send(to, proto::GoAway{"maintenance"}, 0);
+    }
+    if (type == proto::FrameType::kHello)
+      send(to, proto::Welcome{proto::kProtocolVersion, 0, 16384, "test"}, 1);
+    if (type == proto::FrameType::kOpen) open(to, proto::decode<proto::Open>(body).known_build_id);
+    if (type == proto::FrameType::kPing) send(to, proto::Pong{proto::decode<proto::Ping>(body).payload}, 0);
+    if (type != proto::FrameType::kWishes) return;
+    for (const proto::WishChange& change : proto::decode<proto::Wishes>(body).changes) take(to, change);
+  }
+
+  void open(Connection& to, const BlobName& known_build_id) {
+    ++opened_;
+    send(to, proto::Opened{1, store_.summary()}, 2);
+    if (known_build_id == store_.summary().build_id) return;
+    give(to, 0, store_.summary().root_page.number);
+    give(to, 0, store_.find(kRootKey)->rungs.back().payload.number);
+  }
+
+  void take(Connection& from, const proto::WishChange& change) {
+    if (change.action == proto::WishAction::kCancel && from.wishes.erase(change.wish) > 0)
+      send(from, proto::Cancelled{change.wish}, 0);
+    if (change.action != proto::WishAction::kAdd) return;
+    if (std::exchange(refuses_, false))
+      send(from, proto::ErrorMessage{proto::WireError::kDamagedStore, change.wish, false, "damaged"}, 0);
+    else if (holds_back_)
+      from.wishes[change.wish] = change.blob;
+    else
+      grant(from, change.wish, change.blob);
+  }
+
+  void grant(Connection& to, uint32_t wish, uint32_t blob) {
+    ++granted_;
+    give(to, wish, blob);
+  }
+
+  void give(Connection& to, uint32_t wish, uint32_t blob) {
+    const std::vector<std::byte> bytes = store_.readBlob(blob);
+    const auto size = static_cast<uint32_t>(bytes.size());
+    const auto fields = proto::encodeBlobChunkHeader({wish, size, 0});
+    const auto header = proto::encodeFrameHeader(
+        {static_cast<uint32_t>(fields.size()) + size, static_cast<uint8_t>(proto::FrameType::kBlob), 0, 0});
+    asio::write(to.socket, std::array{asio::buffer(header), asio::buffer(fields), asio::buffer(bytes)});
+  }
+
+  template <typename Message>
+  static void send(Connection& to, const Message& message, uint32_t request) {
+    asio::write(to.socket, asio::buffer(proto::encode(message, request)));
+  }
+
+  const store::Reader& store_;
+  asio::ip::tcp::acceptor acceptor_;
+  std::vector<std::unique_ptr<Connection>> connections_;
+  size_t opened_ = 0, granted_ = 0, closed_to_ = 0;
+  bool holds_back_ = false, refuses_ = false, turns_away_ = false, says_nothing_ = false;
+};
+
+}  // namespace lode::app
