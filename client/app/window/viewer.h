@@ -32,8 +32,8 @@ class Viewer {
   explicit Viewer(const ViewOptions& options);
   /// Returns when the user closes the window; a picture that a key has asked for is written before.
   /// @throws Error if the target cannot be opened, the screenshot asked for is not to be had in time, that
-  /// last picture cannot be written, or the flight asked for cannot begin or is not over: what was flown of it
-  /// is printed before.
+  /// last picture cannot be written, or the flight asked for cannot begin or is not over: what was flown of
+  /// it is printed before.
   void run();
 
  private:

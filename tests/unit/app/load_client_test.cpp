@@ -295,7 +295,7 @@ TEST_P(EveryLoadClient, countsAWishThatIsRefusedAndGoesOn) {
   client_->finish(Clock::now());
   EXPECT_EQ(tally_.failed_wishes, 1u);
   EXPECT_EQ(tally_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kIo, 1}}));
-  EXPECT_EQ(tally_.first_error, "the server cannot give a blob: damaged");
+  EXPECT_EQ(tally_.first_error, "the server says: damaged");
   EXPECT_EQ(tally_.unanswered, 0u);
   EXPECT_GT(tally_.blobs, 2u);
 }
