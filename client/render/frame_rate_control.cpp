@@ -7,42 +7,68 @@ namespace lode::render {
 namespace {
 
 constexpr double kStepsOfOctave = 4;
-/// What a frame takes falls with its threshold's power of one, on flat models, to two.
+/// What a frame takes falls with its threshold's power of one, on flat models, to two: by the mean of both it
+/// becomes coarser, and by two finer, so that it is not too fine at once.
 constexpr double kStepsOfHalving = kStepsOfOctave / 1.5;
-constexpr int kMostSteps = 12;       ///< an eightfold threshold: beyond it a lower rate is the lesser evil
-constexpr int kMostHalvings = 3;     ///< 60 frames a second become 7.5
-constexpr double kFill = 0.8;        ///< of the target: what is aimed at
-constexpr double kSlackSteps = 2.5;  ///< the threshold becomes finer where so much is left,
-constexpr int kCalmFrames = 8;       ///< in so many frames
+constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
+constexpr int kMostSteps = 12;         ///< an eightfold threshold: beyond it a lower rate is the lesser evil
+constexpr int kMostHalvings = 3;       ///< 60 frames a second become 7.5
+constexpr double kFill = 0.8;          ///< of the target: what is aimed at
+constexpr double kFillOfFaster = 0.9;  ///< of a higher rate's: less than what would lower it again
+constexpr double kSpareSteps = 0.25;   ///< that a finer threshold leaves
+constexpr int kSlowFrames = 3;         ///< before the rate is halved
+constexpr int kCalmFrames = 8;         ///< before anything becomes finer or faster
 constexpr double kRestSeconds = 0.25;
 
+double stepsFor(double load) noexcept {
+  return (load > 1 ? kStepsOfHalving : kStepsOfDoubling) * std::log2(load);
+}
+
+int wholeSteps(double steps) noexcept {
+  return static_cast<int>(std::clamp(std::ceil(steps), 0.0, double{kMostSteps}));
+}
+
 }  // namespace
+
+FrameRateControl::FrameRateControl(double fps, Begin begin) noexcept
+    : wanted_ms_(1000 / fps), steps_(begin == Begin::kCoarse ? kMostSteps : 0) {}
 
 void FrameRateControl::step(double seconds, bool moved) noexcept {
   still_s_ = moved ? 0 : still_s_ + seconds;
 }
 
-void FrameRateControl::add(double work_ms, double coarsening) noexcept {
-  const double steps = kStepsOfOctave * std::log2(coarsening);
-  const double load = std::max(work_ms, 1e-3) / (kFill * targetMs());
-  const double need = steps + kStepsOfHalving * std::log2(load);
+void FrameRateControl::add(double work_ms, double coarsening, bool is_complete) noexcept {
+  const double steps = kStepsOfOctave * std::log2(coarsening),
+               of_target = std::max(work_ms, 1e-3) / targetMs();
+  const double need = steps + stepsFor(of_target / kFill);
   const double sure_need = std::min(need, last_need_);
   last_need_ = need;
-  if (sure_need > steps_) {
+  const bool is_slow = std::lround(steps) >= kMostSteps && of_target > 1;
+  slow_frames_ = is_slow ? slow_frames_ + 1 : 0;
+  if (slow_frames_ >= kSlowFrames && halvings_ < kMostHalvings) {
+    ++halvings_;
+    slow_frames_ = calm_frames_ = 0;
+  } else if (sure_need > steps_) {
     calm_frames_ = 0;
-    const bool is_coarsest = std::lround(steps) >= kMostSteps;
-    if (is_coarsest && work_ms > targetMs()) halvings_ = std::min(halvings_ + 1, kMostHalvings);
-    steps_ = static_cast<int>(std::min(std::ceil(sure_need), double{kMostSteps}));
-  } else if (need > steps_ - kSlackSteps) {
+    steps_ = wholeSteps(sure_need);
+  } else if (need > steps_ || !is_complete) {
     calm_frames_ = 0;
-  } else if (++calm_frames_ >= kCalmFrames) {
-    calm_frames_ = 0;
-    const bool is_faster_possible = need + kStepsOfHalving < kMostSteps - kSlackSteps;
-    if (halvings_ > 0 && is_faster_possible) {
-      --halvings_;
-    } else {
-      steps_ = std::max(0, steps_ - 1);
-    }
+  } else {
+    const double faster_need = steps + stepsFor(2 * of_target / kFillOfFaster);
+    const bool is_first = calm_frames_++ == 0;
+    calm_need_ = is_first ? need : std::max(calm_need_, need);
+    faster_need_ = is_first ? faster_need : std::max(faster_need_, faster_need);
+    if (calm_frames_ >= kCalmFrames) ease();
+  }
+}
+
+void FrameRateControl::ease() noexcept {
+  calm_frames_ = 0;
+  if (halvings_ > 0 && faster_need_ <= kMostSteps) {
+    --halvings_;
+    steps_ = wholeSteps(faster_need_ + kSpareSteps);
+  } else {
+    steps_ = std::min(steps_, wholeSteps(calm_need_ + kSpareSteps));
   }
 }
 

@@ -5,18 +5,23 @@ namespace lode::render {
 /// Holds a frame rate while the camera moves, by a coarser threshold, and gives it back while the camera
 /// rests. What a frame takes follows from its triangles, and these from its threshold: each frame says how
 /// much coarser the next ones should be. Where that would be too coarse to fly by, the frame rate is halved
-/// instead. Thresholds move in steps of 2^1/4. Pure: no clock, no GL.
+/// instead, and given back as soon as that is no longer so: the rate comes before the threshold. Thresholds
+/// move in steps of 2^1/4. Pure: no clock, no GL.
 class FrameRateControl {
  public:
-  /// @param fps  frames a second that are wanted, > 0.
-  explicit FrameRateControl(double fps) noexcept : wanted_ms_(1000 / fps) {}
+  enum class Begin { kFine, kCoarse };
+
+  /// @param fps    frames a second that are wanted, > 0.
+  /// @param begin  where the first frame of a fine threshold could take seconds: coarse.
+  explicit FrameRateControl(double fps, Begin begin = Begin::kFine) noexcept;
 
   /// Time passes. @param moved  the camera did.
   void step(double seconds, bool moved) noexcept;
   /// A frame was drawn, however long ago it was asked for.
   /// @param work_ms    without the wait for the display
-  /// @param coarsening  of its threshold, the finest one being 1
-  void add(double work_ms, double coarsening) noexcept;
+  /// @param coarsening   of its threshold, the finest one being 1
+  /// @param is_complete  nothing that it shows is coarser than that: what is still to come may take longer
+  void add(double work_ms, double coarsening, bool is_complete) noexcept;
 
   /// The camera has not moved for a while.
   bool isResting() const noexcept;
@@ -26,11 +31,16 @@ class FrameRateControl {
   double targetMs() const noexcept;
 
  private:
+  void ease() noexcept;
+
   double wanted_ms_;
-  int steps_ = 0;         ///< of the threshold, while the camera moves
-  int halvings_ = 0;      ///< of the rate
-  double last_need_ = 0;  ///< steps; one frame that is slow by accident changes nothing
-  int calm_frames_ = 0;   ///< that needed less, one after another
+  int steps_;               ///< of the threshold, while the camera moves
+  int halvings_ = 0;        ///< of the rate
+  double last_need_ = 0;    ///< steps; one frame that is slow by accident changes nothing
+  int slow_frames_ = 0;     ///< beyond the target at the coarsest threshold, one after another
+  int calm_frames_ = 0;     ///< that needed no more, one after another,
+  double calm_need_ = 0;    ///< the most steps that these needed,
+  double faster_need_ = 0;  ///< and those that they would need at twice the rate
   double still_s_ = 1e9;
 };
 

@@ -15,10 +15,12 @@ std::optional<uint64_t> FrameTimer::begin(double coarsening) {
   return begun_;
 }
 
-void FrameTimer::end(double cpu_ms) {
+void FrameTimer::end(double cpu_ms, bool is_complete) {
   if (!timing_) return;
   glEndQuery(GL_TIME_ELAPSED);
-  ring_[begun_++ % ring_.size()].frame.cpu_ms = cpu_ms;
+  Timed& ended = ring_[begun_++ % ring_.size()].frame;
+  ended.cpu_ms = cpu_ms;
+  ended.is_complete = is_complete;
   timing_ = false;
 }
 

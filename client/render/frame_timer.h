@@ -19,12 +19,14 @@ class FrameTimer {
   /// @param coarsening  of the frame, told again with its time.
   /// @return its number, if it is timed: told again with its time, too, and never that of another.
   std::optional<uint64_t> begin(double coarsening);
-  /// @param cpu_ms  what the frame took on this thread.
-  void end(double cpu_ms);
+  /// @param cpu_ms       what the frame took on this thread.
+  /// @param is_complete  of what it shows, told again, too: see FrameRateControl.
+  void end(double cpu_ms, bool is_complete = true);
 
   struct Timed {
     uint64_t number = 0;
     double gpu_ms = 0, cpu_ms = 0, coarsening = 1;
+    bool is_complete = true;
   };
   /// The oldest frame that is not yet told of, if its time is known.
   std::optional<Timed> take();

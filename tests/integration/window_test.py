@@ -330,6 +330,11 @@ class Flight(WindowTest):
         times = [(frame["lap"], frame["t"]) for frame in flown["frames"]]
         self.assertEqual(times, sorted(times))
 
+    def test_keeps_the_threshold_that_was_asked_for(self):
+        with tempfile.TemporaryDirectory() as folder, display() as screen:
+            window = Window(screen, folder, STORE, "--pixels", "3", "--laps", "1", "--json")
+            flown = json.loads(subprocess.run(window.command, env=window.environment, check=True, capture_output=True, timeout=120).stdout)
+        self.assertEqual({frame["threshold_px"] for frame in flown["frames"]}, {3})
 
     def test_that_is_cut_short_is_told_as_far_as_it_came_and_fails(self):
         with self.window(STORE, "--laps", "1000", "--json", is_open=False, stdout=subprocess.PIPE) as window:

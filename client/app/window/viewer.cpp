@@ -38,7 +38,8 @@ Viewer::Viewer(const ViewOptions& options)
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
       exhibit_(exhibitOf(options.common)),
-      control_(options.fps),
+      control_(options.fps, draws_in_software_ ? render::FrameRateControl::Begin::kCoarse
+                                               : render::FrameRateControl::Begin::kFine),
       first_start_(cacheFolder()) {
   content_.title = options.common.target;
   if (options.laps > 0) pilot_.emplace(options, wanted_path_);
@@ -259,7 +260,7 @@ void Viewer::record(const Input& input) {
 void Viewer::takeTimes() {
   while (const auto frame = timer_.take()) {
     work_ms_ = std::max(frame->cpu_ms, frame->gpu_ms);
-    if (!options_.is_threshold_fixed) control_.add(work_ms_, frame->coarsening);
+    if (!options_.is_threshold_fixed) control_.add(work_ms_, frame->coarsening, frame->is_complete);
     if (pilot_) pilot_->finish(frame->number, work_ms_);
   }
 }
@@ -268,7 +269,8 @@ void Viewer::controlFrameRate(double seconds) {
   const double coarsest = kLargestThresholdPx / threshold_px_;
   takeTimes();
   control_.step(seconds, moved_);
-  asked_px_ = threshold_px_ * static_cast<float>(std::min(control_.coarsening(), coarsest));
+  const double coarsening = options_.is_threshold_fixed ? 1 : std::min(control_.coarsening(), coarsest);
+  asked_px_ = threshold_px_ * static_cast<float>(coarsening);
 }
 
 void Viewer::stream() {
@@ -327,7 +329,10 @@ void Viewer::draw() {
   panel_.draw(content_);
   saveScreenshots();
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
-  timer_.end(content_.frame_ms);
+  // Errors are those from where the cut was made for; those of a cut whose parts are still to come are
+  // larger.
+  const float shown_px = std::max(exhibit_->drawnThresholdPx(), threshold_px_);
+  timer_.end(content_.frame_ms, drawn.error_px <= kThresholdStep * shown_px);
   noteFlight(number);
   window_.swap();
 }

@@ -24,7 +24,7 @@ class Machine {
     if (asked_.size() > kFramesLate) asked_.pop_front();
     const double work_ms = workMs(drawn);
     control.step(std::max(work_ms, 1000.0 / 60) / 1000, moved);
-    control.add(work_ms, drawn);
+    control.add(work_ms, drawn, true);
     seconds_ += work_ms / 1000;
     return work_ms;
   }
@@ -93,7 +93,7 @@ TEST(FrameRateControl, changesNothingForOneSlowFrame) {
   FrameRateControl control(60);
   for (int i = 0; i < 100; ++i) {
     control.step(0.016, true);
-    control.add(i % 10 == 0 ? 200 : 8, 1);
+    control.add(i % 10 == 0 ? 200 : 8, 1, true);
     ASSERT_EQ(control.coarsening(), 1);
   }
 }
@@ -113,6 +113,39 @@ TEST(FrameRateControl, givesTheRateBackWhenFramesBecomeCheap) {
   for (int i = 0; i < 300; ++i) fast.frame(control, true);
   EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
   EXPECT_EQ(control.coarsening(), 1);
+}
+
+TEST(FrameRateControl, keepsTheHighestRateThatTheCoarsestThresholdIsEnoughFor) {
+  FrameRateControl control(60);
+  Machine slow(20, 400, 1.5),
+      cheaper(12, 40, 1.5);  // which at 60 frames a second needs almost all that there is
+  for (int i = 0; i < 100; ++i) slow.frame(control, true);
+  ASSERT_GT(control.targetMs(), 1000.0 / 60);
+  for (int i = 0; i < 100; ++i) cheaper.frame(control, true);
+  EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
+}
+
+TEST(FrameRateControl, halvesNoRateForTwoSlowFrames) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  control.step(0.016, true);
+  for (int i = 0; i < 100; ++i) control.add(i % 10 < 2 ? 200 : 12, 8, true);
+  EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
+}
+
+TEST(FrameRateControl, thatBeginsCoarseIsFineSoonOnAFastMachine) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  Machine machine(0.5, 5, 1.5);
+  machine.frame(control, true);
+  EXPECT_EQ(control.coarsening(), 8);
+  for (int i = 0; i < 60; ++i) machine.frame(control, true);
+  EXPECT_EQ(control.coarsening(), 1);
+}
+
+TEST(FrameRateControl, becomesNoFinerByFramesThatLackWhatIsStillToCome) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  control.step(0.016, true);
+  for (int i = 0; i < 100; ++i) control.add(0.5, 8, false);
+  EXPECT_EQ(control.coarsening(), 8);
 }
 
 TEST(FrameRateControl, restsWhenTheCameraHasNotMovedForAQuarterOfASecond) {
