@@ -15,6 +15,8 @@
 namespace lode::render {
 namespace {
 
+/// Of thresholds: a cut coarser by this takes fewer bytes than what is left of most.
+constexpr float kMuchCoarser = 1.4f;
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 
 /// Calls visit(mesh) for each part and fallback that has triangles; of several places once for a mesh.
@@ -96,8 +98,18 @@ uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
   return allowance.used_bytes;
 }
 
+/// There is a newer cut that is much coarser, as when a camera begins to move: nobody waits for what is fine.
+bool MeshResidency::isOvertaken() const noexcept {
+  return target_ && newest_ && newest_ != target_ && !has_room_alone_ &&
+         newest_->all->threshold_px >= kMuchCoarser * target_->all->threshold_px;
+}
+
 /// @return false if there is nothing to do.
 bool MeshResidency::begin() {
+  if (isOvertaken()) {
+    if (steps_done_ > steps_drawn_) drawWhatIsThere();
+    if (target_) endExchange();
+  }
   if (target_) return true;
   if (!newest_ || newest_ == complete_ || newest_ == rejected_) return false;
   rejected_.reset();

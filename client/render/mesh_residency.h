@@ -120,6 +120,7 @@ class MeshResidency {
   struct Allowance;
   using Entries = std::map<std::weak_ptr<const Mesh>, Entry, std::owner_less<>>;
 
+  bool isOvertaken() const noexcept;
   bool begin();
   bool mayMix() const noexcept;
   void startExchange(CutExchange::Cuts from);

@@ -84,6 +84,21 @@ TEST_F(Residency, turnsToANewerCutOnceARegionOfTheOneUnderWayHasTakenItsPlace) {
   EXPECT_EQ(bytes, 5 * mesh_bytes) << "a region of the second, and the third";
 }
 
+/// Which would let it wait for all of a region, whose parts are many, when a camera begins to move.
+TEST_F(Residency, turnsAtOnceToANewerCutThatIsMuchCoarser) {
+  MeshResidency residency({});
+  residency.show(cutOf(std::vector{gridOf(1)}));
+  residency.uploadInRenderThread({.wait = true});
+  residency.show(cutOf(std::vector{gridOf(2)}));
+  uint64_t bytes = residency.uploadInRenderThread({.bytes = 1000, .ms = 1000});
+  auto coarser = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(3)}));
+  coarser->threshold_px = 8;
+  residency.show(coarser);
+  while (!residency.upToDate()) bytes += residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000});
+  EXPECT_EQ(residency.drawnCut(), coarser);
+  EXPECT_LE(bytes, 1000 + core::drawnBytes(*gridOf(3)));
+}
+
 TEST_F(Residency, givesOutTheMixturesThatItMakesAndKeepsThemWhileTheyAreDrawn) {
   MeshResidency residency({});
   residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
