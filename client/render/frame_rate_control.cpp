@@ -19,6 +19,9 @@ constexpr double kSpareSteps = 0.25;   ///< that a finer threshold leaves
 constexpr int kSlowFrames = 3;         ///< before the rate is halved
 constexpr int kCalmFrames = 8;         ///< before anything becomes finer or faster
 constexpr double kRestSeconds = 0.25;
+constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< what is worth waiting for,
+constexpr double kShareWaited = 0.5;                   ///< so much of a frame
+constexpr double kLongestWaitS = 0.25;
 
 double stepsFor(double load) noexcept {
   return (load > 1 ? kStepsOfHalving : kStepsOfDoubling) * std::log2(load);
@@ -76,6 +79,12 @@ bool FrameRateControl::isResting() const noexcept { return still_s_ >= kRestSeco
 
 double FrameRateControl::coarsening() const noexcept {
   return isResting() ? 1 : std::exp2(steps_ / kStepsOfOctave);
+}
+
+bool FrameRateControl::isWorthWaiting(double coarsening, double work_ms, double waited_s) const noexcept {
+  const bool is_much_coarser = this->coarsening() >= kMuchCoarser * coarsening;
+  const double worth_s = std::min(kShareWaited * work_ms / 1000, kLongestWaitS);
+  return is_much_coarser && work_ms > kMuchSlower * targetMs() && waited_s < worth_s;
 }
 
 double FrameRateControl::targetMs() const noexcept { return wanted_ms_ * std::exp2(halvings_); }

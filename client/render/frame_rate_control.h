@@ -27,6 +27,12 @@ class FrameRateControl {
   bool isResting() const noexcept;
   /// By what to multiply the finest threshold for the next frame: 1 while the camera rests.
   double coarsening() const noexcept;
+  /// Whether to draw nothing for now, as a much coarser cut than the one that is there is on its way and the
+  /// camera moves already.
+  /// @param coarsening  of the frame that was drawn last
+  /// @param work_ms     that it took
+  /// @param waited_s    since then
+  bool isWorthWaiting(double coarsening, double work_ms, double waited_s) const noexcept;
   /// What a frame may take now.
   double targetMs() const noexcept;
 

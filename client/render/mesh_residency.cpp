@@ -16,7 +16,7 @@ namespace lode::render {
 namespace {
 
 /// Of thresholds: a cut coarser by this takes fewer bytes than what is left of most.
-constexpr float kMuchCoarser = 1.4f;
+constexpr float kOvertaking = 1.4f;
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 
 /// Calls visit(mesh) for each part and fallback that has triangles; of several places once for a mesh.
@@ -101,7 +101,7 @@ uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
 /// There is a newer cut that is much coarser, as when a camera begins to move: nobody waits for what is fine.
 bool MeshResidency::isOvertaken() const noexcept {
   return target_ && newest_ && newest_ != target_ && !has_room_alone_ &&
-         newest_->all->threshold_px >= kMuchCoarser * target_->all->threshold_px;
+         newest_->all->threshold_px >= kOvertaking * target_->all->threshold_px;
 }
 
 /// @return false if there is nothing to do.

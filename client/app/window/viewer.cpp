@@ -18,6 +18,7 @@ namespace {
 
 constexpr float kThresholdStep = 1.189207115f;  ///< 2^1/4
 constexpr double kIdleWaitS = 0.25;             ///< between looks at a stream that has nothing left to do
+constexpr double kCoarserWaitS = 0.002;         ///< between looks at a coarser cut that is on its way
 constexpr double kStreamingWaitS = 0.01;        ///< between looks at one that has
 constexpr double kLongestStepS = 0.1;  ///< a flight goes no further in one frame, however long it took
 constexpr int kFramesToSettle = 2;     ///< that the panel takes to fit its text
@@ -73,6 +74,7 @@ bool Viewer::settled() const {
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
+  if (isWorthWaiting()) return kCoarserWaitS;
   if (moved_ || frames_to_draw_ > 0 || uploading_ || exhibit_->fading()) return 0;
   return (settled() || exhibit_->status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
 }
@@ -96,7 +98,7 @@ void Viewer::frame() {
   }
   describe();
   if (isPictureOld(input)) frames_to_draw_ = 1 + kFramesToSettle;
-  if (frames_to_draw_ == 0) return;
+  if (frames_to_draw_ == 0 || isWorthWaiting()) return;
   --frames_to_draw_;
   draw();
 }
@@ -108,6 +110,14 @@ bool Viewer::isPictureOld(const Input& input) const {
   if (style_.show == render::Show::kAges && exhibit_->ageing()) return true;
   return differ(content_, drawn_.content) || exhibit_->drawnSerial() != drawn_.serial ||
          isQuick() != drawn_.is_quick || (rig_ && rig_->view() != drawn_.view);
+}
+
+/// For all of a coarser cut, to draw it instead of what is there.
+bool Viewer::isWorthWaiting() const {
+  if (!rig_ || options_.is_threshold_fixed) return false;
+  const bool is_there = exhibit_->uploaded() && kThresholdStep * exhibit_->drawnThresholdPx() >= asked_px_;
+  return !is_there && control_.isWorthWaiting(drawn_.coarsening, work_ms_,
+                                              secondsSince(std::max(drawn_.time, began_to_move_)));
 }
 
 void Viewer::obey(const Input& input) {
@@ -268,6 +278,7 @@ void Viewer::takeTimes() {
 void Viewer::controlFrameRate(double seconds) {
   const double coarsest = kLargestThresholdPx / threshold_px_;
   takeTimes();
+  if (moved_ && control_.isResting()) began_to_move_ = Clock::now();
   control_.step(seconds, moved_);
   const double coarsening = options_.is_threshold_fixed ? 1 : std::min(control_.coarsening(), coarsest);
   asked_px_ = threshold_px_ * static_cast<float>(coarsening);
@@ -312,8 +323,8 @@ void Viewer::draw() {
   core::View view;
   view.width_px = target.widthPx();
   view.height_px = target.heightPx();
-  const std::optional<uint64_t> number =
-      timer_.begin(std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_));
+  const double coarsening = std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_);
+  const std::optional<uint64_t> number = timer_.begin(coarsening);
   if (rig_) style_.up = rig_->up();
   const render::DrawCounts drawn = exhibit_->draw(rig_ ? rig_->view() : view, target, style_, time());
   if (rig_ && darkensHollows()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
@@ -324,7 +335,8 @@ void Viewer::draw() {
   content_.error_px = drawn.error_px;
   content_.legend =
       legendOf(style_.show, exhibit_->inPicture(), std::max(exhibit_->drawnThresholdPx(), kLeastThresholdPx));
-  drawn_ = {rig_ ? rig_->view() : view, exhibit_->drawnSerial(), isQuick(), content_};
+  drawn_ = {
+      rig_ ? rig_->view() : view, exhibit_->drawnSerial(), isQuick(), content_, coarsening, Clock::now()};
   panel_.setScale(window_.contentScale());
   panel_.draw(content_);
   saveScreenshots();

@@ -57,6 +57,7 @@ class Viewer {
   void controlFrameRate(double seconds);
   void stream();
   bool isPictureOld(const Input& input) const;
+  bool isWorthWaiting() const;
   render::DrawTime time() const;
   bool darkensHollows() const;
   bool isQuick() const;
@@ -93,6 +94,8 @@ class Viewer {
     uint64_t serial = 0;
     bool is_quick = false;
     PanelContent content;
+    double coarsening = 1;
+    Clock::time_point time;
   };
 
   Picks picks_;
@@ -103,7 +106,8 @@ class Viewer {
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe
   PanelContent content_;
-  Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;
+  Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_,
+                    began_to_move_ = started_;
   std::string note_;
   Drawn drawn_;
   PictureRequest picture_request_;

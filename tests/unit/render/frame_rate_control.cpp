@@ -148,6 +148,17 @@ TEST(FrameRateControl, becomesNoFinerByFramesThatLackWhatIsStillToCome) {
   EXPECT_EQ(control.coarsening(), 8);
 }
 
+TEST(FrameRateControl, waitsForACoarserCutWhereAFrameOfTheFineOneTakesLonger) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  EXPECT_FALSE(control.isWorthWaiting(1, 800, 0)) << "at rest nothing coarser is asked for";
+  control.step(0.016, true);
+  EXPECT_TRUE(control.isWorthWaiting(1, 800, 0.2));
+  EXPECT_FALSE(control.isWorthWaiting(1, 800, 0.3)) << "too long";
+  EXPECT_FALSE(control.isWorthWaiting(1, 100, 0.06)) << "longer than half a frame";
+  EXPECT_FALSE(control.isWorthWaiting(1, 20, 0)) << "frames are fast";
+  EXPECT_FALSE(control.isWorthWaiting(7, 800, 0)) << "hardly coarser";
+}
+
 TEST(FrameRateControl, restsWhenTheCameraHasNotMovedForAQuarterOfASecond) {
   FrameRateControl control(60);
   EXPECT_TRUE(control.isResting());
