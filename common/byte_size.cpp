@@ -27,13 +27,14 @@ std::optional<uint64_t> unitOf(std::string_view name) {
   return unit;
 }
 
+[[noreturn]] void refuseSize(std::string_view text) {
+  throw Error(ErrorCode::kUsage,
+              "'" + std::string(text) + "' is not a count of bytes; write 500000000, 512MB, 1.5GB or 512MiB");
+}
+
 }  // namespace
 
 uint64_t parseByteSize(std::string_view text) {
-  const auto fail = [&] [[noreturn]] {
-    throw Error(ErrorCode::kUsage, "'" + std::string(text) +
-                                       "' is not a count of bytes; write 500000000, 512MB, 1.5GB or 512MiB");
-  };
   const char* const end = text.data() + text.size();
   const size_t digits = std::min(text.find_first_not_of("0123456789."), text.size());
   std::string name(text.substr(digits));
@@ -41,19 +42,19 @@ uint64_t parseByteSize(std::string_view text) {
   std::ranges::transform(name, name.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const std::optional<uint64_t> unit = unitOf(name);
-  if (!unit) fail();
+  if (!unit) refuseSize(text);
   constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
   uint64_t whole = 0;
   const auto [after_whole, bad_whole] = std::from_chars(text.data(), end, whole);
   if (bad_whole == std::errc() && after_whole == text.data() + digits) {
-    if (whole > kMost / *unit) fail();
+    if (whole > kMost / *unit) refuseSize(text);
     return whole * *unit;
   }
   double value = 0;
   const auto [after, bad] =
       std::from_chars(text.data(), text.data() + digits, value, std::chars_format::fixed);
   const double bytes = std::round(value * static_cast<double>(*unit));
-  if (bad != std::errc() || after != text.data() + digits || *unit == 1 || bytes >= 0x1p64) fail();
+  if (bad != std::errc() || after != text.data() + digits || *unit == 1 || bytes >= 0x1p64) refuseSize(text);
   return static_cast<uint64_t>(bytes);
 }
 

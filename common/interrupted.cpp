@@ -4,8 +4,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
-#include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <string>
 #include <utility>
 
 #include <dirent.h>
@@ -108,33 +109,33 @@ Uninterrupted::Uninterrupted() noexcept {
 
 Uninterrupted::~Uninterrupted() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
-Unfinished::Unfinished(const std::filesystem::path& path) {
+Unfinished::Unfinished(const std::filesystem::path& path)
+    : path_(std::make_unique<const std::string>(path.string())) {
   endCleanlyWhenInterrupted();
-  const char* const text = ::strdup(path.c_str());
-  if (text == nullptr) return;
   for (std::atomic<const char*>& slot : unfinished) {
     const char* none = nullptr;
-    if (!slot.compare_exchange_strong(none, text)) continue;
+    if (!slot.compare_exchange_strong(none, path_->c_str())) continue;
     slot_ = &slot;
-    if (is_ending) removeAndWait(text);
+    if (is_ending) removeAndWait(path_->c_str());
     return;
   }
-  std::free(const_cast<char*>(text));
 }
 
-Unfinished::Unfinished(Unfinished&& other) noexcept : slot_(std::exchange(other.slot_, nullptr)) {}
+Unfinished::Unfinished(Unfinished&& other) noexcept
+    : path_(std::move(other.path_)), slot_(std::exchange(other.slot_, nullptr)) {}
 
 Unfinished& Unfinished::operator=(Unfinished&& other) noexcept {
   finish();
+  path_ = std::move(other.path_);
   slot_ = std::exchange(other.slot_, nullptr);
   return *this;
 }
 
 void Unfinished::finish() noexcept {
   if (slot_ == nullptr) return;
-  const char* const text = std::exchange(slot_, nullptr)->exchange(nullptr);
-  while (is_ending) ::pause();  // another thread may be reading the text, and ends the process
-  std::free(const_cast<char*>(text));
+  std::exchange(slot_, nullptr)->store(nullptr);
+  while (is_ending) ::pause();  // another thread may be reading the path, and ends the process
+  path_.reset();
 }
 
 }  // namespace lode

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <csignal>
 #include <filesystem>
+#include <memory>
+#include <string>
 
 namespace lode {
 
@@ -38,6 +40,7 @@ class Unfinished {
   void finish() noexcept;
 
  private:
+  std::unique_ptr<const std::string> path_;  ///< where it is, which the slot points to
   std::atomic<const char*>* slot_ = nullptr;
 };
 
