@@ -15,7 +15,7 @@
 namespace lode::render {
 namespace {
 
-/// Of thresholds: a cut coarser by this takes fewer bytes than what is left of most.
+/// Of thresholds: half the triangles.
 constexpr float kOvertaking = 1.4f;
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 

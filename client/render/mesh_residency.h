@@ -66,7 +66,7 @@ class MeshResidency {
   /// Another budget from now on; what is drawn stays.
   void setBudget(uint64_t bytes) noexcept;
   /// The newest cuts. They are begun when a region of those under way has taken its place, however fast newer
-  /// ones follow.
+  /// ones follow; much coarser ones at once.
   void show(std::shared_ptr<const core::PlacedCuts> cuts) { newest_ = std::move(cuts); }
   /// The newest cut of a model that stands in one place.
   void show(const std::shared_ptr<const core::Cut>& cut);

@@ -259,9 +259,11 @@ TEST_F(ServerTest, stoppedBeforeItRunsItReturnsAtOnce) {
 TEST_F(ServerTest, stoppedTwiceItWaitsNoLongerForItsDelay) {
   options_.drain_delay = std::chrono::hours(1);
   start();
+  const auto start_time = std::chrono::steady_clock::now();
   server_->stop();
   server_->stop();
   thread_.join();
+  EXPECT_LT(std::chrono::steady_clock::now() - start_time, options_.drain_delay);
 }
 
 TEST_F(ServerTest, aPortInUseIsOneLineThatNamesAddressAndRemedy) {
