@@ -75,7 +75,7 @@ asio::awaitable<void> Door::accept() {
       }
       if (outOfDescriptors(error)) refuseForDescriptors();
     } catch (const std::exception& thrown) {  // no memory for it
-      failure = thrown.what();
+      failure = reasonOf(thrown);
     }
     co_await pauseAfter(failure);
   }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <csignal>
 #include <mutex>
+#include <new>
 #include <string>
 
 #include <spdlog/async_logger.h>
@@ -83,6 +84,10 @@ struct Log::State {
   std::shared_ptr<spdlog::details::thread_pool> pool;
   std::shared_ptr<spdlog::async_logger> logger;
 };
+
+std::string_view reasonOf(const std::exception& error) noexcept {
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ? "the system gave no memory" : error.what();
+}
 
 Log::Log(LogOptions options) : state_(std::make_unique<State>(std::move(options))) {}
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <initializer_list>
 #include <memory>
@@ -11,6 +12,9 @@
 #include "server/serve/log_line.h"
 
 namespace lode::serve {
+
+/// What an exception says, in an operator's words: std::bad_alloc's own are none. Valid as long as it is.
+std::string_view reasonOf(const std::exception& error) noexcept;
 
 struct LogOptions {
   bool json = false;

@@ -232,7 +232,7 @@ void Server::State::run() {
       context.run();
       break;
     } catch (const std::exception& error) {  // out of memory, most likely: the next may be taken again
-      log.write(LogKind::kSystem, error.what());
+      log.write(LogKind::kSystem, reasonOf(error));
     }
   halt();
   for (auto& worker : workers) worker->join();

@@ -41,7 +41,7 @@ void Worker::start(Clock::duration sweep_every) {
         return;
       } catch (
           const std::exception& error) {  // out of memory, most likely: whom it hit is gone, others go on
-        host_.log->write(LogKind::kSystem, error.what());
+        host_.log->write(LogKind::kSystem, reasonOf(error));
       }
   });
 }
@@ -70,7 +70,7 @@ void Worker::admit(tcp::socket socket, Place place, MemoryAccount memory, std::s
     connection->start();
     if (!draining_.empty()) connection->drain(draining_);
   } catch (const std::exception& error) {  // no memory for it; the others go on
-    host_.log->write(LogKind::kSystem, "a connection was given up", {{"why", error.what()}});
+    host_.log->write(LogKind::kSystem, "a connection was given up", {{"why", reasonOf(error)}});
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -145,6 +147,11 @@ TEST_P(LogTest, takesLinesFromManyThreads) {
       });
   }
   EXPECT_EQ(lines(readAll()), 48u);
+}
+
+TEST(LogReason, isSaidInAnOperatorsWords) {
+  EXPECT_EQ(reasonOf(std::bad_alloc()), "the system gave no memory");
+  EXPECT_EQ(reasonOf(std::runtime_error("the disk is gone")), "the disk is gone");
 }
 
 INSTANTIATE_TEST_SUITE_P(ThroughA, LogTest, testing::Values(false, true),
