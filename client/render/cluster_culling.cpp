@@ -9,6 +9,13 @@ uint32_t SeenCluster::triangles() const noexcept {
   return item->clusters->boxes.size() == 1 ? all : std::min(kClusterTriangles, all - firstTriangle());
 }
 
+std::vector<bool>::reference SeenCluster::hidden(size_t place) const {
+  auto& places = item->clusters->hidden;
+  if (places.size() <= place) places.resize(place + 1);
+  places[place].resize(item->clusters->boxes.size());
+  return places[place][number];
+}
+
 size_t addSeenClusters(const SeenCluster& like, const core::Sight& sight, double lattice_step,
                        std::vector<SeenCluster>& seen) {
   const core::Seen whole = sight.see(core::toModelBox(like.item->box, lattice_step));

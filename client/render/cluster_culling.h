@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct SeenCluster {
   uint32_t firstTriangle() const noexcept { return number * kClusterTriangles; }
   uint32_t triangles() const noexcept;
   const LatticeBox& box() const noexcept { return item->clusters->boxes[number]; }
+  /// By others, in the last frame. @param place  where the model stands.
+  std::vector<bool>::reference hidden(size_t place) const;
 };
 
 /// Adds what a camera may see of a part: all but clusters that are not in its picture.

@@ -336,7 +336,6 @@ void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
     Entry& entry = it->second;
     place.entries.push_back(&entry);
     if (entry.clusters->boxes.empty()) entry.clusters->boxes = {entry.box};
-    entry.clusters->hidden.resize(entry.clusters->boxes.size());
     const uint32_t vertex_bytes = vertexBytes(part.mesh->attributes);
     const uint32_t base = entry.block.offset_bytes / vertex_bytes;
     const auto vertices = static_cast<uint32_t>(part.mesh->positions.size());

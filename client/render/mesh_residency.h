@@ -36,7 +36,8 @@ struct UploadBudget {
 /// Where the triangles of a mesh are, kClusterTriangles at a time; all in one where that is not known.
 struct MeshClusters {
   std::vector<LatticeBox> boxes;
-  std::vector<bool> hidden;  ///< by others, in the last frame that looked
+  /// By place where the model stands, as far as looked at, and cluster: by others, in the last frame.
+  std::vector<std::vector<bool>> hidden;
 };
 
 /// What a draw call needs of a mesh on the GPU.

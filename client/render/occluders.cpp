@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 namespace lode::render {
 namespace {
@@ -12,8 +11,8 @@ constexpr double kDepthRim = 1e-4;  ///< and by how much of itself a depth may b
 
 }  // namespace
 
-Occluders::Occluders(const core::View& view, double step, FarthestDepths drawn)
-    : drawn_(std::move(drawn)),
+Occluders::Occluders(const core::View& view, double step, const FarthestDepths& drawn)
+    : drawn_(drawn),
       eye_(view.eye_model),
       forward_(view.forward),
       right_(glm::normalize(glm::cross(view.forward, view.up)) *
@@ -24,6 +23,7 @@ Occluders::Occluders(const core::View& view, double step, FarthestDepths drawn)
       near_model_(reversedProjection(view, step).near_model) {}
 
 bool Occluders::hide(const core::ModelBox& box) const noexcept {
+  if (drawn_.depths.empty()) return false;
   const glm::dvec3 middle = (box.min + box.max) / 2.0 - eye_, half = (box.max - box.min) / 2.0;
   const double nearest = glm::dot(middle, forward_) - glm::dot(half, glm::abs(forward_));
   const double depth = near_model_ / std::max(nearest, std::numeric_limits<double>::min()) * (1 + kDepthRim);

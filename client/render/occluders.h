@@ -20,14 +20,15 @@ struct FarthestDepths {
 /// Tells what cannot be seen because of what is drawn already. Pure.
 class Occluders {
  public:
-  /// @param step  of the model's lattice, as it was drawn with.
-  Occluders(const core::View& view, double step, FarthestDepths drawn);
+  /// @param step   of the model's lattice, as it was drawn with.
+  /// @param drawn  of all that was drawn; must outlive this. Of no squares: nothing hides.
+  Occluders(const core::View& view, double step, const FarthestDepths& drawn);
 
   /// True only if all that lies in the box is behind what is drawn, at each sample of the picture.
   bool hide(const core::ModelBox& box) const noexcept;
 
  private:
-  const FarthestDepths drawn_;
+  const FarthestDepths& drawn_;
   const glm::dvec3 eye_, forward_, right_, up_;  ///< right_ and up_ in pixels at unit distance
   const glm::dvec2 size_px_;
   const double near_model_;

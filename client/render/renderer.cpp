@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <initializer_list>
 #include <string_view>
+#include <type_traits>
 
 #include "client/core/shown_parts.h"
 #include "client/core/sight.h"
@@ -88,6 +89,14 @@ void setFrameState() {
 }
 
 }  // namespace
+
+DrawCounts& DrawCounts::operator+=(const DrawCounts& more) noexcept {
+  triangles += more.triangles;
+  nodes += more.nodes;
+  calls += more.calls;
+  error_px = std::max(error_px, more.error_px);
+  return *this;
+}
 
 Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
     : lattice_step_(lattice_step),
@@ -178,18 +187,15 @@ Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& s
 }
 
 /// What the drawn cut shows to this camera, and what still fades.
-const CrossFade& Renderer::choose(size_t place, const core::View& view, const DrawTime& time) {
-  if (place >= places_.size()) places_.resize(place + 1);
-  auto& [fade, shown_serial] = places_[place];
-  if (meshes_.keptFrom() > std::min(fade.oldestSerial(), shown_serial)) fade.forget();
-  ShownCover cover{meshes_.drawnCut(place), meshes_.drawn(place), {}, meshes_.drawnSerial()};
+void Renderer::choose(Place& place, size_t number, const core::View& view, const DrawTime& time) {
+  if (meshes_.keptFrom() > std::min(place.fade.oldestSerial(), place.shown_serial)) place.fade.forget();
+  ShownCover cover{meshes_.drawnCut(number), meshes_.drawn(number), {}, meshes_.drawnSerial()};
   std::vector<uint32_t> numbers;
   if (cover.cut) numbers = core::shownParts(*cover.cut, view);
   cover.numbers = numbers;
-  fade.show(cover, view, lattice_step_, time);
-  shown_serial = cover.serial;
+  place.fade.show(cover, view, lattice_step_, time);
+  place.shown_serial = cover.serial;
   fades_ = time.fades;
-  return fade;
 }
 
 void Renderer::leaveOut(size_t place) {
@@ -205,46 +211,30 @@ bool Renderer::ageing() const noexcept {
 }
 
 /// Finds what may be in the picture.
-DrawCounts Renderer::collect(const CrossFade& fade, const core::View& view, const DrawStyle& style,
+DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawStyle& style,
                              float threshold_px) {
   DrawCounts counts;
-  seen_.clear();
-  states_.clear();
+  place.seen.clear();
+  place.states.clear();
   in_picture_.clear();
   const core::Sight sight(view, 1);
   size_t number = 0;
-  for (const FadedItem& faded : fade.items()) {
-    const bool is_of_cut = number++ < fade.coverCount();
+  for (const FadedItem& faded : place.fade.items()) {
+    const bool is_of_cut = number++ < place.fade.coverCount();
     const bool is_drawn = in256ths(faded.from) < in256ths(faded.to);
-    const SeenCluster like{&faded.item, 0, static_cast<uint32_t>(states_.size()), !faded.whole()};
-    const size_t clusters = addSeenClusters(like, sight, lattice_step_, seen_);
+    const SeenCluster like{&faded.item, 0, static_cast<uint32_t>(place.states.size()), !faded.whole()};
+    const size_t clusters = addSeenClusters(like, sight, lattice_step_, place.seen);
     if (clusters == 0) continue;
     if (is_of_cut) in_picture_.push_back(faded.item);
     if (!is_drawn) {
-      seen_.resize(seen_.size() - clusters);
+      place.seen.resize(place.seen.size() - clusters);
       continue;
     }
-    states_.push_back(stateOf(faded, style, threshold_px));
+    place.states.push_back(stateOf(faded, style, threshold_px));
     counts.error_px = std::max(counts.error_px, faded.item.error_px);
     ++counts.nodes;
   }
   return counts;
-}
-
-/// What follows on the last one in memory goes with it.
-void Renderer::DrawList::add(const SeenCluster& cluster) {
-  const DrawItem& item = *cluster.item;
-  std::vector<DrawCommand>& page = by_page[item.page];
-  const uint32_t index = item.first_index + 3 * cluster.firstTriangle(), count = 3 * cluster.triangles();
-  if (!page.empty() && page.back().base_instance == cluster.state &&
-      page.back().first_index + page.back().count == index)
-    page.back().count += count;
-  else
-    page.push_back({count, 1, index, static_cast<int32_t>(item.base_vertex), cluster.state});
-}
-
-bool Renderer::DrawList::empty() const noexcept {
-  return std::ranges::all_of(by_page, &std::vector<DrawCommand>::empty);
 }
 
 /// Coordinates are told to the shader without the whole repeats in their origin, which floats would lose.
@@ -278,7 +268,7 @@ void Renderer::setCamera(const core::View& view, const DrawStyle& style) const {
 }
 
 /// Gives the GPU what is listed.
-void Renderer::bindDraws() {
+void Renderer::bindDraws(const Place& place) {
   std::vector<DrawCommand> all;
   for (DrawList* const list : {&whole_, &fading_}) {
     list->first = all.size();
@@ -286,8 +276,8 @@ void Renderer::bindDraws() {
   }
   glNamedBufferData(commands_buffer_.get(), static_cast<GLsizeiptr>(all.size() * sizeof(DrawCommand)),
                     all.data(), GL_STREAM_DRAW);
-  glNamedBufferData(states_buffer_.get(), static_cast<GLsizeiptr>(states_.size() * sizeof(DrawState)),
-                    states_.data(), GL_STREAM_DRAW);
+  glNamedBufferData(states_buffer_.get(), static_cast<GLsizeiptr>(place.states.size() * sizeof(DrawState)),
+                    place.states.data(), GL_STREAM_DRAW);
   glBindVertexArray(mesh_array_.get());
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_buffer_.get());
 }
@@ -298,8 +288,8 @@ const GlProgram& Renderer::program(bool fades) const noexcept {
   return textured ? textured_program_ : plain_program_;
 }
 
-uint32_t Renderer::drawList(const DrawList& list) const {
-  const AttributeSet attributes = seen_.front().item->attributes;  // the model's, of all meshes
+/// @param attributes  the model's, of all meshes
+uint32_t Renderer::drawList(const DrawList& list, AttributeSet attributes) const {
   const auto stride = static_cast<GLsizei>(vertexBytes(attributes));
   if (attributes.has(AttributeSet::kTexture)) {
     glEnableVertexArrayAttrib(mesh_array_.get(), kTextureCode);
@@ -324,82 +314,91 @@ uint32_t Renderer::drawList(const DrawList& list) const {
 }
 
 /// Lines before dim surfaces, which hide those behind.
-uint32_t Renderer::drawWireframe(const DrawList& list) const {
+uint32_t Renderer::drawWireframe(const DrawList& list, AttributeSet attributes) const {
   constexpr float kDimmed = 0.25f;
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(-1, -1);  // away: depth is reversed
   glUniform1f(kDimming, kDimmed);
-  uint32_t calls = drawList(list);
+  uint32_t calls = drawList(list, attributes);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glUniform1f(kDimming, 1);
   glUniform1i(kAreLines, GL_TRUE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  calls += drawList(list);
+  calls += drawList(list, attributes);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   return calls;
 }
 
-DrawCounts Renderer::drawPlace(size_t place, const core::View& view, const Framebuffer& target,
+DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style,
+                          const DrawTime& time) {
+  DrawCounts counts = drawPlace(0, view, target, style, time);
+  if (!time.leaves_out_hidden) return counts;
+  const bool are_few = places_[0].seen.size() < kFewClusters;
+  return counts +=
+         drawAppeared(0, view, target, style, are_few ? FarthestDepths() : depth_reader_.read(target));
+}
+
+DrawCounts Renderer::drawPlace(size_t number, const core::View& view, const Framebuffer& target,
                                const DrawStyle& style, const DrawTime& time) {
   target.bindForDrawing();
   setFrameState();
   if (!style.over) drawBackground(style);
-  const CrossFade& fade = choose(place, view, time);
-  const auto& cut = meshes_.drawnCut(place);
-  DrawCounts counts = collect(fade, view, style, cut ? cut->threshold_px : 0);
-  drawCollected(view, target, style, time.leaves_out_hidden, counts);
+  static_assert(std::is_nothrow_move_constructible_v<Place>);  // clusters point to the items of others' fades
+  if (number >= places_.size()) places_.resize(number + 1);
+  Place& place = places_[number];
+  choose(place, number, view, time);
+  const auto& cut = meshes_.drawnCut(number);
+  DrawCounts counts = collect(place, view, style, cut ? cut->threshold_px : 0);
+  place.is_drawn.assign(place.seen.size(), true);
+  if (time.leaves_out_hidden && style.show != Show::kWireframe) {  // lines hide nothing
+    for (size_t i = 0; i < place.seen.size(); ++i) place.is_drawn[i] = !place.seen[i].hidden(number);
+  }
+  drawClusters(place, place.is_drawn, view, style, counts);
   return counts;
 }
 
-/// First what was not hidden in the last frame, then what that does not hide either. The same samples get the
-/// same colours as if all were drawn. Lines hide nothing, and reach beyond what they belong to.
-void Renderer::drawCollected(const core::View& view, const Framebuffer& target, const DrawStyle& style,
-                             bool leaves_out_hidden, DrawCounts& counts) {
-  if (!leaves_out_hidden || style.show == Show::kWireframe || seen_.size() < kFewClusters)
-    return drawClusters(view, style, counts, [](const SeenCluster&) { return true; });
-  const auto hidden = [](const SeenCluster& cluster) {
-    return cluster.item->clusters->hidden[cluster.number];
-  };
-  // Noted apart, as one that leaves and has come back is there twice.
-  std::vector<bool> is_drawn;
-  for (const SeenCluster& cluster : seen_) is_drawn.push_back(!hidden(cluster));
-  const auto isDrawn = [&](const SeenCluster& cluster) {
-    return is_drawn[static_cast<size_t>(&cluster - seen_.data())];
-  };
-  drawClusters(view, style, counts, isDrawn);
-  const Occluders occluders(view, lattice_step_, depth_reader_.read(target));
-  for (const SeenCluster& cluster : seen_)
-    hidden(cluster) = occluders.hide(core::toModelBox(cluster.box(), lattice_step_));
+DrawCounts Renderer::drawAppeared(size_t number, const core::View& view, const Framebuffer& target,
+                                  const DrawStyle& style, const FarthestDepths& drawn) {
+  DrawCounts counts;
+  if (style.show == Show::kWireframe) return counts;  // they reach beyond what they belong to
+  const Place& place = places_[number];
+  const Occluders occluders(view, lattice_step_, drawn);
+  std::vector<bool> has_appeared(place.seen.size());
+  for (size_t i = 0; i < place.seen.size(); ++i) {
+    const SeenCluster& cluster = place.seen[i];
+    const bool is_hidden = occluders.hide(core::toModelBox(cluster.box(), lattice_step_));
+    cluster.hidden(number) = is_hidden;
+    has_appeared[i] = !place.is_drawn[i] && !is_hidden;
+  }
   target.bindForDrawing();
-  drawClusters(view, style, counts,
-               [&](const SeenCluster& cluster) { return !isDrawn(cluster) && !hidden(cluster); });
+  drawClusters(place, has_appeared, view, style, counts);
+  return counts;
 }
 
-template <typename Chosen>
-void Renderer::drawClusters(const core::View& view, const DrawStyle& style, DrawCounts& counts,
-                            Chosen chosen) {
-  for (DrawList* const list : {&whole_, &fading_}) {
-    list->by_page.resize(meshes_.pages().pageCount());
-    for (auto& page : list->by_page) page.clear();
-  }
-  for (const SeenCluster& cluster : seen_) {
-    if (!chosen(cluster)) continue;
+void Renderer::drawClusters(const Place& place, const std::vector<bool>& is_chosen, const core::View& view,
+                            const DrawStyle& style, DrawCounts& counts) {
+  for (DrawList* const list : {&whole_, &fading_}) list->clear(meshes_.pages().pageCount());
+  for (size_t i = 0; i < place.seen.size(); ++i) {
+    if (!is_chosen[i]) continue;
+    const SeenCluster& cluster = place.seen[i];
     (cluster.fades ? fading_ : whole_).add(cluster);
     counts.triangles += cluster.triangles();
   }
   if (whole_.empty() && fading_.empty()) return;
   glEnable(GL_DEPTH_TEST);
-  bindDraws();
+  bindDraws(place);
   // What an image leaves clear is left out sample by sample, so that nothing has to be sorted.
   glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   glEnable(GL_SAMPLE_ALPHA_TO_ONE);
+  const AttributeSet attributes = place.seen.front().item->attributes;
   for (const bool fades : {false, true}) {
     const DrawList& list = fades ? fading_ : whole_;
     if (list.empty()) continue;
     glUseProgram(program(fades).get());
     setCamera(view, style);
     setTextures();
-    counts.calls += style.show == Show::kWireframe ? drawWireframe(list) : drawList(list);
+    counts.calls +=
+        style.show == Show::kWireframe ? drawWireframe(list, attributes) : drawList(list, attributes);
   }
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   glDisable(GL_SAMPLE_ALPHA_TO_ONE);

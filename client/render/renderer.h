@@ -13,6 +13,7 @@
 #include "client/render/cluster_culling.h"
 #include "client/render/cross_fade.h"
 #include "client/render/depth_reader.h"
+#include "client/render/draw_list.h"
 #include "client/render/framebuffer.h"
 #include "client/render/mesh_residency.h"
 #include "client/render/shown_colours.h"
@@ -36,6 +37,8 @@ struct DrawCounts {
   uint32_t nodes = 0;
   uint32_t calls = 0;
   float error_px = 0;  ///< largest in the picture, from where the cut was made for
+
+  DrawCounts& operator+=(const DrawCounts& more) noexcept;
 };
 
 /// Draws the cuts of one model where it stands, in one place or several. Made, used and destroyed on the
@@ -70,12 +73,15 @@ class Renderer {
 
   /// Draws background and model. view.width_px and height_px are those of the target.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
-                  const DrawTime& time = {}) {
-    return drawPlace(0, view, target, style, time);
-  }
-  /// Draws the model at one of its places. @param view  as the model sees it from there.
+                  const DrawTime& time = {});
+  /// Draws the model at one of its places. Where what is hidden is left out, only what was not hidden in the
+  /// last frame: drawAppeared() gives the rest. @param view  as the model sees it from there.
   DrawCounts drawPlace(size_t place, const core::View& view, const Framebuffer& target,
                        const DrawStyle& style, const DrawTime& time);
+  /// Draws what drawPlace() has left out and what is drawn does not hide. The same samples get the same
+  /// colours as if all were drawn. @param drawn  of all that drawPlace() has drawn at any place.
+  DrawCounts drawAppeared(size_t place, const core::View& view, const Framebuffer& target,
+                          const DrawStyle& style, const FarthestDepths& drawn);
   /// Nothing is drawn at this place now: when it is next, all appears at once.
   void leaveOut(size_t place);
   /// The next frame differs from the last, although nothing else has changed.
@@ -84,48 +90,34 @@ class Renderer {
   bool ageing() const noexcept;
 
  private:
-  /// As glMultiDrawElementsIndirect reads it.
-  struct DrawCommand {
-    uint32_t count, instance_count, first_index;
-    int32_t base_vertex;
-    uint32_t base_instance;
-  };
   /// What all triangles of a draw share, as the shaders read it.
   struct DrawState {
     uint32_t flags;
     glm::u8vec4 tint;
     uint32_t share;  ///< of the pixels: from and to in 256ths, 16 bits each
   };
-  /// What is drawn with one program.
-  struct DrawList {
-    void add(const SeenCluster& cluster);
-    bool empty() const noexcept;
-
-    std::vector<std::vector<DrawCommand>> by_page;
-    size_t first = 0;  ///< in the buffer of commands
-  };
   /// What is in the picture where the model stands once.
   struct Place {
     CrossFade fade;
-    uint64_t shown_serial = 0;  ///< of the cuts in the last picture; 0: it was not in it
+    uint64_t shown_serial = 0;      ///< of the cuts in the last picture; 0: it was not in it
+    std::vector<SeenCluster> seen;  ///< that may be in the picture
+    std::vector<bool> is_drawn;     ///< by seen: apart, as one that leaves and has come back is there twice
+    std::vector<DrawState> states;  ///< by base_instance
   };
   void showTextures();
   void keepWhatIsShown();
   void drawBackground(const DrawStyle& style) const;
   DrawState stateOf(const FadedItem& faded, const DrawStyle& style, float threshold_px) const;
-  const CrossFade& choose(size_t place, const core::View& view, const DrawTime& time);
-  DrawCounts collect(const CrossFade& fade, const core::View& view, const DrawStyle& style,
-                     float threshold_px);
-  void drawCollected(const core::View& view, const Framebuffer& target, const DrawStyle& style,
-                     bool leaves_out_hidden, DrawCounts& counts);
-  template <typename Chosen>
-  void drawClusters(const core::View& view, const DrawStyle& style, DrawCounts& counts, Chosen chosen);
+  void choose(Place& place, size_t number, const core::View& view, const DrawTime& time);
+  DrawCounts collect(Place& place, const core::View& view, const DrawStyle& style, float threshold_px);
+  void drawClusters(const Place& place, const std::vector<bool>& is_chosen, const core::View& view,
+                    const DrawStyle& style, DrawCounts& counts);
   void setCamera(const core::View& view, const DrawStyle& style) const;
   void setTextures() const;
-  void bindDraws();
+  void bindDraws(const Place& place);
   const GlProgram& program(bool fades) const noexcept;
-  uint32_t drawList(const DrawList& list) const;
-  uint32_t drawWireframe(const DrawList& list) const;
+  uint32_t drawList(const DrawList& list, AttributeSet attributes) const;
+  uint32_t drawWireframe(const DrawList& list, AttributeSet attributes) const;
 
   double lattice_step_;
   MeshResidency meshes_;
@@ -137,9 +129,7 @@ class Renderer {
   GlBuffer commands_buffer_, states_buffer_;
   DrawList whole_, fading_;
   DepthReader depth_reader_;
-  std::vector<SeenCluster> seen_;     ///< of what may be in the picture
-  std::vector<DrawState> states_;     ///< by base_instance
-  std::vector<DrawItem> in_picture_;  ///< of the cut alone
+  std::vector<DrawItem> in_picture_;  ///< of the cut alone, where it was drawn last
 };
 
 }  // namespace lode::render

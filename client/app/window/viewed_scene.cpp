@@ -41,6 +41,9 @@ struct ViewedScene::Model {
     const Placement& at = places[place];
     return at.position + at.rotation * (at.scale * (opened.model->lattice.origin + point_model));
   }
+  glm::dvec3 upAt(size_t place, const glm::dvec3& scene_up) const {
+    return glm::conjugate(places[place].rotation) * scene_up;
+  }
   core::ModelBox box() const { return core::toModelBox(opened.model->box, opened.model->lattice.step); }
   /// Of what is drawn at a place; null while that is nothing.
   const core::CutProbe* probe(size_t place);
@@ -250,19 +253,20 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
   const core::View scene_view = inScene(view);
   stage_->draw(scene_view, target, style);
   render::DrawStyle over = stage_->styleOver(style);
-  const render::DrawTime of_place{.now_s = time.now_s, .fades = time.fades};
   const std::vector<Standing> seen = inSight(scene_view);
   leaveOutAllBut(seen);
   for (const auto& [distance, model, place] : seen) {
-    over.up = glm::conjugate(model->places[place].rotation) * scene_.up;
-    const render::DrawCounts drawn =
-        model->renderer.drawPlace(place, model->viewAt(place, scene_view), target, over, of_place);
-    counts.triangles += drawn.triangles;
-    counts.nodes += drawn.nodes;
-    counts.calls += drawn.calls;
-    counts.error_px = std::max(counts.error_px, drawn.error_px);
+    over.up = model->upAt(place, scene_.up);
+    counts += model->renderer.drawPlace(place, model->viewAt(place, scene_view), target, over, time);
     const auto items = model->renderer.inPicture();
     in_picture_.insert(in_picture_.end(), items.begin(), items.end());
+  }
+  if (!time.leaves_out_hidden || seen.empty()) return counts;
+  if (!depth_reader_) depth_reader_.emplace();
+  const render::FarthestDepths drawn = depth_reader_->read(target);
+  for (const auto& [distance, model, place] : seen) {
+    over.up = model->upAt(place, scene_.up);
+    counts += model->renderer.drawAppeared(place, model->viewAt(place, scene_view), target, over, drawn);
   }
   return counts;
 }

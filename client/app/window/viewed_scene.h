@@ -11,6 +11,7 @@
 #include "client/app/window/exhibit.h"
 #include "client/app/window/scene_memory.h"
 #include "client/app/window/scene_stage.h"
+#include "client/render/depth_reader.h"
 
 namespace lode::app {
 
@@ -67,6 +68,7 @@ class ViewedScene : public Exhibit {
   uint64_t gpu_budget_bytes_ = 0;    ///< of meshes of all models
   size_t first_upload_ = 0;          ///< model that uploads first, by turns
   std::optional<SceneStage> stage_;  ///< once all are open
+  std::optional<render::DepthReader> depth_reader_;
   ModelSummary whole_;
   stream::StreamStatus status_;
   std::vector<render::DrawItem> in_picture_;

@@ -139,6 +139,54 @@ TEST_F(Hidden, showsAtOnceOfAPartThatLeavesAndHasComeBack) {
   EXPECT_TRUE(ways.fading());
 }
 
+/// Two places of a model, one behind the other for most cameras.
+class TwoPlaces {
+ public:
+  explicit TwoPlaces(const std::shared_ptr<const core::Cut>& cut) {
+    const std::vector cuts{cut, cut};
+    renderer_.show(
+        std::make_shared<const core::PlacedCuts>(core::PlacedCuts{cuts, core::gatherMeshes(cuts)}));
+    renderer_.uploadInRenderThread({.wait = true});
+  }
+  /// @return triangles drawn.
+  uint64_t draw(const core::View& view, const render::Framebuffer& target, bool leaves_out_hidden) {
+    core::View shifted = view;
+    shifted.eye_model += glm::dvec3(0, 12'000, 0);
+    const render::DrawTime time{.leaves_out_hidden = leaves_out_hidden};
+    render::DrawCounts counts = renderer_.drawPlace(0, view, target, {}, time);
+    counts += renderer_.drawPlace(1, shifted, target, {.over = true}, time);
+    if (!leaves_out_hidden) return counts.triangles;
+    const render::FarthestDepths drawn = reader_.read(target);
+    counts += renderer_.drawAppeared(0, view, target, {}, drawn);
+    counts += renderer_.drawAppeared(1, shifted, target, {.over = true}, drawn);
+    return counts.triangles;
+  }
+
+ private:
+  render::Renderer renderer_;
+  render::DepthReader reader_;
+};
+
+TEST_F(Hidden, isLeftOutOfEachPlaceByWhatStandsAtOthers) {
+  TwoPlaces all(scene()), seen(scene());
+  for (const int frame : {24, 8, 23, 9, 0}) {
+    const core::View view = viewAt(frame);
+    const render::Framebuffer target(view.width_px, view.height_px);
+    const auto expectSamePicture = [&] {
+      const uint64_t all_triangles = all.draw(view, target, false);
+      target.resolve();
+      const render::Image picture = target.readPixels();
+      const uint64_t seen_triangles = seen.draw(view, target, true);
+      target.resolve();
+      EXPECT_EQ(target.readPixels().rgba, picture.rgba) << frame;
+      return static_cast<double>(seen_triangles) / static_cast<double>(all_triangles);
+    };
+    expectSamePicture();
+    const double at_rest = expectSamePicture();
+    EXPECT_LT(at_rest, frame == 8 ? 0.75 : 1.01) << frame;  // there one stands before the other
+  }
+}
+
 TEST_F(Hidden, isToldByTheFarthestSampleOfEachSquare) {
   const core::View view = lookAt({1500, 1500, 3000}, {1500, 1500, 1000});
   render::Renderer renderer;
