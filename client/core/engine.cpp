@@ -144,9 +144,11 @@ void Engine::step(TimePoint now) {
   }
   if (model_) {
     bool changed = instance_.refine(*model_);
-    if (changed) prefetcher_.needed(instance_.cut().get(), instance_.pages(), instance_.wishes());
-    if (options_.prefetch && instance_.viewCount() == 1) {
-      prefetcher_.see(*instance_.view(), now);
+    if (changed) prefetcher_.needed(instance_.placed().get(), instance_.pages(), instance_.wishes());
+    if (options_.prefetch) {
+      prefetcher_.expectViews(instance_.viewCount());
+      for (size_t number = 0; number < instance_.viewCount(); ++number)
+        prefetcher_.see(number, instance_.view(number), now);
       changed |= prefetcher_.lookAhead(*model_, instance_.options(), now);
     }
     if (changed || wishes_waiting_) renewWishes();
@@ -156,7 +158,7 @@ void Engine::step(TimePoint now) {
 
 Waiting Engine::waiting() const noexcept {
   if (!model_ || !model_->hierarchy().root()) return Waiting::kLink;
-  if (!instance_.view() || (cut() && cut()->converged)) return Waiting::kNot;
+  if (instance_.viewCount() == 0 || (cut() && cut()->converged)) return Waiting::kNot;
   const auto isSeen = [](const Wish& wish) { return wish.wish_class == proto::WishClass::kVisible; };
   const std::vector<Wish>& wishes = instance_.wishes();
   const auto seen_end = std::find_if_not(wishes.begin(), wishes.end(), isSeen);

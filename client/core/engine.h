@@ -39,7 +39,7 @@ struct EngineOptions {
   /// Of the model as the cache has it, from an earlier run.
   std::optional<ModelSummary> cached_model = std::nullopt;
   bool offline = false;   ///< shows cached_model from the cache and never wants a connection
-  bool prefetch = false;  ///< asks ahead of a camera that moves, where there is one view
+  bool prefetch = false;  ///< asks ahead of a camera that moves
   /// False: what is wished for comes in the order in which it was wished for, to compare with.
   bool best_first = true;
   /// Told of a connection that breaks, and why, while it still has what it had open; may be empty.

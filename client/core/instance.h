@@ -50,8 +50,8 @@ class Instance {
   const RefineOptions& options() const noexcept { return options_; }
   /// How many there are; none before the first.
   size_t viewCount() const noexcept { return views_.size(); }
-  /// Null before the first.
-  const View* view() const noexcept { return views_.empty() ? nullptr : &views_.front().view; }
+  /// @param number  below viewCount().
+  const View& view(size_t number) const noexcept { return views_[number].view; }
   /// A budget keeps the last cuts from converging.
   bool limited() const noexcept { return limited_; }
   /// What the views want of the memory for meshes, for the error that is asked for; where a budget does not

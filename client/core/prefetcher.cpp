@@ -4,21 +4,22 @@
 
 namespace lode::core {
 
+void Prefetcher::expectViews(size_t count) {
+  if (motions_.size() != count) motions_.assign(count, {});
+}
+
 bool Prefetcher::lookAhead(const Model& model, const RefineOptions& options, TimePoint now) {
   if (looked_at_ && now - *looked_at_ < kPrefetchInterval) return false;
   looked_at_ = now;
   const bool had_wishes = !wishes_.empty();
   wishes_.clear();
   for (auto& [use, open] : open_) open.is_wished = false;
-  const std::optional<View> ahead = motion_.predict(now, kPrefetchAhead);
   const uint64_t budget_bytes = model.meshes().budgetBytes();
-  if (!ahead || !model.hierarchy().root() ||
+  if (!model.hierarchy().root() ||
       model.meshes().bytes() > budget_bytes - budget_bytes / kPrefetchMemoryShare)
     return had_wishes;
-  const Refinement refinement = refine(model.hierarchy(), model.meshes(), model.summary().lattice,
-                                       model.summary().attributes, *ahead, options);
   uint64_t bytes = 0;
-  for (Wish wish : refinement.wanted) {
+  for (Wish wish : wantedAhead(model, options, now)) {
     if (wish.wish_class != proto::WishClass::kVisible) break;  // they come last
     if (!model.wants(wish)) continue;
     bytes += wish.blob.bytes;
@@ -27,6 +28,18 @@ bool Prefetcher::lookAhead(const Model& model, const RefineOptions& options, Tim
     wishes_.push_back(wish);
   }
   return had_wishes || !wishes_.empty();
+}
+
+/// What the places that move will want together, best first.
+std::vector<Wish> Prefetcher::wantedAhead(const Model& model, const RefineOptions& options,
+                                          TimePoint now) const {
+  std::vector<std::vector<Wish>> wanted;
+  for (const CameraMotion& motion : motions_)
+    if (const std::optional<View> ahead = motion.predict(now, kPrefetchAhead))
+      wanted.push_back(refine(model.hierarchy(), model.meshes(), model.summary().lattice,
+                              model.summary().attributes, *ahead, options)
+                           .wanted);
+  return mergeWishes(wanted);
 }
 
 void Prefetcher::asked(const Wish& wish) {
@@ -44,11 +57,13 @@ void Prefetcher::arrived(const BlobRef& blob, const BlobUse& use) {
   counts_.unused_bytes += blob.bytes;
 }
 
-void Prefetcher::needed(const Cut* cut, std::span<const NodeKey> pages, std::span<const Wish> wishes) {
+void Prefetcher::needed(const PlacedCuts* placed, std::span<const NodeKey> pages,
+                        std::span<const Wish> wishes) {
   if (open_.empty()) return;
-  if (cut != nullptr)
-    for (const CutPart& part : cut->parts)
-      if (part.visible) use({BlobKind::kMesh, {part.node, part.rung}});
+  if (placed != nullptr)
+    for (const auto& cut : placed->cuts)
+      for (const CutPart& part : cut->parts)
+        if (part.visible) use({BlobKind::kMesh, {part.node, part.rung}});
   for (const NodeKey page : pages) use({BlobKind::kPage, {page, 0}});
   for (const Wish& wish : wishes)
     if (wish.wish_class == proto::WishClass::kVisible) use(wish.use);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "client/core/camera_motion.h"
-#include "client/core/cut.h"
 #include "client/core/model.h"
+#include "client/core/placed_cuts.h"
 #include "client/core/refine_options.h"
 #include "client/core/time_point.h"
 #include "client/core/wish.h"
@@ -29,8 +29,11 @@ struct PrefetchCounts {
 /// Asks for what a moving camera will see next, after all that it sees now. Not thread safe.
 class Prefetcher {
  public:
-  /// The camera, each time that it is looked at.
-  void see(const View& view, TimePoint now) { motion_.see(view, now); }
+  /// How many views there are, one for each place where the model stands. Other places than before: nothing
+  /// is known of how they move.
+  void expectViews(size_t count);
+  /// The camera as a place sees it, each time that it is looked at.
+  void see(size_t view_number, const View& view, TimePoint now) { motions_[view_number].see(view, now); }
 
   /// Looks ahead, where that is due. @return whether there are other wishes than before.
   bool lookAhead(const Model& model, const RefineOptions& options, TimePoint now);
@@ -41,9 +44,9 @@ class Prefetcher {
   void asked(const Wish& wish);
   /// Of any blob.
   void arrived(const BlobRef& blob, const BlobUse& use);
-  /// What a view shows, goes through, and asks for.
-  /// @param cut  may be null.
-  void needed(const Cut* cut, std::span<const NodeKey> pages, std::span<const Wish> wishes);
+  /// What the views show, go through, and ask for.
+  /// @param placed  may be null.
+  void needed(const PlacedCuts* placed, std::span<const NodeKey> pages, std::span<const Wish> wishes);
   const PrefetchCounts& counts() const noexcept { return counts_; }
 
   /// Another build has taken the model's place.
@@ -54,9 +57,10 @@ class Prefetcher {
     uint64_t bytes = 0;      // 0: it has not come
     bool is_wished = false;  // still
   };
+  std::vector<Wish> wantedAhead(const Model& model, const RefineOptions& options, TimePoint now) const;
   void use(const BlobUse& use);
 
-  CameraMotion motion_;
+  std::vector<CameraMotion> motions_;  // by view
   std::optional<TimePoint> looked_at_;
   std::vector<Wish> wishes_;
   std::map<BlobUse, Open> open_;  // asked for, and not needed so far

@@ -1,5 +1,9 @@
 #include "client/core/prefetcher.h"
 
+#include <functional>
+#include <set>
+#include <vector>
+
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core {
@@ -24,19 +28,60 @@ Model coarseModel(const SyntheticModel& tree, uint64_t memory_budget_bytes) {
   return model;
 }
 
-/// What is asked for ahead of a camera that goes on towards the model.
-std::vector<Wish> askedAhead(const Model& model) {
+/// As a place sees a camera that goes towards what it looks at.
+using Flight = std::function<View(int step)>;
+
+View towardsTheModel(int step) { return lookingAt({512, 512, 3000 - 20. * step}, {512, 512, 512}); }
+View standing(int) { return lookingAt({512, 512, 3000}, {512, 512, 512}); }
+View beside(int step) { return lookingAt({512 + 1500, 512, 2200 - 20. * step}, {512 + 1500, 512, 512}); }
+
+/// What is asked for ahead of a camera that goes on, at each of the places where a model stands.
+std::vector<Wish> askedAhead(const Model& model, const std::vector<Flight>& places = {towardsTheModel}) {
   Prefetcher prefetcher;
+  prefetcher.expectViews(places.size());
   TimePoint now{};
   for (int step = 0; step < 10; ++step, now += milliseconds(25))
-    prefetcher.see(lookingAt({512, 512, 3000 - 20. * step}, {512, 512, 512}), now);
+    for (size_t place = 0; place < places.size(); ++place) prefetcher.see(place, places[place](step), now);
   prefetcher.lookAhead(model, kOptions, now);
   return prefetcher.wishes();
+}
+
+std::set<BlobUse> usesOf(const std::vector<Wish>& wishes) {
+  std::set<BlobUse> uses;
+  for (const Wish& wish : wishes) uses.insert(wish.use);
+  return uses;
 }
 
 TEST(Prefetcher, asksForWhatAMovingCameraWillNeed) {
   const SyntheticModel tree({.seed = 3});
   EXPECT_FALSE(askedAhead(coarseModel(tree, 1ull << 30)).empty());
+}
+
+TEST(Prefetcher, asksForWhatAnyPlaceWillNeedAndForEachBlobOnce) {
+  const SyntheticModel tree({.seed = 3});
+  const Model model = coarseModel(tree, 1ull << 30);
+  const std::vector<Wish> together = askedAhead(model, {standing, towardsTheModel, beside});
+  std::set<BlobUse> of_each = usesOf(askedAhead(model, {towardsTheModel}));
+  of_each.merge(usesOf(askedAhead(model, {beside})));
+  EXPECT_FALSE(of_each.empty());
+  EXPECT_EQ(usesOf(together), of_each);
+  EXPECT_EQ(together.size(), of_each.size());
+  EXPECT_TRUE(askedAhead(model, {standing, standing}).empty());
+}
+
+TEST(Prefetcher, takesOtherPlacesForNoMotion) {
+  const SyntheticModel tree({.seed = 3});
+  const Model model = coarseModel(tree, 1ull << 30);
+  Prefetcher prefetcher;
+  TimePoint now{};
+  for (size_t count : {1, 2}) {
+    prefetcher.expectViews(count);
+    now += milliseconds(200);
+    for (size_t place = 0; place < count; ++place)
+      prefetcher.see(place, towardsTheModel(10 * static_cast<int>(count)), now);
+  }
+  prefetcher.lookAhead(model, kOptions, now);
+  EXPECT_TRUE(prefetcher.wishes().empty());
 }
 
 TEST(Prefetcher, leavesAShareOfTheMemoryToWhatIsSeen) {
