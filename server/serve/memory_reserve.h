@@ -1,28 +1,27 @@
 #pragma once
 
 #include <cstddef>
-#include <new>
 
 namespace lode::serve {
 
-/// Memory in hand for the time when the system gives none: operator new lets go of a block of it at a time,
-/// so that what needs a little goes on. Asio needs that: where an operation does not get the memory to begin
-/// with, the process ends. Who asks for more than a block is refused by std::bad_alloc, as if there were no
-/// reserve, and takes a block of it at most. One at a time in a process; thread safe.
+/// Memory in hand for the time when the system gives none, so that what needs a little goes on. Asio needs
+/// that: where an operation does not get the memory to begin with, the process ends. The program's operator
+/// new takes from it (server/operator_new.cpp), and who asks for more than a block is refused by
+/// std::bad_alloc as if there were no reserve. One at a time in a process; thread safe.
 class MemoryReserve {
  public:
   static constexpr size_t kBlocks = 128, kBlockBytes = 8u << 10;
 
-  MemoryReserve() noexcept;
+  MemoryReserve() noexcept { refill(); }
   ~MemoryReserve();
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
 
-  /// Takes again what was let go, if the system gives it. @return how many blocks were missing.
-  size_t refill() noexcept;
+  /// A block, for std::free(); null if it is too small, none is left or there is no reserve.
+  static void* take(size_t bytes) noexcept;
 
- private:
-  std::new_handler before_;
+  /// Has malloc give again what was taken. @return how many blocks were missing.
+  size_t refill() noexcept;
 };
 
 }  // namespace lode::serve

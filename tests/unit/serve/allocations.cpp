@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "server/serve/memory_reserve.h"
+
 namespace {
 
 /// Which allocations fail.
@@ -52,20 +54,16 @@ void arm(Chosen which, std::thread::id thread, size_t nth, size_t least = 0, siz
 
 }  // namespace
 
-// What new and delete are made of.
+// As in the server (server/operator_new.cpp).
 // NOLINTBEGIN(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
-void* operator new(size_t bytes) {
-  while (true) {
-    void* const memory = watch(bytes) ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);
-    if (memory != nullptr) return memory;
-    const std::new_handler handler = std::get_new_handler();
-    if (handler == nullptr) throw std::bad_alloc();
-    handler();
-  }
+void* operator new(size_t bytes, const std::nothrow_t&) noexcept {
+  void* const memory = watch(bytes) ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);
+  return memory != nullptr ? memory : lode::serve::MemoryReserve::take(bytes);
 }
-void* operator new(size_t bytes,
-                   const std::nothrow_t&) noexcept {  // or a sanitizer's own would be freed here
-  return watch(bytes) ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);
+void* operator new(size_t bytes) {
+  void* const memory = ::operator new(bytes, std::nothrow);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t) noexcept { std::free(memory); }

@@ -7,8 +7,7 @@
 /// What the tests of this program watch: operator new.
 namespace lode::serve::test {
 
-/// While it lives, chosen allocations fail: the new-handler is called, and if there is none std::bad_alloc
-/// thrown. One at a time.
+/// While it lives, chosen allocations find no memory but the MemoryReserve's. One at a time.
 class FailingAllocations {
  public:
   /// All of so many bytes, both ends included, on any thread.

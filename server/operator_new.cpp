@@ -1,0 +1,27 @@
+// What new and delete are made of in the server: malloc, and where the system gives nothing the reserve. A
+// new-handler would not do, as it is not told how much is wanted: a few who want much would empty it.
+
+#include <cstdlib>
+#include <new>
+
+#include "server/serve/memory_reserve.h"
+
+namespace {
+
+void* allocate(size_t bytes) noexcept {
+  void* const memory = std::malloc(bytes == 0 ? 1 : bytes);  // NOLINT(cppcoreguidelines-no-malloc)
+  return memory != nullptr ? memory : lode::serve::MemoryReserve::take(bytes);
+}
+
+}  // namespace
+
+// NOLINTBEGIN(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
+void* operator new(size_t bytes) {
+  void* const memory = allocate(bytes);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+void* operator new(size_t bytes, const std::nothrow_t&) noexcept { return allocate(bytes); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+// NOLINTEND(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
