@@ -60,7 +60,8 @@ void Engine::handleAll(Line line) {
 }
 
 void Engine::disconnect(const Error& why, TimePoint now, Line line) {
-  if (options_.on_broken && link_.session(line)) options_.on_broken(line, why);
+  if (options_.on_broken && link_.session(line))
+    options_.on_broken(line, why, line == Line::kNewest && !link_.survives(why));
   wishes_waiting_ = true;
   if (line == Line::kNewest) return link_.fail(why, now);
   link_.endLeaving();

@@ -43,7 +43,8 @@ struct EngineOptions {
   /// False: what is wished for comes in the order in which it was wished for, to compare with.
   bool best_first = true;
   /// Told of a connection that breaks, and why, while it still has what it had open; may be empty.
-  std::function<void(Line line, const Error& why)> on_broken = nullptr;
+  /// @param is_last  the engine does not go on: that error is thrown next.
+  std::function<void(Line line, const Error& why, bool is_last)> on_broken = nullptr;
   /// Told of a server that does not let it in, as it is full or going away, and why; may be empty.
   std::function<void(const std::string& why)> on_turned_away = nullptr;
   /// Told of a blob that the server cannot give, and why; may be empty.

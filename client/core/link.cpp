@@ -53,9 +53,12 @@ void Link::leave(std::string why, TimePoint now) {
 
 void Link::endLeaving() noexcept { drop(leaving_); }
 
+bool Link::survives(const Error& error) const noexcept {
+  return ever_open_ && (error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout);
+}
+
 void Link::fail(const Error& error, TimePoint now) {
-  const bool may_pass = error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout;
-  if (!ever_open_ || !may_pass) throw error;
+  if (!survives(error)) throw error;
   end(error.what(), now);
 }
 

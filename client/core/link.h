@@ -47,8 +47,10 @@ class Link {
   void succeeded() noexcept;
   /// The session has ended; another is due after a while. @param why  for people.
   void end(std::string why, TimePoint now);
-  /// The connection failed. @throws the error where a new try would fail too: a server that was never
-  /// reached, or a mistake that is not the network's.
+  /// Another try may go better. Not where the server was never reached, nor with a mistake that is not the
+  /// network's.
+  bool survives(const Error& error) const noexcept;
+  /// The connection failed. @throws the error where a new try would fail too: see survives().
   void fail(const Error& error, TimePoint now);
   /// The server is going away: another connection is due soon, and the session stays until it ends.
   void leave(std::string why, TimePoint now);

@@ -31,7 +31,9 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
   options.session.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
     return noteBlob(blob, bytes);
   };
-  options.on_broken = [this](core::Line line, const Error& why) { noteBroken(line, why); };
+  options.on_broken = [this](core::Line line, const Error& why, bool is_last) {
+    noteBroken(line, why, is_last);
+  };
   options.on_turned_away = [this](const std::string& why) {
     ++tally_.turned_away;
     turned_away_ = why;
@@ -55,12 +57,13 @@ void FullClient::noteLatency(const WishClock::Wish& wish, core::TimePoint now) {
   tally_.latency[static_cast<size_t>(wish.wish_class)].add(now - wish.sent);
 }
 
-/// One whose server was going away counts only if it still owed something.
-void FullClient::noteBroken(core::Line line, const Error& why) {
+/// One whose server was going away counts only if it still owed something. What ends the client is noted with
+/// its end.
+void FullClient::noteBroken(core::Line line, const Error& why, bool is_last) {
   const uint64_t open = engine_.openWishes(line);
   if ((line == core::Line::kNewest && engine_.staysConnected()) || open > 0) {
     ++tally_.lost;
-    breaks_.push_back(why);
+    if (!is_last) tally_.noteError(why.code(), why.what());
   }
   tally_.failed_wishes += open;
   lose(line);
@@ -80,14 +83,9 @@ void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
 
 template <typename Action>
 void FullClient::guarded(const Action& action) {
-  if (gone_) return;
-  breaks_.clear();
-  if (!survives(tally_, action)) {
-    gone_ = true;
-    due_ = kNever;
-    if (!breaks_.empty()) breaks_.pop_back();  // it is what has ended the client
-  }
-  for (const Error& why : breaks_) tally_.noteError(why.code(), why.what());
+  if (gone_ || survives(tally_, action)) return;
+  gone_ = true;
+  due_ = kNever;
 }
 
 void FullClient::step(core::TimePoint now) {

@@ -38,7 +38,7 @@ class FullClient final : public LoadClient {
   core::EngineOptions engineOptions(uint64_t seed);
   bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
   void noteLatency(const WishClock::Wish& wish, core::TimePoint now);
-  void noteBroken(core::Line line, const Error& why);
+  void noteBroken(core::Line line, const Error& why, bool is_last);
   void lose(core::Line line);
   void noteRefused(const BlobRef& blob, const std::string& why);
   template <typename Action>
@@ -68,7 +68,6 @@ class FullClient final : public LoadClient {
   double pause_s_ = 0;           ///< at this round's end
   uint64_t received_bytes_ = 0;  ///< that the tally knows of
   std::string turned_away_;      ///< why, the last time
-  std::vector<Error> breaks_;    ///< of connections, in this call
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;
   std::vector<std::unique_ptr<net::TcpTransport>> ended_;  ///< gone at the next step: not in their own calls

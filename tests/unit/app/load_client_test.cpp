@@ -32,6 +32,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
  protected:
   void SetUp() override {
     lode::test::SyntheticModel model = lode::test::makeModel(lode::test::makeSphere(24, 16));
+    prepare(model);
     lode::test::writeStore(folder_ / "a.lode", model);
     store_.emplace(folder_ / "a.lode");
     uint64_t bytes = 0;  // all of it fits into the window that a client grants at first, and into frames
@@ -54,6 +55,8 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
     else
       client_ = std::make_unique<TraceClient>(io_, plan_, start_, 0, names_, tally_);
   }
+
+  virtual void prepare(lode::test::SyntheticModel& /*model*/) {}
 
   /// Lets the client and the server work until it has come to that.
   template <typename Done>
@@ -311,6 +314,28 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereTheServerFallsSilent) {
 
 INSTANTIATE_TEST_SUITE_P(OfALoadTest, EveryLoadClient, testing::Values(Kind::kFull, Kind::kTrace),
                          [](const auto& kind) { return kind.param == Kind::kFull ? "full" : "trace"; });
+
+/// All rungs but the one that comes unasked hold fewer triangles than the pages say.
+class AFullClientOfADamagedModel : public EveryLoadClient {
+  void prepare(lode::test::SyntheticModel& model) override {
+    for (Node& node : model.nodes)
+      for (Rung& rung : node.rungs) ++rung.triangles;
+    --model.nodes.front().rungs.back().triangles;
+  }
+};
+
+TEST_P(AFullClientOfADamagedModel, countsTheConnectionThatBreaksAsWellAsWhatItBroughtAndCannotBeDecoded) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  server_->grantAMeshAndFail(0);
+  run([&] { return tally_.lost == 1; });
+  EXPECT_EQ(client_->due(), kNever) << "nothing was decoded";
+  EXPECT_EQ(tally_.errors,
+            (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 1}, {ErrorCode::kFormat, 1}}));
+  EXPECT_EQ(tally_.first_error, "the server says: out of order") << "what came first";
+}
+
+INSTANTIATE_TEST_SUITE_P(OfALoadTest, AFullClientOfADamagedModel, testing::Values(Kind::kFull));
 
 }  // namespace
 }  // namespace lode::app

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -41,6 +41,18 @@ class ToldServer {
   /// Sends away the next one that comes.
   void turnOneAway() { turns_away_ = true; }
   void goAway(size_t connection) { send(*connections_[connection], proto::GoAway{"maintenance"}, 0); }
+  /// A mesh that was held back, and in the same breath that it cannot go on, which ends the connection.
+  void grantAMeshAndFail(size_t connection) {
+    Connection& to = *connections_[connection];
+    const auto mesh =
+        std::ranges::find_if(to.wishes, [this](const auto& wish) { return isMesh(wish.second); });
+    proto::Bytes frames = blobFrame(mesh->first, mesh->second);
+    to.wishes.erase(mesh);
+    const proto::Bytes failure =
+        proto::encode(proto::ErrorMessage{proto::WireError::kInternal, 0, false, "out of order"}, 0);
+    frames.insert(frames.end(), failure.begin(), failure.end());
+    asio::write(to.socket, asio::buffer(frames));
+  }
   void breakOff(size_t connection) { connections_[connection]->socket.close(); }
 
   uint16_t port() const { return acceptor_.local_endpoint().port(); }
@@ -131,12 +143,25 @@ class ToldServer {
   }
 
   void give(Connection& to, uint32_t wish, uint32_t blob) {
+    asio::write(to.socket, asio::buffer(blobFrame(wish, blob)));
+  }
+
+  bool isMesh(uint32_t blob) const {
+    return std::ranges::any_of(store_.nodes(), [&](const Node& node) {
+      return std::ranges::any_of(node.rungs, [&](const Rung& rung) { return rung.payload.number == blob; });
+    });
+  }
+
+  proto::Bytes blobFrame(uint32_t wish, uint32_t blob) const {
     const std::vector<std::byte> bytes = store_.readBlob(blob);
     const auto size = static_cast<uint32_t>(bytes.size());
     const auto fields = proto::encodeBlobChunkHeader({wish, size, 0});
     const auto header = proto::encodeFrameHeader(
         {static_cast<uint32_t>(fields.size()) + size, static_cast<uint8_t>(proto::FrameType::kBlob), 0, 0});
-    asio::write(to.socket, std::array{asio::buffer(header), asio::buffer(fields), asio::buffer(bytes)});
+    proto::Bytes frame(header.begin(), header.end());
+    frame.insert(frame.end(), fields.begin(), fields.end());
+    frame.insert(frame.end(), bytes.begin(), bytes.end());
+    return frame;
   }
 
   template <typename Message>
