@@ -62,6 +62,8 @@ CONFINED = [
      ("client/render/", "client/app/window/")),
     ("Asio", re.compile(r"(boost/)?asio(\.hpp$|/)"),
      ("proto/byte_stream", "proto/frame_stream", "server/serve/", "server/app/", "server/main", "client/net/", "client/app/", "client/main")),
+    ("CLI11", re.compile(r"CLI/"),
+     ("common/command_line", "server/app/", "server/main", "client/app/", "client/main")),
     ("FlatBuffers", re.compile(r"flatbuffers/|.*_generated\.h$"), ("proto/",)),
     ("Draco", re.compile(r"draco/"), ("common/draco_",)),
 ]

@@ -5,12 +5,6 @@
 
 namespace lode::app {
 
-std::string whereHelpIs(const CLI::App& program) {
-  std::string words = "see " + program.get_name();
-  for (const CLI::App* command : program.get_subcommands()) words += " " + command->get_name();
-  return words + " --help";
-}
-
 std::string wholeNumber(const std::string& text) {
   const bool is_one = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
   return is_one ? "" : "must be a whole number, as 2000000, not " + text;

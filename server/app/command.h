@@ -20,9 +20,6 @@ void addVerifyCommand(CLI::App& program);
 void addExportCommand(CLI::App& program);
 void addSampleCommand(CLI::App& program);
 
-/// Ends a message about wrong usage: "see lodestreamd build --help", of the command that was called, if any.
-std::string whereHelpIs(const CLI::App& program);
-
 /// A check of options: CLI11 takes "-5" for a very large one. @return what is wrong, if anything.
 std::string wholeNumber(const std::string& text);
 

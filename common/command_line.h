@@ -1,0 +1,77 @@
+#pragma once
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <new>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "common/error.h"
+
+/// How both programs read their command lines and end. In a header alone, so that CLI11, which takes seconds
+/// to compile, is compiled only where commands are.
+namespace lode {
+
+namespace command_line {
+
+constexpr int kDone = 0, kWorkFailed = 1, kWrongUsage = 2;
+
+/// Says on one line of stderr what went wrong. @return the exit status.
+inline int fail(const CLI::App& program, std::string message, int status) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fprintf(stderr, "%s: %s\n", program.get_name().c_str(), message.c_str());
+  return status;
+}
+
+/// @return the status, or that of failed work where stdout did not take all that was printed.
+inline int endAfterPrinting(const CLI::App& program, int status) {
+  if (std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  return fail(program, std::string("standard output cannot be written: ") + std::strerror(errno),
+              kWorkFailed);
+}
+
+/// Ends a message about wrong usage: "see lodestream fetch --help", of the command that was called, if any.
+inline std::string whereHelpIs(const CLI::App& program) {
+  std::string words = "see " + program.get_name();
+  for (const CLI::App* command : program.get_subcommands()) words += " " + command->get_name();
+  return words + " --help";
+}
+
+}  // namespace command_line
+
+/// Reads the command line and runs the command that it names. Whatever goes wrong is said on one line of
+/// stderr.
+/// @param declare  adds the commands, whose callbacks throw Error when they fail and may set the exit status.
+/// @param more_memory  what to do where memory is out.
+/// @return the exit status: 0 done, 1 the work failed, 2 used wrongly.
+inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
+                          const std::function<void(int& exit_status)>& declare, const char* more_memory) {
+  using namespace command_line;
+  int exit_status = kDone;
+  try {
+    program.require_subcommand(1);
+    declare(exit_status);
+    program.parse(argc, argv);
+    return endAfterPrinting(program, exit_status);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return endAfterPrinting(program, program.exit(asked));
+  } catch (const CLI::ParseError& error) {
+    const std::string unknown = CLI::detail::join(program.remaining(true), " ");
+    const std::string what = unknown.empty() ? error.what() : "not known here: " + unknown;
+    return fail(program, what + ": " + whereHelpIs(program), kWrongUsage);
+  } catch (const Error& error) {
+    return fail(program, error.what(), error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
+  } catch (const std::bad_alloc&) {
+    return fail(program, std::string("out of memory: ") + more_memory, kWorkFailed);
+  } catch (const std::exception& error) {
+    return fail(program, error.what(), kWorkFailed);
+  }
+}
+
+}  // namespace lode

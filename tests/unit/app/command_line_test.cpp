@@ -1,0 +1,69 @@
+#include "common/command_line.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace lode {
+namespace {
+
+/// A program with one command, `work`, which takes `--fast` and then does that.
+class ACommandLine : public testing::Test {
+ protected:
+  void run(std::vector<const char*> words, const std::function<void(int& exit_status)>& work = {}) {
+    CLI::App program("what it is for", "tool");
+    words.insert(words.begin(), "tool");
+    const auto declare = [&](int& exit_status) {
+      CLI::App* command = program.add_subcommand("work", "what it does");
+      command->add_flag("--fast");
+      command->callback([&] {
+        if (work) work(exit_status);
+      });
+    };
+    testing::internal::CaptureStderr();
+    status_ = runCommandLine(program, static_cast<int>(words.size()), words.data(), declare, "take less");
+    said_ = testing::internal::GetCapturedStderr();
+  }
+
+  int status_ = -1;
+  std::string said_;  ///< on stderr
+};
+
+TEST_F(ACommandLine, thatIsWrongSaysWhereTheHelpOfItsCommandIs) {
+  run({"work", "--slow"});
+  EXPECT_EQ(said_, "tool: not known here: --slow: see tool work --help\n");
+  EXPECT_EQ(status_, 2);
+}
+
+TEST_F(ACommandLine, withoutACommandSaysWhereTheHelpOfTheProgramIs) {
+  run({});
+  EXPECT_NE(said_.find(": see tool --help\n"), std::string::npos) << said_;
+  EXPECT_EQ(status_, 2);
+}
+
+TEST_F(ACommandLine, whoseWorkFailsSaysSoOnOneLine) {
+  run({"work"}, [](int&) { throw Error(ErrorCode::kIo, "the disk\nis full"); });
+  EXPECT_EQ(said_, "tool: the disk is full\n");
+  EXPECT_EQ(status_, 1);
+}
+
+TEST_F(ACommandLine, thatAsksForWhatCannotBeIsUsedWrongly) {
+  run({"work"}, [](int&) { throw Error(ErrorCode::kUsage, "it has no camera"); });
+  EXPECT_EQ(status_, 2);
+}
+
+TEST_F(ACommandLine, withoutMemorySaysWhatToDo) {
+  run({"work"}, [](int&) { throw std::bad_alloc(); });
+  EXPECT_EQ(said_, "tool: out of memory: take less\n");
+  EXPECT_EQ(status_, 1);
+}
+
+TEST_F(ACommandLine, endsAsItsCommandSays) {
+  run({"work", "--fast"}, [](int& exit_status) { exit_status = 130; });
+  EXPECT_EQ(said_, "");
+  EXPECT_EQ(status_, 130);
+}
+
+}  // namespace
+}  // namespace lode
