@@ -45,7 +45,6 @@ if(LODE_GL)
   find_package(glfw3 REQUIRED)
   pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
   pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
-  find_path(LODE_STB_INCLUDE stb/stb_image_write.h REQUIRED)
   find_path(LODE_IMGUI_INCLUDE imgui/imgui.h REQUIRED)
   find_library(LODE_IMGUI_LIBRARY imgui REQUIRED)
   find_library(LODE_STB_LIBRARY NAMES libstb.a REQUIRED)  # imgui's fonts use it; static, as imgui is

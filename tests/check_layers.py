@@ -44,7 +44,7 @@ ALLOWED = {
     "net": {"net", "core", "proto", "frame_stream", "common"},
     "stream": {"stream", "net", "core", "proto", "common"},
     "embed": {"embed", "stream", "net", "core", "proto", "common"},
-    "render": {"render", "core", "common"},
+    "render": {"render", "core", "mesh_images", "common"},
     "window": {"window", "client_app", "render", "stream", "net", "core", "proto", "frame_stream", "common"},
     "client_app": {"window", "client_app", "render", "stream", "net", "core", "mesh_images", "proto", "frame_stream",
                    "common"},

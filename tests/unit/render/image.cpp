@@ -1,7 +1,10 @@
 #include "client/render/image.h"
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -35,6 +38,15 @@ TEST(WritePng, writesAPictureThatReadsBackAsItWas) {
   EXPECT_EQ(channels, 3);
   EXPECT_TRUE(std::equal(image.rgba.begin(), image.rgba.end(), read));
   stbi_image_free(read);
+  std::filesystem::remove(path);
+}
+
+TEST(WritePng, saysThatItsColoursAreThoseOfSrgb) {
+  const auto path = std::filesystem::path(testing::TempDir()) / "lodestream_srgb.png";
+  writePng(path, {1, 1, {10, 20, 30, 255}});
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(bytes.find("sRGB"), std::string::npos);
   std::filesystem::remove(path);
 }
 
