@@ -79,14 +79,14 @@ def served_without_blobs():
 class Window:
     """`lodestream view` on a display, with its files in a folder; ended with the `with`."""
 
-    def __init__(self, screen, folder, target, *options, stdout=None):
-        self.folder, self.stdout = pathlib.Path(folder), stdout
+    def __init__(self, screen, folder, target, *options, **pipes):
+        self.folder, self.pipes = pathlib.Path(folder), pipes
         self.environment = dict(os.environ, DISPLAY=screen, HOME=folder, XDG_CACHE_HOME=folder, LIBGL_ALWAYS_SOFTWARE="1")
         self.command = [BIN / "lodestream", "view", target, "--size", f"{WIDTH}x{HEIGHT}", *options]
 
     def __enter__(self):
         with contextlib.ExitStack() as stack:
-            self.process = stack.enter_context(running(self.command, cwd=self.folder, env=self.environment, stdout=self.stdout))
+            self.process = stack.enter_context(running(self.command, cwd=self.folder, env=self.environment, **self.pipes))
             self.id = self.xdotool("search", "--sync", "--onlyvisible", "--name", "Lodestream").split()[-1]
             self.xdotool("windowfocus", self.id)
             self.move(MIDDLE)
@@ -208,9 +208,9 @@ def moved(keys):
 
 class WindowTest(unittest.TestCase):
     @contextlib.contextmanager
-    def window(self, target=STORE, *options, is_open=True, stdout=None):
+    def window(self, target=STORE, *options, is_open=True, **pipes):
         with tempfile.TemporaryDirectory() as folder, display() as screen, \
-                Window(screen, folder, target, *options, stdout=stdout) as window:
+                Window(screen, folder, target, *options, **pipes) as window:
             if is_open:
                 window.picture()  # with the first key the help of the first start goes
             yield window
@@ -399,6 +399,13 @@ class Shown(WindowTest):
             window.xdotool("key", "--delay", "0", "F12", "Escape")
             self.assertEqual(window.process.wait(timeout=120), 0)
             self.assertEqual(size_of(window.saved_picture()), (WIDTH, HEIGHT))
+
+    def test_picture_that_was_asked_for_and_is_not_there_when_the_window_is_closed_is_an_error(self):
+        with served_without_blobs() as target, \
+                self.window(target, "--screenshot", "a.png", is_open=False, stderr=subprocess.PIPE) as window:
+            self.assertEqual(window.leave(), 1)
+            with window.process.stderr as said:
+                self.assertIn(b"closed before the picture a.png was there", said.read())
 
     def test_picture_is_as_large_as_the_window_and_survives_that_it_is_hidden(self):
         with self.window() as window:

@@ -58,6 +58,9 @@ Viewer::Viewer(const ViewOptions& options)
 void Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && window_.widthPx() > 0 && window_.heightPx() > 0) draw();
+  if (!options_.screenshot.empty() && !is_screenshot_there_)
+    throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
+                                         options_.screenshot + " was there; it ends by itself when it is");
   if (!pilot_) return;
   timer_.wait();
   takeTimes();
@@ -395,7 +398,7 @@ void Viewer::saveScreenshots() {
   if (!options_.screenshot.empty()) {
     if (content_.converged) {
       render::writePng(options_.screenshot, window_.readBack());
-      done_ = true;
+      is_screenshot_there_ = done_ = true;
     } else if (exhibit_->status().ended || settled() || isTimeOver()) {
       refuseScreenshot();
     }

@@ -31,9 +31,9 @@ class Viewer {
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
   /// Returns when the user closes the window; a picture that a key has asked for is written before.
-  /// @throws Error if the target cannot be opened, the screenshot asked for is not to be had in time, that
-  /// last picture cannot be written, or the flight asked for cannot begin or is not over: what was flown of
-  /// it is printed before.
+  /// @throws Error if the target cannot be opened, the screenshot asked for is not to be had in time or not
+  /// there when the window is closed, that last picture cannot be written, or the flight asked for cannot
+  /// begin or is not over: what was flown of it is printed before.
   void run();
 
  private:
@@ -112,7 +112,7 @@ class Viewer {
   Drawn drawn_;
   PictureRequest picture_request_;
   int frames_to_draw_ = 0;
-  bool moved_ = true, uploading_ = false, done_ = false;
+  bool moved_ = true, uploading_ = false, is_screenshot_there_ = false, done_ = false;
 };
 
 }  // namespace lode::app
