@@ -371,6 +371,22 @@ class Flight(WindowTest):
         self.assertIn("no first picture", ended.stderr)
 
 
+class Minimized(WindowTest):
+    def test_window_ends_a_flight_with_the_time(self):
+        self.refused("--laps", "1")
+
+    def test_window_ends_with_the_time_that_its_picture_has(self):
+        self.refused("--screenshot", "a.png")
+
+    def refused(self, *options):
+        with tempfile.TemporaryDirectory() as folder, display() as screen:
+            window = Window(screen, folder, STORE, "--timeout", "1", *options)
+            ended = subprocess.run(window.command, env=dict(window.environment, LD_PRELOAD=BIN / "libminimized_window.so"),
+                                   cwd=folder, capture_output=True, text=True, timeout=30)
+        self.assertEqual(ended.returncode, 1)
+        self.assertIn("its window is minimized", ended.stderr)
+
+
 class Shown(WindowTest):
     def test_panel_comes_and_goes(self):
         with self.window() as window:

@@ -24,6 +24,9 @@ class Pilot {
   /// @throws Error once there can be no first picture any more: nothing more comes, or the time is over.
   State fly(const Exhibit& exhibit, bool is_time_over, CameraRig& rig);
 
+  /// It has had its first picture.
+  bool isUnderWay() const noexcept { return flight_.has_value(); }
+
   /// A frame was drawn, whose work is told later: see Flight.
   void draw(uint64_t number, const FlownFrame& frame);
   void finish(uint64_t number, double work_ms);

@@ -57,7 +57,7 @@ Viewer::Viewer(const ViewOptions& options)
 
 void Viewer::run() {
   while (!isLeaving()) frame();
-  if (picture_request_.isOpen() && window_.widthPx() > 0 && window_.heightPx() > 0) draw();
+  if (picture_request_.isOpen() && !isMinimized()) draw();
   if (!options_.screenshot.empty() && !is_screenshot_there_)
     throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
                                          options_.screenshot + " was there; it ends by itself when it is");
@@ -66,6 +66,8 @@ void Viewer::run() {
   takeTimes();
   pilot_->tell();
 }
+
+bool Viewer::isMinimized() const { return window_.widthPx() == 0 || window_.heightPx() == 0; }
 
 bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
 
@@ -77,6 +79,7 @@ bool Viewer::settled() const {
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
+  if (isMinimized()) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
   if (moved_ || frames_to_draw_ > 0 || uploading_ || exhibit_->fading()) return 0;
   return (settled() || exhibit_->status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
@@ -89,7 +92,7 @@ void Viewer::frame() {
   const Input input = window_.takeInput(!panel_.wantsKeyboard(), !panel_.wantsMouse());
   obey(input);
   openWhenReady();
-  if (window_.widthPx() == 0 || window_.heightPx() == 0) return;  // minimized
+  if (isMinimized()) return passUnseen();
   if (rig_) {
     rig_->resize(window_.widthPx(), window_.heightPx());
     pick(input);
@@ -104,6 +107,16 @@ void Viewer::frame() {
   if (frames_to_draw_ == 0 || isWorthWaiting()) return;
   --frames_to_draw_;
   draw();
+}
+
+/// Nothing is drawn, but time goes on.
+void Viewer::passUnseen() {
+  const bool is_picture_due = !options_.screenshot.empty() || (pilot_ && !pilot_->isUnderWay());
+  if (is_picture_due && isTimeOver())
+    throw Error(ErrorCode::kTimeout,
+                options_.common.target +
+                    " gave no picture within --timeout, as its window is minimized: leave that open");
+  if (rig_) fly();
 }
 
 /// Something has changed that can be seen.
@@ -175,8 +188,7 @@ void Viewer::openWhenReady() {
   if (!opening.is_open) return;
   const ModelSummary& summary = exhibit_->summary();
   core::Framing framing = exhibit_->framing();
-  if (window_.heightPx() > 0)  // not minimized
-    framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
+  if (!isMinimized()) framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
   opened_ = Clock::now();
   rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;

@@ -40,6 +40,7 @@ class Viewer {
   using Clock = std::chrono::steady_clock;
 
   void frame();
+  void passUnseen();
   void openWhenReady();
   void obey(const Input& input);
   void tellOfBookmark(const Input& input);
@@ -65,6 +66,7 @@ class Viewer {
   void draw();
   void describe();
   void describeStream();
+  bool isMinimized() const;
   bool isLeaving() const;
   void saveScreenshots();
   void savePicture();
