@@ -227,6 +227,7 @@ void render(const RenderOptions& options) {
 }
 
 void renderVideo(RenderOptions options) {
+  refuseToReplace(options.common.target, options.video);
   const char* const search_path = std::getenv("PATH");
   const fs::path ffmpeg = findFfmpeg(search_path != nullptr ? search_path : "");
   options.folder = options.video + ".frames";

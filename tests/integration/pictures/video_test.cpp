@@ -1,4 +1,5 @@
-// A video that a signal ends while its frames are drawn.
+// Videos that are not made: where a signal comes while their frames are drawn, and where they would replace
+// their model.
 
 #include <chrono>
 #include <csignal>
@@ -35,6 +36,17 @@ TEST(InterruptedVideo, leavesNoFrames) {
   EXPECT_NE(outcome.err.find("interrupted; what was unfinished is removed"), std::string::npos)
       << outcome.err;
   EXPECT_FALSE(fs::exists(frames));
+}
+
+TEST(Video, isNeverWrittenOverItsModel) {
+  const WorkFolder folder;
+  const fs::path ply = folder / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "1000", "-o", ply}).status, 0);
+  const auto before = fs::file_size(ply);
+  const Outcome outcome = lodestream({"render", ply, "--video", ply});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("is the target itself"), std::string::npos) << outcome.err;
+  EXPECT_EQ(fs::file_size(ply), before);
 }
 
 }  // namespace
