@@ -137,6 +137,7 @@ asio::awaitable<void> Connection::read() {
     broken = true;
   }
   if (session_.closing() && !broken) {
+    if (!end_) why_ = session_.refusal();
     end(EndReason::kMistake);
     if (session_.unauthorized()) host_.tallies->refused[static_cast<size_t>(RefusalReason::kToken)].add();
     wakeWriter();  // the Error goes out; what the client still sends is dropped

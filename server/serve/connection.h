@@ -137,7 +137,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<Clock::time_point> linger_until_;   ///< all is said; the client should close before this
   std::optional<Clock::time_point> writing_since_;  ///< something is to be written
   std::optional<EndReason> end_;
-  std::string why_;  ///< it was turned away before the first frame
+  std::string why_;  ///< it was turned away before the first frame, or its session has refused it
   std::string client_;
   Clock::time_point began_ = Clock::now();
   uint64_t frames_ = 0, sent_bytes_ = 0, blobs_ = 0;  ///< of the connection so far

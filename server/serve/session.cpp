@@ -58,6 +58,7 @@ void Session::refuse(WireError code, const std::string& why, uint32_t request) {
   if (closing_) return;
   say(proto::ErrorMessage{code, 0, true, why}, request);
   closing_ = true;
+  refusal_ = why;
   host_.memory->give(wishes_.size() * kWishBytes);
   wishes_.clear();
   unasked_.clear();

@@ -111,6 +111,8 @@ class Session {
 
   /// No frame is taken any more; the connection closes once control frames are out.
   bool closing() const noexcept { return closing_; }
+  /// Why, in the words that the client is told.
+  const std::string& refusal() const noexcept { return refusal_; }
   /// Nothing is left to do but to send the control frames and close.
   bool finished() const noexcept { return closing_ || (draining_ && !wantsToSend()); }
   /// Blobs are to be sent, now or when the window opens or the disk has answered.
@@ -170,7 +172,7 @@ class Session {
   Clock::time_point deadline_;
   Clock::time_point now_;  ///< of the last frame
   bool greeted_ = false, closing_ = false, draining_ = false, unauthorized_ = false;
-  std::string token_;
+  std::string token_, refusal_;
   std::shared_ptr<const TokenFile> tokens_;  ///< the file that grant_ lies in
   const TokenGrant* grant_ = nullptr;        ///< none: everything is allowed
   proto::Bytes control_;

@@ -1,4 +1,5 @@
-// What the log and the metrics say of connections that never got as far as a frame.
+// What the log and the metrics say of connections that never got as far as a frame, and of those that broke a
+// rule.
 
 #include <fstream>
 #include <sstream>
@@ -117,6 +118,26 @@ TEST_F(ServerEnds, aFailedHandshakeAndAWrongHeaderAreMistakesInTheLog) {
   startBehindABalancer();
   connect().sendText("nonsense");
   EXPECT_EQ(end()["kind"], "mistake");
+}
+
+TEST_F(ServerEnds, whoBreaksARuleIsLoggedWithTheWordsThatItIsTold) {
+  start();
+  TestClient client = connect();
+  client.open("a");
+  client.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "", "test"}, 3);
+  std::optional<Received> frame = client.receive();
+  while (frame && !frame->is(FrameType::kError)) frame = client.receive();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(end()["reason"], "mistake");
+  EXPECT_EQ(end().value("why", ""), proto::decode<proto::ErrorMessage>(frame->body).message);
+}
+
+TEST_F(ServerEnds, whatIsNoFrameIsLoggedWithTheWordsThatItsSenderIsTold) {
+  start();
+  TestClient client = connect();
+  client.sendText("GET / HTTP/1.1\r\n");
+  const auto told = client.expect<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_EQ(end().value("why", ""), told.message);
 }
 
 TEST_F(ServerEnds, whoClosesBeforeTheFirstByteOfAHandshakeHasJustClosed) {
