@@ -70,8 +70,9 @@ TEST_F(ErrorWords, ofAFullServerAreItsOwn) {
 
 TEST_F(ErrorWords, ofAConnectionThatIsLostAreThoseOfTheLastTry) {
   serve({"--max-rate", "10K"});
-  Program fetch("lodestream", {"fetch", server_->url("small"), "--cache", "off", "--timeout", "5"});
-  usleep(2'500'000);
+  Program fetch("lodestream",
+                {"fetch", server_->url("small"), "--cache", folder_ / "cache", "--timeout", "5"});
+  waitForFile(folder_ / "cache" / "models", "");  // it has the model open
   server_->kill();
   const Outcome outcome = fetch.wait();
   EXPECT_EQ(outcome.err, "lodestream: " + server_->url("small") +

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -171,6 +173,17 @@ Outcome RunningServer::stop() {
 void RunningServer::kill() {
   program_.signal(SIGKILL);
   program_.wait();
+}
+
+fs::path waitForFile(const fs::path& folder, std::string_view ending) {
+  for (const auto deadline = Clock::now() + kPatience; Clock::now() < deadline; std::this_thread::yield()) {
+    std::error_code gone;
+    fs::recursive_directory_iterator at(folder, gone);
+    for (const fs::recursive_directory_iterator end; !gone && at != end; at.increment(gone))
+      if (at->path().string().ends_with(ending)) return at->path();
+  }
+  ADD_FAILURE() << "no file in " << folder << " came to end with " << ending;
+  return {};
 }
 
 Processes processesNaming(std::string_view text) {

@@ -74,6 +74,9 @@ class RunningServer {
   std::string address_;
 };
 
+/// Waits until a folder, or one below it, has a file whose path ends so. @return its path.
+std::filesystem::path waitForFile(const std::filesystem::path& folder, std::string_view ending);
+
 using Processes = std::map<pid_t, std::string>;  ///< their command lines
 
 /// All running processes in whose command line the text occurs.
