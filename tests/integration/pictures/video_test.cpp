@@ -1,10 +1,8 @@
 // Videos that are not made: where a signal comes while their frames are drawn, and where they would replace
 // their model.
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -27,9 +25,7 @@ TEST(InterruptedVideo, leavesNoFrames) {
   Program program("lodestream",
                   {"render", ply, "--camera", path, "--size", "160x120", "--video", folder / "out.mp4"},
                   {"PATH=" + folder.path().string(), "XDG_CACHE_HOME=" + (folder / "cache").string()});
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!fs::exists(frames / "frame_000000.png") && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::yield();
+  waitForFile(frames, "/frame_000000.png");
   program.signal(SIGINT);
   const Outcome outcome = program.wait();
   EXPECT_EQ(outcome.status, 128 + SIGINT);

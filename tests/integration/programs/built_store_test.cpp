@@ -5,7 +5,6 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -37,16 +36,6 @@ class BuiltStore : public testing::Test {
     for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
       if (entry.path().extension() == ".lode") found.push_back(entry.path());
     return found;
-  }
-
-  /// Waits until the cache has a file whose name ends so.
-  fs::path waitFor(std::string_view ending) const {
-    while (true) {
-      std::error_code gone;
-      fs::recursive_directory_iterator at(folder_ / "cache", gone);
-      for (const fs::recursive_directory_iterator end; !gone && at != end; at.increment(gone))
-        if (at->path().string().ends_with(ending)) return at->path();
-    }
   }
 
   const WorkFolder folder_;
@@ -84,7 +73,7 @@ TEST_F(BuiltStore, isLockedUntilItsBuilderHasEndedThoughTheProgramIsKilled) {
   stop(builder);
   first.signal(SIGKILL);
   first.wait();
-  const int lock = open(waitFor("lock").c_str(), O_RDWR | O_CLOEXEC);
+  const int lock = open(waitForFile(folder_ / "cache", "lock").c_str(), O_RDWR | O_CLOEXEC);
   EXPECT_EQ(flock(lock, LOCK_EX | LOCK_NB), -1);
   kill(builder, SIGKILL);
   EXPECT_EQ(flock(lock, LOCK_EX), 0);
@@ -170,7 +159,7 @@ TEST_F(BuiltStore, isBuiltAnewAfterAnImageThatCameWhileItWasBuilt) {
   bytes.insert(bytes.find("element"), "comment TextureFile red.png\n");
   writeBytes(ply, bytes);
   Program program("lodestream", fetchOf(ply), environment_);
-  waitFor(".lode");  // it has the name when the build is over
+  waitForFile(folder_ / "cache", ".lode");  // it has the name when the build is over
   writeImage(folder_ / "red.png", kRed);
   EXPECT_EQ(program.wait().status, 0);
   EXPECT_EQ(Json::parse(fetch(ply).out).value("tiles", -1), 1);
