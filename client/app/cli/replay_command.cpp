@@ -182,21 +182,25 @@ Json toJson(const Replayed& replayed) {
 }
 
 /// What the path wishes for, whatever the link.
+/// Whether the file can be written is found out before the work.
 void record(const ReplayOptions& options) {
-  const std::optional<core::CameraPath> path = wantedPath(options.common);
+  const CommonOptions& common = options.common;
+  for (const std::string& input : {common.target, common.camera_file, common.token_file})
+    refuseToReplace(input, options.record_file);
+  AtomicFile file(options.record_file);
+  const std::optional<core::CameraPath> path = wantedPath(common);
   const ResolvedTarget target =
-      resolveTarget(parseTarget(options.common.target), options.common.streamOptions(), !options.json);
-  const PictureSize size = options.common.size();
+      resolveTarget(parseTarget(common.target), common.streamOptions(), !options.json);
+  const PictureSize size = common.size();
   const PathOf path_of = [&](const ModelSummary& model) {
     return path ? *path : makePath(MadePath::kOrbit, model, 0);
   };
-  writeWishTrace(options.record_file,
+  writeWishTrace(std::move(file),
                  recordTrace(target.served, target.options, path_of, {size.width_px, size.height_px},
-                             options.common.pixels, options.common.timeout()));
+                             common.pixels, common.timeout()));
 }
 
 void replay(const ReplayOptions& options) {
-  refuseToReplace(options.common.target, options.record_file);  // said before the work
   if (!options.record_file.empty()) record(options);
   const Replayed replayed = Replay(options).run();
   if (options.json) {

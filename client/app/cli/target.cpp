@@ -42,10 +42,10 @@ Target parseTarget(std::string_view text) {
 
 stream::ServedModel parseServerUrl(std::string_view text) { return stream::parseServer(text); }
 
-void refuseToReplace(std::string_view target, const std::filesystem::path& output) {
+void refuseToReplace(std::string_view input, const std::filesystem::path& output) {
   std::error_code not_there;
-  if (std::filesystem::equivalent(std::filesystem::path(target), output, not_there))
-    throw Error(ErrorCode::kUsage, output.string() + ": is the target itself: name another output");
+  if (std::filesystem::equivalent(std::filesystem::path(input), output, not_there))
+    throw Error(ErrorCode::kUsage, output.string() + ": is what is read: name another output");
 }
 
 }  // namespace lode::app

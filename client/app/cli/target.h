@@ -25,7 +25,8 @@ Target parseTarget(std::string_view text);
 /// lode://host[:port] or lodes://host[:port] without a model, whose name stays empty. @throws Error kUsage.
 stream::ServedModel parseServerUrl(std::string_view text);
 
-/// @throws Error kUsage if the output is the target's file, which it would replace.
-void refuseToReplace(std::string_view target, const std::filesystem::path& output);
+/// @param input  a target or another file that is read.
+/// @throws Error kUsage if the output is that file, which it would replace.
+void refuseToReplace(std::string_view input, const std::filesystem::path& output);
 
 }  // namespace lode::app

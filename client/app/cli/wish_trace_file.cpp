@@ -181,11 +181,10 @@ WishTrace parseWishTrace(std::string_view text, std::string_view source) {
   return trace;
 }
 
-void writeWishTrace(const std::filesystem::path& file, const WishTrace& trace) {
-  std::ofstream out(file, std::ios::binary);
-  out << toJson(trace) << '\n';
-  if (!out.flush())
-    throw Error(ErrorCode::kIo, file.string() + " cannot be written; choose another file for --record");
+void writeWishTrace(AtomicFile file, const WishTrace& trace) {
+  const std::string text = toJson(trace) + '\n';
+  file.write(std::as_bytes(std::span(text)));
+  file.commit();
 }
 
 WishTrace readWishTrace(const std::filesystem::path& file) {

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "client/app/cli/wish_trace.h"
+#include "common/atomic_file.h"
 
 namespace lode::app {
 
@@ -21,8 +22,8 @@ std::string toJson(const WishTrace& trace);
 /// @param source  names the text in errors. @throws Error kInput or kLimit, naming the wish and the remedy.
 WishTrace parseWishTrace(std::string_view json, std::string_view source);
 
-/// @throws Error kIo too.
-void writeWishTrace(const std::filesystem::path& file, const WishTrace& trace);
+/// Writes the file and commits it. @throws Error kIo.
+void writeWishTrace(AtomicFile file, const WishTrace& trace);
 WishTrace readWishTrace(const std::filesystem::path& file);
 
 }  // namespace lode::app

@@ -114,12 +114,35 @@ TEST_F(ReplayedTrace, withoutAWishIsRefused) {
   expectFailure(loadtest(), {trace_, "nothing to replay"});
 }
 
-TEST(Replay, recordsNoTraceOverItsModel) {
+TEST(Replay, recordsNoTraceOverWhatItReads) {
+  const WorkFolder folder;
+  const std::string store = makeSmallStore(folder), path = writePath(folder);
+  for (const std::string& input : {store, path}) {
+    const auto before = readBytes(input);
+    const Outcome outcome = lodestream({"replay", store, "--camera", path, "--record", input});
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_TRUE(readBytes(input) == before) << input;
+  }
+}
+
+TEST(Replay, saysBeforeTheWorkThatATraceCannotBeWritten) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder);
-  const auto before = readBytes(store);
-  EXPECT_EQ(lodestream({"replay", store, "--camera", writePath(folder), "--record", store}).status, 2);
-  EXPECT_TRUE(readBytes(store) == before);
+  const Outcome outcome =
+      lodestream({"replay", store, "--camera", writePath(folder, 1e6), "--record", folder.path().string()});
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
+  expectOneLine(outcome.err);
+}
+
+TEST(Replay, leavesTheTraceThatThereWasWhenItIsInterrupted) {
+  const WorkFolder folder;
+  const std::string store = makeSmallStore(folder), trace = folder / "trace.json";
+  writeBytes(trace, "an older one");
+  Program program("lodestream", {"replay", store, "--camera", writePath(folder, 1e6), "--record", trace});
+  waitForFile(folder.path(), ".tmp");
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait().status, 128 + SIGINT);
+  EXPECT_EQ(readBytes(trace), "an older one");
 }
 
 TEST(Replay, saysWhyItDidNotConverge) {
