@@ -55,8 +55,12 @@ void removeFolder(int in, const char* name, int depth) noexcept {
   }
 }
 
-void remove(const char* path) noexcept {
-  if (::unlink(path) != 0 && errno == EISDIR) removeFolder(AT_FDCWD, path, 0);
+/// @return whether there was anything.
+bool remove(const char* path) noexcept {
+  if (::unlink(path) == 0) return true;
+  if (errno != EISDIR) return false;
+  removeFolder(AT_FDCWD, path, 0);
+  return true;
 }
 
 /// Another thread, which ends the process, may have looked too early.
@@ -75,9 +79,7 @@ void endBy(int signal) {
   bool is_removed = false;
   for (const std::atomic<const char*>& slot : unfinished) {
     const char* const path = slot;
-    if (path == nullptr) continue;
-    remove(path);
-    is_removed = true;
+    if (path != nullptr && remove(path)) is_removed = true;
   }
   say(program_invocation_short_name);
   say(is_removed ? ": interrupted; what was unfinished is removed\n" : ": interrupted\n");

@@ -49,6 +49,16 @@ TEST_F(Interrupted, processesLeaveNothingOfAFileThatIsBeingWritten) {
   EXPECT_TRUE(folder_.contents().empty());
 }
 
+TEST_F(Interrupted, processesSayNothingOfFilesThatWereNotBegun) {
+  EXPECT_EXIT(
+      {
+        endCleanlyWhenInterrupted();
+        const Unfinished unfinished(folder_ / "a");
+        std::raise(SIGTERM);
+      },
+      by_sigterm_, "unit_common: interrupted\n$");
+}
+
 TEST_F(Interrupted, processesRemoveAFolderWithAllThatIsInIt) {
   EXPECT_EXIT(
       {
