@@ -64,7 +64,8 @@ bool remove(const BuiltSource& source) {
 uint64_t storeCacheBytes(const fs::path& stores) {
   std::error_code failed;
   const fs::space_info disk = fs::space(stores, failed);
-  return failed ? kLeastBytes : std::max<uint64_t>(kLeastBytes, disk.capacity / kShareOfDisk);
+  if (failed) return kLeastBytes;
+  return std::min<uint64_t>(std::max<uint64_t>(kLeastBytes, disk.capacity / kShareOfDisk), disk.capacity / 2);
 }
 
 FileLock useStore(const fs::path& store) {

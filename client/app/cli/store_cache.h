@@ -15,7 +15,7 @@ constexpr std::string_view kStoreBuildLock = "lock";
 constexpr std::string_view kBuildRecord = "built.json";
 
 /// How much all stores that are built of PLY files may take together: a tenth of the disk that they lie on,
-/// at least 20 GB.
+/// at least 20 GB, but not more than half of it.
 /// @param stores  the folder with one for each source.
 uint64_t storeCacheBytes(const std::filesystem::path& stores);
 
