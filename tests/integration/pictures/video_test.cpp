@@ -17,6 +17,8 @@ TEST(InterruptedVideo, leavesNoFrames) {
   const WorkFolder folder;
   const fs::path ply = folder / "a.ply", path = folder / "path.json", ffmpeg = folder / "ffmpeg";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "1000", "-o", ply}).status, 0);
+  const Outcome picture = lodestream({"render", ply, "--size", "64x64", "-o", folder / "a.png"});
+  if (cannotDraw(picture, "cannot draw off-screen")) GTEST_SKIP() << picture.err;
   writeBytes(path, R"({"keys": [{"t": 0, "eye": [3, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1]},
                                 {"t": 600, "eye": [0, 3, 0], "target": [0, 0, 0], "up": [0, 0, 1]}]})");
   writeBytes(ffmpeg, "#!/bin/sh\n");
