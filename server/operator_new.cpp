@@ -6,16 +6,16 @@
 
 #include "server/serve/memory_reserve.h"
 
+// NOLINTBEGIN(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
 namespace {
 
 void* allocate(size_t bytes) noexcept {
-  void* const memory = std::malloc(bytes == 0 ? 1 : bytes);  // NOLINT(cppcoreguidelines-no-malloc)
+  void* const memory = std::malloc(bytes == 0 ? 1 : bytes);
   return memory != nullptr ? memory : lode::serve::MemoryReserve::take(bytes);
 }
 
 }  // namespace
 
-// NOLINTBEGIN(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
 void* operator new(size_t bytes) {
   void* const memory = allocate(bytes);
   if (memory == nullptr) throw std::bad_alloc();
