@@ -216,7 +216,7 @@ def print_table(heads, rows):
 
 
 class Plot:
-    """Panels above each other over the seconds of a run; left out where matplotlib is not there."""
+    """Panels above each other over the seconds of a run, the logarithmic ones alike; left out where matplotlib is not there."""
 
     def __init__(self, title):
         self.title, self.panels = title, []
@@ -224,6 +224,11 @@ class Plot:
     def panel(self, what, *lines, log=False):
         """lines: (name, seconds, values)."""
         self.panels.append((what, lines, log))
+
+    def decades(self):
+        """Powers of ten around all logarithmic values."""
+        values = [value for _, lines, log in self.panels if log for _, _, values in lines for value in values if value > 0] or [1]
+        return 10.0 ** math.floor(math.log10(min(values))), 10.0 ** (math.floor(math.log10(max(values))) + 1)
 
     def write(self, path):
         try:
@@ -240,10 +245,13 @@ class Plot:
             axis.grid(alpha=0.3)
             if log:
                 axis.set_yscale("log")
+                axis.set_ylim(*self.decades())
+                axis.yaxis.set_major_formatter("{x:g}")
+                axis.yaxis.set_minor_formatter("")
             if len(lines) > 1:
                 axis.legend(fontsize="small")
         axes[-1, 0].set_xlabel("seconds")
         figure.suptitle(self.title)
         figure.tight_layout()
-        figure.savefig(path)
+        figure.savefig(path, dpi=80)
         pyplot.close(figure)

@@ -187,7 +187,9 @@ class Growth(unittest.TestCase):
             stage.print_table(("a", "b"), [(1, "two")])
         self.assertEqual(said.getvalue(), "| a | b |\n| --- | --- |\n| 1 | two |\n")
         plot = stage.Plot("title")
-        plot.panel("ms", ("one", (0, 1), (2, 3)), ("other", (), ()), log=True)
+        plot.panel("ms", ("one", (0, 1), (2, 30)), ("other", (), ()), log=True)
+        plot.panel("alone: ms", ("", (0, 1), (0, 0.2)), log=True)
+        self.assertEqual(plot.decades(), (0.1, 100))
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()) as said:
             path = pathlib.Path(folder, "plot.svg")
             plot.write(path)
