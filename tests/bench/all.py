@@ -2,10 +2,11 @@
 """The benchmarks whose tables stand in docs/benchmarks.md, and what has moved: all.py BIN_DIR [BENCH ...] [--runs R] [--write]
 
 Runs each bench R times, prints its tables with the medians of all figures, and compares them with those of
-docs/benchmarks.md, which it finds by the heads of the columns and the first cells of the rows. A figure has moved if it differs by
+docs/benchmarks.md. There a comment above each table names its benches, or says that it is made by hand; columns are found by
+their heads and rows by their first cells, and the document may have more of both. A figure has moved if it differs by
 more than what the runs differ by among themselves, and by more than a twentieth. --write puts the medians in the place of
 the figures that moved; read the text around them then. The programs of a release build are in BIN_DIR; LODESTREAM_TEST_DATA
-names a folder of scans. Some benches need root, for network namespaces. An hour or more, on a machine with nothing else to do.
+names a folder of scans. Some benches need root, for network namespaces. Some hours, on a machine with nothing else to do.
 """
 import argparse
 import os
@@ -21,13 +22,44 @@ HERE = pathlib.Path(__file__).resolve().parent
 DOCUMENT = HERE.parent.parent / "docs" / "benchmarks.md"
 NOISE = 0.05  # of a figure: what differs by less is not called moved, however alike the runs are
 NUMBER = re.compile(r"(?<![\w.])\d[\d,]*(?:\.\d+)?")
-BENCHES = {  # {bin}, {store}: a store of the asteroid of 20 million triangles, {scans}: PLY files
+MADE_BY = re.compile(r"<!-- table: (.*) -->")
+BY_HAND = "by hand"
+MODELS = {  # by the names of files: what sample takes, and build
+    "asteroid": ("asteroid --triangles 2000000", ""),
+    "asteroid_4096": ("asteroid --triangles 2000000", "--triangles-per-node 4096"),
+    "asteroid1": ("asteroid --triangles 1000000", ""),
+    "asteroid1_8192": ("asteroid --triangles 1000000", "--triangles-per-node 8192"),
+    "asteroid20": ("asteroid --triangles 20000000", ""),
+    "gyroid": ("gyroid --triangles 1000000", ""),
+    "terrain": ("terrain --triangles 1000000", ""),
+    "a2": ("asteroid --triangles 2000000 --attributes normal,color", ""),
+    "a20": ("asteroid --triangles 20000000 --attributes normal,color", ""),
+    "coloured": ("asteroid --triangles 100000 --attributes color", ""),
+    "shaded": ("asteroid --triangles 100000 --attributes normal,color", ""),
+    "closed": ("asteroid --triangles 500000 --attributes normal,color", ""),
+    "closed_2048": ("asteroid --triangles 500000 --attributes normal,color", "--triangles-per-node 2048"),
+}
+BENCHES = {  # scripts beside this file, or programs; {bin}: their folder, {scans}: PLY files of the test data, NAME.lode and NAME.ply: MODELS
     "build": "bench_build.py {bin} --threads 2 --runs 1",
     "forecast": "bench_forecast.py {bin}",
     "errors": "bench_errors.py {bin} {scans} --nodes 512 4096",
     "hot": "bench_hot.py {bin}",
-    "link": "bench_link.py {bin} {store} --runs 1",
-    "paths": "bench_moving.py paths {bin} {store}",
+    "collapse": "bench_collapse",
+    **{part: "bench_fidelity.py {bin} " + part for part in ("bunny", "creases", "equal_error", "attributes", "forms")},
+    "equal_error_10": "bench_fidelity.py {bin} equal_error --triangles 10000000",
+    "equal_error_512": "bench_fidelity.py {bin} equal_error --triangles 10000000 --triangles-per-node 512",
+    "views": "bench_views.py {bin} asteroid.lode asteroid_4096.lode",
+    "pictures": "bench_pictures.py {bin} shaded.ply coloured.ply --painted 100000 500000",
+    "background": "bench_background closed.lode closed_2048.lode 12",
+    "frames": "bench_frames asteroid.lode",
+    "window": "bench_window.py {bin} a2.lode a20.lode",
+    "fetch": "bench_fetch.py {bin} asteroid.lode",
+    "seen": "bench_seen asteroid.lode gyroid.lode terrain.lode",
+    "link": "bench_link.py {bin} asteroid20.lode --runs 1",
+    "paths": "bench_moving.py paths {bin} asteroid20.lode",
+    "leaps": "bench_moving.py leaps {bin} asteroid20.lode --seconds 100 --replay --pixels 1 --memory-budget 48M",
+    "faults": "bench_moving.py faults {bin} asteroid1.lode asteroid1_8192.lode --seconds 150",
+    "scenarios": "bench_scenarios.py {bin}",
     **{part: "bench_serving.py {bin} " + part
        for part in ("throughput", "tls", "fairness", "clients", "idle", "cold", "latency", "urgent")},
 }
@@ -36,8 +68,8 @@ BENCHES = {  # {bin}, {store}: a store of the asteroid of 20 million triangles, 
 class Table:
     """Rows of text by the heads of their columns. A row's name is its first cells, as far as they hold no figure that was measured."""
 
-    def __init__(self, head):
-        self.head, self.rows = head, {}
+    def __init__(self, head, made_by=()):
+        self.head, self.made_by, self.rows = head, made_by, {}
 
     @staticmethod
     def cells(line):
@@ -62,7 +94,8 @@ def tables(text):
     found, lines = [], text.splitlines()
     for number, line in enumerate(lines):
         if re.fullmatch(r"[|\s-]*---[|\s-]*", line) and number > 0 and lines[number - 1].startswith("|"):
-            found.append(Table(Table.cells(lines[number - 1])))
+            made_by = MADE_BY.fullmatch(lines[number - 2]) if number > 1 else None
+            found.append(Table(Table.cells(lines[number - 1]), made_by[1].split(", ") if made_by else ()))
             row = number + 1
             while row < len(lines) and lines[row].startswith("|"):
                 found[-1].rows[row] = Table.cells(lines[row])
@@ -102,30 +135,46 @@ def merge(outputs):
     return merged
 
 
-def compare(table, cells, document):
-    """@return (row, column, text in the document, text now, line) of each cell of which a figure has moved; None if no table there
-    has this head and one of these rows."""
-    known = next((other for other in document if other.head == table.head and set(other.named()) & set(table.named())), None)
-    if known is None:
-        return None
-    moved, heads = [], table.head[table.names():]
-    for (name, place), (_, now) in cells.items():
+def columns_in(table, other):
+    """Where the columns of a table are in another, which may have more between them; None if one is not there."""
+    places = []
+    for head in table.head:
+        if head not in other.head[places[-1] + 1 if places else 0:]:
+            return None
+        places.append(other.head.index(head, places[-1] + 1 if places else 0))
+    return places
+
+
+def in_document(table, bench, document):
+    """The table there that this bench makes, and where its columns are."""
+    for other in document:
+        columns = columns_in(table, other)
+        if bench in other.made_by and columns and set(other.named()) & set(table.named()):
+            return other, columns
+    return None, None
+
+
+def compare(table, cells, known, columns):
+    """@return (row, column, text in the document, text now, line, number of the column there) of each cell of which a figure has
+    moved."""
+    moved, names = [], table.names()
+    for (name, place), (text_now, now) in cells.items():
         if name not in known.named():
             continue
-        line, row = known.named()[name]
-        before = figures(row[place])
-        if len(before) == len(now) and any(abs(median - old) > max(spread, NOISE * old) for (median, spread), old in zip(now, before)):
-            moved.append((name, heads[place], row[place], with_figures(row[place], (median for median, _ in now)), line))
+        line, _ = known.named()[name]
+        column = columns[names + place]
+        text = known.rows[line][column]
+        before = figures(text)
+        if len(before) != len(now):
+            moved.append((name, known.head[column], text, text_now, line, column))
+        elif any(abs(median - old) > max(spread, NOISE * old) for (median, spread), old in zip(now, before)):
+            moved.append((name, known.head[column], text, with_figures(text, (median for median, _ in now)), line, column))
     return moved
 
 
 def write(moved):
     lines = DOCUMENT.read_text().splitlines()
-    for name, head, before, now, line in moved:
-        head_line = line
-        while not re.fullmatch(r"[|\s-]*---[|\s-]*", lines[head_line]):
-            head_line -= 1
-        column = Table.cells(lines[head_line - 1]).index(head, len(name))
+    for name, head, before, now, line, column in moved:
         cells = list(Table.cells(lines[line]))
         assert cells[column] == before, (name, head)
         cells[column] = now
@@ -144,24 +193,26 @@ def main():
         parser.error(f"no bench {unknown}: there are {', '.join(BENCHES)}")
     moved, failed, unknown, document = [], [], [], tables(DOCUMENT.read_text())
     with tempfile.TemporaryDirectory() as folder:
-        places = {"bin": options.bin_dir.resolve(), "store": f"{folder}/asteroid20.lode", "scans": scans()}
         for name in options.benches or BENCHES:
-            if "{store}" in BENCHES[name]:
-                make_store(options.bin_dir, folder)
+            command = BENCHES[name].format(bin=shlex.quote(str(options.bin_dir.resolve())), scans=scans())
+            make_models(command, options.bin_dir.resolve(), folder)
             print(f"## {name}\n", flush=True)
-            outputs = [run(BENCHES[name].format(**places)) for _ in range(options.runs)]
+            outputs = [run(command, options.bin_dir.resolve(), folder) for _ in range(options.runs)]
             if None in outputs:
                 failed.append(name)
                 continue
             print(outputs[-1])
+            missed = [table for table in document if name in table.made_by]
             for table, cells in merge(outputs):
-                found = compare(table, cells, document)
-                if found is None:
+                known, columns = in_document(table, name, document)
+                if known is None:
                     unknown.append(f"{name} ({table.head[0]})")
                 else:
-                    moved += found
+                    moved += compare(table, cells, known, columns)
+                    missed = [other for other in missed if other is not known]
+            failed += [f"{name} (its table of {table.head[0]})" for table in missed]
     print(f"\n{len(moved)} cells have moved" + (":" if moved else ""))
-    for name, head, before, now, _ in moved:
+    for name, head, before, now, *_ in moved:
         print(f"  {', '.join(name)}: {head}: {before} → {now}")
     if options.write:
         write(moved)
@@ -177,15 +228,22 @@ def scans():
     return " ".join(shlex.quote(str(path)) for path in sorted(pathlib.Path(data).glob("*.ply"))) if data else ""
 
 
-def make_store(bin_dir, folder):
-    model, store = (f"{folder}/asteroid20.{ending}" for ending in ("ply", "lode"))
-    for command in (["sample", "asteroid", "--triangles", "20000000", "-o", model], ["build", model, "-o", store, "--quiet"]):
-        subprocess.run([bin_dir / "lodestreamd", *command], check=True, stdout=subprocess.DEVNULL)
+def make_models(command, bin_dir, folder):
+    """Those that the command names, where they are not yet there."""
+    for name in filter(MODELS.get, dict.fromkeys(re.findall(r"\b(\w+)\.(?:lode|ply)\b", command))):
+        model, store = (pathlib.Path(folder, f"{name}.{ending}") for ending in ("ply", "lode"))
+        if store.exists():
+            continue
+        of_sample, of_build = map(str.split, MODELS[name])
+        for made in (["sample", *of_sample, "-o", model], ["build", model, "-o", store, "--quiet", *of_build]):
+            subprocess.run([bin_dir / "lodestreamd", *made], check=True, stdout=subprocess.DEVNULL)
 
 
-def run(command):
+def run(command, bin_dir, folder):
     """What it has printed; None if it failed: the others go on."""
-    done = subprocess.run([sys.executable, *shlex.split(command)], cwd=HERE, stdout=subprocess.PIPE, text=True, check=False)
+    program, *arguments = shlex.split(command)
+    start = [sys.executable, HERE / program] if program.endswith(".py") else [bin_dir / program]
+    done = subprocess.run([*start, *arguments], cwd=folder, stdout=subprocess.PIPE, text=True, check=False)
     return done.stdout if done.returncode == 0 else None
 
 

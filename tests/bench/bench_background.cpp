@@ -79,8 +79,8 @@ core::View randomView(const ModelSummary& model, std::mt19937& random) {
 
 void print(const char* what, const test::BackgroundWatch::Tally& tally) {
   std::printf(
-      "%s: %llu frames (%llu fading, %llu mixed), %llu pixels inside, %llu of them background\n", what,
-      static_cast<unsigned long long>(tally.frames), static_cast<unsigned long long>(tally.fading_frames),
+      "| %s | %llu | %llu | %llu | %llu | %llu |\n", what, static_cast<unsigned long long>(tally.frames),
+      static_cast<unsigned long long>(tally.fading_frames),
       static_cast<unsigned long long>(tally.mixed_frames), static_cast<unsigned long long>(tally.inside),
       static_cast<unsigned long long>(tally.background));
 }
@@ -110,7 +110,7 @@ void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cam
       }
     }
   }
-  print("without fades, one pixel inside full resolution", tally);
+  print("cuts of one pixel without fades, two pixels within the outline of full resolution", tally);
 }
 
 /// Every frame of a stream whose cameras jump, and sharpen from four pixels to one, region by region.
@@ -134,8 +134,8 @@ void countFading(Models& models, stream::Streamer& streamer, const ModelSummary&
       } while (!(status.current && status.settled) || watch.fading() || !watch.uploaded());
     }
   }
-  std::printf("%d builds shown in turn\n", builds);
-  print("with fades", watch.tally());
+  print("frames of a stream", watch.tally());
+  std::printf("\n%d builds shown in turn\n", builds);
 }
 
 void run(int argc, char** argv) {
@@ -146,7 +146,10 @@ void run(int argc, char** argv) {
   Models models(argv[1], argv[2]);
   stream::Streamer streamer(models.served(), {});
   const ModelSummary model = streamer.waitForModel(kPatience);
-  std::printf("%d random cameras, %u x %u\n", cameras, kWidthPx, kHeightPx);
+  std::printf(
+      "%d random cameras, %u x %u\n\n| | pictures | with a fade | of a mixture | pixels inside "
+      "| of them background |\n| --- | --- | --- | --- | --- | --- |\n",
+      cameras, kWidthPx, kHeightPx);
   countSettled(streamer, model, cameras);
   countFading(models, streamer, model, cameras);
 }

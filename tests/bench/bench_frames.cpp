@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -127,7 +128,7 @@ void measure(const std::string& file) {
     const auto cut = client.cut(view);
     renderer.show(cut);
     renderer.uploadInRenderThread({.wait = true});
-    measure(file.substr(file.find_last_of('/') + 1) + " | " + distance, *cut, renderer, target);
+    measure(std::filesystem::path(file).stem().string() + " | " + distance, *cut, renderer, target);
   };
   show("framed", core::toView(framing.keys.front(), framing.fov_y_deg, kWidthPx, kHeightPx, store.summary()));
   show("near", cameras.next(0.12));
@@ -140,8 +141,8 @@ void measure(const std::string& file) {
 int main(int argc, char** argv) {
   const lode::render::OffscreenContext context;
   std::puts(
-      "| store | from | triangles of the cut | in the picture | not hidden | CPU ms a frame | not hidden "
+      "| model | from | triangles of the cut | in the picture | not hidden | CPU ms a frame | not hidden "
       "| with ambient occlusion | ms | not hidden | with ambient occlusion | pixels that differ, of all "
-      "frames |");
+      "frames |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
   for (int i = 1; i < argc; ++i) lode::bench::measure(argv[i]);
 }

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Pictures of one-pixel cuts beside full resolution: bench_pictures.py BIN_DIR MODEL.ply ... [--pixels P]
 
-With --painted N it also makes a sample of N triangles with texture coordinates and a picture of
+With --painted N ... it also makes samples of N triangles with texture coordinates and a picture of
 rings, stripes and a gradient, which has hard edges everywhere.
 Builds each model, draws it from eight places (along the axes, and two close ones) at an error of P pixels and of 0.01,
-which is all leaves, and has bench_fidelity compare each pair.
+which is all leaves, and has bench_fidelity compare each pair: peak signal-to-noise ratios over the cameras whose pictures differ.
 """
 import argparse
 import json
 import math
 import pathlib
+import re
 import struct
 import subprocess
 import tempfile
@@ -25,21 +26,23 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin_dir", type=pathlib.Path)
     parser.add_argument("models", nargs="*", type=pathlib.Path)
-    parser.add_argument("--painted", type=int, metavar="N")
+    parser.add_argument("--painted", type=int, nargs="*", default=[], metavar="N")
     parser.add_argument("--pixels", default="1")
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
-    if options.painted:
+    print("| model | triangles | drawn, least and most | inside the silhouette, the worst and the best camera, dB | with the rim, the worst |")
+    print("| --- | --- | --- | --- | --- |")
+    for triangles in options.painted:
         with tempfile.TemporaryDirectory() as folder:
-            compare(options, painted_sample(options, pathlib.Path(folder)), pathlib.Path(folder))
+            compare(options, painted_sample(options, triangles, pathlib.Path(folder)), pathlib.Path(folder))
     for model in options.models:
         with tempfile.TemporaryDirectory() as folder:
             compare(options, model, pathlib.Path(folder))
 
 
-def painted_sample(options, folder):
-    model, bare = folder / "painted.ply", folder / "bare.ply"
-    subprocess.run([str(options.bin_dir / "lodestreamd"), "sample", "asteroid", "--triangles", str(options.painted),
+def painted_sample(options, triangles, folder):
+    model, bare = folder / f"painted{triangles}.ply", folder / "bare.ply"
+    subprocess.run([str(options.bin_dir / "lodestreamd"), "sample", "asteroid", "--triangles", str(triangles),
                     "--attributes", "uv", "-o", str(bare)], check=True, stdout=subprocess.DEVNULL)
     header, rest = bare.read_bytes().split(b"element vertex", 1)
     model.write_bytes(header + b"comment TextureFile painted.png\nelement vertex" + rest)
@@ -71,24 +74,23 @@ def compare(options, model, folder):
     daemon = str(options.bin_dir / "lodestreamd")
     subprocess.run([daemon, "build", str(model), "-o", str(store), "--quiet"], check=True)
     info = json.loads(subprocess.run([daemon, "info", str(store), "--json"], check=True, capture_output=True).stdout)
-    print(f"{model.name}: {info['triangles']} triangles, {', '.join(info['attributes'])}", flush=True)
-    pairs = []
+    pairs, drawn = [], []
     for number, direction in enumerate(DIRECTIONS):
         camera = folder / f"{number}.json"
         camera.write_text(json.dumps(camera_at(info["box"], direction, 0.5 if number >= CLOSE else 1)))
-        triangles = {}
         for pixels in (FULL_PX, options.pixels):
             picture = folder / f"{number}_{pixels}.png"
             client = [str(options.bin_dir / "lodestream")]
             of_camera = [str(store), "--camera", str(camera), "--size", options.size, "--pixels", pixels]
-            # The lattice's own error may stay above the threshold of full resolution: the exit status says so.
-            subprocess.run([*client, "render", *of_camera, "-o", str(picture)], check=pixels != FULL_PX,
-                           stderr=subprocess.DEVNULL if pixels == FULL_PX else None)
-            fetched = subprocess.run([*client, "fetch", *of_camera, "--json"], capture_output=True).stdout
-            triangles[pixels] = json.loads(fetched)["triangles"]
+            # So near the lattice's own error may stay above the threshold: the exit status says so.
+            subprocess.run([*client, "render", *of_camera, "-o", str(picture)], check=False, stderr=subprocess.DEVNULL)
             pairs.append(str(picture))
-        print(f"  {direction}: {triangles[options.pixels]} triangles of {triangles[FULL_PX]}", flush=True)
-    subprocess.run([str(options.bin_dir / "bench_fidelity"), "--pictures", *pairs], check=True)
+        fetched = subprocess.run([*client, "fetch", *of_camera, "--json"], capture_output=True).stdout
+        drawn.append(json.loads(fetched)["triangles"])
+    said = subprocess.run([str(options.bin_dir / "bench_fidelity"), "--pictures", *pairs], check=True, capture_output=True, text=True).stdout
+    inside, rim = ([float(db) for db in re.findall(pattern, said) if db != "inf"] for pattern in (r"(\S+) dB inside", r"(\S+) dB with"))
+    print(f"| {model.stem} | {info['triangles']} | {min(drawn)}, {max(drawn)} | "
+          f"{f'{min(inside):.1f}, {max(inside):.1f}' if inside else 'equal'} | {f'{min(rim):.1f}' if rim else 'equal'} |", flush=True)
 
 
 def camera_at(box, direction, distance):

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <deque>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>
@@ -203,8 +204,7 @@ class PixelCount {
 
 /// Of bytes.
 struct Shares {
-  uint64_t until_right = 0, seen = 0, hidden = 0, outside = 0, replaced = 0, pages = 0;
-  uint64_t cut = 0, seen_of_cut = 0;
+  uint64_t until_right = 0, seen = 0, hidden = 0, outside = 0, replaced = 0, cut = 0;
   uint64_t floor =
       0;  ///< of the parts of the converged cut that show so many pixels, most pixels a byte first
   uint64_t parts = 0, seen_parts = 0;
@@ -251,7 +251,6 @@ void add(Shares& shares, const store::Reader& store, const Look& right, const st
     by_worth.push_back(seen);
     all_pixels += seen.pixels;
     shares.cut += seen.bytes;
-    shares.seen_of_cut += seen.pixels > 0 ? seen.bytes : 0;
     shares.seen_parts += seen.pixels > 0;
   }
   shares.parts += parts.size();
@@ -267,9 +266,8 @@ void add(Shares& shares, const store::Reader& store, const Look& right, const st
   for (size_t i = 0; i < right.received; ++i) {
     const Wish& wish = received[i];
     const auto part = parts.find(wish.use.mesh);
-    if (wish.use.kind != BlobKind::kMesh)
-      shares.pages += wish.blob.bytes;
-    else if (part == parts.end())
+    if (wish.use.kind != BlobKind::kMesh) continue;  // a page
+    if (part == parts.end())
       shares.replaced += wish.blob.bytes;
     else
       (part->second.pixels > 0 ? shares.seen
@@ -290,9 +288,9 @@ void measure(const std::string& file) {
       const std::vector<Look> looks = client.looks();
       add(shares, store, firstRight(looks, renderer, target), client.received(), looks);
     }
-    std::printf("| %s | %s |", file.substr(file.find_last_of('/') + 1).c_str(), distance.name);
+    std::printf("| %s | %s |", std::filesystem::path(file).stem().c_str(), distance.name);
     for (const uint64_t bytes : {shares.until_right, shares.seen, shares.hidden, shares.outside,
-                                 shares.replaced, shares.pages, shares.cut, shares.seen_of_cut, shares.floor})
+                                 shares.replaced, shares.cut, shares.floor})
       std::printf(" %.0f |", static_cast<double>(bytes) / kCameras / 1e3);
     std::printf(" %.0f of %.0f | %.1f | %.2f |\n", static_cast<double>(shares.seen_parts) / kCameras,
                 static_cast<double>(shares.parts) / kCameras,
@@ -308,9 +306,9 @@ void measure(const std::string& file) {
 int main(int argc, char** argv) {
   const lode::render::OffscreenContext context;
   std::puts(
-      "| store | distance | KB until right | of them in the final cut and seen | hidden | outside | replaced "
-      "since "
-      "| pages | final cut, KB | seen of it | floor | parts seen | of these at most taken for hidden "
-      "| with % of the picture |");
+      "| model | distance | KB until it looks right | of it in the final cut and seen | hidden | outside "
+      "| replaced since | final cut | floor | parts seen | of these at most taken for hidden "
+      "| with % of the picture |\n|"
+      " --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
   for (int i = 1; i < argc; ++i) lode::core::measure(argv[i]);
 }

@@ -88,15 +88,15 @@ def main():
         first = taken[share, options.stores[0]]
         ratios = [[mine[i] / others[i] for mine, others in zip(of_places, first)] for i in (0, 1)]
         triangles, received = (statistics.median(values) for values in zip(*of_places))
-        rows.append({"distance": share, "store": store.name, "triangles_drawn": triangles, "bytes_received": received,
+        rows.append({"distance": share, "store": store.stem, "triangles_drawn": triangles, "bytes_received": received,
                      "triangles_ratio": statistics.median(ratios[0]), "bytes_ratio": statistics.median(ratios[1])})
     if options.json:
         print(json.dumps(rows))
         return
-    print("distance  triangles  ratio      bytes  ratio  store")
+    print("| distance | store | bytes received | triangles drawn | of the first store's |\n| --- | --- | --- | --- | --- |")
     for row in rows:
-        print(f"{row['distance']:8g} {row['triangles_drawn']:10.0f} {row['triangles_ratio']:6.2f} "
-              f"{row['bytes_received']:10.0f} {row['bytes_ratio']:6.2f}  {row['store']}")
+        print(f"| {row['distance']} | {row['store']} | {row['bytes_received']:.0f} | {row['triangles_drawn']:.0f} "
+              f"| {row['bytes_ratio']:.2f} ({row['triangles_ratio']:.2f}) |")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,28 @@
+#!/usr/bin/env python3
+"""What the first picture of a store takes over loopback: bench_fetch.py BIN_DIR STORE [--runs R]
+
+`lodestream fetch` starts its own server and ends when the first camera's cut is within a pixel. Medians over R runs.
+"""
+import argparse
+import json
+import pathlib
+import statistics
+import subprocess
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin_dir", type=pathlib.Path)
+    parser.add_argument("store", type=pathlib.Path)
+    parser.add_argument("--runs", type=int, default=10)
+    options = parser.parse_args()
+    command = [options.bin_dir / "lodestream", "fetch", options.store, "--cache", "off", "--json"]
+    runs = [json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout) for _ in range(options.runs)]
+    median = lambda what: statistics.median(run[what] for run in runs)
+    print("| model | first image | converged | received | of the cut's own bytes | triangles drawn |\n| --- | --- | --- | --- | --- | --- |")
+    print(f"| {options.store.stem} | {median('first_image_ms'):.1f} ms | {median('converged_ms'):.0f} ms | {median('bytes_received'):.0f} bytes | "
+          f"{median('bytes_received') / median('final_cut_bytes'):.2f} | {median('triangles'):.0f} |")
+
+
+if __name__ == "__main__":
+    main()
