@@ -1,5 +1,6 @@
 """A server under load for long while everything around it changes: nothing grows, and nothing fails that was not made to."""
 import contextlib
+import math
 import os
 import pathlib
 import random
@@ -14,22 +15,24 @@ from stage import SAMPLE_EVERY_S, Plot, percentile, print_table, result
 
 ACTIONS = ("reload", "replace", "renew_certificate", "kill_a_crowd", "damage")
 ACT_EVERY_S, CROWD_S, MODELS = 2, (5, 15), ("steady", "changing", "damaged")
-NOISE_BYTES = 4 << 20  # what the server keeps of freed memory, by its TrimWatch
-NOISE_DESCRIPTORS = 8
+PARTS, STANDARD_ERRORS = 15, 4  # of a run after its first quarter, in which caches and pools fill
+LEAST_BYTES, LEAST_DESCRIPTORS = 1 << 20, 2  # what is not told from steps of malloc's and of the sampling
 
 
 def growth(values):
-    """Of the means of the second and the last quarter of a run: what the last is more."""
-    quarter = len(values) // 4
-    return statistics.mean(values[-quarter:]) - statistics.mean(values[quarter:2 * quarter])
+    """How much more is held at the end of a run than after its first quarter, when those who come and go have gone, and by how much
+    that may be wrong: of a straight line through the least values of the run's parts, and its standard error."""
+    rest = values[len(values) // 4:]
+    floors = [min(rest[part * len(rest) // PARTS:(part + 1) * len(rest) // PARTS]) for part in range(PARTS)]
+    slope, start = statistics.linear_regression(range(PARTS), floors)
+    beside = math.sqrt(sum((floor - start - slope * part) ** 2 for part, floor in enumerate(floors)) / (PARTS - 2))
+    return slope * (PARTS - 1), (PARTS - 1) * beside / math.sqrt((PARTS ** 3 - PARTS) / 12)
 
 
-def grows(values, noise):
-    """Whether that is more than some noise, and than twice what values are beside the straight line through them: who comes and
-    goes moves them to and fro, what leaks moves the line."""
-    slope, start = statistics.linear_regression(range(len(values)), values)
-    beside = statistics.pstdev(value - start - slope * number for number, value in enumerate(values))
-    return growth(values) > max(noise, 2 * beside)
+def grows(values, least):
+    """Whether that is more than chance, and than some least amount."""
+    grown, error = growth(values)
+    return grown > max(least, STANDARD_ERRORS * error)
 
 
 class Watch:
@@ -130,20 +133,21 @@ def soak(stage):
     kinds = ("lost", "errors", "failed_wishes", "first_error")
     broken = [{kind: run[kind] for kind in kinds} for run in told if any(run[kind] for kind in kinds)]
     clients, lost = sum(run["clients"] for run in told), sum(run["lost"] + run["errors"] + run["failed_wishes"] for run in told)
-    grown, descriptors = growth(watch.resident), growth(watch.descriptors)
+    grown, descriptors = (f"{amount:+.1f} ± {error:.1f}" for amount, error in
+                          (growth([r / 1e6 for r in watch.resident]), growth(watch.descriptors)))
     print_table(("done to it", "times"), sorted(around.done.items()))
     print()
     print_table(("seconds", "clients that ended by themselves", "lost, failed, given up", "single wishes", "p99", "failed", "damaged told",
                  "resident, mean", "grown", "descriptors, mean", "grown"),
                 [(seconds, clients, lost, len(late), f"{percentile(late, 0.99):.1f} ms", probed["steady"]["failed"] + probed["changing"]["failed"],
-                  f"{figures['model_damaged_blobs_total']:.0f}", f"{statistics.mean(watch.resident) / 1e6:.1f} MB", f"{grown / 1e6:+.1f} MB",
-                  f"{statistics.mean(watch.descriptors):.0f}", f"{descriptors:+.1f}")])
+                  f"{figures['model_damaged_blobs_total']:.0f}", f"{statistics.mean(watch.resident) / 1e6:.1f} MB", f"{grown} MB",
+                  f"{statistics.mean(watch.descriptors):.0f}", descriptors)])
     plot = Plot("soak")
     plot.panel("resident MB", ("", watch.seconds, [r / 1e6 for r in watch.resident]))
     plot.panel("descriptors", ("", watch.seconds, watch.descriptors))
     plot.panel("a wish's ms", ("", *zip(*probed["steady"]["times"])), log=True)
     assert lost == probed["steady"]["failed"] == probed["changing"]["failed"] == 0, f"something failed that was not made to: {broken}"
     assert set(around.done) == set(ACTIONS) and figures["model_damaged_blobs_total"] > 0, "not all was done to it"
-    assert not grows(watch.resident, NOISE_BYTES), "memory grows"
-    assert not grows(watch.descriptors, NOISE_DESCRIPTORS), "descriptors grow"
+    assert not grows(watch.resident, LEAST_BYTES), "memory grows"
+    assert not grows(watch.descriptors, LEAST_DESCRIPTORS), "descriptors grow"
     return plot

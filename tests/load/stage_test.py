@@ -5,6 +5,7 @@ import io
 import math
 import os
 import pathlib
+import random
 import signal
 import subprocess
 import sys
@@ -169,17 +170,22 @@ class Growth(unittest.TestCase):
         return [by * math.sin(number / 40) + leak * number / self.SAMPLES for number in range(self.SAMPLES)]
 
     def test_of_what_leaks_is_told_however_much_comes_and_goes_beside_it(self):
-        for leak in (20e6, 300e6):
-            self.assertTrue(soak.grows(self.wavering(0, leak), soak.NOISE_BYTES), leak)
-        self.assertTrue(soak.grows(self.wavering(3e6, 20e6), soak.NOISE_BYTES))
-        self.assertTrue(soak.grows(self.wavering(5, 40), soak.NOISE_DESCRIPTORS))
+        for leak in (2e6, 20e6, 300e6):
+            self.assertTrue(soak.grows(self.wavering(0, leak), soak.LEAST_BYTES), leak)
+        self.assertTrue(soak.grows(self.wavering(9e6, 2e6), soak.LEAST_BYTES))
+        self.assertTrue(soak.grows(self.wavering(50, 4), soak.LEAST_DESCRIPTORS))
 
     def test_at_the_end_of_a_run_is_told(self):
-        self.assertTrue(soak.grows(self.wavering(3e6)[:5400] + [30e6 + value for value in self.wavering(3e6)[5400:]], soak.NOISE_BYTES))
+        self.assertTrue(soak.grows(self.wavering(3e6)[:5400] + [30e6 + value for value in self.wavering(3e6)[5400:]], soak.LEAST_BYTES))
 
     def test_of_what_comes_and_goes_is_none(self):
-        self.assertFalse(soak.grows(self.wavering(30e6), soak.NOISE_BYTES))
-        self.assertFalse(soak.grows(self.wavering(0, 6e6), soak.NOISE_BYTES))
+        self.assertFalse(soak.grows(self.wavering(30e6), soak.LEAST_BYTES))
+        self.assertFalse(soak.grows(self.wavering(0, 1e6), soak.LEAST_BYTES))
+
+    def test_by_chance_is_none(self):
+        chance = random.Random(1)
+        crowds = lambda: [size for _ in range(self.SAMPLES // 40) for size in [chance.uniform(20e6, 44e6)] * 40]
+        self.assertEqual([run for run in range(200) if soak.grows(crowds(), soak.LEAST_BYTES)], [])
 
     def test_print_tables_and_draw_what_they_are_given(self):
         said = io.StringIO()
