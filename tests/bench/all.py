@@ -61,7 +61,7 @@ BENCHES = {  # scripts beside this file, or programs; {bin}: their folder, {scan
     "faults": "bench_moving.py faults {bin} asteroid1.lode asteroid1_8192.lode --seconds 150",
     "scenarios": "bench_scenarios.py {bin}",
     **{part: "bench_serving.py {bin} " + part
-       for part in ("throughput", "tls", "fairness", "clients", "idle", "cold", "latency", "urgent")},
+       for part in ("throughput", "tls", "fairness", "clients", "idle", "cold", "latency", "cores", "urgent")},
 }
 
 

@@ -10,6 +10,7 @@ cold        one wish at a time for blobs in memory, alone and beside others whos
             for control groups
 latency     `lodestream loadtest --decode-off` with more and more clients, 99th percentiles by class; beside them those of the
             server's own histograms, from when it has read a visible wish
+cores       clients of `lodestream loadtest` that a core carries, its own and the server's, by CPU seconds
 urgent      a visible wish of 24 KB behind as much prefetching as the window takes, at 10 Mbit/s and 50 ms, directly and
             through HAProxy, under each congestion control that the system has; needs root, for network namespaces
 
@@ -275,6 +276,23 @@ def latency(bench):
               f"**≤ {at_most_ms(send, 0.99):g} ms** | ≤ {at_most_ms(send, 0.999):g} ms |", flush=True)
 
 
+def cores(bench):
+    store, seconds, ramp_s = bench.store or sample_store(bench), 15, 2
+    print("| clients | path | clients a core | of the server's | bytes a second of each |\n| --- | --- | --- | --- | --- |")
+    for what, count, options, paths in (
+            ("full: 10 views a second, 1280 × 720, 1 pixel, decoding", 16, ["--full"], ("orbit", "fly", "walk")),
+            ("replaying wishes, not decoding", 1000, ["--decode-off"], ("orbit", "walk")), ("replaying wishes, decoding", 100, [], ("orbit", "walk"))):
+        for path in paths:
+            with lodestreamd(bench, store) as (server, listen):
+                before = cpu_seconds(server)
+                run = json.loads(on_client_core([bench.bin / "lodestream", "loadtest", f"lode://{listen}/{store.stem}", "--clients", count, "--seconds",
+                                                 seconds, "--ramp", ramp_s, "--path", path, "--json", *options]))
+                used = cpu_seconds(server) - before
+            client_seconds = count * (seconds - ramp_s / 2)
+            print(f"| {what} | {path} | {client_seconds / run['cpu_seconds']:,.0f} | {client_seconds / used:,.0f} | "
+                  f"{run['bytes'] / client_seconds / 1e3:.0f} KB |", flush=True)
+
+
 def urgent(bench):
     folder = bench.folder / "urgent"
     numbers, store = make_store(bench, folder, 24576), folder / "noise.lode"
@@ -313,7 +331,8 @@ def main():
     bench.bin = bench.bin.resolve()
     for ending in (signal.SIGTERM, signal.SIGHUP):  # as SIGINT does, so that servers, control groups and namespaces go too
         signal.signal(ending, lambda number, _: sys.exit(128 + number))
-    parts = dict(throughput=throughput, tls=tls, fairness=fairness, clients=clients, idle=idle, cold=cold, latency=latency, urgent=urgent)
+    parts = dict(throughput=throughput, tls=tls, fairness=fairness, clients=clients, idle=idle, cold=cold, latency=latency, cores=cores,
+                 urgent=urgent)
     with tempfile.TemporaryDirectory() as folder:
         bench.folder = pathlib.Path(folder)
         for name in bench.parts or parts:
