@@ -90,6 +90,9 @@ def check_files():
     """What other programs read, by those programs or their types."""
     environment = {**os.environ, "SERVER_A": "127.0.0.2", "SERVER_B": "127.0.0.3", "LODESTREAM_MODELS": "/tmp", "GRAFANA_PASSWORD": "a"}
     run("docker-compose", "-f", DOCKER / "compose.yaml", "config", "-q", env=environment)
+    del environment["LODESTREAM_MODELS"]
+    refused = subprocess.run(["docker-compose", "-f", DOCKER / "compose.yaml", "config", "-q"], env=environment, capture_output=True, text=True)
+    expect(refused.returncode != 0 and "name the folder of your stores" in refused.stderr, "compose.yaml asks for the folder of the stores")
     run("haproxy", "-c", "-q", "-f", DOCKER / "haproxy.cfg", env=environment)
     run("promtool", "check", "config", DOCKER / "prometheus" / "prometheus.yml")
     run(Path(__file__).with_name("check_manifests.py"), DOCKER / "kubernetes")
