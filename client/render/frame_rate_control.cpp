@@ -17,7 +17,9 @@ constexpr double kFill = 0.8;          ///< of the target: what is aimed at
 constexpr double kFillOfFaster = 0.9;  ///< of a higher rate's: less than what would lower it again
 constexpr double kSpareSteps = 0.25;   ///< that a finer threshold leaves
 constexpr int kSlowFrames = 3;         ///< before the rate is halved
-constexpr int kCalmFrames = 8;         ///< before anything becomes finer or faster
+constexpr int kCalmFrames = 8;         ///< a round of them comes before anything becomes finer or faster
+constexpr int kTrialFrames = 64;       ///< that a rate has to last that was given back
+constexpr int kMorePatience = 4, kMostPatience = 256;  ///< of rounds, where it does not
 constexpr double kRestSeconds = 0.25;
 constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< what is worth waiting for,
 constexpr double kShareWaited = 0.5;                   ///< so much of a frame
@@ -46,11 +48,11 @@ void FrameRateControl::add(double work_ms, double coarsening, bool is_complete) 
   const double need = steps + stepsFor(of_target / kFill);
   const double sure_need = std::min(need, last_need_);
   last_need_ = need;
+  trial_frames_ = std::max(trial_frames_ - 1, 0);
   const bool is_slow = std::lround(steps) >= kMostSteps && of_target > 1;
   slow_frames_ = is_slow ? slow_frames_ + 1 : 0;
   if (slow_frames_ >= kSlowFrames && halvings_ < kMostHalvings) {
-    ++halvings_;
-    slow_frames_ = calm_frames_ = 0;
+    halveRate();
   } else if (sure_need > steps_) {
     calm_frames_ = 0;
     steps_ = wholeSteps(sure_need);
@@ -65,10 +67,21 @@ void FrameRateControl::add(double work_ms, double coarsening, bool is_complete) 
   }
 }
 
+void FrameRateControl::halveRate() noexcept {
+  ++halvings_;
+  slow_frames_ = calm_frames_ = fast_rounds_ = 0;
+  patience_ = trial_frames_ > 0 ? std::min(kMorePatience * patience_, kMostPatience) : 1;
+  trial_frames_ = 0;
+}
+
 void FrameRateControl::ease() noexcept {
   calm_frames_ = 0;
-  if (halvings_ > 0 && faster_need_ <= kMostSteps) {
+  const bool is_fast = halvings_ > 0 && faster_need_ <= kMostSteps;
+  fast_rounds_ = is_fast ? fast_rounds_ + 1 : 0;
+  if (fast_rounds_ >= patience_) {
     --halvings_;
+    fast_rounds_ = 0;
+    trial_frames_ = kTrialFrames;
     steps_ = wholeSteps(faster_need_ + kSpareSteps);
   } else {
     steps_ = std::min(steps_, wholeSteps(calm_need_ + kSpareSteps));

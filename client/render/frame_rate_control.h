@@ -5,8 +5,9 @@ namespace lode::render {
 /// Holds a frame rate while the camera moves, by a coarser threshold, and gives it back while the camera
 /// rests. What a frame takes follows from its triangles, and these from its threshold: each frame says how
 /// much coarser the next ones should be. Where that would be too coarse to fly by, the frame rate is halved
-/// instead, and given back as soon as that is no longer so: the rate comes before the threshold. Thresholds
-/// move in steps of 2^1/4. Pure: no clock, no GL.
+/// instead, and given back as soon as that is no longer so: the rate comes before the threshold. How soon is
+/// a guess, as what a coarser threshold would take is not known: where it was wrong the next one takes more
+/// frames that agree. Thresholds move in steps of 2^1/4. Pure: no clock, no GL.
 class FrameRateControl {
  public:
   enum class Begin { kFine, kCoarse };
@@ -37,6 +38,7 @@ class FrameRateControl {
   double targetMs() const noexcept;
 
  private:
+  void halveRate() noexcept;
   void ease() noexcept;
 
   double wanted_ms_;
@@ -47,6 +49,9 @@ class FrameRateControl {
   int calm_frames_ = 0;     ///< that needed no more, one after another,
   double calm_need_ = 0;    ///< the most steps that these needed,
   double faster_need_ = 0;  ///< and those that they would need at twice the rate
+  int fast_rounds_ = 0;     ///< of calm frames that could be twice as fast, one after another,
+  int patience_ = 1;        ///< and how many of them give the rate back,
+  int trial_frames_ = 0;    ///< which is wrong if it is lowered again within so many
   double still_s_ = 1e9;
 };
 

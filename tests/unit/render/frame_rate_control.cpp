@@ -125,6 +125,42 @@ TEST(FrameRateControl, keepsTheHighestRateThatTheCoarsestThresholdIsEnoughFor) {
   EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
 }
 
+/// How often a machine's rate changes in so many frames.
+int changesOfRate(FrameRateControl& control, Machine& machine, int frames) {
+  int changes = 0;
+  for (int i = 0; i < frames; ++i) {
+    const double target_ms = control.targetMs();
+    machine.frame(control, true);
+    changes += control.targetMs() != target_ms ? 1 : 0;
+  }
+  return changes;
+}
+
+TEST(FrameRateControl, seldomTriesARateAgainThatTheCoarsestThresholdWasNotEnoughFor) {
+  for (double fixed_ms = 13; fixed_ms <= 36; fixed_ms += 0.5) {
+    for (const double sharp_ms : {10.0, 45.0, 100.0}) {
+      for (const double power : {1.0, 1.5, 2.0}) {
+        SCOPED_TRACE(testing::Message() << fixed_ms << " and " << sharp_ms << " ms, power " << power);
+        FrameRateControl control(60);
+        Machine machine(fixed_ms, sharp_ms, power);
+        changesOfRate(control, machine, 500);
+        EXPECT_LE(changesOfRate(control, machine, 2000), 2);
+      }
+    }
+  }
+}
+
+TEST(FrameRateControl, triesARateAgainSoonWhereItLastedBefore) {
+  FrameRateControl control(60);
+  Machine slow(20, 100, 1.5), fast(1, 5, 1.5);
+  for (int i = 0; i < 5; ++i) {
+    for (int j = 0; j < 100; ++j) slow.frame(control, true);
+    EXPECT_GT(control.targetMs(), 1000.0 / 60);
+    for (int j = 0; j < 100; ++j) fast.frame(control, true);
+    EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
+  }
+}
+
 TEST(FrameRateControl, halvesNoRateForTwoSlowFrames) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.step(0.016, true);
