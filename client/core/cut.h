@@ -21,7 +21,10 @@ struct CutPart {
   std::shared_ptr<const Mesh> mesh;
   float error_model = 0;  ///< how far its surface lies from the original one
   float off_model = 0;    ///< the larger of that and of its lost detail: error_px is of it
-  ModelBox box = {};      ///< of its node
+  /// Whose cut would have it: of what is wanted and seen that of the cut that it is made for, of a finer
+  /// stand-in less, of a coarser one, a fallback or what is not seen as much as its error, if that is more.
+  float threshold_px = 0;
+  ModelBox box = {};  ///< of its node
 };
 
 /// A tile of a texture that may be drawn. The image is shared with the cache and never changes; tiles that

@@ -160,7 +160,7 @@ class Run {
     if (!rung) return;
     in_use_.push_back({wanted.node->key, *rung});
     Fallback fallback;
-    fallback.part = partAt(wanted, *rung);
+    fallback.part = partAt(wanted, *rung, Fit::kCoarser);
     fallback.part.visible = false;
     fallback_bytes_ += meshBytes(*fallback.part.mesh);
     const uint64_t drawn_bytes = drawnBytes(*fallback.part.mesh);
@@ -193,7 +193,7 @@ class Run {
     }
     uint32_t rung = finestShown(wanted);
     while (!ready(wanted, rung)) ++rung;
-    emit(wanted, rung);
+    emit(wanted, rung, Fit::kCoarser);
     exact_ = false;
     ask(wanted, want_.errorPx(wanted, rung));
   }
@@ -201,12 +201,13 @@ class Run {
   /// Shows the wanted rung of a part or what stands in for it: a finer rung, finer nodes, a coarser rung.
   void showPart(WantedNode& part) {
     const uint32_t wanted = part.rung;
-    if (ready(part, wanted)) return emit(part, wanted);
-    (part.near ? exact_ : whole_) = false;
     const bool is_blocked = part.role == Role::kBlocked;
+    const bool is_for_the_view = part.visible && !is_blocked;
+    if (ready(part, wanted)) return emit(part, wanted, is_for_the_view ? Fit::kWanted : Fit::kCoarser);
+    (part.near ? exact_ : whole_) = false;
     for (uint32_t rung = wanted; rung-- > finestShown(part);) {
       if (!ready(part, rung)) continue;
-      emit(part, rung);
+      emit(part, rung, Fit::kFiner);
       if (!is_blocked) wishFor(part, want_.errorPx(part, wanted));
       return;
     }
@@ -218,7 +219,7 @@ class Run {
     }
     uint32_t rung = wanted + 1;
     while (!ready(part, rung)) ++rung;
-    emit(part, rung);
+    emit(part, rung, Fit::kCoarser);
     if (!is_blocked) wishFor(part, want_.errorPx(part, rung));
   }
 
@@ -231,29 +232,40 @@ class Run {
   void showFiner(const KnownNode& node) {
     const WantedNode place = standIn(node);
     for (uint32_t rung = WantedCut::lastRung(node) + 1; rung-- > 0;)
-      if (ready(place, rung)) return emit(place, rung);
+      if (ready(place, rung)) return emit(place, rung, Fit::kFiner);
     if (place.near) return showFinerChildren(node);
     lacking_.push_back({node.key, toModelBox(node.box, step_)});
   }
 
-  CutPart partAt(const WantedNode& wanted, uint32_t rung) const {
+  /// What a part is beside what is wanted at its place and is to come.
+  enum class Fit { kWanted, kFiner, kCoarser };
+
+  float thresholdOf(float error_px, Fit fit) const {
+    if (fit == Fit::kWanted) return options_.threshold_px;
+    return fit == Fit::kFiner ? std::min(options_.threshold_px, error_px)
+                              : std::max(options_.threshold_px, error_px);
+  }
+
+  CutPart partAt(const WantedNode& wanted, uint32_t rung, Fit fit) const {
     const Rung& shown = wanted.node->rungs[rung];
+    const float error_px = want_.errorPx(wanted, rung);
     return {wanted.node->key,
             rung,
             wanted.visible,
-            want_.errorPx(wanted, rung),
+            error_px,
             wanted.resident->mesh(rung),
             shown.error_model,
             WantedCut::offModel(shown),
+            thresholdOf(error_px, fit),
             toModelBox(wanted.node->box, step_)};
   }
 
-  void emit(const WantedNode& part, uint32_t rung) {
+  void emit(const WantedNode& part, uint32_t rung, Fit fit) {
     const Rung& shown = part.node->rungs[rung];
     if (shown.triangles == 0) return;
     const MeshKey key{part.node->key, rung};
     in_use_.push_back(key);
-    cut_->parts.push_back(partAt(part, rung));
+    cut_->parts.push_back(partAt(part, rung, fit));
     const float error_px = cut_->parts.back().error_px;
     cut_->drawn_bytes += drawnBytes(*cut_->parts.back().mesh);
     cut_->triangles += shown.triangles;

@@ -149,6 +149,16 @@ TEST_P(RefinerLimits, givesATriangleBudgetToTheLargestErrors) {
   }
 }
 
+TEST_P(RefinerLimits, saysOfWhatABudgetAllowsThatItIsForItsThreshold) {
+  Scripted unlimited(model_);
+  unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
+  const RefineOptions options{.threshold_px = 1, .triangle_budget = unlimited.last().cut->triangles / 2};
+  Scripted client(model_);
+  client.converge(closeView(), options, random_, kNoCheck);
+  for (const CutPart& part : client.last().cut->parts)
+    EXPECT_TRUE(!part.visible || part.threshold_px == 1) << part.node.value;
+}
+
 TEST_P(RefinerLimits, showsNothingThatIsSeenWorseThanItsParentWould) {
   for (const View& view : {closeView(), insideView()}) {
     const BruteForce errors(model_, view, 2);

@@ -43,6 +43,52 @@ TEST_P(RefinerOnSeeds, saysOfEachPartWhatTheErrorInAnyPictureFollowsFrom) {
   }
 }
 
+TEST_P(RefinerOnSeeds, saysOfWhatIsWantedThatItIsForItsThresholdThoughNothingIsFiner) {
+  bool is_above = false;
+  for (const View& view : {closeView(), insideView()}) {
+    Scripted client(model_);
+    client.converge(view, {.threshold_px = 1}, random_, kNoCheck);
+    for (const CutPart& part : client.last().cut->parts) {
+      EXPECT_TRUE(!part.visible || part.threshold_px == 1) << part.node.value;
+      is_above |= part.visible && part.error_px > 1;
+    }
+  }
+  EXPECT_TRUE(is_above);
+}
+
+TEST_P(RefinerOnSeeds, saysOfAStandInWhatThresholdWouldHaveIt) {
+  const Parts wanted = BruteForce(model_, closeView(), 5).parts();
+  bool has_coarser = false;
+  const auto check = [&](const Refinement& now) {
+    if (!now.cut) return;
+    for (const CutPart& part : now.cut->parts) {
+      const auto same = wanted.find(part.node);
+      const bool is_wanted = same != wanted.end() && same->second == part.rung && part.visible;
+      EXPECT_EQ(part.threshold_px, is_wanted ? 5 : std::max(5.0f, part.error_px)) << part.node.value;
+      has_coarser |= !is_wanted;
+    }
+    for (const Fallback& fallback : now.cut->fallbacks)
+      EXPECT_EQ(fallback.part.threshold_px, std::max(5.0f, fallback.part.error_px));
+  };
+  Scripted(model_).converge(closeView(), {.threshold_px = 5}, random_, check);
+  EXPECT_TRUE(has_coarser);
+}
+
+TEST_P(RefinerOnSeeds, saysOfAFinerStandInThatASmallerThresholdWouldHaveIt) {
+  Scripted client(model_);
+  client.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
+  const Parts wanted = BruteForce(model_, closeView(), 20).parts();
+  const Refinement& now = client.refineFor(closeView(), {.threshold_px = 20});
+  bool has_finer = false;
+  for (const CutPart& part : now.cut->parts) {
+    const auto same = wanted.find(part.node);
+    if (!part.visible || (same != wanted.end() && same->second == part.rung)) continue;
+    EXPECT_EQ(part.threshold_px, std::min(20.0f, part.error_px));
+    has_finer = true;
+  }
+  EXPECT_TRUE(has_finer);
+}
+
 TEST_P(RefinerOnSeeds, neverShowsAHoleOrAPlaceTwice) {
   Scripted client(model_);
   bool shown = false;
