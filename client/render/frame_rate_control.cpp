@@ -7,9 +7,8 @@ namespace lode::render {
 namespace {
 
 constexpr double kStepsOfOctave = 4;
-/// What a frame takes falls with its threshold's power of one, on flat models, to two: by the mean of both it
-/// becomes coarser, and by two finer, so that it is not too fine at once.
-constexpr double kStepsOfHalving = kStepsOfOctave / 1.5;
+/// By the mean of the powers it becomes coarser, and by two finer, so that it is not too fine at once.
+constexpr double kStepsOfHalving = kStepsOfOctave / kFallOfWork;
 constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
 constexpr int kMostSteps = 12;         ///< an eightfold threshold: beyond it a lower rate is the lesser evil
 constexpr int kMostHalvings = 3;       ///< 60 frames a second become 7.5
@@ -24,6 +23,8 @@ constexpr double kRestSeconds = 0.25;
 constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< what is worth waiting for,
 constexpr double kShareWaited = 0.5;                   ///< so much of a frame
 constexpr double kLongestWaitS = 0.25;
+
+double stepsOf(double coarsening) noexcept { return kStepsOfOctave * std::log2(coarsening); }
 
 double stepsFor(double load) noexcept {
   return (load > 1 ? kStepsOfHalving : kStepsOfDoubling) * std::log2(load);
@@ -42,10 +43,13 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
   still_s_ = moved ? 0 : still_s_ + seconds;
 }
 
-void FrameRateControl::add(double work_ms, double coarsening, bool is_complete) noexcept {
-  const double steps = kStepsOfOctave * std::log2(coarsening),
-               of_target = std::max(work_ms, 1e-3) / targetMs();
+/// A frame that lacks something says that a coarser threshold is needed, but seldom that a finer one is
+/// enough.
+void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcept {
+  const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);
+  const double of_target = std::max(work_ms, 1e-3) / targetMs();
   const double need = steps + stepsFor(of_target / kFill);
+  const double complete_need = complete_steps + stepsFor(of_target / kFill);
   const double sure_need = std::min(need, last_need_);
   last_need_ = need;
   trial_frames_ = std::max(trial_frames_ - 1, 0);
@@ -56,12 +60,12 @@ void FrameRateControl::add(double work_ms, double coarsening, bool is_complete) 
   } else if (sure_need > steps_) {
     calm_frames_ = 0;
     steps_ = wholeSteps(sure_need);
-  } else if (need > steps_ || !is_complete) {
+  } else if (need > steps_) {
     calm_frames_ = 0;
-  } else {
-    const double faster_need = steps + stepsFor(2 * of_target / kFillOfFaster);
+  } else if (complete_need <= steps_) {
+    const double faster_need = complete_steps + stepsFor(2 * of_target / kFillOfFaster);
     const bool is_first = calm_frames_++ == 0;
-    calm_need_ = is_first ? need : std::max(calm_need_, need);
+    calm_need_ = is_first ? complete_need : std::max(calm_need_, complete_need);
     faster_need_ = is_first ? faster_need : std::max(faster_need_, faster_need);
     if (calm_frames_ >= kCalmFrames) ease();
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "client/render/shown_thresholds.h"
+
 namespace lode::render {
 
 /// Holds a frame rate while the camera moves, by a coarser threshold, and gives it back while the camera
@@ -19,10 +21,8 @@ class FrameRateControl {
   /// Time passes. @param moved  the camera did.
   void step(double seconds, bool moved) noexcept;
   /// A frame was drawn, however long ago it was asked for.
-  /// @param work_ms    without the wait for the display
-  /// @param coarsening   of its threshold, the finest one being 1
-  /// @param is_complete  nothing that it shows is coarser than that: what is still to come may take longer
-  void add(double work_ms, double coarsening, bool is_complete) noexcept;
+  /// @param work_ms  without the wait for the display
+  void add(double work_ms, const Coarsening& coarsening) noexcept;
 
   /// The camera has not moved for a while.
   bool isResting() const noexcept;
@@ -46,7 +46,7 @@ class FrameRateControl {
   int halvings_ = 0;        ///< of the rate
   double last_need_ = 0;    ///< steps; one frame that is slow by accident changes nothing
   int slow_frames_ = 0;     ///< beyond the target at the coarsest threshold, one after another
-  int calm_frames_ = 0;     ///< that needed no more, one after another,
+  int calm_frames_ = 0;     ///< that needed no more, none between them that did,
   double calm_need_ = 0;    ///< the most steps that these needed,
   double faster_need_ = 0;  ///< and those that they would need at twice the rate
   int fast_rounds_ = 0;     ///< of calm frames that could be twice as fast, one after another,

@@ -6,21 +6,21 @@ FrameTimer::FrameTimer() {
   for (UnderWay& frame : ring_) frame.query = GlTimeQuery::create();
 }
 
-std::optional<uint64_t> FrameTimer::begin(double coarsening) {
+std::optional<uint64_t> FrameTimer::begin() {
   timing_ = begun_ - told_ < ring_.size();
   if (!timing_) return std::nullopt;
   UnderWay& next = ring_[begun_ % ring_.size()];
-  next.frame = {.number = begun_, .coarsening = coarsening};
+  next.frame = {.number = begun_, .coarsening = std::nullopt};
   glBeginQuery(GL_TIME_ELAPSED, next.query.get());
   return begun_;
 }
 
-void FrameTimer::end(double cpu_ms, bool is_complete) {
+void FrameTimer::end(double cpu_ms, std::optional<Coarsening> coarsening) {
   if (!timing_) return;
   glEndQuery(GL_TIME_ELAPSED);
   Timed& ended = ring_[begun_++ % ring_.size()].frame;
   ended.cpu_ms = cpu_ms;
-  ended.is_complete = is_complete;
+  ended.coarsening = coarsening;
   timing_ = false;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "client/render/gl_names.h"
+#include "client/render/shown_thresholds.h"
 
 namespace lode::render {
 
@@ -16,17 +17,16 @@ class FrameTimer {
   FrameTimer();
 
   /// What is drawn from here to end() is timed, unless as many frames as fit are still under way.
-  /// @param coarsening  of the frame, told again with its time.
   /// @return its number, if it is timed: told again with its time, too, and never that of another.
-  std::optional<uint64_t> begin(double coarsening);
-  /// @param cpu_ms       what the frame took on this thread.
-  /// @param is_complete  of what it shows, told again, too: see FrameRateControl.
-  void end(double cpu_ms, bool is_complete = true);
+  std::optional<uint64_t> begin();
+  /// @param cpu_ms      what the frame took on this thread.
+  /// @param coarsening  of what it shows, told again with its time.
+  void end(double cpu_ms, std::optional<Coarsening> coarsening);
 
   struct Timed {
     uint64_t number = 0;
-    double gpu_ms = 0, cpu_ms = 0, coarsening = 1;
-    bool is_complete = true;
+    double gpu_ms = 0, cpu_ms = 0;
+    std::optional<Coarsening> coarsening;
   };
   /// The oldest frame that is not yet told of, if its time is known.
   std::optional<Timed> take();

@@ -349,7 +349,9 @@ void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
             part.node,
             part.rung,
             part.error_px,
-            part.error_model};
+            part.error_model,
+            std::min(part.threshold_px, place.cut->threshold_px),
+            part.threshold_px};
   }
 }
 

@@ -51,7 +51,8 @@ struct DrawItem {
   uint32_t rung = 0;
   float error_px = 0;  ///< when the cut was made
   float error_model = 0;
-  float age_s = 0;  ///< that it is in the picture
+  float threshold_px = 0, complete_px = 0;  ///< see ShownThresholds
+  float age_s = 0;                          ///< that it is in the picture
 };
 
 /// Which meshes of a model are on the GPU, and what is drawn of them at the places where it stands. Of a

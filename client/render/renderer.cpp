@@ -95,6 +95,7 @@ DrawCounts& DrawCounts::operator+=(const DrawCounts& more) noexcept {
   nodes += more.nodes;
   calls += more.calls;
   error_px = std::max(error_px, more.error_px);
+  shown += more.shown;
   return *this;
 }
 
@@ -216,6 +217,7 @@ DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawSty
   DrawCounts counts;
   place.seen.clear();
   place.states.clear();
+  place.states_of_cut = 0;
   in_picture_.clear();
   const core::Sight sight(view, 1);
   size_t number = 0;
@@ -231,6 +233,7 @@ DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawSty
       continue;
     }
     place.states.push_back(stateOf(faded, style, threshold_px));
+    if (is_of_cut) place.states_of_cut = place.states.size();
     counts.error_px = std::max(counts.error_px, faded.item.error_px);
     ++counts.nodes;
   }
@@ -383,6 +386,9 @@ void Renderer::drawClusters(const Place& place, const std::vector<bool>& is_chos
     const SeenCluster& cluster = place.seen[i];
     (cluster.fades ? fading_ : whole_).add(cluster);
     counts.triangles += cluster.triangles();
+    counts.shown.drawn.add(cluster.triangles(), cluster.item->threshold_px);
+    if (cluster.state < place.states_of_cut)
+      counts.shown.complete.add(cluster.triangles(), cluster.item->complete_px);
   }
   if (whole_.empty() && fading_.empty()) return;
   glEnable(GL_DEPTH_TEST);

@@ -17,6 +17,7 @@
 #include "client/render/framebuffer.h"
 #include "client/render/mesh_residency.h"
 #include "client/render/shown_colours.h"
+#include "client/render/shown_thresholds.h"
 #include "client/render/texture_residency.h"
 
 namespace lode::render {
@@ -37,6 +38,7 @@ struct DrawCounts {
   uint32_t nodes = 0;
   uint32_t calls = 0;
   float error_px = 0;  ///< largest in the picture, from where the cut was made for
+  ShownThresholds shown;
 
   DrawCounts& operator+=(const DrawCounts& more) noexcept;
 };
@@ -102,7 +104,8 @@ class Renderer {
     uint64_t shown_serial = 0;      ///< of the cuts in the last picture; 0: it was not in it
     std::vector<SeenCluster> seen;  ///< that may be in the picture
     std::vector<bool> is_drawn;     ///< by seen: apart, as one that leaves and has come back is there twice
-    std::vector<DrawState> states;  ///< by base_instance
+    std::vector<DrawState> states;  ///< by base_instance: of the cut, then
+    size_t states_of_cut = 0;       ///< of what leaves
   };
   void showTextures();
   void keepWhatIsShown();

@@ -285,7 +285,7 @@ void Viewer::record(const Input& input) {
 void Viewer::takeTimes() {
   while (const auto frame = timer_.take()) {
     work_ms_ = std::max(frame->cpu_ms, frame->gpu_ms);
-    if (!options_.is_threshold_fixed) control_.add(work_ms_, frame->coarsening, frame->is_complete);
+    if (!options_.is_threshold_fixed && frame->coarsening) control_.add(work_ms_, *frame->coarsening);
     if (pilot_) pilot_->finish(frame->number, work_ms_);
   }
 }
@@ -338,8 +338,7 @@ void Viewer::draw() {
   core::View view;
   view.width_px = target.widthPx();
   view.height_px = target.heightPx();
-  const double coarsening = std::max(1.0f, exhibit_->drawnThresholdPx() / threshold_px_);
-  const std::optional<uint64_t> number = timer_.begin(coarsening);
+  const std::optional<uint64_t> number = timer_.begin();
   if (rig_) style_.up = rig_->up();
   const render::DrawCounts drawn = exhibit_->draw(rig_ ? rig_->view() : view, target, style_, time());
   if (rig_ && darkensHollows()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
@@ -350,16 +349,18 @@ void Viewer::draw() {
   content_.error_px = drawn.error_px;
   content_.legend =
       legendOf(style_.show, exhibit_->inPicture(), std::max(exhibit_->drawnThresholdPx(), kLeastThresholdPx));
-  drawn_ = {
-      rig_ ? rig_->view() : view, exhibit_->drawnSerial(), isQuick(), content_, coarsening, Clock::now()};
+  const std::optional<render::Coarsening> coarsening = render::coarseningOf(drawn.shown, threshold_px_);
+  drawn_ = {rig_ ? rig_->view() : view,
+            exhibit_->drawnSerial(),
+            isQuick(),
+            content_,
+            coarsening ? coarsening->drawn : 1,
+            Clock::now()};
   panel_.setScale(window_.contentScale());
   panel_.draw(content_);
   saveScreenshots();
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
-  // Errors are those from where the cut was made for; those of a cut whose parts are still to come are
-  // larger.
-  const float shown_px = std::max(exhibit_->drawnThresholdPx(), threshold_px_);
-  timer_.end(content_.frame_ms, drawn.error_px <= kThresholdStep * shown_px);
+  timer_.end(content_.frame_ms, coarsening);
   noteFlight(number);
   window_.swap();
 }

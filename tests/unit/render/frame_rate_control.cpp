@@ -24,7 +24,7 @@ class Machine {
     if (asked_.size() > kFramesLate) asked_.pop_front();
     const double work_ms = workMs(drawn);
     control.step(std::max(work_ms, 1000.0 / 60) / 1000, moved);
-    control.add(work_ms, drawn, true);
+    control.add(work_ms, {drawn, drawn});
     seconds_ += work_ms / 1000;
     return work_ms;
   }
@@ -93,7 +93,7 @@ TEST(FrameRateControl, changesNothingForOneSlowFrame) {
   FrameRateControl control(60);
   for (int i = 0; i < 100; ++i) {
     control.step(0.016, true);
-    control.add(i % 10 == 0 ? 200 : 8, 1, true);
+    control.add(i % 10 == 0 ? 200 : 8, {});
     ASSERT_EQ(control.coarsening(), 1);
   }
 }
@@ -164,7 +164,7 @@ TEST(FrameRateControl, triesARateAgainSoonWhereItLastedBefore) {
 TEST(FrameRateControl, halvesNoRateForTwoSlowFrames) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.step(0.016, true);
-  for (int i = 0; i < 100; ++i) control.add(i % 10 < 2 ? 200 : 12, 8, true);
+  for (int i = 0; i < 100; ++i) control.add(i % 10 < 2 ? 200 : 12, {8, 8});
   EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
 }
 
@@ -180,8 +180,39 @@ TEST(FrameRateControl, thatBeginsCoarseIsFineSoonOnAFastMachine) {
 TEST(FrameRateControl, becomesNoFinerByFramesThatLackWhatIsStillToCome) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.step(0.016, true);
-  for (int i = 0; i < 100; ++i) control.add(0.5, 8, false);
+  for (int i = 0; i < 100; ++i) control.add(0.5, {8, 100});
   EXPECT_EQ(control.coarsening(), 8);
+}
+
+TEST(FrameRateControl, becomesFinerAndFasterThoughFramesBetweenLackSomething) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  control.step(0.016, true);
+  for (int i = 0; i < 3; ++i) control.add(20, {8, 8});
+  ASSERT_GT(control.targetMs(), 1000.0 / 60);
+  for (int i = 0; i < 100; ++i) control.add(2, {8, i % 3 == 0 ? 8.0 : 100.0});
+  EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
+  EXPECT_LT(control.coarsening(), 8);
+}
+
+TEST(FrameRateControl, becomesFinerByFramesThatAreFastEnoughForAllThatTheyLack) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  control.step(0.016, true);
+  for (int i = 0; i < 100; ++i) control.add(1, {8, 10});
+  EXPECT_LT(control.coarsening(), 8);
+}
+
+TEST(FrameRateControl, halvesNoRateForSlowFramesThatShowMoreThanTheCoarsestThresholdAsksFor) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  control.step(0.016, true);
+  for (int i = 0; i < 100; ++i) control.add(300, {4, 4});
+  EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
+}
+
+TEST(FrameRateControl, becomesCoarserByFramesThatLackSomething) {
+  FrameRateControl control(60);
+  control.step(0.016, true);
+  for (int i = 0; i < 2; ++i) control.add(40, {1, 5});
+  EXPECT_GT(control.coarsening(), 1);
 }
 
 TEST(FrameRateControl, waitsForACoarserCutWhereAFrameOfTheFineOneTakesLonger) {

@@ -10,9 +10,9 @@ class FrameTimer : public GlTest {
   static constexpr int kMostUnderWay = 4;
 
   static void frame(render::FrameTimer& timer, int number) {
-    timer.begin(number);
+    timer.begin();
     glClear(GL_COLOR_BUFFER_BIT);
-    timer.end(10.0 * number);
+    timer.end(10.0 * number, render::Coarsening{1.0 * number, 2.0 * number});
   }
 };
 
@@ -28,7 +28,7 @@ TEST_F(FrameTimer, tellsEachFrameOnceWithWhatBelongsToIt) {
     glFinish();
     const auto timed = timer.take();
     ASSERT_TRUE(timed);
-    EXPECT_EQ(timed->coarsening, number);
+    EXPECT_EQ(timed->coarsening->drawn, number);
     EXPECT_EQ(timed->cpu_ms, 10.0 * number);
     EXPECT_GE(timed->gpu_ms, 0);
     EXPECT_FALSE(timer.take());
@@ -38,8 +38,8 @@ TEST_F(FrameTimer, tellsEachFrameOnceWithWhatBelongsToIt) {
 TEST_F(FrameTimer, tellsTheNumberThatItGaveAFrame) {
   render::FrameTimer timer;
   frame(timer, 1);  // under way while the next is begun
-  const std::optional<uint64_t> number = timer.begin(2);
-  timer.end(20);
+  const std::optional<uint64_t> number = timer.begin();
+  timer.end(20, std::nullopt);
   timer.wait();
   ASSERT_TRUE(timer.take());
   EXPECT_EQ(timer.take()->number, number);
@@ -48,7 +48,7 @@ TEST_F(FrameTimer, tellsTheNumberThatItGaveAFrame) {
 TEST_F(FrameTimer, numbersNoFrameThatIsNotTimed) {
   render::FrameTimer timer;
   for (int number = 1; number <= kMostUnderWay; ++number) frame(timer, number);
-  EXPECT_FALSE(timer.begin(5));
+  EXPECT_FALSE(timer.begin());
 }
 
 TEST_F(FrameTimer, leavesOutFramesThatComeWhileAsManyAsFitAreUnderWay) {
@@ -58,12 +58,12 @@ TEST_F(FrameTimer, leavesOutFramesThatComeWhileAsManyAsFitAreUnderWay) {
   for (int number = 1; number <= kMostUnderWay; ++number) {
     const auto timed = timer.take();
     ASSERT_TRUE(timed);
-    EXPECT_EQ(timed->coarsening, number);
+    EXPECT_EQ(timed->coarsening->drawn, number);
   }
   EXPECT_FALSE(timer.take());
   frame(timer, 99);
   glFinish();
-  EXPECT_EQ(timer.take()->coarsening, 99);
+  EXPECT_EQ(timer.take()->coarsening->drawn, 99);
 }
 
 }  // namespace

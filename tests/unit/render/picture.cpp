@@ -265,6 +265,27 @@ TEST_F(Picture, showsTheAncestorForAllOfItsRegionOnceItHasAPlaceThatTheCutLeaves
   EXPECT_EQ(renderer.inPicture()[0].node, kRootKey);
 }
 
+TEST_F(Picture, saysWhatThresholdsItShowsAndOfThoseThatItIsToShow) {
+  const glm::u8vec4 red(255, 0, 0, 255);
+  auto cut = std::make_shared<core::Cut>(
+      *cutOf({squareAt(100, 100, 100, 100, red), squareAt(200, 100, 100, 100, red),
+              squareAt(9000, 0, 100, 1, red)}));
+  cut->threshold_px = 2;
+  cut->parts[0].threshold_px = 2;
+  cut->parts[1].threshold_px = 8;    // it stands in for what is to come
+  cut->parts[2].threshold_px = 100;  // out of the picture
+  render::Renderer renderer;
+  renderer.show(cut);
+  renderer.uploadInRenderThread({.wait = true});
+  const render::Framebuffer target(kWidthPx, kHeightPx);
+  const render::ShownThresholds shown = renderer.draw(lookAt({200, 150, 500}, {200, 150, 100}), target).shown;
+  EXPECT_NEAR(shown.drawn.px(), 2, 1e-9);
+  render::MeanThreshold mean;
+  mean.add(1, 2);
+  mean.add(1, 8);
+  EXPECT_NEAR(shown.complete.px(), mean.px(), 1e-9);
+}
+
 TEST_F(Picture, ofAnEmptyCutIsTheBackground) {
   const render::Image image = drawMeshes({}, 1, lookAt({0, 0, 10}, {0, 0, 0}));
   EXPECT_TRUE(isMagenta(image.pixel(0, 0)));

@@ -1,0 +1,35 @@
+#include "client/render/shown_thresholds.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lode::render {
+
+void MeanThreshold::add(uint64_t triangles, double threshold_px) noexcept {
+  triangles_ += static_cast<double>(triangles);
+  coarse_triangles_ += static_cast<double>(triangles) * std::pow(threshold_px, kFallOfWork);
+}
+
+MeanThreshold& MeanThreshold::operator+=(const MeanThreshold& more) noexcept {
+  triangles_ += more.triangles_;
+  coarse_triangles_ += more.coarse_triangles_;
+  return *this;
+}
+
+double MeanThreshold::px() const noexcept {
+  return triangles_ > 0 ? std::pow(coarse_triangles_ / triangles_, 1 / kFallOfWork) : 0;
+}
+
+ShownThresholds& ShownThresholds::operator+=(const ShownThresholds& more) noexcept {
+  drawn += more.drawn;
+  complete += more.complete;
+  return *this;
+}
+
+std::optional<Coarsening> coarseningOf(const ShownThresholds& shown, float finest_px) noexcept {
+  if (shown.drawn.px() == 0 && shown.complete.px() == 0) return std::nullopt;
+  return Coarsening{std::max(1.0, shown.drawn.px() / finest_px),
+                    std::max(1.0, shown.complete.px() / finest_px)};
+}
+
+}  // namespace lode::render
