@@ -30,14 +30,19 @@ double stepsFor(double load) noexcept {
   return (load > 1 ? kStepsOfHalving : kStepsOfDoubling) * std::log2(load);
 }
 
-int wholeSteps(double steps) noexcept {
-  return static_cast<int>(std::clamp(std::ceil(steps), 0.0, double{kMostSteps}));
-}
-
 }  // namespace
 
 FrameRateControl::FrameRateControl(double fps, Begin begin) noexcept
-    : wanted_ms_(1000 / fps), steps_(begin == Begin::kCoarse ? kMostSteps : 0) {}
+    : wanted_ms_(1000 / fps), most_steps_(kMostSteps), steps_(begin == Begin::kCoarse ? kMostSteps : 0) {}
+
+void FrameRateControl::limitTo(double coarsening) noexcept {
+  most_steps_ = std::clamp(static_cast<int>(stepsOf(coarsening)), 0, kMostSteps);
+  steps_ = std::min(steps_, most_steps_);
+}
+
+int FrameRateControl::wholeSteps(double steps) const noexcept {
+  return static_cast<int>(std::clamp(std::ceil(steps), 0.0, static_cast<double>(most_steps_)));
+}
 
 void FrameRateControl::step(double seconds, bool moved) noexcept {
   still_s_ = moved ? 0 : still_s_ + seconds;
@@ -53,7 +58,7 @@ void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcep
   const double sure_need = std::min(need, last_need_);
   last_need_ = need;
   trial_frames_ = std::max(trial_frames_ - 1, 0);
-  const bool is_slow = std::lround(steps) >= kMostSteps && of_target > 1;
+  const bool is_slow = std::lround(steps) >= most_steps_ && of_target > 1;
   slow_frames_ = is_slow ? slow_frames_ + 1 : 0;
   if (slow_frames_ >= kSlowFrames && halvings_ < kMostHalvings) {
     halveRate();
@@ -80,7 +85,7 @@ void FrameRateControl::halveRate() noexcept {
 
 void FrameRateControl::ease() noexcept {
   calm_frames_ = 0;
-  const bool is_fast = halvings_ > 0 && faster_need_ <= kMostSteps;
+  const bool is_fast = halvings_ > 0 && faster_need_ <= most_steps_;
   fast_rounds_ = is_fast ? fast_rounds_ + 1 : 0;
   if (fast_rounds_ >= patience_) {
     --halvings_;

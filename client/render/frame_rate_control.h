@@ -18,6 +18,8 @@ class FrameRateControl {
   /// @param begin  where the first frame of a fine threshold could take seconds: coarse.
   explicit FrameRateControl(double fps, Begin begin = Begin::kFine) noexcept;
 
+  /// From now on it asks for nothing coarser. @param coarsening  >= 1; eight at most is made use of.
+  void limitTo(double coarsening) noexcept;
   /// Time passes. @param moved  the camera did.
   void step(double seconds, bool moved) noexcept;
   /// A frame was drawn, however long ago it was asked for.
@@ -38,11 +40,13 @@ class FrameRateControl {
   double targetMs() const noexcept;
 
  private:
+  int wholeSteps(double steps) const noexcept;
   void halveRate() noexcept;
   void ease() noexcept;
 
   double wanted_ms_;
-  int steps_;               ///< of the threshold, while the camera moves
+  int most_steps_;          ///< of the threshold,
+  int steps_;               ///< and while the camera moves
   int halvings_ = 0;        ///< of the rate
   double last_need_ = 0;    ///< steps; one frame that is slow by accident changes nothing
   int slow_frames_ = 0;     ///< beyond the target at the coarsest threshold, one after another

@@ -291,11 +291,11 @@ void Viewer::takeTimes() {
 }
 
 void Viewer::controlFrameRate(double seconds) {
-  const double coarsest = kLargestThresholdPx / threshold_px_;
+  control_.limitTo(kLargestThresholdPx / threshold_px_);
   takeTimes();
   if (moved_ && control_.isResting()) began_to_move_ = Clock::now();
   control_.step(seconds, moved_);
-  const double coarsening = options_.is_threshold_fixed ? 1 : std::min(control_.coarsening(), coarsest);
+  const double coarsening = options_.is_threshold_fixed ? 1 : control_.coarsening();
   asked_px_ = threshold_px_ * static_cast<float>(coarsening);
 }
 

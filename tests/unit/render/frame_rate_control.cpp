@@ -226,6 +226,34 @@ TEST(FrameRateControl, waitsForACoarserCutWhereAFrameOfTheFineOneTakesLonger) {
   EXPECT_FALSE(control.isWorthWaiting(7, 800, 0)) << "hardly coarser";
 }
 
+TEST(FrameRateControl, asksForNothingCoarserThanItMay) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  control.limitTo(4);
+  control.step(0.016, true);
+  EXPECT_EQ(control.coarsening(), 4);
+  for (int i = 0; i < 3; ++i) control.add(400, {4, 4});
+  EXPECT_EQ(control.coarsening(), 4);
+  control.limitTo(1.1);
+  EXPECT_EQ(control.coarsening(), 1);
+}
+
+TEST(FrameRateControl, halvesTheRateWhereTheCoarsestThatItMayAskForIsNotEnough) {
+  FrameRateControl control(60);
+  control.limitTo(4);
+  Machine machine(3, 160, 1.5);  // an eightfold threshold would be enough
+  for (int i = 0; i < 100; ++i) machine.frame(control, true);
+  EXPECT_NEAR(control.targetMs(), 2 * 1000.0 / 60, 1e-9);
+  EXPECT_LE(machine.workMs(control.coarsening()), control.targetMs());
+}
+
+TEST(FrameRateControl, waitsForNothingCoarserThanItMayAskFor) {
+  FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+  control.limitTo(4);
+  control.step(0.016, true);
+  EXPECT_TRUE(control.isWorthWaiting(1, 800, 0));
+  EXPECT_FALSE(control.isWorthWaiting(4, 800, 0));
+}
+
 TEST(FrameRateControl, restsWhenTheCameraHasNotMovedForAQuarterOfASecond) {
   FrameRateControl control(60);
   EXPECT_TRUE(control.isResting());
