@@ -56,7 +56,7 @@ class FrameRateControl {
   int fast_rounds_ = 0;     ///< of calm frames that could be twice as fast, one after another,
   int patience_ = 1;        ///< and how many of them give the rate back,
   int trial_frames_ = 0;    ///< which is wrong if it is lowered again within so many
-  double still_s_ = 1e9;
+  double still_s_ = 0;      ///< it begins as if the camera had moved, so that the first cut may be coarse
 };
 
 }  // namespace lode::render
