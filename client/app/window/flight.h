@@ -17,7 +17,7 @@ struct FlownFrame {
   int lap = 0;
   double t_s = 0;        ///< of the path
   double work_ms = 0;    ///< without the wait for the display
-  double upload_ms = 0;  ///< of them
+  double upload_ms = 0;  ///< of them: since the frame before
   double target_ms = 0;  ///< that it was to take at most; 0: whatever it takes
   double threshold_px = 0;
   uint64_t triangles = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/opened_target.h"
@@ -304,7 +305,7 @@ void Viewer::stream() {
   uploading_ = !exhibit_->uploaded();
   const Clock::time_point start = Clock::now();
   exhibit_->uploadInRenderThread();
-  content_.upload_ms = secondsSince(start) * 1e3;
+  uploads_ms_ += secondsSince(start) * 1e3;
 }
 
 /// A screenshot shows the model alone.
@@ -359,6 +360,7 @@ void Viewer::draw() {
   panel_.setScale(window_.contentScale());
   panel_.draw(content_);
   saveScreenshots();
+  content_.upload_ms = std::exchange(uploads_ms_, 0);
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
   timer_.end(content_.frame_ms, coarsening);
   noteFlight(number);

@@ -77,9 +77,10 @@ class Viewer {
   bool settled() const;
 
   const ViewOptions options_;
-  double work_ms_ = 0;  ///< of the last frame that was measured
-  float threshold_px_;  ///< while the camera rests,
-  float asked_px_ = 1;  ///< and of the next cut
+  double work_ms_ = 0;     ///< of the last frame that was measured
+  double uploads_ms_ = 0;  ///< since the last frame
+  float threshold_px_;     ///< while the camera rests,
+  float asked_px_ = 1;     ///< and of the next cut
   const std::optional<core::CameraPath> wanted_path_;
   GlfwWindow window_;
   const bool draws_in_software_ = render::drawsInSoftware();
