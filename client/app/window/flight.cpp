@@ -10,8 +10,6 @@
 namespace lode::app {
 namespace {
 
-constexpr size_t kMostUnderWay = 16;
-
 /// Of the values of one lap's frames, by nearest rank.
 struct Spread {
   double p50 = 0, p99 = 0, max = 0;
@@ -67,7 +65,6 @@ void Flight::draw(uint64_t number, FlownFrame frame) {
   frame.lap = lap_;
   frame.t_s = t_s_;
   under_way_.push_back({number, frame});
-  if (under_way_.size() > kMostUnderWay) under_way_.pop_front();
 }
 
 void Flight::finish(uint64_t number, double work_ms) {
