@@ -24,5 +24,14 @@ class OverFit(unittest.TestCase):
                 bench_window.over_fit(frames)
 
 
+class OfTheirAims(unittest.TestCase):
+    def test_holds_each_frame_to_what_it_was_to_take_itself(self):
+        frames = [{"lap": 0, "work_ms": 30, "target_ms": 15}] * 2 + [{"lap": 0, "work_ms": 100, "target_ms": 120}] * 98
+        self.assertAlmostEqual(bench_window.over_aim({"frames": frames}), 2)
+
+    def test_is_not_known_where_frames_may_take_what_they_take(self):
+        self.assertIsNone(bench_window.over_aim({"frames": [{"lap": 0, "work_ms": 30, "target_ms": 0}]}))
+
+
 if __name__ == "__main__":
     unittest.main()

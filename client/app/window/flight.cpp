@@ -91,8 +91,8 @@ std::string Flight::describe() const {
         i + 1, laps[i].frames.size(), work.p50, work.p99, work.max, upload.p50, upload.p99, upload.max,
         threshold.p50, threshold.max);
     lines += text;
-    if (target.max > 0) {
-      std::snprintf(text, sizeof text, "; to hold %.1f ms", target.max);
+    if (target.p50 > 0) {
+      std::snprintf(text, sizeof text, "; to hold %.1f ms in the median", target.p50);
       lines += text;
     }
     lines += '\n';

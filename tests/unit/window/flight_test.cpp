@@ -66,6 +66,16 @@ TEST(Flight, givesEachFrameItsOwnWorkThoughThatIsToldLater) {
   EXPECT_EQ(json["frames"][1]["work_ms"], 40.0);
 }
 
+TEST(Flight, tellsTheMedianOfWhatItsFramesWereToTakeNotTheMostLenient) {
+  Flight flight(somePath(), 1);
+  flight.cameraAt(0);
+  for (const uint64_t number : {0, 1, 2}) {
+    flight.draw(number, {.target_ms = number == 0 ? 100.0 : 25.0});
+    flight.finish(number, 20);
+  }
+  EXPECT_NE(flight.describe().find("to hold 25.0 ms"), std::string::npos);
+}
+
 /// The script of a timer that answers late: of the frames before the flight when its own are under way.
 TEST(Flight, takesNoWorkOfFramesThatWereDrawnBeforeIt) {
   Flight flight(somePath(), 1);
