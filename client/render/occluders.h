@@ -23,6 +23,7 @@ class Occluders {
   /// @param step   of the model's lattice, as it was drawn with.
   /// @param drawn  of all that was drawn; must outlive this. Of no squares: nothing hides.
   Occluders(const core::View& view, double step, const FarthestDepths& drawn);
+  Occluders(const core::View& view, double step, const FarthestDepths&& drawn) = delete;  ///< is gone at once
 
   /// True only if all that lies in the box is behind what is drawn, at each sample of the picture.
   bool hide(const core::ModelBox& box) const noexcept;

@@ -19,38 +19,38 @@ const core::View kTowardsWall = [] {
 }();
 
 /// A wall at z = 0 that fills the picture.
-FarthestDepths wall() {
+const FarthestDepths kWall = [] {
   FarthestDepths depths{kWidthPx / 8, (kHeightPx + 7) / 8, {}};
   depths.depths.assign(size_t{depths.columns} * depths.rows, 1.0f / 1000);
   return depths;
-}
+}();
 
 core::ModelBox boxAt(glm::dvec3 middle, double half = 5) { return {middle - half, middle + half}; }
 
 TEST(Occluders, hideWhatIsBehindThem) {
-  const Occluders occluders(kTowardsWall, 1, wall());
+  const Occluders occluders(kTowardsWall, 1, kWall);
   EXPECT_TRUE(occluders.hide(boxAt({0, 0, -6})));
   EXPECT_TRUE(occluders.hide(boxAt({-60, 40, -500}, 100)));
 }
 
 TEST(Occluders, doNotHideWhatIsBeforeThemOrReachesThere) {
-  const Occluders occluders(kTowardsWall, 1, wall());
+  const Occluders occluders(kTowardsWall, 1, kWall);
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 6})));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, -4})));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, -5})));  // touches
 }
 
 TEST(Occluders, doNotHideWhatReachesPastTheNearPlaneOrTheEye) {
-  const Occluders occluders(kTowardsWall, 1, wall());
+  const Occluders occluders(kTowardsWall, 1, kWall);
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 1000}, 4)));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 0}, 2000)));
 }
 
 TEST(Occluders, doNotHideWhatShowsThroughOneSquare) {
-  FarthestDepths holed = wall();
+  FarthestDepths holed = kWall;
   // 3 squares from the left, 5 from below.
   holed.depths[size_t{5} * holed.columns + 3] = 0;
-  const Occluders occluders(kTowardsWall, 1, std::move(holed));
+  const Occluders occluders(kTowardsWall, 1, holed);
   const glm::dvec2 lower_left(-100, -75);
   const auto at = [&](double x, double y) {  // in pixels, right at the wall
     return boxAt({lower_left.x + x, lower_left.y + y, -0.6}, 0.5);
@@ -64,9 +64,9 @@ TEST(Occluders, doNotHideWhatShowsThroughOneSquare) {
 }
 
 TEST(Occluders, doNotHideWhatLiesBeforeTheBackground) {
-  FarthestDepths empty = wall();
+  FarthestDepths empty = kWall;
   std::ranges::fill(empty.depths, 0.0f);
-  EXPECT_FALSE(Occluders(kTowardsWall, 1, std::move(empty)).hide(boxAt({0, 0, -1e6})));
+  EXPECT_FALSE(Occluders(kTowardsWall, 1, empty).hide(boxAt({0, 0, -1e6})));
 }
 
 }  // namespace
