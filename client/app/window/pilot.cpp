@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/cli/made_path.h"
+#include "client/app/window/pacing.h"
 #include "common/error.h"
 
 namespace lode::app {

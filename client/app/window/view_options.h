@@ -7,9 +7,6 @@
 
 namespace lode::app {
 
-/// Between which a window's threshold is, whatever keys and the frame rate ask for.
-constexpr float kLeastThresholdPx = 0.1f, kLargestThresholdPx = 64;
-
 struct ViewOptions {
   CommonOptions common;
   LookOptions look;

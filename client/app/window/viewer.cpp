@@ -1,7 +1,6 @@
 #include "client/app/window/viewer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <utility>
 
@@ -17,14 +16,13 @@
 namespace lode::app {
 namespace {
 
-constexpr float kThresholdStep = 1.189207115f;  ///< 2^1/4
-constexpr double kIdleWaitS = 0.25;             ///< between looks at a stream that has nothing left to do
-constexpr double kCoarserWaitS = 0.002;         ///< between looks at a coarser cut that is on its way
-constexpr double kStreamingWaitS = 0.01;        ///< between looks at one that has
-constexpr double kLongestStepS = 0.1;  ///< a flight goes no further in one frame, however long it took
-constexpr int kFramesToSettle = 2;     ///< that the panel takes to fit its text
-constexpr double kFramesOfFade = 4;    ///< that it takes to look like one
-constexpr double kNoteS = 6;           ///< how long a note stays on the panel
+constexpr double kIdleWaitS = 0.25;       ///< between looks at a stream that has nothing left to do
+constexpr double kCoarserWaitS = 0.002;   ///< between looks at a coarser cut that is on its way
+constexpr double kStreamingWaitS = 0.01;  ///< between looks at one that has
+constexpr double kLongestStepS = 0.1;     ///< a flight goes no further in one frame, however long it took
+constexpr int kFramesToSettle = 2;        ///< that the panel takes to fit its text
+constexpr double kFramesOfFade = 4;       ///< that it takes to look like one
+constexpr double kNoteS = 6;              ///< how long a note stays on the panel
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -34,14 +32,17 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 
 Viewer::Viewer(const ViewOptions& options)
     : options_(options),
-      threshold_px_(options.common.pixels),
       wanted_path_(wantedPath(options.common)),
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
       exhibit_(exhibitOf(options.common)),
-      control_(options.fps, draws_in_software_ ? render::FrameRateControl::Begin::kCoarse
-                                               : render::FrameRateControl::Begin::kFine),
+      pacing_({.threshold_px = options.common.pixels,
+               .is_fixed = options.is_threshold_fixed,
+               .fps = options.fps,
+               .begin = draws_in_software_ ? render::FrameRateControl::Begin::kCoarse
+                                           : render::FrameRateControl::Begin::kFine},
+              Clock::now()),
       first_start_(cacheFolder()) {
   content_.title = options.common.target;
   if (options.laps > 0) pilot_.emplace(options, wanted_path_);
@@ -100,7 +101,8 @@ void Viewer::frame() {
     moveCamera(input, seconds);
     fly();
     record(input);
-    controlFrameRate(seconds);
+    takeTimes();
+    pacing_.step(seconds, moved_, Clock::now());
     stream();
   }
   describe();
@@ -131,10 +133,7 @@ bool Viewer::isPictureOld(const Input& input) const {
 
 /// For all of a coarser cut, to draw it instead of what is there.
 bool Viewer::isWorthWaiting() const {
-  if (!rig_ || options_.is_threshold_fixed) return false;
-  const bool is_there = exhibit_->uploaded() && kThresholdStep * exhibit_->drawnThresholdPx() >= asked_px_;
-  return !is_there && control_.isWorthWaiting(drawn_.coarsening, work_ms_,
-                                              secondsSince(std::max(drawn_.time, began_to_move_)));
+  return rig_ && pacing_.isWorthWaiting(exhibit_->drawnThresholdPx(), exhibit_->uploaded(), Clock::now());
 }
 
 void Viewer::obey(const Input& input) {
@@ -149,10 +148,7 @@ void Viewer::obey(const Input& input) {
   if (input.bookmark != 0) tellOfBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
   if (input.screenshot) picture_request_.ask(Clock::now());
-  if (input.finer != 0) {
-    const float factor = std::pow(kThresholdStep, static_cast<float>(-input.finer));
-    threshold_px_ = std::clamp(threshold_px_ * factor, kLeastThresholdPx, kLargestThresholdPx);
-  }
+  pacing_.sharpen(input.finer);
 }
 
 void Viewer::tellOfBookmark(const Input& input) {
@@ -236,7 +232,7 @@ void Viewer::noteFlight(std::optional<uint64_t> number) {
   if (!pilot_ || !number) return;
   FlownFrame frame;
   frame.upload_ms = content_.upload_ms;
-  frame.target_ms = options_.is_threshold_fixed ? 0 : control_.targetMs();
+  frame.target_ms = pacing_.targetMs();
   frame.threshold_px = exhibit_->drawnThresholdPx();
   frame.triangles = content_.triangles;
   pilot_->draw(*number, frame);
@@ -285,23 +281,14 @@ void Viewer::record(const Input& input) {
 /// Those of frames that were drawn some frames ago.
 void Viewer::takeTimes() {
   while (const auto frame = timer_.take()) {
-    work_ms_ = std::max(frame->cpu_ms, frame->gpu_ms);
-    if (!options_.is_threshold_fixed && frame->coarsening) control_.add(work_ms_, *frame->coarsening);
-    if (pilot_) pilot_->finish(frame->number, work_ms_);
+    const double work_ms = std::max(frame->cpu_ms, frame->gpu_ms);
+    pacing_.measure(work_ms, frame->coarsening);
+    if (pilot_) pilot_->finish(frame->number, work_ms);
   }
 }
 
-void Viewer::controlFrameRate(double seconds) {
-  control_.limitTo(kLargestThresholdPx / threshold_px_);
-  takeTimes();
-  if (moved_ && control_.isResting()) began_to_move_ = Clock::now();
-  control_.step(seconds, moved_);
-  const double coarsening = options_.is_threshold_fixed ? 1 : control_.coarsening();
-  asked_px_ = threshold_px_ * static_cast<float>(coarsening);
-}
-
 void Viewer::stream() {
-  exhibit_->look(rig_->view(), asked_px_);
+  exhibit_->look(rig_->view(), pacing_.askedPx());
   uploading_ = !exhibit_->uploaded();
   const Clock::time_point start = Clock::now();
   exhibit_->uploadInRenderThread();
@@ -310,7 +297,7 @@ void Viewer::stream() {
 
 /// A screenshot shows the model alone.
 render::DrawTime Viewer::time() const {
-  const bool is_fast_enough = work_ms_ * kFramesOfFade <= render::kFadeS * 1e3;
+  const bool is_fast_enough = pacing_.workMs() * kFramesOfFade <= render::kFadeS * 1e3;
   return {secondsSince(started_), options_.common.fade && is_fast_enough && options_.screenshot.empty(),
           draws_in_software_};
 }
@@ -322,7 +309,7 @@ bool Viewer::darkensHollows() const { return !draws_in_software_ || !options_.sc
 /// Where the processor draws, samples of pixels cost time that is better spent on a finer threshold while the
 /// camera moves.
 bool Viewer::isQuick() const {
-  return draws_in_software_ && rig_ && !control_.isResting() && options_.screenshot.empty();
+  return draws_in_software_ && rig_ && !pacing_.isResting() && options_.screenshot.empty();
 }
 
 const render::Framebuffer& Viewer::target() {
@@ -350,13 +337,10 @@ void Viewer::draw() {
   content_.error_px = drawn.error_px;
   content_.legend =
       legendOf(style_.show, exhibit_->inPicture(), std::max(exhibit_->drawnThresholdPx(), kLeastThresholdPx));
-  const std::optional<render::Coarsening> coarsening = render::coarseningOf(drawn.shown, threshold_px_);
-  drawn_ = {rig_ ? rig_->view() : view,
-            exhibit_->drawnSerial(),
-            isQuick(),
-            content_,
-            coarsening ? coarsening->drawn : 1,
-            Clock::now()};
+  const std::optional<render::Coarsening> coarsening =
+      render::coarseningOf(drawn.shown, pacing_.thresholdPx());
+  drawn_ = {rig_ ? rig_->view() : view, exhibit_->drawnSerial(), isQuick(), content_};
+  pacing_.draw(coarsening, Clock::now());
   panel_.setScale(window_.contentScale());
   panel_.draw(content_);
   saveScreenshots();
@@ -370,7 +354,8 @@ void Viewer::draw() {
 void Viewer::describeStream() {
   const stream::StreamStatus& status = exhibit_->status();
   content_.converged = settled() && exhibit_->upToDate() && status.cut->converged;
-  content_.progress = status.cut ? progress_.see(status.cut->max_error_px, asked_px_, content_.converged) : 0;
+  content_.progress =
+      status.cut ? progress_.see(status.cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   const bool is_offline = options_.common.streamOptions().offline;
   content_.notice = noticeOf(status, is_offline, exhibit_->overBudget());
 }
@@ -384,8 +369,8 @@ void Viewer::describe() {
     content_.waiting_part = -1;
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;
   }
-  content_.threshold_px = asked_px_;
-  content_.target_ms = asked_px_ > threshold_px_ ? control_.targetMs() : 0;
+  content_.threshold_px = pacing_.askedPx();
+  content_.target_ms = pacing_.askedPx() > pacing_.thresholdPx() ? pacing_.targetMs() : 0;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
   content_.show = nameOf(style_.show);

@@ -9,6 +9,7 @@
 #include "client/app/window/exhibit.h"
 #include "client/app/window/first_start.h"
 #include "client/app/window/glfw_window.h"
+#include "client/app/window/pacing.h"
 #include "client/app/window/panel.h"
 #include "client/app/window/path_recorder.h"
 #include "client/app/window/picks.h"
@@ -17,7 +18,6 @@
 #include "client/app/window/refining_progress.h"
 #include "client/app/window/view_options.h"
 #include "client/render/ambient_occlusion.h"
-#include "client/render/frame_rate_control.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
 
@@ -55,7 +55,6 @@ class Viewer {
   std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
   void moveCamera(const Input& input, double seconds);
   void takeTimes();
-  void controlFrameRate(double seconds);
   void stream();
   bool isPictureOld(const Input& input) const;
   bool isWorthWaiting() const;
@@ -77,10 +76,6 @@ class Viewer {
   bool settled() const;
 
   const ViewOptions options_;
-  double work_ms_ = 0;     ///< of the last frame that was measured
-  double uploads_ms_ = 0;  ///< since the last frame
-  float threshold_px_;     ///< while the camera rests,
-  float asked_px_ = 1;     ///< and of the next cut
   const std::optional<core::CameraPath> wanted_path_;
   GlfwWindow window_;
   const bool draws_in_software_ = render::drawsInSoftware();
@@ -89,7 +84,8 @@ class Viewer {
   std::optional<render::Framebuffer> smooth_, quick_;  ///< of several samples a pixel, and of one
   render::AmbientOcclusion occlusion_;
   render::FrameTimer timer_;
-  render::FrameRateControl control_;
+  Pacing pacing_;
+  double uploads_ms_ = 0;         ///< since the last frame
   std::optional<CameraRig> rig_;  ///< once it is open
   /// What the picture in the window was drawn from.
   struct Drawn {
@@ -97,8 +93,6 @@ class Viewer {
     uint64_t serial = 0;
     bool is_quick = false;
     PanelContent content;
-    double coarsening = 1;
-    Clock::time_point time;
   };
 
   Picks picks_;
@@ -109,8 +103,7 @@ class Viewer {
   render::DrawStyle style_;
   render::Show filled_;  ///< what F goes back to from the wireframe
   PanelContent content_;
-  Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_,
-                    began_to_move_ = started_;
+  Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;
   std::string note_;
   Drawn drawn_;
   PictureRequest picture_request_;

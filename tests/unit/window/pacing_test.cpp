@@ -1,0 +1,83 @@
+#include "client/app/window/pacing.h"
+
+#include <gtest/gtest.h>
+
+namespace lode::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Pacing::Options kCoarseFirst{.begin = render::FrameRateControl::Begin::kCoarse};
+const Pacing::TimePoint kBegun{};
+
+/// A camera that comes to rest.
+void rest(Pacing& pacing) { pacing.step(1, false, kBegun); }
+
+TEST(Pacing, asksForTheUsersThresholdAtRestAndForCoarserCutsWhileTheCameraMoves) {
+  Pacing pacing(kCoarseFirst, kBegun);
+  rest(pacing);
+  EXPECT_EQ(pacing.askedPx(), 1);
+  pacing.step(0.016, true, kBegun);
+  EXPECT_EQ(pacing.askedPx(), 8);
+  EXPECT_GT(pacing.targetMs(), 0);
+}
+
+TEST(Pacing, asksForAFixedThresholdWhateverFramesTake) {
+  Pacing pacing({.threshold_px = 2, .is_fixed = true, .begin = render::FrameRateControl::Begin::kCoarse},
+                kBegun);
+  for (int i = 0; i < 10; ++i) {
+    pacing.step(0.016, true, kBegun);
+    pacing.measure(800, render::Coarsening{1, 1});
+  }
+  EXPECT_EQ(pacing.askedPx(), 2);
+  EXPECT_EQ(pacing.targetMs(), 0);
+  EXPECT_FALSE(pacing.isWorthWaiting(1, false, kBegun));
+}
+
+TEST(Pacing, learnsNothingOfFramesThatShowNothing) {
+  Pacing pacing({}, kBegun);
+  for (int i = 0; i < 10; ++i) pacing.measure(800, std::nullopt);
+  pacing.step(0.016, true, kBegun);
+  EXPECT_EQ(pacing.askedPx(), 1);
+  for (int i = 0; i < 10; ++i) pacing.measure(800, render::Coarsening{1, 1});
+  pacing.step(0.016, true, kBegun);
+  EXPECT_GT(pacing.askedPx(), 1);
+}
+
+TEST(Pacing, keepsThresholdsWithinTheirBounds) {
+  Pacing pacing(kCoarseFirst, kBegun);
+  pacing.sharpen(-16);
+  EXPECT_NEAR(pacing.thresholdPx(), 16, 1e-3);
+  pacing.step(0.016, true, kBegun);
+  EXPECT_NEAR(pacing.askedPx(), kLargestThresholdPx, 1e-3);
+  pacing.sharpen(-100);
+  EXPECT_EQ(pacing.thresholdPx(), kLargestThresholdPx);
+  pacing.sharpen(100);
+  EXPECT_EQ(pacing.thresholdPx(), kLeastThresholdPx);
+}
+
+TEST(Pacing, leavesAThresholdBeyondThemUntilAKeyIsPressed) {
+  Pacing pacing({.threshold_px = 0.05f}, kBegun);
+  pacing.sharpen(0);
+  EXPECT_EQ(pacing.thresholdPx(), 0.05f);
+  pacing.sharpen(1);
+  EXPECT_EQ(pacing.thresholdPx(), kLeastThresholdPx);
+}
+
+TEST(Pacing, waitsForTheCoarserCutFromWhenTheCameraBeginsToMove) {
+  Pacing pacing(kCoarseFirst, kBegun);
+  pacing.measure(800, render::Coarsening{1, 1});
+  pacing.draw(render::Coarsening{1, 1}, kBegun);
+  rest(pacing);
+  EXPECT_FALSE(pacing.isWorthWaiting(1, false, kBegun + 1s));
+  const Pacing::TimePoint begun = kBegun + 10s;
+  pacing.step(0.016, true, begun);
+  EXPECT_TRUE(pacing.isWorthWaiting(1, true, begun));
+  EXPECT_TRUE(pacing.isWorthWaiting(1, true, begun + 200ms));
+  EXPECT_FALSE(pacing.isWorthWaiting(1, true, begun + 300ms));
+  EXPECT_TRUE(pacing.isWorthWaiting(8, false, begun)) << "its parts are still to come";
+  EXPECT_FALSE(pacing.isWorthWaiting(8, true, begun)) << "it is there";
+}
+
+}  // namespace
+}  // namespace lode::app
