@@ -21,7 +21,10 @@ constexpr size_t kChunkFrameHeadBytes = proto::kFrameHeaderBytes + proto::kBlobC
 constexpr size_t kMaxFreeBuffers = 64;         ///< of a thread; more are given back to the system
 constexpr size_t kMaxColdReads = 8;            ///< of a connection at one time
 constexpr size_t kSlowWriteBytes = 16u << 10;  ///< a write to a link that is slower than the server
-constexpr int kLittleUnsentBytes = 8 << 10;    ///< in the kernel: the link takes what it is given
+/// A write to a client of which it is not known that it reads: so much goes into its first window, so that
+/// one that does not read has no buffer here. And what says that it does.
+constexpr size_t kFirstWriteBytes = 48u << 10, kReadersBytes = 256u << 10;
+constexpr int kLittleUnsentBytes = 8 << 10;  ///< in the kernel: the link takes what it is given
 constexpr auto kLinger = std::chrono::seconds(2);
 constexpr auto kLingerForMemory = std::chrono::milliseconds(100);  ///< it is needed: others wait for it
 
@@ -132,7 +135,8 @@ void Connection::endTurn(size_t sent_bytes) {
 }
 
 void Connection::gather(ChunkBuffer& buffer) {
-  const size_t most = slow_ || turn_ ? kSlowWriteBytes : ChunkBuffer::kBytes;
+  const size_t of_fast_link = sent_bytes_ < kReadersBytes ? kFirstWriteBytes : ChunkBuffer::kBytes;
+  const size_t most = slow_ || turn_ ? kSlowWriteBytes : of_fast_link;
   while (buffer.used + kChunkFrameHeadBytes + kMinChunkBytes <= most) {
     const size_t space = most - buffer.used - kChunkFrameHeadBytes;
     const std::optional<Chunk> chunk = session_.beginChunk(static_cast<uint32_t>(space));

@@ -23,7 +23,7 @@ from processes import eventually
 from read_model import HEADER, Connection
 
 BUDGET, THREADS = 32_000_000, 2
-POOLS = THREADS * 64 * (48 << 10)  # buffers that threads keep, beside the budget
+POOLS = THREADS * 64 * (60 << 10)  # buffers that threads keep, beside the budget
 LEFT = BUDGET // 8  # what may stay resident when an attack is over, beside the buffers
 SANITIZED = "LODE_SANITIZED" in os.environ
 WISHES, MAX_BODY, MAX_CHANGES, MAX_OPEN = 7, 262144, 4096, 64
