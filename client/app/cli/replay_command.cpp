@@ -181,8 +181,8 @@ Json toJson(const Replayed& replayed) {
   return json;
 }
 
-/// What the path wishes for, whatever the link.
-/// Whether the file can be written is found out before the work.
+/// Writes what the path wishes for, whatever the link. Whether it can be written is found out before the
+/// work.
 void record(const ReplayOptions& options) {
   const CommonOptions& common = options.common;
   for (const std::string& input : {common.target, common.camera_file, common.token_file})

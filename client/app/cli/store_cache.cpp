@@ -61,11 +61,14 @@ bool remove(const BuiltSource& source) {
 
 }  // namespace
 
+uint64_t storeCacheBytes(uint64_t disk_bytes) noexcept {
+  return std::min(std::max(kLeastBytes, disk_bytes / kShareOfDisk), disk_bytes / 2);
+}
+
 uint64_t storeCacheBytes(const fs::path& stores) {
   std::error_code failed;
   const fs::space_info disk = fs::space(stores, failed);
-  if (failed) return kLeastBytes;
-  return std::min<uint64_t>(std::max<uint64_t>(kLeastBytes, disk.capacity / kShareOfDisk), disk.capacity / 2);
+  return failed ? kLeastBytes : storeCacheBytes(uint64_t{disk.capacity});
 }
 
 FileLock useStore(const fs::path& store) {

@@ -16,7 +16,9 @@ constexpr std::string_view kBuildRecord = "built.json";
 
 /// How much all stores that are built of PLY files may take together: a tenth of the disk that they lie on,
 /// at least 20 GB, but not more than half of it.
-/// @param stores  the folder with one for each source.
+/// @param disk_bytes  its size.
+uint64_t storeCacheBytes(uint64_t disk_bytes) noexcept;
+/// The same. @param stores  the folder with one for each source.
 uint64_t storeCacheBytes(const std::filesystem::path& stores);
 
 /// Counts as a use of the store now, and keeps other programs from removing it as long as what is returned

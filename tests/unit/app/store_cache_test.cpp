@@ -43,6 +43,13 @@ class StoreCache : public testing::Test {
   const lode::test::WorkFolder folder_;
 };
 
+TEST_F(StoreCache, mayTakeATenthOfTheDiskOr20GBButNotMoreThanHalfOfIt) {
+  constexpr uint64_t kGB = 1'000'000'000;
+  EXPECT_EQ(storeCacheBytes(1000 * kGB), 100 * kGB);
+  EXPECT_EQ(storeCacheBytes(100 * kGB), 20 * kGB);
+  EXPECT_EQ(storeCacheBytes(30 * kGB), 15 * kGB);
+}
+
 TEST_F(StoreCache, withinTheLimitIsLeftAlone) {
   trimStores(folder_.path(), 3 * kStoreBytes);
   EXPECT_EQ(kept(), "abc");

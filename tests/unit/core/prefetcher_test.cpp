@@ -1,6 +1,8 @@
 #include "client/core/prefetcher.h"
 
+#include <algorithm>
 #include <functional>
+#include <memory>
 #include <set>
 #include <vector>
 
@@ -67,6 +69,25 @@ TEST(Prefetcher, asksForWhatAnyPlaceWillNeedAndForEachBlobOnce) {
   EXPECT_EQ(usesOf(together), of_each);
   EXPECT_EQ(together.size(), of_each.size());
   EXPECT_TRUE(askedAhead(model, {standing, standing}).empty());
+}
+
+TEST(Prefetcher, countsAsUsedWhatAnyPlaceShows) {
+  const SyntheticModel tree({.seed = 3});
+  const Model model = coarseModel(tree, 1ull << 30);
+  const std::vector<Wish> wishes = askedAhead(model);
+  const auto mesh = std::ranges::find(wishes, BlobKind::kMesh, [](const Wish& w) { return w.use.kind; });
+  ASSERT_NE(mesh, wishes.end());
+  Prefetcher prefetcher;
+  prefetcher.asked(*mesh);
+  prefetcher.arrived(mesh->blob, mesh->use);
+  auto elsewhere = std::make_shared<Cut>();
+  CutPart& part = elsewhere->parts.emplace_back();
+  part.node = mesh->use.mesh.node;
+  part.rung = mesh->use.mesh.rung;
+  part.visible = true;
+  const PlacedCuts placed{{std::make_shared<Cut>(), elsewhere}, nullptr};
+  prefetcher.needed(&placed, {}, {});
+  EXPECT_EQ(prefetcher.counts().used, 1u);
 }
 
 TEST(Prefetcher, takesOtherPlacesForNoMotion) {
