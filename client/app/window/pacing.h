@@ -35,9 +35,10 @@ class Pacing {
   /// A frame was drawn.
   void draw(const std::optional<render::Coarsening>& coarsening, TimePoint now) noexcept;
 
-  float thresholdPx() const noexcept { return threshold_px_; }  ///< while the camera rests
-  float askedPx() const noexcept { return asked_px_; }          ///< of the next cut
-  double workMs() const noexcept { return work_ms_; }           ///< of the last frame that was measured
+  float thresholdPx() const noexcept { return threshold_px_; }                ///< while the camera rests
+  float askedPx() const noexcept { return asked_px_; }                        ///< of the next cut
+  bool asksForFinest() const noexcept { return asked_px_ <= threshold_px_; }  ///< and for nothing coarser
+  double workMs() const noexcept { return work_ms_; }  ///< of the last frame that was measured
   bool isResting() const noexcept { return control_.isResting(); }
   /// What a frame may take; 0 where that has no say.
   double targetMs() const noexcept { return is_fixed_ ? 0 : control_.targetMs(); }

@@ -76,7 +76,8 @@ bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
 /// Nothing more will come for what is looked at now.
 bool Viewer::settled() const {
   const stream::StreamStatus& status = exhibit_->status();
-  return rig_ && status.settled && status.cut && status.cut->view == rig_->view() && exhibit_->uploaded();
+  return rig_ && status.settled && status.cut && status.cut->view == rig_->view() &&
+         status.cut->threshold_px == pacing_.askedPx() && exhibit_->uploaded();
 }
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
@@ -370,7 +371,7 @@ void Viewer::describe() {
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;
   }
   content_.threshold_px = pacing_.askedPx();
-  content_.target_ms = pacing_.askedPx() > pacing_.thresholdPx() ? pacing_.targetMs() : 0;
+  content_.target_ms = pacing_.asksForFinest() ? 0 : pacing_.targetMs();
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
   content_.show = nameOf(style_.show);
@@ -393,13 +394,15 @@ void Viewer::refuseScreenshot() const {
                                    : ": " + failure));
 }
 
-/// The one that the command line asks for ends the program; one asked for by a key does not.
+/// The one that the command line asks for ends the program, once the panel fits its last text; one asked for
+/// by a key does not.
 void Viewer::saveScreenshots() {
   if (!options_.screenshot.empty()) {
-    if (content_.converged) {
+    converged_frames_ = content_.converged && pacing_.asksForFinest() ? converged_frames_ + 1 : 0;
+    if (converged_frames_ > kFramesToSettle) {
       render::writePng(options_.screenshot, window_.readBack());
       is_screenshot_there_ = done_ = true;
-    } else if (exhibit_->status().ended || settled() || isTimeOver()) {
+    } else if (!content_.converged && (exhibit_->status().ended || settled() || isTimeOver())) {
       refuseScreenshot();
     }
   }

@@ -107,7 +107,7 @@ class Viewer {
   std::string note_;
   Drawn drawn_;
   PictureRequest picture_request_;
-  int frames_to_draw_ = 0;
+  int frames_to_draw_ = 0, converged_frames_ = 0;
   bool moved_ = true, uploading_ = false, is_screenshot_there_ = false, done_ = false;
 };
 

@@ -17,8 +17,10 @@ TEST(Pacing, asksForTheUsersThresholdAtRestAndForCoarserCutsWhileTheCameraMoves)
   Pacing pacing(kCoarseFirst, kBegun);
   rest(pacing);
   EXPECT_EQ(pacing.askedPx(), 1);
+  EXPECT_TRUE(pacing.asksForFinest());
   pacing.step(0.016, true, kBegun);
   EXPECT_EQ(pacing.askedPx(), 8);
+  EXPECT_FALSE(pacing.asksForFinest());
   EXPECT_GT(pacing.targetMs(), 0);
 }
 
