@@ -1,5 +1,7 @@
 // Scenes, drawn off-screen.
 
+#include <optional>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -145,6 +147,34 @@ TEST_F(DrawnScenes, areTheSamePictureInTheWindowFromSeveralServers) {
   }
   EXPECT_LT(static_cast<double>(other), 1e-3 * static_cast<double>(looked_at));
   EXPECT_GT(render.shades(), 50u) << "there is something to see";
+}
+
+/// Of the last frame of a flight in the window; none where there is no display to be had.
+std::optional<uint64_t> trianglesOfLastFrame(const std::filesystem::path& scene,
+                                             const std::filesystem::path& camera) {
+  const std::string viewer = std::string(LODE_BIN_DIR) + "/bin/lodestream";
+  Program program("xvfb-run", {"-a", "-s", "-screen 0 640x480x24", viewer, "view", scene, "--camera", camera,
+                               "--size", "320x240", "--pixels", "1", "--laps", "1", "--json"});
+  const Outcome outcome = program.wait();
+  if (outcome.status == 127) return {};
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  return nlohmann::json::parse(outcome.out)["frames"].back()["triangles"].get<uint64_t>();
+}
+
+TEST_F(DrawnScenes, doNotDrawInTheWindowWhatStandsBehind) {
+  writeBytes(folder_ / "flight.json",
+             R"({"keys": [{"t": 0, "eye": [0, -4, 1], "target": [0, 0, 0], "up": [0, 0, 1]},
+                          {"t": 1, "eye": [0.01, -4, 1], "target": [0, 0, 0], "up": [0, 0, 1]}]})");
+  const auto triangles = [&](const std::string& name, const std::string& other) {
+    writeBytes(folder_ / name, withInstances(R"({"model": "m"})" + other));
+    return trianglesOfLastFrame(folder_ / name, folder_ / "flight.json");
+  };
+  const auto alone = triangles("alone.json", "");
+  if (!alone) GTEST_SKIP() << "no xvfb-run: install xvfb";
+  const auto beside = triangles("beside.json", R"(, {"model": "m", "position": [2, 4, -1], "scale": 0.3})");
+  const auto behind = triangles("behind.json", R"(, {"model": "m", "position": [0, 4, -1], "scale": 0.3})");
+  EXPECT_GT(*beside, *alone + *alone / 10) << "there is nothing to leave out";
+  EXPECT_LE(*behind, *alone + *alone / 50);
 }
 
 TEST_F(DrawnScenes, areRefusedInOneLineWhereTheyAreWrong) {
