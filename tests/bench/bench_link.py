@@ -80,6 +80,7 @@ def main():
     parser.add_argument("bin_dir", type=pathlib.Path)
     parser.add_argument("store", type=pathlib.Path)
     parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--initcwnd", type=int, help="segments that the server's system sends before the first acknowledgement (its default: 10)")
     parser.add_argument("--replay", nargs="*", default=[], help="more options of replay")
     options = parser.parse_args()
     info = json.loads(subprocess.run([options.bin_dir / "lodestreamd", "info", options.store, "--json"], check=True, capture_output=True).stdout)
@@ -87,6 +88,8 @@ def main():
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     with contextlib.ExitStack() as ending, tempfile.TemporaryDirectory() as folder:
         near, far = ending.enter_context(long_link(options.bin_dir, DELAY_MS, MBIT_S))
+        if options.initcwnd:
+            subprocess.run([*near, "ip", "route", "change", "10.9.0.0/24", "dev", "em0", "initcwnd", str(options.initcwnd)], check=True)
         bytes_s = goodput(near, far)
         ending.enter_context(plain_haproxy(folder, f"10.9.0.1:{PORT + 2}", f"10.9.0.1:{PORT}", [*near, *REAL_TIME]))
         emulated = f"{MBIT_S} Mbit/s"
