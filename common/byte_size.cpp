@@ -59,6 +59,7 @@ uint64_t parseByteSize(std::string_view text) {
 }
 
 std::string describeBytes(uint64_t bytes) {
+  if (bytes == 1) return "1 byte";
   constexpr std::array kUnits{"bytes", "KB", "MB", "GB", "TB"};
   double value = static_cast<double>(bytes);
   size_t unit = 0;

@@ -117,11 +117,6 @@ void setExplicitQuantization(draco::ExpertEncoder& encoder, int id, int bits, co
   encoder.options().SetAttributeOptions(id, options);
 }
 
-bool hasTransparency(const Mesh& mesh) {
-  return std::any_of(mesh.vertex_attributes.begin(), mesh.vertex_attributes.end(),
-                     [](const VertexAttributes& a) { return a.colour.a != 255; });
-}
-
 void addPositions(draco::Mesh& out, const Mesh& mesh, double step) {
   addAttribute<float>(out, GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, false, mesh.positions.size(),
                       [&](size_t i, float* p) {
@@ -148,7 +143,7 @@ AttributeIds addAttributes(draco::Mesh& out, const Mesh& mesh, double step) {
                                        std::memcpy(n, &value, sizeof value);
                                      });
   if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
-    const int components = mesh.attributes.has(AttributeSet::kAlpha) && hasTransparency(mesh) ? 4 : 3;
+    const int components = hasTransparency(mesh) ? 4 : 3;
     addAttribute<uint8_t>(
         out, GeometryAttribute::COLOR, draco::DT_UINT8, components, true, in.size(),
         [&](size_t i, uint8_t* c) { std::memcpy(c, &in[i].colour, static_cast<size_t>(components)); });

@@ -112,7 +112,8 @@ Json addVertices(Parts& parts, const Mesh& mesh, const Lattice& lattice) {
 }
 
 /// A material that is matt and seen from both sides, and its image.
-void addMaterial(Json& document, const Mesh& mesh, const std::string& image) {
+/// @param alpha_mode  of the specification; empty: alpha is left out of account.
+void addMaterial(Json& document, const std::string& image, const std::string& alpha_mode) {
   Json surface{{"metallicFactor", 0}, {"roughnessFactor", 1}};
   if (!image.empty()) {
     document["images"].push_back({{"uri", toUri(image)}});
@@ -120,11 +121,11 @@ void addMaterial(Json& document, const Mesh& mesh, const std::string& image) {
     surface["baseColorTexture"] = {{"index", document["textures"].size() - 1}};
   }
   Json material{{"pbrMetallicRoughness", surface}, {"doubleSided", true}};
-  if (mesh.attributes.has(AttributeSet::kAlpha)) material["alphaMode"] = "BLEND";
+  if (!alpha_mode.empty()) material["alphaMode"] = alpha_mode;
   document["materials"].push_back(material);
 }
 
-Json describe(const Mesh& mesh, const Lattice& lattice, const TextureSet& textures,
+Json describe(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images,
               const std::vector<MaterialGroup>& groups, Parts& parts) {
   Json document;
   document["asset"] = {{"version", "2.0"}, {"generator", "Lodestream"}};
@@ -138,12 +139,16 @@ Json describe(const Mesh& mesh, const Lattice& lattice, const TextureSet& textur
   node["mesh"] = 0;
   node["translation"] = {lattice.origin.x, lattice.origin.y, lattice.origin.z};
   const Json attributes = addVertices(parts, mesh, lattice);
+  const bool blends = hasTransparency(mesh);
   Json primitives = Json::array();
   for (const MaterialGroup& group : groups) {
     const size_t indices =
         parts.add("SCALAR", kUnsignedInt, 3 * uint64_t{group.triangles.size()}, 4, kIndexBuffer);
     primitives.push_back({{"attributes", attributes}, {"indices", indices}, {"material", primitives.size()}});
-    addMaterial(document, mesh, imageOf(mesh, textures, group.material));
+    const std::string image = imageOf(mesh, images.set, group.material);
+    const bool cuts_out =
+        !image.empty() && group.material < images.has_alpha.size() && images.has_alpha[group.material];
+    addMaterial(document, image, blends ? "BLEND" : cuts_out ? "MASK" : "");
   }
   document["meshes"][0]["primitives"] = std::move(primitives);
   parts.describe(document);
@@ -180,12 +185,12 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, c
 }  // namespace
 
 void writeGlb(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
-              const TextureSet& textures) {
+              const ImageFiles& images) {
   if (!(lattice.step >= kLeastStep && lattice.step <= kLargestStep))
     throw Error(ErrorCode::kLimit, path.string() + ": glTF's floats do not hold its coordinates: write PLY");
   const std::vector<MaterialGroup> groups = groupByMaterial(mesh);
   Parts parts;
-  std::string text = describe(mesh, lattice, textures, groups, parts).dump();
+  std::string text = describe(mesh, lattice, images, groups, parts).dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const uint64_t binary_bytes = parts.bytes() == 0 ? 0 : kChunkHeaderBytes + parts.bytes();
   const uint64_t bytes = kHeaderBytes + kChunkHeaderBytes + text.size() + binary_bytes;
@@ -203,7 +208,7 @@ void writeGlb(const std::filesystem::path& path, const Mesh& mesh, const Lattice
   file.write(std::as_bytes(std::span(text)));
   if (binary_bytes != 0) {
     writeHeader(parts.bytes(), kBinaryChunk);
-    writeVertices(file, mesh, lattice, textures);
+    writeVertices(file, mesh, lattice, images.set);
     for (const MaterialGroup& group : groups)
       for (const uint32_t number : group.triangles) writeNumbers(file, mesh.triangles[number]);
   }

@@ -23,18 +23,18 @@ MeshFormat meshFormatOf(const std::filesystem::path& path) {
 }
 
 void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
-               const TextureSet& textures) {
+               const ImageFiles& images) {
   const MeshFormat format = meshFormatOf(path);
   if (mesh.attributes.bits != 0 && mesh.vertex_attributes.size() != mesh.positions.size())
     throw Error(ErrorCode::kInternal,
                 "a mesh to write to " + path.string() + " lacks attributes of its vertices");
   switch (format) {
     case MeshFormat::kPly:
-      return writePly(path, mesh, lattice, textures);
+      return writePly(path, mesh, lattice, images.set);
     case MeshFormat::kObj:
-      return writeObj(path, mesh, lattice, textures);
+      return writeObj(path, mesh, lattice, images.set);
     case MeshFormat::kGlb:
-      return writeGlb(path, mesh, lattice, textures);
+      return writeGlb(path, mesh, lattice, images);
   }
 }
 

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
+#include "common/image_files.h"
 #include "common/lattice.h"
 #include "common/mesh.h"
-#include "common/texture_set.h"
 
 namespace lode {
 
@@ -18,11 +18,10 @@ MeshFormat meshFormatOf(const std::filesystem::path& path);
 
 /// Writes a mesh in the format that the name asks for, in true coordinates, with its attributes as far as the
 /// format has them, to a temporary file that is renamed at the end.
-/// @param textures  what the mesh's texture coordinates mean, and the names of the image files, which are
-///                  named in the file.
+/// @param images  what the mesh's texture coordinates mean, and the image files, which are named in the file.
 /// @throws Error kUsage as meshFormatOf(), kIo, kLimit; kInternal if the mesh lacks attributes of its
 /// vertices.
 void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
-               const TextureSet& textures = {});
+               const ImageFiles& images = {});
 
 }  // namespace lode

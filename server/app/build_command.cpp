@@ -67,9 +67,8 @@ void runBuild(const BuildArguments& arguments) {
     });
     bar.finishStage();
   }
-  if (!arguments.quiet)
-    for (const std::string& warning : report.warnings)
-      std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());
+  for (const std::string& warning : report.warnings)
+    std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());
   if (arguments.json)
     printJson(describeAsJson(report));
   else if (!arguments.quiet && !arguments.json_progress)
@@ -92,7 +91,7 @@ void addBuildCommand(CLI::App& program) {
   command->add_option("--tmp", options.temporary_folder, "folder for temporary files (default: the output's)")
       ->type_name("DIR");
   command->add_option("--triangles-per-node", options.triangles_per_node, "a node with more is split")
-      ->check(CLI::Range(1u, kMaxRungTriangles))
+      ->check(CLI::Range(ingest::kMinTrianglesPerNode, kMaxRungTriangles))
       ->capture_default_str();
   command
       ->add_option_function<std::string>(
@@ -116,7 +115,7 @@ void addBuildCommand(CLI::App& program) {
   command->add_flag("--strict", options.strict, "warnings are errors");
   command->add_flag("--json", arguments->json, "print the result as one JSON object");
   CLI::Option* const quiet =
-      command->add_flag("--quiet", arguments->quiet, "print no progress and no result");
+      command->add_flag("--quiet", arguments->quiet, "print no progress and no result, but warnings");
   command
       ->add_flag("--json-progress", arguments->json_progress,
                  "print progress, for programs: lines of JSON with stage and fraction; and no result but "

@@ -18,9 +18,8 @@ CLI::Option* addByteSize(CLI::App& command, const std::string& name, uint64_t& v
     } catch (const Error& error) {
       throw CLI::ValidationError(name, error.what());
     }
-    if (value < least || value > most)
-      throw CLI::ValidationError(
-          name, text + " is not from " + describeBytes(least) + " to " + describeBytes(most));
+    if (value < least) throw CLI::ValidationError(name, text + " is less than " + describeBytes(least));
+    if (value > most) throw CLI::ValidationError(name, text + " is more than " + describeBytes(most));
   };
   return command.add_option_function<std::string>(name, read, help)->type_name("BYTES");
 }

@@ -25,7 +25,7 @@ std::string wholeNumber(const std::string& text);
 
 /// Adds an option that takes a count of bytes (see parseByteSize()), from `least` to `most`.
 CLI::Option* addByteSize(CLI::App& command, const std::string& name, uint64_t& value, const std::string& help,
-                         uint64_t least = 0, uint64_t most = std::numeric_limits<uint64_t>::max());
+                         uint64_t least = 1, uint64_t most = std::numeric_limits<uint64_t>::max());
 
 /// Adds a command with what all have in common (--version).
 CLI::App* addCommand(CLI::App& program, const std::string& name, const std::string& description);

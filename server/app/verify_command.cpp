@@ -1,4 +1,6 @@
+#include <charconv>
 #include <memory>
+#include <optional>
 
 #include "server/app/command.h"
 #include "server/app/json_output.h"
@@ -30,9 +32,13 @@ Json reportAsJson(const store::VerifyReport& report) {
 }
 
 Json againstAsJson(const ingest::AgainstReport& report) {
-  return {{"triangles", report.triangles},     {"dropped", report.dropped},
-          {"rungs_sampled", report.rungs},     {"rungs_below", report.rungs_below},
-          {"least_ratio", report.least_ratio}, {"median_ratio", report.median_ratio}};
+  const auto ofMeasured = [&](double ratio) { return report.rungs > 0 ? Json(ratio) : Json(nullptr); };
+  return {{"triangles", report.triangles},
+          {"dropped", report.dropped},
+          {"rungs_sampled", report.rungs},
+          {"rungs_below", report.rungs_below},
+          {"least_ratio", ofMeasured(report.least_ratio)},
+          {"median_ratio", ofMeasured(report.median_ratio)}};
 }
 
 std::string describe(const store::VerifyReport& report) {
@@ -53,11 +59,7 @@ std::string describe(const ingest::AgainstReport& report) {
   return text;
 }
 
-Json check(const VerifyArguments& arguments, std::string& text) {
-  const store::VerifyReport report = store::verifyStore(arguments.store, arguments.options);
-  Json json = reportAsJson(report);
-  text = describe(report);
-  if (arguments.against.input.empty()) return json;
+ingest::AgainstReport compare(const VerifyArguments& arguments) {
   ingest::AgainstOptions against = arguments.against;
   against.store = arguments.store;
   against.seed = arguments.options.seed;
@@ -66,22 +68,37 @@ Json check(const VerifyArguments& arguments, std::string& text) {
       ingest::compareWithInput(against, [&](std::string_view stage, double fraction, uint64_t done,
                                             uint64_t) { bar.update(stage, fraction, done); });
   bar.finishStage();
-  json["against"] = againstAsJson(compared);
-  text += describe(compared);
-  return json;
+  return compared;
 }
 
 void runVerify(const VerifyArguments& arguments) {
-  std::string text;
-  Json json;
+  std::optional<store::VerifyReport> report;
+  std::optional<ingest::AgainstReport> compared;
   try {
-    json = check(arguments, text);
+    report = store::verifyStore(arguments.store, arguments.options);
+    if (!arguments.against.input.empty()) compared = compare(arguments);
   } catch (const Error& error) {
-    if (arguments.json) printJson({{"sound", false}, {"fault", error.what()}});
+    // Where the store could not be looked at, or is sound and the input is not, nothing is said of the store.
+    const bool is_fault = error.code() == ErrorCode::kFormat || (!report && error.code() != ErrorCode::kIo);
+    if (arguments.json && is_fault) printJson({{"sound", false}, {"fault", error.what()}});
     throw;
   }
-  if (arguments.json) return printJson(json);
-  printText(arguments.store.string() + ": " + text + "\n");
+  if (!arguments.json)
+    return printText(arguments.store.string() + ": " + describe(*report) +
+                     (compared ? describe(*compared) : "") + "\n");
+  Json json = reportAsJson(*report);
+  if (compared) json["against"] = againstAsJson(*compared);
+  printJson(json);
+}
+
+/// @return 0 for all.
+size_t countOfRungs(const std::string& text) {
+  size_t count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  const bool is_count = error == std::errc() && end == text.data() + text.size() && count > 0;
+  if (!is_count && text != "all")
+    throw CLI::ValidationError("--rungs", "must be a number above 0, or all, not " + text);
+  return is_count ? count : 0;
 }
 
 }  // namespace
@@ -91,14 +108,17 @@ void addVerifyCommand(CLI::App& program) {
   CLI::App* command = addCommand(program, "verify", "Check a store: every byte, payload and invariant");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
   ingest::AgainstOptions& against = arguments->against;
+  CLI::Option* const input =
+      command
+          ->add_option(
+              "--against", against.input,
+              "the PLY file that it was built from: check that nothing is missing, and measure errors")
+          ->type_name("IN.ply");
   command
-      ->add_option("--against", against.input,
-                   "the PLY file that it was built from: check that nothing is missing, and measure errors")
-      ->type_name("IN.ply");
-  command
-      ->add_option("--rungs", against.rungs,
-                   "rungs to measure, with --against, at most, spread over the tree (default: all)")
-      ->transform([](std::string text) { return text == "all" ? "0" : text; }, "")
+      ->add_option_function<std::string>(
+          "--rungs", [arguments](const std::string& text) { arguments->against.rungs = countOfRungs(text); },
+          "rungs to measure, with --against, at most, spread over the tree (default: all)")
+      ->needs(input)
       ->type_name("N|all");
   command->add_option("--threads", against.threads, "threads that measure (default: one a core)")
       ->check(CLI::Range(1u, 1024u));

@@ -16,7 +16,8 @@
 namespace lode::store {
 namespace {
 
-void exportImage(const Reader& reader, const Texture& texture, const std::filesystem::path& path) {
+/// @return whether the image has alpha.
+bool exportImage(const Reader& reader, const Texture& texture, const std::filesystem::path& path) {
   const auto tileAt = [&](uint32_t x, uint32_t y) {
     return reader.readBlob(texture.tiles[tileIndex(texture, 0, x, y)].number);
   };
@@ -34,21 +35,24 @@ void exportImage(const Reader& reader, const Texture& texture, const std::filesy
       to = std::copy(from + kTileGutterPx, from + tile.size.x - kTileGutterPx, to);
     }
   });
+  return has_alpha;
 }
 
 }  // namespace
 
-TextureSet exportTextures(const Reader& reader, const std::filesystem::path& mesh) {
-  TextureSet set = reader.textures();
+ImageFiles exportTextures(const Reader& reader, const std::filesystem::path& mesh) {
+  ImageFiles files{reader.textures(), {}};
   ImageNames names(mesh);
-  for (Texture& texture : set.textures) {
+  files.has_alpha.resize(files.set.textures.size());
+  for (size_t i = 0; i < files.set.textures.size(); ++i) {
+    Texture& texture = files.set.textures[i];
     if (texture.name.empty()) texture.name = "missing";
     if (texture.tiles.empty()) continue;
     const std::string name = names.next(texture.name);
-    exportImage(reader, texture, mesh.parent_path() / name);
+    files.has_alpha[i] = exportImage(reader, texture, mesh.parent_path() / name);
     texture.name = name;
   }
-  return set;
+  return files;
 }
 
 }  // namespace lode::store

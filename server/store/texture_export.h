@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "common/texture_set.h"
+#include "common/image_files.h"
 #include "server/store/reader.h"
 
 namespace lode::store {
@@ -10,8 +10,7 @@ namespace lode::store {
 /// Writes the images of a store's textures, at full size and without further loss, as PNG files beside a
 /// mesh's file: STEM_NAME.png, where STEM is that file's and NAME the texture's without folders. Memory: one
 /// row of tiles.
-/// @return the set with the names of those files; a texture without an image keeps its own.
 /// @throws Error kIo, kFormat, kLimit.
-TextureSet exportTextures(const Reader& reader, const std::filesystem::path& mesh);
+ImageFiles exportTextures(const Reader& reader, const std::filesystem::path& mesh);
 
 }  // namespace lode::store

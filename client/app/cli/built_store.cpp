@@ -39,9 +39,13 @@ std::string hashOf(const std::string& text) {
   return toHex(nameBlob(std::as_bytes(std::span(text)))).substr(0, kKeyDigits);
 }
 
+std::string inWords(const timespec& time) {
+  return " " + std::to_string(time.tv_sec) + "." + std::to_string(time.tv_nsec);
+}
+
+/// The time of the kernel's own record, too: programs that unpack or copy set the other as they like.
 std::string versionOf(const struct stat& status) {
-  return std::to_string(status.st_size) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
-         std::to_string(status.st_mtim.tv_nsec);
+  return std::to_string(status.st_size) + inWords(status.st_mtim) + inWords(status.st_ctim);
 }
 
 /// Of a file that is there; empty if it is not.

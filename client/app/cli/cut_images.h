@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "client/core/cut.h"
+#include "common/image_files.h"
 #include "common/mesh.h"
-#include "common/texture_set.h"
 
 namespace lode::app {
 
 /// The textures of a mesh, with the names of their files.
 struct CutImages {
-  TextureSet set;                     ///< one without a file has no image
+  ImageFiles files;                   ///< a texture without a file has no image
   std::vector<std::string> left_out;  ///< names of textures that the mesh wears and of which nothing is there
 };
 

@@ -129,7 +129,7 @@ class Fetch {
   void write(const core::Cut& cut, const ModelSummary& model) const {
     const Mesh mesh = weldCut(cut, model.attributes);
     const CutImages images = writeCutImages(cut, mesh, options_.output);
-    writeMesh(options_.output, mesh, model.lattice, images.set);
+    writeMesh(options_.output, mesh, model.lattice, images.files);
     for (const std::string& name : images.left_out)
       std::fprintf(stderr,
                    "lodestream: %s: the image %s is left out, as the memory budget had no room for it; raise "

@@ -21,8 +21,6 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint32_t kMinTrianglesPerNode = 64;
-
 /// Behind the links of its name, so that the temporary files lie where it is to be.
 std::filesystem::path outputOf(const BuildOptions& options) {
   OutputTarget target = findOutput(options.output);

@@ -78,7 +78,7 @@ void BuildFolder::lock() {
                                     std::strerror(errno) + "; name another place for the output");
   };
   while (true) {
-    makeOwnFolder(path_);
+    makeOwnFolder(path_, {"the output", "name another place for it"});
     lock_ = ::open((path_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (lock_ < 0 && errno == ENOENT) continue;  // a build that ended took the folder away
     if (lock_ < 0) fail("open the lock in");

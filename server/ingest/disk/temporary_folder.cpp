@@ -15,33 +15,34 @@
 namespace lode::ingest {
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& parent) {
-  throw Error(ErrorCode::kIo, "cannot make a folder for temporary files in " + parent.string() + ": " +
-                                  std::strerror(errno) + "; name another with --tmp");
+[[noreturn]] void fail(const std::filesystem::path& parent, const FolderUse& use) {
+  throw Error(ErrorCode::kIo, std::string("cannot make a folder for ") + use.what + " in " + parent.string() +
+                                  ": " + std::strerror(errno) + "; " + use.remedy);
 }
+
+constexpr FolderUse kTemporaryFiles{"temporary files", "name another with --tmp"};
 
 }  // namespace
 
-void makeOwnFolder(const std::filesystem::path& path) {
+void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use) {
   if (::mkdir(path.c_str(), 0700) == 0) return;
-  if (errno != EEXIST) fail(path.parent_path());
+  if (errno != EEXIST) fail(path.parent_path(), use);
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) {
-    if (errno == ENOENT) return makeOwnFolder(path);  // a build that ended took it away
-    fail(path.parent_path());
+    if (errno == ENOENT) return makeOwnFolder(path, use);  // a build that ended took it away
+    fail(path.parent_path(), use);
   }
   if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() ||
       (status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-    throw Error(ErrorCode::kIo, path.string() +
-                                    ": is not a folder of yours alone; remove it, or name another " +
-                                    "place for the output or with --tmp");
+    throw Error(ErrorCode::kIo,
+                path.string() + ": is not a folder of yours alone; remove it, or " + use.remedy);
   }
 }
 
 TemporaryFolder::TemporaryFolder(const std::filesystem::path& parent) {
   std::string name = (parent / ".lodestream-build-XXXXXX").string();
   const Uninterrupted until_it_is_known;
-  if (::mkdtemp(name.data()) == nullptr) fail(parent);
+  if (::mkdtemp(name.data()) == nullptr) fail(parent, kTemporaryFiles);
   path_ = name;
   unfinished_ = Unfinished(path_);
 }
@@ -50,7 +51,7 @@ TemporaryFolder TemporaryFolder::lasting(std::filesystem::path path) {
   TemporaryFolder folder;
   folder.path_ = std::move(path);
   folder.is_lasting_ = true;
-  makeOwnFolder(folder.path_);
+  makeOwnFolder(folder.path_, kTemporaryFiles);
   return folder;
 }
 

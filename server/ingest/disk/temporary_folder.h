@@ -8,9 +8,14 @@
 
 namespace lode::ingest {
 
+/// What a folder is for, and what to do where it cannot be made: words of an error.
+struct FolderUse {
+  const char *what, *remedy;
+};
+
 /// Makes a folder that none but this user can write to, unless it is there. A link in its place, or another
 /// user's folder, would have files written wherever that user likes. @throws Error kIo.
-void makeOwnFolder(const std::filesystem::path& path);
+void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use);
 
 /// A folder for temporary files.
 class TemporaryFolder {

@@ -12,6 +12,8 @@
 
 namespace lode::ingest {
 
+constexpr uint32_t kMinTrianglesPerNode = 64;
+
 /// What a build is asked for.
 struct BuildOptions {
   std::filesystem::path input, output;

@@ -8,7 +8,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr const char* kRepair = "repair the file or use --skip-bad";
+constexpr const char* kRepair = "repair the file, or build it with lodestreamd build --skip-bad";
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/integration/pictures/picture.h"
 #include "tests/integration/programs/programs.h"
 
 namespace lode::test {

@@ -56,6 +56,20 @@ TEST_F(BuiltStore, isBuiltOnceByProgramsThatOpenTheSameFileAtOnce) {
   EXPECT_EQ(built.size(), 1u);
 }
 
+TEST_F(BuiltStore, isBuiltAnewOfAFileThatChangesAndKeepsItsSizeAndTime) {
+  const fs::path ply = folder_ / "a.ply", other = folder_ / "other.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "2000", "-o", ply}).status, 0);
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "2000", "--seed", "2", "-o", other}).status, 0);
+  ASSERT_EQ(fs::file_size(ply), fs::file_size(other));
+  ASSERT_EQ(fetch(ply).status, 0);
+  const std::string before = readBytes(stores().at(0));
+  const fs::file_time_type time = fs::last_write_time(ply);
+  fs::copy_file(other, ply, fs::copy_options::overwrite_existing);
+  fs::last_write_time(ply, time);
+  ASSERT_EQ(fetch(ply).status, 0);
+  EXPECT_NE(readBytes(stores().at(0)), before);
+}
+
 /// Returns when the process stands still.
 void stop(pid_t process) {
   kill(process, SIGSTOP);

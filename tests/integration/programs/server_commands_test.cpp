@@ -94,22 +94,6 @@ TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "a.lode"));
 }
 
-TEST_F(ServerCommands, verifyAgainstFindsTheInputInTheStoreAndNoOther) {
-  build();
-  const Json sound = Json::parse(run("verify a.lode --against a.ply --json").out);
-  const Json info = Json::parse(run("info a.lode --json").out);
-  EXPECT_TRUE(sound["sound"]);
-  EXPECT_EQ(sound["against"]["triangles"], info["triangles"]);
-  EXPECT_GT(sound["against"]["rungs_sampled"], 5);
-  EXPECT_GE(sound["against"]["least_ratio"], 0.8);
-
-  ASSERT_EQ(run("sample asteroid --triangles 20000 --seed 2 -o other.ply").status, 0);
-  const Outcome other = run("verify a.lode --against other.ply --json");
-  EXPECT_EQ(other.status, 1);
-  EXPECT_FALSE(Json::parse(other.out)["sound"]);
-  EXPECT_EQ(run("verify a.lode --against missing.ply").status, 1);
-}
-
 TEST_F(ServerCommands, doctorSaysWhatABuildWillCostWithinHalf) {
   const Json doctor = Json::parse(run("doctor a.ply --json").out);
   expectKeys(doctor, {"buildable", "encoding", "elements", "vertices", "faces", "triangles", "attributes",
@@ -327,7 +311,9 @@ TEST_F(ServerCommands, nameTheRemedyForNumbersThatAreNone) {
   };
   expectWords("build a.ply -o b.lode --memory 1XB", "512MB, 1.5GB or 512MiB");
   expectWords("serve . --memory-budget 0.5", "512MB, 1.5GB or 512MiB");
-  expectWords("serve . --memory-budget 0.5KB", "from 1.0 MB to");
+  expectWords("serve . --memory-budget 0.5KB", "0.5KB is less than 1.0 MB");
+  expectWords("build a.ply -o b.lode --memory 0", "0 is less than 1 byte");
+  expectWords("build a.ply -o b.lode --triangles-per-node 63", "64 to ");
   expectWords("serve . --idle-deadline 0", "--idle-deadline");
   expectWords("sample asteroid --triangles -5 -o b.ply", "a whole number, as 2000000, not -5");
   expectWords("sample nope --triangles 5 -o b.ply", "scene");
@@ -365,6 +351,19 @@ TEST_F(ServerCommands, warnOfTextureCoordinatesWithoutAnImageAsDoctorDoes) {
   const std::string words = "no comment TextureFile names a texture";
   EXPECT_NE(run("build uv.ply -o uv.lode").err.find(words), std::string::npos);
   EXPECT_NE(run("doctor uv.ply").out.find(words), std::string::npos);
+}
+
+TEST_F(ServerCommands, warnEvenWhereTheyAreToBeQuiet) {
+  ASSERT_EQ(run("sample asteroid --triangles 100 --attributes uv -o uv.ply").status, 0);
+  const Outcome outcome = run("build uv.ply -o uv.lode --quiet");
+  EXPECT_NE(outcome.err.find("warning: "), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+}
+
+TEST_F(ServerCommands, adviseAnotherOutputWhereItsFolderCannotBeWritten) {
+  const Outcome outcome = run("build a.ply -o nowhere/a.lode --tmp .");
+  expectFailure(outcome, {"nowhere", "name another place for it"});
+  EXPECT_EQ(outcome.err.find("--tmp"), std::string::npos) << outcome.err;
 }
 
 TEST_F(ServerCommands, doctorWritesNumbersAsTheFileHasThem) {

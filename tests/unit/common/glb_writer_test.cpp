@@ -22,8 +22,8 @@ using Json = nlohmann::json;
 /// A file, taken apart as the specification says.
 class GlbWriter : public testing::Test {
  protected:
-  void write(const Mesh& mesh, const Lattice& lattice, const TextureSet& textures = {}) {
-    writeGlb(folder_ / "cut.glb", mesh, lattice, textures);
+  void write(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images = {}) {
+    writeGlb(folder_ / "cut.glb", mesh, lattice, images);
     const std::string all = test::readBytes(folder_ / "cut.glb");
     ASSERT_GE(all.size(), 20u);
     EXPECT_EQ(all.substr(0, 4), "glTF");
@@ -106,7 +106,25 @@ TEST_F(GlbWriter, writesColoursAsLinearLightAndAlphaAsItIs) {
   EXPECT_EQ(colours[1], 65535);
   EXPECT_NEAR(colours[2] / 65535.0, 0.5029, 1e-4);  // by the standard's formula
   EXPECT_EQ(colours[3], 51 * 257);
+}
+
+TEST_F(GlbWriter, blendsWhereAVertexIsNotOpaqueAndNotForTheChannelAlone) {
+  Mesh mesh = wideTriangle(AttributeSet::kColour | AttributeSet::kAlpha);
+  write(mesh, {});
+  EXPECT_FALSE(json_["materials"][0].contains("alphaMode"));
+  mesh.vertex_attributes[1].colour.a = 254;
+  write(mesh, {});
   EXPECT_EQ(json_["materials"][0]["alphaMode"], "BLEND");
+}
+
+TEST_F(GlbWriter, cutsOutWhatClearTexelsOfAnImageHide) {
+  test::MeshOptions options;
+  options.attributes.bits = AttributeSet::kTexture | AttributeSet::kMaterial;
+  TextureSet textures;
+  textures.textures = {{"leaves.png", 4, 4, {}}, {"wall.png", 4, 4, {}}};
+  write(test::makeGrid(4, 3, options), {}, {textures, {true, false}});
+  EXPECT_EQ(json_["materials"][0]["alphaMode"], "MASK");
+  EXPECT_FALSE(json_["materials"][1].contains("alphaMode"));
 }
 
 TEST_F(GlbWriter, countsTextureCoordinatesFromTheImagesTop) {
@@ -124,7 +142,7 @@ TEST_F(GlbWriter, givesEachMaterialAPrimitiveAndTheImageThatItWears) {
   const Mesh mesh = test::makeGrid(4, 3, options);
   TextureSet textures;
   textures.textures = {{"missing.png", 0, 0, {}}, {"a folder/50 %.png", 4, 4, {}}};
-  write(mesh, {}, textures);
+  write(mesh, {}, {textures, {}});
   ASSERT_EQ(json_["meshes"][0]["primitives"].size(), 2u);
   size_t triangles = 0;
   for (size_t i = 0; i < 2; ++i) {

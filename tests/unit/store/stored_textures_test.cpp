@@ -161,12 +161,14 @@ TEST_F(StoredTextures, areRejoinedBesideThePlyByExport) {
     return set;
   });
   std::filesystem::create_directory(folder_ / "out");
-  const TextureSet set = exportTextures(Reader(path_), folder_ / "out/cut.ply");
+  const ImageFiles files = exportTextures(Reader(path_), folder_ / "out/cut.ply");
+  const TextureSet& set = files.set;
   EXPECT_EQ(set.uv_scale_exponent, 4);
   ASSERT_EQ(set.textures.size(), 3u);
   EXPECT_EQ(set.textures[0].name, "cut_two words.png");
   EXPECT_EQ(set.textures[1].name, "missing.png");
   EXPECT_EQ(set.textures[2].name, "cut_two words-2.png");
+  EXPECT_EQ(files.has_alpha, (std::vector<bool>{true, false, true}));
   glm::uvec2 size;
   const std::vector<glm::u8vec4> texels = readPng(folder_ / "out/cut_two words.png", size);
   ASSERT_EQ(size, glm::uvec2(1100, 520));
@@ -184,8 +186,8 @@ TEST_F(StoredTextures, ofLongNamesAreCutBetweenCharacters) {
     set.textures = {addTexture(writer, std::string(99, 'x') + "\xc3\xbcy.png", gradient(3, 2))};
     return set;
   });
-  const TextureSet exported = exportTextures(Reader(path_), folder_ / "a.ply");
-  EXPECT_EQ(exported.textures[0].name, "a_" + std::string(99, 'x') + ".png");
+  const ImageFiles exported = exportTextures(Reader(path_), folder_ / "a.ply");
+  EXPECT_EQ(exported.set.textures[0].name, "a_" + std::string(99, 'x') + ".png");
 }
 
 TEST_F(StoredTextures, leaveNoHalfImageWhenExportFails) {
