@@ -21,6 +21,7 @@ FullClient::FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoi
       tally_(tally),
       start_(start),
       due_(start),
+      noted_until_(start),
       random_(seed),
       engine_(engineOptions(seed)) {}
 
@@ -92,10 +93,10 @@ void FullClient::step(core::TimePoint now) {
   guarded([&] {
     tally_.started += !std::exchange(started_, true);
     ended_.clear();
+    note(now);
     keepConnected(now);
     look(now);
     work(now);
-    note(now);
     while (due_ <= now) due_ = start_ + ofSeconds(static_cast<double>(++frames_) / plan_.fps);
   });
 }
@@ -118,6 +119,7 @@ void FullClient::keepConnected(core::TimePoint now) {
 void FullClient::receive() {
   guarded([&] {
     const core::TimePoint now = std::chrono::steady_clock::now();
+    note(now);
     for (const core::Line line : core::kLines) {
       auto& transport = transports_[static_cast<size_t>(line)];
       if (!transport) continue;
@@ -134,6 +136,7 @@ void FullClient::receive() {
       }
       if (!engine_.connected(line)) ended_.push_back(std::move(transport));
     }
+    if (path_.keys.empty()) look(now);  // the model is known now, and the first picture waits for no frame
     work(now);
   });
 }
@@ -191,16 +194,18 @@ void FullClient::decode(const core::DecodeJob& job) {
   engine_.finishDecode(std::move(result));
 }
 
-/// What somebody would have seen until the next step.
+/// What somebody has seen since this was called the last time.
 void FullClient::note(core::TimePoint now) {
-  if (now < start_) return;
+  if (now <= noted_until_) return;
+  const double seconds = std::chrono::duration<double>(now - std::exchange(noted_until_, now)).count();
   const core::Cut* const cut = engine_.cut().get();
-  tally_.looked_s += 1 / plan_.fps;
-  if (cut == nullptr || cut->max_error_px > kFarOffFactor * plan_.pixels) tally_.far_off_s += 1 / plan_.fps;
+  tally_.looked_s += seconds;
+  if (cut == nullptr || cut->max_error_px > kFarOffFactor * plan_.pixels) tally_.far_off_s += seconds;
 }
 
 void FullClient::finish(core::TimePoint now) {
   if (gone_ || now < start_) return;
+  note(now);
   if (engine_.summary() == nullptr) noteNeverLetIn(tally_, turned_away_);
   for (const WishClock& clock : clocks_) {
     for (const auto& [blob, wish] : clock.open()) noteLatency(wish, now);

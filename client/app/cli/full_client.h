@@ -58,6 +58,7 @@ class FullClient final : public LoadClient {
   LoadTally& tally_;
   const core::TimePoint start_;
   core::TimePoint due_;
+  core::TimePoint noted_until_;  ///< what was seen is in the tally
   uint64_t frames_ = 0;
   std::mt19937_64 random_;
   std::array<WishClock, 2> clocks_;  ///< by core::Line

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 
+#include "client/net/address.h"
 #include "common/printable.h"
 
 namespace lode::app {
@@ -71,7 +72,10 @@ Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const L
       {"clients", options.clients}, {"seconds", options.seconds},        {"full", options.full},
       {"started", tally.started},   {"interrupted", result.interrupted}, {"seconds_run", result.seconds}};
   if (!options.full)
-    json["trace"] = {{"seconds", plans[0].trace.duration_s}, {"wishes", plans[0].trace.wishes.size()}};
+    for (const LoadPlan& plan : plans)
+      json["traces"].push_back({{"model", net::toString(plan.model.address) + "/" + plan.model.model},
+                                {"seconds", plan.trace.duration_s},
+                                {"wishes", plan.trace.wishes.size()}});
   json["blobs"] = tally.blobs;
   json["bytes"] = tally.bytes;
   json["errors"] = tally.errorCount();

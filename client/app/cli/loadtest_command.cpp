@@ -64,14 +64,20 @@ class PlannedLoad {
     };
     const bool places_differ = !recorded && options.made_path != "orbit";
     traces_ = options.load.full || !options.trace_file.empty() || !places_differ ? 1 : kTracesOfPlaces;
-    add(options.common.target);
-    for (const std::string& target : options.more_targets) add(target);
+    std::vector<LoadPlan> of_targets{planOf(options.common.target)};
+    for (const std::string& target : options.more_targets) of_targets.push_back(planOf(target));
+    for (uint64_t seed = 0; seed < traces_; ++seed)  // clients take plans by turns: a target each
+      for (size_t i = 0; i < of_targets.size(); ++i) {
+        plans_.push_back(of_targets[i]);
+        if (!options.load.full) plans_.back().trace = traceOf(targets_[i], of_targets[i], seed);
+      }
   }
 
   std::span<LoadPlan> plans() noexcept { return plans_; }
 
  private:
-  void add(const std::string& target) {
+  /// Of a client that replays nothing. Opens the target.
+  LoadPlan planOf(const std::string& target) {
     targets_.push_back(resolveTarget(parseTarget(target), options_.common.streamOptions(), !options_.json));
     const ResolvedTarget& open = targets_.back();
     const PictureSize size = options_.common.size();
@@ -85,10 +91,7 @@ class PlannedLoad {
     plan.fps = options_.fps;
     plan.think_s = options_.think_s;
     plan.decode = !options_.decode_off;
-    for (uint64_t seed = 0; seed < traces_; ++seed) {
-      if (!options_.load.full) plan.trace = traceOf(open, plan, seed);
-      plans_.push_back(plan);
-    }
+    return plan;
   }
 
   WishTrace readTrace(const ResolvedTarget& target) const {

@@ -121,6 +121,10 @@ TEST_F(Loadtest, takesSeveralModelsOfSeveralServersByTurns) {
     const Json told = run(arguments);
     EXPECT_EQ(told["errors"], 0) << told["first_error"];
     EXPECT_EQ(told["first_image_ms"]["count"], 6);
+    if (kind.front() == "--full") continue;
+    ASSERT_EQ(told["traces"].size(), 8u);
+    for (size_t i = 1; i < 8; ++i)
+      EXPECT_NE(told["traces"][i]["model"], told["traces"][i - 1]["model"]) << "the next client's";
   }
 }
 

@@ -77,8 +77,9 @@ TEST(Replay, recordsATraceThatALoadTestReplays) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const Json json = Json::parse(outcome.out);
   EXPECT_EQ(json["errors"], 0);
-  EXPECT_EQ(json["trace"]["seconds"], 1);
-  EXPECT_GT(json["trace"]["wishes"], 5);
+  ASSERT_EQ(json["traces"].size(), 1u);
+  EXPECT_EQ(json["traces"][0]["seconds"], 1);
+  EXPECT_GT(json["traces"][0]["wishes"], 5);
   EXPECT_GT(json["latency_ms"]["visible"]["count"], 0);
 }
 

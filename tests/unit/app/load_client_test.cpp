@@ -85,7 +85,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
     return count;
   }
   void turn() {
-    client_->step(Clock::now());
+    if (const core::TimePoint now = Clock::now(); client_->due() <= now) client_->step(now);
     io_.restart();
     io_.run_one_for(1ms);
     io_.poll();
@@ -311,6 +311,28 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereTheServerFallsSilent) {
   EXPECT_EQ(tally_.lost, 1u);
   EXPECT_EQ(tally_.failed_wishes, server_->openWishes(0));
 }
+
+using AFullClient = EveryLoadClient;
+
+TEST_P(AFullClient, hasItsFirstPictureWhenItComesAndNotAtTheNextFrame) {
+  plan_.fps = 0.01;
+  run([&] { return tally_.first_image.count() > 0; });
+  EXPECT_LT(tally_.first_image.maxMs(), 60'000);
+}
+
+TEST_P(AFullClient, looksFromItsBeginningToTheEndWhateverItsFramesTake) {
+  plan_.fps = 0.01;
+  plan_.pixels = 1;
+  run([&] { return tally_.converged.count() > 0; });
+  const core::TimePoint converged = Clock::now();
+  client_->finish(converged + 5s);
+  EXPECT_NEAR(tally_.looked_s, std::chrono::duration<double>(converged + 5s - start_).count(), 1e-6);
+  EXPECT_GT(tally_.far_off_s, 0);
+  EXPECT_LE(tally_.far_off_s, tally_.looked_s - 5);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfALoadTest, AFullClient, testing::Values(Kind::kFull),
+                         [](const auto&) { return "full"; });
 
 INSTANTIATE_TEST_SUITE_P(OfALoadTest, EveryLoadClient, testing::Values(Kind::kFull, Kind::kTrace),
                          [](const auto& kind) { return kind.param == Kind::kFull ? "full" : "trace"; });
