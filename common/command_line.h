@@ -8,6 +8,7 @@
 #include <functional>
 #include <iostream>
 #include <new>
+#include <sstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -44,6 +45,18 @@ inline std::string whereHelpIs(const CLI::App& program) {
 }
 
 }  // namespace command_line
+
+/// A check of options: a number from `least` to `most`. CLI::Range() lets "nan" pass.
+inline CLI::Validator numberFrom(double least, double most) {
+  std::ostringstream range;
+  range << '[' << least << " - " << most << ']';
+  const auto check = [least, most, range = range.str()](const std::string& text) {
+    double number = 0;
+    const bool is_within = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
+    return is_within ? std::string() : "must be a number in " + range + ", not " + text;
+  };
+  return CLI::Validator(check, "FLOAT in " + range.str());
+}
 
 /// Reads the command line and runs the command that it names. Whatever goes wrong is said on one line of
 /// stderr.

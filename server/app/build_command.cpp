@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "common/byte_size.h"
+#include "common/command_line.h"
 #include "common/limits.h"
 #include "common/printable.h"
 #include "server/app/command.h"
@@ -105,7 +106,7 @@ void addBuildCommand(CLI::App& program) {
   command
       ->add_option("--crease-angle", options.crease_angle_deg,
                    "where the file has no normals: edges at which faces meet at more are sharp; 180: none")
-      ->check(CLI::Range(0.0f, 180.0f))
+      ->check(numberFrom(0.0, 180.0))
       ->type_name("DEGREES")
       ->capture_default_str();
   command->add_flag(

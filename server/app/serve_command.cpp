@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <exception>
@@ -6,8 +7,11 @@
 #include <utility>
 
 #include <asio/io_context.hpp>
+#include <asio/post.hpp>
 #include <asio/signal_set.hpp>
+#include <asio/thread_pool.hpp>
 
+#include "common/command_line.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/app/service_notice.h"
@@ -26,7 +30,10 @@ class Signals {
     wait();
     thread_ = std::jthread([this] { context_.run(); });
   }
-  ~Signals() { context_.stop(); }
+  ~Signals() {
+    context_.stop();
+    reloads_.join();
+  }
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
@@ -35,9 +42,7 @@ class Signals {
     signals_.async_wait([this](const asio::error_code& error, int signal) {
       if (error) return;
       if (signal == SIGHUP) {
-        notifyService("RELOADING=1\nMONOTONIC_USEC=" + monotonicMicroseconds());
-        server_.reload();
-        notifyService("READY=1");
+        if (!reload_waits_.exchange(true)) asio::post(reloads_, [this] { reload(); });
       } else {
         notifyService("STOPPING=1");
         server_.stop();
@@ -46,15 +51,25 @@ class Signals {
     });
   }
 
+  void reload() {
+    reload_waits_ = false;
+    notifyService("RELOADING=1\nMONOTONIC_USEC=" + monotonicMicroseconds());
+    server_.reload();
+    notifyService("READY=1");
+  }
+
   serve::Server& server_;
   asio::io_context context_{1};
   asio::signal_set signals_;
+  asio::thread_pool reloads_{1};  ///< a thread of their own: a disk may hang, and the server be stopped
+  std::atomic<bool> reload_waits_{false};  ///< one that has not begun; more come to the same
   std::jthread thread_;
 };
 
 void runServe(serve::ServeOptions options) {
   options.listening_socket = socketOfService();
   std::signal(SIGPIPE, SIG_IGN);  // who reads our output may go; we stay
+  std::signal(SIGHUP, SIG_IGN);   // until Signals takes it: what is read now is as new as a reload's
   serve::Server server(std::move(options));
   Signals signals(server);
   Json metrics = nullptr;
@@ -73,7 +88,7 @@ void addSeconds(CLI::App& command, const std::string& name, std::chrono::millise
       .add_option_function<double>(
           name, [&value](double seconds) { value = std::chrono::milliseconds(std::llround(1000 * seconds)); },
           help)
-      ->check(CLI::Range(least, 86400.0))
+      ->check(numberFrom(least, 86400.0))
       ->type_name("SECONDS")
       ->default_str(std::to_string(value.count() / 1000));
 }

@@ -9,17 +9,20 @@ namespace lode::serve {
 namespace {
 
 /// An IPv4 address, or the network of an IPv6 address.
-uint64_t keyOf(const asio::ip::address& address) {
-  if (address.is_v4()) return address.to_v4().to_uint();
-  const asio::ip::address_v6 v6 = address.to_v6();
-  if (v6.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, v6).to_uint();
-  const auto bytes = v6.to_bytes();
+uint64_t keyOf(const asio::ip::address& plain) {
+  if (plain.is_v4()) return plain.to_v4().to_uint();
+  const auto bytes = plain.to_v6().to_bytes();
   uint64_t network = 0;
   for (size_t i = 0; i < 8; ++i) network = network << 8 | bytes[i];
   return network | uint64_t{1} << 63;  // no IPv4 address
 }
 
 }  // namespace
+
+asio::ip::address plainAddress(const asio::ip::address& address) {
+  if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
+  return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
+}
 
 Place::Place(Place&& other) noexcept
     : admission_(std::exchange(other.admission_, nullptr)),
@@ -37,8 +40,9 @@ void Place::countIn(std::atomic<uint32_t>& load) noexcept {
 }
 
 bool Place::countUnder(const asio::ip::address& address) {
-  const uint64_t key = keyOf(address);
-  if (!admission_->countUnder(key, address.is_loopback())) return false;
+  const asio::ip::address plain = plainAddress(address);
+  const uint64_t key = keyOf(plain);
+  if (!admission_->countUnder(key, plain.is_loopback())) return false;
   address_ = key;
   return true;
 }

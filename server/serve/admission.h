@@ -13,6 +13,9 @@ namespace lode::serve {
 
 class Admission;
 
+/// The IPv4 address that one in IPv6's form stands for, as a socket of both kinds has it; others as they are.
+asio::ip::address plainAddress(const asio::ip::address& address);
+
 /// A connection's place among those that a server takes; given back at the end, wherever that is.
 class Place {
  public:

@@ -15,8 +15,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// One place under two names, say through a link or "./", counts once.
+bool areTheSame(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return a == b || fs::equivalent(a, b, ignored);
+}
+
 /// Every store named, folders replaced by the stores in them.
-std::vector<fs::path> storeFiles(std::span<const fs::path> stores) {
+/// @param may_be_none  folders without a store are none the less folders.
+std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool may_be_none) {
   std::vector<fs::path> files;
   for (const fs::path& path : stores) {
     std::error_code error;
@@ -29,15 +36,19 @@ std::vector<fs::path> storeFiles(std::span<const fs::path> stores) {
          entry.increment(error))
       if (entry->path().extension() == ".lode") files.push_back(entry->path());
     if (error) throw Error(ErrorCode::kIo, "cannot list " + path.string() + ": " + error.message());
-    if (files.size() == before)
+    if (files.size() == before && !may_be_none)
       throw Error(ErrorCode::kUsage,
                   "there is no store (*.lode) in " + path.string() + "; make one with: lodestreamd build");
   }
   std::ranges::sort(files);
-  files.erase(std::unique(files.begin(), files.end()), files.end());
-  if (files.empty())
-    throw Error(ErrorCode::kUsage, "no store to serve; name a .lode file or a folder of them");
   std::ranges::stable_sort(files, {}, [](const fs::path& file) { return file.stem().string(); });
+  files.erase(std::unique(files.begin(), files.end(),
+                          [](const fs::path& a, const fs::path& b) {
+                            return a.stem() == b.stem() && areTheSame(a, b);
+                          }),
+              files.end());
+  if (stores.empty())
+    throw Error(ErrorCode::kUsage, "no store to serve; name a .lode file or a folder of them");
   for (size_t i = 1; i < files.size(); ++i)
     if (files[i - 1].stem() == files[i].stem())
       throw Error(ErrorCode::kUsage, "two stores make a model '" + files[i].stem().string() +
@@ -78,7 +89,15 @@ Catalog::Catalog(std::vector<std::shared_ptr<const Model>> models) : models_(std
   std::ranges::sort(models_, {}, [](const auto& model) { return model->summary.name; });
   proto::Models list;
   for (const auto& model : models_) list.models.push_back(model->summary);
-  proto::encode(list, 0);  // throws where the answer to List would not fit in a frame
+  try {
+    proto::encode(list, 0);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kLimit) throw;
+    throw Error(ErrorCode::kLimit,
+                "the names of " + std::to_string(models_.size()) +
+                    " models do not fit into one answer; shorten them, or serve some of the "
+                    "stores elsewhere");
+  }
 }
 
 std::shared_ptr<const Model> Catalog::find(std::string_view name) const noexcept {
@@ -90,14 +109,14 @@ std::shared_ptr<const Model> Catalog::find(std::string_view name) const noexcept
 std::shared_ptr<const Catalog> openCatalog(std::span<const fs::path> stores,
                                            const BlobReaderOptions& options) {
   std::vector<std::shared_ptr<const Model>> models;
-  for (const fs::path& file : storeFiles(stores)) models.push_back(openModel(file, options));
+  for (const fs::path& file : storeFiles(stores, false)) models.push_back(openModel(file, options));
   return std::make_shared<const Catalog>(std::move(models));
 }
 
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<const fs::path> stores,
                                              const BlobReaderOptions& options) {
   std::vector<std::shared_ptr<const Model>> models;
-  for (const fs::path& file : storeFiles(stores)) {
+  for (const fs::path& file : storeFiles(stores, true)) {
     std::shared_ptr<const Model> model = before.find(file.stem().string());
     if (!model || !isUnchanged(*model, file)) try {
         model = openModel(file, options);

@@ -37,8 +37,9 @@ std::shared_ptr<const Catalog> openCatalog(std::span<const std::filesystem::path
                                            const BlobReaderOptions& options);
 
 /// The same, again: stores that are as they were stay open, and one that cannot be opened keeps what there
-/// was of its name and is reported. @throws Error as openCatalog() where the list of stores is wrong, or what
-/// it names is gone of which there was nothing by that name: a folder.
+/// was of its name and is reported. Folders may have lost all their stores. @throws Error as openCatalog()
+/// where the list of stores is wrong, or what it names is gone of which there was nothing by that name: a
+/// folder.
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before,
                                              std::span<const std::filesystem::path> stores,
                                              const BlobReaderOptions& options);

@@ -126,9 +126,10 @@ asio::awaitable<void> Connection::read() {
       co_await readFrames();
     }
   } catch (const Error& error) {
-    broken = error.code() == ErrorCode::kNetwork;
+    const bool is_cut_off = error.code() == ErrorCode::kNetwork;
+    broken = is_cut_off && !session_.closing();  // one that has been refused is closed here if it does not go
     if (broken) end(EndReason::kBroken);
-    if (!broken)
+    if (!is_cut_off)
       session_.refuse(
           error.code() == ErrorCode::kLimit ? proto::WireError::kLimit : proto::WireError::kMalformed,
           error.what());
@@ -162,7 +163,7 @@ asio::awaitable<bool> Connection::greet() {
     }
     if (!header) co_return false;
     if (header->client) {
-      client_ = header->client->to_string();
+      client_ = plainAddress(*header->client).to_string();
       if (!place_.countUnder(*header->client)) {
         host_.tallies->refused[static_cast<size_t>(RefusalReason::kAddress)].add();
         session_.refuse(proto::WireError::kLimit, "this address has as many connections as it may");

@@ -137,13 +137,13 @@ void Door::take(tcp::socket socket) {
   if (!memory.admit(options_.connection_bytes))
     return refuse(std::move(socket), RefusalReason::kMemory,
                   "this server is short of memory; try again later, or another server");
-  hand_(std::move(socket), std::move(*place), std::move(memory), client.address().to_string());
+  hand_(std::move(socket), std::move(*place), std::move(memory), plainAddress(client.address()).to_string());
 }
 
 void Door::refuse(tcp::socket socket, RefusalReason reason, const std::string& why) {
   tallies_.refused[static_cast<size_t>(reason)].add();
   asio::error_code ignored;
-  const std::string client = socket.remote_endpoint(ignored).address().to_string();
+  const std::string client = plainAddress(socket.remote_endpoint(ignored).address()).to_string();
   log_.write(LogKind::kRefused, "a connection was refused",
              {{"client", client}, {"reason", refusalName(reason)}});
   const auto now = Refusals::Clock::now();

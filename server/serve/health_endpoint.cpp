@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <deque>
 #include <exception>
 #include <string>
 #include <utility>
@@ -25,7 +26,7 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr unsigned kMaxAskers = 16;                      ///< at a time; the rest wait in the system's queue
+constexpr size_t kMaxAskers = 16;  ///< at a time; for one more the one that has waited longest must go
 constexpr auto kAnswerWithin = std::chrono::seconds(5);  ///< from accept to the last byte taken
 constexpr auto kPauseAfterRefusal = std::chrono::milliseconds(100);
 constexpr const char* kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
@@ -35,9 +36,7 @@ constexpr const char* kPlain = "text/plain; charset=utf-8";
 
 struct HealthEndpoint::State : std::enable_shared_from_this<State> {
   State(asio::io_context& io, const std::string& listen, HealthAnswers wanted)
-      : acceptor(openListener(io, resolveListen(io, listen), "--metrics")),
-        room(io, asio::steady_timer::time_point::max()),
-        answers(std::move(wanted)) {}
+      : acceptor(openListener(io, resolveListen(io, listen), "--metrics")), answers(std::move(wanted)) {}
 
   asio::awaitable<void> accept();
   asio::awaitable<void> serve(std::shared_ptr<tcp::socket> socket);
@@ -45,8 +44,7 @@ struct HealthEndpoint::State : std::enable_shared_from_this<State> {
   std::string answer(const HealthRequest& request) const;
 
   tcp::acceptor acceptor;
-  asio::steady_timer room;  ///< cancelled when an asker has gone
-  unsigned askers = 0;
+  std::deque<std::shared_ptr<tcp::socket>> askers;  ///< in the order in which they came
   HealthAnswers answers;
 };
 
@@ -88,28 +86,26 @@ asio::awaitable<void> HealthEndpoint::State::serve(std::shared_ptr<tcp::socket> 
     // Gone, too slow, no HTTP, or no memory for it: the next asks again.
   }
   deadline.cancel();
-  --askers;
-  room.cancel();
+  std::erase(askers, socket);
 }
 
 asio::awaitable<void> HealthEndpoint::State::accept() {
   const auto self = shared_from_this();
   while (acceptor.is_open()) {
     asio::error_code error;
-    if (askers >= kMaxAskers) {
-      co_await room.async_wait(asio::redirect_error(asio::use_awaitable, error));
-      continue;
-    }
     tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
     if (error) {
       asio::steady_timer pause(acceptor.get_executor(), kPauseAfterRefusal);
       if (acceptor.is_open()) co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;
     }
-    ++askers;
+    if (askers.size() >= kMaxAskers) {
+      askers.front()->close(error);
+      askers.pop_front();
+    }
+    askers.push_back(std::make_shared<tcp::socket>(std::move(socket)));
     asio::co_spawn(
-        acceptor.get_executor(),
-        [self, shared = std::make_shared<tcp::socket>(std::move(socket))] { return self->serve(shared); },
+        acceptor.get_executor(), [self, asker = askers.back()] { return self->serve(asker); },
         asio::detached);
   }
 }
@@ -123,7 +119,6 @@ HealthEndpoint::HealthEndpoint(asio::io_context& context, const std::string& lis
 HealthEndpoint::~HealthEndpoint() {
   asio::error_code ignored;
   state_->acceptor.close(ignored);
-  state_->room.cancel();
 }
 
 std::string HealthEndpoint::address() const { return toString(state_->acceptor.local_endpoint()); }

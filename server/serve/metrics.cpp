@@ -108,6 +108,9 @@ void addGauges(std::vector<MetricFamily>& families, const ServerGauges& gauges) 
       gauges.memory_bytes);
   add("lodestream_memory_budget_bytes", "Memory that all sessions may hold together", MetricType::Gauge,
       gauges.memory_budget_bytes);
+  if (gauges.certificate_expires_s > 0)
+    add("lodestream_certificate_expires_seconds", "Unix time at which the TLS certificate expires",
+        MetricType::Gauge, gauges.certificate_expires_s);
   add("lodestream_stopping", "1 once the server was told to stop", MetricType::Gauge, gauges.stopping);
   add("lodestream_log_lines_dropped_total", "Lines of the log that nobody took", MetricType::Counter,
       gauges.log_lines_dropped);

@@ -78,6 +78,7 @@ class ThreadTallies {
 /// What is so at the moment, beside what was counted.
 struct ServerGauges {
   uint64_t connections = 0, models = 0;
+  uint64_t certificate_expires_s = 0;  ///< Unix time; 0: there is none
   uint64_t memory_bytes = 0, memory_budget_bytes = 0;
   uint64_t log_lines_dropped = 0, log_lines_left_out = 0;
   bool stopping = false;

@@ -78,6 +78,8 @@ struct Server::State {
   void startWorkers();
   void run();
   void reload();
+  void lookOver();
+  void warnOfUnknownModels();
   void halt();
   void lookAfterMemory();
   void stopNow();
@@ -85,6 +87,7 @@ struct Server::State {
 
   MemoryReserve reserve;
   ServeOptions options;
+  const uint64_t open_files = raiseOpenFileLimit();  ///< before a store is opened
   Log log;
   std::mutex reload_mutex;  ///< one at a time
   Offer offer;              ///< touched by construction and reload alone
@@ -95,6 +98,7 @@ struct Server::State {
   Metrics metrics;
   std::atomic<bool> stopping{false};
   std::atomic<size_t> models{0};
+  std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time; 0: no TLS
   std::string address;
   uint16_t port = 0;
   asio::io_context context{1};  ///< accepts, and answers for health; runs in run()'s thread
@@ -115,8 +119,8 @@ Server::State::State(ServeOptions given)
       budget(options.memory_budget_bytes == 0 ? defaultMemoryBudget() : options.memory_budget_bytes),
       rate(options.bytes_per_second),
       admission(possibleConnections(), options.max_connections_per_address),
-      metrics(threadsOf(options) + 1),
-      models(offer.catalog->models().size()) {
+      metrics(threadsOf(options) + 1) {
+  lookOver();
   listen();
 }
 
@@ -145,7 +149,6 @@ std::shared_ptr<asio::ssl::context> Server::State::openCertificate() const {
 /// As many as were asked for, or as many as the system lets this process have files open for.
 uint32_t Server::State::possibleConnections() {
   const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * offer.catalog->models().size();
-  const uint64_t open_files = raiseOpenFileLimit();
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
   if (room >= options.max_connections) return options.max_connections;
   log.write(LogKind::kServer,
@@ -168,6 +171,7 @@ ConnectionLimits Server::State::limits() const {
 ServerGauges Server::State::gauges() const {
   return {.connections = admission.count(),
           .models = models,
+          .certificate_expires_s = certificate_expires_s,
           .memory_bytes = budget.used(),
           .memory_budget_bytes = budget.limit(),
           .log_lines_dropped = log.linesDropped(),
@@ -252,22 +256,47 @@ void Server::State::lookAfterMemory() {
 
 void Server::State::reload() {
   const std::lock_guard lock(reload_mutex);
+  bool all_is_new = true;
   const auto keeping = [&](const char* what, const auto& action) {
     try {
       action();
     } catch (const std::exception& error) {
       log.write(LogKind::kServer, std::string(what) + " could not be reloaded; what there was stays",
                 {{"why", withoutFolders(error.what(), options)}});
+      all_is_new = false;
     }
   };
   keeping("stores", [&] { offer.catalog = reopenCatalog(*offer.catalog, options.stores, readerOptions()); });
   keeping("tokens", [&] { offer.tokens = openTokens(); });
   keeping("the certificate", [&] { tls = openCertificate(); });
-  models = offer.catalog->models().size();
+  lookOver();
   const std::lock_guard workers_lock(workers_mutex);
   for (auto& worker : workers) worker->publish(published());
   asio::post(context, [this, now = tls] { door->setTls(now); });
-  log.write(LogKind::kServer, "reloaded", {{"models", uint64_t{models}}});
+  log.write(LogKind::kServer, all_is_new ? "reloaded" : "reloaded in part", {{"models", uint64_t{models}}});
+}
+
+/// Counts what is offered from now on, and says what of it will hardly be meant so.
+void Server::State::lookOver() {
+  models = offer.catalog->models().size();
+  for (const auto& model : offer.catalog->models())  // from 0 on: an increase is seen only of what is there
+    metrics.ofThread(0).model(model->summary.name);
+  warnOfUnknownModels();
+  const auto expires = tls ? expiryOf(*tls) : std::nullopt;
+  certificate_expires_s =
+      expires ? static_cast<uint64_t>(std::max<int64_t>(1, expires->time_since_epoch().count())) : 0;
+  if (expires && *expires <= std::chrono::system_clock::now())
+    log.write(LogKind::kServer,
+              "the certificate has expired, and clients refuse it; give a new one and reload");
+}
+
+void Server::State::warnOfUnknownModels() {
+  if (!offer.tokens) return;
+  std::vector<std::string> unknown = offer.tokens->modelsNamed();
+  std::erase_if(unknown, [&](const std::string& name) { return offer.catalog->find(name) != nullptr; });
+  if (!unknown.empty())
+    log.write(LogKind::kServer, "the token file names models that are not offered",
+              {{"first", unknown.front()}, {"count", uint64_t{unknown.size()}}});
 }
 
 void Server::State::halt() {

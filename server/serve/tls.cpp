@@ -1,5 +1,6 @@
 #include "server/serve/tls.h"
 
+#include <ctime>
 #include <string>
 
 #include <openssl/ssl.h>
@@ -25,6 +26,13 @@ std::shared_ptr<asio::ssl::context> openTls(const std::filesystem::path& certifi
     throw Error(ErrorCode::kUsage, "cannot use the key " + key.string() + ": " + error.message() +
                                        "; give the certificate's own key in PEM, without a password");
   return context;
+}
+
+std::optional<std::chrono::sys_seconds> expiryOf(asio::ssl::context& context) {
+  const X509* const certificate = SSL_CTX_get0_certificate(context.native_handle());
+  std::tm time{};
+  if (certificate == nullptr || ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &time) != 1) return {};
+  return std::chrono::sys_seconds(std::chrono::seconds(::timegm(&time)));
 }
 
 }  // namespace lode::serve

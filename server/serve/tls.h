@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <asio/ssl/context.hpp>
 
@@ -12,5 +14,8 @@ namespace lode::serve {
 /// @throws Error kUsage: a file that cannot be read, a key that is not the certificate's.
 std::shared_ptr<asio::ssl::context> openTls(const std::filesystem::path& certificate,
                                             const std::filesystem::path& key);
+
+/// When its own certificate expires; none if it has none.
+std::optional<std::chrono::sys_seconds> expiryOf(asio::ssl::context& context);
 
 }  // namespace lode::serve

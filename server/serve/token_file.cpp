@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iomanip>
 #include <iterator>
+#include <set>
 #include <span>
 #include <sstream>
 
@@ -20,6 +21,8 @@
 namespace lode::serve {
 
 namespace {
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< that some editors put first
 
 [[noreturn]] void refuse(size_t line, const std::string& what) {
   throw Error(ErrorCode::kUsage, "line " + std::to_string(line) + " of the token file: " + what +
@@ -47,11 +50,12 @@ std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
   return sys_days(date) + hours(number(11, 2)) + minutes(number(14, 2)) + seconds(number(17, 2));
 }
 
-/// The words of a line; those in double quotes may hold spaces, and a backslash before a quote.
+/// The words of a line, up to one that begins with #; those in double quotes may hold spaces, and a backslash
+/// before a quote.
 std::vector<std::string> wordsOf(const std::string& line, size_t number) {
   std::istringstream in(line);
   std::vector<std::string> words;
-  while (in >> std::ws && !in.eof()) {
+  while (in >> std::ws && !in.eof() && in.peek() != '#') {
     std::string word;
     const bool quoted = in.peek() == '"';
     in >> std::quoted(word);
@@ -89,11 +93,11 @@ bool TokenGrant::allows(std::string_view model) const noexcept {
 TokenFile TokenFile::parse(std::string_view text) {
   TokenFile file;
   std::vector<size_t> lines;
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::istringstream in{std::string(text)};
   std::string line;
   for (size_t number = 1; std::getline(in, line); ++number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.empty() || line[0] == '#') continue;
     const std::vector<std::string> words = wordsOf(line, number);
     if (words.empty()) continue;
     if (words[0].empty() || words[0].size() > proto::kMaxTokenBytes || !proto::isWireText(words[0]))
@@ -131,6 +135,12 @@ TokenFile TokenFile::read(const std::filesystem::path& path) {
   } catch (const Error& error) {
     throw Error(error.code(), path.string() + ": " + error.what());
   }
+}
+
+std::vector<std::string> TokenFile::modelsNamed() const {
+  std::set<std::string> names;
+  for (const Entry& entry : entries_) names.insert(entry.grant.models.begin(), entry.grant.models.end());
+  return {names.begin(), names.end()};
 }
 
 const TokenGrant* TokenFile::find(std::string_view token, std::chrono::system_clock::time_point now) const {

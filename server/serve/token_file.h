@@ -46,6 +46,9 @@ class TokenFile {
   /// @return nothing where no token is the same, or it has expired; valid as long as this.
   const TokenGrant* find(std::string_view token, std::chrono::system_clock::time_point now) const;
 
+  /// In all of its lines, sorted, each once.
+  std::vector<std::string> modelsNamed() const;
+
   size_t size() const noexcept { return entries_.size(); }
 
  private:

@@ -26,7 +26,9 @@ namespace {
 /// An open file, closed at the end.
 class File {
  public:
-  explicit File(const std::filesystem::path& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  /// Waits for nobody at the other end of a pipe, which is no store.
+  explicit File(const std::filesystem::path& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (descriptor_ < 0)
       throw Error(ErrorCode::kIo, std::string("cannot be opened: ") + std::strerror(errno));
   }

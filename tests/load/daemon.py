@@ -49,8 +49,6 @@ class Daemon:
 
     def metric(self, name):
         found = re.search(rf"^{re.escape(name)} (\S+)$", self.ask("/metrics")[1], re.M)
-        if not found and "{model=" in name:
-            return 0.0  # nobody has opened it yet
         return float(found.group(1))
 
     def open(self, model="painted"):

@@ -26,6 +26,11 @@ from processes import eventually, self_signed
 from read_model import BLOB, DAMAGED_STORE, HEADER, LIMIT, NO_SUCH_MODEL, Connection
 
 
+def tls_options(folder):
+    made = self_signed(pathlib.Path(folder))
+    return "--tls-cert", str(made / "cert.pem"), "--tls-key", str(made / "key.pem")
+
+
 class OpenFiles(unittest.TestCase):
     def start(self, log, *arguments):
         few = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (800, 800))
@@ -129,6 +134,48 @@ class ServiceManager(unittest.TestCase):
                     daemon.process.send_signal(again)
                 self.assertEqual(daemon.process.returncode, 0)
 
+    def pipe_of_tokens(self, folder):
+        """A pipe in a file's place: who reads it waits, as for a disk that does not answer."""
+        tokens = os.path.join(folder, "tokens")
+        with contextlib.suppress(FileNotFoundError):
+            os.remove(tokens)
+        os.mkfifo(tokens)
+        return tokens
+
+    def once_it_is_read(self, pipe):
+        writers = []
+
+        def opened():
+            with contextlib.suppress(OSError):
+                writers.append(os.open(pipe, os.O_WRONLY | os.O_NONBLOCK))
+            return writers
+
+        eventually(opened)
+        return os.fdopen(writers[0], "w")
+
+    def test_stops_it_while_a_reload_waits_for_the_disk(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tokens = os.path.join(folder, "tokens")
+            pathlib.Path(tokens).write_text("one never *\n")
+            with Daemon(STORE, "--token-file", tokens, stderr=subprocess.DEVNULL) as daemon:
+                self.pipe_of_tokens(folder)
+                daemon.process.send_signal(signal.SIGHUP)
+                with self.once_it_is_read(tokens):
+                    daemon.process.send_signal(signal.SIGTERM)
+                    eventually(lambda: self.nobody_listens(daemon.address))
+
+    def test_may_ask_for_a_reload_before_it_is_ready(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tokens = self.pipe_of_tokens(folder)
+            command = [os.path.join(BIN, "lodestreamd"), "serve", STORE, "--listen", "127.0.0.1:0", "--token-file", tokens]
+            with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+                with self.once_it_is_read(tokens) as writer:
+                    process.send_signal(signal.SIGHUP)
+                    writer.write("one never *\n")
+                self.assertIn("listen", process.stdout.readline())
+                process.send_signal(signal.SIGTERM)
+                self.assertEqual(process.wait(timeout=120), 0)
+
     def test_sees_nobody_let_in_after_the_drain_delay_while_wishes_are_open(self):
         with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.send("Wishes", 3, handle=1, changes=wishes(4000))  # more than the window takes
@@ -209,8 +256,7 @@ class Metrics(unittest.TestCase):
     def test_tell_who_leaves_from_what_breaks_under_tls_too(self):
         self.expect_told_as_gone_by_itself(Connection)
         with tempfile.TemporaryDirectory() as folder:
-            made = self_signed(pathlib.Path(folder))
-            self.expect_told_as_gone_by_itself(TlsConnection, "--tls-cert", str(made / "cert.pem"), "--tls-key", str(made / "key.pem"))
+            self.expect_told_as_gone_by_itself(TlsConnection, *tls_options(folder))
 
 
 RULES = os.path.join(SOURCE, "docker", "prometheus", "rules.yml")
@@ -239,8 +285,7 @@ class OperatorsPage(unittest.TestCase):
         self.assertIn(f"{pathlib.Path(RULES).read_text().count('alert:')} rules", done.stdout)
 
     def test_names_the_metrics(self):
-        with Daemon(STORE) as daemon:
-            daemon.read_whole()
+        with tempfile.TemporaryDirectory() as folder, Daemon(STORE, *tls_options(folder)) as daemon:
             there = set(re.findall(r"^# TYPE (\w+) ", daemon.ask("/metrics")[1], re.M))
         self.assertEqual(there, set(re.findall(r"lodestream_[a-z_]+", self.page)))
         in_rules = re.findall(r"lodestream_[a-z_]+", pathlib.Path(RULES).read_text())

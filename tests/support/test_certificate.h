@@ -11,13 +11,14 @@
 
 namespace lode::test {
 
-/// Writes a certificate that signs itself, of an hour, and its key.
-inline void writeCertificate(const std::filesystem::path& certificate, const std::filesystem::path& key) {
+/// Writes a certificate that signs itself and is good for so long from now on, and its key.
+inline void writeCertificate(const std::filesystem::path& certificate, const std::filesystem::path& key,
+                             long seconds = 3600) {
   const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> pair(EVP_EC_gen("P-256"), EVP_PKEY_free);
   const std::unique_ptr<X509, decltype(&X509_free)> x509(X509_new(), X509_free);
   ASN1_INTEGER_set(X509_get_serialNumber(x509.get()), 1);
   X509_gmtime_adj(X509_getm_notBefore(x509.get()), 0);
-  X509_gmtime_adj(X509_getm_notAfter(x509.get()), 3600);
+  X509_gmtime_adj(X509_getm_notAfter(x509.get()), seconds);
   X509_set_pubkey(x509.get(), pair.get());
   X509_NAME* const name = X509_get_subject_name(x509.get());
   X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("localhost"),

@@ -15,6 +15,7 @@
 #include "client/app/cli/cache_folder.h"
 #include "client/core/camera_path.h"
 #include "common/byte_size.h"
+#include "common/command_line.h"
 #include "common/error.h"
 #include "proto/limits.h"
 #include "proto/messages.h"
@@ -126,7 +127,7 @@ stream::StreamOptions CommonOptions::streamOptions() const {
 void addServerOptions(CLI::App& command, CommonOptions& options, const char* target_form) {
   command.add_option("target", options.target, target_form)->required()->type_name("TARGET");
   command.add_option("--timeout", options.timeout_s, "give up after so many seconds")
-      ->check(CLI::Range(0.001, 1e6))
+      ->check(numberFrom(0.001, 1e6))
       ->capture_default_str();
   command.add_option("--token-file", options.token_file,
                      "file that holds the token (default: LODESTREAM_TOKEN)");
@@ -152,7 +153,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
       ->type_name("WxH")
       ->capture_default_str();
   command.add_option("--pixels", options.pixels, "largest error allowed in the picture")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(numberFrom(0.01, 1000.0))
       ->capture_default_str();
   command
       .add_option("--memory-budget", options.memory_text,

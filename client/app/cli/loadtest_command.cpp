@@ -23,6 +23,7 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/wish_trace.h"
 #include "client/app/cli/wish_trace_file.h"
+#include "common/command_line.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -167,7 +168,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       ->required()
       ->check(CLI::Range(1u, 100'000u));
   command->add_option("--seconds", options->load.seconds, "how long")
-      ->check(CLI::Range(0.1, 86'400.0))
+      ->check(numberFrom(0.1, 86'400.0))
       ->capture_default_str();
   command
       ->add_option("more", options->more_targets,
@@ -183,14 +184,14 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
   command
       ->add_option("--ramp", options->ramp_s,
                    "in which clients begin, one after the other (default: a quarter of --seconds)")
-      ->check(CLI::Range(0.0, 86'400.0))
+      ->check(numberFrom(0.0, 86'400.0))
       ->type_name("SECONDS");
   command->add_option("--think", options->think_s, "pause at a path's end before it begins anew, in the mean")
-      ->check(CLI::Range(0.0, 86'400.0))
+      ->check(numberFrom(0.0, 86'400.0))
       ->type_name("SECONDS")
       ->capture_default_str();
   command->add_option("--fps", options->fps, "views a second of a full client")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(numberFrom(0.1, 1000.0))
       ->needs(full)
       ->capture_default_str();
   command->add_option("--threads", options->load.threads, "threads that step the clients")

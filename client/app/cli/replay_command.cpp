@@ -23,6 +23,7 @@
 #include "client/app/cli/wish_trace.h"
 #include "client/app/cli/wish_trace_file.h"
 #include "client/core/shown_parts.h"
+#include "common/command_line.h"
 
 namespace lode::app {
 namespace {
@@ -224,7 +225,7 @@ void declareReplay(CLI::App& program, int& /*exit_status*/) {
   const auto options = std::make_shared<ReplayOptions>();
   addCommonOptions(*command, options->common);
   command->add_option("--fps", options->fps, "frames a second")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(numberFrom(1.0, 1000.0))
       ->capture_default_str();
   command->add_flag("--no-prefetch", options->no_prefetch, "ask for nothing ahead of the camera");
   command

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/command_line.h"
+
 namespace lode::app {
 
 void addLookOptions(CLI::App& command, LookOptions& options) {
@@ -17,7 +19,7 @@ void addLookOptions(CLI::App& command, LookOptions& options) {
           "--unlit", [&options] { options.show = nameOf(render::Show::kUnlit); }, "show the paint alone")
       ->excludes(show);
   command.add_option("--exposure", options.exposure, "multiply the light by this")
-      ->check(CLI::Range(0.01, 100.0))
+      ->check(numberFrom(0.01, 100.0))
       ->capture_default_str();
 }
 

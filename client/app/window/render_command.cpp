@@ -30,6 +30,7 @@
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
 #include "client/stream/streamer.h"
+#include "common/command_line.h"
 #include "common/error.h"
 #include "common/interrupted.h"
 
@@ -258,7 +259,7 @@ void declareRender(CLI::App& program, int& /*exit_status*/) {
                     ->excludes(output)
                     ->excludes(frames);
   command->add_option("--fps", options->fps, "frames a second of --frames and --video")
-      ->check(CLI::Range(0.001, 1000.0))
+      ->check(numberFrom(0.001, 1000.0))
       ->excludes(output)
       ->capture_default_str();
   addLookOptions(*command, options->look);

@@ -6,6 +6,7 @@
 
 #include "client/app/window/picture_file.h"
 #include "client/app/window/viewer.h"
+#include "common/command_line.h"
 
 namespace lode::app {
 
@@ -23,7 +24,7 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
   command
       ->add_option("--fps", options->fps,
                    "frames a second while the camera moves, held by a coarser threshold; --pixels fixes it")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(numberFrom(1.0, 1000.0))
       ->capture_default_str();
   CLI::Option* const laps =
       command

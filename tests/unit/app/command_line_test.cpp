@@ -65,5 +65,12 @@ TEST_F(ACommandLine, endsAsItsCommandSays) {
   EXPECT_EQ(status_, 130);
 }
 
+TEST(NumberFrom, takesWhatIsWithinAndNothingElse) {
+  const CLI::Validator check = numberFrom(0.5, 4);
+  for (std::string text : {"0.5", "4", "1e0"}) EXPECT_EQ(check(text), "") << text;
+  for (std::string text : {"nan", "-nan", "inf", "0.49", "4.1", "", "two", "1x"})
+    EXPECT_EQ(check(text), "must be a number in [0.5 - 4], not " + text);
+}
+
 }  // namespace
 }  // namespace lode

@@ -1,8 +1,11 @@
 #include "server/serve/admission.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "proto/limits.h"
 
 namespace lode::serve {
 namespace {
@@ -30,6 +33,13 @@ TEST(Admission, takesAnIpv4AddressInIpv6FormForTheSame) {
   std::vector<Place> places;
   EXPECT_EQ(letIn(admission, {"::ffff:192.0.2.7", "192.0.2.7", "192.0.2.8"}, places),
             std::vector<bool>({true, false, true}));
+}
+
+TEST(Admission, takesLoopbackInIpv6FormForLoopback) {
+  Admission admission(proto::kMaxConnectionsPerAddress + 1, {});
+  std::vector<Place> places;
+  const std::vector<const char*> addresses(proto::kMaxConnectionsPerAddress + 1, "::ffff:127.0.0.1");
+  EXPECT_EQ(std::ranges::count(letIn(admission, addresses, places), false), 0);
 }
 
 TEST(Admission, takesNoNetworkOfIpv6ForAnIpv4Address) {

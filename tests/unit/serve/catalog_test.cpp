@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "common/error.h"
 #include "proto/limits.h"
@@ -72,6 +73,13 @@ TEST_F(CatalogTest, aFileNamedTwiceIsOneModel) {
   EXPECT_EQ(open({store("a"), store("a")})->models().size(), 1u);
 }
 
+TEST_F(CatalogTest, aFileNamedInTwoWaysIsOneModel) {
+  writeSmallStore(store("a"));
+  fs::create_directory(folder_.path() / "sub");
+  fs::create_symlink(store("a"), folder_.path() / "sub" / "a.lode");
+  EXPECT_EQ(open({store("a"), folder_.path() / "." / "a.lode", folder_.path() / "sub"})->models().size(), 1u);
+}
+
 TEST_F(CatalogTest, refusesTwoModelsOfOneName) {
   fs::create_directory(folder_.path() / "sub");
   writeSmallStore(store("a"), 1);
@@ -100,6 +108,28 @@ TEST_F(CatalogTest, refusesMoreModelsThanAListHolds) {
   for (uint32_t i = 0; i <= proto::kMaxListedModels; ++i)
     fs::create_hard_link(folder_.path() / "one.lode", folder / (std::to_string(i) + ".lode"));
   EXPECT_NE(errorOf({folder}).find(std::to_string(proto::kMaxListedModels)), std::string::npos);
+}
+
+TEST_F(CatalogTest, refusesNamesThatDoNotFitIntoOneAnswer) {
+  const fs::path folder = folder_.path() / "many";
+  fs::create_directory(folder);
+  writeSmallStore(folder_.path() / "one.lode");
+  for (uint32_t i = 0; i < proto::kMaxListedModels; ++i)
+    fs::create_hard_link(folder_.path() / "one.lode",
+                         folder / (std::string(200, 'x') + std::to_string(i) + ".lode"));
+  EXPECT_NE(errorOf({folder}).find("shorten them"), std::string::npos) << errorOf({folder});
+}
+
+TEST_F(CatalogTest, refusesAPipe) {
+  ASSERT_EQ(::mkfifo(store("a").c_str(), 0600), 0);
+  EXPECT_NE(errorOf({store("a")}).find("no regular file"), std::string::npos);
+}
+
+TEST_F(CatalogTest, reopenedOffersNothingOfAFolderWhoseStoresHaveGone) {
+  writeSmallStore(store("a"));
+  const auto before = open({folder_.path()});
+  fs::remove(store("a"));
+  EXPECT_TRUE(reopen(*before)->models().empty());
 }
 
 TEST_F(CatalogTest, reopenedKeepsWhatIsAsItWasAndTakesWhatIsNew) {

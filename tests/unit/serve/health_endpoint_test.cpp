@@ -77,6 +77,13 @@ TEST_F(HealthEndpointTest, answersTheNextWhileOthersSayNothing) {
   EXPECT_TRUE(get("/healthz").starts_with("HTTP/1.1 200 "));
 }
 
+TEST_F(HealthEndpointTest, answersTheNextAtOnceHoweverManySayNothing) {
+  std::vector<tcp::socket> silent;
+  for (int i = 0; i < 40; ++i) silent.push_back(connect());
+  EXPECT_TRUE(get("/healthz").starts_with("HTTP/1.1 200 "));
+  EXPECT_EQ(readAll(silent.front()), "") << "who has waited longest had to go";
+}
+
 TEST_F(HealthEndpointTest, takesMoreAskersOnceSomeHaveGone) {
   {
     std::vector<tcp::socket> silent;

@@ -1,11 +1,13 @@
 // What the log and the metrics say of connections that never got as far as a frame, and of those that broke a
 // rule.
 
+#include <ctime>
 #include <fstream>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/bytes.h"
 #include "tests/support/test_certificate.h"
 #include "tests/unit/serve/server_fixture.h"
 #include "tests/unit/serve/tls_client.h"
@@ -184,6 +186,47 @@ TEST_F(ServerEnds, whoIsRefusedAtTheDoorIsNotAmongThoseAccepted) {
   refused_client.expectErrorAndEnd(WireError::kLimit);
   EXPECT_EQ(refused("connections"), 1);
   EXPECT_EQ(metric("lodestream_connections_accepted_total"), 1);
+}
+
+TEST_F(ServerEnds, ofWhoseTokenIsNoneAnyMoreIsLoggedAndCountedAsThatThoughTheClientStays) {
+  options_.token_file = folder_.path() / "tokens";
+  std::ofstream(options_.token_file) << "one never *\n";
+  start();
+  TestClient client = connect();
+  client.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "one", "test"});
+  client.expect<proto::Welcome>(FrameType::kWelcome);
+  std::ofstream(options_.token_file) << "two never *\n";
+  server_->reload();
+  EXPECT_EQ(end()["reason"], "mistake");
+  EXPECT_EQ(refused("token"), 1);
+  EXPECT_EQ(ended("broken"), 0);
+}
+
+TEST_F(ServerEnds, ofAModelsBlobsAreCountedFromTheStart) {
+  start();
+  EXPECT_EQ(metric("lodestream_model_damaged_blobs_total{model=\"a\"}"), 0);
+}
+
+TEST_F(ServerEnds, ofACertificateIsInTheMetricsAndAPastOneInTheLog) {
+  startUnderTls();
+  const double now = static_cast<double>(std::time(nullptr));
+  EXPECT_NEAR(metric("lodestream_certificate_expires_seconds"), now + 3600, 120);
+  lode::test::writeCertificate(options_.tls_certificate, options_.tls_key, -60);
+  server_->reload();
+  EXPECT_LT(metric("lodestream_certificate_expires_seconds"), now);
+  stop();
+  server_.reset();
+  EXPECT_NE(lode::test::readBytes(path_).find("the certificate has expired"), std::string::npos);
+}
+
+TEST_F(ServerEnds, ofAModelThatATokenNamesAndNobodyOffersIsLogged) {
+  options_.token_file = folder_.path() / "tokens";
+  std::ofstream(options_.token_file) << "one never a bunny\n";
+  start();
+  stop();
+  server_.reset();
+  EXPECT_NE(lode::test::readBytes(path_).find(R"("first":"bunny","count":1)"), std::string::npos)
+      << lode::test::readBytes(path_);
 }
 
 }  // namespace

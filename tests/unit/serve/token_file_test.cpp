@@ -52,6 +52,16 @@ TEST(TokenFile, takesNoTokenButWhatIsInIt) {
   EXPECT_NE(file.find("secret", kNow), nullptr);
 }
 
+TEST(TokenFile, readsNoCommentForModels) {
+  const TokenFile file =
+      TokenFile::parse("  # of the museum\na never bunny # not gyroid\nb never \"#1\" x#y\n");
+  EXPECT_EQ(file.modelsNamed(), (std::vector<std::string>{"#1", "bunny", "x#y"}));
+}
+
+TEST(TokenFile, takesTheFirstTokenBehindAByteOrderMark) {
+  EXPECT_NE(TokenFile::parse("\xef\xbb\xbfsecret never *\n").find("secret", kNow), nullptr);
+}
+
 TEST(TokenFile, isLookedThroughToItsEndWhicheverTokenIsThere) {
   std::string text;
   for (size_t i = 1000; i < 1000 + kMaxTokens; ++i) text += "t" + std::to_string(i) + " never *\n";
