@@ -163,8 +163,7 @@ class Doctor {
     if (!report_.topology) return;
     report_.min = report_.topology->used_min;
     report_.max = report_.topology->used_max;
-    if (counts.triangles > 0 && report_.min == report_.max)
-      failWhole("all vertices that faces use coincide; nothing can be built of it");
+    if (!report_.topology->lattice_problem.empty()) failWhole(std::string(report_.topology->lattice_problem));
     judgeTopology(*report_.topology);
   }
 

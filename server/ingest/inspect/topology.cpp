@@ -51,9 +51,10 @@ void TopologyCounter::countVertices() {
   if (used.count == 0) return;
   topology_.used_min = used.min;
   topology_.used_max = used.max;
-  if (used.coincide()) return;
-  lattice_ = chooseLattice(used);
-  topology_.lattice_step = lattice_->step;
+  const LatticeOrProblem chosen = chooseLattice(used);
+  lattice_ = chosen.lattice;
+  topology_.lattice_problem = chosen.problem;
+  if (lattice_) topology_.lattice_step = lattice_->step;
 }
 
 void TopologyCounter::countFaces() {

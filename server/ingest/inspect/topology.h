@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -19,16 +20,17 @@ namespace lode::ingest {
 /// How the faces of a file hang together. All but duplicate and unused vertices is counted after vertices at
 /// exactly the same place are taken as one, as a build does.
 struct Topology {
-  uint64_t duplicate_vertices = 0;  ///< at the place of an earlier one; vertices that were skipped are at 0
-  uint64_t unused_vertices = 0;     ///< in no face
-  uint64_t flat_faces = 0;          ///< fewer than three distinct places
-  uint64_t open_edges = 0;          ///< of one face
-  uint64_t non_manifold_edges = 0;  ///< of three or more
-  uint64_t misoriented_edges = 0;   ///< of two faces that run along it in the same direction
-  uint64_t pieces = 0;              ///< of faces joined by vertices
-  uint64_t opposed_faces = 0;       ///< whose vertices' normals, in the mean, point to their back
-  uint64_t lost_faces = 0;          ///< see isLost(), on the lattice that a build chooses
-  double lattice_step = 0;          ///< of that; zero if all vertices coincide
+  uint64_t duplicate_vertices = 0;   ///< at the place of an earlier one; vertices that were skipped are at 0
+  uint64_t unused_vertices = 0;      ///< in no face
+  uint64_t flat_faces = 0;           ///< fewer than three distinct places
+  uint64_t open_edges = 0;           ///< of one face
+  uint64_t non_manifold_edges = 0;   ///< of three or more
+  uint64_t misoriented_edges = 0;    ///< of two faces that run along it in the same direction
+  uint64_t pieces = 0;               ///< of faces joined by vertices
+  uint64_t opposed_faces = 0;        ///< whose vertices' normals, in the mean, point to their back
+  uint64_t lost_faces = 0;           ///< see isLost(), on the lattice that a build chooses
+  double lattice_step = 0;           ///< of that; zero if there is none
+  std::string_view lattice_problem;  ///< why there is none, and what to do
   glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; zero if there are none
 };
 
@@ -70,7 +72,7 @@ class TopologyCounter {
   RecordSorter edges_;  ///< by both ends; the record is the direction
   std::optional<PieceCounter> pieces_;
   std::optional<VertexSet> used_;   ///< places that faces have, by their first vertex
-  std::optional<Lattice> lattice_;  ///< nothing if all vertices coincide
+  std::optional<Lattice> lattice_;  ///< nothing if there is none
   std::vector<Member> members_;     ///< of the batch at hand
   std::vector<Member> face_;        ///< at hand: its corners
   std::vector<uint32_t> numbers_;   ///< 0, 1, 2 ...: of corners

@@ -172,27 +172,19 @@ UsedVertices findUsedVertices(const PackedInput& input) {
   return found;
 }
 
-Lattice chooseLattice(const UsedVertices& used) {
-  return chooseLattice(
+LatticeOrProblem chooseLattice(const UsedVertices& used) {
+  if (used.coincide()) return {{}, "all vertices that faces use coincide; nothing can be built of it"};
+  const Lattice lattice = chooseLattice(
       used.faces, [&](uint32_t corner) { return used.positions[corner]; }, used.min, used.max);
+  if (isLatticeStep(lattice.step)) return {lattice, {}};
+  return {{}, "the coordinates are too small or too large to be stored; give the model in another unit"};
 }
 
 LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name) {
   const UsedVertices used = findUsedVertices(input);
-  if (used.coincide()) {
-    throw Error(ErrorCode::kInput,
-                name.string() + ": all vertices that faces use coincide; nothing can be built of it");
-  }
-  LatticeChoice choice;
-  choice.lattice = chooseLattice(used);
-  if (!isLatticeStep(choice.lattice.step)) {
-    throw Error(ErrorCode::kInput,
-                name.string() +
-                    ": the coordinates are too small or too large to be stored; give the model "
-                    "in another unit");
-  }
-  choice.extent = choice.lattice.snap(used.max);
-  return choice;
+  const LatticeOrProblem chosen = chooseLattice(used);
+  if (!chosen.lattice) throw Error(ErrorCode::kInput, name.string() + ": " + std::string(chosen.problem));
+  return {*chosen.lattice, chosen.lattice->snap(used.max)};
 }
 
 }  // namespace lode::ingest

@@ -3,8 +3,10 @@
 #include <array>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/lattice.h"
@@ -49,8 +51,13 @@ struct UsedVertices {
   bool coincide() const noexcept { return !glm::any(glm::lessThan(min, max)); }
 };
 UsedVertices findUsedVertices(const PackedInput& input);
-/// @pre they do not all coincide.
-Lattice chooseLattice(const UsedVertices& used);
+
+/// The lattice of vertices, or why there is none and what to do.
+struct LatticeOrProblem {
+  std::optional<Lattice> lattice;
+  std::string_view problem;
+};
+LatticeOrProblem chooseLattice(const UsedVertices& used);
 
 struct LatticeChoice {
   Lattice lattice;
@@ -58,7 +65,7 @@ struct LatticeChoice {
 };
 
 /// The second look: from findUsedVertices().
-/// @throws Error kInput if all used vertices coincide.
+/// @throws Error kInput if there is no lattice.
 LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name);
 
 }  // namespace lode::ingest
