@@ -52,7 +52,7 @@ Json topologyAsJson(const ingest::Topology& topology) {
           {"misoriented_edges", topology.misoriented_edges},
           {"pieces", topology.pieces},
           {"opposed_faces", topology.opposed_faces},
-          {"lost_faces", topology.lost_faces},
+          {"lost_triangles", topology.lost_triangles},
           {"lattice_step", topology.lattice_step}};
 }
 

@@ -5,6 +5,7 @@
 #include "server/ingest/mesh/cell_code.h"
 #include "server/ingest/mesh/soup_triangle.h"
 #include "server/ingest/soup/dereference.h"
+#include "server/ingest/soup/lost_triangles.h"
 
 namespace lode::ingest {
 namespace {
@@ -66,17 +67,24 @@ void DereferenceStage::openSorter() {
 Stage::Work DereferenceStage::run() {
   openSorter();
   sortSoup(*scan_.takeInput());
-  const DereferenceCounts& counts = session_.facts().counts;
-  const std::string input = session_.options().input.string();
-  if (counts.triangles == 0)
-    throw Error(ErrorCode::kInput, input + ": no face has three distinct corners; check the file");
-  if (counts.lost > 0)
-    session_.warn(input + ": " + inWordsOfLost(counts.lost, session_.facts().choice.lattice.step));
+  checkCounts();
   sorter_->finish([&](uint64_t done, uint64_t total) {
     if (const BuildProgress& progress = session_.progress())
       progress("sort", static_cast<double>(done) / static_cast<double>(total), done, total);
   });
-  return {counts.triangles, sorter_->temporaryBytes()};
+  return {session_.facts().counts.triangles, sorter_->temporaryBytes()};
+}
+
+void DereferenceStage::checkCounts() {
+  const DereferenceCounts& counts = session_.facts().counts;
+  const auto& [lattice, extent] = session_.facts().choice;
+  const LostTriangles lost{counts.lost, counts.triangles + counts.dropped, lattice.step, lattice.origin,
+                           lattice.toWorld(extent)};
+  const std::string input = session_.options().input.string() + ": ";
+  if (lost.areMost()) throw Error(ErrorCode::kInput, input + lost.inWords());
+  if (counts.triangles == 0)
+    throw Error(ErrorCode::kInput, input + "no face has three distinct corners; check the file");
+  if (lost.lost > 0) session_.warn(input + lost.inWords());
 }
 
 /// What a killed build had in runs is not pushed again, but its triangles in the batch that it was at are

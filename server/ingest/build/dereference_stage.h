@@ -25,6 +25,8 @@ class DereferenceStage final : public Stage {
  private:
   void openSorter();
   void sortSoup(const PackedInput& input);
+  /// @throws Error kInput if nothing, or not the model, is left after the sort.
+  void checkCounts();
 
   BuildSession& session_;
   ScanStage& scan_;

@@ -66,7 +66,7 @@ Trial runTrial(const ForecastInput& input) {
   });
   if (!is_part) writeStandIn(input, options.input);
   const BuildReport report = build(options);
-  const auto triangles = static_cast<double>(report.summary.triangles);
+  const auto triangles = static_cast<double>(report.summary.triangles + report.summary.dropped);
   Trial trial;
   for (const BuildReport::Stage& stage : report.stages) {
     if (stage.name == "scan") continue;

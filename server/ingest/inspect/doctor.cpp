@@ -9,7 +9,7 @@
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/ply/ply_input.h"
-#include "server/ingest/soup/lattice_choice.h"
+#include "server/ingest/soup/lost_triangles.h"
 #include "server/ingest/soup/scan.h"
 #include "server/ingest/textures/texture_images.h"
 
@@ -174,8 +174,8 @@ class Doctor {
     warn(topology.unused_vertices, "vertex", "vertices", " that no face uses; a build leaves such out");
     warn(topology.flat_faces, "face", "faces",
          " with fewer than three distinct places; a build drops and counts such");
-    if (topology.lost_faces > 0)
-      say(false, name_ + ": " + inWordsOfLost(topology.lost_faces, topology.lattice_step));
+    judgeLost({topology.lost_triangles, report_.counts.triangles, topology.lattice_step, topology.used_min,
+               topology.used_max});
     warn(topology.opposed_faces, "face", "faces",
          " whose normals in the file point to the back; a build keeps both, and either side that is "
          "seen is lit; for an even surface leave the normals out, so that a build computes them");
@@ -183,6 +183,11 @@ class Doctor {
          " of three or more faces; a build keeps such, but simplifies less well around them");
     warn(topology.misoriented_edges, "edge", "edges",
          " whose two faces are oriented against each other; turn the faces round to shade them right");
+  }
+
+  void judgeLost(const LostTriangles& lost) {
+    if (lost.areMost()) return failWhole(lost.inWords());
+    if (lost.lost > 0) say(false, name_ + ": " + lost.inWords());
   }
 
   void forecast() {

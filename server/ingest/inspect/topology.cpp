@@ -52,9 +52,10 @@ void TopologyCounter::countVertices() {
   topology_.used_min = used.min;
   topology_.used_max = used.max;
   const LatticeOrProblem chosen = chooseLattice(used);
-  lattice_ = chosen.lattice;
   topology_.lattice_problem = chosen.problem;
-  if (lattice_) topology_.lattice_step = lattice_->step;
+  if (!chosen.lattice) return;
+  lost_.emplace(*chosen.lattice);
+  topology_.lattice_step = chosen.lattice->step;
 }
 
 void TopologyCounter::countFaces() {
@@ -87,15 +88,13 @@ void TopologyCounter::sweep(const FaceBatch& batch) {
 
 void TopologyCounter::countFace() {
   if (has_normals_) topology_.opposed_faces += isOpposed();
+  corners_.clear();
   for (const Member& corner : face_) {
+    corners_.push_back(corner.position);
     topology_.pieces += used_->add(corner.first);
     pieces_->join(face_.front().first, corner.first);
   }
-  while (numbers_.size() < face_.size()) numbers_.push_back(static_cast<uint32_t>(numbers_.size()));
-  if (lattice_)
-    topology_.lost_faces += isLost(
-        std::span(numbers_).first(face_.size()), [&](uint32_t corner) { return face_[corner].position; },
-        *lattice_);
+  if (lost_) topology_.lost_triangles += lost_->count(corners_);
   addEdges();
 }
 

@@ -13,6 +13,7 @@
 #include "server/ingest/inspect/piece_counter.h"
 #include "server/ingest/inspect/same_places.h"
 #include "server/ingest/soup/face_batch.h"
+#include "server/ingest/soup/lost_triangles.h"
 #include "server/ingest/soup/packed_input.h"
 
 namespace lode::ingest {
@@ -28,7 +29,7 @@ struct Topology {
   uint64_t misoriented_edges = 0;    ///< of two faces that run along it in the same direction
   uint64_t pieces = 0;               ///< of faces joined by vertices
   uint64_t opposed_faces = 0;        ///< whose vertices' normals, in the mean, point to their back
-  uint64_t lost_faces = 0;           ///< see isLost(), on the lattice that a build chooses
+  uint64_t lost_triangles = 0;       ///< see LostTriangles, on the lattice that a build chooses
   double lattice_step = 0;           ///< of that; zero if there is none
   std::string_view lattice_problem;  ///< why there is none, and what to do
   glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; zero if there are none
@@ -71,11 +72,11 @@ class TopologyCounter {
   SamePlaces places_;
   RecordSorter edges_;  ///< by both ends; the record is the direction
   std::optional<PieceCounter> pieces_;
-  std::optional<VertexSet> used_;   ///< places that faces have, by their first vertex
-  std::optional<Lattice> lattice_;  ///< nothing if there is none
-  std::vector<Member> members_;     ///< of the batch at hand
-  std::vector<Member> face_;        ///< at hand: its corners
-  std::vector<uint32_t> numbers_;   ///< 0, 1, 2 ...: of corners
+  std::optional<VertexSet> used_;            ///< places that faces have, by their first vertex
+  std::optional<LostTriangleCounter> lost_;  ///< nothing if there is no lattice
+  std::vector<Member> members_;              ///< of the batch at hand
+  std::vector<Member> face_;                 ///< at hand: its corners
+  std::vector<glm::dvec3> corners_;          ///< of the face at hand
   Topology topology_;
 };
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "common/error.h"
@@ -108,15 +108,6 @@ bool isLost(std::span<const uint32_t> corners, const PositionOf& position_of, co
     from_vertex = to_vertex;
   }
   return meets && sides > 2;
-}
-
-std::string inWordsOfLost(uint64_t faces, double step) {
-  char size[32];
-  std::snprintf(size, sizeof size, "%.3g", step);
-  return std::to_string(faces) + " faces with corners less than " + size +
-         " apart, the step of the finest lattice that pays for so large a model, are dropped; split the "
-         "model "
-         "or join such corners to keep or to close what is around them";
 }
 
 Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& position_of, glm::dvec3 box_min,

@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -33,9 +32,6 @@ using PositionOf = std::function<glm::dvec3(uint32_t vertex)>;
 /// Whether the lattice makes neighbouring corners of a face one that the file has apart. (A face that has
 /// corners in one place in the file is flat, not lost.)
 bool isLost(std::span<const uint32_t> corners, const PositionOf& position_of, const Lattice& lattice);
-
-/// Says that a build drops so many faces because they are lost.
-std::string inWordsOfLost(uint64_t faces, double step);
 
 /// The step above, made finer by halves until no more than a millionth of the faces that are looked at is
 /// lost, or until finer ones keep no more of them. The origin is a multiple of it.

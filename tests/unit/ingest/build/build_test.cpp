@@ -151,7 +151,7 @@ TEST_F(Build, warnsWhenTheMemoryCannotBeKept) {
   EXPECT_NE(report_.warnings[0].find("--memory"), std::string::npos);
 }
 
-TEST_F(Build, warnsOfFacesThatTheFinestLatticeLosesAndRefusesThemIfStrict) {
+TEST_F(Build, warnsOfTrianglesThatTheFinestLatticeLosesAndRefusesThemIfStrict) {
   std::ofstream file(folder_ / "a.ply");
   file << "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\n"
           "property double y\nproperty double z\nelement face 41\n"
@@ -164,7 +164,7 @@ TEST_F(Build, warnsOfFacesThatTheFinestLatticeLosesAndRefusesThemIfStrict) {
   EXPECT_EQ(report.summary.triangles, 40u);
   EXPECT_EQ(report.summary.dropped, 1u);
   ASSERT_EQ(report.warnings.size(), 1u);
-  EXPECT_NE(report.warnings[0].find("1 faces with corners less than 0.219"), std::string::npos)
+  EXPECT_NE(report.warnings[0].find("drops 1 triangle with corners less than 0.219"), std::string::npos)
       << report.warnings[0];
   given.strict = true;
   EXPECT_THROW(build(given), Error);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <sstream>
 
+#include "server/ingest/build/build.h"
 #include "tests/unit/ingest/ply/ply_fixture.h"
 #include "tests/unit/ingest/textures/image_files.h"
 
@@ -53,14 +54,14 @@ TEST(Doctor, findsNonManifoldAndMisorientedEdges) {
   EXPECT_EQ(report.topology->misoriented_edges, 1u);
 }
 
-TEST(Doctor, countsFacesThatTheLatticeLosesButNotFlatOnes) {
+TEST(Doctor, countsTrianglesThatTheLatticeLosesButNotFlatOnes) {
   const PlyFolder folder;
   const DoctorReport report = examineFile(folder.write(
       header("5", "3") + "0 0 0\n1000 0 0\n0 1000 0\n1e-5 1e-5 0\n0 0 0\n3 0 1 2\n3 0 3 1\n3 0 4 2\n"));
   ASSERT_TRUE(report.topology);
-  EXPECT_EQ(report.topology->lost_faces, 1u);
+  EXPECT_EQ(report.topology->lost_triangles, 1u);
   EXPECT_EQ(report.topology->flat_faces, 1u);
-  EXPECT_TRUE(mentions(report, false, "1 faces with corners less than"));
+  EXPECT_TRUE(mentions(report, false, "1 triangle with corners less than"));
 }
 
 TEST(Doctor, countsFacesWhoseNormalsPointToTheirBack) {
@@ -114,6 +115,57 @@ TEST(Doctor, refusesWhatABuildRefuses) {
       << "no face is left";
   EXPECT_FALSE(examineFile(folder.write(header("3", "1") + "2 2 2\n2 2 2\n2 2 2\n3 0 1 2\n")).is_readable)
       << "all at one place";
+}
+
+/// Squares of two triangles in a row; `fine` of them are so small that a lattice of the whole loses them.
+std::string rowOfSquares(int coarse, int fine) {
+  std::string vertices, faces;
+  int first = 0;
+  const auto addRow = [&](int squares, double side) {
+    for (int i = 0; i <= squares; ++i)
+      for (const int y : {0, 1})
+        vertices += std::to_string(i * side) + " " + std::to_string(y * side) + " 0\n";
+    for (int i = 0; i < squares; ++i, first += 2) {
+      const auto at = [&](int corner) { return " " + std::to_string(first + corner); };
+      faces += "3" + at(0) + at(2) + at(1) + "\n3" + at(1) + at(2) + at(3) + "\n";
+    }
+    first += 2;
+  };
+  addRow(coarse, 1e6);
+  addRow(fine, 1e-3);
+  return header(std::to_string(first), std::to_string(2 * (coarse + fine))) + vertices + faces;
+}
+
+TEST(Doctor, refusesAModelOfWhichTheLatticeLosesMostAsABuildDoes) {
+  const PlyFolder folder;
+  const std::filesystem::path input = folder.write(rowOfSquares(10, 11));
+  const DoctorReport report = examineFile(input);
+  EXPECT_FALSE(report.is_readable);
+  EXPECT_FALSE(report.forecast);
+  const std::string words = "22 of 42 triangles would be lost";
+  EXPECT_TRUE(mentions(report, true, words));
+  BuildOptions options;
+  options.input = input;
+  options.output = folder / "a.lode";
+  try {
+    build(options);
+    ADD_FAILURE() << "built";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInput);
+    expectMentions(error.what(), {words, "[0, 0, 0] to [1e+07, 1e+06, 0]", "stray"});
+  }
+}
+
+TEST(Doctor, forecastsAStoreOfTheTrianglesThatTheLatticeLeaves) {
+  const PlyFolder folder;
+  BuildOptions options;
+  options.input = folder.write(rowOfSquares(500, 450));
+  options.output = folder / "a.lode";
+  const DoctorReport report = examineFile(options.input);
+  EXPECT_TRUE(mentions(report, false, "a build drops 900 triangles with corners"));
+  ASSERT_TRUE(report.forecast);
+  const auto bytes = static_cast<double>(build(options).summary.bytes);
+  EXPECT_NEAR(static_cast<double>(report.forecast->store_bytes), bytes, 0.1 * bytes);
 }
 
 TEST(Doctor, refusesCoordinatesThatNoLatticeHolds) {

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "server/ingest/mesh/groups.h"
+#include "server/ingest/soup/dereference.h"
+#include "server/ingest/soup/lattice_choice.h"
 
 namespace lode::ingest {
 namespace {
@@ -107,8 +109,38 @@ TEST(Topology, doesNotDependOnMemory) {
   EXPECT_EQ(little.pieces, much.pieces);
   EXPECT_EQ(little.open_edges, much.open_edges);
   EXPECT_EQ(little.opposed_faces, much.opposed_faces);
-  EXPECT_EQ(little.lost_faces, much.lost_faces);
+  EXPECT_EQ(little.lost_triangles, much.lost_triangles);
   EXPECT_EQ(little.lattice_step, much.lattice_step);
+}
+
+TEST(Topology, countsAsManyLostTrianglesAsABuildDrops) {
+  std::mt19937 random(11);
+  Model model;
+  for (uint64_t face = 0; face < 500; ++face) {
+    const auto corners = static_cast<uint32_t>(3 + random() % 4);
+    model.faces.corner_counts.push_back(corners);
+    for (uint32_t c = 0; c < corners; ++c) {
+      model.faces.corners.push_back(model.vertices.size());
+      // Some of a face's corners stand next to each other, on a lattice of thousands of steps.
+      model.vertices.push_back(
+          {.position = {static_cast<double>(random() % 3) + 1e-9 * c, face % 50, face % 7}});
+    }
+  }
+  const TemporaryFolder folder(::testing::TempDir());
+  PackedInput input(folder, {}, true);
+  input.addVertices(model.vertices);
+  input.addFaces(model.faces);
+  input.flush();
+  const Lattice lattice = chooseLattice(input, "a.ply").lattice;
+  const DereferenceCounts counts = dereference(input, lattice, 1 << 20, [](const SoupTriangle&) {}, {});
+  TopologyCounter counter(folder, {}, true, 1 << 20);
+  counter.addVertices(model.vertices);
+  counter.addFaces(model.faces);
+  const Topology topology = counter.count();
+  EXPECT_EQ(topology.lost_triangles, counts.lost);
+  EXPECT_EQ(topology.lattice_step, lattice.step);
+  EXPECT_GT(counts.lost, 100u);
+  EXPECT_LT(counts.lost, counts.triangles + counts.dropped);
 }
 
 }  // namespace
