@@ -41,6 +41,8 @@ class PlyVertexBatch {
   void commit(size_t vertices);
   /// Counts a defect of the vertex at room()[index], not yet committed.
   void countDefect(size_t index, VertexDefect defect);
+  /// Counts a vertex whose colour is clamped.
+  void countClamped() noexcept { ++counts_.clamped_colours; }
   void flush();
 
  private:

@@ -35,6 +35,7 @@ bool convertColumn(const char* from, size_t stride, std::span<PlyVertex> rows, S
   return finite;
 }
 
+/// @return false if a value is to be looked at by itself: makeVertex() says what is wrong with it.
 template <class T, bool kSwap>
 bool convertField(VertexField field, const char* from, size_t stride, std::span<PlyVertex> rows) {
   using enum VertexField;
@@ -49,7 +50,12 @@ bool convertField(VertexField field, const char* from, size_t stride, std::span<
   }
   if (field < kS) {
     const int i = static_cast<int>(field) - static_cast<int>(kRed);
-    return convert([i](PlyVertex& row, T value) { row.colour[i] = colourByte(value); });
+    bool fits = true;
+    const bool finite = convert([&fits, i](PlyVertex& row, T value) {
+      fits = fits && isColour(value);
+      row.colour[i] = colourByte(value);
+    });
+    return finite && fits;
   }
   const int i = static_cast<int>(field) - static_cast<int>(kS);
   return convert([i](PlyVertex& row, T value) { row.texture[i] = static_cast<float>(value); });
@@ -170,24 +176,24 @@ class BinaryBody final : public PlyBody {
     const std::span<PlyVertex> rows = room.first(
         static_cast<size_t>(std::min({uint64_t{room.size()}, whole_rows, element_->count - row_})));
     std::fill(rows.begin(), rows.end(), PlyVertex{});
-    bool finite = true;
+    bool sound = true;
     for (const VertexField field : plan.fields) {
       if (field == VertexField::kNone) continue;
       const size_t i = static_cast<size_t>(field);
       const char* from = input_.data() + plan.offsets[i];
-      const bool column_finite = withPlyType(plan.types[i], [&]<class T>(std::type_identity<T>) {
+      const bool column_sound = withPlyType(plan.types[i], [&]<class T>(std::type_identity<T>) {
         return swap_ ? convertField<T, true>(field, from, plan.row_bytes, rows)
                      : convertField<T, false>(field, from, plan.row_bytes, rows);
       });
-      finite = finite && column_finite;
+      sound = sound && column_sound;
     }
-    if (!finite) readVertexRowsOneByOne(plan, batch, rows);
+    if (!sound) readVertexRowsOneByOne(plan, batch, rows);
     input_.consume(rows.size() * plan.row_bytes);
     row_ += rows.size();
     batch.commit(rows.size());
   }
 
-  /// The slow way, for a batch with a value that is NaN, infinite, or beyond the range of float.
+  /// The slow way, for a batch with a value that is NaN, infinite, beyond the range of float, or no colour.
   void readVertexRowsOneByOne(const VertexPlan& plan, PlyVertexBatch& batch, std::span<PlyVertex> rows) {
     const uint64_t first_row = row_;
     VertexValues values{};

@@ -37,6 +37,7 @@ void PlyBody::judgeIndex(int64_t index) const {
 
 void PlyBody::judgeVertex(VertexDefect defect, size_t index, PlyVertexBatch& batch) const {
   if (defect == VertexDefect::kNone) return;
+  if (defect == VertexDefect::kColour) return batch.countClamped();
   const char* what = defect == VertexDefect::kPosition ? "its position is NaN or infinite"
                                                        : "an attribute is NaN or infinite";
   if (!options_.skip_bad) fail(what, kRepair);

@@ -181,12 +181,12 @@ VertexDefect makeVertex(const VertexPlan& plan, const VertexValues& values, PlyV
     return VertexDefect::kPosition;
   }
   vertex.position = position;
-  bool finite = true;
+  bool finite = true, fits = true;
   const auto single = [&](VertexField field, int add) {
     const double value = at(field, add);
-    const bool fits = std::fabs(value) <= static_cast<double>(std::numeric_limits<float>::max());
-    finite = finite && fits;
-    return fits ? static_cast<float>(value) : 0.0f;
+    const bool is_float = std::fabs(value) <= static_cast<double>(std::numeric_limits<float>::max());
+    finite = finite && is_float;
+    return is_float ? static_cast<float>(value) : 0.0f;
   };
   if (plan.attributes.has(AttributeSet::kNormal)) {
     for (int i = 0; i < 3; ++i) vertex.normal[i] = single(kNx, i);
@@ -197,14 +197,17 @@ VertexDefect makeVertex(const VertexPlan& plan, const VertexValues& values, PlyV
       const double value = at(kRed, i);
       finite = finite && std::isfinite(value);
       vertex.colour[i] =
-          withPlyType(plan.types[static_cast<size_t>(kRed) + i],
-                      [&]<class T>(std::type_identity<T>) { return colourByte(static_cast<T>(value)); });
+          withPlyType(plan.types[static_cast<size_t>(kRed) + i], [&]<class T>(std::type_identity<T>) {
+            fits = fits && isColour(static_cast<T>(value));
+            return colourByte(static_cast<T>(value));
+          });
     }
   }
   if (plan.has[static_cast<size_t>(kS)]) {
     for (int i = 0; i < 2; ++i) vertex.texture[i] = single(kS, i);
   }
-  return finite ? VertexDefect::kNone : VertexDefect::kAttribute;
+  if (!finite) return VertexDefect::kAttribute;
+  return fits ? VertexDefect::kNone : VertexDefect::kColour;
 }
 
 }  // namespace lode::ingest

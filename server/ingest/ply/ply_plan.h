@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -99,8 +100,22 @@ uint8_t colourByte(T value) noexcept {
   }
 }
 
-/// What is wrong with the values of a vertex.
-enum class VertexDefect { kNone, kPosition, kAttribute };
+/// Whether colourByte() keeps a value, to within its rounding, rather than clamping it. NaN is not kept.
+template <class T>
+bool isColour(T value) noexcept {
+  if constexpr (std::is_floating_point_v<T>) {
+    constexpr T kHalfByte = T(0.5) / T(255);
+    return value > -kHalfByte && value < T(1) + kHalfByte;
+  } else if constexpr (sizeof(T) == 1 || std::is_same_v<T, uint16_t>) {
+    return true;
+  } else {
+    return std::clamp(value, T(0), T(255)) == value;
+  }
+}
+
+/// What is wrong with the values of a vertex, the worst last: a colour that is clamped, an attribute or the
+/// position that is NaN or infinite.
+enum class VertexDefect { kNone, kColour, kAttribute, kPosition };
 
 /// Turns the values of one row into a vertex. Attributes that are NaN or infinite become zero.
 /// @return the worst defect: with a position that is NaN or infinite the vertex is all zero.

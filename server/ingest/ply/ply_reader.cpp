@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/printable.h"
 #include "server/ingest/ply/ply_batch.h"
 #include "server/ingest/ply/ply_body.h"
 #include "server/ingest/ply/ply_input.h"
@@ -110,6 +111,12 @@ std::string skippedInWords(const std::vector<std::string>& skipped) {
   for (size_t i = 0; i < std::min(skipped.size(), kShown); ++i) words += (i == 0 ? "" : ", ") + skipped[i];
   if (skipped.size() > kShown) words += " and " + std::to_string(skipped.size() - kShown) + " more";
   return words;
+}
+
+std::string clampedInWords(uint64_t vertices) {
+  return counted(vertices, "vertex", "vertices") +
+         " with colours beyond the range of the type (float: 0 to 1, ushort: 0 to 65535, others: 0 to 255), "
+         "clamped to it; scale the values or declare the type that they are of";
 }
 
 PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress) {

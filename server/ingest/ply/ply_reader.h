@@ -38,12 +38,13 @@ struct PlyFaces {
 
 struct PlyCounts {
   uint64_t vertices = 0;
-  uint64_t faces = 0;           ///< rows of the face element, or strips
-  uint64_t triangles = 0;       ///< sum of (corners - 2) over the faces given out
-  uint64_t dropped_faces = 0;   ///< fewer than 3 corners, or a repeated index; of a strip, triangles
-  uint64_t skipped_bad = 0;     ///< with skip_bad: bad indices, NaN, infinity
-  uint64_t extra_tokens = 0;    ///< ascii only, ignored
-  uint64_t trailing_bytes = 0;  ///< behind the last element, ignored (ascii: beyond blanks and line ends)
+  uint64_t faces = 0;            ///< rows of the face element, or strips
+  uint64_t triangles = 0;        ///< sum of (corners - 2) over the faces given out
+  uint64_t dropped_faces = 0;    ///< fewer than 3 corners, or a repeated index; of a strip, triangles
+  uint64_t skipped_bad = 0;      ///< with skip_bad: bad indices, NaN, infinity
+  uint64_t clamped_colours = 0;  ///< vertices with a colour that its type has not, see clampedInWords()
+  uint64_t extra_tokens = 0;     ///< ascii only, ignored
+  uint64_t trailing_bytes = 0;   ///< behind the last element, ignored (ascii: beyond blanks and line ends)
 };
 
 /// Something in the body that costs geometry.
@@ -99,5 +100,8 @@ class PlyReader {
 
 /// "it has properties that are not read: ...", the first few of them, for warnings; empty if there are none.
 std::string skippedInWords(const std::vector<std::string>& skipped);
+
+/// "N vertices with colours ...", and what to do, for warnings.
+std::string clampedInWords(uint64_t vertices);
 
 }  // namespace lode::ingest

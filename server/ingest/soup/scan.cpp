@@ -63,6 +63,8 @@ ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, co
   if (model.counts.skipped_bad > 0)
     warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.skipped_bad) +
                        " bad indices, coordinates or faces were left out; lodestreamd doctor says where");
+  if (model.counts.clamped_colours > 0)
+    warnings.push_back(options.input.string() + ": " + clampedInWords(model.counts.clamped_colours));
   if (model.counts.extra_tokens > 0) {
     warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.extra_tokens) +
                        " surplus values at the ends of lines were ignored");
