@@ -44,7 +44,9 @@ class TextFile {
   std::string line_;
 };
 
-std::string materialName(uint16_t material) { return "material_" + std::to_string(material); }
+std::string materialName(uint16_t material) {
+  return "material_" + (material == kNoMaterial ? "none" : std::to_string(material));
+}
 
 void writeVertices(TextFile& file, const Mesh& mesh, const Lattice& lattice, const TextureSet& textures) {
   const bool coloured = mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha);

@@ -70,6 +70,8 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, b
   }
 }
 
+int32_t texnumberOf(uint16_t material) { return material == kNoMaterial ? -1 : material; }
+
 // A material holds for a face: all of a triangle's wedges have it.
 void writeFaces(AtomicFile& file, const Mesh& mesh) {
   for (const glm::u32vec3 triangle : mesh.triangles) {
@@ -77,7 +79,7 @@ void writeFaces(AtomicFile& file, const Mesh& mesh) {
     row.add(uint8_t{3});
     for (int corner = 0; corner < 3; ++corner) row.add(triangle[corner]);
     if (mesh.attributes.has(AttributeSet::kMaterial))
-      row.add(uint32_t{mesh.vertex_attributes[triangle.x].material});
+      row.add(texnumberOf(mesh.vertex_attributes[triangle.x].material));
     file.write(row.bytes());
   }
 }

@@ -150,6 +150,8 @@ class Doctor {
     if (counts.triangles == 0) failWhole("no usable face; export the model again, with its faces");
     if (!report_.skipped_properties.empty())
       say(false, name_ + ": " + skippedInWords(report_.skipped_properties) + "; a build leaves them out");
+    if (counts.unknown_textures > 0)
+      say(false, name_ + ": " + unknownTexturesInWords(counts.unknown_textures, report_.textures.size()));
     if (counts.clamped_colours > 0) say(false, name_ + ": " + clampedInWords(counts.clamped_colours));
     if (counts.extra_tokens > 0)
       say(false, name_ + ": " + std::to_string(counts.extra_tokens) +

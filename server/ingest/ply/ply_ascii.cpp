@@ -221,14 +221,14 @@ class AsciiBody final : public PlyBody {
   void readFaceRow(const FacePlan& plan, PlyFaceBatch& batch) {
     corners_.clear();
     texture_.clear();
-    uint16_t material = 0;
+    int64_t texnumber = 0;
     for (size_t i = 0; i < plan.roles.size(); ++i) {
       const PlyProperty& property = element_->properties[i];
       const FaceRole role = plan.roles[i];
       if (role == FaceRole::kSkipped) {
         skipProperty(property);
       } else if (role == FaceRole::kMaterial) {
-        material = materialNumber(takeValue(property.name, property.type));
+        texnumber = static_cast<int64_t>(takeValue(property.name, property.type));
       } else {
         const uint64_t count = takeListCount(property);
         checkListLength(property, role, count);
@@ -242,7 +242,7 @@ class AsciiBody final : public PlyBody {
         }
       }
     }
-    giveFace(material, batch);
+    giveFace(texnumber, batch);
   }
 
   void readStripRow(const FacePlan& plan, PlyFaceBatch& batch) {

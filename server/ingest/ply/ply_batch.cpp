@@ -47,6 +47,7 @@ PlyFaceBatch::PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink,
     : vertex_count_(plan.vertices.element->count),
       corner_texture_(plan.corner_texture),
       materials_(plan.materials),
+      textures_(plan.attributes().has(AttributeSet::kTexture) ? plan.textures : 0),
       sink_(sink),
       counts_(counts),
       skipped_(skipped) {}
@@ -73,7 +74,7 @@ FaceVerdict PlyFaceBatch::judge(std::span<const int64_t> corners) {
 }
 
 FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, std::span<const float> texture,
-                              uint16_t material) {
+                              int64_t texnumber) {
   const FaceVerdict verdict = judge(corners);
   if (verdict != FaceVerdict::kAccepted) {
     ++(verdict == FaceVerdict::kDropped ? counts_.dropped_faces : counts_.skipped_bad);
@@ -88,9 +89,16 @@ FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, std::span<const 
                                                : glm::vec2(texture[2 * i], texture[2 * i + 1]));
     }
   }
-  if (materials_) faces_.materials.push_back(material);
+  if (materials_) faces_.materials.push_back(takeMaterial(texnumber));
   if (faces_.corner_counts.size() >= kPlyBatchRows || faces_.corners.size() >= 8 * kPlyBatchRows) flush();
   return verdict;
+}
+
+uint16_t PlyFaceBatch::takeMaterial(int64_t texnumber) {
+  constexpr int64_t kNone = -1;
+  const auto number = static_cast<uint64_t>(texnumber);  // of a negative one beyond all that there are
+  counts_.unknown_textures += textures_ > 0 && texnumber != kNone && number >= textures_;
+  return number < kNoMaterial ? static_cast<uint16_t>(number) : kNoMaterial;
 }
 
 void PlyFaceBatch::flush() {

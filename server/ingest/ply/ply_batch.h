@@ -66,7 +66,7 @@ class PlyFaceBatch {
 
   /// Counts whatever it does not accept, a bad index as skipped.
   /// @param texture  two numbers a corner, or empty.
-  FaceVerdict add(std::span<const int64_t> corners, std::span<const float> texture, uint16_t material);
+  FaceVerdict add(std::span<const int64_t> corners, std::span<const float> texture, int64_t texnumber);
   void addTriangle(const std::array<int64_t, 3>& corners) { add(corners, {}, 0); }
   /// Counts a row of the face element, or a strip.
   void countFace() noexcept { ++counts_.faces; }
@@ -76,10 +76,12 @@ class PlyFaceBatch {
 
  private:
   FaceVerdict judge(std::span<const int64_t> corners);
+  uint16_t takeMaterial(int64_t texnumber);
 
   uint64_t vertex_count_;
   bool corner_texture_;
   bool materials_;
+  uint64_t textures_;  ///< 0 also where there are no coordinates for them
   const PlyReader::FaceSink& sink_;
   PlyCounts& counts_;
   const SkippedVertices& skipped_;

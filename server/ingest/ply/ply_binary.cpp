@@ -227,14 +227,14 @@ class BinaryBody final : public PlyBody {
 
   void readFaceRow(const FacePlan& plan, PlyFaceBatch& batch) {
     texture_.clear();
-    uint16_t material = 0;
+    int64_t texnumber = 0;
     for (size_t i = 0; i < plan.roles.size(); ++i) {
       const PlyProperty& property = element_->properties[i];
       const FaceRole role = plan.roles[i];
       if (role == FaceRole::kSkipped) {
         skipProperty(property);
       } else if (role == FaceRole::kMaterial) {
-        material = materialNumber(takeDouble(property.type));
+        texnumber = static_cast<int64_t>(takeDouble(property.type));
       } else {
         const uint64_t count = takeListCount(property);
         checkListLength(property, role, count);
@@ -245,7 +245,7 @@ class BinaryBody final : public PlyBody {
         }
       }
     }
-    giveFace(material, batch);
+    giveFace(texnumber, batch);
   }
 
   void readStripRow(const FacePlan& plan, PlyFaceBatch& batch) {

@@ -45,7 +45,7 @@ void PlyBody::judgeVertex(VertexDefect defect, size_t index, PlyVertexBatch& bat
   batch.countDefect(index, defect);
 }
 
-void PlyBody::giveFace(uint16_t material, PlyFaceBatch& batch) {
+void PlyBody::giveFace(int64_t texnumber, PlyFaceBatch& batch) {
   batch.countFace();
   const bool is_face = corners_.size() >= 3;
   if (is_face && !texture_.empty()) {
@@ -65,7 +65,7 @@ void PlyBody::giveFace(uint16_t material, PlyFaceBatch& batch) {
   }
   const std::span<const float> texture =
       is_face ? std::span<const float>(texture_) : std::span<const float>();
-  const FaceVerdict verdict = batch.add(corners_, texture, material);
+  const FaceVerdict verdict = batch.add(corners_, texture, texnumber);
   if (verdict == FaceVerdict::kBadIndex) {
     judgeIndex(
         *std::find_if(corners_.begin(), corners_.end(), [&](int64_t i) { return !batch.isVertex(i); }));
@@ -85,10 +85,6 @@ void PlyBody::checkListLength(const PlyProperty& list, FaceRole role, uint64_t c
   if (count <= limit) return;
   fail("list " + list.name + " has " + std::to_string(count) + " items, more than " + std::to_string(limit),
        "cut the face into smaller ones");
-}
-
-uint16_t PlyBody::materialNumber(double texnumber) noexcept {
-  return texnumber >= 0 && texnumber < kNoMaterial ? static_cast<uint16_t>(texnumber) : kNoMaterial;
 }
 
 }  // namespace lode::ingest

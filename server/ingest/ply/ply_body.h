@@ -47,11 +47,9 @@ class PlyBody {
   /// Fails or counts, as the options say, for the vertex at batch.room()[index].
   void judgeVertex(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
   /// Gives the face in corners_ and texture_ to the batch.
-  void giveFace(uint16_t material, PlyFaceBatch& batch);
+  void giveFace(int64_t texnumber, PlyFaceBatch& batch);
   void giveStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const;
   void checkListLength(const PlyProperty& list, FaceRole role, uint64_t count) const;
-  /// A texnumber as a material; what is no texture's number becomes kNoMaterial.
-  static uint16_t materialNumber(double texnumber) noexcept;
 
   PlyInput& input_;
   PlyReadOptions options_;

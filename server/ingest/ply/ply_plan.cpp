@@ -131,6 +131,7 @@ PlyPlan planBody(const PlyHeader& header, const std::string& file) {
     throw Error(ErrorCode::kInput, file + " has no vertices; export the mesh again");
   }
   plan.vertices = planVertices(*vertices, file);
+  plan.textures = header.texture_files.size();
   for (const PlyElement& element : header.elements) {
     const bool strips = element.name == "tristrips";
     if ((element.name != "face" && !strips) || element.count == 0) continue;

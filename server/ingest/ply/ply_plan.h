@@ -47,6 +47,7 @@ struct PlyPlan {
   std::vector<FacePlan> faces;  ///< face and tristrips, those with rows, in the file's order
   bool corner_texture = false;  ///< a face element has texcoord
   bool materials = false;       ///< a face element has texnumber
+  size_t textures = 0;          ///< that the header names
 
   AttributeSet attributes() const noexcept;
 };

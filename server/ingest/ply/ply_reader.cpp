@@ -113,6 +113,12 @@ std::string skippedInWords(const std::vector<std::string>& skipped) {
   return words;
 }
 
+std::string unknownTexturesInWords(uint64_t faces, size_t textures) {
+  return counted(faces, "face") + " with a texnumber that is neither -1 nor below " +
+         std::to_string(textures) +
+         ", the number of textures in the header, and so without an image; correct it or name the texture";
+}
+
 std::string clampedInWords(uint64_t vertices) {
   return counted(vertices, "vertex", "vertices") +
          " with colours beyond the range of the type (float: 0 to 1, ushort: 0 to 65535, others: 0 to 255), "

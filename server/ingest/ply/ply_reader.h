@@ -14,9 +14,6 @@
 
 namespace lode::ingest {
 
-/// The material of a face whose texnumber is no texture's number (negative, or too large).
-constexpr uint16_t kNoMaterial = 0xffff;
-
 /// A vertex as the file has it: true coordinates in double, attributes as written.
 struct PlyVertex {
   glm::dvec3 position{0};
@@ -43,8 +40,10 @@ struct PlyCounts {
   uint64_t dropped_faces = 0;    ///< fewer than 3 corners, or a repeated index; of a strip, triangles
   uint64_t skipped_bad = 0;      ///< with skip_bad: bad indices, NaN, infinity
   uint64_t clamped_colours = 0;  ///< vertices with a colour that its type has not, see clampedInWords()
-  uint64_t extra_tokens = 0;     ///< ascii only, ignored
-  uint64_t trailing_bytes = 0;   ///< behind the last element, ignored (ascii: beyond blanks and line ends)
+  /// Faces with a texnumber that is neither -1 nor a texture's, where the header names some for coordinates.
+  uint64_t unknown_textures = 0;
+  uint64_t extra_tokens = 0;    ///< ascii only, ignored
+  uint64_t trailing_bytes = 0;  ///< behind the last element, ignored (ascii: beyond blanks and line ends)
 };
 
 /// Something in the body that costs geometry.
@@ -100,6 +99,9 @@ class PlyReader {
 
 /// "it has properties that are not read: ...", the first few of them, for warnings; empty if there are none.
 std::string skippedInWords(const std::vector<std::string>& skipped);
+
+/// "N faces with a texnumber ...", and what to do, for warnings.
+std::string unknownTexturesInWords(uint64_t faces, size_t textures);
 
 /// "N vertices with colours ...", and what to do, for warnings.
 std::string clampedInWords(uint64_t vertices);

@@ -63,6 +63,9 @@ ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, co
   if (model.counts.skipped_bad > 0)
     warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.skipped_bad) +
                        " bad indices, coordinates or faces were left out; lodestreamd doctor says where");
+  if (model.counts.unknown_textures > 0)
+    warnings.push_back(options.input.string() + ": " +
+                       unknownTexturesInWords(model.counts.unknown_textures, model.texture_files.size()));
   if (model.counts.clamped_colours > 0)
     warnings.push_back(options.input.string() + ": " + clampedInWords(model.counts.clamped_colours));
   if (model.counts.extra_tokens > 0) {

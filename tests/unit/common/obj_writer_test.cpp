@@ -77,6 +77,19 @@ TEST_F(ObjWriter, putsTheImagesOfMaterialsInAFileBesideIt) {
             "newmtl material_0\nKd 1 1 1\nmap_Kd two words.png\nnewmtl material_1\nKd 1 1 1\n");
 }
 
+TEST_F(ObjWriter, givesFacesWithoutATextureAPlainMaterial) {
+  Mesh mesh = oneTriangle(AttributeSet::kTexture | AttributeSet::kMaterial);
+  mesh.positions.insert(mesh.positions.end(), mesh.positions.begin(), mesh.positions.end());
+  mesh.vertex_attributes.resize(6);
+  for (size_t i = 0; i < 3; ++i) mesh.vertex_attributes[i].material = kNoMaterial;
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  TextureSet textures;
+  textures.textures = {{"a.png", 4, 4, {}}};
+  EXPECT_TRUE(write(mesh, {}, textures)
+                  .ends_with("usemtl material_0\nf 4/4 5/5 6/6\nusemtl material_none\nf 1/1 2/2 3/3\n"));
+  EXPECT_EQ(read("cut.mtl"), "newmtl material_0\nKd 1 1 1\nmap_Kd a.png\nnewmtl material_none\nKd 1 1 1\n");
+}
+
 TEST_F(ObjWriter, writesNoMaterialsWithoutImages) {
   write(oneTriangle(AttributeSet::kTexture | AttributeSet::kMaterial), {});
   EXPECT_EQ(folder_.contents(), std::vector<std::string>{"cut.obj"});

@@ -107,6 +107,16 @@ TEST_F(PlyWriter, writesTrueTextureCoordinatesAndTheNamesOfTextures) {
   }
 }
 
+TEST_F(PlyWriter, writesMinusOneForNoTexture) {
+  Mesh mesh = wideTriangle();
+  mesh.attributes.bits = AttributeSet::kMaterial;
+  mesh.vertex_attributes.resize(3);
+  for (VertexAttributes& vertex : mesh.vertex_attributes) vertex.material = kNoMaterial;
+  write(mesh, {});
+  body_.erase(0, body_.size() - sizeof(int32_t));
+  EXPECT_EQ(next<int32_t>(), -1);
+}
+
 TEST_F(PlyWriter, writesColourWithoutAlpha) {
   test::MeshOptions options;
   options.attributes.bits = AttributeSet::kColour;

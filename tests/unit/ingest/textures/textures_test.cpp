@@ -24,8 +24,8 @@ std::string quad(const std::vector<std::string>& textures, const std::string& lo
       "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
       "property list uchar int vertex_indices\nproperty list uchar float texcoord\n"
       "property int texnumber\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
-  const std::string l = " " + low, h = " " + high;
-  return text + "3 0 1 2 6" + l + l + h + l + h + h + " 0\n3 0 2 3 6" + l + l + h + h + l + h + " 1\n";
+  const std::string l = " " + low, h = " " + high, last = textures.size() > 1 ? " 1\n" : " 0\n";
+  return text + "3 0 1 2 6" + l + l + h + l + h + h + " 0\n3 0 2 3 6" + l + l + h + h + l + h + last;
 }
 
 class Textures : public testing::Test {
