@@ -46,7 +46,7 @@ std::string describe(const ingest::BuildReport& report, const std::filesystem::p
       report.cpu_seconds > 0 ? static_cast<double>(summary.triangles) / report.cpu_seconds / 1e6 : 0.0);
   return output.string() + ": " + counted(summary.triangles, "triangle") + " in " +
          counted(summary.nodes, "node") + ", " + describeBytes(summary.bytes) +
-         (summary.dropped > 0 ? ", " + counted(summary.dropped, "flat or bad face") + " dropped" : "") +
+         (summary.dropped > 0 ? ", " + counted(summary.dropped, "flat or bad triangle") + " dropped" : "") +
          "; " + numbers + describeBytes(report.peak_rss_bytes) + "\n";
 }
 

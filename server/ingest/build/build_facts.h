@@ -14,7 +14,7 @@ struct BuildFacts {
   LatticeChoice choice;          ///< by the scan, as the next three are
   AttributeSet soup_attributes;  ///< the file's
   UvGrid uv_grid;
-  uint64_t dropped_faces = 0;
+  uint64_t dropped_triangles = 0;
   DereferenceCounts counts;  ///< by dereference
 
   /// The file's, with computed normals where it has none.

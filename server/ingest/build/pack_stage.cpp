@@ -20,7 +20,7 @@ ModelSummary PackStage::description() const {
   summary.lattice = facts.choice.lattice;
   summary.attributes = facts.payloadAttributes();
   summary.triangles = facts.counts.triangles;
-  summary.dropped = facts.counts.dropped + facts.dropped_faces;
+  summary.dropped = facts.counts.dropped + facts.dropped_triangles;
   summary.triangles_per_node = session_.options().triangles_per_node;
   return summary;
 }

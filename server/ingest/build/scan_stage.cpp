@@ -25,7 +25,7 @@ Stage::Work ScanStage::run() {
   std::vector<std::string> warnings;
   ScannedModel scanned = scan(options, session_.files(), session_.progress(), warnings);
   session_.warn(warnings);
-  noteFacts(scanned.input, scanned.counts.dropped_faces + scanned.counts.skipped_bad);
+  noteFacts(scanned.input, scanned.counts.dropped_triangles);
   if (scanned.input.attributes().has(AttributeSet::kTexture)) {
     texture_files_ = std::move(scanned.texture_files);
     if (texture_files_.empty()) session_.warn(options.input.string() + ": " + kNoTextureFile);
@@ -37,12 +37,12 @@ Stage::Work ScanStage::run() {
   return {input_->vertexCount() + input_->faceCount(), input_->temporaryBytes()};
 }
 
-void ScanStage::noteFacts(const PackedInput& input, uint64_t dropped_faces) {
+void ScanStage::noteFacts(const PackedInput& input, uint64_t dropped_triangles) {
   BuildFacts& facts = session_.facts();
   facts.choice = chooseLattice(input, session_.options().input);
   facts.soup_attributes = input.attributes();
   facts.uv_grid = input.uvGrid();
-  facts.dropped_faces = dropped_faces;
+  facts.dropped_triangles = dropped_triangles;
 }
 
 void ScanStage::save(RecordWriter& record) const {

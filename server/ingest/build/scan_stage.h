@@ -27,7 +27,7 @@ class ScanStage final : public Stage {
   std::unique_ptr<PackedInput> takeInput() { return std::move(input_); }
 
  private:
-  void noteFacts(const PackedInput& input, uint64_t dropped_faces);
+  void noteFacts(const PackedInput& input, uint64_t dropped_triangles);
 
   BuildSession& session_;
   std::vector<std::string> texture_files_;

@@ -106,10 +106,10 @@ class Comparison {
     if (grid != UvGrid{reader_.textures().uv_origin, reader_.textures().uv_scale_exponent})
       fail("the input's texture coordinates have another range than the store's");
     report_.triangles = counts.triangles;
-    report_.dropped = counts.dropped + scanned.counts.dropped_faces + scanned.counts.skipped_bad;
+    report_.dropped = counts.dropped + scanned.counts.dropped_triangles;
     if (report_.dropped != reader_.summary().dropped) {
       fail("the store says that " + std::to_string(reader_.summary().dropped) +
-           " faces were dropped, the input has " + std::to_string(report_.dropped) + " such (I1)");
+           " triangles were dropped, the input has " + std::to_string(report_.dropped) + " such (I1)");
     }
   }
 

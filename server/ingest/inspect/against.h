@@ -18,7 +18,7 @@ struct AgainstOptions {
 
 struct AgainstReport {
   uint64_t triangles = 0;    ///< of the input, each in exactly one leaf
-  uint64_t dropped = 0;      ///< of the input: not distinct on the lattice, or no faces
+  uint64_t dropped = 0;      ///< of the input: not distinct on the lattice, or of faces that are none or bad
   uint64_t rungs = 0;        ///< measured
   uint64_t rungs_below = 0;  ///< whose stored error is below what was found
   double least_ratio = 0;    ///< of stored to found error; those above 2 count as 2

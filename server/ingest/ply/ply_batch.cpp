@@ -78,6 +78,7 @@ FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, std::span<const 
   const FaceVerdict verdict = judge(corners);
   if (verdict != FaceVerdict::kAccepted) {
     ++(verdict == FaceVerdict::kDropped ? counts_.dropped_faces : counts_.skipped_bad);
+    countDropped(corners.size());
     return verdict;
   }
   counts_.triangles += corners.size() - 2;

@@ -70,12 +70,16 @@ class PlyFaceBatch {
   void addTriangle(const std::array<int64_t, 3>& corners) { add(corners, {}, 0); }
   /// Counts a row of the face element, or a strip.
   void countFace() noexcept { ++counts_.faces; }
-  /// Counts a face that is dropped for a reason that the caller knows.
-  void countSkipped() noexcept { ++counts_.skipped_bad; }
+  /// Counts a face that is left out for a reason that the caller knows.
+  void countSkipped(size_t corners) noexcept {
+    ++counts_.skipped_bad;
+    countDropped(corners);
+  }
   void flush();
 
  private:
   FaceVerdict judge(std::span<const int64_t> corners);
+  void countDropped(size_t corners) noexcept { counts_.dropped_triangles += corners > 2 ? corners - 2 : 0; }
   uint16_t takeMaterial(int64_t texnumber);
 
   uint64_t vertex_count_;

@@ -60,7 +60,7 @@ void PlyBody::giveFace(int64_t texnumber, PlyFaceBatch& batch) {
     if (!defect.empty() && !options_.skip_bad) fail(defect, kRepair);
     if (!defect.empty()) {
       tellDefect(true, defect);
-      return batch.countSkipped();
+      return batch.countSkipped(corners_.size());
     }
   }
   const std::span<const float> texture =

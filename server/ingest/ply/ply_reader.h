@@ -35,11 +35,12 @@ struct PlyFaces {
 
 struct PlyCounts {
   uint64_t vertices = 0;
-  uint64_t faces = 0;            ///< rows of the face element, or strips
-  uint64_t triangles = 0;        ///< sum of (corners - 2) over the faces given out
-  uint64_t dropped_faces = 0;    ///< fewer than 3 corners, or a repeated index; of a strip, triangles
-  uint64_t skipped_bad = 0;      ///< with skip_bad: bad indices, NaN, infinity
-  uint64_t clamped_colours = 0;  ///< vertices with a colour that its type has not, see clampedInWords()
+  uint64_t faces = 0;              ///< rows of the face element, or strips
+  uint64_t triangles = 0;          ///< sum of (corners - 2) over the faces given out
+  uint64_t dropped_faces = 0;      ///< fewer than 3 corners, or a repeated index; of a strip, triangles
+  uint64_t skipped_bad = 0;        ///< with skip_bad: bad indices, NaN, infinity
+  uint64_t dropped_triangles = 0;  ///< of the input, of both of these: with `triangles` they are all
+  uint64_t clamped_colours = 0;    ///< vertices with a colour that its type has not, see clampedInWords()
   /// Faces with a texnumber that is neither -1 nor a texture's, where the header names some for coordinates.
   uint64_t unknown_textures = 0;
   uint64_t extra_tokens = 0;    ///< ascii only, ignored

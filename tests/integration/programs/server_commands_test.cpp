@@ -334,7 +334,7 @@ TEST_F(ServerCommands, countWhatABuildLeavesOutAndSaySo) {
   EXPECT_NE(outcome.err.find("1 bad indices, coordinates or faces were left out"), std::string::npos)
       << outcome.err;
   EXPECT_NE(outcome.out.find("1 triangle in 1 node, "), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("2 flat or bad faces dropped"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("2 flat or bad triangles dropped"), std::string::npos) << outcome.out;
   EXPECT_EQ(Json::parse(run("build bad.ply -o bad.lode --skip-bad --json").out)["warnings"].size(), 1u);
 }
 

@@ -139,14 +139,14 @@ TEST_F(Session, needsNoStageThatWasInMemoryAloneOnceWhatIsMadeOfItIsNoted) {
 TEST_F(Session, remembersFactsAndWarningsAcrossBuilds) {
   {
     Build first(options_);
-    first.session.facts().dropped_faces = 3;
+    first.session.facts().dropped_triangles = 3;
     first.session.warn("a warning");
     first.session.run(first.scan);
     first.session.keep();
   }
   Build second(options_);
   second.session.run(second.scan);
-  EXPECT_EQ(second.session.facts().dropped_faces, 3u);
+  EXPECT_EQ(second.session.facts().dropped_triangles, 3u);
   EXPECT_EQ(second.session.takeReport().warnings, std::vector<std::string>{"a warning"});
 }
 

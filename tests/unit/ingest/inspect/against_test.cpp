@@ -12,6 +12,7 @@
 #include "server/store/reader.h"
 #include "server/store/writer.h"
 #include "tests/support/work_folder.h"
+#include "tests/unit/ingest/ply/ply_fixture.h"
 
 namespace lode::ingest {
 namespace {
@@ -138,6 +139,25 @@ TEST_F(Against, findsOneErrorThatIsGivenTooSmallWhateverTheSeed) {
       },
       {});
   for (uint64_t seed = 1; seed <= 3; ++seed) expectDifference("rung 0: its error is given as", seed);
+}
+
+TEST(AgainstBadInput, agreesWithABuildThatSkipsBadValuesOnWhatWasDropped) {
+  const PlyFolder folder;
+  BuildOptions options;
+  options.input = folder.write(
+      "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 5\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n1 1 0\n0 1 0\nnan 0 0\ninf 0 0\n0 0 0\n"
+      "4 0 1 2 3\n4 0 1 2 9\n3 0 1 4\n3 0 1 0\n3 0 6 1\n");
+  options.output = folder / "a.lode";
+  options.skip_bad = true;
+  const BuildReport built = build(options);
+  EXPECT_EQ(built.summary.triangles, 2u);
+  EXPECT_EQ(built.summary.dropped, 5u) << "of the 7 of the input; two bad vertices are none";
+  AgainstOptions against;
+  against.store = options.output;
+  against.input = options.input;
+  EXPECT_EQ(compareWithInput(against).dropped, 5u);
 }
 
 }  // namespace

@@ -220,6 +220,7 @@ TEST(PlyReader, dropsAndCountsFacesOfFewerThanThreeCornersOrWithRepeatedOnes) {
     EXPECT_EQ(content.faces, (Faces{{0, 1, 2}, {3, 2, 1, 0}}));
     EXPECT_EQ(content.counts.faces, 8u);
     EXPECT_EQ(content.counts.dropped_faces, 6u);
+    EXPECT_EQ(content.counts.dropped_triangles, 4u) << "two of the quad, none of fewer than three corners";
     EXPECT_EQ(content.counts.triangles, 3u);
     EXPECT_EQ(content.counts.skipped_bad, 0u);
   }
@@ -268,6 +269,7 @@ TEST(PlyReader, skipsAndCountsFacesWithIndicesOutOfRangeIfAsked) {
     EXPECT_EQ(content.faces, (Faces{{0, 2, 1}, {0, 1, 3}}));
     EXPECT_EQ(content.counts.skipped_bad, 2u);
     EXPECT_EQ(content.counts.dropped_faces, 0u);
+    EXPECT_EQ(content.counts.dropped_triangles, 3u);
   }
 }
 
@@ -298,6 +300,7 @@ TEST(PlyReader, skipsVerticesThatAreNotFiniteAndTheirFacesIfAsked) {
     EXPECT_EQ(content.vertices[3].position, glm::dvec3(0));
     EXPECT_EQ(content.faces, (Faces{{0, 2, 1}}));
     EXPECT_EQ(content.counts.skipped_bad, 4u);
+    EXPECT_EQ(content.counts.dropped_triangles, 3u) << "of faces, not of vertices";
   }
 }
 
@@ -311,6 +314,7 @@ TEST(PlyReader, keepsVerticesWhoseAttributesAreNotFiniteIfAsked) {
     EXPECT_EQ(content.vertices[1].normal, glm::vec3(0));
     EXPECT_EQ(content.vertices[1].position, glm::dvec3(1, 1e6, 0));
     EXPECT_EQ(content.counts.skipped_bad, 2u);
+    EXPECT_EQ(content.counts.dropped_triangles, 0u);
     EXPECT_EQ(content.faces.size(), 6u);
   }
 }
@@ -320,7 +324,9 @@ TEST(PlyReader, refusesTextureCoordinatesThatDoNotMatchTheCorners) {
     PlySource source = everything();
     source.elements[2].rows[1][3].pop_back();
     expectMentions(plyErrorOf(source.encode(encoding)), {"face 1", "7 texture coordinates for 4 corners"});
-    EXPECT_EQ(readPlyBytes(source.encode(encoding), {.skip_bad = true}).faces.size(), 5u);
+    const PlyContent content = readPlyBytes(source.encode(encoding), {.skip_bad = true});
+    EXPECT_EQ(content.faces.size(), 5u);
+    EXPECT_EQ(content.counts.dropped_triangles, 2u);
     source = everything();
     source.elements[2].rows[0][3][2] = std::numeric_limits<double>::quiet_NaN();
     expectMentions(plyErrorOf(source.encode(encoding)), {"face 0", "NaN"});
