@@ -28,6 +28,10 @@ class JpegDecoder {
   bool readHeader();
   /// Of a file whose header was read.
   glm::uvec2 size() const noexcept { return {info_.image_width, info_.image_height}; }
+  /// Of a file whose header was read: colours of four inks, of which readTexels() makes nothing.
+  bool isCmyk() const noexcept {
+    return info_.jpeg_color_space == JCS_CMYK || info_.jpeg_color_space == JCS_YCCK;
+  }
   /// Of a file whose header was read: whether readTexels() takes two bytes a texel and channel, for the
   /// coefficients of the whole picture.
   bool hasSeveralScans() noexcept { return jpeg_has_multiple_scans(&info_) != FALSE; }

@@ -12,7 +12,8 @@
 /// JPEG files made by hand, for the tests of every module that reads them.
 namespace lode::test {
 
-/// The image as a JPEG file of quality 95. @param scans  those of a progressive file, if there are any.
+/// The image as a JPEG file of quality 95. @param components  1: grey, 3: colour, 4: the texels as CMYK.
+/// @param scans  those of a progressive file, if there are any.
 template <typename AnyImage>
 std::vector<std::byte> jpegOf(const AnyImage& image, bool progressive = false, int components = 3,
                               std::span<const jpeg_scan_info> scans = {}) {
@@ -26,7 +27,7 @@ std::vector<std::byte> jpegOf(const AnyImage& image, bool progressive = false, i
   encoder.image_width = image.size.x;
   encoder.image_height = image.size.y;
   encoder.input_components = components == 1 ? 1 : 4;
-  encoder.in_color_space = components == 1 ? JCS_GRAYSCALE : JCS_EXT_RGBA;
+  encoder.in_color_space = components == 1 ? JCS_GRAYSCALE : components == 4 ? JCS_CMYK : JCS_EXT_RGBA;
   jpeg_set_defaults(&encoder);
   jpeg_set_quality(&encoder, 95, TRUE);
   if (progressive) jpeg_simple_progression(&encoder);

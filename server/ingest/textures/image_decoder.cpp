@@ -49,6 +49,7 @@ void decodePng(std::span<const std::byte> file, Image& image) {
   png.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&png, file.data(), file.size()) != 0) {
     png.format = PNG_FORMAT_RGBA;
+    png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // as all programs but libpng take 16 bits without a gamma
     if (png_image_finish_read(&png, nullptr, image.texels.data(), 0, nullptr) != 0) return;
   }
   refuse(std::string("is a damaged PNG: ") + png.message);
@@ -57,6 +58,7 @@ void decodePng(std::span<const std::byte> file, Image& image) {
 ImageHeader readJpegHeader(std::span<const std::byte> file) {
   JpegDecoder decoder(file, false);
   if (!decoder.readHeader()) refuse(std::string("is a damaged JPEG: ") + decoder.failure());
+  if (decoder.isCmyk()) refuse("is a CMYK JPEG: convert it to RGB");
   ImageHeader header = headerOf(decoder.size().x, decoder.size().y, 0);
   if (decoder.hasSeveralScans()) {
     const glm::u64vec2 blocks =

@@ -51,6 +51,17 @@ TEST(DecodeImage, readsPngJpegAndWebp) {
   EXPECT_LT(meanDifference(photo, opaque), 1.5);
 }
 
+TEST(DecodeImage, takesAPngOf16BitsAsTheSameColoursAsOneOf8) {
+  const Image image = makePhoto(70, 50, true);
+  EXPECT_LT(meanDifference(decoded(test::png16Of(image)), image), 0.5);
+}
+
+TEST(DecodeImage, namesACmykJpegByItsHeader) {
+  const std::vector<std::byte> file = test::jpegOf(makePhoto(64, 64), false, 4);
+  EXPECT_THROW(readImageHeader(file), Error);
+  expectRefused(file, "is a CMYK JPEG: convert it to RGB");
+}
+
 TEST(DecodeImage, countsTheTablesOfAWebpInTheMemoryThatItTakes) {
   const Image small = makePhoto(256, 256, true);
   const std::vector<std::byte> file = encodeTile(small, TileCodec::kLossless);
