@@ -70,8 +70,11 @@ class Doctor {
   void lookForTextures() {
     const std::vector<std::string>& names = report_.header->texture_files;
     // Of a model without coordinates a build does not look at images.
+    const uint64_t image_bytes = planMemory(budget(), 1, 1).image_bytes;
     if (report_.attributes.has(AttributeSet::kTexture))
-      tryTo([&] { images_ = surveyTextures(options_.input, names, planMemory(budget(), 1, 1).image_bytes); });
+      tryTo([&] { images_ = surveyTextures(options_.input, names, image_bytes); });
+    for (TextureImage& image : images_)
+      if (image.problem.empty()) lookInside(image, image_bytes);
     for (size_t i = 0; i < names.size(); ++i) {
       if (i >= images_.size()) {
         const TextureFile file = findTexture(options_.input, names[i]);
@@ -80,6 +83,19 @@ class Doctor {
         noteTexture(names[i], !images_[i].path.empty(), images_[i].problem, images_[i].needs_memory);
       }
     }
+  }
+
+  /// Its header says nothing of what is damaged behind it.
+  void lookInside(TextureImage& image, uint64_t memory_bytes) {
+    std::string damage;
+    try {
+      readImage(image.path, memory_bytes, damage);
+    } catch (const Error& error) {
+      image.problem = error.what();
+      image.needs_memory = error.code() == ErrorCode::kLimit;
+      image.header = {};
+    }
+    if (!damage.empty()) say(false, textureInWords(options_.input, image.name) + " " + damage);
   }
 
   void noteTexture(const std::string& name, bool is_found, const std::string& problem, bool needs_memory) {

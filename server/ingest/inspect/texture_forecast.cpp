@@ -76,9 +76,8 @@ std::optional<Cost> tryImage(const TextureImage& given, uint64_t memory_bytes) {
   double start = cpuSeconds();
   Image image;
   try {
-    const std::vector<std::byte> file = readImageFile(given.path, memory_bytes);
     std::string damage;
-    image = decodeImage(file, memory_bytes - file.size(), damage);
+    image = readImage(given.path, memory_bytes, damage);
   } catch (const Error&) {
     return std::nullopt;
   }

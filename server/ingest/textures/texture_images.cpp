@@ -117,6 +117,13 @@ std::vector<std::byte> readImageFile(const std::filesystem::path& path, uint64_t
   return bytes;
 }
 
+Image readImage(const std::filesystem::path& path, uint64_t memory_bytes, std::string& damage) {
+  const std::vector<std::byte> file = readImageFile(path, memory_bytes);
+  Image image = decodeImage(file, memory_bytes - file.size(), damage);
+  if (!damage.empty()) damage = "is damaged (" + damage + "): what could be read of it is used";
+  return image;
+}
+
 std::string textureInWords(const std::filesystem::path& ply, const std::string& name) {
   return ply.string() + ": texture " + quotedText(name, 4096);
 }

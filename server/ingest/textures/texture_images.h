@@ -47,6 +47,11 @@ std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply, std::
 /// `memory_bytes`; the message begins with what is wrong. Thread safe.
 std::vector<std::byte> readImageFile(const std::filesystem::path& path, uint64_t memory_bytes);
 
+/// Decodes an image's file, within `memory_bytes` for both. @param damage  receives what could not be read of
+/// one that can be shown all the same, in words after textureInWords(). @throws Error as readImageFile() and
+/// decodeImage(). Thread safe.
+Image readImage(const std::filesystem::path& path, uint64_t memory_bytes, std::string& damage);
+
 /// "FILE.ply: texture 'NAME'", as a warning about an image begins.
 std::string textureInWords(const std::filesystem::path& ply, const std::string& name);
 

@@ -66,7 +66,9 @@ class Stager {
     threads_ = encoderThreads(options_.memory_bytes, image.memoryBytes(), options_.threads);
     if (problem.empty()) {
       try {
-        addLevels(readImage(image.path, words), staged);
+        std::string damage;
+        addLevels(readImage(image.path, image_bytes_, damage), staged);
+        if (!damage.empty()) warnings_.push_back(words + " " + damage);
       } catch (const Error& error) {
         if (error.code() != ErrorCode::kInput) throw Error(error.code(), words + " " + error.what());
         problem = error.what();
@@ -78,15 +80,6 @@ class Stager {
   }
 
  private:
-  Image readImage(const std::filesystem::path& path, const std::string& words) {
-    const std::vector<std::byte> file = readImageFile(path, image_bytes_);
-    std::string damage;
-    Image image = decodeImage(file, image_bytes_ - file.size(), damage);
-    if (!damage.empty())
-      warnings_.push_back(words + " is damaged (" + damage + "): what could be read of it is used");
-    return image;
-  }
-
   void addLevels(Image image, StagedTextures::Texture& staged) {
     staged.width = image.size.x;
     staged.height = image.size.y;

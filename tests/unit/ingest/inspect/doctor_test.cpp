@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "server/ingest/build/build.h"
+#include "tests/support/jpeg_files.h"
 #include "tests/unit/ingest/ply/ply_fixture.h"
 #include "tests/unit/ingest/textures/image_files.h"
 
@@ -223,6 +224,30 @@ TEST(Doctor, saysWhatABuildWillDoWithTextureImages) {
   const DoctorReport refused = examined(many);
   EXPECT_FALSE(refused.is_buildable);
   EXPECT_TRUE(mentions(refused, true, "5000 texture files"));
+}
+
+TEST(Doctor, looksIntoTextureImagesForWhatABuildFindsThere) {
+  const PlyFolder folder;
+  BuildOptions options;
+  options.input = folder.write(
+      "ply\nformat ascii 1.0\ncomment TextureFile cut.png\ncomment TextureFile cut.jpg\n"
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float s\n"
+      "property float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n");
+  options.output = folder / "a.lode";
+  for (auto [name, file] : {std::pair("cut.png", test::pngOf(test::makePhoto(300, 300))),
+                            std::pair("cut.jpg", test::jpegOf(test::makePhoto(300, 300)))}) {
+    file.resize(file.size() / 2);
+    test::writeBytes(folder / name, file);
+  }
+  const std::vector<std::string> warnings = build(options).warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  const DoctorReport report = examineFile(options.input);
+  EXPECT_TRUE(report.is_buildable);
+  ASSERT_EQ(report.problems.size(), 2u);
+  EXPECT_TRUE(mentions(report, false, "'cut.png' is a damaged PNG"));
+  EXPECT_TRUE(mentions(report, false, "; a build goes on without it"));
+  EXPECT_TRUE(mentions(report, false, warnings[1])) << warnings[1];
 }
 
 TEST(Doctor, countsTopologyInWhateverMemory) {
