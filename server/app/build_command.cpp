@@ -9,6 +9,8 @@
 #include "server/app/json_output.h"
 #include "server/app/progress_bar.h"
 #include "server/ingest/build/build.h"
+#include "server/ingest/ply/ply_header.h"
+#include "server/ingest/textures/texture_images.h"
 
 namespace lode::app {
 namespace {
@@ -50,11 +52,22 @@ std::string describe(const ingest::BuildReport& report, const std::filesystem::p
          "; " + numbers + describeBytes(report.peak_rss_bytes) + "\n";
 }
 
+/// @throws Error kUsage if the build would write over what it reads.
+void checkOutput(const ingest::BuildOptions& options) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(options.output, ignored)) return;
+  const auto refuseIf = [&](const std::filesystem::path& read, const char* what) {
+    if (std::filesystem::equivalent(read, options.output, ignored))
+      throw Error(ErrorCode::kUsage, options.output.string() + ": is " + what + ": name another output");
+  };
+  refuseIf(options.input, "the input itself");
+  for (const std::string& name : ingest::readPlyHeader(options.input).texture_files)
+    refuseIf(ingest::findTexture(options.input, name).path, "a texture image of the input");
+}
+
 void runBuild(const BuildArguments& arguments) {
   const ingest::BuildOptions& options = arguments.options;
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.input, options.output, ignored))
-    throw Error(ErrorCode::kUsage, options.output.string() + ": is the input itself: name another output");
+  checkOutput(options);
   ingest::BuildReport report;
   {
     const Interruption interruption(options.resume ? "interrupted"

@@ -86,6 +86,20 @@ TEST(BadInput, leavesTheStoreOfAnEarlierBuildAsItWas) {
   EXPECT_EQ(folder.contents(), (std::vector<std::string>{"small.lode", "small.ply"}));
 }
 
+TEST(BadOutput, isRefusedByBuildIfItIsAnImageThatTheModelNames) {
+  const WorkFolder folder;
+  std::string named = header("ascii 1.0") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  named.insert(named.find("element"), "comment TextureFile a.png\ncomment TextureFile b.png\n");
+  writeBytes(folder / "a.ply", named);
+  writeBytes(folder / "b.png", "a picture");
+  const Outcome outcome = lodestreamd({"build", folder / "a.ply", "-o", folder / "b.png"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("b.png: is a texture image of the input: name another output"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(readBytes(folder / "b.png"), "a picture");
+}
+
 TEST(BadInput, isNamedByFetchWhichLeavesNothingBehind) {
   const WorkFolder folder;
   const std::vector<std::string> cache{"XDG_CACHE_HOME=" + (folder / "cache").string()};
