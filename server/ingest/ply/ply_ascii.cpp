@@ -16,6 +16,8 @@ namespace {
 /// Longer words are no numbers. A double written out in full needs up to 1079 characters; nobody writes that.
 constexpr size_t kMaxTokenBytes = 512;
 
+constexpr const char* kOneRowALine = ", each row on a line of its own";
+
 bool isBlank(char c) noexcept { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool isLineEnd(char c) noexcept { return c == '\n' || c == '\r'; }
 
@@ -172,7 +174,7 @@ class AsciiBody final : public PlyBody {
       if (!isLineEnd(*input_.data())) return;
       takeLineEnd();
     }
-    failTruncated();
+    failTruncated(kOneRowALine);
   }
 
   void endRow() {
@@ -184,7 +186,7 @@ class AsciiBody final : public PlyBody {
     const std::string_view token = nextToken();
     if (token.empty()) {
       fail("the line is too short: a value of " + property + " is missing",
-           "complete the row or export the mesh again");
+           std::string("complete the row or export the mesh again") + kOneRowALine);
     }
     return token;
   }

@@ -17,11 +17,11 @@ void PlyBody::fail(const std::string& what, const std::string& remedy) const {
                                      where() + ": " + what + "; " + remedy);
 }
 
-void PlyBody::failTruncated() const {
+void PlyBody::failTruncated(const std::string& how) const {
   throw Error(ErrorCode::kInput, input_.name() + " is truncated: it ends at byte " +
                                      std::to_string(input_.size()) + ", before the end of " + element_->name +
                                      " " + std::to_string(row_) + " of " + std::to_string(element_->count) +
-                                     " at " + where() + "; copy or export the file again");
+                                     " at " + where() + "; copy or export the file again" + how);
 }
 
 void PlyBody::tellDefect(bool is_bad, const std::string& what) const {

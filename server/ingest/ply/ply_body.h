@@ -40,7 +40,8 @@ class PlyBody {
   /// Where the row lies: "byte 12" or "line 3".
   virtual std::string where() const = 0;
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
-  [[noreturn]] void failTruncated() const;
+  /// @param how  the file is to be exported, after a comma.
+  [[noreturn]] void failTruncated(const std::string& how = {}) const;
 
   /// Tells the caller of a defect of the row at hand, if it asked for that.
   void tellDefect(bool is_bad, const std::string& what) const;

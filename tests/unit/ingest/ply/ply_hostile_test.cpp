@@ -112,5 +112,15 @@ TEST(PlyHostile, binaryGarbageGivesAMeshOrAnError) {
   }
 }
 
+TEST(PlyHostile, rowsThatAreJoinedOrWrappedAreErrorsThatSayWhatIsExpected) {
+  const std::string text = tetrahedron().encode(PlyEncoding::kAscii);
+  const size_t body = text.find("end_header\n") + 11;
+  std::string joined = text, wrapped = text;
+  std::replace(joined.begin() + static_cast<ptrdiff_t>(body), joined.end(), '\n', ' ');
+  std::replace(wrapped.begin() + static_cast<ptrdiff_t>(body), wrapped.end(), ' ', '\n');
+  expectMentions(plyErrorOf(joined), {"vertex 1", "each row on a line of its own"});
+  expectMentions(plyErrorOf(wrapped), {"vertex 0", "each row on a line of its own"});
+}
+
 }  // namespace
 }  // namespace lode::ingest
