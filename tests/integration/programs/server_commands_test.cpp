@@ -199,7 +199,7 @@ TEST_F(ServerCommands, exportRefusesEndingsOfFormatsThatItDoesNotWrite) {
 
 TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind) {
   build();
-  std::ofstream(folder_ / "empty.ply");
+  writeBytes(folder_ / "empty.ply", "");
   std::filesystem::copy(folder_ / "a.ply", folder_ / "cut.ply");
   std::filesystem::resize_file(folder_ / "cut.ply", 100000);
   std::filesystem::copy(folder_ / "a.lode", folder_ / "cut.lode");
