@@ -110,10 +110,14 @@ double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, co
 
 }  // namespace
 
+glm::dvec3 upOf(const Framing& framing) {
+  if (framing.up) return *framing.up;
+  return framing.coarse ? guessUp(*framing.coarse) : glm::dvec3(0, 1, 0);
+}
+
 CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
-  constexpr glm::dvec3 kY(0, 1, 0);
   const Mesh* const mesh = framing.coarse.get();
-  const glm::dvec3 up = framing.up.value_or(mesh != nullptr ? guessUp(*mesh) : kY);
+  const glm::dvec3 up = upOf(framing);
   Shape shape{pointsOf(model, mesh), mesh != nullptr ? model.max_error_model : 0, pointsOf(model, nullptr)};
   const glm::dvec3 centre = shape.box.front();  // far from the origin, sums of what follows would lose digits
   for (auto* points : {&shape.points, &shape.box})

@@ -20,6 +20,9 @@ struct Framing {
   double aspect = 1;  ///< the picture's width by its height
 };
 
+/// Which way is up in the picture, and for its light.
+glm::dvec3 upOf(const Framing& framing);
+
 /// The camera that every command has where none is named: at three quarters from above, as near as the whole
 /// model fits into the picture. One key. It looks at the broader side, along what is +z of a model with y up
 /// and -y of one with z up, turned to the right; down more steeply on what is flat.

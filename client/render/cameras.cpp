@@ -16,12 +16,6 @@ constexpr double kSpeedStep = 1.25;
 constexpr double kSpeedRange = 1e4;
 constexpr double kFastFactor = 4;
 
-/// Some unit vector at a right angle to a unit vector.
-glm::dvec3 anyNormalTo(glm::dvec3 unit) noexcept {
-  const glm::dvec3 least = std::abs(unit.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  return glm::normalize(least - unit * glm::dot(least, unit));
-}
-
 /// Model units that one pixel covers at a distance.
 double modelPerPixel(const core::View& view, double distance_model) noexcept {
   return 2 * distance_model * std::tan(view.fov_y_rad / 2) / std::max(1u, view.height_px);
@@ -29,11 +23,11 @@ double modelPerPixel(const core::View& view, double distance_model) noexcept {
 
 }  // namespace
 
-Heading::Heading(glm::dvec3 forward, glm::dvec3 axis) noexcept : axis_(glm::normalize(axis)) {
-  const glm::dvec3 unit = glm::normalize(forward);
+Heading::Heading(const core::View& view, glm::dvec3 axis) noexcept : axis_(glm::normalize(axis)) {
+  const glm::dvec3 unit = glm::normalize(view.forward);
   const double rise = std::clamp(glm::dot(unit, axis_), -1.0, 1.0);
   const glm::dvec3 level = unit - axis_ * rise;
-  ahead_ = glm::length(level) > 1e-9 ? glm::normalize(level) : anyNormalTo(axis_);
+  ahead_ = glm::normalize(glm::length(level) > 1e-9 ? level : view.up * (rise > 0 ? -1.0 : 1.0));
   left_ = glm::cross(axis_, ahead_);
   pitch_rad_ = std::clamp(std::asin(rise), -kMaxTiltRad, kMaxTiltRad);
 }
@@ -58,7 +52,7 @@ glm::dvec3 Heading::right() const noexcept {
 glm::dvec3 Heading::up() const noexcept { return glm::cross(right(), forward()); }
 
 OrbitCamera::OrbitCamera(const core::View& start, double distance_model, glm::dvec3 axis) noexcept
-    : heading_(start.forward, axis),
+    : heading_(start, axis),
       point_model_(start.eye_model + start.forward * distance_model),
       offset_model_(0, 0, distance_model),
       closest_model_(distance_model * kClosestPart) {}
@@ -112,7 +106,7 @@ void OrbitCamera::apply(core::View& view) const noexcept {
 }
 
 FlyCamera::FlyCamera(const core::View& start, double speed_model, glm::dvec3 axis) noexcept
-    : heading_(start.forward, axis),
+    : heading_(start, axis),
       eye_model_(start.eye_model),
       speed_model_(speed_model),
       first_speed_model_(speed_model) {}

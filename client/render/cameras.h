@@ -11,8 +11,8 @@ namespace lode::render {
 /// A direction as turn and tilt about an axis that stays upright in the picture.
 class Heading {
  public:
-  /// @param forward, axis  of any length but 0; forward may be parallel to the axis.
-  Heading(glm::dvec3 forward, glm::dvec3 axis) noexcept;
+  /// @param axis  of any length but 0. Where the view looks along it, its up says where is ahead.
+  Heading(const core::View& view, glm::dvec3 axis) noexcept;
 
   /// Turns to the left and up, in radians. The tilt stops just short of the axis.
   void turn(double left_rad, double up_rad) noexcept;

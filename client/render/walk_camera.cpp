@@ -18,7 +18,7 @@ constexpr double kSettled = 1e-3;  ///< of the height: too little to be seen
 }  // namespace
 
 WalkCamera::WalkCamera(const core::View& start, double eye_height_model, glm::dvec3 axis) noexcept
-    : heading_(start.forward, axis),
+    : heading_(start, axis),
       eye_model_(start.eye_model),
       height_model_(eye_height_model),
       first_height_model_(eye_height_model) {}

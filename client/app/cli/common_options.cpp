@@ -146,9 +146,10 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
   auto* camera =
       command.add_option("--camera", options.camera_file, "camera path (default: one that frames the model)")
           ->type_name("PATH.json");
-  command.add_option("--up", options.up_text, "the model's axis that is up (default: guessed, y or z)")
-      ->type_name("y|z|x|-y|-z|-x")
-      ->excludes(camera);
+  auto* up =
+      command.add_option("--up", options.up_text, "the model's axis that is up (default: guessed, y or z)")
+          ->type_name("y|z|x|-y|-z|-x");
+  if (takes == Takes::kModels) up->excludes(camera);  // what draws lights and turns the model by it, too
   command.add_option("--size", options.size_text, "size of the picture")
       ->type_name("WxH")
       ->capture_default_str();

@@ -28,7 +28,7 @@ struct CommonOptions {
   std::string size_text = "1280x720";
   std::string memory_text;
   std::string camera_file;  ///< empty: the camera that frames the model
-  std::string up_text;      ///< of that camera; empty: guessed
+  std::string up_text;      ///< of that camera, of light and of turning; empty: guessed
   std::string token_file;
   std::string ca_file;
   std::string cache_text;  ///< --cache: a folder, "off", or empty for the user's own

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace lode::app {
@@ -13,15 +14,6 @@ constexpr double kPadStepsASecond = 6;      ///< and turns the wheel so far, as 
 constexpr double kEyeHeight = 0.005;        ///< of the model's size, at which a walk begins
 constexpr double kDropHeights = 2;          ///< that it comes down from
 
-/// The coordinate axis nearest to a direction, with its sign.
-glm::dvec3 nearestAxis(glm::dvec3 direction) {
-  const glm::dvec3 size = glm::abs(direction);
-  const int axis = size.x > size.y && size.x > size.z ? 0 : size.y >= size.z ? 1 : 2;
-  glm::dvec3 result(0);
-  result[axis] = direction[axis] < 0 ? -1 : 1;
-  return result;
-}
-
 double sizeOf(const ModelSummary& model) {
   if (model.box.empty()) return model.lattice.step;
   const glm::dvec3 extent = glm::dvec3(model.box.max) - glm::dvec3(model.box.min);
@@ -32,37 +24,60 @@ double sizeOf(const ModelSummary& model) {
 
 CameraRig::CameraRig(const ModelSummary& model, core::Framing framing,
                      const std::optional<core::CameraPath>& path, uint32_t width_px, uint32_t height_px)
-    : model_(model), framing_(std::move(framing)), model_size_(sizeOf(model)) {
+    : model_(model),
+      framing_(std::move(framing)),
+      model_size_(sizeOf(model)),
+      up_(core::upOf(framing_)) {
   resize(width_px, height_px);
-  startAt(path ? *path : core::framingCamera(model, framing_));
+  if (path)
+    startAt(*path);
+  else
+    frame();
 }
 
 void CameraRig::startAt(const core::CameraPath& path) {
   const core::CameraKey& key = path.keys.front();
   start_ = core::toView(key, path.fov_y_deg, view_.width_px, view_.height_px, model_);
   start_distance_model_ = std::max(glm::distance(key.eye, key.target), model_.lattice.step);
-  up_ = nearestAxis(key.up);
-  view_ = start_;
   restart(start_, start_distance_model_);
 }
 
-/// Both cameras go on from a view; the orbit turns about what lies so far ahead.
-void CameraRig::restart(const core::View& from, double distance_model) {
+/// For the window as it is now.
+void CameraRig::frame() {
+  if (view_.width_px > 0 && view_.height_px > 0)
+    framing_.aspect = static_cast<double>(view_.width_px) / view_.height_px;
+  startAt(core::framingCamera(model_, framing_));
+}
+
+/// All cameras go on from a view; the orbit turns about what lies so far ahead.
+void CameraRig::restart(core::View from, double distance_model) {
+  from.width_px = view_.width_px;  // the window may have another size by now
+  from.height_px = view_.height_px;
+  view_ = from;
   orbit_ = render::OrbitCamera(from, distance_model, up_);
   fly_ = render::FlyCamera(from, model_size_ / kCrossingSeconds, up_);
   walk_ = render::WalkCamera(from, model_size_ * kEyeHeight, up_);
 }
 
+/// Its up says nothing of a model's axis where it looks straight along that, or leans.
+core::CameraKey CameraRig::camera() const {
+  constexpr double kAlong = 1e-5, kUpright = 1e-9;
+  const glm::dvec3 eye = model_.lattice.origin + view_.eye_model;
+  const glm::dvec3 level = glm::cross(view_.forward, up_);
+  const bool is_upright = glm::length(level) > kAlong && std::abs(glm::dot(level, view_.up)) < kUpright;
+  return {0, eye, eye + view_.forward * orbit_.distanceModel(), is_upright ? up_ : view_.up};
+}
+
 void CameraRig::lookFrom(const core::CameraKey& camera, double fov_y_deg) {
-  view_ = core::toView(camera, fov_y_deg, view_.width_px, view_.height_px, model_);
-  restart(view_, std::max(glm::distance(camera.eye, camera.target), model_.lattice.step));
+  restart(core::toView(camera, fov_y_deg, view_.width_px, view_.height_px, model_),
+          std::max(glm::distance(camera.eye, camera.target), model_.lattice.step));
 }
 
 void CameraRig::standAt(const glm::dvec3& point_model) {
   if (kind_ != CameraKind::kWalk) return;
   core::View above = view_;
   above.eye_model = point_model + up_ * (walk_.eyeHeightModel() * kDropHeights);
-  above.forward = render::Heading(view_.forward, up_).level();
+  above.forward = render::Heading(view_, up_).level();
   walk_ = render::WalkCamera(above, walk_.eyeHeightModel(), up_);
 }
 
@@ -73,8 +88,8 @@ void CameraRig::turnUp() {
   // After a guess comes the other axis that is likely.
   const auto now = !framing_.up && up_ == kTurns[1] ? kTurns.end() - 1 : std::ranges::find(kTurns, up_);
   framing_.up = kTurns[static_cast<size_t>(now - kTurns.begin() + 1) % kTurns.size()];
-  framing_.aspect = static_cast<double>(view_.width_px) / std::max(1u, view_.height_px);
-  startAt(core::framingCamera(model_, framing_));
+  up_ = *framing_.up;
+  frame();
 }
 
 void CameraRig::useBookmark(size_t number, bool set) {
@@ -82,21 +97,31 @@ void CameraRig::useBookmark(size_t number, bool set) {
   if (set) bookmark = {view_, orbit_.distanceModel(), up_};
   if (set || !bookmark) return;
   up_ = bookmark->up;
-  core::View view = bookmark->view;
-  view.width_px = view_.width_px;  // the window may have another size by now
-  view.height_px = view_.height_px;
-  view_ = view;
-  restart(view, bookmark->distance_model);
+  restart(bookmark->view, bookmark->distance_model);
 }
 
+/// What walks always looks for its ground, which may have come nearer.
+bool CameraRig::isSteered(const Input& input) const noexcept {
+  return input.turned_px != glm::dvec2(0) || input.shifted_px != glm::dvec2(0) || input.wheel != 0 ||
+         input.pad_turn != glm::dvec2(0) || input.fly.right != 0 || input.fly.up != 0 ||
+         input.fly.forward != 0 || kind_ == CameraKind::kWalk || underWay();
+}
+
+void CameraRig::startAgain() {
+  up_ = core::upOf(framing_);
+  restart(start_, start_distance_model_);
+}
+
+/// While nothing steers it, the view stays to the bit: a camera that is computed anew differs in rounding.
 void CameraRig::apply(const Input& input, double seconds, const render::GroundBelow& ground) {
-  if (input.reset_camera) restart(start_, start_distance_model_);
+  if (input.reset_camera) startAgain();
   if (input.next_axis) turnUp();
   if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
   if (input.toggle_camera) {
     restart(view_, orbit_.distanceModel());
     kind_ = static_cast<CameraKind>((static_cast<int>(kind_) + 1) % kCameraKindCount);
   }
+  if (!isSteered(input)) return;
   const glm::dvec2 looked_px =
       input.turned_px + input.shifted_px - input.pad_turn * (kPadHeightsASecond * seconds * view_.height_px);
   const auto steer = [&](auto& camera, const auto&... where) {

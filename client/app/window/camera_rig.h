@@ -19,7 +19,9 @@ namespace lode::app {
 /// when that changes.
 class CameraRig {
  public:
-  /// @param path  its first key is where the camera starts; nothing: the camera that frames the model.
+  /// @param framing  says what is up, whatever the path's cameras have as theirs.
+  /// @param path     its first key is where the camera starts, and what is seen, leaning too, until it is
+  ///                 moved; nothing: the camera that frames the model.
   CameraRig(const ModelSummary& model, core::Framing framing, const std::optional<core::CameraPath>& path,
             uint32_t width_px, uint32_t height_px);
 
@@ -27,6 +29,8 @@ class CameraRig {
   void apply(const Input& input, double seconds, const render::GroundBelow& ground);
   /// If it walks: goes on from above this point, and looks ahead on the level.
   void standAt(const glm::dvec3& point_model);
+  /// Where it is, in true coordinates, at t = 0.
+  core::CameraKey camera() const;
   /// Looks from elsewhere, and goes on from there. @param camera  in true coordinates.
   void lookFrom(const core::CameraKey& camera, double fov_y_deg);
   /// An orbit turns about this point from now on; the view stays.
@@ -37,8 +41,6 @@ class CameraRig {
 
   const core::View& view() const noexcept { return view_; }
   CameraKind kind() const noexcept { return kind_; }
-  /// Of what it looks at, along the view.
-  double distanceModel() const noexcept { return orbit_.distanceModel(); }
   /// It moves without anybody's doing.
   bool underWay() const noexcept {
     return kind_ == CameraKind::kOrbit ? orbit_.isFlying() : kind_ == CameraKind::kWalk && walk_.isSettling();
@@ -51,8 +53,11 @@ class CameraRig {
 
  private:
   void startAt(const core::CameraPath& path);
-  void restart(const core::View& from, double distance_model);
+  void frame();
+  void startAgain();
+  void restart(core::View from, double distance_model);
   void turnUp();
+  bool isSteered(const Input& input) const noexcept;
   void useBookmark(size_t number, bool set);
 
   const ModelSummary& model_;
@@ -60,7 +65,7 @@ class CameraRig {
   double model_size_;
   core::View start_, view_;
   double start_distance_model_ = 0;
-  glm::dvec3 up_{0, 1, 0};
+  glm::dvec3 up_;
   CameraKind kind_ = CameraKind::kOrbit;
   struct Bookmark {
     core::View view;

@@ -4,18 +4,18 @@
 
 namespace lode::app {
 
-void PathRecorder::see(double t_s, const core::View& view, double distance_model, const glm::dvec3& origin) {
+void PathRecorder::see(double t_s, core::CameraKey camera, double fov_y_deg) {
   constexpr double kKeySeconds = 0.1;
   if (!path_) return;
   auto& keys = path_->keys;
   if (keys.empty()) {
     start_s_ = t_s;
-    path_->fov_y_deg = glm::degrees(view.fov_y_rad);
+    path_->fov_y_deg = fov_y_deg;
   }
   const bool is_due = keys.empty() || t_s - start_s_ >= keys.back().t + kKeySeconds;
   if (!is_due || keys.size() == core::kMaxCameraKeys) return;
-  const glm::dvec3 eye = origin + view.eye_model;
-  keys.push_back({t_s - start_s_, eye, eye + view.forward * distance_model, view.up});
+  camera.t = t_s - start_s_;
+  keys.push_back(camera);
 }
 
 std::optional<core::CameraPath> PathRecorder::finish() {

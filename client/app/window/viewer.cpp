@@ -185,10 +185,8 @@ void Viewer::openWhenReady() {
   content_.waited_s = secondsSince(started_);
   if (!opening.is_open) return;
   const ModelSummary& summary = exhibit_->summary();
-  core::Framing framing = exhibit_->framing();
-  if (!isMinimized()) framing.aspect = static_cast<double>(window_.widthPx()) / window_.heightPx();
   opened_ = Clock::now();
-  rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
+  rig_.emplace(summary, exhibit_->framing(), wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
   content_.model_triangles = summary.triangles;
   window_.setTitle(summary.name + " - Lodestream");
@@ -263,8 +261,7 @@ void Viewer::pointAt(const Input& input) {
 }
 
 void Viewer::record(const Input& input) {
-  recorder_.see(secondsSince(started_), rig_->view(), rig_->distanceModel(),
-                exhibit_->summary().lattice.origin);
+  recorder_.see(secondsSince(started_), rig_->camera(), glm::degrees(rig_->view().fov_y_rad));
   if (!input.record) return;
   if (!recorder_.recording()) {
     recorder_.start();

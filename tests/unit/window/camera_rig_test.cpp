@@ -76,6 +76,84 @@ TEST(CameraRig, knowsWhichBookmarksAreSet) {
   EXPECT_FALSE(rig.hasBookmark(2));
 }
 
+/// A path of one camera whose own up is far from the model's.
+core::CameraPath steepPath() {
+  core::CameraPath path;
+  path.keys.push_back({0, {300, -300, 3000}, {300, 200, 0}, {300, 950, 0}});
+  return path;
+}
+
+TEST(CameraRig, turnsAboutTheModelsAxisAndNotAboutThatOfAPathsCamera) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), steepPath(), 800, 600);
+  EXPECT_EQ(rig.up(), glm::dvec3(0, 0, 1));
+  Input drag;
+  drag.turned_px = {40, 0};
+  const double height = rig.view().eye_model.z;
+  rig.apply(drag, 0.01, plainAt(100));
+  EXPECT_NEAR(rig.view().eye_model.z, height, 1e-9);
+}
+
+TEST(CameraRig, showsAPathsFirstCameraAsItIsUntilItIsMoved) {
+  const ModelSummary model = someModel();
+  const core::CameraPath path = steepPath();
+  CameraRig rig(model, zUp(), path, 800, 600);
+  const core::View wanted = core::toView(path.keys.front(), path.fov_y_deg, 800, 600, model);
+  rig.apply({}, 0.01, plainAt(100));
+  EXPECT_EQ(rig.view(), wanted);
+  Input input;
+  input.fly.forward = 1;
+  rig.apply(input, 0.1, plainAt(100));
+  EXPECT_NE(rig.view(), wanted);
+  input = {};
+  input.reset_camera = true;
+  rig.apply(input, 0.1, plainAt(100));
+  EXPECT_EQ(rig.view(), wanted);
+}
+
+TEST(CameraRig, goesOnFromStraightAboveWithoutTurningThePicture) {
+  const ModelSummary model = someModel();
+  core::CameraPath path;
+  path.keys.push_back({0, {512, 512, 3000}, {512, 512, 0}, {0, 1, 0}});
+  CameraRig rig(model, zUp(), path, 800, 600);
+  Input drag;
+  drag.turned_px = {0, 1};
+  rig.apply(drag, 0.01, plainAt(100));
+  EXPECT_GT(rig.view().up.y, 0.99);
+}
+
+TEST(CameraRig, doesNotMoveWhenItIsToldWhatToTurnAbout) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  Input drag;
+  drag.turned_px = {37, 11};
+  rig.apply(drag, 0.01, plainAt(100));
+  const core::View before = rig.view();
+  rig.turnAbout({123.4, 567.8, 90.1});
+  rig.apply({}, 0.01, plainAt(100));
+  EXPECT_EQ(rig.view(), before);
+}
+
+TEST(CameraRig, tellsItsCameraByTheModelsAxis) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  Input drag;
+  drag.turned_px = {0, 150};
+  rig.apply(drag, 0.01, plainAt(100));
+  const core::CameraKey camera = rig.camera();
+  EXPECT_EQ(camera.up, glm::dvec3(0, 0, 1));
+  const core::View told = core::toView(camera, 45, 800, 600, model);
+  EXPECT_LT(glm::distance(told.up, rig.view().up), 1e-9);
+  EXPECT_LT(glm::distance(told.forward, rig.view().forward), 1e-9);
+}
+
+TEST(CameraRig, tellsALeaningCameraAsItLeans) {
+  const ModelSummary model = someModel();
+  const CameraRig rig(model, zUp(), steepPath(), 800, 600);
+  const core::View told = core::toView(rig.camera(), 45, 800, 600, model);
+  EXPECT_LT(glm::distance(told.up, rig.view().up), 1e-9);
+}
+
 TEST(CameraRig, isNotStoodAnywhereWhileItDoesNotWalk) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
