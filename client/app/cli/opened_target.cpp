@@ -12,15 +12,26 @@ std::optional<core::CameraPath> wantedPath(const CommonOptions& options) {
 
 OpenedTarget::OpenedTarget(const CommonOptions& options, const stream::StreamOptions& stream_options,
                            bool announce)
-    : wanted_path_(wantedPath(options)),
+    : timeout_(options.timeout()),
+      wanted_path_(wantedPath(options)),
       framing_(wantedFraming(options)),
       target_(resolveTarget(parseTarget(options.target), stream_options, announce)),
       start_(Clock::now()),
       streamer_(target_.served, target_.options),
-      model_(openModel(streamer_, target_, options.timeout())),
-      path_(wanted_path_ ? *wanted_path_
-                         : core::framingCamera(
-                               model_, frameCoarsely(framing_, streamer_, model_, options.timeout()))) {}
+      model_(openModel(streamer_, target_, timeout_)) {
+  if (!wanted_path_) frame();
+  path_ = wanted_path_ ? *wanted_path_ : core::framingCamera(model_, framing_);
+}
+
+void OpenedTarget::frame() {
+  framing_ = frameCoarsely(framing_, streamer_, model_, timeout_);
+  is_framed_ = true;
+}
+
+glm::dvec3 OpenedTarget::up() {
+  if (!framing_.up && !is_framed_) frame();
+  return core::upOf(framing_);
+}
 
 core::View OpenedTarget::viewAt(double t, const PictureSize& size) const {
   return core::toView(core::cameraAt(path_, t), path_.fov_y_deg, size.width_px, size.height_px, model_);

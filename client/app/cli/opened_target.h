@@ -27,13 +27,19 @@ class OpenedTarget {
   const ModelSummary& model() const noexcept { return model_; }
   /// The one that was asked for, or the camera that frames the model.
   const core::CameraPath& path() const noexcept { return path_; }
+  /// Which way is up in the model: --up, or guessed from its coarsest mesh, which it may wait for.
+  glm::dvec3 up();
   /// When the connection was begun: a build or a child server's start does not count.
   Clock::time_point start() const noexcept { return start_; }
   core::View viewAt(double t, const PictureSize& size) const;
 
  private:
-  std::optional<core::CameraPath> wanted_path_;
+  void frame();
+
+  const std::chrono::milliseconds timeout_;
+  const std::optional<core::CameraPath> wanted_path_;
   core::Framing framing_;
+  bool is_framed_ = false;
   ResolvedTarget target_;
   Clock::time_point start_;
   stream::Streamer streamer_;

@@ -141,6 +141,7 @@ class ModelSubject : public PictureSubject {
       : options_(options),
         memory_(render::shareMemory(options.streamOptions().memory_budget_bytes)),
         opened_(options, streamOptions(), announce),
+        up_(opened_.up()),
         renderer_(opened_.model().lattice.step, memory_.gpu) {}
 
   const core::CameraPath& path() const override { return opened_.path(); }
@@ -161,7 +162,7 @@ class ModelSubject : public PictureSubject {
                                          " needs more graphics memory than there is; allow a larger error "
                                          "with --pixels");
     }
-    style.up = core::cameraAt(path(), t).up;
+    style.up = up_;
     renderer_.draw(view, target, style, {.now_s = t});
     taken.legend = legendOf(style.show, renderer_.inPicture(), options_.pixels);
     return taken;
@@ -178,6 +179,7 @@ class ModelSubject : public PictureSubject {
   const CommonOptions options_;
   const render::MemoryShares memory_;
   OpenedTarget opened_;
+  const glm::dvec3 up_;
   render::Renderer renderer_;
 };
 
