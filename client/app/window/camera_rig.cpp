@@ -94,9 +94,10 @@ void CameraRig::turnUp() {
 
 void CameraRig::useBookmark(size_t number, bool set) {
   std::optional<Bookmark>& bookmark = bookmarks_[number - 1];
-  if (set) bookmark = {view_, orbit_.distanceModel(), up_};
+  if (set) bookmark = {view_, orbit_.distanceModel(), up_, kind_};
   if (set || !bookmark) return;
   up_ = bookmark->up;
+  kind_ = bookmark->kind;
   restart(bookmark->view, bookmark->distance_model);
 }
 

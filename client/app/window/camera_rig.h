@@ -71,6 +71,7 @@ class CameraRig {
     core::View view;
     double distance_model;
     glm::dvec3 up;
+    CameraKind kind;
   };
   std::array<std::optional<Bookmark>, 9> bookmarks_;
   render::OrbitCamera orbit_{core::View{}, 1, {0, 1, 0}};

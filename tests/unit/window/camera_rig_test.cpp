@@ -154,6 +154,23 @@ TEST(CameraRig, tellsALeaningCameraAsItLeans) {
   EXPECT_LT(glm::distance(told.up, rig.view().up), 1e-9);
 }
 
+TEST(CameraRig, goesToABookmarkWithTheCameraThatItWasSetWith) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  Input input;
+  input.bookmark = 1;
+  input.set_bookmark = true;
+  rig.apply(input, 0.01, plainAt(100));
+  const core::View set = rig.view();
+  rig.apply(tab(), 0.01, plainAt(100));
+  rig.apply(tab(), 0.01, plainAt(100));
+  ASSERT_EQ(rig.kind(), CameraKind::kWalk);
+  input.set_bookmark = false;
+  rig.apply(input, 0.5, plainAt(100));
+  EXPECT_EQ(rig.kind(), CameraKind::kOrbit);
+  EXPECT_EQ(rig.view(), set);
+}
+
 TEST(CameraRig, isNotStoodAnywhereWhileItDoesNotWalk) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
