@@ -27,6 +27,7 @@ CameraRig::CameraRig(const ModelSummary& model, core::Framing framing,
     : model_(model),
       framing_(std::move(framing)),
       model_size_(sizeOf(model)),
+      starts_framed_(!path),
       up_(core::upOf(framing_)) {
   resize(width_px, height_px);
   if (path)
@@ -89,6 +90,7 @@ void CameraRig::turnUp() {
   const auto now = !framing_.up && up_ == kTurns[1] ? kTurns.end() - 1 : std::ranges::find(kTurns, up_);
   framing_.up = kTurns[static_cast<size_t>(now - kTurns.begin() + 1) % kTurns.size()];
   up_ = *framing_.up;
+  starts_framed_ = true;
   frame();
 }
 
@@ -110,7 +112,10 @@ bool CameraRig::isSteered(const Input& input) const noexcept {
 
 void CameraRig::startAgain() {
   up_ = core::upOf(framing_);
-  restart(start_, start_distance_model_);
+  if (starts_framed_)
+    frame();
+  else
+    restart(start_, start_distance_model_);
 }
 
 /// While nothing steers it, the view stays to the bit: a camera that is computed anew differs in rounding.

@@ -65,6 +65,7 @@ class CameraRig {
   double model_size_;
   core::View start_, view_;
   double start_distance_model_ = 0;
+  bool starts_framed_;
   glm::dvec3 up_;
   CameraKind kind_ = CameraKind::kOrbit;
   struct Bookmark {

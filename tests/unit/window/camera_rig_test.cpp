@@ -171,6 +171,17 @@ TEST(CameraRig, goesToABookmarkWithTheCameraThatItWasSetWith) {
   EXPECT_EQ(rig.view(), set);
 }
 
+TEST(CameraRig, framesTheModelAnewForTheWindowAsItIs) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  const double near_model = rig.camera().eye.z;
+  rig.resize(200, 600);
+  Input input;
+  input.reset_camera = true;
+  rig.apply(input, 0.01, plainAt(100));
+  EXPECT_GT(rig.camera().eye.z, 2 * near_model);
+}
+
 TEST(CameraRig, isNotStoodAnywhereWhileItDoesNotWalk) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
