@@ -16,6 +16,7 @@
 #include "common/little_endian_row.h"
 #include "common/material_groups.h"
 #include "common/octahedral.h"
+#include "common/srgb.h"
 #include "common/texture_coordinates.h"
 
 namespace lode {
@@ -32,12 +33,8 @@ constexpr uint64_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 /// Codes in the range of floats with a margin: an exponent of a step beyond it has none that are exact.
 constexpr double kLeastStep = 0x1p-120, kLargestStep = 0x1p100;
 
-/// A byte of sRGB as linear light, 0 to 65535 (IEC 61966-2-1).
-uint16_t toLinear(uint8_t byte) {
-  const double encoded = byte / 255.0;
-  const double linear = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-  return static_cast<uint16_t>(std::lround(65535 * linear));
-}
+/// A byte of sRGB as linear light, 0 to 65535.
+uint16_t toLinear(uint8_t byte) { return static_cast<uint16_t>(std::lround(65535 * linearOf(byte))); }
 
 /// A file name as a relative reference (RFC 3986).
 std::string toUri(const std::string& name) {

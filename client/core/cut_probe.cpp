@@ -33,13 +33,6 @@ std::optional<TriangleHit> meet(const std::array<glm::dvec3, 3>& corners, const 
   return TriangleHit{distance, {1 - u - v, u, v}};
 }
 
-glm::u8vec4 colourAt(const Mesh& mesh, const glm::u32vec3& triangle, const glm::dvec3& weights) {
-  if (!mesh.attributes.has(AttributeSet::kColour) || mesh.vertex_attributes.empty()) return glm::u8vec4(255);
-  glm::dvec4 sum(0);
-  for (int i = 0; i < 3; ++i) sum += weights[i] * glm::dvec4(mesh.vertex_attributes[triangle[i]].colour);
-  return glm::u8vec4(glm::round(sum));
-}
-
 }  // namespace
 
 Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept {
@@ -85,15 +78,15 @@ std::optional<Hit> CutProbe::cast(const Ray& ray, std::span<const uint32_t> show
     if (!begin || *begin > limit) continue;
     const CutPart& part = partOf(*cut_, number);
     const Mesh& mesh = *part.mesh;
-    for (const glm::u32vec3& triangle : mesh.triangles) {
+    for (size_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
       std::array<glm::dvec3, 3> corners;
       for (int k = 0; k < 3; ++k)
-        corners[k] = glm::dvec3(unpackPosition(mesh.positions[triangle[k]])) * step_;
+        corners[k] = glm::dvec3(unpackPosition(mesh.positions[mesh.triangles[triangle][k]])) * step_;
       const std::optional<TriangleHit> met = meet(corners, ray);
       if (!met || met->distance >= limit) continue;
       limit = met->distance;
-      nearest =
-          Hit{&part, limit, ray.origin_model + limit * ray.direction, colourAt(mesh, triangle, met->weights)};
+      nearest = Hit{&part, limit, ray.origin_model + limit * ray.direction, static_cast<uint32_t>(triangle),
+                    met->weights};
     }
   }
   return nearest;

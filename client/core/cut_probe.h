@@ -29,7 +29,8 @@ struct Hit {
   const CutPart* part = nullptr;  ///< of the probed cut, or one of its fallbacks
   double distance_model = 0;
   glm::dvec3 position_model{0};
-  glm::u8vec4 colour{255};  ///< of the vertices, between them; white where the model has none
+  uint32_t triangle = 0;  ///< of the part's mesh,
+  glm::dvec3 weights{0};  ///< and of its corners at the point
 };
 
 /// Looks for what lies under a place of the picture, on the triangles that are drawn. Immutable.

@@ -17,6 +17,7 @@
 #include "client/render/light.h"
 #include "client/render/shader_program.h"
 #include "client/render/shaders.h"
+#include "common/srgb.h"
 
 namespace lode::render {
 namespace {
@@ -59,11 +60,7 @@ GlVertexArray makeMeshArray(const GlBuffer& states) {
 
 /// In light, as shaders reckon, what is meant for a screen.
 glm::vec3 toLinear(const glm::u8vec3& srgb) {
-  const auto channel = [](float part) {
-    return part <= 0.04045f ? part / 12.92f : std::pow((part + 0.055f) / 1.055f, 2.4f);
-  };
-  const glm::vec3 part = glm::vec3(srgb) / 255.0f;
-  return {channel(part.r), channel(part.g), channel(part.b)};
+  return glm::dvec3(linearOf(srgb.r), linearOf(srgb.g), linearOf(srgb.b));
 }
 
 GlProgram meshProgram(std::initializer_list<std::string_view> definitions) {

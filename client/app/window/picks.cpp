@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "client/core/paint.h"
 #include "client/render/shown_colours.h"
 
 namespace lode::app {
@@ -22,7 +23,7 @@ std::string coordinates(const glm::dvec3& position, int decimals) {
 
 }  // namespace
 
-PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model) {
+PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured) {
   return {hit.position_model,
           model.lattice.origin + hit.position_model,
           false,
@@ -30,8 +31,7 @@ PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model) {
           hit.part->rung,
           hit.part->error_px,
           model.lattice.step,
-          hit.colour,
-          model.attributes.has(AttributeSet::kColour),
+          core::paintAt(hit, textured),
           ""};
 }
 
@@ -50,8 +50,8 @@ std::vector<std::string> Picks::lines() const {
   std::snprintf(text, sizeof text, "node %s, rung %u, error %.2f px", render::nodeName(last.node).c_str(),
                 last.rung, static_cast<double>(last.error_px));
   lines.emplace_back(last.is_ground ? "the ground" : text);
-  if (last.has_colour) {
-    std::snprintf(text, sizeof text, "colour #%02x%02x%02x", last.colour.r, last.colour.g, last.colour.b);
+  if (const auto& colour = last.colour) {
+    std::snprintf(text, sizeof text, "colour #%02x%02x%02x", colour->r, colour->g, colour->b);
     lines.emplace_back(text);
   }
   if (picks_.size() == 2) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,12 @@ struct PickedPoint {
   uint32_t rung = 0;
   float error_px = 0;
   double step = 1;  ///< of the lattice
-  glm::u8vec4 colour{255};
-  bool has_colour = false;
+  std::optional<glm::u8vec3> colour;
   std::string model;  ///< whose point it is, where there are several
 };
 
-PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model);
+/// @param textured  see core::paintAt().
+PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured);
 
 /// The last two points that were clicked on, as text.
 class Picks {

@@ -68,7 +68,7 @@ std::optional<PickedPoint> ViewedModel::under(const core::View& view, const glm:
   if (probe() == nullptr) return std::nullopt;
   const auto hit = probe_->cast(core::rayThrough(view, place_px), core::shownParts(*probe_->cut(), view));
   if (!hit) return std::nullopt;
-  return pointOf(*hit, summary());
+  return pointOf(*hit, summary(), *status_.cut);
 }
 
 std::optional<render::Ground> ViewedModel::groundBelow(const core::View& view, const glm::dvec3& point_model,

@@ -303,7 +303,7 @@ std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm:
     const double scale = model->places[place].scale;
     if (!hit || (nearest && hit->distance_model * scale >= nearest_distance)) continue;
     nearest_distance = hit->distance_model * scale;
-    nearest = pointOf(*hit, *model->opened.model);
+    nearest = pointOf(*hit, *model->opened.model, *model->status.cut);
     nearest->position = model->toScene(place, hit->position_model);
     nearest->position_model = nearest->position - whole_.lattice.origin;
     nearest->step *= scale;

@@ -23,15 +23,10 @@ std::shared_ptr<const Cut> cutOf(std::vector<Mesh> meshes) {
   return cut;
 }
 
-/// A square at a height, whose corners are black, red, yellow and green.
 Mesh squareAt(uint32_t z) {
   Mesh mesh;
-  mesh.attributes.bits = AttributeSet::kColour;
-  for (const glm::uvec2 corner : {glm::uvec2(0, 0), {1024, 0}, {1024, 1024}, {0, 1024}}) {
+  for (const glm::uvec2 corner : {glm::uvec2(0, 0), {1024, 0}, {1024, 1024}, {0, 1024}})
     mesh.positions.push_back(packPosition({corner.x, corner.y, z}));
-    VertexAttributes& attributes = mesh.vertex_attributes.emplace_back();
-    attributes.colour = {corner.x > 0 ? 200 : 0, corner.y > 0 ? 100 : 0, 0, 255};
-  }
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   return mesh;
 }
@@ -62,10 +57,11 @@ TEST(CutProbe, findsAFallbackWhereThatIsDrawnInTheCutsPlace) {
   EXPECT_EQ(probe.cast(down, std::vector<uint32_t>{1})->part, &cut->fallbacks[0].part);
 }
 
-TEST(CutProbe, tellsTheColourBetweenTheVertices) {
+TEST(CutProbe, tellsTheTriangleAndWhereInIt) {
   const auto hit = cast(CutProbe(cutOf({squareAt(0)}), kStep), {{0.5, 0.25, 3}, {0, 0, -1}});
   ASSERT_TRUE(hit);
-  EXPECT_EQ(hit->colour, glm::u8vec4(100, 25, 0, 255));
+  EXPECT_EQ(hit->triangle, 0u);
+  EXPECT_LT(glm::distance(hit->weights, glm::dvec3(0.5, 0.25, 0.25)), 1e-12);
 }
 
 TEST(CutProbe, seesTrianglesFromBothSidesAndNothingBehindTheEye) {
