@@ -32,11 +32,10 @@ struct GlfwWindow::Callbacks {
     return *static_cast<GlfwWindow*>(glfwGetWindowUserPointer(window));
   }
   static void key(GLFWwindow* window, int key, int, int action, int modifiers) {
+    of(window).is_repeated_ = action == GLFW_REPEAT;
     if (action == GLFW_PRESS) of(window).pressKey(key, modifiers);
   }
-  static void letter(GLFWwindow* window, unsigned code) {
-    if (code == '?') of(window).pending_.toggle_help = true;  // wherever the keyboard has it
-  }
+  static void sign(GLFWwindow* window, unsigned code) { of(window).typeSign(code); }
   static void pointer(GLFWwindow* window, double x, double y) { of(window).moveTo({x, y}); }
   static void button(GLFWwindow* window, int button, int action, int) {
     of(window).pressButton(button, action == GLFW_PRESS);
@@ -67,7 +66,7 @@ GlfwWindow::GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string&
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, Callbacks::key);
-  glfwSetCharCallback(window_, Callbacks::letter);
+  glfwSetCharCallback(window_, Callbacks::sign);
   glfwSetCursorPosCallback(window_, Callbacks::pointer);
   glfwSetMouseButtonCallback(window_, Callbacks::button);
   glfwSetScrollCallback(window_, Callbacks::wheel);
@@ -144,14 +143,6 @@ void GlfwWindow::pressKey(int key, int modifiers) {
     case GLFW_KEY_H:
       pending_.toggle_panel = true;
       break;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-      ++pending_.finer;
-      break;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-      --pending_.finer;
-      break;
     case GLFW_KEY_F12:
       pending_.screenshot = true;
       break;
@@ -167,6 +158,14 @@ void GlfwWindow::pressKey(int key, int modifiers) {
     default:
       break;
   }
+}
+
+/// Wherever the keyboard has it, beside its digits too. It follows its key, which says whether it is held.
+void GlfwWindow::typeSign(unsigned code) {
+  if (is_repeated_) return;
+  if (code == '?') pending_.toggle_help = true;
+  if (code == '+' || code == '=') ++pending_.finer;
+  if (code == '-') --pending_.finer;
 }
 
 void GlfwWindow::moveTo(glm::dvec2 position) {

@@ -42,6 +42,7 @@ class GlfwWindow {
  private:
   struct Callbacks;
   void pressKey(int key, int modifiers);
+  void typeSign(unsigned code);
   void moveTo(glm::dvec2 position);
   void pressButton(int button, bool is_down);
   render::FlyKeys heldKeys() const;
@@ -49,6 +50,7 @@ class GlfwWindow {
 
   GLFWwindow* window_ = nullptr;
   Input pending_;
+  bool is_repeated_ = false;  ///< the key last handled is held down
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
   unsigned pad_buttons_ = 0;  ///< that were held at the last look, by GLFW's numbers
   double handled_s_ = 0;      ///< when events were last looked at
