@@ -22,6 +22,7 @@ void add(core::EngineCounts& counts, const core::EngineCounts& one) {
 stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core::View& scene_view) {
   stream::StreamStatus all;
   auto cut = std::make_shared<core::Cut>();
+  cut->threshold_px = 0;
   cut->converged = all.settled = true;
   all.ended = !models.empty();
   bool is_shown = true, is_for_view = true;

@@ -50,6 +50,19 @@ TEST_F(SceneStatus, hasConvergedAndSettledOnceEachModelHas) {
   EXPECT_FALSE(merged().settled);
 }
 
+TEST_F(SceneStatus, isOfTheCoarsestThresholdOfItsModels) {
+  const auto withThreshold = [](const core::View& view, float threshold_px) {
+    stream::StreamStatus status = makeStatus(view, 0);
+    auto cut = std::make_shared<core::Cut>(*status.cut);
+    cut->threshold_px = threshold_px;
+    status.cut = std::move(cut);
+    return status;
+  };
+  first_ = withThreshold(first_view_, 0.25f);
+  second_ = withThreshold(second_view_, 0.5f);
+  EXPECT_EQ(merged().cut->threshold_px, 0.5f);
+}
+
 TEST_F(SceneStatus, hasNoCutBeforeEachModelHasOne) {
   second_.placed = nullptr;
   EXPECT_FALSE(merged().cut);
