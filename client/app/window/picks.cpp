@@ -35,7 +35,10 @@ PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core:
           ""};
 }
 
+void Picks::clear() noexcept { before_ = std::exchange(picks_, {}); }
+
 void Picks::add(PickedPoint point) {
+  before_ = picks_;
   if (picks_.size() == 2) picks_.erase(picks_.begin());
   picks_.push_back(std::move(point));
 }

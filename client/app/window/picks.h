@@ -29,14 +29,16 @@ PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core:
 class Picks {
  public:
   void add(PickedPoint point);
-  void clear() noexcept { picks_.clear(); }
+  void clear() noexcept;
+  /// The last of these was not meant: a double click begins with one.
+  void takeBack() { picks_ = before_; }
 
   /// Of the last point: coordinates, node, rung, error, colour; and how far it is from the one before.
   /// Empty without one.
   std::vector<std::string> lines() const;
 
  private:
-  std::vector<PickedPoint> picks_;
+  std::vector<PickedPoint> picks_, before_;
 };
 
 }  // namespace lode::app

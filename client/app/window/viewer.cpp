@@ -253,11 +253,13 @@ void Viewer::pointAt(const Input& input) {
     if (input.clicked) picks_.clear();
     return;
   }
-  if (input.double_clicked)
+  if (input.double_clicked) {
     rig_->flyTo(hit->position_model);
-  else
-    rig_->turnAbout(hit->position_model);
-  if (input.clicked && !input.double_clicked) picks_.add(*hit);
+    picks_.takeBack();
+    return;
+  }
+  rig_->turnAbout(hit->position_model);
+  if (input.clicked) picks_.add(*hit);
 }
 
 void Viewer::record(const Input& input) {
