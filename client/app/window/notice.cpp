@@ -2,7 +2,7 @@
 
 namespace lode::app {
 
-Notice noticeOf(const stream::StreamStatus& status, bool offline, bool gpu_full) {
+Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) {
   using enum Notice::Kind;
   if (status.exhausted && status.cut)
     return {
@@ -13,10 +13,10 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, bool gpu_full)
   if (!status.trouble.empty())
     return {kTrouble,
             "no connection: " + status.trouble + "\nThe picture stays; it connects again by itself."};
-  if (gpu_full)
+  if (on_gpu == OnGpu::kFull)
     return {kTrouble,
             "no room on the GPU for more detail: allow more with --memory-budget, or a larger error (-)"};
-  if (status.settled && status.limited)
+  if (status.settled && status.limited && on_gpu == OnGpu::kAll)
     return {kTrouble, "the memory budget allows no more detail: allow more with --memory-budget"};
   if (!offline) return {};
   const bool is_all_there = status.cut && status.cut->converged;

@@ -21,9 +21,10 @@ struct Notice {
   bool operator==(const Notice&) const = default;
 };
 
-/// The gravest that there is to say.
-/// @param offline   only the cache is asked.
-/// @param gpu_full  the newest cut does not fit on the GPU.
-Notice noticeOf(const stream::StreamStatus& status, bool offline, bool gpu_full);
+/// How much of the newest cut is on the GPU.
+enum class OnGpu : uint8_t { kNotYetAll, kAll, kFull };
+
+/// The gravest that there is to say. @param offline  only the cache is asked.
+Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
 
 }  // namespace lode::app

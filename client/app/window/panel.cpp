@@ -118,6 +118,8 @@ void drawFigures(const PanelContent& content) {
   ImGui::EndTable();
   if (content.converged)
     ImGui::TextColored(kGood, "%s", convergedText(content.error_px, content.threshold_px).c_str());
+  else if (content.limited)
+    ImGui::TextUnformatted(limitedText(content.error_px).c_str());
   else if (!content.exhausted)
     bar(content.progress, refiningText(content.error_px), kPanelEm);
 }

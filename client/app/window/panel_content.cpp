@@ -2,15 +2,28 @@
 
 namespace lode::app {
 
-void describe(const Exhibit& exhibit, PanelContent& content) {
-  const core::EngineCounts& counts = exhibit.status().counts;
+namespace {
+
+OnGpu onGpu(const Exhibit& exhibit) {
+  if (exhibit.overBudget()) return OnGpu::kFull;
+  return exhibit.uploaded() ? OnGpu::kAll : OnGpu::kNotYetAll;
+}
+
+}  // namespace
+
+void describe(const Exhibit& exhibit, const Looked& looked, PanelContent& content) {
+  const stream::StreamStatus& status = exhibit.status();
+  const core::EngineCounts& counts = status.counts;
   content.received_bytes = counts.received_bytes;
   content.link_bytes_per_s = counts.link_bytes_per_s;
   content.round_trip_ms = counts.round_trip_ms;
   content.open_wishes = counts.open_wishes;
   content.resident_bytes = counts.resident_bytes + counts.texture_bytes;
   content.tiles_left_out = counts.tiles_left_out;
-  content.exhausted = exhibit.status().exhausted;
+  content.exhausted = status.exhausted;
+  content.converged = looked.is_settled && exhibit.upToDate() && status.cut->converged;
+  content.limited = looked.is_settled && (status.limited || exhibit.overBudget());
+  content.notice = noticeOf(status, looked.is_offline, onGpu(exhibit));
   const Exhibit::GpuUse gpu = exhibit.gpuUse();
   content.gpu_bytes = gpu.bytes;
   content.tiles = gpu.tiles;

@@ -29,6 +29,7 @@ struct PanelContent {
   float threshold_px = 1, error_px = 0;
   double target_ms = 0;  ///< of a frame, for which the threshold is coarser than asked for; 0: it is not
   bool converged = false;
+  bool limited = false;    ///< memory allows no more of what is seen
   bool exhausted = false;  ///< offline: the cache has no more of what is seen
   double progress = 0;     ///< towards that, 0 to 1
   double frame_ms = 0, upload_ms = 0;
@@ -43,8 +44,14 @@ struct PanelContent {
   bool operator==(const PanelContent&) const = default;
 };
 
-/// Says what an exhibit's stream has brought, and what of it is on the GPU.
-void describe(const Exhibit& exhibit, PanelContent& content);
+/// How an exhibit is looked at.
+struct Looked {
+  bool is_settled = false;  ///< nothing more will come for the view
+  bool is_offline = false;
+};
+
+/// Says what an exhibit's stream has brought, what of it is on the GPU, and how it fares.
+void describe(const Exhibit& exhibit, const Looked& looked, PanelContent& content);
 
 /// They differ in what is worth a new picture: in more than what the last frame took and, at rest, bytes that
 /// only keep the connection.

@@ -351,18 +351,10 @@ void Viewer::draw() {
   window_.swap();
 }
 
-void Viewer::describeStream() {
-  const stream::StreamStatus& status = exhibit_->status();
-  content_.converged = settled() && exhibit_->upToDate() && status.cut->converged;
-  content_.progress =
-      status.cut ? progress_.see(status.cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
-  const bool is_offline = options_.common.streamOptions().offline;
-  content_.notice = noticeOf(status, is_offline, exhibit_->overBudget());
-}
-
 void Viewer::describe() {
-  app::describe(*exhibit_, content_);
-  describeStream();
+  app::describe(*exhibit_, {.is_settled = settled(), .is_offline = options_.common.offline}, content_);
+  const auto& cut = exhibit_->status().cut;
+  content_.progress = cut ? progress_.see(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   if (rig_) {
     const bool is_waiting = exhibit_->drawnThresholdPx() == 0 && !exhibit_->status().ended;
     content_.waiting = is_waiting ? "Loading the first picture" : "";

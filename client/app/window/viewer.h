@@ -64,7 +64,6 @@ class Viewer {
   const render::Framebuffer& target();
   void draw();
   void describe();
-  void describeStream();
   bool isMinimized() const;
   bool isLeaving() const;
   void saveScreenshots();

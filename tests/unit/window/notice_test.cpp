@@ -17,14 +17,14 @@ stream::StreamStatus statusOf(bool converged) {
 }
 
 TEST(Notice, isNothingWhileAllIsWell) {
-  EXPECT_EQ(noticeOf(statusOf(true), false, false), Notice());
-  EXPECT_EQ(noticeOf({}, false, false), Notice());
+  EXPECT_EQ(noticeOf(statusOf(true), false, OnGpu::kAll), Notice());
+  EXPECT_EQ(noticeOf({}, false, OnGpu::kAll), Notice());
 }
 
 TEST(Notice, saysOfALostConnectionWhyAndThatItComesBackByItself) {
   stream::StreamStatus status = statusOf(false);
   status.trouble = "10.0.0.1:7400 closed the connection";
-  const Notice notice = noticeOf(status, false, false);
+  const Notice notice = noticeOf(status, false, OnGpu::kAll);
   EXPECT_EQ(notice.kind, Notice::Kind::kTrouble);
   EXPECT_NE(notice.text.find(status.trouble), std::string::npos);
   EXPECT_NE(notice.text.find("connects again by itself"), std::string::npos);
@@ -34,21 +34,23 @@ TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
   stream::StreamStatus status = statusOf(true);
   status.failure = "no such model";
   status.trouble = "closed";
-  const Notice with_picture = noticeOf(status, false, true);
+  const Notice with_picture = noticeOf(status, false, OnGpu::kFull);
   EXPECT_EQ(with_picture.kind, Notice::Kind::kFailure);
   EXPECT_NE(with_picture.text.find("no such model"), std::string::npos);
   EXPECT_NE(with_picture.text.find("What is here stays"), std::string::npos);
   status.cut.reset();
-  EXPECT_EQ(noticeOf(status, false, true).text, "no such model");
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kFull).text, "no such model");
 }
 
 TEST(Notice, namesTheOptionThatGivesMoreMemory) {
   stream::StreamStatus status = statusOf(true);
-  EXPECT_NE(noticeOf(status, false, true).text.find("--memory-budget"), std::string::npos);
+  EXPECT_NE(noticeOf(status, false, OnGpu::kFull).text.find("--memory-budget"), std::string::npos);
   status.limited = true;
-  EXPECT_NE(noticeOf(status, false, false).text.find("--memory-budget"), std::string::npos);
+  EXPECT_NE(noticeOf(status, false, OnGpu::kAll).text.find("--memory-budget"), std::string::npos);
   status.settled = false;
-  EXPECT_EQ(noticeOf(status, false, false), Notice()) << "it may still become finer";
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kAll), Notice()) << "it may still become finer";
+  status.settled = true;
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kNotYetAll), Notice()) << "the last of it is still to be seen";
 }
 
 TEST(Notice, saysCalmlyThatTheCacheHasNoMoreAndHowToHaveTheRest) {
@@ -56,17 +58,17 @@ TEST(Notice, saysCalmlyThatTheCacheHasNoMoreAndHowToHaveTheRest) {
   status.settled = false;
   status.exhausted = true;
   status.failure = "the cache does not have all that the view needs: run without --offline";
-  const Notice notice = noticeOf(status, true, false);
+  const Notice notice = noticeOf(status, true, OnGpu::kAll);
   EXPECT_EQ(notice.kind, Notice::Kind::kTrouble);
   EXPECT_NE(notice.text.find("as finely as the cache has it"), std::string::npos);
   EXPECT_NE(notice.text.find("without --offline"), std::string::npos);
   status.cut.reset();
-  EXPECT_EQ(noticeOf(status, true, false).kind, Notice::Kind::kFailure) << "there is nothing to see";
+  EXPECT_EQ(noticeOf(status, true, OnGpu::kAll).kind, Notice::Kind::kFailure) << "there is nothing to see";
 }
 
 TEST(Notice, saysOfflineAsAHintWhereTheCacheHasAllAndAsTroubleWhereItHasNot) {
-  EXPECT_EQ(noticeOf(statusOf(true), true, false).kind, Notice::Kind::kHint);
-  const Notice lacking = noticeOf(statusOf(false), true, false);
+  EXPECT_EQ(noticeOf(statusOf(true), true, OnGpu::kAll).kind, Notice::Kind::kHint);
+  const Notice lacking = noticeOf(statusOf(false), true, OnGpu::kAll);
   EXPECT_EQ(lacking.kind, Notice::Kind::kTrouble);
   EXPECT_NE(lacking.text.find("without --offline"), std::string::npos);
 }

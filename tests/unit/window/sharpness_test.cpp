@@ -20,5 +20,10 @@ TEST(Sharpness, isTheFilesOwnWhereThereIsNothingFiner) {
 
 TEST(Sharpness, isNotToldByABoundThatSaysNothing) { EXPECT_EQ(refiningText(746), "refining"); }
 
+TEST(Sharpness, isABoundWithoutAPromiseWhereMemoryAllowsNoMore) {
+  EXPECT_EQ(limitedText(0.4f), "at most 0.40 px off where it is seen");
+  EXPECT_EQ(limitedText(1e9f), "coarse where it is nearest");
+}
+
 }  // namespace
 }  // namespace lode::app
