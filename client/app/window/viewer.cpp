@@ -6,6 +6,7 @@
 
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/window/refused_screenshot.h"
 #include "client/app/window/named_exhibit.h"
 #include "client/app/window/timed_name.h"
 #include "client/core/camera_path_writer.h"
@@ -377,14 +378,6 @@ void Viewer::note(const std::string& message) {
 /// That --timeout allows from when the target was open.
 bool Viewer::isTimeOver() const { return rig_ && secondsSince(opened_) > options_.common.timeout_s; }
 
-void Viewer::refuseScreenshot() const {
-  const std::string& failure = exhibit_->status().failure;
-  throw Error(ErrorCode::kTimeout,
-              options_.common.target + " did not converge for the screenshot" +
-                  (failure.empty() ? "; allow more with --timeout, or a larger error with --pixels"
-                                   : ": " + failure));
-}
-
 /// The one that the command line asks for ends the program, once the panel fits its last text; one asked for
 /// by a key does not.
 void Viewer::saveScreenshots() {
@@ -394,7 +387,7 @@ void Viewer::saveScreenshots() {
       render::writePng(options_.screenshot, window_.readBack());
       is_screenshot_there_ = done_ = true;
     } else if (!content_.converged && (exhibit_->status().ended || settled() || isTimeOver())) {
-      refuseScreenshot();
+      refuseScreenshot(*exhibit_, options_.common);
     }
   }
   if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now())) savePicture();

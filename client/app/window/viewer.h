@@ -70,7 +70,6 @@ class Viewer {
   void savePicture();
   void note(const std::string& message);
   bool isTimeOver() const;
-  void refuseScreenshot() const;
   double waitSeconds() const;
   bool settled() const;
 
