@@ -138,8 +138,8 @@ bool Viewer::isWorthWaiting() const {
   return rig_ && pacing_.isWorthWaiting(exhibit_->drawnThresholdPx(), exhibit_->uploaded(), Clock::now());
 }
 
-void Viewer::obey(const Input& input) {
-  if (input.quit) done_ = true;
+void Viewer::obey(Input& input) {
+  if (input.quit && !content_.help) done_ = true;
   openOrCloseHelp(input);
   if (input.toggle_wireframe) toggleWireframe();
   if (input.next_show != 0) {
