@@ -34,6 +34,8 @@ class Exhibit {
   virtual Opening open() = 0;
   /// Of the whole: its name, place, size and triangles.
   virtual const ModelSummary& summary() const = 0;
+  /// It is not to be stood on another side.
+  virtual bool saysWhatIsUp() const { return false; }
   /// What a first camera is made of.
   virtual core::Framing framing() const = 0;
 

@@ -44,7 +44,9 @@ Viewer::Viewer(const ViewOptions& options)
                .begin = draws_in_software_ ? render::FrameRateControl::Begin::kCoarse
                                            : render::FrameRateControl::Begin::kFine},
               Clock::now()),
-      first_start_(cacheFolder()) {
+      first_start_(cacheFolder()),
+      style_(styleOf(options.look)),
+      show_(style_.show) {
   content_.title = options.common.target;
   if (options.laps > 0) pilot_.emplace(options, wanted_path_);
   const bool is_for_a_person = options.screenshot.empty() && options.laps == 0;
@@ -54,8 +56,6 @@ Viewer::Viewer(const ViewOptions& options)
   content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
                               render::StagingRing::kSegments *
                                   (uint64_t{memory.gpu.staging_bytes} + memory.gpu.texture_staging_bytes);
-  style_ = styleOf(options.look);
-  filled_ = style_.show == render::Show::kWireframe ? render::Show::kSurface : style_.show;
 }
 
 void Viewer::run() {
@@ -93,7 +93,7 @@ void Viewer::frame() {
   window_.handleEvents(waitSeconds());
   const double seconds = secondsSince(last_frame_);
   last_frame_ = Clock::now();
-  const Input input = window_.takeInput(!panel_.wantsKeyboard(), !panel_.wantsMouse());
+  Input input = window_.takeInput(!panel_.wantsKeyboard(), !panel_.wantsMouse());
   obey(input);
   openWhenReady();
   if (isMinimized()) return passUnseen();
@@ -141,12 +141,10 @@ bool Viewer::isWorthWaiting() const {
 void Viewer::obey(Input& input) {
   if (input.quit && !content_.help) done_ = true;
   openOrCloseHelp(input);
-  if (input.toggle_wireframe) toggleWireframe();
-  if (input.next_show != 0) {
-    const int next =
-        static_cast<int>(style_.show) + input.next_show % render::kShowCount + render::kShowCount;
-    style_.show = static_cast<render::Show>(next % render::kShowCount);
-  }
+  if (input.toggle_wireframe) show_.toggleWireframe();
+  show_.step(input.next_show);
+  style_.show = show_.shown();
+  if (exhibit_->saysWhatIsUp() && std::exchange(input.next_axis, false)) note("a scene says which way is up");
   if (input.bookmark != 0) tellOfBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
   if (input.screenshot) picture_request_.ask(Clock::now());
@@ -159,12 +157,6 @@ void Viewer::tellOfBookmark(const Input& input) {
     note("bookmark " + number + " is here");
   else if (rig_ && !rig_->hasBookmark(input.bookmark))
     note("no bookmark " + number + " yet: Ctrl+" + number + " sets it");
-}
-
-void Viewer::toggleWireframe() {
-  const bool is_on = style_.show == render::Show::kWireframe;
-  if (!is_on) filled_ = style_.show;
-  style_.show = is_on ? filled_ : render::Show::kWireframe;
 }
 
 /// It goes with the next key, whatever that does, and is not shown by itself any more.

@@ -16,6 +16,7 @@
 #include "client/app/window/picture_request.h"
 #include "client/app/window/pilot.h"
 #include "client/app/window/refining_progress.h"
+#include "client/app/window/show_switch.h"
 #include "client/app/window/view_options.h"
 #include "client/render/ambient_occlusion.h"
 #include "client/render/frame_timer.h"
@@ -42,9 +43,8 @@ class Viewer {
   void frame();
   void passUnseen();
   void openWhenReady();
-  void obey(const Input& input);
+  void obey(Input& input);
   void tellOfBookmark(const Input& input);
-  void toggleWireframe();
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);
   void pointAt(const Input& input);
@@ -99,7 +99,7 @@ class Viewer {
   PathRecorder recorder_;
   std::optional<Pilot> pilot_;  ///< of --laps
   render::DrawStyle style_;
-  render::Show filled_;  ///< what F goes back to from the wireframe
+  ShowSwitch show_;
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;
   std::string note_;
