@@ -231,7 +231,7 @@ void Panel::draw(const PanelContent& content) {
   ImGui::SetNextWindowPos({kMarginPx, kMarginPx});
   ImGui::SetNextWindowBgAlpha(0.65f);
   const bool is_waiting = !content.waiting.empty(), has_notice = content.notice.kind != Notice::Kind::kNone;
-  if (content.visible || is_waiting || has_notice || !content.message.empty()) {
+  if (content.visible || is_waiting || has_notice || content.recording || !content.message.empty()) {
     ImGui::Begin("panel", nullptr, kPlain);
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * (kPanelEm + 1));
     ImGui::TextUnformatted(content.title.c_str());
@@ -244,6 +244,7 @@ void Panel::draw(const PanelContent& content) {
       if (!content.pick.empty()) drawPick(content);
     }
     if (has_notice) drawNotice(content.notice);
+    if (content.recording) ImGui::TextColored(kBad, "recording the camera; P ends it");
     if (!content.message.empty()) ImGui::TextColored(kWarning, "%s", content.message.c_str());
     if (content.visible && !content.help) ImGui::TextColored(kMuted, "F1: what keys do");
     ImGui::PopTextWrapPos();

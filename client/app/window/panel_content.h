@@ -38,6 +38,7 @@ struct PanelContent {
   std::string_view show;                    ///< what the picture shows,
   std::vector<render::LegendEntry> legend;  ///< and what its colours mean
   Notice notice;                            ///< how the stream fares
+  bool recording = false;                   ///< the camera's path
   std::string message;                      ///< for a moment, such as where a screenshot went
   bool visible = true, help = false;
 

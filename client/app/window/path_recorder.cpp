@@ -1,6 +1,11 @@
 #include "client/app/window/path_recorder.h"
 
+#include <fstream>
 #include <utility>
+
+#include "client/app/window/timed_name.h"
+#include "client/core/camera_path_writer.h"
+#include "common/error.h"
 
 namespace lode::app {
 
@@ -22,6 +27,18 @@ std::optional<core::CameraPath> PathRecorder::finish() {
   std::optional<core::CameraPath> path = std::exchange(path_, std::nullopt);
   if (path && path->keys.empty()) path.reset();
   return path;
+}
+
+std::optional<std::string> PathRecorder::save() {
+  const std::optional<core::CameraPath> path = finish();
+  if (!path) return std::nullopt;
+  const std::string file = timedName("json");
+  std::ofstream stream(file, std::ios::binary);
+  stream << core::writeCameraPath(*path) << std::flush;
+  if (!stream)
+    throw Error(ErrorCode::kIo,
+                file + " cannot be written: start the window in a folder where files can be made");
+  return file;
 }
 
 }  // namespace lode::app

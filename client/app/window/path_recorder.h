@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "client/core/camera_path.h"
 
@@ -16,6 +17,9 @@ class PathRecorder {
   void see(double t_s, core::CameraKey camera, double fov_y_deg);
   /// Ends it. Nothing without a key.
   std::optional<core::CameraPath> finish();
+  /// Ends it, and writes it into the current folder. @return the file; nothing without a key. @throws Error
+  /// kIo.
+  std::optional<std::string> save();
 
  private:
   std::optional<core::CameraPath> path_;

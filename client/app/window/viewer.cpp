@@ -1,15 +1,13 @@
 #include "client/app/window/viewer.h"
 
 #include <algorithm>
-#include <fstream>
 #include <utility>
 
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/opened_target.h"
-#include "client/app/window/refused_screenshot.h"
 #include "client/app/window/named_exhibit.h"
+#include "client/app/window/refused_screenshot.h"
 #include "client/app/window/timed_name.h"
-#include "client/core/camera_path_writer.h"
 #include "client/render/image.h"
 #include "client/render/memory_shares.h"
 #include "common/error.h"
@@ -61,6 +59,7 @@ Viewer::Viewer(const ViewOptions& options)
 void Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && !isMinimized()) draw();
+  if (recorder_.recording()) saveRecording();
   if (!options_.screenshot.empty() && !is_screenshot_there_)
     throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
                                          options_.screenshot + " was there; it ends by itself when it is");
@@ -258,17 +257,21 @@ void Viewer::pointAt(const Input& input) {
 void Viewer::record(const Input& input) {
   recorder_.see(secondsSince(started_), rig_->camera(), glm::degrees(rig_->view().fov_y_rad));
   if (!input.record) return;
-  if (!recorder_.recording()) {
+  if (recorder_.recording())
+    saveRecording();
+  else
     recorder_.start();
-    note("recording the camera; P ends it");
-    return;
+}
+
+/// Whoever is leaving would not read a note.
+void Viewer::saveRecording() {
+  try {
+    if (const std::optional<std::string> file = recorder_.save())
+      note("saved " + *file + ", for render --frames and replay");
+  } catch (const Error& error) {
+    if (isLeaving()) throw;
+    note(error.what());
   }
-  const std::optional<core::CameraPath> path = recorder_.finish();
-  if (!path) return;
-  const std::string file = timedName("json");
-  std::ofstream stream(file, std::ios::binary);
-  stream << core::writeCameraPath(*path) << std::flush;
-  note(stream ? "saved " + file + ", for render --frames and replay" : file + " cannot be written");
 }
 
 /// Those of frames that were drawn some frames ago.
@@ -358,6 +361,7 @@ void Viewer::describe() {
   content_.target_ms = pacing_.asksForFinest() ? 0 : pacing_.targetMs();
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
+  content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
 }
@@ -385,7 +389,6 @@ void Viewer::saveScreenshots() {
   if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now())) savePicture();
 }
 
-/// Whoever is leaving would not read a note.
 void Viewer::savePicture() {
   const std::string file = timedName("png");
   try {

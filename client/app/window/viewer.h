@@ -31,7 +31,8 @@ class Viewer {
  public:
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
-  /// Returns when the user closes the window; a picture that a key has asked for is written before.
+  /// Returns when the user closes the window; a picture that a key has asked for, and what was recorded, is
+  /// written before.
   /// @throws Error if the target cannot be opened, the screenshot asked for is not to be had in time or not
   /// there when the window is closed, that last picture cannot be written, or the flight asked for cannot
   /// begin or is not over: what was flown of it is printed before.
@@ -49,6 +50,7 @@ class Viewer {
   void pick(const Input& input);
   void pointAt(const Input& input);
   void record(const Input& input);
+  void saveRecording();
   std::optional<PickedPoint> under(const glm::dvec2& place_px);
   void fly();
   void noteFlight(std::optional<uint64_t> number);
