@@ -23,8 +23,8 @@ class Scenes : public testing::Test {
   }
   Picture render(const std::string& name, const std::filesystem::path& target,
                  const std::string& camera = "camera.json") {
-    const Outcome outcome = lodestream({"render", target, "--camera", folder_ / camera, "--size", "160x120",
-                                        "-o", folder_ / (name + ".png")});
+    const Outcome outcome = lodestream({"render", target, "--camera", folder_ / camera, "--up", "z", "--size",
+                                        "160x120", "-o", folder_ / (name + ".png")});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return Picture(folder_ / (name + ".png"));
   }
