@@ -76,10 +76,20 @@ std::optional<SessionEvent> Session::nextEvent() {
   return std::exchange(event_, std::nullopt);
 }
 
+/// What can be no frame before one has come is another program's.
+proto::FrameHeader Session::headerOf(std::span<const std::byte, proto::kFrameHeaderBytes> bytes) const {
+  try {
+    return proto::decodeFrameHeader(bytes);
+  } catch (const Error&) {
+    if (state_ != State::kWelcome) throw;
+    throw Error(ErrorCode::kProtocol, "what answers there is no lodestreamd: check the port");
+  }
+}
+
 bool Session::takeFrame() {
   const std::span<const std::byte> input = std::span(input_).subspan(input_begin_);
   if (input.size() < proto::kFrameHeaderBytes) return false;
-  const proto::FrameHeader header = proto::decodeFrameHeader(input.first<proto::kFrameHeaderBytes>());
+  const proto::FrameHeader header = headerOf(input.first<proto::kFrameHeaderBytes>());
   if (input.size() - proto::kFrameHeaderBytes < header.body_bytes) return false;
   input_begin_ += proto::kFrameHeaderBytes + header.body_bytes;
   handleFrame(header, input.subspan(proto::kFrameHeaderBytes, header.body_bytes));

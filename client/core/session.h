@@ -125,6 +125,7 @@ class Session {
     bool cancelling = false;
   };
 
+  proto::FrameHeader headerOf(std::span<const std::byte, proto::kFrameHeaderBytes> bytes) const;
   bool takeFrame();
   void handleFrame(const proto::FrameHeader& header, std::span<const std::byte> body);
   void handleWelcome(const proto::FrameHeader& header, std::span<const std::byte> body);

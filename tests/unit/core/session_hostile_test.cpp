@@ -109,6 +109,7 @@ TEST_F(SessionTest, refusesAnUnknownFrameThatIsNotOptional) {
 }
 
 TEST_F(SessionTest, refusesAFrameLongerThanTheLimitBeforeItsBodyHasCome) {
+  open();
   const auto header = proto::encodeFrameHeader({proto::kMaxFrameBodyBytes + 1, 2, 0, 0});
   expectRefused({header.begin(), header.end()}, "limit");
 }

@@ -63,6 +63,12 @@ TEST_F(SessionTest, skipsAnUnknownFrameThatIsOptional) {
   EXPECT_EQ(give(unknown + welcome() + opened()).size(), 1u);
 }
 
+TEST_F(SessionTest, saysThatAnotherProgramAnswers) {
+  const std::string_view web = "<!DOCTYPE HTML>\n<html lang=\"en\">\n";
+  expectRefused(Bytes(std::as_bytes(std::span(web)).begin(), std::as_bytes(std::span(web)).end()),
+                "no lodestreamd: check the port");
+}
+
 TEST_F(SessionTest, saysWhatTheServerSaysWhenThereIsNoSuchModel) {
   give(welcome());
   expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2),
