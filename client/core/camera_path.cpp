@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/core/strict_json.h"
 #include "common/error.h"
 
 namespace lode::core {
@@ -37,7 +38,8 @@ void refuseOthers(const Json& object, std::initializer_list<std::string_view> kn
 double parseNumber(const Json& value, std::string_view source, const std::string& what) {
   if (!value.is_number()) refuse(source, what + " is not a number");
   const double number = value.get<double>();
-  if (!std::isfinite(number) || std::abs(number) > kMaxCoordinate) refuse(source, what + " is out of range");
+  if (!std::isfinite(number) || std::abs(number) > kMaxCoordinate)
+    refuse(source, what + " must be from -1e15 to 1e15");
   return number;
 }
 
@@ -100,8 +102,9 @@ CameraPath parseCameraPath(std::string_view text, std::string_view source) {
   if (text.size() > kMaxCameraPathBytes)
     throw Error(ErrorCode::kLimit, std::string(source) + ": a camera path of " + std::to_string(text.size()) +
                                        " bytes; the limit is " + std::to_string(kMaxCameraPathBytes));
-  const Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) refuse(source, "not JSON");
+  std::string problem;
+  const Json json = parseStrictly<Json>(text, problem);
+  if (!problem.empty()) refuse(source, problem);
   if (!json.is_object()) refuse(source, "not a JSON object");
   refuseOthers(json, {"fov_y_deg", "keys"}, source, "a camera path");
   CameraPath path;

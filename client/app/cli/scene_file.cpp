@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <map>
 #include <numbers>
 
 #include <nlohmann/json.hpp>
 
+#include "client/app/cli/target.h"
+#include "client/core/strict_json.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -44,7 +47,11 @@ double numberOf(const Json& value, double least, double largest, std::string_vie
                 const std::string& what) {
   if (!value.is_number()) refuseScene(source, what + " is not a number");
   const double number = value.get<double>();
-  if (!(number >= least && number <= largest)) refuseScene(source, what + " is out of range");
+  if (!(number >= least && number <= largest)) {
+    char range[64];
+    std::snprintf(range, sizeof range, " must be from %g to %g", least, largest);
+    refuseScene(source, what + range);
+  }
   return number;
 }
 
@@ -108,6 +115,8 @@ std::map<std::string, uint32_t> addModels(const Json& json, std::string_view sou
     numbers.emplace(name, static_cast<uint32_t>(scene.models.size()));
     scene.models.push_back(textOf(target, source, "models." + name));
     if (scene.models.back().empty()) refuseScene(source, "models." + name + " is empty");
+    if (namesScene(scene.models.back()))
+      refuseScene(source, "models." + name + " is itself a scene: name a store, a PLY or an address");
   }
   return numbers;
 }
@@ -134,8 +143,9 @@ void addInstances(const Json& json, const std::map<std::string, uint32_t>& model
 
 Scene parseScene(std::string_view text, std::string_view source) {
   refuseMoreThan(kMaxSceneBytes, text.size(), "bytes", source);
-  const Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) refuseScene(source, "not JSON");
+  std::string problem;
+  const Json json = core::parseStrictly<Json>(text, problem);
+  if (!problem.empty()) refuseScene(source, problem);
   refuseOthers(json, {"up", "models", "instances", "ground", "sky"}, source, "the scene");
   Scene scene;
   if (const auto up = json.find("up"); up != json.end()) scene.up = upOf(*up, source);

@@ -57,7 +57,7 @@ TEST(CameraPath, refusesWhatIsNotACameraPathAndSaysWhere) {
   expectRefused(pathOf(good + ",7"), "keys[1] is not an object");
   expectRefused(pathOf(keyAt("0", "[0,0]")), "keys[0].eye");
   expectRefused(pathOf(keyAt("0", R"([0,0,"x"])")), "keys[0].eye");
-  expectRefused(pathOf(keyAt("0", "[0,0,1e300]")), "out of range");
+  expectRefused(pathOf(keyAt("0", "[0,0,1e300]")), "must be from -1e15 to 1e15");
   expectRefused(pathOf(keyAt("\"0\"", "[0,0,5]")), "keys[0].t");
   expectRefused(pathOf(R"({"t": 0, "eye": [0,0,5]})"), "keys[0].target is missing");
   expectRefused(pathOf(keyAt("0", "[0,0,0]")), "looks from the target");

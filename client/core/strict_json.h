@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace lode::core {
+
+/// " at line 3, column 7". @param bytes  of the text up to the place, itself included.
+std::string placeIn(std::string_view text, size_t bytes);
+
+/// JSON that people write: a name that an object has twice is wrong, too, of which one would be lost without
+/// a word. @param problem  what is wrong, with its place; empty: nothing.
+template <typename Json>
+Json parseStrictly(std::string_view text, std::string& problem) {
+  std::vector<std::set<std::string>> names;  // of the objects around
+  const auto look = [&](int /*depth*/, typename Json::parse_event_t event, Json& parsed) {
+    using Event = typename Json::parse_event_t;
+    if (event == Event::object_start) names.emplace_back();
+    if (event == Event::object_end) names.pop_back();
+    if (event == Event::key && !names.back().insert(parsed.template get_ref<const std::string&>()).second)
+      problem = parsed.dump(-1, ' ', true) + " is there twice";
+    return true;
+  };
+  try {
+    return Json::parse(text, look);
+  } catch (const typename Json::parse_error& error) {
+    problem = "not JSON" + placeIn(text, error.byte);
+  } catch (const typename Json::out_of_range&) {
+    problem = "a number is too large";
+  }
+  return {};
+}
+
+}  // namespace lode::core
