@@ -121,7 +121,7 @@ int lodestream_describe(lodestream_stream* stream, lodestream_model* model);
 int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view);
 
 /* The newest cut as of the last step: a reference of the caller's own, to be released. NULL while there is
- * none. */
+ * none, which is no error: lodestream_last_error() stays. */
 lodestream_cut* lodestream_take_cut(lodestream_stream* stream);
 void lodestream_release_cut(lodestream_cut* cut);
 void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info);

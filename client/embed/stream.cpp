@@ -98,6 +98,8 @@ void lodestream_default_options(lodestream_options* options) {
 lodestream_stream* lodestream_open(const char* url, const lodestream_options* options) {
   lodestream_stream* stream = nullptr;
   guard([&] {
+    if (url == nullptr)
+      throw lode::Error(lode::ErrorCode::kUsage, "no address was given: name lode://HOST[:PORT]/MODEL");
     lodestream_options chosen;
     lodestream_default_options(&chosen);
     if (options != nullptr) chosen = *options;
@@ -148,7 +150,7 @@ int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view) 
 lodestream_cut* lodestream_take_cut(lodestream_stream* stream) {
   lodestream_cut* cut = nullptr;
   guard([&] {
-    if (!stream->cut) throw lode::Error(lode::ErrorCode::kUsage, "there is no cut yet: step until has_cut");
+    if (!stream->cut) return;
     cut = std::make_unique<lodestream_cut>(lodestream_cut{stream->cut, lode::embed::modelOf(*stream)})
               .release();
   });

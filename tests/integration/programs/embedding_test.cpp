@@ -99,6 +99,28 @@ TEST_F(Embedding, takesOptionsOfZerosForTheDefault) {
   EXPECT_EQ(run(program, {server.url("small")}), "converged\n");
 }
 
+/// Fails to open no address; then says what the last error is when no cut is there yet.
+constexpr const char* kNothingYet = R"(
+#include <lodestream.h>
+#include <stdio.h>
+int main(int count, char** arguments) {
+  lodestream_stream* stream;
+  if (count != 2 || lodestream_open(NULL, NULL) != NULL) return 1;
+  if ((stream = lodestream_open(arguments[1], NULL)) == NULL) return 1;
+  if (lodestream_take_cut(stream) != NULL) return 1;
+  puts(lodestream_last_error());
+  lodestream_close(stream);
+  return 0;
+}
+)";
+
+TEST_F(Embedding, takesNoAddressForAnErrorAndNoCutYetForNone) {
+  writeBytes(folder_ / "nothing.c", kNothingYet);
+  const RunningServer server({makeSmallStore(folder_)});
+  EXPECT_EQ(run(compileInC(folder_ / "nothing.c"), {server.url("small")}),
+            "no address was given: name lode://HOST[:PORT]/MODEL\n");
+}
+
 TEST_F(Embedding, buildsAndRunsTheExampleInCWithPkgConfig) {
   const fs::path program = compileInC(examples() / "embed.c");
   const RunningServer server({makeSmallStore(folder_)});
