@@ -18,6 +18,7 @@
 #include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
+#include "client/app/window/film_folder.h"
 #include "client/app/window/look_options.h"
 #include "client/app/window/picture_file.h"
 #include "client/app/window/scene_subject.h"
@@ -67,9 +68,8 @@ std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath
   }
   std::vector<Shot> shots;
   for (size_t frame = 0; frame < static_cast<size_t>(frames); ++frame) {
-    char name[32];
-    std::snprintf(name, sizeof name, "frame_%06zu.png", frame);
-    shots.push_back({start + static_cast<double>(frame) / options.fps, fs::path(options.folder) / name});
+    shots.push_back(
+        {start + static_cast<double>(frame) / options.fps, fs::path(options.folder) / frameName(frame)});
   }
   return shots;
 }
@@ -89,16 +89,6 @@ class FramesFolder {
   const fs::path path_;
   const Unfinished unfinished_;
 };
-
-void makeFolder(const std::string& folder) {
-  if (folder.empty()) return;
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) {
-    throw Error(ErrorCode::kIo,
-                folder + " cannot be made: " + failed.message() + "; choose another folder for --frames");
-  }
-}
 
 /// What the pictures so far show.
 struct Shown {
@@ -202,12 +192,14 @@ void render(const RenderOptions& options) {
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);
   render::AmbientOcclusion occlusion;
-  makeFolder(options.folder);
+  if (!options.folder.empty()) makeFilmFolder(options.folder);
 
   const std::unique_ptr<PictureSubject> subject = open(options);
   Shown shown;
   const render::DrawStyle style = styleOf(options.look);
-  for (const Shot& shot : planShots(options, subject->path())) {
+  const std::vector<Shot> shots = planShots(options, subject->path());
+  if (!options.folder.empty()) refuseOtherFilm(options.folder, shots.size());
+  for (const Shot& shot : shots) {
     Taken taken = subject->take(shot.t, target, style);
     if (!shown.first_unconverged && (!taken.is_finest || taken.max_error_px > options.common.pixels))
       shown.first_unconverged = {shot.t, taken.status};
