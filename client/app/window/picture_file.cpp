@@ -7,6 +7,8 @@
 namespace lode::app {
 
 void checkPictureFile(std::string_view target, const std::filesystem::path& picture) {
+  const std::filesystem::file_status status = std::filesystem::status(picture);
+  if (std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status)) return;
   if (fileEnding(picture) != ".png")
     throw Error(ErrorCode::kUsage, picture.string() + ": pictures are PNG files: give it the ending .png");
   if (std::filesystem::is_directory(picture))

@@ -34,6 +34,7 @@
 #include "common/command_line.h"
 #include "common/error.h"
 #include "common/interrupted.h"
+#include "common/output_target.h"
 
 namespace lode::app {
 namespace {
@@ -108,7 +109,7 @@ std::string hexOf(const glm::u8vec3& colour) {
   return text;
 }
 
-void printJson(const Shown& shown) {
+void printJson(const Shown& shown, std::FILE* report) {
   using Json = nlohmann::ordered_json;
   Json json;
   json["converged"] = !shown.first_unconverged;
@@ -116,12 +117,12 @@ void printJson(const Shown& shown) {
   json["max_error_px"] = shown.pictures > 0 ? Json(shown.max_error_px) : Json();
   for (const render::LegendEntry& entry : shown.legend)
     json["legend"].push_back({{"colour", hexOf(entry.colour)}, {"meaning", entry.meaning}});
-  std::printf("%s\n", json.dump().c_str());
+  std::fprintf(report, "%s\n", json.dump().c_str());
 }
 
-void printLegend(const Shown& shown) {
+void printLegend(const Shown& shown, std::FILE* report) {
   for (const render::LegendEntry& entry : shown.legend)
-    std::printf("%s  %s\n", hexOf(entry.colour).c_str(), entry.meaning.c_str());
+    std::fprintf(report, "%s  %s\n", hexOf(entry.colour).c_str(), entry.meaning.c_str());
 }
 
 /// A model whose server, stream and renderer live as long.
@@ -187,6 +188,7 @@ void checkOutput(const RenderOptions& options) {
 
 void render(const RenderOptions& options) {
   checkOutput(options);
+  std::FILE* const report = options.output.empty() ? stdout : reportStream(options.output, options.json);
   const PictureSize size = options.common.size();
   // What this machine cannot draw is said before a long build is begun.
   const render::OffscreenContext context;
@@ -212,9 +214,9 @@ void render(const RenderOptions& options) {
     shown.max_error_px = std::max(shown.max_error_px, taken.max_error_px);
   }
   if (options.json)
-    printJson(shown);
+    printJson(shown, report);
   else
-    printLegend(shown);
+    printLegend(shown, report);
   if (shown.first_unconverged) {
     refuseUnconverged("the picture at t = " + std::to_string(shown.first_unconverged->t),
                       shown.first_unconverged->status, options.common);

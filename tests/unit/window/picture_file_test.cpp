@@ -1,0 +1,19 @@
+#include "client/app/window/picture_file.h"
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::app {
+namespace {
+
+TEST(PictureFile, isCalledAPngUnlessItIsADevice) {
+  const test::WorkFolder folder;
+  EXPECT_NO_THROW(checkPictureFile("a.lode", folder / "a.png"));
+  EXPECT_NO_THROW(checkPictureFile("a.lode", "/dev/null"));
+  EXPECT_THROW(checkPictureFile("a.lode", folder / "a.jpg"), Error);
+}
+
+}  // namespace
+}  // namespace lode::app
