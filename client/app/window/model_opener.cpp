@@ -4,6 +4,7 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/first_camera.h"
+#include "client/app/window/build_stage.h"
 
 namespace lode::app {
 namespace {
@@ -52,7 +53,7 @@ void ModelOpener::say(std::string phase, double part) {
 void ModelOpener::run() {
   try {
     const auto watch = [this, phase = firstPhase(target_)](std::string_view stage, double part) {
-      say(phase + "\n" + std::string(stage), part);
+      say(phase + "\n" + describeStage(stage), part);
     };
     const ResolvedTarget resolved = resolveTarget(target_, options_, true, stopping_.get_token(), watch);
     say("Connecting to " + net::toString(resolved.served.address));

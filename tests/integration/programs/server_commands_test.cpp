@@ -89,8 +89,9 @@ TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
     if (stages.empty() || stages.back() != stage) stages.push_back(stage);
   }
   EXPECT_EQ(last, 1) << stages.back();
-  EXPECT_GE(stages.size(), 4u);
-  EXPECT_EQ(std::set(stages.begin(), stages.end()).size(), stages.size()) << "each comes once";
+  std::erase(stages, "border");  // comes where there is much of it
+  EXPECT_EQ(stages,
+            (std::vector<std::string>{"scan", "dereference", "sort", "partition", "simplify", "pack"}));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "a.lode"));
 }
 
