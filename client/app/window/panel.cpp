@@ -19,9 +19,19 @@ constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowF
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
                                     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoInputs;
 constexpr float kMarginPx = 12;
-constexpr float kPanelEm = 23.5f, kNameEm = 5.5f, kValueEm = 18;  ///< widths, in sizes of a letter
+constexpr float kPanelEm = 23.5f, kNameEm = 5.5f, kKeysEm = 6.5f;  ///< widths, in sizes of a letter
 const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1), kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1),
     kBad(1.0f, 0.50f, 0.45f, 1), kBar(0.26f, 0.48f, 0.72f, 1);
+
+/// What a window leaves of a width, between its own sides and the panel's.
+float fitting(float width_px) {
+  const float sides_px = 2 * (kMarginPx + ImGui::GetStyle().WindowPadding.x);
+  return std::clamp(width_px, 1.0f, std::max(1.0f, ImGui::GetIO().DisplaySize.x - sides_px));
+}
+
+float panelPx() { return fitting(ImGui::GetFontSize() * kPanelEm); }
+float namePx() { return std::min(ImGui::GetFontSize() * kNameEm, panelPx() / 2); }
+float valuePx() { return panelPx() - namePx(); }
 
 std::string countOf(uint64_t value) {
   std::string digits = std::to_string(value);
@@ -73,16 +83,16 @@ std::string formatted(const char* format, double a, double b = 0) {
 }
 
 /// A bar with its figures on it.
-void bar(double part, const std::string& text, float width_em) {
+void bar(double part, const std::string& text, float width_px) {
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kBar);
-  ImGui::ProgressBar(static_cast<float>(part), {ImGui::GetFontSize() * width_em, 0}, text.c_str());
+  ImGui::ProgressBar(static_cast<float>(part), {width_px, 0}, text.c_str());
   ImGui::PopStyleColor();
 }
 
 void memoryRow(const char* name, uint64_t bytes, uint64_t budget_bytes) {
   nameRow(name);
   const double part = static_cast<double>(bytes) / static_cast<double>(std::max<uint64_t>(1, budget_bytes));
-  bar(part, bytesOf(bytes) + " of " + bytesOf(budget_bytes), kValueEm);
+  bar(part, bytesOf(bytes) + " of " + bytesOf(budget_bytes), valuePx());
 }
 
 std::string networkOf(const PanelContent& content) {
@@ -102,8 +112,8 @@ std::string tilesOf(const PanelContent& content) {
 void drawFigures(const PanelContent& content) {
   if (!ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) return;
   // Widths that do not follow the figures: the panel would lag a frame behind them.
-  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * kNameEm);
-  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * kValueEm);
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, namePx());
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, valuePx());
   row("triangles", countOf(content.triangles) + " of " + countOf(content.model_triangles));
   row("nodes", countOf(content.nodes));
   row("network", networkOf(content));
@@ -121,7 +131,7 @@ void drawFigures(const PanelContent& content) {
   else if (content.limited)
     ImGui::TextUnformatted(limitedText(content.error_px).c_str());
   else if (!content.exhausted)
-    bar(content.progress, refiningText(content.error_px), kPanelEm);
+    bar(content.progress, refiningText(content.error_px), panelPx());
 }
 
 void drawFrameTimes(std::span<const float> frames_ms, size_t oldest) {
@@ -129,7 +139,7 @@ void drawFrameTimes(std::span<const float> frames_ms, size_t oldest) {
   ImGui::TextColored(kMuted, "frame times, up to %.0f ms", static_cast<double>(most_ms));
   ImGui::PlotHistogram("##frames", frames_ms.data(), static_cast<int>(frames_ms.size()),
                        static_cast<int>(oldest), nullptr, 0, most_ms,
-                       {ImGui::GetFontSize() * kPanelEm, ImGui::GetFontSize() * 2.5f});
+                       {panelPx(), ImGui::GetFontSize() * 2.5f});
 }
 
 void drawLegend(const PanelContent& content) {
@@ -153,10 +163,10 @@ void drawPick(const PanelContent& content) {
 void drawWaiting(const PanelContent& content) {
   ImGui::TextUnformatted(content.waiting.c_str());
   if (content.waiting_part >= 0) {
-    bar(content.waiting_part, formatted("%.0f %%", 100 * content.waiting_part), kPanelEm);
+    bar(content.waiting_part, formatted("%.0f %%", 100 * content.waiting_part), panelPx());
     return;
   }
-  const ImVec2 size(ImGui::GetFontSize() * 18, ImGui::GetFontSize() * 0.5f);
+  const ImVec2 size(fitting(ImGui::GetFontSize() * 18), ImGui::GetFontSize() * 0.5f);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const auto phase = static_cast<float>(std::fmod(content.waited_s, 2.0) / 2.0);
   const float left = at.x + (size.x * 1.25f) * phase - size.x * 0.25f;
@@ -178,6 +188,12 @@ void drawNotice(const Notice& notice) {
   ImGui::TextColored(colour, "%s", notice.text.c_str());
 }
 
+float widthOf(std::span<const KeyHelp> keys) {
+  float width_px = 0;
+  for (const KeyHelp& key : keys) width_px = std::max(width_px, ImGui::CalcTextSize(key.what.data()).x);
+  return width_px;
+}
+
 void drawKeys(std::span<const KeyHelp> keys) {
   for (const KeyHelp& key : keys) row(key.keys.data(), std::string(key.what));
 }
@@ -188,12 +204,18 @@ void drawHelp(const PanelContent& content) {
   ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowBgAlpha(0.9f);
   ImGui::Begin("help", nullptr, kPlain);
+  const float keys_px = ImGui::GetFontSize() * kKeysEm;
+  const float what_px = std::max(widthOf(cameraHelp(content.camera)), widthOf(commonHelp()));
+  ImGui::PushTextWrapPos(0);  // where a column or the window ends
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, keys_px);
+    ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthFixed, fitting(keys_px + what_px) - keys_px);
     drawKeys(cameraHelp(content.camera));
     drawKeys(commonHelp());
     ImGui::EndTable();
   }
   ImGui::TextColored(kMuted, "any key closes this, F1 or ? opens it");
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
@@ -233,7 +255,7 @@ void Panel::draw(const PanelContent& content) {
   const bool is_waiting = !content.waiting.empty(), has_notice = content.notice.kind != Notice::Kind::kNone;
   if (content.visible || is_waiting || has_notice || content.recording || !content.message.empty()) {
     ImGui::Begin("panel", nullptr, kPlain);
-    ImGui::PushTextWrapPos(ImGui::GetFontSize() * (kPanelEm + 1));
+    ImGui::PushTextWrapPos(panelPx() + ImGui::GetFontSize());
     ImGui::TextUnformatted(content.title.c_str());
     if (is_waiting) {
       drawWaiting(content);
