@@ -1,0 +1,220 @@
+"""A window under keys and a pointer that the X server sends, for tests: TEST.py BIN_DIR MODELS_DIR [TEST ...]
+
+Each test has an Xvfb of its own; xdotool presses and moves, xclip reads the clipboard. What the window did is told by what it
+leaves: recorded cameras (P), pictures (F12), texts that are copied (C), its exit status.
+"""
+import contextlib
+import json
+import math
+import os
+import pathlib
+import shutil
+import socket
+import socketserver
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "load"))
+from processes import eventually, running  # noqa: E402
+
+BIN, MODELS = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(2))
+STORE = MODELS / "painted.lode"
+WIDTH, HEIGHT = 480, 360
+MIDDLE = (WIDTH // 2, HEIGHT // 2)
+
+
+@contextlib.contextmanager
+def display():
+    """The name of a screen that nobody sees."""
+    reader, writer = os.pipe()
+    with running(["Xvfb", "-displayfd", writer, "-screen", "0", "1024x768x24", "-nolisten", "tcp"], pass_fds=[writer],
+                 stderr=subprocess.DEVNULL):
+        os.close(writer)
+        with open(reader) as said:
+            yield f":{said.readline().strip()}"
+
+
+class WithoutBlobs(socketserver.StreamRequestHandler):
+    """Between a client and a server: blobs get lost."""
+
+    def handle(self):
+        with socket.create_connection(self.server.behind) as behind, behind.makefile("rb") as said:
+            threading.Thread(target=self.ask, args=[behind], daemon=True).start()
+            with contextlib.suppress(OSError):
+                while header := said.read(12):
+                    size, kind = struct.unpack_from("<IB", header)
+                    frame = header + said.read(size)
+                    if kind != 9:
+                        self.wfile.write(frame)
+
+    def ask(self, behind):
+        with contextlib.suppress(OSError):
+            while asked := self.request.recv(65536):
+                behind.sendall(asked)
+            behind.shutdown(socket.SHUT_RDWR)
+
+
+@contextlib.contextmanager
+def served_without_blobs():
+    """A model whose server answers, but for blobs."""
+    command = [BIN / "lodestreamd", "serve", STORE, "--listen", "127.0.0.1:0"]
+    with running(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as server, \
+            socketserver.ThreadingTCPServer(("127.0.0.1", 0), WithoutBlobs) as between:
+        host, port = json.loads(server.stdout.readline())["listen"].split(":")
+        between.behind, between.daemon_threads, between.block_on_close = (host, int(port)), True, False
+        threading.Thread(target=between.serve_forever, daemon=True).start()
+        yield f"lode://127.0.0.1:{between.server_address[1]}/painted"
+        between.shutdown()
+
+
+class Window:
+    """`lodestream view` on a display, with its files in a folder; ended with the `with`."""
+
+    def __init__(self, screen, folder, target, *options, **pipes):
+        self.folder, self.pipes = pathlib.Path(folder), pipes
+        self.environment = dict(os.environ, DISPLAY=screen, HOME=folder, XDG_CACHE_HOME=folder, LIBGL_ALWAYS_SOFTWARE="1")
+        self.command = [BIN / "lodestream", "view", target, "--size", f"{WIDTH}x{HEIGHT}", *options]
+
+    def __enter__(self):
+        with contextlib.ExitStack() as stack:
+            self.process = stack.enter_context(running(self.command, cwd=self.folder, env=self.environment, **self.pipes))
+            self.id = self.xdotool("search", "--sync", "--onlyvisible", "--name", "Lodestream").split()[-1]
+            self.xdotool("windowfocus", self.id)
+            self.move(MIDDLE)
+            self.ended = stack.pop_all()
+        return self
+
+    def __exit__(self, *_):
+        self.ended.close()
+
+    def xdotool(self, *arguments):
+        done = subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, check=True, capture_output=True, text=True,
+                              timeout=120)
+        return done.stdout
+
+    def key(self, name):
+        self.xdotool("key", name)
+
+    def move(self, to):
+        self.xdotool("mousemove", "--window", self.id, *to)
+
+    def click(self, at, button=1, times=1):
+        self.move(at)
+        self.xdotool("click", "--repeat", times, "--delay", 60, button)
+
+    def drag(self, start, *ends):
+        """From place to place; at each a picture is drawn."""
+        self.move(start)
+        self.xdotool("mousedown", 1)
+        for end in ends:
+            self.move(end)
+            self.picture()
+        self.xdotool("mouseup", 1)
+
+    def saved(self, ending, parse):
+        """What is in the file that it saves, once that is whole; the file is gone then."""
+        def read():
+            for file in self.folder.glob(f"lodestream-*.{ending}"):
+                with contextlib.suppress(ValueError):
+                    content = parse(file.read_bytes())
+                    file.unlink()
+                    return content
+            return None
+        return eventually(read)
+
+    def picture(self):
+        """Of the window at rest, or nearly so: when it is there, all that was pressed before has been done."""
+        self.key("F12")
+        return self.saved_picture()
+
+    def saved_picture(self):
+        def whole(png):
+            if not png.endswith(b"IEND\xaeB`\x82"):
+                raise ValueError
+            return png
+        return self.saved("png", whole)
+
+    def recorded(self, act):
+        """The camera's keys while something is done."""
+        self.key("p")
+        self.picture()
+        act()
+        self.picture()
+        self.key("p")
+        return self.saved("json", json.loads)["keys"]
+
+    def hold(self, key):
+        """Until a picture has been drawn with it."""
+        self.xdotool("keydown", key)
+        self.picture()
+        self.xdotool("keyup", key)
+
+    def copied(self):
+        self.key("c")
+        self.picture()
+        return subprocess.run(["xclip", "-o", "-selection", "clipboard"], env=self.environment, check=True, capture_output=True,
+                              text=True, timeout=120).stdout
+
+    def leave(self):
+        """Its exit status after Escape."""
+        self.key("Escape")
+        return self.process.wait(timeout=120)
+
+
+def size_of(png):
+    return struct.unpack(">II", png[16:24])
+
+
+def lower_half(png):
+    """Its pixels: above stands what the window says, of the last picture that was saved too."""
+    (width, height), packed, at = size_of(png), b"", 8
+    while at < len(png):
+        size, kind = struct.unpack(">I4s", png[at:at + 8])
+        packed += png[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += 12 + size
+    lines, row, rows = zlib.decompress(packed), bytearray(3 * width), []
+    for number in range(height):  # http://www.w3.org/TR/png, 9: what each filter adds
+        kind, *line = lines[number * (3 * width + 1):(number + 1) * (3 * width + 1)]
+        above, row = row, bytearray(line)
+        for i in range(3 * width if kind else 0):
+            left, up, corner = row[i - 3] if i >= 3 else 0, above[i], above[i - 3] if i >= 3 else 0
+            paeth = min((abs(up - corner), 0, left), (abs(left - corner), 1, up), (abs(left + up - 2 * corner), 2, corner))[2]
+            row[i] = (row[i] + (0, left, up, (left + up) // 2, paeth)[kind]) & 255
+        rows.append(row)
+    return b"".join(rows[height // 2:])
+
+
+def direction(key):
+    along = [b - a for a, b in zip(key["eye"], key["target"])]
+    return [part / math.hypot(*along) for part in along]
+
+
+def place_of(copied):
+    return [float(number) for number in copied.split("\n")[0].split()]
+
+
+def moved(keys):
+    return [b - a for a, b in zip(keys[0]["eye"], keys[-1]["eye"])]
+
+
+class WindowTest(unittest.TestCase):
+    @contextlib.contextmanager
+    def window(self, target=STORE, *options, is_open=True, **pipes):
+        with tempfile.TemporaryDirectory() as folder, display() as screen, \
+                Window(screen, folder, target, *options, **pipes) as window:
+            if is_open:
+                window.picture()  # with the first key the help of the first start goes
+            yield window
+
+
+def main():
+    """Ends with 77 where one of the programs is missing."""
+    if missing := [program for program in ("Xvfb", "xdotool", "xclip") if not shutil.which(program)]:
+        print(f"skipped: install {', '.join(missing)}")
+        sys.exit(77)
+    unittest.main()
