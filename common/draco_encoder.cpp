@@ -117,6 +117,12 @@ void setExplicitQuantization(draco::ExpertEncoder& encoder, int id, int bits, co
   encoder.options().SetAttributeOptions(id, options);
 }
 
+bool hasTransparency(const Mesh& mesh) {
+  return mesh.attributes.has(AttributeSet::kAlpha) &&
+         std::any_of(mesh.vertex_attributes.begin(), mesh.vertex_attributes.end(),
+                     [](const VertexAttributes& a) { return a.colour.a != 255; });
+}
+
 void addPositions(draco::Mesh& out, const Mesh& mesh, double step) {
   addAttribute<float>(out, GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, false, mesh.positions.size(),
                       [&](size_t i, float* p) {

@@ -108,6 +108,16 @@ Json addVertices(Parts& parts, const Mesh& mesh, const Lattice& lattice) {
   return attributes;
 }
 
+/// Whether any vertex of a group is not opaque.
+bool hasTransparency(const Mesh& mesh, const MaterialGroup& group) {
+  if (!mesh.attributes.has(AttributeSet::kAlpha)) return false;
+  const auto isClear = [&](uint32_t vertex) { return mesh.vertex_attributes[vertex].colour.a != 255; };
+  return std::ranges::any_of(group.triangles, [&](uint32_t number) {
+    const glm::u32vec3 triangle = mesh.triangles[number];
+    return isClear(triangle.x) || isClear(triangle.y) || isClear(triangle.z);
+  });
+}
+
 /// A material that is matt and seen from both sides, and its image.
 /// @param alpha_mode  of the specification; empty: alpha is left out of account.
 void addMaterial(Json& document, const std::string& image, const std::string& alpha_mode) {
@@ -136,7 +146,6 @@ Json describe(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images
   node["mesh"] = 0;
   node["translation"] = {lattice.origin.x, lattice.origin.y, lattice.origin.z};
   const Json attributes = addVertices(parts, mesh, lattice);
-  const bool blends = hasTransparency(mesh);
   Json primitives = Json::array();
   for (const MaterialGroup& group : groups) {
     const size_t indices =
@@ -145,7 +154,7 @@ Json describe(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images
     const std::string image = imageOf(mesh, images.set, group.material);
     const bool cuts_out =
         !image.empty() && group.material < images.has_alpha.size() && images.has_alpha[group.material];
-    addMaterial(document, image, blends ? "BLEND" : cuts_out ? "MASK" : "");
+    addMaterial(document, image, hasTransparency(mesh, group) ? "BLEND" : cuts_out ? "MASK" : "");
   }
   document["meshes"][0]["primitives"] = std::move(primitives);
   parts.describe(document);

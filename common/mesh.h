@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -60,12 +59,5 @@ struct Mesh {
 
   bool operator==(const Mesh&) const = default;
 };
-
-/// Whether any vertex is not opaque.
-inline bool hasTransparency(const Mesh& mesh) noexcept {
-  return mesh.attributes.has(AttributeSet::kAlpha) &&
-         std::ranges::any_of(mesh.vertex_attributes,
-                             [](const VertexAttributes& vertex) { return vertex.colour.a != 255; });
-}
 
 }  // namespace lode

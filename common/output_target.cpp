@@ -44,12 +44,15 @@ OutputTarget findOutput(const std::filesystem::path& asked) {
   return {behindLinks(asked)};
 }
 
-std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
+bool isStandardOutput(const std::filesystem::path& output) noexcept {
   struct stat asked {};
   struct stat printed {};
-  const bool is_stdout = ::stat(output.c_str(), &asked) == 0 && ::fstat(STDOUT_FILENO, &printed) == 0 &&
-                         asked.st_dev == printed.st_dev && asked.st_ino == printed.st_ino;
-  if (!is_stdout) return stdout;
+  return ::stat(output.c_str(), &asked) == 0 && ::fstat(STDOUT_FILENO, &printed) == 0 &&
+         asked.st_dev == printed.st_dev && asked.st_ino == printed.st_ino;
+}
+
+std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
+  if (!isStandardOutput(output)) return stdout;
   if (as_json)
     throw Error(ErrorCode::kUsage,
                 output.string() + ": is where --json prints: name a file, or leave --json out");

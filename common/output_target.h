@@ -16,6 +16,9 @@ struct OutputTarget {
 /// links that lead in circles.
 OutputTarget findOutput(const std::filesystem::path& asked);
 
+/// Whether it is this process's standard output, whatever that is and by whatever name.
+bool isStandardOutput(const std::filesystem::path& output) noexcept;
+
 /// Where to say what was written: stdout, or stderr if the output is stdout itself. To be asked before it is
 /// written. @throws Error kUsage in that case if it is to be said as JSON, which is for stdout.
 std::FILE* reportStream(const std::filesystem::path& output, bool as_json);

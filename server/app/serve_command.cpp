@@ -20,6 +20,13 @@
 namespace lode::app {
 namespace {
 
+volatile std::sig_atomic_t asked_to_reload = 0;
+
+/// Until Signals takes SIGHUP: what was read before it came is to be read again once the server is there.
+void noteReloads() {
+  std::signal(SIGHUP, [](int) { asked_to_reload = 1; });
+}
+
 /// Stops a server at SIGTERM or SIGINT and reloads it at SIGHUP, from its construction to its end.
 class Signals {
  public:
@@ -27,6 +34,7 @@ class Signals {
     // Never destroyed: a signal that comes while the process ends shall not kill it.
     [[maybe_unused]] static const auto* const kept =
         new asio::signal_set(*new asio::io_context, SIGTERM, SIGINT, SIGHUP);
+    if (asked_to_reload != 0) askToReload();
     wait();
     thread_ = std::jthread([this] { context_.run(); });
   }
@@ -37,13 +45,17 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
+  /// Whether a reload is under way, or waits for that.
+  bool reloading() const noexcept { return reloads_open_ > 0; }
+
  private:
   void wait() {
     signals_.async_wait([this](const asio::error_code& error, int signal) {
       if (error) return;
       if (signal == SIGHUP) {
-        if (!reload_waits_.exchange(true)) asio::post(reloads_, [this] { reload(); });
+        askToReload();
       } else {
+        stopping_ = true;
         notifyService("STOPPING=1");
         server_.stop();
       }
@@ -51,25 +63,37 @@ class Signals {
     });
   }
 
+  /// One that has not begun does for more that are asked for.
+  void askToReload() {
+    if (reload_waits_.exchange(true)) return;
+    ++reloads_open_;
+    asio::post(reloads_, [this] {
+      reload_waits_ = false;
+      reload();
+      --reloads_open_;
+    });
+  }
+
   void reload() {
-    reload_waits_ = false;
+    if (stopping_) return;
     notifyService("RELOADING=1\nMONOTONIC_USEC=" + monotonicMicroseconds());
     server_.reload();
-    notifyService("READY=1");
+    if (!stopping_) notifyService("READY=1");
   }
 
   serve::Server& server_;
   asio::io_context context_{1};
   asio::signal_set signals_;
   asio::thread_pool reloads_{1};  ///< a thread of their own: a disk may hang, and the server be stopped
-  std::atomic<bool> reload_waits_{false};  ///< one that has not begun; more come to the same
+  std::atomic<bool> reload_waits_{false}, stopping_{false};
+  std::atomic<int> reloads_open_{0};
   std::jthread thread_;
 };
 
 void runServe(serve::ServeOptions options) {
   options.listening_socket = socketOfService();
   std::signal(SIGPIPE, SIG_IGN);  // who reads our output may go; we stay
-  std::signal(SIGHUP, SIG_IGN);   // until Signals takes it: what is read now is as new as a reload's
+  noteReloads();
   serve::Server server(std::move(options));
   Signals signals(server);
   Json metrics = nullptr;
@@ -77,6 +101,7 @@ void runServe(serve::ServeOptions options) {
   printJson({{"listen", server.address()}, {"metrics", metrics}, {"models", server.models()}});
   notifyService("READY=1");
   server.run();
+  if (signals.reloading()) std::_Exit(0);  // its disk may never answer, and nothing can end the wait for it
 }
 
 constexpr double kLeastSeconds = 0.001;  // of a deadline: none would end every connection at once

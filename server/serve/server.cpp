@@ -269,7 +269,7 @@ void Server::State::reload() {
   keeping("stores", [&] { offer.catalog = reopenCatalog(*offer.catalog, options.stores, readerOptions()); });
   keeping("tokens", [&] { offer.tokens = openTokens(); });
   keeping("the certificate", [&] { tls = openCertificate(); });
-  lookOver();
+  keeping("what is offered", [&] { lookOver(); });
   const std::lock_guard workers_lock(workers_mutex);
   for (auto& worker : workers) worker->publish(published());
   asio::post(context, [this, now = tls] { door->setTls(now); });

@@ -103,9 +103,9 @@ class Window:
     def move(self, to):
         self.xdotool("mousemove", "--window", self.id, *to)
 
-    def click(self, at, button=1, times=1):
+    def click(self, at, button=1, times=1, delay_ms=60):
         self.move(at)
-        self.xdotool("click", "--repeat", times, "--delay", 60, button)
+        self.xdotool("click", "--repeat", times, "--delay", delay_ms, button)
 
     def drag(self, start, *ends):
         """From place to place; at each a picture is drawn."""

@@ -111,6 +111,14 @@ class Picks(WindowTest):
             self.assertAlmostEqual(distance, math.dist(place_of(one), place_of(two)), delta=0.01 * distance)
             self.assertGreater(distance, 0)
 
+    def test_stay_where_a_double_click_goes_elsewhere(self):
+        with self.window() as window:
+            window.click(MIDDLE)
+            one = window.copied()
+            for delay_ms in (1, 60):  # both clicks in one frame, or each in its own
+                window.click((MIDDLE[0] + 40, MIDDLE[1] + 20), times=2, delay_ms=delay_ms)
+                self.assertEqual(place_of(window.copied()), place_of(one))
+
 
 class Shown(WindowTest):
     def test_panel_comes_and_goes(self):

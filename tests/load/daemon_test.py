@@ -162,17 +162,22 @@ class ServiceManager(unittest.TestCase):
                 daemon.process.send_signal(signal.SIGHUP)
                 with self.once_it_is_read(tokens):
                     daemon.process.send_signal(signal.SIGTERM)
-                    eventually(lambda: self.nobody_listens(daemon.address))
+                    self.assertEqual(daemon.process.wait(timeout=120), 0)
 
-    def test_may_ask_for_a_reload_before_it_is_ready(self):
+    def test_sees_a_reload_done_that_it_asked_for_before_the_server_was_ready(self):
         with tempfile.TemporaryDirectory() as folder:
-            tokens = self.pipe_of_tokens(folder)
-            command = [os.path.join(BIN, "lodestreamd"), "serve", STORE, "--listen", "127.0.0.1:0", "--token-file", tokens]
-            with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
-                with self.once_it_is_read(tokens) as writer:
+            shutil.copy(STORE, os.path.join(folder, "first.lode"))
+            tokens, log = self.pipe_of_tokens(folder), os.path.join(folder, "log")
+            command = [os.path.join(BIN, "lodestreamd"), "serve", folder, "--listen", "127.0.0.1:0", "--token-file", tokens]
+            with open(log, "w") as said, subprocess.Popen(command, stdout=subprocess.PIPE, stderr=said, text=True) as process:
+                with self.once_it_is_read(tokens) as writer:  # the stores have been read
+                    shutil.copy(STORE, os.path.join(folder, "second.lode"))
                     process.send_signal(signal.SIGHUP)
                     writer.write("one never *\n")
                 self.assertIn("listen", process.stdout.readline())
+                with self.once_it_is_read(tokens) as writer:
+                    writer.write("one never *\n")
+                eventually(lambda: re.search(r"reloaded.*models=2", pathlib.Path(log).read_text()))
                 process.send_signal(signal.SIGTERM)
                 self.assertEqual(process.wait(timeout=120), 0)
 

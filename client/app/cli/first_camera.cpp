@@ -20,6 +20,14 @@ core::Framing wantedFraming(const CommonOptions& options) {
   return framing;
 }
 
+core::Framing framingOf(const Scene& scene, const CommonOptions& options) {
+  if (!options.up_text.empty())
+    throw Error(ErrorCode::kUsage, options.target + ": a scene says itself which way is up: leave out --up");
+  core::Framing framing = wantedFraming(options);
+  framing.up = scene.up;
+  return framing;
+}
+
 core::Framing frameCoarsely(core::Framing framing, stream::Streamer& streamer, const ModelSummary& model,
                             std::chrono::milliseconds timeout, const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kLook{50};  // between looks at who stops it

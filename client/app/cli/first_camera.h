@@ -4,6 +4,7 @@
 #include <stop_token>
 
 #include "client/app/cli/common_options.h"
+#include "client/app/cli/scene_file.h"
 #include "client/core/framing.h"
 #include "client/stream/streamer.h"
 #include "common/model_summary.h"
@@ -13,8 +14,11 @@ namespace lode::app {
 /// What --up and --size say of the first camera. @throws Error kUsage.
 core::Framing wantedFraming(const CommonOptions& options);
 
-/// The same with the coarsest mesh of an open model, which comes before all else. Waits for it: where it does
-/// not come in time, or stop is requested, the framing has none.
+/// What --size and a scene say of its first camera. @throws Error kUsage where --up says it, too.
+core::Framing framingOf(const Scene& scene, const CommonOptions& options);
+
+/// wantedFraming() with the coarsest mesh of an open model, which comes before all else. Waits for it: where
+/// it does not come in time, or stop is requested, the framing has none.
 core::Framing frameCoarsely(core::Framing framing, stream::Streamer& streamer, const ModelSummary& model,
                             std::chrono::milliseconds timeout, const std::stop_token& stop = {});
 

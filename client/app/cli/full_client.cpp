@@ -182,9 +182,10 @@ void FullClient::work(core::TimePoint now) {
   const uint64_t received = engine_.counts().received_bytes;
   tally_.bytes += received - std::exchange(received_bytes_, received);
   const core::Cut* const cut = engine_.cut().get();
-  if (cut != nullptr && !std::exchange(image_seen_, true)) tally_.first_image.add(now - start_);
+  const auto sinceStart = [&] { return std::chrono::steady_clock::now() - start_; };  // decoding included
+  if (cut != nullptr && !std::exchange(image_seen_, true)) tally_.first_image.add(sinceStart());
   const bool has_all = cut != nullptr && cut->converged;
-  if (has_all && !std::exchange(converged_, true)) tally_.converged.add(now - start_);
+  if (has_all && !std::exchange(converged_, true)) tally_.converged.add(sinceStart());
   if (has_all && engine_.staysConnected()) lost_.clear();  // the view wants them no more
 }
 

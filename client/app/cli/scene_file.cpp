@@ -113,10 +113,10 @@ std::map<std::string, uint32_t> addModels(const Json& json, std::string_view sou
   std::map<std::string, uint32_t> numbers;
   for (const auto& [name, target] : models->items()) {
     numbers.emplace(name, static_cast<uint32_t>(scene.models.size()));
-    scene.models.push_back(textOf(target, source, "models." + name));
-    if (scene.models.back().empty()) refuseScene(source, "models." + name + " is empty");
+    scene.models.push_back(textOf(target, source, "models." + quoted(name)));
+    if (scene.models.back().empty()) refuseScene(source, "models." + quoted(name) + " is empty");
     if (namesScene(scene.models.back()))
-      refuseScene(source, "models." + name + " is itself a scene: name a store, a PLY or an address");
+      refuseScene(source, "models." + quoted(name) + " is itself a scene: name a store, a PLY or an address");
   }
   return numbers;
 }

@@ -81,8 +81,8 @@ class Recorder {
     transport_.send(std::move(frames));
     io_.run_one_for(std::chrono::milliseconds(10));
     const proto::Bytes bytes = transport_.takeReceived();
-    overheard_.received(bytes);
     engine_.receive(bytes, Clock::now());
+    overheard_.received(bytes);
     if (!engine_.trouble().empty()) throw Error(ErrorCode::kNetwork, engine_.trouble());
     for (core::DecodeJob& job : engine_.takeDecodeJobs()) {
       engine_.finishDecode(core::runDecodeJob(job));

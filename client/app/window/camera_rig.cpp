@@ -65,7 +65,8 @@ core::CameraKey CameraRig::camera() const {
   constexpr double kAlong = 1e-5, kUpright = 1e-9;
   const glm::dvec3 eye = model_.lattice.origin + view_.eye_model;
   const glm::dvec3 level = glm::cross(view_.forward, up_);
-  const bool is_upright = glm::length(level) > kAlong && std::abs(glm::dot(level, view_.up)) < kUpright;
+  const bool is_upright = glm::length(level) > kAlong && std::abs(glm::dot(level, view_.up)) < kUpright &&
+                          glm::dot(view_.up, up_) > 0;
   return {0, eye, eye + view_.forward * orbit_.distanceModel(), is_upright ? up_ : view_.up};
 }
 

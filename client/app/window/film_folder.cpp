@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/error.h"
+#include "common/printable.h"
 
 namespace lode::app {
 
@@ -26,17 +27,21 @@ void makeFilmFolder(const fs::path& folder) {
 
 void refuseOtherFilm(const fs::path& folder, size_t frames) {
   constexpr std::string_view kBefore = "frame_";
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename();
+  std::error_code failed;
+  fs::directory_iterator entry(folder, failed);
+  for (; !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
+    const std::string name = entry->path().filename();
     if (!name.starts_with(kBefore)) continue;
     size_t frame = 0;
     std::from_chars(name.data() + kBefore.size(), name.data() + name.size(), frame);
     if (name == frameName(frame) && frame >= frames)
-      throw Error(ErrorCode::kUsage, entry.path().string() + " is of another film, behind the " +
-                                         std::to_string(frames) +
-                                         " frames of this one: remove it, or choose another folder for "
-                                         "--frames");
+      throw Error(ErrorCode::kUsage, entry->path().string() + " is of another film, behind the " +
+                                         counted(frames, "frame") +
+                                         " of this one: remove it, or choose another folder for --frames");
   }
+  if (failed)
+    throw Error(ErrorCode::kIo, folder.string() + " cannot be listed: " + failed.message() +
+                                    "; choose another folder for --frames");
 }
 
 }  // namespace lode::app

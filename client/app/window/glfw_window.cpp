@@ -191,8 +191,8 @@ void GlfwWindow::pressButton(int button, bool is_down) {
   const double since_s = glfwGetTime() - clicked_s_;
   const double attended_s = since_s - (unattended_s_ - clicked_unattended_s_);
   const bool is_there_again = glm::distance(pointer_, clicked_at_) <= kClickReach;
-  pending_.clicked = true;
   pending_.double_clicked = is_there_again && attended_s < kDoubleClickS && since_s < kLongestDoubleClickS;
+  pending_.clicked = pending_.clicked || !pending_.double_clicked;
   clicked_at_ = pointer_;
   clicked_s_ = pending_.double_clicked ? -1e9 : glfwGetTime();
   clicked_unattended_s_ = unattended_s_;

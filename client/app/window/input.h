@@ -14,8 +14,8 @@ struct Input {
   glm::dvec2 pointer_px{0};     ///< where the pointer is
   bool pressed = false;         ///< a button went down
   glm::dvec2 pressed_px{0};     ///< where one did last: the pointer may have gone on since
-  bool clicked = false;         ///< the left button went down and up where the pointer is,
-  bool double_clicked = false;  ///< twice
+  bool clicked = false;         ///< the left button went down and up where the pointer is
+  bool double_clicked = false;  ///< and again; the first of the two is `clicked`, in this frame or one before
   render::FlyKeys fly;          ///< held down now
   glm::dvec2 pad_turn{0};       ///< by a gamepad's stick, -1 to 1: to the right, down
 

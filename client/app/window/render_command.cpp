@@ -59,16 +59,20 @@ struct Shot {
   fs::path file;
 };
 
-std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath& path) {
-  if (!options.output.empty()) return {{path.keys.front().t, options.output}};
-  const double start = path.keys.front().t;
-  const double frames = std::floor((path.keys.back().t - start) * options.fps + 1e-9) + 1;
+size_t frameCount(const RenderOptions& options, const core::CameraPath& path) {
+  const double frames = std::floor((path.keys.back().t - path.keys.front().t) * options.fps + 1e-9) + 1;
   if (frames > static_cast<double>(kMaxPictures)) {
     throw Error(ErrorCode::kUsage,
                 "the path has more than " + std::to_string(kMaxPictures) + " frames; choose a lower --fps");
   }
+  return static_cast<size_t>(frames);
+}
+
+std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath& path) {
+  const double start = path.keys.front().t;
+  if (!options.output.empty()) return {{start, options.output}};
   std::vector<Shot> shots;
-  for (size_t frame = 0; frame < static_cast<size_t>(frames); ++frame) {
+  for (size_t frame = 0; frame < frameCount(options, path); ++frame) {
     shots.push_back(
         {start + static_cast<double>(frame) / options.fps, fs::path(options.folder) / frameName(frame)});
   }
@@ -194,14 +198,16 @@ void render(const RenderOptions& options) {
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);
   render::AmbientOcclusion occlusion;
-  if (!options.folder.empty()) makeFilmFolder(options.folder);
+  if (!options.folder.empty()) {
+    makeFilmFolder(options.folder);
+    const auto path = wantedPath(options.common);
+    refuseOtherFilm(options.folder, path ? frameCount(options, *path) : 1);
+  }
 
   const std::unique_ptr<PictureSubject> subject = open(options);
   Shown shown;
   const render::DrawStyle style = styleOf(options.look);
-  const std::vector<Shot> shots = planShots(options, subject->path());
-  if (!options.folder.empty()) refuseOtherFilm(options.folder, shots.size());
-  for (const Shot& shot : shots) {
+  for (const Shot& shot : planShots(options, subject->path())) {
     Taken taken = subject->take(shot.t, target, style);
     if (!shown.first_unconverged && (!taken.is_finest || taken.max_error_px > options.common.pixels))
       shown.first_unconverged = {shot.t, taken.status};

@@ -65,9 +65,7 @@ SceneSubject::~SceneSubject() = default;
 /// The one asked for, or the camera that frames a model of the scene's size.
 core::CameraPath SceneSubject::framingPath(const CommonOptions& options) const {
   if (const auto wanted = wantedPath(options)) return *wanted;
-  core::Framing framing = wantedFraming(options);
-  if (!framing.up) framing.up = scene_.up;
-  return core::framingCamera(stage_->whole(), framing);
+  return core::framingCamera(stage_->whole(), framingOf(scene_, options));
 }
 
 Taken SceneSubject::take(double t, const render::Framebuffer& target, render::DrawStyle style) {

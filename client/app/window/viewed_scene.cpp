@@ -69,9 +69,8 @@ const core::CutProbe* ViewedScene::Model::probe(size_t place) {
 ViewedScene::ViewedScene(const CommonOptions& options)
     : scene_(readScene(options.target)),
       options_(options),
-      framing_(wantedFraming(options)),
+      framing_(framingOf(scene_, options)),
       memory_(options.streamOptions().memory_budget_bytes, scene_.models.size()) {
-  if (!framing_.up) framing_.up = scene_.up;
   whole_.name = std::filesystem::path(options.target).filename().string();
   for (const std::string& target : scene_.models) parseTarget(target);  // says what is wrong at once
 }

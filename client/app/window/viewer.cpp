@@ -231,7 +231,7 @@ void Viewer::noteFlight(std::optional<uint64_t> number) {
 
 /// What was clicked on in the same frame is copied, too.
 void Viewer::pick(const Input& input) {
-  if (input.pressed || input.clicked || input.wheel != 0) pointAt(input);
+  if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
   if (!input.copy) return;
   std::string text;
   for (const std::string& line : picks_.lines()) text += line + "\n";
@@ -247,7 +247,7 @@ void Viewer::pointAt(const Input& input) {
   }
   if (input.double_clicked) {
     rig_->flyTo(hit->position_model);
-    picks_.takeBack();
+    if (!input.clicked) picks_.takeBack();  // what the first of the two clicks added
     return;
   }
   rig_->turnAbout(hit->position_model);

@@ -23,8 +23,10 @@ class Scenes : public testing::Test {
   }
   Picture render(const std::string& name, const std::filesystem::path& target,
                  const std::string& camera = "camera.json") {
-    const Outcome outcome = lodestream({"render", target, "--camera", folder_ / camera, "--up", "z", "--size",
-                                        "160x120", "-o", folder_ / (name + ".png")});
+    std::vector<std::string> arguments{"render", target,    "--camera", folder_ / camera,
+                                       "--size", "160x120", "-o",       folder_ / (name + ".png")};
+    if (target.extension() != ".json") arguments.insert(arguments.end(), {"--up", "z"});  // as scenes have it
+    const Outcome outcome = lodestream(arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return Picture(folder_ / (name + ".png"));
   }
@@ -188,6 +190,13 @@ TEST_F(DrawnScenes, areRefusedInOneLineWhereTheyAreWrong) {
   EXPECT_NE(refusal("{").find("s.json"), std::string::npos);
   EXPECT_NE(refusal(R"({"models": {"m": "no.lode"}, "instances": [{"model": "m"}]})").find("no.lode"),
             std::string::npos);
+}
+
+TEST_F(DrawnScenes, sayThemselvesWhichWayIsUp) {
+  writeBytes(folder_ / "s.json", withInstances(R"({"model": "m"})"));
+  const Outcome outcome = lodestream({"render", folder_ / "s.json", "--up", "y", "-o", folder_ / "a.png"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("leave out --up"), std::string::npos) << outcome.err;
 }
 
 TEST_F(Scenes, areRefusedByCommandsThatTakeOneModel) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -45,6 +46,16 @@ class SilentServer {
   void waitForAConnection() const {
     pollfd waiting{socket_, POLLIN, 0};
     EXPECT_EQ(poll(&waiting, 1, static_cast<int>(std::chrono::milliseconds(kPatience).count())), 1);
+  }
+  /// To the next that comes, and closes.
+  void sayOnce(std::string_view text) const {
+    waitForAConnection();
+    const int client = accept(socket_, nullptr, nullptr);
+    EXPECT_EQ(send(client, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
+    shutdown(client, SHUT_WR);
+    char asked[4096];
+    while (recv(client, asked, sizeof asked, 0) > 0) continue;
+    close(client);
   }
 
  private:
@@ -211,6 +222,18 @@ TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {
     const Outcome outcome = lodestream(arguments);
     EXPECT_EQ(outcome.status, 2);
     expectOneLine(outcome.err);
+  }
+}
+
+TEST_F(Loadtest, ofAnotherProgramsServerSaysThatItIsNone) {
+  const SilentServer web;
+  for (const char* kind : {"--full", "--decode-off"}) {
+    Program test("lodestream", {"loadtest", web.url(), kind, "--clients", "1", "--seconds", "1"});
+    web.sayOnce("HTTP/1.0 400 Bad Request\r\n\r\n");
+    const Outcome outcome = test.wait();
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE((outcome.out + outcome.err).find("no lodestreamd: check the port"), std::string::npos)
+        << outcome.out << outcome.err;
   }
 }
 

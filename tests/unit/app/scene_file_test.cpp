@@ -52,7 +52,7 @@ TEST(SceneFile, refusesWhatIsNotOneAndNamesWhere) {
       {"[]", "the scene is not an object"},
       {R"({"models": {"a": "a.lode", "a": "b.lode"}, "instances": [{"model": "a"}]})",
        R"("a" is there twice)"},
-      {R"({"models": {"a": "b.json"}, "instances": [{"model": "a"}]})", "models.a is itself a scene"},
+      {R"({"models": {"a": "b.json"}, "instances": [{"model": "a"}]})", "models.\"a\" is itself a scene"},
       {R"({"models": {}, "instances": []})", "models is not an object with a model"},
       {"{" + kModels + "}", "instances is not a list"},
       {"{" + kModels + R"(, "instances": []})", "instances is not a list with an instance"},

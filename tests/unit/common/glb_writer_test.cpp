@@ -117,6 +117,16 @@ TEST_F(GlbWriter, blendsWhereAVertexIsNotOpaqueAndNotForTheChannelAlone) {
   EXPECT_EQ(json_["materials"][0]["alphaMode"], "BLEND");
 }
 
+TEST_F(GlbWriter, blendsNoMaterialForAVertexOfAnother) {
+  test::MeshOptions options;
+  options.attributes.bits = AttributeSet::kAlpha | AttributeSet::kTexture | AttributeSet::kMaterial;
+  Mesh mesh = test::makeGrid(4, 3, options);
+  for (VertexAttributes& vertex : mesh.vertex_attributes) vertex.colour.a = vertex.material == 1 ? 100 : 255;
+  write(mesh, {});
+  EXPECT_FALSE(json_["materials"][0].contains("alphaMode"));
+  EXPECT_EQ(json_["materials"][1]["alphaMode"], "BLEND");
+}
+
 TEST_F(GlbWriter, cutsOutWhatClearTexelsOfAnImageHide) {
   test::MeshOptions options;
   options.attributes.bits = AttributeSet::kTexture | AttributeSet::kMaterial;

@@ -154,6 +154,16 @@ TEST(CameraRig, tellsALeaningCameraAsItLeans) {
   EXPECT_LT(glm::distance(told.up, rig.view().up), 1e-9);
 }
 
+TEST(CameraRig, tellsACameraThatStandsOnItsHeadAsItStands) {
+  const ModelSummary model = someModel();
+  const CameraRig upright(model, zUp(), std::nullopt, 800, 600);
+  core::CameraPath path{45, {upright.camera()}};
+  path.keys[0].up = {0, 0, -1};
+  const CameraRig rig(model, zUp(), path, 800, 600);
+  const core::View told = core::toView(rig.camera(), 45, 800, 600, model);
+  EXPECT_LT(glm::distance(told.up, rig.view().up), 1e-9);
+}
+
 TEST(CameraRig, goesToABookmarkWithTheCameraThatItWasSetWith) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);

@@ -8,6 +8,12 @@
 namespace lode::app {
 namespace {
 
+TEST(PictureFile, mayBeWhatStandardOutputGoesTo) {
+  testing::internal::CaptureStdout();  // into a file without an ending
+  EXPECT_NO_THROW(checkPictureFile("a.lode", "/dev/stdout"));
+  testing::internal::GetCapturedStdout();
+}
+
 TEST(PictureFile, isCalledAPngUnlessItIsADevice) {
   const test::WorkFolder folder;
   EXPECT_NO_THROW(checkPictureFile("a.lode", folder / "a.png"));
