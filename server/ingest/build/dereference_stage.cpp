@@ -77,9 +77,9 @@ Stage::Work DereferenceStage::run() {
 
 void DereferenceStage::checkCounts() {
   const DereferenceCounts& counts = session_.facts().counts;
-  const auto& [lattice, extent] = session_.facts().choice;
-  const LostTriangles lost{counts.lost, counts.triangles + counts.dropped, lattice.step, lattice.origin,
-                           lattice.toWorld(extent)};
+  const LatticeChoice& choice = session_.facts().choice;
+  const LostTriangles lost{counts.lost, counts.triangles + counts.dropped, choice.lattice.step, choice.min,
+                           choice.max};
   const std::string input = session_.options().input.string() + ": ";
   if (lost.areMost()) throw Error(ErrorCode::kInput, input + lost.inWords());
   if (counts.triangles == 0)

@@ -175,7 +175,7 @@ LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::pat
   const UsedVertices used = findUsedVertices(input);
   const LatticeOrProblem chosen = chooseLattice(used);
   if (!chosen.lattice) throw Error(ErrorCode::kInput, name.string() + ": " + std::string(chosen.problem));
-  return {*chosen.lattice, chosen.lattice->snap(used.max)};
+  return {*chosen.lattice, chosen.lattice->snap(used.max), used.min, used.max};
 }
 
 }  // namespace lode::ingest

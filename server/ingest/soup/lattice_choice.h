@@ -57,7 +57,8 @@ LatticeOrProblem chooseLattice(const UsedVertices& used);
 
 struct LatticeChoice {
   Lattice lattice;
-  glm::uvec3 extent{0};  ///< largest lattice coordinates of the referenced vertices
+  glm::uvec3 extent{0};       ///< largest lattice coordinates of the referenced vertices
+  glm::dvec3 min{0}, max{0};  ///< their box, as the file has it
 };
 
 /// The second look: from findUsedVertices().
