@@ -11,6 +11,7 @@
 #include "client/app/window/key_help.h"
 #include "client/app/window/panel_font.h"
 #include "client/app/window/sharpness.h"
+#include "common/byte_size.h"
 
 namespace lode::app {
 namespace {
@@ -39,17 +40,6 @@ std::string countOf(uint64_t value) {
     digits.insert(static_cast<size_t>(at), " ");
   }
   return digits;
-}
-
-std::string bytesOf(uint64_t bytes) {
-  char text[32];
-  const double size = static_cast<double>(bytes);
-  if (size < 1e6) {
-    std::snprintf(text, sizeof text, "%.1f kB", size / 1e3);
-  } else {
-    std::snprintf(text, sizeof text, size < 1e9 ? "%.1f MB" : "%.2f GB", size / (size < 1e9 ? 1e6 : 1e9));
-  }
-  return text;
 }
 
 std::string nameOf(CameraKind camera) {
@@ -92,13 +82,13 @@ void bar(double part, const std::string& text, float width_px) {
 void memoryRow(const char* name, uint64_t bytes, uint64_t budget_bytes) {
   nameRow(name);
   const double part = static_cast<double>(bytes) / static_cast<double>(std::max<uint64_t>(1, budget_bytes));
-  bar(part, bytesOf(bytes) + " of " + bytesOf(budget_bytes), valuePx());
+  bar(part, describeBytes(bytes) + " of " + describeBytes(budget_bytes), valuePx());
 }
 
 std::string networkOf(const PanelContent& content) {
-  std::string text = bytesOf(content.received_bytes);
+  std::string text = describeBytes(content.received_bytes);
   if (content.link_bytes_per_s > 0)
-    text += ", " + bytesOf(static_cast<uint64_t>(content.link_bytes_per_s)) + "/s";
+    text += ", " + describeBytes(static_cast<uint64_t>(content.link_bytes_per_s)) + "/s";
   if (content.round_trip_ms > 0) text += formatted(", %.1f ms", content.round_trip_ms);
   if (content.open_wishes > 0) text += ", " + countOf(content.open_wishes) + " wishes";
   return text;
