@@ -1,8 +1,12 @@
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -19,6 +23,8 @@
 
 namespace lode::app {
 namespace {
+
+constexpr std::chrono::seconds kReloadPatience(2);  ///< of a server that has stopped
 
 volatile std::sig_atomic_t asked_to_reload = 0;
 
@@ -45,8 +51,11 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  /// Whether a reload is under way, or waits for that.
-  bool reloading() const noexcept { return reloads_open_ > 0; }
+  /// @return false if a reload takes longer than that.
+  bool reloadsEndWithin(std::chrono::seconds patience) {
+    std::unique_lock lock(mutex_);
+    return reload_ended_.wait_for(lock, patience, [this] { return reloads_open_ == 0; });
+  }
 
  private:
   void wait() {
@@ -65,28 +74,35 @@ class Signals {
 
   /// One that has not begun does for more that are asked for.
   void askToReload() {
-    if (reload_waits_.exchange(true)) return;
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(reload_waits_, true)) return;
     ++reloads_open_;
-    asio::post(reloads_, [this] {
-      reload_waits_ = false;
-      reload();
-      --reloads_open_;
-    });
+    asio::post(reloads_, [this] { reload(); });
   }
 
   void reload() {
-    if (stopping_) return;
-    notifyService("RELOADING=1\nMONOTONIC_USEC=" + monotonicMicroseconds());
-    server_.reload();
-    if (!stopping_) notifyService("READY=1");
+    std::unique_lock lock(mutex_);
+    reload_waits_ = false;
+    lock.unlock();
+    if (!stopping_) {
+      notifyService("RELOADING=1\nMONOTONIC_USEC=" + monotonicMicroseconds());
+      server_.reload();
+      if (!stopping_) notifyService("READY=1");
+    }
+    lock.lock();
+    --reloads_open_;
+    reload_ended_.notify_all();
   }
 
   serve::Server& server_;
   asio::io_context context_{1};
   asio::signal_set signals_;
   asio::thread_pool reloads_{1};  ///< a thread of their own: a disk may hang, and the server be stopped
-  std::atomic<bool> reload_waits_{false}, stopping_{false};
-  std::atomic<int> reloads_open_{0};
+  std::atomic<bool> stopping_{false};
+  std::mutex mutex_;  ///< of the next three
+  std::condition_variable reload_ended_;
+  bool reload_waits_ = false;  ///< and has not begun
+  int reloads_open_ = 0;
   std::jthread thread_;
 };
 
@@ -101,7 +117,7 @@ void runServe(serve::ServeOptions options) {
   printJson({{"listen", server.address()}, {"metrics", metrics}, {"models", server.models()}});
   notifyService("READY=1");
   server.run();
-  if (signals.reloading()) std::_Exit(0);  // its disk may never answer, and nothing can end the wait for it
+  if (!signals.reloadsEndWithin(kReloadPatience)) std::_Exit(0);  // nothing ends the wait for a disk
 }
 
 constexpr double kLeastSeconds = 0.001;  // of a deadline: none would end every connection at once
