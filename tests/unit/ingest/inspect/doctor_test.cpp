@@ -173,7 +173,8 @@ TEST(Doctor, forecastsAStoreOfTheTrianglesThatTheLatticeLeaves) {
 TEST(Doctor, refusesCoordinatesThatNoLatticeHolds) {
   const PlyFolder folder;
   for (const std::string size : {"1e-310", "1e-40", "1e40", "1e300"}) {
-    std::string text = header("3", "1") + "0 0 0\n" + size + " 0 0\n0 " + size + " 0\n3 0 1 2\n";
+    std::string text = header("3", "1");
+    text.append("0 0 0\n").append(size).append(" 0 0\n0 ").append(size).append(" 0\n3 0 1 2\n");
     for (size_t at = 0; (at = text.find("float", at)) != std::string::npos;) text.replace(at, 5, "double");
     const DoctorReport report = examineFile(folder.write(text));
     EXPECT_FALSE(report.is_readable) << size;
