@@ -7,7 +7,6 @@ rank as all of them are, of what frames of the first lap take over what their tr
 second. "Of the aim": the same of what they take over what each was to take itself.
 """
 import argparse
-import contextlib
 import json
 import os
 import pathlib
@@ -16,20 +15,10 @@ import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "load"))
-from processes import running  # noqa: E402
+from processes import display  # noqa: E402
 from stage import percentile  # noqa: E402
 
 WAYS = (("60 frames a second", ["--fps", "60"]), ("15 frames a second", ["--fps", "15"]), ("1 pixel", ["--pixels", "1"]))
-
-
-@contextlib.contextmanager
-def display():
-    reader, writer = os.pipe()
-    with running(["Xvfb", "-displayfd", writer, "-screen", "0", "1400x900x24", "-nolisten", "tcp"], pass_fds=[writer],
-                 stderr=subprocess.DEVNULL):
-        os.close(writer)
-        with open(reader) as said:
-            yield f":{said.readline().strip()}"
 
 
 def fly(bin_dir, target, options):

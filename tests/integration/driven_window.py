@@ -20,23 +20,12 @@ import unittest
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "load"))
-from processes import eventually, running  # noqa: E402
+from processes import display, eventually, running  # noqa: E402
 
 BIN, MODELS = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(2))
 STORE = MODELS / "painted.lode"
 WIDTH, HEIGHT = 480, 360
 MIDDLE = (WIDTH // 2, HEIGHT // 2)
-
-
-@contextlib.contextmanager
-def display():
-    """The name of a screen that nobody sees."""
-    reader, writer = os.pipe()
-    with running(["Xvfb", "-displayfd", writer, "-screen", "0", "1024x768x24", "-nolisten", "tcp"], pass_fds=[writer],
-                 stderr=subprocess.DEVNULL):
-        os.close(writer)
-        with open(reader) as said:
-            yield f":{said.readline().strip()}"
 
 
 class WithoutBlobs(socketserver.StreamRequestHandler):

@@ -5,8 +5,8 @@ import pathlib
 import subprocess
 import tempfile
 
-from driven_window import BIN, STORE, Window, WindowTest, display, main, served_without_blobs
-from processes import eventually
+from driven_window import BIN, STORE, Window, WindowTest, main, served_without_blobs
+from processes import display, eventually
 
 
 class Flight(WindowTest):

@@ -88,6 +88,17 @@ class Authority:
         return self.folder
 
 
+@contextlib.contextmanager
+def display():
+    """The name of a screen that nobody sees."""
+    reader, writer = os.pipe()
+    with running(["Xvfb", "-displayfd", writer, "-screen", "0", "1400x900x24", "-nolisten", "tcp"], pass_fds=[writer],
+                 stderr=subprocess.DEVNULL):
+        os.close(writer)
+        with open(reader) as said:
+            yield f":{said.readline().strip()}"
+
+
 def self_signed(folder):
     """cert.pem and key.pem of localhost."""
     subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",

@@ -72,7 +72,7 @@ std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath
   const double start = path.keys.front().t;
   if (!options.output.empty()) return {{start, options.output}};
   std::vector<Shot> shots;
-  for (size_t frame = 0; frame < frameCount(options, path); ++frame) {
+  for (size_t frame = 0, frames = frameCount(options, path); frame < frames; ++frame) {
     shots.push_back(
         {start + static_cast<double>(frame) / options.fps, fs::path(options.folder) / frameName(frame)});
   }
