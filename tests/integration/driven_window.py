@@ -9,6 +9,7 @@ import math
 import os
 import pathlib
 import shutil
+import signal
 import socket
 import socketserver
 import struct
@@ -92,9 +93,16 @@ class Window:
     def move(self, to):
         self.xdotool("mousemove", "--window", self.id, *to)
 
-    def click(self, at, button=1, times=1, delay_ms=60):
+    def click(self, at, button=1, times=1):
         self.move(at)
-        self.xdotool("click", "--repeat", times, "--delay", delay_ms, button)
+        self.xdotool("click", "--repeat", times, "--delay", 60, button)
+
+    @contextlib.contextmanager
+    def one_frame(self):
+        """All that is pressed meanwhile comes at once."""
+        self.process.send_signal(signal.SIGSTOP)
+        yield
+        self.process.send_signal(signal.SIGCONT)
 
     def drag(self, start, *ends):
         """From place to place; at each a picture is drawn."""

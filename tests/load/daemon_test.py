@@ -22,7 +22,7 @@ import unittest
 
 from daemon import BIN, MODELS, SOURCE, STORE, Daemon, refusal, wishes
 from idle_clients import TlsConnection
-from processes import eventually, self_signed
+from processes import eventually, running, self_signed
 from read_model import BLOB, DAMAGED_STORE, HEADER, LIMIT, NO_SUCH_MODEL, Connection
 
 
@@ -169,7 +169,7 @@ class ServiceManager(unittest.TestCase):
             shutil.copy(STORE, os.path.join(folder, "first.lode"))
             tokens, log = self.pipe_of_tokens(folder), os.path.join(folder, "log")
             command = [os.path.join(BIN, "lodestreamd"), "serve", folder, "--listen", "127.0.0.1:0", "--token-file", tokens]
-            with open(log, "w") as said, subprocess.Popen(command, stdout=subprocess.PIPE, stderr=said, text=True) as process:
+            with open(log, "w") as said, running(command, stdout=subprocess.PIPE, stderr=said, text=True) as process:
                 with self.once_it_is_read(tokens) as writer:  # the stores have been read
                     shutil.copy(STORE, os.path.join(folder, "second.lode"))
                     process.send_signal(signal.SIGHUP)
