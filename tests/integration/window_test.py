@@ -35,7 +35,7 @@ class Camera(WindowTest):
 
     def test_flies_where_it_looks(self):
         with self.window() as window:
-            window.key("Tab")
+            window.key("h")
             keys = window.recorded(lambda: window.hold("w"))
             self.assertLess(math.dist(direction(keys[0]), direction(keys[-1])), 1e-6)
             self.assertGreater(sum(a * b for a, b in zip(moved(keys), direction(keys[0]))), 0.999 * math.hypot(*moved(keys)))
@@ -60,10 +60,10 @@ class Walk(WindowTest):
                            capture_output=True)
             subprocess.run([BIN / "lodestreamd", "build", ply, "-o", store, "--quiet"], check=True, capture_output=True)
             with self.window(store) as window:
-                window.key("Tab")
+                window.key("h")
                 window.picture()
                 window.move((MIDDLE[0], HEIGHT * 2 // 3))
-                window.key("Tab")
+                window.key("h")
                 window.picture()
                 eyes = [key["eye"] for key in window.recorded(lambda: window.hold("w"))]
             heights = [eye[2] - self.ground_of(ply, eye) for eye in eyes]
@@ -83,7 +83,7 @@ class Walk(WindowTest):
                 self.assertIn("\nthe ground\n", picked)
                 window.move(beside)
                 for _ in range(2):
-                    window.key("Tab")
+                    window.key("h")
                     window.picture()
                 last = window.recorded(lambda: window.hold("a"))[-1]
         self.assertLess(math.dist(last["eye"][:2], place_of(picked)[:2]), 4)  # it has gone aside meanwhile
@@ -110,6 +110,23 @@ class Picks(WindowTest):
             distance = float(re.search(r"^distance ([\d.]+)$", two, re.M).group(1))
             self.assertAlmostEqual(distance, math.dist(place_of(one), place_of(two)), delta=0.01 * distance)
             self.assertGreater(distance, 0)
+
+    def test_show_in_the_picture_until_the_panel_is_hidden(self):
+        with self.window() as window:
+            window.click(MIDDLE, button=4, times=6)  # until the model is seen beside the panel, too
+            window.picture()
+            places = [(WIDTH - 60, MIDDLE[1] + 20), (WIDTH - 30, MIDDLE[1] + 80)]
+
+            def marked():
+                pixels = lower_half(window.picture())
+                at = (3 * ((y - HEIGHT // 2) * WIDTH + x) for x, y in places)
+                return [tuple(pixels[i:i + 3]) == (255, 184, 102) for i in at]
+            window.click(places[0])
+            self.assertEqual(marked(), [True, False])
+            window.click(places[1])
+            self.assertEqual(marked(), [True, True])
+            window.key("h")
+            self.assertEqual(marked(), [False, False])
 
     def test_stay_where_a_double_click_goes_elsewhere(self):
         for both_in in (Window.one_frame, contextlib.nullcontext):

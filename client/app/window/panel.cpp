@@ -150,6 +150,30 @@ void drawPick(const PanelContent& content) {
   for (const std::string& line : content.pick) ImGui::TextUnformatted(line.c_str());
 }
 
+/// Over the picture and below the panel; a dark rim keeps them legible on every model.
+void drawMarks(const PickMarks& marks) {
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const ImU32 light = ImGui::GetColorU32(kWarning), dark = IM_COL32(0, 0, 0, 200);
+  const float em = ImGui::GetFontSize();
+  const ImVec2 unit_px = ImGui::GetIO().DisplayFramebufferScale;
+  const auto placeOf = [&](const glm::dvec2& px) {
+    return ImVec2(static_cast<float>(px.x) / unit_px.x, static_cast<float>(px.y) / unit_px.y);
+  };
+  if (marks.line) {
+    const ImVec2 from = placeOf(marks.line->from_px), to = placeOf(marks.line->to_px);
+    list->AddLine(from, to, dark, em / 4);
+    list->AddLine(from, to, light, em / 10);
+    const ImVec2 text = ImGui::CalcTextSize(marks.distance.c_str());
+    const ImVec2 at((from.x + to.x - text.x) / 2, (from.y + to.y) / 2 + em / 2);
+    list->AddRectFilled({at.x - em / 4, at.y}, {at.x + text.x + em / 4, at.y + text.y}, dark, em / 4);
+    list->AddText(at, light, marks.distance.c_str());
+  }
+  for (const glm::dvec2& point_px : marks.points_px) {
+    list->AddCircleFilled(placeOf(point_px), em / 3, dark);
+    list->AddCircleFilled(placeOf(point_px), em / 5, light);
+  }
+}
+
 void drawWaiting(const PanelContent& content) {
   ImGui::TextUnformatted(content.waiting.c_str());
   if (content.waiting_part >= 0) {
@@ -240,6 +264,7 @@ void Panel::draw(const PanelContent& content) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
+  if (content.visible) drawMarks(content.marks);
   ImGui::SetNextWindowPos({kMarginPx, kMarginPx});
   ImGui::SetNextWindowBgAlpha(0.65f);
   const bool is_waiting = !content.waiting.empty(), has_notice = content.notice.kind != Notice::Kind::kNone;

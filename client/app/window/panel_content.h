@@ -8,6 +8,7 @@
 #include "client/app/window/camera_kind.h"
 #include "client/app/window/exhibit.h"
 #include "client/app/window/notice.h"
+#include "client/app/window/pick_marks.h"
 #include "client/render/shown_colours.h"
 
 namespace lode::app {
@@ -35,6 +36,7 @@ struct PanelContent {
   double frame_ms = 0, upload_ms = 0;
   CameraKind camera = CameraKind::kOrbit;
   std::vector<std::string> pick;            ///< of the point last clicked on
+  PickMarks marks;                          ///< of it and the one before, in the picture
   std::string_view show;                    ///< what the picture shows,
   std::vector<render::LegendEntry> legend;  ///< and what its colours mean
   Notice notice;                            ///< how the stream fares

@@ -57,12 +57,16 @@ std::vector<std::string> Picks::lines() const {
     std::snprintf(text, sizeof text, "colour #%02x%02x%02x", colour->r, colour->g, colour->b);
     lines.emplace_back(text);
   }
-  if (picks_.size() == 2) {
-    std::snprintf(text, sizeof text, "distance %.*f", decimals,
-                  glm::distance(picks_.front().position, last.position));
-    lines.emplace_back(text);
-  }
+  if (picks_.size() == 2) lines.push_back("distance " + distance());
   return lines;
+}
+
+std::string Picks::distance() const {
+  if (picks_.size() != 2) return "";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimalsOf(picks_.back().step),
+                glm::distance(picks_.front().position, picks_.back().position));
+  return text;
 }
 
 }  // namespace lode::app

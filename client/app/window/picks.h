@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ class Picks {
   /// Of the last point: coordinates, node, rung, error, colour; and how far it is from the one before.
   /// Empty without one.
   std::vector<std::string> lines() const;
+  /// Between the last two points, as text; empty where there are not two.
+  std::string distance() const;
+  std::span<const PickedPoint> points() const noexcept { return picks_; }
 
  private:
   std::vector<PickedPoint> picks_, before_;

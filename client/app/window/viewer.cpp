@@ -361,6 +361,7 @@ void Viewer::describe() {
   content_.target_ms = pacing_.asksForFinest() ? 0 : pacing_.targetMs();
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
+  content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();
   content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
