@@ -116,7 +116,9 @@ void drawFigures(const PanelContent& content) {
   row("camera", nameOf(content.camera));
   row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
   ImGui::EndTable();
-  if (content.converged)
+  if (!content.lost.empty())
+    ImGui::TextColored(kWarning, "%s", content.lost.data());
+  else if (content.converged)
     ImGui::TextColored(kGood, "%s", convergedText(content.error_px, content.threshold_px).c_str());
   else if (content.limited)
     ImGui::TextUnformatted(limitedText(content.error_px).c_str());

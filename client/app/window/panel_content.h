@@ -33,6 +33,7 @@ struct PanelContent {
   bool limited = false;    ///< memory allows no more of what is seen
   bool exhausted = false;  ///< offline: the cache has no more of what is seen
   double progress = 0;     ///< towards that, 0 to 1
+  std::string_view lost;   ///< see lostSightText()
   double frame_ms = 0, upload_ms = 0;
   CameraKind camera = CameraKind::kOrbit;
   std::vector<std::string> pick;            ///< of the point last clicked on

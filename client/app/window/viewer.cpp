@@ -5,6 +5,7 @@
 
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/window/lost_sight.h"
 #include "client/app/window/named_exhibit.h"
 #include "client/app/window/refused_screenshot.h"
 #include "client/app/window/timed_name.h"
@@ -361,6 +362,10 @@ void Viewer::describe() {
   content_.target_ms = pacing_.asksForFinest() ? 0 : pacing_.targetMs();
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
+  content_.lost =
+      rig_ ? lostSightText(core::toModelBox(exhibit_->summary().box, exhibit_->summary().lattice.step),
+                           rig_->view())
+           : "";
   content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();
   content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);
