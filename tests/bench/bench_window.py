@@ -1,12 +1,14 @@
 #!/usr/bin/python3
-"""What frames of the window take while a model streams into it: bench_window.py BIN_DIR TARGET...
+"""What frames of the window take while a model streams into it: bench_window.py BIN_DIR TARGET... [--link]
 
 A window of 1280 x 720 on an Xvfb flies an orbit twice: on the first lap parts arrive, on the second nearly all are there. By turns with
 the frame rate's control (60 and 15 frames a second wanted) and without (--pixels 1). "Of the fit": the 99th percentile, by nearest
 rank as all of them are, of what frames of the first lap take over what their triangles cost, by a line through the frames of the
-second. "Of the aim": the same of what they take over what each was to take itself.
+second. "Of the aim": the same of what they take over what each was to take itself. With --link, as root, targets are stores that
+are served over an emulated link of 10 Mbit/s and 25 ms one way; BIN_DIR holds wan, too.
 """
 import argparse
+import contextlib
 import json
 import os
 import pathlib
@@ -15,17 +17,34 @@ import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "load"))
-from processes import display  # noqa: E402
+from processes import display, running  # noqa: E402
 from stage import percentile  # noqa: E402
+from surroundings import long_link  # noqa: E402
 
 WAYS = (("60 frames a second", ["--fps", "60"]), ("15 frames a second", ["--fps", "15"]), ("1 pixel", ["--pixels", "1"]))
 
 
-def fly(bin_dir, target, options):
+@contextlib.contextmanager
+def beside(_, target):
+    """A target, and what a command for it begins with: it is on this machine."""
+    yield target, []
+
+
+@contextlib.contextmanager
+def beyond_link(bin_dir, store):
+    """The same of a store that is served over a long link."""
+    with long_link(bin_dir) as (near, far), \
+            running([*near, bin_dir / "lodestreamd", "serve", store, "--listen", "10.9.0.1:7400", "--public", "--insecure"],
+                    stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as server:
+        server.stdout.readline()
+        yield f"lode://10.9.0.1/{pathlib.Path(store).stem}", far
+
+
+def fly(bin_dir, target, prefix, options):
     with tempfile.TemporaryDirectory() as cache, display() as screen:
         environment = dict(os.environ, DISPLAY=screen, XDG_CACHE_HOME=cache)
-        command = [bin_dir / "lodestream", "view", target, "--laps", "2", "--json", "--cache", "off", "--size", "1280x720", *options]
-        return json.loads(subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout)
+        command = [*prefix, bin_dir / "lodestream", "view", target, "--laps", "2", "--json", "--cache", "off", "--size", "1280x720", *options]
+        return json.loads(subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE, text=True).stdout)
 
 
 def line_through(points):
@@ -60,6 +79,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin_dir", type=pathlib.Path)
     parser.add_argument("targets", nargs="+")
+    parser.add_argument("--link", dest="place", action="store_const", const=beyond_link, default=beside)
     arguments = parser.parse_args()
     print("| target | held | frames | median ms | 99th percentile | aimed at, ms, median | of the aim |"
           " of the fit | triangles, median | threshold px, median |"
@@ -67,7 +87,8 @@ def main():
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for target in arguments.targets:
         for name, options in WAYS:
-            flown = fly(arguments.bin_dir.resolve(), target, options)
+            with arguments.place(arguments.bin_dir.resolve(), target) as (address, prefix):
+                flown = fly(arguments.bin_dir.resolve(), address, prefix, options)
             of_fit, of_aim = over_fit(flown), over_aim(flown)
             lap = flown["laps"][0]
             aimed = lap["target_ms"]["p50"]
