@@ -28,6 +28,7 @@ void Hierarchy::addRootPage(HierarchyPage page) {
   if (root_) refuse(kRootKey, "came twice");
   if (page.nodes.empty() || page.nodes.front().key != kRootKey) refuse(kRootKey, "does not hold the root");
   root_ = link(std::move(page), 1);
+  markLost(*root_);
   size_ = root_->nodes.size();
   bytes_ = root_->bytes;
 }
@@ -52,6 +53,7 @@ void Hierarchy::addPage(NodeKey owner_key, HierarchyPage page) {
   }
   if (children != owner->child_mask) refuse(owner_key, "holds other children than its owner announced");
   std::unique_ptr<Page> linked = link(std::move(page), childCount(*owner));
+  markLost(*linked);
   linked->owner = owner;
   linked->used_round = round_;
   linked->above = &pageOf(owner_key);
@@ -88,6 +90,22 @@ std::unique_ptr<Hierarchy::Page> Hierarchy::link(HierarchyPage page, size_t firs
     next += childCount(node);
   }
   return linked;
+}
+
+void Hierarchy::lose(uint32_t blob_number) {
+  lost_.insert(blob_number);
+  if (root_) markLost(*root_);
+  for (const auto& [owner, page] : pages_) markLost(*page);
+}
+
+void Hierarchy::markLost(Page& page) const {
+  if (lost_.empty()) return;
+  for (KnownNode& node : page.nodes) {
+    node.is_page_lost = node.child_page && lost_.contains(node.child_page.number);
+    for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
+      if (node.rungs[rung].triangles != 0 && lost_.contains(node.rungs[rung].payload.number))
+        node.lost_rungs |= uint64_t{1} << rung;
+  }
 }
 
 void Hierarchy::use(std::span<const NodeKey> owners, uint64_t budget_bytes) {

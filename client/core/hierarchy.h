@@ -1,14 +1,18 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <set>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "common/hierarchy_page.h"
+#include "common/limits.h"
 #include "common/node_key.h"
 
 namespace lode::core {
@@ -18,12 +22,32 @@ struct KnownNode : Node {
   const KnownNode* children =
       nullptr;                    ///< one for each bit of child_mask, by octant; null: none, or not known
   uint32_t page_below_bytes = 0;  ///< that the page with the children takes in memory, where it is another
+  bool is_page_lost = false;      ///< that page: see Hierarchy::lose()
+  uint64_t lost_rungs = 0;        ///< a bit for each
 
   bool childrenKnown() const noexcept { return isLeaf() || children != nullptr; }
   std::span<const KnownNode> knownChildren() const noexcept {
     return {children, children == nullptr ? 0 : static_cast<size_t>(std::popcount(child_mask))};
   }
+
+  /// The coarsest rung that is not lost, and the next finer one than another; nothing where there is none.
+  std::optional<uint32_t> coarsestRung() const noexcept {
+    return finerRung(static_cast<uint32_t>(rungs.size()));
+  }
+  std::optional<uint32_t> finerRung(uint32_t than) const noexcept {
+    while (than-- > 0)
+      if (!isLost(than)) return than;
+    return std::nullopt;
+  }
+  bool isLost(uint32_t rung) const noexcept { return (lost_rungs >> rung & 1) != 0; }
+  /// As far as is known, its children can be shown in its place, or what is below them.
+  bool mayGiveWay() const noexcept {
+    return !isLeaf() && !is_page_lost && std::ranges::all_of(knownChildren(), [](const KnownNode& child) {
+      return child.coarsestRung() || child.mayGiveWay();
+    });
+  }
 };
+static_assert(kMaxRungs <= 64);
 
 /// Most that a page takes in memory, by the bytes of its blob: each node and each rung has so many at least.
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
@@ -50,6 +74,10 @@ class Hierarchy {
   /// @param owners  of the pages that are in use.
   void use(std::span<const NodeKey> owners, uint64_t budget_bytes);
 
+  /// A blob that cannot be had: rungs and pages that it holds count as lost from now on, on pages that come
+  /// later, too.
+  void lose(uint32_t blob_number);
+
   /// @return null if the node is not known.
   const KnownNode* find(NodeKey key) const noexcept;
   const KnownNode* root() const noexcept { return root_ ? root_->nodes.data() : nullptr; }
@@ -68,6 +96,7 @@ class Hierarchy {
     uint32_t pages_below = 0;
   };
   std::unique_ptr<Page> link(HierarchyPage page, size_t first_level) const;
+  void markLost(Page& page) const;
   Page& pageOf(NodeKey key);
   void forget(uint64_t owner);
 
@@ -75,6 +104,7 @@ class Hierarchy {
   size_t size_ = 0;
   uint64_t bytes_ = 0;
   uint64_t round_ = 1;
+  std::set<uint32_t> lost_;  // blobs
   std::unique_ptr<Page> root_;
   std::unordered_map<uint64_t, std::unique_ptr<Page>> pages_;  // by the owner's key, without the root's
 };

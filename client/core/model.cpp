@@ -170,6 +170,7 @@ void Model::insert(DecodeResult result) {
 void Model::refuse(const BlobRef& blob, const std::string& why) {
   ++version_;
   refused_.insert(blob.number);
+  hierarchy_.lose(blob.number);
   if (failure_.empty()) failure_ = why;
 }
 

@@ -46,7 +46,7 @@ class Run {
     if (has_cut) {
       show(root);
     } else {
-      wish(root, WantedCut::lastRung(*root.node), std::numeric_limits<float>::max(), true);
+      wish(root, WantedCut::coarsestRung(*root.node), std::numeric_limits<float>::max(), true);
       exact_ = false;
     }
     return finish(has_cut);
@@ -118,8 +118,8 @@ class Run {
   // ---- the published cut; every function here is called for covered nodes only
 
   void show(WantedNode& wanted) {
-    if (!wanted.near && !anyReady(wanted)) return leaveOut(wanted);
     if (wanted.role == Role::kExpanded) return showExpanded(wanted);
+    if (!wanted.near && !anyReady(wanted)) return leaveOut(wanted);
     below_hidden_ = (wanted.role == Role::kBlocked || !ready(wanted, wanted.rung)) && isHidden(wanted);
     if (wanted.role == Role::kBlocked) askForPage(wanted, want_.errorPx(wanted, 0));
     showPart(wanted);
@@ -130,6 +130,7 @@ class Run {
   void leaveOut(const WantedNode& wanted) {
     whole_ = false;
     lacking_.push_back({wanted.node->key, toModelBox(wanted.node->box, step_)});
+    if (wanted.role == Role::kBlocked) return askForPage(wanted, 0);
     wishFor(wanted, 0);
   }
 
@@ -279,7 +280,7 @@ class Run {
   /// @param shown_px  error of what is shown there, or will be by then.
   void ask(WantedNode& wanted, float shown_px) {
     const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));
-    if (begins && !covered(wanted)) wish(wanted, WantedCut::lastRung(*wanted.node), shown_px, true, true);
+    if (begins && !covered(wanted)) wish(wanted, WantedCut::coarsestRung(*wanted.node), shown_px, true, true);
     below_hidden_ |= begins;
     askFor(wanted, shown_px);
     if (begins) below_hidden_ = false;
@@ -342,7 +343,7 @@ class Run {
       if (a.priority_px != b.priority_px) return a.priority_px > b.priority_px;
       return std::tie(a.use.mesh, a.use.kind) < std::tie(b.use.mesh, b.use.kind);
     });
-    cut_->converged = exact_ && !want_.blocked() && !want_.limited();
+    cut_->converged = exact_ && !want_.blocked() && !want_.limited() && !want_.lacks();
     Refinement result;
     if (has_cut) result.cut = std::move(cut_);
     result.wanted = std::move(wanted_);

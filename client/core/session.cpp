@@ -215,7 +215,13 @@ void Session::handleCancelled(std::span<const std::byte> body) {
 
 void Session::handleError(std::span<const std::byte> body) {
   const auto error = proto::decode<proto::ErrorMessage>(body);
-  if (error.wish == 0) return handleRefusal(error);
+  if (error.wish == 0) {
+    const bool is_of_the_coarsest = unasked_ && unasked_->use.kind == BlobKind::kMesh;
+    if (!is_of_the_coarsest || error.code != proto::WireError::kDamagedStore) return handleRefusal(error);
+    const Incoming lost = *std::exchange(unasked_, std::nullopt);
+    event_ = BlobRefused{lost.blob, lost.use, error.message};
+    return;
+  }
   const auto found = wishes_.find(error.wish);
   require(found != wishes_.end(), "an error for a wish that is not open");
   const Incoming& incoming = found->second.incoming;

@@ -1,6 +1,7 @@
 #include "client/core/wanted_cut.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "client/core/drawn_bytes.h"
 
@@ -53,10 +54,10 @@ void WantedCut::begin() {
   open_.clear();
   pages_.clear();
   page_bytes_ = hierarchy_.rootPageBytes();
-  stopped_ = limited_ = blocked_ = false;
+  stopped_ = limited_ = blocked_ = lacks_ = false;
   totals_ = {};
-  totals_.add(first.rungs.back(), attributes_);
   nodes_.push_back(place(first));
+  totals_.add(first.rungs[root().rung], attributes_);
   nodes_.back().held = held_.empty() ? 0 : 1;
   enqueue(0);
 }
@@ -64,7 +65,7 @@ void WantedCut::begin() {
 WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
   WantedNode wanted;
   wanted.node = &node;
-  wanted.rung = lastRung(node);
+  wanted.rung = coarsestRung(node);
   if (node.box.empty()) return wanted;
   const ModelBox box = toModelBox(node.box, step_);
   const Seen seen = in_sight ? Seen::kWholly : sight_.see(box);
@@ -81,8 +82,10 @@ float WantedCut::errorPx(const WantedNode& wanted, uint32_t rung) const {
 
 void WantedCut::enqueue(uint32_t place) {
   const WantedNode& wanted = nodes_[place];
-  if (!wanted.visible) return;
-  const float error_px = errorPx(wanted, wanted.rung);
+  const bool must_give_way = !wanted.node->coarsestRung();
+  if (!wanted.visible && !must_give_way) return;
+  const float error_px =
+      must_give_way ? std::numeric_limits<float>::infinity() : errorPx(wanted, wanted.rung);
   const bool is_too_coarse = error_px > options_.threshold_px ||
                              (error_px > options_.threshold_px * options_.hold_factor && wasFiner(wanted));
   if (!is_too_coarse) return;
@@ -114,14 +117,17 @@ bool WantedCut::giveWay(const Candidate& candidate) {
   const KnownNode& node = *wanted.node;
   Totals totals = totals_;
   totals.remove(node.rungs[wanted.rung], attributes_);
-  if (wanted.rung > 0) {
-    totals.add(node.rungs[wanted.rung - 1], attributes_);
+  if (const std::optional<uint32_t> finer = node.finerRung(wanted.rung)) {
+    totals.add(node.rungs[*finer], attributes_);
     if (!fits(candidate, totals)) return false;
-    --wanted.rung;
+    wanted.rung = *finer;
     enqueue(candidate.place);
     return true;
   }
-  if (node.isLeaf()) return true;
+  if (!node.mayGiveWay()) {
+    lacks_ |= wanted.rung > 0 || !node.isLeaf();
+    return true;
+  }
   const uint64_t page_bytes =
       node.childrenKnown() ? node.page_below_bytes : pageBytesAtMost(node.child_page.bytes);
   if (page_bytes_ + page_bytes > options_.hierarchy_budget_bytes) {
@@ -166,7 +172,9 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
 
 /// Begins a node at the coarsest rung that is no worse than what it takes the place of.
 void WantedCut::skipWorse(WantedNode& wanted, float replaced_px) const {
-  while (wanted.rung > 0 && errorPx(wanted, wanted.rung) > replaced_px) --wanted.rung;
+  for (auto finer = wanted.node->finerRung(wanted.rung); finer && errorPx(wanted, wanted.rung) > replaced_px;
+       finer = wanted.node->finerRung(wanted.rung))
+    wanted.rung = *finer;
 }
 
 bool WantedCut::fits(const Candidate& candidate, const Totals& totals) {
@@ -188,7 +196,7 @@ void WantedCut::stopAt(const Candidate& candidate) {
 /// little against what is wanted below it. It does not depend on what is resident, so that wishes do not
 /// waver.
 WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
-  const Node& node = *wanted.node;
+  const KnownNode& node = *wanted.node;
   if (wanted.role == Role::kPart) {
     wanted.below_bytes = wanted.near ? node.rungs[wanted.rung].payload.bytes : 0;
     return {wanted.below_bytes, false};
@@ -202,12 +210,11 @@ WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   }
   wanted.below_bytes = below.bytes;
   if (below.settled) return below;
-  const auto cheap = std::find_if(node.rungs.begin(), node.rungs.end(), [&](const Rung& rung) {
-    return rung.payload.bytes * kCoverBytesRatio <= below.bytes;
-  });
-  if (cheap == node.rungs.end()) return below;
-  wanted.cover_rung = static_cast<uint32_t>(cheap - node.rungs.begin());
-  below.settled = true;
+  for (uint32_t rung = 0; rung < node.rungs.size() && !below.settled; ++rung) {
+    if (node.isLost(rung) || node.rungs[rung].payload.bytes * kCoverBytesRatio > below.bytes) continue;
+    wanted.cover_rung = rung;
+    below.settled = true;
+  }
   return below;
 }
 

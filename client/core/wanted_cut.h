@@ -47,6 +47,7 @@ struct WantedMesh {
 /// rung, and the part with the largest projected error gives way to its next finer rung, or from rung 0 to
 /// its children, until no visible part is above the threshold or a budget is reached. Children begin at their
 /// coarsest rung, visible ones at the coarsest that is no worse than what they replace (spare rungs may be).
+/// What is lost is passed over for what is finer; a part stays where there is nothing at a place below it.
 /// Ties go by node key. Parts outside the view are not refined. Where no budget is reached the order makes no
 /// difference to the cut, so that it is tried first in one that needs no queue.
 class WantedCut {
@@ -67,6 +68,7 @@ class WantedCut {
 
   bool limited() const noexcept { return limited_; }  ///< a budget stopped it above the threshold
   bool blocked() const noexcept { return blocked_; }  ///< a node's children are not known yet
+  bool lacks() const noexcept { return lacks_; }      ///< what is lost stopped it above the threshold
   /// Owners of the pages that it goes through.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
@@ -74,6 +76,8 @@ class WantedCut {
   /// What is refined on.
   static float offModel(const Rung& rung) { return std::max(rung.error_model, rung.appearance_error_model); }
   static uint32_t lastRung(const Node& node) { return static_cast<uint32_t>(node.rungs.size()) - 1; }
+  /// The coarsest that is not lost; the last where all are.
+  static uint32_t coarsestRung(const KnownNode& node) { return node.coarsestRung().value_or(lastRung(node)); }
 
  private:
   /// A part that may have to give way. Largest error first.
@@ -121,7 +125,7 @@ class WantedCut {
   uint64_t page_bytes_ = 0;
   std::vector<NodeKey> pages_;
   bool stopped_ = false;  // by a budget
-  bool limited_ = false, blocked_ = false;
+  bool limited_ = false, blocked_ = false, lacks_ = false;
 };
 
 }  // namespace lode::core

@@ -224,8 +224,9 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   now.settled = engine.settled();
   now.failure = engine.failure();
   now.trouble = engine.trouble();
-  now.exhausted = number != 0 && engine.exhausted() && !now.settled && now.failure.empty();
-  if (now.exhausted) now.failure = "the cache does not have all that the view needs: run without --offline";
+  now.exhausted = number != 0 && engine.exhausted() && !now.settled;
+  if (now.exhausted && now.failure.empty())
+    now.failure = "the cache does not have all that the view needs: run without --offline";
   published.add(now.cut, now.placed);
   const std::lock_guard lock(mutex);
   has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
@@ -260,7 +261,7 @@ template <typename Done>
 StreamStatus Streamer::State::waitFor(std::chrono::milliseconds timeout, Done done) {
   std::unique_lock lock(mutex);
   news.wait_for(lock, timeout, [&] {
-    return status.ended || (status_view_number == view_number && (done(status) || !status.failure.empty()));
+    return status.ended || (status_view_number == view_number && (done(status) || status.exhausted));
   });
   return statusOfView();
 }

@@ -101,6 +101,7 @@ class Fetch {
     for (const KeyResult& key : keys_)
       if (!key.converged() || (!key.is_complete && !options_.output.empty()))
         refuseUnconverged("key " + std::to_string(&key - keys_.data()), key.status, options_.common);
+    warnOfGaps(last.status, options_.common);
   }
 
  private:

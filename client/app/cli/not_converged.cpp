@@ -1,5 +1,7 @@
 #include "client/app/cli/not_converged.h"
 
+#include <cstdio>
+
 #include "common/error.h"
 
 namespace lode::app {
@@ -21,6 +23,18 @@ void refuseUnconverged(const std::string& where, const stream::StreamStatus& sta
   const std::string remedy = "; allow more with --timeout, or a larger error with --pixels";
   throw Error(ErrorCode::kTimeout, what + " within " + std::to_string(options.timeout().count()) + " ms" +
                                        (status.trouble.empty() ? remedy : ": " + status.trouble));
+}
+
+void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options) {
+  if (!status.failure.empty())
+    std::fprintf(stderr, "lodestream: %s: shown without a part that cannot be had: %s\n",
+                 options.target.c_str(), status.failure.c_str());
+  if (status.counts.tiles_left_out > 0)
+    std::fprintf(
+        stderr,
+        "lodestream: %s: textures are coarse or missing, as the memory budget had no room for %llu of "
+        "their tiles; allow more with --memory-budget\n",
+        options.target.c_str(), static_cast<unsigned long long>(status.counts.tiles_left_out));
 }
 
 }  // namespace lode::app

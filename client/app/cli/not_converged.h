@@ -12,4 +12,8 @@ namespace lode::app {
 [[noreturn]] void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
                                     const CommonOptions& options);
 
+/// Warns on stderr of what a view that has converged does without: parts that the server does not have, and
+/// tiles of textures that the memory budget had no room for.
+void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options);
+
 }  // namespace lode::app

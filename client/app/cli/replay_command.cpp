@@ -135,8 +135,7 @@ class Replay {
 
   bool finished() const {
     const stream::StreamStatus& status = result_.status;
-    return status.ended || !status.failure.empty() ||
-           (is_current_ && (result_.converged_ms || status.settled));
+    return status.ended || status.exhausted || (is_current_ && (result_.converged_ms || status.settled));
   }
 
   const ReplayOptions& options_;
@@ -213,8 +212,8 @@ void replay(const ReplayOptions& options) {
         replayed.first_image_ms.value_or(0), replayed.seconds_above[1],
         static_cast<unsigned long long>(replayed.status.counts.received_bytes));
   }
-  if (replayed.converged_ms) return;
-  refuseUnconverged("the path's end", replayed.status, options.common);
+  if (!replayed.converged_ms) refuseUnconverged("the path's end", replayed.status, options.common);
+  warnOfGaps(replayed.status, options.common);
 }
 
 }  // namespace

@@ -8,8 +8,10 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
     return {
         kTrouble,
         "offline: shown as finely as the cache has it; once without --offline brings the rest of this view"};
+  if (!status.failure.empty() && !status.cut) return {kFailure, status.failure};
   if (!status.failure.empty())
-    return {kFailure, status.failure + (status.cut ? "\nWhat is here stays; nothing more will come." : "")};
+    return {kFailure, status.failure + (status.ended ? "\nWhat is here stays; nothing more will come."
+                                                     : "\nThe picture does without that part.")};
   if (!status.trouble.empty())
     return {kTrouble,
             "no connection: " + status.trouble + "\nThe picture stays; it connects again by itself."};

@@ -11,7 +11,7 @@ namespace lode::app {
 
 /// One picture of it, as far as it has converged.
 struct Taken {
-  stream::StreamStatus status;  ///< of what has not converged, if something has not
+  stream::StreamStatus status;  ///< of what has not converged; if all has, of the last
   bool is_finest = false;       ///< else there is no picture
   float max_error_px = 0;
   std::vector<render::LegendEntry> legend;

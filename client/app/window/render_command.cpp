@@ -105,6 +105,7 @@ struct Shown {
   float max_error_px = 0;
   std::vector<render::LegendEntry> legend;  ///< of the last
   std::optional<Unconverged> first_unconverged;
+  stream::StreamStatus last;
 };
 
 std::string hexOf(const glm::u8vec3& colour) {
@@ -119,6 +120,7 @@ void printJson(const Shown& shown, std::FILE* report) {
   json["converged"] = !shown.first_unconverged;
   json["pictures"] = shown.pictures;
   json["max_error_px"] = shown.pictures > 0 ? Json(shown.max_error_px) : Json();
+  json["tiles_left_out"] = shown.last.counts.tiles_left_out;
   for (const render::LegendEntry& entry : shown.legend)
     json["legend"].push_back({{"colour", hexOf(entry.colour)}, {"meaning", entry.meaning}});
   std::fprintf(report, "%s\n", json.dump().c_str());
@@ -212,6 +214,7 @@ void render(const RenderOptions& options) {
     if (!shown.first_unconverged && (!taken.is_finest || taken.max_error_px > options.common.pixels))
       shown.first_unconverged = {shot.t, taken.status};
     if (!taken.is_finest) break;
+    shown.last = taken.status;
     shown.legend = std::move(taken.legend);
     occlusion.darken(target, glm::radians(subject->path().fov_y_deg), style.show);
     target.resolve();
@@ -227,6 +230,7 @@ void render(const RenderOptions& options) {
     refuseUnconverged("the picture at t = " + std::to_string(shown.first_unconverged->t),
                       shown.first_unconverged->status, options.common);
   }
+  warnOfGaps(shown.last, options.common);
 }
 
 void renderVideo(RenderOptions options) {

@@ -126,6 +126,20 @@ TEST_F(DamagedStore, givesNoWrongCut) {
   }
 }
 
+TEST_F(DamagedStore, isShownByWhatIsFinerWhereACoarserLevelIsDamaged) {
+  DamagePlan plan(sound_);
+  bool has_met_damage = false;
+  for (const Damage& damage : plan.places()) {
+    if (damage.part != Part::kPayload) continue;
+    SCOPED_TRACE("byte " + std::to_string(damage.offset));
+    writeBytes(damaged_, plan.apply(readBytes(sound_), damage));
+    const Outcome outcome = lodestream({"fetch", damaged_, "--pixels", "8", "--timeout", "60", "-o", cut_});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    has_met_damage |= outcome.err.find("shown without a part that cannot be had") != std::string::npos;
+  }
+  EXPECT_TRUE(has_met_damage);
+}
+
 TEST_F(DamagedStore, isRefusedIfItsEndIsMissing) {
   const std::string bytes = readBytes(sound_);
   for (const size_t length : {size_t{1}, size_t{187}, size_t{188}, bytes.size() / 2, bytes.size() - 25,

@@ -55,8 +55,8 @@ class EngineTest : public testing::Test {
     return frame;
   }
 
-  /// @param known  the build that the client knows: it is sent nothing unasked of that.
-  Bytes greeting(const BlobName& known = {}) const {
+  /// Up to the root's page.
+  Bytes openingOf(const BlobName& known) const {
     proto::Opened opened;
     opened.handle = 1;
     opened.summary.name = "strip";
@@ -66,9 +66,14 @@ class EngineTest : public testing::Test {
     opened.summary.root_page = refOf(3);
     Bytes bytes = proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 100, ""}, 1);
     append(bytes, proto::encode(opened, 2));
-    if (known == build_id_) return bytes;
-    append(bytes, blobFrame(0, 3));
-    append(bytes, blobFrame(0, 2));
+    if (known != build_id_) append(bytes, blobFrame(0, 3));
+    return bytes;
+  }
+
+  /// @param known  the build that the client knows: it is sent nothing unasked of that.
+  Bytes greeting(const BlobName& known = {}) const {
+    Bytes bytes = openingOf(known);
+    if (known != build_id_) append(bytes, blobFrame(0, 2));
     return bytes;
   }
 
@@ -84,6 +89,11 @@ class EngineTest : public testing::Test {
     engine_.takeOutgoing();
     decodeAll();
     engine_.step(kStart);
+    return firstWish();
+  }
+
+  /// Of what the engine sends now; 0: none.
+  uint32_t firstWish() {
     uint32_t wish = 0;
     std::span<const std::byte> rest = sent_ = engine_.takeOutgoing();
     while (!rest.empty()) {
@@ -177,8 +187,24 @@ TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenABlobCannotBeHad) {
   engine_.step(kStart);
   EXPECT_NE(engine_.failure().find("damaged"), std::string::npos);
   EXPECT_EQ(engine_.cut()->triangles, 4u);
-  EXPECT_FALSE(engine_.settled());
+  EXPECT_TRUE(engine_.settled()) << "nothing more will come";
+  EXPECT_FALSE(engine_.cut()->converged);
   EXPECT_EQ(engine_.counts().open_wishes, 0u);
+}
+
+TEST_F(EngineTest, beginsWithAFinerRungWhereTheCoarsestIsDamaged) {
+  engine_.setView(view_, 1000);
+  engine_.connect(kStart);
+  Bytes bytes = openingOf({});
+  append(bytes, proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, 0, false, "damaged"}, 2));
+  engine_.receive(bytes, kStart);
+  engine_.step(kStart);
+  engine_.receive(blobFrame(firstWish(), 1), kStart);
+  decodeAll();
+  engine_.step(kStart);
+  ASSERT_TRUE(engine_.cut());
+  EXPECT_EQ(engine_.cut()->triangles, 40u);
+  EXPECT_TRUE(engine_.cut()->converged);
 }
 
 TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenAPayloadCannotBeDecoded) {

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -32,8 +33,10 @@ inline View insideView() { return lookingAt({500, 510, 520}, {0, 0, 400}); }
 /// The definition of the converged cut, written down as plainly as can be.
 class BruteForce {
  public:
-  BruteForce(const SyntheticModel& model, const View& view, float threshold_px)
-      : model_(model), view_(view), threshold_px_(threshold_px) {
+  /// @param lost  blobs that cannot be had.
+  BruteForce(const SyntheticModel& model, const View& view, float threshold_px,
+             const std::set<uint32_t>& lost = {})
+      : model_(model), view_(view), threshold_px_(threshold_px), lost_(lost) {
     visit(kRootKey);
   }
   const Parts& parts() const { return parts_; }
@@ -52,14 +55,31 @@ class BruteForce {
  private:
   void visit(NodeKey key) {
     const Node& node = model_.nodes().at(key);
-    const uint32_t last = static_cast<uint32_t>(node.rungs.size()) - 1;
-    if (!boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view_)) return add(node, last);
-    for (uint32_t rung = last + 1; rung-- > 0;)
-      if (errorPx(key, rung) <= threshold_px_) return add(node, rung);
-    if (node.isLeaf()) return add(node, 0);
+    const std::vector<uint32_t> rungs = rungsOf(node);
+    if (!rungs.empty() && !boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view_))
+      return add(node, rungs.back());
+    for (size_t i = rungs.size(); i-- > 0;)
+      if (errorPx(key, rungs[i]) <= threshold_px_) return add(node, rungs[i]);
+    if (!mayGiveWay(node)) return add(node, rungs.front());
     for (unsigned octant = 0; octant < 8; ++octant)
       if ((node.child_mask >> octant & 1) != 0) visit(key.child(octant));
   }
+  /// That can be had, finest first.
+  std::vector<uint32_t> rungsOf(const Node& node) const {
+    std::vector<uint32_t> rungs;
+    for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
+      if (node.rungs[rung].triangles == 0 || !lost_.contains(node.rungs[rung].payload.number))
+        rungs.push_back(rung);
+    return rungs;
+  }
+  bool mayGiveWay(const Node& node) const {
+    if (node.isLeaf() || (node.child_page && lost_.contains(node.child_page.number))) return false;
+    for (unsigned octant = 0; octant < 8; ++octant)
+      if ((node.child_mask >> octant & 1) != 0 && !mayBeShown(model_.nodes().at(node.key.child(octant))))
+        return false;
+    return true;
+  }
+  bool mayBeShown(const Node& node) const { return !rungsOf(node).empty() || mayGiveWay(node); }
   void add(const Node& node, uint32_t rung) {
     if (node.rungs[rung].triangles != 0) parts_[node.key] = rung;
   }
@@ -67,6 +87,7 @@ class BruteForce {
   const SyntheticModel& model_;
   const View view_;
   const float threshold_px_;
+  const std::set<uint32_t> lost_;
   Parts parts_;
 };
 
@@ -95,7 +116,11 @@ class Scripted {
     return last_;
   }
 
+  /// From now on the server has it no more.
+  void lose(uint32_t blob) { lost_.insert(blob); }
+
   void deliver(const Wish& wanted) {
+    if (lost_.contains(wanted.blob.number)) return hierarchy_.lose(wanted.blob.number);
     const MeshKey& mesh = wanted.use.mesh;
     if (wanted.use.kind == BlobKind::kPage) {
       hierarchy_.addPage(mesh.node, model_.pageBelow(mesh.node));
@@ -130,6 +155,7 @@ class Scripted {
   Hierarchy hierarchy_;
   MeshCache cache_;
   std::optional<SeenPlaces> seen_;
+  std::set<uint32_t> lost_;
   Refinement last_;
   uint64_t delivered_payload_bytes_ = 0;
 };

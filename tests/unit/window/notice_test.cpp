@@ -34,12 +34,20 @@ TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
   stream::StreamStatus status = statusOf(true);
   status.failure = "no such model";
   status.trouble = "closed";
+  status.ended = true;
   const Notice with_picture = noticeOf(status, false, OnGpu::kFull);
   EXPECT_EQ(with_picture.kind, Notice::Kind::kFailure);
   EXPECT_NE(with_picture.text.find("no such model"), std::string::npos);
   EXPECT_NE(with_picture.text.find("What is here stays"), std::string::npos);
   status.cut.reset();
   EXPECT_EQ(noticeOf(status, false, OnGpu::kFull).text, "no such model");
+}
+
+TEST(Notice, saysOfAPartThatCannotBeHadThatThePictureDoesWithoutIt) {
+  stream::StreamStatus status = statusOf(true);
+  status.failure = "blob 7 is damaged";
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kAll).text,
+            "blob 7 is damaged\nThe picture does without that part.");
 }
 
 TEST(Notice, namesTheOptionThatGivesMoreMemory) {

@@ -1,0 +1,58 @@
+// What a server does not have: damage at single places of a store.
+#include <set>
+
+#include "tests/unit/core/refiner_on_seeds.h"
+
+namespace lode::core {
+namespace {
+
+using namespace fixture;
+
+class RefinerWithoutSomeBlobs : public RefinerOnSeeds {
+ protected:
+  /// One in `share` of all that the root does not begin with.
+  std::set<uint32_t> someBlobs(uint32_t share) {
+    std::set<uint32_t> blobs;
+    const auto maybe = [&](uint32_t blob) {
+      if (random_() % share == 0) blobs.insert(blob);
+    };
+    for (const auto& [key, node] : model_.nodes()) {
+      if (node.child_page) maybe(node.child_page.number);
+      for (size_t rung = 0; rung + (key == kRootKey ? 1 : 0) < node.rungs.size(); ++rung)
+        if (node.rungs[rung].triangles != 0) maybe(node.rungs[rung].payload.number);
+    }
+    return blobs;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RefinerWithoutSomeBlobs, testing::Range(1u, 13u));
+
+TEST_P(RefinerWithoutSomeBlobs, settlesOnTheCutOfAllThatThereIs) {
+  for (const View& view : {closeView(), farView(), insideView()}) {
+    for (const uint32_t share : {30u, 4u}) {
+      const std::set<uint32_t> lost = someBlobs(share);
+      Scripted client(model_);
+      for (const uint32_t blob : lost) client.lose(blob);
+      client.converge(view, {.threshold_px = 5}, random_, kNoCheck);
+      ASSERT_TRUE(client.last().cut);
+      EXPECT_TRUE(client.last().settled);
+      EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, view, 5, lost).parts());
+    }
+  }
+}
+
+TEST_P(RefinerWithoutSomeBlobs, hasNotConvergedWhereTheyKeepItAboveTheThreshold) {
+  std::set<uint32_t> lost;
+  for (const auto& [key, node] : model_.nodes())
+    for (const Rung& rung : node.rungs)
+      if (key.depth() >= 1 && rung.triangles != 0) lost.insert(rung.payload.number);
+  Scripted client(model_);
+  for (const uint32_t blob : lost) client.lose(blob);
+  client.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
+  EXPECT_EQ(partsOf(*client.last().cut), (Parts{{kRootKey, 0}}));
+  EXPECT_FALSE(client.last().cut->converged);
+  EXPECT_TRUE(client.last().settled);
+}
+
+}  // namespace
+}  // namespace lode::core
