@@ -14,6 +14,10 @@
 namespace lode {
 namespace {
 
+/// Whoever is jumped to says what went wrong: libpng would print a line of its own.
+[[noreturn]] void jumpInSilence(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+void ignore(png_structp, png_const_charp) {}
+
 /// What libpng holds for a file that it writes; null if there was no memory.
 struct PngHandle {
   PngHandle() = default;
@@ -21,7 +25,7 @@ struct PngHandle {
   PngHandle(const PngHandle&) = delete;
   PngHandle& operator=(const PngHandle&) = delete;
 
-  png_structp writer = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_structp writer = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, jumpInSilence, ignore);
   png_infop info = writer ? png_create_info_struct(writer) : nullptr;
 };
 

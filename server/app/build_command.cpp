@@ -1,3 +1,4 @@
+#include <csignal>
 #include <memory>
 
 #include "common/byte_size.h"
@@ -65,22 +66,31 @@ void checkOutput(const ingest::BuildOptions& options) {
     refuseIf(ingest::findTexture(options.input, name).path, "a texture image of the input");
 }
 
-void runBuild(const BuildArguments& arguments) {
-  const ingest::BuildOptions& options = arguments.options;
-  checkOutput(options);
-  ingest::BuildReport report;
-  {
-    const Interruption interruption(options.resume ? "interrupted"
-                                                   : "interrupted; nothing was written, start it again");
+ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
+  const Interruption interruption(
+      arguments.options.resume ? "interrupted" : "interrupted; nothing was written, start it again");
+  try {
     ProgressBar bar = arguments.json_progress
                           ? ProgressBar(stdout, ProgressBar::Mode::kJson)
                           : ProgressBar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
-    report = ingest::build(options, [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
+    const auto tell = [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
       interruption.check();
       bar.update(stage, fraction, done);
-    });
+    };
+    ingest::BuildReport report = ingest::build(arguments.options, tell);
     bar.finishStage();
+    return report;
+  } catch (const Error& error) {
+    interruption.endProcessIfOneCame(error.what());
+    throw;
   }
+}
+
+void runBuild(const BuildArguments& arguments) {
+  const ingest::BuildOptions& options = arguments.options;
+  checkOutput(options);
+  std::signal(SIGPIPE, SIG_IGN);  // who reads the progress may go; a build of hours goes on
+  const ingest::BuildReport report = buildUnlessInterrupted(arguments);
   for (const std::string& warning : report.warnings)
     std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());
   if (arguments.json)

@@ -1,5 +1,7 @@
 #include "server/app/interruption.h"
 
+#include <cstdio>
+
 #include "common/error.h"
 
 namespace lode::app {
@@ -8,7 +10,7 @@ namespace {
 constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
 volatile std::sig_atomic_t came = 0;
 
-void note(int) { came = 1; }
+void note(int signal) { came = signal; }
 
 }  // namespace
 
@@ -25,7 +27,14 @@ Interruption::~Interruption() {
 }
 
 void Interruption::check() const {
-  if (came) throw Error(ErrorCode::kIo, message_);
+  if (came != 0) throw Error(ErrorCode::kIo, message_);
+}
+
+void Interruption::endProcessIfOneCame(const char* message) const {
+  if (came == 0) return;
+  std::fprintf(stderr, "lodestreamd: %s\n", message);
+  std::signal(came, SIG_DFL);
+  std::raise(came);
 }
 
 }  // namespace lode::app

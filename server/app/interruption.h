@@ -17,6 +17,9 @@ class Interruption {
 
   /// @throws Error kIo if a signal has come.
   void check() const;
+  /// Once all that was under way has been put in order: if a signal has come, ends the process by it, as
+  /// whoever sent it expects. @param message  that is said before.
+  void endProcessIfOneCame(const char* message) const;
 
  private:
   const char* message_;

@@ -74,7 +74,8 @@ void addSampleCommand(CLI::App& program) {
       ->type_name("KIND");
   command
       ->add_option("--triangles", arguments->options.triangles,
-                   "make at most this many, the largest count that there is")
+                   "make at most this many, the largest count that there is; of a scene, of each of its "
+                   "three models")
       ->required()
       ->check(wholeNumber)
       ->type_name("N");

@@ -51,10 +51,8 @@ Unfinished makeFolder(const fs::path& folder) {
                                   "; name a new folder");
 }
 
-}  // namespace
-
-uint64_t writeSampleScene(const fs::path& folder, uint64_t triangles, uint64_t seed) {
-  Unfinished unfinished = makeFolder(folder);
+/// @return triangles written.
+uint64_t fillFolder(const fs::path& folder, uint64_t triangles, uint64_t seed) {
   Json scene;
   scene["up"] = "z";
   uint64_t written = 0;
@@ -76,8 +74,22 @@ uint64_t writeSampleScene(const fs::path& folder, uint64_t triangles, uint64_t s
   std::ofstream stream(folder / "scene.json", std::ios::binary);
   stream << scene.dump(1) << "\n" << std::flush;
   if (!stream) throw Error(ErrorCode::kIo, (folder / "scene.json").string() + " cannot be written");
-  unfinished.finish();
   return written;
+}
+
+}  // namespace
+
+uint64_t writeSampleScene(const fs::path& folder, uint64_t triangles, uint64_t seed) {
+  Unfinished unfinished = makeFolder(folder);
+  try {
+    const uint64_t written = fillFolder(folder, triangles, seed);
+    unfinished.finish();
+    return written;
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+    throw;
+  }
 }
 
 }  // namespace lode::app

@@ -149,8 +149,10 @@ void loadtest(const LoadtestOptions& options, int& exit_status) {
                           : describe(load, result).c_str());
   if (result.interrupted)
     exit_status = kSignalled + Interruption::signal();
-  else
-    exit_status = result.tally.errors.empty() ? 0 : 1;
+  else if (!result.tally.errors.empty())
+    throw Error(ErrorCode::kNetwork, "the load test had errors, " +
+                                         std::to_string(result.tally.errorCount()) +
+                                         " in all; the first: " + result.tally.first_error);
 }
 
 }  // namespace

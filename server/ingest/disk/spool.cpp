@@ -20,9 +20,11 @@ namespace {
 constexpr size_t kWriteBufferBytes = 256 << 10;
 
 [[noreturn]] void failSpool(const std::filesystem::path& path, const char* what) {
-  throw Error(ErrorCode::kIo,
-              std::string("cannot ") + what + " temporary file " + path.string() + ": " +
-                  fileErrorInWords(errno, "free some space, or name another folder with --tmp"));
+  throw Error(
+      ErrorCode::kIo,
+      std::string("cannot ") + what + " temporary file " + path.string() + ": " +
+          fileErrorInWords(
+              errno, "free some space, or name another folder with --tmp (lodestream: by XDG_CACHE_HOME)"));
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ namespace {
                                   ": " + std::strerror(errno) + "; " + use.remedy);
 }
 
-constexpr FolderUse kTemporaryFiles{"temporary files", "name another with --tmp"};
+constexpr FolderUse kTemporaryFiles{"temporary files",
+                                    "name another with --tmp (lodestream: by XDG_CACHE_HOME)"};
 
 }  // namespace
 

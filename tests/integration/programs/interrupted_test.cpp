@@ -52,6 +52,14 @@ TEST_F(InterruptedCommand, leavesNothingOfASampleScene) {
   expectNothingLeft({"sample", "scene", "--triangles", "100000000", "-o", folder_ / "scene"}, SIGTERM);
 }
 
+TEST_F(InterruptedCommand, leavesNothingOfASampleSceneOneOfWhoseModelsCannotBeMade) {
+  const Strings before = folder_.contents();
+  const Outcome outcome = lodestreamd({"sample", "scene", "--triangles", "1000", "-o", folder_ / "scene"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("gyroid"), std::string::npos) << outcome.err;
+  EXPECT_EQ(folder_.contents(), before);
+}
+
 TEST_F(InterruptedCommand, leavesNoTemporaryFolderOfADoctor) {
   const WorkFolder models;
   const std::string model = models / "a.ply";

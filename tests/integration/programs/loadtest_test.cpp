@@ -158,7 +158,9 @@ TEST_F(Loadtest, sortsErrorsByKind) {
   const Outcome outcome =
       lodestream({"loadtest", url, "--full", "--clients", "3", "--seconds", "1", "--ramp", "0", "--json"});
   EXPECT_EQ(outcome.status, 1);
+  expectOneLine(outcome.err);
   const Json told = Json::parse(outcome.out);
+  EXPECT_NE(outcome.err.find(told.at("first_error")), std::string::npos) << outcome.err;
   EXPECT_EQ(told["errors"], 3);
   EXPECT_EQ(told["errors_by_kind"], Json({{"network", 3}}));
 }

@@ -39,6 +39,12 @@ class ResumedBuild : public testing::Test {
     before_ = folder_.contents();
   }
 
+  static void expectEndBySigterm(const Outcome& outcome, const char* message) {
+    EXPECT_EQ(outcome.status, 128 + SIGTERM);
+    expectOneLine(outcome.err);
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome.err;
+  }
+
   Strings with(const Strings& more) const {
     Strings all = command_;
     all.insert(all.end(), more.begin(), more.end());
@@ -144,13 +150,25 @@ TEST_F(ResumedBuild, isRefusedAfterAChangeOfInputSimplifierOrNodesAndThenGoesOnW
 TEST_F(ResumedBuild, keepsWhatItHasOnASignalOnlyIfItWasToBeResumed) {
   makeModel(60000, 1024);
   const Outcome plain = signalAfterScan({}, SIGTERM);
-  expectFailure(plain, {"interrupted", "nothing was written"});
+  expectEndBySigterm(plain, "interrupted; nothing was written");
   EXPECT_EQ(folder_.contents(), before_);
 
   const Outcome kept = signalAfterScan({"--resume"}, SIGTERM);
-  expectFailure(kept, {"interrupted", "is kept"});
+  expectEndBySigterm(kept, "what is finished is kept");
   EXPECT_NE(folder_.contents(), before_);
   ASSERT_EQ(lodestreamd(with({"--resume"})).status, 0);
+  expectDone();
+}
+
+TEST_F(ResumedBuild, goesOnWhereNobodyReadsItsProgressAnyMore) {
+  makeModel(20000, 1024);
+  Strings words{"-c", "set -o pipefail; \"$@\" --json-progress | head -c 1 > /dev/null", "bash",
+                LODE_BIN_DIR "/bin/lodestreamd"};
+  std::ranges::copy_if(command_, std::back_inserter(words),
+                       [](const std::string& word) { return word != "--json" && word != "--quiet"; });
+  const Outcome outcome = Program("bash", words).wait();
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("standard output cannot be written"), std::string::npos) << outcome.err;
   expectDone();
 }
 
