@@ -158,7 +158,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
       ->capture_default_str();
   command
       .add_option("--memory-budget", options.memory_text,
-                  "bytes of all that is kept of the model, on the GPU too (default: 1G)")
+                  "bytes of all that is kept of the model, on the GPU too, 16MiB or more (default: 1G)")
       ->type_name("BYTES");
   command
       .add_option("--cache", options.cache_text,

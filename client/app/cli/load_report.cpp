@@ -81,7 +81,7 @@ Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const L
   json["errors"] = tally.errorCount();
   json["errors_by_kind"] = Json::object();
   for (const auto& [code, count] : tally.errors) json["errors_by_kind"][nameOf(code)] = count;
-  json["first_error"] = tally.first_error;
+  json["first_error"] = tally.first_error.empty() ? Json() : Json(tally.first_error);
   json["unanswered"] = tally.unanswered;
   json["moved"] = tally.moved;
   json["turned_away"] = tally.turned_away;
