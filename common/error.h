@@ -28,4 +28,8 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
+/// What is said where the system gives no memory.
+constexpr const char* kOutOfMemory =
+    "out of memory: let the program have more (ulimit -v), or give it a smaller memory budget";
+
 }  // namespace lode

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <exception>
+#include <new>
+
+#include "common/error.h"
 
 namespace lode::embed {
 
@@ -14,6 +17,9 @@ int guard(Work&& work) noexcept {
   try {
     work();
     return 1;
+  } catch (const std::bad_alloc&) {
+    remember(kOutOfMemory);
+    return 0;
   } catch (const std::exception& error) {
     remember(error.what());
     return 0;

@@ -33,7 +33,7 @@ typedef struct lodestream_options {
   uint64_t memory_budget_bytes; /* of what is known and decoded; 0: 1 GiB */
   uint64_t triangle_budget;     /* of a cut; 0: as many as the view needs */
   uint32_t connect_timeout_ms;  /* 0: 10,000 */
-  uint32_t decode_threads;      /* 0: as many as there are cores but two, at least one */
+  uint32_t decode_threads;      /* at most 256; 0: as many as there are cores but two, at least one */
 } lodestream_options;
 
 typedef struct lodestream_model {

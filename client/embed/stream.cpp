@@ -8,6 +8,7 @@
 #include "client/embed/guard.h"
 #include "client/embed/handles.h"
 #include "client/embed/lodestream.h"
+#include "client/stream/decode_pool.h"
 #include "client/stream/served_url.h"
 #include "client/stream/streamer.h"
 #include "common/error.h"
@@ -51,6 +52,10 @@ stream::StreamOptions toStreamOptions(const lodestream_options& options) {
   if (options.triangle_budget != 0) of_stream.triangle_budget = options.triangle_budget;
   if (options.connect_timeout_ms != 0)
     of_stream.connect_timeout = std::chrono::milliseconds(options.connect_timeout_ms);
+  if (options.decode_threads > stream::kMaxDecodeThreads)
+    throw Error(ErrorCode::kUsage, "decode_threads is " + std::to_string(options.decode_threads) +
+                                       ", and may be " + std::to_string(stream::kMaxDecodeThreads) +
+                                       " at most; 0 is the default");
   of_stream.decode_threads = options.decode_threads;
   return of_stream;
 }
@@ -93,6 +98,7 @@ void lodestream_default_options(lodestream_options* options) {
   options->memory_budget_bytes = of_stream.memory_budget_bytes;
   options->triangle_budget = of_stream.triangle_budget;
   options->connect_timeout_ms = static_cast<uint32_t>(of_stream.connect_timeout.count());
+  options->decode_threads = lode::stream::defaultDecodeThreads();
 }
 
 lodestream_stream* lodestream_open(const char* url, const lodestream_options* options) {

@@ -4,12 +4,13 @@
 #include <mutex>
 #include <string>
 #include <system_error>
-#include <thread>
 
 #include <asio/post.hpp>
 #include <asio/redirect_error.hpp>
 #include <asio/use_awaitable.hpp>
 #include <netdb.h>
+
+#include "common/start_thread.h"
 
 namespace lode::net {
 
@@ -82,7 +83,7 @@ asio::awaitable<std::vector<tcp::endpoint>> NameLookup::find(Address address) {
   asio::error_code no_number;
   const asio::ip::address number = asio::ip::make_address(address.host, no_number);
   if (!no_number) co_return std::vector{tcp::endpoint(number, address.port)};
-  std::thread([shared = shared_, address] { ask(*shared, address); }).detach();
+  startThread("to look up a name", [shared = shared_, address] { ask(*shared, address); }).detach();
   asio::error_code cancelled;
   co_await answered_->async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
   const std::lock_guard lock(shared_->mutex);

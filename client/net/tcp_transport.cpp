@@ -3,6 +3,7 @@
 #include <array>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 #include <thread>
@@ -21,6 +22,7 @@
 
 #include "client/net/name_lookup.h"
 #include "common/error.h"
+#include "common/start_thread.h"
 #include "proto/byte_stream.h"
 
 namespace lode::net {
@@ -173,6 +175,8 @@ asio::awaitable<void> TcpTransport::State::run() {
     co_await readAll();
   } catch (const Error& error) {
     fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    fail(ErrorCode::kIo, kOutOfMemory);
   } catch (const std::exception& error) {
     fail(ErrorCode::kInternal, error.what());
   }
@@ -232,7 +236,7 @@ TcpTransport::TcpTransport(Route route, std::function<void()> wake)
     : own_thread_(std::make_unique<Thread>()),
       state_(std::make_shared<State>(own_thread_->io, std::move(route), std::move(wake))) {
   state_->start();
-  own_thread_->thread = std::thread([io = &own_thread_->io] { io->run(); });
+  own_thread_->thread = startThread("for a connection", [io = &own_thread_->io] { io->run(); });
 }
 
 TcpTransport::TcpTransport(asio::io_context& io, Route route, std::function<void()> wake)

@@ -17,7 +17,7 @@ constexpr size_t kMaxUnsentBytes = 16u << 20;   ///< waiting to be sent; more is
 /// is thread safe), or on the loop of a caller that steps many connections on one thread.
 class TcpTransport {
  public:
-  /// Starts to connect.
+  /// Starts to connect. @throws Error kIo if the system gives no thread.
   /// @param wake  called on the transport's thread, and must be quick, when there is something to take:
   /// bytes,
   ///              or the end of the connection.

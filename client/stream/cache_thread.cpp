@@ -2,10 +2,14 @@
 
 #include <utility>
 
+#include "common/start_thread.h"
+
 namespace lode::stream {
 
 CacheThread::CacheThread(BlobCache cache, std::function<void()> wake)
-    : cache_(std::move(cache)), wake_(std::move(wake)), thread_([this] { work(); }) {}
+    : cache_(std::move(cache)),
+      wake_(std::move(wake)),
+      thread_(startThread("for the cache", [this] { work(); })) {}
 
 CacheThread::~CacheThread() {
   {

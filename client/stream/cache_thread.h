@@ -20,6 +20,7 @@ constexpr uint64_t kMaxUnwrittenBytes = 16u << 20;  ///< of blobs that wait for 
 class CacheThread {
  public:
   /// @param wake  called on the thread, and must be quick, when there are answers to take.
+  /// @throws Error kIo if the system gives no thread.
   CacheThread(BlobCache cache, std::function<void()> wake);
   ~CacheThread();
   CacheThread(const CacheThread&) = delete;

@@ -1,10 +1,14 @@
 #include "client/stream/decode_pool.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include "common/error.h"
+#include "common/start_thread.h"
 
 namespace lode::stream {
 namespace {
@@ -12,19 +16,34 @@ namespace {
 constexpr int kNice = 10;  // decoding must not take the renderer's time
 
 unsigned threadCount(unsigned wanted) {
-  if (wanted != 0) return wanted;
-  const unsigned cores = std::thread::hardware_concurrency();
-  return cores > 3 ? cores - 2 : 1;
+  if (wanted > kMaxDecodeThreads)
+    throw Error(ErrorCode::kUsage, std::to_string(wanted) + " threads that decode are more than " +
+                                       std::to_string(kMaxDecodeThreads) + ": give fewer");
+  return wanted != 0 ? wanted : defaultDecodeThreads();
 }
 
 }  // namespace
 
-DecodePool::DecodePool(unsigned threads, std::function<void()> wake)
-    : wake_(std::move(wake)), jobs_(kMaxWaitingJobs) {
-  for (unsigned i = 0; i < threadCount(threads); ++i) threads_.emplace_back([this] { work(); });
+unsigned defaultDecodeThreads() noexcept {
+  const unsigned cores = std::thread::hardware_concurrency();
+  return cores > 3 ? std::min(cores - 2, kMaxDecodeThreads) : 1;
 }
 
-DecodePool::~DecodePool() {
+DecodePool::DecodePool(unsigned threads, std::function<void()> wake)
+    : wake_(std::move(wake)), jobs_(kMaxWaitingJobs) {
+  const unsigned count = threadCount(threads);
+  threads_.reserve(count);
+  try {
+    for (unsigned i = 0; i < count; ++i) threads_.push_back(startThread("to decode", [this] { work(); }));
+  } catch (const std::exception&) {
+    stop();
+    throw;
+  }
+}
+
+DecodePool::~DecodePool() { stop(); }
+
+void DecodePool::stop() {
   stopping_ = true;
   jobs_.close();
   for (std::thread& thread : threads_) thread.join();

@@ -11,11 +11,17 @@
 
 namespace lode::stream {
 
+constexpr unsigned kMaxDecodeThreads = 256;
+
+/// How many threads decode where nobody has said it: as many as there are cores but two, at least one.
+unsigned defaultDecodeThreads() noexcept;
+
 /// Threads of low priority that decode payloads. The destructor drops what waits and joins them. Thread safe.
 class DecodePool {
  public:
-  /// @param threads  0: as many as there are cores but two, at least one.
+  /// @param threads  0: defaultDecodeThreads().
   /// @param wake     called on a pool's thread, and must be quick, when there are results to take.
+  /// @throws Error kUsage above kMaxDecodeThreads, kIo if the system does not give so many.
   DecodePool(unsigned threads, std::function<void()> wake);
   ~DecodePool();
   DecodePool(const DecodePool&) = delete;
@@ -27,6 +33,7 @@ class DecodePool {
 
  private:
   void work();
+  void stop();
 
   const std::function<void()> wake_;
   BoundedQueue<core::DecodeJob> jobs_;

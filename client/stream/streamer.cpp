@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <iterator>
 #include <mutex>
+#include <new>
 #include <random>
 #include <string_view>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "client/stream/decode_pool.h"
 #include "client/stream/published_cuts.h"
 #include "common/error.h"
+#include "common/start_thread.h"
 
 namespace lode::stream {
 namespace {
@@ -59,7 +61,8 @@ struct Streamer::State {
       : model(std::move(served_model)),
         options(std::move(stream_options)),
         memory_budget_bytes(options.memory_budget_bytes),
-        drawn_budget_bytes(options.drawn_budget_bytes) {}
+        drawn_budget_bytes(options.drawn_budget_bytes),
+        starting_pool(std::make_unique<DecodePool>(options.decode_threads, [this] { wakeUp(); })) {}
 
   void run();
   void stream();
@@ -97,6 +100,7 @@ struct Streamer::State {
   // Of the thread:
   BlobName kept_build_id;  // of the summary in the cache
   PublishedCuts published;
+  std::unique_ptr<DecodePool> starting_pool;  // made by whoever opens the stream, who is told if it fails
   std::thread thread;
 };
 
@@ -107,7 +111,7 @@ net::Route routeTo(const ServedModel& model, const StreamOptions& options) {
 
 Streamer::Streamer(ServedModel model, StreamOptions options)
     : state_(std::make_unique<State>(std::move(model), std::move(options))) {
-  state_->thread = std::thread([state = state_.get()] { state->run(); });
+  state_->thread = startThread("for a stream", [state = state_.get()] { state->run(); });
 }
 
 Streamer::~Streamer() {
@@ -124,6 +128,8 @@ void Streamer::State::run() {
     stream();
   } catch (const Error& failed) {
     end(failed.code(), failed.what());
+  } catch (const std::bad_alloc&) {
+    end(ErrorCode::kIo, kOutOfMemory);
   } catch (const std::exception& failed) {
     end(ErrorCode::kInternal, failed.what());
   }
@@ -145,12 +151,12 @@ void Streamer::State::stream() {
   core::Engine engine(std::move(engine_options));
   const net::Route route = routeTo(model, options);
   Transports transports;
-  DecodePool pool(options.decode_threads, [this] { wakeUp(); });
+  const std::unique_ptr<DecodePool> pool = std::move(starting_pool);
   while (waitForWork(engine.staysConnected() ? kTick : kRetryTick)) {
     try {
       keepConnected(engine, route, transports);
       if (cache) askCache(engine, *cache);
-      stepOnce(engine, transports, pool, cache.get());
+      stepOnce(engine, transports, *pool, cache.get());
     } catch (const Error& failed) {
       throw net::naming(model.address, failed);
     }

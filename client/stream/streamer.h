@@ -33,7 +33,7 @@ struct StreamOptions {
   std::filesystem::path cache_folder;  ///< empty: nothing is kept between runs
   uint64_t cache_bytes = kDefaultCacheBytes;
   bool offline = false;         ///< shows what the cache has; needs one
-  unsigned decode_threads = 0;  ///< 0: as many as there are cores but two, at least one
+  unsigned decode_threads = 0;  ///< 0: defaultDecodeThreads()
 };
 
 /// How the server of a model is reached. @throws Error kUsage as net::trustAuthorities().
@@ -59,7 +59,7 @@ struct StreamStatus {
 /// safe.
 class Streamer {
  public:
-  /// Starts to connect.
+  /// Starts to connect. @throws Error as DecodePool(), kIo if the system gives no thread.
   Streamer(ServedModel model, StreamOptions options);
   ~Streamer();
   Streamer(const Streamer&) = delete;
