@@ -72,6 +72,7 @@ struct Streamer::State {
   void stepOnce(core::Engine& engine, Transports& transports, DecodePool& pool, CacheThread* cache);
   void publish(const core::Engine& engine, uint64_t view_number);
   void end(ErrorCode code, const std::string& message);
+  void tellOfEqualViews();
   bool waitForWork(std::chrono::milliseconds longest);
   void wakeUp();
   StreamStatus statusOfView() const;
@@ -246,7 +247,15 @@ void Streamer::State::end(ErrorCode code, const std::string& message) {
   const std::lock_guard lock(mutex);
   error.emplace(code, message);
   status.failure = message;
+  status.trouble.clear();
   status.ended = has_news = true;
+  news.notify_all();
+}
+
+/// Who sets views again for which nothing more will come is not to wait for it. The caller has the lock.
+void Streamer::State::tellOfEqualViews() {
+  if (status_view_number != view_number || (!status.settled && status.failure.empty())) return;
+  has_news = true;
   news.notify_all();
 }
 
@@ -295,8 +304,10 @@ const ModelSummary& Streamer::waitForModel(std::chrono::milliseconds timeout, st
 void Streamer::setViews(std::span<const core::View> views, float threshold_px) {
   const std::lock_guard lock(state_->mutex);
   if (state_->view_number != 0 && std::ranges::equal(state_->views, views) &&
-      state_->threshold_px == threshold_px)
+      state_->threshold_px == threshold_px) {
+    state_->tellOfEqualViews();
     return;
+  }
   state_->views.assign(views.begin(), views.end());
   state_->threshold_px = threshold_px;
   ++state_->view_number;

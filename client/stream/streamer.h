@@ -81,7 +81,8 @@ class Streamer {
   /// What is known of the model; nothing until it is open.
   std::optional<ModelSummary> model() const;
   /// Waits until there is news since the last call, or the time is over: the model is open, the view last set
-  /// was refined, another cut, whether it is limited or settled, a failure, trouble or its end.
+  /// was refined, another cut, whether it is limited or settled, a failure, trouble or its end. A view set
+  /// again that has settled is news, too.
   StreamStatus waitForNews(std::chrono::milliseconds timeout);
   /// Waits until the cut for the view last set has converged, cannot, or the time is over. Parts that are not
   /// seen may be missing.
