@@ -28,6 +28,7 @@ constexpr uint32_t kMaxTextureTiles = 1u << 20;      ///< of one model
 constexpr uint32_t kMaxTileBytes = 2u << 20;         ///< of one tile's file
 constexpr uint32_t kMaxTextureNameBytes = 1024;      ///< of one texture's name
 constexpr uint32_t kMaxTextureSetBytes = 32u << 20;  ///< of an encoded set
+constexpr uint32_t kEmptyTextureSetBytes = 25;       ///< of one without textures: coordinates alone
 constexpr int32_t kMaxUvExponent = 40;               ///< of uv_scale_exponent, either sign
 
 /// One image as a chain of levels. Level 0 has the full size, level l max(1, ceil(size / 2^l)) texels each

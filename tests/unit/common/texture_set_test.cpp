@@ -71,6 +71,10 @@ std::vector<std::byte> patched(size_t at, T value, const TextureSet& set = sampl
 constexpr size_t kOriginAt = 1, kExponentAt = 17, kTexturesAt = 21, kNameAt = 25, kWidthAt = 25 + 2 + 10;
 constexpr size_t kFirstTileAt = kWidthAt + 8;
 
+TEST(TextureSet, ofNoTexturesIsKnownByItsSize) {
+  EXPECT_EQ(encodeTextureSet({}).size(), kEmptyTextureSetBytes);
+}
+
 TEST(Texture, hasLevelsDownToTheFirstThatFitsATile) {
   EXPECT_EQ(levelCount(sized(0, 0)), 0u);
   EXPECT_EQ(levelCount(sized(1, 1)), 1u);
