@@ -26,7 +26,7 @@ core::View toView(const lodestream_view& view, const ModelSummary& model) {
     throw Error(
         ErrorCode::kUsage,
         "this is no view: it needs finite vectors, a picture of 1 to 32768 pixels each way, an angle of "
-        "0.01 to 170 degrees and a threshold above 0");
+        "0.01 to 170 degrees and a threshold above 0; set none while a window has no pixels");
   const core::CameraKey camera{0, toVector(view.eye), toVector(view.target), toVector(view.up)};
   return core::toView(camera, view.fov_y_deg, view.width_px, view.height_px, model);
 }

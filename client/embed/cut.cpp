@@ -6,6 +6,7 @@
 
 #include "client/core/shown_parts.h"
 #include "client/embed/camera.h"
+#include "client/embed/cut_state.h"
 #include "client/embed/guard.h"
 #include "client/embed/handles.h"
 #include "client/embed/lodestream.h"
@@ -45,6 +46,22 @@ const Value* dataOrNull(const std::vector<Value>& values) {
   return values.empty() ? nullptr : values.data();
 }
 
+const core::Cut& cutAt(const lodestream_cut* cut) {
+  return *given(cut, "cut", "one that lodestream_take_cut() gave").cut;
+}
+
+/// Renderers tell by it what they have uploaded: a mesh that came before the model's textures were known has
+/// another name than the same with its coordinates.
+uint64_t meshName(const core::Cut& cut, const core::CutPart& part) {
+  static_assert(alignof(Mesh) > 1);
+  return reinterpret_cast<uintptr_t>(part.mesh.get()) | (cut.textures ? 1 : 0);
+}
+
+uint16_t textureOf(const VertexAttributes& vertex, const TextureSet& textures) {
+  static_assert(LODESTREAM_NO_TEXTURE == kNoMaterial);
+  return vertex.material < textures.textures.size() ? vertex.material : kNoMaterial;
+}
+
 void addAttributes(lodestream_mesh& out, const Mesh& mesh, const TextureSet* textures) {
   const bool has_normals = mesh.attributes.has(AttributeSet::kNormal | AttributeSet::kComputedNormal);
   const bool has_texture = textures != nullptr && mesh.attributes.has(AttributeSet::kTexture);
@@ -59,7 +76,7 @@ void addAttributes(lodestream_mesh& out, const Mesh& mesh, const TextureSet* tex
     if (!has_texture) continue;
     const glm::dvec2 uv = trueTextureCoordinates(*textures, vertex);
     out.texture_uvs.insert(out.texture_uvs.end(), {static_cast<float>(uv.x), static_cast<float>(uv.y)});
-    out.texture_of.push_back(vertex.material);
+    if (!textures->textures.empty()) out.texture_of.push_back(textureOf(vertex, *textures));
   }
 }
 
@@ -100,35 +117,38 @@ using lode::embed::guard;
 void lodestream_release_cut(lodestream_cut* cut) { const std::unique_ptr<lodestream_cut> released(cut); }
 
 void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info) {
-  const lode::core::Cut& of = *cut->cut;
+  if (info == nullptr) return;
   *info = {};
+  if (cut == nullptr) return;
+  const lode::core::Cut& of = *cut->cut;
   info->parts = of.parts.size();
   info->fallbacks = of.fallbacks.size();
   info->tiles = of.tiles.size();
   info->textures = of.textures ? of.textures->textures.size() : 0;
   info->triangles = of.triangles;
   info->max_error_px = of.max_error_px;
-  info->is_converged = of.converged;
+  info->is_converged = lode::embed::isWithin(of, of.threshold_px);
+  info->is_finest = lode::embed::isFinest(of);
+  info->serial = cut->serial;
 }
 
 int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part) {
   return guard([&] {
-    const lode::core::CutPart& of = lode::embed::partAt(*cut->cut, number);
-    *part = {reinterpret_cast<uintptr_t>(of.mesh.get()),
-             of.node.value,
-             of.rung,
-             of.visible,
-             of.mesh->triangles.size(),
-             of.error_px};
+    const lode::core::Cut& whole = lode::embed::cutAt(cut);
+    const lode::core::CutPart& of = lode::embed::partAt(whole, number);
+    lode::embed::given(part, "part") = {lode::embed::meshName(whole, of), of.node.value, of.rung, of.visible,
+                                        of.mesh->triangles.size(),        of.error_px};
   });
 }
 
 int lodestream_cut_shown(const lodestream_cut* cut, const lodestream_view* view, size_t* numbers,
                          size_t* count) {
   return guard([&] {
-    *count = 0;
-    const std::vector<uint32_t> shown = shownParts(*cut->cut, lode::embed::toView(*view, cut->model));
-    std::copy(shown.begin(), shown.end(), numbers);
+    const lode::core::Cut& of = lode::embed::cutAt(cut);
+    lode::embed::given(count, "count") = 0;
+    const lode::core::View seen = lode::embed::toView(lode::embed::given(view, "view"), cut->model);
+    const std::vector<uint32_t> shown = shownParts(of, seen);
+    if (!shown.empty()) std::copy(shown.begin(), shown.end(), &lode::embed::given(numbers, "array"));
     *count = shown.size();
   });
 }
@@ -136,8 +156,10 @@ int lodestream_cut_shown(const lodestream_cut* cut, const lodestream_view* view,
 lodestream_mesh* lodestream_take_mesh(const lodestream_cut* cut, size_t part, lodestream_arrays* arrays) {
   lodestream_mesh* mesh = nullptr;
   guard([&] {
-    const lode::Mesh& of = *lode::embed::partAt(*cut->cut, part).mesh;
-    mesh = lode::embed::flatten(of, cut->model.lattice.step, cut->cut->textures.get()).release();
+    const lode::core::Cut& whole = lode::embed::cutAt(cut);
+    const lode::Mesh& of = *lode::embed::partAt(whole, part).mesh;
+    lode::embed::given(arrays, "struct of arrays");
+    mesh = lode::embed::flatten(of, cut->model.lattice.step, whole.textures.get()).release();
     *arrays = lode::embed::arraysOf(*mesh);
   });
   return mesh;
@@ -147,22 +169,23 @@ void lodestream_release_mesh(lodestream_mesh* mesh) { const std::unique_ptr<lode
 
 int lodestream_cut_tile(const lodestream_cut* cut, size_t number, lodestream_tile* tile) {
   return guard([&] {
-    const lode::core::ResidentTile& of = at(cut->cut->tiles, number, "tiles");
-    *tile = {of.key.texture,
-             of.key.level,
-             of.key.x,
-             of.key.y,
-             of.image->size.x,
-             of.image->size.y,
-             reinterpret_cast<const uint8_t*>(of.image->texels.data())};
+    const lode::core::ResidentTile& of = at(lode::embed::cutAt(cut).tiles, number, "tiles");
+    lode::embed::given(tile, "tile") = {of.key.texture,
+                                        of.key.level,
+                                        of.key.x,
+                                        of.key.y,
+                                        of.image->size.x,
+                                        of.image->size.y,
+                                        reinterpret_cast<const uint8_t*>(of.image->texels.data())};
   });
 }
 
 int lodestream_cut_texture(const lodestream_cut* cut, size_t number, lodestream_texture* texture) {
   return guard([&] {
     static const std::vector<lode::Texture> none;
-    const auto& textures = cut->cut->textures ? cut->cut->textures->textures : none;
+    const lode::core::Cut& whole = lode::embed::cutAt(cut);
+    const auto& textures = whole.textures ? whole.textures->textures : none;
     const lode::Texture& of = at(textures, number, "textures");
-    *texture = {of.width, of.height, levelCount(of)};
+    lode::embed::given(texture, "texture") = {of.width, of.height, levelCount(of)};
   });
 }

@@ -2,6 +2,7 @@
 
 #include <exception>
 #include <new>
+#include <string>
 
 #include "common/error.h"
 
@@ -9,6 +10,14 @@ namespace lode::embed {
 
 /// Keeps a message for lodestream_last_error() on this thread.
 void remember(const char* message) noexcept;
+
+/// What a pointer of the caller's points to. @throws Error kUsage for NULL.
+template <typename T>
+T& given(T* pointer, const char* what, const char* remedy = "the address of one") {
+  if (pointer == nullptr)
+    throw Error(ErrorCode::kUsage, std::string("a NULL ") + what + " was given: give " + remedy);
+  return *pointer;
+}
 
 /// Runs what a function of the C face does, from which nothing may be thrown. @return what that returns: 1,
 /// or 0.

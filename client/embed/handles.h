@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "client/core/cut.h"
@@ -9,4 +10,5 @@
 struct lodestream_cut {
   std::shared_ptr<const lode::core::Cut> cut;
   lode::ModelSummary model;
+  uint64_t serial = 0;  // by its stream
 };

@@ -10,7 +10,10 @@
  *
  * A stream is for one thread at a time. Cuts and meshes do not change, may be read by any thread, and outlive
  * their stream. Functions that return int return 1, or 0 with lodestream_last_error(); so do those that
- * return a pointer. */
+ * return a pointer. NULL in place of what a function needs makes it fail, or where it returns nothing does
+ * nothing.
+ *
+ * The header and the library of one version go together: a minor version may change structs. */
 #ifndef LODESTREAM_H
 #define LODESTREAM_H
 
@@ -20,6 +23,10 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+#define LODESTREAM_VERSION_MAJOR 0
+#define LODESTREAM_VERSION_MINOR 1
+#define LODESTREAM_VERSION_PATCH 0
 
 typedef struct lodestream_stream lodestream_stream;
 typedef struct lodestream_cut lodestream_cut;
@@ -40,14 +47,18 @@ typedef struct lodestream_model {
   double origin[3];
   double box_min[3], box_max[3]; /* true coordinates */
   uint64_t triangles;            /* of the original */
-  uint32_t has_normals, has_colours, has_textures;
+  uint32_t has_normals, has_colours;
+  uint32_t
+      has_textures; /* images: without, it may have coordinates of its own, lodestream_arrays.texture_uvs */
 } lodestream_model;
 
+/* Finite vectors. A window that is minimized has 0 pixels, which is no view: set none until it is back, and
+ * what was set last stays. */
 typedef struct lodestream_view {
   double eye[3], target[3], up[3];
-  double fov_y_deg;
-  uint32_t width_px, height_px;
-  float threshold_px; /* largest error allowed in the picture */
+  double fov_y_deg;             /* 0.01 to 170 */
+  uint32_t width_px, height_px; /* 1 to 32,768 each */
+  float threshold_px;           /* largest error allowed in the picture, above 0 */
 } lodestream_view;
 
 typedef struct lodestream_status {
@@ -61,6 +72,8 @@ typedef struct lodestream_status {
   uint32_t has_ended;       /* nothing more will come at all: likewise */
   uint64_t received_bytes;
   uint64_t resident_bytes; /* decoded meshes */
+  uint64_t cut_serial; /* of the cut that lodestream_take_cut() gives: another one, another cut; 0: none */
+  uint32_t is_finest;  /* what that view sees is as fine as the model has it, but not within the threshold */
 } lodestream_status;
 
 typedef struct lodestream_cut_info {
@@ -68,8 +81,10 @@ typedef struct lodestream_cut_info {
   size_t fallbacks; /* parts beside the cut, numbered on from its own: see lodestream_cut_shown() */
   size_t tiles, textures;
   uint64_t triangles;
-  float max_error_px; /* of what is seen */
-  uint32_t is_converged;
+  float max_error_px;    /* of what is seen */
+  uint32_t is_converged; /* to the threshold that it was made for */
+  uint32_t is_finest;    /* not that, but as fine as the model has it */
+  uint64_t serial;       /* of its stream: another one, another cut */
 } lodestream_cut_info;
 
 /* Parts of two cuts that are both held have the same mesh where it is named alike: what a renderer has
@@ -83,15 +98,19 @@ typedef struct lodestream_part {
   float error_px;
 } lodestream_part;
 
+/* What lodestream_arrays.texture_of says of a vertex that wears no texture. */
+enum { LODESTREAM_NO_TEXTURE = 0xffff };
+
 /* One value, or group of values, a vertex; NULL for what the model does not have. */
 typedef struct lodestream_arrays {
   uint32_t vertices, triangles;
-  const float* positions;     /* x y z */
-  const float* normals;       /* x y z, unit length */
-  const uint8_t* colours;     /* r g b a, sRGB */
-  const float* texture_uvs;   /* u v; v is 0 at the image's lower edge; it repeats beyond 0 to 1 */
-  const uint16_t* texture_of; /* number of the vertex's texture */
-  const uint32_t* indices;    /* three a triangle, counter-clockwise */
+  const float* positions;   /* x y z */
+  const float* normals;     /* x y z, unit length */
+  const uint8_t* colours;   /* r g b a, sRGB */
+  const float* texture_uvs; /* u v; v is 0 at the image's lower edge; it repeats beyond 0 to 1 */
+  const uint16_t*
+      texture_of; /* number of the vertex's texture, or LODESTREAM_NO_TEXTURE; NULL without textures */
+  const uint32_t* indices; /* three a triangle, counter-clockwise */
 } lodestream_arrays;
 
 typedef struct lodestream_tile {
@@ -107,6 +126,7 @@ typedef struct lodestream_texture {
 /* Of this thread's last call that failed; one line: what, where, what to do. */
 const char* lodestream_last_error(void);
 
+/* Fills in the values; texts are NULL. */
 void lodestream_default_options(lodestream_options* options);
 /* Begins to open lode://HOST[:PORT]/MODEL, or lodes:// with TLS; step until it is open. options: NULL for the
  * default. */
@@ -114,7 +134,8 @@ lodestream_stream* lodestream_open(const char* url, const lodestream_options* op
 /* Ends the stream's threads; NULL does nothing, here and where something is released. */
 void lodestream_close(lodestream_stream* stream);
 
-/* Waits until there is news since the last step, but no longer than so; 0 does not wait. */
+/* Waits until there is news since the last step, but no longer than so; 0 does not wait. A view that was set
+ * and has settled, the same again, too, is news. */
 int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status);
 int lodestream_describe(lodestream_stream* stream, lodestream_model* model);
 /* Once the model is open. */
@@ -124,6 +145,7 @@ int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view);
  * none, which is no error: lodestream_last_error() stays. */
 lodestream_cut* lodestream_take_cut(lodestream_stream* stream);
 void lodestream_release_cut(lodestream_cut* cut);
+/* All zeros of NULL. */
 void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info);
 int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part);
 /* Which parts to draw for a camera that may have moved on since the cut was made: the cut's own, but where it

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "client/embed/camera.h"
+#include "client/embed/cut_state.h"
 #include "client/embed/guard.h"
 #include "client/embed/handles.h"
 #include "client/embed/lodestream.h"
@@ -12,6 +13,7 @@
 #include "client/stream/served_url.h"
 #include "client/stream/streamer.h"
 #include "common/error.h"
+#include "common/texture_set.h"
 
 struct lodestream_stream {
   lodestream_stream(lode::stream::ServedModel served, lode::stream::StreamOptions options)
@@ -20,7 +22,8 @@ struct lodestream_stream {
   lode::stream::Streamer streamer;
   std::optional<lode::ModelSummary> model;
   std::shared_ptr<const lode::core::Cut> cut;  // of the last step
-  std::optional<lode::core::View> view;        // last set
+  uint64_t cut_serial = 0;
+  std::optional<lode::core::View> view;  // last set
   float threshold_px = 1;
 };
 
@@ -34,6 +37,10 @@ std::string& lastError() {
 
 void copyTo(double (&values)[3], const glm::dvec3& vector) {
   for (int axis = 0; axis < 3; ++axis) values[axis] = vector[axis];
+}
+
+lodestream_stream& streamAt(lodestream_stream* stream) {
+  return given(stream, "stream", "the one that lodestream_open() made");
 }
 
 const ModelSummary& modelOf(const lodestream_stream& stream) {
@@ -64,8 +71,10 @@ lodestream_status toStatus(const stream::StreamStatus& status, const lodestream_
   lodestream_status result{};
   result.is_open = stream.model.has_value();
   result.has_cut = status.cut != nullptr;
-  result.is_converged = status.cut && status.cut->view == stream.view && status.cut->converged &&
-                        status.cut->max_error_px <= stream.threshold_px;
+  const bool is_of_view = status.cut && status.cut->view == stream.view;
+  result.is_converged = is_of_view && isWithin(*status.cut, stream.threshold_px);
+  result.is_finest = is_of_view && status.cut->threshold_px == stream.threshold_px && isFinest(*status.cut);
+  result.cut_serial = stream.cut_serial;
   result.is_settled = status.settled;
   result.is_limited = status.limited;
   result.is_reconnecting = !status.trouble.empty();
@@ -93,6 +102,7 @@ using lode::embed::guard;
 const char* lodestream_last_error() { return lode::embed::lastError().c_str(); }
 
 void lodestream_default_options(lodestream_options* options) {
+  if (options == nullptr) return;
   const lode::stream::StreamOptions of_stream;
   *options = {};
   options->memory_budget_bytes = of_stream.memory_budget_bytes;
@@ -120,18 +130,21 @@ void lodestream_close(lodestream_stream* stream) { const std::unique_ptr<lodestr
 
 int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status) {
   return guard([&] {
-    const lode::stream::StreamStatus now = stream->streamer.waitForNews(std::chrono::milliseconds(wait_ms));
-    if (!stream->model) stream->model = stream->streamer.model();
-    stream->cut = now.cut;
-    *status = lode::embed::toStatus(now, *stream);
+    lodestream_stream& of = lode::embed::streamAt(stream);
+    lode::embed::given(status, "status");
+    const lode::stream::StreamStatus now = of.streamer.waitForNews(std::chrono::milliseconds(wait_ms));
+    if (!of.model) of.model = of.streamer.model();
+    if (now.cut != of.cut) ++of.cut_serial;
+    of.cut = now.cut;
+    *status = lode::embed::toStatus(now, of);
     if (status->has_failed) lode::embed::remember(now.failure.c_str());
   });
 }
 
 int lodestream_describe(lodestream_stream* stream, lodestream_model* model) {
   return guard([&] {
-    const lode::ModelSummary& summary = lode::embed::modelOf(*stream);
-    *model = {};
+    const lode::ModelSummary& summary = lode::embed::modelOf(lode::embed::streamAt(stream));
+    lode::embed::given(model, "model") = {};
     lode::embed::copyTo(model->origin, summary.lattice.origin);
     if (!summary.box.empty()) {
       lode::embed::copyTo(model->box_min, summary.lattice.toWorld(summary.box.min));
@@ -141,23 +154,25 @@ int lodestream_describe(lodestream_stream* stream, lodestream_model* model) {
     model->has_normals =
         summary.attributes.has(lode::AttributeSet::kNormal | lode::AttributeSet::kComputedNormal);
     model->has_colours = summary.attributes.has(lode::AttributeSet::kColour);
-    model->has_textures = static_cast<bool>(summary.textures);
+    model->has_textures = summary.textures && summary.textures.bytes > lode::kEmptyTextureSetBytes;
   });
 }
 
 int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view) {
   return guard([&] {
-    stream->view = lode::embed::toView(*view, lode::embed::modelOf(*stream));
-    stream->threshold_px = view->threshold_px;
-    stream->streamer.setView(*stream->view, view->threshold_px);
+    lodestream_stream& of = lode::embed::streamAt(stream);
+    of.view = lode::embed::toView(lode::embed::given(view, "view"), lode::embed::modelOf(of));
+    of.threshold_px = view->threshold_px;
+    of.streamer.setView(*of.view, view->threshold_px);
   });
 }
 
 lodestream_cut* lodestream_take_cut(lodestream_stream* stream) {
   lodestream_cut* cut = nullptr;
   guard([&] {
-    if (!stream->cut) return;
-    cut = std::make_unique<lodestream_cut>(lodestream_cut{stream->cut, lode::embed::modelOf(*stream)})
+    const lodestream_stream& of = lode::embed::streamAt(stream);
+    if (!of.cut) return;
+    cut = std::make_unique<lodestream_cut>(lodestream_cut{of.cut, lode::embed::modelOf(of), of.cut_serial})
               .release();
   });
   return cut;

@@ -69,7 +69,7 @@ static int run(lodestream_stream* stream) {
   const lodestream_view view = frame(&model);
   if (!lodestream_set_view(stream, &view)) return fail();
 
-  /* A game would step without waiting, once a frame, and draw what it takes. */
+  /* A game would step without waiting, once a frame, and take the cut where cut_serial is another one. */
   do {
     if (!lodestream_step(stream, 1000, &status) || status.has_failed) return fail();
   } while (!status.is_settled);

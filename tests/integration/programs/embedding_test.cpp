@@ -121,6 +121,23 @@ TEST_F(Embedding, takesNoAddressForAnErrorAndNoCutYetForNone) {
             "no address was given: name lode://HOST[:PORT]/MODEL\n");
 }
 
+TEST_F(Embedding, namesItsVersionForThePreprocessor) {
+  writeBytes(folder_ / "version.c",
+             "#include <lodestream.h>\n#include <stdio.h>\n"
+             "int main(void) { return printf(\"%d.%d.%d\\n\", LODESTREAM_VERSION_MAJOR, "
+             "LODESTREAM_VERSION_MINOR, LODESTREAM_VERSION_PATCH) < 0; }\n");
+  const std::string version = run(compileInC(folder_ / "version.c"), {});
+  EXPECT_EQ("lodestream " + version, run("lodestream", {"--version"}));
+}
+
+TEST_F(Embedding, isFoundTwiceByOneProject) {
+  writeBytes(folder_ / "CMakeLists.txt",
+             "cmake_minimum_required(VERSION 3.25)\nproject(twice LANGUAGES CXX)\n"
+             "find_package(lodestream REQUIRED)\nfind_package(lodestream REQUIRED)\n");
+  run("cmake", {"-G", "Ninja", "-S", folder_.path(), "-B", folder_ / "build",
+                "-DCMAKE_PREFIX_PATH=" + installed_.string()});
+}
+
 TEST_F(Embedding, buildsAndRunsTheExampleInCWithPkgConfig) {
   const fs::path program = compileInC(examples() / "embed.c");
   const RunningServer server({makeSmallStore(folder_)});
