@@ -240,9 +240,9 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
     case proto::WireError::kInternal:
       throw Error(ErrorCode::kNetwork, message);
     case proto::WireError::kNoSuchModel:
-      throw Error(ErrorCode::kInput, message + "; lodestream list shows what it has");
+      throw Error(ErrorCode::kInput, message + "; " + options_.remedies.model);
     case proto::WireError::kUnauthorized:
-      throw Error(ErrorCode::kInput, message + "; give a token with --token-file or LODESTREAM_TOKEN");
+      throw Error(ErrorCode::kInput, message + "; " + options_.remedies.token);
     default:
       throw Error(ErrorCode::kInput, message);
   }

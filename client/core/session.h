@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/core/credit_window.h"
+#include "client/core/remedies.h"
 #include "client/core/wish.h"
 #include "common/blob.h"
 #include "common/model_summary.h"
@@ -34,6 +35,7 @@ struct SessionOptions {
   BlobName known_build_id;  ///< of the model as the client knows it; zeros for none
   std::string token;
   std::string program = "lodestream";
+  Remedies remedies;
   uint64_t max_wished_bytes = kMaxWishedBytes;
   /// Whether bytes have the blob's name; none: their SHA-256 is compared with it.
   std::function<bool(const BlobRef&, std::span<const std::byte>)> is_named;

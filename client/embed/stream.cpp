@@ -9,6 +9,7 @@
 #include "client/embed/guard.h"
 #include "client/embed/handles.h"
 #include "client/embed/lodestream.h"
+#include "client/stream/blob_cache.h"
 #include "client/stream/decode_pool.h"
 #include "client/stream/served_url.h"
 #include "client/stream/streamer.h"
@@ -49,12 +50,21 @@ const ModelSummary& modelOf(const lodestream_stream& stream) {
   return *stream.model;
 }
 
+constexpr core::Remedies kEmbeddedRemedies{
+    .token = "give one that it knows as token",
+    .certificate = "name the host as the certificate does, and its authority as ca_file",
+    .authorities = "give certificates in PEM as ca_file",
+    .cache_folder = "name another folder as cache_folder, or none"};
+
+/// @throws Error if it cannot be had.
 stream::StreamOptions toStreamOptions(const lodestream_options& options) {
   const auto textOf = [](const char* text) { return text != nullptr ? std::string(text) : std::string(); };
   stream::StreamOptions of_stream;
+  of_stream.remedies = kEmbeddedRemedies;
   of_stream.token = textOf(options.token);
   of_stream.ca_file = textOf(options.ca_file);
   of_stream.cache_folder = textOf(options.cache_folder);
+  if (!of_stream.cache_folder.empty()) stream::prepareCacheFolder(of_stream.cache_folder, kEmbeddedRemedies);
   if (options.memory_budget_bytes != 0) of_stream.memory_budget_bytes = options.memory_budget_bytes;
   if (options.triangle_budget != 0) of_stream.triangle_budget = options.triangle_budget;
   if (options.connect_timeout_ms != 0)

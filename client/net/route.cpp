@@ -7,7 +7,8 @@
 
 namespace lode::net {
 
-std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file) {
+std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file,
+                                                     const core::Remedies& remedies) {
   const auto context = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_client);
   SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_3_VERSION);
   SSL_CTX_set_mode(context->native_handle(), SSL_MODE_RELEASE_BUFFERS);
@@ -21,7 +22,7 @@ std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path
     throw Error(ErrorCode::kUsage,
                 "cannot use the authorities in " +
                     (ca_file.empty() ? std::string("the system's folder") : ca_file.string()) + ": " +
-                    error.message() + "; give certificates in PEM with --ca-file");
+                    error.message() + "; " + remedies.authorities);
   return context;
 }
 

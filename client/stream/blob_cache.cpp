@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include <unistd.h>
 
+#include "common/error.h"
 #include "proto/limits.h"
 #include "proto/messages.h"
 
@@ -59,7 +63,26 @@ fs::path summaryFile(const fs::path& folder, const ServedModel& model) {
   return folder / "models" / toHex(nameBlob(std::as_bytes(std::span(key))));
 }
 
+/// @return what keeps a file from being made there, if anything.
+std::error_code triedToWriteTo(const fs::path& folder) {
+  std::string name = folder / (std::string(kTemporary) + "XXXXXX");
+  const int file = mkstemp(name.data());
+  if (file < 0) return {errno, std::generic_category()};
+  close(file);
+  unlink(name.c_str());
+  return {};
+}
+
 }  // namespace
+
+void prepareCacheFolder(const fs::path& folder, const core::Remedies& remedies) {
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (!failed) failed = triedToWriteTo(folder);
+  if (failed)
+    throw Error(ErrorCode::kIo, folder.string() + ": nothing can be kept there (" + failed.message() + "); " +
+                                    remedies.cache_folder);
+}
 
 BlobCache::BlobCache(fs::path folder, uint64_t max_bytes)
     : folder_(std::move(folder)), max_bytes_(max_bytes), kept_bytes_(max_bytes) {}

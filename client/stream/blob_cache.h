@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "client/core/remedies.h"
 #include "client/stream/served_model.h"
 #include "common/blob.h"
 #include "common/model_summary.h"
@@ -14,6 +15,10 @@
 namespace lode::stream {
 
 constexpr uint64_t kDefaultCacheBytes = 4ull << 30;
+
+/// Makes a folder that was asked for and tries it at once: blobs that cannot be kept are let go without a
+/// word. @throws Error kIo if nothing can be kept there.
+void prepareCacheFolder(const std::filesystem::path& folder, const core::Remedies& remedies);
 
 /// Blobs on disk, by name, one file each, and which build of a model a server had last. Any number of
 /// processes may share a folder: a file appears whole under its name, and what is read is checked against it,

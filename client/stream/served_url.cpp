@@ -7,27 +7,28 @@ namespace lode::stream {
 namespace {
 
 constexpr std::string_view kScheme = "lode://", kTlsScheme = "lodes://";
+constexpr const char* kServerForm = "write lode://HOST[:PORT], or lodes:// with TLS";
+constexpr const char* kModelForm = "write lode://HOST[:PORT]/MODEL, or lodes:// with TLS";
 
 struct Url {
   bool encrypted = false;
   std::string_view rest;
 };
 
-Url splitScheme(std::string_view text) {
+/// @param form  how to write what was meant.
+Url splitScheme(std::string_view text, const char* form) {
   for (const auto scheme : {kScheme, kTlsScheme})
     if (text.starts_with(scheme)) return {scheme == kTlsScheme, text.substr(scheme.size())};
-  throw Error(ErrorCode::kUsage,
-              "'" + std::string(text) + "' names no server; write lode://HOST[:PORT], or lodes:// with TLS");
+  throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names no server; " + form);
 }
 
 }  // namespace
 
 ServedModel parseServedModel(std::string_view text) {
-  const auto [encrypted, rest] = splitScheme(text);
+  const auto [encrypted, rest] = splitScheme(text, kModelForm);
   const size_t slash = rest.find('/');
   if (slash == std::string_view::npos || slash + 1 == rest.size())
-    throw Error(ErrorCode::kUsage,
-                "'" + std::string(text) + "' names no model; write lode://HOST[:PORT]/MODEL");
+    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names no model; " + kModelForm);
   std::string model(rest.substr(slash + 1));
   if (model.size() > kMaxModelNameBytes || model.find('/') != std::string::npos)
     throw Error(ErrorCode::kUsage, "'" + std::string(text) + "': a model's name has no slash and at most " +
@@ -36,10 +37,10 @@ ServedModel parseServedModel(std::string_view text) {
 }
 
 ServedModel parseServer(std::string_view text) {
-  auto [encrypted, rest] = splitScheme(text);
+  auto [encrypted, rest] = splitScheme(text, kServerForm);
   if (rest.ends_with('/')) rest.remove_suffix(1);
   if (rest.find('/') != std::string_view::npos)
-    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names a model; write lode://HOST[:PORT]");
+    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names a model; " + kServerForm);
   return {net::parseAddress(rest), "", encrypted};
 }
 

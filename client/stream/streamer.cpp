@@ -107,7 +107,8 @@ struct Streamer::State {
 
 net::Route routeTo(const ServedModel& model, const StreamOptions& options) {
   return {model.address, options.connect_timeout,
-          model.encrypted ? net::trustAuthorities(options.ca_file) : nullptr};
+          model.encrypted ? net::trustAuthorities(options.ca_file, options.remedies) : nullptr,
+          options.remedies};
 }
 
 Streamer::Streamer(ServedModel model, StreamOptions options)
@@ -140,6 +141,7 @@ void Streamer::State::stream() {
   core::EngineOptions engine_options;
   engine_options.session.model = model.model;
   engine_options.session.token = options.token;
+  engine_options.session.remedies = options.remedies;
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   engine_options.triangle_budget = options.triangle_budget;
   engine_options.drawn_budget_bytes = options.drawn_budget_bytes;

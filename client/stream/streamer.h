@@ -20,6 +20,7 @@ namespace lode::stream {
 
 struct StreamOptions {
   std::string token;
+  core::Remedies remedies;
   std::filesystem::path ca_file;  ///< authorities that vouch for the server under TLS; empty: the system's
   uint64_t memory_budget_bytes = core::kDefaultMemoryBudgetBytes;
   // See core::RefineOptions.

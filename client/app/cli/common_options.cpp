@@ -1,7 +1,6 @@
 #include "client/app/cli/common_options.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -10,7 +9,6 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
-#include <unistd.h>
 
 #include "client/app/cli/cache_folder.h"
 #include "client/core/camera_path.h"
@@ -62,25 +60,15 @@ std::string readToken(const std::string& file) {
   return checkedToken(std::move(token), file);
 }
 
-/// @return what keeps a file from being made there, if anything.
-std::error_code triedToWriteTo(const std::filesystem::path& folder) {
-  std::string name = folder / ".new-XXXXXX";
-  const int file = mkstemp(name.data());
-  if (file < 0) return {errno, std::generic_category()};
-  close(file);
-  unlink(name.c_str());
-  return {};
-}
+constexpr core::Remedies kCommandRemedies{
+    .model = "lodestream list shows what it has",
+    .token = "give a token with --token-file or LODESTREAM_TOKEN",
+    .certificate = "name the host as the certificate does, and its authority with --ca-file",
+    .authorities = "give certificates in PEM with --ca-file",
+    .cache_folder = "give --cache a folder, or off"};
 
-/// A folder that was asked for is made and tried at once: blobs that cannot be kept are let go without a
-/// word.
 std::filesystem::path chosenCache(const std::string& folder, bool offline) {
-  std::error_code failed;
-  if (!offline) std::filesystem::create_directories(folder, failed);
-  if (!offline && !failed) failed = triedToWriteTo(folder);
-  if (failed)
-    throw Error(ErrorCode::kIo, folder + ": nothing can be kept there (" + failed.message() +
-                                    "); give --cache a folder, or off");
+  if (!offline) stream::prepareCacheFolder(folder, kCommandRemedies);
   return folder;
 }
 
@@ -109,6 +97,7 @@ std::chrono::milliseconds CommonOptions::timeout() const {
 
 stream::StreamOptions CommonOptions::streamOptions() const {
   stream::StreamOptions options;
+  options.remedies = kCommandRemedies;
   options.ca_file = ca_file;
   options.token = readToken(token_file);
   if (!memory_text.empty()) options.memory_budget_bytes = parseByteSize(memory_text);

@@ -55,6 +55,7 @@ std::vector<ModelSummary> askForModels(const net::Route& route, const std::strin
   Bell bell;
   core::SessionOptions session_options;
   session_options.token = token;
+  session_options.remedies = route.remedies;
   core::Session session(session_options, Clock::now());
   net::TcpTransport transport(route, [&bell] { bell.ring(); });
   transport.send(session.takeOutgoing());

@@ -38,6 +38,7 @@ core::SessionOptions TraceClient::sessionOptions() {
   core::SessionOptions options;
   options.model = plan_.model.model;
   options.token = plan_.options.token;
+  options.remedies = plan_.options.remedies;
   options.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
     return names_.isNamed(blob, bytes);
   };

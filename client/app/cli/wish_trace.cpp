@@ -24,6 +24,7 @@ core::EngineOptions engineOptions(const stream::ServedModel& model, const stream
   core::EngineOptions engine_options;
   engine_options.session.model = model.model;
   engine_options.session.token = options.token;
+  engine_options.session.remedies = options.remedies;
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   return engine_options;
 }

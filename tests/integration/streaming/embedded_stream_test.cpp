@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/app/cli/child_server.h"
 #include "client/embed/lodestream.h"
 #include "tests/integration/streaming/streaming_fixture.h"
 
@@ -49,16 +50,15 @@ class EmbeddedStream : public Streaming {
     return stream;
   }
 
-  /// From so many times the box's half diagonal before its middle.
+  /// From before the box's middle, by so many times its width.
   static View viewOf(const Stream& stream, double distance) { return viewOf(stream.describe(), distance); }
   static View viewOf(const lodestream::Model& model, double distance) {
     View view{};
-    double squared = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      view.target[axis] = view.eye[axis] = (model.box_min[axis] + model.box_max[axis]) / 2;
-      squared += std::pow((model.box_max[axis] - model.box_min[axis]) / 2, 2);
+      view.target[axis] = (model.box_min[axis] + model.box_max[axis]) / 2;
+      view.eye[axis] = view.target[axis];
     }
-    view.eye[2] += distance * std::sqrt(squared);
+    view.eye[2] += distance * (model.box_max[0] - model.box_min[0]);
     view.up[1] = 1;
     view.fov_y_deg = 45;
     view.width_px = 640;
@@ -77,7 +77,7 @@ class EmbeddedStream : public Streaming {
 
 TEST_F(EmbeddedStream, andItsCutAgreeOnWhetherTheyHaveConverged) {
   Stream stream = open();
-  View view = viewOf(stream, 2);
+  View view = viewOf(stream, 1.7);
   for (const float threshold_px : {1.0f, 100.0f, 1e-6f}) {
     view.threshold_px = threshold_px;
     const Status status = settle(stream, view);
@@ -91,7 +91,7 @@ TEST_F(EmbeddedStream, andItsCutAgreeOnWhetherTheyHaveConverged) {
 
 TEST_F(EmbeddedStream, tellsThatThereIsNothingFinerFromThatItIsStuck) {
   Stream stream = open();
-  View view = viewOf(stream, 2);
+  View view = viewOf(stream, 1.7);
   view.threshold_px = 1e-6f;
   const Status status = settle(stream, view);
   EXPECT_EQ(status.is_converged + status.is_limited, 0u);
@@ -115,7 +115,7 @@ TEST_F(EmbeddedStream, tellsThatThereIsNothingFinerFromThatItIsStuck) {
 
 TEST_F(EmbeddedStream, numbersItsCutsSoThatANewOneIsKnown) {
   Stream stream = open();
-  View view = viewOf(stream, 2);
+  View view = viewOf(stream, 1.7);
   const Status first = settle(stream, view);
   EXPECT_GT(first.cut_serial, 0u);
   EXPECT_EQ(stream.takeCut()->serial, first.cut_serial);
@@ -129,12 +129,24 @@ TEST_F(EmbeddedStream, numbersItsCutsSoThatANewOneIsKnown) {
 
 TEST_F(EmbeddedStream, waitsForNothingWhereAViewThatIsSetAgainHasSettled) {
   Stream stream = open();
-  const View view = viewOf(stream, 2);
+  const View view = viewOf(stream, 1.7);
   settle(stream, view);
   const auto begin = std::chrono::steady_clock::now();
   stream.setView(view);
   EXPECT_EQ(stream.step(5000).is_settled, 1u);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 5000ms);
+}
+
+TEST_F(EmbeddedStream, saysOfATokenThatIsMissingWhichOptionTakesIt) {
+  const app::ChildServer child(folder_ / "a.lode");
+  try {
+    Stream stream(stream::toString(child.served()));
+    while (stream.step(kNewsMs).is_open == 0) continue;
+    FAIL() << "no error";
+  } catch (const lodestream::Error& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find("asks for a token; give one that it knows as token"), std::string::npos) << said;
+  }
 }
 
 TEST_F(EmbeddedStream, isNotReconnectingOnceItHasEnded) {
@@ -144,7 +156,7 @@ TEST_F(EmbeddedStream, isNotReconnectingOnceItHasEnded) {
   while (status.is_open == 0) lodestream_step(stream.get(), kNewsMs, &status);
   lodestream_model model;
   lodestream_describe(stream.get(), &model);
-  const View view = viewOf(model, 2);
+  const View view = viewOf(model, 1.7);
   lodestream_set_view(stream.get(), &view);
   while (status.is_settled == 0) lodestream_step(stream.get(), kNewsMs, &status);
   stopServer();
@@ -162,7 +174,7 @@ TEST_F(EmbeddedStream, hasNoTexturesWhereAModelHasCoordinatesAndNoImages) {
   serveTextured({});
   Stream stream = open();
   EXPECT_EQ(stream.describe().has_textures, 0u);
-  settle(stream, viewOf(stream, 2));
+  settle(stream, viewOf(stream, 1.7));
   const Cut cut = stream.takeCut();
   EXPECT_EQ(cut->textures, 0u);
   const lodestream::Mesh mesh = cut.mesh(0);
@@ -174,7 +186,7 @@ TEST_F(EmbeddedStream, namesOnlyTexturesThatThereAreOrNone) {
   serveTextured(missingImage());
   Stream stream = open();
   EXPECT_EQ(stream.describe().has_textures, 1u);
-  settle(stream, viewOf(stream, 2));
+  settle(stream, viewOf(stream, 1.7));
   const Cut cut = stream.takeCut();
   ASSERT_EQ(cut->textures, 1u);
   std::map<uint16_t, uint32_t> vertices_of;
@@ -191,7 +203,7 @@ TEST_F(EmbeddedStream, namesOnlyTexturesThatThereAreOrNone) {
 TEST_F(EmbeddedStream, givesMeshesOfOneNameTheSameArrays) {
   serveTextured(missingImage());
   Stream stream = open();
-  stream.setView(viewOf(stream, 2));
+  stream.setView(viewOf(stream, 1.7));
   std::map<uint64_t, bool> has_uvs;
   std::vector<Cut> held;  // names are of what is held
   for (Status status{}; status.is_settled == 0;) {

@@ -72,7 +72,7 @@ TEST_F(SessionTest, saysThatAnotherProgramAnswers) {
 TEST_F(SessionTest, saysWhatTheServerSaysWhenThereIsNoSuchModel) {
   give(welcome());
   expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2),
-                "no model x; lodestream list");
+                "no model x; name one that it has");
 }
 
 TEST_F(SessionTest, saysThatTheServerIsLeaving) {

@@ -1,0 +1,98 @@
+// What the library's functions do with what they cannot take.
+
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "client/embed/lodestream.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::embed {
+namespace {
+
+constexpr const char* kNobody = "lode://127.0.0.1:1/model";
+
+std::string refusalOf(const char* url, const lodestream_options* options = nullptr) {
+  lodestream_stream* const stream = lodestream_open(url, options);
+  EXPECT_EQ(stream, nullptr) << url;
+  lodestream_close(stream);
+  return lodestream_last_error();
+}
+
+TEST(Arguments, thatAreNullFailAndSayWhich) {
+  lodestream_status status{};
+  lodestream_view view{};
+  size_t count = 0;
+  EXPECT_EQ(lodestream_step(nullptr, 0, &status), 0);
+  EXPECT_STREQ(lodestream_last_error(), "a NULL stream was given: give the one that lodestream_open() made");
+  EXPECT_EQ(lodestream_set_view(nullptr, &view), 0);
+  EXPECT_EQ(lodestream_take_cut(nullptr), nullptr);
+  EXPECT_EQ(lodestream_cut_part(nullptr, 0, nullptr), 0);
+  EXPECT_STREQ(lodestream_last_error(), "a NULL cut was given: give one that lodestream_take_cut() gave");
+  EXPECT_EQ(lodestream_cut_shown(nullptr, &view, nullptr, &count), 0);
+  EXPECT_EQ(lodestream_take_mesh(nullptr, 0, nullptr), nullptr);
+  EXPECT_EQ(lodestream_cut_tile(nullptr, 0, nullptr), 0);
+  EXPECT_EQ(lodestream_cut_texture(nullptr, 0, nullptr), 0);
+  EXPECT_EQ(lodestream_describe(nullptr, nullptr), 0);
+  lodestream_default_options(nullptr);
+}
+
+TEST(Arguments, thatAreNullGiveTheDescriptionOfAnEmptyCut) {
+  lodestream_cut_info info{};
+  info.parts = 7;
+  lodestream_cut_describe(nullptr, &info);
+  EXPECT_EQ(info.parts, 0u);
+  lodestream_cut_describe(nullptr, nullptr);
+}
+
+TEST(Arguments, thatAStreamNeedsFailBesideItIfTheyAreNull) {
+  lodestream_stream* const stream = lodestream_open(kNobody, nullptr);
+  ASSERT_NE(stream, nullptr) << lodestream_last_error();
+  EXPECT_EQ(lodestream_step(stream, 0, nullptr), 0);
+  EXPECT_STREQ(lodestream_last_error(), "a NULL status was given: give the address of one");
+  EXPECT_EQ(lodestream_set_view(stream, nullptr), 0);
+  lodestream_close(stream);
+}
+
+TEST(Arguments, thatNameNoServerOrNoModelAreToldHowToNameBoth) {
+  const std::string form = "write lode://HOST[:PORT]/MODEL, or lodes:// with TLS";
+  EXPECT_EQ(refusalOf("a.lode"), "'a.lode' names no server; " + form);
+  EXPECT_EQ(refusalOf("lode://localhost"), "'lode://localhost' names no model; " + form);
+}
+
+TEST(Arguments, thatNameACacheWhereNothingCanBeKeptFailAtOnce) {
+  const test::WorkFolder folder;
+  const std::string file = folder / "file";
+  std::ofstream(file) << "not a folder";
+  for (const std::string& cache : {file, std::string("/proc/nope")}) {
+    lodestream_options options{};
+    options.cache_folder = cache.c_str();
+    const std::string said = refusalOf(kNobody, &options);
+    EXPECT_EQ(said.find(cache + ": nothing can be kept there ("), 0u) << said;
+    EXPECT_NE(said.find("; name another folder as cache_folder, or none"), std::string::npos) << said;
+  }
+}
+
+TEST(Arguments, thatNameNoAuthoritiesAreCalledByTheirOption) {
+  lodestream_options options{};
+  options.ca_file = "/none.pem";
+  lodestream_stream* const stream = lodestream_open("lodes://127.0.0.1:1/model", &options);
+  lodestream_status status{};
+  while (stream != nullptr && !status.has_ended) lodestream_step(stream, 1000, &status);
+  lodestream_close(stream);
+  const std::string said = lodestream_last_error();
+  EXPECT_NE(said.find("; give certificates in PEM as ca_file"), std::string::npos) << said;
+}
+
+TEST(Options, byDefaultNameEachNumberThatTheLibraryTakesForZero) {
+  lodestream_options options{};
+  lodestream_default_options(&options);
+  EXPECT_EQ(options.memory_budget_bytes, 1ull << 30);
+  EXPECT_EQ(options.connect_timeout_ms, 10'000u);
+  EXPECT_GE(options.triangle_budget, 1u);
+  EXPECT_GE(options.decode_threads, 1u);
+}
+
+}  // namespace
+}  // namespace lode::embed
