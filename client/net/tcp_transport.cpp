@@ -54,6 +54,7 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
     closeAll();
     room.cancel();
     work.cancel();
+    deadline.cancel();
   }
   void closeAll() {
     lookup.abandon();
@@ -67,7 +68,8 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   asio::awaitable<void> connect();
   asio::awaitable<void> connectSocket();
   asio::awaitable<void> shakeHands();
-  std::string describe(const asio::error_code& error) const;
+  Error noAnswer() const;
+  Error lost(const asio::error_code& error) const;
   asio::awaitable<void> run();
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
@@ -82,7 +84,8 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   tcp::socket connecting{io};               // until it is connected
   std::optional<proto::ByteStream> stream;  // from then on
   bool any_received = false;
-  bool connected = false, timed_out = false;  // of connect() and its deadline, which may fire after it
+  bool connected = false, timed_out = false;  // of the deadline, which ends what has not got a first word
+  asio::steady_timer deadline{io};
   asio::steady_timer room{io, asio::steady_timer::time_point::max()};  // cancelled: received bytes were taken
   asio::steady_timer work{io,
                           asio::steady_timer::time_point::max()};  // cancelled: there is something to send
@@ -102,9 +105,9 @@ void TcpTransport::State::fail(ErrorCode code, const std::string& message) {
 }
 
 asio::awaitable<void> TcpTransport::State::connect() {
-  asio::steady_timer deadline(io, route.connect_timeout);
+  deadline.expires_after(route.connect_timeout);
   deadline.async_wait([this, self = shared_from_this()](const asio::error_code& error) {
-    if (error || connected) return;
+    if (error || any_received) return;
     timed_out = true;
     closeAll();
   });
@@ -115,11 +118,14 @@ asio::awaitable<void> TcpTransport::State::connect() {
   } catch (const Error&) {
     if (!timed_out) throw;
   }
-  deadline.cancel();
-  if (timed_out)
-    throw Error(ErrorCode::kTimeout, "no answer from " + toString(route.address) + " within " +
-                                         std::to_string(route.connect_timeout.count()) +
-                                         " ms: check the address, the network and the firewall");
+  if (timed_out) throw noAnswer();
+}
+
+Error TcpTransport::State::noAnswer() const {
+  const char* const remedy = connected ? ": it takes connections; check that lodestreamd serve runs there"
+                                       : ": check the address, the network and the firewall";
+  return {ErrorCode::kTimeout, "no answer from " + toString(route.address) + " within " +
+                                   std::to_string(route.connect_timeout.count()) + " ms" + remedy};
 }
 
 asio::awaitable<void> TcpTransport::State::connectSocket() {
@@ -149,22 +155,22 @@ asio::awaitable<void> TcpTransport::State::shakeHands() {
   } catch (const Error& error) {
     throw Error(ErrorCode::kNetwork,
                 toString(route.address) + ": " + error.what() +
-                    (stream->isPeerDoubted()
-                         ? "; name the host as the certificate does, and its authority with --ca-file"
-                         : "; use lode:// if it serves no TLS"));
+                    (stream->isPeerDoubted() ? std::string("; ") + route.remedies.certificate
+                                             : "; use lode:// if it serves no TLS"));
   }
 }
 
 /// Why a connection that there was has ended.
-std::string TcpTransport::State::describe(const asio::error_code& error) const {
+Error TcpTransport::State::lost(const asio::error_code& error) const {
   const std::string where = toString(route.address);
+  if (timed_out) return noAnswer();
   if (error != asio::error::eof)
-    return "the connection to " + where + " broke (" + error.message() +
-           "): check the network and the server";
+    return {ErrorCode::kNetwork, "the connection to " + where + " broke (" + error.message() +
+                                     "): check the network and the server"};
   if (!any_received && !route.tls)
-    return where +
-           " closed the connection without a word: use lodes:// if it serves TLS, or look into its log";
-  return where + " closed the connection: look into the server's log";
+    return {ErrorCode::kNetwork, where + " closed the connection without a word: use lodes:// if it serves " +
+                                     "TLS, or look into its log"};
+  return {ErrorCode::kNetwork, where + " closed the connection: look into the server's log"};
 }
 
 asio::awaitable<void> TcpTransport::State::run() {
@@ -180,6 +186,7 @@ asio::awaitable<void> TcpTransport::State::run() {
   } catch (const std::exception& error) {
     fail(ErrorCode::kInternal, error.what());
   }
+  deadline.cancel();
 }
 
 asio::awaitable<void> TcpTransport::State::readAll() {
@@ -187,8 +194,8 @@ asio::awaitable<void> TcpTransport::State::readAll() {
   while (true) {
     asio::error_code error;
     const size_t count = co_await stream->readSome(asio::buffer(buffer), error);
-    if (error) throw Error(ErrorCode::kNetwork, describe(error));
-    any_received = true;
+    if (error) throw lost(error);
+    if (!std::exchange(any_received, true)) deadline.cancel();
     bool full = false;
     {
       const std::lock_guard lock(mutex);

@@ -10,6 +10,7 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/read.hpp>
+#include <asio/steady_timer.hpp>
 #include <asio/write.hpp>
 #include <dlfcn.h>
 #include <gtest/gtest.h>
@@ -188,6 +189,29 @@ TEST_F(TcpTransportTest, namesTheAddressAndTheRemedyWhenNobodyListens) {
   const std::string failure = failureOf(transport);
   EXPECT_NE(failure.find(toString(nobody)), std::string::npos) << failure;
   EXPECT_NE(failure.find("lodestreamd serve"), std::string::npos) << failure;
+}
+
+TEST_F(TcpTransportTest, waitsNoLongerForTheFirstWordThanForAConnection) {
+  Route impatient = route();
+  impatient.connect_timeout = 50ms;
+  TcpTransport transport(impatient, [&] { bell_.ring(); });
+  const tcp::socket silent = acceptor_.accept();
+  const std::string failure = failureOf(transport);
+  EXPECT_NE(failure.find("no answer from " + toString(address()) + " within 50 ms"), std::string::npos)
+      << failure;
+}
+
+TEST_F(TcpTransportTest, staysWhereTheFirstWordHasComeInTime) {
+  Route impatient = route();
+  impatient.connect_timeout = 1s;
+  TcpTransport transport(impatient, [&] { bell_.ring(); });
+  tcp::socket peer = acceptor_.accept();
+  asio::write(peer, asio::buffer("1", 1));
+  receive(transport, 1);
+  asio::steady_timer longer(io_, 1200ms);
+  longer.wait();
+  asio::write(peer, asio::buffer("2", 1));
+  EXPECT_EQ(receive(transport, 1).size(), 1u);
 }
 
 TEST_F(TcpTransportTest, refusesToQueueMoreThanTheLimit) {
