@@ -16,6 +16,7 @@
 #include <asio/thread_pool.hpp>
 
 #include "common/command_line.h"
+#include "common/start_thread.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/app/service_notice.h"
@@ -42,7 +43,7 @@ class Signals {
         new asio::signal_set(*new asio::io_context, SIGTERM, SIGINT, SIGHUP);
     if (asked_to_reload != 0) askToReload();
     wait();
-    thread_ = std::jthread([this] { context_.run(); });
+    thread_ = startThread<std::jthread>("for signals", [this] { context_.run(); });
   }
   ~Signals() {
     context_.stop();

@@ -18,6 +18,7 @@
 #include "server/serve/memory_reserve.h"
 #include "server/serve/metrics.h"
 #include "server/serve/open_files.h"
+#include "server/serve/reader_threads.h"
 #include "server/serve/tls.h"
 #include "server/serve/trim_watch.h"
 #include "server/serve/worker.h"
@@ -108,7 +109,7 @@ struct Server::State {
   TrimWatch trim_watch;
   std::mutex workers_mutex;  ///< of the list, which run() fills
   std::vector<std::unique_ptr<Worker>> workers;
-  asio::thread_pool readers{kReaderThreads};
+  ReaderThreads readers{kReaderThreads};
 };
 
 Server::State::State(ServeOptions given)
@@ -218,8 +219,8 @@ void Server::State::startWorkers() {
   const std::scoped_lock lock(reload_mutex, workers_mutex);
   try {
     for (unsigned i = 0; i < threads; ++i)
-      workers.push_back(std::make_unique<Worker>(published(), log, metrics.ofThread(i + 1), readers, budget,
-                                                 rate, limits()));
+      workers.push_back(std::make_unique<Worker>(published(), log, metrics.ofThread(i + 1), readers.pool(),
+                                                 budget, rate, limits()));
     for (auto& worker : workers) worker->start(sweep_every);
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::kIo, "cannot start " + std::to_string(threads) + " threads: " + error.what() +
@@ -247,7 +248,7 @@ void Server::State::lookAfterMemory() {
     log.write(LogKind::kSystem, "the system gave no memory, and what is kept for that was used");
   const auto now = Clock::now();
   if (trim_watch.due(now) && trim_watch.isTime(anonymousResidentBytes(), budget.used(), now))
-    asio::post(readers, [] { malloc_trim(0); });
+    asio::post(readers.pool(), [] { malloc_trim(0); });
   memory_timer.expires_after(kMemoryEvery);
   memory_timer.async_wait([this](const asio::error_code& cancelled) {
     if (!cancelled) lookAfterMemory();

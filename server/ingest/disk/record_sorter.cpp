@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -62,7 +63,13 @@ void RecordSorter::sortHeld(const Progress& progress, uint64_t total) {
     return sortPieces(0, order_.size(), progress, total);
   const size_t middle = order_.size() / 2;
   std::nth_element(order_.begin(), order_.begin() + static_cast<ptrdiff_t>(middle), order_.end());
-  const std::jthread upper([&] { sortPieces(middle, order_.size(), {}, total); });
+  const auto sortUpper = [&] { sortPieces(middle, order_.size(), {}, total); };
+  std::jthread upper;
+  try {
+    upper = std::jthread(sortUpper);
+  } catch (const std::system_error&) {
+    sortUpper();
+  }
   sortPieces(0, middle, progress, total);
 }
 

@@ -5,10 +5,10 @@
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <thread>
 #include <unordered_map>
 #include <utility>
 
+#include "common/start_thread.h"
 #include "server/ingest/inspect/rim_check.h"
 #include "server/ingest/inspect/rung_check.h"
 #include "server/store/export.h"
@@ -53,10 +53,7 @@ class Measurement {
   }
 
   std::vector<MeasuredError> run() {
-    {
-      std::vector<std::jthread> workers;
-      for (unsigned i = 0; i < std::max(1u, options_.threads); ++i) workers.emplace_back([this] { work(); });
-    }
+    startThreads(std::max(1u, options_.threads), "to measure", [this] { work(); }).clear();
     if (failure_) std::rethrow_exception(failure_);
     return std::move(errors_);
   }

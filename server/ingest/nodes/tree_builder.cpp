@@ -13,6 +13,7 @@
 #include <unordered_map>
 
 #include "common/error.h"
+#include "common/start_thread.h"
 #include "server/ingest/nodes/tree_plan.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
@@ -320,11 +321,9 @@ void buildTree(const NodeBuilder::Settings& settings, const Partition& partition
   const TreePlan plan(partition.leaves);
   Scheduler scheduler(plan, log, nodes, resources, settings.triangles_per_node);
   {
-    std::vector<std::jthread> workers;
-    for (unsigned i = 0; i < resources.threads; ++i) {
-      workers.emplace_back(
-          [&] { scheduler.work([&] { return NodeBuilder(settings, partition, payloads, folder); }); });
-    }
+    const std::vector<std::jthread> workers = startThreads(resources.threads, "to simplify", [&] {
+      scheduler.work([&] { return NodeBuilder(settings, partition, payloads, folder); });
+    });
     scheduler.waitUntilDone(progress);
   }
   payloads.flush();

@@ -6,6 +6,7 @@
 #include <functional>
 #include <future>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -37,7 +38,7 @@ class InOrder {
   template <typename Work>
   void push(Work&& work) {
     while (!under_way_.empty() && isDone(under_way_.front())) handOnOldest();
-    if (under_way_.size() < beside_) {
+    if (under_way_.size() < beside_ && hasThreadForOneMore()) {
       start(std::packaged_task<Result()>(std::forward<Work>(work)));
       return;
     }
@@ -56,9 +57,19 @@ class InOrder {
     return piece.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
 
+  /// The system may give none.
+  bool hasThreadForOneMore() {
+    if (threads_.size() > under_way_.size()) return true;
+    try {
+      threads_.emplace_back([this] { work(); });
+      return true;
+    } catch (const std::system_error&) {
+      return false;
+    }
+  }
+
   void start(std::packaged_task<Result()> piece) {
     under_way_.push_back(piece.get_future());
-    if (threads_.size() < under_way_.size()) threads_.emplace_back([this] { work(); });
     {
       std::lock_guard lock(mutex_);
       waiting_.push_back(std::move(piece));

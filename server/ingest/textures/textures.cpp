@@ -4,10 +4,10 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
-#include <thread>
 
 #include "common/error.h"
 #include "common/printable.h"
+#include "common/start_thread.h"
 #include "common/texture_set.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/textures/tile_encoder.h"
@@ -31,19 +31,16 @@ template <typename Work>
 void forEach(size_t count, unsigned threads, const Work& work) {
   std::atomic<size_t> next{0};
   std::vector<std::exception_ptr> failures(count);
-  {
-    std::vector<std::jthread> workers;
-    for (size_t t = 0; t < std::min<size_t>(threads, count); ++t)
-      workers.emplace_back([&] {
-        for (size_t i = next++; i < count; i = next++) {
-          try {
-            work(i);
-          } catch (...) {
-            failures[i] = std::current_exception();
-          }
-        }
-      });
-  }
+  const auto workSome = [&] {
+    for (size_t i = next++; i < count; i = next++) {
+      try {
+        work(i);
+      } catch (...) {
+        failures[i] = std::current_exception();
+      }
+    }
+  };
+  startThreads(std::min<size_t>(threads, count), "for textures", workSome).clear();
   for (const std::exception_ptr& failure : failures)
     if (failure) std::rethrow_exception(failure);
 }

@@ -1,36 +1,17 @@
 // A system that gives no more threads: the program that embeds the library goes on, and is told.
 
-#include <atomic>
-#include <cerrno>
 #include <climits>
 #include <string>
 
-#include <dlfcn.h>
 #include <gtest/gtest.h>
-#include <pthread.h>
 
 #include "client/embed/lodestream.h"
+#include "tests/support/scarce_threads.h"
 
 namespace lode::embed {
 namespace {
 
-/// That the system still gives this program.
-std::atomic<int> threads_left{INT_MAX};
-
-}  // namespace
-}  // namespace lode::embed
-
-/// This program's own: the system's, but for threads_left.
-extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*start)(void*),
-                              void* argument) noexcept {
-  if (lode::embed::threads_left <= 0) return EAGAIN;
-  --lode::embed::threads_left;
-  static const auto system = reinterpret_cast<decltype(&pthread_create)>(dlsym(RTLD_NEXT, "pthread_create"));
-  return system(thread, attributes, start, argument);
-}
-
-namespace lode::embed {
-namespace {
+using test::threads_left;
 
 constexpr const char* kNoServer = "lode://127.0.0.1:1/model";
 
