@@ -99,7 +99,7 @@ typedef struct lodestream_part {
 } lodestream_part;
 
 /* What lodestream_arrays.texture_of says of a vertex that wears no texture. */
-enum { LODESTREAM_NO_TEXTURE = 0xffff };
+#define LODESTREAM_NO_TEXTURE 0xffffu
 
 /* One value, or group of values, a vertex; NULL for what the model does not have. */
 typedef struct lodestream_arrays {
