@@ -35,7 +35,7 @@ class Camera(WindowTest):
 
     def test_flies_where_it_looks(self):
         with self.window() as window:
-            window.key("h")
+            window.key("Tab")
             keys = window.recorded(lambda: window.hold("w"))
             self.assertLess(math.dist(direction(keys[0]), direction(keys[-1])), 1e-6)
             self.assertGreater(sum(a * b for a, b in zip(moved(keys), direction(keys[0]))), 0.999 * math.hypot(*moved(keys)))
@@ -60,10 +60,10 @@ class Walk(WindowTest):
                            capture_output=True)
             subprocess.run([BIN / "lodestreamd", "build", ply, "-o", store, "--quiet"], check=True, capture_output=True)
             with self.window(store) as window:
-                window.key("h")
+                window.key("Tab")
                 window.picture()
                 window.move((MIDDLE[0], HEIGHT * 2 // 3))
-                window.key("h")
+                window.key("Tab")
                 window.picture()
                 eyes = [key["eye"] for key in window.recorded(lambda: window.hold("w"))]
             heights = [eye[2] - self.ground_of(ply, eye) for eye in eyes]
@@ -83,7 +83,7 @@ class Walk(WindowTest):
                 self.assertIn("\nthe ground\n", picked)
                 window.move(beside)
                 for _ in range(2):
-                    window.key("h")
+                    window.key("Tab")
                     window.picture()
                 last = window.recorded(lambda: window.hold("a"))[-1]
         self.assertLess(math.dist(last["eye"][:2], place_of(picked)[:2]), 4)  # it has gone aside meanwhile

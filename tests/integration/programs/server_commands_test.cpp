@@ -314,7 +314,7 @@ TEST_F(ServerCommands, nameTheRemedyForNumbersThatAreNone) {
   expectWords("serve . --memory-budget 0.5", "512MB, 1.5GB or 512MiB");
   expectWords("serve . --memory-budget 0.5KB", "0.5KB is less than 1.0 MB");
   expectWords("build a.ply -o b.lode --memory 0", "0 is less than 1 byte");
-  expectWords("build a.ply -o b.lode --triangles-per-node 63", "64 to ");
+  expectWords("build a.ply -o b.lode --triangles-per-node 63", "1048576");
   expectWords("serve . --idle-deadline 0", "--idle-deadline");
   expectWords("sample asteroid --triangles -5 -o b.ply", "a whole number, as 2000000, not -5");
   expectWords("sample nope --triangles 5 -o b.ply", "scene");

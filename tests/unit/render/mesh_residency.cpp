@@ -218,9 +218,10 @@ TEST_F(Residency, uploadsNothingOfCutsOfSeveralPlacesThatDoNotFitTogether) {
 TEST_F(Residency, leavesTheRestOfAFramesBudgetToOthers) {
   render::Renderer renderer(1);
   renderer.show(cutOf(std::vector{gridOf(1)}));
-  const render::UploadBudget left = renderer.uploadInRenderThread({.bytes = 10'000, .ms = 1000});
+  constexpr double kPlentyMs = 1e6;
+  const render::UploadBudget left = renderer.uploadInRenderThread({.bytes = 10'000, .ms = kPlentyMs});
   EXPECT_LT(left.bytes, 10'000u);
-  EXPECT_LT(left.ms, 1000);
+  EXPECT_LT(left.ms, kPlentyMs);
   renderer.uploadInRenderThread({.wait = true});
   EXPECT_EQ(renderer.uploadInRenderThread({.bytes = 10'000}).bytes, 10'000u);
 }
