@@ -105,7 +105,8 @@ Clusterer::Clusterer(NodeMesh&& mesh, const CollapseOptions& options)
       wedges_(mesh_, tree_),
       max_point_(glm::dvec3(options.max_position) - mesh_.origin),
       states_(tree_.cells().size()) {
-  addQuadrics(mesh_);
+  addPlanes(mesh_);
+  mesh_.forEachEdge([this](const CollapseMesh::Edge& edge) { addFeature(mesh_, edge); });
   for (uint32_t i = 0; i < mesh_.positions.size(); ++i)
     if (mesh_.positions[i].locked)
       taken_.insert(packPosition(glm::uvec3(mesh_.point(i) + mesh_.origin)).value);

@@ -151,21 +151,27 @@ void Collapser::put(Record record, double cost) {
   queue_.push(record, keyOf(cost));
 }
 
-// Fills the queue; returns how many edges it holds.
+// Fills the queue; returns how many edges it holds. Edges are known before any is evaluated, since that takes
+// what all of them say of positions: they wait in the lowest bucket, in front of those that stay there.
 size_t Collapser::startRound(bool is_first) {
   queue_.clear();
-  if (is_first) addQuadrics(mesh_);
-  mesh_.classifyPositions();
   queue_.reserve(mesh_.live_triangles * 3 / 2);
-  size_t count = 0;
-  mesh_.forEachEdge([&](const CollapseMesh::Edge& edge) {
+  if (is_first) addPlanes(mesh_);
+  size_t edges = 0, possible = 0;
+  mesh_.classifyPositions([&](const CollapseMesh::Edge& edge) {
+    if (is_first) addFeature(mesh_, edge);
     if (mesh_.positions[edge.u].locked && mesh_.positions[edge.v].locked) return;
-    const Candidate candidate = evaluate(edge.u, edge.v);
-    if (!candidate.possible) return;
-    put({edge.u, edge.v, 0, 0}, candidate.placement.cost);
-    ++count;
+    queue_.push({edge.u, edge.v, 0, 0}, 0);
+    ++edges;
   });
-  return count;
+  for (Record record; edges > 0; --edges) {
+    queue_.pop(record, [this](Record& soon) { fetch(soon); });
+    const Candidate candidate = evaluate(record.u, record.v);
+    if (!candidate.possible) continue;
+    put(record, candidate.placement.cost);
+    ++possible;
+  }
+  return possible;
 }
 
 Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) const {

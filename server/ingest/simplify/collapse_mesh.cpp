@@ -109,18 +109,7 @@ EdgeKind CollapseMesh::edgeKind(uint32_t u, uint32_t v) const noexcept {
   return uses != 2 ? EdgeKind::kRim : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
 }
 
-void CollapseMesh::classifyPositions() {
-  struct Features {
-    uint8_t seams = 0, rims = 0;
-  };
-  std::vector<Features> features(positions.size());
-  const auto count = [](uint8_t& n) { n = static_cast<uint8_t>(std::min(n + 1, 3)); };
-  forEachEdge([&](const Edge& edge) {
-    const EdgeKind kind = edge.kind();
-    if (kind == EdgeKind::kSmooth) return;
-    for (const uint32_t end : {edge.u, edge.v})
-      count(kind == EdgeKind::kSeam ? features[end].seams : features[end].rims);
-  });
+void CollapseMesh::classify(const std::vector<Features>& features) {
   for (size_t i = 0; i < positions.size(); ++i) {
     const auto [seams, rims] = features[i];
     positions[i].kind = rims == 0                 ? seams == 0   ? PositionKind::kSmooth

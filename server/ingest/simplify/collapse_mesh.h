@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -82,8 +83,16 @@ struct CollapseMesh {
       for (const Edge& edge : edges) visit(edge);
     }
   }
-  /// Sets every position's kind from all edges.
-  void classifyPositions();
+  /// Sets every position's kind from all edges. @param visit  called as by forEachEdge()
+  template <typename Visit>
+  void classifyPositions(Visit&& visit) {
+    std::vector<Features> features(positions.size());
+    forEachEdge([&](const Edge& edge) {
+      count(edge, features);
+      visit(edge);
+    });
+    classify(features);
+  }
 
   /// Moves `keep` to `point` and gives it all that is at `gone`; triangles with both die.
   /// @param gone_share  how far the point lies from keep (0) to gone (1): attributes are mixed so
@@ -127,10 +136,24 @@ struct CollapseMesh {
   size_t live_triangles = 0;
 
  private:
+  /// How many feature edges end at a position, up to 3.
+  struct Features {
+    uint8_t seams = 0, rims = 0;
+  };
+
   void gatherCorners();
   /// Puts the edges from u to higher positions into `edges`. @param places  a position's place there, if it
   /// has one; anything else else.
   void findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<uint32_t>& places) const;
+  static void count(const Edge& edge, std::vector<Features>& features) {
+    const EdgeKind kind = edge.kind();
+    if (kind == EdgeKind::kSmooth) return;
+    for (const uint32_t end : {edge.u, edge.v}) {
+      uint8_t& n = kind == EdgeKind::kSeam ? features[end].seams : features[end].rims;
+      n = static_cast<uint8_t>(std::min(n + 1, 3));
+    }
+  }
+  void classify(const std::vector<Features>& features);
   void kill(uint32_t triangle, uint32_t except);
   /// kill() of the triangle of each corner, in time proportional to them and the lists that they stand in.
   void killAll(std::span<const uint32_t> corners, uint32_t except);

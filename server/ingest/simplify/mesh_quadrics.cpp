@@ -23,7 +23,7 @@ glm::dvec3 normalOf(const CollapseMesh& mesh, const std::array<uint32_t, 3>& t) 
 
 }  // namespace
 
-void addQuadrics(CollapseMesh& mesh) {
+void addPlanes(CollapseMesh& mesh) {
   std::vector<double> areas(mesh.positions.size());
   for (uint32_t c = 0; c < mesh.corner_position.size(); c += 4) {
     const std::array<uint32_t, 3> t = cornersOf(mesh, c);
@@ -41,21 +41,22 @@ void addQuadrics(CollapseMesh& mesh) {
     mesh.quadrics[i].addPoint(mesh.point(i), kPointWeight * areas[i]);
     mesh.areas[i] = static_cast<float>(areas[i]);
   }
-  mesh.forEachEdge([&](const CollapseMesh::Edge& edge) {
-    const EdgeKind kind = edge.kind();
-    if (kind == EdgeKind::kSmooth) return;
-    if (mesh.positions[edge.u].locked && mesh.positions[edge.v].locked) return;
-    const glm::dvec3 along = mesh.point(edge.v) - mesh.point(edge.u);
-    const glm::dvec3 across = glm::cross(along, normalOf(mesh, cornersOf(mesh, edge.corner)));
-    const double length = glm::length(across);
-    if (length == 0) return;
-    const double weight = kind == EdgeKind::kRim ? kRimWeight : kSeamWeight;
-    const glm::dvec3 unit = across / length;
-    Quadric plane;
-    plane.addPlane(unit, -glm::dot(unit, mesh.point(edge.u)), weight * glm::dot(along, along));
-    mesh.quadrics[edge.u] += plane;
-    mesh.quadrics[edge.v] += plane;
-  });
+}
+
+void addFeature(CollapseMesh& mesh, const CollapseMesh::Edge& edge) {
+  const EdgeKind kind = edge.kind();
+  if (kind == EdgeKind::kSmooth) return;
+  if (mesh.positions[edge.u].locked && mesh.positions[edge.v].locked) return;
+  const glm::dvec3 along = mesh.point(edge.v) - mesh.point(edge.u);
+  const glm::dvec3 across = glm::cross(along, normalOf(mesh, cornersOf(mesh, edge.corner)));
+  const double length = glm::length(across);
+  if (length == 0) return;
+  const double weight = kind == EdgeKind::kRim ? kRimWeight : kSeamWeight;
+  const glm::dvec3 unit = across / length;
+  Quadric plane;
+  plane.addPlane(unit, -glm::dot(unit, mesh.point(edge.u)), weight * glm::dot(along, along));
+  mesh.quadrics[edge.u] += plane;
+  mesh.quadrics[edge.v] += plane;
 }
 
 }  // namespace lode::ingest

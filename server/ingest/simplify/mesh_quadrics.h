@@ -4,8 +4,11 @@
 
 namespace lode::ingest {
 
-/// Gives each position the quadric of what meets there: the planes of its triangles by their area, a little
-/// of its own place, and planes upright on rims and seams, so that these keep their course.
-void addQuadrics(CollapseMesh& mesh);
+/// Gives each position the quadric of what meets there: the planes of its triangles by their area, and a
+/// little of its own place.
+void addPlanes(CollapseMesh& mesh);
+/// Adds to the ends of a rim or a seam a plane upright on it, so that it keeps its course; to those of
+/// another edge nothing.
+void addFeature(CollapseMesh& mesh, const CollapseMesh::Edge& edge);
 
 }  // namespace lode::ingest

@@ -88,7 +88,7 @@ TEST(CollapseMesh, knowsRimsSeamsAndTheirCorners) {
   options.attributes.bits = AttributeSet::kMaterial;
   const Mesh sheet = test::makeGrid(8, 6, options);
   CollapseMesh mesh(test::nodeOf(sheet), 0);
-  mesh.classifyPositions();
+  mesh.classifyPositions([](const auto&) {});
   std::array<size_t, 5> counts{};
   for (const CollapsePosition& position : mesh.positions) ++counts[static_cast<size_t>(position.kind)];
   EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kSmooth)], 6u * 5);
