@@ -48,8 +48,9 @@ struct CollapseMesh {
   CollapseMesh(NodeMesh&& mesh, int node_depth);
 
   bool hasWedges() const noexcept { return !corner_wedge.empty(); }
-  static uint32_t next(uint32_t corner) noexcept { return (corner & 3) == 2 ? corner - 2 : corner + 1; }
-  static uint32_t previous(uint32_t corner) noexcept { return (corner & 3) == 0 ? corner + 2 : corner - 1; }
+  // Branches here would go either way as often.
+  static uint32_t next(uint32_t corner) noexcept { return corner + 1 - 3 * (corner >> 1 & 1); }
+  static uint32_t previous(uint32_t corner) noexcept { return corner + 2 - 3 * ((corner | corner >> 1) & 1); }
   /// Corners that lie at a position, one a triangle.
   std::span<const uint32_t> around(uint32_t position) const noexcept {
     return {pool.data() + positions[position].first, positions[position].count};
