@@ -60,6 +60,7 @@ class Collapser {
   struct Candidate {
     Placement placement;
     bool possible = false;
+    double breadth = 1;  ///< see breadth()
   };
   /// An edge that has been evaluated anew; see alreadyQueued().
   struct Seen {
@@ -223,7 +224,8 @@ double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
 /// is.
 Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
   Candidate candidate = place(u, v);
-  candidate.placement.cost /= breadth(u, v);
+  candidate.breadth = breadth(u, v);
+  candidate.placement.cost /= candidate.breadth;
   return candidate;
 }
 
@@ -310,10 +312,10 @@ bool Collapser::collapseNext() {
 }
 
 void Collapser::collapseEdge(Record record, const Candidate& candidate) {
-  const glm::dvec3 to =
-      places_.settle(candidate.placement.point, quadric_,
-                     std::sqrt(std::max(candidate.placement.cost, 0.0) / breadth(record.u, record.v)),
-                     mesh_.point(record.u), mesh_.point(record.v));
+  far_points_.fetch(record.u, record.v);
+  const glm::dvec3 to = places_.settle(candidate.placement.point, quadric_,
+                                       std::sqrt(std::max(candidate.placement.cost, 0.0) / candidate.breadth),
+                                       mesh_.point(record.u), mesh_.point(record.v));
   const CollapseFinding finding = check_.look(record.u, record.v, to, kLimits[level_]);
   if (finding.removed == 0) return;
   if (!finding.allowed) {
@@ -322,13 +324,13 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
   }
   if (finding.folds) {  // a piece or a fin vanishes: that costs what it was
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
-    const double lost = finding.folded_area * glm::dot(along, along) / breadth(record.u, record.v);
+    const double lost = finding.folded_area * glm::dot(along, along) / candidate.breadth;
     if (EdgeQueue<Record>::bucketOf(keyOf(lost)) > queue_.current()) {
       record.postponed = 0;
       return put(record, lost);
     }
   }
-  const double cost = far_points_.look(record.u, record.v, to) * breadth(record.u, record.v);
+  const double cost = far_points_.look(record.u, record.v, to) * candidate.breadth;
   if (EdgeQueue<Record>::bucketOf(keyOf(cost)) > queue_.current()) {
     record.postponed = 0;
     return put(record, cost);

@@ -51,10 +51,14 @@ float FarPoints::look(uint32_t u, uint32_t v, glm::dvec3 to) {
 }
 
 void FarPoints::join(uint32_t position) {
-  std::ranges::stable_sort(points_, std::greater(), &Point::squared);
   Kept& kept = kept_[position];
   kept.count = std::min(kMostKept, static_cast<uint32_t>(points_.size()));
-  for (uint32_t i = 0; i < kept.count; ++i) kept.points[i] = points_[i].at;
+  auto next = points_.begin();
+  for (uint32_t i = 0; i < kept.count; ++i, ++next) {
+    const auto farthest = std::ranges::max_element(next, points_.end(), {}, &Point::squared);
+    kept.points[i] = farthest->at;
+    std::rotate(next, farthest, farthest + 1);
+  }
 }
 
 }  // namespace lode::ingest

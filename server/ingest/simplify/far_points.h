@@ -19,6 +19,14 @@ class FarPoints {
  public:
   explicit FarPoints(const CollapseMesh& mesh) : mesh_(mesh), kept_(mesh.positions.size()) {}
 
+  /// Gets ready for a look at an edge.
+  void fetch(uint32_t u, uint32_t v) const noexcept {
+    for (const uint32_t end : {u, v}) {
+      const char* const kept = reinterpret_cast<const char*>(&kept_[end]);
+      __builtin_prefetch(kept);
+      __builtin_prefetch(kept + sizeof(Kept) - 1);
+    }
+  }
   /// @param to  where u and v would go, to become one.
   /// @return the square of the distance, in lattice steps, of the farthest known point of both from what
   /// would
