@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <utility>
+#include <limits>
 
 namespace lode::ingest {
 namespace {
@@ -19,6 +19,22 @@ constexpr double kAreaOfEdge = 0.433;  ///< of an equilateral triangle, in squar
 double powerOfTwoAtMost(double value) noexcept {
   constexpr uint64_t kExponent = 0x7FF0000000000000u;
   return std::bit_cast<double>(std::bit_cast<uint64_t>(value) & kExponent);
+}
+
+/// Of numbers that are small enough for an integer; without a call, which a function of the library takes.
+glm::dvec3 floorOf(glm::dvec3 p) noexcept {
+  glm::dvec3 floor{glm::i64vec3(p)};
+  for (int k = 0; k < 3; ++k) floor[k] -= floor[k] > p[k];
+  return floor;
+}
+
+/// Without a branch for each, which nobody could foretell.
+uint32_t firstOfLeast(const std::array<double, 8>& values) noexcept {
+  const double least =
+      std::min({values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7]});
+  uint32_t places = 0;
+  for (uint32_t i = 0; i < values.size(); ++i) places |= static_cast<uint32_t>(values[i] == least) << i;
+  return static_cast<uint32_t>(std::countr_zero(places)) % 8;
 }
 
 double areaOf(const CollapseMesh& mesh) {
@@ -49,23 +65,16 @@ glm::dvec3 LatticePlaces::settle(glm::dvec3 point, const Quadric& q, double off,
                                  glm::dvec3 at_v) const {
   if (point == at_u || point == at_v) return point;
   const double s = std::clamp(powerOfTwoAtMost(kOfError * off), 1.0, coarsest_);
-  const glm::dvec3 low = glm::floor((point - lowest_) / s) * s + lowest_;
+  const glm::dvec3 low = s * floorOf((1 / s) * (point - lowest_)) + lowest_;
   const glm::dvec3 gradient = 2.0 * (q.timesA(low) + q.b);
   // Costs of the eight, less that of `low`.
   const double x = s * (s * q.xx + gradient.x), y = s * (s * q.yy + gradient.y),
                z = s * (s * q.zz + gradient.z);
   const double xy = 2 * s * s * q.xy, xz = 2 * s * s * q.xz, yz = 2 * s * s * q.yz;
-  std::array<std::pair<double, uint32_t>, 8> corners{{{0, 0},
-                                                      {x, 1},
-                                                      {y, 2},
-                                                      {x + y + xy, 3},
-                                                      {z, 4},
-                                                      {x + z + xz, 5},
-                                                      {y + z + yz, 6},
-                                                      {x + y + z + xy + xz + yz, 7}}};
-  for (auto next = corners.begin(); next != corners.end(); ++next) {
-    std::iter_swap(next, std::min_element(next, corners.end()));
-    const uint32_t bits = next->second;
+  std::array<double, 8> costs{0, x, y, x + y + xy, z, x + z + xz, y + z + yz, x + y + z + xy + xz + yz};
+  for (size_t tried = 0; tried < costs.size(); ++tried) {
+    const uint32_t bits = firstOfLeast(costs);
+    costs[bits] = std::numeric_limits<double>::infinity();
     const glm::dvec3 place =
         glm::clamp(low + s * glm::dvec3(bits & 1, bits >> 1 & 1, bits >> 2), lowest_, highest_);
     if (place == at_u || place == at_v || !taken_.contains(place)) return place;
