@@ -131,9 +131,8 @@ Collapser::Seen& Collapser::seenPlace(uint32_t u, uint32_t v) noexcept {
 
 // Gets ready for a record that will be taken soon.
 void Collapser::fetch(Record& record) noexcept {
-  record.u = find(record.u);
-  record.v = find(record.v);
-  if (record.u > record.v) std::swap(record.u, record.v);
+  record.u = forward_[forward_[record.u]];
+  record.v = forward_[forward_[record.v]];
   for (const uint32_t end : {record.u, record.v}) {
     const char* const line = reinterpret_cast<const char*>(&mesh_.quadrics[end]);
     __builtin_prefetch(line);
@@ -143,7 +142,7 @@ void Collapser::fetch(Record& record) noexcept {
     if (!attributes_.empty() && mesh_.only_wedge[end] != kManyWedges)
       attributes_.fetch(mesh_.only_wedge[end]);
   }
-  __builtin_prefetch(&seenPlace(record.u, record.v));
+  __builtin_prefetch(&seenPlace(std::min(record.u, record.v), std::max(record.u, record.v)));
 }
 
 void Collapser::put(Record record, double cost) {
@@ -223,9 +222,10 @@ double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
 /// from the sum, by which the mean distance is least for so many triangles, to the mean, by which the largest
 /// is.
 Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
+  const double across = breadth(u, v);  // first: roots take long, and nothing in place() waits for them
   Candidate candidate = place(u, v);
-  candidate.breadth = breadth(u, v);
-  candidate.placement.cost /= candidate.breadth;
+  candidate.breadth = across;
+  candidate.placement.cost /= across;
   return candidate;
 }
 
