@@ -11,6 +11,7 @@
 #include "server/ingest/simplify/collapse_check.h"
 #include "server/ingest/simplify/collapse_mesh.h"
 #include "server/ingest/simplify/edge_queue.h"
+#include "server/ingest/simplify/edge_surroundings.h"
 #include "server/ingest/simplify/far_points.h"
 #include "server/ingest/simplify/lattice_places.h"
 #include "server/ingest/simplify/mesh_quadrics.h"
@@ -69,6 +70,7 @@ class Collapser {
 
   size_t startRound(bool is_first);
   bool collapseNext();
+  void postpone(Record record, const Candidate& candidate);
   void collapseEdge(Record record, const Candidate& candidate);
   /// What the ends of an edge say together.
   Quadric quadricOf(uint32_t u, uint32_t v) {
@@ -92,6 +94,7 @@ class Collapser {
   const CollapseOptions options_;
   CollapseMesh mesh_;
   WedgeQuadrics attributes_;
+  EdgeSurroundings around_;
   CollapseCheck check_;
   FarPoints far_points_;
   EdgeQueue<Record> queue_;
@@ -108,6 +111,7 @@ Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
     : options_(options),
       mesh_(std::move(mesh), options.node_depth),
       attributes_(mesh_, glm::length(glm::dvec3(options.max_position)), options.attribute_weight),
+      around_(mesh_),
       check_(mesh_),
       far_points_(mesh_),
       places_(mesh_, options.max_position) {
@@ -298,6 +302,9 @@ bool Collapser::collapseNext() {
       std::max(mesh_.positions[record.u].merged_at, mesh_.positions[record.v].merged_at);
   const bool stale = changed_at > record.evaluated_at;
   if (stale && alreadyQueued(record.u, record.v, changed_at)) return true;
+  mesh_.fetchCorners(record.u);
+  mesh_.fetchCorners(record.v);
+  far_points_.fetch(record.u, record.v);
   const Candidate candidate = evaluate(record.u, record.v);
   if (!candidate.possible) return true;
   if (stale) {
@@ -311,17 +318,22 @@ bool Collapser::collapseNext() {
   return true;
 }
 
+// Leaves an edge that cannot collapse now for later.
+void Collapser::postpone(Record record, const Candidate& candidate) {
+  if (record.postponed++ < kMostPostponements) put(record, candidate.placement.cost);
+}
+
 void Collapser::collapseEdge(Record record, const Candidate& candidate) {
-  far_points_.fetch(record.u, record.v);
+  const CollapseLimits& limits = kLimits[level_];
+  if (mesh_.positions[record.u].count + mesh_.positions[record.v].count > limits.most_triangles)
+    return postpone(record, candidate);
+  around_.gather(record.u, record.v);
+  if (around_.apexes().empty()) return;
   const glm::dvec3 to = places_.settle(candidate.placement.point, quadric_,
                                        std::sqrt(std::max(candidate.placement.cost, 0.0) / candidate.breadth),
                                        mesh_.point(record.u), mesh_.point(record.v));
-  const CollapseFinding finding = check_.look(record.u, record.v, to, kLimits[level_]);
-  if (finding.removed == 0) return;
-  if (!finding.allowed) {
-    if (record.postponed++ < kMostPostponements) put(record, candidate.placement.cost);
-    return;
-  }
+  const CollapseFinding finding = check_.look(around_, to, limits);
+  if (!finding.allowed) return postpone(record, candidate);
   if (finding.folds) {  // a piece or a fin vanishes: that costs what it was
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
     const double lost = finding.folded_area * glm::dot(along, along) / candidate.breadth;
@@ -330,7 +342,7 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
       return put(record, lost);
     }
   }
-  const double cost = far_points_.look(record.u, record.v, to) * candidate.breadth;
+  const double cost = far_points_.look(around_, to) * candidate.breadth;
   if (EdgeQueue<Record>::bucketOf(keyOf(cost)) > queue_.current()) {
     record.postponed = 0;
     return put(record, cost);

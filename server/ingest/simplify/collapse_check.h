@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 
 #include "server/ingest/simplify/collapse_mesh.h"
+#include "server/ingest/simplify/edge_surroundings.h"
 
 namespace lode::ingest {
 
@@ -20,7 +21,6 @@ struct CollapseLimits {
 
 /// What a collapse would do.
 struct CollapseFinding {
-  uint32_t removed = 0;    ///< triangles of the edge; 0: the edge is no longer there
   bool allowed = false;    ///< by the limits
   bool folds = false;      ///< identical triangles come to lie on each other
   double folded_area = 0;  ///< twice the area of one side of those
@@ -31,17 +31,16 @@ class CollapseCheck {
  public:
   explicit CollapseCheck(const CollapseMesh& mesh) : mesh_(mesh), marks_(mesh.positions.size(), 0) {}
 
-  /// @param to  where u and v would go; may be the place of one of them
-  CollapseFinding look(uint32_t u, uint32_t v, glm::dvec3 to, const CollapseLimits& limits);
+  /// @param to  where the ends of the edge would go; may be the place of one of them
+  CollapseFinding look(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits);
 
  private:
-  bool keepsShape(uint32_t corner, glm::dvec3 from, glm::dvec3 to, const CollapseLimits& limits) const;
-  double areaOfOthers(uint32_t u, uint32_t a, uint32_t b) const;
+  bool keepsShapes(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits) const;
+  double areaOf(uint32_t u, uint32_t a, uint32_t b) const;
 
   /// What a look adds to its stamp where it marks more than a neighbour of u.
-  static constexpr uint32_t kCounted = 1;  ///< a neighbour of v too
-  static constexpr uint32_t kApex = 2;     ///< of the edge
-  static constexpr uint32_t kMarks = 3;
+  static constexpr uint32_t kApex = 1;  ///< of the edge
+  static constexpr uint32_t kMarks = 2;
 
   const CollapseMesh& mesh_;
   std::vector<uint32_t> marks_;

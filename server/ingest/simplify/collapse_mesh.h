@@ -56,6 +56,11 @@ struct CollapseMesh {
     return {pool.data() + positions[position].first, positions[position].count};
   }
 
+  /// Gets ready to go through the triangles around a position.
+  void fetchCorners(uint32_t position) const noexcept {
+    __builtin_prefetch(pool.data() + positions[position].first);
+  }
+
   uint32_t at(uint32_t corner) const noexcept { return corner_position[corner]; }
   glm::dvec3 point(uint32_t position) const noexcept { return glm::dvec3(points[position]); }
 

@@ -1,7 +1,6 @@
 #include "server/ingest/simplify/far_points.h"
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 
 #include "server/ingest/mesh/four_triangles.h"
@@ -10,43 +9,31 @@ namespace lode::ingest {
 
 void FarPoints::gatherPoints(uint32_t position, glm::dvec3 to) {
   const bool is_of_input = mesh_.positions[position].merged_at == 0;
-  constexpr float kNothing = std::numeric_limits<float>::infinity();
-  if (is_of_input && mesh_.point(position) != to)
-    points_.push_back({glm::vec3(mesh_.point(position)), kNothing});
+  const auto add = [this](glm::vec3 at) {
+    constexpr float kNothing = std::numeric_limits<float>::infinity();
+    points_.push_back({at, kNothing, fourOf(kNothing)});
+  };
+  if (is_of_input && mesh_.point(position) != to) add(glm::vec3(mesh_.point(position)));
   const Kept& kept = kept_[position];
-  for (uint32_t i = 0; i < kept.count; ++i) points_.push_back({kept.points[i], kNothing});
+  for (uint32_t i = 0; i < kept.count; ++i) add(kept.points[i]);
 }
 
-void FarPoints::gatherTriangles(uint32_t position, uint32_t other, glm::vec3 to) {
-  for (const uint32_t corner : mesh_.around(position)) {
-    const uint32_t a = mesh_.at(CollapseMesh::next(corner)), b = mesh_.at(CollapseMesh::previous(corner));
-    if (a == other || b == other) continue;
-    sides_.push_back({glm::vec3(mesh_.point(a)) - to, glm::vec3(mesh_.point(b)) - to});
-  }
-}
-
-float FarPoints::look(uint32_t u, uint32_t v, glm::dvec3 to) {
+float FarPoints::look(const EdgeSurroundings& around, glm::dvec3 to) {
   points_.clear();
-  sides_.clear();
-  gatherPoints(u, to);
-  gatherPoints(v, to);
-  if (points_.empty()) return 0;
-  const glm::vec3 apex(to);
-  gatherTriangles(u, v, apex);
-  gatherTriangles(v, u, apex);
-  if (sides_.empty()) return 0;
-  for (size_t i = 0; i < sides_.size(); i += 4) {
-    const auto side = [&](size_t k) { return sides_[std::min(i + k, sides_.size() - 1)]; };
-    const auto corners = [&](size_t end) {
-      return FourVectors(side(0)[end], side(1)[end], side(2)[end], side(3)[end]);
-    };
-    const FourTriangles triangles(FourVectors{}, corners(0), corners(1));
+  gatherPoints(around.u(), to);
+  gatherPoints(around.v(), to);
+  if (points_.empty() || around.places().empty()) return 0;
+  const FourVectors apex{glm::vec3(to)};
+  for (const EdgeSurroundings::FourSides& sides : around.places()) {
+    const FourTriangles triangles(FourVectors{}, sides.a - apex, sides.b - apex);
     for (Point& point : points_) {
-      const glm::vec3 at = point.at - apex;
-      const Four found = triangles.squaredDistances({at, at, at, at});
-      for (int k = 0; k < 4; ++k) point.squared = std::min(point.squared, found[k]);
+      const Four found = triangles.squaredDistances(FourVectors(point.at) - apex);
+      point.least = found < point.least ? found : point.least;
     }
   }
+  for (Point& point : points_)
+    point.squared =
+        std::min(std::min(point.least[0], point.least[1]), std::min(point.least[2], point.least[3]));
   return std::ranges::max(points_, {}, &Point::squared).squared;
 }
 

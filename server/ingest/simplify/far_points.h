@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "server/ingest/simplify/collapse_mesh.h"
+#include "server/ingest/simplify/edge_surroundings.h"
 
 namespace lode::ingest {
 
@@ -27,11 +27,11 @@ class FarPoints {
       __builtin_prefetch(kept + sizeof(Kept) - 1);
     }
   }
-  /// @param to  where u and v would go, to become one.
+  /// @param to  where the ends of the edge would go, to become one.
   /// @return the square of the distance, in lattice steps, of the farthest known point of both from what
   /// would
   ///         lie around; 0 if that is nothing.
-  float look(uint32_t u, uint32_t v, glm::dvec3 to);
+  float look(const EdgeSurroundings& around, glm::dvec3 to);
   /// The ends of the edge that was looked at last have become one position.
   void join(uint32_t position);
 
@@ -41,6 +41,7 @@ class FarPoints {
   struct Point {
     glm::vec3 at;
     float squared;  ///< of its distance
+    Four least;     ///< scratch: the same, of every fourth triangle
   };
   struct Kept {
     std::array<glm::vec3, kMostKept> points;
@@ -48,12 +49,10 @@ class FarPoints {
   };
 
   void gatherPoints(uint32_t position, glm::dvec3 to);
-  void gatherTriangles(uint32_t position, uint32_t other, glm::vec3 to);
 
   const CollapseMesh& mesh_;
   std::vector<Kept> kept_;
-  std::vector<Point> points_;                    ///< of the edge that was looked at last
-  std::vector<std::array<glm::vec3, 2>> sides_;  ///< of the triangles around it, from `to`; scratch
+  std::vector<Point> points_;  ///< of the edge that was looked at last
 };
 
 }  // namespace lode::ingest

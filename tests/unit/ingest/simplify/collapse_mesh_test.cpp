@@ -14,7 +14,12 @@ namespace {
 class RandomMerges {
  public:
   RandomMerges(const NodeMesh& input, uint32_t seed)
-      : input_(input), mesh_(NodeMesh(input), 0), check_(mesh_), map_(input.positions.size()), random_(seed) {
+      : input_(input),
+        mesh_(NodeMesh(input), 0),
+        around_(mesh_),
+        check_(mesh_),
+        map_(input.positions.size()),
+        random_(seed) {
     std::iota(map_.begin(), map_.end(), 0u);
   }
 
@@ -22,7 +27,8 @@ class RandomMerges {
     const std::vector<CollapseMesh::Edge> edges = test::edgesOf(mesh_);
     if (edges.empty()) return false;
     const CollapseMesh::Edge edge = edges[random_() % edges.size()];
-    const bool folds = check_.look(edge.u, edge.v, mesh_.point(edge.v), {.link_condition = false}).folds;
+    around_.gather(edge.u, edge.v);
+    const bool folds = check_.look(around_, mesh_.point(edge.v), {.link_condition = false}).folds;
     mesh_.merge(edge.v, edge.u, mesh_.point(edge.v), 0);
     if (folds) mesh_.removeFolds(edge.v);
     for (uint32_t& position : map_)
@@ -53,6 +59,7 @@ class RandomMerges {
  private:
   const NodeMesh& input_;
   CollapseMesh mesh_;
+  EdgeSurroundings around_;
   CollapseCheck check_;
   std::vector<uint32_t> map_;
   std::mt19937 random_;

@@ -17,6 +17,7 @@ class Collapsing {
  public:
   explicit Collapsing(uint32_t seed)
       : mesh_(test::nodeOf(test::makeGrid(16, 16, {.attributes = {}, .seed = seed})), 0),
+        around_(mesh_),
         far_points_(mesh_),
         random_(seed) {}
 
@@ -29,7 +30,8 @@ class Collapsing {
     const glm::dvec3 to = glm::round(from + share(random_) * along) + glm::dvec3(0, 0, 3);
     if (moved_.empty()) moved_.emplace_back(from);
     moved_.emplace_back(mesh_.point(gone));
-    const float found = far_points_.look(kPosition, gone, to);
+    around_.gather(kPosition, gone);
+    const float found = far_points_.look(around_, to);
     mesh_.merge(kPosition, gone, to, 0.5);
     mesh_.positions[kPosition].merged_at = 1;
     far_points_.join(kPosition);
@@ -55,6 +57,7 @@ class Collapsing {
   }
 
   CollapseMesh mesh_;
+  EdgeSurroundings around_;
   FarPoints far_points_;
   std::mt19937 random_;
   std::vector<glm::vec3> moved_;
@@ -84,11 +87,13 @@ TEST(FarPoints, keepThoseThatAreFarthestOfMany) {
 }
 
 TEST(FarPoints, knowNothingOfAPositionWhereNothingHasBeenMoved) {
-  const CollapseMesh mesh(test::nodeOf(test::makeGrid(4, 4)), 0);
-  FarPoints far_points(mesh);
-  EXPECT_GT(far_points.look(6, 7, mesh.point(7)), 0);  // where 6 was
-  const CollapseMesh flat(test::nodeOf(test::makeGrid(4, 4, {.attributes = {}, .bump = 0})), 0);
-  EXPECT_EQ(FarPoints(flat).look(6, 7, flat.point(7)), 0);
+  const auto look = [](const CollapseMesh& mesh) {
+    EdgeSurroundings around(mesh);
+    around.gather(6, 7);
+    return FarPoints(mesh).look(around, mesh.point(7));
+  };
+  EXPECT_GT(look({test::nodeOf(test::makeGrid(4, 4)), 0}), 0);  // where 6 was
+  EXPECT_EQ(look({test::nodeOf(test::makeGrid(4, 4, {.attributes = {}, .bump = 0})), 0}), 0);
 }
 
 }  // namespace
