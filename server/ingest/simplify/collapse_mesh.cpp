@@ -120,28 +120,32 @@ void CollapseMesh::classify(const std::vector<Features>& features) {
   }
 }
 
-void CollapseMesh::kill(uint32_t triangle, uint32_t except) {
-  for (uint32_t corner = 4 * triangle; corner < 4 * triangle + 3; ++corner) {
-    const uint32_t position = corner_position[corner];
-    corner_position[corner] = kNoIndex;
-    if (position == except) continue;
-    CollapsePosition& list = positions[position];
-    uint32_t* const begin = pool.data() + list.first;
-    *std::find(begin, begin + list.count, corner) = begin[list.count - 1];
-    --list.count;
+void CollapseMesh::unlist(uint32_t corner) {
+  CollapsePosition& list = positions[corner_position[corner]];
+  uint32_t* const begin = pool.data() + list.first;
+  *std::find(begin, begin + list.count, corner) = begin[list.count - 1];
+  --list.count;
+}
+
+void CollapseMesh::kill(uint32_t corner, bool is_listed) {
+  if (is_listed) unlist(corner);
+  for (const uint32_t other : {next(corner), previous(corner)}) {
+    unlist(other);
+    corner_position[other] = kNoIndex;
   }
+  corner_position[corner] = kNoIndex;
   --live_triangles;
 }
 
-void CollapseMesh::killAll(std::span<const uint32_t> corners, uint32_t except) {
+void CollapseMesh::killAll(std::span<const uint32_t> corners, bool are_listed) {
   if (corners.size() < kMany) {
-    for (const uint32_t corner : corners) kill(corner / 4, except);
+    for (const uint32_t corner : corners) kill(corner, are_listed);
     return;
   }
   std::vector<uint32_t> touched;
   for (const uint32_t corner : corners) {
     for (uint32_t c = corner / 4 * 4; c < corner / 4 * 4 + 3; ++c) {
-      if (corner_position[c] != except) touched.push_back(corner_position[c]);
+      if (are_listed || c != corner) touched.push_back(corner_position[c]);
       corner_position[c] = kNoIndex;
     }
   }
@@ -165,7 +169,7 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
   const auto shared = std::partition(dying_.begin(), dying_.end(), [&](uint32_t corner) {
     return corner_position[next(corner)] != keep && corner_position[previous(corner)] != keep;
   });
-  killAll(std::span(shared, dying_.end()), gone);
+  killAll(std::span(shared, dying_.end()), false);
   const uint32_t moving = static_cast<uint32_t>(shared - dying_.begin());
   if (kept.count + moving > kept.capacity) {
     const uint32_t total = kept.count + moving;
@@ -271,7 +275,7 @@ void CollapseMesh::removeFolds(uint32_t position) {
       dying_.push_back(std::get<3>(sides[backward + i]));
     }
   }
-  killAll(dying_, kNoIndex);
+  killAll(dying_, true);
 }
 
 NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {

@@ -160,9 +160,13 @@ struct CollapseMesh {
     }
   }
   void classify(const std::vector<Features>& features);
-  void kill(uint32_t triangle, uint32_t except);
-  /// kill() of the triangle of each corner, in time proportional to them and the lists that they stand in.
-  void killAll(std::span<const uint32_t> corners, uint32_t except);
+  /// Takes a corner out of its position's list.
+  void unlist(uint32_t corner);
+  /// Removes the triangle of a corner. @param is_listed  the corner's own position has a list that it stands
+  /// in
+  void kill(uint32_t corner, bool is_listed);
+  /// kill() of each, in time proportional to them and the lists that they stand in.
+  void killAll(std::span<const uint32_t> corners, bool are_listed);
   uint32_t findOnlyWedge(uint32_t position) const noexcept;
   bool share(uint32_t keep, uint32_t gone) const noexcept;
   void mergeWedges(uint32_t keep, uint32_t gone, double gone_share);
