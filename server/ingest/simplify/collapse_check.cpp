@@ -22,11 +22,12 @@ bool harms(const TwoVectors& a, const TwoVectors& b, const TwoVectors& from, con
     const TwoVectors last_side = b - end;
     return larger(larger(dot(side, side), dot(other_side, other_side)), dot(last_side, last_side));
   };
-  const Two new_longest = longest(new_side, to), old_longest = longest(old_side, from);
-  const TwoTruths keeps =
-      (new_square >= limits.least_shape * limits.least_shape * new_longest * new_longest) |
-      (new_square * old_longest * old_longest >= old_square * new_longest * new_longest);
-  return anyOf((turns | ~keeps) & (old_square != 0));
+  const Two new_longest = longest(new_side, to);
+  const TwoTruths thin = new_square < limits.least_shape * limits.least_shape * new_longest * new_longest;
+  if (!anyOf(turns | thin)) return false;
+  const Two old_longest = longest(old_side, from);
+  const TwoTruths thinner = new_square * old_longest * old_longest < old_square * new_longest * new_longest;
+  return anyOf((turns | (thin & thinner)) & (old_square != 0));
 }
 
 }  // namespace
