@@ -54,8 +54,9 @@ struct SharedSurface {
   const SurfaceWalk& walk;
 
   const PackedTriangle& triangle(uint32_t number) const { return tree.triangle(number); }
-  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, TriangleChain& chain) const {
-    return walk.chainAlong(segment, first, last, chain);
+  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
+                  TriangleChain& chain) const {
+    return walk.chainAlong(segment, first, last, near_squared, chain);
   }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
     const float squared = tree.squaredDistance(at, hint);

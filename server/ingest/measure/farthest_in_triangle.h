@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <limits>
+#include <tuple>
 
 #include <glm/glm.hpp>
 
 #include "server/ingest/measure/triangle_chain.h"
 #include "server/ingest/mesh/four_triangles.h"
+#include "server/ingest/mesh/point_triangle.h"
 
 namespace lode::ingest {
 
@@ -39,7 +41,7 @@ class FarthestInTriangle {
   void look(const std::array<PointBeside, 3>& corners) {
     for (const PointBeside& corner : corners) note(corner);
     Part whole{corners, {}, 0};
-    if (isBoundedBySize(corners) || isBoundedBesideOne(whole) || isBoundedByChain(whole)) return;
+    if (isBoundedBySize(corners) || isBoundedBesideOne(whole) || isBoundedByChains(whole)) return;
     std::array<Part, kMostCuts + 1> parts;
     size_t count = 0;
     parts[count++] = whole;
@@ -137,6 +139,12 @@ class FarthestInTriangle {
     return cut;
   }
 
+  /// The ends of a side, and the corner opposite to it.
+  static std::tuple<const PointBeside&, const PointBeside&, const PointBeside&> cornersFrom(const Part& part,
+                                                                                            size_t k) {
+    return {part.corners[k], part.corners[(k + 1) % 3], part.corners[(k + 2) % 3]};
+  }
+
   void note(const PointBeside& point) {
     if (point.distance > told()) largest_ = point.distance;
   }
@@ -159,25 +167,56 @@ class FarthestInTriangle {
 
   bool isBounded(const Part& part) const {
     return isNear(part, 0) || isNear(part, 1) || isNear(part, 2) || part.cuts == kMostCuts ||
-           (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChain(part)));
+           (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChains(part)));
   }
 
   /// Whether a chain of the surface's triangles is near all of a part: from one corner's triangle to
   /// another's, past the third. Each edge of the chain is near the two sides of the part that it crosses.
   /// What lies between the places there of one edge and of the next is as near to the triangle between these,
-  /// as the distance from that is convex; so is a corner that it is near to.
-  bool isBoundedByChain(const Part& part) const {
+  /// as the distance from that is convex; so is a corner that it is near to. Above a vertex no chain is:
+  /// there chains go around it along all three sides, each past one place, which parts the part in three.
+  bool isBoundedByChains(const Part& part) const {
     const size_t first = sideToBeginWith(part.from);
-    TriangleChain chain;
+    std::array<TriangleChain, 3> along;
+    bool are_all_found = true;
     for (const size_t k : {first, (first + 1) % 3, (first + 2) % 3}) {
-      const PointBeside &from = part.corners[k], &to = part.corners[(k + 1) % 3],
-                        &third = part.corners[(k + 2) % 3];
-      if (from.triangle == to.triangle) continue;
-      if (surface_.chainAlong({from.at, to.at}, from.triangle, to.triangle, chain) &&
-          passes(chain, from.at, third, to.at))
+      const auto& [from, to, third] = cornersFrom(part, k);
+      if (!surface_.chainAlong({from.at, to.at}, from.triangle, to.triangle, limit() * limit(), along[k]))
+        are_all_found = false;
+      else if (along[k].edge_count > 0 && passes(along[k], from.at, third, to.at))
         return true;
     }
-    return false;
+    return are_all_found && isBoundedAround(placeAmid(part, along), part, along);
+  }
+
+  bool isBoundedAround(glm::vec3 place, const Part& part, const std::array<TriangleChain, 3>& along) const {
+    for (size_t k = 0; k < 3; ++k) {
+      const auto& [from, to, third] = cornersFrom(part, k);
+      if (!passes(along[k], from.at, {place, 0, kNoTriangle}, to.at)) return false;
+    }
+    return true;
+  }
+
+  /// Of a part, what is nearest to a vertex that several chains go around.
+  static glm::vec3 placeAmid(const Part& part, const std::array<TriangleChain, 3>& along) {
+    const TriangleChain& longest = *std::max_element(
+        along.begin(), along.end(),
+        [](const TriangleChain& a, const TriangleChain& b) { return a.edge_count < b.edge_count; });
+    const glm::vec3 a = part.corners[0].at;
+    if (longest.edge_count == 0) return a;
+    const TriangleSides sides(part.corners[1].at - a, part.corners[2].at - a);
+    glm::vec3 nearest = a;
+    float least = std::numeric_limits<float>::infinity();
+    const size_t middle = longest.edge_count / 2;
+    for (const Four end : {longest.from[middle], longest.to[middle]}) {
+      const glm::vec3 vertex(end[0], end[1], end[2]);
+      const glm::vec2 shares = nearestInTriangle(vertex - a, sides);
+      const glm::vec3 place = a + shares.x * sides.ab + shares.y * sides.ac, away = vertex - place;
+      if (glm::dot(away, away) >= least) continue;
+      least = glm::dot(away, away);
+      nearest = place;
+    }
+    return nearest;
   }
 
   /// The one that a chain along it is likeliest to pass: the third corner is nearest to an end's triangle.
@@ -192,23 +231,31 @@ class FarthestInTriangle {
     return first;
   }
 
+  /// How many edges a chain has before its own triangle beside a point, or one that is near it; more than all
+  /// if none is.
+  size_t edgesBefore(const TriangleChain& chain, const PointBeside& point, float limit_squared) const {
+    for (size_t i = 0; i <= chain.edge_count; ++i)
+      if (chain.triangles[i] == point.triangle) return i;
+    for (size_t i = 0; i <= chain.edge_count; i += 4) {
+      const auto at = [&](size_t k) -> const PackedTriangle& {
+        return surface_.triangle(chain.triangles[std::min(i + k, chain.edge_count)]);
+      };
+      const Four squared = FourTriangles(at(0), at(1), at(2), at(3)).squaredDistances(FourVectors(point.at));
+      for (size_t k = 0; k < 4; ++k)
+        if (squared[k] <= limit_squared) return i + k;
+    }
+    return chain.edge_count + 1;
+  }
+
   bool passes(const TriangleChain& chain, glm::vec3 from, const PointBeside& third, glm::vec3 to) const {
     const float limit_squared = limit() * limit();
-    size_t before = 0;  // edges that lie before the third corner
-    const auto isNearThird = [&](uint32_t triangle) {
-      return triangle == third.triangle ||
-             surface_.triangle(triangle).squaredDistance(third.at) <= limit_squared;
-    };
-    while (!isNearThird(chain.triangles[before]))
-      if (++before > chain.edge_count) return false;
-    const FourSegments base{FourVectors(from), FourVectors(to)};
-    for (size_t i = 0; i < chain.edge_count; i += 4) {
-      const auto end = [&](size_t k) { return i + k < before ? from : to; };
-      const FourSegments edges = chain.edgesFrom(i),
-                         sides{FourVectors(third.at), FourVectors(end(0), end(1), end(2), end(3))};
-      if (anyOf(squaredDistances(edges, base) > limit_squared) ||
-          anyOf(squaredDistances(edges, sides) > limit_squared))
-        return false;
+    const size_t before = edgesBefore(chain, third, limit_squared);
+    if (before > chain.edge_count) return false;
+    for (size_t i = 0; i < chain.edge_count; i += 2) {
+      const size_t next = std::min(i + 1, chain.edge_count - 1);
+      const auto end = [&](size_t k) { return k < before ? from : to; };
+      const FourSegments sides{{from, third.at, from, third.at}, {to, end(i), to, end(next)}};
+      if (anyOf(squaredDistances(chain.eachTwice(i, next), sides) > limit_squared)) return false;
     }
     return true;
   }
@@ -230,6 +277,7 @@ class FarthestInTriangle {
     return sum > 0 ? std::clamp(of_from / sum, kLeastShare, 1 - kLeastShare) : 0.5f;
   }
 
+  static constexpr uint32_t kNoTriangle = ~0u;
   static constexpr int kMostCuts = 24;
   static constexpr float kPrecision = 1.02f;
   static constexpr float kFromCorners =

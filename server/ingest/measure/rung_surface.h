@@ -27,9 +27,9 @@ class RungSurface {
 
   /// For FarthestInTriangle.
   const PackedTriangle& triangle(uint32_t number) const noexcept { return walk_.triangle(number); }
-  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last,
+  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept {
-    return walk_.chainAlong(segment, first, last, chain);
+    return walk_.chainAlong(segment, first, last, near_squared, chain);
   }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const;
   /// The same, but never exact: by a walk from the hint.

@@ -178,7 +178,7 @@ uint32_t SurfaceWalk::beyond(uint32_t triangle, uint32_t from, uint32_t to) cons
   return found;
 }
 
-bool SurfaceWalk::chainAlong(const Segment& segment, uint32_t first, uint32_t last,
+bool SurfaceWalk::chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                              TriangleChain& chain) const noexcept {
   chain.triangles[0] = first;
   chain.edge_count = 0;
@@ -190,7 +190,7 @@ bool SurfaceWalk::chainAlong(const Segment& segment, uint32_t first, uint32_t la
     const int back = isBack(0) + 2 * isBack(1) + 3 * isBack(2) - 1;
     const TriangleOutline outline(triangles_[here]);
     const int towards = outline.edgeTowards(segment.to, back);
-    if (towards < 0) return false;
+    if (towards < 0) return squaredDistance(segment.to, here) <= near_squared;
     const auto way = static_cast<size_t>(towards);
     came_by = {t[way], t[way + 1]};
     const uint32_t next = beyond(here, came_by.x, came_by.y);

@@ -46,9 +46,11 @@ class SurfaceWalk {
   /// Where a walk ends, or before it a triangle around the start that the point lies above.
   /// @param start  a position of the mesh that a triangle has.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
-  /// The triangles below a segment, from one that its first end is beside to one that its last end is.
+  /// The triangles below a segment, from one that its first end is beside to one that its last end is, or
+  /// another that this lies above and is near to.
   /// @return false where there is no such chain, or it is not found at once.
-  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, TriangleChain& chain) const noexcept;
+  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
+                  TriangleChain& chain) const noexcept;
   /// By a look at every triangle. @param known  what is returned if none is nearer.
   TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept;
 

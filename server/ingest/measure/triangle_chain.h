@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,13 +12,9 @@ namespace lode::ingest {
 struct TriangleChain {
   static constexpr size_t kMostEdges = 6;
 
-  /// Four edges; what there is not is the last again.
-  FourSegments edgesFrom(size_t first) const noexcept {
-    const auto at = [&](size_t i) { return std::min(first + i, edge_count - 1); };
-    const auto four = [&](const std::array<Four, kMostEdges>& ends) {
-      return FourVectors(ends[at(0)], ends[at(1)], ends[at(2)], ends[at(3)]);
-    };
-    return {four(from), four(to)};
+  FourSegments eachTwice(size_t edge, size_t other) const noexcept {
+    return {FourVectors(from[edge], from[edge], from[other], from[other]),
+            FourVectors(to[edge], to[edge], to[other], to[other])};
   }
 
   std::array<uint32_t, kMostEdges + 1> triangles;

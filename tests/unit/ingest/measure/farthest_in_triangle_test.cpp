@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -75,6 +76,53 @@ TEST(FarthestInTriangle, isWhatDensePointsFindAboveFoldsHoweverMuchNeedNotBeTold
         EXPECT_LE(farthest.largest(), found + between) << height << ' ' << i << ' ' << share;
       }
     }
+  }
+}
+
+/// A surface that counts how often a distance is measured.
+struct CountingSurface {
+  const PackedTriangle& triangle(uint32_t number) const { return of.triangle(number); }
+  bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
+                  TriangleChain& chain) const {
+    return of.chainAlong(segment, first, last, near_squared, chain);
+  }
+  PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
+    ++measured;
+    return of.measure(at, hint, enough);
+  }
+
+  const RungSurface& of;
+  mutable int measured = 0;
+};
+
+/// Six triangles around a top that is as high as this above their rim.
+NodeMesh tent(uint32_t height) {
+  NodeMesh mesh;
+  mesh.positions = {packPosition({1000, 1000, 1000 + height})};
+  for (const glm::ivec2 at :
+       {glm::ivec2(400, 0), {200, 350}, {-200, 350}, {-400, 0}, {-200, -350}, {200, -350}})
+    mesh.positions.push_back(packPosition({1000 + at.x, 1000 + at.y, 1000}));
+  for (uint32_t i = 0; i < 7; ++i) mesh.wedge_position.push_back(i);
+  for (uint32_t i = 0; i < 6; ++i) mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % 6});
+  mesh.lca_depth.assign(7, kNeverLocked);
+  return mesh;
+}
+
+TEST(FarthestInTriangle, isBoundedUncutAboveAVertexIfThatIsNear) {
+  const std::array<glm::vec3, 3> at{{{1100, 1010, 1000}, {940, 1090, 1000}, {950, 905, 1000}}};
+  for (const auto& [height, is_cut] : {std::pair(20u, false), std::pair(60u, true)}) {
+    const NodeMesh mesh = tent(height);
+    const RungSurface surface(mesh);
+    const TriangleTree tree(mesh);
+    const CountingSurface counting{surface};
+    FarthestInTriangle farthest(counting, 25.f, 0.f);
+    const auto beside = [&](glm::vec3 point) {
+      const TriangleTree::Nearest nearest = tree.nearest(point);
+      return PointBeside{point, nearest.distance, nearest.triangle};
+    };
+    farthest.look({beside(at[0]), beside(at[1]), beside(at[2])});
+    EXPECT_EQ(counting.measured > 0, is_cut) << height;
+    EXPECT_GE(1.0201f * farthest.told(), farthestOfDensePoints(at, tree)) << height;
   }
 }
 

@@ -1,5 +1,6 @@
 #include "server/ingest/measure/surface_walk.h"
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -81,6 +82,31 @@ TEST(SurfaceWalk, findsThePlaceOnTheSideOfAPlateOnWhichThePointLies) {
   const SurfaceWalk::Place place = SurfaceWalk(plate).placeOf({163, 115, 100}, 0);
   EXPECT_EQ(place.triangle, 1u);
   EXPECT_FLOAT_EQ(place.distance, 0);
+}
+
+TEST(SurfaceWalk, hasAChainToAVertexWhicheverOfTheTrianglesAroundItIsTheLast) {
+  const NodeMesh mesh = test::nodeOf(test::makeGrid(8, 8));
+  const SurfaceWalk walk(mesh);
+  const auto cornersOf = [&](uint32_t t) {
+    const glm::u32vec3& wedges = mesh.triangles[t];
+    return std::array<uint32_t, 3>{mesh.wedge_position[wedges.x], mesh.wedge_position[wedges.y],
+                                   mesh.wedge_position[wedges.z]};
+  };
+  const auto at = [&](uint32_t position) { return glm::vec3(unpackPosition(mesh.positions[position])); };
+  const uint32_t first = 0;
+  const auto [a, b, c] = cornersOf(first);
+  const glm::vec3 from = (at(a) + at(b) + at(c)) / 3.f;
+  size_t ends = 0;
+  for (uint32_t last = 0; last < mesh.triangles.size(); ++last)
+    for (const uint32_t vertex : cornersOf(last)) {
+      if (glm::distance(at(vertex), from) > 1.5f * glm::distance(at(a), at(b))) continue;
+      TriangleChain chain;
+      ASSERT_TRUE(walk.chainAlong({from, at(vertex)}, first, last, 0, chain)) << last;
+      const uint32_t end = chain.triangles[chain.edge_count];
+      EXPECT_EQ(walk.squaredDistance(at(vertex), end), 0) << last;
+      ++ends;
+    }
+  EXPECT_GT(ends, 12);
 }
 
 TEST(SurfaceWalk, isInfinitelyFarWhereItStartsAtNoTriangle) {
