@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -233,8 +234,11 @@ void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_sq
   const uint32_t end = begin_[position + 1];
   for (uint32_t i = begin_[position]; i < end && best.squared > enough_squared; i += 4) {
     const Four found = trianglesFrom(i, end).squaredDistances(points);
-    for (uint32_t k = 0; k < 4 && best.squared > enough_squared; ++k)
-      if (found[k] < best.squared) best = {found[k], around_[i + k]};
+    const unsigned enough = bitsOf(found <= enough_squared);
+    const float least = leastOf(found);
+    if (enough == 0 && !(least < best.squared)) continue;
+    const auto first = static_cast<uint32_t>(std::countr_zero(enough != 0 ? enough : bitsOf(found == least)));
+    best = {found[first], around_[i + first]};
   }
 }
 

@@ -19,6 +19,20 @@ inline bool anyOf(FourTruths truths) noexcept {
   return (halves[0] | halves[1]) != 0;
 }
 
+/// A bit for each that is true, that of the first the lowest.
+inline unsigned bitsOf(FourTruths truths) noexcept {
+#ifdef __SSE__
+  return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Four>(truths)));
+#else
+  return (truths[0] & 1u) | (truths[1] & 2u) | (truths[2] & 4u) | (truths[3] & 8u);
+#endif
+}
+inline float leastOf(Four four) noexcept {
+  const Four swapped = __builtin_shufflevector(four, four, 1, 0, 3, 2),
+             pairs = four < swapped ? four : swapped;
+  return pairs[0] < pairs[2] ? pairs[0] : pairs[2];
+}
+
 struct FourVectors {
   FourVectors() = default;
   FourVectors(Four of_x, Four of_y, Four of_z) noexcept : x(of_x), y(of_y), z(of_z) {}
