@@ -55,7 +55,8 @@ class Measurement {
     of_vertex_.reserve(sources_.size());
     for (uint32_t i = 0; i < sources_.size(); ++i) {
       uint32_t near = sources_[i];
-      of_vertex_.push_back(measure(pointOf(i), near, kWorthInRung * largest_));
+      const bool has_stayed = mesh_.positions[i] == input_.mesh().positions[near];
+      of_vertex_.push_back(has_stayed ? 0 : measure(pointOf(i), near, kWorthInRung * largest_));
     }
     std::vector<float> high;
     high.reserve(mesh_.triangles.size());

@@ -97,8 +97,12 @@ void dropDuplicates(std::vector<SurfaceSample>& samples) {
 std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
                                          const SurfaceWalk& walk) {
   std::vector<SurfaceWalk::Place> places(input.positions.size());
-  for (uint32_t i = 0; i < places.size(); ++i)
-    if (rung.became[i] != kVanished) places[i] = walk.placeOf(pointOf(input, i), rung.became[i]);
+  for (uint32_t i = 0; i < places.size(); ++i) {
+    const uint32_t became = rung.became[i];
+    if (became == kVanished) continue;
+    const bool has_stayed = rung.mesh.positions[became] == input.positions[i];
+    places[i] = has_stayed ? walk.placeAt(became) : walk.placeOf(pointOf(input, i), became);
+  }
   return places;
 }
 

@@ -111,6 +111,11 @@ SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const n
   return {nearest.triangle, {1 - shares.x - shares.y, shares}, std::sqrt(nearest.squared)};
 }
 
+SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
+  const uint32_t first = around_[begin_[position]];
+  return {first, glm::vec3(glm::equal(corners_[first], glm::u32vec3(position))), 0};
+}
+
 /// Four of those around a position; where it has no more, the last again.
 FourTriangles SurfaceWalk::trianglesFrom(uint32_t begin, uint32_t end) const noexcept {
   const auto at = [&](uint32_t i) -> const PackedTriangle& {

@@ -46,6 +46,8 @@ class SurfaceWalk {
   /// Where a walk ends, or before it a triangle around the start that the point lies above.
   /// @param start  a position of the mesh that a triangle has.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
+  /// Of a position that a triangle has.
+  Place placeAt(uint32_t position) const noexcept;
   /// The triangles below a segment, from one that its first end is beside to one that its last end is, or
   /// another that this lies above and is near to.
   /// @return false where there is no such chain, or it is not found at once.

@@ -84,6 +84,20 @@ TEST(SurfaceWalk, findsThePlaceOnTheSideOfAPlateOnWhichThePointLies) {
   EXPECT_FLOAT_EQ(place.distance, 0);
 }
 
+TEST(SurfaceWalk, hasEachOfItsPositionsAtACornerOfOneOfItsTriangles) {
+  const NodeMesh mesh = test::nodeOf(test::makeSphere(12, 8));
+  const SurfaceWalk walk(mesh);
+  for (uint32_t i = 0; i < mesh.positions.size(); ++i) {
+    const SurfaceWalk::Place place = walk.placeAt(i);
+    glm::vec3 at(0);
+    for (int k = 0; k < 3; ++k)
+      at += place.shares[k] *
+            glm::vec3(unpackPosition(mesh.positions[mesh.wedge_position[mesh.triangles[place.triangle][k]]]));
+    EXPECT_EQ(at, glm::vec3(unpackPosition(mesh.positions[i])));
+    EXPECT_EQ(place.distance, 0);
+  }
+}
+
 TEST(SurfaceWalk, hasAChainToAVertexWhicheverOfTheTrianglesAroundItIsTheLast) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(8, 8));
   const SurfaceWalk walk(mesh);
