@@ -115,9 +115,17 @@ bool Engine::exhausted() const noexcept {
   return options_.offline && queries_.idle() && !wishes_waiting_ && (!model_ || model_->decoding() == 0);
 }
 
+bool Engine::settled() const noexcept {
+  if (instance_.settled()) return true;
+  if (!model_ || model_->failure().empty() || wishes_waiting_ || model_->decoding() != 0 || !queries_.idle())
+    return false;
+  return !model_->firstWish() &&
+         std::ranges::none_of(instance_.wishes(), [this](const Wish& wish) { return model_->wants(wish); });
+}
+
 void Engine::handle(BlobRefused event) {
   if (options_.on_refused) options_.on_refused(event.blob, event.message);
-  model_->refuse(event.blob, "the server says: " + event.message);
+  model_->refuse(event.blob, "the server says: " + event.message, event.is_lost);
 }
 
 void Engine::handle(WishCancelled) { wishes_waiting_ = true; }

@@ -45,14 +45,15 @@ uint64_t Model::build() const noexcept {
 }
 
 MeshKey Model::coarsest() const {
-  return {kRootKey, static_cast<uint32_t>(hierarchy_.root()->rungs.size()) - 1};
+  const KnownNode& root = *hierarchy_.root();
+  return {kRootKey, root.coarsestRung().value_or(static_cast<uint32_t>(root.rungs.size()) - 1)};
 }
 
 std::optional<Wish> Model::firstWish() const {
   constexpr float kFirst = std::numeric_limits<float>::max();
   Wish wish{summary_.root_page, {BlobKind::kRootPage, {kRootKey, 0}}, proto::WishClass::kVisible, kFirst};
   if (const Node* root = hierarchy_.root()) {
-    const BlobRef& payload = root->rungs.back().payload;
+    const BlobRef& payload = root->rungs[coarsest().rung].payload;
     if (!payload || meshes_.contains(coarsest())) return std::nullopt;
     wish.blob = payload;
     wish.use = {BlobKind::kMesh, coarsest()};
@@ -167,10 +168,10 @@ void Model::insert(DecodeResult result) {
   }
 }
 
-void Model::refuse(const BlobRef& blob, const std::string& why) {
+void Model::refuse(const BlobRef& blob, const std::string& why, bool is_lost) {
   ++version_;
   refused_.insert(blob.number);
-  hierarchy_.lose(blob.number);
+  if (is_lost) hierarchy_.lose(blob.number);
   if (failure_.empty()) failure_ = why;
 }
 

@@ -57,8 +57,8 @@ class Model {
   /// Takes the bytes of a blob, whose name was checked. @throws Error kFormat or kLimit for a page or texture
   /// set that breaks a rule.
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
-  /// A blob cannot be had.
-  void refuse(const BlobRef& blob, const std::string& why);
+  /// A blob cannot be had. @param is_lost  for good, so that something else is to take its place.
+  void refuse(const BlobRef& blob, const std::string& why, bool is_lost = true);
 
   /// Those that there is memory for; others follow when these have come back.
   std::vector<DecodeJob> takeDecodeJobs();

@@ -46,7 +46,10 @@ class Run {
     if (has_cut) {
       show(root);
     } else {
-      wish(root, WantedCut::coarsestRung(*root.node), std::numeric_limits<float>::max(), true);
+      if (const auto coarsest = root.node->coarsestRung())
+        wish(root, *coarsest, std::numeric_limits<float>::max(), true);
+      else
+        askFor(root, std::numeric_limits<float>::max());
       exact_ = false;
     }
     return finish(has_cut);
@@ -192,10 +195,11 @@ class Run {
       for (WantedNode& child : want_.children(wanted)) show(child);
       return standBy(wanted, before);
     }
-    uint32_t rung = finestShown(wanted);
-    while (!ready(wanted, rung)) ++rung;
-    emit(wanted, rung, Fit::kCoarser);
     exact_ = false;
+    uint32_t rung = finestShown(wanted);
+    while (rung < wanted.node->rungs.size() && !ready(wanted, rung)) ++rung;
+    if (rung == wanted.node->rungs.size()) return leaveOut(wanted);
+    emit(wanted, rung, Fit::kCoarser);
     ask(wanted, want_.errorPx(wanted, rung));
   }
 

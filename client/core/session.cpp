@@ -219,13 +219,15 @@ void Session::handleError(std::span<const std::byte> body) {
     const bool is_of_the_coarsest = unasked_ && unasked_->use.kind == BlobKind::kMesh;
     if (!is_of_the_coarsest || error.code != proto::WireError::kDamagedStore) return handleRefusal(error);
     const Incoming lost = *std::exchange(unasked_, std::nullopt);
-    event_ = BlobRefused{lost.blob, lost.use, error.message};
+    event_ = BlobRefused{lost.blob, lost.use, error.message, true};
     return;
   }
   const auto found = wishes_.find(error.wish);
   require(found != wishes_.end(), "an error for a wish that is not open");
   const Incoming& incoming = found->second.incoming;
-  event_ = BlobRefused{incoming.blob, incoming.use, error.message};
+  const bool is_lost =
+      error.code == proto::WireError::kDamagedStore || error.code == proto::WireError::kNoSuchBlob;
+  event_ = BlobRefused{incoming.blob, incoming.use, error.message, is_lost};
   endWish(error.wish);
 }
 

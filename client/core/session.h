@@ -58,6 +58,7 @@ struct BlobRefused {
   BlobRef blob;
   BlobUse use;
   std::string message;
+  bool is_lost = false;  ///< the server does not have it; else it may give it another time
 };
 /// A wish that was taken back has ended without its blob, which may be wished for again from now on.
 struct WishCancelled {

@@ -125,7 +125,7 @@ bool WantedCut::giveWay(const Candidate& candidate) {
     return true;
   }
   if (!node.mayGiveWay()) {
-    lacks_ |= wanted.rung > 0 || !node.isLeaf();
+    lacks_ |= candidate.error_px > options_.threshold_px && (wanted.rung > 0 || !node.isLeaf());
     return true;
   }
   const uint64_t page_bytes =

@@ -32,7 +32,7 @@ using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;
 /// Counts that grow are no news.
 bool isNews(const StreamStatus& now, const StreamStatus& last) {
   return now.cut != last.cut || now.limited != last.limited || now.settled != last.settled ||
-         now.failure != last.failure || now.trouble != last.trouble;
+         now.exhausted != last.exhausted || now.failure != last.failure || now.trouble != last.trouble;
 }
 
 std::unique_ptr<net::TcpTransport>& transportOf(Transports& transports, core::Line line) {
@@ -256,7 +256,7 @@ void Streamer::State::end(ErrorCode code, const std::string& message) {
 
 /// Who sets views again for which nothing more will come is not to wait for it. The caller has the lock.
 void Streamer::State::tellOfEqualViews() {
-  if (status_view_number != view_number || (!status.settled && status.failure.empty())) return;
+  if (status_view_number != view_number || (!status.settled && !status.exhausted && !status.ended)) return;
   has_news = true;
   news.notify_all();
 }
@@ -359,7 +359,7 @@ StreamStatus Streamer::waitUntilSettled(std::chrono::milliseconds timeout) {
 }
 
 StreamStatus Streamer::waitForCut(std::chrono::milliseconds timeout) {
-  return state_->waitFor(timeout, [](const StreamStatus& status) { return status.cut != nullptr; });
+  return state_->waitFor(timeout, [](const StreamStatus& status) { return status.cut || status.settled; });
 }
 
 }  // namespace lode::stream

@@ -5,8 +5,8 @@
 
 namespace lode::app {
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP do not end the process, but are told, so that work can end with
-/// its temporary files removed. One at a time.
+/// While it lives, SIGINT, SIGTERM and SIGHUP, but for those that are ignored, do not end the process, but
+/// are told, so that work can end with its temporary files removed. One at a time.
 class Interruption {
  public:
   /// @param message  of the error when a signal has come.

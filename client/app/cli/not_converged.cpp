@@ -9,7 +9,6 @@ namespace lode::app {
 void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
                        const CommonOptions& options) {
   const std::string what = options.target + " did not converge at " + where;
-  if (!status.failure.empty()) throw Error(ErrorCode::kNetwork, what + ": " + status.failure);
   if (status.limited)
     throw Error(ErrorCode::kLimit,
                 what + ": the memory budget does not hold it; allow more with --memory-budget, or a larger " +
@@ -20,13 +19,14 @@ void refuseUnconverged(const std::string& where, const stream::StreamStatus& sta
                     std::to_string(status.cut->max_error_px) +
                     " pixels so near, that is the lattice's step: the cut holds them all; allow a larger " +
                     "error with --pixels");
+  if (!status.failure.empty()) throw Error(ErrorCode::kNetwork, what + ": " + status.failure);
   const std::string remedy = "; allow more with --timeout, or a larger error with --pixels";
   throw Error(ErrorCode::kTimeout, what + " within " + std::to_string(options.timeout().count()) + " ms" +
                                        (status.trouble.empty() ? remedy : ": " + status.trouble));
 }
 
 void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options) {
-  if (!status.failure.empty())
+  if (!status.failure.empty() && !status.exhausted)
     std::fprintf(stderr, "lodestream: %s: shown without a part that cannot be had: %s\n",
                  options.target.c_str(), status.failure.c_str());
   if (status.counts.tiles_left_out > 0)

@@ -71,7 +71,7 @@ static int run(lodestream_stream* stream) {
 
   /* A game would step without waiting, once a frame, and take the cut where cut_serial is another one. */
   do {
-    if (!lodestream_step(stream, 1000, &status) || status.has_failed) return fail();
+    if (!lodestream_step(stream, 1000, &status) || status.has_ended) return fail();
   } while (!status.is_settled);
   lodestream_cut* cut = lodestream_take_cut(stream);
   if (cut == NULL) return fail();

@@ -68,14 +68,14 @@ void run(const char* url) {
   // A game would step without waiting, once a frame, and draw what it takes.
   lodestream::Status status{};
   uint64_t drawn_serial = 0;
-  while (!status.is_settled && !status.has_failed) {
+  while (!status.is_settled && !status.has_ended) {
     status = stream.step(1000);
     if (status.cut_serial == drawn_serial) continue;
     drawn_serial = status.cut_serial;
     const lodestream::Cut cut = stream.takeCut();
     std::fprintf(stderr, "%zu parts, %.2f pixels\n", cut->parts, static_cast<double>(cut->max_error_px));
   }
-  if (status.has_failed) throw lodestream::Error(lodestream_last_error());
+  if (status.has_ended) throw lodestream::Error(lodestream_last_error());
   walk(stream.takeCut(), view);
   std::printf("%llu bytes received\n", static_cast<unsigned long long>(status.received_bytes));
 }

@@ -207,6 +207,32 @@ TEST_F(EngineTest, beginsWithAFinerRungWhereTheCoarsestIsDamaged) {
   EXPECT_TRUE(engine_.cut()->converged);
 }
 
+TEST_F(EngineTest, hasSettledWithoutAPictureWhereNothingOfItCanBeHad) {
+  engine_.setView(view_, 1000);
+  engine_.connect(kStart);
+  Bytes bytes = openingOf({});
+  append(bytes, proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, 0, false, "damaged"}, 2));
+  engine_.receive(bytes, kStart);
+  engine_.step(kStart);
+  EXPECT_FALSE(engine_.settled());
+  engine_.receive(
+      proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, firstWish(), false, "damaged"}, 0),
+      kStart);
+  engine_.step(kStart);
+  EXPECT_FALSE(engine_.cut());
+  EXPECT_TRUE(engine_.settled());
+}
+
+TEST_F(EngineTest, doesNotTakeWhatAServerIsTooBusyForAsLost) {
+  const uint32_t wish = openAndShowCoarse();
+  engine_.receive(proto::encode(proto::ErrorMessage{proto::WireError::kNotReady, wish, false, "busy"}, 0),
+                  kStart);
+  engine_.step(kStart);
+  EXPECT_EQ(engine_.cut()->triangles, 4u);
+  EXPECT_NE(engine_.failure().find("busy"), std::string::npos);
+  EXPECT_TRUE(engine_.settled()) << "as it is not asked again";
+}
+
 TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenAPayloadCannotBeDecoded) {
   const uint32_t wish = openAndShowCoarse();
   engine_.receive(blobFrame(wish, 1), kStart);

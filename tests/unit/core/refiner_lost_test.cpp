@@ -10,7 +10,7 @@ using namespace fixture;
 
 class RefinerWithoutSomeBlobs : public RefinerOnSeeds {
  protected:
-  /// One in `share` of all that the root does not begin with.
+  /// One in `share` of all.
   std::set<uint32_t> someBlobs(uint32_t share) {
     std::set<uint32_t> blobs;
     const auto maybe = [&](uint32_t blob) {
@@ -18,8 +18,8 @@ class RefinerWithoutSomeBlobs : public RefinerOnSeeds {
     };
     for (const auto& [key, node] : model_.nodes()) {
       if (node.child_page) maybe(node.child_page.number);
-      for (size_t rung = 0; rung + (key == kRootKey ? 1 : 0) < node.rungs.size(); ++rung)
-        if (node.rungs[rung].triangles != 0) maybe(node.rungs[rung].payload.number);
+      for (const Rung& rung : node.rungs)
+        if (rung.triangles != 0) maybe(rung.payload.number);
     }
     return blobs;
   }
@@ -39,6 +39,16 @@ TEST_P(RefinerWithoutSomeBlobs, settlesOnTheCutOfAllThatThereIs) {
       EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, view, 5, lost).parts());
     }
   }
+}
+
+TEST_P(RefinerWithoutSomeBlobs, beginsBelowARootOfWhichNothingIsThere) {
+  std::set<uint32_t> lost;
+  for (const Rung& rung : model_.nodes().at(kRootKey).rungs) lost.insert(rung.payload.number);
+  Scripted client(model_);
+  for (const uint32_t blob : lost) client.lose(blob);
+  client.converge(farView(), {.threshold_px = 1000}, random_, kNoCheck);
+  ASSERT_TRUE(client.last().cut);
+  EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, farView(), 1000, lost).parts());
 }
 
 TEST_P(RefinerWithoutSomeBlobs, hasNotConvergedWhereTheyKeepItAboveTheThreshold) {
