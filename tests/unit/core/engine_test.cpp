@@ -107,6 +107,17 @@ class EngineTest : public testing::Test {
     return wish;
   }
 
+  /// The store is damaged there.
+  void openWithoutTheCoarsest() {
+    engine_.setView(view_, 1000);
+    engine_.connect(kStart);
+    Bytes bytes = openingOf({});
+    append(bytes,
+           proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, 0, false, "damaged"}, 2));
+    engine_.receive(bytes, kStart);
+    engine_.step(kStart);
+  }
+
   static constexpr TimePoint kMoved = kStart + kMoveOn;
 
   /// The server goes away with a wish open; the next one is there. @return the wish.
@@ -193,12 +204,7 @@ TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenABlobCannotBeHad) {
 }
 
 TEST_F(EngineTest, beginsWithAFinerRungWhereTheCoarsestIsDamaged) {
-  engine_.setView(view_, 1000);
-  engine_.connect(kStart);
-  Bytes bytes = openingOf({});
-  append(bytes, proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, 0, false, "damaged"}, 2));
-  engine_.receive(bytes, kStart);
-  engine_.step(kStart);
+  openWithoutTheCoarsest();
   engine_.receive(blobFrame(firstWish(), 1), kStart);
   decodeAll();
   engine_.step(kStart);
@@ -208,12 +214,7 @@ TEST_F(EngineTest, beginsWithAFinerRungWhereTheCoarsestIsDamaged) {
 }
 
 TEST_F(EngineTest, hasSettledWithoutAPictureWhereNothingOfItCanBeHad) {
-  engine_.setView(view_, 1000);
-  engine_.connect(kStart);
-  Bytes bytes = openingOf({});
-  append(bytes, proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, 0, false, "damaged"}, 2));
-  engine_.receive(bytes, kStart);
-  engine_.step(kStart);
+  openWithoutTheCoarsest();
   EXPECT_FALSE(engine_.settled());
   engine_.receive(
       proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, firstWish(), false, "damaged"}, 0),
@@ -221,16 +222,6 @@ TEST_F(EngineTest, hasSettledWithoutAPictureWhereNothingOfItCanBeHad) {
   engine_.step(kStart);
   EXPECT_FALSE(engine_.cut());
   EXPECT_TRUE(engine_.settled());
-}
-
-TEST_F(EngineTest, doesNotTakeWhatAServerIsTooBusyForAsLost) {
-  const uint32_t wish = openAndShowCoarse();
-  engine_.receive(proto::encode(proto::ErrorMessage{proto::WireError::kNotReady, wish, false, "busy"}, 0),
-                  kStart);
-  engine_.step(kStart);
-  EXPECT_EQ(engine_.cut()->triangles, 4u);
-  EXPECT_NE(engine_.failure().find("busy"), std::string::npos);
-  EXPECT_TRUE(engine_.settled()) << "as it is not asked again";
 }
 
 TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenAPayloadCannotBeDecoded) {

@@ -43,6 +43,21 @@ TEST(Model, handsOutNoMoreToDecodeThanThereIsMemoryForAndAllInTheEnd) {
   EXPECT_EQ(model.undecodedBytes() + model.decodingBytes(), 0u);
 }
 
+TEST(Model, beginsWithTheNextFinerRungOnlyWhereTheCoarsestIsLost) {
+  const SyntheticModel synthetic({.seed = 3});
+  const ScriptedServer server(synthetic);
+  for (const bool is_lost : {true, false}) {
+    Model model(server.summary(), 1ull << 30);
+    model.take(server.summary().root_page, {BlobKind::kRootPage, {kRootKey, 0}},
+               encodePage(synthetic.rootPage()));
+    const Wish first = model.firstWish().value();
+    model.refuse(first.blob, "the server says no", is_lost);
+    ASSERT_EQ(model.firstWish().has_value(), is_lost);
+    if (!is_lost) continue;
+    EXPECT_EQ(model.firstWish()->use.mesh.rung, first.use.mesh.rung - 1);
+  }
+}
+
 TEST(Model, takesNoLateResultOfABuildThatItHasReplaced) {
   const SyntheticModel synthetic({.seed = 3});
   const ScriptedServer server(synthetic);

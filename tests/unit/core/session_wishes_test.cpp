@@ -81,6 +81,20 @@ TEST_F(SessionTest, reportsAWishThatTheServerRefuses) {
   EXPECT_EQ(session_.openWishes(), 0u);
 }
 
+TEST_F(SessionTest, tellsWhatIsLostFromWhatIsRefusedForNow) {
+  open();
+  const BlobRef blob = blobRef(5, 100);
+  const std::pair<proto::WireError, bool> errors[] = {{proto::WireError::kDamagedStore, true},
+                                                      {proto::WireError::kNoSuchBlob, true},
+                                                      {proto::WireError::kNotReady, false},
+                                                      {proto::WireError::kInternal, false}};
+  for (const auto& [code, is_lost] : errors) {
+    const auto events = give(proto::encode(proto::ErrorMessage{code, wishFor(blob), false, "no"}, 0));
+    ASSERT_EQ(events.size(), 1u);
+    EXPECT_EQ(std::get<BlobRefused>(events[0]).is_lost, is_lost) << static_cast<int>(code);
+  }
+}
+
 TEST_F(SessionTest, keepsWishesWithinItsLimitOfBytes) {
   SessionOptions options = optionsFor("model");
   options.max_wished_bytes = 1000;
