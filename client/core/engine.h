@@ -137,6 +137,7 @@ class Engine {
   const std::shared_ptr<const PlacedCuts>& placed() const noexcept { return instance_.placed(); }
   uint64_t cutBuild() const noexcept { return instance_.cutBuild(); }
   bool limited() const noexcept { return instance_.limited(); }
+  /// Nothing more will come for the views: their cuts are whole, or what they lack cannot be had.
   bool settled() const noexcept;
   /// Why a part of the model cannot be had; empty if nothing is wrong.
   const std::string& failure() const noexcept;
