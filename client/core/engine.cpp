@@ -8,11 +8,6 @@
 #include "common/error.h"
 
 namespace lode::core {
-namespace {
-
-constexpr float kFarOffFactor = 2;  // of the threshold: nothing is asked for ahead above it
-
-}  // namespace
 
 Engine::Engine(EngineOptions options)
     : options_(std::move(options)),
@@ -201,7 +196,7 @@ void Engine::renewWishes() {
   };
   if (const auto first = model_->firstWish()) ask(*first);
   // What is seen comes first, and all of it where the picture is far from what it is to be.
-  const bool is_far_off = !cut() || cut()->max_error_px > kFarOffFactor * instance_.options().threshold_px;
+  const bool is_far_off = isFarOff(cut().get(), instance_.options().threshold_px);
   const std::span<const Wish> ahead = is_far_off ? std::span<const Wish>() : std::span(prefetcher_.wishes());
   for (const Wish& wish : instance_.wishes())
     if (!ask(wish)) break;

@@ -25,6 +25,7 @@ std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cu
     }
     all->triangles += cut->triangles;
     all->max_error_px = std::max(all->max_error_px, cut->max_error_px);
+    all->refinable_px = std::max(all->refinable_px, cut->refinable_px);
     all->converged = all->converged && cut->converged;
   }
   return all;

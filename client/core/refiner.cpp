@@ -275,7 +275,9 @@ class Run {
     cut_->drawn_bytes += drawnBytes(*cut_->parts.back().mesh);
     cut_->triangles += shown.triangles;
     cut_->blob_bytes += shown.payload.bytes;
-    if (part.visible) cut_->max_error_px = std::max(cut_->max_error_px, error_px);
+    if (!part.visible) return;
+    cut_->max_error_px = std::max(cut_->max_error_px, error_px);
+    if (rung > 0 || !part.node->isLeaf()) cut_->refinable_px = std::max(cut_->refinable_px, error_px);
   }
 
   // ---- the wishes

@@ -6,11 +6,6 @@
 #include "common/error.h"
 
 namespace lode::app {
-namespace {
-
-constexpr float kFarOffFactor = 2;  ///< of the threshold
-
-}  // namespace
 
 FullClient::FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
                        KnownNames& names, LoadTally& tally)
@@ -201,13 +196,13 @@ void FullClient::note(core::TimePoint now) {
   const double seconds = std::chrono::duration<double>(now - std::exchange(noted_until_, now)).count();
   const core::Cut* const cut = engine_.cut().get();
   tally_.looked_s += seconds;
-  if (cut == nullptr || cut->max_error_px > kFarOffFactor * plan_.pixels) tally_.far_off_s += seconds;
+  if (gone_ || core::isFarOff(cut, plan_.pixels)) tally_.far_off_s += seconds;
 }
 
 void FullClient::finish(core::TimePoint now) {
-  if (gone_ || now < start_) return;
+  if (now < start_) return;
   note(now);
-  if (engine_.summary() == nullptr) noteNeverLetIn(tally_, turned_away_);
+  if (!gone_ && engine_.summary() == nullptr) noteNeverLetIn(tally_, turned_away_);
   for (const WishClock& clock : clocks_) {
     for (const auto& [blob, wish] : clock.open()) noteLatency(wish, now);
     tally_.unanswered += clock.open().size();

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include <asio/executor_work_guard.hpp>
+#include <asio/io_context.hpp>
 #include <sys/resource.h>
 
 #include "client/app/cli/full_client.h"
@@ -102,6 +104,8 @@ class Stepper {
   mutable std::mutex mutex_;
   LoadTally published_;
   asio::io_context io_{1};
+  /// Without a connection there is nothing to wait for, and run_one_until() would return at once.
+  const asio::executor_work_guard<asio::io_context::executor_type> waits_{io_.get_executor()};
   std::vector<std::unique_ptr<LoadClient>> clients_;
   using Due = std::pair<Clock::time_point, size_t>;
   std::priority_queue<Due, std::vector<Due>, std::greater<>> due_;

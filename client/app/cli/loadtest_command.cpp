@@ -112,8 +112,12 @@ class PlannedLoad {
   WishTrace traceOf(const ResolvedTarget& target, const LoadPlan& plan, uint64_t seed) const {
     if (!options_.trace_file.empty()) return readTrace(target);
     const auto path_of = [&](const ModelSummary& model) { return path_of_(model, seed); };
-    return recordTrace(plan.model, plan.options, path_of, plan.size_px, plan.pixels,
-                       options_.common.timeout());
+    WishTrace trace =
+        recordTrace(plan.model, plan.options, path_of, plan.size_px, plan.pixels, options_.common.timeout());
+    if (!trace.gap.empty())
+      std::fprintf(stderr, "lodestream: %s: clients do not wish for a part that cannot be had: %s\n",
+                   stream::toString(plan.model).c_str(), trace.gap.c_str());
+    return trace;
   }
 
   const LoadtestOptions& options_;

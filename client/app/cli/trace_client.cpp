@@ -216,8 +216,8 @@ void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session,
 }
 
 void TraceClient::finish(core::TimePoint now) {
-  if (gone_ || now < start_) return;
-  noteNeverLetIn(tally_, turned_away_);
+  if (now < start_) return;
+  if (!gone_) noteNeverLetIn(tally_, turned_away_);
   if (!image_seen_) tally_.first_image.add(now - start_);
   for (const auto& [number, pending] : pending_) {
     if (pending.intended > now) continue;

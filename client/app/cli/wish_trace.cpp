@@ -55,6 +55,8 @@ class Recorder {
     } while (!settled());
   }
 
+  const std::string& gap() const { return engine_.failure(); }
+
   std::vector<TracedWish> take() {
     for (TracedWish& traced : wishes_)
       if (const auto job = jobs_.find(traced.wish.blob.name); job != jobs_.end()) traced.decode = job->second;
@@ -91,7 +93,8 @@ class Recorder {
       job.bytes = {};
       jobs_.emplace(name, std::move(job));
     }
-    if (!engine_.failure().empty()) throw Error(ErrorCode::kNetwork, where_ + ": " + engine_.failure());
+    if (engine_.settled() && !engine_.cut())
+      throw Error(ErrorCode::kNetwork, where_ + ": " + engine_.failure());
     if (Clock::now() > deadline_)
       throw Error(ErrorCode::kTimeout,
                   where_ + ": the path was not recorded in time; allow more with --timeout, or a larger " +
@@ -139,6 +142,7 @@ WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOpti
     const core::CameraKey camera = core::cameraAt(path, begin_s + t_s);
     recorder.see(core::toView(camera, path.fov_y_deg, size_px.x, size_px.y, summary), pixels, t_s);
   }
+  trace.gap = recorder.gap();
   trace.wishes = recorder.take();
   return trace;
 }

@@ -28,6 +28,7 @@ struct WishTrace {
   BlobName build_id;  ///< of the model: in another build of it blobs have other numbers
   double duration_s = 0;
   std::vector<TracedWish> wishes;
+  std::string gap;  ///< why it has no wish for a part that cannot be had; empty: it has all
 };
 
 /// The path that a client goes along, once it knows the model.
@@ -36,7 +37,7 @@ using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
 /// @param source  names the trace. @throws Error kInput if it is not of this build of the model.
 void checkBuild(const WishTrace& trace, const BlobName& build_id, const std::string& source);
 
-/// Goes along a path in steps of a tenth of a second, waiting at each until nothing is missing.
+/// Goes along a path in steps of a tenth of a second, waiting at each until nothing more is to come.
 /// @throws Error kNetwork and so on as a Session does, kTimeout.
 WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
                       const PathOf& path_of, glm::uvec2 size_px, float pixels,

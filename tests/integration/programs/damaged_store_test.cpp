@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "programs.h"
 #include "server/store/reader.h"
@@ -136,6 +137,24 @@ TEST_F(DamagedStore, isShownByWhatIsFinerWhereACoarserLevelIsDamaged) {
     const Outcome outcome = lodestream({"fetch", damaged_, "--pixels", "8", "--timeout", "60", "-o", cut_});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     has_met_damage |= outcome.err.find("shown without a part that cannot be had") != std::string::npos;
+  }
+  EXPECT_TRUE(has_met_damage);
+}
+
+TEST_F(DamagedStore, canBeLoadTestedWithoutWhatIsDamaged) {
+  DamagePlan plan(sound_);
+  bool has_met_damage = false;
+  for (const Damage& damage : plan.places()) {
+    if (damage.part != Part::kPayload) continue;
+    SCOPED_TRACE("byte " + std::to_string(damage.offset));
+    writeBytes(damaged_, plan.apply(readBytes(sound_), damage));
+    const Outcome outcome =
+        lodestream({"loadtest", damaged_, "--clients", "1", "--seconds", "1", "--pixels", "8", "--json"});
+    if (outcome.err.find("do not wish for a part that cannot be had") == std::string::npos) continue;
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_GT(nlohmann::json::parse(outcome.out)["blobs"], 0);
+    has_met_damage = true;
+    break;
   }
   EXPECT_TRUE(has_met_damage);
 }

@@ -143,6 +143,15 @@ TEST_P(EveryLoadClient, givesUpWithOneErrorWhereNobodyIsThereAtFirst) {
   EXPECT_EQ(tally_.errorCount(), 1u);
 }
 
+TEST_P(EveryLoadClient, thatGaveUpCountsAsLateAsTheEnd) {
+  server_->closeToTheNext(1);
+  while (client_->due() != kNever) turn();
+  client_->finish(start_ + 9s);
+  EXPECT_EQ(tally_.first_image.count(), 1u);
+  EXPECT_GE(tally_.first_image.maxMs(), 9000);
+  EXPECT_EQ(tally_.errorCount(), 1u) << "and once as an error";
+}
+
 TEST_P(EveryLoadClient, hasNoErrorWhereAServerGoesAway) {
   runUntilOpened(1);
   settle();
@@ -331,6 +340,15 @@ TEST_P(AFullClient, looksFromItsBeginningToTheEndWhateverItsFramesTake) {
   EXPECT_LE(tally_.far_off_s, tally_.looked_s - 5);
 }
 
+TEST_P(AFullClient, isNotFarOffWhereNothingFinerIsToCome) {
+  run([&] { return tally_.converged.count() > 0; });
+  settle();
+  client_->step(Clock::now());
+  const double far_off_s = tally_.far_off_s;
+  client_->finish(Clock::now() + 5s);
+  EXPECT_EQ(tally_.far_off_s, far_off_s) << "at the lattice's step, which is more than twice the threshold";
+}
+
 INSTANTIATE_TEST_SUITE_P(OfALoadTest, AFullClient, testing::Values(Kind::kFull),
                          [](const auto&) { return "full"; });
 
@@ -355,6 +373,17 @@ TEST_P(AFullClientOfADamagedModel, countsTheConnectionThatBreaksAsWellAsWhatItBr
   EXPECT_EQ(tally_.errors,
             (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 1}, {ErrorCode::kFormat, 1}}));
   EXPECT_EQ(tally_.first_error, "the server says: out of order") << "what came first";
+}
+
+TEST_P(AFullClientOfADamagedModel, isFarOffOnceItGaveUp) {
+  while (client_->due() != kNever) turn();
+  ASSERT_EQ(tally_.first_image.count(), 1u);
+  const core::TimePoint noted = Clock::now();
+  client_->finish(noted);
+  const double far_off_s = tally_.far_off_s;
+  plan_.pixels = 10000;  // what it has would do
+  client_->finish(noted + 9s);
+  EXPECT_NEAR(tally_.far_off_s, far_off_s + 9, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfALoadTest, AFullClientOfADamagedModel, testing::Values(Kind::kFull));

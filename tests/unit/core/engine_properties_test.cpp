@@ -386,6 +386,26 @@ TEST(Engine, asksAheadOfAnyPlaceOfAModelThatMoves) {
   EXPECT_GT(wished, 0u);
 }
 
+TEST(Engine, asksAheadOfACameraThatIsSoNearThatTheFinestIsFarOff) {
+  uint64_t wished = 0;
+  for (uint32_t seed = 1; seed < 7; ++seed) {
+    World world(seed, 1ull << 30);
+    constexpr float kThresholdPx = 1e-3f;
+    const View from = world.randomView();
+    for (int step = 0; step < 1000; ++step) {
+      world.engine().setView(from, kThresholdPx);
+      world.step(milliseconds(10));
+    }
+    if (!world.engine().cut() || world.engine().cut()->max_error_px <= 2 * kThresholdPx) continue;
+    for (int step = 0; step < 300; ++step) {
+      world.engine().setView(flight(from, step), kThresholdPx);
+      world.step(milliseconds(10));
+    }
+    wished += world.engine().counts().prefetch.wished;
+  }
+  EXPECT_GT(wished, 0u);
+}
+
 TEST_P(EngineProperties, asksForNothingAheadOfACameraThatStands) {
   World world(GetParam(), 1ull << 30);
   convergeFor(world, world.randomView());

@@ -292,6 +292,24 @@ TEST_P(RefinerOnSeeds, countsAsErrorOnlyWhatIsSeen) {
   EXPECT_EQ(client.last().cut->max_error_px, seen_px);
 }
 
+TEST_P(RefinerOnSeeds, countsAsRefinableWhatIsSeenButLeavesAtTheirOriginalTriangles) {
+  Scripted client(model_);
+  bool is_less = false;
+  for (const View& view : {farView(), insideView(), closeView()}) {
+    client.converge(view, {.threshold_px = 1}, random_, [&](const Refinement& refined) {
+      if (!refined.cut) return;
+      float refinable_px = 0;
+      for (const CutPart& part : refined.cut->parts)
+        if (part.visible && (part.rung > 0 || !model_.nodes().at(part.node).isLeaf()))
+          refinable_px = std::max(refinable_px, part.error_px);
+      EXPECT_EQ(refined.cut->refinable_px, refinable_px);
+    });
+    EXPECT_LE(client.last().cut->refinable_px, 1);
+    is_less |= client.last().cut->max_error_px > 2;
+  }
+  EXPECT_TRUE(is_less);
+}
+
 TEST_P(RefinerOnSeeds, namesAllThatIsResidentAboveTheCutAsItsAncestors) {
   Scripted client(model_);
   client.converge(closeView(), {.threshold_px = 2}, random_, kNoCheck);
