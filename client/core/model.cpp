@@ -172,6 +172,7 @@ void Model::refuse(const BlobRef& blob, const std::string& why, bool is_lost) {
   ++version_;
   refused_.insert(blob.number);
   if (is_lost) hierarchy_.lose(blob.number);
+  if (is_lost && textures_) textures_->lose(blob.number);
   if (failure_.empty()) failure_ = why;
 }
 

@@ -46,6 +46,11 @@ void TextureStream::takeSet(std::span<const std::byte> bytes) {
   keys_ = std::move(keys);
 }
 
+void TextureStream::lose(uint32_t blob) {
+  lost_.insert(blob);
+  std::erase_if(missing_, [blob](const Wish& wish) { return wish.blob.number == blob; });
+}
+
 void TextureStream::refine(std::span<const TexturedPart> parts, const View& view, float threshold_px) {
   if (!set_) return;
   const std::vector<WantedTile> wanted = wantTiles(*set_, parts, view, threshold_px);
@@ -58,7 +63,7 @@ void TextureStream::refine(std::span<const TexturedPart> parts, const View& view
   std::vector<uint32_t> in_use;
   for (const WantedTile& tile : std::span(wanted).first(fitting)) {
     const BlobRef& blob = tileBlob(*set_, tile.key);
-    if (!seen.insert(blob.number).second) continue;
+    if (lost_.contains(blob.number) || !seen.insert(blob.number).second) continue;
     if (cache_.find(blob.number)) {
       in_use.push_back(blob.number);
       blob_bytes_in_use_ += blob.bytes;

@@ -41,6 +41,9 @@ class TextureStream {
     cache_.insert(blob, std::move(image));
   }
 
+  /// A blob cannot be had, the set's or a tile's: from the next refine() on it is not needed.
+  void lose(uint32_t blob);
+
   /// From the next refine() on.
   void setBudget(uint64_t bytes) noexcept { cache_.setBudget(bytes); }
 
@@ -48,8 +51,10 @@ class TextureStream {
   void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
   /// Needed and not resident, each blob once, best first; the set alone until it is there.
   const std::vector<Wish>& missing() const noexcept { return missing_; }
-  /// The set is there, and so is all that the view needs and the budget allows.
-  bool complete() const noexcept { return set_ && refined_ && missing_.empty(); }
+  /// All is there that can be had, that the view needs and that the budget allows.
+  bool complete() const noexcept {
+    return (set_ ? refined_ : lost_.contains(set_blob_.number)) && missing_.empty();
+  }
   /// Tiles that the view needs and the budget does not allow.
   size_t leftOut() const noexcept { return left_out_; }
 
@@ -72,6 +77,7 @@ class TextureStream {
   TextureCache cache_;
   std::shared_ptr<const TextureSet> set_;
   std::map<uint32_t, Keys> keys_;  // by blob number
+  std::set<uint32_t> lost_;        // blob numbers
   std::vector<Wish> missing_;
   size_t left_out_ = 0;
   uint64_t blob_bytes_in_use_ = 0;

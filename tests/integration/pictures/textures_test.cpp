@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "server/store/reader.h"
 #include "tests/integration/pictures/picture.h"
 
 namespace lode::test {
@@ -149,6 +150,23 @@ TEST_F(CheckeredSheet, isFetchedWithTheTilesThatTheCameraNeeds) {
   EXPECT_EQ(far_off["tiles"], 1);
   EXPECT_GT(near_by["tiles"], 4);
   EXPECT_GT(near_by["texture_bytes"], far_off["texture_bytes"]);
+}
+
+TEST_F(CheckeredSheet, isFetchedWithoutATileThatIsDamagedAndSaysSo) {
+  const std::filesystem::path file = folder_ / "sheet.lode";
+  std::string bytes = readBytes(file);
+  const store::Reader store(file);
+  for (const BlobRef& tile : store.textures().textures[0].tiles)
+    bytes[store.blob(tile.number).offset + tile.bytes / 2] ^= 1;
+  writeBytes(file, bytes);
+  std::vector<std::string> fetch = arguments("fetch", cameraAbove(0.75, 0.9, 0.1));
+  fetch.push_back("--json");
+  const Outcome outcome = lodestream(fetch);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("shown without a part that cannot be had"), std::string::npos) << outcome.err;
+  const nlohmann::json told = nlohmann::json::parse(outcome.out);
+  EXPECT_TRUE(told["converged"]);
+  EXPECT_EQ(told["tiles"], 0);
 }
 
 TEST_F(CheckeredSheet, isFetchedWithItsImageBesideTheMesh) {

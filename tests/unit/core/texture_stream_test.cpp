@@ -142,7 +142,8 @@ class TexturedEngine : public testing::Test {
   }
 
   /// Steps and answers wishes, but those refused, until nothing is asked for. @return all that was asked for.
-  std::vector<uint32_t> serve(const std::set<uint32_t>& refused = {}) {
+  std::vector<uint32_t> serve(const std::set<uint32_t>& refused = {},
+                              proto::WireError why = proto::WireError::kDamagedStore) {
     std::vector<uint32_t> asked;
     for (int round = 0; round < 50; ++round) {
       decodeAll();
@@ -151,12 +152,10 @@ class TexturedEngine : public testing::Test {
       if (wishes.empty() && engine_->counts().decoding == 0) return asked;
       for (const auto& [blob, wish] : wishes) {
         asked.push_back(blob);
-        engine_->receive(
-            refused.contains(blob)
-                ? proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, wish, false, "damaged"},
-                                0)
-                : blobFrames(wish, blob),
-            kStart);
+        engine_->receive(refused.contains(blob)
+                             ? proto::encode(proto::ErrorMessage{why, wish, false, "damaged"}, 0)
+                             : blobFrames(wish, blob),
+                         kStart);
       }
     }
     ADD_FAILURE() << "it asks without an end";
@@ -246,9 +245,16 @@ TEST_F(TexturedEngine, saysWhyWhenATileCannotBeHadAndShowsTheCoarserOne) {
   const std::vector<uint32_t> asked = serve({kFirstTile + 1});
   EXPECT_EQ(std::count(asked.begin(), asked.end(), kFirstTile + 1), 1);
   EXPECT_NE(engine_->failure().find("damaged"), std::string::npos);
-  EXPECT_TRUE(engine_->settled()) << "nothing more will come";
-  EXPECT_FALSE(engine_->cut()->converged);
+  EXPECT_TRUE(engine_->settled());
+  EXPECT_TRUE(engine_->cut()->converged) << "nothing better can be had";
   EXPECT_EQ(engine_->cut()->tiles.size(), tiles() - 1);
+}
+
+TEST_F(TexturedEngine, hasNotConvergedWithoutATileThatTheServerDoesNotGiveNow) {
+  open();
+  serve({kFirstTile + 1}, proto::WireError::kInternal);
+  EXPECT_TRUE(engine_->settled());
+  EXPECT_FALSE(engine_->cut()->converged);
 }
 
 TEST_F(TexturedEngine, saysWhyWhenATileIsNoImage) {
@@ -266,6 +272,7 @@ TEST_F(TexturedEngine, showsTheModelPlainWhenTheSetCannotBeHad) {
   open();
   EXPECT_EQ(serve({kSet}), std::vector<uint32_t>{kSet});
   EXPECT_NE(engine_->failure(), "");
+  EXPECT_TRUE(engine_->cut()->converged) << "nothing better can be had";
   EXPECT_EQ(engine_->cut()->triangles, 2u);
   EXPECT_FALSE(engine_->cut()->textures);
 }
