@@ -283,10 +283,15 @@ void Server::State::lookOver() {
   for (const auto& model : offer.catalog->models())  // from 0 on: an increase is seen only of what is there
     metrics.ofThread(0).model(model->summary.name);
   warnOfUnknownModels();
+  const auto now = std::chrono::system_clock::now();
+  if (offer.tokens && offer.tokens->allHaveExpired(now))
+    log.write(
+        LogKind::kServer,
+        "no token of the token file is valid now, and every client is refused; give new ones and reload");
   const auto expires = tls ? expiryOf(*tls) : std::nullopt;
   certificate_expires_s =
       expires ? static_cast<uint64_t>(std::max<int64_t>(1, expires->time_since_epoch().count())) : 0;
-  if (expires && *expires <= std::chrono::system_clock::now())
+  if (expires && *expires <= now)
     log.write(LogKind::kServer,
               "the certificate has expired, and clients refuse it; give a new one and reload");
 }

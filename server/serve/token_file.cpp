@@ -143,6 +143,10 @@ std::vector<std::string> TokenFile::modelsNamed() const {
   return {names.begin(), names.end()};
 }
 
+bool TokenFile::allHaveExpired(std::chrono::system_clock::time_point now) const noexcept {
+  return std::ranges::all_of(entries_, [now](const Entry& entry) { return entry.grant.hasExpired(now); });
+}
+
 const TokenGrant* TokenFile::find(std::string_view token, std::chrono::system_clock::time_point now) const {
   const BlobName hash = hashOf(token);
   const TokenGrant* found = nullptr;

@@ -49,6 +49,8 @@ class TokenFile {
   /// In all of its lines, sorted, each once.
   std::vector<std::string> modelsNamed() const;
 
+  bool allHaveExpired(std::chrono::system_clock::time_point now) const noexcept;
+
   size_t size() const noexcept { return entries_.size(); }
 
  private:

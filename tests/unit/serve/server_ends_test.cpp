@@ -219,6 +219,21 @@ TEST_F(ServerEnds, ofACertificateIsInTheMetricsAndAPastOneInTheLog) {
   EXPECT_NE(lode::test::readBytes(path_).find("the certificate has expired"), std::string::npos);
 }
 
+TEST_F(ServerEnds, ofTokensThatHaveAllExpiredIsLogged) {
+  options_.token_file = folder_.path() / "tokens";
+  std::ofstream(options_.token_file) << "one 2020-01-01T00:00:00Z *\ntwo 2999-01-01T00:00:00Z *\n";
+  start();
+  std::ofstream(options_.token_file) << "one 2020-01-01T00:00:00Z *\n";
+  server_->reload();
+  stop();
+  server_.reset();
+  const std::string log = lode::test::readBytes(path_);
+  const std::string_view kWarning = "no token of the token file is valid now";
+  const size_t first = log.find(kWarning);
+  ASSERT_NE(first, std::string::npos) << log;
+  EXPECT_EQ(log.find(kWarning, first + 1), std::string::npos) << "not of the first file";
+}
+
 TEST_F(ServerEnds, ofAModelThatATokenNamesAndNobodyOffersIsLogged) {
   options_.token_file = folder_.path() / "tokens";
   std::ofstream(options_.token_file) << "one never a bunny\n";
