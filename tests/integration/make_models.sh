@@ -1,10 +1,15 @@
 #!/usr/bin/env bash
 # Makes the models that integration tests share: make_models.sh BIN_DIR OUT_DIR. Scans come from LODESTREAM_TEST_DATA.
+# With LODESTREAM_MADE_MODELS set to a folder of them, which another build of the same programs has made, they are copied.
 set -euo pipefail
 
 daemon="$1/lodestreamd"
 out="$2"
 mkdir -p "$out"
+if [[ -n "${LODESTREAM_MADE_MODELS:-}" ]]; then
+  cp -R "$LODESTREAM_MADE_MODELS"/. "$out"
+  exit 0
+fi
 
 "$daemon" sample asteroid --triangles 2000000 --seed 1 -o "$out/asteroid2m.ply" >/dev/null
 "$daemon" build "$out/asteroid2m.ply" -o "$out/asteroid2m.lode" --quiet >/dev/null

@@ -1,11 +1,18 @@
 #include "client/app/cli/load_test.h"
 
 #include <ctime>
+#include <thread>
 #include <vector>
 
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <gtest/gtest.h>
+
+#include "client/core/framing.h"
+#include "server/store/reader.h"
+#include "tests/support/synthetic_store.h"
+#include "tests/support/work_folder.h"
+#include "tests/unit/app/told_server.h"
 
 namespace lode::app {
 namespace {
@@ -22,19 +29,54 @@ uint16_t closedPort() {
   return asio::ip::tcp::acceptor(io, {asio::ip::address_v4::loopback(), 0}).local_endpoint().port();
 }
 
+LoadPlan planAt(uint16_t port) {
+  LoadPlan plan;
+  plan.model = {{"127.0.0.1", port}, "a"};
+  plan.route = {plan.model.address};
+  plan.path_of = [](const ModelSummary& summary, uint64_t) { return core::framingCamera(summary); };
+  return plan;
+}
+
+LoadOptions optionsOf(uint32_t clients, unsigned threads, double seconds) {
+  LoadOptions options;
+  options.clients = clients;
+  options.threads = threads;
+  options.seconds = seconds;
+  options.ramp_s = 0;
+  options.full = true;
+  return options;
+}
+
 TEST(LoadTest, restsWhileNoClientHasAConnection) {
-  std::vector<LoadPlan> plans(1);
-  plans[0].model = {{"127.0.0.1", closedPort()}, "a"};
-  plans[0].route = {plans[0].model.address};
+  std::vector<LoadPlan> plans{planAt(closedPort())};
   const double before_s = processSeconds();
-  runLoadTest(plans, {.clients = 1,
-                      .threads = 4,
-                      .seconds = 1,
-                      .ramp_s = 0,
-                      .full = true,
-                      .progress = {},
-                      .is_stopped = {}});
+  runLoadTest(plans, optionsOf(1, 4, 1));
   EXPECT_LT(processSeconds() - before_s, 0.5) << "of four threads in a second";
+}
+
+TEST(LoadTest, addsUpWhatTheClientsOfAllThreadsHaveSeen) {
+  const lode::test::WorkFolder folder;
+  lode::test::SyntheticModel model = lode::test::makeModel(lode::test::makeSphere(24, 16));
+  lode::test::writeStore(folder / "a.lode", model);
+  const store::Reader store(folder / "a.lode");
+  asio::io_context io{1};
+  ToldServer server(io, store);
+  std::vector<LoadPlan> plans{planAt(server.port())};
+  std::vector<uint64_t> told;
+  LoadOptions options = optionsOf(6, 3, 1.5);
+  options.progress = [&](double, const LoadTally& tally) { told.push_back(tally.blobs); };
+  LoadResult result;
+  {
+    const std::jthread serving([&] { io.run(); });
+    result = runLoadTest(plans, options);
+    io.stop();
+  }
+  EXPECT_EQ(result.tally.started, 6u);
+  EXPECT_EQ(result.tally.first_image.count(), 6u);
+  EXPECT_EQ(result.tally.errorCount(), 0u) << result.tally.first_error;
+  ASSERT_EQ(told.size(), 1u) << "once a second";
+  EXPECT_GT(told.front(), 0u);
+  EXPECT_LE(told.front(), result.tally.blobs);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "client/core/engine.h"
 #include "client/core/shown_parts.h"
 #include "common/error.h"
+#include "tests/support/seeds.h"
 #include "tests/unit/core/scripted_server.h"
 
 namespace lode::core {
@@ -413,7 +414,7 @@ TEST_P(EngineProperties, asksForNothingAheadOfACameraThatStands) {
   EXPECT_EQ(world.engine().counts().prefetch.wished, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, EngineProperties, testing::Range(1u, 13u));
+INSTANTIATE_TEST_SUITE_P(Seeds, EngineProperties, testing::Range(1u, 1 + lode::test::kSeeds));
 
 }  // namespace
 }  // namespace lode::core

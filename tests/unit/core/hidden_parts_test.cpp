@@ -1,5 +1,6 @@
 // What is taken for hidden comes last and changes nothing of what is seen in the end: even if it is wrong.
 
+#include "tests/support/seeds.h"
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core {
@@ -35,7 +36,7 @@ class HiddenParts : public testing::TestWithParam<uint32_t> {
   std::mt19937 random_{GetParam() * 7919};
 };
 
-INSTANTIATE_TEST_SUITE_P(Seeds, HiddenParts, testing::Range(1u, 13u));
+INSTANTIATE_TEST_SUITE_P(Seeds, HiddenParts, testing::Range(1u, 1 + lode::test::kSeeds));
 
 TEST_P(HiddenParts, changeNothingOfTheConvergedCutAndLeaveNoHoleWhateverIsTakenForHidden) {
   for (const bool all : {false, true}) {

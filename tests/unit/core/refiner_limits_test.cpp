@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "client/core/drawn_bytes.h"
+#include "tests/support/seeds.h"
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core {
@@ -18,7 +19,7 @@ class RefinerLimits : public testing::TestWithParam<uint32_t> {
   std::mt19937 random_{GetParam() * 7919};
 };
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RefinerLimits, testing::Range(1u, 13u));
+INSTANTIATE_TEST_SUITE_P(Seeds, RefinerLimits, testing::Range(1u, 1 + lode::test::kSeeds));
 
 TEST_P(RefinerLimits, showsAllOfEachPlaceInTurnThoughTheBudgetHoldsThePagesOfOneAlone) {
   const auto pagesOf = [&](const View& view) {

@@ -1,6 +1,7 @@
 // What a server does not have: damage at single places of a store.
 #include <set>
 
+#include "tests/support/seeds.h"
 #include "tests/unit/core/refiner_on_seeds.h"
 
 namespace lode::core {
@@ -25,7 +26,7 @@ class RefinerWithoutSomeBlobs : public RefinerOnSeeds {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RefinerWithoutSomeBlobs, testing::Range(1u, 13u));
+INSTANTIATE_TEST_SUITE_P(Seeds, RefinerWithoutSomeBlobs, testing::Range(1u, 1 + lode::test::kSeeds));
 
 TEST_P(RefinerWithoutSomeBlobs, settlesOnTheCutOfAllThatThereIs) {
   for (const View& view : {closeView(), farView(), insideView()}) {

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "client/core/shown_parts.h"
+#include "tests/support/seeds.h"
 #include "tests/unit/core/refiner_on_seeds.h"
 
 namespace lode::core {
@@ -11,7 +12,7 @@ namespace {
 
 using namespace fixture;
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RefinerOnSeeds, testing::Range(1u, 13u));
+INSTANTIATE_TEST_SUITE_P(Seeds, RefinerOnSeeds, testing::Range(1u, 1 + lode::test::kSeeds));
 
 TEST_P(RefinerOnSeeds, convergesToTheCutThatBruteForceFinds) {
   for (const View& view : {closeView(), farView(), insideView()}) {
