@@ -25,11 +25,11 @@ import signal
 import sys
 import tempfile
 
+import control_groups
 import crowds
 import ends
 import links
 import soak
-import surroundings
 from stage import Stage
 
 LONGEST_S, LONGEST_SOAK_S, SKIPPED = 300, 2100, 77
@@ -49,8 +49,10 @@ def missing(scenario, programs, messages):
         return f"Debian's package {PACKAGES[command]}"
     if scenario.__module__ == links.__name__ and os.geteuid() != 0:
         return "root, for network namespaces and control groups"
-    if scenario is links.larger_than_memory and not surroundings.has_control_groups():
-        return "control groups of version 1 for memory and disks, which this system has not"
+    if scenario is links.larger_than_memory and control_groups.version() is None:
+        return "control groups for memory and disks, which this system has not"
+    if scenario is links.larger_than_memory and os.major(os.stat(tempfile.gettempdir()).st_dev) == 0:
+        return f"a disk under {tempfile.gettempdir()}, or another folder in TMPDIR"
     for file in (programs / "lodestreamd", programs / "lodestream", programs / PROGRAMS.get(scenario, "lodestreamd"), messages / MESSAGES):
         if not file.exists():
             return f"{file}: cmake --build {programs.parent} --target lodestreamd lodestream benchmarks makes it"

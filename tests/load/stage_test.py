@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 """The scenarios' own arithmetic and tidiness, without a server: stage_test.py"""
 import contextlib
+import errno
 import io
 import math
 import os
 import pathlib
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,6 +16,7 @@ import time
 import unittest
 from unittest import mock
 
+import control_groups
 import ends
 import probe
 import processes
@@ -115,7 +118,7 @@ class Processes(unittest.TestCase):
         gone = subprocess.Popen(["true"])
         gone.wait()
         here = [f"lode-bench-{os.getpid()}", pathlib.Path(f"/x/lode-bench-{os.getpid()}")]
-        self.assertEqual(surroundings.abandoned([*here, f"lode-bench-{gone.pid}"]), [f"lode-bench-{gone.pid}"])
+        self.assertEqual(control_groups.abandoned([*here, f"lode-bench-{gone.pid}"]), [f"lode-bench-{gone.pid}"])
 
     def test_that_are_left_behind_are_noticed(self):
         self.assertFalse(scenario.left_behind())
@@ -130,6 +133,173 @@ class Processes(unittest.TestCase):
                 child = failing.run(["sleep", "60"])
                 1 / 0
         self.assertEqual(child.returncode, -signal.SIGKILL)
+
+
+class FakeControlGroups:
+    """The folders of version 2, which keep its rules: files of a controller only where the parent hands it on, no processes where
+    one is handed on, none removed that has some."""
+
+    def __init__(self, folder, processes, offered="cpu io memory pids", is_the_systems_root=False):
+        self.root, self.exempt = pathlib.Path(folder, "groups"), is_the_systems_root
+        self.really = {name: getattr(pathlib.Path, name) for name in ("write_text", "mkdir", "rmdir")}
+        self.create(self.root)
+        self.really["write_text"](self.root / "cgroup.controllers", offered)
+        self.put(self.root, processes)
+
+    def __enter__(self):
+        self.ending = contextlib.ExitStack()
+        for name, own in (("write_text", self.write), ("mkdir", self.create), ("rmdir", self.remove)):
+            self.ending.enter_context(mock.patch.object(pathlib.Path, name, lambda path, *given, own=own: own(path, *given)))
+        self.ending.enter_context(mock.patch.object(control_groups, "ROOT", self.root))
+        return self
+
+    def __exit__(self, *_):
+        self.ending.close()
+
+    def words(self, path):
+        return path.read_text().split()
+
+    def processes(self, group=""):
+        return self.words(self.root / group / "cgroup.procs")
+
+    def put(self, group, processes):
+        self.really["write_text"](group / "cgroup.procs", "\n".join(processes))
+
+    def groups(self):
+        return [path for path in self.root.iterdir() if path.is_dir()]
+
+    def create(self, group):
+        self.really["mkdir"](group)
+        for name in ("cgroup.procs", "cgroup.subtree_control"):
+            self.really["write_text"](group / name, "")
+        if group != self.root and "io" in self.words(self.root / "cgroup.subtree_control"):
+            self.really["write_text"](group / "io.max", "")
+        if group != self.root and "memory" in self.words(self.root / "cgroup.subtree_control"):
+            self.really["write_text"](group / "memory.max", "max")
+
+    def remove(self, group):
+        if self.processes(group) or any(path.is_dir() for path in group.iterdir()):
+            raise OSError(errno.EBUSY, "busy")
+        for path in group.iterdir():
+            path.unlink()
+        self.really["rmdir"](group)
+
+    def write(self, path, text):
+        if not path.exists():
+            raise PermissionError(errno.EACCES, "no such file of a control group", str(path))
+        group = path.parent
+        if path.name == "cgroup.procs":
+            if self.words(group / "cgroup.subtree_control") and not self.exempt:
+                raise OSError(errno.EBUSY, "hands controllers on")
+            for other in (self.root, *self.groups()):
+                self.put(other, [process for process in self.processes(other) if process != text])
+            return self.put(group, [*self.processes(group), text])
+        if path.name == "cgroup.subtree_control":
+            there = self.words(path)
+            for word in text.split():
+                if word[0] == "+" and self.processes(group) and not self.exempt:
+                    raise OSError(errno.EBUSY, "has processes")
+                there = [name for name in there if name != word[1:]] + [word[1:]] * (word[0] == "+")
+            text = " ".join(there)
+        self.really["write_text"](path, text)
+
+
+class ControlGroups(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def expect_limits(self, fake):
+        with fake, surroundings.slow_disk(self.folder, 1000, 2000) as prefix:
+            group = fake.root / f"lode-bench-{os.getpid()}"
+            self.assertIn(f"{group}/cgroup.procs", prefix[2])
+            self.assertEqual((group / "memory.max").read_text(), "2000")
+            self.assertRegex((group / "io.max").read_text(), r"^\d+:\d+ rbps=1000$")
+            self.assertFalse((group / "memory.swap.max").exists())  # as without swap
+            (group / "cgroup.procs").write_text("77")
+            self.assertEqual(fake.processes(group), ["77"])
+            fake.put(group, [])  # it ends
+
+    def expect_as_before(self, fake, processes, handed_on=()):
+        self.assertEqual(fake.groups(), [])
+        self.assertEqual(fake.words(fake.root / "cgroup.subtree_control"), list(handed_on))
+        self.assertEqual(sorted(fake.processes()), processes)
+
+    def test_of_version_2_are_made_below_the_systems_root(self):
+        fake = FakeControlGroups(self.folder, ["1", "2"], is_the_systems_root=True)
+        self.expect_limits(fake)
+        self.expect_as_before(fake, ["1", "2"])
+
+    def test_of_version_2_leave_what_was_handed_on_before(self):
+        fake = FakeControlGroups(self.folder, [])
+        (fake.root / "cgroup.subtree_control").write_text("pids memory")
+        self.expect_limits(fake)
+        self.expect_as_before(fake, [], ["pids", "memory"])
+
+    def test_of_version_2_are_made_in_a_container_whose_processes_make_room(self):
+        fake = FakeControlGroups(self.folder, ["1", "2"])
+        self.expect_limits(fake)
+        self.expect_as_before(fake, ["1", "2"])
+
+    def test_of_version_2_that_a_killed_run_left_are_cleared_up(self):
+        gone = subprocess.Popen(["true"])
+        gone.wait()
+        fake = FakeControlGroups(self.folder, [])
+        with fake:
+            rest = fake.root / f"lode-rest-{gone.pid}"
+            for group in (rest, fake.root / f"lode-bench-{gone.pid}"):
+                group.mkdir()
+            (rest / "cgroup.procs").write_text("1")
+            (fake.root / "cgroup.subtree_control").write_text("+io +memory")
+        self.expect_limits(fake)
+        self.expect_as_before(fake, ["1"])
+
+    def test_that_cannot_be_had_leave_everything_as_it_was(self):
+        fake = FakeControlGroups(self.folder, ["1"])
+        really = fake.write
+
+        def refuse(path, text):
+            if path.name == "io.max" or (path.name == "cgroup.subtree_control" and refusing_controllers and "+" in text):
+                raise OSError(errno.EBUSY, "refused")
+            really(path, text)
+
+        for refusing_controllers in (False, True):
+            with self.subTest(refusing_controllers=refusing_controllers), mock.patch.object(fake, "write", refuse), fake:
+                with self.assertRaises(OSError), surroundings.slow_disk(self.folder, 1000, 2000):
+                    self.fail("it cannot be had")
+                self.expect_as_before(fake, ["1"])
+
+    def test_are_of_version_1_where_there_are_both_and_of_none_without_the_controllers(self):
+        fake = FakeControlGroups(self.folder, [], offered="hugetlb")
+        with mock.patch.object(control_groups, "ROOT", fake.root):
+            self.assertIsNone(control_groups.version())
+            (fake.root / "cgroup.controllers").write_text("memory io")
+            self.assertEqual(control_groups.version(), 2)
+            for kind in ("blkio", "memory"):
+                fake.really["mkdir"](fake.root / kind)
+            self.assertEqual(control_groups.version(), 1)
+
+    def test_of_the_systems_version_2_make_room_and_put_back(self):
+        """With a controller that hurts nobody, below a group of its own, by the system's rules."""
+        above = pathlib.Path("/sys/fs/cgroup/unified")
+        if os.geteuid() != 0 or not (above / "cgroup.controllers").is_file() or "hugetlb" not in (above / "cgroup.controllers").read_text():
+            self.skipTest("needs root and, beside control groups of version 1, version 2 with hugetlb")
+        container = above / f"lode-test-{os.getpid()}"
+        was = (above / "cgroup.subtree_control").read_text()
+        (above / "cgroup.subtree_control").write_text("+hugetlb")
+        self.addCleanup(lambda: "hugetlb" in was or (above / "cgroup.subtree_control").write_text("-hugetlb"))
+        container.mkdir()
+        self.addCleanup(container.rmdir)
+        sleeper = processes.start(["sleep", "60"])
+        self.addCleanup(stage.Stage.stop, sleeper)
+        (container / "cgroup.procs").write_text(str(sleeper.pid))
+        with mock.patch.object(control_groups, "ROOT", container), mock.patch.object(control_groups, "CONTROLLERS", ("hugetlb",)):
+            group = container / f"lode-bench-{os.getpid()}"
+            with control_groups.controllers_below_the_root(), control_groups.made([group]):
+                self.assertEqual((container / "cgroup.procs").read_text(), "")
+                self.assertTrue(list(group.glob("hugetlb.*")))
+            self.assertEqual((container / "cgroup.procs").read_text().split(), [str(sleeper.pid)])
+            self.assertEqual([path for path in container.iterdir() if path.is_dir()], [])
 
 
 class Scenarios(unittest.TestCase):
@@ -158,8 +328,10 @@ class Scenarios(unittest.TestCase):
                 self.assertIn("root", lacking(scenario.links.lossy))
             with mock.patch.object(scenario.shutil, "which", return_value="there"), mock.patch.object(scenario.os, "geteuid", return_value=0):
                 self.assertIn("wan", lacking(scenario.links.lossy))
-                with mock.patch.object(surroundings, "KINDS", [folder / "none"]):
+                with mock.patch.object(control_groups, "ROOT", folder / "none"):
                     self.assertIn("control groups", lacking(scenario.links.larger_than_memory))
+                with mock.patch.object(control_groups, "version", return_value=2), mock.patch.object(scenario.os, "major", return_value=0):
+                    self.assertIn("TMPDIR", lacking(scenario.links.larger_than_memory))
 
 
 class Growth(unittest.TestCase):

@@ -6,39 +6,18 @@ import os
 import pathlib
 import subprocess
 
+import control_groups
+from control_groups import abandoned
 from processes import running
-
-
-def abandoned(names):
-    """Those that end in the number of a process which is gone: runs that were killed left them."""
-    return [name for name in names if not pathlib.Path(f"/proc/{str(name).rsplit('-', 1)[1]}").exists()]
-
-
-KINDS = [pathlib.Path("/sys/fs/cgroup", kind) for kind in ("blkio", "memory")]
-
-
-def has_control_groups():
-    """Those that slow_disk() takes."""
-    return all(kind.is_dir() for kind in KINDS)
 
 
 @contextlib.contextmanager
 def slow_disk(file, bytes_per_second, memory_bytes):
-    """A prefix for commands that read the file's disk so slowly and keep so little of it in memory; cgroups of version 1."""
-    device = os.stat(file).st_dev
-    for group in abandoned(group for kind in KINDS for group in kind.glob("lode-bench-*")):
-        group.rmdir()
-    groups = [kind / f"lode-bench-{os.getpid()}" for kind in KINDS]
-    for group in groups:
-        group.mkdir()
-    (groups[0] / "blkio.throttle.read_bps_device").write_text(f"{os.major(device)}:{os.minor(device)} {bytes_per_second}")
-    (groups[1] / "memory.limit_in_bytes").write_text(str(memory_bytes))
-    join = "; ".join(f"echo $$ > {group}/cgroup.procs" for group in groups)
-    try:
+    """A prefix for commands that read the file's disk so slowly and keep so little of it in memory."""
+    limited = {1: control_groups.version_1, 2: control_groups.version_2}[control_groups.version()]
+    with limited(control_groups.whole_disk(os.stat(file).st_dev), bytes_per_second, memory_bytes) as groups:
+        join = "; ".join(f"echo $$ > {group}/cgroup.procs" for group in groups)
         yield ["sh", "-c", f'{join}; exec "$0" "$@"']
-    finally:
-        for group in groups:
-            group.rmdir()
 
 
 def forget(file):
