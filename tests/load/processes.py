@@ -21,9 +21,9 @@ PR_SET_PDEATHSIG = 1
 
 
 def start(command, **options):
-    """A process that the system kills when this one ends, however it does."""
+    """A process that the system kills when this one ends, however it does. A terminal's Ctrl-C comes to this one alone."""
     return subprocess.Popen([str(part) for part in command], preexec_fn=lambda: LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL),
-                            **options)
+                            start_new_session=True, **options)
 
 
 @contextlib.contextmanager

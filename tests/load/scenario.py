@@ -14,7 +14,7 @@ soak                half an hour of crowds, reloads, new certificates and stores
 
 Prints a table and writes a plot, NAME.svg. Everything stays on loopback or in network namespaces of its own, ends by itself
 within a bounded time and leaves nothing behind. BIN_DIR holds both programs, and for slow, lossy and larger_than_memory, which
-need root, wan and serving_store. Exit status 1: it went otherwise than the scenario says; 77: something that it takes is not there.
+need root, wan and serving_store. Exit status 1: it went otherwise than the scenario says; 77: something that it takes is not there; 130: Ctrl-C.
 """
 import argparse
 import contextlib
@@ -33,6 +33,7 @@ import soak
 from stage import Stage
 
 LONGEST_S, LONGEST_SOAK_S, SKIPPED = 300, 2100, 77
+ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
 SCENARIOS = dict(steady=crowds.steady, flash=crowds.flash, greedy=crowds.greedy, restart=ends.restart,
                  rolling_upgrade=ends.rolling_upgrade, one_killed=ends.one_killed, slow=links.slow, lossy=links.lossy,
                  larger_than_memory=links.larger_than_memory, soak=soak.soak)
@@ -68,7 +69,13 @@ def left_behind():
 
 
 def end(number, _):
-    sys.exit("it did not end in time" if number == signal.SIGALRM else 128 + number)
+    """All that ends by leaving goes; a second signal does not keep it from that."""
+    for ending in ENDINGS:
+        signal.signal(ending, signal.SIG_IGN)
+    if number == signal.SIGALRM:
+        sys.exit("it did not end in time")
+    print(f"ended by a signal: {signal.strsignal(number)}", file=sys.stderr)
+    sys.exit(128 + number)
 
 
 def main():
@@ -85,7 +92,7 @@ def main():
     if lacking := missing(scenario, options.bin, messages):
         print(f"skipped: it takes {lacking}")
         sys.exit(SKIPPED)
-    for ending in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM):
+    for ending in ENDINGS:
         signal.signal(ending, end)
     signal.alarm(LONGEST_SOAK_S if scenario is soak.soak and not options.short else LONGEST_S)
     with tempfile.TemporaryDirectory(prefix="lode-scenario-") as folder:

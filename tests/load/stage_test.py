@@ -307,9 +307,33 @@ class Scenarios(unittest.TestCase):
         self.assertEqual([name for name in scenario.SCENARIOS if f"\n{name} " not in scenario.__doc__], [])
 
     def test_end_when_their_time_is_over(self):
-        with self.assertRaises(SystemExit) as said:
+        with self.assertRaises(SystemExit) as said, mock.patch.object(signal, "signal"):
             scenario.end(signal.SIGALRM, None)
         self.assertIn("in time", str(said.exception))
+
+    def test_that_are_interrupted_say_so_in_a_line_and_leave_nothing(self):
+        """With programs and a client that do nothing but wait."""
+        with tempfile.TemporaryDirectory() as name:
+            folder, temporary = pathlib.Path(name), pathlib.Path(name, "temporary")
+            temporary.mkdir()
+            programs = {"lodestreamd": f'case $1 in info) echo \'{{"payloads": 9}}\';; serve) echo ready; exec sleep 60;; esac',
+                        "lodestream": "touch crowd; exec sleep 60"}
+            for program, script in programs.items():
+                (folder / program).write_text(f"#!/bin/sh\n{script}\n")
+                (folder / program).chmod(0o755)
+            (folder / scenario.MESSAGES).write_text("import pathlib, time\npathlib.Path('probe').touch()\ntime.sleep(60)\n")
+            begun = [folder / "crowd", folder / "probe"]
+            for number in (signal.SIGINT, signal.SIGTERM):
+                with self.subTest(number):
+                    for file in begun:
+                        file.unlink(missing_ok=True)
+                    with subprocess.Popen([sys.executable, stage.LOAD / "scenario.py", "steady", folder, "--messages", folder], text=True, cwd=folder,
+                                          env=dict(os.environ, TMPDIR=str(temporary)), stderr=subprocess.PIPE, start_new_session=True) as playing:
+                        processes.eventually(lambda: all(file.exists() for file in begun))
+                        os.killpg(playing.pid, number)  # as a terminal does, to all that are of its group
+                        said = playing.communicate(timeout=120)[1]
+                    self.assertEqual((playing.returncode, said.count("\n"), said.split(":")[0]), (128 + number, 1, "ended by a signal"))
+                    self.assertEqual(list(temporary.iterdir()), [])
 
     def test_say_what_they_lack(self):
         with tempfile.TemporaryDirectory() as name:
