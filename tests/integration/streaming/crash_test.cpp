@@ -106,7 +106,7 @@ TEST_F(KilledServer, losesNoneOfItsClients) { killManyTimes(5, 1); }
 
 using SlowKilledServer = KilledServer;
 
-TEST_F(SlowKilledServer, losesNoneOfItsClientsInAHundredKillsUnderLoad) { killManyTimes(100, 2); }
+TEST_F(SlowKilledServer, losesNoneOfItsClientsInTwoHundredKillsUnderLoad) { killManyTimes(200, 2); }
 
 }  // namespace
 }  // namespace lode::test
