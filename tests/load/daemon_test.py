@@ -289,6 +289,11 @@ class OperatorsPage(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertIn(f"{pathlib.Path(RULES).read_text().count('alert:')} rules", done.stdout)
 
+    @unittest.skipUnless(shutil.which("promtool"), "promtool comes with Debian's package prometheus")
+    def test_has_rules_that_wake_for_servers_that_are_away_however_prometheus_finds_them(self):
+        done = subprocess.run(["promtool", "test", "rules", os.path.join(SOURCE, "tests", "load", "rules_test.yml")], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
     def test_names_the_metrics(self):
         with tempfile.TemporaryDirectory() as folder, Daemon(STORE, *tls_options(folder)) as daemon:
             there = set(re.findall(r"^# TYPE (\w+) ", daemon.ask("/metrics")[1], re.M))
