@@ -1,4 +1,5 @@
-"""The Deployment of docker/kubernetes as a pod that podman plays on one machine: with its secret, its volume, its probes and its drain."""
+"""The Deployment and the Job of docker/kubernetes as pods that podman plays on one machine: with their secret and their volumes, the
+Deployment with its probes and its drain."""
 
 import contextlib
 import json
@@ -12,8 +13,8 @@ import yaml
 
 from container import run
 
-DEPLOYMENT = Path(__file__).resolve().parents[2] / "docker" / "kubernetes" / "lodestream.yaml"
-VOLUME, SECRET = "lodestream-models", "lodestream"
+MANIFESTS = Path(__file__).resolve().parents[2] / "docker" / "kubernetes"
+MODELS, SCANS, SECRET = "lodestream-models", "lodestream-scans", "lodestream"
 
 # Podman asks for limits of open files and processes that only a machine's own root may set.
 RUNTIME = """#!{python}
@@ -36,44 +37,85 @@ limited = ["{runtime}"]
 """
 
 
-class PlayedPod:
-    """Runs while the `with` lasts. Its server is at 127.0.0.1:7400, what it says of itself at 127.0.0.1:9400."""
+class Played:
+    """What podman plays while the `with` lasts."""
 
-    def __init__(self, folder, models, secret):
-        """models: a folder of stores; secret: the texts of the files by their names."""
+    def __init__(self, folder, played, container, volumes):
+        """played: an object of Kubernetes' API that podman knows. volumes: by their claims' names the folders whose files they hold."""
         runtime, engine = folder / "crun-within-limits", folder / "containers.conf"
         runtime.write_text(RUNTIME.format(python=sys.executable))
         runtime.chmod(0o755)
         engine.write_text(ENGINE.format(runtime=runtime))
         self.environment = {**os.environ, "CONTAINERS_CONF": str(engine)}
-        deployment = next(part for part in yaml.safe_load_all(DEPLOYMENT.read_text()) if part["kind"] == "Deployment")
-        self.manifest = folder / "deployment.yaml"
-        self.manifest.write_text(yaml.safe_dump(deployment))
-        self.models, self.secret = models, folder / "secret.json"
-        # Podman 4.3 takes a secret's texts as they are, not in base64.
-        self.secret.write_text(json.dumps({"apiVersion": "v1", "kind": "Secret", "metadata": {"name": SECRET}, "data": secret}))
-        self.container = f"{deployment['metadata']['name']}-pod-0-{deployment['spec']['template']['spec']['containers'][0]['name']}"
+        self.manifest = folder / f"{played['metadata']['name']}.yaml"
+        self.manifest.write_text(yaml.safe_dump(played))
+        self.container, self.volumes = container, volumes
 
     def podman(self, *arguments, check=True):
         return run("podman", *arguments, check=check, env=self.environment).stdout.strip()
 
+    def files(self, volume):
+        return Path(self.podman("volume", "inspect", volume, "--format", "{{.Mountpoint}}"))
+
     def __enter__(self):
         with contextlib.ExitStack() as failing:
             failing.callback(self.remove)
-            self.podman("volume", "create", VOLUME)
-            inside = self.podman("volume", "inspect", VOLUME, "--format", "{{.Mountpoint}}")
-            run("cp", "-r", f"{self.models}/.", inside)
-            self.podman("secret", "create", SECRET, self.secret)
+            for volume, folder in self.volumes.items():
+                self.podman("volume", "create", "--opt", "o=uid=10001,gid=10001", volume)  # a kubelet does it, by fsGroup
+                run("cp", "-r", f"{folder}/.", self.files(volume))
+            self.before()
             self.podman("play", "kube", self.manifest)
             failing.pop_all()
         return self
+
+    def before(self):
+        pass
 
     def __exit__(self, *_):
         self.remove()
 
     def remove(self):
         self.podman("play", "kube", "--down", self.manifest, check=False)
-        self.podman("volume", "rm", "-f", VOLUME, SECRET, check=False)
+        for volume in self.volumes:
+            self.podman("volume", "rm", "-f", volume, check=False)
+
+
+class PlayedJob(Played):
+    """The Job, as the pod that it makes: podman 4.3 knows pods, no jobs."""
+
+    def __init__(self, folder, scans, models):
+        """Folders of the scan and of the store that comes of it."""
+        job = yaml.safe_load((MANIFESTS / "build-store.yaml").read_text())
+        name, template = job["metadata"]["name"], job["spec"]["template"]
+        pod = {"apiVersion": "v1", "kind": "Pod", "metadata": {**template["metadata"], "name": name}, "spec": template["spec"]}
+        super().__init__(folder, pod, f"{name}-{template['spec']['containers'][0]['name']}", {SCANS: scans, MODELS: models})
+
+    def wait(self):
+        """Returns the build's exit status."""
+        return int(self.podman("wait", self.container))
+
+    def store(self):
+        return self.files(MODELS) / "scan.lode"
+
+
+class PlayedPod(Played):
+    """The Deployment. Its server is at 127.0.0.1:7400, what it says of itself at 127.0.0.1:9400."""
+
+    def __init__(self, folder, models, secret):
+        """models: a folder of stores; secret: the texts of the files by their names."""
+        deployment = next(part for part in yaml.safe_load_all((MANIFESTS / "lodestream.yaml").read_text()) if part["kind"] == "Deployment")
+        name = deployment["metadata"]["name"]
+        super().__init__(folder, deployment, f"{name}-pod-0-{deployment['spec']['template']['spec']['containers'][0]['name']}", {MODELS: models})
+        # Podman 4.3 takes a secret's texts as they are, not in base64.
+        self.secret = folder / "secret.json"
+        self.secret.write_text(json.dumps({"apiVersion": "v1", "kind": "Secret", "metadata": {"name": SECRET}, "data": secret}))
+
+    def before(self):
+        self.podman("secret", "create", SECRET, self.secret)
+
+    def remove(self):
+        super().remove()
+        self.podman("volume", "rm", "-f", SECRET, check=False)
         self.podman("secret", "rm", SECRET, check=False)
 
     @staticmethod

@@ -11,7 +11,7 @@ usage: verify_images.py [--base FOLDER] [--toolchain FOLDER] [--ccache FOLDER] [
 
 Images, volumes and secrets lie in a storage of its own, not in that of the machine. Servers run in network namespaces of their
 own, as another user, on a root file system that is read only and without any capability; HAProxy and Prometheus are Debian's,
-with the files of docker/. Podman plays the Deployment of Kubernetes, with its ports on this machine while it does. Needs root
+with the files of docker/. Podman plays the Deployment and the Job of Kubernetes, with their ports on this machine while it does. Needs root
 and `docker/install-packages.sh images`; ends with 0 if all that it prints is true, after an hour at most.
 """
 
@@ -32,7 +32,7 @@ from pathlib import Path
 import yaml
 
 from container import Container, Network, image_size, run, wait_until
-from played_pod import PlayedPod
+from played_pod import PlayedJob, PlayedPod
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCKER = ROOT / "docker"
@@ -209,6 +209,19 @@ def play_deployment(folder, models):
         expect(pod.stop(30) == 0, "the pod drains and ends with 0")
 
 
+def play_job(folder):
+    """The pod of Kubernetes' Job: a scan on one volume, its store on the other, which the server's volume is."""
+    scans, models = (folder / name for name in ("job-scans", "job-models"))
+    for made in (scans, models):
+        made.mkdir()
+    shutil.copy(folder / "scans" / "gyroid.ply", scans / "scan.ply")
+    with PlayedJob(folder, scans, models) as job:
+        expect(job.wait() == 0, "the pod that podman made of the Job builds a store of the scan and ends with 0")
+        shutil.copy(job.store(), models)
+    with Container("lodestream-builder", ["verify", "/models/scan.lode"], binds={"/models": models}) as container:
+        expect(container.wait(60) == 0, "which is whole")
+
+
 @contextlib.contextmanager
 def storage_of_its_own(keep):
     """What buildah and podman keep while the `with` lasts, apart from what an operator of this machine has them keep."""
@@ -273,6 +286,7 @@ def run_images():
             for server in servers.values():
                 server.remove()
         play_deployment(folder, models)
+        play_job(folder)
 
 
 if __name__ == "__main__":
