@@ -108,6 +108,8 @@ void addGauges(std::vector<MetricFamily>& families, const ServerGauges& gauges) 
       gauges.memory_bytes);
   add("lodestream_memory_budget_bytes", "Memory that all sessions may hold together", MetricType::Gauge,
       gauges.memory_budget_bytes);
+  add("lodestream_allocated_bytes", "Memory that the process has allocated and not freed", MetricType::Gauge,
+      gauges.allocated_bytes);
   if (gauges.certificate_expires_s > 0)
     add("lodestream_certificate_expires_seconds", "Unix time at which the TLS certificate expires",
         MetricType::Gauge, gauges.certificate_expires_s);

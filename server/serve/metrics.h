@@ -79,7 +79,7 @@ class ThreadTallies {
 struct ServerGauges {
   uint64_t connections = 0, models = 0;
   uint64_t certificate_expires_s = 0;  ///< Unix time; 0: there is none
-  uint64_t memory_bytes = 0, memory_budget_bytes = 0;
+  uint64_t memory_bytes = 0, memory_budget_bytes = 0, allocated_bytes = 0;
   uint64_t log_lines_dropped = 0, log_lines_left_out = 0;
   bool stopping = false;
 };

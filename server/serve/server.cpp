@@ -175,6 +175,7 @@ ServerGauges Server::State::gauges() const {
           .certificate_expires_s = certificate_expires_s,
           .memory_bytes = budget.used(),
           .memory_budget_bytes = budget.limit(),
+          .allocated_bytes = allocatedBytes(),
           .log_lines_dropped = log.linesDropped(),
           .log_lines_left_out = log.linesLeftOut(),
           .stopping = stopping};

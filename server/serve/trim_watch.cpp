@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include <malloc.h>
 #include <unistd.h>
 
 namespace lode::serve {
@@ -11,6 +12,11 @@ uint64_t anonymousResidentBytes() {
   uint64_t all = 0, resident = 0, of_files = 0;
   if (!(pages >> all >> resident >> of_files)) return 0;
   return (resident - std::min(resident, of_files)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+uint64_t allocatedBytes() {
+  const auto told = mallinfo2();
+  return told.uordblks + told.hblkhd;
 }
 
 }  // namespace lode::serve

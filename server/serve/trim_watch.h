@@ -8,6 +8,8 @@ namespace lode::serve {
 
 /// The memory of this process that is no file's and is resident; 0 where the system does not say.
 uint64_t anonymousResidentBytes();
+/// What this process has of malloc and has not freed, whatever malloc keeps beside it.
+uint64_t allocatedBytes();
 
 /// Tells when malloc shall give freed memory to the system: by itself it keeps nearly all that a flood of
 /// wishes or answers made it take.

@@ -69,11 +69,13 @@ TEST(Metrics, sayWhatIsSoNow) {
   gauges.connections = 12;
   gauges.memory_bytes = 345;
   gauges.memory_budget_bytes = 6789;
+  gauges.allocated_bytes = 9876;
   gauges.stopping = true;
   const std::string text = Metrics(1).text(gauges);
   expectLine(text, "lodestream_connections 12");
   expectLine(text, "lodestream_memory_bytes 345");
   expectLine(text, "lodestream_memory_budget_bytes 6789");
+  expectLine(text, "lodestream_allocated_bytes 9876");
   expectLine(text, "lodestream_stopping 1");
 }
 

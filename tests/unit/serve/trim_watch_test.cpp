@@ -1,5 +1,6 @@
 #include "server/serve/trim_watch.h"
 
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -68,6 +69,18 @@ TEST(AnonymousResidentBytes, growByWhatIsTouched) {
   const std::vector<char> touched(kMuch, 'x');
   EXPECT_GE(anonymousResidentBytes(), before + kMuch / 2);
 }
+
+#ifndef LODE_SANITIZED  // whose allocators malloc's figures know nothing of
+TEST(AllocatedBytes, areThoseThatWereNotFreed) {
+  const uint64_t before = allocatedBytes();
+  {
+    const std::vector<char> large(kMuch);
+    const std::vector<std::string> small(1000, std::string(1000, 'x'));
+    EXPECT_GE(allocatedBytes(), before + kMuch + 1000 * 1000);
+  }
+  EXPECT_LT(allocatedBytes(), before + kMuch / 4);
+}
+#endif
 
 }  // namespace
 }  // namespace lode::serve
