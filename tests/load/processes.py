@@ -58,9 +58,9 @@ def cpu_seconds(process):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def resident_bytes(process):
+def resident_bytes(process, kind="VmRSS"):
     status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
-    return 1024 * int(next(line for line in status.splitlines() if line.startswith("VmRSS")).split()[1])
+    return 1024 * int(next(line for line in status.splitlines() if line.startswith(f"{kind}:")).split()[1])
 
 
 class Authority:

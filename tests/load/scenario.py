@@ -32,7 +32,7 @@ import links
 import soak
 from stage import Stage
 
-LONGEST_S, LONGEST_SOAK_S, SKIPPED = 300, 2100, 77
+LONGEST_S, LONGEST_SOAK_S, SKIPPED = 300, 1800, 77
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
 SCENARIOS = dict(steady=crowds.steady, flash=crowds.flash, greedy=crowds.greedy, restart=ends.restart,
                  rolling_upgrade=ends.rolling_upgrade, one_killed=ends.one_killed, slow=links.slow, lossy=links.lossy,
@@ -83,6 +83,7 @@ def main():
     parser.add_argument("name", choices=SCENARIOS, metavar="NAME")
     parser.add_argument("bin", type=pathlib.Path, metavar="BIN_DIR")
     parser.add_argument("--short", action="store_true", help="few clients and seconds: whether it goes as it should, no figures")
+    parser.add_argument("--seconds", type=int, help="of a soak, instead of half an hour; 5 minutes and more")
     parser.add_argument("--store", help="by default a sample of 500,000 triangles, 20,000 of the short form")
     parser.add_argument("--messages", type=pathlib.Path, help="folder of lodestream_generated.py, by default that of BIN_DIR's build")
     parser.add_argument("--plot", help="its ending says what it is; default NAME.svg, none of the short form")
@@ -94,9 +95,9 @@ def main():
         sys.exit(SKIPPED)
     for ending in ENDINGS:
         signal.signal(ending, end)
-    signal.alarm(LONGEST_SOAK_S if scenario is soak.soak and not options.short else LONGEST_S)
+    signal.alarm((options.seconds or LONGEST_SOAK_S) + LONGEST_S if scenario is soak.soak and not options.short else LONGEST_S)
     with tempfile.TemporaryDirectory(prefix="lode-scenario-") as folder:
-        with Stage(options.bin, folder, options.store, messages, options.short) as stage:
+        with Stage(options.bin, folder, options.store, messages, options.short, options.seconds) as stage:
             plot = scenario(stage)
         if options.plot or not options.short:
             plot.write(options.plot or f"{options.name}.svg")

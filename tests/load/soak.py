@@ -15,18 +15,20 @@ from stage import SAMPLE_EVERY_S, Plot, percentile, print_table, result
 
 ACTIONS = ("reload", "replace", "renew_certificate", "kill_a_crowd", "damage")
 ACT_EVERY_S, CROWD_S, MODELS = 2, (5, 15), ("steady", "changing", "damaged")
-PARTS, STANDARD_ERRORS = 15, 4  # of a run after its first quarter, in which caches and pools fill
-LEAST_BYTES, LEAST_DESCRIPTORS = 1 << 20, 2  # what is not told from steps of malloc's and of the sampling
+MOST_FULL_CLIENTS = 4  # of a crowd; they decode, so that a core carries some fifty
+LULL_EVERY_S, LULL_S = 60, 8  # the server gives back what is free within seconds
+STANDARD_ERRORS = 3
+LEAST_ALLOCATED, LEAST_RESIDENT, LEAST_DESCRIPTORS = 1 << 18, 5 << 20, 2  # of 4 MiB that are free the server may keep any part
 
 
 def growth(values):
-    """How much more is held at the end of a run than after its first quarter, when those who come and go have gone, and by how much
-    that may be wrong: of a straight line through the least values of the run's parts, and its standard error."""
+    """How much more is held at the end of a run than after its first quarter, in which threads get their arenas and pools fill, and
+    by how much that may be wrong: of a straight line through what is held in its lulls, and its standard error."""
     rest = values[len(values) // 4:]
-    floors = [min(rest[part * len(rest) // PARTS:(part + 1) * len(rest) // PARTS]) for part in range(PARTS)]
-    slope, start = statistics.linear_regression(range(PARTS), floors)
-    beside = math.sqrt(sum((floor - start - slope * part) ** 2 for part, floor in enumerate(floors)) / (PARTS - 2))
-    return slope * (PARTS - 1), (PARTS - 1) * beside / math.sqrt((PARTS ** 3 - PARTS) / 12)
+    count = len(rest)
+    slope, start = statistics.linear_regression(range(count), rest)
+    beside = math.sqrt(sum((value - start - slope * number) ** 2 for number, value in enumerate(rest)) / (count - 2))
+    return slope * (count - 1), (count - 1) * beside / math.sqrt((count ** 3 - count) / 12)
 
 
 def grows(values, least):
@@ -36,17 +38,30 @@ def grows(values, least):
 
 
 class Watch:
-    """What the server's process holds, every quarter of a second while the `with` lasts."""
+    """What the server's process holds, every quarter of a second while the `with` lasts. Resident is what is its own, without the
+    program's file, whose pages come when they are first run."""
 
-    def __init__(self, process):
-        self.process, self.seconds, self.resident, self.descriptors = process, [], [], []
+    def __init__(self, server):
+        self.server, self.seconds, self.allocated, self.resident, self.descriptors, self.lulls = server, [], [], [], [], []
         self.began, self.over, self.thread = time.monotonic(), threading.Event(), threading.Thread(target=self.run)
 
     def run(self):
         while not self.over.wait(SAMPLE_EVERY_S):
+            process, figures = self.server.process, self.server.figures()
             self.seconds.append(time.monotonic() - self.began)
-            self.resident.append(resident_bytes(self.process))
-            self.descriptors.append(len(os.listdir(f"/proc/{self.process.pid}/fd")))
+            self.allocated.append(figures["allocated_bytes"] if figures else math.inf)
+            self.resident.append(resident_bytes(process, "RssAnon"))
+            self.descriptors.append(len(os.listdir(f"/proc/{process.pid}/fd")))
+
+    def lull(self, until):
+        """Nobody comes until then."""
+        since = time.monotonic() - self.began
+        time.sleep(max(0, until - time.monotonic()))
+        self.lulls.append((since, time.monotonic() - self.began))
+
+    def in_lulls(self, values):
+        """The least in each."""
+        return [min(value for t, value in zip(self.seconds, values) if since <= t <= until) for since, until in self.lulls]
 
     def __enter__(self):
         self.thread.start()
@@ -70,7 +85,7 @@ class Surroundings:
         self.certificate = self.authority.issue("localhost")
         self.server = stage.server("--tls-cert", self.certificate / "cert.pem", "--tls-key", self.certificate / "key.pem", store=self.folder)
         self.listen = self.server.listen.replace("127.0.0.1", "localhost")
-        self.crowds, self.done = [], {}
+        self.crowds, self.crowds_begun, self.done = [], 0, {}
         self.most_clients = 20 if stage.short else 150
 
     def path(self, model):
@@ -104,50 +119,74 @@ class Surroundings:
             store.write(b"damaged")
 
     def keep_crowds(self, until):
-        """Two crowds at a time. Returns what those told that have ended by themselves."""
+        """Two crowds at a time, every third of full clients. Returns what those told that have ended by themselves."""
         ended = [crowd for crowd in self.crowds if crowd.poll() is not None]
         self.crowds = [crowd for crowd in self.crowds if crowd.poll() is None]
         while len(self.crowds) < 2 and until - time.monotonic() > CROWD_S[0]:
             seconds = min(self.random.uniform(*CROWD_S), until - time.monotonic())
-            self.crowds.append(self.stage.crowd(self.listen, self.random.randint(5, self.most_clients), seconds,
-                                                authority=self.authority.certificate, store=self.path("steady")))
+            self.crowds_begun += 1
+            full = self.crowds_begun % 3 == 0
+            clients = self.random.randint(1, MOST_FULL_CLIENTS) if full else self.random.randint(5, self.most_clients)
+            self.crowds.append(self.stage.crowd(self.listen, clients, seconds, authority=self.authority.certificate,
+                                                store=self.path("steady"), full=full))
         return [result(crowd) for crowd in ended]
+
+
+def play(around, watch, until, lull_every, act_every):
+    """Crowds and what is done to the server, with lulls between. Returns what crowds told."""
+    told = []
+    while (lull := time.monotonic() + lull_every) <= until:
+        while time.monotonic() < lull - LULL_S:
+            told += around.keep_crowds(lull - LULL_S)
+            around.act()
+            time.sleep(min(act_every, max(0, lull - LULL_S - time.monotonic())))
+        told += [result(crowd) for crowd in around.crowds]
+        around.crowds.clear()
+        watch.lull(lull)
+    return told
 
 
 def soak(stage):
     """Half an hour of crowds, reloads, new certificates and stores, killed clients and a damaged store; 2 minutes if short."""
-    seconds = 110 if stage.short else 1800
+    seconds = stage.seconds or (110 if stage.short else 1800)
     around = Surroundings(stage)
-    told, until = [], time.monotonic() + seconds
-    with Watch(around.server.process) as watch:
+    with Watch(around.server) as watch:
         probes = {model: stage.probe(around.listen, seconds, store=around.other, model=model, authority=around.authority.certificate)
                   for model in MODELS}
-        while time.monotonic() < until:
-            told += around.keep_crowds(until)
-            around.act()
-            time.sleep(min(ACT_EVERY_S, max(0, until - time.monotonic())))
-        told += [result(crowd) for crowd in around.crowds]
+        told = play(around, watch, time.monotonic() + seconds, *((18, 1) if stage.short else (LULL_EVERY_S, ACT_EVERY_S)))
         probed = {model: result(probe) for model, probe in probes.items()}
     figures = around.server.figures()
     late = [ms for model in ("steady", "changing") for _, ms in probed[model]["times"]]
     kinds = ("lost", "errors", "failed_wishes", "first_error")
     broken = [{kind: run[kind] for kind in kinds} for run in told if any(run[kind] for kind in kinds)]
-    clients, lost = sum(run["clients"] for run in told), sum(run["lost"] + run["errors"] + run["failed_wishes"] for run in told)
-    grown, descriptors = (f"{amount:+.1f} ± {error:.1f}" for amount, error in
-                          (growth([r / 1e6 for r in watch.resident]), growth(watch.descriptors)))
+    clients, full = (sum(run["clients"] for run in told if run["full"] in kind) for kind in ((True, False), (True,)))
+    lost = sum(run["lost"] + run["errors"] + run["failed_wishes"] for run in told)
+    allocated, resident, descriptors = (watch.in_lulls(values) for values in (watch.allocated, watch.resident, watch.descriptors))
+    grown = [f"{amount:+.2f} ± {error:.2f}" for amount, error in (
+        growth([bytes / 1e6 for bytes in allocated]), growth([bytes / 1e6 for bytes in resident]), growth(descriptors))]
     print_table(("done to it", "times"), sorted(around.done.items()))
     print()
-    print_table(("seconds", "clients that ended by themselves", "lost, failed, given up", "single wishes", "p99", "failed", "damaged told",
-                 "resident, mean", "grown", "descriptors, mean", "grown"),
-                [(seconds, clients, lost, len(late), f"{percentile(late, 0.99):.1f} ms", probed["steady"]["failed"] + probed["changing"]["failed"],
-                  f"{figures['model_damaged_blobs_total']:.0f}", f"{statistics.mean(watch.resident) / 1e6:.1f} MB", f"{grown} MB",
-                  f"{statistics.mean(watch.descriptors):.0f}", descriptors)])
-    plot = Plot("soak")
-    plot.panel("resident MB", ("", watch.seconds, [r / 1e6 for r in watch.resident]))
+    print_table(("seconds", "clients that ended by themselves", "of them full", "lost, failed, given up", "single wishes", "p99", "failed",
+                 "damaged told"),
+                [(seconds, clients, full, lost, len(late), f"{percentile(late, 0.99):.1f} ms",
+                  probed["steady"]["failed"] + probed["changing"]["failed"], f"{figures['model_damaged_blobs_total']:.0f}")])
+    print()
+    print_table(("the server's", "mean", "in lulls, mean", "least", "most", "grown"),
+                [(name, *(f"{value / unit:.{digits}f}" for value in (statistics.mean(filter(math.isfinite, values)), statistics.mean(lulls),
+                                                                     min(lulls), max(lulls))), more)
+                 for name, values, lulls, unit, digits, more in (
+                     ("allocated memory, MB", watch.allocated, allocated, 1e6, 2, grown[0]),
+                     ("resident memory, MB", watch.resident, resident, 1e6, 2, grown[1]),
+                     ("descriptors", watch.descriptors, descriptors, 1, 0, grown[2]))])
+    plot, lulls = Plot("soak"), [until for _, until in watch.lulls]
+    plot.panel("memory, MB", *((name, seconds, [bytes / 1e6 for bytes in values]) for name, seconds, values in (
+        ("resident", watch.seconds, watch.resident), ("in lulls", lulls, resident), ("allocated in lulls", lulls, allocated))))
     plot.panel("descriptors", ("", watch.seconds, watch.descriptors))
     plot.panel("a wish's ms", ("", *zip(*probed["steady"]["times"])), log=True)
     assert lost == probed["steady"]["failed"] == probed["changing"]["failed"] == 0, f"something failed that was not made to: {broken}"
     assert set(around.done) == set(ACTIONS) and figures["model_damaged_blobs_total"] > 0, "not all was done to it"
-    assert not grows(watch.resident, LEAST_BYTES), "memory grows"
-    assert not grows(watch.descriptors, LEAST_DESCRIPTORS), "descriptors grow"
+    assert full > 0 or stage.short, "no full client has come to an end"
+    for what, values, least in (("memory", allocated, LEAST_ALLOCATED), ("resident memory", resident, LEAST_RESIDENT),
+                                ("number of descriptors", descriptors, LEAST_DESCRIPTORS)):
+        assert not grows(values, least), f"its {what} grows: {values}"
     return plot

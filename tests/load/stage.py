@@ -114,8 +114,10 @@ class Sampler:
 class Stage:
     """A folder, the programs, a store; ends all that was started on it."""
 
-    def __init__(self, programs, folder, store=None, messages=None, short=False):
+    def __init__(self, programs, folder, store=None, messages=None, short=False, seconds=None):
+        """seconds: of a soak, instead of its own."""
         self.bin, self.folder, self.messages, self.short = pathlib.Path(programs).resolve(), pathlib.Path(folder), messages, short
+        self.seconds = seconds
         self.ending, self.probes = contextlib.ExitStack(), 0
         self.store = pathlib.Path(store).resolve() if store else self.sample(20_000 if short else 500_000)
 
@@ -176,10 +178,12 @@ frontend clients
         wait_for(port)
         return f"127.0.0.1:{port}"
 
-    def crowd(self, listen, clients, seconds, prefix=(), store=None, authority=None):
-        """`lodestream loadtest`, whose clients all arrive within a quarter of the time; under TLS with an authority."""
+    def crowd(self, listen, clients, seconds, prefix=(), store=None, authority=None, full=False):
+        """`lodestream loadtest`, whose clients all arrive within a quarter of the time; under TLS with an authority. full: clients that
+        walk, refine and decode as one with a window does."""
         target = f"lode{'s' if authority else ''}://{listen}/{(store or self.store).stem}"
-        return self.run([*prefix, self.bin / "lodestream", "loadtest", target, "--clients", clients, "--seconds", seconds, "--decode-off",
+        kind = ["--full", "--path", "walk", "--cache", "off"] if full else ["--decode-off"]
+        return self.run([*prefix, self.bin / "lodestream", "loadtest", target, "--clients", clients, "--seconds", seconds, *kind,
                          "--json", *(["--ca-file", authority] if authority else [])], stdout=subprocess.PIPE, text=True)
 
     def probe(self, listen, seconds, wishes=None, every=0.05, prefix=(), store=None, model=None, authority=None):

@@ -359,31 +359,45 @@ class Scenarios(unittest.TestCase):
 
 
 class Growth(unittest.TestCase):
-    SAMPLES = 7200
+    LULLS = 30
 
-    def wavering(self, by, leak=0):
-        """A crowd that comes and goes, and what a run leaks in all."""
-        return [by * math.sin(number / 40) + leak * number / self.SAMPLES for number in range(self.SAMPLES)]
+    def run_that(self, leaks=0, wavers=0, chance=random.Random(1)):
+        """What is held in the lulls of half an hour."""
+        return [20e6 + leaks * number / self.LULLS + chance.gauss(0, wavers) for number in range(self.LULLS)]
 
-    def test_of_what_leaks_is_told_however_much_comes_and_goes_beside_it(self):
-        for leak in (2e6, 20e6, 300e6):
-            self.assertTrue(soak.grows(self.wavering(0, leak), soak.LEAST_BYTES), leak)
-        self.assertTrue(soak.grows(self.wavering(9e6, 2e6), soak.LEAST_BYTES))
-        self.assertTrue(soak.grows(self.wavering(50, 4), soak.LEAST_DESCRIPTORS))
+    def test_of_what_leaks_is_told(self):
+        for leak in (0.5e6, 20e6, 300e6):
+            self.assertTrue(soak.grows(self.run_that(leak), soak.LEAST_ALLOCATED), leak)
+        self.assertTrue(soak.grows(self.run_that(leaks=4, wavers=0.5), soak.LEAST_DESCRIPTORS))
+
+    def test_of_what_leaks_is_told_though_what_is_held_wavers(self):
+        told = [soak.grows(self.run_that(leaks=0.64e6, wavers=0.1e6), soak.LEAST_ALLOCATED) for _ in range(200)]
+        self.assertGreater(sum(told), 190)
 
     def test_at_the_end_of_a_run_is_told(self):
-        self.assertTrue(soak.grows(self.wavering(3e6)[:5400] + [30e6 + value for value in self.wavering(3e6)[5400:]], soak.LEAST_BYTES))
+        calm = self.run_that(wavers=0.1e6)
+        self.assertTrue(soak.grows(calm[:-7] + [6e6 + value for value in calm[-7:]], soak.LEAST_ALLOCATED))
 
-    def test_of_what_comes_and_goes_is_none(self):
-        self.assertFalse(soak.grows(self.wavering(30e6), soak.LEAST_BYTES))
-        self.assertFalse(soak.grows(self.wavering(0, 1e6), soak.LEAST_BYTES))
+    def test_in_the_first_quarter_is_warming_up(self):
+        warming = self.run_that()
+        warming[:7] = [4e6 + 2e6 * number for number in range(7)]
+        self.assertFalse(soak.grows(warming, soak.LEAST_ALLOCATED))
+
+    def test_of_little_is_none(self):
+        self.assertFalse(soak.grows(self.run_that(leaks=0.25e6), soak.LEAST_ALLOCATED))
 
     def test_by_chance_is_none(self):
-        chance = random.Random(1)
-        crowds = lambda: [size for _ in range(self.SAMPLES // 40) for size in [chance.uniform(20e6, 44e6)] * 40]
-        self.assertEqual([run for run in range(200) if soak.grows(crowds(), soak.LEAST_BYTES)], [])
+        told = [soak.grows(self.run_that(wavers=1e6), soak.LEAST_ALLOCATED) for _ in range(1000)]
+        self.assertLess(sum(told), 10)
 
-    def test_print_tables_and_draw_what_they_are_given(self):
+    def test_is_of_lulls_alone(self):
+        watch = soak.Watch(None)
+        watch.seconds, watch.lulls = list(range(10)), [(2, 4), (7, 8)]
+        self.assertEqual(watch.in_lulls([9, 9, 5, 3, 4, 1, 0, 8, 6, 2]), [3, 6])
+
+
+class Figures(unittest.TestCase):
+    def test_are_printed_and_drawn_as_they_are_given(self):
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
             stage.print_table(("a", "b"), [(1, "two")])
