@@ -4,12 +4,6 @@
 #include <utility>
 
 namespace lode::core {
-namespace {
-
-constexpr unsigned kMostDoublings = 6;  // reaches kLastRetry
-
-}  // namespace
-
 void Link::begin(const BlobName& known_build_id, TimePoint now) {
   options_.known_build_id = known_build_id;
   if (session_) {
@@ -21,7 +15,7 @@ void Link::begin(const BlobName& known_build_id, TimePoint now) {
 }
 
 void Link::succeeded() noexcept {
-  failures_ = 0;
+  longest_wait_ = kFirstRetry;
   ever_open_ = true;
   trouble_.clear();
 }
@@ -39,9 +33,8 @@ TimePoint Link::someTimeAfter(TimePoint now, std::chrono::milliseconds longest) 
 void Link::end(std::string why, TimePoint now) {
   drop(session_);
   is_leaving_ = false;
-  retry_at_ = someTimeAfter(now, std::min<std::chrono::milliseconds>(
-                                     kFirstRetry * (1u << std::min(failures_, kMostDoublings)), kLastRetry));
-  ++failures_;
+  retry_at_ = someTimeAfter(now, longest_wait_);
+  longest_wait_ = std::min<std::chrono::milliseconds>(longest_wait_ * 3 / 2, kLastRetry);
   trouble_ = std::move(why);
 }
 

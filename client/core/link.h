@@ -12,7 +12,7 @@ namespace lode::core {
 
 constexpr std::chrono::milliseconds kFirstRetry{500};  ///< longest wait before the first new try
 constexpr std::chrono::milliseconds kMoveOn{200};      ///< longest wait where a server is going away
-constexpr std::chrono::seconds kLastRetry{30};         ///< and before any; it doubles in between
+constexpr std::chrono::seconds kLastRetry{30};         ///< and before any; half more each time in between
 
 /// Which of a link's connections: the newest, or the one before whose server is going away.
 enum class Line : uint8_t { kNewest, kLeaving };
@@ -73,7 +73,7 @@ class Link {
   std::optional<Session> session_, leaving_;
   bool is_leaving_ = false;  // the newest session
   TimePoint retry_at_ = TimePoint::min();
-  unsigned failures_ = 0;  // since the model was open
+  std::chrono::milliseconds longest_wait_ = kFirstRetry;  // before the next try
   bool ever_open_ = false;
   uint64_t received_before_bytes_ = 0;
   std::string trouble_;

@@ -33,21 +33,36 @@ TEST(Link, isDueAtOnceAndNotWhileThereIsASession) {
   EXPECT_TRUE(link.session());
 }
 
-TEST(Link, waitsTwiceAsLongAfterEachFailureUpToALimit) {
+TEST(Link, waitsHalfAsLongAgainAfterEachFailureUpToALimit) {
   Link link = makeLink(1);
   milliseconds longest = kFirstRetry;
-  for (int failure = 0; failure < 12; ++failure) {
+  for (int failure = 0; failure < 20; ++failure) {
     link.begin({}, kLinkStart);
     link.end("gone", kLinkStart);
     const milliseconds wait = waitOf(link, kLinkStart);
     EXPECT_GE(wait, longest / 2);
     EXPECT_LE(wait, longest);
-    longest = std::min<milliseconds>(2 * longest, kLastRetry);
+    longest = std::min<milliseconds>(longest * 3 / 2, kLastRetry);
   }
+  EXPECT_EQ(longest, kLastRetry);
   link.begin({}, kLinkStart);
   link.succeeded();
   link.end("gone", kLinkStart);
   EXPECT_LE(waitOf(link, kLinkStart), kFirstRetry);
+}
+
+TEST(Link, isBackSoonAfterAServerThatWasNotAwayForLong) {
+  const std::chrono::seconds away(3);
+  for (uint32_t seed = 0; seed < 1000; ++seed) {
+    Link link = makeLink(seed);
+    TimePoint now = kLinkStart;
+    while (now < kLinkStart + away) {
+      link.begin({}, now);
+      link.end("refused", now);
+      now += waitOf(link, now);
+    }
+    EXPECT_LE(now, kLinkStart + milliseconds(5550)) << seed;
+  }
 }
 
 TEST(Link, waitsOtherTimesWithOtherSeeds) {
