@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -14,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/error.h"
+#include "common/one_line.h"
 
 /// How both programs read their command lines and end. In a header alone, so that CLI11, which takes seconds
 /// to compile, is compiled only where commands are.
@@ -24,9 +24,8 @@ namespace command_line {
 constexpr int kDone = 0, kWorkFailed = 1, kWrongUsage = 2;
 
 /// Says on one line of stderr what went wrong. @return the exit status.
-inline int fail(const CLI::App& program, std::string message, int status) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  std::fprintf(stderr, "%s: %s\n", program.get_name().c_str(), message.c_str());
+inline int fail(const CLI::App& program, const std::string& message, int status) {
+  sayOnOneLine(program.get_name(), message);
   return status;
 }
 

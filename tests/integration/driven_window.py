@@ -167,8 +167,8 @@ def size_of(png):
     return struct.unpack(">II", png[16:24])
 
 
-def lower_half(png):
-    """Its pixels: above stands what the window says, of the last picture that was saved too."""
+def pixels_of(png):
+    """Rows of three bytes a pixel."""
     (width, height), packed, at = size_of(png), b"", 8
     while at < len(png):
         size, kind = struct.unpack(">I4s", png[at:at + 8])
@@ -183,7 +183,13 @@ def lower_half(png):
             paeth = min((abs(up - corner), 0, left), (abs(left - corner), 1, up), (abs(left + up - 2 * corner), 2, corner))[2]
             row[i] = (row[i] + (0, left, up, (left + up) // 2, paeth)[kind]) & 255
         rows.append(row)
-    return b"".join(rows[height // 2:])
+    return rows
+
+
+def lower_half(png):
+    """Its pixels: above stands what the window says, of the last picture that was saved too."""
+    rows = pixels_of(png)
+    return b"".join(rows[len(rows) // 2:])
 
 
 def direction(key):

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What the window does when somebody steers it, looks, picks, and loses the server: see driven_window.py."""
 import contextlib
+import json
 import math
 import pathlib
 import re
@@ -10,9 +11,9 @@ import subprocess
 import tempfile
 import urllib.request
 
-from driven_window import (BIN, HEIGHT, MIDDLE, STORE, WIDTH, Window, WindowTest, direction, lower_half, main, moved, place_of, served_without_blobs,
-                           size_of)
-from processes import eventually, free_port, running
+from driven_window import (BIN, HEIGHT, MIDDLE, STORE, WIDTH, Window, WindowTest, direction, lower_half, main, moved, place_of, pixels_of,
+                           served_without_blobs, size_of)
+from processes import display, eventually, free_port, running
 
 
 class Camera(WindowTest):
@@ -189,6 +190,43 @@ class Shown(WindowTest):
             window.xdotool("windowmap", "--sync", window.id)
             window.xdotool("windowfocus", window.id)
             self.assertTrue(lower_half(window.picture()) == before)
+
+
+class Failure(WindowTest):
+    """What cannot be opened is said in the window until that is closed, and at once on stderr."""
+
+    def test_stays_in_the_window_and_is_told_by_the_exit_status(self):
+        nobody = f"lode://127.0.0.1:{free_port()}/painted"
+        with running([BIN / "lodestreamd", "serve", STORE, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE,
+                     stderr=subprocess.DEVNULL) as server, tempfile.TemporaryDirectory() as folder:
+            listen = json.loads(server.stdout.readline())["listen"]
+            damaged, no_ply = pathlib.Path(folder, "damaged.lode"), pathlib.Path(folder, "broken.ply")
+            damaged.write_bytes(STORE.read_bytes()[:1000])
+            no_ply.write_text("ply\nnonsense\n")
+            for target, said, key in ((nobody, "cannot connect", "Escape"), (f"lode://{listen}/nomodel", "nomodel", "q"),
+                                      (damaged, "damaged.lode", "Escape"), (no_ply, "broken.ply", "q")):
+                with self.subTest(target), self.window(target, is_open=False, stderr=subprocess.PIPE) as window:
+                    with window.process.stderr as stderr:
+                        self.assertIn(said, stderr.readline().decode())
+                        self.assertEqual(size_of(window.picture()), (WIDTH, HEIGHT))
+                        self.assertGreater(self.reds_of(window.picture()), 100)
+                        window.key(key)
+                        self.assertEqual(window.process.wait(timeout=120), 1)
+                        self.assertEqual(stderr.read(), b"")
+
+    def test_ends_at_once_what_nobody_looks_at(self):
+        for options in (["--screenshot", "a.png"], ["--laps", "1"]):
+            with self.subTest(options), tempfile.TemporaryDirectory() as folder, display() as screen:
+                window = Window(screen, folder, f"lode://127.0.0.1:{free_port()}/painted", *options)
+                ended = subprocess.run(window.command, env=window.environment, cwd=folder, capture_output=True, timeout=120)
+                self.assertEqual(ended.returncode, 1)
+                self.assertIn(b"cannot connect", ended.stderr)
+
+    @staticmethod
+    def reds_of(png):
+        """How many pixels have the colour of errors."""
+        pixels = b"".join(pixels_of(png))
+        return sum(r > 200 and g < 150 and b < 140 for r, g, b in zip(pixels[::3], pixels[1::3], pixels[2::3]))
 
 
 class Connection(WindowTest):

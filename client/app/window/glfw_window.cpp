@@ -152,6 +152,9 @@ void GlfwWindow::pressKey(int key, int modifiers) {
     case GLFW_KEY_C:
       pending_.copy = true;
       break;
+    case GLFW_KEY_Q:
+      pending_.quit_where_idle = true;
+      break;
     case GLFW_KEY_ESCAPE:
       pending_.quit = true;
       break;

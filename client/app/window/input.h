@@ -28,6 +28,7 @@ struct Input {
   int next_show = 0;          ///< steps among what can be shown, negative for back
   int finer = 0;              ///< steps of the threshold, negative for coarser
   bool screenshot = false, copy = false, record = false, quit = false;
+  bool quit_where_idle = false;  ///< the key that flies down, where nothing flies
 
   bool damaged = false;  ///< the window's picture is gone: the system's doing, not the user's
 

@@ -27,4 +27,8 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
   return {kHint, "offline: from the cache alone"};
 }
 
+Notice noticeOf(const Error& error) {
+  return {Notice::Kind::kFailure, std::string(error.what()) + "\nEsc or Q closes the window."};
+}
+
 }  // namespace lode::app

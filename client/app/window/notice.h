@@ -4,6 +4,7 @@
 #include <string>
 
 #include "client/stream/streamer.h"
+#include "common/error.h"
 
 namespace lode::app {
 
@@ -26,5 +27,7 @@ enum class OnGpu : uint8_t { kNotYetAll, kAll, kFull };
 
 /// The gravest that there is to say. @param offline  only the cache is asked.
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
+/// That nothing could be opened, and how to close the window.
+Notice noticeOf(const Error& error);
 
 }  // namespace lode::app

@@ -276,7 +276,7 @@ void Panel::draw(const PanelContent& content) {
     ImGui::TextUnformatted(content.title.c_str());
     if (is_waiting) {
       drawWaiting(content);
-    } else if (content.visible) {
+    } else if (content.visible && content.is_open) {
       drawFigures(content);
       drawFrameTimes(frames_ms_, next_frame_);
       if (!content.legend.empty()) drawLegend(content);

@@ -15,8 +15,9 @@ namespace lode::app {
 
 /// What the panel shows.
 struct PanelContent {
-  std::string title;    ///< of the model or the target
-  std::string waiting;  ///< what is being waited for; empty once the model is open
+  std::string title;     ///< of the model or the target
+  bool is_open = false;  ///< there are figures of it
+  std::string waiting;   ///< what is being waited for; empty once the model is open
   double waited_s = 0;
   double waiting_part = -1;           ///< of it that is done, 0 to 1; below: unknown
   uint64_t triangles = 0, nodes = 0;  ///< drawn

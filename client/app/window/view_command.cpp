@@ -10,7 +10,7 @@
 
 namespace lode::app {
 
-void declareView(CLI::App& program, int& /*exit_status*/) {
+void declareView(CLI::App& program, int& exit_status) {
   CLI::App* command =
       program.add_subcommand("view", "Shows a model in a window while it streams; keys are listed there");
   const auto options = std::make_shared<ViewOptions>();
@@ -36,10 +36,10 @@ void declareView(CLI::App& program, int& /*exit_status*/) {
   command->add_flag("--json", options->json, "say it as one JSON object, with each frame")->needs(laps);
   addLookOptions(*command, options->look);
   const CLI::Option* const pixels = command->get_option("--pixels");
-  command->callback([options, pixels] {
+  command->callback([options, pixels, &exit_status] {
     options->is_threshold_fixed = pixels->count() > 0;
     if (!options->screenshot.empty()) checkPictureFile(options->common.target, options->screenshot);
-    Viewer(*options).run();
+    exit_status = Viewer(*options).run() ? command_line::kDone : command_line::kWorkFailed;
   });
 }
 

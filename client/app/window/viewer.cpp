@@ -7,11 +7,9 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/window/lost_sight.h"
 #include "client/app/window/named_exhibit.h"
-#include "client/app/window/refused_screenshot.h"
-#include "client/app/window/timed_name.h"
-#include "client/render/image.h"
 #include "client/render/memory_shares.h"
 #include "common/error.h"
+#include "common/one_line.h"
 
 namespace lode::app {
 namespace {
@@ -20,15 +18,14 @@ constexpr double kIdleWaitS = 0.25;       ///< between looks at a stream that ha
 constexpr double kCoarserWaitS = 0.002;   ///< between looks at a coarser cut that is on its way
 constexpr double kStreamingWaitS = 0.01;  ///< between looks at one that has
 constexpr double kLongestStepS = 0.1;     ///< a flight goes no further in one frame, however long it took
-constexpr int kFramesToSettle = 2;        ///< that the panel takes to fit its text
 constexpr double kFramesOfFade = 4;       ///< that it takes to look like one
 constexpr double kNoteS = 6;              ///< how long a note stays on the panel
 
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 }  // namespace
+
+double Viewer::secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 Viewer::Viewer(const ViewOptions& options)
     : options_(options),
@@ -48,8 +45,7 @@ Viewer::Viewer(const ViewOptions& options)
       show_(style_.show) {
   content_.title = options.common.target;
   if (options.laps > 0) pilot_.emplace(options, wanted_path_);
-  const bool is_for_a_person = options.screenshot.empty() && options.laps == 0;
-  content_.help = is_for_a_person && first_start_.isHelpDue();
+  content_.help = isForAPerson() && first_start_.isHelpDue();
   const render::MemoryShares memory = render::shareMemory(options.common.streamOptions().memory_budget_bytes);
   content_.resident_budget_bytes = memory.stream_bytes;
   content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
@@ -57,18 +53,21 @@ Viewer::Viewer(const ViewOptions& options)
                                   (uint64_t{memory.gpu.staging_bytes} + memory.gpu.texture_staging_bytes);
 }
 
-void Viewer::run() {
+bool Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && !isMinimized()) draw();
   if (recorder_.recording()) saveRecording();
   if (!options_.screenshot.empty() && !is_screenshot_there_)
     throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
                                          options_.screenshot + " was there; it ends by itself when it is");
-  if (!pilot_) return;
+  if (!pilot_) return !failed_;
   timer_.wait();
   takeTimes();
   pilot_->tell();
+  return true;
 }
+
+bool Viewer::isForAPerson() const { return options_.screenshot.empty() && options_.laps == 0; }
 
 bool Viewer::isMinimized() const { return window_.widthPx() == 0 || window_.heightPx() == 0; }
 
@@ -83,7 +82,7 @@ bool Viewer::settled() const {
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
-  if (isMinimized()) return kIdleWaitS;
+  if (isMinimized() || (failed_ && frames_to_draw_ == 0)) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
   if (moved_ || frames_to_draw_ > 0 || uploading_ || exhibit_->fading()) return 0;
   return (settled() || exhibit_->status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
@@ -140,6 +139,7 @@ bool Viewer::isWorthWaiting() const {
 
 void Viewer::obey(Input& input) {
   if (input.quit && !content_.help) done_ = true;
+  if (input.quit_where_idle && failed_) done_ = true;
   openOrCloseHelp(input);
   if (input.toggle_wireframe) show_.toggleWireframe();
   show_.step(input.next_show);
@@ -169,16 +169,26 @@ void Viewer::openOrCloseHelp(const Input& input) {
   }
 }
 
+/// Who started the window from no terminal reads there why nothing comes, until it is closed.
+void Viewer::fail(const Error& error) {
+  if (!isForAPerson() || error.code() == ErrorCode::kUsage) throw error;
+  failed_ = error;
+  sayOnOneLine("lodestream", error.what());
+  content_.waiting.clear();
+  content_.help = false;
+}
+
 void Viewer::openWhenReady() {
-  if (rig_) return;
+  if (rig_ || failed_) return;
   const Exhibit::Opening opening = exhibit_->open();
-  if (opening.error) throw *opening.error;
+  if (opening.error) return fail(*opening.error);
   content_.waiting = opening.phase;
   content_.waiting_part = opening.part;
   content_.waited_s = secondsSince(started_);
   if (!opening.is_open) return;
   const ModelSummary& summary = exhibit_->summary();
   opened_ = Clock::now();
+  content_.is_open = true;
   rig_.emplace(summary, exhibit_->framing(), wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
   content_.model_triangles = summary.triangles;
@@ -253,26 +263,6 @@ void Viewer::pointAt(const Input& input) {
   }
   rig_->turnAbout(hit->position_model);
   if (input.clicked) picks_.add(*hit);
-}
-
-void Viewer::record(const Input& input) {
-  recorder_.see(secondsSince(started_), rig_->camera(), glm::degrees(rig_->view().fov_y_rad));
-  if (!input.record) return;
-  if (recorder_.recording())
-    saveRecording();
-  else
-    recorder_.start();
-}
-
-/// Whoever is leaving would not read a note.
-void Viewer::saveRecording() {
-  try {
-    if (const std::optional<std::string> file = recorder_.save())
-      note("saved " + *file + ", for render --frames and replay");
-  } catch (const Error& error) {
-    if (isLeaving()) throw;
-    note(error.what());
-  }
 }
 
 /// Those of frames that were drawn some frames ago.
@@ -350,6 +340,7 @@ void Viewer::draw() {
 
 void Viewer::describe() {
   app::describe(*exhibit_, {.is_settled = settled(), .is_offline = options_.common.offline}, content_);
+  if (failed_) content_.notice = noticeOf(*failed_);
   const auto& cut = exhibit_->status().cut;
   content_.progress = cut ? progress_.see(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   if (rig_) {
@@ -379,31 +370,5 @@ void Viewer::note(const std::string& message) {
 
 /// That --timeout allows from when the target was open.
 bool Viewer::isTimeOver() const { return rig_ && secondsSince(opened_) > options_.common.timeout_s; }
-
-/// The one that the command line asks for ends the program, once the panel fits its last text; one asked for
-/// by a key does not.
-void Viewer::saveScreenshots() {
-  if (!options_.screenshot.empty()) {
-    converged_frames_ = content_.converged && pacing_.asksForFinest() ? converged_frames_ + 1 : 0;
-    if (converged_frames_ > kFramesToSettle) {
-      render::writePng(options_.screenshot, window_.readBack());
-      is_screenshot_there_ = done_ = true;
-    } else if (!content_.converged && (exhibit_->status().ended || settled() || isTimeOver())) {
-      refuseScreenshot(*exhibit_, options_.common);
-    }
-  }
-  if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now())) savePicture();
-}
-
-void Viewer::savePicture() {
-  const std::string file = timedName("png");
-  try {
-    render::writePng(file, window_.readBack());
-    note("saved " + file);
-  } catch (const Error& error) {
-    if (isLeaving()) throw;
-    note(error.what());
-  }
-}
 
 }  // namespace lode::app

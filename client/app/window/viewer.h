@@ -21,6 +21,7 @@
 #include "client/render/ambient_occlusion.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
+#include "common/error.h"
 
 namespace lode::app {
 
@@ -33,16 +34,22 @@ class Viewer {
   explicit Viewer(const ViewOptions& options);
   /// Returns when the user closes the window; a picture that a key has asked for, and what was recorded, is
   /// written before.
-  /// @throws Error if the target cannot be opened, the screenshot asked for is not to be had in time or not
-  /// there when the window is closed, that last picture cannot be written, or the flight asked for cannot
-  /// begin or is not over: what was flown of it is printed before.
-  void run();
+  /// @return false if the target could not be opened: why is on a line of stderr, and was in the window.
+  /// @throws Error where nobody looks at the window (--screenshot, --laps) or wrong usage is why it could
+  /// not, if the screenshot asked for is not to be had in time or not there when the window is closed, that
+  /// last picture cannot be written, or the flight asked for cannot begin or is not over: what was flown of
+  /// it is printed before.
+  bool run();
 
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr int kFramesToSettle = 2;  ///< that the panel takes to fit its text
 
+  static double secondsSince(Clock::time_point start);
+  bool isForAPerson() const;
   void frame();
   void passUnseen();
+  void fail(const Error& error);
   void openWhenReady();
   void obey(Input& input);
   void tellOfBookmark(const Input& input);
@@ -87,6 +94,7 @@ class Viewer {
   Pacing pacing_;
   double uploads_ms_ = 0;         ///< since the last frame
   std::optional<CameraRig> rig_;  ///< once it is open
+  std::optional<Error> failed_;   ///< why it cannot be
   /// What the picture in the window was drawn from.
   struct Drawn {
     core::View view;

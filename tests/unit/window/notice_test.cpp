@@ -81,5 +81,11 @@ TEST(Notice, saysOfflineAsAHintWhereTheCacheHasAllAndAsTroubleWhereItHasNot) {
   EXPECT_NE(lacking.text.find("without --offline"), std::string::npos);
 }
 
+TEST(Notice, saysOfWhatCannotBeOpenedWhyAndHowToCloseTheWindow) {
+  const Notice notice = noticeOf(Error(ErrorCode::kInput, "a.lode is damaged: build it again"));
+  EXPECT_EQ(notice.kind, Notice::Kind::kFailure);
+  EXPECT_EQ(notice.text, "a.lode is damaged: build it again\nEsc or Q closes the window.");
+}
+
 }  // namespace
 }  // namespace lode::app
