@@ -11,7 +11,9 @@ void Link::begin(const BlobName& known_build_id, TimePoint now) {
     leaving_ = std::exchange(session_, std::nullopt);
   }
   is_leaving_ = false;
-  session_.emplace(options_, now);
+  SessionOptions options = options_;
+  options.awaits_model = options_.awaits_model && ever_open_;
+  session_.emplace(std::move(options), now);
 }
 
 void Link::succeeded() noexcept {

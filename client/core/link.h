@@ -24,6 +24,7 @@ inline constexpr std::array kLines{Line::kNewest, Line::kLeaving};
 /// safe.
 class Link {
  public:
+  /// @param options      awaits_model of them: once it was open.
   /// @param jitter_seed  of the waiting times.
   Link(SessionOptions options, uint32_t jitter_seed) : options_(std::move(options)), random_(jitter_seed) {}
 

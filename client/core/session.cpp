@@ -242,6 +242,10 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
     case proto::WireError::kInternal:
       throw Error(ErrorCode::kNetwork, message);
     case proto::WireError::kNoSuchModel:
+      if (options_.awaits_model) {
+        event_ = ServerLeaving{message};
+        return;
+      }
       throw Error(ErrorCode::kInput, message + "; " + options_.remedies.model);
     case proto::WireError::kUnauthorized:
       throw Error(ErrorCode::kInput, message + "; " + options_.remedies.token);

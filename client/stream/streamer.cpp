@@ -141,6 +141,7 @@ void Streamer::State::stream() {
   core::EngineOptions engine_options;
   engine_options.session.model = model.model;
   engine_options.session.token = options.token;
+  engine_options.session.awaits_model = options.awaits_model;
   engine_options.session.remedies = options.remedies;
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   engine_options.triangle_budget = options.triangle_budget;

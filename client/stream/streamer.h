@@ -30,6 +30,8 @@ struct StreamOptions {
   bool shares_memory = false;  ///< see core::EngineOptions
   bool prefetch = false;       ///< asks ahead of a camera that moves
   bool best_first = true;      ///< see core::EngineOptions
+  /// Keeps trying where a server that had the model says that it has it no more; else the stream ends then.
+  bool awaits_model = false;
   std::chrono::milliseconds connect_timeout{10'000};
   std::filesystem::path cache_folder;  ///< empty: nothing is kept between runs
   uint64_t cache_bytes = kDefaultCacheBytes;

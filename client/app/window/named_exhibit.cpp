@@ -12,6 +12,7 @@ stream::StreamOptions streamOptions(const CommonOptions& common) {
   stream::StreamOptions options = common.streamOptions();
   options.hold_factor = core::kHoldFactor;
   options.prefetch = true;
+  options.awaits_model = true;
   return options;
 }
 

@@ -21,6 +21,7 @@ stream::StreamOptions streamOptionsOf(stream::StreamOptions options, const rende
   options.drawn_budget_bytes = memory.drawn_bytes;
   options.hold_factor = core::kHoldFactor;
   options.shares_memory = true;
+  options.awaits_model = true;
   return options;
 }
 

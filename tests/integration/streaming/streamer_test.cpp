@@ -147,6 +147,35 @@ TEST_F(Streaming, goesOnWhenTheServerComesBack) {
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
 }
 
+/// The server is one without the model for a while.
+TEST_F(Streaming, goesOnWhenAServerHasTheModelAgainAndEndsWhereItIsNotToAwaitThat) {
+  stream::StreamOptions options = threads(2);
+  Streamer ends(served_, options);
+  options.awaits_model = true;
+  Streamer awaits(served_, options);
+  for (Streamer* streamer : {&ends, &awaits}) {
+    streamer->setView(viewAt(1, streamer->waitForModel(kPatience)), kOnlyTheRootPx);
+    ASSERT_TRUE(streamer->waitUntilSettled(kPatience).settled);
+  }
+  stopServer();
+  writeModel(folder_ / "b.lode", 1);
+  store_ = "b.lode";
+  startServer();
+  while (awaits.status().trouble.find("there is no model 'a'") == std::string::npos)
+    ASSERT_FALSE(awaits.waitForNews(kPatience).ended);
+  StreamStatus ended = ends.status();
+  while (!ended.ended) ended = ends.waitForNews(kPatience);
+  EXPECT_NE(ended.failure.find("there is no model 'a'"), std::string::npos) << ended.failure;
+  EXPECT_TRUE(awaits.status().cut);
+  stopServer();
+  store_ = "a.lode";
+  startServer();
+  awaits.setView(viewAt(2, *awaits.model()), 0.1f);
+  const StreamStatus status = awaits.waitUntilSettled(kPatience);
+  EXPECT_EQ(status.failure, "");
+  EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
+}
+
 TEST_F(Streaming, convergesOnTheNewBuildOfAModelThatIsReplacedAndNeverShowsAHole) {
   Streamer streamer(served_, threads(2));
   const ModelSummary model = streamer.waitForModel(kPatience);

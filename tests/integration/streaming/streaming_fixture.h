@@ -50,7 +50,7 @@ class Streaming : public testing::Test {
   /// On a port of its own choice, and then always on that.
   void startServer() {
     serve::ServeOptions options;
-    options.stores = {folder_ / "a.lode"};
+    options.stores = {folder_ / store_};
     options.listen = "127.0.0.1:" + std::to_string(served_.address.port);
     options.threads = 2;
     options.drain_deadline = std::chrono::milliseconds(100);
@@ -77,6 +77,7 @@ class Streaming : public testing::Test {
   }
 
   const WorkFolder folder_;
+  std::string store_ = "a.lode";
   uint32_t max_connections_ = 100;
   std::optional<serve::Server> server_;
   stream::ServedModel served_{{"127.0.0.1", 0}, "a"};

@@ -61,6 +61,9 @@ class ScriptedServer {
     deaf_ = opened_ = false;
   }
 
+  /// Whether it has the model, for who opens it from now on.
+  void offer(bool is_there) { has_model_ = is_there; }
+
   /// Takes whole frames.
   void receive(const Bytes& bytes) {
     if (deaf_) return;
@@ -130,6 +133,9 @@ class ScriptedServer {
   void append(const Bytes& bytes) { answers_.insert(answers_.end(), bytes.begin(), bytes.end()); }
 
   void answerOpen(const BlobName& known_build_id) {
+    if (!has_model_)
+      return append(
+          proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model"}, 2));
     opened_ = true;
     proto::Opened message;
     message.handle = 1;
@@ -189,7 +195,8 @@ class ScriptedServer {
   std::map<uint32_t, unsigned> completed_;
   Bytes answers_;
   bool opened_ = false;  // on this connection
-  bool deaf_ = false;    // what comes is about a model that was replaced
+  bool has_model_ = true;
+  bool deaf_ = false;  // what comes is about a model that was replaced
   uint64_t granted_ = proto::kInitialWindowBytes, sent_ = 0;
 };
 

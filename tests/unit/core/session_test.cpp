@@ -75,6 +75,18 @@ TEST_F(SessionTest, saysWhatTheServerSaysWhenThereIsNoSuchModel) {
                 "no model x; name one that it has");
 }
 
+TEST_F(SessionTest, takesAServerWithoutTheModelForOneThatIsLeavingIfItAwaitsThat) {
+  SessionOptions options;
+  options.model = "bunny";
+  options.awaits_model = true;
+  session_ = Session(options, kStart);
+  give(welcome());
+  const auto events =
+      give(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2));
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server says: no model x");
+}
+
 TEST_F(SessionTest, saysThatTheServerIsLeaving) {
   open();
   const auto events = give(proto::encode(proto::GoAway{"drain"}, 0));
