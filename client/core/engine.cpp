@@ -234,6 +234,7 @@ EngineCounts Engine::counts() const noexcept {
     using Milliseconds = std::chrono::duration<double, std::milli>;
     const CreditWindow& window = session->window();
     counts.open_wishes = session->openWishes();
+    counts.wishes = session->wishCounts();
     counts.link_bytes_per_s = window.bytesPerSecond();
     counts.round_trip_ms = Milliseconds(window.roundTrip().value_or(std::chrono::nanoseconds(0))).count();
     counts.window_bytes = window.bytes();

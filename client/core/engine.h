@@ -55,6 +55,7 @@ struct EngineCounts {
   uint64_t received_bytes = 0;  ///< everything from the server
   uint64_t cache_bytes = 0;     ///< of blobs from the cache
   uint64_t open_wishes = 0;
+  WishCounts wishes;            ///< the same
   uint64_t decoding = 0;        ///< jobs handed out
   uint64_t transit_bytes = 0;   ///< asked for, not decoded, or being decoded, with what decoding takes
   uint64_t resident_bytes = 0;  ///< decoded meshes

@@ -254,8 +254,15 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
   }
 }
 
+void Session::countWish(const OpenWish& wish, bool is_open) {
+  const uint64_t one = is_open ? 1 : -uint64_t{1};
+  wish_counts_[wish.wish_class] += one;
+  if (wish.incoming.use.kind == BlobKind::kTile) wish_counts_.tiles += one;
+}
+
 void Session::endWish(uint32_t wish) {
   const auto found = wishes_.find(wish);
+  countWish(found->second, false);
   if (!found->second.cancelling) wished_bytes_ -= found->second.incoming.blob.bytes;
   wish_of_blob_.erase(found->second.incoming.blob.number);
   wishes_.erase(found);
@@ -298,7 +305,9 @@ void Session::setWishes(std::span<const Wish> wanted) {
     const bool moved =
         wish.wish_class != wanting.wish_class || differsMuch(wish.priority_px, wanting.priority_px);
     if (wish.cancelling || !moved) continue;
+    countWish(wish, false);
     wish.wish_class = wanting.wish_class;
+    countWish(wish, true);
     wish.priority_px = wanting.priority_px;
     changes.push_back(
         {proto::WishAction::kReprioritise, wish.wish_class, open->second, blob.number, wish.priority_px});
@@ -312,8 +321,9 @@ void Session::setWishes(std::span<const Wish> wanted) {
   for (const Wish* wanting : additions) {
     const BlobRef& blob = wanting->blob;
     const uint32_t number = next_wish_++;
-    wishes_.emplace(number,
-                    OpenWish{{blob, wanting->use, {}}, wanting->wish_class, wanting->priority_px, false});
+    const OpenWish wish{{blob, wanting->use, {}}, wanting->wish_class, wanting->priority_px, false};
+    countWish(wish, true);
+    wishes_.emplace(number, wish);
     wish_of_blob_.emplace(blob.number, number);
     wished_bytes_ += blob.bytes;
     changes.push_back(

@@ -110,7 +110,8 @@ class Session {
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isWishedFor(const BlobRef& blob) const { return wish_of_blob_.contains(blob.number); }
-  size_t openWishes() const noexcept { return wishes_.size(); }  ///< those taken back, too
+  size_t openWishes() const noexcept { return wishes_.size(); }           ///< those taken back, too
+  const WishCounts& wishCounts() const noexcept { return wish_counts_; }  ///< of the same
   uint64_t wishedBytes() const noexcept { return wished_bytes_; }
   uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all that came from the transport
   /// What is known of the link, and what the server may have under way because of that.
@@ -142,6 +143,7 @@ class Session {
   void handlePong(std::span<const std::byte> body);
   void handleRefusal(const proto::ErrorMessage& error);
   void endWish(uint32_t wish);
+  void countWish(const OpenWish& wish, bool is_open);
   bool awaitsBlobs() const noexcept { return !wishes_.empty() || unasked_; }
   uint64_t bytesOfUnfinishedFrame() const;
   void grantCredit();
@@ -162,7 +164,8 @@ class Session {
   uint32_t next_wish_ = 1;
   std::map<uint32_t, OpenWish> wishes_;                  // by wish
   std::unordered_map<uint32_t, uint32_t> wish_of_blob_;  // blob number -> wish
-  uint64_t wished_bytes_ = 0;                            // of wishes that are not taken back
+  WishCounts wish_counts_;
+  uint64_t wished_bytes_ = 0;  // of wishes that are not taken back
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
   uint64_t sent_grant_bytes_;    // what the server can know of: handed out by takeOutgoing()

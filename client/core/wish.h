@@ -18,6 +18,25 @@ struct BlobUse {
   friend constexpr auto operator<=>(const BlobUse&, const BlobUse&) = default;
 };
 
+/// How many of the wishes that a server has are of each class, and for tiles of textures.
+struct WishCounts {
+  uint64_t visible = 0, margin = 0, prefetch = 0;
+  uint64_t tiles = 0;
+
+  uint64_t& operator[](proto::WishClass wish_class) noexcept {
+    if (wish_class == proto::WishClass::kVisible) return visible;
+    return wish_class == proto::WishClass::kMargin ? margin : prefetch;
+  }
+  WishCounts& operator+=(const WishCounts& other) noexcept {
+    visible += other.visible;
+    margin += other.margin;
+    prefetch += other.prefetch;
+    tiles += other.tiles;
+    return *this;
+  }
+  friend bool operator==(const WishCounts&, const WishCounts&) = default;
+};
+
 /// A blob that a view asks for.
 struct Wish {
   BlobRef blob = {};

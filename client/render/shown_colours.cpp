@@ -98,7 +98,8 @@ std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
     if (legend.size() == kMostNodesInLegend) {
       legend.push_back({{200, 200, 200},
                         "and " + std::to_string(nodes.size() - kMostNodesInLegend) +
-                            " nodes more, each in a colour of its own"});
+                            " nodes more, each in a colour of its own",
+                        nodes.size() - kMostNodesInLegend});
       break;
     }
     legend.push_back({colourOfNode(node), "node " + nodeName(node)});

@@ -55,6 +55,7 @@ std::string nodeName(NodeKey node);
 struct LegendEntry {
   glm::u8vec3 colour{0};
   std::string meaning;
+  uint64_t stands_for = 1;  ///< so many colours
 
   bool operator==(const LegendEntry&) const = default;
 };

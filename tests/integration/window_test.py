@@ -153,6 +153,20 @@ class Shown(WindowTest):
             window.key("h")
             self.assertTrue(lower_half(window.picture()) == bare)
 
+    def test_panel_leaves_half_of_a_small_window_and_its_lower_edge_to_the_model(self):
+        with self.window() as window:
+            for size in ((WIDTH, HEIGHT), (420, 240)):
+                window.xdotool("windowsize", "--sync", window.id, *size)
+                window.picture()
+                window.xdotool("key", "--delay", "0", *["v"] * 5)  # nodes: the longest legend
+                shown = pixels_of(window.picture())
+                window.key("h")
+                bare = pixels_of(window.picture())
+                self.assertEqual([row[3 * size[0] // 2:] for row in shown], [row[3 * size[0] // 2:] for row in bare])
+                self.assertEqual(shown[-8:], bare[-8:])
+                self.assertNotEqual(shown[size[1] // 2:], bare[size[1] // 2:])
+                window.xdotool("key", "--delay", "0", "h", *["shift+v"] * 5)
+
     def test_views_differ(self):
         with self.window() as window:
             window.key("h")

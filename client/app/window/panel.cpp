@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <span>
 
 #include <backends/imgui_impl_glfw.h>
@@ -9,9 +10,10 @@
 #include <imgui.h>
 
 #include "client/app/window/key_help.h"
+#include "client/app/window/panel_figures.h"
+#include "client/app/window/panel_fit.h"
 #include "client/app/window/panel_font.h"
 #include "client/app/window/sharpness.h"
-#include "common/byte_size.h"
 
 namespace lode::app {
 namespace {
@@ -20,6 +22,8 @@ constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowF
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
                                     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoInputs;
 constexpr float kMarginPx = 12;
+constexpr float kPanelShare = 0.4f;  ///< of the window's width at most, unless that is less than
+constexpr float kLeastPanelEm = 11;
 constexpr float kPanelEm = 23.5f, kNameEm = 5.5f, kKeysEm = 6.5f;  ///< widths, in sizes of a letter
 const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1), kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1),
     kBad(1.0f, 0.50f, 0.45f, 1), kBar(0.26f, 0.48f, 0.72f, 1);
@@ -30,28 +34,19 @@ float fitting(float width_px) {
   return std::clamp(width_px, 1.0f, std::max(1.0f, ImGui::GetIO().DisplaySize.x - sides_px));
 }
 
-float panelPx() { return fitting(ImGui::GetFontSize() * kPanelEm); }
+/// Beside it the model is to be seen.
+float panelPx() {
+  const float em = ImGui::GetFontSize();
+  const float share_px = std::max(kPanelShare * ImGui::GetIO().DisplaySize.x, kLeastPanelEm * em);
+  return fitting(std::min(em * kPanelEm, share_px));
+}
 float namePx() { return std::min(ImGui::GetFontSize() * kNameEm, panelPx() / 2); }
 float valuePx() { return panelPx() - namePx(); }
 
-std::string countOf(uint64_t value) {
-  std::string digits = std::to_string(value);
-  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3) {
-    digits.insert(static_cast<size_t>(at), " ");
-  }
-  return digits;
-}
+float lineGapPx() { return ImGui::GetStyle().ItemSpacing.y; }
 
-std::string nameOf(CameraKind camera) {
-  switch (camera) {
-    case CameraKind::kFly:
-      return "fly: W A S D";
-    case CameraKind::kWalk:
-      return "walk: W A S D";
-    case CameraKind::kOrbit:
-      break;
-  }
-  return "orbit";
+float textPx(const std::string& text, float width_px) {
+  return ImGui::CalcTextSize(text.c_str(), nullptr, false, width_px).y;
 }
 
 void nameRow(const char* name) {
@@ -66,77 +61,113 @@ void row(const char* name, const std::string& value) {
   ImGui::TextUnformatted(value.c_str());
 }
 
-std::string formatted(const char* format, double a, double b = 0) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, a, b);
-  return text;
+/// Letters lie on a bar that is long enough for them, above others.
+bool isOnBar(const std::string& text, float width_px) {
+  return ImGui::CalcTextSize(text.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x <= width_px;
 }
 
-/// A bar with its figures on it.
+float thinBarPx() { return ImGui::GetFontSize() * 0.4f; }
+
+float barPx(const std::string& text, float width_px) {
+  if (isOnBar(text, width_px)) return ImGui::GetFrameHeight();
+  return textPx(text, width_px) + lineGapPx() + thinBarPx();
+}
+
+/// A bar with its figures.
 void bar(double part, const std::string& text, float width_px) {
+  const bool is_on = isOnBar(text, width_px);
+  if (!is_on) ImGui::TextUnformatted(text.c_str());
+  const ImVec2 at = ImGui::GetCursorScreenPos(), padding = ImGui::GetStyle().FramePadding;
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kBar);
-  ImGui::ProgressBar(static_cast<float>(part), {width_px, 0}, text.c_str());
+  ImGui::ProgressBar(static_cast<float>(part), {width_px, is_on ? 0 : thinBarPx()}, "");
   ImGui::PopStyleColor();
+  if (is_on)
+    ImGui::GetWindowDrawList()->AddText({at.x + padding.x, at.y + padding.y},
+                                        ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
 }
 
-void memoryRow(const char* name, uint64_t bytes, uint64_t budget_bytes) {
-  nameRow(name);
-  const double part = static_cast<double>(bytes) / static_cast<double>(std::max<uint64_t>(1, budget_bytes));
-  bar(part, describeBytes(bytes) + " of " + describeBytes(budget_bytes), valuePx());
+float heightOf(const Figure& figure) {
+  const float name_px = textPx(figure.name, namePx());
+  const float value_px = figure.part >= 0 ? barPx(figure.value, valuePx()) : textPx(figure.value, valuePx());
+  return std::max(name_px, value_px) + 2 * ImGui::GetStyle().CellPadding.y;
 }
 
-std::string networkOf(const PanelContent& content) {
-  std::string text = describeBytes(content.received_bytes);
-  if (content.link_bytes_per_s > 0)
-    text += ", " + describeBytes(static_cast<uint64_t>(content.link_bytes_per_s)) + "/s";
-  if (content.round_trip_ms > 0) text += formatted(", %.1f ms", content.round_trip_ms);
-  if (content.open_wishes > 0) text += ", " + countOf(content.open_wishes) + " wishes";
-  return text;
-}
-
-std::string tilesOf(const PanelContent& content) {
-  const std::string tiles = countOf(content.tiles) + " tiles";
-  return content.tiles_left_out == 0 ? tiles : tiles + ", no room for " + countOf(content.tiles_left_out);
-}
-
-void drawFigures(const PanelContent& content) {
-  if (!ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) return;
+void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown) {
+  if (std::ranges::find(shown, true) == shown.end() ||
+      !ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit))
+    return;
   // Widths that do not follow the figures: the panel would lag a frame behind them.
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, namePx());
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, valuePx());
-  row("triangles", countOf(content.triangles) + " of " + countOf(content.model_triangles));
-  row("nodes", countOf(content.nodes));
-  row("network", networkOf(content));
-  memoryRow("memory", content.resident_bytes, content.resident_budget_bytes);
-  memoryRow("on the GPU", content.gpu_bytes, content.gpu_budget_bytes);
-  if (content.textured) row("textures", tilesOf(content));
-  row("threshold", formatted("%.2f px", content.threshold_px));
-  if (content.target_ms > 0) row("", formatted("coarser for %.0f frames a second", 1000 / content.target_ms));
-  row("view", std::string(content.show));
-  row("camera", nameOf(content.camera));
-  row("frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms));
+  ImGui::PushTextWrapPos(0);  // where the column ends
+  for (size_t i = 0; i < figures.size(); ++i) {
+    if (!shown[i]) continue;
+    nameRow(figures[i].name);
+    if (figures[i].part >= 0)
+      bar(figures[i].part, figures[i].value, valuePx());
+    else
+      ImGui::TextUnformatted(figures[i].value.c_str());
+  }
+  ImGui::PopTextWrapPos();
   ImGui::EndTable();
-  if (!content.lost.empty())
-    ImGui::TextColored(kWarning, "%s", content.lost.data());
-  else if (content.converged)
-    ImGui::TextColored(kGood, "%s", convergedText(content.error_px, content.threshold_px).c_str());
-  else if (content.limited)
-    ImGui::TextUnformatted(limitedText(content.error_px).c_str());
-  else if (!content.exhausted)
-    bar(content.progress, refiningText(content.error_px), panelPx());
 }
 
-void drawFrameTimes(std::span<const float> frames_ms, size_t oldest) {
-  const float most_ms = std::max(1.0f, *std::ranges::max_element(frames_ms));
-  ImGui::TextColored(kMuted, "frame times, up to %.0f ms", static_cast<double>(most_ms));
+/// How sharp the picture is, or how far on the way to that; empty where the notice says it.
+std::string sharpnessOf(const PanelContent& content) {
+  if (!content.lost.empty()) return std::string(content.lost);
+  if (content.converged) return convergedText(content.error_px, content.threshold_px);
+  if (content.limited) return limitedText(content.error_px);
+  if (content.exhausted) return "";
+  return refiningText({content.error_px, content.threshold_px, content.wishes.tiles, content.received_bytes});
+}
+
+bool isRefining(const PanelContent& content) {
+  return content.lost.empty() && !content.converged && !content.limited && !content.exhausted;
+}
+
+float sharpnessPx(const PanelContent& content) {
+  const std::string text = sharpnessOf(content);
+  if (text.empty()) return 0;
+  return lineGapPx() + (isRefining(content) ? barPx(text, panelPx()) : textPx(text, panelPx()));
+}
+
+void drawSharpness(const PanelContent& content) {
+  const std::string text = sharpnessOf(content);
+  if (isRefining(content)) return bar(content.progress, text, panelPx());
+  if (text.empty()) return;
+  const ImVec4 plain = ImGui::GetStyleColorVec4(ImGuiCol_Text);
+  ImGui::TextColored(!content.lost.empty() ? kWarning
+                     : content.converged   ? kGood
+                                           : plain,
+                     "%s", text.c_str());
+}
+
+float frameTimesPx() { return ImGui::GetFontSize() * 3.5f + 2 * lineGapPx(); }
+
+/// With a line at what is aimed at.
+void drawFrameTimes(std::span<const float> frames_ms, size_t oldest, double aimed_ms) {
+  const auto aimed = static_cast<float>(aimed_ms);
+  const float most_ms = std::max({1.0f, 1.25f * aimed, *std::ranges::max_element(frames_ms)});
+  if (aimed > 0)
+    ImGui::TextColored(kMuted, "frame times, up to %.0f ms; line: %.0f ms", static_cast<double>(most_ms),
+                       aimed_ms);
+  else
+    ImGui::TextColored(kMuted, "frame times, up to %.0f ms", static_cast<double>(most_ms));
+  const ImVec2 at = ImGui::GetCursorScreenPos(), size(panelPx(), ImGui::GetFontSize() * 2.5f);
   ImGui::PlotHistogram("##frames", frames_ms.data(), static_cast<int>(frames_ms.size()),
-                       static_cast<int>(oldest), nullptr, 0, most_ms,
-                       {panelPx(), ImGui::GetFontSize() * 2.5f});
+                       static_cast<int>(oldest), nullptr, 0, most_ms, size);
+  if (aimed <= 0) return;
+  const float inside = ImGui::GetStyle().FramePadding.y;
+  const float y = at.y + size.y - inside - (size.y - 2 * inside) * aimed / most_ms;
+  ImGui::GetWindowDrawList()->AddLine({at.x, y}, {at.x + size.x, y}, ImGui::GetColorU32(kGood));
 }
 
-void drawLegend(const PanelContent& content) {
+float legendRowPx() { return ImGui::GetFontSize() + lineGapPx(); }
+
+void drawLegend(std::span<const render::LegendEntry> legend) {
+  if (legend.empty()) return;
   ImGui::Separator();
-  for (const render::LegendEntry& entry : content.legend) {
+  for (const render::LegendEntry& entry : legend) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float side = ImGui::GetFontSize();
     ImGui::GetWindowDrawList()->AddRectFilled(
@@ -145,6 +176,20 @@ void drawLegend(const PanelContent& content) {
     ImGui::SameLine();
     ImGui::TextUnformatted(entry.meaning.c_str());
   }
+}
+
+float legendPx(std::span<const render::LegendEntry> legend) {
+  float height_px = legend.empty() ? 0 : lineGapPx();
+  const float text_px = panelPx() - ImGui::GetFontSize() - ImGui::GetStyle().ItemSpacing.x;
+  for (const render::LegendEntry& entry : legend)
+    height_px += std::max(ImGui::GetFontSize(), textPx(entry.meaning, text_px)) + lineGapPx();
+  return height_px;
+}
+
+float pickPx(const PanelContent& content) {
+  float height_px = content.pick.empty() ? 0 : lineGapPx();
+  for (const std::string& line : content.pick) height_px += textPx(line, panelPx()) + lineGapPx();
+  return height_px;
 }
 
 void drawPick(const PanelContent& content) {
@@ -176,13 +221,18 @@ void drawMarks(const PickMarks& marks) {
   }
 }
 
+constexpr const char* kCancel = "Esc cancels";
+
 void drawWaiting(const PanelContent& content) {
   ImGui::TextUnformatted(content.waiting.c_str());
   if (content.waiting_part >= 0) {
-    bar(content.waiting_part, formatted("%.0f %%", 100 * content.waiting_part), panelPx());
+    char text[32];
+    std::snprintf(text, sizeof text, "%.0f %% of this stage", 100 * content.waiting_part);
+    bar(content.waiting_part, text, panelPx());
+    ImGui::TextColored(kMuted, "%s", kCancel);
     return;
   }
-  const ImVec2 size(fitting(ImGui::GetFontSize() * 18), ImGui::GetFontSize() * 0.5f);
+  const ImVec2 size(panelPx(), ImGui::GetFontSize() * 0.5f);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const auto phase = static_cast<float>(std::fmod(content.waited_s, 2.0) / 2.0);
   const float left = at.x + (size.x * 1.25f) * phase - size.x * 0.25f;
@@ -194,14 +244,30 @@ void drawWaiting(const PanelContent& content) {
                       ImGui::GetColorU32(ImGuiCol_PlotHistogram), 3);
   list->PopClipRect();
   ImGui::Dummy(size);
-  ImGui::TextColored(kMuted, "%.0f s", content.waited_s);
+  ImGui::TextColored(kMuted, "%.0f s; %s", content.waited_s, kCancel);
 }
 
-void drawNotice(const Notice& notice) {
+constexpr const char* kRecording = "recording the camera; P ends it";
+
+/// What is never left out.
+void drawWords(const PanelContent& content) {
+  ImGui::TextUnformatted(content.title.c_str());
+  const Notice& notice = content.notice;
   const ImVec4& colour = notice.kind == Notice::Kind::kFailure   ? kBad
                          : notice.kind == Notice::Kind::kTrouble ? kWarning
                                                                  : kMuted;
-  ImGui::TextColored(colour, "%s", notice.text.c_str());
+  if (notice.kind != Notice::Kind::kNone) ImGui::TextColored(colour, "%s", notice.text.c_str());
+  if (content.recording) ImGui::TextColored(kBad, "%s", kRecording);
+  if (!content.message.empty()) ImGui::TextColored(kWarning, "%s", content.message.c_str());
+}
+
+float wordsPx(const PanelContent& content) {
+  float height_px = textPx(content.title, panelPx()) + lineGapPx();
+  if (content.notice.kind != Notice::Kind::kNone)
+    height_px += textPx(content.notice.text, panelPx()) + lineGapPx();
+  if (content.recording) height_px += textPx(kRecording, panelPx()) + lineGapPx();
+  if (!content.message.empty()) height_px += textPx(content.message, panelPx()) + lineGapPx();
+  return height_px;
 }
 
 float widthOf(std::span<const KeyHelp> keys) {
@@ -235,7 +301,33 @@ void drawHelp(const PanelContent& content) {
   ImGui::End();
 }
 
+constexpr int kRankOfSharpness = -3, kRankOfPick = -2, kRankOfKeys = -1, kRankOfFrameTimes = 100;
+constexpr const char* kKeys = "F1: what keys do";
+
 }  // namespace
+
+/// As much of it as the window is high.
+void Panel::drawOpen(const PanelContent& content) const {
+  const float outside_px = 2 * (kMarginPx + ImGui::GetStyle().WindowPadding.y);
+  float room_px = ImGui::GetIO().DisplaySize.y - outside_px - wordsPx(content);
+  const auto legend = legendThatFits(content.legend, legendRowPx(), room_px);
+  room_px -= legendPx(legend);
+  const std::vector<Figure> figures = figuresOf(content);
+  std::vector<PanelPart> parts;
+  for (const Figure& figure : figures) parts.push_back({figure.rank, heightOf(figure)});
+  parts.push_back({kRankOfSharpness, sharpnessPx(content)});
+  parts.push_back({kRankOfPick, pickPx(content)});
+  parts.push_back({kRankOfKeys, content.help ? 0 : textPx(kKeys, panelPx()) + lineGapPx()});
+  parts.push_back({kRankOfFrameTimes, frameTimesPx()});
+  const std::vector<bool> fits = partsThatFit(parts, room_px);
+  const auto rest = fits.begin() + static_cast<std::ptrdiff_t>(figures.size());
+  drawFigures(figures, {fits.begin(), rest});
+  if (rest[0]) drawSharpness(content);
+  if (rest[3]) drawFrameTimes(frames_ms_, next_frame_, content.aimed_ms);
+  drawLegend(legend);
+  if (rest[1] && !content.pick.empty()) drawPick(content);
+  if (rest[2] && !content.help) ImGui::TextColored(kMuted, "%s", kKeys);
+}
 
 Panel::Panel(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
@@ -269,23 +361,16 @@ void Panel::draw(const PanelContent& content) {
   if (content.visible) drawMarks(content.marks);
   ImGui::SetNextWindowPos({kMarginPx, kMarginPx});
   ImGui::SetNextWindowBgAlpha(0.65f);
-  const bool is_waiting = !content.waiting.empty(), has_notice = content.notice.kind != Notice::Kind::kNone;
-  if (content.visible || is_waiting || has_notice || content.recording || !content.message.empty()) {
+  const bool is_waiting = !content.waiting.empty();
+  if (content.visible || is_waiting || content.notice.kind != Notice::Kind::kNone || content.recording ||
+      !content.message.empty()) {
     ImGui::Begin("panel", nullptr, kPlain);
-    ImGui::PushTextWrapPos(panelPx() + ImGui::GetFontSize());
-    ImGui::TextUnformatted(content.title.c_str());
-    if (is_waiting) {
+    ImGui::PushTextWrapPos(panelPx() + ImGui::GetStyle().WindowPadding.x);
+    drawWords(content);
+    if (is_waiting)
       drawWaiting(content);
-    } else if (content.visible && content.is_open) {
-      drawFigures(content);
-      drawFrameTimes(frames_ms_, next_frame_);
-      if (!content.legend.empty()) drawLegend(content);
-      if (!content.pick.empty()) drawPick(content);
-    }
-    if (has_notice) drawNotice(content.notice);
-    if (content.recording) ImGui::TextColored(kBad, "recording the camera; P ends it");
-    if (!content.message.empty()) ImGui::TextColored(kWarning, "%s", content.message.c_str());
-    if (content.visible && !content.help) ImGui::TextColored(kMuted, "F1: what keys do");
+    else if (content.visible && content.is_open)
+      drawOpen(content);
     ImGui::PopTextWrapPos();
     ImGui::End();
   }

@@ -26,6 +26,8 @@ class Panel {
   bool wantsKeyboard() const;
 
  private:
+  void drawOpen(const PanelContent& content) const;
+
   static constexpr size_t kFramesShown = 120;
   std::array<float, kFramesShown> frames_ms_{};  ///< a ring
   size_t next_frame_ = 0;

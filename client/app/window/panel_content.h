@@ -24,12 +24,13 @@ struct PanelContent {
   uint64_t model_triangles = 0;
   uint64_t received_bytes = 0;
   double link_bytes_per_s = 0, round_trip_ms = 0;  ///< 0: not measured yet
-  uint64_t open_wishes = 0;
+  core::WishCounts wishes;                         ///< that are open
   uint64_t resident_bytes = 0, resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
   bool textured = false;
   uint64_t tiles = 0, tiles_left_out = 0;  ///< of textures: on the GPU, and those that memory does not allow
   float threshold_px = 1, error_px = 0;
   double target_ms = 0;  ///< of a frame, for which the threshold is coarser than asked for; 0: it is not
+  double aimed_ms = 0;   ///< what a frame may take while the camera moves; 0: whatever it does
   bool converged = false;
   bool limited = false;    ///< memory allows no more of what is seen
   bool exhausted = false;  ///< offline: the cache has no more of what is seen

@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "common/byte_size.h"
+
 namespace lode::app {
 namespace {
 
@@ -13,8 +15,13 @@ std::string offBy(float error_px) {
 
 }  // namespace
 
-std::string refiningText(float error_px) {
-  return error_px > kLargestToldErrorPx ? "refining" : "refining, " + offBy(error_px);
+std::string refiningText(const Refining& refining) {
+  if (refining.error_px > kLargestToldErrorPx)
+    return "refining: " + describeBytes(refining.received_bytes) + " have come";
+  if (refining.error_px > refining.threshold_px) return "refining, " + offBy(refining.error_px);
+  if (refining.tiles_to_come == 0) return offBy(refining.error_px) + "; the rest is on its way";
+  return "textures: " + std::to_string(refining.tiles_to_come) +
+         (refining.tiles_to_come == 1 ? " tile" : " tiles") + " to come";
 }
 
 std::string limitedText(float error_px) {

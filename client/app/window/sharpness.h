@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace lode::app {
@@ -7,8 +8,15 @@ namespace lode::app {
 /// A bound beyond it says nothing: the eye is in a part's box, and the part may be anywhere in it.
 constexpr float kLargestToldErrorPx = 64;
 
-/// For people, how far a picture may be off: of one that becomes finer,
-std::string refiningText(float error_px);
+/// How far a picture has come that becomes finer.
+struct Refining {
+  float error_px = 0, threshold_px = 1;
+  uint64_t tiles_to_come = 0;  ///< of textures
+  uint64_t received_bytes = 0;
+};
+
+/// For people, how far a picture may be off, or what it lacks: of one that becomes finer,
+std::string refiningText(const Refining& refining);
 /// of one that memory keeps from that,
 std::string limitedText(float error_px);
 /// and of one that has converged. Above the threshold that is so only where the file has no more.

@@ -350,7 +350,8 @@ void Viewer::describe() {
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;
   }
   content_.threshold_px = pacing_.askedPx();
-  content_.target_ms = pacing_.asksForFinest() ? 0 : pacing_.targetMs();
+  content_.aimed_ms = pacing_.targetMs();
+  content_.target_ms = pacing_.asksForFinest() ? 0 : content_.aimed_ms;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
   content_.lost =

@@ -22,6 +22,26 @@ TEST_F(SessionTest, wishesOnceForABlobAndDeliversItsBytes) {
   EXPECT_EQ(session_.wishedBytes(), 0u);
 }
 
+TEST_F(SessionTest, countsOpenWishesByTheirClassAndThoseForTiles) {
+  open();
+  const BlobRef mesh = blobRef(5, 100), tile = blobRef(6, 100), ahead = blobRef(7, 100);
+  const BlobUse of_tile{BlobKind::kTile, {}};
+  session_.setWishes(std::vector<Wish>{{mesh, {}, proto::WishClass::kVisible, 10},
+                                       {tile, of_tile, proto::WishClass::kMargin, 10},
+                                       {ahead, {}, proto::WishClass::kPrefetch, 10}});
+  EXPECT_EQ(session_.wishCounts(), (WishCounts{1, 1, 1, 1}));
+  session_.setWishes(std::vector<Wish>{{mesh, {}, proto::WishClass::kVisible, 10},
+                                       {tile, of_tile, proto::WishClass::kVisible, 10}});
+  EXPECT_EQ(session_.wishCounts(), (WishCounts{2, 0, 1, 1}))
+      << "what is taken back is open until it has ended";
+  const auto changes = changesOf(session_.takeOutgoing());
+  for (const auto& change : changes)
+    if (change.action == proto::WishAction::kCancel) give(proto::encode(proto::Cancelled{change.wish}, 0));
+  EXPECT_EQ(session_.wishCounts(), (WishCounts{2, 0, 0, 1}));
+  give(blobFrames(2, 6, 100));
+  EXPECT_EQ(session_.wishCounts(), (WishCounts{1, 0, 0, 0}));
+}
+
 TEST_F(SessionTest, sendsAChangeOfPriorityOnlyIfItIsLarge) {
   open();
   const BlobRef blob = blobRef(5, 100);

@@ -7,7 +7,7 @@ namespace {
 
 TEST(Sharpness, isToldAsTheMostThatAPictureMayBeOff) {
   EXPECT_EQ(convergedText(0.834f, 1), "converged, at most 0.83 px off where it is seen");
-  EXPECT_EQ(refiningText(12), "refining, at most 12.00 px off where it is seen");
+  EXPECT_EQ(refiningText({12, 1, 5, 0}), "refining, at most 12.00 px off where it is seen");
 }
 
 TEST(Sharpness, isTheFilesOwnWhereThereIsNothingFiner) {
@@ -18,7 +18,15 @@ TEST(Sharpness, isTheFilesOwnWhereThereIsNothingFiner) {
   }
 }
 
-TEST(Sharpness, isNotToldByABoundThatSaysNothing) { EXPECT_EQ(refiningText(746), "refining"); }
+TEST(Sharpness, isNotToldByABoundThatSaysNothingButByWhatHasCome) {
+  EXPECT_EQ(refiningText({746, 1, 0, 240'000}), "refining: 240.0 KB have come");
+}
+
+TEST(Sharpness, saysThatTilesAreWhatLacksWhereTheSurfaceIsThere) {
+  EXPECT_EQ(refiningText({0.05f, 1, 3, 0}), "textures: 3 tiles to come");
+  EXPECT_EQ(refiningText({0.05f, 1, 1, 0}), "textures: 1 tile to come");
+  EXPECT_EQ(refiningText({0.05f, 1, 0, 0}), "at most 0.05 px off where it is seen; the rest is on its way");
+}
 
 TEST(Sharpness, isABoundWithoutAPromiseWhereMemoryAllowsNoMore) {
   EXPECT_EQ(limitedText(0.4f), "at most 0.40 px off where it is seen");

@@ -1,0 +1,57 @@
+#include "client/app/window/panel_figures.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace lode::app {
+namespace {
+
+std::string valueOf(const PanelContent& content, std::string_view name) {
+  for (const Figure& figure : figuresOf(content))
+    if (figure.name == name) return figure.value;
+  return "missing";
+}
+
+TEST(PanelFigures, sayHowManyWishesOfEachClassAreOpen) {
+  PanelContent content;
+  EXPECT_EQ(valueOf(content, "wishes"), "none");
+  content.wishes = {1200, 3, 0, 7};
+  EXPECT_EQ(valueOf(content, "wishes"), "visible 1 200, margin 3, prefetch 0");
+}
+
+TEST(PanelFigures, leaveOutWhatHasNotBeenMeasured) {
+  PanelContent content;
+  content.received_bytes = 1000;
+  EXPECT_EQ(valueOf(content, "network"), "1.0 KB");
+  content.round_trip_ms = 0.01;
+  EXPECT_EQ(valueOf(content, "network"), "1.0 KB") << "0.0 ms would be said";
+  content.link_bytes_per_s = 2000;
+  content.round_trip_ms = 12;
+  EXPECT_EQ(valueOf(content, "network"), "1.0 KB, 2.0 KB/s, 12.0 ms there and back");
+}
+
+TEST(PanelFigures, sayOfARateThatIsAimedAtWhetherItIsReached) {
+  PanelContent content;
+  content.threshold_px = 2;
+  content.frame_ms = 132.7;
+  EXPECT_EQ(valueOf(content, "threshold"), "2.00 px") << "at rest no rate is aimed at";
+  content.target_ms = 1000.0 / 30;
+  EXPECT_EQ(valueOf(content, "threshold"),
+            "2.00 px while it moves, for at least 30 frames a second, which it does not reach");
+  content.frame_ms = 35;
+  EXPECT_EQ(valueOf(content, "threshold"), "2.00 px while it moves, for at least 30 frames a second");
+}
+
+TEST(PanelFigures, haveARankEachOfItsOwn) {
+  PanelContent content;
+  content.textured = true;
+  const std::vector<Figure> figures = figuresOf(content);
+  std::vector<int> ranks;
+  for (const Figure& figure : figures) ranks.push_back(figure.rank);
+  std::ranges::sort(ranks);
+  EXPECT_EQ(std::ranges::adjacent_find(ranks), ranks.end());
+}
+
+}  // namespace
+}  // namespace lode::app
