@@ -35,6 +35,11 @@ double stepsFor(double load) noexcept {
 FrameRateControl::FrameRateControl(double fps, Begin begin) noexcept
     : wanted_ms_(1000 / fps), most_steps_(kMostSteps), steps_(begin == Begin::kCoarse ? kMostSteps : 0) {}
 
+void FrameRateControl::setRate(double fps) noexcept {
+  wanted_ms_ = 1000 / fps;
+  halvings_ = slow_frames_ = calm_frames_ = 0;
+}
+
 void FrameRateControl::limitTo(double coarsening) noexcept {
   most_steps_ = std::clamp(static_cast<int>(stepsOf(coarsening)), 0, kMostSteps);
   steps_ = std::min(steps_, most_steps_);

@@ -18,6 +18,8 @@ class FrameRateControl {
   /// @param begin  where the first frame of a fine threshold could take seconds: coarse.
   explicit FrameRateControl(double fps, Begin begin = Begin::kFine) noexcept;
 
+  /// From now on it holds another rate. @param fps  > 0.
+  void setRate(double fps) noexcept;
   /// From now on it asks for nothing coarser. @param coarsening  >= 1; eight at most is made use of.
   void limitTo(double coarsening) noexcept;
   /// Time passes. @param moved  the camera did.

@@ -206,6 +206,42 @@ class Shown(WindowTest):
             self.assertTrue(lower_half(window.picture()) == before)
 
 
+class Settings(WindowTest):
+    LEFT = WIDTH - 12 - 21 * 15 + 8  # where their letters begin, and the middle of a row
+    ROWS = [12 + 8 + 10 + 25 * row for row in range(7)]
+
+    def test_are_changed_by_the_mouse_which_then_does_not_move_the_camera(self):
+        with self.window() as window:
+            window.key("h")
+            window.key("v")
+            unlit = lower_half(window.picture())
+            window.key("shift+v")
+            lit = lower_half(window.picture())
+            self.assertFalse(unlit == lit)
+            window.key("o")
+            window.picture()
+            keys = window.recorded(lambda: window.click((self.LEFT + 10, self.ROWS[0])))
+            self.assertEqual(self.bare(window), unlit)
+            keys += window.recorded(lambda: window.click((self.LEFT + 10, self.ROWS[0])))
+            self.assertEqual(self.bare(window), lit)
+            keys += window.recorded(lambda: window.drag((self.LEFT + 20, self.ROWS[3]), (self.LEFT + 80, self.ROWS[3]),
+                                                        (self.LEFT + 130, HEIGHT - 20)))  # the exposure
+            keys += window.recorded(lambda: window.click((self.LEFT + 60, self.ROWS[4]), button=4))
+            self.assertFalse(self.bare(window) == lit)
+            self.assertEqual({tuple(key["eye"]) for key in keys}, {tuple(keys[0]["eye"])})
+            window.move((20, HEIGHT - 20))
+            turned = window.recorded(lambda: window.drag((20, HEIGHT - 60), (80, HEIGHT - 60)))
+            self.assertGreater(math.hypot(*moved(turned)), 0)
+
+    @staticmethod
+    def bare(window):
+        window.key("o")
+        picture = lower_half(window.picture())
+        window.key("o")
+        window.picture()
+        return picture
+
+
 class Failure(WindowTest):
     """What cannot be opened is said in the window until that is closed, and at once on stderr."""
 

@@ -1,6 +1,7 @@
 #include "client/app/window/glfw_window.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <epoxy/gl.h>
 
@@ -41,7 +42,7 @@ struct GlfwWindow::Callbacks {
     of(window).pressButton(button, action == GLFW_PRESS);
   }
   static void refresh(GLFWwindow* window) { of(window).pending_.damaged = true; }
-  static void wheel(GLFWwindow* window, double, double y) { of(window).pending_.wheel += y; }
+  static void wheel(GLFWwindow* window, double, double y) { of(window).turnWheel(y); }
 };
 
 GlfwWindow::GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string& title) {
@@ -137,6 +138,9 @@ void GlfwWindow::pressKey(int key, int modifiers) {
     case GLFW_KEY_V:
       pending_.next_show += (modifiers & GLFW_MOD_SHIFT) != 0 ? -1 : 1;
       break;
+    case GLFW_KEY_O:
+      pending_.toggle_settings = true;
+      break;
     case GLFW_KEY_F1:
       pending_.toggle_help = true;
       break;
@@ -173,7 +177,10 @@ void GlfwWindow::typeSign(unsigned code) {
 
 void GlfwWindow::moveTo(glm::dvec2 position) {
   const glm::dvec2 moved = (position - pointer_) * to_px_;
+  const bool was_covered = isCovered(pointer_);
   pointer_ = position;
+  if (was_covered || isCovered(position) || pressed_covered_) pending_.over_panel = true;
+  if (pressed_covered_) return;
   const auto held = [&](int button) { return glfwGetMouseButton(window_, button) == GLFW_PRESS; };
   const bool shift = glfwGetKey(window_, GLFW_KEY_LEFT_SHIFT) == GLFW_PRESS;
   const bool left = held(GLFW_MOUSE_BUTTON_LEFT);
@@ -184,7 +191,19 @@ void GlfwWindow::moveTo(glm::dvec2 position) {
   }
 }
 
+void GlfwWindow::turnWheel(double steps) {
+  if (isCovered(pointer_))
+    pending_.over_panel = true;
+  else
+    pending_.wheel += steps;
+}
+
 void GlfwWindow::pressButton(int button, bool is_down) {
+  const bool was_covered = std::exchange(pressed_covered_, is_down && isCovered(pointer_));
+  if (was_covered || pressed_covered_) {
+    pending_.over_panel = true;
+    return;
+  }
   if (is_down) {
     pressed_at_ = pointer_;
     pending_.pressed = true;
@@ -239,20 +258,12 @@ void GlfwWindow::takeGamepad(Input& input) {
   pad_buttons_ = held;
 }
 
-Input GlfwWindow::takeInput(bool keyboard, bool mouse) {
-  Input input = keyboard ? pending_ : Input{};
-  input.turned_px = mouse ? pending_.turned_px : glm::dvec2(0);
-  input.shifted_px = mouse ? pending_.shifted_px : glm::dvec2(0);
-  input.wheel = mouse ? pending_.wheel : 0;
+Input GlfwWindow::takeInput() {
+  Input input = std::exchange(pending_, {});
   input.pointer_px = pointer_ * to_px_;
-  input.pressed = mouse && pending_.pressed;
   input.pressed_px = pressed_at_ * to_px_;
-  input.clicked = mouse && pending_.clicked;
-  input.double_clicked = mouse && pending_.double_clicked;
-  if (keyboard) input.fly = heldKeys();
+  input.fly = heldKeys();
   takeGamepad(input);
-  input.damaged = pending_.damaged;
-  pending_ = {};
   return input;
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/app/window/input.h"
+#include "client/app/window/panel_settings.h"
 #include "client/render/image.h"
 
 struct GLFWwindow;
@@ -33,8 +35,10 @@ class GlfwWindow {
   bool hasGamepad() const noexcept;
   /// Waits for events at most so long (0: not at all) and handles them.
   void handleEvents(double wait_s);
-  /// What the user did since the last call. @param keyboard, mouse  false: the panel has them.
-  Input takeInput(bool keyboard, bool mouse);
+  /// From now on the mouse is not for the picture there, nor until a button is released that went down there.
+  void cover(const std::optional<Covered>& covered) { covered_ = covered; }
+  /// What the user did since the last call.
+  Input takeInput();
   void swap();
   /// What was drawn and not yet swapped.
   render::Image readBack() const;
@@ -45,12 +49,16 @@ class GlfwWindow {
   void typeSign(unsigned code);
   void moveTo(glm::dvec2 position);
   void pressButton(int button, bool is_down);
+  void turnWheel(double steps);
+  bool isCovered(const glm::dvec2& point) const { return covered_ && covered_->has(point); }
   render::FlyKeys heldKeys() const;
   void takeGamepad(Input& input);
 
   GLFWwindow* window_ = nullptr;
   Input pending_;
-  bool is_repeated_ = false;  ///< the key last handled is held down
+  std::optional<Covered> covered_;
+  bool pressed_covered_ = false;  ///< the button last pressed, where it went down
+  bool is_repeated_ = false;      ///< the key last handled is held down
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
   unsigned pad_buttons_ = 0;  ///< that were held at the last look, by GLFW's numbers
   double handled_s_ = 0;      ///< when events were last looked at

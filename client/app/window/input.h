@@ -21,7 +21,7 @@ struct Input {
 
   // Keys pressed once.
   bool toggle_camera = false, reset_camera = false, next_axis = false;
-  bool toggle_wireframe = false, toggle_panel = false, toggle_help = false;
+  bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
   bool any_key = false;       ///< of all that there are
   int bookmark = 0;           ///< 1 to 9: go there,
   bool set_bookmark = false;  ///< or put it here
@@ -30,13 +30,14 @@ struct Input {
   bool screenshot = false, copy = false, record = false, quit = false;
   bool quit_where_idle = false;  ///< the key that flies down, where nothing flies
 
-  bool damaged = false;  ///< the window's picture is gone: the system's doing, not the user's
+  bool over_panel = false;  ///< what the mouse did was for what covers the picture
+  bool damaged = false;     ///< the window's picture is gone: the system's doing, not the user's
 
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) || toggle_camera || reset_camera ||
            next_axis || toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 || finer != 0 ||
-           screenshot || copy || record || pressed || clicked || any_key || quit;
+           screenshot || copy || record || pressed || clicked || any_key || quit || over_panel;
   }
 };
 

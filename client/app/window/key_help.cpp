@@ -32,6 +32,7 @@ constexpr std::array kCommonHelp{
     KeyHelp{"V  F", "other views; wireframe"},
     KeyHelp{"+  -", "finer or coarser"},
     KeyHelp{"P  F12", "record the camera; save a picture"},
+    KeyHelp{"O", "settings, for the mouse"},
     KeyHelp{"H  F1", "hide the panel; this help"},
     KeyHelp{"Esc", "leave"},
 };

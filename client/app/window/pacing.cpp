@@ -7,6 +7,7 @@ namespace lode::app {
 
 Pacing::Pacing(const Options& options, TimePoint now) noexcept
     : is_fixed_(options.is_fixed),
+      fps_(options.fps),
       threshold_px_(options.threshold_px),
       asked_px_(options.threshold_px),
       control_(options.fps, options.begin),
@@ -17,9 +18,17 @@ Pacing::Pacing(const Options& options, TimePoint now) noexcept
 
 void Pacing::sharpen(int steps) noexcept {
   if (steps == 0) return;
-  const float factor = std::pow(kThresholdStep, static_cast<float>(-steps));
-  threshold_px_ = std::clamp(threshold_px_ * factor, kLeastThresholdPx, kLargestThresholdPx);
+  setThreshold(threshold_px_ * std::pow(kThresholdStep, static_cast<float>(-steps)));
+}
+
+void Pacing::setThreshold(float threshold_px) noexcept {
+  threshold_px_ = std::clamp(threshold_px, kLeastThresholdPx, kLargestThresholdPx);
   control_.limitTo(kLargestThresholdPx / threshold_px_);
+}
+
+void Pacing::setRate(double fps) noexcept {
+  fps_ = fps;
+  control_.setRate(fps);
 }
 
 void Pacing::measure(double work_ms, const std::optional<render::Coarsening>& coarsening) noexcept {

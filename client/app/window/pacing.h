@@ -28,6 +28,10 @@ class Pacing {
 
   /// So many steps of the user's threshold; coarser below 0.
   void sharpen(int steps) noexcept;
+  void setThreshold(float threshold_px) noexcept;
+  /// Whether it is the user's whatever a frame takes.
+  void fix(bool is_fixed) noexcept { is_fixed_ = is_fixed; }
+  void setRate(double fps) noexcept;
   /// What a frame took that was drawn some frames ago. @param coarsening  nothing if it showed nothing
   void measure(double work_ms, const std::optional<render::Coarsening>& coarsening) noexcept;
   /// Time passes before the next frame.
@@ -35,6 +39,8 @@ class Pacing {
   /// A frame was drawn.
   void draw(const std::optional<render::Coarsening>& coarsening, TimePoint now) noexcept;
 
+  bool isFixed() const noexcept { return is_fixed_; }
+  double fps() const noexcept { return fps_; }                                ///< that are wanted
   float thresholdPx() const noexcept { return threshold_px_; }                ///< while the camera rests
   float askedPx() const noexcept { return asked_px_; }                        ///< of the next cut
   bool asksForFinest() const noexcept { return asked_px_ <= threshold_px_; }  ///< and for nothing coarser
@@ -48,7 +54,8 @@ class Pacing {
   bool isWorthWaiting(float drawn_px, bool is_uploaded, TimePoint now) const noexcept;
 
  private:
-  const bool is_fixed_;
+  bool is_fixed_;
+  double fps_;
   float threshold_px_, asked_px_;
   render::FrameRateControl control_;
   double work_ms_ = 0;

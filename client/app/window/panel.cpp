@@ -343,9 +343,6 @@ Panel::~Panel() {
   ImGui::DestroyContext();
 }
 
-bool Panel::wantsMouse() const { return ImGui::GetIO().WantCaptureMouse; }
-bool Panel::wantsKeyboard() const { return ImGui::GetIO().WantCaptureKeyboard; }
-
 void Panel::setScale(double scale) {
   if (scale_ == static_cast<float>(scale)) return;
   scale_ = static_cast<float>(scale);
@@ -373,6 +370,12 @@ void Panel::draw(const PanelContent& content) {
       drawOpen(content);
     ImGui::PopTextWrapPos();
     ImGui::End();
+  }
+  covered_.reset();
+  if (content.shows_settings && content.is_open) {
+    Settings settings = content.settings;
+    covered_ = drawSettings(content, kMarginPx, settings);
+    if (settings != content.settings) changed_ = settings;
   }
   if (content.help) drawHelp(content);
   ImGui::Render();

@@ -2,8 +2,11 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <utility>
 
 #include "client/app/window/panel_content.h"
+#include "client/app/window/panel_settings.h"
 
 struct GLFWwindow;
 
@@ -22,8 +25,10 @@ class Panel {
   void setScale(double scale);
   /// Draws into the window's own framebuffer.
   void draw(const PanelContent& content);
-  bool wantsMouse() const;
-  bool wantsKeyboard() const;
+  /// Where it takes the mouse since it was drawn last.
+  const std::optional<Covered>& covered() const noexcept { return covered_; }
+  /// What the user has set there since the last call.
+  std::optional<Settings> takeSettings() { return std::exchange(changed_, std::nullopt); }
 
  private:
   void drawOpen(const PanelContent& content) const;
@@ -32,6 +37,8 @@ class Panel {
   std::array<float, kFramesShown> frames_ms_{};  ///< a ring
   size_t next_frame_ = 0;
   float scale_ = 0;
+  std::optional<Covered> covered_;
+  std::optional<Settings> changed_;
 };
 
 }  // namespace lode::app

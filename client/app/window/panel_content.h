@@ -9,6 +9,7 @@
 #include "client/app/window/exhibit.h"
 #include "client/app/window/notice.h"
 #include "client/app/window/pick_marks.h"
+#include "client/app/window/settings.h"
 #include "client/render/shown_colours.h"
 
 namespace lode::app {
@@ -45,7 +46,8 @@ struct PanelContent {
   Notice notice;                            ///< how the stream fares
   bool recording = false;                   ///< the camera's path
   std::string message;                      ///< for a moment, such as where a screenshot went
-  bool visible = true, help = false;
+  Settings settings;
+  bool visible = true, help = false, shows_settings = false;
 
   bool operator==(const PanelContent&) const = default;
 };

@@ -13,6 +13,7 @@ class ShowSwitch {
   render::Show shown() const noexcept { return shown_; }
   /// @param steps  among all that there is, round and round; negative for back.
   void step(int steps) noexcept;
+  void show(render::Show shown) noexcept { shown_ = shown; }
   /// A wireframe, or back to what was shown before it.
   void toggleWireframe() noexcept;
 

@@ -89,10 +89,11 @@ double Viewer::waitSeconds() const {
 }
 
 void Viewer::frame() {
+  window_.cover(panel_.covered());
   window_.handleEvents(waitSeconds());
   const double seconds = secondsSince(last_frame_);
   last_frame_ = Clock::now();
-  Input input = window_.takeInput(!panel_.wantsKeyboard(), !panel_.wantsMouse());
+  Input input = window_.takeInput();
   obey(input);
   openWhenReady();
   if (isMinimized()) return passUnseen();
@@ -147,6 +148,7 @@ void Viewer::obey(Input& input) {
   if (exhibit_->saysWhatIsUp() && std::exchange(input.next_axis, false)) note("a scene says which way is up");
   if (input.bookmark != 0) tellOfBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
+  if (input.toggle_settings) content_.shows_settings = !content_.shows_settings;
   if (input.screenshot) picture_request_.ask(Clock::now());
   pacing_.sharpen(input.finer);
 }
@@ -285,13 +287,34 @@ void Viewer::stream() {
 /// A screenshot shows the model alone.
 render::DrawTime Viewer::time() const {
   const bool is_fast_enough = pacing_.workMs() * kFramesOfFade <= render::kFadeS * 1e3;
-  return {secondsSince(started_), options_.common.fade && is_fast_enough && options_.screenshot.empty(),
+  return {secondsSince(started_), fades_ && is_fast_enough && options_.screenshot.empty(),
           draws_in_software_};
 }
 
-/// It costs about as much in every frame, which no threshold makes up for where the processor draws. A
-/// screenshot is the picture that `render` draws.
-bool Viewer::darkensHollows() const { return !draws_in_software_ || !options_.screenshot.empty(); }
+/// A screenshot is the picture that `render` draws.
+bool Viewer::darkensHollows() const { return darkens_hollows_ || !options_.screenshot.empty(); }
+
+Settings Viewer::settings() const {
+  return {.unlit = show_.shown() == render::Show::kUnlit,
+          .darkens_hollows = darkens_hollows_,
+          .fades = fades_,
+          .exposure = style_.exposure,
+          .fixes_threshold = pacing_.isFixed(),
+          .threshold_px = pacing_.thresholdPx(),
+          .fps = static_cast<float>(pacing_.fps())};
+}
+
+/// What differs, so that what is beyond the reach of the settings stays.
+void Viewer::apply(const Settings& wanted) {
+  const Settings now = settings();
+  if (wanted.unlit != now.unlit) show_.show(wanted.unlit ? render::Show::kUnlit : render::Show::kSurface);
+  darkens_hollows_ = wanted.darkens_hollows;
+  fades_ = wanted.fades;
+  if (wanted.exposure != now.exposure) style_.exposure = wanted.exposure;
+  if (wanted.fixes_threshold != now.fixes_threshold) pacing_.fix(wanted.fixes_threshold);
+  if (wanted.threshold_px != now.threshold_px) pacing_.setThreshold(wanted.threshold_px);
+  if (wanted.fps != now.fps) pacing_.setRate(wanted.fps);
+}
 
 /// Where the processor draws, samples of pixels cost time that is better spent on a finer threshold while the
 /// camera moves.
@@ -330,6 +353,7 @@ void Viewer::draw() {
   pacing_.draw(coarsening, Clock::now());
   panel_.setScale(window_.contentScale());
   panel_.draw(content_);
+  if (const auto wanted = panel_.takeSettings()) apply(*wanted);
   saveScreenshots();
   content_.upload_ms = std::exchange(uploads_ms_, 0);
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
@@ -361,6 +385,7 @@ void Viewer::describe() {
   content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();
   content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);
+  content_.settings = settings();
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
 }
 

@@ -69,6 +69,8 @@ class Viewer {
   bool isWorthWaiting() const;
   render::DrawTime time() const;
   bool darkensHollows() const;
+  Settings settings() const;
+  void apply(const Settings& wanted);
   bool isQuick() const;
   const render::Framebuffer& target();
   void draw();
@@ -110,6 +112,9 @@ class Viewer {
   std::optional<Pilot> pilot_;  ///< of --laps
   render::DrawStyle style_;
   ShowSwitch show_;
+  bool fades_ = options_.common.fade;
+  /// It costs about as much in every frame, which no threshold makes up for where the processor draws.
+  bool darkens_hollows_ = !draws_in_software_;
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;
   std::string note_;

@@ -36,6 +36,25 @@ TEST(Pacing, asksForAFixedThresholdWhateverFramesTake) {
   EXPECT_FALSE(pacing.isWorthWaiting(1, false, kBegun));
 }
 
+TEST(Pacing, takesAnotherRateAndAFixedThresholdWhileItGoesOn) {
+  Pacing pacing(kCoarseFirst, kBegun);
+  pacing.step(0.016, true, kBegun);
+  EXPECT_NEAR(pacing.targetMs(), 1000.0 / 60, 1e-9);
+  pacing.setRate(20);
+  EXPECT_EQ(pacing.fps(), 20);
+  EXPECT_NEAR(pacing.targetMs(), 50, 1e-9);
+  pacing.setThreshold(3);
+  pacing.fix(true);
+  pacing.step(0.016, true, kBegun);
+  EXPECT_EQ(pacing.askedPx(), 3);
+  EXPECT_EQ(pacing.targetMs(), 0);
+  pacing.fix(false);
+  pacing.step(0.016, true, kBegun);
+  EXPECT_GT(pacing.askedPx(), 3);
+  pacing.setThreshold(1e9f);
+  EXPECT_EQ(pacing.thresholdPx(), kLargestThresholdPx);
+}
+
 TEST(Pacing, learnsNothingOfFramesThatShowNothing) {
   Pacing pacing({}, kBegun);
   for (int i = 0; i < 10; ++i) pacing.measure(800, std::nullopt);
