@@ -20,6 +20,7 @@ class AmbientOcclusion {
 
   /// To be called once, when all models of a picture are drawn, before it is resolved. Touches no sample of
   /// the background, and nothing unless surfaces are shown in their light: other colours mean something.
+  /// @param picture  of several samples a pixel.
   /// Leaves behind: bound framebuffer, program, vertex array, textures, depth state.
   void darken(const Framebuffer& picture, double fov_y_rad, Show show);
 

@@ -13,15 +13,22 @@ namespace {
 constexpr GLuint kDepthUnit = 1;
 
 const char* const kFarthestFragmentShader = R"glsl(
+#ifdef SAMPLED
 layout(binding = 1) uniform sampler2DMS depths;
 layout(location = 0) uniform int samples;
+ivec2 sizePx() { return textureSize(depths); }
+#else
+layout(binding = 1) uniform sampler2D depths;
+const int samples = 1;
+ivec2 sizePx() { return textureSize(depths, 0); }
+#endif
 out float farthest;
 
 const int kSquarePx = 8;
 
 void main() {
   ivec2 first = ivec2(gl_FragCoord.xy) * kSquarePx;
-  ivec2 end = min(first + kSquarePx, textureSize(depths));
+  ivec2 end = min(first + kSquarePx, sizePx());
   farthest = 1.0;
   for (int y = first.y; y < end.y; ++y)
     for (int x = first.x; x < end.x; ++x)
@@ -40,7 +47,8 @@ bool drawsInSoftware() {
 }
 
 DepthReader::DepthReader()
-    : program_(linkProgram(kWholeVertexShader, {kFarthestFragmentShader})),
+    : plain_program_(linkProgram(kWholeVertexShader, {kFarthestFragmentShader})),
+      sampled_program_(linkProgram(kWholeVertexShader, {kFarthestFragmentShader}, {"SAMPLED"})),
       empty_array_(GlVertexArray::create()) {}
 
 FarthestDepths DepthReader::read(const Framebuffer& picture) {
@@ -59,8 +67,9 @@ FarthestDepths DepthReader::read(const Framebuffer& picture) {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
   glViewport(0, 0, columns, rows);
   glDisable(GL_DEPTH_TEST);
-  glUseProgram(program_.get());
-  glUniform1i(0, picture.samples());
+  const bool has_samples = picture.samples() > 1;
+  glUseProgram(has_samples ? sampled_program_.get() : plain_program_.get());
+  if (has_samples) glUniform1i(0, picture.samples());
   glBindTextureUnit(kDepthUnit, picture.depth());
   glBindVertexArray(empty_array_.get());
   glDrawArrays(GL_TRIANGLES, 0, 3);

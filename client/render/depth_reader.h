@@ -21,7 +21,7 @@ class DepthReader {
   FarthestDepths read(const Framebuffer& picture);
 
  private:
-  GlProgram program_;
+  GlProgram plain_program_, sampled_program_;
   GlVertexArray empty_array_;
   GlRenderbuffer squares_;
   GlFramebuffer framebuffer_;

@@ -33,22 +33,42 @@ Framebuffer::Framebuffer(uint32_t width_px, uint32_t height_px, int samples)
   }
 
   colour_ = GlRenderbuffer::create();
-  depth_ = GlMultisampleTexture::create();
-  resolved_colour_ = GlRenderbuffer::create();
-  glNamedRenderbufferStorageMultisample(colour_.get(), samples_, GL_SRGB8_ALPHA8, width, height);
-  glTextureStorage2DMultisample(depth_.get(), samples_, GL_DEPTH_COMPONENT32F, width, height, GL_TRUE);
-  glNamedRenderbufferStorage(resolved_colour_.get(), GL_SRGB8_ALPHA8, width, height);
-
   drawn_ = GlFramebuffer::create();
+  if (samples_ > 1) {
+    makeSampled(width, height);
+  } else {
+    makePlain(width, height);
+  }
   glNamedFramebufferRenderbuffer(drawn_.get(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_.get());
-  glNamedFramebufferTexture(drawn_.get(), GL_DEPTH_ATTACHMENT, depth_.get(), 0);
+  glNamedFramebufferTexture(drawn_.get(), GL_DEPTH_ATTACHMENT, depth(), 0);
+  bool complete = true;
+  for (const GLuint framebuffer : {drawn_.get(), resolved()}) {
+    complete = complete &&
+               glCheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  }
+  if (glGetError() != GL_NO_ERROR || !complete) failSize(width_px, height_px, limit_px);
+}
+
+void Framebuffer::makeSampled(GLsizei width, GLsizei height) {
+  glNamedRenderbufferStorageMultisample(colour_.get(), samples_, GL_SRGB8_ALPHA8, width, height);
+  glGetNamedRenderbufferParameteriv(colour_.get(), GL_RENDERBUFFER_SAMPLES, &samples_);
+  sampled_depth_ = GlMultisampleTexture::create();
+  glTextureStorage2DMultisample(sampled_depth_.get(), samples_, GL_DEPTH_COMPONENT32F, width, height,
+                                GL_TRUE);
+  resolved_colour_ = GlRenderbuffer::create();
+  glNamedRenderbufferStorage(resolved_colour_.get(), GL_SRGB8_ALPHA8, width, height);
   resolved_ = GlFramebuffer::create();
   glNamedFramebufferRenderbuffer(resolved_.get(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
                                  resolved_colour_.get());
-  const bool complete =
-      glCheckNamedFramebufferStatus(drawn_.get(), GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE &&
-      glCheckNamedFramebufferStatus(resolved_.get(), GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-  if (glGetError() != GL_NO_ERROR || !complete) failSize(width_px, height_px, limit_px);
+}
+
+/// Storage for several samples of which one is asked for is not this: Mesa gives as many as it has.
+void Framebuffer::makePlain(GLsizei width, GLsizei height) {
+  glNamedRenderbufferStorage(colour_.get(), GL_SRGB8_ALPHA8, width, height);
+  plain_depth_ = GlTexture::create();
+  glTextureStorage2D(plain_depth_.get(), 1, GL_DEPTH_COMPONENT32F, width, height);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTextureParameteri(plain_depth_.get(), filter, GL_NEAREST);
 }
 
 void Framebuffer::bindForDrawing() const {
@@ -57,6 +77,7 @@ void Framebuffer::bindForDrawing() const {
 }
 
 void Framebuffer::resolve() const {
+  if (samples_ == 1) return;
   const GLint width = static_cast<GLint>(width_px_), height = static_cast<GLint>(height_px_);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glBlitNamedFramebuffer(drawn_.get(), resolved_.get(), 0, 0, width, height, 0, 0, width, height,
@@ -82,7 +103,7 @@ void Framebuffer::copyTo(GLuint framebuffer) const {
   const GLint width = static_cast<GLint>(width_px_), height = static_cast<GLint>(height_px_);
   // The bytes are sRGB already and go over as they are.
   glDisable(GL_FRAMEBUFFER_SRGB);
-  glBlitNamedFramebuffer(resolved_.get(), framebuffer, 0, 0, width, height, 0, 0, width, height,
+  glBlitNamedFramebuffer(resolved(), framebuffer, 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 }

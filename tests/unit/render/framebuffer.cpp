@@ -1,0 +1,59 @@
+#include "client/render/framebuffer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "gl_fixture.h"
+
+namespace lode::test {
+namespace {
+
+using Samples = GlTest;
+
+/// The paint of a square whose sides run across the pixels, before magenta.
+render::Image slantedSquare(const render::Framebuffer& target) {
+  const core::View view = lookAt({2000, 2000, 4000}, {2000, 2000, 1000}, {0.2, 1, 0});
+  render::Renderer renderer;
+  renderer.show(GlTest::cutOf(std::vector{squareAt(1500, 1500, 1000, 1000, {255, 255, 0, 255})}));
+  renderer.uploadInRenderThread({.wait = true});
+  render::DrawStyle style = GlTest::magentaBehind();
+  style.show = render::Show::kUnlit;
+  renderer.draw(view, target, style);
+  target.resolve();
+  return target.readPixels();
+}
+
+/// Pixels that are neither the square's nor the background's.
+int mixedPixels(const render::Image& image) {
+  int mixed = 0;
+  for (size_t i = 0; i < image.rgba.size(); i += 4) {
+    const bool is_square = image.rgba[i + 1] == 255 && image.rgba[i + 2] == 0;
+    mixed += !is_square && !isMagenta(&image.rgba[i]);
+  }
+  return mixed;
+}
+
+TEST_F(Samples, ofAPixelAreMixedWhereThereAreSeveralAndAreOneWhereOneIsAskedFor) {
+  const render::Framebuffer several(kWidthPx, kHeightPx), one(kWidthPx, kHeightPx, 1);
+  const render::Image mixed = slantedSquare(several), plain = slantedSquare(one);
+  EXPECT_GT(mixedPixels(mixed), 50);
+  EXPECT_EQ(mixedPixels(plain), 0);
+  EXPECT_EQ(one.samples(), 1);
+  for (const auto& [x, y] : {std::pair{0u, 0u}, {kWidthPx / 2, kHeightPx / 2}})
+    EXPECT_TRUE(std::equal(plain.pixel(x, y), plain.pixel(x, y) + 4, mixed.pixel(x, y)));
+}
+
+TEST_F(Samples, areAsManyAsAreSaid) {
+  for (const int asked : {1, 2, 4}) {
+    const render::Framebuffer target(kWidthPx, kHeightPx, asked);
+    target.bindForDrawing();
+    GLint samples = 0;
+    glGetFramebufferParameteriv(GL_DRAW_FRAMEBUFFER, GL_SAMPLES, &samples);
+    EXPECT_EQ(target.samples(), std::max(samples, 1)) << asked;
+  }
+}
+
+}  // namespace
+}  // namespace lode::test
