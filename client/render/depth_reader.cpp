@@ -11,6 +11,7 @@ namespace lode::render {
 namespace {
 
 constexpr GLuint kDepthUnit = 1;
+constexpr std::array<std::string_view, 1> kSampled{"SAMPLED"};
 
 const char* const kFarthestFragmentShader = R"glsl(
 #ifdef SAMPLED
@@ -48,7 +49,7 @@ bool drawsInSoftware() {
 
 DepthReader::DepthReader()
     : plain_program_(linkProgram(kWholeVertexShader, {kFarthestFragmentShader})),
-      sampled_program_(linkProgram(kWholeVertexShader, {kFarthestFragmentShader}, {"SAMPLED"})),
+      sampled_program_(linkProgram(kWholeVertexShader, {kFarthestFragmentShader}, kSampled)),
       empty_array_(GlVertexArray::create()) {}
 
 FarthestDepths DepthReader::read(const Framebuffer& picture) {

@@ -5,8 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <initializer_list>
-#include <string_view>
 #include <type_traits>
 
 #include "client/core/shown_parts.h"
@@ -63,10 +61,6 @@ glm::vec3 toLinear(const glm::u8vec3& srgb) {
   return glm::dvec3(linearOf(srgb.r), linearOf(srgb.g), linearOf(srgb.b));
 }
 
-GlProgram meshProgram(std::initializer_list<std::string_view> definitions) {
-  return linkProgram(kMeshVertexShader, {kLightShader, kMeshFragmentShader}, definitions);
-}
-
 /// Fewer are drawn sooner than found to be hidden.
 constexpr size_t kFewClusters = 64;
 
@@ -100,10 +94,6 @@ Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
     : lattice_step_(lattice_step),
       meshes_(options),
       textures_(options.texture_budget_bytes, options.texture_staging_bytes),
-      plain_program_(meshProgram({})),
-      textured_program_(meshProgram({"TEXTURED"})),
-      fading_program_(meshProgram({"FADING"})),
-      fading_textured_program_(meshProgram({"FADING", "TEXTURED"})),
       background_program_(linkProgram(kBackgroundVertexShader, {kBackgroundFragmentShader})),
       empty_array_(GlVertexArray::create()),
       commands_buffer_(GlBuffer::create()),
@@ -158,15 +148,18 @@ uint64_t Renderer::gpuBytes() const noexcept {
          textures_.stagingBytes();
 }
 
-void Renderer::drawBackground(const DrawStyle& style) const {
-  const GLfloat far_depth = 0;
-  glClearBufferfv(GL_DEPTH, 0, &far_depth);
-  glDisable(GL_DEPTH_TEST);
+void Renderer::drawBackground(const Framebuffer& target, const DrawStyle& style) const {
+  target.bindForDrawing();
+  setFrameState();
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_EQUAL);
   glUseProgram(background_program_.get());
   glUniform3fv(kBottom, 1, &style.background_bottom_srgb.x);
   glUniform3fv(kTop, 1, &style.background_top_srgb.x);
   glBindVertexArray(empty_array_.get());
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthFunc(GL_GREATER);
+  glBindVertexArray(0);
 }
 
 Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style,
@@ -260,6 +253,7 @@ void Renderer::setCamera(const core::View& view, const DrawStyle& style) const {
   glUniform3fv(kToSun, 1, &light.to_sun.x);
   glUniform3fv(kUp, 1, &light.up.x);
   glUniform1f(kExposure, style.exposure);
+  if (style.show == Show::kSurface) return;
   glUniform1f(kDimming, 1);
   glUniform1i(kAreLines, GL_FALSE);
   std::array<glm::vec3, kTexelColourCount> texel_colours;
@@ -282,10 +276,12 @@ void Renderer::bindDraws(const Place& place) {
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_buffer_.get());
 }
 
-const GlProgram& Renderer::program(bool fades) const noexcept {
-  const bool textured = textures_.set() != nullptr;
-  if (fades) return textured ? fading_textured_program_ : fading_program_;
-  return textured ? textured_program_ : plain_program_;
+const GlProgram& Renderer::program(bool fades, const DrawStyle& style) {
+  unsigned parts = fades ? MeshPrograms::kFading : 0;
+  if (textures_.set() != nullptr) parts |= MeshPrograms::kTextured;
+  if (textures_.hasClear() && !has_samples_) parts |= MeshPrograms::kCutOut;
+  if (style.show != Show::kSurface) parts |= MeshPrograms::kViews;
+  return programs_.with(parts);
 }
 
 /// @param attributes  the model's, of all meshes
@@ -332,17 +328,21 @@ uint32_t Renderer::drawWireframe(const DrawList& list, AttributeSet attributes) 
 DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style,
                           const DrawTime& time) {
   DrawCounts counts = drawPlace(0, view, target, style, time);
-  if (!time.leaves_out_hidden) return counts;
-  const bool are_few = places_[0].seen.size() < kFewClusters;
-  return counts +=
-         drawAppeared(0, view, target, style, are_few ? FarthestDepths() : depth_reader_.read(target));
+  if (time.leaves_out_hidden) {
+    const bool are_few = places_[0].seen.size() < kFewClusters;
+    counts += drawAppeared(0, view, target, style, are_few ? FarthestDepths() : depth_reader_.read(target));
+  }
+  if (!style.over) drawBackground(target, style);
+  return counts;
 }
 
 DrawCounts Renderer::drawPlace(size_t number, const core::View& view, const Framebuffer& target,
                                const DrawStyle& style, const DrawTime& time) {
   target.bindForDrawing();
+  has_samples_ = target.samples() > 1;
   setFrameState();
-  if (!style.over) drawBackground(style);
+  const GLfloat far_depth = 0;
+  if (!style.over) glClearBufferfv(GL_DEPTH, 0, &far_depth);
   static_assert(std::is_nothrow_move_constructible_v<Place>);  // clusters point to the items of others' fades
   if (number >= places_.size()) places_.resize(number + 1);
   Place& place = places_[number];
@@ -391,13 +391,15 @@ void Renderer::drawClusters(const Place& place, const std::vector<bool>& is_chos
   glEnable(GL_DEPTH_TEST);
   bindDraws(place);
   // What an image leaves clear is left out sample by sample, so that nothing has to be sorted.
-  glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-  glEnable(GL_SAMPLE_ALPHA_TO_ONE);
+  if (textures_.hasClear()) {
+    glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+    glEnable(GL_SAMPLE_ALPHA_TO_ONE);
+  }
   const AttributeSet attributes = place.seen.front().item->attributes;
   for (const bool fades : {false, true}) {
     const DrawList& list = fades ? fading_ : whole_;
     if (list.empty()) continue;
-    glUseProgram(program(fades).get());
+    glUseProgram(program(fades, style).get());
     setCamera(view, style);
     setTextures();
     counts.calls +=

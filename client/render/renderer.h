@@ -15,6 +15,7 @@
 #include "client/render/depth_reader.h"
 #include "client/render/draw_list.h"
 #include "client/render/framebuffer.h"
+#include "client/render/mesh_programs.h"
 #include "client/render/mesh_residency.h"
 #include "client/render/shown_colours.h"
 #include "client/render/shown_thresholds.h"
@@ -28,7 +29,7 @@ struct DrawStyle {
   float exposure = 1;                                  ///< by which the light is multiplied, > 0
   glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< 0..1
   glm::vec3 background_bottom_srgb{0.10f, 0.11f, 0.13f};
-  bool over = false;  ///< what the target has stays, and hides what is behind it: no background is drawn
+  bool over = false;  ///< what the target has stays and hides what is behind it; no background is drawn
 
   bool operator==(const DrawStyle&) const = default;
 };
@@ -76,14 +77,17 @@ class Renderer {
   /// Draws background and model. view.width_px and height_px are those of the target.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
                   const DrawTime& time = {});
-  /// Draws the model at one of its places. Where what is hidden is left out, only what was not hidden in the
-  /// last frame: drawAppeared() gives the rest. @param view  as the model sees it from there.
+  /// Draws the model at one of its places, and no background. Where what is hidden is left out, only what was
+  /// not hidden in the last frame: drawAppeared() gives the rest. @param view  as the model sees it from
+  /// there.
   DrawCounts drawPlace(size_t place, const core::View& view, const Framebuffer& target,
                        const DrawStyle& style, const DrawTime& time);
   /// Draws what drawPlace() has left out and what is drawn does not hide. The same samples get the same
   /// colours as if all were drawn. @param drawn  of all that drawPlace() has drawn at any place.
   DrawCounts drawAppeared(size_t place, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const FarthestDepths& drawn);
+  /// Where nothing was drawn: last, so that little of it has to be.
+  void drawBackground(const Framebuffer& target, const DrawStyle& style) const;
   /// Nothing is drawn at this place now: when it is next, all appears at once.
   void leaveOut(size_t place);
   /// The next frame differs from the last, although nothing else has changed.
@@ -109,7 +113,6 @@ class Renderer {
   };
   void showTextures();
   void keepWhatIsShown();
-  void drawBackground(const DrawStyle& style) const;
   DrawState stateOf(const FadedItem& faded, const DrawStyle& style, float threshold_px) const;
   void choose(Place& place, size_t number, const core::View& view, const DrawTime& time);
   DrawCounts collect(Place& place, const core::View& view, const DrawStyle& style, float threshold_px);
@@ -118,7 +121,7 @@ class Renderer {
   void setCamera(const core::View& view, const DrawStyle& style) const;
   void setTextures() const;
   void bindDraws(const Place& place);
-  const GlProgram& program(bool fades) const noexcept;
+  const GlProgram& program(bool fades, const DrawStyle& style);
   uint32_t drawList(const DrawList& list, AttributeSet attributes) const;
   uint32_t drawWireframe(const DrawList& list, AttributeSet attributes) const;
 
@@ -126,8 +129,10 @@ class Renderer {
   MeshResidency meshes_;
   TextureResidency textures_;
   std::vector<Place> places_;
-  bool fades_ = false;  ///< the last picture did
-  GlProgram plain_program_, textured_program_, fading_program_, fading_textured_program_, background_program_;
+  bool fades_ = false;       ///< the last picture did
+  bool has_samples_ = true;  ///< the target
+  MeshPrograms programs_;
+  GlProgram background_program_;
   GlVertexArray mesh_array_, empty_array_;
   GlBuffer commands_buffer_, states_buffer_;
   DrawList whole_, fading_;

@@ -1,5 +1,6 @@
 #include "client/render/shader_program.h"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,7 @@ void attachShader(GLuint program, GLenum kind, const std::string& head,
 }  // namespace
 
 GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
-                      std::initializer_list<std::string_view> definitions) {
+                      std::span<const std::string_view> definitions) {
   std::string head = "#version 450 core\n";
   for (const std::string_view definition : definitions) head += "#define " + std::string(definition) + "\n";
   GlProgram program = GlProgram::create();

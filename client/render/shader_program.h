@@ -1,6 +1,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <span>
 #include <string_view>
 
 #include "client/render/gl_names.h"
@@ -12,6 +13,6 @@ namespace lode::render {
 /// @param definitions  names that are defined in both.
 /// @throws Error kInternal with the driver's first line: the sources are ours and need OpenGL 4.5 only.
 GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
-                      std::initializer_list<std::string_view> definitions = {});
+                      std::span<const std::string_view> definitions = {});
 
 }  // namespace lode::render

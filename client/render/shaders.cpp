@@ -24,7 +24,9 @@ out vec3 colour;
 out vec2 uv;
 flat out uint material;
 flat out uint flags;
+#ifdef VIEWS
 flat out vec3 tint;
+#endif
 flat out uint share;
 
 vec3 toLinear(vec3 srgb) {
@@ -45,7 +47,9 @@ void main() {
   uv = uv_frame.xy + vec2(texture_code.xy) * uv_frame.z;
   material = texture_code.z;
   flags = draw_state.x;
+#ifdef VIEWS
   tint = (flags & 4u) != 0u ? toLinear(unpackUnorm4x8(draw_state.y).rgb) : vec3(0.0);
+#endif
   share = draw_state.z;
   gl_Position = vec4(projection.xy * position_view.xy, projection.z, -position_view.z);
 }
@@ -59,14 +63,18 @@ in vec3 colour;
 in vec2 uv;
 flat in uint material;
 flat in uint flags;
+#ifdef VIEWS
 flat in vec3 tint;
+#endif
 flat in uint share;
 out vec4 pixel;
 
 layout(location = 3) uniform mat3 view_rotation;
+#ifdef VIEWS
 layout(location = 10) uniform float dimming;   // of what lies between the lines of a wireframe
 layout(location = 11) uniform bool are_lines;  // which have no facet
 layout(location = 12) uniform vec3 texel_colours[6];  // 1/4 to 4 texels a pixel; no image
+#endif
 
 const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
 #ifdef TEXTURED
@@ -132,6 +140,7 @@ bool sampleTexture(out vec4 texel) {
   return true;
 }
 
+#ifdef VIEWS
 /// By how many texels of the material's finest image lie under the pixel, along a side of it.
 vec3 texelColour() {
   vec2 across = dFdx(uv), down = dFdy(uv);
@@ -142,6 +151,7 @@ vec3 texelColour() {
   int lower = min(int(step), 3);
   return mix(texel_colours[lower], texel_colours[lower + 1], step - float(lower));
 }
+#endif
 #endif
 
 /// The vertex normal, turned to the side that the triangle shows: both sides are lit. Where vertices' normals
@@ -172,11 +182,13 @@ void main() {
   vec3 to_eye = normalize(-position_view);
   vec3 facet = normalize(cross(dFdx(position_view), dFdy(position_view)));
   if (dot(facet, to_eye) < 0.0) facet = -facet;
+#ifdef VIEWS
   if (are_lines) facet = to_eye;
+#endif
   vec3 n = facet;
   if ((flags & 1u) != 0u && dot(normal_squares, vec3(1.0)) > 1e-6) n = shownNormal(facet);
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
-  float coverage = 1.0;
+  float coverage = 1.0;  // of a pixel, by samples; without any it is covered or not
 #ifdef TEXTURED
   vec4 texel;
   if ((flags & 8u) != 0u && sampleTexture(texel)) {
@@ -184,6 +196,13 @@ void main() {
     coverage = texel.a;
   }
 #endif
+#ifdef CUT_OUT
+  if (coverage < 0.5) discard;
+  coverage = 1.0;
+#endif
+#ifndef VIEWS
+  pixel = vec4(toned(lit(albedo, n, to_eye)), coverage);
+#else
   if ((flags & 64u) != 0u) albedo = texel_colours[5];
 #ifdef TEXTURED
   if ((flags & 72u) == 72u) albedo = texelColour();
@@ -193,6 +212,7 @@ void main() {
   if ((flags & 16u) != 0u) seen = albedo;
   if ((flags & 32u) != 0u) seen = pow((n * view_rotation) * 0.5 + 0.5, vec3(2.2));  // in the model's frame
   pixel = vec4(seen * dimming, coverage);
+#endif
 }
 )glsl";
 

@@ -30,6 +30,11 @@ uint64_t texelBytes(const TileImage& image) {
   return texels * sizeof(glm::u8vec4);
 }
 
+/// Its coarser levels are means of it.
+bool isOpaque(const TileImage& image) {
+  return std::ranges::all_of(image.texels, [](const glm::u8vec4& texel) { return texel.a == 255; });
+}
+
 uint32_t layersOf(uint64_t budget_bytes) {
   GLint limit = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &limit);
@@ -49,6 +54,7 @@ void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   entries_.clear();
   cells_ = TileCells(most_layers_);
   first_entries_.clear();
+  has_clear_ = false;
   if (!set_) return;
   std::vector<uint32_t> table(set_->textures.size() * kHeadWords);
   for (size_t i = 0; i < set_->textures.size(); ++i) {
@@ -184,6 +190,7 @@ bool TextureResidency::upload(const core::ResidentTile& tile) {
   }
   copy(*tile.image, cells[0]);
   for (size_t i = 1; i < cells.size(); ++i) copy(tile.image->coarser[i - 1], cells[i]);
+  has_clear_ = has_clear_ || !isOpaque(*tile.image);
   setPages(tile.key, cells);
   entries_.emplace(tile.image, Entry{std::move(cells), {tile.key}});
   return true;

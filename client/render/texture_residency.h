@@ -51,6 +51,8 @@ class TextureResidency {
 
   /// Null while nothing textured is to be drawn.
   const TextureSet* set() const noexcept { return set_.get(); }
+  /// An image of the set was uploaded that is not opaque everywhere.
+  bool hasClear() const noexcept { return has_clear_; }
   /// Binds array and table to texture unit and storage buffer 0.
   void bind() const;
 
@@ -78,6 +80,7 @@ class TextureResidency {
   GlTextureArray array_;
   GlBuffer table_;
   std::shared_ptr<const TextureSet> set_;
+  bool has_clear_ = false;
   std::vector<uint32_t> first_entries_;  ///< in the table, by texture; its tail's come after its tiles'
   Entries entries_;
   std::shared_ptr<const core::Cut> cut_;     ///< the one whose tiles are wanted

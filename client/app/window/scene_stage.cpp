@@ -118,8 +118,12 @@ void SceneStage::draw(const core::View& view, const render::Framebuffer& target,
                       const render::DrawStyle& style) {
   render::DrawStyle surface = styleOf(style);
   if (style.show != render::Show::kUnlit) surface.show = render::Show::kSurface;
-  backdrop_.draw(viewFrom(view, {}, ground_lattice_.origin), target, surface);
+  backdrop_.drawPlace(0, viewFrom(view, {}, ground_lattice_.origin), target, surface, {});
   if (style.show != render::Show::kUnlit) shadow_pass_.draw(shadows_, view, target);
+}
+
+void SceneStage::drawSky(const render::Framebuffer& target, const render::DrawStyle& style) const {
+  backdrop_.drawBackground(target, styleOf(style));
 }
 
 }  // namespace lode::app

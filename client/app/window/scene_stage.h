@@ -29,9 +29,10 @@ class SceneStage {
   /// For views: no nearer than one lattice step of any instance, so that depths compare.
   double nearest() const noexcept { return near_; }
 
-  /// Behind all: the sky, and the ground if there is one, darker where models stand. @param view  in the
-  /// scene.
+  /// Behind all: the ground if there is one, darker where models stand. @param view  in the scene.
   void draw(const core::View& view, const render::Framebuffer& target, const render::DrawStyle& style);
+  /// Where neither ground nor models are: when these are drawn.
+  void drawSky(const render::Framebuffer& target, const render::DrawStyle& style) const;
   /// How the models are drawn over it; their up is still to be set.
   render::DrawStyle styleOver(const render::DrawStyle& style) const;
 

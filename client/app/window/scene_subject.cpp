@@ -73,8 +73,9 @@ Taken SceneSubject::take(double t, const render::Framebuffer& target, render::Dr
   core::View view =
       core::toView(core::cameraAt(path_, t), path_.fov_y_deg, size_.width_px, size_.height_px, in_scene);
   view.near_model = stage_->nearest();
-  stage_->draw(view, target, style);
-  style = stage_->styleOver(style);
+  const render::DrawStyle asked = style;
+  stage_->draw(view, target, asked);
+  style = stage_->styleOver(asked);
   Taken taken;
   taken.is_finest = true;
   for (const auto& [number, placement] : scene_.instances) {
@@ -101,6 +102,7 @@ Taken SceneSubject::take(double t, const render::Framebuffer& target, render::Dr
     if (style.show != render::Show::kSurface)
       taken.legend = render::legendOf(style.show, model.renderer.inPicture(), pixels_);
   }
+  stage_->drawSky(target, asked);
   return taken;
 }
 

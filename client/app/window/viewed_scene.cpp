@@ -261,13 +261,15 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
     const auto items = model->renderer.inPicture();
     in_picture_.insert(in_picture_.end(), items.begin(), items.end());
   }
-  if (!time.leaves_out_hidden || seen.empty()) return counts;
-  if (!depth_reader_) depth_reader_.emplace();
-  const render::FarthestDepths drawn = depth_reader_->read(target);
-  for (const auto& [distance, model, place] : seen) {
-    over.up = model->upAt(place, scene_.up);
-    counts += model->renderer.drawAppeared(place, model->viewAt(place, scene_view), target, over, drawn);
+  if (time.leaves_out_hidden && !seen.empty()) {
+    if (!depth_reader_) depth_reader_.emplace();
+    const render::FarthestDepths drawn = depth_reader_->read(target);
+    for (const auto& [distance, model, place] : seen) {
+      over.up = model->upAt(place, scene_.up);
+      counts += model->renderer.drawAppeared(place, model->viewAt(place, scene_view), target, over, drawn);
+    }
   }
+  stage_->drawSky(target, style);
   return counts;
 }
 

@@ -137,6 +137,7 @@ TEST_F(FadedPicture, fadesAtOnePlaceOfAModelAndStaysAtAnother) {
   const auto sharesAt = [&](size_t place, double now_s) {
     renderer.drawPlace(place, lookAt({500, 500, 800}, {500, 500, 0}), target, GlTest::magentaBehind(),
                        {now_s, true});
+    renderer.drawBackground(target, GlTest::magentaBehind());
     target.resolve();
     return sharesOf(target.readPixels());
   };

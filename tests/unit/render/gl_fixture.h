@@ -27,8 +27,8 @@ class GlTest : public ::testing::Test {
   }
 
   static render::Image draw(render::Renderer& renderer, const core::View& view,
-                            const render::DrawStyle& style = magentaBehind()) {
-    const render::Framebuffer target(view.width_px, view.height_px);
+                            const render::DrawStyle& style = magentaBehind(), int samples = 4) {
+    const render::Framebuffer target(view.width_px, view.height_px, samples);
     renderer.draw(view, target, style);
     target.resolve();
     return target.readPixels();

@@ -160,10 +160,12 @@ class TwoPlaces {
     const render::DrawTime time{.leaves_out_hidden = leaves_out_hidden};
     render::DrawCounts counts = renderer_.drawPlace(0, view, target, {}, time);
     counts += renderer_.drawPlace(1, shifted, target, {.over = true}, time);
-    if (!leaves_out_hidden) return counts.triangles;
-    const render::FarthestDepths drawn = reader_.read(target);
-    counts += renderer_.drawAppeared(0, view, target, {}, drawn);
-    counts += renderer_.drawAppeared(1, shifted, target, {.over = true}, drawn);
+    if (leaves_out_hidden) {
+      const render::FarthestDepths drawn = reader_.read(target);
+      counts += renderer_.drawAppeared(0, view, target, {}, drawn);
+      counts += renderer_.drawAppeared(1, shifted, target, {.over = true}, drawn);
+    }
+    renderer_.drawBackground(target, {});
     return counts.triangles;
   }
 

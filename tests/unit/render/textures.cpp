@@ -53,7 +53,7 @@ class TexturedSquare : public GlTest {
   }
 
   render::Image drawSquare(const core::View& view, glm::u8vec4 colour = glm::u8vec4(255),
-                           uint8_t attributes = AttributeSet::kTexture) {
+                           uint8_t attributes = AttributeSet::kTexture, int samples = 4) {
     render::Renderer renderer;
     auto cut = std::make_shared<core::Cut>(*cutOf({square(colour, attributes)}));
     cut->textures = set_;
@@ -63,7 +63,7 @@ class TexturedSquare : public GlTest {
     EXPECT_TRUE(renderer.upToDate());
     render::DrawStyle style = magentaBehind();
     style.show = shown_;
-    return draw(renderer, view, style);
+    return draw(renderer, view, style, samples);
   }
 
   /// What the light makes of white and of black at each pixel.
@@ -324,10 +324,8 @@ TEST_F(TexturedSquare, isTheImageTimesTheVertexColour) {
   EXPECT_EQ(image.rgba, expected.rgba);
 }
 
-TEST_F(TexturedSquare, leavesOutWhatTheImageLeavesClear) {
-  wear({64, 64, [](uint32_t x, uint32_t) { return glm::u8vec4(255, 255, 255, x < 32 ? 0 : 255); }});
-  const core::View view = above({kSide / 2, kSide / 2}, kSide / 500);
-  const render::Image image = drawSquare(view);
+/// Whose left half is clear.
+void expectRightHalf(const render::Image& image) {
   for (uint32_t y = 0; y < image.height_px; y += 10)
     for (uint32_t x = 0; x < image.width_px; ++x) {
       if (x < kWidthPx / 2 - 10) {
@@ -338,6 +336,19 @@ TEST_F(TexturedSquare, leavesOutWhatTheImageLeavesClear) {
       }
       EXPECT_EQ(image.pixel(x, y)[3], 255);
     }
+}
+
+TEST_F(TexturedSquare, leavesOutWhatTheImageLeavesClear) {
+  wear({64, 64, [](uint32_t x, uint32_t) { return glm::u8vec4(255, 255, 255, x < 32 ? 0 : 255); }});
+  const core::View view = above({kSide / 2, kSide / 2}, kSide / 500);
+  const render::Image image = drawSquare(view);
+  expectRightHalf(image);
+  const render::Image one_sample = drawSquare(view, glm::u8vec4(255), AttributeSet::kTexture, 1);
+  expectRightHalf(one_sample);
+  for (uint32_t x = 0; x < one_sample.width_px; ++x) {
+    const uint8_t* const pixel = one_sample.pixel(x, 70);
+    EXPECT_EQ(showsMagenta(pixel), isMagenta(pixel)) << x << " is covered in part";
+  }
 }
 
 /// A floor of stripes along the view, seen at a flat angle: they stay apart far ahead.
