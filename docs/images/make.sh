@@ -34,6 +34,13 @@ printf '{"keys":[{"t":0,"eye":[-3,-5,3.6],"target":[11,10,0],"up":[0,0,1]}]}' >"
 XDG_CACHE_HOME="$work/cache" "$bin/lodestream" render "$work/scene/scene.json" --camera "$work/scene_camera.json" \
   --size 960x540 -o scene.png --json >/dev/null
 
+# The window with its panel, driven by keys and a pointer.
+if command -v Xvfb >/dev/null && command -v xdotool >/dev/null; then
+  ./window_pictures.py "$bin" "$work"
+else
+  echo "make.sh: Xvfb or xdotool is missing: the window's pictures stay" >&2
+fi
+
 # A model that sharpens: each picture allows a smaller error than the one before.
 frames=()
 for pixels in 45 32 23 16 11 8 5.6 4 2.8 1; do

@@ -6,44 +6,51 @@ Of MODELS_DIR/terrain.lode, into this script's folder. Needs Xvfb and xdotool; m
 import pathlib
 import sys
 import tempfile
+import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent.parent / "tests" / "integration"))
 import driven_window  # noqa: E402
 
 MODEL = driven_window.MODELS / "terrain.lode"
-driven_window.WIDTH, driven_window.HEIGHT = 960, 540
+driven_window.WIDTH, driven_window.HEIGHT = 1120, 630
+
+
+REST_S = 12  # until the picture has converged on a slow machine, and notices are gone
 
 
 def save(name, window):
+    time.sleep(REST_S)
     (HERE / f"{name}.png").write_bytes(window.picture())
 
 
 def picks(window):
-    for place in ((330, 330), (620, 270)):
+    for place in ((700, 330), (880, 215)):
         window.click(place)
-    window.move((700, 350))
+        time.sleep(2)
+    window.move((770, 400))
 
 
 def walk(window):
-    window.move((560, 330))
+    window.move((640, 250))
     for _ in range(2):
         window.key("Tab")
-    window.picture()
+        time.sleep(1)
+    window.drag((800, 200), (800, 330), (800, 460))
 
 
 def errors(window):
-    for _ in range(3):
+    for _ in range(8):
         window.key("v")
-    window.move((560, 330))
+    window.move((700, 330))
 
 
 def main():
     with driven_window.display() as screen:
         for name, act in (("window", picks), ("window_walk", walk), ("window_errors", errors)):
             with tempfile.TemporaryDirectory() as folder, driven_window.Window(screen, folder, MODEL, "--pixels", "1") as window:
-                window.picture()
                 window.key("F1")
+                time.sleep(REST_S)
                 act(window)
                 save(name, window)
 

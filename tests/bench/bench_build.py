@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Build speed, stage by stage: bench_build.py BIN_DIR [MODEL.ply ...] [--triangles N] [--runs R] [--threads T ...]
+"""Build speed, stage by stage: bench_build.py BIN_DIR [MODEL.ply ...] [--triangles N] [--runs R] [--threads T ...] [--beside BIN_DIR]
 
 Without a model it makes the samples asteroid, gyroid and terrain, of N triangles each. Prints, for each number of threads,
 a table of medians over R runs: million triangles a CPU second, of the whole and of each stage, wall seconds, peak memory, and
-what is stored for an input triangle.
+what is stored for an input triangle. With the programs of another state beside, both build by turns, and a column more says
+how much of the other's CPU time this state takes.
 """
 import argparse
 import json
@@ -24,15 +25,18 @@ def main():
     parser.add_argument("--attributes", default="", help="of the samples: normal,color")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--threads", type=int, nargs="*", default=[1, 2])
+    parser.add_argument("--beside", type=pathlib.Path, metavar="BIN_DIR")
     options = parser.parse_args()
     daemon = str(options.bin_dir / "lodestreamd")
     with tempfile.TemporaryDirectory() as folder:
         models = options.models or [sample(daemon, kind, options, folder) for kind in options.samples]
         for threads in options.threads:
             print(f"| {threads} thread{'s' if threads > 1 else ''} | million triangles a CPU second: all | " + " | ".join(STAGES) +
-                  " | wall | peak memory | stored triangles, bytes an input triangle |\n" + "|" + " --- |" * (len(STAGES) + 5))
+                  " | wall | peak memory | stored triangles, bytes an input triangle |" +
+                  (" CPU time beside |" if options.beside else "") +
+                  "\n" + "|" + " --- |" * (len(STAGES) + 5 + bool(options.beside)))
             for model in models:
-                report(daemon, model, threads, options.runs, folder)
+                report(options, model, threads, folder)
             print()
 
 
@@ -44,12 +48,18 @@ def sample(daemon, kind, options, folder):
     return path
 
 
-def report(daemon, model, threads, runs, folder):
-    results = []
-    for _ in range(runs):
-        done = subprocess.run([daemon, "build", str(model), "-o", f"{folder}/store.lode", "--threads", str(threads),
-                               "--json", "--quiet"], check=True, capture_output=True)
-        results.append(json.loads(done.stdout))
+def build(bin_dir, model, threads, folder):
+    done = subprocess.run([str(bin_dir / "lodestreamd"), "build", str(model), "-o", f"{folder}/store.lode", "--threads", str(threads),
+                           "--json", "--quiet"], check=True, capture_output=True)
+    return json.loads(done.stdout)
+
+
+def report(options, model, threads, folder):
+    results, ratios = [], []
+    for _ in range(options.runs):
+        results.append(build(options.bin_dir, model, threads, folder))
+        if options.beside:
+            ratios.append(results[-1]["cpu_seconds"] / build(options.beside, model, threads, folder)["cpu_seconds"])
     triangles = results[0]["triangles"]
 
     def median(value):
@@ -59,7 +69,7 @@ def report(daemon, model, threads, runs, folder):
     speeds = " | ".join(f"{triangles / cpu / 1e6:.2f}" for cpu in [median(lambda result: result["cpu_seconds"]), *stages])
     print(f"| {model.stem}, {triangles} | {speeds} | {median(lambda result: result['seconds']):.1f} s | "
           f"{median(lambda result: result['peak_rss_bytes']) / 1e6:.0f} MB | {results[0]['stored_triangles'] / triangles:.2f}, "
-          f"{results[0]['bytes'] / triangles:.2f} |", flush=True)
+          f"{results[0]['bytes'] / triangles:.2f} |" + (f" {statistics.median(ratios):.2f} |" if ratios else ""), flush=True)
 
 
 if __name__ == "__main__":
