@@ -23,7 +23,7 @@ ROWS = {  # names of a scenario's rows, and for each head after the first which 
     "restart": (("the only server of 200, away for 2 s",), OF_END),
     "rolling_upgrade": (("two behind HAProxy, 200 clients",), OF_END),
     "one_killed": (("of two behind HAProxy, 200 clients",), OF_END),
-    "slow": (("`single` on a fast link alone", "beside 20 clients on a link of 2 Mbit/s"), (5, None, None, None, 1, 2, 6, None, 4)),
+    "slow": (("`single` on a fast link alone", "beside 20 clients on a link of 2 Mbit/s", "beside 20 full ones there"), (5, None, None, 7, 1, 2, 6, None, 4)),
     "lossy": (("4 clients over 10 Mbit/s, 50 ms, 0 % lost", "1 % lost", "3 % lost"), (4, 5, None, 6, 1, 2, 8, None, 7)),
     "larger_than_memory": (("`single` for what is in memory, alone", "beside four that read 100 MB from a disk of 20 MB/s in 48 MB"),
                            (None, None, None, None, 1, 2, None, None, 4)),

@@ -8,11 +8,11 @@ from surroundings import forget, long_link, slow_disk
 SERVER_SIDE = "10.9.0.1"
 
 
-def over_link(stage, clients, seconds, beside=False, **link):
-    """A crowd on the far side of a link, and a probe there, or on the server's own side."""
+def over_link(stage, clients, seconds, beside=False, full=False, **link):
+    """A crowd on the far side of a link, of full clients or such that replay, and a probe there, or on the server's own side."""
     with long_link(stage.bin, **link) as (near, far), stage.server(prefix=near, host=SERVER_SIDE) as server:
         probe = stage.probe(server.listen, seconds, every=0.05 if beside else 0.5, prefix=near if beside else far)
-        crowd = stage.crowd(server.listen, clients, seconds, prefix=far) if clients else None
+        crowd = stage.crowd(server.listen, clients, seconds, prefix=far, full=full) if clients else None
         return result(crowd) if crowd else None, result(probe)
 
 
@@ -21,15 +21,18 @@ def slow(stage):
     clients, seconds = (3, 4) if stage.short else (20, 20)
     link = dict(delay_ms=40, mbit_s=2, queue_ms=400, beside=True)
     plot, rows = Plot("clients on a slow link, and one beside them on a fast one"), []
-    for name, count in (("alone", 0), ("beside them", clients)):
-        run, probed = over_link(stage, count, seconds, **link)
+    for name, count, full in (("alone", 0, False), ("beside them", clients, False), ("beside full ones", clients, True)):
+        run, probed = over_link(stage, count, seconds, full=full, **link)
         goodput = f"{8 * run['bytes'] / run['seconds'] / 1e6:.2f} Mbit/s" if run else ""
         visible = f"{run['latency_ms']['visible']['p50']:.0f} ms" if run else ""
-        rows.append((name, *probe_row(probed["times"]), goodput, visible, run["lost"] if run else ""))
+        rows.append((name, *probe_row(probed["times"]), goodput, visible, run["lost"] if run else "",
+                     f"{run['first_image_ms']['p99']:.0f} ms" if run else "", run["gave_up"] if run else ""))
         plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
-        assert probed["failed"] == 0 and (not run or run["errors"] == run["lost"] == 0), "somebody was not served"
+        assert probed["failed"] == 0, "the one on the fast link was not served"
+        # A full queue drops packets of so many: now and then a client has lost its first answer again and again when ten seconds are over.
+        assert not run or run["errors"] == run["lost"] == run["gave_up"] <= clients // 4, "clients on the slow link were not served"
     print_table(("one wish at a time on the fast link", "median", "p99", "longest", f"{clients} on the slow link get",
-                 "their visible wishes, median", "lost"), rows)
+                 "their visible wishes, median", "lost", "their first image, p99", "given up after 10 s without an answer"), rows)
     return plot
 
 
