@@ -135,7 +135,7 @@ class Surroundings:
 def play(around, watch, until, lull_every, act_every):
     """Crowds and what is done to the server, with lulls between. Returns what crowds told."""
     told = []
-    while (lull := time.monotonic() + lull_every) <= until:
+    while (lull := time.monotonic() + lull_every) <= until + 1:  # what went by since the beginning is no lull less
         while time.monotonic() < lull - LULL_S:
             told += around.keep_crowds(lull - LULL_S)
             around.act()
