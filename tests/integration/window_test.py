@@ -5,10 +5,12 @@ import json
 import math
 import pathlib
 import re
+import shutil
 import socket
 import struct
 import subprocess
 import tempfile
+import unittest
 import urllib.request
 
 from driven_window import (BIN, HEIGHT, MIDDLE, STORE, WIDTH, Window, WindowTest, direction, lower_half, main, moved, place_of, pixels_of,
@@ -166,6 +168,16 @@ class Shown(WindowTest):
                 self.assertEqual(shown[-8:], bare[-8:])
                 self.assertNotEqual(shown[size[1] // 2:], bare[size[1] // 2:])
                 window.xdotool("key", "--delay", "0", "h", *["shift+v"] * 5)
+
+    @unittest.skipUnless(pathlib.Path("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf").exists(), "needs fonts-dejavu-core")
+    def test_names_are_written_in_their_own_letters(self):
+        titles = set()
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("Жук", "Яма", "\u03a9\u03a3\u0394"):
+                shutil.copy(STORE, pathlib.Path(folder, f"{name}.lode"))
+                with self.window(pathlib.Path(folder, f"{name}.lode")) as window:
+                    titles.add(b"".join(row[3 * 16:3 * 100] for row in pixels_of(window.picture())[20:38]))
+        self.assertEqual(len(titles), 3)
 
     def test_views_differ(self):
         with self.window() as window:

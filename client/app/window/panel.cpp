@@ -343,10 +343,13 @@ Panel::~Panel() {
   ImGui::DestroyContext();
 }
 
-void Panel::setScale(double scale) {
-  if (scale_ == static_cast<float>(scale)) return;
-  scale_ = static_cast<float>(scale);
-  setPanelScale(scale_);
+void Panel::prepare(double scale, const PanelContent& content) {
+  bool is_new = std::exchange(scale_, static_cast<float>(scale)) != static_cast<float>(scale);
+  for (const std::string* text : {&content.title, &content.waiting, &content.notice.text, &content.message})
+    is_new |= letters_.see(*text);
+  for (const std::string& line : content.pick) is_new |= letters_.see(line);
+  for (const render::LegendEntry& entry : content.legend) is_new |= letters_.see(entry.meaning);
+  if (is_new) setPanelFont(scale_, letters_);
 }
 
 void Panel::draw(const PanelContent& content) {

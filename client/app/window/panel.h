@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/app/window/panel_content.h"
+#include "client/app/window/panel_letters.h"
 #include "client/app/window/panel_settings.h"
 
 struct GLFWwindow;
@@ -21,8 +22,9 @@ class Panel {
   Panel(const Panel&) = delete;
   Panel& operator=(const Panel&) = delete;
 
-  /// Of the text: 1 for a plain display. Another one than before takes a moment.
-  void setScale(double scale);
+  /// For what is drawn next. Another scale or letters than before take a moment.
+  /// @param scale  of the text: 1 for a plain display.
+  void prepare(double scale, const PanelContent& content);
   /// Draws into the window's own framebuffer.
   void draw(const PanelContent& content);
   /// Where it takes the mouse since it was drawn last.
@@ -37,6 +39,7 @@ class Panel {
   std::array<float, kFramesShown> frames_ms_{};  ///< a ring
   size_t next_frame_ = 0;
   float scale_ = 0;
+  PanelLetters letters_;
   std::optional<Covered> covered_;
   std::optional<Settings> changed_;
 };

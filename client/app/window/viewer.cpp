@@ -351,7 +351,7 @@ void Viewer::draw() {
       render::coarseningOf(drawn.shown, pacing_.thresholdPx());
   drawn_ = {rig_ ? rig_->view() : view, exhibit_->drawnSerial(), isQuick(), content_};
   pacing_.draw(coarsening, Clock::now());
-  panel_.setScale(window_.contentScale());
+  panel_.prepare(window_.contentScale(), content_);
   panel_.draw(content_);
   if (const auto wanted = panel_.takeSettings()) apply(*wanted);
   saveScreenshots();

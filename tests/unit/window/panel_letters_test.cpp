@@ -1,0 +1,34 @@
+#include "client/app/window/panel_letters.h"
+
+#include <gtest/gtest.h>
+
+namespace lode::app {
+namespace {
+
+using Ranges = std::vector<uint16_t>;
+
+TEST(PanelLetters, areThoseOfLatinAndOfTheTextsThatItHasSeen) {
+  PanelLetters letters;
+  EXPECT_FALSE(letters.see("Größe 7, Łódź"));
+  EXPECT_EQ(letters.ranges<uint16_t>(0xffff), (Ranges{0x20, 0x17f, 0}));
+  EXPECT_TRUE(letters.see("Жук Ω 鳥"));
+  EXPECT_FALSE(letters.see("Ω"));
+  EXPECT_EQ(letters.ranges<uint16_t>(0xffff),
+            (Ranges{0x20, 0x17f, 0x3a9, 0x3a9, 0x416, 0x416, 0x43a, 0x43a, 0x443, 0x443, 0x9ce5, 0x9ce5, 0}));
+}
+
+TEST(PanelLetters, areLeftOutBeyondWhatALetterCanBe) {
+  PanelLetters letters;
+  EXPECT_TRUE(letters.see("\xf0\x9f\x90\x87"));
+  EXPECT_EQ(letters.ranges<uint16_t>(0xffff), (Ranges{0x20, 0x17f, 0}));
+  EXPECT_EQ(letters.ranges<uint32_t>(0x10ffff), (std::vector<uint32_t>{0x20, 0x17f, 0x1f407, 0x1f407, 0}));
+}
+
+TEST(PanelLetters, areNotMadeOfWhatIsNoText) {
+  PanelLetters letters;
+  EXPECT_FALSE(letters.see("\xd0"));
+  EXPECT_FALSE(letters.see("\xd0z\xff\x80\xe9\xb3"));
+}
+
+}  // namespace
+}  // namespace lode::app
