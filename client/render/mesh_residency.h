@@ -13,6 +13,7 @@
 #include "client/core/placed_cuts.h"
 #include "client/render/cut_exchange.h"
 #include "client/render/gpu_pages.h"
+#include "client/render/shown_colours.h"
 #include "client/render/staging_ring.h"
 
 namespace lode::render {
@@ -53,6 +54,7 @@ struct DrawItem {
   float error_model = 0;
   float threshold_px = 0, complete_px = 0;  ///< see ShownThresholds
   float age_s = 0;                          ///< that it is in the picture
+  ShownPlace place = {};                    ///< where it was drawn last
 };
 
 /// Which meshes of a model are on the GPU, and what is drawn of them at the places where it stands. Of a

@@ -173,7 +173,7 @@ Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& s
   if (style.show == Show::kTexels) flags |= kDrawTexels;
   const uint32_t share = in256ths(faded.from) | in256ths(faded.to) << 16;
   if (!coloursParts(style.show)) return {flags, glm::u8vec4(255), share};
-  const glm::u8vec3 colour = colourOf(style.show, item, threshold_px);
+  const glm::u8vec3 colour = colourOf(style.show, item, threshold_px, style.place.number);
   return {flags | kDrawTinted, glm::u8vec4(colour, 255), share};
 }
 
@@ -217,7 +217,7 @@ DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawSty
     const SeenCluster like{&faded.item, 0, static_cast<uint32_t>(place.states.size()), !faded.whole()};
     const size_t clusters = addSeenClusters(like, sight, lattice_step_, place.seen);
     if (clusters == 0) continue;
-    if (is_of_cut) in_picture_.push_back(faded.item);
+    if (is_of_cut) in_picture_.emplace_back(faded.item).place = style.place;
     if (!is_drawn) {
       place.seen.resize(place.seen.size() - clusters);
       continue;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <set>
+#include <utility>
 
 #include "client/render/mesh_residency.h"
 
@@ -80,9 +80,9 @@ size_t errorBin(float error_px, float threshold_px) {
 
 glm::u8vec3 ladder(uint32_t step) { return kLadder[step % kLadder.size()]; }
 
-/// Hue and lightness by the key.
-glm::u8vec3 colourOfNode(NodeKey node) {
-  const uint64_t hash = node.value * 0x9e3779b97f4a7c15ull;
+/// Hue and lightness by the key, and where it stands.
+glm::u8vec3 colourOfNode(NodeKey node, uint32_t place) {
+  const uint64_t hash = (node.value ^ place * 0xbf58476d1ce4e5b9ull) * 0x9e3779b97f4a7c15ull;
   const double hue = static_cast<double>(hash >> 40) / (1 << 24);
   const double light = 0.6 + 0.4 * static_cast<double>(hash >> 20 & 0xfffff) / (1 << 20);
   const glm::dvec3 third(0, 2.0 / 3, 1.0 / 3);
@@ -91,10 +91,10 @@ glm::u8vec3 colourOfNode(NodeKey node) {
 }
 
 std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
-  std::set<NodeKey> nodes;
-  for (const DrawItem& part : drawn) nodes.insert(part.node);
+  std::map<std::pair<uint32_t, NodeKey>, std::string_view> nodes;  // by place
+  for (const DrawItem& part : drawn) nodes.emplace(std::pair(part.place.number, part.node), part.place.model);
   std::vector<LegendEntry> legend;
-  for (const NodeKey node : nodes) {
+  for (const auto& [placed, model] : nodes) {
     if (legend.size() == kMostNodesInLegend) {
       legend.push_back({{200, 200, 200},
                         "and " + std::to_string(nodes.size() - kMostNodesInLegend) +
@@ -102,9 +102,20 @@ std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
                         nodes.size() - kMostNodesInLegend});
       break;
     }
-    legend.push_back({colourOfNode(node), "node " + nodeName(node)});
+    const auto& [place, node] = placed;
+    legend.push_back({colourOfNode(node, place),
+                      (model.empty() ? "" : std::string(model) + ", ") + "node " + nodeName(node)});
   }
   return legend;
+}
+
+/// Of a step among those that are drawn: which end of them is finer.
+std::string stepMeaning(Show show, uint32_t step, bool is_first, bool is_last) {
+  const bool is_depth = show == Show::kDepths;
+  std::string meaning = (is_depth ? "depth " : "rung ") + std::to_string(step);
+  if (!is_depth && step == 0) return meaning + ", the finest of a node";
+  if (is_first == is_last) return meaning;
+  return meaning + (is_first == is_depth ? ", the coarsest here" : ", the finest here");
 }
 
 std::string errorMeaning(size_t bin, float threshold_px) {
@@ -140,10 +151,10 @@ std::string showNames() {
   return names;
 }
 
-glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexcept {
+glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px, uint32_t place) noexcept {
   switch (show) {
     case Show::kNodes:
-      return colourOfNode(part.node);
+      return colourOfNode(part.node, place);
     case Show::kDepths:
       return ladder(static_cast<uint32_t>(part.node.depth()));
     case Show::kRungs:
@@ -157,8 +168,16 @@ glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexce
   }
 }
 
+std::string_view explanationOf(Show show) noexcept {
+  if (show == Show::kUnlit) return "the paint alone, without light";
+  if (show == Show::kWireframe) return "edges of triangles, without those that are hidden";
+  return "";
+}
+
 std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px) {
-  if (show == Show::kNormals) return {{{255, 128, 128}, "x"}, {{128, 255, 128}, "y"}, {{128, 128, 255}, "z"}};
+  if (show == Show::kNormals)
+    return {{{255, 128, 128}, "faces +x"}, {{0, 128, 128}, "faces -x"},   {{128, 255, 128}, "faces +y"},
+            {{128, 0, 128}, "faces -y"},   {{128, 128, 255}, "faces +z"}, {{128, 128, 0}, "faces -z"}};
   if (show == Show::kNodes) return legendOfNodes(drawn);
   std::vector<LegendEntry> legend;
   if (show == Show::kTexels) {
@@ -179,7 +198,7 @@ std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, fl
                     colourOf(show, part, threshold_px));
     for (const auto& [step, colour] : steps)
       legend.push_back(
-          {colour, std::string(show == Show::kDepths ? "depth " : "rung ") + std::to_string(step)});
+          {colour, stepMeaning(show, step, step == steps.begin()->first, step == steps.rbegin()->first)});
   }
   return legend;
 }

@@ -33,6 +33,14 @@ enum class Show : uint8_t {
 constexpr int kShowCount = 10;
 constexpr float kOldS = 16;  ///< what is older has no other colour any more
 
+/// Which of several places a part stands at.
+struct ShownPlace {
+  uint32_t number = 0;          ///< its nodes have other colours than those of other places
+  std::string_view model = {};  ///< for legends; empty where there is one model
+
+  bool operator==(const ShownPlace&) const = default;
+};
+
 std::string_view nameOf(Show show) noexcept;
 std::optional<Show> showNamed(std::string_view name) noexcept;
 /// "surface, unlit, ...", for help and errors.
@@ -40,8 +48,8 @@ std::string showNames();
 
 /// Each part is drawn in one colour.
 constexpr bool coloursParts(Show show) noexcept { return show >= Show::kNodes; }
-/// sRGB. @param threshold_px  of the cut, for errors.
-glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px) noexcept;
+/// sRGB. @param threshold_px  of the cut, for errors. @param place  its number, for nodes.
+glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px, uint32_t place = 0) noexcept;
 
 /// sRGB, for a quarter of a texel a pixel or less, a half, 1, 2, 4 or more, between which colours are mixed;
 /// and for what has no image.
@@ -59,7 +67,9 @@ struct LegendEntry {
 
   bool operator==(const LegendEntry&) const = default;
 };
-/// Of what is drawn. Empty where a picture explains itself.
+/// What a picture shows that no colours explain; empty where there is nothing to say.
+std::string_view explanationOf(Show show) noexcept;
+/// Of what is drawn. Empty where colours mean nothing.
 std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px);
 
 }  // namespace lode::render

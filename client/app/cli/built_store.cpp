@@ -218,7 +218,7 @@ BuiltStore builtStore(const fs::path& ply, bool announce, const std::stop_token&
   const FolderLock lock(of_source, ply, announce, stop);
   if (const auto record = readRecord(folder); record && record->isCurrent() && fs::exists(store)) {
     warn(*record);
-    return {store, useStore(store)};
+    return {store, useStore(store), record->warnings};
   }
   std::error_code ignored;
   fs::create_directory(folder, ignored);
@@ -242,7 +242,7 @@ BuiltStore builtStore(const fs::path& ply, bool announce, const std::stop_token&
   FileLock in_use = useStore(store);
   trimStores(stores, max_bytes.value_or(storeCacheBytes(stores)));
   if (!shows_progress) warn(record);  // else the build has
-  return {store, std::move(in_use)};
+  return {store, std::move(in_use), std::move(record.warnings)};
 }
 
 }  // namespace lode::app

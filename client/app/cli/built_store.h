@@ -5,7 +5,9 @@
 #include <functional>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "client/app/cli/file_lock.h"
 
@@ -16,7 +18,8 @@ using BuildWatch = std::function<void(std::string_view stage, double fraction)>;
 
 struct BuiltStore {
   std::filesystem::path path;
-  FileLock in_use;  ///< no program removes it before this ends
+  FileLock in_use;                         ///< no program removes it before this ends
+  std::vector<std::string> warnings = {};  ///< of the build
 };
 
 /// The store of a PLY file: built into the XDG cache, unless it is there and neither the file nor an image

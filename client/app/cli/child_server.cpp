@@ -58,7 +58,8 @@ ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options
   auto child = std::make_unique<ChildServer>(store.path, stop);
   options.token = child->token();
   stream::ServedModel served = child->served();
-  return {std::move(served), std::move(options), std::move(child), file, std::move(store.in_use)};
+  return {std::move(served),       std::move(options),       std::move(child), file,
+          std::move(store.in_use), std::move(store.warnings)};
 }
 
 ModelSummary openModel(stream::Streamer& streamer, const ResolvedTarget& target,

@@ -5,6 +5,7 @@
 #include <memory>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "client/app/cli/built_store.h"
 #include "client/app/cli/child_process.h"
@@ -36,10 +37,11 @@ class ChildServer {
 /// where that was not done before.
 struct ResolvedTarget {
   stream::ServedModel served;
-  stream::StreamOptions options;       ///< with the token of the child, if there is one
-  std::unique_ptr<ChildServer> child;  ///< keep it as long as the connection
-  std::filesystem::path file;          ///< as the user named it; empty: on a server
-  FileLock in_use;                     ///< of a store in the cache
+  stream::StreamOptions options;           ///< with the token of the child, if there is one
+  std::unique_ptr<ChildServer> child;      ///< keep it as long as the connection
+  std::filesystem::path file;              ///< as the user named it; empty: on a server
+  FileLock in_use;                         ///< of a store in the cache
+  std::vector<std::string> warnings = {};  ///< of its build
 };
 
 /// @param options   for the connection.

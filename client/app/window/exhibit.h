@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -34,6 +35,8 @@ class Exhibit {
   virtual Opening open() = 0;
   /// Of the whole: its name, place, size and triangles.
   virtual const ModelSummary& summary() const = 0;
+  /// What builds of its models have warned of.
+  virtual std::vector<std::string> warnings() const = 0;
   /// It is not to be stood on another side.
   virtual bool saysWhatIsUp() const { return false; }
   /// What a first camera is made of.

@@ -13,15 +13,18 @@ constexpr std::array kOrbitHelp{
 };
 
 constexpr std::array kFlyHelp{
-    KeyHelp{"drag", "look around"},       KeyHelp{"W A S D", "move"},
-    KeyHelp{"Q  E", "down and up"},       KeyHelp{"Shift", "four times as fast"},
+    KeyHelp{"drag, right drag", "look around"},
+    KeyHelp{"W A S D", "move"},
+    KeyHelp{"Q  E", "down and up"},
+    KeyHelp{"Shift", "four times as fast"},
     KeyHelp{"wheel", "faster or slower"},
+    KeyHelp{"double click", "goes there in orbit alone"},
 };
 
 constexpr std::array kWalkHelp{
-    KeyHelp{"drag", "look around"},        KeyHelp{"W A S D", "walk"},
-    KeyHelp{"Q  E", "smaller and taller"}, KeyHelp{"Shift", "four times as fast"},
-    KeyHelp{"wheel", "faster or slower"},
+    KeyHelp{"drag, right drag", "look around"}, KeyHelp{"W A S D", "walk"},
+    KeyHelp{"Q  E", "smaller and taller"},      KeyHelp{"Shift", "four times as fast"},
+    KeyHelp{"wheel", "faster or slower"},       KeyHelp{"double click", "goes there in orbit alone"},
 };
 
 constexpr std::array kCommonHelp{

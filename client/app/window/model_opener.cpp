@@ -65,6 +65,7 @@ void ModelOpener::run() {
     progress_.streamer = &streamer;
     progress_.model = &model;
     progress_.framing = framing;
+    progress_.warnings = resolved.warnings;
     stop_.wait(lock, [this] { return stopping_.stop_requested(); });
     progress_ = {};
   } catch (const Error& error) {

@@ -7,6 +7,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/target.h"
@@ -34,6 +35,7 @@ class ModelOpener {
     stream::Streamer* streamer = nullptr;  ///< once the model is open; lives as long as the opener
     const ModelSummary* model = nullptr;
     core::Framing framing;
+    std::vector<std::string> warnings;  ///< of a build
     std::optional<Error> error;
   };
   Progress progress() const;

@@ -27,6 +27,13 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
   return {kHint, "offline: from the cache alone"};
 }
 
+std::string warningOf(std::span<const std::string> warnings) {
+  if (warnings.empty()) return "";
+  std::string text = "built with a warning: " + warnings.front();
+  if (warnings.size() > 1) text += "\nand " + std::to_string(warnings.size() - 1) + " more, on stderr";
+  return text;
+}
+
 Notice noticeOf(const Error& error) {
   return {Notice::Kind::kFailure, std::string(error.what()) + "\nEsc or Q closes the window."};
 }

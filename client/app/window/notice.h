@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "client/stream/streamer.h"
@@ -27,6 +28,8 @@ enum class OnGpu : uint8_t { kNotYetAll, kAll, kFull };
 
 /// The gravest that there is to say. @param offline  only the cache is asked.
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
+/// What a build has warned of, in few lines: the first of it, and how many more are on stderr.
+std::string warningOf(std::span<const std::string> warnings);
 /// That nothing could be opened, and how to close the window.
 Notice noticeOf(const Error& error);
 

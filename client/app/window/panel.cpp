@@ -247,26 +247,34 @@ void drawWaiting(const PanelContent& content) {
   ImGui::TextColored(kMuted, "%.0f s; %s", content.waited_s, kCancel);
 }
 
-constexpr const char* kRecording = "recording the camera; P ends it";
+struct Word {
+  std::string text;
+  ImVec4 colour;
+};
 
-/// What is never left out.
-void drawWords(const PanelContent& content) {
-  ImGui::TextUnformatted(content.title.c_str());
+/// What is never left out, errors first; warnings go with the figures.
+std::vector<Word> wordsOf(const PanelContent& content) {
   const Notice& notice = content.notice;
   const ImVec4& colour = notice.kind == Notice::Kind::kFailure   ? kBad
                          : notice.kind == Notice::Kind::kTrouble ? kWarning
                                                                  : kMuted;
-  if (notice.kind != Notice::Kind::kNone) ImGui::TextColored(colour, "%s", notice.text.c_str());
-  if (content.recording) ImGui::TextColored(kBad, "%s", kRecording);
-  if (!content.message.empty()) ImGui::TextColored(kWarning, "%s", content.message.c_str());
+  std::vector<Word> words{{content.title, ImGui::GetStyleColorVec4(ImGuiCol_Text)}};
+  if (notice.kind != Notice::Kind::kNone) words.push_back({notice.text, colour});
+  if (content.recording) words.push_back({"recording the camera; P ends it", kBad});
+  if (!content.message.empty()) words.push_back({content.message, kWarning});
+  if (content.visible && !content.warning.empty()) words.push_back({content.warning, kWarning});
+  if (content.visible && !content.explanation.empty())
+    words.push_back({std::string(content.show) + ": " + std::string(content.explanation), kMuted});
+  return words;
+}
+
+void drawWords(const PanelContent& content) {
+  for (const Word& word : wordsOf(content)) ImGui::TextColored(word.colour, "%s", word.text.c_str());
 }
 
 float wordsPx(const PanelContent& content) {
-  float height_px = textPx(content.title, panelPx()) + lineGapPx();
-  if (content.notice.kind != Notice::Kind::kNone)
-    height_px += textPx(content.notice.text, panelPx()) + lineGapPx();
-  if (content.recording) height_px += textPx(kRecording, panelPx()) + lineGapPx();
-  if (!content.message.empty()) height_px += textPx(content.message, panelPx()) + lineGapPx();
+  float height_px = 0;
+  for (const Word& word : wordsOf(content)) height_px += textPx(word.text, panelPx()) + lineGapPx();
   return height_px;
 }
 
@@ -345,7 +353,8 @@ Panel::~Panel() {
 
 void Panel::prepare(double scale, const PanelContent& content) {
   bool is_new = std::exchange(scale_, static_cast<float>(scale)) != static_cast<float>(scale);
-  for (const std::string* text : {&content.title, &content.waiting, &content.notice.text, &content.message})
+  for (const std::string* text :
+       {&content.title, &content.waiting, &content.notice.text, &content.message, &content.warning})
     is_new |= letters_.see(*text);
   for (const std::string& line : content.pick) is_new |= letters_.see(line);
   for (const render::LegendEntry& entry : content.legend) is_new |= letters_.see(entry.meaning);
@@ -356,6 +365,14 @@ void Panel::draw(const PanelContent& content) {
   frames_ms_[next_frame_] = static_cast<float>(content.frame_ms);
   next_frame_ = (next_frame_ + 1) % kFramesShown;
   ImGui_ImplOpenGL3_NewFrame();
+  layOut(content);
+  ImGui::EndFrame();
+  layOut(content);  // now that the sizes of all are known
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Panel::layOut(const PanelContent& content) {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
   if (content.visible) drawMarks(content.marks);
@@ -381,8 +398,6 @@ void Panel::draw(const PanelContent& content) {
     if (settings != content.settings) changed_ = settings;
   }
   if (content.help) drawHelp(content);
-  ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 }  // namespace lode::app

@@ -33,6 +33,7 @@ class Panel {
   std::optional<Settings> takeSettings() { return std::exchange(changed_, std::nullopt); }
 
  private:
+  void layOut(const PanelContent& content);
   void drawOpen(const PanelContent& content) const;
 
   static constexpr size_t kFramesShown = 120;

@@ -43,6 +43,8 @@ struct PanelContent {
   PickMarks marks;                          ///< of it and the one before, in the picture
   std::string_view show;                    ///< what the picture shows,
   std::vector<render::LegendEntry> legend;  ///< and what its colours mean
+  std::string_view explanation;             ///< of it, where colours do not explain it
+  std::string warning;                      ///< of a build
   Notice notice;                            ///< how the stream fares
   bool recording = false;                   ///< the camera's path
   std::string message;                      ///< for a moment, such as where a screenshot went

@@ -78,8 +78,11 @@ Taken SceneSubject::take(double t, const render::Framebuffer& target, render::Dr
   style = stage_->styleOver(asked);
   Taken taken;
   taken.is_finest = true;
+  std::vector<render::DrawItem> in_picture;
+  std::vector<uint32_t> places(models_.size(), 0);
   for (const auto& [number, placement] : scene_.instances) {
     Model& model = *models_[number];
+    style.place = {placeNumber(number, places[number]++), model.summary.name};
     const core::View seen = viewFrom(view, placement, model.summary.lattice.origin);
     if (!core::boxMayBeVisible(core::toModelBox(model.summary.box, model.summary.lattice.step), seen))
       continue;
@@ -99,10 +102,11 @@ Taken SceneSubject::take(double t, const render::Framebuffer& target, render::Dr
                       "with --memory-budget, or a larger error with --pixels");
     style.up = glm::conjugate(placement.rotation) * scene_.up;
     model.renderer.draw(seen, target, style, {.now_s = t});
-    if (style.show != render::Show::kSurface)
-      taken.legend = render::legendOf(style.show, model.renderer.inPicture(), pixels_);
+    const auto items = model.renderer.inPicture();
+    in_picture.insert(in_picture.end(), items.begin(), items.end());
   }
   stage_->drawSky(target, asked);
+  taken.legend = render::legendOf(style.show, in_picture, pixels_);
   return taken;
 }
 

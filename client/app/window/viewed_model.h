@@ -18,6 +18,7 @@ class ViewedModel : public Exhibit {
 
   Opening open() override;
   const ModelSummary& summary() const override { return *progress_.model; }
+  std::vector<std::string> warnings() const override { return progress_.warnings; }
   core::Framing framing() const override { return progress_.framing; }
   void look(const core::View& view, float threshold_px) override;
   const stream::StreamStatus& status() const override { return status_; }

@@ -49,6 +49,14 @@ struct ViewedScene::Model {
   /// Of what is drawn at a place; null while that is nothing.
   const core::CutProbe* probe(size_t place);
 
+  /// How it is drawn at a place.
+  render::DrawStyle styleAt(size_t place, render::DrawStyle style, const glm::dvec3& scene_up) const {
+    style.up = upAt(place, scene_up);
+    style.place = {placeNumber(number, place), opened.model->name};
+    return style;
+  }
+
+  size_t number = 0;  ///< among the scene's models
   render::Renderer renderer;
   ModelOpener opener;
   ModelOpener::Progress opened;
@@ -85,6 +93,7 @@ Exhibit::Opening ViewedScene::open() {
     of_model.target = scene_.models[models_.size()];
     const render::MemoryShares memory = render::shareMemory(memory_.parts()[models_.size()]);
     models_.push_back(std::make_unique<Model>(of_model, memory));
+    models_.back()->number = models_.size() - 1;
     gpu_budget_bytes_ += memory.gpu.budget_bytes;
   }
   Model& opening = *models_.back();
@@ -100,6 +109,13 @@ Exhibit::Opening ViewedScene::open() {
   whole_ = stage_->whole();
   whole_.name = name;
   return {"", -1, true, std::nullopt};
+}
+
+std::vector<std::string> ViewedScene::warnings() const {
+  std::vector<std::string> warnings;
+  for (const auto& model : models_)
+    warnings.insert(warnings.end(), model->opened.warnings.begin(), model->opened.warnings.end());
+  return warnings;
 }
 
 core::View ViewedScene::inScene(const core::View& view) const {
@@ -252,22 +268,21 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
   if (!stage_) return counts;
   const core::View scene_view = inScene(view);
   stage_->draw(scene_view, target, style);
-  render::DrawStyle over = stage_->styleOver(style);
+  const render::DrawStyle over = stage_->styleOver(style);
   const std::vector<Standing> seen = inSight(scene_view);
   leaveOutAllBut(seen);
   for (const auto& [distance, model, place] : seen) {
-    over.up = model->upAt(place, scene_.up);
-    counts += model->renderer.drawPlace(place, model->viewAt(place, scene_view), target, over, time);
+    counts += model->renderer.drawPlace(place, model->viewAt(place, scene_view), target,
+                                        model->styleAt(place, over, scene_.up), time);
     const auto items = model->renderer.inPicture();
     in_picture_.insert(in_picture_.end(), items.begin(), items.end());
   }
   if (time.leaves_out_hidden && !seen.empty()) {
     if (!depth_reader_) depth_reader_.emplace();
     const render::FarthestDepths drawn = depth_reader_->read(target);
-    for (const auto& [distance, model, place] : seen) {
-      over.up = model->upAt(place, scene_.up);
-      counts += model->renderer.drawAppeared(place, model->viewAt(place, scene_view), target, over, drawn);
-    }
+    for (const auto& [distance, model, place] : seen)
+      counts += model->renderer.drawAppeared(place, model->viewAt(place, scene_view), target,
+                                             model->styleAt(place, over, scene_.up), drawn);
   }
   stage_->drawSky(target, style);
   return counts;

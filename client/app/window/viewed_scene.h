@@ -25,6 +25,7 @@ class ViewedScene : public Exhibit {
 
   Opening open() override;
   const ModelSummary& summary() const override { return whole_; }
+  std::vector<std::string> warnings() const override;
   bool saysWhatIsUp() const override { return true; }
   core::Framing framing() const override { return framing_; }
   void look(const core::View& view, float threshold_px) override;

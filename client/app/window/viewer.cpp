@@ -194,6 +194,7 @@ void Viewer::openWhenReady() {
   rig_.emplace(summary, exhibit_->framing(), wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
   content_.model_triangles = summary.triangles;
+  content_.warning = warningOf(exhibit_->warnings());
   window_.setTitle(summary.name + " - Lodestream");
 }
 
@@ -385,6 +386,7 @@ void Viewer::describe() {
   content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();
   content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);
+  content_.explanation = explanationOf(style_.show);
   content_.settings = settings();
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
 }

@@ -133,11 +133,13 @@ TEST(ShownColours, areExplainedForTheDepthsAndRungsThatAreDrawn) {
                                             partOf(kRootKey.child(3))};
   const auto depths = legendOf(Show::kDepths, drawn, 1), rungs = legendOf(Show::kRungs, drawn, 1);
   ASSERT_EQ(depths.size(), 2u);
-  EXPECT_EQ(depths[0].meaning, "depth 1");
-  EXPECT_EQ(depths[1].meaning, "depth 2");
+  EXPECT_EQ(depths[0].meaning, "depth 1, the coarsest here");
+  EXPECT_EQ(depths[1].meaning, "depth 2, the finest here");
   EXPECT_NE(depths[0].colour, depths[1].colour);
   ASSERT_EQ(rungs.size(), 2u);
-  EXPECT_EQ(rungs[1].meaning, "rung 3");
+  EXPECT_EQ(rungs[0].meaning, "rung 0, the finest of a node");
+  EXPECT_EQ(rungs[1].meaning, "rung 3, the coarsest here");
+  EXPECT_EQ(legendOf(Show::kDepths, std::span(drawn).last(1), 1)[0].meaning, "depth 1");
   EXPECT_TRUE(legendOf(Show::kSurface, drawn, 1).empty());
 }
 
@@ -147,6 +149,28 @@ TEST(ShownColours, areExplainedForTheNodesThatAreDrawn) {
   const std::vector<render::LegendEntry> expected{{colourOf(Show::kNodes, drawn[1], 1), "node root/3"},
                                                   {colourOf(Show::kNodes, drawn[0], 1), "node root/1/2"}};
   EXPECT_EQ(legendOf(Show::kNodes, drawn, 1), expected);
+}
+
+TEST(ShownColours, tellAModelsPlacesApartAndNameItThere) {
+  std::vector<render::DrawItem> drawn{partOf(kRootKey), partOf(kRootKey), partOf(kRootKey)};
+  drawn[0].place = {7, "rock"};
+  drawn[1].place = drawn[2].place = {8, "tree"};
+  const std::vector<render::LegendEntry> expected{
+      {colourOf(Show::kNodes, drawn[0], 1, 7), "rock, node root"},
+      {colourOf(Show::kNodes, drawn[1], 1, 8), "tree, node root"}};
+  EXPECT_EQ(legendOf(Show::kNodes, drawn, 1), expected);
+  EXPECT_NE(expected[0].colour, expected[1].colour);
+}
+
+TEST(ShownColours, sayOfNormalsWhichWayEachOfSixColoursFaces) {
+  const auto legend = legendOf(Show::kNormals, {}, 1);
+  ASSERT_EQ(legend.size(), 6u);
+  EXPECT_EQ(legend[5], (render::LegendEntry{{128, 128, 0}, "faces -z"}));
+}
+
+TEST(ShownColours, areNotAllThatExplainsAPicture) {
+  for (const Show show : {Show::kUnlit, Show::kWireframe}) EXPECT_FALSE(explanationOf(show).empty());
+  EXPECT_TRUE(explanationOf(Show::kSurface).empty());
 }
 
 TEST(ShownColours, areExplainedForTheFirstOfVeryManyNodesAndTheOthersCounted) {

@@ -81,6 +81,13 @@ TEST(Notice, saysOfflineAsAHintWhereTheCacheHasAllAndAsTroubleWhereItHasNot) {
   EXPECT_NE(lacking.text.find("without --offline"), std::string::npos);
 }
 
+TEST(Notice, saysTheFirstThatABuildHasWarnedOfAndHowManyMore) {
+  EXPECT_EQ(warningOf({}), "");
+  const std::vector<std::string> warnings{"3 faces dropped", "no normals", "no colours"};
+  EXPECT_EQ(warningOf(std::span(warnings).first(1)), "built with a warning: 3 faces dropped");
+  EXPECT_EQ(warningOf(warnings), "built with a warning: 3 faces dropped\nand 2 more, on stderr");
+}
+
 TEST(Notice, saysOfWhatCannotBeOpenedWhyAndHowToCloseTheWindow) {
   const Notice notice = noticeOf(Error(ErrorCode::kInput, "a.lode is damaged: build it again"));
   EXPECT_EQ(notice.kind, Notice::Kind::kFailure);
