@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 import zlib
 
@@ -156,6 +157,21 @@ class Window:
         self.picture()
         return subprocess.run(["xclip", "-o", "-selection", "clipboard"], env=self.environment, check=True, capture_output=True,
                               text=True, timeout=120).stdout
+
+    def leave_at_once(self, within_s=5):
+        """Its exit status after Escape. Time in which it is ready to run and another process does does not count."""
+        delay = pathlib.Path(f"/proc/{self.process.pid}/schedstat")
+
+        def waited_s():
+            with contextlib.suppress(OSError):
+                return int(delay.read_text().split()[1]) * 1e-9
+            return 0
+        self.key("Escape")
+        start, before_s = time.monotonic(), waited_s()
+        while self.process.poll() is None:
+            assert time.monotonic() - start - max(0, waited_s() - before_s) < within_s, "it has not ended at once"
+            time.sleep(0.01)
+        return self.process.returncode
 
     def leave(self):
         """Its exit status after Escape."""

@@ -298,7 +298,7 @@ class Connection(WindowTest):
             with self.window(target, "--timeout", "3600", is_open=False) as window:
                 with silent.accept()[0]:
                     window.picture()  # with its key the help of the first start goes
-                    self.assertEqual(window.leave(), 0)
+                    self.assertEqual(window.leave_at_once(), 0)
 
     def test_is_made_anew_when_the_server_is_back(self):
         ports = free_port(), free_port()
