@@ -99,12 +99,14 @@ Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px)
   return image;
 }
 
-void Framebuffer::copyTo(GLuint framebuffer) const {
+void Framebuffer::copyTo(GLuint framebuffer, uint32_t width_px, uint32_t height_px) const {
   const GLint width = static_cast<GLint>(width_px_), height = static_cast<GLint>(height_px_);
+  const bool has_same_size = width_px == width_px_ && height_px == height_px_;
   // The bytes are sRGB already and go over as they are.
   glDisable(GL_FRAMEBUFFER_SRGB);
-  glBlitNamedFramebuffer(resolved(), framebuffer, 0, 0, width, height, 0, 0, width, height,
-                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitNamedFramebuffer(resolved(), framebuffer, 0, 0, width, height, 0, 0, static_cast<GLint>(width_px),
+                         static_cast<GLint>(height_px), GL_COLOR_BUFFER_BIT,
+                         has_same_size ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 }
 

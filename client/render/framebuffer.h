@@ -30,10 +30,10 @@ class Framebuffer {
   /// Averages the samples. To be called after drawing, before readPixels() and copyTo().
   void resolve() const;
   Image readPixels() const { return readFramebuffer(resolved(), width_px_, height_px_); }
-  /// Copies the resolved picture to a framebuffer of the same size (0: the window), lower left corner on
-  /// lower left corner, and leaves that one bound for drawing and for reading: Mesa reads black of a window
+  /// Copies the resolved picture to a framebuffer of this size (0: the window), blended between pixels where
+  /// that has another, and leaves that one bound for drawing and for reading: Mesa reads black of a window
   /// that was bound for reading only when it had been drawn.
-  void copyTo(GLuint framebuffer) const;
+  void copyTo(GLuint framebuffer, uint32_t width_px, uint32_t height_px) const;
 
  private:
   GLuint resolved() const noexcept { return samples_ > 1 ? resolved_.get() : drawn_.get(); }

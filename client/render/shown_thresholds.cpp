@@ -32,4 +32,9 @@ std::optional<Coarsening> coarseningOf(const ShownThresholds& shown, float fines
                     std::max(1.0, shown.complete.px() / finest_px)};
 }
 
+double pixelShareInSoftware(uint64_t triangles, double pixels) noexcept {
+  constexpr double kPixelsOfTriangle = 13;  // measured with Mesa's llvmpipe, see docs/benchmarks.md
+  return pixels / (pixels + kPixelsOfTriangle * static_cast<double>(triangles));
+}
+
 }  // namespace lode::render

@@ -31,9 +31,14 @@ struct ShownThresholds {
 /// The same by how much coarser they are than the finest threshold that is asked for, >= 1.
 struct Coarsening {
   double drawn = 1, complete = 1;
+  double pixel_share = 0;  ///< of what the picture takes, by its pixels and not by its triangles
+  double scale = 1;        ///< of its sides
 };
 
 /// Nothing where nothing is shown: it tells nothing of what a frame takes.
 std::optional<Coarsening> coarseningOf(const ShownThresholds& shown, float finest_px) noexcept;
+
+/// Of what a picture takes where the processor draws it: about that of a model's pixels and triangles.
+double pixelShareInSoftware(uint64_t triangles, double pixels) noexcept;
 
 }  // namespace lode::render

@@ -109,6 +109,7 @@ nlohmann::ordered_json Flight::toJson() const {
                             {"work_ms", lap.spreadOf(&FlownFrame::work_ms).toJson()},
                             {"upload_ms", lap.spreadOf(&FlownFrame::upload_ms).toJson()},
                             {"target_ms", lap.spreadOf(&FlownFrame::target_ms).toJson()},
+                            {"scale", lap.spreadOf(&FlownFrame::scale).toJson()},
                             {"threshold_px", lap.spreadOf(&FlownFrame::threshold_px).toJson()},
                             {"triangles", lap.spreadOf(&FlownFrame::triangles).toJson()}});
   for (const FlownFrame& frame : frames_)
@@ -117,6 +118,7 @@ nlohmann::ordered_json Flight::toJson() const {
                               {"work_ms", frame.work_ms},
                               {"upload_ms", frame.upload_ms},
                               {"target_ms", frame.target_ms},
+                              {"scale", frame.scale},
                               {"threshold_px", frame.threshold_px},
                               {"triangles", frame.triangles}});
   return json;

@@ -15,11 +15,12 @@ namespace lode::app {
 /// One frame of a flight.
 struct FlownFrame {
   int lap = 0;
-  double t_s = 0;        ///< of the path
-  double work_ms = 0;    ///< without the wait for the display
-  double upload_ms = 0;  ///< of them: since the frame before
-  double target_ms = 0;  ///< that it was to take at most; 0: whatever it takes
-  double threshold_px = 0;
+  double t_s = 0;           ///< of the path
+  double work_ms = 0;       ///< without the wait for the display
+  double upload_ms = 0;     ///< of them: since the frame before
+  double target_ms = 0;     ///< that it was to take at most; 0: whatever it takes
+  double scale = 1;         ///< of the picture's sides,
+  double threshold_px = 0;  ///< in the pixels of that
   uint64_t triangles = 0;
 };
 

@@ -43,7 +43,7 @@ void Pacing::step(double seconds, bool moved, TimePoint now) noexcept {
 }
 
 void Pacing::draw(const std::optional<render::Coarsening>& coarsening, TimePoint now) noexcept {
-  drawn_coarsening_ = coarsening ? coarsening->drawn : 1;
+  drawn_coarsening_ = coarsening ? coarsening->drawn / coarsening->scale : 1;
   drawn_ = now;
 }
 

@@ -40,10 +40,13 @@ class Pacing {
   void draw(const std::optional<render::Coarsening>& coarsening, TimePoint now) noexcept;
 
   bool isFixed() const noexcept { return is_fixed_; }
-  double fps() const noexcept { return fps_; }                                ///< that are wanted
-  float thresholdPx() const noexcept { return threshold_px_; }                ///< while the camera rests
-  float askedPx() const noexcept { return asked_px_; }                        ///< of the next cut
-  bool asksForFinest() const noexcept { return asked_px_ <= threshold_px_; }  ///< and for nothing coarser
+  double fps() const noexcept { return fps_; }                  ///< that are wanted
+  float thresholdPx() const noexcept { return threshold_px_; }  ///< while the camera rests
+  float askedPx() const noexcept { return asked_px_; }          ///< of the next cut
+  /// Of the sides of the next picture; thresholds are in its pixels.
+  double scale() const noexcept { return is_fixed_ ? 1 : control_.scale(); }
+  /// And for nothing coarser.
+  bool asksForFinest() const noexcept { return asked_px_ <= threshold_px_ && scale() == 1; }
   double workMs() const noexcept { return work_ms_; }  ///< of the last frame that was measured
   bool isResting() const noexcept { return control_.isResting(); }
   /// What a frame may take; 0 where that has no say.

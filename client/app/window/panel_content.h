@@ -32,6 +32,7 @@ struct PanelContent {
   float threshold_px = 1, error_px = 0;
   double target_ms = 0;  ///< of a frame, for which the threshold is coarser than asked for; 0: it is not
   double aimed_ms = 0;   ///< what a frame may take while the camera moves; 0: whatever it does
+  double scale = 1;      ///< of the picture's sides: fewer pixels, in which thresholds are
   bool converged = false;
   bool limited = false;    ///< memory allows no more of what is seen
   bool exhausted = false;  ///< offline: the cache has no more of what is seen

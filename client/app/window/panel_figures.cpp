@@ -84,6 +84,9 @@ std::vector<Figure> figuresOf(const PanelContent& content) {
   };
   if (content.textured) figures.push_back({"textures", tilesOf(content), -1, 7});
   figures.push_back({"threshold", thresholdOf(content), -1, 0});
+  if (content.scale < 1)
+    figures.push_back(
+        {"pixels", formatted("%.0f %% while it moves", 100 * content.scale * content.scale), -1, 0});
   figures.push_back({"view", std::string(content.show), -1, 9});
   figures.push_back({"camera", nameOf(content.camera), -1, 10});
   figures.push_back(

@@ -1,6 +1,7 @@
 #include "client/app/window/viewer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "client/app/cli/cache_folder.h"
@@ -76,7 +77,7 @@ bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
 /// Nothing more will come for what is looked at now.
 bool Viewer::settled() const {
   const stream::StreamStatus& status = exhibit_->status();
-  return rig_ && status.settled && status.cut && status.cut->view == rig_->view() &&
+  return rig_ && status.settled && status.cut && status.cut->view == drawnView() &&
          status.cut->threshold_px == pacing_.askedPx() && exhibit_->uploaded();
 }
 
@@ -239,6 +240,7 @@ void Viewer::noteFlight(std::optional<uint64_t> number) {
   frame.upload_ms = content_.upload_ms;
   frame.target_ms = pacing_.targetMs();
   frame.threshold_px = exhibit_->drawnThresholdPx();
+  frame.scale = content_.scale;
   frame.triangles = content_.triangles;
   pilot_->draw(*number, frame);
 }
@@ -278,7 +280,7 @@ void Viewer::takeTimes() {
 }
 
 void Viewer::stream() {
-  exhibit_->look(rig_->view(), pacing_.askedPx());
+  exhibit_->look(drawnView(), pacing_.askedPx());
   uploading_ = !exhibit_->uploaded();
   const Clock::time_point start = Clock::now();
   exhibit_->uploadInRenderThread();
@@ -323,33 +325,53 @@ bool Viewer::isQuick() const {
   return draws_in_software_ && rig_ && !pacing_.isResting() && options_.screenshot.empty();
 }
 
-const render::Framebuffer& Viewer::target() {
+/// The camera's, with the pixels that are really drawn: thresholds are in these.
+core::View Viewer::drawnView() const {
+  core::View view;
+  if (rig_) view = rig_->view();
+  const auto scaled = [scale = isQuick() ? pacing_.scale() : 1](uint32_t px) {
+    return std::max<uint32_t>(1, static_cast<uint32_t>(std::lround(scale * px)));
+  };
+  view.width_px = scaled(window_.widthPx());
+  view.height_px = scaled(window_.heightPx());
+  return view;
+}
+
+const render::Framebuffer& Viewer::target(const core::View& view) {
   std::optional<render::Framebuffer>& target = isQuick() ? quick_ : smooth_;
-  const uint32_t width_px = window_.widthPx(), height_px = window_.heightPx();
-  if (!target || target->widthPx() != width_px || target->heightPx() != height_px)
-    target.emplace(width_px, height_px, isQuick() ? 1 : 4);
+  if (!target || target->widthPx() != view.width_px || target->heightPx() != view.height_px)
+    target.emplace(view.width_px, view.height_px, isQuick() ? 1 : 4);
   return *target;
+}
+
+/// What the frame tells of those while the camera moves: nothing, where it is drawn in another way.
+std::optional<render::Coarsening> Viewer::coarseningOf(const render::DrawCounts& drawn,
+                                                       const core::View& view) const {
+  std::optional<render::Coarsening> coarsening = render::coarseningOf(drawn.shown, pacing_.thresholdPx());
+  if (!coarsening || !draws_in_software_) return coarsening;
+  if (!isQuick()) return std::nullopt;
+  const double pixels = static_cast<double>(view.width_px) * view.height_px;
+  coarsening->pixel_share = render::pixelShareInSoftware(drawn.triangles, pixels);
+  coarsening->scale = pacing_.scale();
+  return coarsening;
 }
 
 void Viewer::draw() {
   const Clock::time_point start = Clock::now();
-  const render::Framebuffer& target = this->target();
-  core::View view;
-  view.width_px = target.widthPx();
-  view.height_px = target.heightPx();
+  const core::View view = drawnView();
+  const render::Framebuffer& target = this->target(view);
   const std::optional<uint64_t> number = timer_.begin();
   if (rig_) style_.up = rig_->up();
-  const render::DrawCounts drawn = exhibit_->draw(rig_ ? rig_->view() : view, target, style_, time());
+  const render::DrawCounts drawn = exhibit_->draw(view, target, style_, time());
   if (rig_ && darkensHollows()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
   target.resolve();
-  target.copyTo(0);
+  target.copyTo(0, window_.widthPx(), window_.heightPx());
   content_.triangles = drawn.triangles;
   content_.nodes = drawn.nodes;
   content_.error_px = drawn.error_px;
   content_.legend =
       legendOf(style_.show, exhibit_->inPicture(), std::max(exhibit_->drawnThresholdPx(), kLeastThresholdPx));
-  const std::optional<render::Coarsening> coarsening =
-      render::coarseningOf(drawn.shown, pacing_.thresholdPx());
+  const std::optional<render::Coarsening> coarsening = coarseningOf(drawn, view);
   drawn_ = {rig_ ? rig_->view() : view, exhibit_->drawnSerial(), isQuick(), content_};
   pacing_.draw(coarsening, Clock::now());
   panel_.prepare(window_.contentScale(), content_);
@@ -377,6 +399,7 @@ void Viewer::describe() {
   content_.threshold_px = pacing_.askedPx();
   content_.aimed_ms = pacing_.targetMs();
   content_.target_ms = pacing_.asksForFinest() ? 0 : content_.aimed_ms;
+  content_.scale = isQuick() ? pacing_.scale() : 1;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
   content_.lost =

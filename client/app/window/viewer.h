@@ -72,7 +72,10 @@ class Viewer {
   Settings settings() const;
   void apply(const Settings& wanted);
   bool isQuick() const;
-  const render::Framebuffer& target();
+  core::View drawnView() const;
+  const render::Framebuffer& target(const core::View& view);
+  std::optional<render::Coarsening> coarseningOf(const render::DrawCounts& drawn,
+                                                 const core::View& view) const;
   void draw();
   void describe();
   bool isMinimized() const;

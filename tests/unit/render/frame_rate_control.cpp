@@ -48,6 +48,17 @@ TEST(FrameRateControl, findsAThresholdThatTheMachineCanDrawWithinASecond) {
   }
 }
 
+TEST(FrameRateControl, findsARateThatTheMachineHoldsWithinASecondThoughAFrameTakesLong) {
+  for (const double fixed_ms : {30.0, 60.0, 90.0, 115.0, 130.0}) {
+    SCOPED_TRACE(testing::Message() << fixed_ms << " ms");
+    FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
+    Machine machine(fixed_ms, 2, 1.5);
+    while (machine.seconds() < 0.6) machine.frame(control, true);
+    for (int i = 0; i < 100; ++i) ASSERT_LE(machine.frame(control, true), control.targetMs());
+    EXPECT_LT(control.targetMs(), 2.5 * fixed_ms);
+  }
+}
+
 TEST(FrameRateControl, keepsItsThresholdWhileWorkStaysTheSame) {
   FrameRateControl control(60);
   Machine machine(3, 150, 1.5);

@@ -55,5 +55,22 @@ TEST_F(Samples, areAsManyAsAreSaid) {
   }
 }
 
+TEST_F(Samples, areBlendedWhereAPictureIsCopiedToMorePixels) {
+  const render::Framebuffer target(kWidthPx, kHeightPx, 1);
+  const render::Image drawn = slantedSquare(target);
+  constexpr uint32_t kWide = 2 * kWidthPx, kHigh = 2 * kHeightPx;
+  const render::GlRenderbuffer colours = render::GlRenderbuffer::create();
+  glNamedRenderbufferStorage(colours.get(), GL_RGBA8, GLsizei{kWide}, GLsizei{kHigh});
+  const render::GlFramebuffer window = render::GlFramebuffer::create();
+  glNamedFramebufferRenderbuffer(window.get(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colours.get());
+  target.copyTo(window.get(), kWide, kHigh);
+  const render::Image copied = render::readFramebuffer(window.get(), kWide, kHigh);
+  EXPECT_GT(mixedPixels(copied), 50);
+  for (const auto& [x, y] : {std::pair{0u, 0u}, {kWidthPx - 1, kHeightPx - 1}, {kWidthPx / 2, kHeightPx / 2}})
+    EXPECT_TRUE(std::equal(drawn.pixel(x, y), drawn.pixel(x, y) + 4, copied.pixel(2 * x, 2 * y)));
+  target.copyTo(window.get(), kWidthPx, kHeightPx);
+  EXPECT_EQ(render::readFramebuffer(window.get(), kWidthPx, kHeightPx).rgba, drawn.rgba);
+}
+
 }  // namespace
 }  // namespace lode::test

@@ -100,5 +100,31 @@ TEST(Pacing, waitsForTheCoarserCutFromWhenTheCameraBeginsToMove) {
   EXPECT_FALSE(pacing.isWorthWaiting(8, true, begun)) << "it is there";
 }
 
+/// Frames of a machine that draws pixels slowly, at what was asked for.
+void flyOverPixels(Pacing& pacing) {
+  for (int i = 0; i < 20; ++i) {
+    pacing.step(0.016, true, kBegun);
+    const double coarsening = pacing.askedPx() / pacing.thresholdPx();
+    pacing.measure(30 * pacing.scale() * pacing.scale(),
+                   render::Coarsening{coarsening, coarsening, 0.95, pacing.scale()});
+  }
+}
+
+TEST(Pacing, asksForFewerPixelsWhileTheCameraMovesWhereTheseTakeLong) {
+  Pacing pacing({}, kBegun);
+  flyOverPixels(pacing);
+  EXPECT_EQ(pacing.scale(), 0.5);
+  EXPECT_FALSE(pacing.asksForFinest());
+  rest(pacing);
+  EXPECT_EQ(pacing.scale(), 1);
+  EXPECT_TRUE(pacing.asksForFinest());
+}
+
+TEST(Pacing, asksForAllPixelsWhereTheThresholdIsFixed) {
+  Pacing pacing({.is_fixed = true}, kBegun);
+  flyOverPixels(pacing);
+  EXPECT_EQ(pacing.scale(), 1);
+}
+
 }  // namespace
 }  // namespace lode::app
