@@ -57,6 +57,7 @@ Viewer::Viewer(const ViewOptions& options)
 bool Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && !isMinimized()) draw();
+  while (const auto written = picture_writer_.waitAndTake()) tellOfPicture(*written);
   if (recorder_.recording()) saveRecording();
   if (!options_.screenshot.empty() && !is_screenshot_there_)
     throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
@@ -97,6 +98,7 @@ void Viewer::frame() {
   Input input = window_.takeInput();
   obey(input);
   openWhenReady();
+  if (const auto written = picture_writer_.take()) tellOfPicture(*written);
   if (isMinimized()) return passUnseen();
   if (rig_) {
     rig_->resize(window_.widthPx(), window_.heightPx());

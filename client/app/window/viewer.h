@@ -14,6 +14,7 @@
 #include "client/app/window/path_recorder.h"
 #include "client/app/window/picks.h"
 #include "client/app/window/picture_request.h"
+#include "client/app/window/picture_writer.h"
 #include "client/app/window/pilot.h"
 #include "client/app/window/refining_progress.h"
 #include "client/app/window/show_switch.h"
@@ -82,6 +83,7 @@ class Viewer {
   bool isLeaving() const;
   void saveScreenshots();
   void savePicture();
+  void tellOfPicture(const PictureWriter::Written& written);
   void note(const std::string& message);
   bool isTimeOver() const;
   double waitSeconds() const;
@@ -123,6 +125,7 @@ class Viewer {
   std::string note_;
   Drawn drawn_;
   PictureRequest picture_request_;
+  PictureWriter picture_writer_;
   int frames_to_draw_ = 0, converged_frames_ = 0;
   bool moved_ = true, uploading_ = false, is_screenshot_there_ = false, done_ = false;
 };

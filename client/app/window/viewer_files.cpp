@@ -1,3 +1,5 @@
+#include <exception>
+
 #include "client/app/window/refused_screenshot.h"
 #include "client/app/window/timed_name.h"
 #include "client/app/window/viewer.h"
@@ -42,11 +44,13 @@ void Viewer::saveScreenshots() {
   if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now())) savePicture();
 }
 
-void Viewer::savePicture() {
-  const std::string file = timedName("png");
+/// It takes longer to compress than to draw.
+void Viewer::savePicture() { picture_writer_.write(timedName("png"), window_.readBack()); }
+
+void Viewer::tellOfPicture(const PictureWriter::Written& written) {
   try {
-    render::writePng(file, window_.readBack());
-    note("saved " + file);
+    if (written.failure) std::rethrow_exception(written.failure);
+    note("saved " + written.file.string());
   } catch (const Error& error) {
     if (isLeaving()) throw;
     note(error.what());

@@ -1,0 +1,65 @@
+#include "client/app/window/picture_writer.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "common/error.h"
+#include "tests/support/work_folder.h"
+
+namespace lode::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+render::Image greyPicture(uint32_t width_px) { return {width_px, 2, std::vector<uint8_t>(8 * width_px, 77)}; }
+
+TEST(PictureWriter, tellsOnceOfEachPictureInTheirOrder) {
+  const test::WorkFolder folder;
+  PictureWriter writer;
+  EXPECT_FALSE(writer.take());
+  const fs::path first = folder / "first.png", second = folder / "second.png";
+  writer.write(first, greyPicture(300));
+  writer.write(second, greyPicture(1));
+  for (const fs::path& file : {first, second}) {
+    const auto written = writer.waitAndTake();
+    ASSERT_TRUE(written);
+    EXPECT_EQ(written->file, file);
+    EXPECT_EQ(written->failure, nullptr);
+    EXPECT_GT(fs::file_size(file), 8u);
+  }
+  EXPECT_FALSE(writer.waitAndTake());
+}
+
+TEST(PictureWriter, tellsWhyAPictureIsNotThere) {
+  const test::WorkFolder folder;
+  PictureWriter writer;
+  writer.write(folder / "no folder" / "picture.png", greyPicture(1));
+  const auto written = writer.waitAndTake();
+  ASSERT_TRUE(written);
+  ASSERT_NE(written->failure, nullptr);
+  EXPECT_THROW(std::rethrow_exception(written->failure), Error);
+}
+
+/// A pipe that nobody reads yet keeps who writes to it waiting.
+TEST(PictureWriter, keepsNobodyWaitingWhileItWrites) {
+  const test::WorkFolder folder;
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  PictureWriter writer;
+  writer.write(pipe, greyPicture(1));
+  EXPECT_FALSE(writer.take());
+  std::FILE* const reader = std::fopen(pipe.c_str(), "rb");
+  ASSERT_NE(reader, nullptr);
+  const auto written = writer.waitAndTake();
+  std::fclose(reader);
+  ASSERT_TRUE(written);
+  EXPECT_EQ(written->failure, nullptr);
+}
+
+}  // namespace
+}  // namespace lode::app
