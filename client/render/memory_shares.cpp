@@ -9,10 +9,11 @@
 namespace lode::render {
 namespace {
 
-constexpr uint64_t kStagingShare = 256;  // one in so many bytes of the memory is what a frame uploads
-constexpr uint64_t kPageShare = 8;       // of the meshes' memory is in one buffer
-constexpr uint64_t kSpareShare = 4;      // of it is for meshes that are no longer drawn
-constexpr uint64_t kWasteShare = 8;      // of it is lost at the ends of buffers, at most
+constexpr uint64_t kStagingShare = 256;      // one in so many bytes of the memory is what a frame uploads
+constexpr uint64_t kPageShare = 8;           // of the meshes' memory is in one buffer, and no more than
+constexpr uint64_t kBufferBytes = 4u << 20;  // that: making one takes a millisecond of a frame in software
+constexpr uint64_t kSpareShare = 4;          // of it is for meshes that are no longer drawn
+constexpr uint64_t kWasteShare = 8;          // of it is lost at the ends of buffers, at most
 
 }  // namespace
 
@@ -33,7 +34,7 @@ MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   const uint64_t least_bytes = gpu_bytes * 3 / 8;
   gpu.budget_bytes = std::max(gpu_bytes > others ? gpu_bytes - others : 0, least_bytes);
   gpu.page_bytes =
-      static_cast<uint32_t>(std::clamp<uint64_t>(gpu.budget_bytes / kPageShare, 256u << 10, 32u << 20));
+      static_cast<uint32_t>(std::clamp<uint64_t>(gpu.budget_bytes / kPageShare, 256u << 10, kBufferBytes));
   gpu.spare_bytes = gpu.budget_bytes / kSpareShare;
   shares.drawn_bytes = gpu.budget_bytes - gpu.budget_bytes / kWasteShare;
   return shares;
