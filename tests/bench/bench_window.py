@@ -2,11 +2,10 @@
 """What frames of the window take while a model streams into it: bench_window.py BIN_DIR TARGET... [--link]
 
 A window of 1280 x 720 on an Xvfb flies an orbit twice: on the first lap parts arrive, on the second nearly all are there. By turns with
-the frame rate's control (60 and 15 frames a second wanted) and without (--pixels 1). While the control has the
-window draw fewer pixels, thresholds are in these. "Of the fit": the 99th percentile, by nearest
-rank as all of them are, of what frames of the first lap take over what their triangles cost, by a line through the frames of the
-second. "Of the aim": the same of what they take over what each was to take itself. With --link, as root, targets are stores that
-are served over an emulated link of 10 Mbit/s and 25 ms one way; BIN_DIR holds wan, too.
+the frame rate's control (60 and 15 frames a second wanted) and without (--pixels 1). Where it has fewer pixels drawn, thresholds are in
+these. "Of the fit": the 99th percentile, by nearest rank as all of them are, of what frames of the first lap take over what their
+triangles cost, by a line through the frames of the second. "Of the aim": the same of what they take over what each was to take itself.
+With --link, as root, targets are stores that are served over an emulated link of 10 Mbit/s and 25 ms one way; BIN_DIR holds wan, too.
 """
 import argparse
 import contextlib
