@@ -39,7 +39,7 @@ typedef struct lodestream_options {
   const char* cache_folder;     /* keeps what came between runs; NULL: nothing is kept */
   uint64_t memory_budget_bytes; /* of what is known and decoded; 0: 1 GiB */
   uint64_t triangle_budget;     /* of a cut; 0: as many as the view needs */
-  uint32_t connect_timeout_ms;  /* up to the server's first word; 0: 10,000 */
+  uint32_t connect_timeout_ms;  /* up to the server's first word; 0: 20,000 */
   uint32_t decode_threads;      /* at most 256; 0: as many as there are cores but two, at least one */
 } lodestream_options;
 

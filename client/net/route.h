@@ -16,7 +16,7 @@ namespace lode::net {
 /// How a server is reached.
 struct Route {
   Address address;
-  std::chrono::milliseconds connect_timeout{10'000};  ///< up to the server's first word
+  std::chrono::milliseconds connect_timeout{20'000};  ///< up to the server's first word
   std::shared_ptr<asio::ssl::context> tls = nullptr;  ///< null: plain TCP
   core::Remedies remedies = {};
 };

@@ -32,7 +32,7 @@ struct StreamOptions {
   bool best_first = true;      ///< see core::EngineOptions
   /// Keeps trying where a server that had the model says that it has it no more; else the stream ends then.
   bool awaits_model = false;
-  std::chrono::milliseconds connect_timeout{10'000};
+  std::chrono::milliseconds connect_timeout{20'000};
   std::filesystem::path cache_folder;  ///< empty: nothing is kept between runs
   uint64_t cache_bytes = kDefaultCacheBytes;
   bool offline = false;         ///< shows what the cache has; needs one

@@ -26,13 +26,11 @@ def slow(stage):
         goodput = f"{8 * run['bytes'] / run['seconds'] / 1e6:.2f} Mbit/s" if run else ""
         visible = f"{run['latency_ms']['visible']['p50']:.0f} ms" if run else ""
         rows.append((name, *probe_row(probed["times"]), goodput, visible, run["lost"] if run else "",
-                     f"{run['first_image_ms']['p99']:.0f} ms" if run else "", run["gave_up"] if run else ""))
+                     f"{run['first_image_ms']['p99']:.0f} ms" if run else ""))
         plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
-        assert probed["failed"] == 0, "the one on the fast link was not served"
-        # A full queue drops packets of so many: now and then a client has lost its first answer again and again when ten seconds are over.
-        assert not run or run["errors"] == run["lost"] == run["gave_up"] <= clients // 4, "clients on the slow link were not served"
+        assert probed["failed"] == 0 and (not run or run["errors"] == run["lost"] == 0), "somebody was not served"
     print_table(("one wish at a time on the fast link", "median", "p99", "longest", f"{clients} on the slow link get",
-                 "their visible wishes, median", "lost", "their first image, p99", "given up after 10 s without an answer"), rows)
+                 "their visible wishes, median", "lost", "their first image, p99"), rows)
     return plot
 
 

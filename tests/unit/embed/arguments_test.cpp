@@ -89,7 +89,7 @@ TEST(Options, byDefaultNameEachNumberThatTheLibraryTakesForZero) {
   lodestream_options options{};
   lodestream_default_options(&options);
   EXPECT_EQ(options.memory_budget_bytes, 1ull << 30);
-  EXPECT_EQ(options.connect_timeout_ms, 10'000u);
+  EXPECT_EQ(options.connect_timeout_ms, 20'000u);
   EXPECT_GE(options.triangle_budget, 1u);
   EXPECT_GE(options.decode_threads, 1u);
 }
