@@ -28,5 +28,6 @@ constexpr std::chrono::milliseconds kHandshakeDeadline{10'000};  ///< from the c
 constexpr std::chrono::milliseconds kIdleDeadline{120'000};      ///< from one frame of the client to the next
 constexpr std::chrono::milliseconds kWriteDeadline{30'000};  ///< for a write that the client does not take
 constexpr std::chrono::milliseconds kDrainDeadline{5'000};   ///< for open wishes, after GoAway
+constexpr std::chrono::milliseconds kHearDeadline{2'000};    ///< for a client to say that it has heard it
 
 }  // namespace lode::proto

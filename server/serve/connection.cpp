@@ -70,7 +70,7 @@ void Connection::startWriting() {
 }
 
 void Connection::drain(const std::string& reason) {
-  session_.drain(reason);
+  session_.drain(reason, Clock::now());
   wakeWriter();
 }
 
@@ -85,7 +85,8 @@ void Connection::end(EndReason reason) {
 
 void Connection::sweep(Clock::time_point now) {
   session_.checkExpiry(std::chrono::system_clock::now());
-  if (session_.closing() && !linger_until_) wakeWriter();
+  session_.heardOrLate(now);
+  if (session_.finished() && !linger_until_) wakeWriter();
   const bool late = now >= session_.deadline();
   const bool stalled = writing_since_ && now >= *writing_since_ + limits_.write;
   if (late) end(session_.greeted() ? EndReason::kIdle : EndReason::kHandshake);

@@ -65,10 +65,17 @@ void Session::refuse(WireError code, const std::string& why, uint32_t request) {
   under_way_.reset();
 }
 
-void Session::drain(const std::string& reason) {
+void Session::drain(const std::string& reason, Clock::time_point now) {
   if (closing_ || draining_) return;
   draining_ = true;
   say(proto::GoAway{reason}, 0);
+  if (!greeted_) return;
+  say(proto::Ping{}, 0);
+  hears_until_ = now + proto::kHearDeadline;
+}
+
+void Session::heardOrLate(Clock::time_point now) noexcept {
+  if (hears_until_ && now >= *hears_until_) hears_until_.reset();
 }
 
 bool Session::authorize() {
@@ -146,6 +153,7 @@ void Session::dispatch(const proto::FrameHeader& header, std::span<const std::by
       return answer(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.request);
     case FrameType::kPong:
       proto::decode<proto::Pong>(body);
+      hears_until_.reset();
       return;
     default:
       throw Refusal{WireError::kMalformed,

@@ -81,8 +81,11 @@ class Session {
   void receive(const proto::FrameHeader& header, std::span<const std::byte> body, Clock::time_point now);
   /// Answers with an Error that closes the connection: for what is no frame at all.
   void refuse(proto::WireError code, const std::string& why, uint32_t request = 0);
-  /// Says GoAway; the session is finished once no wish is open.
-  void drain(const std::string& reason);
+  /// Says GoAway; the session is finished once no wish is open and the client has heard it, as its Pong says
+  /// or heardOrLate(): what it wished for before then is under way.
+  void drain(const std::string& reason, Clock::time_point now);
+  /// Waits no longer for the Pong than kHearDeadline.
+  void heardOrLate(Clock::time_point now) noexcept;
   /// Another offer is made: says ModelReplaced of handles whose model has another build in it, and ends the
   /// session if its token is no longer good.
   void offerChanged();
@@ -114,7 +117,7 @@ class Session {
   /// Why, in the words that the client is told.
   const std::string& refusal() const noexcept { return refusal_; }
   /// Nothing is left to do but to send the control frames and close.
-  bool finished() const noexcept { return closing_ || (draining_ && !wantsToSend()); }
+  bool finished() const noexcept { return closing_ || (draining_ && !hears_until_ && !wantsToSend()); }
   /// Blobs are to be sent, now or when the window opens or the disk has answered.
   bool wantsToSend() const noexcept { return !wishes_.empty() || !unasked_.empty(); }
   /// A chunk could go out now but for the client's window.
@@ -172,6 +175,7 @@ class Session {
   Clock::time_point deadline_;
   Clock::time_point now_;  ///< of the last frame
   bool greeted_ = false, closing_ = false, draining_ = false, unauthorized_ = false;
+  std::optional<Clock::time_point> hears_until_;  ///< for the Pong that follows GoAway
   std::string token_, refusal_;
   std::shared_ptr<const TokenFile> tokens_;  ///< the file that grant_ lies in
   const TokenGrant* grant_ = nullptr;        ///< none: everything is allowed

@@ -120,7 +120,7 @@ class Play {
         offer_.catalog = catalogOf(script_.byte() % 3);
         return session_.offerChanged();
       default:
-        if (script_.byte() % 8 == 0) session_.drain("stopping");
+        if (script_.byte() % 8 == 0) session_.drain("stopping", now_);
         now_ += std::chrono::milliseconds(script_.byte());
     }
   }

@@ -222,12 +222,30 @@ TEST_F(ServerTest, stoppingSaysGoAwayLetsOpenWishesEndAndCloses) {
   for (; frame && frame->is(FrameType::kBlob); frame = client.receive()) take(*frame);
   ASSERT_TRUE(frame && frame->is(FrameType::kGoAway));
   EXPECT_LT(blob_bytes, all_bytes) << "no wish was open when the server went away";
+  client.expect<proto::Ping>(FrameType::kPing);
+  client.send(proto::Pong{});
   client.send(proto::Credit{4 * all_bytes});
   while ((frame = client.receive())) {
     EXPECT_TRUE(frame->is(FrameType::kBlob)) << proto::frameName(frame->header.type);
     take(*frame);
   }
   EXPECT_EQ(blob_bytes, all_bytes);
+  client.socket().close();
+  thread_.join();
+}
+
+TEST_F(ServerTest, stoppingAnswersAWishThatCrossesGoAway) {
+  start();
+  TestClient client = connect();
+  const proto::Opened opened = client.open("a");
+  client.blobs(2);
+  server_->stop();
+  client.expect<proto::GoAway>(FrameType::kGoAway);
+  client.expect<proto::Ping>(FrameType::kPing);
+  client.send(proto::Wishes{opened.handle, {{proto::WishAction::kAdd, proto::WishClass::kVisible, 1, 3, 1}}});
+  client.send(proto::Pong{});
+  const auto frame = client.receive();
+  ASSERT_TRUE(frame && frame->is(FrameType::kBlob));
   client.socket().close();
   thread_.join();
 }

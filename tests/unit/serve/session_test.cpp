@@ -206,19 +206,45 @@ TEST_F(SessionTest, anUnknownFrameWinsNoTimeHoweverOptional) {
 TEST_F(SessionTest, drainingSaysGoAwayAndLetsWishesEnd) {
   open();
   wish(WishClass::kVisible, 1, 3, 1);
-  session_.drain("stopping");
-  session_.drain("stopping");
-  EXPECT_EQ(only<proto::GoAway>(FrameType::kGoAway).reason, "stopping");
+  session_.drain("stopping", now_);
+  session_.drain("stopping", now_);
+  const auto frames = control();
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(proto::decode<proto::GoAway>(frames[0].body).reason, "stopping");
+  EXPECT_EQ(frames[1].header.type, static_cast<uint8_t>(FrameType::kPing));
+  send(proto::Pong{});
   EXPECT_FALSE(session_.finished());
   EXPECT_EQ(sendChunk(), 1u);
+  EXPECT_TRUE(session_.finished());
+}
+
+TEST_F(SessionTest, drainingAnswersWhatWasWishedForBeforeTheClientHeardOfIt) {
+  open();
+  session_.drain("stopping", now_);
+  control();
+  EXPECT_FALSE(session_.finished()) << "a wish may be under way";
+  wish(WishClass::kVisible, 1, 3, 1);
+  EXPECT_EQ(sendChunk(), 1u);
+  EXPECT_FALSE(session_.finished()) << "another may be";
+  send(proto::Pong{});
+  EXPECT_TRUE(session_.finished());
+}
+
+TEST_F(SessionTest, drainingWaitsNoLongerForAClientToHearThanItsDeadline) {
+  open();
+  session_.drain("stopping", now_);
+  session_.heardOrLate(now_ + proto::kHearDeadline - 1ms);
+  EXPECT_FALSE(session_.finished());
+  session_.heardOrLate(now_ + proto::kHearDeadline);
   EXPECT_TRUE(session_.finished());
 }
 
 TEST_F(SessionTest, drainingAnswersFramesAsBeforeUntilTheLastWishHasEnded) {
   open();
   wish(WishClass::kVisible, 1, 3, 1);
-  session_.drain("stopping");
+  session_.drain("stopping", now_);
   control();
+  send(proto::Pong{});
   send(proto::Open{"b", {}}, 9);
   EXPECT_EQ(only<proto::Opened>(FrameType::kOpened, 9).summary.name, "b");
   wish(WishClass::kVisible, 2, 4, 1);
@@ -229,7 +255,7 @@ TEST_F(SessionTest, drainingAnswersFramesAsBeforeUntilTheLastWishHasEnded) {
 }
 
 TEST_F(SessionTest, drainedBeforeItGreetsItSaysGoAwayAndEnds) {
-  session_.drain("stopping");
+  session_.drain("stopping", now_);
   EXPECT_EQ(only<proto::GoAway>(FrameType::kGoAway).reason, "stopping");
   EXPECT_TRUE(session_.finished());
 }
