@@ -64,7 +64,7 @@ struct Cut {
   uint64_t blob_bytes = 0;   ///< of the blobs that it is made of
   uint64_t drawn_bytes = 0;  ///< that its meshes and its fallbacks' take where they are drawn
   float max_error_px = 0;    ///< of the visible parts
-  float refinable_px = 0;    ///< of those of them that are not leaves at their original triangles
+  float refinable_px = 0;    ///< of those of them for which something finer can be had
   bool converged = false;    ///< nothing visible is above the threshold, but leaves at their original
                              ///< triangles, and every tile that the memory allows for textures is there
   std::shared_ptr<const TextureSet> textures;  ///< null: the model has none, or they are not there yet

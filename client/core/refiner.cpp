@@ -277,7 +277,8 @@ class Run {
     cut_->blob_bytes += shown.payload.bytes;
     if (!part.visible) return;
     cut_->max_error_px = std::max(cut_->max_error_px, error_px);
-    if (rung > 0 || !part.node->isLeaf()) cut_->refinable_px = std::max(cut_->refinable_px, error_px);
+    if (part.node->finerRung(rung) || part.node->mayGiveWay())
+      cut_->refinable_px = std::max(cut_->refinable_px, error_px);
   }
 
   // ---- the wishes

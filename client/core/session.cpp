@@ -242,11 +242,9 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
     case proto::WireError::kInternal:
       throw Error(ErrorCode::kNetwork, message);
     case proto::WireError::kNoSuchModel:
-      if (options_.awaits_model) {
-        event_ = ServerLeaving{message};
-        return;
-      }
-      throw Error(ErrorCode::kInput, message + "; " + options_.remedies.model);
+      if (!options_.awaits_model) throw Error(ErrorCode::kInput, message + "; " + options_.remedies.model);
+      event_ = ServerLeaving{message + "; " + options_.remedies.model};
+      return;
     case proto::WireError::kUnauthorized:
       throw Error(ErrorCode::kInput, message + "; " + options_.remedies.token);
     default:

@@ -66,6 +66,7 @@ FrameRateControl::FrameRateControl(double fps, Begin begin) noexcept
 void FrameRateControl::setRate(double fps) noexcept {
   wanted_ms_ = 1000 / fps;
   halvings_ = slow_frames_ = calm_frames_ = 0;
+  rate_ = resolution_ = {};
 }
 
 void FrameRateControl::limitTo(double coarsening) noexcept {
@@ -120,6 +121,8 @@ void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcep
     calm_need_ = is_first ? complete_need : std::max(calm_need_, complete_need);
     calm_pixel_load_ = is_first ? pixel_load : std::max(calm_pixel_load_, pixel_load);
     double_need_ = is_first ? double_need : std::max(double_need_, double_need);
+    const double full_need = complete_steps + stepsFor(2 * of_target / kFill, by_pixels);
+    full_need_ = is_first ? full_need : std::max(full_need_, full_need);
     if (calm_frames_ >= kCalmFrames) ease();
   }
 }
@@ -150,7 +153,7 @@ void FrameRateControl::lowerRate() noexcept {
 void FrameRateControl::ease() noexcept {
   calm_frames_ = 0;
   const bool is_enough = double_need_ <= mostSteps();
-  const bool is_few = double_need_ < kStepsBeforeScale;
+  const bool is_few = full_need_ < kStepsBeforeScale;  // by what would take the pixels again
   const bool leaves_room =
       double_need_ <= mostSteps() + kStepsOfScale && 2 * calm_pixel_load_ <= kPixelFillAgain;
   if (rate_.see(halvings_ > 0 && is_enough)) {

@@ -84,7 +84,8 @@ class FrameRateControl {
   int calm_frames_ = 0;         ///< that needed no more, none between them that did,
   double calm_need_ = 0;        ///< the most steps that these needed,
   double calm_pixel_load_ = 0;
-  double double_need_ = 0;  ///< and those that they would need for twice the work
+  double double_need_ = 0;  ///< those that they would need for twice the work in a higher rate,
+  double full_need_ = 0;    ///< and in this one
   Trials rate_, resolution_;
   double still_s_ = 0;  ///< it begins as if the camera had moved, so that the first cut may be coarse
 };

@@ -85,13 +85,14 @@ void Connection::end(EndReason reason) {
 
 void Connection::sweep(Clock::time_point now) {
   session_.checkExpiry(std::chrono::system_clock::now());
-  session_.heardOrLate(now);
+  const bool is_deaf = session_.giveUpHearing(now) && session_.finished();
+  if (is_deaf) end(EndReason::kStopping);
   if (session_.finished() && !linger_until_) wakeWriter();
   const bool late = now >= session_.deadline();
   const bool stalled = writing_since_ && now >= *writing_since_ + limits_.write;
   if (late) end(session_.greeted() ? EndReason::kIdle : EndReason::kHandshake);
   if (stalled) end(EndReason::kStalled);
-  if (late || stalled || (linger_until_ && now >= *linger_until_)) stream_.close();
+  if (late || stalled || is_deaf || (linger_until_ && now >= *linger_until_)) stream_.close();
 }
 
 void Connection::giveUpForMemory() {

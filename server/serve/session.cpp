@@ -74,8 +74,10 @@ void Session::drain(const std::string& reason, Clock::time_point now) {
   hears_until_ = now + proto::kHearDeadline;
 }
 
-void Session::heardOrLate(Clock::time_point now) noexcept {
-  if (hears_until_ && now >= *hears_until_) hears_until_.reset();
+bool Session::giveUpHearing(Clock::time_point now) noexcept {
+  if (!hears_until_ || now < *hears_until_) return false;
+  hears_until_.reset();
+  return true;
 }
 
 bool Session::authorize() {

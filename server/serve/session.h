@@ -82,10 +82,10 @@ class Session {
   /// Answers with an Error that closes the connection: for what is no frame at all.
   void refuse(proto::WireError code, const std::string& why, uint32_t request = 0);
   /// Says GoAway; the session is finished once no wish is open and the client has heard it, as its Pong says
-  /// or heardOrLate(): what it wished for before then is under way.
+  /// or giveUpHearing(): what it wished for before then is under way.
   void drain(const std::string& reason, Clock::time_point now);
-  /// Waits no longer for the Pong than kHearDeadline.
-  void heardOrLate(Clock::time_point now) noexcept;
+  /// Waits no longer for the Pong than kHearDeadline. @return whether it gave up waiting now.
+  bool giveUpHearing(Clock::time_point now) noexcept;
   /// Another offer is made: says ModelReplaced of handles whose model has another build in it, and ends the
   /// session if its token is no longer good.
   void offerChanged();

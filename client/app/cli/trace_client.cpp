@@ -83,8 +83,8 @@ void TraceClient::step(core::TimePoint now) {
 void TraceClient::connect(core::TimePoint now) {
   if (const core::Session* const older = link_.session(core::Line::kLeaving);
       older != nullptr && link_.session())
-    tally_.failed_wishes += older->openWishes();  // two servers left one soon after the other
-  leaving_ = std::move(newest_);
+    tally_.failed_wishes += older->openWishes();       // two servers left one soon after the other
+  if (link_.session()) leaving_ = std::move(newest_);  // else it was turned away, and who leaves still owes
   newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
   link_.begin({}, now);
 }

@@ -86,7 +86,7 @@ std::vector<Figure> figuresOf(const PanelContent& content) {
   figures.push_back({"threshold", thresholdOf(content), -1, 0});
   if (content.scale < 1)
     figures.push_back(
-        {"pixels", formatted("%.0f %% while it moves", 100 * content.scale * content.scale), -1, 0});
+        {"pixels", formatted("%.0f %% while it moves", 100 * content.scale * content.scale), -1, 11});
   figures.push_back({"view", std::string(content.show), -1, 9});
   figures.push_back({"camera", nameOf(content.camera), -1, 10});
   figures.push_back(

@@ -17,7 +17,7 @@ class PictureWriter {
   /// Waits until all are written.
   ~PictureWriter() = default;
 
-  /// Begins to. Where the system gives no thread it is done at once.
+  /// Begins to, once at most seven are under way. Where the system gives no thread it is done at once.
   void write(std::filesystem::path file, render::Image image);
 
   struct Written {

@@ -57,8 +57,8 @@ Viewer::Viewer(const ViewOptions& options)
 bool Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && !isMinimized()) draw();
-  while (const auto written = picture_writer_.waitAndTake()) tellOfPicture(*written);
   if (recorder_.recording()) saveRecording();
+  while (const auto written = picture_writer_.waitAndTake()) tellOfPicture(*written);
   if (!options_.screenshot.empty() && !is_screenshot_there_)
     throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
                                          options_.screenshot + " was there; it ends by itself when it is");
@@ -365,7 +365,7 @@ void Viewer::draw() {
   const std::optional<uint64_t> number = timer_.begin();
   if (rig_) style_.up = rig_->up();
   const render::DrawCounts drawn = exhibit_->draw(view, target, style_, time());
-  if (rig_ && darkensHollows()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
+  if (rig_ && darkensHollows() && !isQuick()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
   target.resolve();
   target.copyTo(0, window_.widthPx(), window_.heightPx());
   content_.triangles = drawn.triangles;

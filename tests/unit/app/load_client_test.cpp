@@ -242,6 +242,19 @@ TEST_P(EveryLoadClient, hasNotMovedWhereItIsTurnedAwayAtTheDoor) {
   EXPECT_EQ(tally_.moved, 0u);
 }
 
+TEST_P(EveryLoadClient, losesNothingOfWhoLeavesWhereTheNextTurnsItAway) {
+  server_->holdBack(true);
+  runUntilWishedFor(0);
+  server_->turnOneAway();
+  server_->goAway(0);
+  run([&] { return tally_.turned_away == 1; });
+  runUntilOpened(2);
+  server_->grantAll(0);
+  settle();
+  EXPECT_EQ(tally_.lost, 0u) << tally_.first_error;
+  EXPECT_EQ(tally_.failed_wishes, 0u);
+}
+
 TEST_P(EveryLoadClient, countsWhereItIsTurnedAwayAndHasNoErrorIfItIsLetInLater) {
   server_->turnOneAway();
   runUntilOpened(1);

@@ -37,6 +37,7 @@ TEST_P(RefinerWithoutSomeBlobs, settlesOnTheCutOfAllThatThereIs) {
       client.converge(view, {.threshold_px = 5}, random_, kNoCheck);
       ASSERT_TRUE(client.last().cut);
       EXPECT_TRUE(client.last().settled);
+      EXPECT_LE(client.last().cut->refinable_px, 5) << "nothing more can be had";
       EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, view, 5, lost).parts());
     }
   }

@@ -233,9 +233,9 @@ TEST_F(SessionTest, drainingAnswersWhatWasWishedForBeforeTheClientHeardOfIt) {
 TEST_F(SessionTest, drainingWaitsNoLongerForAClientToHearThanItsDeadline) {
   open();
   session_.drain("stopping", now_);
-  session_.heardOrLate(now_ + proto::kHearDeadline - 1ms);
+  EXPECT_FALSE(session_.giveUpHearing(now_ + proto::kHearDeadline - 1ms));
   EXPECT_FALSE(session_.finished());
-  session_.heardOrLate(now_ + proto::kHearDeadline);
+  EXPECT_TRUE(session_.giveUpHearing(now_ + proto::kHearDeadline));
   EXPECT_TRUE(session_.finished());
 }
 

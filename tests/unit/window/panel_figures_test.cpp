@@ -46,6 +46,7 @@ TEST(PanelFigures, sayOfARateThatIsAimedAtWhetherItIsReached) {
 TEST(PanelFigures, haveARankEachOfItsOwn) {
   PanelContent content;
   content.textured = true;
+  content.scale = 0.5;
   const std::vector<Figure> figures = figuresOf(content);
   std::vector<int> ranks;
   for (const Figure& figure : figures) ranks.push_back(figure.rank);
