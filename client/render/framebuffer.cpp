@@ -47,6 +47,8 @@ Framebuffer::Framebuffer(uint32_t width_px, uint32_t height_px, int samples)
                glCheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   }
   if (glGetError() != GL_NO_ERROR || !complete) failSize(width_px, height_px, limit_px);
+  constexpr float kBlack[4] = {0, 0, 0, 1};  // until something is drawn: fresh storage holds anything
+  glClearNamedFramebufferfv(drawn_.get(), GL_COLOR, 0, kBlack);
 }
 
 void Framebuffer::makeSampled(GLsizei width, GLsizei height) {

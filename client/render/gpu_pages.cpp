@@ -6,6 +6,9 @@ namespace lode::render {
 namespace {
 
 constexpr uint64_t kMostPageBytes = 1u << 31;
+/// So many meshes have room in a page, so that less than an eighth of it is lost at its end, but where it
+/// were larger than a driver makes in a moment.
+constexpr uint64_t kMeshesOfPage = 8, kMostBytesForThem = 32u << 20;
 
 }  // namespace
 
@@ -15,9 +18,10 @@ GpuPages::GpuPages(uint64_t budget_bytes, uint32_t page_bytes)
 /// @return 0 if the budget does not allow a page that holds needed_bytes.
 uint32_t GpuPages::sizeOfNewPage(uint32_t needed_bytes, uint64_t capacity_bytes) const noexcept {
   const uint64_t left = budget_bytes_ - std::min(budget_bytes_, capacity_bytes);
-  const uint64_t wanted = std::max<uint64_t>(page_bytes_, BlockAllocator::roundUp(needed_bytes));
-  const uint64_t size = std::min(left, wanted);
-  return size >= BlockAllocator::roundUp(needed_bytes) ? static_cast<uint32_t>(size) : 0;
+  const uint64_t needed = BlockAllocator::roundUp(needed_bytes);
+  const uint64_t roomy = std::min(kMeshesOfPage * needed, kMostBytesForThem);
+  const uint64_t size = std::min(left, std::max({uint64_t{page_bytes_}, roomy, needed}));
+  return size >= needed ? static_cast<uint32_t>(size) : 0;
 }
 
 bool GpuPages::addPage(uint32_t needed_bytes) {
