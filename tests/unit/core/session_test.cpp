@@ -84,7 +84,7 @@ TEST_F(SessionTest, takesAServerWithoutTheModelForOneThatIsLeavingIfItAwaitsThat
   const auto events =
       give(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2));
   ASSERT_EQ(events.size(), 1u);
-  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server says: no model x");
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server says: no model x; name one that it has");
 }
 
 TEST_F(SessionTest, saysThatTheServerIsLeaving) {
