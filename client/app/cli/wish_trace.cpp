@@ -93,7 +93,7 @@ class Recorder {
       job.bytes = {};
       jobs_.emplace(name, std::move(job));
     }
-    if (engine_.settled() && !engine_.cut())
+    if (!engine_.failure().empty() && engine_.settled() && !engine_.cut())
       throw Error(ErrorCode::kNetwork, where_ + ": " + engine_.failure());
     if (Clock::now() > deadline_)
       throw Error(ErrorCode::kTimeout,
