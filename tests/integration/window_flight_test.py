@@ -11,7 +11,7 @@ from processes import display, eventually
 
 class Flight(WindowTest):
     def test_flies_the_path_so_often_says_what_frames_took_and_ends(self):
-        path = {"fov_y_deg": 45, "keys": [{"t": t, "eye": [8 - t, 0, 3], "target": [0, 0, 0], "up": [0, 0, 1]} for t in (0, 1)]}
+        path = {"fov_y_deg": 45, "keys": [{"t": t, "eye": [8 - t / 4, 0, 3], "target": [0, 0, 0], "up": [0, 0, 1]} for t in (0, 4)]}
         with tempfile.TemporaryDirectory() as folder, display() as screen:
             camera = pathlib.Path(folder, "path.json")
             camera.write_text(json.dumps(path))
