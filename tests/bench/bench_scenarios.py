@@ -30,6 +30,16 @@ ROWS = {  # names of a scenario's rows, and for each head after the first which 
 }
 
 
+def play(scenario, bin_dir):
+    """Returns the scenario's exit status and what it printed. Ctrl-C reaches the scenario too: it is waited for until it has cleared its stage."""
+    with subprocess.Popen([SCENARIO, scenario, bin_dir], stdout=subprocess.PIPE, text=True) as playing:
+        try:
+            printed = playing.communicate()[0]
+        except KeyboardInterrupt:
+            sys.exit(playing.wait())
+        return playing.returncode, printed
+
+
 def rows_of(scenario, printed):
     names, places = ROWS[scenario]
     for number, cells in enumerate(zip(*(table.rows.values() for table in tables(printed)), strict=True)):
@@ -46,11 +56,11 @@ def main():
     print(f"| {' | '.join(HEADS)} |\n|{' --- |' * len(HEADS)}")
     missing = []
     for scenario in options.scenarios or ROWS:
-        done = subprocess.run([SCENARIO, scenario, options.bin_dir], stdout=subprocess.PIPE, text=True, check=False)
-        if done.returncode != 0:
-            missing.append(f"{scenario} ended with {done.returncode}: {done.stdout}")
+        status, printed = play(scenario, options.bin_dir)
+        if status != 0:
+            missing.append(f"{scenario} ended with {status}: {printed}")
             continue
-        for row in rows_of(scenario, done.stdout):
+        for row in rows_of(scenario, printed):
             print(f"| {' | '.join(row)} |", flush=True)
     if missing:
         sys.exit("\n".join(missing))

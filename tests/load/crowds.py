@@ -33,18 +33,18 @@ def arrive(stage, clients, seconds, title):
     print_table(("one wish at a time beside them, median", "p99", "longest", "failed", "server's memory", "its CPU"),
                 [(*probe_row(probed["times"]), probed["failed"], f"{sampler.most('memory_bytes') / 1e6:.1f} MB",
                   f"{100 * server.cpu_seconds() / seconds:.0f} %")])
+    stage.plot = crowd_plot(title, sampler, ("beside them", probed))
     assert run["errors"] == run["lost"] == run["failed_wishes"] == probed["failed"] == 0, "not everybody was served"
-    return crowd_plot(title, sampler, ("beside them", probed))
 
 
 def steady(stage):
     """A crowd that stays: 500 clients go round a model for 30 s."""
-    return arrive(stage, *((20, 4) if stage.short else (500, 30)), "steady crowd")
+    arrive(stage, *((20, 4) if stage.short else (500, 30)), "steady crowd")
 
 
 def flash(stage):
     """A flash crowd: a thousand clients within 5 s of each other."""
-    return arrive(stage, *((50, 4) if stage.short else (1000, 20)), "flash crowd")
+    arrive(stage, *((50, 4) if stage.short else (1000, 20)), "flash crowd")
 
 
 def greedy(stage):
@@ -65,8 +65,8 @@ def greedy(stage):
             probes.append((name, dict(times=[(t + began, ms) for t, ms in probed["times"]])))
             assert run["errors"] == run["lost"] == probed["failed"] == 0, "the polite were not served"
             assert not hog or taken["bytes"] > 0, "the greedy one got nothing"
-    alone, beside = (statistics.median(ms for _, ms in probe["times"]) for _, probe in probes)
-    assert beside <= 4 * alone + 20, f"the polite wait {beside:.1f} ms instead of {alone:.1f} ms"
+    stage.plot = crowd_plot("one greedy client among polite ones", sampler, *probes)
     print_table(("one wish at a time", "median", "p99", "longest", f"visible wishes of {clients} clients, median", "p99", "lost",
                  "the greedy one"), rows)
-    return crowd_plot("one greedy client among polite ones", sampler, *probes)
+    alone, beside = (statistics.median(ms for _, ms in probe["times"]) for _, probe in probes)
+    assert beside <= 4 * alone + 20, f"the polite wait {beside:.1f} ms instead of {alone:.1f} ms"

@@ -25,9 +25,10 @@ def under_load(stage, title, servers, listen, seconds, act, allowed_failures):
                 [(clients, f"{visible['p50']:.1f} ms", f"{visible['p99']:.1f} ms", f"{visible['max']:.0f} ms", run["moved"], run["lost"],
                   run["failed_wishes"], run["gave_up"], f"{percentile([ms for _, ms in probed['times']], 0.99):.1f} ms",
                   f"{longest_gap(probed['times'], seconds):.2f} s")])
+    stage.plot = crowd_plot(title, sampler, ("one wish at a time", probed))
     assert run["gave_up"] == 0, f"clients have given up: {run['first_error']}"
     assert allowed_failures or run["failed_wishes"] == 0, "wishes failed"
-    return run, crowd_plot(title, sampler, ("one wish at a time", probed))
+    return run
 
 
 def restart(stage):
@@ -40,9 +41,8 @@ def restart(stage):
         time.sleep(0.5 if stage.short else 2)
         server.start()
 
-    run, plot = under_load(stage, "the server is restarted", [server], server.listen, seconds, act, allowed_failures=True)
+    run = under_load(stage, "the server is restarted", [server], server.listen, seconds, act, allowed_failures=True)
     assert run["moved"] + run["lost"] > 0, "nobody noticed"
-    return plot
 
 
 def rolling_upgrade(stage):
@@ -57,9 +57,8 @@ def rolling_upgrade(stage):
             assert status == 0, f"a server ended with {status}"
             server.start()
 
-    run, plot = under_load(stage, "rolling upgrade behind HAProxy", servers, listen, seconds, act, allowed_failures=False)
+    run = under_load(stage, "rolling upgrade behind HAProxy", servers, listen, seconds, act, allowed_failures=False)
     assert run["moved"] > 0, "nobody was told"
-    return plot
 
 
 def one_killed(stage):
@@ -71,6 +70,5 @@ def one_killed(stage):
         time.sleep(seconds * 0.5)
         servers[0].end(signal.SIGKILL)
 
-    run, plot = under_load(stage, "one of two servers is killed", servers, listen, seconds, act, allowed_failures=True)
+    run = under_load(stage, "one of two servers is killed", servers, listen, seconds, act, allowed_failures=True)
     assert 0 < run["lost"] < run["clients"], "not some but all or none have noticed"
-    return plot

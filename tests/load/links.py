@@ -20,34 +20,32 @@ def slow(stage):
     """Clients that share a link of 2 Mbit/s, and one on a fast link beside them."""
     clients, seconds = (3, 4) if stage.short else (20, 20)
     link = dict(delay_ms=40, mbit_s=2, queue_ms=400, beside=True)
-    plot, rows = Plot("clients on a slow link, and one beside them on a fast one"), []
+    stage.plot, rows = Plot("clients on a slow link, and one beside them on a fast one"), []
     for name, count, full in (("alone", 0, False), ("beside them", clients, False), ("beside full ones", clients, True)):
         run, probed = over_link(stage, count, seconds, full=full, **link)
         goodput = f"{8 * run['bytes'] / run['seconds'] / 1e6:.2f} Mbit/s" if run else ""
         visible = f"{run['latency_ms']['visible']['p50']:.0f} ms" if run else ""
         rows.append((name, *probe_row(probed["times"]), goodput, visible, run["lost"] if run else "",
                      f"{run['first_image_ms']['p99']:.0f} ms" if run else ""))
-        plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
+        stage.plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
         assert probed["failed"] == 0 and (not run or run["errors"] == run["lost"] == 0), "somebody was not served"
     print_table(("one wish at a time on the fast link", "median", "p99", "longest", f"{clients} on the slow link get",
                  "their visible wishes, median", "lost", "their first image, p99"), rows)
-    return plot
 
 
 def lossy(stage):
     """A link of 10 Mbit/s and 50 ms that loses nothing, 1 % and 3 % of its packets."""
     clients, seconds = (2, 4) if stage.short else (4, 20)
-    plot, rows = Plot("a link that loses packets"), []
+    stage.plot, rows = Plot("a link that loses packets"), []
     for loss in (0, 1, 3):
         run, probed = over_link(stage, clients, seconds, loss_percent=loss)
         visible, image = run["latency_ms"]["visible"], run["first_image_ms"]
         rows.append((f"{loss} %", *probe_row(probed["times"]), f"{visible['p50']:.0f} ms", f"{visible['p99']:.0f} ms",
                      f"{image['p99']:.0f} ms", f"{8 * run['bytes'] / run['seconds'] / 1e6:.2f} Mbit/s", run["lost"]))
-        plot.panel(f"{loss} %: a wish's ms", ("", *zip(*probed["times"])), log=True)
+        stage.plot.panel(f"{loss} %: a wish's ms", ("", *zip(*probed["times"])), log=True)
         assert run["errors"] == run["lost"] == probed["failed"] == 0, "somebody was not served"
     print_table(("lost packets", "one wish at a time, median", "p99", "longest", f"visible wishes of {clients} clients, median", "p99",
                  "first image, p99", "they get", "connections lost"), rows)
-    return plot
 
 
 def larger_than_memory(stage):
@@ -58,7 +56,7 @@ def larger_than_memory(stage):
         made.mkdir()
     subprocess.run([stage.bin / "serving_store", "65536", cold, stage.folder / "files"], check=True, stdout=subprocess.DEVNULL)
     shutil.copy(stage.store, hot)
-    plot, rows = Plot("a store larger than memory"), []
+    stage.plot, rows = Plot("a store larger than memory"), []
     with slow_disk(cold, 20 << 20, 48 << 20) as slowly:
         with stage.server(prefix=slowly, store=folder) as server:
             result(stage.probe(server.listen, 1, store=hot))  # into memory, and counted to the server
@@ -68,8 +66,7 @@ def larger_than_memory(stage):
                 probed = result(stage.probe(server.listen, seconds, store=hot))
                 taken = sum(result(other)["bytes"] for other in others) / seconds / 1e6
                 rows.append((name, *probe_row(probed["times"]), f"{taken:.1f} MB/s"))
-                plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
+                stage.plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
                 assert probed["failed"] == 0 and (taken > 0) == (count > 0), "somebody was not served"
     print_table(("one wish at a time for what is in memory", "median", "p99", "longest", f"{readers} readers of the large store, 8 wishes each"),
                 rows)
-    return plot

@@ -12,7 +12,7 @@ lossy               a link that loses 0, 1 and 3 % of its packets
 larger_than_memory  a store of 100 MB in 48 MB of memory, from a slow disk
 soak                half an hour of crowds, reloads, new certificates and stores, killed clients and a damaged store
 
-Prints a table and writes a plot, NAME.svg. Everything stays on loopback or in network namespaces of its own, ends by itself
+Prints a table and writes a plot, NAME.svg, of what went otherwise too. Everything stays on loopback or in network namespaces of its own, ends by itself
 within a bounded time and leaves nothing behind. BIN_DIR holds both programs, and for slow, lossy and larger_than_memory, which
 need root, wan and serving_store. Exit status 1: it went otherwise than the scenario says; 77: something that it takes is not there; 130: Ctrl-C.
 """
@@ -78,6 +78,15 @@ def end(number, _):
     sys.exit(128 + number)
 
 
+def play(scenario, stage, plot):
+    """plot: a path or None. It is written where the scenario fails, too: that is when somebody wants to look."""
+    try:
+        scenario(stage)
+    finally:
+        if plot and stage.plot and stage.plot.panels:
+            stage.plot.write(plot)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("name", choices=SCENARIOS, metavar="NAME")
@@ -98,9 +107,7 @@ def main():
     signal.alarm((options.seconds or LONGEST_SOAK_S) + LONGEST_S if scenario is soak.soak and not options.short else LONGEST_S)
     with tempfile.TemporaryDirectory(prefix="lode-scenario-") as folder:
         with Stage(options.bin, folder, options.store, messages, options.short, options.seconds) as stage:
-            plot = scenario(stage)
-        if options.plot or not options.short:
-            plot.write(options.plot or f"{options.name}.svg")
+            play(scenario, stage, options.plot or (None if options.short else f"{options.name}.svg"))
     assert not left_behind(), "a process is left behind"
 
 

@@ -178,15 +178,14 @@ def soak(stage):
                      ("allocated memory, MB", watch.allocated, allocated, 1e6, 2, grown[0]),
                      ("resident memory, MB", watch.resident, resident, 1e6, 2, grown[1]),
                      ("descriptors", watch.descriptors, descriptors, 1, 0, grown[2]))])
-    plot, lulls = Plot("soak"), [until for _, until in watch.lulls]
-    plot.panel("memory, MB", *((name, seconds, [bytes / 1e6 for bytes in values]) for name, seconds, values in (
+    stage.plot, lulls = Plot("soak"), [until for _, until in watch.lulls]
+    stage.plot.panel("memory, MB", *((name, seconds, [bytes / 1e6 for bytes in values]) for name, seconds, values in (
         ("resident", watch.seconds, watch.resident), ("in lulls", lulls, resident), ("allocated in lulls", lulls, allocated))))
-    plot.panel("descriptors", ("", watch.seconds, watch.descriptors))
-    plot.panel("a wish's ms", ("", *zip(*probed["steady"]["times"])), log=True)
+    stage.plot.panel("descriptors", ("", watch.seconds, watch.descriptors))
+    stage.plot.panel("a wish's ms", ("", *zip(*probed["steady"]["times"])), log=True)
     assert lost == probed["steady"]["failed"] == probed["changing"]["failed"] == 0, f"something failed that was not made to: {broken}"
     assert set(around.done) == set(ACTIONS) and figures["model_damaged_blobs_total"] > 0, "not all was done to it"
     assert full > 0 or stage.short, "no full client has come to an end"
     for what, values, least in (("memory", allocated, LEAST_ALLOCATED), ("resident memory", resident, LEAST_RESIDENT),
                                 ("number of descriptors", descriptors, LEAST_DESCRIPTORS)):
         assert not grows(values, least), f"its {what} grows: {values}"
-    return plot

@@ -112,13 +112,13 @@ class Sampler:
 
 
 class Stage:
-    """A folder, the programs, a store; ends all that was started on it."""
+    """A folder, the programs, a store, the plot that a scenario leaves; ends all that was started on it."""
 
     def __init__(self, programs, folder, store=None, messages=None, short=False, seconds=None):
         """seconds: of a soak, instead of its own."""
         self.bin, self.folder, self.messages, self.short = pathlib.Path(programs).resolve(), pathlib.Path(folder), messages, short
         self.seconds = seconds
-        self.ending, self.probes = contextlib.ExitStack(), 0
+        self.ending, self.probes, self.plot = contextlib.ExitStack(), 0, None
         self.store = pathlib.Path(store).resolve() if store else self.sample(20_000 if short else 500_000)
 
     def __enter__(self):

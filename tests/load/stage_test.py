@@ -406,9 +406,24 @@ class Figures(unittest.TestCase):
         plot.panel("ms", ("one", (0, 1), (2, 30)), ("other", (), ()), log=True)
         plot.panel("alone: ms", ("", (0, 1), (0, 0.2)), log=True)
         self.assertEqual(plot.decades(), (0.1, 100))
+        self.drawn(plot.write)
+
+    def test_are_drawn_of_a_scenario_that_fails_too(self):
+        def failing(played_on):
+            played_on.plot = stage.Plot("title")
+            played_on.plot.panel("ms", ("", (0, 1), (2, 30)))
+            raise AssertionError("not everybody was served")
+
+        def play(path):
+            with self.assertRaises(AssertionError):
+                scenario.play(failing, mock.Mock(plot=None), path)
+
+        self.drawn(play)
+
+    def drawn(self, write):
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()) as said:
             path = pathlib.Path(folder, "plot.svg")
-            plot.write(path)
+            write(path)
             self.assertTrue("python3-matplotlib" in said.getvalue() or "<svg" in path.read_text())
 
 
