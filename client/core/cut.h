@@ -71,6 +71,10 @@ struct Cut {
   std::vector<ResidentTile> tiles;             ///< by key, coarse levels first
 };
 
+/// Its threshold as the eye sees it, whatever the pixels of the picture that it was made for: times
+/// focalPx(), those of another.
+inline double thresholdRad(const Cut& cut) noexcept { return cut.threshold_px / focalPx(cut.view); }
+
 constexpr float kFarOffFactor = 2;
 
 /// Whether more than twice the error that was asked for is seen where something finer is to come.

@@ -30,7 +30,7 @@ Seen Sight::Pyramid::see(const ModelBox& box) const noexcept {
 Sight::Sight(const View& view, double widening) noexcept
     : eye_model_(view.eye_model),
       near_model_(view.near_model),
-      focal_px_(view.height_px / (2 * std::tan(view.fov_y_rad / 2))),
+      focal_px_(focalPx(view)),
       picture_(view, 1),
       wider_(view, widening) {}
 

@@ -1,5 +1,7 @@
 #include "client/core/view.h"
 
+#include <cmath>
+
 #include "client/core/sight.h"
 
 namespace lode::core {
@@ -11,6 +13,8 @@ ModelBox toModelBox(const LatticeBox& box, double step) noexcept {
 double distanceToBox(glm::dvec3 eye_model, const ModelBox& box) noexcept {
   return glm::length(eye_model - glm::clamp(eye_model, box.min, box.max));
 }
+
+double focalPx(const View& view) noexcept { return view.height_px / (2 * std::tan(view.fov_y_rad / 2)); }
 
 float screenErrorPx(float error_model, double distance_model, const View& view) noexcept {
   return Sight(view, 1).errorPx(error_model, distance_model);

@@ -36,6 +36,9 @@ double distanceToBox(glm::dvec3 eye_model, const ModelBox& box) noexcept;
 /// Source: Luebke et al., Level of Detail for 3D Graphics, 2003.
 float screenErrorPx(float error_model, double distance_model, const View& view) noexcept;
 
+/// Pixels that one unit takes up at a distance of one. By their ratio pixels of one picture become another's.
+double focalPx(const View& view) noexcept;
+
 /// False only if no point of the box can be in the picture (planes test: may say true for a box just
 /// outside).
 /// @param widening  of the picture, each side from its middle: 1.2 looks a fifth further on every side.

@@ -150,10 +150,21 @@ std::vector<T> mixed(const std::vector<T>& from, const std::vector<T>& to, const
   return both;
 }
 
+/// What the pixels of a cut's picture are in those of another's.
+float pixelRatio(const Cut& from, const Cut& to) {
+  return static_cast<float>(focalPx(to.view) / focalPx(from.view));
+}
+
+void measureIn(float pixel_ratio, CutPart& part) {
+  part.error_px *= pixel_ratio;
+  part.threshold_px *= pixel_ratio;
+}
+
 /// The fallbacks of both cuts, of a node that both have one for the newer's.
 std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
   std::vector<Fallback> both = to.fallbacks;
-  both.insert(both.end(), from.fallbacks.begin(), from.fallbacks.end());
+  for (const Fallback& fallback : from.fallbacks)
+    measureIn(pixelRatio(from, to), both.emplace_back(fallback).part);
   std::ranges::stable_sort(both, {}, [](const Fallback& one) { return depthLast(one.part.node); });
   const auto isSame = [](const Fallback& a, const Fallback& b) { return a.part.node == b.part.node; };
   both.erase(std::unique(both.begin(), both.end(), isSame), both.end());
@@ -230,9 +241,12 @@ std::shared_ptr<const Cut> CutExchange::mixtureAt(uint32_t place, std::vector<No
   const Cut &from = *from_[place], &to = *to_[place];
   const auto cut = std::make_shared<Cut>();
   cut->view = to.view;
-  cut->threshold_px = std::max(from.threshold_px, to.threshold_px);
+  const float pixel_ratio = pixelRatio(from, to);
+  cut->threshold_px = std::max(pixel_ratio * from.threshold_px, to.threshold_px);
   cut->build = to.build;
   cut->parts = mixed(from.parts, to.parts, kept);
+  for (CutPart& part : cut->parts)
+    if (kept.around(part.node)) measureIn(pixel_ratio, part);
   cut->left_out = mixed(from.left_out, to.left_out, kept);
   assign(fallbacksOf(from, to), *cut);
   for (size_t number = 0; number < partCount(*cut); ++number) {

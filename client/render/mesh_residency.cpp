@@ -16,7 +16,7 @@ namespace lode::render {
 namespace {
 
 /// Of thresholds: half the triangles.
-constexpr float kOvertaking = 1.4f;
+constexpr double kOvertaking = 1.4;
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
 
 /// Calls visit(mesh) for each part and fallback that has triangles; of several places once for a mesh.
@@ -101,7 +101,7 @@ uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
 /// There is a newer cut that is much coarser, as when a camera begins to move: nobody waits for what is fine.
 bool MeshResidency::isOvertaken() const noexcept {
   return target_ && newest_ && newest_ != target_ && !has_room_alone_ &&
-         newest_->all->threshold_px >= kOvertaking * target_->all->threshold_px;
+         thresholdRad(*newest_->all) >= kOvertaking * thresholdRad(*target_->all);
 }
 
 /// @return false if there is nothing to do.
@@ -328,6 +328,9 @@ void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
   place.cut = std::move(cut);
   place.drawn.clear();
   place.entries.clear();
+  const auto asAngle = [focal_px = core::focalPx(place.cut->view)](float px) {
+    return static_cast<float>(px / focal_px);
+  };
   for (size_t number = 0; number < partCount(*place.cut); ++number) {
     const core::CutPart& part = partOf(*place.cut, number);
     DrawItem& item = place.drawn.emplace_back();
@@ -348,10 +351,10 @@ void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
             part.mesh->attributes,
             part.node,
             part.rung,
-            part.error_px,
+            asAngle(part.error_px),
             part.error_model,
-            std::min(part.threshold_px, place.cut->threshold_px),
-            part.threshold_px};
+            asAngle(std::min(part.threshold_px, place.cut->threshold_px)),
+            asAngle(part.threshold_px)};
   }
 }
 

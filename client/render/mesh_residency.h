@@ -50,11 +50,11 @@ struct DrawItem {
   AttributeSet attributes;
   NodeKey node;
   uint32_t rung = 0;
-  float error_px = 0;  ///< when the cut was made
+  float error_rad = 0;  ///< as the eye saw it when the cut was made, whatever the picture's pixels
   float error_model = 0;
-  float threshold_px = 0, complete_px = 0;  ///< see ShownThresholds
-  float age_s = 0;                          ///< that it is in the picture
-  ShownPlace place = {};                    ///< where it was drawn last
+  float threshold_rad = 0, complete_rad = 0;  ///< likewise: see ShownThresholds
+  float age_s = 0;                            ///< that it is in the picture
+  ShownPlace place = {};                      ///< where it was drawn last
 };
 
 /// Which meshes of a model are on the GPU, and what is drawn of them at the places where it stands. Of a

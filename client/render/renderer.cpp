@@ -163,7 +163,7 @@ void Renderer::drawBackground(const Framebuffer& target, const DrawStyle& style)
 }
 
 Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style,
-                                      float threshold_px) const {
+                                      float threshold_rad) const {
   const DrawItem& item = faded.item;
   uint32_t flags = hasNormals(item.attributes) ? kDrawHasNormals : 0;
   if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
@@ -173,7 +173,7 @@ Renderer::DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& s
   if (style.show == Show::kTexels) flags |= kDrawTexels;
   const uint32_t share = in256ths(faded.from) | in256ths(faded.to) << 16;
   if (!coloursParts(style.show)) return {flags, glm::u8vec4(255), share};
-  const glm::u8vec3 colour = colourOf(style.show, item, threshold_px, style.place.number);
+  const glm::u8vec3 colour = colourOf(style.show, item, threshold_rad, style.place.number);
   return {flags | kDrawTinted, glm::u8vec4(colour, 255), share};
 }
 
@@ -203,7 +203,7 @@ bool Renderer::ageing() const noexcept {
 
 /// Finds what may be in the picture.
 DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawStyle& style,
-                             float threshold_px) {
+                             float threshold_rad) {
   DrawCounts counts;
   place.seen.clear();
   place.states.clear();
@@ -211,6 +211,7 @@ DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawSty
   in_picture_.clear();
   const core::Sight sight(view, 1);
   size_t number = 0;
+  float error_rad = 0;
   for (const FadedItem& faded : place.fade.items()) {
     const bool is_of_cut = number++ < place.fade.coverCount();
     const bool is_drawn = in256ths(faded.from) < in256ths(faded.to);
@@ -222,11 +223,12 @@ DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawSty
       place.seen.resize(place.seen.size() - clusters);
       continue;
     }
-    place.states.push_back(stateOf(faded, style, threshold_px));
+    place.states.push_back(stateOf(faded, style, threshold_rad));
     if (is_of_cut) place.states_of_cut = place.states.size();
-    counts.error_px = std::max(counts.error_px, faded.item.error_px);
+    error_rad = std::max(error_rad, faded.item.error_rad);
     ++counts.nodes;
   }
+  counts.error_px = static_cast<float>(error_rad * focalPx(view));
   return counts;
 }
 
@@ -348,7 +350,7 @@ DrawCounts Renderer::drawPlace(size_t number, const core::View& view, const Fram
   Place& place = places_[number];
   choose(place, number, view, time);
   const auto& cut = meshes_.drawnCut(number);
-  DrawCounts counts = collect(place, view, style, cut ? cut->threshold_px : 0);
+  DrawCounts counts = collect(place, view, style, cut ? static_cast<float>(thresholdRad(*cut)) : 0);
   place.is_drawn.assign(place.seen.size(), true);
   if (time.leaves_out_hidden && style.show != Show::kWireframe) {  // lines hide nothing
     for (size_t i = 0; i < place.seen.size(); ++i) place.is_drawn[i] = !place.seen[i].hidden(number);
@@ -378,14 +380,15 @@ DrawCounts Renderer::drawAppeared(size_t number, const core::View& view, const F
 void Renderer::drawClusters(const Place& place, const std::vector<bool>& is_chosen, const core::View& view,
                             const DrawStyle& style, DrawCounts& counts) {
   for (DrawList* const list : {&whole_, &fading_}) list->clear(meshes_.pages().pageCount());
+  const double focal_px = core::focalPx(view);
   for (size_t i = 0; i < place.seen.size(); ++i) {
     if (!is_chosen[i]) continue;
     const SeenCluster& cluster = place.seen[i];
     (cluster.fades ? fading_ : whole_).add(cluster);
     counts.triangles += cluster.triangles();
-    counts.shown.drawn.add(cluster.triangles(), cluster.item->threshold_px);
+    counts.shown.drawn.add(cluster.triangles(), cluster.item->threshold_rad * focal_px);
     if (cluster.state < place.states_of_cut)
-      counts.shown.complete.add(cluster.triangles(), cluster.item->complete_px);
+      counts.shown.complete.add(cluster.triangles(), cluster.item->complete_rad * focal_px);
   }
   if (whole_.empty() && fading_.empty()) return;
   glEnable(GL_DEPTH_TEST);

@@ -114,9 +114,9 @@ class Renderer {
   };
   void showTextures();
   void keepWhatIsShown();
-  DrawState stateOf(const FadedItem& faded, const DrawStyle& style, float threshold_px) const;
+  DrawState stateOf(const FadedItem& faded, const DrawStyle& style, float threshold_rad) const;
   void choose(Place& place, size_t number, const core::View& view, const DrawTime& time);
-  DrawCounts collect(Place& place, const core::View& view, const DrawStyle& style, float threshold_px);
+  DrawCounts collect(Place& place, const core::View& view, const DrawStyle& style, float threshold_rad);
   void drawClusters(const Place& place, const std::vector<bool>& is_chosen, const core::View& view,
                     const DrawStyle& style, DrawCounts& counts);
   void setCamera(const core::View& view, const DrawStyle& style) const;

@@ -72,9 +72,9 @@ std::string ageMeaning(size_t bin) {
   return text;
 }
 
-size_t errorBin(float error_px, float threshold_px) {
+size_t errorBin(float error_rad, float threshold_rad) {
   size_t bin = 0;
-  while (bin + 1 < kErrorBins.size() && error_px > kErrorBins[bin].part * threshold_px) ++bin;
+  while (bin + 1 < kErrorBins.size() && error_rad > kErrorBins[bin].part * threshold_rad) ++bin;
   return bin;
 }
 
@@ -151,7 +151,7 @@ std::string showNames() {
   return names;
 }
 
-glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px, uint32_t place) noexcept {
+glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_rad, uint32_t place) noexcept {
   switch (show) {
     case Show::kNodes:
       return colourOfNode(part.node, place);
@@ -160,7 +160,7 @@ glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px, uint32
     case Show::kRungs:
       return ladder(part.rung);
     case Show::kErrors:
-      return kErrorBins[errorBin(part.error_px, threshold_px)].colour;
+      return kErrorBins[errorBin(part.error_rad, threshold_rad)].colour;
     case Show::kAges:
       return kAgeBins[ageBin(part.age_s)].colour;
     default:
@@ -195,7 +195,7 @@ std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, fl
     std::map<uint32_t, glm::u8vec3> steps;
     for (const DrawItem& part : drawn)
       steps.emplace(show == Show::kDepths ? static_cast<uint32_t>(part.node.depth()) : part.rung,
-                    colourOf(show, part, threshold_px));
+                    colourOf(show, part, 0));
     for (const auto& [step, colour] : steps)
       legend.push_back(
           {colour, stepMeaning(show, step, step == steps.begin()->first, step == steps.rbegin()->first)});

@@ -48,8 +48,8 @@ std::string showNames();
 
 /// Each part is drawn in one colour.
 constexpr bool coloursParts(Show show) noexcept { return show >= Show::kNodes; }
-/// sRGB. @param threshold_px  of the cut, for errors. @param place  its number, for nodes.
-glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_px, uint32_t place = 0) noexcept;
+/// sRGB. @param threshold_rad  of the cut, for errors. @param place  its number, for nodes.
+glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_rad, uint32_t place = 0) noexcept;
 
 /// sRGB, for a quarter of a texel a pixel or less, a half, 1, 2, 4 or more, between which colours are mixed;
 /// and for what has no image.
@@ -69,7 +69,7 @@ struct LegendEntry {
 };
 /// What a picture shows that no colours explain; empty where there is nothing to say.
 std::string_view explanationOf(Show show) noexcept;
-/// Of what is drawn. Empty where colours mean nothing.
+/// Of what is drawn. @param threshold_px  of the picture. Empty where colours mean nothing.
 std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px);
 
 }  // namespace lode::render

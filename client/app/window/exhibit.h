@@ -58,8 +58,8 @@ class Exhibit {
                                   render::DrawStyle style, const render::DrawTime& time) = 0;
   /// What the last picture was made of.
   virtual std::span<const render::DrawItem> inPicture() const = 0;
-  /// Of the coarsest cut that is drawn; 0 while nothing is.
-  virtual float drawnThresholdPx() const = 0;
+  /// Of the coarsest cut that is drawn: see core::thresholdRad(); 0 while nothing is.
+  virtual double drawnThresholdRad() const = 0;
   /// Grows with each cut that comes to be drawn.
   virtual uint64_t drawnSerial() const = 0;
   /// The next picture differs from the last although nothing has come: see render::Renderer.

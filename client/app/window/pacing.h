@@ -52,7 +52,7 @@ class Pacing {
   /// What a frame may take; 0 where that has no say.
   double targetMs() const noexcept { return is_fixed_ ? 0 : control_.targetMs(); }
   /// Whether to draw nothing for now, but wait for all of a much coarser cut.
-  /// @param drawn_px     of what would be drawn
+  /// @param drawn_px     of what would be drawn, in the next picture's pixels
   /// @param is_uploaded  there is nothing to wait for
   bool isWorthWaiting(float drawn_px, bool is_uploaded, TimePoint now) const noexcept;
 

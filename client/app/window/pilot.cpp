@@ -25,8 +25,8 @@ Pilot::Pilot(const ViewOptions& options, std::optional<core::CameraPath> path)
     : options_(options), path_(std::move(path)) {}
 
 /// There is a picture to begin with.
-bool Pilot::mayBegin(const Exhibit& exhibit, bool is_time_over) const {
-  const float drawn_px = exhibit.drawnThresholdPx();
+bool Pilot::mayBegin(const Exhibit& exhibit, bool is_time_over, const core::View& view) const {
+  const double drawn_px = exhibit.drawnThresholdRad() * focalPx(view);
   if (drawn_px > 0 && drawn_px <= kLargestThresholdPx) return true;
   const stream::StreamStatus& status = exhibit.status();
   const bool is_all_there = (status.ended || status.exhausted) && exhibit.uploaded();
@@ -36,7 +36,7 @@ bool Pilot::mayBegin(const Exhibit& exhibit, bool is_time_over) const {
 
 Pilot::State Pilot::fly(const Exhibit& exhibit, bool is_time_over, CameraRig& rig) {
   if (!flight_) {
-    if (!mayBegin(exhibit, is_time_over)) return State::kWaiting;
+    if (!mayBegin(exhibit, is_time_over, rig.view())) return State::kWaiting;
     flight_.emplace(path_ ? *path_ : makePath(MadePath::kOrbit, exhibit.summary(), 0), options_.laps);
     start_ = Clock::now();
   }

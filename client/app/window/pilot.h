@@ -37,7 +37,7 @@ class Pilot {
  private:
   using Clock = std::chrono::steady_clock;
 
-  bool mayBegin(const Exhibit& exhibit, bool is_time_over) const;
+  bool mayBegin(const Exhibit& exhibit, bool is_time_over, const core::View& view) const;
 
   const ViewOptions options_;
   const std::optional<core::CameraPath> path_;

@@ -47,9 +47,9 @@ render::DrawCounts ViewedModel::draw(const core::View& view, const render::Frame
   return renderer_.draw(view, target, style, time);
 }
 
-float ViewedModel::drawnThresholdPx() const {
+double ViewedModel::drawnThresholdRad() const {
   const auto& cut = renderer_.meshes().drawnCut();
-  return cut ? cut->threshold_px : 0;
+  return cut ? thresholdRad(*cut) : 0;
 }
 
 Exhibit::GpuUse ViewedModel::gpuUse() const {

@@ -29,7 +29,7 @@ class ViewedModel : public Exhibit {
   render::DrawCounts draw(const core::View& view, const render::Framebuffer& target, render::DrawStyle style,
                           const render::DrawTime& time) override;
   std::span<const render::DrawItem> inPicture() const override { return renderer_.inPicture(); }
-  float drawnThresholdPx() const override;
+  double drawnThresholdRad() const override;
   uint64_t drawnSerial() const override { return renderer_.meshes().drawnSerial(); }
   bool fading() const override { return renderer_.fading(); }
   bool ageing() const override { return renderer_.ageing(); }

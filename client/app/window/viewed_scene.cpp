@@ -201,13 +201,13 @@ bool ViewedScene::uploaded() const {
   });
 }
 
-float ViewedScene::drawnThresholdPx() const {
-  float threshold_px = 0;
+double ViewedScene::drawnThresholdRad() const {
+  double threshold_rad = 0;
   for (const auto& model : models_)
     for (size_t place = 0; place < model->places.size(); ++place)
       if (const auto& cut = model->renderer.meshes().drawnCut(place))
-        threshold_px = std::max(threshold_px, cut->threshold_px);
-  return threshold_px;
+        threshold_rad = std::max(threshold_rad, thresholdRad(*cut));
+  return threshold_rad;
 }
 
 uint64_t ViewedScene::drawnSerial() const {

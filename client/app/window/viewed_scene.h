@@ -37,7 +37,7 @@ class ViewedScene : public Exhibit {
   render::DrawCounts draw(const core::View& view, const render::Framebuffer& target, render::DrawStyle style,
                           const render::DrawTime& time) override;
   std::span<const render::DrawItem> inPicture() const override { return in_picture_; }
-  float drawnThresholdPx() const override;
+  double drawnThresholdRad() const override;
   uint64_t drawnSerial() const override;
   bool fading() const override;
   bool ageing() const override;

@@ -138,7 +138,7 @@ bool Viewer::isPictureOld(const Input& input) const {
 
 /// For all of a coarser cut, to draw it instead of what is there.
 bool Viewer::isWorthWaiting() const {
-  return rig_ && pacing_.isWorthWaiting(exhibit_->drawnThresholdPx(), exhibit_->uploaded(), Clock::now());
+  return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), exhibit_->uploaded(), Clock::now());
 }
 
 void Viewer::obey(Input& input) {
@@ -241,7 +241,7 @@ void Viewer::noteFlight(std::optional<uint64_t> number) {
   FlownFrame frame;
   frame.upload_ms = content_.upload_ms;
   frame.target_ms = pacing_.targetMs();
-  frame.threshold_px = exhibit_->drawnThresholdPx();
+  frame.threshold_px = drawnThresholdPx();
   frame.scale = content_.scale;
   frame.triangles = content_.triangles;
   pilot_->draw(*number, frame);
@@ -317,6 +317,11 @@ core::View Viewer::drawnView() const {
   return view;
 }
 
+/// In the pixels of the next picture; 0 while nothing is drawn.
+float Viewer::drawnThresholdPx() const {
+  return static_cast<float>(exhibit_->drawnThresholdRad() * focalPx(drawnView()));
+}
+
 const render::Framebuffer& Viewer::target(const core::View& view) {
   std::optional<render::Framebuffer>& target = isQuick() ? quick_ : smooth_;
   if (!target || target->widthPx() != view.width_px || target->heightPx() != view.height_px)
@@ -350,7 +355,7 @@ void Viewer::draw() {
   content_.nodes = drawn.nodes;
   content_.error_px = drawn.error_px;
   content_.legend =
-      legendOf(style_.show, exhibit_->inPicture(), std::max(exhibit_->drawnThresholdPx(), kLeastThresholdPx));
+      legendOf(style_.show, exhibit_->inPicture(), std::max(drawnThresholdPx(), kLeastThresholdPx));
   const std::optional<render::Coarsening> coarsening = coarseningOf(drawn, view);
   drawn_ = {rig_ ? rig_->view() : view, exhibit_->drawnSerial(), isQuick(), content_};
   pacing_.draw(coarsening, Clock::now());
@@ -371,7 +376,7 @@ void Viewer::describe() {
   const auto& cut = exhibit_->status().cut;
   content_.progress = cut ? progress_.see(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   if (rig_) {
-    const bool is_waiting = exhibit_->drawnThresholdPx() == 0 && !exhibit_->status().ended;
+    const bool is_waiting = drawnThresholdPx() == 0 && !exhibit_->status().ended;
     content_.waiting = is_waiting ? "Loading the first picture" : "";
     content_.waiting_part = -1;
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;

@@ -74,6 +74,7 @@ class Viewer {
   void apply(const Settings& wanted);
   bool isQuick() const;
   core::View drawnView() const;
+  float drawnThresholdPx() const;
   const render::Framebuffer& target(const core::View& view);
   std::optional<render::Coarsening> coarseningOf(const render::DrawCounts& drawn,
                                                  const core::View& view) const;

@@ -249,6 +249,27 @@ TEST(CutExchange, tellsOfAPartThatBothHaveTheNewerCutsError) {
   EXPECT_EQ(mixture->max_error_px, 8);
 }
 
+TEST(CutExchange, measuresWhatIsLeftOfTheOlderCutInTheNewerOnesPixels) {
+  const auto from = cutOfChildren(
+      {{child(0), 1, true, 5, aMesh()}, {child(1), 1, true, 8, aMesh()}, {child(2), 1, true, 8, aMesh()}});
+  const auto to = cutOfChildren(
+      {{child(0), 0, true, 1, aMesh()}, {child(1), 0, true, 1, aMesh()}, {child(2), 0, true, 1, aMesh()}});
+  from->view.height_px = 2 * to->view.height_px;
+  from->threshold_px = 6;
+  from->parts[0].threshold_px = 7;
+  from->fallbacks = {{.part = {kRootKey, 1, false, 20, aMesh()}}};
+  from->left_out = {{child(3), {}}};
+  to->left_out = {{child(3), {}}};
+  const auto mixture = OneExchange(from, to).after(3);
+  EXPECT_EQ(mixture->parts[0].error_px, 2.5f);
+  EXPECT_EQ(mixture->parts[0].threshold_px, 3.5f);
+  EXPECT_EQ(mixture->parts[1].error_px, 1);
+  EXPECT_EQ(mixture->threshold_px, 3);
+  EXPECT_EQ(mixture->max_error_px, 2.5f);
+  ASSERT_EQ(mixture->fallbacks.size(), 1u);
+  EXPECT_EQ(mixture->fallbacks[0].part.error_px, 10);
+}
+
 /// Newer cuts that come before those under way are complete.
 TEST(CutExchange, coversTheModelOnceWhereWhatWasDrawnBeforeIsAMixtureItself) {
   for (uint32_t seed = 0; seed < kSeeds; ++seed) {

@@ -99,6 +99,28 @@ TEST_F(Residency, turnsAtOnceToANewerCutThatIsMuchCoarser) {
   EXPECT_LE(bytes, 1000 + core::drawnBytes(*gridOf(3)));
 }
 
+/// While the camera moves pictures may have fewer pixels, which are larger.
+TEST_F(Residency, comparesCutsOfPicturesOfOtherResolutionsByWhatTheEyeSees) {
+  const auto isOvertaken = [](uint32_t older_px, uint32_t newer_px) {
+    const auto pictured = [](uint32_t seed, uint32_t height_px) {
+      auto cut = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(seed)}));
+      cut->view.height_px = height_px;
+      return cut;
+    };
+    MeshResidency residency({});
+    residency.show(pictured(1, older_px));
+    residency.uploadInRenderThread({.wait = true});
+    residency.show(pictured(2, older_px));
+    uint64_t bytes = residency.uploadInRenderThread({.bytes = 1000, .ms = 1000});
+    residency.show(pictured(3, newer_px));
+    while (!residency.upToDate()) bytes += residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000});
+    return bytes <= 1000 + core::drawnBytes(*gridOf(3));
+  };
+  EXPECT_TRUE(isOvertaken(720, 360));
+  EXPECT_FALSE(isOvertaken(720, 720));
+  EXPECT_FALSE(isOvertaken(360, 720));
+}
+
 TEST_F(Residency, givesOutTheMixturesThatItMakesAndKeepsThemWhileTheyAreDrawn) {
   MeshResidency residency({});
   residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));

@@ -270,6 +270,7 @@ TEST_F(Picture, saysWhatThresholdsItShowsAndOfThoseThatItIsToShow) {
   auto cut = std::make_shared<core::Cut>(
       *cutOf({squareAt(100, 100, 100, 100, red), squareAt(200, 100, 100, 100, red),
               squareAt(9000, 0, 100, 1, red)}));
+  cut->view.height_px = kHeightPx;
   cut->threshold_px = 2;
   cut->parts[0].threshold_px = 2;
   cut->parts[1].threshold_px = 8;    // it stands in for what is to come
@@ -279,11 +280,26 @@ TEST_F(Picture, saysWhatThresholdsItShowsAndOfThoseThatItIsToShow) {
   renderer.uploadInRenderThread({.wait = true});
   const render::Framebuffer target(kWidthPx, kHeightPx);
   const render::ShownThresholds shown = renderer.draw(lookAt({200, 150, 500}, {200, 150, 100}), target).shown;
-  EXPECT_NEAR(shown.drawn.px(), 2, 1e-9);
+  EXPECT_NEAR(shown.drawn.px(), 2, 1e-6);
   render::MeanThreshold mean;
   mean.add(1, 2);
   mean.add(1, 8);
-  EXPECT_NEAR(shown.complete.px(), mean.px(), 1e-9);
+  EXPECT_NEAR(shown.complete.px(), mean.px(), 1e-6);
+}
+
+TEST_F(Picture, saysThresholdsAndErrorsInItsOwnPixelsWhateverThoseThatTheCutWasMadeFor) {
+  auto cut = std::make_shared<core::Cut>(*cutOf({squareAt(100, 100, 100, 100, {255, 0, 0, 255})}));
+  cut->view.height_px = 2 * kHeightPx;
+  cut->threshold_px = cut->parts[0].threshold_px = 8;
+  cut->parts[0].error_px = 6;
+  render::Renderer renderer;
+  renderer.show(cut);
+  renderer.uploadInRenderThread({.wait = true});
+  const render::Framebuffer target(kWidthPx, kHeightPx);
+  const render::DrawCounts drawn = renderer.draw(lookAt({150, 150, 500}, {150, 150, 100}), target);
+  EXPECT_NEAR(drawn.shown.drawn.px(), 4, 1e-6);
+  EXPECT_NEAR(drawn.shown.complete.px(), 4, 1e-6);
+  EXPECT_NEAR(drawn.error_px, 3, 1e-6);
 }
 
 TEST_F(Picture, ofAnEmptyCutIsTheBackground) {

@@ -11,11 +11,11 @@ namespace {
 
 using render::Show;
 
-render::DrawItem partOf(NodeKey node, uint32_t rung = 0, float error_px = 0) {
+render::DrawItem partOf(NodeKey node, uint32_t rung = 0, float error_rad = 0) {
   render::DrawItem part;
   part.node = node;
   part.rung = rung;
-  part.error_px = error_px;
+  part.error_rad = error_rad;
   return part;
 }
 
@@ -116,8 +116,8 @@ TEST(ShownColours, haveNamesThatAreReadBack) {
 }
 
 TEST(ShownColours, tellErrorsAboveTheThresholdFromThoseBelow) {
-  const auto colour = [](float error_px) {
-    return colourOf(Show::kErrors, partOf(kRootKey, 0, error_px), 2);
+  const auto colour = [](float error_rad) {
+    return colourOf(Show::kErrors, partOf(kRootKey, 0, error_rad), 2);
   };
   EXPECT_NE(colour(2.01f), colour(2));
   EXPECT_EQ(colour(2.01f), colour(50));
