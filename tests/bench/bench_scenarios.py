@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The table of load scenarios: bench_scenarios.py BIN_DIR [SCENARIO ...]
 
-Plays tests/load/scenario.py, all but soak by default, each of which writes its plot into the working folder, and prints a line of what each
+Plays tests/load/scenario.py, all but soak, each of which writes its plot into the working folder, and prints a line of what each
 of its rows says, with blanks for what it does not tell.
 """
 import argparse
@@ -20,7 +20,7 @@ ROWS = {  # names of a scenario's rows, and for each head after the first which 
     "steady": (("500 clients, 30 s",), OF_CROWD),
     "flash": (("1,000 within 5 s",), OF_CROWD),
     "greedy": (("50 polite clients alone", "beside one with 256 wishes open"), (4, 5, None, None, 1, 2, 6, None, 7)),
-    "restart": (("the only server of 200, away for 2 s",), OF_END),
+    "restart": (("the only server of 200, away for 2 s after its drain",), OF_END),
     "rolling_upgrade": (("two behind HAProxy, 200 clients",), OF_END),
     "one_killed": (("of two behind HAProxy, 200 clients",), OF_END),
     "slow": (("`single` on a fast link alone", "beside 20 clients on a link of 2 Mbit/s", "beside 20 full ones there"), (5, None, None, 7, 1, 2, 6, None, 4)),
@@ -51,8 +51,10 @@ def rows_of(scenario, printed):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin_dir", type=pathlib.Path)
-    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help=f"of {', '.join(ROWS)}")
+    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help=f"of {', '.join(ROWS)}; all by default")
     options = parser.parse_args()
+    if unknown := set(options.scenarios) - set(ROWS):
+        parser.error(f"no table is made of {', '.join(sorted(unknown))}: of {', '.join(ROWS)}")
     print(f"| {' | '.join(HEADS)} |\n|{' --- |' * len(HEADS)}")
     missing = []
     for scenario in options.scenarios or ROWS:
