@@ -15,6 +15,7 @@
 #include "client/app/cli/cut_mesh.h"
 #include "common/error.h"
 #include "tests/integration/streaming/streaming_fixture.h"
+#include "tests/support/own_entries.h"
 
 namespace lode::test {
 namespace {
@@ -74,15 +75,9 @@ TEST_F(Streaming, givesManyClientsAtOnceTheSameCut) {
   for (const Mesh& cut : cuts) EXPECT_TRUE(cut == cuts[0]);
 }
 
-/// Entries of a folder of /proc/self: threads or descriptors of this process, the server's among them.
-size_t countOf(const char* folder) {
-  const std::filesystem::directory_iterator entries(std::filesystem::path("/proc/self") / folder);
-  return static_cast<size_t>(std::distance(begin(entries), end(entries)));
-}
-
 TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
   Streamer(served_, threads(2)).waitForModel(kPatience);  // the server has all its threads
-  const size_t threads_before = countOf("task"), descriptors_before = countOf("fd");
+  const size_t threads_before = ownEntries("task"), descriptors_before = ownEntries("fd");
   for (int step = 0; step < 30; ++step) {
     Streamer streamer(served_, threads(2));
     if (step % 3 == 0) continue;  // while it connects
@@ -92,12 +87,8 @@ TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
       EXPECT_TRUE(streamer.waitForCut(kPatience).cut) << step;
     }
   }
-  EXPECT_EQ(countOf("task"), threads_before);
-  const auto deadline =
-      std::chrono::steady_clock::now() + kPatience;  // the server's ends close in their time
-  while (countOf("fd") > descriptors_before && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::yield();
-  EXPECT_LE(countOf("fd"), descriptors_before);
+  EXPECT_LE(ownEntriesOnceDownTo(threads_before, "task"), threads_before);
+  EXPECT_LE(ownEntriesOnceDownTo(descriptors_before, "fd"), descriptors_before);
 }
 
 TEST_F(Streaming, freesItsCutsOnItsOwnThreadAndNotWhereTheyWereShownLast) {
