@@ -1,9 +1,12 @@
 #include "server/ingest/partition/leaf_welder.h"
 
+#include <list>
+
 #include <gtest/gtest.h>
 
 #include "server/ingest/mesh/soup_triangle.h"
 #include "server/ingest/partition/leaf_mesh.h"
+#include "tests/support/own_entries.h"
 
 namespace lode::ingest {
 namespace {
@@ -79,8 +82,15 @@ TEST(LeafWelder, givesTheMeshesOfLeavesInTheirOrder) {
 TEST(LeafWelder, endsItsThreadsWhenItIsGivenUp) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  LeafWelder welder(table, {}, CreaseAngle(50), 2, [](std::span<const std::byte>) {});
-  welder.add(0, squareAt(0));
+  const size_t threads_before = test::ownEntries("task");
+  {
+    std::list<LeafWelder> welders;
+    for (int i = 0; i < 8; ++i)
+      welders.emplace_back(table, AttributeSet(), CreaseAngle(50), 2, [](std::span<const std::byte>) {})
+          .add(0, squareAt(0));
+    EXPECT_GT(test::ownEntries("task"), threads_before);
+  }
+  EXPECT_LE(test::ownEntriesOnceDownTo(threads_before, "task"), threads_before);
 }
 
 }  // namespace
