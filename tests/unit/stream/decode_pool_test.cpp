@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <future>
 #include <mutex>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -62,9 +64,24 @@ TEST(DecodePool, takesMoreJobsThanMayWait) {
   EXPECT_EQ(results.waitFor(pool, kMaxWaitingJobs + 100).size(), kMaxWaitingJobs + 100);
 }
 
-TEST(DecodePool, mayEndWhileJobsWait) {
-  DecodePool pool(1, [] {});
-  pool.add(jobs(kMaxWaitingJobs));
+TEST(DecodePool, dropsTheJobsThatWaitWhenItEnds) {
+  std::promise<void> first_woke, closed;
+  size_t wakes = 0;
+  std::thread adder;
+  {
+    DecodePool pool(1, [&] {
+      if (++wakes > 1) return;
+      first_woke.set_value();
+      closed.get_future().wait();
+    });
+    adder = std::thread([&] {
+      pool.add(jobs(kMaxWaitingJobs + 2));  // one more than there is room for: it waits until the pool ends
+      closed.set_value();
+    });
+    first_woke.get_future().wait();
+  }
+  adder.join();
+  EXPECT_EQ(wakes, 1u);
 }
 
 }  // namespace
