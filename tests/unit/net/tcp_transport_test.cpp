@@ -17,6 +17,7 @@
 #include <netdb.h>
 
 #include "common/error.h"
+#include "tests/support/own_entries.h"
 
 namespace lode::net {
 namespace {
@@ -118,6 +119,23 @@ class TcpTransportTest : public testing::Test {
       }
       bell_.wait();
     }
+  }
+
+  /// How many bytes come before the connection is closed; nothing if it is not.
+  std::optional<size_t> receivedUntilTheEnd(tcp::socket& peer) {
+    proto::Bytes all(2 * kMaxUnsentBytes);
+    std::optional<size_t> received;
+    asio::async_read(peer, asio::buffer(all), [&](const asio::error_code& error, size_t count) {
+      if (error) received = count;
+    });
+    io_.run_for(300s);
+    if (!received) {
+      peer.close();
+      io_.restart();
+      io_.run();
+      return std::nullopt;
+    }
+    return received;
   }
 
   asio::io_context io_;
@@ -223,12 +241,32 @@ TEST_F(TcpTransportTest, refusesToQueueMoreThanTheLimit) {
   EXPECT_THROW(sendForever(), Error);
 }
 
-TEST_F(TcpTransportTest, endsWhileItConnectsSendsOrReceives) {
-  {
-    TcpTransport connecting(route(), [] {});
-  }
-  TcpTransport transport(route(), [] {});
-  transport.send(proto::Bytes(1u << 20));
+TEST_F(TcpTransportTest, leavesNoThreadAndNoDescriptorBehindWhereverInConnectingItEnds) {
+  const size_t threads_before = test::ownEntries("task"), descriptors_before = test::ownEntries("fd");
+  for (int i = 0; i < 30; ++i) TcpTransport(route(), [] {});
+  EXPECT_LE(test::ownEntriesOnceDownTo(threads_before, "task"), threads_before);
+  EXPECT_LE(test::ownEntriesOnceDownTo(descriptors_before, "fd"), descriptors_before);
+}
+
+TEST_F(TcpTransportTest, closesTheConnectionWhereItEndsWhileItSends) {
+  acceptor_.set_option(asio::socket_base::receive_buffer_size(1 << 16));
+  std::optional<TcpTransport> transport(std::in_place, route(), [] {});
+  transport->send(proto::Bytes(kMaxUnsentBytes));  // more than the system keeps for one who takes nothing
+  tcp::socket peer = acceptor_.accept();
+  peer.wait(tcp::socket::wait_read);
+  transport.reset();
+  const std::optional<size_t> got = receivedUntilTheEnd(peer);
+  ASSERT_TRUE(got);
+  EXPECT_LT(*got, kMaxUnsentBytes);
+}
+
+TEST_F(TcpTransportTest, closesTheConnectionWhereItEndsWhileItReceives) {
+  std::optional<TcpTransport> transport(std::in_place, route(), [this] { bell_.ring(); });
+  tcp::socket peer = acceptor_.accept();
+  asio::write(peer, asio::buffer(proto::Bytes(kMaxReceivedBytes)));
+  bell_.wait();
+  transport.reset();
+  EXPECT_EQ(receivedUntilTheEnd(peer), 0u);
 }
 
 TEST_F(TcpTransportTest, sharesACallersLoopWithManyOthers) {
