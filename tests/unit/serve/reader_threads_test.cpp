@@ -1,5 +1,6 @@
 #include "server/serve/reader_threads.h"
 
+#include <chrono>
 #include <climits>
 #include <future>
 
@@ -23,13 +24,15 @@ TEST(ReaderThreads, failAndEndWhereTheSystemDoesNotGiveAll) {
 TEST(ReaderThreads, waitForTheDiskBesideOneAnother) {
   ReaderThreads readers(4);
   std::promise<void> first_came, last_came;
+  bool came_meanwhile = false;
   asio::post(readers.pool(), [&] {
     first_came.set_value();
-    last_came.get_future().wait();
+    came_meanwhile = last_came.get_future().wait_for(std::chrono::seconds(300)) == std::future_status::ready;
   });
   first_came.get_future().wait();
   asio::post(readers.pool(), [&] { last_came.set_value(); });
   readers.join();
+  EXPECT_TRUE(came_meanwhile);
 }
 
 }  // namespace
