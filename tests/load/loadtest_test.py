@@ -1,7 +1,10 @@
 #!/usr/bin/python3
-"""What `lodestream loadtest` tells of a server that stands still for a second: loadtest_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
+"""What `lodestream loadtest` tells of a server that stands still for a second, and who watches: loadtest_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
+import contextlib
 import json
 import os
+import pty
+import re
 import signal
 import subprocess
 import tempfile
@@ -13,18 +16,20 @@ from daemon import BIN, STORE, Daemon
 CAMERA = {"fov_y_deg": 45, "keys": [{"t": 0, "eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]},
                                     {"t": 1, "eye": [0, 0, 2], "target": [0, 0, 0], "up": [0, 1, 0]}]}
 STILL_S, TEST_S = 1.0, 4
+LIVE_LINE = re.compile(r" *(\d+) s: (\d+) clients, (\d+) blobs/s, \d+\.\d MB/s, visible wishes: .+, 0 lost, 0 errors")
+
+
+def lodestream(*arguments, **options):
+    return subprocess.Popen([os.path.join(BIN, "lodestream"), *map(str, arguments)], stdout=subprocess.PIPE, text=True, **options)
 
 
 class Latency(unittest.TestCase):
-    def lodestream(self, *arguments):
-        return subprocess.Popen([os.path.join(BIN, "lodestream"), *map(str, arguments)], stdout=subprocess.PIPE, text=True)
-
     def trace(self, url, folder):
         """Every blob that a camera's path wishes for, one after the other at a steady rate."""
         camera, trace = (os.path.join(folder, name) for name in ("camera.json", "trace.json"))
         with open(camera, "w") as file:
             json.dump(CAMERA, file)
-        self.lodestream("replay", url, "--camera", camera, "--cache", "off", "--record", trace, "--json").communicate(timeout=300)
+        lodestream("replay", url, "--camera", camera, "--cache", "off", "--record", trace, "--json").communicate(timeout=300)
         with open(trace) as file:
             recorded = json.load(file)
         wishes = recorded["wishes"]
@@ -37,8 +42,8 @@ class Latency(unittest.TestCase):
     def test_counts_from_when_a_wish_was_meant_though_the_server_stands_still(self):
         with tempfile.TemporaryDirectory() as folder, Daemon(STORE) as daemon:
             url = f"lode://{daemon.address}/painted"
-            test = self.lodestream("loadtest", url, "--trace", self.trace(url, folder), "--clients", 4, "--seconds", TEST_S,
-                                   "--decode-off", "--json")
+            test = lodestream("loadtest", url, "--trace", self.trace(url, folder), "--clients", 4, "--seconds", TEST_S,
+                              "--decode-off", "--json")
             time.sleep(TEST_S / 2)
             daemon.process.send_signal(signal.SIGSTOP)
             time.sleep(STILL_S)
@@ -48,6 +53,34 @@ class Latency(unittest.TestCase):
         # A quarter of the wishes are meant for that second, and each is late by what is left of it: a tenth by 0.6 s and more.
         self.assertGreater(late["count"], 100)
         self.assertGreater(late["p90"], 300)
+
+
+def load(daemon, seconds, **options):
+    """By clients that all begin at once, and so have most of what they get in the first second."""
+    return lodestream("loadtest", f"lode://{daemon.address}/painted", "--clients", 4, "--seconds", seconds, "--ramp", 0, "--decode-off",
+                      "--json", **options)
+
+
+class LiveLines(unittest.TestCase):
+    def test_tell_a_terminal_every_second_what_came_since_the_last(self):
+        terminal, end = pty.openpty()
+        with Daemon(STORE) as daemon, open(terminal, "rb", buffering=0) as terminal:
+            test = load(daemon, TEST_S, stderr=end)
+            os.close(end)
+            said = b""
+            with contextlib.suppress(OSError):  # EIO: the other end is closed
+                while some := terminal.read(4096):
+                    said += some
+            told = json.loads(test.communicate(timeout=300)[0])
+        lines = [LIVE_LINE.fullmatch(line) for line in said.decode().splitlines()]
+        self.assertNotIn(None, lines, said)
+        self.assertEqual([(int(line[1]), int(line[2])) for line in lines], [(second, 4) for second in range(1, TEST_S)])
+        self.assertGreater(int(lines[0][3]), 0)
+        self.assertLessEqual(sum(int(line[3]) for line in lines), told["blobs"])
+
+    def test_are_not_for_what_reads_a_pipe(self):
+        with Daemon(STORE) as daemon:
+            self.assertEqual(load(daemon, 2, stderr=subprocess.PIPE).communicate(timeout=300)[1], "")
 
 
 if __name__ == "__main__":
