@@ -126,13 +126,12 @@ std::string describe(const LoadOptions& options, const LoadResult& result) {
 }
 
 void LiveLine::print(double seconds, const LoadTally& now) {
-  std::fprintf(stderr,
-               "%4.0f s: %llu clients, %llu blobs/s, %.1f MB/s, visible wishes: %s, %llu lost, %llu errors\n",
-               seconds, static_cast<unsigned long long>(now.started),
+  std::fprintf(stderr, "%4.0f s: %s, %llu blobs/s, %.1f MB/s, visible wishes: %s, %llu lost, %s\n", seconds,
+               counted(now.started, "client").c_str(),
                static_cast<unsigned long long>(now.blobs - last_.blobs),
                static_cast<double>(now.bytes - last_.bytes) * 1e-6,
                medianAndWorst(now.latency[0].since(last_.latency[0])).c_str(),
-               static_cast<unsigned long long>(now.lost), static_cast<unsigned long long>(now.errorCount()));
+               static_cast<unsigned long long>(now.lost), counted(now.errorCount(), "error").c_str());
   last_ = now;
 }
 
