@@ -10,6 +10,7 @@
 
 #include "common/error.h"
 #include "tests/support/work_folder.h"
+#include "tests/unit/ingest/disk/synced_files.h"
 #include "tests/unit/memory_meter.h"
 
 namespace lode::ingest {
@@ -94,6 +95,13 @@ TEST_F(JournalFile, goesOnBehindTheLastWholeEntry) {
   Entries expected = first(kWritten.size() - 1);
   expected.emplace_back(9, "new");
   EXPECT_EQ(read(), expected);
+}
+
+TEST_F(JournalFile, hasAnEntryOnTheDiskWhenItIsAppended) {
+  Journal journal = open();
+  const test::SyncedFiles synced;
+  append(journal, 9, "new");
+  EXPECT_TRUE(synced.names().contains(path_.filename().string()));
 }
 
 TEST_F(JournalFile, cutsATornEntryOff) {

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 
 #include "common/error.h"
 #include "tests/support/work_folder.h"
+#include "tests/unit/ingest/disk/synced_files.h"
 
 namespace lode::ingest {
 namespace {
@@ -91,6 +93,20 @@ TEST_F(KilledBuild, isRefusedWhenASubtreeIsSaidToStandBehindTheEndOfItsFile) {
   entry.put(uint32_t{0});  // finished nodes
   entries_.emplace_back(entry.bytes().begin(), entry.bytes().end());
   EXPECT_THROW(finished(), Error);
+}
+
+// A machine that loses power keeps the journal, and of the rest what was brought to the disk.
+TEST_F(KilledBuild, namesNothingInItsJournalThatIsNotOnTheDisk) {
+  const test::SyncedFiles synced;
+  std::set<std::string, std::less<>> before_the_entry;
+  PayloadSpool payloads(files_);
+  SimplifyLog log(files_, payloads, {},
+                  [&](std::span<const std::byte>) { before_the_entry = synced.names(); });
+  note(log, built_.node);
+  log.addRoot(built_);
+  log.write();
+  EXPECT_TRUE(before_the_entry.contains(PayloadSpool::kFile));
+  EXPECT_TRUE(before_the_entry.contains(SimplifyLog::kRootFile));
 }
 
 TEST_F(KilledBuild, needsNoSubtreeOnceItsParentIsFinished) {
