@@ -235,6 +235,18 @@ TEST_F(HostileIndex, pagesAndTextureSetsAboveTheirLimitsAreRefused) {
   EXPECT_SAYS(textures, "a texture set above the limit");
 }
 
+TEST_F(HostileIndex, pagesAndTextureSetsOfExactlyTheirLimitsAreRead) {
+  const std::string page = open([](Parts& parts) {
+    replaceBlob(parts, parts.header.summary.root_page.number, std::vector<std::byte>(kMaxPageBytes));
+  });
+  EXPECT_SAYS(page, "damaged hierarchy page");
+  const std::string textures = open([](Parts& parts) {
+    replaceBlob(parts, 1, std::vector<std::byte>(kMaxTextureSetBytes));
+    parts.header.summary.textures.number = 1;
+  });
+  EXPECT_SAYS(textures, "damaged texture set");
+}
+
 TEST_F(HostileIndex, hierarchiesDeeperThanTheLimitAreRefused) {
   EXPECT_SAYS(open([](Parts& p) { p.header.summary.depth = kMaxDepth + 1; }), "too deep");
 }
