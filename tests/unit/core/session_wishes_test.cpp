@@ -90,6 +90,16 @@ TEST_F(SessionTest, wishesAgainOnlyAfterACancelledWishHasEnded) {
   EXPECT_NE(wishFor(blob), 0u);
 }
 
+TEST_F(SessionTest, saysNothingMoreOfAWishThatItHasTakenBackHoweverMuchItIsWantedAgain) {
+  open();
+  const BlobRef blob = blobRef(5, 100);
+  wishFor(blob);
+  session_.setWishes({});
+  session_.takeOutgoing();
+  session_.setWishes(std::vector<Wish>{{blob, {}, proto::WishClass::kMargin, 1000}});
+  EXPECT_TRUE(changesOf(session_.takeOutgoing()).empty());
+}
+
 TEST_F(SessionTest, reportsAWishThatTheServerRefuses) {
   open();
   const BlobRef blob = blobRef(5, 100);
