@@ -32,6 +32,17 @@ TEST_P(InstanceOnSeeds, asksForWhatIsSeenByTheViewAtHandWhateverWasSeenBefore) {
   EXPECT_EQ(orderOf(turned), orderOf(fresh));
 }
 
+TEST_P(InstanceOnSeeds, asksForWhatIsSeenByTwoViewsWhateverOneHadSeenAlone) {
+  const View both[] = {kBack, kFront};
+  Instance joined = seeing(kFront), fresh;
+  deliverBest(joined, 10);
+  for (Instance* instance : {&joined, &fresh}) {
+    instance->setViews(both, 1);
+    instance->refine(model_);
+  }
+  EXPECT_EQ(orderOf(joined), orderOf(fresh));
+}
+
 TEST_P(InstanceOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
   Instance early = seeing(kFront);
   early.refine(model_);
@@ -40,6 +51,24 @@ TEST_P(InstanceOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
   Instance late = seeing(kFront);
   late.refine(model_);
   EXPECT_EQ(orderOf(early), orderOf(late));
+}
+
+TEST_P(InstanceOnSeeds, becomesFinerAgainOnlyWhereThereIsRoomToSpare) {
+  Instance instance({.lists_wanted = true});
+  instance.setView(kFront, 1);
+  const auto partsWithin = [&](uint64_t drawn_budget_bytes) {
+    instance.setDrawnBudget(drawn_budget_bytes);
+    deliverBest(instance, std::numeric_limits<int>::max());
+    return partsOf(*instance.cut());
+  };
+  const Parts liked = partsWithin(std::numeric_limits<uint64_t>::max());
+  const uint64_t liked_bytes = instance.cut()->drawn_bytes;
+  const Parts held = partsWithin(liked_bytes / 2);
+  EXPECT_TRUE(instance.limited());
+  EXPECT_NE(held, liked);
+  for (const uint64_t sixteenths : {9, 10, 8}) EXPECT_EQ(partsWithin(liked_bytes * sixteenths / 16), held);
+  EXPECT_EQ(partsWithin(2 * liked_bytes), liked);
+  EXPECT_FALSE(instance.limited());
 }
 
 /// A camera within a model that asks for less than it did: what it sees is finer than it wants, and something
