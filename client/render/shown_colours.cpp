@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "client/render/mesh_residency.h"
@@ -90,11 +91,18 @@ glm::u8vec3 colourOfNode(NodeKey node, uint32_t place) {
   return glm::u8vec3(glm::mix(glm::dvec3(1), pure, 0.55) * light * 255.0);
 }
 
+std::string placeName(const ShownPlace& place) {
+  if (place.model.empty()) return "";
+  return std::string(place.model) + (place.nth > 0 ? " " + std::to_string(place.nth) : "") + ", ";
+}
+
+/// Of a scene the first place of each model before the second of one.
 std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
-  std::map<std::pair<uint32_t, NodeKey>, std::string_view> nodes;  // by place
-  for (const DrawItem& part : drawn) nodes.emplace(std::pair(part.place.number, part.node), part.place.model);
+  std::map<std::tuple<uint32_t, uint32_t, NodeKey>, ShownPlace> nodes;
+  for (const DrawItem& part : drawn)
+    nodes.emplace(std::tuple(part.place.nth, part.place.number, part.node), part.place);
   std::vector<LegendEntry> legend;
-  for (const auto& [placed, model] : nodes) {
+  for (const auto& [order, place] : nodes) {
     if (legend.size() == kMostNodesInLegend) {
       legend.push_back({{200, 200, 200},
                         "and " + std::to_string(nodes.size() - kMostNodesInLegend) +
@@ -102,9 +110,8 @@ std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
                         nodes.size() - kMostNodesInLegend});
       break;
     }
-    const auto& [place, node] = placed;
-    legend.push_back({colourOfNode(node, place),
-                      (model.empty() ? "" : std::string(model) + ", ") + "node " + nodeName(node)});
+    const NodeKey node = std::get<NodeKey>(order);
+    legend.push_back({colourOfNode(node, place.number), placeName(place) + "node " + nodeName(node)});
   }
   return legend;
 }

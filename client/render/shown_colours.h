@@ -37,6 +37,7 @@ constexpr float kOldS = 16;  ///< what is older has no other colour any more
 struct ShownPlace {
   uint32_t number = 0;          ///< its nodes have other colours than those of other places
   std::string_view model = {};  ///< for legends; empty where there is one model
+  uint32_t nth = 0;             ///< of the model's places, from 1; 0: it has one
 
   bool operator==(const ShownPlace&) const = default;
 };

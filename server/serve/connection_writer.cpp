@@ -209,7 +209,8 @@ void Connection::fail(const Chunk& chunk, ReadResult result) {
     if (chunk.opened->tallies != nullptr) chunk.opened->tallies->damaged.add();
     session_.failChunk(proto::WireError::kDamagedStore,
                        "blob " + std::to_string(chunk.blob) +
-                           " of the store is damaged; the server's operator should run lodestreamd verify");
+                           " of the store is damaged: copy the store again, or rebuild it; lodestreamd "
+                           "verify says what else is");
   } else {
     session_.failChunk(proto::WireError::kInternal,
                        "the server could not read blob " + std::to_string(chunk.blob) + "; try again later");

@@ -113,9 +113,10 @@ std::map<std::string, uint32_t> addModels(const Json& json, std::string_view sou
   std::map<std::string, uint32_t> numbers;
   for (const auto& [name, target] : models->items()) {
     numbers.emplace(name, static_cast<uint32_t>(scene.models.size()));
-    scene.models.push_back(textOf(target, source, "models." + quoted(name)));
-    if (scene.models.back().empty()) refuseScene(source, "models." + quoted(name) + " is empty");
-    if (namesScene(scene.models.back()))
+    scene.models.push_back({name, textOf(target, source, "models." + quoted(name))});
+    const SceneModel& model = scene.models.back();
+    if (model.target.empty()) refuseScene(source, "models." + quoted(name) + " is empty");
+    if (namesScene(model.target))
       refuseScene(source, "models." + quoted(name) + " is itself a scene: name a store, a PLY or an address");
   }
   return numbers;
@@ -181,9 +182,14 @@ Scene readScene(const std::filesystem::path& file) {
   if (stream.bad()) throw Error(ErrorCode::kIo, file.string() + ": cannot read the scene");
   text.resize(static_cast<size_t>(stream.gcount()));
   Scene scene = parseScene(text, file.string());
-  for (std::string& target : scene.models)
-    if (target.find("://") == std::string::npos) target = (file.parent_path() / target).string();
+  for (SceneModel& model : scene.models)
+    if (model.target.find("://") == std::string::npos)
+      model.target = (file.parent_path() / model.target).lexically_normal().string();
   return scene;
+}
+
+Error ofSceneModel(const Error& error, std::string_view source, const SceneModel& model) {
+  return Error(error.code(), std::string(source) + ": models." + quoted(model.name) + ": " + error.what());
 }
 
 core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept {

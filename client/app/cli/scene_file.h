@@ -11,6 +11,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "client/core/view.h"
+#include "common/error.h"
 
 namespace lode::app {
 
@@ -43,10 +44,15 @@ struct SceneSky {
   glm::u8vec3 top_srgb{77, 87, 99}, bottom_srgb{26, 28, 33};
 };
 
+/// What instances show.
+struct SceneModel {
+  std::string name;    ///< that instances give
+  std::string target;  ///< as commands take it; a path is relative to the scene's folder
+};
+
 struct Scene {
   glm::dvec3 up{0, 0, 1};  ///< unit length
-  std::vector<std::string>
-      models;  ///< targets, as commands take them; paths are relative to the scene's folder
+  std::vector<SceneModel> models;
   std::vector<SceneInstance> instances;  ///< at least one
   std::optional<SceneGround> ground;
   std::optional<SceneSky> sky;
@@ -60,6 +66,8 @@ struct Scene {
 Scene parseScene(std::string_view json, std::string_view source);
 /// @throws Error kIo too.
 Scene readScene(const std::filesystem::path& file);
+/// What a model's target could not be opened for, with its place in the scene.
+Error ofSceneModel(const Error& error, std::string_view source, const SceneModel& model);
 
 /// A camera of the scene as the model sees it that stands there.
 /// @param view    in the scene: eye and near distance in its units.

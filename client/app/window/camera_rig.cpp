@@ -124,9 +124,9 @@ void CameraRig::apply(const Input& input, double seconds, const render::GroundBe
   if (input.reset_camera) startAgain();
   if (input.next_axis) turnUp();
   if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
-  if (input.toggle_camera) {
+  if (input.next_camera != 0) {
     restart(view_, orbit_.distanceModel());
-    kind_ = static_cast<CameraKind>((static_cast<int>(kind_) + 1) % kCameraKindCount);
+    kind_ = static_cast<CameraKind>((static_cast<int>(kind_) + input.next_camera) % kCameraKindCount);
   }
   if (!isSteered(input)) return;
   const glm::dvec2 looked_px =

@@ -124,7 +124,7 @@ void GlfwWindow::pressKey(int key, int modifiers) {
   }
   switch (key) {
     case GLFW_KEY_TAB:
-      pending_.toggle_camera = true;
+      ++pending_.next_camera;
       break;
     case GLFW_KEY_R:
       pending_.reset_camera = true;
@@ -250,7 +250,7 @@ void GlfwWindow::takeGamepad(Input& input) {
     if (pad.buttons[button] == GLFW_PRESS) held |= 1u << button;
   const auto isPressed = [&](int button) { return (held & ~pad_buttons_ & 1u << button) != 0; };
   input.fly.fast = input.fly.fast || (held & 1u << GLFW_GAMEPAD_BUTTON_RIGHT_BUMPER) != 0;
-  input.toggle_camera = input.toggle_camera || isPressed(GLFW_GAMEPAD_BUTTON_A);
+  if (isPressed(GLFW_GAMEPAD_BUTTON_A)) ++input.next_camera;
   input.reset_camera = input.reset_camera || isPressed(GLFW_GAMEPAD_BUTTON_Y);
   input.toggle_help = input.toggle_help || isPressed(GLFW_GAMEPAD_BUTTON_START);
   if (isPressed(GLFW_GAMEPAD_BUTTON_X)) ++input.next_show;

@@ -20,12 +20,13 @@ struct Input {
   glm::dvec2 pad_turn{0};       ///< by a gamepad's stick, -1 to 1: to the right, down
 
   // Keys pressed once.
-  bool toggle_camera = false, reset_camera = false, next_axis = false;
+  bool reset_camera = false, next_axis = false;
   bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
   bool any_key = false;       ///< of all that there are
   int bookmark = 0;           ///< 1 to 9: go there,
   bool set_bookmark = false;  ///< or put it here
-  int next_show = 0;          ///< steps among what can be shown, negative for back
+  int next_camera = 0;        ///< steps among the kinds of cameras
+  int next_show = 0;          ///< and among what can be shown, negative for back
   int finer = 0;              ///< steps of the threshold, negative for coarser
   bool screenshot = false, copy = false, record = false, quit = false;
   bool quit_where_idle = false;  ///< the key that flies down, where nothing flies
@@ -35,7 +36,7 @@ struct Input {
 
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
-           fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) || toggle_camera || reset_camera ||
+           fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) || next_camera != 0 || reset_camera ||
            next_axis || toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 || finer != 0 ||
            screenshot || copy || record || pressed || clicked || any_key || quit || over_panel;
   }

@@ -13,6 +13,7 @@
 #include "client/app/window/panel_figures.h"
 #include "client/app/window/panel_fit.h"
 #include "client/app/window/panel_font.h"
+#include "client/app/window/panel_marks.h"
 #include "client/app/window/sharpness.h"
 
 namespace lode::app {
@@ -118,11 +119,14 @@ std::string sharpnessOf(const PanelContent& content) {
   if (content.converged) return convergedText(content.error_px, content.threshold_px);
   if (content.limited) return limitedText(content.error_px);
   if (content.exhausted) return "";
+  if (content.lacking) return lackingText(content.error_px);
+  if (content.waiting_for_server) return waitingText(content.error_px);
   return refiningText({content.error_px, content.threshold_px, content.wishes.tiles, content.received_bytes});
 }
 
 bool isRefining(const PanelContent& content) {
-  return content.lost.empty() && !content.converged && !content.limited && !content.exhausted;
+  return content.lost.empty() && !content.converged && !content.limited && !content.exhausted &&
+         !content.lacking && !content.waiting_for_server;
 }
 
 float sharpnessPx(const PanelContent& content) {
@@ -195,30 +199,6 @@ float pickPx(const PanelContent& content) {
 void drawPick(const PanelContent& content) {
   ImGui::Separator();
   for (const std::string& line : content.pick) ImGui::TextUnformatted(line.c_str());
-}
-
-/// Over the picture and below the panel; a dark rim keeps them legible on every model.
-void drawMarks(const PickMarks& marks) {
-  ImDrawList* list = ImGui::GetBackgroundDrawList();
-  const ImU32 light = ImGui::GetColorU32(kWarning), dark = IM_COL32(0, 0, 0, 200);
-  const float em = ImGui::GetFontSize();
-  const ImVec2 unit_px = ImGui::GetIO().DisplayFramebufferScale;
-  const auto placeOf = [&](const glm::dvec2& px) {
-    return ImVec2(static_cast<float>(px.x) / unit_px.x, static_cast<float>(px.y) / unit_px.y);
-  };
-  if (marks.line) {
-    const ImVec2 from = placeOf(marks.line->from_px), to = placeOf(marks.line->to_px);
-    list->AddLine(from, to, dark, em / 4);
-    list->AddLine(from, to, light, em / 10);
-    const ImVec2 text = ImGui::CalcTextSize(marks.distance.c_str());
-    const ImVec2 at((from.x + to.x - text.x) / 2, (from.y + to.y) / 2 + em / 2);
-    list->AddRectFilled({at.x - em / 4, at.y}, {at.x + text.x + em / 4, at.y + text.y}, dark, em / 4);
-    list->AddText(at, light, marks.distance.c_str());
-  }
-  for (const glm::dvec2& point_px : marks.points_px) {
-    list->AddCircleFilled(placeOf(point_px), em / 3, dark);
-    list->AddCircleFilled(placeOf(point_px), em / 5, light);
-  }
 }
 
 constexpr const char* kCancel = "Esc cancels";
@@ -375,7 +355,7 @@ void Panel::draw(const PanelContent& content) {
 void Panel::layOut(const PanelContent& content) {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
-  if (content.visible) drawMarks(content.marks);
+  if (content.visible) drawMarks(content.marks, kWarning);
   ImGui::SetNextWindowPos({kMarginPx, kMarginPx});
   ImGui::SetNextWindowBgAlpha(0.65f);
   const bool is_waiting = !content.waiting.empty();

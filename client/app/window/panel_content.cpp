@@ -23,6 +23,9 @@ void describe(const Exhibit& exhibit, const Looked& looked, PanelContent& conten
   content.exhausted = status.exhausted;
   content.converged = looked.is_settled && exhibit.upToDate() && status.cut->converged;
   content.limited = looked.is_settled && (status.limited || exhibit.overBudget());
+  content.lacking =
+      looked.is_settled && exhibit.upToDate() && !status.cut->converged && !status.failure.empty();
+  content.waiting_for_server = !looked.is_settled && !status.trouble.empty();
   content.notice = noticeOf(status, looked.is_offline, onGpu(exhibit));
   const Exhibit::GpuUse gpu = exhibit.gpuUse();
   content.gpu_bytes = gpu.bytes;

@@ -34,10 +34,12 @@ struct PanelContent {
   double aimed_ms = 0;   ///< what a frame may take while the camera moves; 0: whatever it does
   double scale = 1;      ///< of the picture's sides: fewer pixels, in which thresholds are
   bool converged = false;
-  bool limited = false;    ///< memory allows no more of what is seen
-  bool exhausted = false;  ///< offline: the cache has no more of what is seen
-  double progress = 0;     ///< towards that, 0 to 1
-  std::string_view lost;   ///< see lostSightText()
+  bool limited = false;             ///< memory allows no more of what is seen
+  bool exhausted = false;           ///< offline: the cache has no more of what is seen
+  bool lacking = false;             ///< what would make it finer cannot be had
+  bool waiting_for_server = false;  ///< which has gone away
+  double progress = 0;              ///< towards that, 0 to 1
+  std::string_view lost;            ///< see lostSightText()
   double frame_ms = 0, upload_ms = 0;
   CameraKind camera = CameraKind::kOrbit;
   std::vector<std::string> pick;            ///< of the point last clicked on

@@ -8,13 +8,14 @@
 namespace lode::app {
 namespace {
 
-constexpr double kLeastTripMs = 0.05;  ///< what is less would be called nothing
-constexpr double kAlmostInTime = 1.1;  ///< frames that take so much of the target's time keep to it
+constexpr const char* kNoBreak = "\u00a0";  ///< a space that no line ends at
+constexpr double kLeastTripMs = 0.05;       ///< what is less would be called nothing
+constexpr double kAlmostInTime = 1.1;       ///< frames that take so much of the target's time keep to it
 
 std::string countOf(uint64_t value) {
   std::string digits = std::to_string(value);
   for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3) {
-    digits.insert(static_cast<size_t>(at), " ");
+    digits.insert(static_cast<size_t>(at), kNoBreak);
   }
   return digits;
 }

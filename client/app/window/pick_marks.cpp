@@ -15,4 +15,15 @@ PickMarks marksOf(const Picks& picks, const core::View& view) {
   return marks;
 }
 
+glm::dvec2 besideLine(const core::PictureLine& line, const glm::dvec2& text, const glm::dvec2& window,
+                      double gap) noexcept {
+  const glm::dvec2 along = line.to_px - line.from_px;
+  const double length = glm::length(along);
+  glm::dvec2 aside = length > 0 ? glm::dvec2(-along.y, along.x) / length : glm::dvec2(0, 1);
+  if (aside.y < 0) aside = -aside;
+  const glm::dvec2 middle = (line.from_px + line.to_px) / 2.0;
+  const glm::dvec2 corner = middle + aside * (glm::dot(glm::abs(aside), text) / 2 + gap) - text / 2.0;
+  return glm::clamp(corner, glm::dvec2(gap), glm::max(glm::dvec2(gap), window - text - gap));
+}
+
 }  // namespace lode::app

@@ -20,4 +20,9 @@ struct PickMarks {
 
 PickMarks marksOf(const Picks& picks, const core::View& view);
 
+/// Where a text of a size hides nothing of a line, by its middle, and is in the window, where that has room.
+/// @param gap  between the line and the text. @return the text's upper left corner.
+glm::dvec2 besideLine(const core::PictureLine& line, const glm::dvec2& text, const glm::dvec2& window,
+                      double gap) noexcept;
+
 }  // namespace lode::app

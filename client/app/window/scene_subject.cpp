@@ -50,9 +50,13 @@ SceneSubject::SceneSubject(const CommonOptions& options, bool announce)
       size_(options.size()),
       pixels_(options.pixels),
       timeout_(options.timeout()) {
-  for (const std::string& target : scene_.models) {
-    const CommonOptions of_model = optionsOf(options, target);
-    models_.push_back(std::make_unique<Model>(of_model, shareOf(of_model, scene_.models.size()), announce));
+  for (const SceneModel& model : scene_.models) {
+    try {
+      const CommonOptions of_model = optionsOf(options, model.target);
+      models_.push_back(std::make_unique<Model>(of_model, shareOf(of_model, scene_.models.size()), announce));
+    } catch (const Error& error) {
+      throw ofSceneModel(error, options.target, model);
+    }
   }
   std::vector<const ModelSummary*> summaries;
   for (const auto& model : models_) summaries.push_back(&model->summary);
@@ -82,7 +86,8 @@ Taken SceneSubject::take(double t, const render::Framebuffer& target, render::Dr
   std::vector<uint32_t> places(models_.size(), 0);
   for (const auto& [number, placement] : scene_.instances) {
     Model& model = *models_[number];
-    style.place = {placeNumber(number, places[number]++), model.summary.name};
+    const uint32_t place = places[number]++;
+    style.place = {placeNumber(number, place), model.summary.name, place + 1};
     const core::View seen = viewFrom(view, placement, model.summary.lattice.origin);
     if (!core::boxMayBeVisible(core::toModelBox(model.summary.box, model.summary.lattice.step), seen))
       continue;

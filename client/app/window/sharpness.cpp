@@ -28,6 +28,12 @@ std::string limitedText(float error_px) {
   return error_px > kLargestToldErrorPx ? "coarse where it is nearest" : offBy(error_px);
 }
 
+std::string waitingText(float error_px) {
+  return limitedText(error_px) + "; the rest waits for a connection";
+}
+
+std::string lackingText(float error_px) { return limitedText(error_px) + "; what is finer cannot be had"; }
+
 std::string convergedText(float error_px, float threshold_px) {
   if (error_px <= threshold_px) return "converged, " + offBy(error_px);
   return "all the detail there is: the nearest triangles are the file's own";

@@ -19,6 +19,10 @@ struct Refining {
 std::string refiningText(const Refining& refining);
 /// of one that memory keeps from that,
 std::string limitedText(float error_px);
+/// of one whose server has gone away meanwhile,
+std::string waitingText(float error_px);
+/// of one that lacks what is damaged, or refused for good,
+std::string lackingText(float error_px);
 /// and of one that has converged. Above the threshold that is so only where the file has no more.
 std::string convergedText(float error_px, float threshold_px);
 

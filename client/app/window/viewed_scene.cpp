@@ -52,7 +52,7 @@ struct ViewedScene::Model {
   /// How it is drawn at a place.
   render::DrawStyle styleAt(size_t place, render::DrawStyle style, const glm::dvec3& scene_up) const {
     style.up = upAt(place, scene_up);
-    style.place = {placeNumber(number, place), opened.model->name};
+    style.place = {placeNumber(number, place), opened.model->name, static_cast<uint32_t>(place + 1)};
     return style;
   }
 
@@ -81,7 +81,13 @@ ViewedScene::ViewedScene(const CommonOptions& options)
       framing_(framingOf(scene_, options)),
       memory_(options.streamOptions().memory_budget_bytes, scene_.models.size()) {
   whole_.name = std::filesystem::path(options.target).filename().string();
-  for (const std::string& target : scene_.models) parseTarget(target);  // says what is wrong at once
+  for (const SceneModel& model : scene_.models) {  // says what is wrong at once
+    try {
+      parseTarget(model.target);
+    } catch (const Error& error) {
+      throw ofSceneModel(error, options.target, model);
+    }
+  }
 }
 
 ViewedScene::~ViewedScene() = default;
@@ -90,7 +96,7 @@ Exhibit::Opening ViewedScene::open() {
   if (stage_) return {"", -1, true, std::nullopt};
   if (models_.empty() || models_.back()->opened.streamer != nullptr) {
     CommonOptions of_model = options_;
-    of_model.target = scene_.models[models_.size()];
+    of_model.target = scene_.models[models_.size()].target;
     const render::MemoryShares memory = render::shareMemory(memory_.parts()[models_.size()]);
     models_.push_back(std::make_unique<Model>(of_model, memory));
     models_.back()->number = models_.size() - 1;
@@ -98,6 +104,9 @@ Exhibit::Opening ViewedScene::open() {
   }
   Model& opening = *models_.back();
   opening.opened = opening.opener.progress();
+  if (opening.opened.error)
+    opening.opened.error =
+        ofSceneModel(*opening.opened.error, options_.target, scene_.models[opening.number]);
   if (opening.opened.streamer != nullptr) opening.renderer.setLatticeStep(opening.opened.model->lattice.step);
   if (opening.opened.streamer == nullptr || models_.size() < scene_.models.size())
     return {opening.opened.phase, opening.opened.part, false, opening.opened.error};

@@ -223,7 +223,7 @@ void Viewer::moveCamera(const Input& input, double seconds) {
     return exhibit_->groundBelow(rig_->view(), point, rig_->up());
   };
   std::optional<glm::dvec3> start;
-  if (input.toggle_camera) start = startOfWalk(input.pointer_px, ground);
+  if (input.next_camera != 0) start = startOfWalk(input.pointer_px, ground);
   rig_->apply(input, std::min(seconds, kLongestStepS), ground);
   if (start && rig_->kind() != kind_before) rig_->standAt(*start);
   moved_ = rig_->view() != before || rig_->underWay();

@@ -91,8 +91,10 @@ TEST(Render, tellsWhatTheColoursMeanThatItWasAskedToShow) {
 TEST(Render, refusesWhatItCannotShow) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
-  for (const std::vector<std::string>& wrong :
-       {std::vector<std::string>{"--show", "nothing"}, {"--up", "north"}, {"--unlit", "--show", "rungs"}}) {
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--show", "nothing"},
+                                                {"--show", "ages"},
+                                                {"--up", "north"},
+                                                {"--unlit", "--show", "rungs"}}) {
     std::vector<std::string> arguments{"render", store, "-o", folder / "a.png"};
     arguments.insert(arguments.end(), wrong.begin(), wrong.end());
     const Outcome outcome = lodestream(arguments);

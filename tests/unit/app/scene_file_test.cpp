@@ -22,9 +22,20 @@ std::string refusalOf(const std::string& text) {
   return "";
 }
 
+/// A scene may have dozens.
+TEST(SceneFile, saysInWhichOfItsModelsAnErrorIs) {
+  const Error error =
+      ofSceneModel({ErrorCode::kIo, "gone.lode: no such file"}, "a.json", {"rock", "gone.lode"});
+  EXPECT_EQ(error.code(), ErrorCode::kIo);
+  EXPECT_EQ(error.what(), std::string("a.json: models.\"rock\": gone.lode: no such file"));
+}
+
 TEST(SceneFile, placesModelsByNameAndLeavesWhatIsNotSaidAsItIs) {
   const Scene scene = parse(R"({"model": "tree"}, {"model": "rock", "position": [1, 2, 3], "scale": 2})");
-  EXPECT_EQ(scene.models, (std::vector<std::string>{"rock.lode", "lode://host/tree"}));
+  ASSERT_EQ(scene.models.size(), 2u);
+  EXPECT_EQ(scene.models[0].name, "rock");
+  EXPECT_EQ(scene.models[0].target, "rock.lode");
+  EXPECT_EQ(scene.models[1].target, "lode://host/tree");
   ASSERT_EQ(scene.instances.size(), 2u);
   EXPECT_EQ(scene.instances[0].model, 1u);
   EXPECT_EQ(scene.instances[0].placement.scale, 1);

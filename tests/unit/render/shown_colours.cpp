@@ -162,6 +162,18 @@ TEST(ShownColours, tellAModelsPlacesApartAndNameItThere) {
   EXPECT_NE(expected[0].colour, expected[1].colour);
 }
 
+TEST(ShownColours, areExplainedForEachModelOfASceneBeforeTheSecondPlaceOfOne) {
+  std::vector<render::DrawItem> drawn;
+  for (uint32_t model = 0; model < 2; ++model)
+    for (uint32_t nth = 1; nth <= 20; ++nth)
+      drawn.emplace_back(partOf(kRootKey)).place = {100 * model + nth, model == 0 ? "rock" : "tree", nth};
+  const auto legend = legendOf(Show::kNodes, drawn, 1);
+  EXPECT_EQ(legend[0].meaning, "rock 1, node root");
+  EXPECT_EQ(legend[1].meaning, "tree 1, node root");
+  EXPECT_EQ(legend[2].meaning, "rock 2, node root");
+  EXPECT_EQ(legend[1].colour, colourOf(Show::kNodes, drawn[20], 1, 101));
+}
+
 TEST(ShownColours, sayOfNormalsWhichWayEachOfSixColoursFaces) {
   const auto legend = legendOf(Show::kNormals, {}, 1);
   ASSERT_EQ(legend.size(), 6u);

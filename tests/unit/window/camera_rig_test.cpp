@@ -30,8 +30,18 @@ render::GroundBelow plainAt(double z) {
 
 Input tab() {
   Input input;
-  input.toggle_camera = true;
+  input.next_camera = 1;
   return input;
+}
+
+/// A frame may take longer than two of them.
+TEST(CameraRig, goesAsManyKindsOnAsTabWasPressedWithinAFrame) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  Input input = tab();
+  input.next_camera = 2;
+  rig.apply(input, 0.016, plainAt(0));
+  EXPECT_EQ(rig.kind(), CameraKind::kWalk);
 }
 
 TEST(CameraRig, goesFromOrbitToFlyToWalkAndBackWithoutMovingAtOnce) {

@@ -17,7 +17,7 @@ TEST(PanelFigures, sayHowManyWishesOfEachClassAreOpen) {
   PanelContent content;
   EXPECT_EQ(valueOf(content, "wishes"), "none");
   content.wishes = {1200, 3, 0, 7};
-  EXPECT_EQ(valueOf(content, "wishes"), "visible 1 200, margin 3, prefetch 0");
+  EXPECT_EQ(valueOf(content, "wishes"), "visible 1\u00a0200, margin 3, prefetch 0") << "no line ends in it";
 }
 
 TEST(PanelFigures, leaveOutWhatHasNotBeenMeasured) {

@@ -1,5 +1,7 @@
 #include "client/app/window/pick_marks.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace lode::app {
@@ -32,6 +34,32 @@ TEST(PickMarks, joinTheTwoPointsByALineThatSaysHowLongItIs) {
   EXPECT_EQ(marks.line->from_px, marks.points_px[0]);
   EXPECT_EQ(marks.line->to_px, marks.points_px[1]);
   EXPECT_EQ(marks.distance, "3");
+}
+
+/// Its corners are all on one side of the line, the nearest a gap away.
+TEST(PickMarks, haveTheirTextBesideTheLineHoweverShortAndSteepThatIs) {
+  const glm::dvec2 text(60, 16), window(800, 600);
+  for (const glm::dvec2 to :
+       {glm::dvec2(410, 300), {400, 310}, {420, 280}, {300, 200}, {700, 310}, {400, 300}}) {
+    const core::PictureLine line{{400, 300}, to};
+    const glm::dvec2 corner = besideLine(line, text, window, 5), along = to - line.from_px;
+    const glm::dvec2 across =
+        along == glm::dvec2(0) ? glm::dvec2(0, 1) : glm::normalize(glm::dvec2(-along.y, along.x));
+    double nearest = 1e9;
+    for (const glm::dvec2 of : {glm::dvec2(0), glm::dvec2(text.x, 0), glm::dvec2(0, text.y), text}) {
+      nearest = std::min(nearest, glm::dot(corner + of - line.from_px, across) * (across.y < 0 ? -1 : 1));
+    }
+    EXPECT_NEAR(nearest, 5, 1e-9) << to.x << ", " << to.y;
+  }
+}
+
+TEST(PickMarks, haveTheirTextInTheWindowWhereTheLineEndsBeyondIt) {
+  const glm::dvec2 text(60, 16), window(800, 600);
+  for (const glm::dvec2 to : {glm::dvec2(5000, 300), {-5000, -3000}, {400, 9000}}) {
+    const glm::dvec2 corner = besideLine({{400, 300}, to}, text, window, 5);
+    EXPECT_TRUE(corner.x >= 5 && corner.y >= 5 && corner.x <= 735 && corner.y <= 579)
+        << corner.x << ", " << corner.y;
+  }
 }
 
 TEST(PickMarks, areNotAtAPointBehindTheEye) {

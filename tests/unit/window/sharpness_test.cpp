@@ -33,5 +33,10 @@ TEST(Sharpness, isABoundWithoutAPromiseWhereMemoryAllowsNoMore) {
   EXPECT_EQ(limitedText(1e9f), "coarse where it is nearest");
 }
 
+TEST(Sharpness, doesNotPromiseWhatCannotBeHadOrWaitsForAServer) {
+  EXPECT_EQ(lackingText(0.4f), "at most 0.40 px off where it is seen; what is finer cannot be had");
+  EXPECT_EQ(waitingText(1e9f), "coarse where it is nearest; the rest waits for a connection");
+}
+
 }  // namespace
 }  // namespace lode::app
