@@ -67,6 +67,7 @@ struct Cut {
   float refinable_px = 0;    ///< of those of them for which something finer can be had
   bool converged = false;    ///< nothing visible is above the threshold, but leaves at their original
                              ///< triangles, and every tile that the memory allows for textures is there
+  uint64_t lost_tiles = 0;   ///< but for these, which the view sees and which cannot be had; the set is one
   std::shared_ptr<const TextureSet> textures;  ///< null: the model has none, or they are not there yet
   std::vector<ResidentTile> tiles;             ///< by key, coarse levels first
 };

@@ -279,6 +279,7 @@ void Instance::dress(Cut& all, std::span<const Refinement> refinements, Model& m
   all.blob_bytes += textures.blobBytesInUse();
   settled_ = settled_ && textures.complete();
   all.converged = all.converged && textures.complete();
+  all.lost_tiles = textures.lostCount();
 }
 
 }  // namespace lode::core

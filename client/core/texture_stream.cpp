@@ -57,13 +57,16 @@ void TextureStream::refine(std::span<const TexturedPart> parts, const View& view
   const size_t fitting = countFitting(*set_, wanted, cache_.budgetBytes());
   missing_.clear();
   left_out_ = wanted.size() - fitting;
+  lost_in_view_ = 0;
   blob_bytes_in_use_ = set_blob_.bytes;
   refined_ = true;
   std::set<uint32_t> seen;
   std::vector<uint32_t> in_use;
   for (const WantedTile& tile : std::span(wanted).first(fitting)) {
     const BlobRef& blob = tileBlob(*set_, tile.key);
-    if (lost_.contains(blob.number) || !seen.insert(blob.number).second) continue;
+    const bool is_lost = lost_.contains(blob.number);
+    lost_in_view_ += is_lost && tile.visible ? 1 : 0;
+    if (is_lost || !seen.insert(blob.number).second) continue;
     if (cache_.find(blob.number)) {
       in_use.push_back(blob.number);
       blob_bytes_in_use_ += blob.bytes;

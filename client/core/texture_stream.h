@@ -58,6 +58,9 @@ class TextureStream {
   /// Tiles that the view needs and the budget does not allow.
   size_t leftOut() const noexcept { return left_out_; }
 
+  /// Of those within it, the tiles that the view sees and that cannot be had; 1 where the set cannot.
+  size_t lostCount() const noexcept { return lost_.contains(set_blob_.number) ? 1 : lost_in_view_; }
+
   /// All resident tiles, coarse levels first.
   std::vector<ResidentTile> residentTiles() const;
   uint64_t residentBytes() const noexcept { return cache_.bytes(); }
@@ -79,7 +82,7 @@ class TextureStream {
   std::map<uint32_t, Keys> keys_;  // by blob number
   std::set<uint32_t> lost_;        // blob numbers
   std::vector<Wish> missing_;
-  size_t left_out_ = 0;
+  size_t left_out_ = 0, lost_in_view_ = 0;
   uint64_t blob_bytes_in_use_ = 0;
   bool refined_ = false;
 };

@@ -40,7 +40,8 @@ struct KeyResult {
   double t = 0;
   std::optional<double> first_image_ms, converged_ms;  // since the key's start
   uint64_t converged_bytes = 0;                        ///< received by then
-  bool is_complete = false;  ///< there is nothing finer to ask for, and what is not seen is there too
+  bool is_complete = false;      ///< there is nothing finer to ask for, and what is not seen is there too
+  bool is_lattice_seen = false;  ///< is_complete, and none the less off by more than was asked for
   stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
@@ -50,7 +51,7 @@ Json toJson(const KeyResult& key) {
   Json json;
   json["t"] = key.t;
   json["converged"] = key.converged();
-  json["finest"] = key.is_complete && !key.converged();
+  json["finest"] = key.is_lattice_seen;
   json["first_image_ms"] = key.first_image_ms ? Json(*key.first_image_ms) : Json();
   json["converged_ms"] = key.converged_ms ? Json(*key.converged_ms) : Json();
   json["converged_bytes"] = key.converged() ? Json(key.converged_bytes) : Json();
@@ -59,6 +60,7 @@ Json toJson(const KeyResult& key) {
   json["texture_bytes"] = key.status.counts.texture_blob_bytes;
   json["tiles"] = key.status.counts.tiles;
   json["tiles_left_out"] = key.status.counts.tiles_left_out;
+  reportGaps(json, key.status);
   json["final_cut_bytes"] = key.status.cut ? key.status.cut->blob_bytes : 0;
   json["triangles"] = key.status.cut ? key.status.cut->triangles : 0;
   json["nodes"] = key.status.cut ? key.status.cut->parts.size() : 0;
@@ -118,12 +120,13 @@ class Fetch {
     streamer.setView(target.viewAt(t, size_), options_.common.pixels);
     if (streamer.waitForCut(left()).cut) key.first_image_ms = msSince(start);
     const stream::StreamStatus seen = streamer.waitForConvergence(left());
-    if (seen.cut && seen.cut->converged && seen.cut->max_error_px <= options_.common.pixels) {
+    if (hasConverged(seen, options_.common.pixels)) {
       key.converged_ms = msSince(start);
       key.converged_bytes = seen.counts.received_bytes;
     }
     key.status = streamer.waitUntilSettled(left());
     key.is_complete = key.status.settled && key.status.cut && key.status.cut->converged;
+    key.is_lattice_seen = key.is_complete && key.status.cut->max_error_px > options_.common.pixels;
     return key;
   }
 
@@ -131,11 +134,12 @@ class Fetch {
     const Mesh mesh = weldCut(cut, model.attributes);
     const CutImages images = writeCutImages(cut, mesh, options_.output);
     writeMesh(options_.output, mesh, model.lattice, images.files);
+    const char* const why = cut.lost_tiles > 0
+                                ? "it cannot be had"
+                                : "the memory budget had no room for it; raise --memory-budget";
     for (const std::string& name : images.left_out)
-      std::fprintf(stderr,
-                   "lodestream: %s: the image %s is left out, as the memory budget had no room for it; raise "
-                   "--memory-budget\n",
-                   options_.output.c_str(), name.c_str());
+      std::fprintf(stderr, "lodestream: %s: the image %s is left out, as %s\n", options_.output.c_str(),
+                   name.c_str(), why);
   }
 
   void print(double total_ms) const {

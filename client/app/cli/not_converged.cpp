@@ -6,6 +6,11 @@
 
 namespace lode::app {
 
+bool hasConverged(const stream::StreamStatus& status, float pixels) {
+  const core::Cut* const cut = status.cut.get();
+  return cut != nullptr && cut->converged && cut->max_error_px <= pixels && cut->lost_tiles == 0;
+}
+
 void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
                        const CommonOptions& options) {
   const std::string what = options.target + " did not converge at " + where;

@@ -118,7 +118,7 @@ class Replay {
     }
     if (view != view_) result_.converged_ms.reset();
     view_ = view;
-    const bool converged = is_current_ && cut->converged && cut->max_error_px <= options_.common.pixels;
+    const bool converged = is_current_ && hasConverged(result_.status, options_.common.pixels);
     if (!converged)
       result_.converged_ms.reset();
     else if (!result_.converged_ms)
@@ -177,6 +177,7 @@ Json toJson(const Replayed& replayed) {
             {"resident_bytes", status.counts.resident_bytes},
             {"prefetch", prefetchReport(status.counts.prefetch)},
             {"peak_rss_bytes", peakMemoryBytes()}};
+  reportGaps(json, status);
   reportLimits(json, status.counts);
   return json;
 }

@@ -37,6 +37,11 @@ void reportLimits(Json& json, const core::EngineCounts& counts) {
                   {"window_bytes", orNull(static_cast<double>(counts.window_bytes))}};
 }
 
+void reportGaps(Json& json, const stream::StreamStatus& status) {
+  json["tiles_lost"] = status.cut ? status.cut->lost_tiles : 0;
+  json["failure"] = status.failure.empty() ? Json() : Json(status.failure);
+}
+
 Json prefetchReport(const core::PrefetchCounts& counts) {
   const uint64_t ended = counts.used + counts.unused;
   return {

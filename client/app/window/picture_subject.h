@@ -13,6 +13,7 @@ namespace lode::app {
 struct Taken {
   stream::StreamStatus status;  ///< of what has not converged; if all has, of the last
   bool is_finest = false;       ///< else there is no picture
+  bool has_converged = false;   ///< as hasConverged() has it
   float max_error_px = 0;
   std::vector<render::LegendEntry> legend;
 };

@@ -17,6 +17,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/stream_report.h"
 #include "client/app/cli/target.h"
 #include "client/app/window/film_folder.h"
 #include "client/app/window/look_options.h"
@@ -121,6 +122,7 @@ void printJson(const Shown& shown, std::FILE* report) {
   json["pictures"] = shown.pictures;
   json["max_error_px"] = shown.pictures > 0 ? Json(shown.max_error_px) : Json();
   json["tiles_left_out"] = shown.last.counts.tiles_left_out;
+  reportGaps(json, shown.first_unconverged ? shown.first_unconverged->status : shown.last);
   for (const render::LegendEntry& entry : shown.legend)
     json["legend"].push_back({{"colour", hexOf(entry.colour)}, {"meaning", entry.meaning}});
   std::fprintf(report, "%s\n", json.dump().c_str());
@@ -150,6 +152,7 @@ class ModelSubject : public PictureSubject {
     taken.status = opened_.streamer().waitForConvergence(options_.timeout());
     const std::shared_ptr<const core::Cut>& cut = taken.status.cut;
     taken.is_finest = cut && cut->converged;
+    taken.has_converged = hasConverged(taken.status, options_.pixels);
     if (!taken.is_finest) return taken;
     taken.max_error_px = cut->max_error_px;
     renderer_.show(cut);
@@ -214,8 +217,7 @@ void render(const RenderOptions& options) {
   const render::DrawStyle style = styleOf(options.look);
   for (const Shot& shot : planShots(options, subject->path())) {
     Taken taken = subject->take(shot.t, target, style);
-    if (!shown.first_unconverged && (!taken.is_finest || taken.max_error_px > options.common.pixels))
-      shown.first_unconverged = {shot.t, taken.status};
+    if (!shown.first_unconverged && !taken.has_converged) shown.first_unconverged = {shot.t, taken.status};
     if (!taken.is_finest) break;
     shown.last = taken.status;
     shown.legend = std::move(taken.legend);

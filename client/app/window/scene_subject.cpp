@@ -4,6 +4,7 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/first_camera.h"
+#include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
 #include "client/core/sight.h"
@@ -81,7 +82,7 @@ Taken SceneSubject::take(double t, const render::Framebuffer& target, render::Dr
   stage_->draw(view, target, asked);
   style = stage_->styleOver(asked);
   Taken taken;
-  taken.is_finest = true;
+  taken.is_finest = taken.has_converged = true;
   std::vector<render::DrawItem> in_picture;
   std::vector<uint32_t> places(models_.size(), 0);
   for (const auto& [number, placement] : scene_.instances) {
@@ -94,8 +95,9 @@ Taken SceneSubject::take(double t, const render::Framebuffer& target, render::Dr
     model.streamer.setView(seen, pixels_);
     const stream::StreamStatus status = model.streamer.waitForConvergence(timeout_);
     const bool is_finest = status.cut && status.cut->converged;
-    if (taken.is_finest && taken.max_error_px <= pixels_) taken.status = status;
-    taken.is_finest = taken.is_finest && is_finest;
+    if (taken.has_converged) taken.status = status;
+    taken.has_converged = taken.has_converged && hasConverged(status, pixels_);
+    taken.is_finest = is_finest;
     if (!is_finest) return taken;
     taken.max_error_px = std::max(taken.max_error_px, status.cut->max_error_px);
     model.renderer.show(status.cut);

@@ -152,21 +152,69 @@ TEST_F(CheckeredSheet, isFetchedWithTheTilesThatTheCameraNeeds) {
   EXPECT_GT(near_by["texture_bytes"], far_off["texture_bytes"]);
 }
 
-TEST_F(CheckeredSheet, isFetchedWithoutATileThatIsDamagedAndSaysSo) {
-  const std::filesystem::path file = folder_ / "sheet.lode";
-  std::string bytes = readBytes(file);
-  const store::Reader store(file);
-  for (const BlobRef& tile : store.textures().textures[0].tiles)
-    bytes[store.blob(tile.number).offset + tile.bytes / 2] ^= 1;
-  writeBytes(file, bytes);
+class DamagedSheet : public CheckeredSheet {
+ protected:
+  void SetUp() override {
+    CheckeredSheet::SetUp();
+    if (HasFatalFailure()) return;
+    const std::filesystem::path file = folder_ / "sheet.lode";
+    std::string bytes = readBytes(file);
+    const store::Reader store(file);
+    for (const BlobRef& tile : store.textures().textures[0].tiles)
+      bytes[store.blob(tile.number).offset + tile.bytes / 2] ^= 1;
+    writeBytes(file, bytes);
+  }
+
+  /// It ran to its end, and says how much is missing and why.
+  static nlohmann::json expectNotConverged(const Outcome& outcome) {
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.err.find("did not converge"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("the server says"), std::string::npos) << outcome.err;
+    const nlohmann::json told = nlohmann::json::parse(outcome.out);
+    EXPECT_FALSE(told["converged"]);
+    EXPECT_GT(told["tiles_lost"], 0);
+    EXPECT_NE(outcome.err.find(told["failure"].get<std::string>()), std::string::npos) << told;
+    return told;
+  }
+};
+
+TEST_F(DamagedSheet, isFetchedToItsEndAndHasNotConverged) {
   std::vector<std::string> fetch = arguments("fetch", cameraAbove(0.75, 0.9, 0.1));
-  fetch.push_back("--json");
+  fetch.insert(fetch.end(), {"--json", "-o", folder_ / "cut.ply"});
   const Outcome outcome = lodestream(fetch);
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("shown without a part that cannot be had"), std::string::npos) << outcome.err;
-  const nlohmann::json told = nlohmann::json::parse(outcome.out);
-  EXPECT_TRUE(told["converged"]);
+  const nlohmann::json told = expectNotConverged(outcome);
   EXPECT_EQ(told["tiles"], 0);
+  EXPECT_FALSE(told["finest"]) << "what it lacks is no finer mesh";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "cut.ply"));
+  EXPECT_NE(outcome.err.find("left out, as it cannot be had"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("--memory-budget"), std::string::npos) << outcome.err;
+}
+
+TEST_F(DamagedSheet, isReplayedToItsEndAndHasNotConverged) {
+  std::vector<std::string> replay = arguments("replay", cameraAbove(0.75, 0.9, 0.1));
+  replay.emplace_back("--json");
+  expectNotConverged(lodestream(replay));
+}
+
+TEST_F(DamagedSheet, isDrawnAsFarAsItIsThereAndHasNotConverged) {
+  std::vector<std::string> render = arguments("render", cameraAbove(0.75, 0.9, 0.1));
+  render.insert(render.end(), {"--json", "-o", folder_ / "a.png"});
+  const Outcome outcome = lodestream(render);
+  if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+  EXPECT_EQ(expectNotConverged(outcome)["pictures"], 1);
+  EXPECT_EQ(Picture(folder_ / "a.png").width_px, kWidthPx);
+}
+
+TEST_F(DamagedSheet, isDrawnInASceneAndHasNotConverged) {
+  makeSmallStore(folder_);
+  writeBytes(folder_ / "scene.json",
+             R"({"models": {"sheet": "sheet.lode", "small": "small.lode"},
+                 "instances": [{"model": "sheet", "position": [0, 0, 0]},
+                               {"model": "small", "position": [0, 0, -1]}]})");
+  const Outcome outcome = lodestream({"render", folder_ / "scene.json", "--json", "--camera",
+                                      cameraAbove(0.75, 0.9, 8), "-o", folder_ / "a.png"});
+  if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
+  EXPECT_EQ(expectNotConverged(outcome)["pictures"], 1);
 }
 
 TEST_F(CheckeredSheet, isFetchedWithItsImageBesideTheMesh) {

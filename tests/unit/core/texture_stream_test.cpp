@@ -250,6 +250,16 @@ TEST_F(TexturedEngine, saysWhyWhenATileCannotBeHadAndShowsTheCoarserOne) {
   EXPECT_EQ(engine_->cut()->tiles.size(), tiles() - 1);
 }
 
+TEST_F(TexturedEngine, countsInACutTheTilesThatItsViewSeesAndCannotHave) {
+  open();
+  engine_->setView(far_, 1);
+  serve({kFirstTile + 1});
+  EXPECT_EQ(engine_->cut()->lost_tiles, 0u) << "from afar it needs the coarsest alone";
+  engine_->setView(near_, 1);
+  serve({kFirstTile + 1});
+  EXPECT_EQ(engine_->cut()->lost_tiles, 1u);
+}
+
 TEST_F(TexturedEngine, hasNotConvergedWithoutATileThatTheServerDoesNotGiveNow) {
   open();
   serve({kFirstTile + 1}, proto::WireError::kInternal);
@@ -275,6 +285,7 @@ TEST_F(TexturedEngine, showsTheModelPlainWhenTheSetCannotBeHad) {
   EXPECT_TRUE(engine_->cut()->converged) << "nothing better can be had";
   EXPECT_EQ(engine_->cut()->triangles, 2u);
   EXPECT_FALSE(engine_->cut()->textures);
+  EXPECT_EQ(engine_->cut()->lost_tiles, 1u) << "it counts as one";
 }
 
 TEST_F(TexturedEngine, givesUpOnASetThatIsNone) {
