@@ -41,6 +41,13 @@ void decodeWebp(std::span<const std::byte> file, TileImage& image) {
 
 }  // namespace
 
+bool tileMayBeClear(std::span<const std::byte> file) noexcept {
+  WebPBitstreamFeatures features;
+  const auto* const bytes = reinterpret_cast<const uint8_t*>(file.data());
+  return tileKind(file) == TileKind::kWebp &&
+         WebPGetFeatures(bytes, file.size(), &features) == VP8_STATUS_OK && features.has_alpha != 0;
+}
+
 TileImage decodeTile(std::span<const std::byte> file, glm::uvec2 size) {
   if (size.x == 0 || size.y == 0 || size.x > kTilePx || size.y > kTilePx || file.size() > kMaxTileBytes) {
     throw Error(ErrorCode::kLimit, "a texture tile of " + std::to_string(size.x) + "x" +

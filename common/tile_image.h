@@ -18,6 +18,9 @@ struct TileImage {
   bool operator==(const TileImage&) const = default;
 };
 
+/// Whether a tile's file may have texels that are not opaque, as its header says; nothing else is looked at.
+bool tileMayBeClear(std::span<const std::byte> file) noexcept;
+
 /// Decodes the file of a tile from an untrusted source: JPEG or WebP, told apart by their first bytes.
 /// @param size  that the tile must have, gutters included; at most kTilePx each way: the memory taken
 ///              follows from it alone, and a file that announces another size is refused.

@@ -180,6 +180,33 @@ TEST_F(StoredTextures, areRejoinedBesideThePlyByExport) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "two words.png"));
 }
 
+/// Whether the file has a channel for alpha.
+bool hasAlphaChannel(const std::filesystem::path& path) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  EXPECT_NE(png_image_begin_read_from_file(&png, path.c_str()), 0) << path;
+  const bool has_alpha = (png.format & PNG_FORMAT_FLAG_ALPHA) != 0;
+  png_image_free(&png);
+  return has_alpha;
+}
+
+TEST_F(StoredTextures, areExportedWithAlphaWhereATexelIsClearAndNotForHowTilesArePacked) {
+  const auto clearAt = [](uint32_t clear_x) {
+    return test::TextureImages(600, 300, [clear_x](uint32_t x, uint32_t y) {
+      return glm::u8vec4(x & 255, y & 255, 0, x == clear_x && y == 299 ? 254 : 255);
+    });
+  };
+  write([&](Writer& writer) {
+    TextureSet set;
+    set.textures = {addTexture(writer, "opaque", clearAt(600)), addTexture(writer, "clear", clearAt(599))};
+    return set;
+  });
+  const ImageFiles files = exportTextures(Reader(path_), folder_ / "cut.glb");
+  EXPECT_EQ(files.has_alpha, (std::vector<bool>{false, true}));
+  EXPECT_FALSE(hasAlphaChannel(folder_ / "cut_opaque.png"));
+  EXPECT_TRUE(hasAlphaChannel(folder_ / "cut_clear.png"));
+}
+
 TEST_F(StoredTextures, ofLongNamesAreCutBetweenCharacters) {
   write([](Writer& writer) {
     TextureSet set;
