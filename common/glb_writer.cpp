@@ -108,9 +108,16 @@ Json addVertices(Parts& parts, const Mesh& mesh, const Lattice& lattice) {
   return attributes;
 }
 
+/// Whether vertices' alpha says anything. Where all are clear nobody has filled the channel: a viewer would
+/// show nothing, and our own pictures show such a mesh as it is.
+bool hasAlpha(const Mesh& mesh) {
+  return mesh.attributes.has(AttributeSet::kAlpha) &&
+         std::ranges::any_of(mesh.vertex_attributes,
+                             [](const VertexAttributes& vertex) { return vertex.colour.a != 0; });
+}
+
 /// Whether any vertex of a group is not opaque.
 bool hasTransparency(const Mesh& mesh, const MaterialGroup& group) {
-  if (!mesh.attributes.has(AttributeSet::kAlpha)) return false;
   const auto isClear = [&](uint32_t vertex) { return mesh.vertex_attributes[vertex].colour.a != 255; };
   return std::ranges::any_of(group.triangles, [&](uint32_t number) {
     const glm::u32vec3 triangle = mesh.triangles[number];
@@ -147,6 +154,7 @@ Json describe(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images
   node["translation"] = {lattice.origin.x, lattice.origin.y, lattice.origin.z};
   const Json attributes = addVertices(parts, mesh, lattice);
   Json primitives = Json::array();
+  const bool has_alpha = hasAlpha(mesh);
   for (const MaterialGroup& group : groups) {
     const size_t indices =
         parts.add("SCALAR", kUnsignedInt, 3 * uint64_t{group.triangles.size()}, 4, kIndexBuffer);
@@ -154,7 +162,10 @@ Json describe(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images
     const std::string image = imageOf(mesh, images.set, group.material);
     const bool cuts_out =
         !image.empty() && group.material < images.has_alpha.size() && images.has_alpha[group.material];
-    addMaterial(document, image, hasTransparency(mesh, group) ? "BLEND" : cuts_out ? "MASK" : "");
+    addMaterial(document, image,
+                has_alpha && hasTransparency(mesh, group) ? "BLEND"
+                : cuts_out                                ? "MASK"
+                                                          : "");
   }
   document["meshes"][0]["primitives"] = std::move(primitives);
   parts.describe(document);
@@ -176,9 +187,10 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, c
   if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
     std::array<uint16_t, 256> linear{};
     for (size_t byte = 0; byte < linear.size(); ++byte) linear[byte] = toLinear(static_cast<uint8_t>(byte));
+    const bool has_alpha = hasAlpha(mesh);
     for (const VertexAttributes& vertex : mesh.vertex_attributes) {
       const glm::u8vec4 c = vertex.colour;
-      writeNumbers(file, glm::u16vec4(linear[c.r], linear[c.g], linear[c.b], c.a * 257));
+      writeNumbers(file, glm::u16vec4(linear[c.r], linear[c.g], linear[c.b], has_alpha ? c.a * 257 : 65535));
     }
   }
   if (mesh.attributes.has(AttributeSet::kTexture))

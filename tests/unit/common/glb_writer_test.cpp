@@ -117,6 +117,22 @@ TEST_F(GlbWriter, blendsWhereAVertexIsNotOpaqueAndNotForTheChannelAlone) {
   EXPECT_EQ(json_["materials"][0]["alphaMode"], "BLEND");
 }
 
+TEST_F(GlbWriter, takesAnAlphaThatIsZeroEverywhereForAChannelThatNobodyFilled) {
+  Mesh mesh = wideTriangle(AttributeSet::kColour | AttributeSet::kAlpha);
+  for (VertexAttributes& vertex : mesh.vertex_attributes) vertex.colour = {255, 255, 255, 0};
+  const auto alphas = [this] {
+    const auto colours = numbers<uint16_t>(primitive(0)["attributes"]["COLOR_0"]);
+    return std::vector<uint16_t>{colours.at(3), colours.at(7), colours.at(11)};
+  };
+  write(mesh, {});
+  EXPECT_FALSE(json_["materials"][0].contains("alphaMode"));
+  EXPECT_EQ(alphas(), (std::vector<uint16_t>{65535, 65535, 65535}));
+  mesh.vertex_attributes[1].colour.a = 1;
+  write(mesh, {});
+  EXPECT_EQ(json_["materials"][0]["alphaMode"], "BLEND");
+  EXPECT_EQ(alphas(), (std::vector<uint16_t>{0, 257, 0}));
+}
+
 TEST_F(GlbWriter, blendsNoMaterialForAVertexOfAnother) {
   test::MeshOptions options;
   options.attributes.bits = AttributeSet::kAlpha | AttributeSet::kTexture | AttributeSet::kMaterial;
