@@ -160,8 +160,7 @@ Json describe(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images
         parts.add("SCALAR", kUnsignedInt, 3 * uint64_t{group.triangles.size()}, 4, kIndexBuffer);
     primitives.push_back({{"attributes", attributes}, {"indices", indices}, {"material", primitives.size()}});
     const std::string image = imageOf(mesh, images.set, group.material);
-    const bool cuts_out =
-        !image.empty() && group.material < images.has_alpha.size() && images.has_alpha[group.material];
+    const bool cuts_out = !image.empty() && cutsOut(images, group.material);
     addMaterial(document, image,
                 has_alpha && hasTransparency(mesh, group) ? "BLEND"
                 : cuts_out                                ? "MASK"

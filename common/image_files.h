@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "common/texture_set.h"
@@ -11,5 +12,10 @@ struct ImageFiles {
   TextureSet set;               ///< a texture without a file keeps its own name
   std::vector<bool> has_alpha;  ///< of a texture's image; those beyond the end have none
 };
+
+/// Whether the image of a material has alpha.
+inline bool cutsOut(const ImageFiles& images, size_t material) {
+  return material < images.has_alpha.size() && images.has_alpha[material];
+}
 
 }  // namespace lode

@@ -32,7 +32,7 @@ void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattic
     case MeshFormat::kPly:
       return writePly(path, mesh, lattice, images.set);
     case MeshFormat::kObj:
-      return writeObj(path, mesh, lattice, images.set);
+      return writeObj(path, mesh, lattice, images);
     case MeshFormat::kGlb:
       return writeGlb(path, mesh, lattice, images);
   }

@@ -81,17 +81,18 @@ std::string corner(uint32_t vertex, AttributeSet attributes) {
 }
 
 /// @return false, and nothing is written, if no material wears an image.
-bool writeMaterials(const std::filesystem::path& path, const Mesh& mesh, const TextureSet& textures,
+bool writeMaterials(const std::filesystem::path& path, const Mesh& mesh, const ImageFiles& images,
                     const std::vector<MaterialGroup>& groups) {
   bool any = false;
-  for (const MaterialGroup& group : groups) any |= !imageOf(mesh, textures, group.material).empty();
+  for (const MaterialGroup& group : groups) any |= !imageOf(mesh, images.set, group.material).empty();
   if (!any) return false;
   TextFile file(path);
   for (const MaterialGroup& group : groups) {
     file.word("newmtl").word(materialName(group.material)).endLine();
     file.word("Kd 1 1 1").endLine();
-    if (const std::string image = imageOf(mesh, textures, group.material); !image.empty())
-      file.word("map_Kd").word(image).endLine();
+    const std::string image = imageOf(mesh, images.set, group.material);
+    if (!image.empty()) file.word("map_Kd").word(image).endLine();
+    if (!image.empty() && cutsOut(images, group.material)) file.word("map_d").word(image).endLine();
   }
   file.commit();
   return true;
@@ -100,13 +101,13 @@ bool writeMaterials(const std::filesystem::path& path, const Mesh& mesh, const T
 }  // namespace
 
 void writeObj(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
-              const TextureSet& textures) {
+              const ImageFiles& images) {
   const std::vector<MaterialGroup> groups = groupByMaterial(mesh);
   const std::filesystem::path materials = std::filesystem::path(path).replace_extension(".mtl");
   TextFile file(path);
-  const bool has_materials = writeMaterials(materials, mesh, textures, groups);
+  const bool has_materials = writeMaterials(materials, mesh, images, groups);
   if (has_materials) file.word("mtllib").word(materials.filename().string()).endLine();
-  writeVertices(file, mesh, lattice, textures);
+  writeVertices(file, mesh, lattice, images.set);
   for (const MaterialGroup& group : groups) {
     if (has_materials) file.word("usemtl").word(materialName(group.material)).endLine();
     for (const uint32_t number : group.triangles) {

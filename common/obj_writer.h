@@ -2,16 +2,16 @@
 
 #include <filesystem>
 
+#include "common/image_files.h"
 #include "common/lattice.h"
 #include "common/mesh.h"
-#include "common/texture_set.h"
 
 namespace lode {
 
 /// Writes a mesh as Wavefront OBJ in true coordinates. Colours follow the coordinates of a vertex, 0 to 1
 /// each, as most programs read them; alpha is left out. Where a material wears an image, STEM.mtl beside it
-/// says which. @throws Error kIo. @see writeMesh().
+/// says which, and that one with alpha cuts out. @throws Error kIo. @see writeMesh().
 void writeObj(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
-              const TextureSet& textures = {});
+              const ImageFiles& images = {});
 
 }  // namespace lode

@@ -14,8 +14,9 @@ namespace {
 
 class ObjWriter : public testing::Test {
  protected:
-  std::string write(const Mesh& mesh, const Lattice& lattice, const TextureSet& textures = {}) {
-    writeObj(folder_ / "cut.obj", mesh, lattice, textures);
+  std::string write(const Mesh& mesh, const Lattice& lattice, const TextureSet& textures = {},
+                    const std::vector<bool>& has_alpha = {}) {
+    writeObj(folder_ / "cut.obj", mesh, lattice, {textures, has_alpha});
     return read("cut.obj");
   }
   std::string read(const char* name) const { return test::readBytes(folder_ / name); }
@@ -75,6 +76,16 @@ TEST_F(ObjWriter, putsTheImagesOfMaterialsInAFileBesideIt) {
       << text;
   EXPECT_EQ(read("cut.mtl"),
             "newmtl material_0\nKd 1 1 1\nmap_Kd two words.png\nnewmtl material_1\nKd 1 1 1\n");
+}
+
+TEST_F(ObjWriter, cutsOutWhatClearTexelsOfAnImageHide) {
+  const Mesh mesh = test::makeGrid(4, 3, {.attributes = {AttributeSet::kTexture | AttributeSet::kMaterial}});
+  TextureSet textures;
+  textures.textures = {{"leaves.png", 4, 4, {}}, {"wall.png", 4, 4, {}}};
+  write(mesh, {}, textures, {true, false});
+  EXPECT_EQ(read("cut.mtl"),
+            "newmtl material_0\nKd 1 1 1\nmap_Kd leaves.png\nmap_d leaves.png\n"
+            "newmtl material_1\nKd 1 1 1\nmap_Kd wall.png\n");
 }
 
 TEST_F(ObjWriter, givesFacesWithoutATextureAPlainMaterial) {
