@@ -16,7 +16,8 @@ MeshFormat meshFormatOf(const std::filesystem::path& path) {
   if (ending == ".ply") return MeshFormat::kPly;
   if (ending == ".obj") return MeshFormat::kObj;
   if (ending == ".glb") return MeshFormat::kGlb;
-  if (ending.empty() && (path.empty() || findOutput(path).is_stream)) return MeshFormat::kPly;
+  if (ending.empty() && (path.empty() || findOutput(path).is_stream || isStandardOutput(path)))
+    return MeshFormat::kPly;
   throw Error(ErrorCode::kUsage, path.string() + ": PLY, OBJ and GLB can be written" +
                                      (ending.empty() ? "" : ", not " + ending) +
                                      ": give a name that ends in .ply, .obj or .glb");

@@ -12,7 +12,7 @@ namespace lode {
 enum class MeshFormat { kPly, kObj, kGlb };
 
 /// What a file's name asks for by its ending: .ply, .obj or .glb in either case. PLY for no name at all, and
-/// where a pipe or a device has no ending.
+/// where a pipe, a device or the standard output has no ending.
 /// @throws Error kUsage for another ending or none, naming those that there are, and as findOutput().
 MeshFormat meshFormatOf(const std::filesystem::path& path);
 

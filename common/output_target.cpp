@@ -60,7 +60,9 @@ std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
 }
 
 void refuseFilesBesideStream(const std::filesystem::path& output) {
-  if (findOutput(output).is_stream)
+  const bool is_device_of_a_file =
+      isStandardOutput(output) && !output.has_extension();  // /dev/stdout > a.ply
+  if (is_device_of_a_file || findOutput(output).is_stream)
     throw Error(ErrorCode::kUsage,
                 output.string() + ": is a pipe or a device, beside which no images can be: name a file");
 }

@@ -85,5 +85,24 @@ TEST_F(MeshFormats, aFetchWritesTheSameTrianglesInEveryFormat) {
   expectWhatThePlyHolds("cut.glb");
 }
 
+TEST(StandardOutput, takesAPlyFromExportAndFetchWhereItIsAFile) {
+  const WorkFolder folder;
+  const std::string store = makeSmallStore(folder);
+  for (const std::string& command :
+       {"lodestreamd' export --error 0 " + store, "lodestream' fetch --pixels 4 --cache off " + store}) {
+    SCOPED_TRACE(command);
+    const auto run = [&](const std::string& output) {
+      std::string line = "'" LODE_BIN_DIR "/bin/";
+      line.append(command).append(" -o ").append(output);
+      const Outcome outcome = Program("sh", {"-c", line}).wait();
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+    };
+    run((folder / "named.ply").string());
+    run("/dev/stdout >" + (folder / "printed").string());
+    EXPECT_GT(readBytes(folder / "named.ply").size(), 1000u);
+    EXPECT_TRUE(readBytes(folder / "printed") == readBytes(folder / "named.ply"));
+  }
+}
+
 }  // namespace
 }  // namespace lode::test
