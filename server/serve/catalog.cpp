@@ -78,6 +78,15 @@ std::shared_ptr<const Model> openModel(const fs::path& file, const BlobReaderOpt
   return model;
 }
 
+/// A log names no folders.
+std::string withoutFolder(std::string message, const fs::path& file) {
+  const std::string folder = (file.parent_path() / "").string();
+  for (size_t at = message.find(folder); !folder.empty() && at != std::string::npos;
+       at = message.find(folder))
+    message.erase(at, folder.size());
+  return message;
+}
+
 bool isUnchanged(const Model& model, const fs::path& file) {
   struct stat now {};
   return model.blobs && ::stat(file.c_str(), &now) == 0 && model.blobs->isStill(now);
@@ -114,7 +123,7 @@ std::shared_ptr<const Catalog> openCatalog(std::span<const fs::path> stores,
 }
 
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<const fs::path> stores,
-                                             const BlobReaderOptions& options) {
+                                             const BlobReaderOptions& options, size_t* refused) {
   std::vector<std::shared_ptr<const Model>> models;
   for (const fs::path& file : storeFiles(stores, true)) {
     std::shared_ptr<const Model> model = before.find(file.stem().string());
@@ -124,7 +133,8 @@ std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<co
         if (!model && std::ranges::find(stores, file) != stores.end()) throw;  // a folder that is gone, say
         options.report("the store of model '" + file.stem().string() + "' cannot be opened" +
                        (model ? "; what was served before stays" : "; it is not offered") + ": " +
-                       std::string(error.code() == ErrorCode::kIo ? "the system refused" : "it is damaged"));
+                       withoutFolder(error.what(), file));
+        if (refused != nullptr) ++*refused;
       }
     if (model) models.push_back(std::move(model));
   }

@@ -37,11 +37,12 @@ std::shared_ptr<const Catalog> openCatalog(std::span<const std::filesystem::path
                                            const BlobReaderOptions& options);
 
 /// The same, again: stores that are as they were stay open, and one that cannot be opened keeps what there
-/// was of its name and is reported. Folders may have lost all their stores. @throws Error as openCatalog()
+/// was of its name and is reported. Folders may have lost all their stores.
+/// @param refused  counts those that could not be opened; may be null. @throws Error as openCatalog()
 /// where the list of stores is wrong, or what it names is gone of which there was nothing by that name: a
 /// folder.
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before,
                                              std::span<const std::filesystem::path> stores,
-                                             const BlobReaderOptions& options);
+                                             const BlobReaderOptions& options, size_t* refused = nullptr);
 
 }  // namespace lode::serve

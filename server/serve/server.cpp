@@ -268,13 +268,16 @@ void Server::State::reload() {
       all_is_new = false;
     }
   };
-  keeping("stores", [&] { offer.catalog = reopenCatalog(*offer.catalog, options.stores, readerOptions()); });
+  size_t refused = 0;
+  keeping("stores",
+          [&] { offer.catalog = reopenCatalog(*offer.catalog, options.stores, readerOptions(), &refused); });
   keeping("tokens", [&] { offer.tokens = openTokens(); });
   keeping("the certificate", [&] { tls = openCertificate(); });
   keeping("what is offered", [&] { lookOver(); });
   const std::lock_guard workers_lock(workers_mutex);
   for (auto& worker : workers) worker->publish(published());
   asio::post(context, [this, now = tls] { door->setTls(now); });
+  all_is_new = all_is_new && refused == 0;
   log.write(LogKind::kServer, all_is_new ? "reloaded" : "reloaded in part", {{"models", uint64_t{models}}});
 }
 

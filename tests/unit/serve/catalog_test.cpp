@@ -1,6 +1,7 @@
 #include "server/serve/catalog.h"
 
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -146,6 +147,20 @@ TEST_F(CatalogTest, reopenedKeepsWhatIsAsItWasAndTakesWhatIsNew) {
   EXPECT_EQ(after->find("c"), nullptr);
   EXPECT_NE(after->find("d"), nullptr);
   EXPECT_TRUE(reports_.empty());
+}
+
+TEST_F(CatalogTest, aStoreThatIsNoneWhenReopenedIsCountedAndTheReasonIsThatOfTheStart) {
+  writeSmallStore(store("a"), 1);
+  const auto before = open({folder_.path()});
+  std::ofstream(store("junk")) << "junk\n";
+  const std::string reason = errorOf({store("junk")});
+  size_t refused = 0;
+  reopenCatalog(*before, std::vector{folder_.path()}, options_, &refused);
+  EXPECT_EQ(refused, 1u);
+  ASSERT_EQ(reports_.size(), 1u);
+  EXPECT_NE(reason.find("it has only 5 bytes; copy it again"), std::string::npos) << reason;
+  EXPECT_NE(reports_[0].find(reason.substr(reason.find("junk.lode"))), std::string::npos) << reports_[0];
+  EXPECT_EQ(reports_[0].find(folder_.path().string()), std::string::npos) << "no path in the log";
 }
 
 TEST_F(CatalogTest, aStoreThatIsDamagedWhenReopenedLeavesWhatThereWas) {

@@ -133,6 +133,21 @@ TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
     EXPECT_EQ(said.str().find(folder), std::string::npos) << said.str();
 }
 
+TEST_F(ServerAccess, aReloadThatRefusesAStoreIsOneInPart) {
+  const std::filesystem::path log = folder_.path() / "log.txt";
+  const int descriptor = ::open(log.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+  options_.log.descriptor = descriptor;
+  start();
+  std::ofstream(folder_.path() / "junk.lode") << "junk\n";
+  server_->reload();
+  stop();
+  server_.reset();
+  ::close(descriptor);
+  std::ostringstream said;
+  said << std::ifstream(log).rdbuf();
+  EXPECT_NE(said.str().find("reloaded in part"), std::string::npos) << said.str();
+}
+
 TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {
   start();
   TestClient client = connect();
