@@ -19,6 +19,10 @@ glm::ivec2 canonical(glm::ivec2 p) noexcept {
   return p;
 }
 
+double lengthOnOctahedron(glm::dvec3 vector) noexcept {
+  return std::abs(vector.x) + std::abs(vector.y) + std::abs(vector.z);
+}
+
 // The direction as a point of the octahedron |x| + |y| + |z| = kCentre with integer coordinates.
 glm::ivec3 toIntegerOctahedron(glm::dvec3 direction) noexcept {
   glm::ivec3 p;
@@ -35,11 +39,14 @@ glm::ivec3 toIntegerOctahedron(glm::dvec3 direction) noexcept {
 
 }  // namespace
 
+bool hasDirection(glm::vec3 vector) noexcept {
+  const double length = lengthOnOctahedron(vector);
+  return std::isfinite(length) && length != 0;
+}
+
 uint16_t encodeOctahedral(glm::vec3 normal) noexcept {
-  const glm::dvec3 exact(normal);
-  const double length = std::abs(exact.x) + std::abs(exact.y) + std::abs(exact.z);
-  if (!std::isfinite(length) || length == 0) return encodeOctahedral({0, 0, 1});
-  const glm::ivec3 p = toIntegerOctahedron(exact / length);
+  if (!hasDirection(normal)) return encodeOctahedral({0, 0, 1});
+  const glm::ivec3 p = toIntegerOctahedron(glm::dvec3(normal) / lengthOnOctahedron(normal));
   glm::ivec2 square(p.y + kCentre, p.z + kCentre);
   if (p.x < 0) {  // the far half is folded out over the square's corners
     square.x = p.y < 0 ? std::abs(p.z) : kLast - std::abs(p.z);

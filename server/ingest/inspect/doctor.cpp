@@ -168,6 +168,7 @@ class Doctor {
       say(false, name_ + ": " + skippedInWords(report_.skipped_properties) + "; a build leaves them out");
     if (counts.unknown_textures > 0)
       say(false, name_ + ": " + unknownTexturesInWords(counts.unknown_textures, report_.textures.size()));
+    if (counts.lengthless_normals > 0) say(false, name_ + ": " + lengthlessInWords(counts));
     if (counts.clamped_colours > 0) say(false, name_ + ": " + clampedInWords(counts.clamped_colours));
     if (counts.extra_tokens > 0)
       say(false, name_ + ": " + std::to_string(counts.extra_tokens) +
@@ -215,7 +216,7 @@ class Doctor {
     input.vertices = report_.counts.vertices;
     input.faces = report_.counts.faces;
     input.triangles = report_.counts.triangles;
-    input.attributes = report_.attributes;
+    input.attributes = takenAttributes(report_.attributes, report_.counts);
     input.double_positions = hasDoublePositions(*report_.header);
     input.corner_texture = corner_texture_;
     input.scan_cpu_seconds = read_cpu_seconds_;

@@ -104,7 +104,7 @@ bool TopologyCounter::isOpposed() const {
   for (size_t c = 0; c < face_.size(); ++c) {
     const glm::dvec3 from = face_[0].position;
     if (c >= 2) front += glm::cross(face_[c - 1].position - from, face_[c].position - from);
-    mean += glm::dvec3(decodeOctahedral(face_[c].normal));
+    if (face_[c].normal != kNoNormal) mean += glm::dvec3(decodeOctahedral(face_[c].normal));
   }
   return glm::dot(front, mean) < 0;
 }

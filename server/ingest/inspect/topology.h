@@ -54,7 +54,7 @@ class TopologyCounter {
   struct Member {
     glm::dvec3 position;
     uint32_t first;   ///< vertex at its place
-    uint16_t normal;  ///< octahedral
+    uint16_t normal;  ///< octahedral, or kNoNormal
   };
 
   void countVertices();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/octahedral.h"
+
 namespace lode::ingest {
 
 void SkippedVertices::add(uint64_t vertex) {
@@ -17,12 +19,13 @@ bool SkippedVertices::contains(uint64_t vertex) const noexcept {
   return ((*pages_[page])[vertex % kPageBits / 64] >> (vertex % 64) & 1) != 0;
 }
 
-PlyVertexBatch::PlyVertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
+PlyVertexBatch::PlyVertexBatch(const VertexPlan& plan, const PlyReader::VertexSink& sink, PlyCounts& counts,
                                SkippedVertices& skipped)
-    : sink_(sink),
+    : has_normals_(plan.attributes.has(AttributeSet::kNormal)),
+      sink_(sink),
       counts_(counts),
       skipped_(skipped),
-      rows_(static_cast<size_t>(std::min<uint64_t>(vertices, kPlyBatchRows))) {}
+      rows_(static_cast<size_t>(std::min<uint64_t>(plan.element->count, kPlyBatchRows))) {}
 
 void PlyVertexBatch::countDefect(size_t index, VertexDefect defect) {
   ++counts_.skipped_bad;
@@ -34,8 +37,18 @@ void PlyVertexBatch::commit(size_t vertices) {
   if (used_ == rows_.size()) flush();
 }
 
+void PlyVertexBatch::countNormals() {
+  for (size_t i = 0; i < used_; ++i) {
+    const bool has_length = hasDirection(rows_[i].normal);
+    if (!has_length && skipped_.contains(counts_.vertices + i)) continue;
+    ++counts_.normals;
+    counts_.lengthless_normals += !has_length;
+  }
+}
+
 void PlyVertexBatch::flush() {
   if (used_ == 0) return;
+  if (has_normals_) countNormals();
   const uint64_t first = counts_.vertices;
   counts_.vertices += used_;
   if (sink_) sink_(first, std::span<const PlyVertex>(rows_).first(used_));

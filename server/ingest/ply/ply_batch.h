@@ -32,8 +32,8 @@ class SkippedVertices {
 /// Collects vertices and hands them on kPlyBatchRows at a time.
 class PlyVertexBatch {
  public:
-  /// @param vertices  that will come; takes memory for no more than kPlyBatchRows of them.
-  PlyVertexBatch(uint64_t vertices, const PlyReader::VertexSink& sink, PlyCounts& counts,
+  /// @param plan  of the vertices that will come; takes memory for no more than kPlyBatchRows of them.
+  PlyVertexBatch(const VertexPlan& plan, const PlyReader::VertexSink& sink, PlyCounts& counts,
                  SkippedVertices& skipped);
 
   /// Room for at least one and at most kPlyBatchRows vertices, to be filled and handed to commit().
@@ -46,6 +46,9 @@ class PlyVertexBatch {
   void flush();
 
  private:
+  void countNormals();
+
+  const bool has_normals_;
   const PlyReader::VertexSink& sink_;
   PlyCounts& counts_;
   SkippedVertices& skipped_;

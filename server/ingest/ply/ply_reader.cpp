@@ -119,6 +119,17 @@ std::string unknownTexturesInWords(uint64_t faces, size_t textures) {
          ", the number of textures in the header, and so without an image; correct it or name the texture";
 }
 
+std::string lengthlessInWords(const PlyCounts& counts) {
+  if (counts.lengthless_normals == 0) return {};
+  const std::string all = std::to_string(counts.normals);
+  if (counts.hasOnlyLengthlessNormals())
+    return "none of its " + all + " normals has a length: they are computed, as where a file has none";
+  return std::to_string(counts.lengthless_normals) + " of " + all +
+         (counts.lengthless_normals == 1 ? " normals has" : " normals have") +
+         " no length: those of the faces are taken; leave all normals out, so that a build "
+         "computes them, where that shows";
+}
+
 std::string clampedInWords(uint64_t vertices) {
   return counted(vertices, "vertex", "vertices") +
          " with colours beyond the range of the type (float: 0 to 1, ushort: 0 to 65535, others: 0 to 255), "
@@ -155,7 +166,7 @@ PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, con
     report();
   };
   SkippedVertices skipped;
-  PlyVertexBatch vertex_batch(plan.vertices.element->count, vertex_sink, counts, skipped);
+  PlyVertexBatch vertex_batch(plan.vertices, vertex_sink, counts, skipped);
   PlyFaceBatch face_batch(plan, face_sink, counts, skipped);
   BodyWalk(header_, plan, *body).run(vertex_batch, face_batch);
   counts.trailing_bytes = countTrailingBytes(input, header_.encoding);

@@ -35,16 +35,21 @@ struct PlyFaces {
 
 struct PlyCounts {
   uint64_t vertices = 0;
-  uint64_t faces = 0;              ///< rows of the face element, or strips
-  uint64_t triangles = 0;          ///< sum of (corners - 2) over the faces given out
-  uint64_t dropped_faces = 0;      ///< fewer than 3 corners, or a repeated index; of a strip, triangles
-  uint64_t skipped_bad = 0;        ///< with skip_bad: bad indices, NaN, infinity
-  uint64_t dropped_triangles = 0;  ///< of the input, of both of these: with `triangles` they are all
-  uint64_t clamped_colours = 0;    ///< vertices with a colour that its type has not, see clampedInWords()
+  uint64_t faces = 0;               ///< rows of the face element, or strips
+  uint64_t triangles = 0;           ///< sum of (corners - 2) over the faces given out
+  uint64_t dropped_faces = 0;       ///< fewer than 3 corners, or a repeated index; of a strip, triangles
+  uint64_t skipped_bad = 0;         ///< with skip_bad: bad indices, NaN, infinity
+  uint64_t dropped_triangles = 0;   ///< of the input, of both of these: with `triangles` they are all
+  uint64_t clamped_colours = 0;     ///< vertices with a colour that its type has not, see clampedInWords()
+  uint64_t normals = 0;             ///< where the file has them: of its vertices, but skipped ones
+  uint64_t lengthless_normals = 0;  ///< of these, see hasDirection(); their vertices' are zero
   /// Faces with a texnumber that is neither -1 nor a texture's, where the header names some for coordinates.
   uint64_t unknown_textures = 0;
   uint64_t extra_tokens = 0;    ///< ascii only, ignored
   uint64_t trailing_bytes = 0;  ///< behind the last element, ignored (ascii: beyond blanks and line ends)
+
+  /// The file has normals, and none has a length.
+  bool hasOnlyLengthlessNormals() const noexcept { return normals > 0 && lengthless_normals == normals; }
 };
 
 /// Something in the body that costs geometry.
@@ -103,6 +108,9 @@ std::string skippedInWords(const std::vector<std::string>& skipped);
 
 /// "N faces with a texnumber ...", and what to do, for warnings.
 std::string unknownTexturesInWords(uint64_t faces, size_t textures);
+
+/// "N of M normals have no length ...", and what is done about it, for warnings; empty if all have one.
+std::string lengthlessInWords(const PlyCounts& counts);
 
 /// "N vertices with colours ...", and what to do, for warnings.
 std::string clampedInWords(uint64_t vertices);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/octahedral.h"
 #include "server/ingest/soup/face_batch.h"
 #include "server/ingest/soup/triangulate.h"
 
@@ -37,26 +38,43 @@ class Batch {
 
   /// Gives out the triangles of a block's faces.
   void giveOut(const PackedInput::FaceBlock& block, DereferenceCounts& counts, const SoupSink& sink) {
-    size_t face = 0;
+    size_t number = 0;
     forEachFace(block, [&](size_t first, uint32_t corners) {
-      const uint16_t material = block.materials.empty() ? uint16_t{0} : block.materials[face];
-      giveOut(block, static_cast<uint32_t>(first), corners, material, counts, sink);
-      ++face;
+      const uint16_t material = block.materials.empty() ? uint16_t{0} : block.materials[number];
+      giveOut(block, Face{static_cast<uint32_t>(first), corners, material}, counts, sink);
+      ++number;
     });
   }
 
  private:
-  void giveOut(const PackedInput::FaceBlock& block, uint32_t first, uint32_t corners, uint16_t material,
-               DereferenceCounts& counts, const SoupSink& sink) {
-    if (corners == 3) {
-      giveOut(block, glm::u32vec3(first, first + 1, first + 2), material, counts, sink);
+  /// Of a block.
+  struct Face {
+    uint32_t first, corners;
+    uint16_t material;
+  };
+
+  glm::dvec3 placeOf(const PackedInput::FaceBlock& block, uint32_t corner) const {
+    return unpackPosition(positions_[faces_.rank(block.corners[corner])]);
+  }
+
+  void giveOut(const PackedInput::FaceBlock& block, const Face& face, DereferenceCounts& counts,
+               const SoupSink& sink) {
+    if (face.corners == 3) {
+      giveOut(block, face, face.first + glm::u32vec3(0, 1, 2), counts, sink);
       return;
     }
     outline_.clear();
-    for (uint32_t c = first; c < first + corners; ++c)
-      outline_.emplace_back(unpackPosition(positions_[faces_.rank(block.corners[c])]));
+    for (uint32_t c = 0; c < face.corners; ++c) outline_.push_back(placeOf(block, face.first + c));
     triangulate(outline_, cut_);
-    for (const glm::u32vec3& t : cut_) giveOut(block, first + t, material, counts, sink);
+    for (const glm::u32vec3& t : cut_) giveOut(block, face, face.first + t, counts, sink);
+  }
+
+  uint16_t normalOf(const PackedInput::FaceBlock& block, const Face& face) const {
+    const glm::dvec3 from = placeOf(block, face.first);
+    glm::dvec3 front(0);
+    for (uint32_t c = 2; c < face.corners; ++c)
+      front += glm::cross(placeOf(block, face.first + c - 1) - from, placeOf(block, face.first + c) - from);
+    return encodeOctahedral(glm::vec3(front));
   }
 
   /// Of a triangle that was dropped. Few are, so that their places are looked up one by one.
@@ -67,7 +85,7 @@ class Batch {
     return a != b && b != c && c != a;
   }
 
-  void giveOut(const PackedInput::FaceBlock& block, glm::u32vec3 corners, uint16_t material,
+  void giveOut(const PackedInput::FaceBlock& block, const Face& face, glm::u32vec3 corners,
                DereferenceCounts& counts, const SoupSink& sink) {
     SoupTriangle triangle;
     for (int k = 0; k < 3; ++k) {
@@ -76,7 +94,8 @@ class Batch {
       VertexAttributes& attributes = triangle.attributes[k];
       if (!attributes_.empty()) attributes = attributes_[rank];
       if (!block.texture.empty()) attributes.texture = block.texture[corners[k]];
-      attributes.material = material;
+      if (attributes.normal == kNoNormal) attributes.normal = normalOf(block, face);
+      attributes.material = face.material;
     }
     if (triangle.corners[0] == triangle.corners[1] || triangle.corners[1] == triangle.corners[2] ||
         triangle.corners[2] == triangle.corners[0]) {

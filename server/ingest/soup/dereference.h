@@ -28,9 +28,10 @@ using SoupSink = std::function<void(const SoupTriangle&)>;
 using BatchSink = std::function<void(const DereferencePoint&)>;
 
 /// Stage 2: indices become positions and attributes. Polygons are cut into triangles here, where positions
-/// are known. As many faces as fit in half of the memory are read, the vertices that they use are swept up
-/// from the packed file in one pass over it that skips what is not needed, and the triangles are given out,
-/// in the file's order; then the next.
+/// are known, and a vertex whose normal has no length gets that of the face at each of its corners. As many
+/// faces as fit in half of the memory are read, the vertices that they use are swept up from the packed file
+/// in one pass over it that skips what is not needed, and the triangles are given out, in the file's order;
+/// then the next.
 /// @param from      a point that on_batch was told, to go on from; the counts returned include those before.
 /// @param on_batch  told of each batch before its first triangle is given out.
 DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes,

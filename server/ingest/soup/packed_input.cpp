@@ -9,6 +9,13 @@
 #include "server/ingest/mesh/vertex_set.h"
 
 namespace lode::ingest {
+namespace {
+
+uint16_t normalCode(glm::vec3 normal) noexcept {
+  return hasDirection(normal) ? encodeOctahedral(normal) : kNoNormal;
+}
+
+}  // namespace
 
 AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept {
   uint8_t elsewhere = AttributeSet::kMaterial;
@@ -74,7 +81,7 @@ void PackedInput::addVertices(std::span<const PlyVertex> vertices) {
     }
     if (hasVertexAttributes()) {
       VertexAttributes packed;
-      if (attributes_.has(AttributeSet::kNormal)) packed.normal = encodeOctahedral(vertex.normal);
+      if (attributes_.has(AttributeSet::kNormal)) packed.normal = normalCode(vertex.normal);
       if (attributes_.has(AttributeSet::kColour)) packed.colour = vertex.colour;
       if (!attributes_.has(AttributeSet::kAlpha)) packed.colour.a = 255;
       std::memcpy(to + position_bytes, &packed, sizeof(packed));

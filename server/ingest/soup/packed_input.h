@@ -17,9 +17,12 @@
 
 namespace lode::ingest {
 
+/// In place of an octahedral code: the file's normal has no length.
+constexpr uint16_t kNoNormal = 0xffff;
+
 /// The input, packed: what later stages read instead of the PLY. Vertices have a fixed size, faces lie in
-/// blocks, both in the file's order. Attributes are quantized already; positions and texture coordinates are
-/// not yet: their grids follow from them.
+/// blocks, both in the file's order. Attributes are quantized already (normals may be kNoNormal); positions
+/// and texture coordinates are not yet: their grids follow from them.
 class PackedInput {
  public:
   /// Names of the files, which last.

@@ -22,7 +22,66 @@ bool hasDoublePositions(const PlyHeader& header) {
   return false;
 }
 
+AttributeSet takenAttributes(AttributeSet attributes, const PlyCounts& counts) noexcept {
+  if (counts.hasOnlyLengthlessNormals()) attributes.bits &= static_cast<uint8_t>(~AttributeSet::kNormal);
+  return attributes;
+}
+
 namespace {
+
+void checkVertices(const PlyHeader& header, const std::string& name) {
+  const PlyElement* const vertices = header.find("vertex");
+  if (vertices == nullptr || vertices->count <= UINT32_MAX) return;
+  throw Error(ErrorCode::kLimit, name + ": " + std::to_string(vertices->count) +
+                                     " vertices; at most 4294967295 can be indexed, split the model");
+}
+
+/// @param attributes  of the model; what else the file has is left out.
+ScannedModel pack(PlyReader& reader, AttributeSet attributes, const TemporaryFolder& folder,
+                  const BuildProgress& progress) {
+  ScannedModel model{
+      PackedInput(folder, attributes, hasDoublePositions(reader.header()), reader.hasCornerTexture()),
+      {},
+      reader.header().texture_files};
+  model.counts = reader.read(
+      [&](uint64_t, std::span<const PlyVertex> vertices) { model.input.addVertices(vertices); },
+      [&](const PlyFaces& faces) { model.input.addFaces(faces); },
+      [&](uint64_t done, uint64_t total) {
+        if (progress)
+          progress("scan", total ? static_cast<double>(done) / static_cast<double>(total) : 1, done, total);
+      });
+  model.input.flush();
+  return model;
+}
+
+ScannedModel packTaken(PlyReader& reader, const TemporaryFolder& folder, const BuildProgress& progress) {
+  AttributeSet taken;
+  {
+    ScannedModel model = pack(reader, reader.attributes(), folder, progress);
+    taken = takenAttributes(reader.attributes(), model.counts);
+    if (taken == reader.attributes()) return model;
+  }
+  return pack(reader, taken, folder, progress);
+}
+
+std::vector<std::string> warningsOf(const PlyReader& reader, const PlyCounts& counts) {
+  std::vector<std::string> warnings;
+  const auto warn = [&](bool is_so, const std::string& words) {
+    if (is_so) warnings.push_back(words);
+  };
+  const std::string skipped = skippedInWords(reader.skippedProperties());
+  warn(!skipped.empty(), skipped);
+  warn(counts.skipped_bad > 0,
+       std::to_string(counts.skipped_bad) +
+           " bad indices, coordinates or faces were left out; lodestreamd doctor says where");
+  warn(counts.unknown_textures > 0,
+       unknownTexturesInWords(counts.unknown_textures, reader.header().texture_files.size()));
+  warn(counts.lengthless_normals > 0, lengthlessInWords(counts));
+  warn(counts.clamped_colours > 0, clampedInWords(counts.clamped_colours));
+  warn(counts.extra_tokens > 0,
+       std::to_string(counts.extra_tokens) + " surplus values at the ends of lines were ignored");
+  return warnings;
+}
 
 void checkFaces(const PlyCounts& counts, const std::filesystem::path& name) {
   if (counts.triangles > 0) return;
@@ -37,41 +96,14 @@ void checkFaces(const PlyCounts& counts, const std::filesystem::path& name) {
 
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings) {
+  const std::string name = options.input.string();
   PlyReader reader(options.input, {.skip_bad = options.skip_bad});
-  for (const PlyElement& element : reader.header().elements) {
-    if (element.name == "vertex" && element.count > UINT32_MAX) {
-      throw Error(ErrorCode::kLimit, options.input.string() + ": " + std::to_string(element.count) +
-                                         " vertices; at most 4294967295 can be indexed, split the model");
-    }
-  }
-  ScannedModel model{PackedInput(folder, reader.attributes(), hasDoublePositions(reader.header()),
-                                 reader.hasCornerTexture()),
-                     {},
-                     reader.header().texture_files};
-  model.counts = reader.read(
-      [&](uint64_t, std::span<const PlyVertex> vertices) { model.input.addVertices(vertices); },
-      [&](const PlyFaces& faces) { model.input.addFaces(faces); },
-      [&](uint64_t done, uint64_t total) {
-        if (progress)
-          progress("scan", total ? static_cast<double>(done) / static_cast<double>(total) : 1, done, total);
-      });
-  model.input.flush();
+  checkVertices(reader.header(), name);
+  ScannedModel model = packTaken(reader, folder, progress);
   checkFaces(model.counts, options.input);
-  model.input.setUvGrid(chooseUvGrid(model.input.usedUvRange(), options.input.string()));
-  const std::string skipped = skippedInWords(reader.skippedProperties());
-  if (!skipped.empty()) warnings.push_back(options.input.string() + ": " + skipped);
-  if (model.counts.skipped_bad > 0)
-    warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.skipped_bad) +
-                       " bad indices, coordinates or faces were left out; lodestreamd doctor says where");
-  if (model.counts.unknown_textures > 0)
-    warnings.push_back(options.input.string() + ": " +
-                       unknownTexturesInWords(model.counts.unknown_textures, model.texture_files.size()));
-  if (model.counts.clamped_colours > 0)
-    warnings.push_back(options.input.string() + ": " + clampedInWords(model.counts.clamped_colours));
-  if (model.counts.extra_tokens > 0) {
-    warnings.push_back(options.input.string() + ": " + std::to_string(model.counts.extra_tokens) +
-                       " surplus values at the ends of lines were ignored");
-  }
+  model.input.setUvGrid(chooseUvGrid(model.input.usedUvRange(), name));
+  for (const std::string& warning : warningsOf(reader, model.counts))
+    warnings.push_back(std::string(name).append(": ").append(warning));
   return model;
 }
 
