@@ -173,11 +173,7 @@ class Doctor {
     if (counts.extra_tokens > 0)
       say(false, name_ + ": " + std::to_string(counts.extra_tokens) +
                      " surplus values at the ends of lines; a build ignores them");
-    if (counts.trailing_bytes > 0)
-      say(false, name_ + ": " + std::to_string(counts.trailing_bytes) +
-                     " bytes behind the last element, from byte " +
-                     std::to_string(report_.file_bytes - counts.trailing_bytes) +
-                     "; a build ignores them, but check that the header counts all");
+    if (counts.trailing_bytes > 0) say(false, name_ + ": " + trailingInWords(counts));
     if (report_.attributes.has(AttributeSet::kTexture) && report_.textures.empty())
       say(false, name_ + ": " + kNoTextureFile);
     if (!report_.topology) return;

@@ -130,6 +130,12 @@ std::string lengthlessInWords(const PlyCounts& counts) {
          "computes them, where that shows";
 }
 
+std::string trailingInWords(const PlyCounts& counts) {
+  return counted(counts.trailing_bytes, "byte") + " behind the last element, from byte " +
+         std::to_string(counts.trailing_from) +
+         "; a build ignores them, but check that the header counts all";
+}
+
 std::string clampedInWords(uint64_t vertices) {
   return counted(vertices, "vertex", "vertices") +
          " with colours beyond the range of the type (float: 0 to 1, ushort: 0 to 65535, others: 0 to 255), "
@@ -170,6 +176,7 @@ PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, con
   PlyFaceBatch face_batch(plan, face_sink, counts, skipped);
   BodyWalk(header_, plan, *body).run(vertex_batch, face_batch);
   counts.trailing_bytes = countTrailingBytes(input, header_.encoding);
+  counts.trailing_from = input.offset();
   if (progress) progress(total_bytes, total_bytes);
   return counts;
 }

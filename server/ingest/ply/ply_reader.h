@@ -48,6 +48,8 @@ struct PlyCounts {
   uint64_t extra_tokens = 0;    ///< ascii only, ignored
   uint64_t trailing_bytes = 0;  ///< behind the last element, ignored (ascii: beyond blanks and line ends)
 
+  uint64_t trailing_from = 0;  ///< byte of the file where these begin
+
   /// The file has normals, and none has a length.
   bool hasOnlyLengthlessNormals() const noexcept { return normals > 0 && lengthless_normals == normals; }
 };
@@ -111,6 +113,9 @@ std::string unknownTexturesInWords(uint64_t faces, size_t textures);
 
 /// "N of M normals have no length ...", and what is done about it, for warnings; empty if all have one.
 std::string lengthlessInWords(const PlyCounts& counts);
+
+/// "N bytes behind the last element ...", and what to do, for warnings.
+std::string trailingInWords(const PlyCounts& counts);
 
 /// "N vertices with colours ...", and what to do, for warnings.
 std::string clampedInWords(uint64_t vertices);

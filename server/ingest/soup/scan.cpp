@@ -80,6 +80,7 @@ std::vector<std::string> warningsOf(const PlyReader& reader, const PlyCounts& co
   warn(counts.clamped_colours > 0, clampedInWords(counts.clamped_colours));
   warn(counts.extra_tokens > 0,
        std::to_string(counts.extra_tokens) + " surplus values at the ends of lines were ignored");
+  warn(counts.trailing_bytes > 0, trailingInWords(counts));
   return warnings;
 }
 
