@@ -112,14 +112,22 @@ class Sheet {
   std::string text_;
 };
 
+/// How many rows of an element were read; of how many, where a file ends before.
+std::string rowsInWords(const ingest::DoctorReport& report, uint64_t read, const char* element) {
+  const ingest::PlyElement* declared = report.header ? report.header->find(element) : nullptr;
+  const bool is_part = !report.is_readable && declared != nullptr && read < declared->count;
+  return std::to_string(read) + (is_part ? " of " + std::to_string(declared->count) : "");
+}
+
 std::string describe(const ingest::DoctorReport& report) {
   Sheet sheet;
   const ingest::PlyCounts& counts = report.counts;
   if (report.header)
     sheet.line("encoding",
                std::string(encodingName(report.header->encoding)) + ", " + describeBytes(report.file_bytes));
-  sheet.line("vertices", std::to_string(counts.vertices));
-  sheet.line("faces", std::to_string(counts.faces) + ", " + counted(counts.triangles, "triangle"));
+  sheet.line("vertices", rowsInWords(report, counts.vertices, "vertex"));
+  sheet.line("faces",
+             rowsInWords(report, counts.faces, "face") + ", " + counted(counts.triangles, "triangle"));
   sheet.line("attributes", joined(attributeNames(report.attributes)));
   for (const auto& texture : report.textures)
     sheet.line("texture", texture.name + (texture.is_found ? "" : " (missing)"));

@@ -26,6 +26,7 @@ class Doctor {
     report_.file_bytes = PlyInput(options_.input).size();
     if (!tryTo([&] { report_.header = readPlyHeader(options_.input); })) return report_;
     report_.is_readable = tryTo([&] { readBody(); });
+    if (reader_) report_.counts = reader_->counts();
     lookForTextures();
     sayDefects();
     if (report_.is_readable && report_.counts.vertices <= UINT32_MAX) report_.topology = topology_->count();
@@ -107,12 +108,12 @@ class Doctor {
 
   void readBody() {
     const auto start = cpuSeconds();
-    PlyReadOptions read_options{.skip_bad = true};
+    PlyReadOptions read_options{.skip_bad = true, .read_truncated = true};
     read_options.on_defect = [&](const PlyDefect& defect) {
       Defects& defects = defect.is_bad ? bad_ : dropped_;
       if (++defects.count <= kShownDefects) defects.first.push_back(defect.text);
     };
-    PlyReader reader(options_.input, read_options);
+    PlyReader& reader = reader_.emplace(options_.input, read_options);
     report_.attributes = reader.attributes();
     folder_.emplace(temporaryFolder());
     topology_.emplace(*folder_, reader.attributes(), hasDoublePositions(reader.header()), budget());
@@ -126,7 +127,7 @@ class Doctor {
     report_.skipped_properties = reader.skippedProperties();
     report_.min = glm::dvec3(std::numeric_limits<double>::max());
     report_.max = -report_.min;
-    report_.counts = reader.read(
+    reader.read(
         [&](uint64_t, std::span<const PlyVertex> vertices) {
           for (const PlyVertex& vertex : vertices) {
             report_.min = glm::min(report_.min, vertex.position);
@@ -231,6 +232,7 @@ class Doctor {
   const std::string name_;
   std::optional<TemporaryFolder> folder_;  ///< while the topology is counted, as the next
   std::optional<TopologyCounter> topology_;
+  std::optional<PlyReader> reader_;
   Defects bad_, dropped_;
   std::vector<TextureImage> images_;
   double read_cpu_seconds_ = 0;

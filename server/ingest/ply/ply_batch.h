@@ -44,6 +44,11 @@ class PlyVertexBatch {
   /// Counts a vertex whose colour is clamped.
   void countClamped() noexcept { ++counts_.clamped_colours; }
   void flush();
+  /// Counts those that nobody will be handed.
+  void countRest() noexcept {
+    counts_.vertices += used_;
+    used_ = 0;
+  }
 
  private:
   void countNormals();

@@ -15,20 +15,20 @@
 namespace lode::ingest {
 namespace {
 
-/// Refuses counts that the file cannot hold, before anything is done about them.
-void checkSize(const PlyHeader& header, const PlyBody& body, const PlyInput& input) {
+/// What is wrong with counts that the file cannot hold, before anything is done about them; empty if it can.
+std::string sizeProblem(const PlyHeader& header, const PlyBody& body, const PlyInput& input) {
   uint64_t left = input.remaining() + 1;  // the last line of an ascii file may lack its end
   for (const PlyElement& element : header.elements) {
     const uint64_t row_bytes = body.leastRowBytes(element);
     if (row_bytes > 0 && element.count > left / row_bytes) {
-      throw Error(ErrorCode::kInput,
-                  input.name() + " is truncated: its header declares " + std::to_string(element.count) +
-                      " rows of " + quotedText(element.name) + " of " + std::to_string(row_bytes) +
-                      " bytes or more, but the body has only " + std::to_string(input.remaining()) +
-                      " bytes; copy or export the file again");
+      return input.name() + " is truncated: its header declares " + std::to_string(element.count) +
+             " rows of " + quotedText(element.name) + " of " + std::to_string(row_bytes) +
+             " bytes or more, but the body has only " + std::to_string(input.remaining()) +
+             " bytes; copy or export the file again";
     }
     left -= element.count * row_bytes;
   }
+  return {};
 }
 
 /// Counts what lies behind the last element.
@@ -149,12 +149,13 @@ PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, con
   }
   input.seek(header_.body_offset);
   const PlyPlan plan = planBody(header_, input.name());
-  PlyCounts counts;
+  PlyCounts& counts = counts_ = {};
   const std::unique_ptr<PlyBody> body =
       header_.encoding == PlyEncoding::kAscii
           ? makeAsciiBody(input, options_, header_.header_lines + 1, counts.extra_tokens)
           : makeBinaryBody(input, header_.encoding, options_);
-  checkSize(header_, *body, input);
+  const std::string size_problem = sizeProblem(header_, *body, input);
+  if (!size_problem.empty() && !options_.read_truncated) throw Error(ErrorCode::kInput, size_problem);
 
   const uint64_t total_bytes = input.remaining();
   uint64_t done_bytes = 0;
@@ -174,7 +175,13 @@ PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, con
   SkippedVertices skipped;
   PlyVertexBatch vertex_batch(plan.vertices, vertex_sink, counts, skipped);
   PlyFaceBatch face_batch(plan, face_sink, counts, skipped);
-  BodyWalk(header_, plan, *body).run(vertex_batch, face_batch);
+  try {
+    BodyWalk(header_, plan, *body).run(vertex_batch, face_batch);
+  } catch (const Error& error) {
+    vertex_batch.countRest();
+    if (size_problem.empty() || error.code() != ErrorCode::kInput) throw;
+  }
+  if (!size_problem.empty()) throw Error(ErrorCode::kInput, size_problem);
   counts.trailing_bytes = countTrailingBytes(input, header_.encoding);
   counts.trailing_from = input.offset();
   if (progress) progress(total_bytes, total_bytes);

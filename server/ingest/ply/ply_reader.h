@@ -66,6 +66,8 @@ struct PlyReadOptions {
   /// becomes zero; a face with an index out of range or with bad texture coordinates is left out. Each counts
   /// once.
   bool skip_bad = false;
+  /// Read a file that is too short for what its header counts as far as it goes, and fail then.
+  bool read_truncated = false;
   /// With skip_bad: is told each defect where it is found. Faces that use a skipped vertex are not among
   /// them.
   std::function<void(const PlyDefect&)> on_defect = {};
@@ -95,6 +97,8 @@ class PlyReader {
   /// May be called again: it starts anew.
   /// @throws Error kIo, kInput (element number and byte offset; in ascii the line).
   PlyCounts read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress = {});
+  /// Of the last read(); of one that failed, as far as it came.
+  const PlyCounts& counts() const noexcept { return counts_; }
 
  private:
   std::filesystem::path path_;
@@ -103,6 +107,7 @@ class PlyReader {
   AttributeSet attributes_;
   bool corner_texture_ = false;
   std::vector<std::string> skipped_properties_;
+  PlyCounts counts_;
 };
 
 /// "it has properties that are not read: ...", the first few of them, for warnings; empty if there are none.

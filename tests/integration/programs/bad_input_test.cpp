@@ -86,6 +86,15 @@ TEST(BadInput, leavesTheStoreOfAnEarlierBuildAsItWas) {
   EXPECT_EQ(folder.contents(), (std::vector<std::string>{"small.lode", "small.ply"}));
 }
 
+TEST(BadInput, isCountedByDoctorAsFarAsItCanBeRead) {
+  const WorkFolder folder;
+  writeBytes(folder / "cut.ply", header("ascii 1.0", 2) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  const Outcome outcome = lodestreamd({"doctor", folder / "cut.ply"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.out.find("vertices          3\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("faces             1 of 2, 1 triangle\n"), std::string::npos) << outcome.out;
+}
+
 TEST(BadOutput, isRefusedByBuildIfItIsAnImageThatTheModelNames) {
   const WorkFolder folder;
   std::string named = header("ascii 1.0") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";

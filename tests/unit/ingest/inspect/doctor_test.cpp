@@ -109,6 +109,29 @@ TEST(Doctor, saysOfAFileThatEndsTooEarlyThatItCannotBeBuilt) {
   EXPECT_FALSE(report.forecast);
 }
 
+TEST(Doctor, countsAsFarAsAFileCanBeReadWhoseHeaderSaysMore) {
+  const PlyFolder folder;
+  for (const PlyEncoding encoding : kPlyEncodings) {
+    PlySource source = tetrahedron();
+    for (const char* name : {"nx", "ny", "nz"}) source.elements[0].properties.push_back({name, "float", ""});
+    for (auto& row : source.elements[0].rows) row.insert(row.end(), {{0}, {0}, {1}});
+    const std::string whole = source.encode(encoding);
+    for (const char* faces : {"face 5", "face 5000"}) {  // the second is refused before a row is read
+      std::string bytes = whole;
+      const DoctorReport report = examineFile(folder.write(bytes.replace(bytes.find("face 4"), 6, faces)));
+      EXPECT_FALSE(report.is_readable);
+      EXPECT_TRUE(mentions(report, true, "truncated"));
+      EXPECT_EQ(report.counts.vertices, 4u);
+      EXPECT_EQ(report.counts.faces, 4u);
+      EXPECT_EQ(report.counts.triangles, 4u);
+      EXPECT_TRUE(report.attributes.has(AttributeSet::kNormal));
+    }
+    std::string bytes = whole;
+    bytes.resize(bytes.find("end_header") + (encoding == PlyEncoding::kAscii ? 40 : 70));
+    EXPECT_EQ(examineFile(folder.write(bytes)).counts.vertices, 2u);
+  }
+}
+
 TEST(Doctor, refusesWhatABuildRefuses) {
   const PlyFolder folder;
   EXPECT_FALSE(examineFile(folder.write("no ply at all")).is_readable);
