@@ -130,6 +130,10 @@ class HeaderParser {
       throw Error(ErrorCode::kInput,
                   file_ + " is a Git LFS pointer, not the mesh itself; fetch the mesh with: git lfs pull");
     }
+    if (text_.starts_with("LODE\r\n")) {
+      throw Error(ErrorCode::kInput,
+                  file_ + " is a store already, no PLY file; make a PLY of it with lodestreamd export");
+    }
     if (text_.starts_with("\x1f\x8b") || text_.starts_with("PK\x03\x04")) {
       throw Error(ErrorCode::kInput, file_ + " is a compressed archive; unpack it first");
     }

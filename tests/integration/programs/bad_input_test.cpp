@@ -95,6 +95,13 @@ TEST(BadInput, isCountedByDoctorAsFarAsItCanBeRead) {
   EXPECT_NE(outcome.out.find("faces             1 of 2, 1 triangle\n"), std::string::npos) << outcome.out;
 }
 
+TEST(BadInput, thatIsAStoreIsSaidToBeOne) {
+  const WorkFolder folder;
+  const auto store = makeSmallStore(folder);
+  expectFailure(lodestreamd({"build", store, "-o", folder / "b.lode", "--quiet"}),
+                {"small.lode", "is a store already", "lodestreamd export"});
+}
+
 TEST(BadOutput, isRefusedByBuildIfItIsAnImageThatTheModelNames) {
   const WorkFolder folder;
   std::string named = header("ascii 1.0") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
