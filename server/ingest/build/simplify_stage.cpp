@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "common/byte_size.h"
 #include "server/ingest/nodes/rung_targets.h"
 #include "server/ingest/nodes/simplify_log.h"
 #include "server/ingest/nodes/tree_builder.h"
@@ -55,18 +54,15 @@ NodeBuilder::Settings SimplifyStage::settings() const {
 void SimplifyStage::warnOfSmallMemory() {
   const BuildOptions& options = session_.options();
   const Partition& partition = partition_.partition();
-  if (partition.leaves.size() == 1) return;
-  const auto warn = [&](uint64_t bytes, const std::string& of_what) {
-    session_.warn("--memory is less than " + byteSizeAtLeast(bytes) + ", which " + of_what +
-                  " take; the build may use more");
-  };
-  const uint64_t minimum_bytes = session_.plan().minimum_bytes;
-  if (options.memory_bytes < minimum_bytes)
-    return warn(minimum_bytes, std::to_string(options.triangles_per_node) + " triangles a node");
+  const bool is_one_node = partition.leaves.size() == 1;
+  const std::string words = smallBudgetInWords(options.memory_bytes, options.triangles_per_node, is_one_node);
+  if (!words.empty()) return session_.warn(words);
+  if (is_one_node) return;
   const uint64_t root = mostTrianglesOfRoot(partition, options.triangles_per_node);
   const uint64_t root_bytes = memoryForLargeNode(root, session_.facts().payloadAttributes());
   if (options.memory_bytes < root_bytes)
-    warn(root_bytes, "the up to " + std::to_string(root) + " triangles that the root is made of");
+    session_.warn(budgetBelowInWords(
+        root_bytes, "the up to " + std::to_string(root) + " triangles that the root is made of take"));
 }
 
 /// Nodes that a killed build had finished are not made again.

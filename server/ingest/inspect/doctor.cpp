@@ -33,6 +33,7 @@ class Doctor {
     topology_.reset();
     folder_.reset();
     if (report_.is_readable) judgeWhole();
+    if (report_.is_readable) judgeMemory();
     report_.is_buildable =
         report_.is_readable && std::none_of(report_.problems.begin(), report_.problems.end(),
                                             [](const auto& problem) { return problem.is_fatal; });
@@ -200,6 +201,14 @@ class Doctor {
          " of three or more faces; a build keeps such, but simplifies less well around them");
     warn(topology.misoriented_edges, "edge", "edges",
          " whose two faces are oriented against each other; turn the faces round to shade them right");
+  }
+
+  /// Of a budget that is too small for the root alone a build alone can tell.
+  void judgeMemory() {
+    const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
+    const std::string words =
+        smallBudgetInWords(budget(), triangles_per_node, report_.counts.triangles <= triangles_per_node);
+    if (!words.empty()) say(false, words);
   }
 
   void judgeLost(const LostTriangles& lost) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/byte_size.h"
 #include "server/ingest/mesh/soup_triangle.h"
 
 namespace lode::ingest {
@@ -42,6 +43,20 @@ MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangle
   plan.node_bytes = memory_bytes - std::min(memory_bytes, kProgramBytes + kMarginBytes);
   plan.minimum_bytes = base + worker;
   return plan;
+}
+
+std::string smallBudgetInWords(uint64_t memory_bytes, uint32_t triangles_per_node, bool is_one_node) {
+  const uint64_t least =
+      is_one_node ? kUsualProgramBytes : planMemory(memory_bytes, 1, triangles_per_node).minimum_bytes;
+  if (memory_bytes >= least) return {};
+  return budgetBelowInWords(least, is_one_node
+                                       ? "the program itself takes"
+                                       : std::to_string(triangles_per_node) + " triangles a node take");
+}
+
+std::string budgetBelowInWords(uint64_t least_bytes, const std::string& what_takes) {
+  return "--memory is less than " + byteSizeAtLeast(least_bytes) + ", which " + what_takes +
+         "; the build may use more";
 }
 
 uint64_t memoryForLargeNode(uint64_t triangles, AttributeSet attributes) noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "common/mesh.h"
 
@@ -27,6 +28,12 @@ constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
   constexpr uint64_t kTriangleBytes = 1024;  ///< quadrics, queue, rungs, the walk; with a tree to measure
   return triangles * kTriangleBytes;
 }
+
+/// Why a build may use more than a budget, with the least that it keeps, for warnings; empty if it keeps it.
+/// @param is_one_node  the whole model fits one node: it takes little beside the program.
+std::string smallBudgetInWords(uint64_t memory_bytes, uint32_t triangles_per_node, bool is_one_node);
+/// "--memory is less than N, which WHAT TAKES; ...".
+std::string budgetBelowInWords(uint64_t least_bytes, const std::string& what_takes);
 
 /// The budget with which a node of more triangles than a budget can be built, with nothing beside it.
 uint64_t memoryForLargeNode(uint64_t triangles, AttributeSet attributes) noexcept;

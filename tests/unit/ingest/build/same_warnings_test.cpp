@@ -8,6 +8,7 @@
 #include "common/error.h"
 #include "server/ingest/build/build.h"
 #include "server/ingest/inspect/doctor.h"
+#include "server/ingest/sample/sample.h"
 #include "tests/unit/ingest/ply/ply_fixture.h"
 
 namespace lode::ingest {
@@ -51,6 +52,23 @@ TEST_F(SameWarnings, areGivenOfBytesBehindTheLastElement) {
                                      std::to_string(bytes.size() - row),
                                  "check that the header counts all"});
   }
+}
+
+TEST_F(SameWarnings, areGivenOfAMemoryThatIsLessThanABuildTakes) {
+  options_.memory_bytes = 1000000;
+  SampleOptions sample;
+  sample.kind = "asteroid";
+  sample.triangles = 60000;
+  writeSample(sample, options_.input);
+  expectMentions(expectOne(), {"--memory is less than 181MB", "16384 triangles a node"});
+}
+
+TEST_F(SameWarnings, areGivenOfAMemoryThatIsLessThanTheProgramTakes) {
+  options_.memory_bytes = 10;
+  folder_.write(tetrahedron().encode(PlyEncoding::kAscii));
+  expectMentions(expectOne(), {"--memory is less than 14.7MB", "the program itself"});
+  options_.memory_bytes = 64 << 20;
+  EXPECT_EQ(build(options_).warnings.size(), 0u);
 }
 
 }  // namespace
