@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
+#include <utility>
 
 #include "common/byte_size.h"
 #include "common/error.h"
@@ -62,30 +64,69 @@ void checkTiles(const std::filesystem::path& ply, const std::vector<TextureImage
                                      ", has " + inPixels(largest->header) + ") or split the model");
 }
 
+constexpr const char* kOutside = "is outside the PLY file's folder; put it there and name it without a path";
+
+/// Where images of a PLY may lie: beside it, and, where it is a link, beside what it leads to.
+std::vector<std::filesystem::path> foldersOf(const std::filesystem::path& ply) {
+  std::vector<std::filesystem::path> folders;
+  std::error_code failed;
+  const auto add = [&](const std::filesystem::path& file) {
+    std::filesystem::path folder =
+        std::filesystem::canonical(file.has_parent_path() ? file.parent_path() : ".", failed);
+    if (!failed && std::find(folders.begin(), folders.end(), folder) == folders.end())
+      folders.push_back(std::move(folder));
+  };
+  add(ply);
+  if (const std::filesystem::path target = std::filesystem::canonical(ply, failed); !failed) add(target);
+  return folders;
+}
+
+struct LookedUp {
+  bool is_there = false;
+  TextureFile file;
+};
+
+LookedUp lookIn(const std::filesystem::path& folder, const std::filesystem::path& named) {
+  std::error_code failed;
+  const std::filesystem::path path = std::filesystem::canonical(folder / named, failed);
+  if (failed || !std::filesystem::exists(path, failed)) return {};
+  if (!isInside(path, folder))
+    return {true,
+            {{},
+             named.is_absolute() ? kOutside
+                                 : "is a link out of the PLY file's folder; put the image itself there"}};
+  if (!std::filesystem::is_regular_file(path, failed)) return {true, {{}, "is no file; put the image there"}};
+  return {true, {path, {}}};
+}
+
+std::string notThere(const std::vector<std::filesystem::path>& folders) {
+  std::string words = "is not there; put it into the PLY file's folder";
+  for (size_t i = 0; i < folders.size(); ++i)
+    words += (i == 0 ? ", " : ", or into that of the file that it is a link to, ") +
+             quotedText(folders[i].string(), 4096);
+  return words;
+}
+
 }  // namespace
 
 TextureFile findTexture(const std::filesystem::path& ply, const std::string& name) {
-  constexpr const char* kOutside =
-      "is outside the PLY file's folder; put it there and name it without a path";
   const std::filesystem::path named(name);
   const auto is_up = [](const std::filesystem::path& part) { return part == ".."; };
   if (std::any_of(named.begin(), named.end(), is_up)) return {{}, kOutside};
-  std::error_code failed;
-  const std::filesystem::path folder =
-      std::filesystem::canonical(ply.has_parent_path() ? ply.parent_path() : ".", failed);
-  if (failed) return {{}, "is not there; put it into the PLY file's folder"};
-  const std::filesystem::path path = std::filesystem::canonical(folder / named, failed);
-  const bool is_there = !failed && std::filesystem::exists(path, failed);
-  if (named.is_absolute() && (!is_there || !isInside(path, folder))) return {{}, kOutside};
-  if (!is_there && name.find('\\') != std::string::npos)
+  const std::vector<std::filesystem::path> folders = foldersOf(ply);
+  std::optional<std::string> problem;
+  for (const std::filesystem::path& folder : folders) {
+    LookedUp looked = lookIn(folder, named);
+    if (looked.is_there && looked.file.problem.empty()) return looked.file;
+    if (looked.is_there && !problem) problem = looked.file.problem;
+  }
+  if (problem) return {{}, *problem};
+  if (named.is_absolute()) return {{}, kOutside};
+  if (name.find('\\') != std::string::npos)
     return {{},
             "is named with a path of another system; put it into the PLY file's folder and name it without a "
             "path"};
-  if (!is_there) return {{}, "is not there; put it into the PLY file's folder"};
-  if (!isInside(path, folder))
-    return {{}, "is a link out of the PLY file's folder; put the image itself there"};
-  if (!std::filesystem::is_regular_file(path, failed)) return {{}, "is no file; put the image there"};
-  return {path, {}};
+  return {{}, notThere(folders)};
 }
 
 std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply, std::span<const std::string> names,

@@ -21,7 +21,8 @@ struct TextureFile {
   std::string problem;  ///< why there is none to be read, with a remedy; empty if there is
 };
 
-/// Looks for an image in the PLY file's folder or below; links are followed, but not out of it. Thread safe.
+/// Looks for an image in the PLY file's folder or below, then, where the PLY is a link, in that of the file
+/// that it leads to; links of images are followed, but not out of these. Thread safe.
 TextureFile findTexture(const std::filesystem::path& ply, const std::string& name);
 
 /// An image that a model names, as far as its header tells.

@@ -53,6 +53,29 @@ TEST_F(TextureImages, outsideTheFolderAreNotRead) {
     EXPECT_NE(problemOf(name).find("PLY file's folder"), std::string::npos) << name;
 }
 
+TEST_F(TextureImages, areFoundBesideALinkToTheFileFirstThenBesideTheFile) {
+  std::filesystem::create_directory(folder_ / "links");
+  writeBytes(models_ / "a.ply", pngOf(makePhoto(2, 2)));
+  writeBytes(models_ / "a.png", pngOf(makePhoto(2, 2)));
+  std::filesystem::create_symlink("../models/a.ply", folder_ / "links" / "b.ply");
+  const auto found = [&](const std::string& name) { return findTexture(folder_ / "links" / "b.ply", name); };
+  EXPECT_EQ(found("a.png").problem, "");
+  EXPECT_EQ(found("a.png").path, std::filesystem::canonical(models_ / "a.png"));
+  writeBytes(folder_ / "links" / "a.png", pngOf(makePhoto(2, 2)));
+  EXPECT_EQ(found("a.png").path, std::filesystem::canonical(folder_ / "links" / "a.png"));
+  const std::string problem = found("gone.png").problem;
+  for (const auto& searched : {models_, folder_ / "links"})
+    EXPECT_NE(problem.find(std::filesystem::canonical(searched).string() + "'"), std::string::npos)
+        << problem;
+  EXPECT_NE(found("../models/a.png").problem, "") << "a path out of the folder is none all the same";
+}
+
+TEST_F(TextureImages, thatAreNotThereNameTheFolderThatWasSearched) {
+  EXPECT_NE(problemOf("gone.png").find("'" + std::filesystem::canonical(models_).string() + "'"),
+            std::string::npos)
+      << problemOf("gone.png");
+}
+
 TEST_F(TextureImages, namedWithTheirWholePathAreFoundInTheFilesFolder) {
   writeBytes(models_ / "a.png", pngOf(makePhoto(2, 2)));
   EXPECT_EQ(problemOf((models_ / "a.png").string()), "");
