@@ -135,7 +135,10 @@ void addBuildCommand(CLI::App& program) {
   command->add_flag(
       "--resume", options.resume,
       "go on where the same command was killed or interrupted; if it is now, keep what is there");
-  command->add_flag("--skip-bad", options.skip_bad, "drop and count bad indices and coordinates");
+  command->add_flag(
+      "--skip-bad", options.skip_bad,
+      "drop and count bad indices and coordinates; set colours, normals and texture coordinates of "
+      "vertices to 0 where they are NaN or infinite, and count these apart");
   command->add_flag("--strict", options.strict, "warnings are errors");
   command->add_flag("--json", arguments->json, "print the result as one JSON object");
   CLI::Option* const quiet =

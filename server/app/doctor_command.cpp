@@ -79,6 +79,7 @@ Json describeAsJson(const ingest::DoctorReport& report) {
   json["triangles"] = report.counts.triangles;
   json["dropped_faces"] = report.counts.dropped_faces;
   json["skipped_bad"] = report.counts.skipped_bad;
+  json["replaced_attributes"] = report.counts.replaced_attributes;
   json["attributes"] = attributeNames(report.attributes);
   json["skipped_properties"] = report.skipped_properties;
   json["textures"] = Json::array();

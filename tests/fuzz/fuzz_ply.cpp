@@ -54,7 +54,7 @@ void readAll(const std::filesystem::path& path, bool skip_bad) {
         },
         [&](const PlyFaces& faces) { checkFaces(faces, positions); });
     require(counts.vertices == positions.size());
-    require(skip_bad || counts.skipped_bad == 0);
+    require(skip_bad || counts.skipped_bad + counts.replaced_attributes == 0);
   } catch (const lode::Error& error) {
     require(std::strpbrk(error.what(), "\r\n") == nullptr);
   }

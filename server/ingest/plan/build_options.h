@@ -25,8 +25,10 @@ struct BuildOptions {
   /// Computed normals are smooth where faces meet at less. The default keeps chamfers of 45 degrees sharp and
   /// bores of nine sides round; docs/benchmarks.md (Creases) says what it costs scans.
   float crease_angle_deg = 44;
-  bool skip_bad = false;  ///< bad indices and coordinates are dropped and counted, not an error
-  bool strict = false;    ///< warnings are errors
+  /// Bad indices and coordinates are dropped and counted, bad attributes set to zero and counted apart, not
+  /// an error.
+  bool skip_bad = false;
+  bool strict = false;  ///< warnings are errors
   /// Go on where a build of the same input, output and options ended that was killed or failed, and keep what
   /// is there if this one fails for a reason that is not in the input.
   bool resume = false;

@@ -28,8 +28,12 @@ PlyVertexBatch::PlyVertexBatch(const VertexPlan& plan, const PlyReader::VertexSi
       rows_(static_cast<size_t>(std::min<uint64_t>(plan.element->count, kPlyBatchRows))) {}
 
 void PlyVertexBatch::countDefect(size_t index, VertexDefect defect) {
+  if (defect != VertexDefect::kPosition) {
+    ++counts_.replaced_attributes;
+    return;
+  }
   ++counts_.skipped_bad;
-  if (defect == VertexDefect::kPosition) skipped_.add(counts_.vertices + used_ + index);
+  skipped_.add(counts_.vertices + used_ + index);
 }
 
 void PlyVertexBatch::commit(size_t vertices) {

@@ -136,6 +136,12 @@ std::string trailingInWords(const PlyCounts& counts) {
          "; a build ignores them, but check that the header counts all";
 }
 
+std::string replacedInWords(uint64_t vertices) {
+  return counted(vertices, "vertex", "vertices") +
+         " with a colour, normal or texture coordinate that is NaN or infinite, set to 0; lodestreamd doctor "
+         "says where";
+}
+
 std::string clampedInWords(uint64_t vertices) {
   return counted(vertices, "vertex", "vertices") +
          " with colours beyond the range of the type (float: 0 to 1, ushort: 0 to 65535, others: 0 to 255), "

@@ -35,14 +35,15 @@ struct PlyFaces {
 
 struct PlyCounts {
   uint64_t vertices = 0;
-  uint64_t faces = 0;               ///< rows of the face element, or strips
-  uint64_t triangles = 0;           ///< sum of (corners - 2) over the faces given out
-  uint64_t dropped_faces = 0;       ///< fewer than 3 corners, or a repeated index; of a strip, triangles
-  uint64_t skipped_bad = 0;         ///< with skip_bad: bad indices, NaN, infinity
-  uint64_t dropped_triangles = 0;   ///< of the input, of both of these: with `triangles` they are all
-  uint64_t clamped_colours = 0;     ///< vertices with a colour that its type has not, see clampedInWords()
-  uint64_t normals = 0;             ///< where the file has them: of its vertices, but skipped ones
-  uint64_t lengthless_normals = 0;  ///< of these, see hasDirection(); their vertices' are zero
+  uint64_t faces = 0;                ///< rows of the face element, or strips
+  uint64_t triangles = 0;            ///< sum of (corners - 2) over the faces given out
+  uint64_t dropped_faces = 0;        ///< fewer than 3 corners, or a repeated index; of a strip, triangles
+  uint64_t skipped_bad = 0;          ///< with skip_bad: faces and vertices that are left out
+  uint64_t replaced_attributes = 0;  ///< with skip_bad: vertices that stay, with an attribute set to zero
+  uint64_t dropped_triangles = 0;    ///< of the input, of both of these: with `triangles` they are all
+  uint64_t clamped_colours = 0;      ///< vertices with a colour that its type has not, see clampedInWords()
+  uint64_t normals = 0;              ///< where the file has them: of its vertices, but skipped ones
+  uint64_t lengthless_normals = 0;   ///< of these, see hasDirection(); their vertices' are zero
   /// Faces with a texnumber that is neither -1 nor a texture's, where the header names some for coordinates.
   uint64_t unknown_textures = 0;
   uint64_t extra_tokens = 0;    ///< ascii only, ignored
@@ -64,7 +65,7 @@ struct PlyReadOptions {
   /// Go on after a bad value: a vertex whose position is NaN or infinite is given out as all zero, to keep
   /// the numbers of those behind it, and no face that uses it is; an attribute that is NaN or infinite
   /// becomes zero; a face with an index out of range or with bad texture coordinates is left out. Each counts
-  /// once.
+  /// once, as replaced or as skipped.
   bool skip_bad = false;
   /// Read a file that is too short for what its header counts as far as it goes, and fail then.
   bool read_truncated = false;
@@ -121,6 +122,9 @@ std::string lengthlessInWords(const PlyCounts& counts);
 
 /// "N bytes behind the last element ...", and what to do, for warnings.
 std::string trailingInWords(const PlyCounts& counts);
+
+/// "N vertices with a colour, normal or ...", and what was done about it, for warnings.
+std::string replacedInWords(uint64_t vertices);
 
 /// "N vertices with colours ...", and what to do, for warnings.
 std::string clampedInWords(uint64_t vertices);

@@ -74,6 +74,7 @@ std::vector<std::string> warningsOf(const PlyReader& reader, const PlyCounts& co
   warn(counts.skipped_bad > 0,
        std::to_string(counts.skipped_bad) +
            " bad indices, coordinates or faces were left out; lodestreamd doctor says where");
+  warn(counts.replaced_attributes > 0, replacedInWords(counts.replaced_attributes));
   warn(counts.unknown_textures > 0,
        unknownTexturesInWords(counts.unknown_textures, reader.header().texture_files.size()));
   warn(counts.lengthless_normals > 0, lengthlessInWords(counts));

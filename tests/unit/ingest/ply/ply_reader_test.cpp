@@ -313,7 +313,8 @@ TEST(PlyReader, keepsVerticesWhoseAttributesAreNotFiniteIfAsked) {
     const PlyContent content = readPlyBytes(source.encode(encoding), {.skip_bad = true});
     EXPECT_EQ(content.vertices[1].normal, glm::vec3(0));
     EXPECT_EQ(content.vertices[1].position, glm::dvec3(1, 1e6, 0));
-    EXPECT_EQ(content.counts.skipped_bad, 2u);
+    EXPECT_EQ(content.counts.replaced_attributes, 2u);
+    EXPECT_EQ(content.counts.skipped_bad, 0u);
     EXPECT_EQ(content.counts.dropped_triangles, 0u);
     EXPECT_EQ(content.faces.size(), 6u);
   }
