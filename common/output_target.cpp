@@ -4,6 +4,7 @@
 #include <cstring>
 #include <system_error>
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -30,6 +31,13 @@ std::filesystem::path behindLinks(const std::filesystem::path& asked) {
   throw Error(ErrorCode::kIo, asked.string() + ": " + std::strerror(ELOOP) + ": name a file to write");
 }
 
+/// It is written by a file that takes its name: whatever else is printed there would be lost.
+bool mayReplaceStandardOutput(const std::filesystem::path& file) noexcept {
+  const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
+  return isStandardOutput(file) && flags != -1 && (flags & O_APPEND) == 0 &&
+         ::lseek(STDOUT_FILENO, 0, SEEK_CUR) == 0;
+}
+
 }  // namespace
 
 OutputTarget findOutput(const std::filesystem::path& asked) {
@@ -41,7 +49,10 @@ OutputTarget findOutput(const std::filesystem::path& asked) {
   if (is_there && S_ISDIR(status.st_mode)) refuse(asked, "a folder");
   if (is_there && !S_ISREG(status.st_mode)) refuse(asked, "a socket or a block device");
   if (!asked.has_filename()) refuse(asked, "the name of a folder");
-  return {behindLinks(asked)};
+  const std::filesystem::path file = behindLinks(asked);
+  if (file != asked && isStandardOutput(asked) && !mayReplaceStandardOutput(file))
+    refuse(asked, "a standard output that has something in it already, is appended to, or has no name");
+  return {file};
 }
 
 bool isStandardOutput(const std::filesystem::path& output) noexcept {

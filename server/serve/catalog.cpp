@@ -80,10 +80,9 @@ std::shared_ptr<const Model> openModel(const fs::path& file, const BlobReaderOpt
 
 /// A log names no folders.
 std::string withoutFolder(std::string message, const fs::path& file) {
-  const std::string folder = (file.parent_path() / "").string();
-  for (size_t at = message.find(folder); !folder.empty() && at != std::string::npos;
-       at = message.find(folder))
-    message.erase(at, folder.size());
+  const std::string path = file.string();
+  if (const size_t at = message.find(path); at != std::string::npos)
+    message.replace(at, path.size(), file.filename().string());
   return message;
 }
 

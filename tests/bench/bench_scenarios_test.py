@@ -9,6 +9,9 @@ import tempfile
 import unittest
 
 BENCH = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(BENCH.parent / "load"))
+from processes import eventually  # noqa: E402
+
 SCENARIO = """
 import pathlib, signal, sys, time
 
@@ -19,7 +22,7 @@ def end(*_):
 
 signal.signal(signal.SIGINT, end)
 print("begun", flush=True)
-open("begun", "w").close()  # waits for who reads it
+pathlib.Path("begun").touch()
 time.sleep(60)
 """
 BENCHMARK = "import pathlib, bench_scenarios; bench_scenarios.SCENARIO = pathlib.Path('scenario.py').resolve(); bench_scenarios.main()"
@@ -32,11 +35,10 @@ class Interrupted(unittest.TestCase):
             scenario = folder / "scenario.py"
             scenario.write_text(f"#!{sys.executable}\n{SCENARIO}")
             scenario.chmod(0o755)
-            os.mkfifo(folder / "begun")
             with subprocess.Popen([sys.executable, "-c", BENCHMARK, ".", "steady"], cwd=folder, env=dict(os.environ, PYTHONPATH=str(BENCH)),
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True) as running:
                 running.stdout.readline()
-                (folder / "begun").open(encoding="ascii").close()
+                eventually(lambda: (folder / "begun").exists() or running.poll() is not None)
                 os.killpg(running.pid, signal.SIGINT)  # as a terminal does, to all that are of its group
                 _, said = running.communicate(timeout=60)
             self.assertEqual((running.returncode, said, (folder / "cleared").exists()), (130, "", True))

@@ -74,8 +74,9 @@ class LiveLines(unittest.TestCase):
             told = json.loads(test.communicate(timeout=300)[0])
         lines = [LIVE_LINE.fullmatch(line) for line in said.decode().splitlines()]
         self.assertNotIn(None, lines, said)
-        self.assertEqual([(int(line[1]), int(line[2])) for line in lines], [(second, 4) for second in range(1, TEST_S)])
-        self.assertGreater(int(lines[0][3]), 0)
+        self.assertEqual([int(line[1]) for line in lines], list(range(1, TEST_S)))
+        self.assertEqual(int(lines[-1][2]), 4)
+        self.assertGreater(sum(int(line[3]) for line in lines), 0)
         self.assertLessEqual(sum(int(line[3]) for line in lines), told["blobs"])
 
     def test_are_not_for_what_reads_a_pipe(self):

@@ -45,6 +45,7 @@ struct KeyResult {
   stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
+  bool lacksOnlyTiles() const { return is_complete && status.cut->lost_tiles > 0; }
 };
 
 Json toJson(const KeyResult& key) {
@@ -95,10 +96,10 @@ class Fetch {
           keys_.empty() ? 0 : msSince(start_);  // the first key's time counts from the start
       keys_.push_back(converge(target, camera.t));
       total_ms = keys_.back().converged() ? begin_ms + *keys_.back().converged_ms : msSince(start_);
-      if (!keys_.back().converged()) break;
+      if (!keys_.back().converged() && !keys_.back().lacksOnlyTiles()) break;
     }
     const KeyResult& last = keys_.back();
-    if (last.is_complete && !options_.output.empty()) write(*last.status.cut, target.model());
+    if (last.is_complete && !options_.output.empty()) write(last.status, target.model());
     print(total_ms);
     for (const KeyResult& key : keys_)
       if (!key.converged() || (!key.is_complete && !options_.output.empty()))
@@ -130,11 +131,12 @@ class Fetch {
     return key;
   }
 
-  void write(const core::Cut& cut, const ModelSummary& model) const {
+  void write(const stream::StreamStatus& status, const ModelSummary& model) const {
+    const core::Cut& cut = *status.cut;
     const Mesh mesh = weldCut(cut, model.attributes);
     const CutImages images = writeCutImages(cut, mesh, options_.output);
     writeMesh(options_.output, mesh, model.lattice, images.files);
-    const char* const why = cut.lost_tiles > 0
+    const char* const why = status.counts.tiles_left_out == 0
                                 ? "it cannot be had"
                                 : "the memory budget had no room for it; raise --memory-budget";
     for (const std::string& name : images.left_out)

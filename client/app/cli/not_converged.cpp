@@ -14,6 +14,8 @@ bool hasConverged(const stream::StreamStatus& status, float pixels) {
 void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
                        const CommonOptions& options) {
   const std::string what = options.target + " did not converge at " + where;
+  if (status.cut && status.cut->lost_tiles > 0 && !status.failure.empty())
+    throw Error(ErrorCode::kNetwork, what + ": " + status.failure);
   if (status.limited)
     throw Error(ErrorCode::kLimit,
                 what + ": the memory budget does not hold it; allow more with --memory-budget, or a larger " +

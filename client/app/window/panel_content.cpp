@@ -21,10 +21,10 @@ void describe(const Exhibit& exhibit, const Looked& looked, PanelContent& conten
   content.resident_bytes = counts.resident_bytes + counts.texture_bytes;
   content.tiles_left_out = counts.tiles_left_out;
   content.exhausted = status.exhausted;
-  content.converged = looked.is_settled && exhibit.upToDate() && status.cut->converged;
+  const bool is_whole = status.cut && status.cut->converged && status.cut->lost_tiles == 0;
+  content.converged = looked.is_settled && exhibit.upToDate() && is_whole;
   content.limited = looked.is_settled && (status.limited || exhibit.overBudget());
-  content.lacking =
-      looked.is_settled && exhibit.upToDate() && !status.cut->converged && !status.failure.empty();
+  content.lacking = looked.is_settled && exhibit.upToDate() && !is_whole && !status.failure.empty();
   content.waiting_for_server = !looked.is_settled && !status.trouble.empty();
   content.notice = noticeOf(status, looked.is_offline, onGpu(exhibit));
   const Exhibit::GpuUse gpu = exhibit.gpuUse();

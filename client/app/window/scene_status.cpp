@@ -39,6 +39,7 @@ stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core
     if (!one.placed) continue;
     cut->threshold_px = std::max(cut->threshold_px, one.cut->threshold_px);
     cut->max_error_px = std::max(cut->max_error_px, one.cut->max_error_px);
+    cut->lost_tiles += one.cut->lost_tiles;
     cut->converged = cut->converged && one.cut->converged;
     is_for_view = is_for_view && one.cut->view == view;
   }

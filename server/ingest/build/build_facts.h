@@ -12,12 +12,12 @@ namespace lode::ingest {
 /// What stages find out about the model and later ones need to know; each of the journal's stages notes it.
 struct BuildFacts {
   LatticeChoice choice;          ///< by the scan, as the next three are
-  AttributeSet soup_attributes;  ///< the file's
+  AttributeSet soup_attributes;  ///< those that are taken of the file: no normals where none has a length
   UvGrid uv_grid;
   uint64_t dropped_triangles = 0;
   DereferenceCounts counts;  ///< by dereference
 
-  /// The file's, with computed normals where it has none.
+  /// The same, with computed normals where they have none.
   AttributeSet payloadAttributes() const noexcept {
     AttributeSet attributes = soup_attributes;
     if (!attributes.has(AttributeSet::kNormal))

@@ -1,6 +1,7 @@
 #include "server/ingest/ply/ply_batch.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/octahedral.h"
 
@@ -54,9 +55,9 @@ void PlyVertexBatch::flush() {
   if (used_ == 0) return;
   if (has_normals_) countNormals();
   const uint64_t first = counts_.vertices;
-  counts_.vertices += used_;
-  if (sink_) sink_(first, std::span<const PlyVertex>(rows_).first(used_));
-  used_ = 0;
+  const size_t count = std::exchange(used_, 0);  // also where the sink throws: they are counted once
+  counts_.vertices += count;
+  if (sink_) sink_(first, std::span<const PlyVertex>(rows_).first(count));
 }
 
 PlyFaceBatch::PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,

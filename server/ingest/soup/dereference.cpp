@@ -1,6 +1,7 @@
 #include "server/ingest/soup/dereference.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "common/octahedral.h"
 #include "server/ingest/soup/face_batch.h"
@@ -59,6 +60,7 @@ class Batch {
 
   void giveOut(const PackedInput::FaceBlock& block, const Face& face, DereferenceCounts& counts,
                const SoupSink& sink) {
+    normal_of_face_.reset();
     if (face.corners == 3) {
       giveOut(block, face, face.first + glm::u32vec3(0, 1, 2), counts, sink);
       return;
@@ -69,12 +71,14 @@ class Batch {
     for (const glm::u32vec3& t : cut_) giveOut(block, face, face.first + t, counts, sink);
   }
 
-  uint16_t normalOf(const PackedInput::FaceBlock& block, const Face& face) const {
+  /// Once a face: one of very many corners asks for it at each.
+  uint16_t normalOf(const PackedInput::FaceBlock& block, const Face& face) {
+    if (normal_of_face_) return *normal_of_face_;
     const glm::dvec3 from = placeOf(block, face.first);
     glm::dvec3 front(0);
     for (uint32_t c = 2; c < face.corners; ++c)
       front += glm::cross(placeOf(block, face.first + c - 1) - from, placeOf(block, face.first + c) - from);
-    return encodeOctahedral(glm::vec3(front));
+    return normal_of_face_.emplace(encodeOctahedral(glm::vec3(front)));
   }
 
   /// Of a triangle that was dropped. Few are, so that their places are looked up one by one.
@@ -114,6 +118,7 @@ class Batch {
   std::vector<VertexAttributes> attributes_;
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
+  std::optional<uint16_t> normal_of_face_;  ///< of the one that is given out
 };
 
 }  // namespace

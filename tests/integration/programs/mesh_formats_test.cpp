@@ -104,5 +104,20 @@ TEST(StandardOutput, takesAPlyFromExportAndFetchWhereItIsAFile) {
   }
 }
 
+/// A file that takes its name would throw away what is there.
+TEST(StandardOutput, isLeftAloneWhereItHasSomethingInItOrIsAppendedTo) {
+  const WorkFolder folder;
+  const std::string store = makeSmallStore(folder), log = (folder / "log").string();
+  const std::string program =
+      "'" LODE_BIN_DIR "/bin/lodestreamd' export " + store + " --error 0 -o /dev/stdout";
+  for (const std::string& line : {"echo before > " + log + "; " + program + " >> " + log,
+                                  "{ echo before; " + program + "; } > " + log}) {
+    const Outcome outcome = Program("sh", {"-c", line}).wait();
+    EXPECT_EQ(outcome.status, 2) << line;
+    expectOneLine(outcome.err);
+    EXPECT_EQ(readBytes(folder / "log"), "before\n") << line;
+  }
+}
+
 }  // namespace
 }  // namespace lode::test

@@ -44,6 +44,15 @@ TEST_F(SceneStatus, isOfTheScenesViewOnceEachModelIsOfItsOwn) {
   EXPECT_NE(merged().cut->view, scene_view_);
 }
 
+TEST_F(SceneStatus, lacksTheTilesThatEachModelLacks) {
+  for (stream::StreamStatus* const status : {&first_, &second_}) {
+    auto cut = std::make_shared<core::Cut>(*status->cut);
+    cut->lost_tiles = 2;
+    status->cut = std::move(cut);
+  }
+  EXPECT_EQ(merged().cut->lost_tiles, 4u);
+}
+
 TEST_F(SceneStatus, hasConvergedAndSettledOnceEachModelHas) {
   EXPECT_TRUE(merged().cut->converged && merged().settled);
   second_.settled = false;

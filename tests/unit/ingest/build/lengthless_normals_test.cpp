@@ -1,6 +1,8 @@
 // Normals of a file that have no length, from PLY to store.
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -128,6 +130,24 @@ TEST_F(LengthlessNormals, doNotPointToTheBackOfAFace) {
   const std::vector<std::string> of_ceiling = warningsOfDoctor();
   ASSERT_EQ(of_ceiling.size(), 1u);
   EXPECT_NE(of_ceiling[0].find("has a length"), std::string::npos) << of_ceiling[0];
+}
+
+/// By each corner of each triangle that it is cut into, a face of so many would be looked at for hours.
+TEST_F(LengthlessNormals, areLookedForOnceAFaceHoweverManyCornersItHas) {
+  constexpr int kCorners = 60'000;
+  std::string ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(kCorners) +
+                    "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+                    "property float ny\nproperty float nz\nelement face 1\n"
+                    "property list int int vertex_indices\nend_header\n";
+  for (int v = 0; v < kCorners; ++v) {
+    const double angle = 2 * std::numbers::pi * v / kCorners;
+    ply += "0 " + std::to_string(1000 * std::cos(angle)) + " " + std::to_string(1000 * std::sin(angle)) +
+           (v == 0 ? " 1 0 0\n" : " 0 0 0\n");
+  }
+  ply += std::to_string(kCorners);
+  for (int v = 0; v < kCorners; ++v) ply += " " + std::to_string(v);
+  buildOf(ply + "\n");
+  EXPECT_EQ(storedNormals(), std::vector<uint16_t>{encodeOctahedral({1, 0, 0})});
 }
 
 TEST_F(LengthlessNormals, ofVerticesThatAreSkippedAreNotCounted) {
