@@ -190,6 +190,16 @@ TEST_F(DamagedSheet, isFetchedToItsEndAndHasNotConverged) {
   EXPECT_EQ(outcome.err.find("--memory-budget"), std::string::npos) << outcome.err;
 }
 
+TEST_F(DamagedSheet, isFetchedForEachKeyOfItsPath) {
+  nlohmann::json path = nlohmann::json::parse(readBytes(cameraAbove(0.75, 0.9, 0.1)));
+  path["keys"].push_back(path["keys"][0]);
+  path["keys"][1]["t"] = 1;
+  writeBytes(folder_ / "camera.json", path.dump());
+  std::vector<std::string> fetch = arguments("fetch", folder_ / "camera.json");
+  fetch.emplace_back("--json");
+  EXPECT_EQ(expectNotConverged(lodestream(fetch))["keys"].size(), 2u);
+}
+
 TEST_F(DamagedSheet, isReplayedToItsEndAndHasNotConverged) {
   std::vector<std::string> replay = arguments("replay", cameraAbove(0.75, 0.9, 0.1));
   replay.emplace_back("--json");

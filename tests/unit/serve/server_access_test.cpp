@@ -1,6 +1,7 @@
 // Who is let in, and what he sees: tokens, TLS, the balancer's header, reloads.
 
 #include <fstream>
+#include <functional>
 #include <sstream>
 
 #include "common/error.h"
@@ -37,6 +38,21 @@ class ServerAccess : public ServerTest {
     for (const ModelSummary& model : client.expect<proto::Models>(FrameType::kModels).models)
       names.push_back(model.name);
     return names;
+  }
+  /// What a server logs until it has ended that is reloaded once something has been done to what it serves.
+  std::string logOfReloadAfter(const std::function<void()>& act) {
+    const std::filesystem::path log = folder_.path() / "log.txt";
+    const int descriptor = ::open(log.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+    options_.log.descriptor = descriptor;
+    start();
+    act();
+    server_->reload();
+    stop();
+    server_.reset();
+    ::close(descriptor);
+    std::ostringstream said;
+    said << std::ifstream(log).rdbuf();
+    return said.str();
   }
 };
 
@@ -107,9 +123,6 @@ TEST_F(ServerAccess, aFolderOfStoresThatIsGoneAtTheReloadLeavesWhatThereWas) {
 }
 
 TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
-  const std::filesystem::path log = folder_.path() / "log.txt";
-  const int descriptor = ::open(log.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
-  options_.log.descriptor = descriptor;
   const std::filesystem::path hidden = folder_.path() / "not for (others) to 'know'";
   std::filesystem::create_directories(hidden / "models");
   writeSmallStore(hidden / "models" / "a.lode", 1);
@@ -118,34 +131,19 @@ TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
   options_.tls_key = hidden / "key.pem";
   lode::test::writeCertificate(options_.tls_certificate, options_.tls_key);
   writeTokens("one never *\n");
-  start();
-  writeTokens("one sometimes *\n");
-  std::filesystem::remove_all(hidden);
-  server_->reload();
-  stop();
-  server_.reset();
-  ::close(descriptor);
-  std::ostringstream said;
-  said << std::ifstream(log).rdbuf();
+  const std::string said = logOfReloadAfter([&] {
+    writeTokens("one sometimes *\n");
+    std::filesystem::remove_all(hidden);
+  });
   for (const char* what : {"stores", "tokens", "the certificate"})
-    EXPECT_NE(said.str().find(std::string(what) + " could not be reloaded"), std::string::npos) << said.str();
+    EXPECT_NE(said.find(std::string(what) + " could not be reloaded"), std::string::npos) << said;
   for (const char* folder : {"tmp", "not for", "others", "know"})
-    EXPECT_EQ(said.str().find(folder), std::string::npos) << said.str();
+    EXPECT_EQ(said.find(folder), std::string::npos) << said;
 }
 
 TEST_F(ServerAccess, aReloadThatRefusesAStoreIsOneInPart) {
-  const std::filesystem::path log = folder_.path() / "log.txt";
-  const int descriptor = ::open(log.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
-  options_.log.descriptor = descriptor;
-  start();
-  std::ofstream(folder_.path() / "junk.lode") << "junk\n";
-  server_->reload();
-  stop();
-  server_.reset();
-  ::close(descriptor);
-  std::ostringstream said;
-  said << std::ifstream(log).rdbuf();
-  EXPECT_NE(said.str().find("reloaded in part"), std::string::npos) << said.str();
+  const std::string said = logOfReloadAfter([&] { std::ofstream(folder_.path() / "junk.lode") << "junk\n"; });
+  EXPECT_NE(said.find("reloaded in part"), std::string::npos) << said;
 }
 
 TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {
