@@ -28,6 +28,9 @@ using namespace draco_settings;
 
 // Below 4, texture coordinates take a predictor that damaged input keeps busy for seconds.
 constexpr int kSpeed = 4;
+// Draco then goes on wherever most of a vertex's neighbours are known: up to 15 % fewer bytes where triangles
+// are regular. Beside other attributes it does not do so.
+constexpr int kSpeedOfPositionsAlone = 0;
 // Draco looks for an edge's other triangle among all of those around its end.
 constexpr uint32_t kMostTrianglesOfVertex = 1024;
 // For each normal that is listed: one takes some 18 bits, one that Draco encodes 5 to 8.
@@ -208,7 +211,9 @@ EncodedPayload encodeByDraco(const Mesh& mesh, double step, MeshSource source) {
 
   draco::ExpertEncoder encoder(in);
   encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-  encoder.SetSpeedOptions(kSpeed, kSpeed);
+  const bool positions_alone = source == MeshSource::kFile && mesh.attributes.bits == 0;
+  const int speed = positions_alone ? kSpeedOfPositionsAlone : kSpeed;
+  encoder.SetSpeedOptions(speed, speed);
   encoder.options().SetGlobalBool("split_mesh_on_seams", true);
   setQuantization(encoder, ids, boxOf(mesh), step, source);
   draco::EncoderBuffer buffer;
