@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include <glm/glm.hpp>
@@ -61,6 +62,8 @@ class FarthestInTriangle {
 
   /// The largest distance found or known.
   float largest() const noexcept { return largest_; }
+  /// Where it was found; nothing where it was known.
+  std::optional<glm::vec3> at() const noexcept { return at_; }
   /// Up to which distances need not be exact.
   float told() const noexcept { return std::max(enough_, largest_); }
 
@@ -146,7 +149,9 @@ class FarthestInTriangle {
   }
 
   void note(const PointBeside& point) {
-    if (point.distance > told()) largest_ = point.distance;
+    if (point.distance <= told()) return;
+    largest_ = point.distance;
+    at_ = point.at;
   }
 
   /// What is not farther need not be cut.
@@ -287,6 +292,7 @@ class FarthestInTriangle {
   const Surface& surface_;
   const float enough_;
   float largest_;
+  std::optional<glm::vec3> at_;
 };
 
 }  // namespace lode::ingest

@@ -71,19 +71,26 @@ std::vector<PointBeside> positionsBeside(const SimplifiedMesh& rung, const NodeM
 
 }  // namespace
 
-float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
-                      std::span<const SurfaceWalk::Place> places, float known) {
+FarthestOfInput farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
+                                std::span<const SurfaceWalk::Place> places, float known) {
   const std::vector<PointBeside> beside = positionsBeside(rung, input, surface, places, known);
   const std::vector<Plane> rung_planes = planesOf(rung.mesh);
   FarthestInTriangle farthest(surface, known, known);
+  uint32_t corner = 0;  // of the triangle that has the farthest place
   for (const glm::u32vec3& t : input.triangles) {
     const PointBeside &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
                       &c = beside[input.wedge_position[t.z]];
     if (a.triangle == b.triangle && b.triangle == c.triangle) continue;  // farthest at a corner
     const std::array<PointBeside, 3> corners{a, b, c};
-    if (triangleDistance(corners, rung_planes) > kWorthInInput * farthest.told()) farthest.look(corners);
+    if (triangleDistance(corners, rung_planes) <= kWorthInInput * farthest.told()) continue;
+    const float before = farthest.largest();
+    farthest.look(corners);
+    if (farthest.largest() > before) corner = input.wedge_position[t.x];
   }
-  return farthest.largest();
+  FarthestOfInput found{farthest.largest(), {}};
+  if (farthest.at())
+    found.inside = SurfaceSample{packPosition(glm::uvec3(glm::round(*farthest.at()))), found.steps, corner};
+  return found;
 }
 
 }  // namespace lode::ingest

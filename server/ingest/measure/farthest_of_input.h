@@ -1,13 +1,20 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "server/ingest/measure/rung_surface.h"
+#include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/node_mesh.h"
 #include "server/ingest/mesh/simplified_mesh.h"
 
 namespace lode::ingest {
+
+struct FarthestOfInput {
+  float steps = 0;
+  std::optional<SurfaceSample> inside;  ///< where, if inside a triangle; near one of its corners
+};
 
 /// The largest distance of a mesh from a rung that was made of it, in lattice steps, to 2 %: of all points of
 /// those triangles that may hide the largest, as their corners and the planes of the rung beside these say.
@@ -15,7 +22,7 @@ namespace lode::ingest {
 /// @param surface  of the rung.
 /// @param places of the input's positions on it; see placesOn().
 /// @param known  what is nearer does not matter. @return not below it.
-float farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
-                      std::span<const SurfaceWalk::Place> places, float known);
+FarthestOfInput farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
+                                std::span<const SurfaceWalk::Place> places, float known);
 
 }  // namespace lode::ingest

@@ -13,11 +13,26 @@ namespace {
 // the same way as the rung is off it; by samples of the original that were thinned out on their way up.
 // docs/benchmarks.md (Errors) has the ratios of stored errors to found ones that they lead to.
 constexpr float kPrecision = 1.021f, kPointMargin = 1.12f, kSampleMargin = 1.1f;
+// Rungs of whose samples nothing is believed, and all.
+constexpr float kDoubtedTriangles = 4096, kBelievedTriangles = 16384;
+constexpr float kBelievedSampleMargin = 1.3f;
+
+float beliefInSamples(size_t triangles) {
+  const float above = std::log2(static_cast<float>(triangles) / kDoubtedTriangles);
+  return std::clamp(above / std::log2(kBelievedTriangles / kDoubtedTriangles), 0.f, 1.f);
+}
 
 }  // namespace
 
-float rungDeviation(const SimplifiedMesh& rung, const RungInput& input, const RungPlaces& places,
-                    float farthest_sample) {
+float deviationOfReduced(float from_input, float off, float farthest_sample, size_t triangles) {
+  const float from = kPointMargin * from_input;
+  const float independent = std::max(kSampleMargin * farthest_sample, std::hypot(from, off));
+  const float sampled = std::max({from, off, std::min(kBelievedSampleMargin * farthest_sample, independent)});
+  return glm::mix(independent, sampled, beliefInSamples(triangles));
+}
+
+RungDeviation rungDeviation(const SimplifiedMesh& rung, const RungInput& input, const RungPlaces& places,
+                            float farthest_sample) {
   const auto fromInput = [&](float known) {
     return farthestOfInput(rung, input.mesh(), places.surface, places.of_input, known);
   };
@@ -25,12 +40,14 @@ float rungDeviation(const SimplifiedMesh& rung, const RungInput& input, const Ru
     return farthestOfRung(rung, input, places.of_input, places.sources, known);
   };
   if (input.isOriginal()) {
-    const float forward = kPrecision * fromInput(farthest_sample);
-    return std::max(forward, kPointMargin * fromRung(forward / kPointMargin));
+    const FarthestOfInput forward = fromInput(farthest_sample);
+    const float steps = kPrecision * forward.steps;
+    return {std::max(steps, kPointMargin * fromRung(steps / kPointMargin)), forward.inside};
   }
   const float sampled = kSampleMargin * farthest_sample, off = input.offSteps();
   const float known = std::sqrt(std::max(sampled * sampled - off * off, 0.f)) / kPointMargin;
-  return std::max(sampled, std::hypot(kPointMargin * fromRung(fromInput(known)), off));
+  const float from_input = fromRung(fromInput(known).steps);
+  return {deviationOfReduced(from_input, off, farthest_sample, rung.mesh.triangles.size()), {}};
 }
 
 }  // namespace lode::ingest

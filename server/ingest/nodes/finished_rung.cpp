@@ -26,7 +26,10 @@ FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
   finished.deviations = deviationsFrom(rung, input.mesh(), surface, places, samples);
   float sampled = 0;
   for (const Deviation& deviation : finished.deviations) sampled = std::max(sampled, deviation.steps);
-  finished.deviation_steps = rungDeviation(rung, input, {surface, places, sources}, sampled);
+  const RungDeviation deviation = rungDeviation(rung, input, {surface, places, sources}, sampled);
+  finished.deviation_steps = deviation.steps;
+  finished.farthest = deviation.farthest;
+  if (finished.farthest) finished.farthest->near = rung.became[finished.farthest->near];
   finished.rim_gap_steps = rimGap(rung, input.mesh(), input.rims());
   finished.lost_detail_steps = lostDetail(rung, input.mesh(), places);
   return finished;

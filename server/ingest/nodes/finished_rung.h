@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,10 +16,11 @@ namespace lode::ingest {
 struct FinishedRung {
   SimplifiedMesh simplified;
   EncodedPayload payload;
-  std::vector<Deviation> deviations;  ///< of the samples; see deviationsFrom()
-  float deviation_steps = 0;          ///< see rungDeviation()
-  float rim_gap_steps = 0;            ///< see rimGap()
-  float lost_detail_steps = 0;        ///< see lostDetail()
+  std::vector<Deviation> deviations;      ///< of the samples; see deviationsFrom()
+  float deviation_steps = 0;              ///< see rungDeviation()
+  std::optional<SurfaceSample> farthest;  ///< see RungDeviation, but near a position of the rung
+  float rim_gap_steps = 0;                ///< see rimGap()
+  float lost_detail_steps = 0;            ///< see lostDetail()
 };
 
 /// Gives a simplified mesh its computed normals, where they are not the file's, measures and encodes it.

@@ -175,11 +175,13 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   const RungInput input(std::move(mesh), depth, off_steps);
   const float gap_of_input = built.rim_gap_steps;
   std::vector<Deviation> deviations;  // from the coarsest rung
+  std::optional<SurfaceSample> farthest;
   InOrder<FinishedRung> rungs(room.helpers, [&](FinishedRung&& rung) {
     if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
       built.rim_gap_steps = addRung(built, rung, gap_of_input);
     built.coarsest = std::move(rung.simplified.mesh);
     deviations = std::move(rung.deviations);
+    farthest = rung.farthest;
   });
   const auto finish = [&](SimplifiedMesh&& rung) {
     rungs.push([&, rung = std::move(rung)]() mutable {
@@ -200,6 +202,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
     sample.near = deviations.empty() ? kVanished : deviations[i].near;
     if (!deviations.empty()) sample.deviation = deviations[i].steps;
   }
+  if (farthest) built.samples.push_back(*farthest);
   addSpareRungs(built, spareTargets(built.coarsest.triangles.size(), rule));
 }
 

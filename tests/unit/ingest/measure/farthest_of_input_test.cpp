@@ -27,9 +27,13 @@ NodeMesh meshOf(const std::vector<glm::uvec3>& points, const std::vector<glm::u3
   return mesh;
 }
 
-float farthestPlaceOfInput(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
+FarthestOfInput farthestWithPlace(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
   const RungSurface surface(rung.mesh);
   return farthestOfInput(rung, input, surface, placesOn(rung, input, surface.walk()), known);
+}
+
+float farthestPlaceOfInput(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
+  return farthestWithPlace(rung, input, known).steps;
 }
 
 void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2>& targets) {
@@ -54,15 +58,45 @@ TEST(FarthestOfInput, isWhatDensePointsFindWherePiecesVanish) {
   expectWhatDensePointsFind(test::nodeOf(soup), {150, 40});
 }
 
+/// The rung is a ridge; the original is the ridge and a flat triangle under it.
+struct Ridge {
+  NodeMesh input;
+  SimplifiedMesh rung;
+
+  Ridge() {
+    input = meshOf({{0, 0, 0}, {0, 100, 0}, {100, 0, 80}, {100, 100, 80}, {200, 0, 0}, {200, 100, 0}},
+                   {{0, 2, 1}, {1, 2, 3}, {2, 4, 3}, {3, 4, 5}});
+    rung = {input, {0, 1, 2, 3, 4, 5}};
+    input.triangles.emplace_back(0, 4, 5);
+  }
+};
+
 TEST(FarthestOfInput, liesInsideATriangleWhoseCornersAreOnTheRung) {
-  // The rung is a ridge; the original is the ridge and a flat triangle under it.
-  const NodeMesh ridge =
-      meshOf({{0, 0, 0}, {0, 100, 0}, {100, 0, 80}, {100, 100, 80}, {200, 0, 0}, {200, 100, 0}},
-             {{0, 2, 1}, {1, 2, 3}, {2, 4, 3}, {3, 4, 5}});
-  NodeMesh input = ridge;
-  input.triangles.emplace_back(0, 4, 5);
-  SimplifiedMesh rung{ridge, {0, 1, 2, 3, 4, 5}};
-  EXPECT_NEAR(farthestPlaceOfInput(rung, input), 80 / std::hypot(1, 0.8), 1.5);
+  const Ridge ridge;
+  EXPECT_NEAR(farthestPlaceOfInput(ridge.rung, ridge.input), 80 / std::hypot(1, 0.8), 1.5);
+}
+
+TEST(FarthestOfInput, tellsThePlaceInsideATriangleAndACornerOfIt) {
+  const Ridge ridge;
+  const FarthestOfInput farthest = farthestWithPlace(ridge.rung, ridge.input);
+  ASSERT_TRUE(farthest.inside);
+  const glm::uvec3 place = unpackPosition(farthest.inside->position);
+  EXPECT_NEAR(place.x, 100, 2);
+  EXPECT_EQ(place.z, 0);
+  EXPECT_EQ(farthest.inside->deviation, farthest.steps);
+  EXPECT_EQ(farthest.inside->near, 0);
+}
+
+TEST(FarthestOfInput, tellsNoPlaceThatIsNearerThanWhatIsKnown) {
+  const Ridge ridge;
+  EXPECT_FALSE(farthestWithPlace(ridge.rung, ridge.input, 70).inside);
+}
+
+TEST(FarthestOfInput, tellsNoPlaceThatIsAPositionOfTheInput) {
+  Ridge ridge;
+  ridge.input.positions[3] = packPosition({100, 100, 180});
+  ridge.rung.became[3] = kVanished;
+  EXPECT_FALSE(farthestWithPlace(ridge.rung, ridge.input).inside);
 }
 
 /// What a look at every triangle finds.

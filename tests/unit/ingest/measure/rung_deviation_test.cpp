@@ -1,5 +1,6 @@
 #include "server/ingest/measure/rung_deviation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -21,7 +22,8 @@ float deviation(std::optional<float> off_steps, float farthest_sample) {
     const RungSurface surface(rung.mesh);
     const std::vector<SurfaceWalk::Place> places = placesOn(rung, sphere, surface.walk());
     const std::vector<uint32_t> sources = sourcesOf(rung, sphere);
-    steps = rungDeviation(rung, RungInput(sphere, 0, off_steps), {surface, places, sources}, farthest_sample);
+    steps = rungDeviation(rung, RungInput(sphere, 0, off_steps), {surface, places, sources}, farthest_sample)
+                .steps;
   });
   return steps;
 }
@@ -41,6 +43,32 @@ TEST(RungDeviation, isNotBelowASampleOfTheOriginal) {
 TEST(RungDeviation, isTheSameWhateverSmallerDeviationIsKnownBefore) {
   const float of_original = deviation({}, 0);
   EXPECT_NEAR(deviation({}, 0.9f * of_original), of_original, 0.03f * of_original);
+}
+
+constexpr size_t kFew = 4096, kMany = 16384;  // triangles
+
+TEST(RungDeviation, addsWhatTheInputIsOffAsIndependentWhereTrianglesAreFew) {
+  EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 4, kFew), 5);
+}
+
+TEST(RungDeviation, believesSamplesWhereTrianglesAreMany) {
+  EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, kMany), 1.3f * 3.2f);
+  EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, 100 * kMany), 1.3f * 3.2f);
+}
+
+TEST(RungDeviation, believesSamplesByHalvesBetween) {
+  EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, 8192), (5 + 1.3f * 3.2f) / 2);
+}
+
+TEST(RungDeviation, isNoMoreThanIndependentErrorsAddUpToWhateverSamplesSay) {
+  EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 4.5f, kMany), 5);
+}
+
+TEST(RungDeviation, isNeverBelowWhatHasBeenFound) {
+  for (const float from_input : {0.f, 1.f, 3.f})
+    for (const float off : {0.f, 1.f, 3.f})
+      for (const float sample : {0.f, 1.f, 3.f})
+        EXPECT_GE(deviationOfReduced(from_input, off, sample, kMany), std::max({from_input, off, sample}));
 }
 
 }  // namespace
