@@ -109,6 +109,12 @@ def at_rest(window):
     return two if one == two else None
 
 
+def reds_of(png):
+    """How many pixels have the colour of errors."""
+    pixels = b"".join(pixels_of(png))
+    return sum(r > 200 and g < 150 and b < 140 for r, g, b in zip(pixels[::3], pixels[1::3], pixels[2::3]))
+
+
 class Picks(WindowTest):
     def test_are_copied_with_their_place_node_and_distance(self):
         with self.window() as window:
@@ -280,7 +286,7 @@ class Failure(WindowTest):
                         lines = (line.decode() for line in stderr)
                         self.assertIn(said, next(line for line in lines if line.startswith("lodestream")))  # libraries may say more
                         self.assertEqual(size_of(window.picture()), (WIDTH, HEIGHT))
-                        self.assertGreater(self.reds_of(window.picture()), 100)
+                        self.assertGreater(reds_of(window.picture()), 100)
                         window.key(key)
                         self.assertEqual(window.process.wait(timeout=120), 1)
                         self.assertEqual(list(lines), [])
@@ -293,11 +299,53 @@ class Failure(WindowTest):
                 self.assertEqual(ended.returncode, 1)
                 self.assertIn(b"cannot connect", ended.stderr)
 
+
+class LackingScenes(WindowTest):
+    """A scene of which a model is not there is shown without it."""
+
+    @contextlib.contextmanager
+    def scene(self, **others):
+        """Of one model that is there, to the left, and others that may be, to the right."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "scene.json")
+            instances = [{"model": name, "position": [4 * number, 0, 0]} for number, name in enumerate(["here", *others])]
+            file.write_text(json.dumps({"models": {"here": str(STORE), **others}, "instances": instances}))
+            yield file
+
+    def test_say_what_is_missing_and_show_the_rest(self):
+        with self.scene(gone="gone.ply", away=f"lode://127.0.0.1:{free_port()}/painted") as file, \
+                self.window(file, stderr=subprocess.PIPE) as window, window.process.stderr as stderr:
+            for said in ("scene.json: gone is missing: ", "scene.json: away is missing: cannot connect"):
+                self.assertIn(said, next(line for line in map(bytes.decode, stderr) if line.startswith("lodestream")))
+            eventually(lambda: self.picked(window, MIDDLE))
+            self.assertGreater(reds_of(window.picture()), 100)
+            self.assertEqual(window.leave(), 0)
+
+    def test_show_a_model_whose_server_comes_later(self):
+        port = free_port()
+        with self.scene(away=f"lode://127.0.0.1:{port}/painted") as file, self.window(file, "--cache", "off") as window:
+            self.assertLess(place_of(self.picked(window, MIDDLE))[0], 2)
+            with running([BIN / "lodestreamd", "serve", STORE, "--listen", f"127.0.0.1:{port}"], stdout=subprocess.DEVNULL,
+                         stderr=subprocess.DEVNULL):
+                eventually(lambda: self.at_right(window) > 2)
+
+    def test_are_refused_where_nobody_looks(self):
+        with self.scene(gone="gone.ply") as file, tempfile.TemporaryDirectory() as folder, display() as screen:
+            window = Window(screen, folder, file, "--screenshot", "a.png")
+            ended = subprocess.run(window.command, env=window.environment, cwd=folder, capture_output=True, timeout=120)
+            self.assertEqual(ended.returncode, 1)
+            self.assertIn(b"gone.ply: no such file", ended.stderr)
+
     @staticmethod
-    def reds_of(png):
-        """How many pixels have the colour of errors."""
-        pixels = b"".join(pixels_of(png))
-        return sum(r > 200 and g < 150 and b < 140 for r, g, b in zip(pixels[::3], pixels[1::3], pixels[2::3]))
+    def picked(window, at):
+        window.click(at)
+        return window.copied()
+
+    def at_right(self, window):
+        """The x of a point there in the first view, which has more than one model then; of any before."""
+        window.key("r")
+        window.picture()
+        return place_of(self.picked(window, (WIDTH * 3 // 4, MIDDLE[1])))[0]
 
 
 class Connection(WindowTest):

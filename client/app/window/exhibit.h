@@ -19,15 +19,18 @@
 
 namespace lode::app {
 
+/// Whether a scene may be shown of which models cannot be opened.
+enum class Lacking : uint8_t { kRefused, kShown };
+
 /// What the window shows: a model or a scene, which opens beside the window's thread, streams and is drawn.
 /// Views and points are in the frame of summary(). For the window's thread.
 class Exhibit {
  public:
   struct Opening {
-    std::string phase;  ///< what is being done,
-    double part = -1;   ///< and how much of it, 0 to 1; below: unknown
+    std::string phase = {};  ///< what is being done,
+    double part = -1;        ///< and how much of it, 0 to 1; below: unknown
     bool is_open = false;
-    std::optional<Error> error;
+    std::optional<Error> error = std::nullopt;
   };
   virtual ~Exhibit() = default;
 
@@ -37,6 +40,8 @@ class Exhibit {
   virtual const ModelSummary& summary() const = 0;
   /// What builds of its models have warned of.
   virtual std::vector<std::string> warnings() const = 0;
+  /// Which models of it are not there, and why: a line for each.
+  virtual std::vector<std::string> missing() const { return {}; }
   /// It is not to be stood on another side.
   virtual bool saysWhatIsUp() const { return false; }
   /// What a first camera is made of.

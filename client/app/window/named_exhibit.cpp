@@ -18,8 +18,8 @@ stream::StreamOptions streamOptions(const CommonOptions& common) {
 
 }  // namespace
 
-std::unique_ptr<Exhibit> exhibitOf(const CommonOptions& common) {
-  if (namesScene(common.target)) return std::make_unique<ViewedScene>(common);
+std::unique_ptr<Exhibit> exhibitOf(const CommonOptions& common, Lacking lacking) {
+  if (namesScene(common.target)) return std::make_unique<ViewedScene>(common, lacking);
   return std::make_unique<ViewedModel>(parseTarget(common.target), streamOptions(common),
                                        wantedFraming(common), common.timeout());
 }

@@ -8,6 +8,6 @@
 namespace lode::app {
 
 /// The model or the scene that a target names; it begins to open. @throws Error.
-std::unique_ptr<Exhibit> exhibitOf(const CommonOptions& common);
+std::unique_ptr<Exhibit> exhibitOf(const CommonOptions& common, Lacking lacking);
 
 }  // namespace lode::app

@@ -1,6 +1,21 @@
 #include "client/app/window/notice.h"
 
+#include <algorithm>
+
 namespace lode::app {
+namespace {
+
+constexpr size_t kMostMissing = 3;
+
+/// @param lines  at least one.
+std::string firstOf(std::span<const std::string> lines, size_t most) {
+  std::string text = lines.front();
+  for (const std::string& line : lines.first(std::min(most, lines.size())).subspan(1)) text += "\n" + line;
+  if (lines.size() > most) text += "\nand " + std::to_string(lines.size() - most) + " more, on stderr";
+  return text;
+}
+
+}  // namespace
 
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) {
   using enum Notice::Kind;
@@ -28,10 +43,11 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
 }
 
 std::string warningOf(std::span<const std::string> warnings) {
-  if (warnings.empty()) return "";
-  std::string text = "built with a warning: " + warnings.front();
-  if (warnings.size() > 1) text += "\nand " + std::to_string(warnings.size() - 1) + " more, on stderr";
-  return text;
+  return warnings.empty() ? "" : "built with a warning: " + firstOf(warnings, 1);
+}
+
+std::string missingText(std::span<const std::string> missing) {
+  return missing.empty() ? "" : firstOf(missing, kMostMissing) + "\nThe rest of the scene is shown.";
 }
 
 Notice noticeOf(const Error& error) {

@@ -30,6 +30,8 @@ enum class OnGpu : uint8_t { kNotYetAll, kAll, kFull };
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
 /// What a build has warned of, in few lines: the first of it, and how many more are on stderr.
 std::string warningOf(std::span<const std::string> warnings);
+/// Which models a scene is shown without: the first three, and how many more are on stderr.
+std::string missingText(std::span<const std::string> missing);
 /// That nothing could be opened, and how to close the window.
 Notice noticeOf(const Error& error);
 

@@ -242,6 +242,7 @@ std::vector<Word> wordsOf(const PanelContent& content) {
   if (notice.kind != Notice::Kind::kNone) words.push_back({notice.text, colour});
   if (content.recording) words.push_back({"recording the camera; P ends it", kBad});
   if (!content.message.empty()) words.push_back({content.message, kWarning});
+  if (content.visible && !content.missing.empty()) words.push_back({content.missing, kBad});
   if (content.visible && !content.warning.empty()) words.push_back({content.warning, kWarning});
   if (content.visible && !content.explanation.empty())
     words.push_back({std::string(content.show) + ": " + std::string(content.explanation), kMuted});
@@ -333,8 +334,8 @@ Panel::~Panel() {
 
 void Panel::prepare(double scale, const PanelContent& content) {
   bool is_new = std::exchange(scale_, static_cast<float>(scale)) != static_cast<float>(scale);
-  for (const std::string* text :
-       {&content.title, &content.waiting, &content.notice.text, &content.message, &content.warning})
+  for (const std::string* text : {&content.title, &content.waiting, &content.notice.text, &content.message,
+                                  &content.missing, &content.warning})
     is_new |= letters_.see(*text);
   for (const std::string& line : content.pick) is_new |= letters_.see(line);
   for (const render::LegendEntry& entry : content.legend) is_new |= letters_.see(entry.meaning);

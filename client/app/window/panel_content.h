@@ -48,6 +48,7 @@ struct PanelContent {
   std::vector<render::LegendEntry> legend;  ///< and what its colours mean
   std::string_view explanation;             ///< of it, where colours do not explain it
   std::string warning;                      ///< of a build
+  std::string missing;                      ///< models of a scene
   Notice notice;                            ///< how the stream fares
   bool recording = false;                   ///< the camera's path
   std::string message;                      ///< for a moment, such as where a screenshot went

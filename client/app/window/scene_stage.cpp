@@ -28,6 +28,7 @@ SceneStage::SceneStage(const Scene& scene, std::span<const ModelSummary* const> 
     : up_(scene.up), sky_(scene.sky) {
   glm::dvec3 min(std::numeric_limits<double>::infinity()), max = -min;
   for (const auto& [model, placement] : scene.instances) {
+    if (models[model] == nullptr) continue;
     const ModelSummary& summary = *models[model];
     whole_.triangles += summary.triangles;
     near_ = std::max(near_, summary.lattice.step * placement.scale);

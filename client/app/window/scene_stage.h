@@ -26,7 +26,7 @@ constexpr uint32_t placeNumber(size_t model, size_t place) noexcept {
 /// context.
 class SceneStage {
  public:
-  /// @param models  those of the scene, by number.
+  /// @param models  those of the scene, by number; null for one that is missing.
   SceneStage(const Scene& scene, std::span<const ModelSummary* const> models);
 
   /// A model of the scene's place and size, with the triangles of all instances.

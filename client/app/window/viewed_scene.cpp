@@ -7,77 +7,17 @@
 
 #include "client/app/cli/first_camera.h"
 #include "client/app/window/ground_below.h"
-#include "client/app/window/model_opener.h"
+#include "client/app/window/scene_frame.h"
 #include "client/app/window/scene_status.h"
-#include "client/core/cut_probe.h"
 #include "client/core/shown_parts.h"
 #include "client/render/memory_shares.h"
 
 namespace lode::app {
-namespace {
 
-stream::StreamOptions streamOptionsOf(stream::StreamOptions options, const render::MemoryShares& memory) {
-  options.memory_budget_bytes = memory.stream_bytes;
-  options.drawn_budget_bytes = memory.drawn_bytes;
-  options.hold_factor = core::kHoldFactor;
-  options.shares_memory = true;
-  options.awaits_model = true;
-  return options;
-}
-
-}  // namespace
-
-/// A model, and the places where it stands.
-struct ViewedScene::Model {
-  Model(const CommonOptions& options, const render::MemoryShares& memory)
-      : renderer(1, memory.gpu),
-        opener(parseTarget(options.target), streamOptionsOf(options.streamOptions(), memory), {},
-               options.timeout()) {}
-
-  /// As the model at a place sees a camera of the scene.
-  core::View viewAt(size_t place, const core::View& scene_view) const {
-    return viewFrom(scene_view, places[place], opened.model->lattice.origin);
-  }
-  glm::dvec3 toScene(size_t place, const glm::dvec3& point_model) const {
-    const Placement& at = places[place];
-    return at.position + at.rotation * (at.scale * (opened.model->lattice.origin + point_model));
-  }
-  glm::dvec3 upAt(size_t place, const glm::dvec3& scene_up) const {
-    return glm::conjugate(places[place].rotation) * scene_up;
-  }
-  core::ModelBox box() const { return core::toModelBox(opened.model->box, opened.model->lattice.step); }
-  /// Of what is drawn at a place; null while that is nothing.
-  const core::CutProbe* probe(size_t place);
-
-  /// How it is drawn at a place.
-  render::DrawStyle styleAt(size_t place, render::DrawStyle style, const glm::dvec3& scene_up) const {
-    style.up = upAt(place, scene_up);
-    style.place = {placeNumber(number, place), opened.model->name, static_cast<uint32_t>(place + 1)};
-    return style;
-  }
-
-  size_t number = 0;  ///< among the scene's models
-  render::Renderer renderer;
-  ModelOpener opener;
-  ModelOpener::Progress opened;
-  std::vector<Placement> places;
-  std::vector<core::View> views;  ///< by place
-  stream::StreamStatus status;
-  std::vector<std::optional<core::CutProbe>> probes;  ///< by place, of cuts last clicked or walked on
-};
-
-const core::CutProbe* ViewedScene::Model::probe(size_t place) {
-  const auto& drawn = renderer.meshes().drawnCut(place);
-  if (!drawn) return nullptr;
-  probes.resize(places.size());
-  std::optional<core::CutProbe>& probe = probes[place];
-  if (!probe || probe->cut() != drawn) probe.emplace(drawn, opened.model->lattice.step);
-  return &*probe;
-}
-
-ViewedScene::ViewedScene(const CommonOptions& options)
+ViewedScene::ViewedScene(const CommonOptions& options, Lacking lacking)
     : scene_(readScene(options.target)),
       options_(options),
+      lacking_(lacking),
       framing_(framingOf(scene_, options)),
       memory_(options.streamOptions().memory_budget_bytes, scene_.models.size()) {
   whole_.name = std::filesystem::path(options.target).filename().string();
@@ -85,39 +25,77 @@ ViewedScene::ViewedScene(const CommonOptions& options)
     try {
       parseTarget(model.target);
     } catch (const Error& error) {
-      throw ofSceneModel(error, options.target, model);
+      if (lacking == Lacking::kRefused || error.code() == ErrorCode::kUsage)
+        throw ofSceneModel(error, options.target, model);
     }
   }
 }
 
 ViewedScene::~ViewedScene() = default;
 
+void ViewedScene::openNext() {
+  const size_t number = models_.size();
+  const render::MemoryShares memory = render::shareMemory(memory_.parts()[number]);
+  models_.push_back(std::make_unique<PlacedModel>(number, scene_.models[number].target,
+                                                  options_.streamOptions(), options_.timeout(), memory));
+  gpu_budget_bytes_ += memory.gpu.budget_bytes;
+}
+
 Exhibit::Opening ViewedScene::open() {
-  if (stage_) return {"", -1, true, std::nullopt};
-  if (models_.empty() || models_.back()->opened.streamer != nullptr) {
-    CommonOptions of_model = options_;
-    of_model.target = scene_.models[models_.size()].target;
-    const render::MemoryShares memory = render::shareMemory(memory_.parts()[models_.size()]);
-    models_.push_back(std::make_unique<Model>(of_model, memory));
-    models_.back()->number = models_.size() - 1;
-    gpu_budget_bytes_ += memory.gpu.budget_bytes;
+  if (stage_) return {.is_open = true};
+  if (models_.empty() || models_.back()->isOpen() || models_.back()->opened.error) openNext();
+  PlacedModel& opening = *models_.back();
+  opening.look();
+  const bool has_failed = opening.opened.error.has_value();
+  if (has_failed && lacking_ == Lacking::kRefused)
+    return {.error = ofSceneModel(*opening.opened.error, options_.target, scene_.models[opening.number])};
+  if ((!opening.isOpen() && !has_failed) || models_.size() < scene_.models.size())
+    return {opening.opened.phase, opening.opened.part, false, std::nullopt};
+  if (std::ranges::none_of(scene_.instances, [this](const SceneInstance& instance) {
+        return models_[instance.model]->isOpen();
+      })) {
+    const PlacedModel& first = *models_[scene_.instances.front().model];
+    return {.error = ofSceneModel(*first.opened.error, options_.target, scene_.models[first.number])};
   }
-  Model& opening = *models_.back();
-  opening.opened = opening.opener.progress();
-  if (opening.opened.error)
-    opening.opened.error =
-        ofSceneModel(*opening.opened.error, options_.target, scene_.models[opening.number]);
-  if (opening.opened.streamer != nullptr) opening.renderer.setLatticeStep(opening.opened.model->lattice.step);
-  if (opening.opened.streamer == nullptr || models_.size() < scene_.models.size())
-    return {opening.opened.phase, opening.opened.part, false, opening.opened.error};
+  setUp();
+  return {.is_open = true};
+}
+
+/// With the models that are open; the frame of views stays when one comes later.
+void ViewedScene::setUp() {
   std::vector<const ModelSummary*> summaries;
-  for (const auto& model : models_) summaries.push_back(model->opened.model);
-  for (const auto& [number, placement] : scene_.instances) models_[number]->places.push_back(placement);
+  for (const auto& model : models_) {
+    summaries.push_back(model->opened.model);
+    model->places.clear();
+  }
+  for (const auto& [number, placement] : scene_.instances)
+    if (models_[number]->isOpen()) models_[number]->places.push_back(placement);
+  const bool is_first = !stage_, is_whole = std::ranges::all_of(models_, &PlacedModel::isOpen);
   stage_.emplace(scene_, summaries);
-  const std::string name = whole_.name;
-  whole_ = stage_->whole();
-  whole_.name = name;
-  return {"", -1, true, std::nullopt};
+  const ModelSummary whole = stage_->whole();
+  if (is_first) whole_.lattice = is_whole ? whole.lattice : latticeWithRoom(whole, scene_.instances);
+  whole_.triangles = whole.triangles;
+  whole_.box = boxIn(whole_.lattice, whole);
+}
+
+/// Of models whose server has come meanwhile.
+void ViewedScene::takeLate() {
+  bool has_come = false;
+  for (const auto& model : models_) {
+    if (!model->look()) continue;
+    giveMemory(*model);
+    has_come = true;
+  }
+  if (has_come) setUp();
+}
+
+std::vector<std::string> ViewedScene::missing() const {
+  std::vector<std::string> missing;
+  for (const auto& model : models_)
+    if (const auto& error = model->opened.error)
+      missing.push_back(scene_.models[model->number].name + " is missing: " + error->what() +
+                        (model->opener.triesAgain() ? "; it is tried again every few seconds" : ""));
+  return missing;
 }
 
 std::vector<std::string> ViewedScene::warnings() const {
@@ -135,6 +113,7 @@ core::View ViewedScene::inScene(const core::View& view) const {
 }
 
 void ViewedScene::look(const core::View& view, float threshold_px) {
+  takeLate();
   const core::View scene_view = inScene(view);
   memory_.look(view, threshold_px);
   for (const auto& model : models_) {
@@ -148,10 +127,7 @@ void ViewedScene::look(const core::View& view, float threshold_px) {
       model->renderer.show(placed);
     else
       model->status.placed = nullptr;  // it is of the first look, at the model alone
-    for (size_t place = 0; place < model->probes.size(); ++place)  // they keep all of their meshes
-      if (auto& probe = model->probes[place];
-          probe && probe->cut() != model->renderer.meshes().drawnCut(place))
-        probe.reset();
+    model->dropOldProbes();
   }
   mergeStatus(view);
   shareMemory();
@@ -171,10 +147,14 @@ void ViewedScene::shareMemory() {
     model->renderer.meshes().setBudget(gpu_budget_bytes_ - std::min(gpu_budget_bytes_, others_bytes));
   }
   if (!memory_.share(needs)) return;
-  for (size_t number = 0; number < models_.size(); ++number) {
-    const render::MemoryShares memory = render::shareMemory(memory_.parts()[number]);
-    models_[number]->opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
-  }
+  for (const auto& model : models_)
+    if (model->isOpen()) giveMemory(*model);
+}
+
+/// Its part.
+void ViewedScene::giveMemory(const PlacedModel& model) {
+  const render::MemoryShares memory = render::shareMemory(memory_.parts()[model.number]);
+  model.opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
 }
 
 void ViewedScene::mergeStatus(const core::View& view) {
@@ -188,7 +168,8 @@ void ViewedScene::mergeStatus(const core::View& view) {
 void ViewedScene::uploadInRenderThread() {
   render::UploadBudget left;
   for (size_t i = 0; i < models_.size() && left.bytes > 0 && left.ms > 0; ++i) {
-    Model& model = *models_[(first_upload_ + i) % models_.size()];
+    PlacedModel& model = *models_[(first_upload_ + i) % models_.size()];
+    if (!model.isOpen()) continue;
     left = model.renderer.uploadInRenderThread(left);
     model.opened.streamer->keep(model.renderer.meshes().takeMixtures());
   }
@@ -247,6 +228,7 @@ Exhibit::GpuUse ViewedScene::gpuUse() const {
 std::vector<ViewedScene::Standing> ViewedScene::inSight(const core::View& scene_view) const {
   std::vector<Standing> found;
   for (const auto& model : models_) {
+    if (!model->isOpen()) continue;
     const core::ModelBox box = model->box();
     for (size_t place = 0; place < model->places.size(); ++place) {
       const core::View view = model->viewAt(place, scene_view);

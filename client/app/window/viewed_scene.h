@@ -9,6 +9,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/scene_file.h"
 #include "client/app/window/exhibit.h"
+#include "client/app/window/placed_model.h"
 #include "client/app/window/scene_memory.h"
 #include "client/app/window/scene_stage.h"
 #include "client/render/depth_reader.h"
@@ -16,16 +17,17 @@
 namespace lode::app {
 
 /// A scene in the window: one stream and one renderer a model, which its places share; a cut and its culling
-/// for each place. Models are opened one after the other.
+/// for each place. Models are opened one after the other; those whose server is away come when it is there.
 class ViewedScene : public Exhibit {
  public:
-  /// Reads the scene and begins to open its first model. @throws Error.
-  explicit ViewedScene(const CommonOptions& options);
+  /// Reads the scene. @throws Error.
+  ViewedScene(const CommonOptions& options, Lacking lacking);
   ~ViewedScene() override;
 
   Opening open() override;
   const ModelSummary& summary() const override { return whole_; }
   std::vector<std::string> warnings() const override;
+  std::vector<std::string> missing() const override;
   bool saysWhatIsUp() const override { return true; }
   core::Framing framing() const override { return framing_; }
   void look(const core::View& view, float threshold_px) override;
@@ -47,29 +49,33 @@ class ViewedScene : public Exhibit {
                                             const glm::dvec3& up) override;
 
  private:
-  struct Model;
   /// A place in the picture.
   struct Standing {
     double distance = 0;  ///< from the eye, in the scene
-    Model* model = nullptr;
+    PlacedModel* model = nullptr;
     size_t place = 0;  ///< of the model
   };
 
+  void openNext();
+  void setUp();
+  void takeLate();
   core::View inScene(const core::View& view) const;
   std::optional<double> distanceToGround(const core::Ray& ray) const;
   std::vector<Standing> inSight(const core::View& scene_view) const;
   void leaveOutAllBut(std::span<const Standing> seen);
   void mergeStatus(const core::View& view);
   void shareMemory();
+  void giveMemory(const PlacedModel& model);
 
   const Scene scene_;
   const CommonOptions options_;
+  const Lacking lacking_;
   core::Framing framing_;
-  std::vector<std::unique_ptr<Model>> models_;
+  std::vector<std::unique_ptr<PlacedModel>> models_;
   SceneMemory memory_;
   uint64_t gpu_budget_bytes_ = 0;    ///< of meshes of all models
   size_t first_upload_ = 0;          ///< model that uploads first, by turns
-  std::optional<SceneStage> stage_;  ///< once all are open
+  std::optional<SceneStage> stage_;  ///< once none is being waited for
   std::optional<render::DepthReader> depth_reader_;
   ModelSummary whole_;
   stream::StreamStatus status_;

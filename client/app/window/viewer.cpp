@@ -34,7 +34,7 @@ Viewer::Viewer(const ViewOptions& options)
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
-      exhibit_(exhibitOf(options.common)),
+      exhibit_(exhibitOf(options.common, isForAPerson() ? Lacking::kShown : Lacking::kRefused)),
       pacing_({.threshold_px = options.common.pixels,
                .is_fixed = options.is_threshold_fixed,
                .fps = options.fps,
@@ -196,8 +196,9 @@ void Viewer::openWhenReady() {
   content_.is_open = true;
   rig_.emplace(summary, exhibit_->framing(), wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
-  content_.model_triangles = summary.triangles;
   content_.warning = warningOf(exhibit_->warnings());
+  for (const std::string& model : exhibit_->missing())
+    sayOnOneLine("lodestream", options_.common.target + ": " + model);
   window_.setTitle(summary.name + " - Lodestream");
 }
 
@@ -376,6 +377,8 @@ void Viewer::describe() {
   const auto& cut = exhibit_->status().cut;
   content_.progress = cut ? progress_.see(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   if (rig_) {
+    content_.model_triangles = exhibit_->summary().triangles;
+    content_.missing = missingText(exhibit_->missing());
     const bool is_waiting = drawnThresholdPx() == 0 && !exhibit_->status().ended;
     content_.waiting = is_waiting ? "Loading the first picture" : "";
     content_.waiting_part = -1;

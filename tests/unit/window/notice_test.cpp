@@ -88,6 +88,16 @@ TEST(Notice, saysTheFirstThatABuildHasWarnedOfAndHowManyMore) {
   EXPECT_EQ(warningOf(warnings), "built with a warning: 3 faces dropped\nand 2 more, on stderr");
 }
 
+TEST(Notice, saysOfThreeMissingModelsWhyAndThatTheRestIsShown) {
+  EXPECT_EQ(missingText({}), "");
+  const std::vector<std::string> missing{"rock is missing: a.ply: no such file", "tree is missing", "c", "d"};
+  EXPECT_EQ(missingText(std::span(missing).first(1)),
+            "rock is missing: a.ply: no such file\nThe rest of the scene is shown.");
+  EXPECT_EQ(missingText(missing),
+            "rock is missing: a.ply: no such file\ntree is missing\nc\nand 1 more, on stderr\n"
+            "The rest of the scene is shown.");
+}
+
 TEST(Notice, saysOfWhatCannotBeOpenedWhyAndHowToCloseTheWindow) {
   const Notice notice = noticeOf(Error(ErrorCode::kInput, "a.lode is damaged: build it again"));
   EXPECT_EQ(notice.kind, Notice::Kind::kFailure);
