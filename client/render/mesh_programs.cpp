@@ -10,11 +10,12 @@
 namespace lode::render {
 namespace {
 
-constexpr std::array<std::pair<MeshPrograms::Part, std::string_view>, 4> kDefinitions{
+constexpr std::array<std::pair<MeshPrograms::Part, std::string_view>, 5> kDefinitions{
     {{MeshPrograms::kFading, "FADING"},
      {MeshPrograms::kTextured, "TEXTURED"},
      {MeshPrograms::kCutOut, "CUT_OUT"},
-     {MeshPrograms::kViews, "VIEWS"}}};
+     {MeshPrograms::kViews, "VIEWS"},
+     {MeshPrograms::kWire, "WIRE"}}};
 
 }  // namespace
 
@@ -26,10 +27,11 @@ MeshPrograms::MeshPrograms() {
 const GlProgram& MeshPrograms::with(unsigned parts) {
   GlProgram& program = programs_.at(parts);
   if (program) return program;
-  std::vector<std::string_view> definitions;
+  std::vector<std::string_view> definitions{(parts & kViews) != 0 ? kTintedCorner : kCorner};
   for (const auto& [part, definition] : kDefinitions)
     if ((parts & part) != 0) definitions.push_back(definition);
-  program = linkProgram(kMeshVertexShader, {kLightShader, kMeshFragmentShader}, definitions);
+  program = linkProgram(kMeshVertexShader, {kLightShader, kWireShader, kMeshFragmentShader}, definitions,
+                        (parts & kWire) != 0 ? kWireGeometryShader : nullptr);
   return program;
 }
 

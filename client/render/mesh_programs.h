@@ -16,6 +16,7 @@ class MeshPrograms {
     kTextured = 2,  ///< with images
     kCutOut = 4,    ///< and what these leave clear left out by whole pixels
     kViews = 8,     ///< of what is not the surface in its light
+    kWire = 16,     ///< with the edges of triangles, of which the driver then runs through each
   };
 
   /// Links those of surfaces. @throws Error kInternal if the driver rejects a shader.
@@ -25,7 +26,7 @@ class MeshPrograms {
   const GlProgram& with(unsigned parts);
 
  private:
-  std::array<GlProgram, 16> programs_;
+  std::array<GlProgram, 32> programs_;
 };
 
 }  // namespace lode::render

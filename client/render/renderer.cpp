@@ -31,8 +31,6 @@ enum MeshUniform : GLint {
   kToSun,
   kUp,
   kExposure,
-  kDimming,
-  kAreLines,
   kTexelColours
 };
 enum BackgroundUniform : GLint { kBottom, kTop };
@@ -256,8 +254,6 @@ void Renderer::setCamera(const core::View& view, const DrawStyle& style) const {
   glUniform3fv(kUp, 1, &light.up.x);
   glUniform1f(kExposure, style.exposure);
   if (style.show == Show::kSurface) return;
-  glUniform1f(kDimming, 1);
-  glUniform1i(kAreLines, GL_FALSE);
   std::array<glm::vec3, kTexelColourCount> texel_colours;
   std::ranges::transform(texelColours(), texel_colours.begin(), toLinear);
   glUniform3fv(kTexelColours, kTexelColourCount, &texel_colours[0].x);
@@ -283,6 +279,7 @@ const GlProgram& Renderer::program(bool fades, const DrawStyle& style) {
   if (textures_.set() != nullptr) parts |= MeshPrograms::kTextured;
   if (textures_.hasClear() && !has_samples_) parts |= MeshPrograms::kCutOut;
   if (style.show != Show::kSurface) parts |= MeshPrograms::kViews;
+  if (style.show == Show::kWireframe) parts |= MeshPrograms::kWire;
   return programs_.with(parts);
 }
 
@@ -311,22 +308,6 @@ uint32_t Renderer::drawList(const DrawList& list, AttributeSet attributes) const
   return calls;
 }
 
-/// Lines before dim surfaces, which hide those behind.
-uint32_t Renderer::drawWireframe(const DrawList& list, AttributeSet attributes) const {
-  constexpr float kDimmed = 0.25f;
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  glPolygonOffset(-1, -1);  // away: depth is reversed
-  glUniform1f(kDimming, kDimmed);
-  uint32_t calls = drawList(list, attributes);
-  glDisable(GL_POLYGON_OFFSET_FILL);
-  glUniform1f(kDimming, 1);
-  glUniform1i(kAreLines, GL_TRUE);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  calls += drawList(list, attributes);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  return calls;
-}
-
 DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style,
                           const DrawTime& time) {
   DrawCounts counts = drawPlace(0, view, target, style, time);
@@ -352,7 +333,7 @@ DrawCounts Renderer::drawPlace(size_t number, const core::View& view, const Fram
   const auto& cut = meshes_.drawnCut(number);
   DrawCounts counts = collect(place, view, style, cut ? static_cast<float>(thresholdRad(*cut)) : 0);
   place.is_drawn.assign(place.seen.size(), true);
-  if (time.leaves_out_hidden && style.show != Show::kWireframe) {  // lines hide nothing
+  if (time.leaves_out_hidden) {
     for (size_t i = 0; i < place.seen.size(); ++i) place.is_drawn[i] = !place.seen[i].hidden(number);
   }
   drawClusters(place, place.is_drawn, view, style, counts);
@@ -362,7 +343,6 @@ DrawCounts Renderer::drawPlace(size_t number, const core::View& view, const Fram
 DrawCounts Renderer::drawAppeared(size_t number, const core::View& view, const Framebuffer& target,
                                   const DrawStyle& style, const FarthestDepths& drawn) {
   DrawCounts counts;
-  if (style.show == Show::kWireframe) return counts;  // they reach beyond what they belong to
   const Place& place = places_[number];
   const Occluders occluders(view, lattice_step_, drawn);
   std::vector<bool> has_appeared(place.seen.size());
@@ -405,8 +385,7 @@ void Renderer::drawClusters(const Place& place, const std::vector<bool>& is_chos
     glUseProgram(program(fades, style).get());
     setCamera(view, style);
     setTextures();
-    counts.calls +=
-        style.show == Show::kWireframe ? drawWireframe(list, attributes) : drawList(list, attributes);
+    counts.calls += drawList(list, attributes);
   }
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   glDisable(GL_SAMPLE_ALPHA_TO_ONE);

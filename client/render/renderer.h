@@ -124,7 +124,6 @@ class Renderer {
   void bindDraws(const Place& place);
   const GlProgram& program(bool fades, const DrawStyle& style);
   uint32_t drawList(const DrawList& list, AttributeSet attributes) const;
-  uint32_t drawWireframe(const DrawList& list, AttributeSet attributes) const;
 
   double lattice_step_;
   MeshResidency meshes_;

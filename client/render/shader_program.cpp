@@ -34,11 +34,12 @@ void attachShader(GLuint program, GLenum kind, const std::string& head,
 }  // namespace
 
 GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
-                      std::span<const std::string_view> definitions) {
+                      std::span<const std::string_view> definitions, const char* geometry_source) {
   std::string head = "#version 450 core\n";
   for (const std::string_view definition : definitions) head += "#define " + std::string(definition) + "\n";
   GlProgram program = GlProgram::create();
   attachShader(program.get(), GL_VERTEX_SHADER, head, {vertex_source});
+  if (geometry_source != nullptr) attachShader(program.get(), GL_GEOMETRY_SHADER, head, {geometry_source});
   attachShader(program.get(), GL_FRAGMENT_SHADER, head, fragment_sources);
   glLinkProgram(program.get());
   GLint linked = GL_FALSE;

@@ -2,6 +2,13 @@
 
 namespace lode::render {
 
+#define LODE_CORNER                                                                                       \
+  "CORNER vec3 position_view; vec3 normal_view; vec3 normal_squares; vec3 normal_products; vec3 colour; " \
+  "vec2 uv; flat uint material; flat uint flags; flat uint share;"
+
+const char* const kCorner = LODE_CORNER;
+const char* const kTintedCorner = LODE_CORNER " flat vec3 tint;";
+
 const char* const kMeshVertexShader = R"glsl(
 layout(location = 0) in uvec2 position_code;
 layout(location = 1) in vec4 normal;
@@ -17,17 +24,7 @@ layout(location = 4) uniform vec3 projection;  // scale x, scale y, near
 layout(location = 5) uniform vec3 uv_frame;    // origin, distance of neighbouring codes
 
 invariant gl_Position;
-out vec3 position_view;
-out vec3 normal_view;
-out vec3 normal_squares, normal_products;
-out vec3 colour;
-out vec2 uv;
-flat out uint material;
-flat out uint flags;
-#ifdef VIEWS
-flat out vec3 tint;
-#endif
-flat out uint share;
+out Corner { CORNER };
 
 vec3 toLinear(vec3 srgb) {
   return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
@@ -56,24 +53,16 @@ void main() {
 )glsl";
 
 const char* const kMeshFragmentShader = R"glsl(
-in vec3 position_view;
-in vec3 normal_view;
-in vec3 normal_squares, normal_products;
-in vec3 colour;
-in vec2 uv;
-flat in uint material;
-flat in uint flags;
-#ifdef VIEWS
-flat in vec3 tint;
+#ifdef WIRE
+in OfTriangle { CORNER };
+#else
+in Corner { CORNER };
 #endif
-flat in uint share;
 out vec4 pixel;
 
 layout(location = 3) uniform mat3 view_rotation;
 #ifdef VIEWS
-layout(location = 10) uniform float dimming;   // of what lies between the lines of a wireframe
-layout(location = 11) uniform bool are_lines;  // which have no facet
-layout(location = 12) uniform vec3 texel_colours[6];  // 1/4 to 4 texels a pixel; no image
+layout(location = 10) uniform vec3 texel_colours[6];  // 1/4 to 4 texels a pixel; no image
 #endif
 
 const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
@@ -182,9 +171,6 @@ void main() {
   vec3 to_eye = normalize(-position_view);
   vec3 facet = normalize(cross(dFdx(position_view), dFdy(position_view)));
   if (dot(facet, to_eye) < 0.0) facet = -facet;
-#ifdef VIEWS
-  if (are_lines) facet = to_eye;
-#endif
   vec3 n = facet;
   if ((flags & 1u) != 0u && dot(normal_squares, vec3(1.0)) > 1e-6) n = shownNormal(facet);
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
@@ -211,7 +197,10 @@ void main() {
   vec3 seen = toned(lit(albedo, n, to_eye));
   if ((flags & 16u) != 0u) seen = albedo;
   if ((flags & 32u) != 0u) seen = pow((n * view_rotation) * 0.5 + 0.5, vec3(2.2));  // in the model's frame
-  pixel = vec4(seen * dimming, coverage);
+#ifdef WIRE
+  seen *= wire();
+#endif
+  pixel = vec4(seen, coverage);
 #endif
 }
 )glsl";

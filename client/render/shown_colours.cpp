@@ -177,7 +177,8 @@ glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_rad, uint3
 
 std::string_view explanationOf(Show show) noexcept {
   if (show == Show::kUnlit) return "the paint alone, without light";
-  if (show == Show::kWireframe) return "edges of triangles, without those that are hidden";
+  if (show == Show::kWireframe)
+    return "edges of triangles; where these are too small for lines, the surface alone";
   return "";
 }
 

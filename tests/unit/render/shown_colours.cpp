@@ -67,6 +67,25 @@ TEST_F(Shown, wireframeHasBrightLinesAroundDimTrianglesThatHideWhatIsBehind) {
   EXPECT_GT(brightest, *row.rbegin() + 25) << "the diagonal";
 }
 
+TEST_F(Shown, wireframeHasNoLinesWhereTrianglesAreTooSmallForThem) {
+  std::vector<Mesh> meshes;
+  for (uint32_t i = 0; i < 10'000; ++i)
+    meshes.push_back(squareAt(i % 100 * 10, i / 100 * 10, 0, 10, {255, 255, 255, 255}));
+  const core::View view = lookAt({500, 500, 1300}, {500, 500, 0});
+  const auto brightness = [&](const Mesh& mesh, Show show) {
+    const render::Image image = drawMeshes({mesh}, 1, view, showing(show));
+    return int{image.pixel(kWidthPx / 2 + 20, kHeightPx / 2 + 7)[1]};
+  };
+  const render::Image image = drawMeshes(meshes, 1, view, showing(Show::kWireframe));
+  std::set<int> middle;
+  for (uint32_t x = kWidthPx / 2 - 20; x < kWidthPx / 2 + 20; ++x)
+    for (uint32_t y = kHeightPx / 2 - 20; y < kHeightPx / 2 + 20; ++y) middle.insert(image.pixel(x, y)[1]);
+  EXPECT_LE(*middle.rbegin() - *middle.begin(), 3);
+  const Mesh square = squareAt(0, 0, 0, 1000, {255, 255, 255, 255});
+  EXPECT_GT(*middle.begin(), brightness(square, Show::kWireframe) + 25) << "brighter than between lines";
+  EXPECT_LT(*middle.rbegin(), brightness(square, Show::kSurface)) << "less than the surface in its light";
+}
+
 TEST_F(Shown, whiteInTheSunKeepsItsShading) {
   Mesh sphere = makeSphere(48, 24, {.attributes = {AttributeSet::kNormal}, .bump = 0});
   sphere.attributes.bits |= AttributeSet::kColour;
