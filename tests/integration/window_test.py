@@ -268,6 +268,23 @@ class Settings(WindowTest):
         return picture
 
 
+class Scrolling(WindowTest):
+    def test_of_a_panel_that_is_too_high_leaves_the_camera(self):
+        with self.window() as window:
+            over = (60, HEIGHT // 2)
+            name = self.name_in(window)
+            keys = window.recorded(lambda: window.click(over, button=5, times=4))
+            self.assertFalse(self.name_in(window) == name)
+            self.assertEqual({tuple(key["eye"]) for key in keys}, {tuple(keys[0]["eye"])})
+            window.click(over, button=4, times=4)
+            self.assertTrue(self.name_in(window) == name)
+
+    @staticmethod
+    def name_in(window):
+        """The pixels where the panel begins with the model's."""
+        return [row[3 * 16:3 * 80] for row in pixels_of(window.picture())[16:34]]
+
+
 class Failure(WindowTest):
     """What cannot be opened is said in the window until that is closed, and at once on stderr."""
 

@@ -9,37 +9,28 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include "client/app/window/key_help.h"
 #include "client/app/window/panel_figures.h"
 #include "client/app/window/panel_fit.h"
 #include "client/app/window/panel_font.h"
+#include "client/app/window/panel_frame.h"
+#include "client/app/window/panel_help.h"
 #include "client/app/window/panel_marks.h"
 #include "client/app/window/sharpness.h"
 
 namespace lode::app {
 namespace {
 
-constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
-                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
-                                    ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoInputs;
-constexpr float kMarginPx = 12;
 constexpr float kPanelShare = 0.4f;  ///< of the window's width at most, unless that is less than
 constexpr float kLeastPanelEm = 11;
-constexpr float kPanelEm = 23.5f, kNameEm = 5.5f, kKeysEm = 6.5f;  ///< widths, in sizes of a letter
-const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1), kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1),
-    kBad(1.0f, 0.50f, 0.45f, 1), kBar(0.26f, 0.48f, 0.72f, 1);
-
-/// What a window leaves of a width, between its own sides and the panel's.
-float fitting(float width_px) {
-  const float sides_px = 2 * (kMarginPx + ImGui::GetStyle().WindowPadding.x);
-  return std::clamp(width_px, 1.0f, std::max(1.0f, ImGui::GetIO().DisplaySize.x - sides_px));
-}
+constexpr float kPanelEm = 23.5f, kNameEm = 5.5f;  ///< widths, in sizes of a letter
+const ImVec4 kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1), kBad(1.0f, 0.50f, 0.45f, 1),
+    kBar(0.26f, 0.48f, 0.72f, 1);
 
 /// Beside it the model is to be seen.
 float panelPx() {
   const float em = ImGui::GetFontSize();
   const float share_px = std::max(kPanelShare * ImGui::GetIO().DisplaySize.x, kLeastPanelEm * em);
-  return fitting(std::min(em * kPanelEm, share_px));
+  return fittingPx(std::min(em * kPanelEm, share_px));
 }
 float namePx() { return std::min(ImGui::GetFontSize() * kNameEm, panelPx() / 2); }
 float valuePx() { return panelPx() - namePx(); }
@@ -48,18 +39,6 @@ float lineGapPx() { return ImGui::GetStyle().ItemSpacing.y; }
 
 float textPx(const std::string& text, float width_px) {
   return ImGui::CalcTextSize(text.c_str(), nullptr, false, width_px).y;
-}
-
-void nameRow(const char* name) {
-  ImGui::TableNextRow();
-  ImGui::TableNextColumn();
-  ImGui::TextColored(kMuted, "%s", name);
-  ImGui::TableNextColumn();
-}
-
-void row(const char* name, const std::string& value) {
-  nameRow(name);
-  ImGui::TextUnformatted(value.c_str());
 }
 
 /// Letters lie on a bar that is long enough for them, above others.
@@ -259,45 +238,14 @@ float wordsPx(const PanelContent& content) {
   return height_px;
 }
 
-float widthOf(std::span<const KeyHelp> keys) {
-  float width_px = 0;
-  for (const KeyHelp& key : keys) width_px = std::max(width_px, ImGui::CalcTextSize(key.what.data()).x);
-  return width_px;
-}
-
-void drawKeys(std::span<const KeyHelp> keys) {
-  for (const KeyHelp& key : keys) row(key.keys.data(), std::string(key.what));
-}
-
-/// In the middle of the picture.
-void drawHelp(const PanelContent& content) {
-  const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowBgAlpha(0.9f);
-  ImGui::Begin("help", nullptr, kPlain);
-  const float keys_px = ImGui::GetFontSize() * kKeysEm;
-  const float what_px = std::max(widthOf(cameraHelp(content.camera)), widthOf(commonHelp()));
-  ImGui::PushTextWrapPos(0);  // where a column or the window ends
-  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, keys_px);
-    ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthFixed, fitting(keys_px + what_px) - keys_px);
-    drawKeys(cameraHelp(content.camera));
-    drawKeys(commonHelp());
-    ImGui::EndTable();
-  }
-  ImGui::TextColored(kMuted, "any key closes this, F1 or ? opens it");
-  ImGui::PopTextWrapPos();
-  ImGui::End();
-}
-
 constexpr int kRankOfSharpness = -3, kRankOfPick = -2, kRankOfKeys = -1, kRankOfFrameTimes = 100;
 constexpr const char* kKeys = "F1: what keys do";
 
 }  // namespace
 
-/// As much of it as the window is high.
+/// First what the window is high enough for, the rest below, where the wheel leads.
 void Panel::drawOpen(const PanelContent& content) const {
-  const float outside_px = 2 * (kMarginPx + ImGui::GetStyle().WindowPadding.y);
+  const float outside_px = 2 * (kPanelMarginPx + ImGui::GetStyle().WindowPadding.y);
   float room_px = ImGui::GetIO().DisplaySize.y - outside_px - wordsPx(content);
   const auto legend = legendThatFits(content.legend, legendRowPx(), room_px);
   room_px -= legendPx(legend);
@@ -308,9 +256,19 @@ void Panel::drawOpen(const PanelContent& content) const {
   parts.push_back({kRankOfPick, pickPx(content)});
   parts.push_back({kRankOfKeys, content.help ? 0 : textPx(kKeys, panelPx()) + lineGapPx()});
   parts.push_back({kRankOfFrameTimes, frameTimesPx()});
-  const std::vector<bool> fits = partsThatFit(parts, room_px);
-  const auto rest = fits.begin() + static_cast<std::ptrdiff_t>(figures.size());
-  drawFigures(figures, {fits.begin(), rest});
+  std::vector<bool> fits = partsThatFit(parts, room_px);
+  drawParts(content, figures, fits, legend);
+  fits.flip();
+  const bool is_legend_whole = legend.size() == content.legend.size();
+  drawParts(content, figures, fits,
+            std::span(content.legend).subspan(is_legend_whole ? legend.size() : legend.size() - 1));
+}
+
+/// @param shown  of all parts, in their order.
+void Panel::drawParts(const PanelContent& content, std::span<const Figure> figures,
+                      const std::vector<bool>& shown, std::span<const render::LegendEntry> legend) const {
+  const auto rest = shown.begin() + static_cast<std::ptrdiff_t>(figures.size());
+  drawFigures(figures, {shown.begin(), rest});
   if (rest[0]) drawSharpness(content);
   if (rest[3]) drawFrameTimes(frames_ms_, next_frame_, content.aimed_ms);
   drawLegend(legend);
@@ -357,12 +315,13 @@ void Panel::layOut(const PanelContent& content) {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
   if (content.visible) drawMarks(content.marks, kWarning);
-  ImGui::SetNextWindowPos({kMarginPx, kMarginPx});
+  ImGui::SetNextWindowPos({kPanelMarginPx, kPanelMarginPx});
   ImGui::SetNextWindowBgAlpha(0.65f);
+  PanelScroll::limit();
   const bool is_waiting = !content.waiting.empty();
   if (content.visible || is_waiting || content.notice.kind != Notice::Kind::kNone || content.recording ||
       !content.message.empty()) {
-    ImGui::Begin("panel", nullptr, kPlain);
+    ImGui::Begin("panel", nullptr, kPlainWindow);
     ImGui::PushTextWrapPos(panelPx() + ImGui::GetStyle().WindowPadding.x);
     drawWords(content);
     if (is_waiting)
@@ -370,15 +329,29 @@ void Panel::layOut(const PanelContent& content) {
     else if (content.visible && content.is_open)
       drawOpen(content);
     ImGui::PopTextWrapPos();
+    scroll_.follow();
     ImGui::End();
+  } else {
+    scroll_.leaveOut();
   }
   covered_.reset();
   if (content.shows_settings && content.is_open) {
     Settings settings = content.settings;
-    covered_ = drawSettings(content, kMarginPx, settings);
+    covered_ = drawSettings(content, kPanelMarginPx, settings);
     if (settings != content.settings) changed_ = settings;
   }
-  if (content.help) drawHelp(content);
+  if (content.help)
+    drawHelp(content.camera, help_scroll_);
+  else
+    help_scroll_.leaveOut();
+}
+
+PanelScroll* Panel::scrolledAt(const glm::dvec2& place_px) {
+  const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
+  const glm::dvec2 point = place_px / glm::dvec2(scale.x, scale.y);
+  for (PanelScroll* const scroll : {&help_scroll_, &scroll_})
+    if (const auto& where = scroll->where(); where && where->has(point)) return scroll;
+  return nullptr;
 }
 
 }  // namespace lode::app

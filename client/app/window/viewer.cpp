@@ -96,6 +96,7 @@ void Viewer::frame() {
   const double seconds = secondsSince(last_frame_);
   last_frame_ = Clock::now();
   Input input = window_.takeInput();
+  scroll(input);
   obey(input);
   openWhenReady();
   if (const auto written = picture_writer_.take()) tellOfPicture(*written);

@@ -53,6 +53,7 @@ class Viewer {
   void fail(const Error& error);
   void openWhenReady();
   void obey(Input& input);
+  void scroll(Input& input);
   void tellOfBookmark(const Input& input);
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);

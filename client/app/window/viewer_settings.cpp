@@ -1,7 +1,17 @@
+#include <utility>
+
 #include "client/app/window/viewer.h"
 
-/// What can be set with the mouse.
+/// What the mouse does over the panel and the settings.
 namespace lode::app {
+
+/// The wheel is for a panel that is too high for the window.
+void Viewer::scroll(Input& input) {
+  PanelScroll* const scroll = input.wheel != 0 ? panel_.scrolledAt(input.pointer_px) : nullptr;
+  if (scroll == nullptr) return;
+  scroll->turn(std::exchange(input.wheel, 0));
+  input.over_panel = true;
+}
 
 Settings Viewer::settings() const {
   return {.unlit = show_.shown() == render::Show::kUnlit,
