@@ -127,13 +127,18 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const glm::dvec3 to_eye = directionToEye(shape.points, standOf(up));
   const glm::dvec3 right = glm::normalize(glm::cross(up, to_eye)), above = glm::cross(to_eye, right);
   const double slope = std::tan(glm::radians(path.fov_y_deg) / 2) / kMargin;
-  const Fit horizontal = fit(shape, right, to_eye, slope * framing.aspect);
+  // Where the middle of what is free is seen, and a side that is 0 there: a picture that is sheared so that
+  // it has its middle there.
+  const double middle_slope = framing.covered * kMargin * slope * framing.aspect;
+  const glm::dvec3 beside = right + middle_slope * to_eye;
+  const Fit horizontal = fit(shape, beside, to_eye, slope * framing.aspect * (1 - framing.covered));
   const Fit vertical = fit(shape, above, to_eye, slope);
   const Reach depth = reachAlong(shape.points, to_eye);
   double out = std::max(horizontal.out, vertical.out);
   if (!(out > depth.high)) out = depth.high + 1;  // a point, or all in a line with the eye
-  const glm::dvec3 aside = centre + centred(shape.points, right, to_eye, horizontal.across, out) * right +
-                           centred(shape.points, above, to_eye, vertical.across, out) * above;
+  const double across = centred(shape.points, beside, to_eye, horizontal.across, out) - middle_slope * out;
+  const glm::dvec3 aside =
+      centre + across * right + centred(shape.points, above, to_eye, vertical.across, out) * above;
   path.keys.push_back({0, aside + out * to_eye, aside + depth.middle() * to_eye, up});
   return path;
 }

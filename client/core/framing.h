@@ -17,7 +17,8 @@ struct Framing {
   std::shared_ptr<const Mesh> coarse = nullptr;
   /// A coordinate axis. Nothing: guessUp(*coarse), y without a mesh.
   std::optional<glm::dvec3> up = std::nullopt;
-  double aspect = 1;  ///< the picture's width by its height
+  double aspect = 1;   ///< the picture's width by its height
+  double covered = 0;  ///< of its width, from its left: the model is framed beside that
 };
 
 /// Which way is up in the picture, and for its light.

@@ -48,6 +48,8 @@ void CameraRig::frame() {
   if (view_.width_px > 0 && view_.height_px > 0)
     framing_.aspect = static_cast<double>(view_.width_px) / view_.height_px;
   startAt(core::framingCamera(model_, framing_));
+  const core::ModelBox box = core::toModelBox(model_.box, model_.lattice.step);
+  if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);  // it is not straight ahead
 }
 
 /// All cameras go on from a view; the orbit turns about what lies so far ahead.

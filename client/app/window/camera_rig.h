@@ -38,6 +38,8 @@ class CameraRig {
   /// An orbit comes nearer to this point, in a moment.
   void flyTo(const glm::dvec3& point_model) noexcept { orbit_.flyTo(point_model); }
   void resize(uint32_t width_px, uint32_t height_px) noexcept;
+  /// When it frames the model again, it does so beside what covers so much of the picture: see core::Framing.
+  void frameBeside(double covered) noexcept { framing_.covered = covered; }
 
   const core::View& view() const noexcept { return view_; }
   CameraKind kind() const noexcept { return kind_; }

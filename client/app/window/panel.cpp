@@ -20,18 +20,11 @@
 namespace lode::app {
 namespace {
 
-constexpr float kPanelShare = 0.4f;  ///< of the window's width at most, unless that is less than
-constexpr float kLeastPanelEm = 11;
-constexpr float kPanelEm = 23.5f, kNameEm = 5.5f;  ///< widths, in sizes of a letter
+constexpr float kNameEm = 5.5f;  ///< in sizes of a letter
 const ImVec4 kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1), kBad(1.0f, 0.50f, 0.45f, 1),
     kBar(0.26f, 0.48f, 0.72f, 1);
 
-/// Beside it the model is to be seen.
-float panelPx() {
-  const float em = ImGui::GetFontSize();
-  const float share_px = std::max(kPanelShare * ImGui::GetIO().DisplaySize.x, kLeastPanelEm * em);
-  return fittingPx(std::min(em * kPanelEm, share_px));
-}
+float panelPx() { return fittingPx(panelWidthPx(ImGui::GetIO().DisplaySize.x, ImGui::GetFontSize())); }
 float namePx() { return std::min(ImGui::GetFontSize() * kNameEm, panelPx() / 2); }
 float valuePx() { return panelPx() - namePx(); }
 

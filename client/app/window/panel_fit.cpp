@@ -7,11 +7,27 @@
 namespace lode::app {
 namespace {
 
+constexpr float kPanelEm = 23.5f;
+constexpr float kPanelShare = 0.4f;  ///< of the window's width at most, unless that is less than
+constexpr float kLeastPanelEm = 11;
+constexpr float kSidesEm = 2;         ///< of the panel, and between it and the window's
+constexpr float kLeastAspect = 0.75;  ///< of what is free: a model's size goes by its height or little less
+
 constexpr size_t kLeastLegendRows = 3;
 constexpr float kShareOfLegend = 0.5f;
 constexpr glm::u8vec3 kOfMore{200, 200, 200};
 
 }  // namespace
+
+float panelWidthPx(float window_px, float em_px) {
+  return std::min(kPanelEm * em_px, std::max(kPanelShare * window_px, kLeastPanelEm * em_px));
+}
+
+double coveredShare(glm::vec2 window_px, float em_px) {
+  const float covered_px = panelWidthPx(window_px.x, em_px) + kSidesEm * em_px;
+  const bool is_enough = window_px.x - covered_px >= kLeastAspect * window_px.y;
+  return is_enough ? static_cast<double>(covered_px / window_px.x) : 0;
+}
 
 std::vector<bool> partsThatFit(std::span<const PanelPart> parts, float room_px) {
   std::vector<size_t> by_rank(parts.size());

@@ -4,9 +4,18 @@
 #include <span>
 #include <vector>
 
+#include <glm/glm.hpp>
+
 #include "client/render/shown_colours.h"
 
 namespace lode::app {
+
+/// Of a window, at most: beside it the model is to be seen. Pure. @param em_px  the size of a letter.
+float panelWidthPx(float window_px, float em_px);
+
+/// Of a window's width, from its left, beside which a model is framed: what the panel covers, or nothing
+/// where too little is left beside that. Pure.
+double coveredShare(glm::vec2 window_px, float em_px);
 
 /// What the panel may leave out where a window is low.
 struct PanelPart {

@@ -18,7 +18,6 @@ namespace {
 constexpr double kIdleWaitS = 0.25;       ///< between looks at a stream that has nothing left to do
 constexpr double kCoarserWaitS = 0.002;   ///< between looks at a coarser cut that is on its way
 constexpr double kStreamingWaitS = 0.01;  ///< between looks at one that has
-constexpr double kLongestStepS = 0.1;     ///< a flight goes no further in one frame, however long it took
 constexpr double kFramesOfFade = 4;       ///< that it takes to look like one
 constexpr double kNoteS = 6;              ///< how long a note stays on the panel
 
@@ -103,6 +102,7 @@ void Viewer::frame() {
   if (isMinimized()) return passUnseen();
   if (rig_) {
     rig_->resize(window_.widthPx(), window_.heightPx());
+    rig_->frameBeside(coveredShare());
     pick(input);
     moveCamera(input, seconds);
     fly();
@@ -195,7 +195,9 @@ void Viewer::openWhenReady() {
   const ModelSummary& summary = exhibit_->summary();
   opened_ = Clock::now();
   content_.is_open = true;
-  rig_.emplace(summary, exhibit_->framing(), wanted_path_, window_.widthPx(), window_.heightPx());
+  core::Framing framing = exhibit_->framing();
+  framing.covered = coveredShare();
+  rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
   content_.warning = warningOf(exhibit_->warnings());
   for (const std::string& model : exhibit_->missing())
@@ -206,36 +208,6 @@ void Viewer::openWhenReady() {
 /// What is drawn at a place.
 std::optional<PickedPoint> Viewer::under(const glm::dvec2& place_px) {
   return exhibit_->under(rig_->view(), place_px);
-}
-
-/// Where the pointer is, or the middle of the picture, or straight below the eye.
-std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px,
-                                              const render::GroundBelow& ground) {
-  const core::View& view = rig_->view();
-  for (const glm::dvec2& place_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})
-    if (const auto hit = under(place_px)) return hit->position_model;
-  if (const auto below = ground(view.eye_model)) return view.eye_model - below->depth_model * rig_->up();
-  return std::nullopt;
-}
-
-void Viewer::moveCamera(const Input& input, double seconds) {
-  const core::View before = rig_->view();
-  const CameraKind kind_before = rig_->kind();
-  const auto ground = [this](const glm::dvec3& point) -> std::optional<render::Ground> {
-    return exhibit_->groundBelow(rig_->view(), point, rig_->up());
-  };
-  std::optional<glm::dvec3> start;
-  if (input.next_camera != 0) start = startOfWalk(input.pointer_px, ground);
-  rig_->apply(input, std::min(seconds, kLongestStepS), ground);
-  if (start && rig_->kind() != kind_before) rig_->standAt(*start);
-  moved_ = rig_->view() != before || rig_->underWay();
-}
-
-void Viewer::fly() {
-  if (!pilot_) return;
-  const Pilot::State state = pilot_->fly(*exhibit_, isTimeOver(), *rig_);
-  moved_ = moved_ || state != Pilot::State::kWaiting;
-  done_ = done_ || state == Pilot::State::kOver;
 }
 
 void Viewer::noteFlight(std::optional<uint64_t> number) {

@@ -61,6 +61,7 @@ class Viewer {
   void record(const Input& input);
   void saveRecording();
   std::optional<PickedPoint> under(const glm::dvec2& place_px);
+  double coveredShare() const;
   void fly();
   void noteFlight(std::optional<uint64_t> number);
   std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);

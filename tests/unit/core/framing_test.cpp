@@ -66,6 +66,19 @@ TEST(Framing, fillsPicturesOfEveryShapeWithBoxesOfEveryShape) {
   }
 }
 
+TEST(Framing, fillsWhatIsFreeBesideWhatCoversThePicture) {
+  constexpr double kCovered = 0.3;
+  for (const glm::uvec3 size : {glm::uvec3(800), {2000, 100, 100}, {100, 2000, 100}}) {
+    const LatticeBox box{glm::uvec3(500), glm::uvec3(500) + size};
+    const ModelSummary model = modelOf(box);
+    const Framing framing{.aspect = 16.0 / 9, .covered = kCovered};
+    Filled filled = fill(framingCamera(model, framing), model, cornersOf(box), 1280, 720);
+    filled.low.x = (filled.low.x - kCovered) / (1 - kCovered);
+    filled.high.x = (filled.high.x - kCovered) / (1 - kCovered);
+    expectFull(filled);
+  }
+}
+
 TEST(Framing, fillsThePictureWithTheMeshWhereThatIsSmallerThanItsBox) {
   const auto mesh = std::make_shared<Mesh>(test::makeSphere(24, 12));
   const ModelSummary model = modelOf(test::boxOf(*mesh));

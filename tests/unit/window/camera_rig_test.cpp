@@ -34,6 +34,35 @@ Input tab() {
   return input;
 }
 
+TEST(CameraRig, turnsAboutAModelThatItHasFramedBesideThePanel) {
+  const ModelSummary model = someModel();
+  core::Framing framing = zUp();
+  framing.covered = 0.3;
+  CameraRig rig(model, framing, std::nullopt, 800, 600);
+  const glm::dvec3 middle(512, 512, 256);
+  const double distance = glm::distance(rig.view().eye_model, middle);
+  const glm::dvec3 to_middle = glm::normalize(middle - rig.view().eye_model);
+  EXPECT_LT(glm::dot(rig.view().forward, to_middle), 0.99) << "it is not straight ahead";
+  Input input;
+  input.turned_px = {150, 0};
+  rig.apply(input, 0.016, plainAt(0));
+  EXPECT_NEAR(glm::distance(rig.view().eye_model, middle), distance, 1e-6 * distance);
+}
+
+TEST(CameraRig, framesTheFirstViewAgainForAPanelThatWasHidden) {
+  const ModelSummary model = someModel();
+  core::Framing framing = zUp();
+  framing.covered = 0.3;
+  CameraRig rig(model, framing, std::nullopt, 800, 600);
+  const core::View beside = rig.view();
+  Input input;
+  input.reset_camera = true;
+  rig.frameBeside(0);
+  rig.apply(input, 0.016, plainAt(0));
+  EXPECT_EQ(rig.view(), CameraRig(model, zUp(), std::nullopt, 800, 600).view());
+  EXPECT_NE(rig.view(), beside);
+}
+
 /// A frame may take longer than two of them.
 TEST(CameraRig, goesAsManyKindsOnAsTabWasPressedWithinAFrame) {
   const ModelSummary model = someModel();

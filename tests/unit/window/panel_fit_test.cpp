@@ -13,6 +13,14 @@ TEST(PanelFit, leavesOutWhatHasTheHighestRank) {
   EXPECT_EQ(partsThatFit(parts, -5), (std::vector<bool>{false, false, false}));
 }
 
+TEST(PanelFit, framesBesideThePanelWhereThatLeavesEnough) {
+  const double share = coveredShare({1280, 720}, 15);
+  EXPECT_NEAR(share * 1280, double{panelWidthPx(1280, 15)}, 40);
+  EXPECT_GT(share * 1280, double{panelWidthPx(1280, 15)});
+  EXPECT_EQ(coveredShare({320, 240}, 15), 0);
+  EXPECT_EQ(coveredShare({700, 1200}, 15), 0);
+}
+
 std::vector<render::LegendEntry> legendOf(size_t entries) {
   std::vector<render::LegendEntry> legend;
   for (size_t i = 0; i < entries; ++i) legend.push_back({{0, 0, 0}, "node " + std::to_string(i)});
