@@ -49,7 +49,7 @@ void setPanelFont(float scale, const PanelLetters& letters) {
   style.WindowRounding = 5;
   style.WindowBorderSize = 0;
   style.FrameRounding = 3;
-  style.ScrollbarSize = 9;
+  style.ScrollbarSize = 6;
   style.ScaleAllSizes(scale);
   ImGui::GetStyle() = style;
   ImGui_ImplOpenGL3_DestroyFontsTexture();

@@ -12,11 +12,12 @@ namespace lode::app {
 namespace {
 
 constexpr double kLinesAStep = 3;
+constexpr float kTolerancePx = 3;  ///< by which a window may be higher than it was reckoned to be
 
 }  // namespace
 
 void PanelScroll::limit() {
-  const float most_px = std::max(1.0f, ImGui::GetIO().DisplaySize.y - 1.5f * kPanelMarginPx);
+  const float most_px = std::max(1.0f, ImGui::GetIO().DisplaySize.y - 2 * kPanelMarginPx + kTolerancePx);
   ImGui::SetNextWindowSizeConstraints({0, 0}, {std::numeric_limits<float>::max(), most_px});
 }
 
