@@ -69,6 +69,8 @@ class MeshResidency {
 
   /// Another budget from now on; what is drawn stays.
   void setBudget(uint64_t bytes) noexcept;
+  /// See ResidencyOptions.
+  void setSpare(uint64_t bytes) noexcept { options_.spare_bytes = bytes; }
   /// The newest cuts. They are begun when a region of those under way has taken its place, however fast newer
   /// ones follow; much coarser ones at once.
   void show(std::shared_ptr<const core::PlacedCuts> cuts) { newest_ = std::move(cuts); }

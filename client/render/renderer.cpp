@@ -99,6 +99,12 @@ Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
   mesh_array_ = makeMeshArray(states_buffer_);
 }
 
+void Renderer::setMemory(const ResidencyOptions& options) {
+  meshes_.setBudget(options.budget_bytes);
+  meshes_.setSpare(options.spare_bytes);
+  textures_.setBudget(options.texture_budget_bytes);
+}
+
 void Renderer::show(const std::shared_ptr<const core::Cut>& cut) {
   meshes_.show(cut);
   showTextures();

@@ -67,6 +67,9 @@ class Renderer {
   bool upToDate() const noexcept { return meshes_.upToDate() && textures_.upToDate(); }
 
   /// Decides what is drawn; see MeshResidency.
+  /// Other budgets than at the start; how it uploads stays.
+  void setMemory(const ResidencyOptions& options);
+
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
   const TextureResidency& textures() const noexcept { return textures_; }

@@ -47,6 +47,18 @@ uint32_t layersOf(uint64_t budget_bytes) {
 TextureResidency::TextureResidency(uint64_t budget_bytes, uint32_t staging_bytes)
     : cells_(layersOf(budget_bytes)), most_layers_(layersOf(budget_bytes)), staging_bytes_(staging_bytes) {}
 
+void TextureResidency::setBudget(uint64_t bytes) {
+  const uint32_t layers = layersOf(bytes);
+  if (layers == most_layers_) return;
+  most_layers_ = layers;
+  array_ = {};
+  array_layers_ = 0;
+  cut_.reset();
+  drawn_.reset();
+  waiting_.clear();
+  takeSet(nullptr);
+}
+
 /// The table: for each texture its width, height, number of levels with the tail and where the places of its
 /// levels are; those places; the pages of the tiles and of the tail, 0 for one that is not there.
 void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {

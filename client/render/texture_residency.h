@@ -30,6 +30,9 @@ class TextureResidency {
   /// @param staging_bytes  most that one frame uploads.
   explicit TextureResidency(uint64_t budget_bytes, uint32_t staging_bytes = 4 * kTileLayerBytes);
 
+  /// Another from now on: what is there goes, and comes again when a cut is shown next.
+  void setBudget(uint64_t bytes);
+
   /// @param newest  the cut whose tiles are wanted.
   /// @param drawn   the one that is drawn until the newest one's meshes are there, or null: its tiles stay
   /// until

@@ -13,7 +13,7 @@ import tempfile
 import unittest
 import urllib.request
 
-from driven_window import (BIN, HEIGHT, MIDDLE, STORE, WIDTH, Window, WindowTest, direction, lower_half, main, moved, place_of, pixels_of,
+from driven_window import (BIN, HEIGHT, MIDDLE, MODELS, STORE, WIDTH, Window, WindowTest, direction, lower_half, main, moved, place_of, pixels_of,
                            served_without_blobs, size_of)
 from processes import display, eventually, free_port, running
 
@@ -234,7 +234,7 @@ class Shown(WindowTest):
 
 class Settings(WindowTest):
     LEFT = WIDTH - 12 - 21 * 15 + 8  # where their letters begin, and the middle of a row
-    ROWS = [12 + 8 + 10 + 25 * row for row in range(7)]
+    ROWS = [12 + 8 + 10 + 25 * row for row in range(8)]
 
     def test_are_changed_by_the_mouse_which_then_does_not_move_the_camera(self):
         with self.window() as window:
@@ -258,6 +258,24 @@ class Settings(WindowTest):
             window.move((20, HEIGHT - 20))
             turned = window.recorded(lambda: window.drag((20, HEIGHT - 60), (80, HEIGHT - 60)))
             self.assertGreater(math.hypot(*moved(turned)), 0)
+
+    def test_give_more_memory_and_take_it_back(self):
+        with self.window(MODELS / "asteroid2m.lode", "--pixels", "0.25", "--memory-budget", "16MiB") as window:
+            window.key("h")
+            window.key("o")
+            window.picture()
+
+            def at_rest():
+                one, two = self.bare(window), self.bare(window)
+                return one if one == two else None
+            coarse = eventually(at_rest)
+            window.click((self.LEFT + 130, self.ROWS[7]))
+            window.picture()
+            eventually(lambda: self.bare(window) != coarse)
+            fine = eventually(at_rest)
+            window.click((self.LEFT + 5, self.ROWS[7]))
+            window.picture()
+            eventually(lambda: self.bare(window) != fine)
 
     @staticmethod
     def bare(window):

@@ -47,6 +47,8 @@ class Exhibit {
   /// What a first camera is made of.
   virtual core::Framing framing() const = 0;
 
+  /// Another budget from now on, of all its streams and of what is on the GPU together.
+  virtual void setMemory(uint64_t budget_bytes) = 0;
   /// Asks for what this camera needs, and takes what has come.
   virtual void look(const core::View& view, float threshold_px) = 0;
   /// About the view last looked from; of several streams what they say together. The cut of a scene has no

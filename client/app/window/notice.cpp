@@ -32,9 +32,13 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
             "no connection: " + status.trouble + "\nThe picture stays; it connects again by itself."};
   if (on_gpu == OnGpu::kFull)
     return {kTrouble,
-            "no room on the GPU for more detail: allow more with --memory-budget, or a larger error (-)"};
+            "no room on the GPU for more detail: allow more in the settings (O) or with --memory-budget, or "
+            "a larger "
+            "error (-)"};
   if (status.settled && status.limited && on_gpu == OnGpu::kAll)
-    return {kTrouble, "the memory budget allows no more detail: allow more with --memory-budget"};
+    return {
+        kTrouble,
+        "the memory budget allows no more detail: allow more in the settings (O) or with --memory-budget"};
   if (!offline) return {};
   const bool is_all_there = status.cut && status.cut->converged;
   if (status.settled && !is_all_there)

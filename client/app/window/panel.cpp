@@ -330,7 +330,7 @@ void Panel::layOut(const PanelContent& content) {
   covered_.reset();
   if (content.shows_settings && content.is_open) {
     Settings settings = content.settings;
-    covered_ = drawSettings(content, kPanelMarginPx, settings);
+    covered_ = drawSettings(kPanelMarginPx, settings);
     if (settings != content.settings) changed_ = settings;
   }
   if (content.help)

@@ -14,15 +14,17 @@ constexpr float kSettingsEm = 21, kSliderEm = 9;
 constexpr ImGuiSliderFlags kEven = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
 constexpr ImGuiSliderFlags kByOctaves = kEven | ImGuiSliderFlags_Logarithmic;
 
-void drawMemory(const PanelContent& content) {
-  ImGui::TextDisabled("memory: %s and on the GPU %s; --memory-budget is for both",
-                      describeBytes(content.resident_budget_bytes).c_str(),
-                      describeBytes(content.gpu_budget_bytes).c_str());
+void drawMemory(uint64_t& memory_bytes) {
+  auto step = static_cast<int>(memoryStepAt(memory_bytes));
+  if (ImGui::SliderInt("memory", &step, 0, kMemorySteps.size() - 1, describeBytes(memory_bytes).c_str(),
+                       kEven))
+    memory_bytes = kMemorySteps[static_cast<size_t>(step)];
+  ImGui::TextDisabled("half of it on the GPU; --memory-budget is what it begins with");
 }
 
 }  // namespace
 
-Covered drawSettings(const PanelContent& content, float margin_px, Settings& settings) {
+Covered drawSettings(float margin_px, Settings& settings) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const float em = ImGui::GetFontSize();
   const float width_px = std::min(kSettingsEm * em, std::max(1.0f, display.x - 2 * margin_px));
@@ -46,7 +48,7 @@ Covered drawSettings(const PanelContent& content, float margin_px, Settings& set
   ImGui::BeginDisabled(settings.fixes_threshold);
   ImGui::SliderFloat("frames a second", &settings.fps, kLeastFps, kLargestFps, "%.0f", kByOctaves);
   ImGui::EndDisabled();
-  drawMemory(content);
+  drawMemory(settings.memory_bytes);
   ImGui::TextDisabled("O closes this");
   ImGui::PopTextWrapPos();
   ImGui::PopItemWidth();

@@ -4,7 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "client/app/window/panel_content.h"
+#include "client/app/window/settings.h"
 
 namespace lode::app {
 
@@ -18,6 +18,6 @@ struct Covered {
 };
 
 /// The settings at the top right. @param settings  changed as the user does. @return where they are.
-Covered drawSettings(const PanelContent& content, float margin_px, Settings& settings);
+Covered drawSettings(float margin_px, Settings& settings);
 
 }  // namespace lode::app

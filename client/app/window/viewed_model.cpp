@@ -30,6 +30,12 @@ Exhibit::Opening ViewedModel::open() {
   return {progress_.phase, progress_.part, progress_.streamer != nullptr, progress_.error};
 }
 
+void ViewedModel::setMemory(uint64_t budget_bytes) {
+  const render::MemoryShares memory = render::shareMemory(budget_bytes);
+  progress_.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
+  renderer_.setMemory(memory.gpu);
+}
+
 void ViewedModel::look(const core::View& view, float threshold_px) {
   progress_.streamer->setView(view, threshold_px);
   status_ = progress_.streamer->status();

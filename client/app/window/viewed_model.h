@@ -20,6 +20,7 @@ class ViewedModel : public Exhibit {
   const ModelSummary& summary() const override { return *progress_.model; }
   std::vector<std::string> warnings() const override { return progress_.warnings; }
   core::Framing framing() const override { return progress_.framing; }
+  void setMemory(uint64_t budget_bytes) override;
   void look(const core::View& view, float threshold_px) override;
   const stream::StreamStatus& status() const override { return status_; }
   void uploadInRenderThread() override;

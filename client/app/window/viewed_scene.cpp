@@ -112,6 +112,17 @@ core::View ViewedScene::inScene(const core::View& view) const {
   return in_scene;
 }
 
+void ViewedScene::setMemory(uint64_t budget_bytes) {
+  memory_ = SceneMemory(budget_bytes, models_.size());
+  gpu_budget_bytes_ = 0;
+  for (const auto& model : models_) {
+    const render::ResidencyOptions gpu = render::shareMemory(memory_.parts()[model->number]).gpu;
+    model->renderer.setMemory(gpu);
+    gpu_budget_bytes_ += gpu.budget_bytes;
+    if (model->isOpen()) giveMemory(*model);
+  }
+}
+
 void ViewedScene::look(const core::View& view, float threshold_px) {
   takeLate();
   const core::View scene_view = inScene(view);

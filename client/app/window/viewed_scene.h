@@ -30,6 +30,7 @@ class ViewedScene : public Exhibit {
   std::vector<std::string> missing() const override;
   bool saysWhatIsUp() const override { return true; }
   core::Framing framing() const override { return framing_; }
+  void setMemory(uint64_t budget_bytes) override;
   void look(const core::View& view, float threshold_px) override;
   const stream::StreamStatus& status() const override { return status_; }
   void uploadInRenderThread() override;

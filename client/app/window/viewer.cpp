@@ -8,7 +8,6 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/window/lost_sight.h"
 #include "client/app/window/named_exhibit.h"
-#include "client/render/memory_shares.h"
 #include "common/error.h"
 #include "common/one_line.h"
 
@@ -46,11 +45,7 @@ Viewer::Viewer(const ViewOptions& options)
   content_.title = options.common.target;
   if (options.laps > 0) pilot_.emplace(options, wanted_path_);
   content_.help = isForAPerson() && first_start_.isHelpDue();
-  const render::MemoryShares memory = render::shareMemory(options.common.streamOptions().memory_budget_bytes);
-  content_.resident_budget_bytes = memory.stream_bytes;
-  content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
-                              render::StagingRing::kSegments *
-                                  (uint64_t{memory.gpu.staging_bytes} + memory.gpu.texture_staging_bytes);
+  noteMemory(options.common.streamOptions().memory_budget_bytes);
 }
 
 bool Viewer::run() {

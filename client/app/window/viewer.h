@@ -74,6 +74,7 @@ class Viewer {
   bool darkensHollows() const;
   Settings settings() const;
   void apply(const Settings& wanted);
+  void noteMemory(uint64_t budget_bytes);
   bool isQuick() const;
   core::View drawnView() const;
   float drawnThresholdPx() const;
@@ -120,6 +121,7 @@ class Viewer {
   std::optional<Pilot> pilot_;  ///< of --laps
   render::DrawStyle style_;
   ShowSwitch show_;
+  uint64_t memory_bytes_ = 0;
   bool fades_ = options_.common.fade;
   /// It costs about as much in every frame, which no threshold makes up for where the processor draws.
   bool darkens_hollows_ = !draws_in_software_;

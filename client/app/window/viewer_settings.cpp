@@ -1,6 +1,8 @@
 #include <utility>
 
 #include "client/app/window/viewer.h"
+#include "client/render/memory_shares.h"
+#include "client/render/staging_ring.h"
 
 /// What the mouse does over the panel and the settings.
 namespace lode::app {
@@ -20,7 +22,8 @@ Settings Viewer::settings() const {
           .exposure = style_.exposure,
           .fixes_threshold = pacing_.isFixed(),
           .threshold_px = pacing_.thresholdPx(),
-          .fps = static_cast<float>(pacing_.fps())};
+          .fps = static_cast<float>(pacing_.fps()),
+          .memory_bytes = memory_bytes_};
 }
 
 /// What differs, so that what is beyond the reach of the settings stays.
@@ -33,6 +36,18 @@ void Viewer::apply(const Settings& wanted) {
   if (wanted.fixes_threshold != now.fixes_threshold) pacing_.fix(wanted.fixes_threshold);
   if (wanted.threshold_px != now.threshold_px) pacing_.setThreshold(wanted.threshold_px);
   if (wanted.fps != now.fps) pacing_.setRate(wanted.fps);
+  if (wanted.memory_bytes == now.memory_bytes) return;
+  exhibit_->setMemory(wanted.memory_bytes);
+  noteMemory(wanted.memory_bytes);
+}
+
+void Viewer::noteMemory(uint64_t budget_bytes) {
+  memory_bytes_ = budget_bytes;
+  const render::MemoryShares memory = render::shareMemory(budget_bytes);
+  content_.resident_budget_bytes = memory.stream_bytes;
+  content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
+                              render::StagingRing::kSegments *
+                                  (uint64_t{memory.gpu.staging_bytes} + memory.gpu.texture_staging_bytes);
 }
 
 }  // namespace lode::app

@@ -417,5 +417,24 @@ TEST_F(TexturedSquare, staysWithinItsMemoryAndShowsWhatFits) {
   EXPECT_LT(residency.tileCount(), tiles_.size());
 }
 
+TEST_F(TexturedSquare, hasMoreOrFewerTilesWithAnotherMemory) {
+  wear({2048, 2048, checkered});
+  render::TextureResidency residency(4 * uint64_t{render::kTileLayerBytes});
+  auto cut = std::make_shared<core::Cut>();
+  cut->textures = set_;
+  cut->tiles = tiles_;
+  const auto tilesWithin = [&](uint64_t layers) {
+    residency.setBudget(layers * render::kTileLayerBytes);
+    residency.show(cut);
+    residency.uploadInRenderThread({.wait = true});
+    EXPECT_TRUE(residency.upToDate());
+    EXPECT_LE(residency.bytes(), layers * render::kTileLayerBytes);
+    return residency.tileCount();
+  };
+  const size_t few = tilesWithin(4);
+  EXPECT_EQ(tilesWithin(64), tiles_.size());
+  EXPECT_EQ(tilesWithin(4), few);
+}
+
 }  // namespace
 }  // namespace lode::test
