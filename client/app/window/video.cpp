@@ -30,7 +30,8 @@ void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path&
   const Unfinished until_it_has_its_name(unfinished);
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", fps);
-  // What most players take: halved colours, which want even sides.
+  // What most players take: halved colours, which want even sides, in the matrix that is said beside them:
+  // what is not said players guess by the picture's size.
   ChildProcess encoder(ffmpeg,
                        {"-y",
                         "-loglevel",
@@ -40,13 +41,21 @@ void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path&
                         "-i",
                         frames / "frame_%06d.png",
                         "-vf",
-                        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                        "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
                         "-c:v",
                         "libx264",
                         "-crf",
                         "18",
                         "-pix_fmt",
                         "yuv420p",
+                        "-colorspace",
+                        "bt709",
+                        "-color_primaries",
+                        "bt709",
+                        "-color_trc",
+                        "bt709",
+                        "-color_range",
+                        "tv",
                         "-movflags",
                         "+faststart",
                         "-f",

@@ -1,10 +1,15 @@
 #include "client/app/window/video.h"
 
+#include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "client/app/cli/child_process.h"
 #include "common/error.h"
 #include "tests/support/work_folder.h"
 
@@ -55,6 +60,35 @@ TEST(Video, isMadeOfAFoldersFramesAtTheirRate) {
   EXPECT_NE(arguments.find("-framerate 29.97 -i " + (work / "frames").string() + "/frame_%06d.png"),
             std::string::npos)
       << arguments;
+}
+
+TEST(Video, hasTheColoursOfItsFramesAndSaysInWhichMatrix) {
+  fs::path ffmpeg;
+  try {
+    const char* const search_path = std::getenv("PATH");
+    ffmpeg = findFfmpeg(search_path != nullptr ? search_path : "");
+  } catch (const Error& error) {
+    GTEST_SKIP() << error.what();
+  }
+  const test::WorkFolder work;
+  const auto run = [&](const std::vector<std::string>& arguments) {
+    ChildProcess program(ffmpeg, arguments, ChildProcess::Messages::kKeep);
+    EXPECT_EQ(program.wait(), 0) << program.lastMessage();
+  };
+  run({"-loglevel", "error", "-f", "lavfi", "-i", "color=0x20a040:size=64x64,format=rgb24", "-frames:v", "2",
+       work / "frame_%06d.png"});
+  makeVideo(ffmpeg, work.path(), 30, work / "out.mp4");
+  run({"-loglevel", "error", "-i", work / "out.mp4", "-frames:v", "1", "-f", "rawvideo", "-pix_fmt", "rgb24",
+       work / "said"});
+  run({"-loglevel", "error", "-i", work / "out.mp4", "-frames:v", "1", "-vf", "scale=in_color_matrix=bt709",
+       "-f", "rawvideo", "-pix_fmt", "rgb24", work / "guessed"});
+  for (const char* const file : {"said", "guessed"}) {
+    const std::string pixels = contentOf(work / file);
+    ASSERT_EQ(pixels.size(), 3u * 64 * 64);
+    EXPECT_NEAR(static_cast<uint8_t>(pixels[0]), 0x20, 3) << file;
+    EXPECT_NEAR(static_cast<uint8_t>(pixels[1]), 0xa0, 3) << file;
+    EXPECT_NEAR(static_cast<uint8_t>(pixels[2]), 0x40, 3) << file;
+  }
 }
 
 TEST(Video, leavesNothingBehindWhereFfmpegFailsAndSaysWhy) {
