@@ -32,7 +32,7 @@ def picks(window):
 
 
 def walk(window):
-    window.move((640, 250))
+    window.move((812, 266))
     for _ in range(2):
         window.key("Tab")
         time.sleep(1)
