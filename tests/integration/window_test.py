@@ -259,6 +259,15 @@ class Settings(WindowTest):
             turned = window.recorded(lambda: window.drag((20, HEIGHT - 60), (80, HEIGHT - 60)))
             self.assertGreater(math.hypot(*moved(turned)), 0)
 
+    def test_are_opened_and_closed_within_one_frame(self):
+        with self.window() as window:
+            window.key("h")
+            closed = lower_half(window.picture())
+            with window.one_frame():
+                for _ in range(2):
+                    window.key("o")
+            self.assertEqual(lower_half(window.picture()), closed)
+
     def test_give_more_memory_and_take_it_back(self):
         with self.window(MODELS / "asteroid2m.lode", "--pixels", "0.25", "--memory-budget", "16MiB") as window:
             window.key("h")

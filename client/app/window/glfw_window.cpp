@@ -133,19 +133,19 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       pending_.next_axis = true;
       break;
     case GLFW_KEY_F:
-      pending_.toggle_wireframe = true;
+      pending_.toggle_wireframe = !pending_.toggle_wireframe;  // two presses within a frame cancel out
       break;
     case GLFW_KEY_V:
       pending_.next_show += (modifiers & GLFW_MOD_SHIFT) != 0 ? -1 : 1;
       break;
     case GLFW_KEY_O:
-      pending_.toggle_settings = true;
+      pending_.toggle_settings = !pending_.toggle_settings;
       break;
     case GLFW_KEY_F1:
       pending_.toggle_help = true;
       break;
     case GLFW_KEY_H:
-      pending_.toggle_panel = true;
+      pending_.toggle_panel = !pending_.toggle_panel;
       break;
     case GLFW_KEY_F12:
       pending_.screenshot = true;
