@@ -42,7 +42,7 @@ class FarthestInTriangle {
   void look(const std::array<PointBeside, 3>& corners) {
     for (const PointBeside& corner : corners) note(corner);
     Part whole{corners, {}, 0};
-    if (isBoundedBySize(corners) || isBoundedBesideOne(whole) || isBoundedByChains(whole)) return;
+    if (isBoundedByChains(corners) || isBoundedBySize(corners) || isBoundedBesideOne(whole)) return;
     std::array<Part, kMostCuts + 1> parts;
     size_t count = 0;
     parts[count++] = whole;
@@ -71,8 +71,10 @@ class FarthestInTriangle {
   /// Distances of each corner of a part from each corner's triangle of the surface.
   using Distances = std::array<std::array<float, 3>, 3>;
 
+  using Corners = std::array<PointBeside, 3>;
+
   struct Part {
-    std::array<PointBeside, 3> corners;
+    Corners corners;
     Distances from;
     int cuts;
   };
@@ -143,9 +145,9 @@ class FarthestInTriangle {
   }
 
   /// The ends of a side, and the corner opposite to it.
-  static std::tuple<const PointBeside&, const PointBeside&, const PointBeside&> cornersFrom(const Part& part,
-                                                                                            size_t k) {
-    return {part.corners[k], part.corners[(k + 1) % 3], part.corners[(k + 2) % 3]};
+  static std::tuple<const PointBeside&, const PointBeside&, const PointBeside&> cornersFrom(
+      const Corners& corners, size_t k) {
+    return {corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]};
   }
 
   void note(const PointBeside& point) {
@@ -157,7 +159,7 @@ class FarthestInTriangle {
   /// What is not farther need not be cut.
   float limit() const { return std::max(enough_, kPrecision * largest_); }
 
-  bool isBoundedBySize(const std::array<PointBeside, 3>& corners) const {
+  bool isBoundedBySize(const Corners& corners) const {
     const auto& [a, b, c] = corners;
     const float high = std::max({a.distance, b.distance, c.distance});
     const float longest =
@@ -172,7 +174,7 @@ class FarthestInTriangle {
 
   bool isBounded(const Part& part) const {
     return isNear(part, 0) || isNear(part, 1) || isNear(part, 2) || part.cuts == kMostCuts ||
-           (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChains(part)));
+           (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChains(part.corners)));
   }
 
   /// Whether a chain of the surface's triangles is near all of a part: from one corner's triangle to
@@ -180,42 +182,43 @@ class FarthestInTriangle {
   /// What lies between the places there of one edge and of the next is as near to the triangle between these,
   /// as the distance from that is convex; so is a corner that it is near to. Above a vertex no chain is:
   /// there chains go around it along all three sides, each past one place, which parts the part in three.
-  bool isBoundedByChains(const Part& part) const {
-    const size_t first = sideToBeginWith(part.from);
+  bool isBoundedByChains(const Corners& corners) const {
+    const size_t first = sideToBeginWith(corners);
     std::array<TriangleChain, 3> along;
     bool are_all_found = true;
     for (const size_t k : {first, (first + 1) % 3, (first + 2) % 3}) {
-      const auto& [from, to, third] = cornersFrom(part, k);
+      const auto& [from, to, third] = cornersFrom(corners, k);
       if (!surface_.chainAlong({from.at, to.at}, from.triangle, to.triangle, limit() * limit(), along[k]))
         are_all_found = false;
       else if (along[k].edge_count > 0 && passes(along[k], from.at, third, to.at))
         return true;
     }
-    return are_all_found && isBoundedAround(placeAmid(part, along), part, along);
+    return are_all_found && isBoundedAround(placeAmid(corners, along), corners, along);
   }
 
-  bool isBoundedAround(glm::vec3 place, const Part& part, const std::array<TriangleChain, 3>& along) const {
+  bool isBoundedAround(glm::vec3 place, const Corners& corners,
+                       const std::array<TriangleChain, 3>& along) const {
     for (size_t k = 0; k < 3; ++k) {
-      const auto& [from, to, third] = cornersFrom(part, k);
+      const auto& [from, to, third] = cornersFrom(corners, k);
       if (!passes(along[k], from.at, {place, 0, kNoTriangle}, to.at)) return false;
     }
     return true;
   }
 
   /// Of a part, what is nearest to a vertex that several chains go around.
-  static glm::vec3 placeAmid(const Part& part, const std::array<TriangleChain, 3>& along) {
+  static glm::vec3 placeAmid(const Corners& corners, const std::array<TriangleChain, 3>& along) {
     const TriangleChain& longest = *std::max_element(
         along.begin(), along.end(),
         [](const TriangleChain& a, const TriangleChain& b) { return a.edge_count < b.edge_count; });
-    const glm::vec3 a = part.corners[0].at;
+    const glm::vec3 a = corners[0].at;
     if (longest.edge_count == 0) return a;
-    const TriangleSides sides(part.corners[1].at - a, part.corners[2].at - a);
+    const TriangleSides sides(corners[1].at - a, corners[2].at - a);
     glm::vec3 nearest = a;
     float least = std::numeric_limits<float>::infinity();
     const size_t middle = longest.edge_count / 2;
     for (const Four end : {longest.from[middle], longest.to[middle]}) {
       const glm::vec3 vertex(end[0], end[1], end[2]);
-      const glm::vec2 shares = nearestInTriangle(vertex - a, sides);
+      const glm::vec2 shares = nearestInTriangle(vertex - a, sides).shares;
       const glm::vec3 place = a + shares.x * sides.ab + shares.y * sides.ac, away = vertex - place;
       if (glm::dot(away, away) >= least) continue;
       least = glm::dot(away, away);
@@ -224,16 +227,14 @@ class FarthestInTriangle {
     return nearest;
   }
 
-  /// The one that a chain along it is likeliest to pass: the third corner is nearest to an end's triangle.
-  static size_t sideToBeginWith(const Distances& from) {
-    const auto ofThird = [&](size_t k) {
-      const std::array<float, 3>& third = from[(k + 2) % 3];
-      return std::min(third[k], third[(k + 1) % 3]);
-    };
-    size_t first = 0;
-    for (size_t k = 1; k < 3; ++k)
-      if (ofThird(k) < ofThird(first)) first = k;
-    return first;
+  /// The one that a chain along it is likeliest to pass: where two corners are beside one triangle, one that
+  /// leads from there.
+  static size_t sideToBeginWith(const Corners& corners) {
+    for (size_t k = 0; k < 3; ++k) {
+      const auto& [from, to, third] = cornersFrom(corners, k);
+      if (third.triangle == from.triangle || third.triangle == to.triangle) return k;
+    }
+    return 0;
   }
 
   /// How many edges a chain has before its own triangle beside a point, or one that is near it; more than all

@@ -119,6 +119,7 @@ class Measurement {
     const glm::u32vec3 at = cornersOf(triangle);
     float high = std::max({of_vertex_[at.x], of_vertex_[at.y], of_vertex_[at.z]});
     for (int k = 0; k < 3; ++k) high = std::max(high, lookAlong({at[k], at[(k + 1) % 3]}, triangle, steps));
+    if (steps < 3) return high;  // no point is inside
     forEachPoint(at, steps, [&](glm::vec3 point, bool is_inside, uint32_t& near) {
       if (is_inside) high = std::max(high, measureOn(triangle, point, near, kWorthInRung * largest_));
     });

@@ -106,22 +106,14 @@ SurfaceWalk::Place SurfaceWalk::placeOf(glm::vec3 point, uint32_t start) const n
   if (const std::optional<Place> above = placeAround(point, start)) return *above;
   const Nearest nearest = walk(point, start, 0);
   const PackedTriangle& t = triangles_[nearest.triangle];
-  const glm::vec2 shares =
-      nearestInTriangle(point - vectorOf(t.a()), TriangleSides(vectorOf(t.ab()), vectorOf(t.ac())));
+  const TriangleSides sides(vectorOf(t.ab()), vectorOf(t.ac()));
+  const glm::vec2 shares = nearestInTriangle(point - vectorOf(t.a()), sides).shares;
   return {nearest.triangle, {1 - shares.x - shares.y, shares}, std::sqrt(nearest.squared)};
 }
 
 SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
   const uint32_t first = around_[begin_[position]];
   return {first, glm::vec3(glm::equal(corners_[first], glm::u32vec3(position))), 0};
-}
-
-/// Four of those around a position; where it has no more, the last again.
-FourTriangles SurfaceWalk::trianglesFrom(uint32_t begin, uint32_t end) const noexcept {
-  const auto at = [&](uint32_t i) -> const PackedTriangle& {
-    return triangles_[around_[std::min(begin + i, end - 1)]];
-  };
-  return {at(0), at(1), at(2), at(3)};
 }
 
 /// Most points lie above a triangle around the start; edges and corners then need no look, unless the
@@ -156,6 +148,8 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
 
 SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept {
   Nearest best{std::numeric_limits<float>::infinity(), 0};
+  if (enough_squared > 0) lookAbove(point, start, enough_squared, best);
+  if (best.squared <= enough_squared) return best;
   lookAround(point, start, enough_squared, best);
   if (std::isinf(best.squared)) return best;
   glm::u32vec3 done(start);  // corners that have been looked around
@@ -244,6 +238,23 @@ void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_sq
     if (enough == 0 && !(least < best.squared)) continue;
     const auto first = static_cast<uint32_t>(std::countr_zero(enough != 0 ? enough : bitsOf(found == least)));
     best = {found[first], around_[i + first]};
+  }
+}
+
+/// As lookAround(), but only until a triangle is found that the point lies above and is near enough to: that
+/// Looks for a triangle around a position that the point lies above and is near enough to. Most walks end so,
+/// in a third of the time that distances from all take.
+void SurfaceWalk::lookAbove(glm::vec3 point, uint32_t position, float enough_squared,
+                            Nearest& best) const noexcept {
+  const FourVectors points(point);
+  const uint32_t end = begin_[position + 1];
+  for (uint32_t i = begin_[position]; i < end; i += 4) {
+    const Four found = trianglesFrom(i, end).squaredHeights(points);
+    const unsigned enough = bitsOf(found <= enough_squared);
+    if (enough == 0) continue;
+    const auto first = static_cast<uint32_t>(std::countr_zero(enough));
+    best = {found[first], around_[i + first]};
+    return;
   }
 }
 

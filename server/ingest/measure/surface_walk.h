@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -64,10 +65,17 @@ class SurfaceWalk {
   Nearest walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept;
   std::optional<Place> placeAround(glm::vec3 point, uint32_t position) const noexcept;
   void lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
-  FourTriangles trianglesFrom(uint32_t begin, uint32_t end) const noexcept;
+  /// Four of those around a position; where it has no more, the last again.
+  FourTriangles trianglesFrom(uint32_t begin, uint32_t end) const noexcept {
+    const auto at = [&](uint32_t i) -> const PackedTriangle& {
+      return triangles_[around_[std::min(begin + i, end - 1)]];
+    };
+    return {at(0), at(1), at(2), at(3)};
+  }
   /// Another triangle that has both positions; the given one if there is none.
   uint32_t beyond(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
+  void lookAbove(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;
   void lookAround(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;
 
   float longest_edge_ = 0;

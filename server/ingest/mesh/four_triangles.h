@@ -53,6 +53,9 @@ class FourTriangles {
   /// to the bit.
   Four squaredDistances(const FourVectors& points) const noexcept;
 
+  /// The same where the point lies above the triangle; infinity elsewhere.
+  Four squaredHeights(const FourVectors& points) const noexcept;
+
   const FourVectors& a() const noexcept { return a_; }
   const FourVectors& ab() const noexcept { return ab_; }
   const FourVectors& ac() const noexcept { return ac_; }
@@ -74,45 +77,31 @@ class FourTriangles {
   Four ab_ab_, ab_ac_, ac_ac_;
 };
 
-/// The cases of nearestInTriangle() from the last to the first, each in the place of those before.
 inline Four FourTriangles::squaredDistances(const FourVectors& points) const noexcept {
-  const Four zero{}, one = fourOf(1);
-  const FourVectors ap = points - a_;
+  const FourVectors ap = points - a_, bp = ap - ab_, bc = ac_ - ab_;
   const Four d1 = dot(ab_, ap), d2 = dot(ac_, ap), d3 = d1 - ab_ab_, d4 = d2 - ab_ac_, d5 = d1 - ab_ac_,
              d6 = d2 - ac_ac_;
-  const Four vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, sum = va + vb + vc;
-  const Four to_b = ab_ab_ - 2 * d1, to_c = ac_ac_ - 2 * d2;
-
-  const auto inside = sum > 0;
-  const auto at_b = to_b <= to_c, at_a = (to_b >= 0) & (to_c >= 0);
-  Four of_b = inside ? vb : at_a ? zero : at_b ? one : zero;
-  Four of_c = inside ? vc : at_a ? zero : at_b ? zero : one;
-  Four all = inside ? sum : one;
-  const auto set = [&](auto where, Four b, Four c, Four whole) {
-    of_b = where ? b : of_b;
-    of_c = where ? c : of_c;
-    all = where ? whole : all;
+  const auto fromEdge = [](const FourVectors& from_end, const FourVectors& edge, Four part, Four whole) {
+    const FourVectors away = from_end - smaller(larger(part / whole, Four{}), fourOf(1)) * edge;
+    return dot(away, away);
   };
-  const Four from_b = d4 - d3, from_c = d5 - d6;
-  auto between = (va <= 0) & (from_b >= 0) & (from_c >= 0);
-  set(between, zero, from_b, from_b + from_c);
-  const auto beside_ac = (vb <= 0) & (d2 >= 0) & (d6 <= 0);
-  set(beside_ac, zero, d2, d2 - d6);
-  const auto beside_c = (d6 >= 0) & (d5 <= d6);
-  set(beside_c, zero, one, one);
-  const auto beside_ab = (vc <= 0) & (d1 >= 0) & (d3 <= 0);
-  set(beside_ab, d1, zero, d1 - d3);
-  const auto beside_b = (d3 >= 0) & (d4 <= d3);
-  set(beside_b, one, zero, one);
-  const auto beside_a = (d1 <= 0) & (d2 <= 0);
-  set(beside_a, zero, zero, one);
-  between &= ~(beside_ac | beside_c | beside_ab | beside_b | beside_a);
+  const Four least =
+      smaller(fromEdge(ap, ab_, d1, ab_ab_),
+              smaller(fromEdge(ap, ac_, d2, ac_ac_), fromEdge(bp, bc, d4 - d3, (d4 - d3) + (d5 - d6))));
+  const Four vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, sum = va + vb + vc;
+  const FourVectors away = ap - ((vb / sum) * ab_ + (vc / sum) * ac_);
+  const auto is_above = (va > 0) & (vb > 0) & (vc > 0);
+  return is_above ? dot(away, away) : least;
+}
 
-  const Four share_c = of_c / all, share_b = between ? one - share_c : of_b / all;
-  const FourVectors away{ap.x - (share_b * ab_.x + share_c * ac_.x),
-                         ap.y - (share_b * ab_.y + share_c * ac_.y),
-                         ap.z - (share_b * ab_.z + share_c * ac_.z)};
-  return dot(away, away);
+inline Four FourTriangles::squaredHeights(const FourVectors& points) const noexcept {
+  const FourVectors ap = points - a_;
+  const Four to_b = dot(ab_, ap), to_c = dot(ac_, ap);
+  const Four of_b = ac_ac_ * to_b - ab_ac_ * to_c, of_c = ab_ab_ * to_c - ab_ac_ * to_b,
+             all = ab_ab_ * ac_ac_ - ab_ac_ * ab_ac_;
+  const FourVectors away = ap - (of_b * ab_ + of_c * ac_) / all;
+  const auto is_above = (of_b >= 0) & (of_c >= 0) & (of_b + of_c <= all) & (all > 0);
+  return is_above ? dot(away, away) : fourOf(std::numeric_limits<float>::infinity());
 }
 
 }  // namespace lode::ingest

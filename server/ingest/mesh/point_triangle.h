@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include <glm/glm.hpp>
 
@@ -18,36 +19,44 @@ struct TriangleSides {
   float ab_ab, ab_ac, ac_ac;
 };
 
-/// The place of a triangle that is nearest to a point: the shares of ab and of ac.
+/// A place of a triangle: the shares of ab and of ac, and the square of a point's distance from it.
+struct PlaceInTriangle {
+  glm::vec2 shares;
+  float squared;
+};
+
+/// The nearest to a point: inside, if it lies above the triangle, else the nearest of those on the edges.
 /// @param ap  from a to the point.
-/// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5.
-inline glm::vec2 nearestInTriangle(glm::vec3 ap, const TriangleSides& sides) noexcept {
-  const float d1 = glm::dot(sides.ab, ap), d2 = glm::dot(sides.ac, ap);
-  if (d1 <= 0 && d2 <= 0) return {0, 0};
-  const float d3 = d1 - sides.ab_ab, d4 = d2 - sides.ab_ac;
-  if (d3 >= 0 && d4 <= d3) return {1, 0};
-  const float vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {d1 / (d1 - d3), 0};
-  const float d5 = d1 - sides.ab_ac, d6 = d2 - sides.ac_ac;
-  if (d6 >= 0 && d5 <= d6) return {0, 1};
-  const float vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {0, d2 / (d2 - d6)};
-  const float va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const float share = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {1 - share, share};
+/// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5, for its products.
+inline PlaceInTriangle nearestInTriangle(glm::vec3 ap, const TriangleSides& sides) noexcept {
+  const float d1 = glm::dot(sides.ab, ap), d2 = glm::dot(sides.ac, ap), d3 = d1 - sides.ab_ab,
+              d4 = d2 - sides.ab_ac, d5 = d1 - sides.ab_ac, d6 = d2 - sides.ac_ac;
+  const float vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, sum = va + vb + vc;
+  if (va > 0 && vb > 0 && vc > 0) {
+    const glm::vec2 shares(vb / sum, vc / sum);
+    const glm::vec3 away = ap - (shares.x * sides.ab + shares.y * sides.ac);
+    return {shares, glm::dot(away, away)};
   }
-  const float sum = va + vb + vc;
-  if (sum > 0) return {vb / sum, vc / sum};
-  const float to_b = sides.ab_ab - 2 * d1, to_c = sides.ac_ac - 2 * d2;  // squared, less that to a
-  return to_b >= 0 && to_c >= 0 ? glm::vec2(0, 0) : to_b <= to_c ? glm::vec2(1, 0) : glm::vec2(0, 1);
+  PlaceInTriangle nearest{{}, std::numeric_limits<float>::infinity()};
+  const auto offer = [&](glm::vec2 shares, glm::vec3 away) {
+    const float squared = glm::dot(away, away);
+    if (squared < nearest.squared) nearest = {shares, squared};
+  };
+  const auto shareOf = [](float part, float whole) {
+    const float share = part / whole;
+    return share > 0 ? std::min(share, 1.f) : 0.f;
+  };
+  const float on_ab = shareOf(d1, sides.ab_ab), on_ac = shareOf(d2, sides.ac_ac),
+              on_bc = shareOf(d4 - d3, (d4 - d3) + (d5 - d6));
+  offer({on_ab, 0}, ap - on_ab * sides.ab);
+  offer({0, on_ac}, ap - on_ac * sides.ac);
+  offer({1 - on_bc, on_bc}, ap - sides.ab - on_bc * (sides.ac - sides.ab));
+  return nearest;
 }
 
 /// Square of the distance from a point to a triangle; see nearestInTriangle().
 inline float squaredDistanceToTriangle(glm::vec3 ap, const TriangleSides& sides) noexcept {
-  const glm::vec2 shares = nearestInTriangle(ap, sides);
-  const glm::vec3 away = ap - (shares.x * sides.ab + shares.y * sides.ac);
-  return glm::dot(away, away);
+  return nearestInTriangle(ap, sides).squared;
 }
 
 }  // namespace lode::ingest

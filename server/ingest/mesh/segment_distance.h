@@ -22,9 +22,7 @@ inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexc
   const Four pp = dot(along_p, along_p), qq = dot(along_q, along_q), pq = dot(along_p, along_q);
   const Four pb = dot(along_p, between), qb = dot(along_q, between);
   const auto share = [zero = Four{}, one = fourOf(1)](Four part, Four whole) {
-    const Four quotient = part / whole;
-    const Four clamped = quotient < zero ? zero : one < quotient ? one : quotient;
-    return whole > zero ? clamped : zero;
+    return whole > zero ? smaller(larger(part / whole, zero), one) : zero;
   };
   const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);  // of the lines; 0 where they are parallel
   const Four of_q = share(pq * of_p + qb, qq);

@@ -28,7 +28,7 @@ float FarPoints::look(const EdgeSurroundings& around, glm::dvec3 to) {
     const FourTriangles triangles(FourVectors{}, sides.a - apex, sides.b - apex);
     for (Point& point : points_) {
       const Four found = triangles.squaredDistances(FourVectors(point.at) - apex);
-      point.least = found < point.least ? found : point.least;
+      point.least = smaller(found, point.least);
     }
   }
   for (Point& point : points_)

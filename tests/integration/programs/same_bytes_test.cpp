@@ -11,7 +11,7 @@ namespace {
 // A change that is meant to change stores changes this line: the failing test prints what it is to be. A
 // failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
 // both shows.
-constexpr const char* kSha256 = "53984e591c7e72a2098965b4e97f39e2f1cbab8fc45fda3286875a883a29faee";
+constexpr const char* kSha256 = "d5242e6414f1cf28537279ec8f44774f763d3714754acc0af9ea10d069ed639e";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
   const WorkFolder folder;

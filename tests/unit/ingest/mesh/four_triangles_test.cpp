@@ -1,6 +1,7 @@
 #include "server/ingest/mesh/four_triangles.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -65,6 +66,23 @@ TEST(FourTriangles, areAsFarToTheBitAsEachAlone) {
   RandomPlaces places;
   expectTheSameFromFourAsFromOne([&] { return places.many(); });
   expectTheSameFromFourAsFromOne([&] { return places.few(); });
+}
+
+TEST(FourTriangles, areAsHighAsTheyAreFarBelowAPointAndNowhereElse) {
+  RandomPlaces places;
+  for (int i = 0; i < 20000; ++i) {
+    const Triangle t = triangleOf([&] { return places.many(); });
+    const glm::vec3 point = places.many();
+    const FourTriangles four(t.packed(), t.packed(), t.packed(), t.packed());
+    const float height = four.squaredHeights(FourVectors(point))[0];
+    const PlaceInTriangle nearest = nearestInTriangle(point - t.a, t.sides());
+    const glm::vec2 shares = nearest.shares;
+    const bool is_above = shares.x > 0 && shares.y > 0 && shares.x + shares.y < 1;
+    EXPECT_EQ(std::isfinite(height), is_above);
+    if (is_above) {
+      EXPECT_NEAR(height, nearest.squared, 1e-3f * nearest.squared + 1e-3f);
+    }
+  }
 }
 
 TEST(FourTriangles, areNotNearerThanAnythingWhereThereIsNone) {
