@@ -90,12 +90,12 @@ float DetailMeter::stretchOf(const glm::u32vec3& t) const {
 
 void DetailMeter::add(std::span<const uint32_t> wedges, SurfaceWalk::Place place) {
   const glm::u32vec3& t = rung_.triangles[place.triangle];
+  const std::array<const Value*, 3> corners{&values_[t.x], &values_[t.y], &values_[t.z]};
   Value here;
   for (int k = 0; k < 3; ++k) {
-    const Value& corner = values_[t[k]];
-    here.colour += place.shares[k] * corner.colour;
-    here.normal += place.shares[k] * corner.normal;
-    here.texture += place.shares[k] * corner.texture;
+    if (counts_colour_) here.colour += place.shares[k] * corners[k]->colour;
+    if (counts_normal_) here.normal += place.shares[k] * corners[k]->normal;
+    if (counts_texture_) here.texture += place.shares[k] * corners[k]->texture;
   }
   const uint16_t material = rung_.wedge_attributes[t.x].material;
   Value least;
@@ -104,7 +104,10 @@ void DetailMeter::add(std::span<const uint32_t> wedges, SurfaceWalk::Place place
     const VertexAttributes& attributes = input_.wedge_attributes[wedge];
     if (attributes.material != material) continue;
     const Value value = valueOf(attributes);
-    const Value off{value.colour - here.colour, value.normal - here.normal, value.texture - here.texture};
+    Value off;
+    if (counts_colour_) off.colour = value.colour - here.colour;
+    if (counts_normal_) off.normal = value.normal - here.normal;
+    if (counts_texture_) off.texture = value.texture - here.texture;
     const float sum = wedges.size() == 1 ? 0
                                          : glm::length(off.colour) / 255 + glm::length(off.normal) +
                                                glm::length(off.texture) / 65535;
@@ -114,10 +117,10 @@ void DetailMeter::add(std::span<const uint32_t> wedges, SurfaceWalk::Place place
   }
   if (std::isinf(least_sum)) return;
   Found& found = found_[place.triangle];
-  found.colour += least.colour;
-  found.normal += least.normal;
   found.count += 1;
-  found.slide = std::max(found.slide, glm::length(least.texture));
+  if (counts_colour_) found.colour += least.colour;
+  if (counts_normal_) found.normal += least.normal;
+  if (counts_texture_) found.slide = std::max(found.slide, glm::length(least.texture));
 }
 
 float DetailMeter::size() const {

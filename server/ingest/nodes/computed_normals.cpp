@@ -1,5 +1,6 @@
 #include "server/ingest/nodes/computed_normals.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "common/cheap_normals.h"
@@ -36,7 +37,9 @@ struct NormalsByPosition {
       codes.push_back(code);
       next.push_back(kNoNormal);
     }
-    for (const uint16_t code : codes) directions.push_back(decodeOctahedral(code));
+    directions.resize(codes.size(), glm::vec3(0));
+    if (!mesh.wedge_attributes.empty())
+      std::transform(codes.begin(), codes.end(), directions.begin(), decodeOctahedral);
   }
 
   bool hasSeveral(uint32_t position) const noexcept { return next[position] != kNoNormal; }
@@ -49,12 +52,20 @@ struct NormalsByPosition {
   }
 
   std::vector<uint16_t> codes;
-  std::vector<glm::vec3> directions;
-  std::vector<uint32_t> next;      ///< another of the same position, or kNoNormal
-  std::vector<uint32_t> of_wedge;  ///< a wedge's
+  std::vector<glm::vec3> directions;  ///< 0 where the mesh has no normals
+  std::vector<uint32_t> next;         ///< another of the same position, or kNoNormal
+  std::vector<uint32_t> of_wedge;     ///< a wedge's
 };
 
-bool hasCreases(const NodeMesh& mesh) { return NormalsByPosition(mesh).codes.size() > mesh.positions.size(); }
+bool hasCreases(const NodeMesh& mesh) {
+  std::vector<uint32_t> normals(mesh.positions.size(), kNoNormal);
+  for (size_t wedge = 0; wedge < mesh.wedge_attributes.size(); ++wedge) {
+    uint32_t& normal = normals[mesh.wedge_position[wedge]];
+    if (normal == kNoNormal) normal = mesh.wedge_attributes[wedge].normal;
+    if (normal != mesh.wedge_attributes[wedge].normal) return true;
+  }
+  return false;
+}
 
 /// Whether a position has in a rung what it had in its input, to the bit.
 std::vector<bool> positionsThatKeep(const NodeMesh& rung, const NodeMesh& mesh,

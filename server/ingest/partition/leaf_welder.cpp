@@ -7,6 +7,18 @@
 
 namespace lode::ingest {
 
+namespace {
+
+void keepTrianglesAt(std::span<const uint32_t> positions, NodeMesh& mesh) {
+  std::vector<bool> is_wanted(mesh.positions.size());
+  for (const uint32_t position : positions) is_wanted[position] = true;
+  const auto is_at = [&](uint32_t wedge) -> bool { return is_wanted[mesh.wedge_position[wedge]]; };
+  std::erase_if(mesh.triangles,
+                [&](const glm::u32vec3& t) { return !is_at(t.x) && !is_at(t.y) && !is_at(t.z); });
+}
+
+}  // namespace
+
 LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, const CreaseAngle& crease,
                        unsigned threads, Sink sink)
     : attributes_(attributes),
@@ -31,7 +43,7 @@ void LeafWelder::add(uint32_t leaf, std::span<const std::byte> records) {
 
 LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> records,
                                     MeshWelder& welder) const {
-  const NodeMesh mesh = weldSoup(records, attributes_, welder);
+  NodeMesh mesh = weldSoup(records, attributes_, welder);
   Welded welded;
   welded.leaf = leaf;
   putLeaf(welded.mesh, mesh);
@@ -40,6 +52,7 @@ LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> re
   if (attributes_.has(AttributeSet::kNormal)) {
     welded.fans.assign(border.size(), {ListedFan{}});
   } else {
+    keepTrianglesAt(border, mesh);
     welded.fans = listFans(mesh, findFans(mesh, crease_), border);
   }
   return welded;
