@@ -33,8 +33,7 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
   if (on_gpu == OnGpu::kFull)
     return {kTrouble,
             "no room on the GPU for more detail: allow more in the settings (O) or with --memory-budget, or "
-            "a larger "
-            "error (-)"};
+            "a larger error (-)"};
   if (status.settled && status.limited && on_gpu == OnGpu::kAll)
     return {
         kTrouble,

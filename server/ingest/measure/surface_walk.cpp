@@ -241,7 +241,6 @@ void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_sq
   }
 }
 
-/// As lookAround(), but only until a triangle is found that the point lies above and is near enough to: that
 /// Looks for a triangle around a position that the point lies above and is near enough to. Most walks end so,
 /// in a third of the time that distances from all take.
 void SurfaceWalk::lookAbove(glm::vec3 point, uint32_t position, float enough_squared,
