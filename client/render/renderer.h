@@ -66,10 +66,10 @@ class Renderer {
   /// The newest cuts are those drawn, with all of their textures.
   bool upToDate() const noexcept { return meshes_.upToDate() && textures_.upToDate(); }
 
-  /// Decides what is drawn; see MeshResidency.
-  /// Other budgets than at the start; how it uploads stays.
+  /// Other budgets than at the start; what it uploads through stays as large as it is.
   void setMemory(const ResidencyOptions& options);
 
+  /// Decides what is drawn; see MeshResidency.
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
   const TextureResidency& textures() const noexcept { return textures_; }

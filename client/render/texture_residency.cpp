@@ -51,11 +51,12 @@ void TextureResidency::setBudget(uint64_t bytes) {
   const uint32_t layers = layersOf(bytes);
   if (layers == most_layers_) return;
   most_layers_ = layers;
+  cut_.reset();
+  waiting_.clear();
+  if (layers >= array_layers_) return cells_.allow(layers);
   array_ = {};
   array_layers_ = 0;
-  cut_.reset();
   drawn_.reset();
-  waiting_.clear();
   takeSet(nullptr);
 }
 

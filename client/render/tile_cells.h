@@ -24,13 +24,15 @@ struct TileCell {
 /// tightest free square is taken. Pure bookkeeping. Not thread safe.
 class TileCells {
  public:
-  /// @param most_layers  that will ever be used.
+  /// @param most_layers  that may be used.
   explicit TileCells(uint32_t most_layers) : most_layers_(most_layers) {}
 
   /// @param size  of an image, at most kTilePx each way. @return nothing if there is no room.
   std::optional<TileCell> allocate(glm::uvec2 size);
   /// @param cell  as allocate() gave it.
   void release(const TileCell& cell);
+  /// More than before.
+  void allow(uint32_t most_layers) noexcept { most_layers_ = most_layers; }
   /// Layers that were ever in use.
   uint32_t layers() const noexcept { return layers_; }
 

@@ -124,7 +124,7 @@ void CameraRig::startAgain() {
 /// While nothing steers it, the view stays to the bit: a camera that is computed anew differs in rounding.
 void CameraRig::apply(const Input& input, double seconds, const render::GroundBelow& ground) {
   if (input.reset_camera) startAgain();
-  if (input.next_axis) turnUp();
+  for (int i = 0; i < input.next_axis; ++i) turnUp();
   if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
   if (input.next_camera != 0) {
     restart(view_, orbit_.distanceModel());

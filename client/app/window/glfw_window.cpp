@@ -130,7 +130,7 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       pending_.reset_camera = true;
       break;
     case GLFW_KEY_U:
-      pending_.next_axis = true;
+      ++pending_.next_axis;
       break;
     case GLFW_KEY_F:
       pending_.toggle_wireframe = !pending_.toggle_wireframe;  // two presses within a frame cancel out
@@ -142,7 +142,7 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       pending_.toggle_settings = !pending_.toggle_settings;
       break;
     case GLFW_KEY_F1:
-      pending_.toggle_help = true;
+      pending_.toggle_help = !pending_.toggle_help;
       break;
     case GLFW_KEY_H:
       pending_.toggle_panel = !pending_.toggle_panel;
@@ -151,7 +151,7 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       pending_.screenshot = true;
       break;
     case GLFW_KEY_P:
-      pending_.record = true;
+      pending_.record = !pending_.record;
       break;
     case GLFW_KEY_C:
       pending_.copy = true;
@@ -170,7 +170,7 @@ void GlfwWindow::pressKey(int key, int modifiers) {
 /// Wherever the keyboard has it, beside its digits too. It follows its key, which says whether it is held.
 void GlfwWindow::typeSign(unsigned code) {
   if (is_repeated_) return;
-  if (code == '?') pending_.toggle_help = true;
+  if (code == '?') pending_.toggle_help = !pending_.toggle_help;
   if (code == '+' || code == '=') ++pending_.finer;
   if (code == '-') --pending_.finer;
 }

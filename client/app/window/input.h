@@ -19,13 +19,14 @@ struct Input {
   render::FlyKeys fly;          ///< held down now
   glm::dvec2 pad_turn{0};       ///< by a gamepad's stick, -1 to 1: to the right, down
 
-  // Keys pressed once.
-  bool reset_camera = false, next_axis = false;
+  // Keys that were pressed; what is toggled twice stays as it was.
+  bool reset_camera = false;
   bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
   bool any_key = false;       ///< of all that there are
   int bookmark = 0;           ///< 1 to 9: go there,
   bool set_bookmark = false;  ///< or put it here
-  int next_camera = 0;        ///< steps among the kinds of cameras
+  int next_camera = 0;        ///< steps among the kinds of cameras,
+  int next_axis = 0;          ///< among the axes that may be up,
   int next_show = 0;          ///< and among what can be shown, negative for back
   int finer = 0;              ///< steps of the threshold, negative for coarser
   bool screenshot = false, copy = false, record = false, quit = false;
@@ -37,8 +38,8 @@ struct Input {
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) || next_camera != 0 || reset_camera ||
-           next_axis || toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 || finer != 0 ||
-           screenshot || copy || record || pressed || clicked || any_key || quit || over_panel;
+           next_axis != 0 || toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 ||
+           finer != 0 || screenshot || copy || record || pressed || clicked || any_key || quit || over_panel;
   }
 };
 

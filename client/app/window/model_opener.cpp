@@ -5,6 +5,7 @@
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/first_camera.h"
 #include "client/app/window/build_stage.h"
+#include "common/start_thread.h"
 
 namespace lode::app {
 namespace {
@@ -27,7 +28,7 @@ ModelOpener::ModelOpener(Target target, stream::StreamOptions options, core::Fra
       framing_(std::move(framing)),
       timeout_(timeout) {
   progress_.phase = firstPhase(target_);
-  thread_ = std::thread([this] { run(); });
+  thread_ = startThread("to open a model", [this] { run(); });
 }
 
 ModelOpener::~ModelOpener() {

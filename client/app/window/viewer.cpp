@@ -144,7 +144,8 @@ void Viewer::obey(Input& input) {
   if (input.toggle_wireframe) show_.toggleWireframe();
   show_.step(input.next_show);
   style_.show = show_.shown();
-  if (exhibit_->saysWhatIsUp() && std::exchange(input.next_axis, false)) note("a scene says which way is up");
+  if (exhibit_->saysWhatIsUp() && std::exchange(input.next_axis, 0) != 0)
+    note("a scene says which way is up");
   if (input.bookmark != 0) tellOfBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
   if (input.toggle_settings) content_.shows_settings = !content_.shows_settings;

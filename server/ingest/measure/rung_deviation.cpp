@@ -18,8 +18,8 @@ constexpr float kDoubtedTriangles = 4096, kBelievedTriangles = 16384;
 constexpr float kBelievedSampleMargin = 1.3f;
 
 float beliefInSamples(size_t triangles) {
-  const float above = std::log2(static_cast<float>(triangles) / kDoubtedTriangles);
-  return std::clamp(above / std::log2(kBelievedTriangles / kDoubtedTriangles), 0.f, 1.f);
+  const float above = static_cast<float>(triangles) - kDoubtedTriangles;
+  return std::clamp(above / (kBelievedTriangles - kDoubtedTriangles), 0.f, 1.f);
 }
 
 }  // namespace

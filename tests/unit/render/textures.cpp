@@ -434,6 +434,8 @@ TEST_F(TexturedSquare, hasMoreOrFewerTilesWithAnotherMemory) {
   const size_t few = tilesWithin(4);
   EXPECT_EQ(tilesWithin(64), tiles_.size());
   EXPECT_EQ(tilesWithin(4), few);
+  residency.setBudget(64 * render::kTileLayerBytes);
+  EXPECT_EQ(residency.tileCount(), few) << "what is there stays where there may be more";
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST(RungDeviation, believesSamplesWhereTrianglesAreMany) {
 }
 
 TEST(RungDeviation, believesSamplesByHalvesBetween) {
-  EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, 8192), (5 + 1.3f * 3.2f) / 2);
+  EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, (kFew + kMany) / 2), (5 + 1.3f * 3.2f) / 2);
 }
 
 TEST(RungDeviation, isNoMoreThanIndependentErrorsAddUpToWhateverSamplesSay) {
