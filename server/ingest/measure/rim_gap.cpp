@@ -1,24 +1,29 @@
 #include "server/ingest/measure/rim_gap.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <tuple>
 #include <vector>
 
 #include "common/point_segment.h"
+#include "server/ingest/mesh/mesh_edges.h"
 #include "server/ingest/mesh/segment_distance.h"
 
 namespace lode::ingest {
 namespace {
 
+constexpr float kMargin = 1.001f;  ///< rounding
 constexpr float kRimPrecision = 1.02f;
 constexpr float kNegligible = 0.25f;   ///< lattice steps, as far as large coordinates can be told apart
 constexpr float kShortestPart = 0.5f;  ///< lattice steps; rims are not divided further
+constexpr size_t kFewRims = 16;        ///< are not looked through for those that matter
+constexpr size_t kManyRims = 4096;     ///< are enough to measure one against
 
-/// A position of the simplified mesh, and a rim of the input with an end that has become it.
+/// A position of the simplified mesh, and a reference with an end that has become it.
 struct Meeting {
-  uint32_t place, rim;
+  uint32_t place, reference;
 };
 
 float squaredDistance(glm::vec3 point, std::span<const Segment> rims) noexcept {
@@ -43,15 +48,30 @@ struct Farthest {
   float at_most = 0;  ///< by any
 };
 
+/// Leaves of rims, which it puts in order, those that can be nearest to a point of a part. @return how many.
+size_t keepNear(const Segment& part, std::span<Segment> rims) {
+  const glm::vec3 middle = (part.from + part.to) / 2.f;
+  const float reach = std::sqrt(squaredDistance(middle, rims)) + glm::distance(part.from, part.to);
+  const auto far = std::partition(rims.begin(), rims.end(), [&](const Segment& rim) {
+    return squaredDistanceToSegment(middle, rim.from, rim.to) <= reach * reach;
+  });
+  return static_cast<size_t>(far - rims.begin());
+}
+
 /// Looks for a segment's farthest points from rims, as long as they may be farther than what is known.
-void look(const Segment& segment, std::span<const Segment> rims, Farthest& farthest) {
-  std::vector<Segment> parts{segment};
+void look(const Segment& segment, std::span<Segment> rims, Farthest& farthest) {
+  struct Part {
+    Segment segment;
+    size_t near;  ///< of rims, the first
+  };
+  std::vector<Part> parts{{segment, rims.size()}};
   for (const glm::vec3 end : {segment.from, segment.to})
     farthest.reached = std::max(farthest.reached, squaredDistance(end, rims));
   while (!parts.empty()) {
-    const Segment part = parts.back();
+    const auto [part, near] = parts.back();
     parts.pop_back();
-    const float bound = squaredBound(part, rims);
+    const std::span<Segment> near_rims = rims.first(near);
+    const float bound = squaredBound(part, near_rims);
     const float enough =
         std::max(kRimPrecision * kRimPrecision * farthest.reached, kNegligible * kNegligible);
     if (bound <= enough || glm::distance(part.from, part.to) <= kShortestPart) {
@@ -59,44 +79,102 @@ void look(const Segment& segment, std::span<const Segment> rims, Farthest& farth
       continue;
     }
     const glm::vec3 middle = (part.from + part.to) / 2.f;
-    farthest.reached = std::max(farthest.reached, squaredDistance(middle, rims));
-    parts.push_back({part.from, middle});
-    parts.push_back({middle, part.to});
+    farthest.reached = std::max(farthest.reached, squaredDistance(middle, near_rims));
+    const size_t nearer = near > kFewRims ? keepNear(part, near_rims) : near;
+    parts.push_back({{part.from, middle}, nearer});
+    parts.push_back({{middle, part.to}, nearer});
   }
+}
+
+/// The references that have become, or meet, places of a simplified mesh.
+class MeetingRims {
+ public:
+  MeetingRims(const SimplifiedMesh& simplified, const RungInput& input)
+      : simplified_(simplified), input_(input) {
+    for (uint32_t i = 0; i < input.referenceCount(); ++i) {
+      const glm::u32vec2 image = imageOf(input.reference(i).near, simplified.became);
+      if (image.x != kVanished) meetings_.push_back({image.x, i});
+      if (image.y != kVanished && image.y != image.x) meetings_.push_back({image.y, i});
+    }
+    std::sort(meetings_.begin(), meetings_.end(), [](Meeting m, Meeting n) {
+      return std::tie(m.place, m.reference) < std::tie(n.place, n.reference);
+    });
+  }
+
+  /// Those at places, up to where they are many.
+  void gather(std::span<const uint32_t> places, std::vector<Segment>& rims) const {
+    const auto pointOf = [](PositionCode position) { return glm::vec3(unpackPosition(position)); };
+    rims.clear();
+    for (const uint32_t place : places) {
+      if (rims.size() >= kManyRims) break;
+      for (const Meeting meeting : meetingsAt(place)) {
+        const ReferenceRim rim = input_.reference(meeting.reference);
+        rims.push_back({pointOf(rim.from), pointOf(rim.to)});
+      }
+    }
+  }
+
+  /// Places to where references lead from others; those first.
+  std::vector<uint32_t> around(glm::u32vec2 ends) const {
+    std::vector<uint32_t> places;
+    for (const uint32_t end : {ends.x, ends.y}) {
+      for (const Meeting meeting : meetingsAt(end)) {
+        const glm::u32vec2 image = imageOf(input_.reference(meeting.reference).near, simplified_.became);
+        for (const uint32_t place : {image.x, image.y})
+          if (place != ends.x && place != ends.y && place != kVanished) places.push_back(place);
+      }
+    }
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    places.insert(places.begin(), {ends.x, ends.y});
+    return places;
+  }
+
+ private:
+  std::span<const Meeting> meetingsAt(uint32_t place) const {
+    const auto first = std::partition_point(meetings_.begin(), meetings_.end(),
+                                            [=](Meeting meeting) { return meeting.place < place; });
+    const auto last =
+        std::find_if(first, meetings_.end(), [=](Meeting meeting) { return meeting.place != place; });
+    return {first, last};
+  }
+
+  const SimplifiedMesh& simplified_;
+  const RungInput& input_;
+  std::vector<Meeting> meetings_;
+};
+
+/// Edges between what has become of the ends of the input's rims, rising.
+std::vector<glm::u32vec2> imagesOfRims(const SimplifiedMesh& simplified, const RungInput& input) {
+  std::vector<glm::u32vec2> images;
+  for (const glm::u32vec2 rim : input.rims()) {
+    const auto [a, b] = std::minmax(simplified.became[rim.x], simplified.became[rim.y]);
+    if (a != b && b != kVanished) images.emplace_back(a, b);
+  }
+  std::sort(images.begin(), images.end(), isBefore);
+  images.erase(std::unique(images.begin(), images.end()), images.end());
+  return images;
 }
 
 }  // namespace
 
-float rimGap(const SimplifiedMesh& simplified, const NodeMesh& input, std::span<const glm::u32vec2> rims) {
-  const auto pointOf = [](const NodeMesh& mesh, uint32_t position) {
-    return glm::vec3(unpackPosition(mesh.positions[position]));
+float rimGap(const SimplifiedMesh& simplified, const RungInput& input) {
+  const auto pointOf = [&](uint32_t place) {
+    return glm::vec3(unpackPosition(simplified.mesh.positions[place]));
   };
-  std::vector<glm::u32vec2> images;
-  std::vector<Meeting> meetings;
-  for (uint32_t rim = 0; rim < rims.size(); ++rim) {
-    const uint32_t a = simplified.became[rims[rim].x], b = simplified.became[rims[rim].y];
-    for (const uint32_t end : {a, b})
-      if (end != kVanished) meetings.push_back({end, rim});
-    if (a != b && a != kVanished && b != kVanished) images.emplace_back(std::min(a, b), std::max(a, b));
-  }
-  const auto by_ends = [](glm::u32vec2 e, glm::u32vec2 f) { return std::tie(e.x, e.y) < std::tie(f.x, f.y); };
-  std::sort(images.begin(), images.end(), by_ends);
-  images.erase(std::unique(images.begin(), images.end()), images.end());
-  std::sort(meetings.begin(), meetings.end(),
-            [](Meeting m, Meeting n) { return std::tie(m.place, m.rim) < std::tie(n.place, n.rim); });
-  std::vector<Segment> near;
+  const MeetingRims meeting(simplified, input);
+  std::vector<Segment> rims;
   Farthest farthest;
-  for (const glm::u32vec2 image : images) {
-    near.clear();
-    for (const uint32_t place : {image.x, image.y}) {
-      auto m = std::partition_point(meetings.begin(), meetings.end(),
-                                    [=](Meeting meeting) { return meeting.place < place; });
-      for (; m != meetings.end() && m->place == place; ++m)
-        near.push_back({pointOf(input, rims[m->rim].x), pointOf(input, rims[m->rim].y)});
-    }
-    look({pointOf(simplified.mesh, image.x), pointOf(simplified.mesh, image.y)}, near, farthest);
+  for (const glm::u32vec2 image : imagesOfRims(simplified, input)) {
+    const Segment segment{pointOf(image.x), pointOf(image.y)};
+    meeting.gather(std::array{image.x, image.y}, rims);
+    Farthest from_these = farthest;
+    look(segment, rims, from_these);
+    if (from_these.at_most <= farthest.at_most) continue;
+    meeting.gather(meeting.around(image), rims);
+    look(segment, rims, farthest);
   }
-  return std::sqrt(farthest.at_most);
+  return input.referenceGapSteps() + kMargin * std::sqrt(farthest.at_most);
 }
 
 }  // namespace lode::ingest

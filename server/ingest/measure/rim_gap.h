@@ -1,17 +1,14 @@
 #pragma once
 
-#include <span>
-
-#include <glm/glm.hpp>
-
+#include "server/ingest/measure/rung_input.h"
 #include "server/ingest/mesh/simplified_mesh.h"
 
 namespace lode::ingest {
 
-/// What no rim of a simplified mesh is farther from those of the mesh that it was made of, in lattice steps:
-/// at most 2 % or a quarter of a step too much. A rim is the image of rims, and is compared with those alone
-/// that have become it or what meets its ends.
-/// @param rims  open edges of the input, by position.
-float rimGap(const SimplifiedMesh& simplified, const NodeMesh& input, std::span<const glm::u32vec2> rims);
+/// What no rim of a simplified mesh is farther from a rim of the original, in lattice steps: what the
+/// references of its input are, and what it is from these, at most 2 % or a quarter of a step too much. A rim
+/// is the image of rims, and is compared with those references alone that have become it or what meets its
+/// ends, and where these are far, with those that meet them.
+float rimGap(const SimplifiedMesh& simplified, const RungInput& input);
 
 }  // namespace lode::ingest

@@ -1,15 +1,35 @@
 #include "server/ingest/measure/rung_input.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/ingest/mesh/mesh_edges.h"
 
 namespace lode::ingest {
 
-RungInput::RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps)
-    : mesh_(std::move(mesh)), walk_(mesh_), off_steps_(off_steps), rims_(openEdges(mesh_)) {
-  const auto is_locked = [&](uint32_t position) { return mesh_.lca_depth[position] < depth; };
-  std::erase_if(rims_, [&](glm::u32vec2 edge) { return is_locked(edge.x) && is_locked(edge.y); });
+RungInput::RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps, ReferenceRims references)
+    : mesh_(std::move(mesh)),
+      walk_(mesh_),
+      off_steps_(off_steps),
+      references_(std::move(references)),
+      rims_(openEdges(mesh_)) {
+  const auto isLocked = [&](uint32_t position) { return mesh_.lca_depth[position] < depth; };
+  std::erase_if(rims_, [&](glm::u32vec2 edge) { return isLocked(edge.x) && isLocked(edge.y); });
+  std::vector<glm::u32vec2> images;
+  for (const ReferenceRim& reference : references_.rims)
+    images.emplace_back(std::min(reference.near.x, reference.near.y),
+                        std::max(reference.near.x, reference.near.y));
+  std::sort(images.begin(), images.end(), isBefore);
+  const auto first_image = std::stable_partition(rims_.begin(), rims_.end(), [&](glm::u32vec2 rim) {
+    return !std::binary_search(images.begin(), images.end(), rim, isBefore);
+  });
+  own_ = static_cast<uint32_t>(first_image - rims_.begin());
+}
+
+ReferenceRim RungInput::reference(uint32_t number) const noexcept {
+  if (number < references_.rims.size()) return references_.rims[number];
+  const glm::u32vec2 rim = rims_[number - references_.rims.size()];
+  return {mesh_.positions[rim.x], mesh_.positions[rim.y], rim};
 }
 
 const TriangleTree& RungInput::tree() const {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <vector>
 
+#include "server/ingest/measure/reference_rims.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/node_mesh.h"
@@ -15,7 +17,8 @@ class RungInput {
  public:
   /// @param depth  the node's: positions that are locked there lie on its borders.
   /// @param off_steps  what the mesh is off the original by; none if it is the original.
-  RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {});
+  /// @param references  near positions of the mesh.
+  RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {}, ReferenceRims references = {});
 
   const NodeMesh& mesh() const noexcept { return mesh_; }
   const SurfaceWalk& walk() const noexcept { return walk_; }
@@ -23,6 +26,10 @@ class RungInput {
   float offSteps() const noexcept { return off_steps_.value_or(0); }
   /// Open edges, by position; borders of the node are none.
   const std::vector<glm::u32vec2>& rims() const noexcept { return rims_; }
+  /// What the rims are measured against: the references, and behind them rims that stand for themselves.
+  uint32_t referenceCount() const noexcept { return static_cast<uint32_t>(references_.rims.size()) + own_; }
+  ReferenceRim reference(uint32_t number) const noexcept;
+  float referenceGapSteps() const noexcept { return references_.gap_steps; }
   /// Made when it is first asked for: few nodes need it.
   const TriangleTree& tree() const;
 
@@ -30,7 +37,9 @@ class RungInput {
   NodeMesh mesh_;
   SurfaceWalk walk_;
   std::optional<float> off_steps_;
-  std::vector<glm::u32vec2> rims_;
+  ReferenceRims references_;
+  std::vector<glm::u32vec2> rims_;  ///< first those that stand for themselves
+  uint32_t own_ = 0;                ///< how many do
   mutable std::once_flag tree_made_;
   mutable std::optional<TriangleTree> tree_;
 };

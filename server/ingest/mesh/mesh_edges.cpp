@@ -7,8 +7,7 @@ std::vector<glm::u32vec2> openEdges(const NodeMesh& mesh) {
   forEachEdge(mesh, [&](uint32_t lower, uint32_t upper, uint32_t uses) {
     if (uses % 2 == 1) open.emplace_back(lower, upper);
   });
-  std::sort(open.begin(), open.end(),
-            [](glm::u32vec2 a, glm::u32vec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  std::sort(open.begin(), open.end(), isBefore);
   return open;
 }
 

@@ -38,6 +38,9 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
   }
 }
 
+/// The order of edges.
+inline bool isBefore(glm::u32vec2 e, glm::u32vec2 f) noexcept { return e.x != f.x ? e.x < f.x : e.y < f.y; }
+
 /// Edges that an odd number of triangles has, rising.
 std::vector<glm::u32vec2> openEdges(const NodeMesh& mesh);
 

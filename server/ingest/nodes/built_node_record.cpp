@@ -36,6 +36,12 @@ NodeMesh getMesh(RecordReader& record) {
   return mesh;
 }
 
+void requirePosition(uint32_t near, const NodeMesh& mesh) {
+  if (near == kVanished || near < mesh.positions.size()) return;
+  throw Error(ErrorCode::kFormat,
+              "the journal of a build names a rim of no position; build without --resume");
+}
+
 }  // namespace
 
 void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadSpool::Place> payloads) {
@@ -79,12 +85,13 @@ FinishedNode getFinishedNode(RecordReader& record) {
 }
 
 void putBuiltNode(RecordWriter& record, const BuiltNode& built) {
-  const auto& [node, payloads, coarsest, original_triangles, inherited, rim_gap_steps, samples] = built;
+  const auto& [node, payloads, coarsest, original_triangles, inherited, references, samples] = built;
   putFinishedNode(record, node, payloads);
   putMesh(record, coarsest);
   record.put(original_triangles);
   record.put(inherited);
-  record.put(rim_gap_steps);
+  record.put(references.gap_steps);
+  record.putAll(references.rims);
   record.putAll(samples);
 }
 
@@ -96,8 +103,13 @@ BuiltNode getBuiltNode(RecordReader& record) {
   built.coarsest = getMesh(record);
   built.original_triangles = record.get<uint64_t>();
   built.inherited = record.get<RungError>();
-  built.rim_gap_steps = record.get<float>();
+  built.references.gap_steps = record.get<float>();
+  built.references.rims = record.getAll<ReferenceRim>();
   built.samples = record.getAll<SurfaceSample>();
+  for (const ReferenceRim& rim : built.references.rims) {
+    requirePosition(rim.near.x, built.coarsest);
+    requirePosition(rim.near.y, built.coarsest);
+  }
   return built;
 }
 

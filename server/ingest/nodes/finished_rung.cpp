@@ -30,7 +30,7 @@ FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
   finished.deviation_steps = deviation.steps;
   finished.farthest = deviation.farthest;
   if (finished.farthest) finished.farthest->near = rung.became[finished.farthest->near];
-  finished.rim_gap_steps = rimGap(rung, input.mesh(), input.rims());
+  finished.rim_gap_steps = rimGap(rung, input);
   finished.lost_detail_steps = lostDetail(rung, input.mesh(), places);
   return finished;
 }

@@ -12,7 +12,8 @@
 
 namespace lode::ingest {
 
-/// A rung, encoded and measured against what it was made of; lengths are in lattice steps.
+/// A rung, encoded and measured against what it was made of, and its rims against the original's; lengths are
+/// in lattice steps.
 struct FinishedRung {
   SimplifiedMesh simplified;
   EncodedPayload payload;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/draco_codec.h"
 #include "common/let_go.h"
@@ -20,8 +21,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kRimMargin = 1.001f;         ///< rounding
-constexpr uint32_t kTrianglesPerSample = 2;  ///< of the node's budget, above the lowest inner nodes
+constexpr size_t kReferencesPerTriangle = 2;  ///< of the node's budget
+constexpr uint32_t kTrianglesPerSample = 2;   ///< of the node's budget, above the lowest inner nodes
 constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< at least the smaller of both
 
 }  // namespace
@@ -57,7 +58,7 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, Room room) {
   built.node.key = partition_.leaves[leaf];
   NodeMesh mesh = loadLeaf(leaf);
   built.original_triangles = mesh.triangles.size();
-  built.rim_gap_steps = settings_.snap_error_steps;
+  built.references.gap_steps = settings_.snap_error_steps;
   addRung(built, mesh, encodePayload(toMesh(mesh), settings_.lattice.step, MeshSource::kFile),
           {.deviation_steps = settings_.snap_error_steps});
   if (built.node.key == kRootKey) {
@@ -84,13 +85,13 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
     const RungError error = errorOf(child.node.sourceRung());
     built.inherited.deviation_steps = std::max(built.inherited.deviation_steps, error.deviation_steps);
     built.inherited.lost_detail_steps = std::max(built.inherited.lost_detail_steps, error.lost_detail_steps);
-    built.rim_gap_steps = std::max(built.rim_gap_steps, child.rim_gap_steps);
     is_original = is_original && child.node.isLeaf();
     meshes.push_back(std::move(child.coarsest));
   }
   std::vector<std::vector<uint32_t>> became;
   NodeMesh input = mergeMeshes(meshes, became);
   gatherSamples(built, children, meshes, input, became);
+  gatherReferences(built, children, became);
   letGo(meshes);
   letGo(became);
   if (room.is_tight) built.samples.shrink_to_fit();
@@ -129,6 +130,18 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
   }
   dropDuplicates(built.samples);
   built.samples.insert(built.samples.end(), of_leaves.begin(), of_leaves.end());
+}
+
+void NodeBuilder::gatherReferences(BuiltNode& built, std::span<BuiltNode> children,
+                                   std::span<const std::vector<uint32_t>> became) {
+  ReferenceRims& all = built.references;
+  for (size_t i = 0; i < children.size(); ++i) {
+    ReferenceRims& references = children[i].references;
+    for (ReferenceRim& rim : references.rims) rim.near = imageOf(rim.near, became[i]);
+    all.rims.insert(all.rims.end(), references.rims.begin(), references.rims.end());
+    all.gap_steps = std::max(all.gap_steps, references.gap_steps);
+    letGo(references.rims);
+  }
 }
 
 void NodeBuilder::simplify(NodeMesh mesh, int depth, std::span<const size_t> targets,
@@ -172,16 +185,13 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
     mesh = shelf->read(0).mesh;
   }
   const auto off_steps = is_original ? std::nullopt : std::optional(built.inherited.deviation_steps);
-  const RungInput input(std::move(mesh), depth, off_steps);
-  const float gap_of_input = built.rim_gap_steps;
-  std::vector<Deviation> deviations;  // from the coarsest rung
-  std::optional<SurfaceSample> farthest;
+  const RungInput input(std::move(mesh), depth, off_steps, std::move(built.references));
+  FinishedRung coarsest;
   InOrder<FinishedRung> rungs(room.helpers, [&](FinishedRung&& rung) {
     if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
-      built.rim_gap_steps = addRung(built, rung, gap_of_input);
-    built.coarsest = std::move(rung.simplified.mesh);
-    deviations = std::move(rung.deviations);
-    farthest = rung.farthest;
+      addRung(built, rung);
+    letGo(rung.payload.bytes);
+    coarsest = std::move(rung);
   });
   const auto finish = [&](SimplifiedMesh&& rung) {
     rungs.push([&, rung = std::move(rung)]() mutable {
@@ -197,12 +207,16 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
     simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& rung) { finish(std::move(rung)); });
   }
   rungs.finish();
+  const std::vector<Deviation>& deviations = coarsest.deviations;
   for (size_t i = 0; i < built.samples.size(); ++i) {
     SurfaceSample& sample = built.samples[i];
     sample.near = deviations.empty() ? kVanished : deviations[i].near;
     if (!deviations.empty()) sample.deviation = deviations[i].steps;
   }
-  if (farthest) built.samples.push_back(*farthest);
+  if (coarsest.farthest) built.samples.push_back(*coarsest.farthest);
+  built.references = referencesIn(input, coarsest.simplified.became, coarsest.rim_gap_steps,
+                                  kReferencesPerTriangle * settings_.triangles_per_node);
+  built.coarsest = std::move(coarsest.simplified.mesh);
   addSpareRungs(built, spareTargets(built.coarsest.triangles.size(), rule));
 }
 
@@ -211,31 +225,29 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
 void NodeBuilder::addSpareRungs(BuiltNode& built, std::span<const size_t> targets) {
   if (targets.empty()) return;
   const int depth = built.node.key.depth();
-  const RungInput input(built.coarsest, depth, errorOf(built.node.rungs.back()).deviation_steps);
+  const RungInput input(built.coarsest, depth, errorOf(built.node.rungs.back()).deviation_steps,
+                        built.references);
   simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& simplified) {
     if (simplified.mesh.triangles.size() >= built.node.rungs.back().triangles) return;
     const FinishedRung rung =
         finishRung(std::move(simplified), input, built.samples, settings_.lattice.step, settings_.crease);
-    addRung(built, rung, built.rim_gap_steps);
+    addRung(built, rung);
     ++built.node.spare_rungs;
   });
 }
 
-/// Adds a reduced rung. @param gap_of_input_steps  of rims, in what it was made of @return the same of it
-float NodeBuilder::addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps) {
-  const float rim_gap_steps = gap_of_input_steps + kRimMargin * rung.rim_gap_steps;
-  addRung(built, rung.simplified.mesh, rung.payload, errorOf(built, rung, rim_gap_steps));
-  return rim_gap_steps;
+void NodeBuilder::addRung(BuiltNode& built, const FinishedRung& rung) {
+  addRung(built, rung.simplified.mesh, rung.payload, errorOf(built, rung));
 }
 
-RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung, float rim_gap_steps) const {
+RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung) const {
   const RungError finer = built.node.rungs.empty() ? built.inherited : errorOf(built.node.rungs.back());
   if (rung.simplified.mesh.triangles.empty()) {
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
   const float both = std::hypot(rung.deviation_steps, settings_.snap_error_steps);
-  return {std::max({finer.deviation_steps, both, rim_gap_steps}),
+  return {std::max({finer.deviation_steps, both, rung.rim_gap_steps}),
           std::max(finer.lost_detail_steps, rung.lost_detail_steps)};
 }
 

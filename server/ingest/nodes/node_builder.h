@@ -10,6 +10,7 @@
 #include "common/hierarchy_page.h"
 #include "server/ingest/disk/spool.h"
 #include "server/ingest/disk/temporary_folder.h"
+#include "server/ingest/measure/reference_rims.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/nodes/finished_rung.h"
 #include "server/ingest/nodes/rung_shelf.h"
@@ -58,7 +59,7 @@ struct BuiltNode {
   NodeMesh coarsest;                          ///< but for spare rungs: what the parent is made of
   uint64_t original_triangles = 0;            ///< in the leaves below
   RungError inherited;                        ///< the largest of the children's source rungs
-  float rim_gap_steps = 0;                    ///< of `coarsest`: no rim is farther from one of the original's
+  ReferenceRims references;                   ///< near positions of `coarsest`
   std::vector<SurfaceSample>
       samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
 };
@@ -85,7 +86,7 @@ class NodeBuilder {
               const TemporaryFolder& folder);
 
   BuiltNode buildLeaf(uint32_t leaf, Room room);
-  /// @param children  non-empty, in octant order; their coarsest rungs and samples are used up.
+  /// @param children  non-empty, in octant order; what is needed of them is used up.
   BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children, Room room);
 
  private:
@@ -94,16 +95,19 @@ class NodeBuilder {
   /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
   static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
                             const NodeMesh& input, std::span<const std::vector<uint32_t>> became);
+  /// Fills in references for the same input.
+  static void gatherReferences(BuiltNode& built, std::span<BuiltNode> children,
+                               std::span<const std::vector<uint32_t>> became);
   void addSpareRungs(BuiltNode& built, std::span<const size_t> targets);
   void reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room);
   void simplify(NodeMesh mesh, int depth, std::span<const size_t> targets, const SnapshotSink& sink) const;
   RungShelf shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
-  float addRung(BuiltNode& built, const FinishedRung& rung, float gap_of_input_steps);
+  void addRung(BuiltNode& built, const FinishedRung& rung);
   void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);
   /// Error of a rung in lattice steps: its deviation, and by what the lattice has moved vertices as an
   /// independent one; not below the gap of its rims, which I2 bounds strictly, nor the finer rung's error
   /// (I3).
-  RungError errorOf(const BuiltNode& built, const FinishedRung& rung, float rim_gap_steps) const;
+  RungError errorOf(const BuiltNode& built, const FinishedRung& rung) const;
   RungError errorOf(const Rung& rung) const noexcept;
 
   const Settings settings_;

@@ -1,14 +1,16 @@
 #include "server/ingest/measure/rim_gap.h"
 
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
-#include "server/ingest/mesh/mesh_edges.h"
 #include "tests/support/node_meshes.h"
 
 namespace lode::ingest {
 namespace {
+
+constexpr float kRounding = 1.001f, kNegligible = 0.25f * kRounding;  // of what rimGap() says
 
 NodeMesh meshOf(std::vector<glm::uvec2> points, std::vector<glm::u32vec3> triangles) {
   NodeMesh mesh;
@@ -27,25 +29,72 @@ NodeMesh house(uint32_t bump) {
                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
 }
 
+/// A triangle of the lowest rim of which two points divide.
+NodeMesh fan(glm::uvec2 second, glm::uvec2 third) {
+  return meshOf({{0, 0}, second, third, {120, 0}, {60, 100}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}});
+}
+
+/// Whose positions are those of what it is made of, moved.
+SimplifiedMesh moved(NodeMesh mesh) {
+  std::vector<uint32_t> became(mesh.positions.size());
+  std::iota(became.begin(), became.end(), 0u);
+  return {std::move(mesh), std::move(became)};
+}
+
 TEST(RimGap, isHowFarARimThatWasCutShortIsFromTheOriginal) {
-  const NodeMesh input = house(40);
+  const RungInput input(house(40), 0);
   SimplifiedMesh flat{meshOf({{0, 0}, {100, 0}, {100, 100}, {0, 100}}, {{0, 1, 2}, {0, 2, 3}}),
                       {0, 1, 2, 3, 3}};
   const float of_middle = 40 * 50 / std::hypot(40.f, 50.f);  // from the new rim to either side of the roof
-  const float gap = rimGap(flat, input, openEdges(input));
+  const float gap = rimGap(flat, input);
   EXPECT_GE(gap, of_middle * 0.999f);
-  EXPECT_LE(gap, of_middle * 1.021f);
+  EXPECT_LE(gap, of_middle * 1.021f * kRounding);
 }
 
 TEST(RimGap, isNothingWhereNothingHasMoved) {
-  const NodeMesh input = house(40);
-  EXPECT_EQ(rimGap({input, {0, 1, 2, 3, 4}}, input, openEdges(input)), 0);
+  EXPECT_EQ(rimGap(moved(house(40)), RungInput(house(40), 0)), 0);
 }
 
 TEST(RimGap, isNothingWhereNothingIsLeft) {
-  const NodeMesh input = house(40);
   const SimplifiedMesh gone{{}, std::vector<uint32_t>(5, kVanished)};
-  EXPECT_EQ(rimGap(gone, input, openEdges(input)), 0);
+  EXPECT_EQ(rimGap(gone, RungInput(house(40), 0)), 0);
+}
+
+TEST(RimGap, countsWhatTheReferencesAreOffTheOriginal) {
+  EXPECT_EQ(rimGap(moved(house(40)), RungInput(house(40), 0, {}, {{}, 3})), 3);
+}
+
+TEST(RimGap, isThatFromTheOriginalAndNotTheSumOfTwoLevels) {
+  const RungInput original(house(40), 0);
+  const SimplifiedMesh higher = moved(house(70)), lower = moved(house(50));
+  const float up = rimGap(higher, original);
+  const RungInput above(higher.mesh, 0, {}, referencesIn(original, higher.became, up, 5));
+  const float both = rimGap(lower, above);
+  EXPECT_EQ(both, rimGap(lower, original));
+  EXPECT_LT(both, up / 2);
+}
+
+TEST(RimGap, looksAtRimsThatARimHasMovedAlong) {
+  const RungInput input(fan({40, 0}, {80, 0}), 0);
+  EXPECT_LE(rimGap(moved(fan({110, 0}, {115, 0})), input), kNegligible);
+}
+
+TEST(RimGap, isThatOfRimsWithManyReferencesAtTheirEnds) {
+  constexpr uint32_t kPoints = 400;  // of a rim with a tooth in its middle, and above them one more
+  std::vector<glm::uvec2> points;
+  std::vector<glm::u32vec3> triangles;
+  for (uint32_t i = 0; i < kPoints; ++i) points.emplace_back(10 * i, i == kPoints / 2 ? 30 : 0);
+  points.emplace_back(5 * kPoints, 1000);
+  for (uint32_t i = 0; i + 1 < kPoints; ++i) triangles.emplace_back(i, i + 1, kPoints);
+  const RungInput input(meshOf(points, triangles), 0);
+  std::vector<uint32_t> became(kPoints + 1, 0);
+  for (uint32_t i = kPoints / 2; i < kPoints; ++i) became[i] = 1;
+  became[kPoints] = 2;
+  const glm::uvec2 last(10 * (kPoints - 1), 0);
+  const float gap = rimGap({meshOf({{0, 0}, last, points.back()}, {{0, 1, 2}}), became}, input);
+  const float below_tooth = 30 * 10 / std::hypot(30.f, 10.f);
+  EXPECT_GE(gap, below_tooth * 0.999f);
+  EXPECT_LE(gap, below_tooth * 1.021f * kRounding);
 }
 
 }  // namespace

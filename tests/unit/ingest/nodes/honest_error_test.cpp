@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "common/ply_writer.h"
 #include "server/ingest/build/build.h"
+#include "server/ingest/sample/sample.h"
 #include "server/store/export.h"
 #include "server/store/reader.h"
 #include "tests/support/loose_pieces.h"
@@ -31,21 +33,15 @@ class HonestErrorOf {
   double leastRatio() const {
     const store::Reader reader(folder_ / "a.lode");
     double least = INFINITY;
-    for (const Node& node : reader.nodes()) {
-      const test::TriangleSoup original = leavesBelow(reader, node.key);
-      for (uint32_t r = node.isLeaf() ? 1 : 0; r < node.rungs.size(); ++r) {
-        if (node.rungs[r].triangles == 0) continue;
-        const test::DistanceField field(test::latticeSoup(store::readRung(reader, node, r)));
-        double farthest = 0;
-        for (const auto& [a, b, c] : original) {
-          for (const glm::dvec3 point : {a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0})
-            farthest = std::max(farthest, field.distance(point));
-        }
-        if (farthest > 0)
-          least = std::min(least, node.rungs[r].error_model / reader.summary().lattice.step / farthest);
-      }
-    }
+    for (const Node& node : reader.nodes())
+      for (const double ratio : ratiosOf(reader, node)) least = std::min(least, ratio);
     return least;
+  }
+
+  /// The largest such share of the root's rungs.
+  double largestRatioOfRoot() const {
+    const store::Reader reader(folder_ / "a.lode");
+    return std::ranges::max(ratiosOf(reader, *reader.find(kRootKey)));
   }
 
  private:
@@ -55,6 +51,24 @@ class HonestErrorOf {
     options.output = folder_ / "a.lode";
     options.triangles_per_node = triangles_per_node;
     build(options);
+  }
+
+  /// Of rungs that differ from the leaves.
+  static std::vector<double> ratiosOf(const store::Reader& reader, const Node& node) {
+    std::vector<double> ratios;
+    const test::TriangleSoup original = leavesBelow(reader, node.key);
+    for (uint32_t r = node.isLeaf() ? 1 : 0; r < node.rungs.size(); ++r) {
+      if (node.rungs[r].triangles == 0) continue;
+      const test::DistanceField field(test::latticeSoup(store::readRung(reader, node, r)));
+      double farthest = 0;
+      for (const auto& [a, b, c] : original) {
+        for (const glm::dvec3 point : {a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0})
+          farthest = std::max(farthest, field.distance(point));
+      }
+      if (farthest > 0)
+        ratios.push_back(node.rungs[r].error_model / reader.summary().lattice.step / farthest);
+    }
+    return ratios;
   }
 
   static test::TriangleSoup leavesBelow(const store::Reader& reader, NodeKey key) {
@@ -79,6 +93,16 @@ TEST(HonestError, countsPiecesThatVanishInASoupOfThem) {
   Mesh soup;
   test::addLoosePieces(soup, {.pieces = 1500});
   EXPECT_GE(HonestErrorOf(soup, 512).leastRatio(), 1);
+}
+
+TEST(HonestError, ofAnOpenModelIsNotTheSumOfWhatItsRimsAreOffAtEachLevel) {
+  const test::WorkFolder folder;
+  SampleOptions terrain;
+  terrain.kind = "terrain";
+  terrain.seed = 5;
+  terrain.triangles = 30'000;
+  writeSample(terrain, folder / "terrain.ply");
+  EXPECT_LE(HonestErrorOf(folder / "terrain.ply", 256).largestRatioOfRoot(), 2.5);
 }
 
 TEST(HonestError, countsWhatLiesBetweenTheVerticesOfAScan) {

@@ -1,0 +1,25 @@
+#include "server/ingest/measure/reference_rims.h"
+
+#include "server/ingest/measure/rung_input.h"
+
+namespace lode::ingest {
+
+glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> became) noexcept {
+  const auto imageOfEnd = [&](uint32_t end) { return end == kVanished ? kVanished : became[end]; };
+  return {imageOfEnd(ends.x), imageOfEnd(ends.y)};
+}
+
+ReferenceRims referencesIn(const RungInput& input, std::span<const uint32_t> became, float rim_gap_steps,
+                           size_t most) {
+  ReferenceRims references{{}, input.referenceGapSteps()};
+  for (uint32_t i = 0; i < input.referenceCount(); ++i) {
+    ReferenceRim reference = input.reference(i);
+    reference.near = imageOf(reference.near, became);
+    if (reference.near == glm::u32vec2(kVanished)) continue;
+    if (references.rims.size() == most) return {{}, rim_gap_steps};
+    references.rims.push_back(reference);
+  }
+  return references;
+}
+
+}  // namespace lode::ingest

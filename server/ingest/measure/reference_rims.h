@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "server/ingest/mesh/simplified_mesh.h"
+
+namespace lode::ingest {
+
+class RungInput;
+
+/// A rim of the original that travels up the tree, for rims to be measured against.
+struct ReferenceRim {
+  PositionCode from, to;
+  glm::u32vec2 near;  ///< what has become of its ends in the mesh at hand: positions, or kVanished
+};
+
+/// What the rims of a mesh are measured against. One that is the image of none of these stands for itself.
+struct ReferenceRims {
+  std::vector<ReferenceRim> rims;
+  float gap_steps = 0;  ///< what none of all these is farther from a rim of the original, in lattice steps
+};
+
+/// What has become of both ends of a rim.
+glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> became) noexcept;
+
+/// What the rims of a rung are measured against where it takes its input's place: what the input's are, but
+/// for what has vanished; or the rung's own rims, if that is more than `most`.
+/// @param rim_gap_steps  the rung's, see rimGap()
+ReferenceRims referencesIn(const RungInput& input, std::span<const uint32_t> became, float rim_gap_steps,
+                           size_t most);
+
+}  // namespace lode::ingest
