@@ -43,4 +43,15 @@ bool SceneMemory::share(std::span<const Need> needs) {
   return true;
 }
 
+std::vector<uint64_t> gpuBudgets(uint64_t budget_bytes, std::span<const GpuShare> models) {
+  uint64_t held_bytes = 0;
+  for (const GpuShare& model : models) held_bytes += model.held_bytes;
+  std::vector<uint64_t> budgets;
+  for (const GpuShare& model : models) {
+    const uint64_t others_bytes = held_bytes - model.held_bytes;
+    budgets.push_back(std::max(model.part_bytes, budget_bytes - std::min(budget_bytes, others_bytes)));
+  }
+  return budgets;
+}
+
 }  // namespace lode::app

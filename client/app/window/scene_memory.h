@@ -35,4 +35,13 @@ class SceneMemory {
   int changes_ = 0;  ///< for this picture
 };
 
+struct GpuShare {
+  uint64_t part_bytes = 0;  ///< what the model's part of the scene's memory allows it there
+  uint64_t held_bytes = 0;
+};
+/// What each model may have on the GPU: what the others leave of the budget, as what they have there goes by
+/// what they may have drawn. At least its own part: where all hold more than the budget, which has become
+/// smaller, a model frees that only for a cut that it may have. Pure.
+std::vector<uint64_t> gpuBudgets(uint64_t budget_bytes, std::span<const GpuShare> models);
+
 }  // namespace lode::app

@@ -144,19 +144,17 @@ void ViewedScene::look(const core::View& view, float threshold_px) {
   shareMemory();
 }
 
-/// Gives the models other parts of the memory where one is short. On the GPU each may have what the others
-/// leave: what they have there goes by what they may have drawn.
+/// Gives the models other parts of the memory where one is short.
 void ViewedScene::shareMemory() {
   std::vector<SceneMemory::Need> needs;
-  uint64_t gpu_bytes = 0;
+  std::vector<GpuShare> on_gpu;
   for (const auto& model : models_) {
     needs.push_back({model->status.counts.wanted_bytes, model->status.limited});
-    gpu_bytes += model->renderer.meshes().pages().capacityBytes();
+    on_gpu.push_back({render::shareMemory(memory_.parts()[model->number]).gpu.budget_bytes,
+                      model->renderer.meshes().pages().capacityBytes()});
   }
-  for (const auto& model : models_) {
-    const uint64_t others_bytes = gpu_bytes - model->renderer.meshes().pages().capacityBytes();
-    model->renderer.meshes().setBudget(gpu_budget_bytes_ - std::min(gpu_budget_bytes_, others_bytes));
-  }
+  const std::vector<uint64_t> gpu_budgets = gpuBudgets(gpu_budget_bytes_, on_gpu);
+  for (const auto& model : models_) model->renderer.meshes().setBudget(gpu_budgets[model->number]);
   if (!memory_.share(needs)) return;
   for (const auto& model : models_)
     if (model->isOpen()) giveMemory(*model);

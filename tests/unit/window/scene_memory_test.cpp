@@ -67,5 +67,15 @@ TEST(SceneMemory, staysWhereNeedsHardlyDiffer) {
   EXPECT_FALSE(memory.share(Needs{{510, true}, {500, true}}));
 }
 
+TEST(SceneMemory, letsEachModelHaveOnTheGpuWhatTheOthersLeave) {
+  EXPECT_EQ(gpuBudgets(1000, std::vector<GpuShare>{{300, 600}, {300, 100}, {200, 50}}),
+            (std::vector<uint64_t>{850, 350, 300}));
+}
+
+TEST(SceneMemory, leavesEachModelItsPartOfTheGpuWhereAllHoldMoreThanThereIsNow) {
+  EXPECT_EQ(gpuBudgets(1000, std::vector<GpuShare>{{500, 1500}, {500, 1500}}),
+            (std::vector<uint64_t>{500, 500}));
+}
+
 }  // namespace
 }  // namespace lode::app
