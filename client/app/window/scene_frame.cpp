@@ -6,15 +6,16 @@
 #include <glm/glm.hpp>
 
 namespace lode::app {
+namespace {
 
-Lattice latticeWithRoom(const ModelSummary& whole, std::span<const SceneInstance> instances) {
-  glm::dvec3 min = whole.lattice.toWorld(whole.box.min), max = whole.lattice.toWorld(whole.box.max);
-  for (const SceneInstance& instance : instances) {
-    min = glm::min(min, instance.placement.position);
-    max = glm::max(max, instance.placement.position);
-  }
+constexpr double kRoom = 64;  ///< on each side, in longest sides of what is there
+
+}  // namespace
+
+Lattice latticeWithRoom(const ModelSummary& whole) {
+  const glm::dvec3 min = whole.lattice.toWorld(whole.box.min), max = whole.lattice.toWorld(whole.box.max);
   const double longest = std::max({max.x - min.x, max.y - min.y, max.z - min.z, whole.lattice.step});
-  return {min - longest, std::exp2(std::ceil(std::log2(3 * longest / kMaxLattice)))};
+  return {min - kRoom * longest, std::exp2(std::ceil(std::log2((2 * kRoom + 1) * longest / kMaxLattice)))};
 }
 
 LatticeBox boxIn(const Lattice& lattice, const ModelSummary& whole) {

@@ -73,7 +73,7 @@ void ViewedScene::setUp() {
   const bool is_first = !stage_, is_whole = std::ranges::all_of(models_, &PlacedModel::isOpen);
   stage_.emplace(scene_, summaries);
   const ModelSummary whole = stage_->whole();
-  if (is_first) whole_.lattice = is_whole ? whole.lattice : latticeWithRoom(whole, scene_.instances);
+  if (is_first) whole_.lattice = is_whole ? whole.lattice : latticeWithRoom(whole);
   whole_.triangles = whole.triangles;
   whole_.box = boxIn(whole_.lattice, whole);
 }

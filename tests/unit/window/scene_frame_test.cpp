@@ -1,38 +1,50 @@
 #include "client/app/window/scene_frame.h"
 
-#include <vector>
-
 #include <gtest/gtest.h>
 
 namespace lode::app {
 namespace {
 
-/// From 10 to 18 along each axis.
-ModelSummary cube() {
+/// Eight long along each axis, from a point on.
+ModelSummary cubeAt(const glm::dvec3& min) {
   ModelSummary whole;
-  whole.lattice = {glm::dvec3(10), 0x1p-17};
+  whole.lattice = {min, 0x1p-17};
   whole.box.add(glm::uvec3(0));
   whole.box.add(glm::uvec3(1u << 20));
   return whole;
 }
 
-SceneInstance at(const glm::dvec3& position) { return {0, {.position = position}}; }
+void expectKept(const ModelSummary& cube, const glm::dvec3& min) {
+  const Lattice lattice = latticeWithRoom(cube);
+  const LatticeBox box = boxIn(lattice, cube);
+  EXPECT_LT(glm::distance(lattice.toWorld(box.min), min), 2 * lattice.step);
+  EXPECT_LT(glm::distance(lattice.toWorld(box.max), min + 8.0), 2 * lattice.step);
+  EXPECT_LT(lattice.step, 1e-3) << "it loses few bits";
+}
 
 TEST(SceneFrame, hasRoomOnEachSideForAModelThatComesLate) {
-  const std::vector<SceneInstance> instances{at({-10, 14, 14}), at({30, 14, 14})};
-  const Lattice lattice = latticeWithRoom(cube(), instances);
-  for (const glm::dvec3& point : {glm::dvec3(-50, -26, -26), glm::dvec3(70, 58, 58)}) {
+  const Lattice lattice = latticeWithRoom(cubeAt(glm::dvec3(10)));
+  for (const double away : {-500.0, 500.0}) {
+    const glm::dvec3 point(14 + away);
     const glm::dvec3 kept = lattice.toWorld(lattice.snap(point));
-    EXPECT_LT(glm::distance(kept, point), 2 * lattice.step) << point.x;
+    EXPECT_LT(glm::distance(kept, point), 2 * lattice.step) << away;
   }
 }
 
-TEST(SceneFrame, keepsWhereTheBoxIs) {
-  const Lattice lattice = latticeWithRoom(cube(), {});
-  const LatticeBox box = boxIn(lattice, cube());
+TEST(SceneFrame, keepsWhereTheBoxIs) { expectKept(cubeAt(glm::dvec3(10)), glm::dvec3(10)); }
+
+TEST(SceneFrame, keepsWhereTheBoxIsFarFromWhereItsModelIsPlaced) {
+  const glm::dvec3 far_away(4e5, 5e6, 100);
+  expectKept(cubeAt(far_away), far_away);
+}
+
+TEST(SceneFrame, cutsTheBoxOffWhereItsRoomEnds) {
+  const Lattice lattice = latticeWithRoom(cubeAt(glm::dvec3(10)));
+  ModelSummary whole = cubeAt(glm::dvec3(10));
+  whole.lattice.step *= 1024;  // reaches 8 192 along each axis
+  const LatticeBox box = boxIn(lattice, whole);
   EXPECT_LT(glm::distance(lattice.toWorld(box.min), glm::dvec3(10)), 2 * lattice.step);
-  EXPECT_LT(glm::distance(lattice.toWorld(box.max), glm::dvec3(18)), 2 * lattice.step);
-  EXPECT_LT(lattice.step, 1e-4) << "it loses few bits";
+  EXPECT_EQ(box.max, glm::uvec3(kMaxLattice));
 }
 
 }  // namespace
