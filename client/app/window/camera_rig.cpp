@@ -24,11 +24,7 @@ double sizeOf(const ModelSummary& model) {
 
 CameraRig::CameraRig(const ModelSummary& model, core::Framing framing,
                      const std::optional<core::CameraPath>& path, uint32_t width_px, uint32_t height_px)
-    : model_(model),
-      framing_(std::move(framing)),
-      model_size_(sizeOf(model)),
-      starts_framed_(!path),
-      up_(core::upOf(framing_)) {
+    : model_(model), framing_(std::move(framing)), starts_framed_(!path), up_(core::upOf(framing_)) {
   resize(width_px, height_px);
   if (path)
     startAt(*path);
@@ -57,9 +53,10 @@ void CameraRig::restart(core::View from, double distance_model) {
   from.width_px = view_.width_px;  // the window may have another size by now
   from.height_px = view_.height_px;
   view_ = from;
+  const double size = sizeOf(model_);  // which may have grown
   orbit_ = render::OrbitCamera(from, distance_model, up_);
-  fly_ = render::FlyCamera(from, model_size_ / kCrossingSeconds, up_);
-  walk_ = render::WalkCamera(from, model_size_ * kEyeHeight, up_);
+  fly_ = render::FlyCamera(from, size / kCrossingSeconds, up_);
+  walk_ = render::WalkCamera(from, size * kEyeHeight, up_);
 }
 
 /// Its up says nothing of a model's axis where it looks straight along that, or leans.

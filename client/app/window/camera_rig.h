@@ -19,6 +19,7 @@ namespace lode::app {
 /// when that changes.
 class CameraRig {
  public:
+  /// @param model    is looked at again whenever a camera begins: its box may have grown.
   /// @param framing  says what is up, whatever the path's cameras have as theirs.
   /// @param path     its first key is where the camera starts, and what is seen, leaning too, until it is
   ///                 moved; nothing: the camera that frames the model.
@@ -64,7 +65,6 @@ class CameraRig {
 
   const ModelSummary& model_;
   core::Framing framing_;
-  double model_size_;
   core::View start_, view_;
   double start_distance_model_ = 0;
   bool starts_framed_;

@@ -73,6 +73,28 @@ TEST(CameraRig, goesAsManyKindsOnAsTabWasPressedWithinAFrame) {
   EXPECT_EQ(rig.kind(), CameraKind::kWalk);
 }
 
+/// How far it flies in a tenth of a second.
+double flownBy(CameraRig& rig) {
+  const glm::dvec3 from = rig.view().eye_model;
+  Input input;
+  input.fly.forward = 1;
+  rig.apply(input, 0.1, plainAt(0));
+  return glm::distance(rig.view().eye_model, from);
+}
+
+TEST(CameraRig, isAsFastAsAModelIsLargeThatHasGrown) {
+  ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  rig.apply(tab(), 0.016, plainAt(0));
+  const double flown = flownBy(rig);
+  EXPECT_GT(flown, 0);
+  model.box.add({10240, 10240, 5120});
+  Input again;
+  again.reset_camera = true;
+  rig.apply(again, 0.016, plainAt(0));
+  EXPECT_NEAR(flownBy(rig), 10 * flown, 1e-6 * flown);
+}
+
 TEST(CameraRig, goesFromOrbitToFlyToWalkAndBackWithoutMovingAtOnce) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
