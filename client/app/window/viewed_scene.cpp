@@ -13,6 +13,27 @@
 #include "client/render/memory_shares.h"
 
 namespace lode::app {
+namespace {
+
+/// Says at once what is wrong with the targets of the scene's models. @throws Error.
+void refuseWrongTargets(const Scene& scene, const std::string& source, Lacking lacking) {
+  std::vector<std::optional<Error>> refused;
+  for (const SceneModel& model : scene.models) {
+    refused.emplace_back();
+    try {
+      parseTarget(model.target);
+    } catch (const Error& error) {
+      refused.back() = ofSceneModel(error, source, model);
+      if (lacking == Lacking::kRefused || error.code() == ErrorCode::kUsage) throw *refused.back();
+    }
+  }
+  if (std::ranges::all_of(scene.instances, [&refused](const SceneInstance& instance) {
+        return refused[instance.model].has_value();
+      }))
+    throw *refused[scene.instances.front().model];
+}
+
+}  // namespace
 
 ViewedScene::ViewedScene(const CommonOptions& options, Lacking lacking)
     : scene_(readScene(options.target)),
@@ -21,14 +42,7 @@ ViewedScene::ViewedScene(const CommonOptions& options, Lacking lacking)
       framing_(framingOf(scene_, options)),
       memory_(options.streamOptions().memory_budget_bytes, scene_.models.size()) {
   whole_.name = std::filesystem::path(options.target).filename().string();
-  for (const SceneModel& model : scene_.models) {  // says what is wrong at once
-    try {
-      parseTarget(model.target);
-    } catch (const Error& error) {
-      if (lacking == Lacking::kRefused || error.code() == ErrorCode::kUsage)
-        throw ofSceneModel(error, options.target, model);
-    }
-  }
+  refuseWrongTargets(scene_, options.target, lacking);
 }
 
 ViewedScene::~ViewedScene() = default;

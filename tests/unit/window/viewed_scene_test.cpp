@@ -1,0 +1,46 @@
+#include "client/app/window/viewed_scene.h"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/work_folder.h"
+
+namespace lode::app {
+namespace {
+
+/// @return the error of a scene before it is opened; nothing where it has none.
+std::string errorOf(const std::string& models, const std::string& instances, Lacking lacking) {
+  const test::WorkFolder work;
+  const std::filesystem::path file = work / "scene.json";
+  std::ofstream(file) << R"({"models": {)" << models << R"(}, "instances": [)" << instances << "]}";
+  CommonOptions options;
+  options.target = file.string();
+  try {
+    ViewedScene scene(options, lacking);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+const std::string kModels = R"("a": "typo.ply", "b": "typo.lode", "away": "lode://127.0.0.1/rock")";
+const std::string kOfTypos = R"({"model": "b"}, {"model": "a"}, {"model": "b"})";
+
+TEST(ViewedScene, isRefusedBeforeItOpensWhereNoneOfWhatIsPlacedIsThere) {
+  EXPECT_NE(errorOf(kModels, kOfTypos, Lacking::kShown).find("models.\"b\": "), std::string::npos);
+}
+
+TEST(ViewedScene, mayLackAModelWhereAnotherThatIsPlacedMayCome) {
+  EXPECT_EQ(errorOf(kModels, kOfTypos + R"(, {"model": "away"})", Lacking::kShown), "");
+}
+
+TEST(ViewedScene, lacksNoModelInAPictureThatIsToBeTheSameAgain) {
+  EXPECT_NE(errorOf(kModels, R"({"model": "away"})", Lacking::kRefused).find("models.\"a\": "),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace lode::app
