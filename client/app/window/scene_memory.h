@@ -22,6 +22,8 @@ class SceneMemory {
   };
   /// What is looked at, each frame. For one picture parts change a few times only, so that they come to rest.
   void look(const core::View& view, float threshold_px);
+  /// There is more in the same view: parts may change again.
+  void lookAnew() noexcept { changes_ = 0; }
   /// @param needs  by model. @return whether parts have changed.
   bool share(std::span<const Need> needs);
   /// By model; together no more than the budget.

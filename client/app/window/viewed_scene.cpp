@@ -100,7 +100,9 @@ void ViewedScene::takeLate() {
     giveMemory(*model);
     has_come = true;
   }
-  if (has_come) setUp();
+  if (!has_come) return;
+  memory_.lookAnew();
+  setUp();
 }
 
 std::vector<std::string> ViewedScene::missing() const {

@@ -62,6 +62,13 @@ TEST(SceneMemory, comesToRestUntilAnotherPictureIsLookedAt) {
   EXPECT_GT(changesOf(memory, view, 0.5f), 1) << "another threshold";
 }
 
+TEST(SceneMemory, changesAgainInTheSamePictureForAModelThatHasComeLate) {
+  SceneMemory memory(8000, 2);
+  changesOf(memory, core::View{}, 1);
+  memory.lookAnew();
+  EXPECT_GT(changesOf(memory, core::View{}, 1), 1);
+}
+
 TEST(SceneMemory, staysWhereNeedsHardlyDiffer) {
   SceneMemory memory(8000, 2);
   EXPECT_FALSE(memory.share(Needs{{510, true}, {500, true}}));
