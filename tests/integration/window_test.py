@@ -373,6 +373,17 @@ class LackingScenes(WindowTest):
                          stderr=subprocess.DEVNULL):
                 eventually(lambda: self.at_right(window) > 2)
 
+    def test_ask_all_their_servers_at_once(self):
+        """So that those that do not answer are waited for together."""
+        with socket.create_server(("127.0.0.1", 0)) as first, socket.create_server(("127.0.0.1", 0)) as second:
+            silent = {f"silent{number}": f"lode://127.0.0.1:{server.getsockname()[1]}/painted"
+                      for number, server in enumerate((first, second))}
+            with self.scene(**silent) as file, self.window(file, "--timeout", "3600", is_open=False):
+                first.settimeout(60)
+                second.settimeout(15)  # less than a connection is waited for
+                with first.accept()[0], second.accept()[0]:
+                    pass
+
     def test_are_refused_where_nobody_looks(self):
         with self.scene(gone="gone.ply") as file, tempfile.TemporaryDirectory() as folder, display() as screen:
             window = Window(screen, folder, file, "--screenshot", "a.png")

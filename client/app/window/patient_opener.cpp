@@ -1,6 +1,7 @@
 #include "client/app/window/patient_opener.h"
 
 #include <utility>
+#include <variant>
 
 namespace lode::app {
 namespace {
@@ -22,7 +23,9 @@ PatientOpener::PatientOpener(std::string target, stream::StreamOptions options,
 void PatientOpener::begin() {
   next_try_.reset();
   try {
-    opener_.emplace(parseTarget(target_), options_, core::Framing{}, timeout_);
+    Target target = parseTarget(target_);
+    asks_server_ = std::holds_alternative<stream::ServedModel>(target);
+    opener_.emplace(std::move(target), options_, core::Framing{}, timeout_);
   } catch (const Error& error) {
     fail(error);
   }

@@ -19,6 +19,8 @@ class PatientOpener {
   const ModelOpener::Progress& look();
   /// It has failed, and goes on by itself.
   bool triesAgain() const noexcept { return next_try_ || opener_; }
+  /// Its target is no file.
+  bool asksServer() const noexcept { return asks_server_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -29,6 +31,7 @@ class PatientOpener {
   const std::string target_;
   const stream::StreamOptions options_;
   const std::chrono::milliseconds timeout_;
+  bool asks_server_ = false;
   std::optional<ModelOpener> opener_;          ///< nothing between two tries
   std::optional<Clock::time_point> next_try_;  ///< nothing: there is no use in one
   ModelOpener::Progress progress_;             ///< the last

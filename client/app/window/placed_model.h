@@ -26,6 +26,8 @@ struct PlacedModel {
   /// Looks how far it has come. @return it has just opened.
   bool look();
   bool isOpen() const noexcept { return opened.streamer != nullptr; }
+  /// It neither is open nor has failed yet.
+  bool isAwaited() const noexcept { return !isOpen() && !opened.error; }
 
   /// As the model at a place sees a camera of the scene.
   core::View viewAt(size_t place, const core::View& scene_view) const;

@@ -52,27 +52,35 @@ void ViewedScene::openNext() {
   const render::MemoryShares memory = render::shareMemory(memory_.parts()[number]);
   models_.push_back(std::make_unique<PlacedModel>(number, scene_.models[number].target,
                                                   options_.streamOptions(), options_.timeout(), memory));
+  models_.back()->look();
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }
 
+/// Files one after the other, as each may have to be built; servers beside that, as they may not answer.
 Exhibit::Opening ViewedScene::open() {
   if (stage_) return {.is_open = true};
-  if (models_.empty() || models_.back()->isOpen() || models_.back()->opened.error) openNext();
-  PlacedModel& opening = *models_.back();
-  opening.look();
-  const bool has_failed = opening.opened.error.has_value();
-  if (has_failed && lacking_ == Lacking::kRefused)
-    return {.error = ofSceneModel(*opening.opened.error, options_.target, scene_.models[opening.number])};
-  if ((!opening.isOpen() && !has_failed) || models_.size() < scene_.models.size())
-    return {opening.opened.phase, opening.opened.part, false, std::nullopt};
+  for (const auto& model : models_) model->look();
+  while (models_.size() < scene_.models.size() &&
+         (models_.empty() || !models_.back()->isAwaited() || models_.back()->opener.asksServer()))
+    openNext();
+  const auto failed =
+      std::ranges::find_if(models_, [](const auto& model) { return model->opened.error.has_value(); });
+  if (failed != models_.end() && lacking_ == Lacking::kRefused) return {.error = errorOf(**failed)};
+  if (const auto last = std::find_if(models_.rbegin(), models_.rend(),
+                                     [](const auto& model) { return model->isAwaited(); });
+      last != models_.rend())
+    return {(*last)->opened.phase, (*last)->opened.part, false, std::nullopt};
   if (std::ranges::none_of(scene_.instances, [this](const SceneInstance& instance) {
         return models_[instance.model]->isOpen();
-      })) {
-    const PlacedModel& first = *models_[scene_.instances.front().model];
-    return {.error = ofSceneModel(*first.opened.error, options_.target, scene_.models[first.number])};
-  }
+      }))
+    return {.error = errorOf(*models_[scene_.instances.front().model])};
   setUp();
   return {.is_open = true};
+}
+
+/// Why it cannot be opened.
+Error ViewedScene::errorOf(const PlacedModel& model) const {
+  return ofSceneModel(*model.opened.error, options_.target, scene_.models[model.number]);
 }
 
 /// With the models that are open; the frame of views stays when one comes later.

@@ -17,7 +17,7 @@
 namespace lode::app {
 
 /// A scene in the window: one stream and one renderer a model, which its places share; a cut and its culling
-/// for each place. Models are opened one after the other; those whose server is away come when it is there.
+/// for each place. Models whose server is away come when it is there.
 class ViewedScene : public Exhibit {
  public:
   /// Reads the scene. @throws Error.
@@ -58,6 +58,7 @@ class ViewedScene : public Exhibit {
   };
 
   void openNext();
+  Error errorOf(const PlacedModel& model) const;
   void setUp();
   void takeLate();
   core::View inScene(const core::View& view) const;
