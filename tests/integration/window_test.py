@@ -359,7 +359,7 @@ class LackingScenes(WindowTest):
     def test_say_what_is_missing_and_show_the_rest(self):
         with self.scene(gone="gone.ply", away=f"lode://127.0.0.1:{free_port()}/painted") as file, \
                 self.window(file, stderr=subprocess.PIPE) as window, window.process.stderr as stderr:
-            for said in ("scene.json: gone is missing: ", "scene.json: away is missing: cannot connect"):
+            for said in ('scene.json: "gone" is missing: ', 'scene.json: "away" is missing: cannot connect'):
                 self.assertIn(said, next(line for line in map(bytes.decode, stderr) if line.startswith("lodestream")))
             eventually(lambda: self.picked(window, MIDDLE))
             self.assertGreater(reds_of(window.picture()), 100)

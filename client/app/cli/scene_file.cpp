@@ -18,6 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr size_t kMostQuotedBytes = 64;  ///< of a name
+
 [[noreturn]] void refuseScene(std::string_view source, const std::string& what) {
   throw Error(ErrorCode::kInput,
               std::string(source) + ": " + what +
@@ -30,9 +32,6 @@ void refuseMoreThan(size_t limit, size_t count, const char* what, std::string_vi
   throw Error(ErrorCode::kLimit, std::string(source) + ": " + std::to_string(count) + " " + what +
                                      "; the limit is " + std::to_string(limit));
 }
-
-/// As the file has it, in quotes, in one line of ASCII.
-std::string quoted(const std::string& name) { return Json(name).dump(-1, ' ', true); }
 
 /// Misspelt members would be left out without a word.
 void refuseOthers(const Json& object, std::initializer_list<std::string_view> known, std::string_view source,
@@ -141,6 +140,13 @@ void addInstances(const Json& json, const std::map<std::string, uint32_t>& model
 }
 
 }  // namespace
+
+std::string quoted(const std::string& name) {
+  std::string text = name.substr(0, kMostQuotedBytes);  // which may end within a letter
+  text = Json(text).dump(-1, ' ', true, Json::error_handler_t::ignore);
+  if (name.size() > kMostQuotedBytes) text.insert(text.size() - 1, "...");
+  return text;
+}
 
 Scene parseScene(std::string_view text, std::string_view source) {
   refuseMoreThan(kMaxSceneBytes, text.size(), "bytes", source);

@@ -58,6 +58,9 @@ struct Scene {
   std::optional<SceneSky> sky;
 };
 
+/// A name as a scene's file has it, in quotes, in one line of ASCII; of a long one how it begins.
+std::string quoted(const std::string& name);
+
 /// A scene: {"up": "z", "models": {"rock": "rock.lode"}, "instances": [{"model": "rock", "position": [0,0,0],
 /// "axis": [0,0,1], "degrees": 30, "scale": 2}], "ground": {"height": 0, "colour": "#606458"},
 /// "sky": {"top": "#4d5763", "bottom": "#1a1c21"}}.

@@ -117,7 +117,7 @@ std::vector<std::string> ViewedScene::missing() const {
   std::vector<std::string> missing;
   for (const auto& model : models_)
     if (const auto& error = model->opened.error)
-      missing.push_back(scene_.models[model->number].name + " is missing: " + error->what() +
+      missing.push_back(quoted(scene_.models[model->number].name) + " is missing: " + error->what() +
                         (model->opener.triesAgain() ? "; it is tried again every few seconds" : ""));
   return missing;
 }

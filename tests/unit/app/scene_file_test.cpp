@@ -30,6 +30,15 @@ TEST(SceneFile, saysInWhichOfItsModelsAnErrorIs) {
   EXPECT_EQ(error.what(), std::string("a.json: models.\"rock\": gone.lode: no such file"));
 }
 
+/// Names come from the file, whoever made it, and go to a terminal.
+TEST(SceneFile, quotesANameInOneShortLineOfAscii) {
+  EXPECT_EQ(quoted("rock"), R"("rock")");
+  EXPECT_EQ(quoted("a\"b\n\x1b[31m\u00e9"), R"("a\"b\n\u001b[31m\u00e9")");
+  EXPECT_EQ(quoted(std::string(64, 'a')), '"' + std::string(64, 'a') + '"');
+  EXPECT_EQ(quoted(std::string(1000, 'a')), '"' + std::string(64, 'a') + "...\"");
+  EXPECT_EQ(quoted(std::string(63, 'a') + "\u00e9 and more"), '"' + std::string(63, 'a') + "...\"");
+}
+
 TEST(SceneFile, placesModelsByNameAndLeavesWhatIsNotSaidAsItIs) {
   const Scene scene = parse(R"({"model": "tree"}, {"model": "rock", "position": [1, 2, 3], "scale": 2})");
   ASSERT_EQ(scene.models.size(), 2u);
