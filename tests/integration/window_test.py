@@ -269,7 +269,19 @@ class Settings(WindowTest):
             self.assertEqual(lower_half(window.picture()), closed)
 
     def test_give_more_memory_and_take_it_back(self):
-        with self.window(MODELS / "asteroid2m.lode", "--pixels", "0.25", "--memory-budget", "16MiB") as window:
+        self.give_memory_and_take_it_back(MODELS / "asteroid2m.lode")
+
+    def test_take_memory_back_from_all_models_of_a_scene(self):
+        names = ("one", "other")
+        scene = {"models": dict.fromkeys(names, str(MODELS / "asteroid2m.lode")),
+                 "instances": [{"model": name, "position": [1.5 * number, 0, 0]} for number, name in enumerate(names)]}
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "scene.json")
+            file.write_text(json.dumps(scene))
+            self.give_memory_and_take_it_back(file)
+
+    def give_memory_and_take_it_back(self, target):
+        with self.window(target, "--pixels", "0.25", "--memory-budget", "16MiB") as window:
             window.key("h")
             window.key("o")
             window.picture()
