@@ -1,21 +1,19 @@
 #!/usr/bin/python3
-"""What the window does when somebody steers it, looks, picks, and loses the server: see driven_window.py."""
+"""What the window does when somebody steers it, looks, picks and changes settings: see driven_window.py."""
 import contextlib
 import json
 import math
 import pathlib
 import re
 import shutil
-import socket
 import struct
 import subprocess
 import tempfile
 import unittest
-import urllib.request
 
 from driven_window import (BIN, HEIGHT, MIDDLE, MODELS, STORE, WIDTH, Window, WindowTest, direction, lower_half, main, moved, place_of, pixels_of,
                            served_without_blobs, size_of)
-from processes import display, eventually, free_port, running
+from processes import eventually
 
 
 class Camera(WindowTest):
@@ -107,12 +105,6 @@ def at_rest(window):
     """What a picture shows in which nothing changes any more; None until then."""
     one, two = (pixels_of(window.picture()) for _ in range(2))
     return two if one == two else None
-
-
-def reds_of(png):
-    """How many pixels have the colour of errors."""
-    pixels = b"".join(pixels_of(png))
-    return sum(r > 200 and g < 150 and b < 140 for r, g, b in zip(pixels[::3], pixels[1::3], pixels[2::3]))
 
 
 class Picks(WindowTest):
@@ -322,131 +314,6 @@ class Scrolling(WindowTest):
     def name_in(window):
         """The pixels where the panel begins with the model's."""
         return [row[3 * 16:3 * 80] for row in pixels_of(window.picture())[16:34]]
-
-
-class Failure(WindowTest):
-    """What cannot be opened is said in the window until that is closed, and at once on stderr."""
-
-    def test_stays_in_the_window_and_is_told_by_the_exit_status(self):
-        nobody = f"lode://127.0.0.1:{free_port()}/painted"
-        with running([BIN / "lodestreamd", "serve", STORE, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE,
-                     stderr=subprocess.DEVNULL) as server, tempfile.TemporaryDirectory() as folder:
-            listen = json.loads(server.stdout.readline())["listen"]
-            damaged, no_ply = pathlib.Path(folder, "damaged.lode"), pathlib.Path(folder, "broken.ply")
-            damaged.write_bytes(STORE.read_bytes()[:1000])
-            no_ply.write_text("ply\nnonsense\n")
-            for target, said, key in ((nobody, "cannot connect", "Escape"), (f"lode://{listen}/nomodel", "nomodel", "q"),
-                                      (damaged, "damaged.lode", "Escape"), (no_ply, "broken.ply", "q")):
-                with self.subTest(target), self.window(target, is_open=False, stderr=subprocess.PIPE) as window:
-                    with window.process.stderr as stderr:
-                        lines = (line.decode() for line in stderr)
-                        self.assertIn(said, next(line for line in lines if line.startswith("lodestream")))  # libraries may say more
-                        self.assertEqual(size_of(window.picture()), (WIDTH, HEIGHT))
-                        self.assertGreater(reds_of(window.picture()), 100)
-                        window.key(key)
-                        self.assertEqual(window.process.wait(timeout=120), 1)
-                        self.assertEqual(list(lines), [])
-
-    def test_ends_at_once_what_nobody_looks_at(self):
-        for options in (["--screenshot", "a.png"], ["--laps", "1"]):
-            with self.subTest(options), tempfile.TemporaryDirectory() as folder, display() as screen:
-                window = Window(screen, folder, f"lode://127.0.0.1:{free_port()}/painted", *options)
-                ended = subprocess.run(window.command, env=window.environment, cwd=folder, capture_output=True, timeout=120)
-                self.assertEqual(ended.returncode, 1)
-                self.assertIn(b"cannot connect", ended.stderr)
-
-
-class LackingScenes(WindowTest):
-    """A scene of which a model is not there is shown without it."""
-
-    @contextlib.contextmanager
-    def scene(self, **others):
-        """Of one model that is there, to the left, and others that may be, to the right."""
-        with tempfile.TemporaryDirectory() as folder:
-            file = pathlib.Path(folder, "scene.json")
-            instances = [{"model": name, "position": [4 * number, 0, 0]} for number, name in enumerate(["here", *others])]
-            file.write_text(json.dumps({"models": {"here": str(STORE), **others}, "instances": instances}))
-            yield file
-
-    def test_say_what_is_missing_and_show_the_rest(self):
-        with self.scene(gone="gone.ply", away=f"lode://127.0.0.1:{free_port()}/painted") as file, \
-                self.window(file, stderr=subprocess.PIPE) as window, window.process.stderr as stderr:
-            for said in ('scene.json: "gone" is missing: ', 'scene.json: "away" is missing: cannot connect'):
-                self.assertIn(said, next(line for line in map(bytes.decode, stderr) if line.startswith("lodestream")))
-            eventually(lambda: self.picked(window, MIDDLE))
-            self.assertGreater(reds_of(window.picture()), 100)
-            self.assertEqual(window.leave(), 0)
-
-    def test_show_a_model_whose_server_comes_later(self):
-        port = free_port()
-        with self.scene(away=f"lode://127.0.0.1:{port}/painted") as file, self.window(file, "--cache", "off") as window:
-            self.assertLess(place_of(self.picked(window, MIDDLE))[0], 2)
-            with running([BIN / "lodestreamd", "serve", STORE, "--listen", f"127.0.0.1:{port}"], stdout=subprocess.DEVNULL,
-                         stderr=subprocess.DEVNULL):
-                eventually(lambda: self.at_right(window) > 2)
-
-    def test_ask_all_their_servers_at_once(self):
-        """So that those that do not answer are waited for together."""
-        with socket.create_server(("127.0.0.1", 0)) as first, socket.create_server(("127.0.0.1", 0)) as second:
-            silent = {f"silent{number}": f"lode://127.0.0.1:{server.getsockname()[1]}/painted"
-                      for number, server in enumerate((first, second))}
-            with self.scene(**silent) as file, self.window(file, "--timeout", "3600", is_open=False):
-                first.settimeout(60)
-                second.settimeout(15)  # less than a connection is waited for
-                with first.accept()[0], second.accept()[0]:
-                    pass
-
-    def test_are_refused_where_nobody_looks(self):
-        with self.scene(gone="gone.ply") as file, tempfile.TemporaryDirectory() as folder, display() as screen:
-            window = Window(screen, folder, file, "--screenshot", "a.png")
-            ended = subprocess.run(window.command, env=window.environment, cwd=folder, capture_output=True, timeout=120)
-            self.assertEqual(ended.returncode, 1)
-            self.assertIn(b"gone.ply: no such file", ended.stderr)
-
-    @staticmethod
-    def picked(window, at):
-        window.click(at)
-        return window.copied()
-
-    def at_right(self, window):
-        """The x of a point there in the first view, which has more than one model then; of any before."""
-        window.key("r")
-        window.picture()
-        return place_of(self.picked(window, (WIDTH * 3 // 4, MIDDLE[1])))[0]
-
-
-class Connection(WindowTest):
-    def test_that_nobody_answers_does_not_keep_the_window(self):
-        with socket.create_server(("127.0.0.1", 0)) as silent:
-            target = f"lode://127.0.0.1:{silent.getsockname()[1]}/painted"
-            with self.window(target, "--timeout", "3600", is_open=False) as window:
-                with silent.accept()[0]:
-                    window.picture()  # with its key the help of the first start goes
-                    self.assertEqual(window.leave_at_once(), 0)
-
-    def test_is_made_anew_when_the_server_is_back(self):
-        ports = free_port(), free_port()
-        command = [BIN / "lodestreamd", "serve", STORE, "--listen", f"127.0.0.1:{ports[0]}", "--metrics", f"127.0.0.1:{ports[1]}"]
-
-        def blobs_sent():
-            with contextlib.suppress(OSError), urllib.request.urlopen(f"http://127.0.0.1:{ports[1]}/metrics", timeout=10) as answer:
-                return sum(map(float, re.findall(r"^lodestream_model_blobs_sent_total\S* (\S+)$", answer.read().decode(), re.M)))
-
-        with contextlib.ExitStack() as servers:
-            first = servers.enter_context(running(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
-            eventually(lambda: blobs_sent() is not None)
-            window = servers.enter_context(self.window(f"lode://127.0.0.1:{ports[0]}/painted", "--cache", "off"))
-            self.assertGreater(blobs_sent(), 0)
-            first.kill()
-            first.wait()
-            window.key("h")
-            alone = lower_half(window.picture())
-            servers.enter_context(running(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
-            eventually(lambda: blobs_sent() is not None)
-            window.click(MIDDLE, button=4, times=8)
-            eventually(blobs_sent)
-            self.assertFalse(lower_half(window.picture()) == alone)
-            self.assertEqual(window.leave(), 0)
 
 
 if __name__ == "__main__":

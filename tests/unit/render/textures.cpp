@@ -52,6 +52,13 @@ class TexturedSquare : public GlTest {
     });
   }
 
+  std::shared_ptr<const core::Cut> cutOfAllTiles() const {
+    auto cut = std::make_shared<core::Cut>();
+    cut->textures = set_;
+    cut->tiles = tiles_;
+    return cut;
+  }
+
   render::Image drawSquare(const core::View& view, glm::u8vec4 colour = glm::u8vec4(255),
                            uint8_t attributes = AttributeSet::kTexture, int samples = 4) {
     render::Renderer renderer;
@@ -391,9 +398,7 @@ TEST_F(TexturedSquare, forgetsTilesThatALaterCutDoesNotHave) {
 TEST_F(TexturedSquare, uploadsNoMoreThanTheBudgetOfAFrameAllowsButOneTile) {
   wear({2048, 2048, checkered});
   render::TextureResidency residency(64u << 20);
-  auto cut = std::make_shared<core::Cut>();
-  cut->textures = set_;
-  cut->tiles = tiles_;
+  const std::shared_ptr<const core::Cut> cut = cutOfAllTiles();
   residency.show(cut);
   const uint64_t first = residency.uploadInRenderThread({.bytes = 1, .ms = 1e9});
   EXPECT_GE(first, tiles_.front().image->texels.size() * 4);  // the coarsest, and its tail
@@ -406,9 +411,7 @@ TEST_F(TexturedSquare, uploadsNoMoreThanTheBudgetOfAFrameAllowsButOneTile) {
 TEST_F(TexturedSquare, staysWithinItsMemoryAndShowsWhatFits) {
   wear({2048, 2048, checkered});
   render::TextureResidency residency(4 * uint64_t{render::kTileLayerBytes});
-  auto cut = std::make_shared<core::Cut>();
-  cut->textures = set_;
-  cut->tiles = tiles_;
+  const std::shared_ptr<const core::Cut> cut = cutOfAllTiles();
   residency.show(cut);
   residency.uploadInRenderThread({.wait = true});
   EXPECT_TRUE(residency.upToDate());
@@ -420,9 +423,7 @@ TEST_F(TexturedSquare, staysWithinItsMemoryAndShowsWhatFits) {
 TEST_F(TexturedSquare, hasMoreOrFewerTilesWithAnotherMemory) {
   wear({2048, 2048, checkered});
   render::TextureResidency residency(4 * uint64_t{render::kTileLayerBytes});
-  auto cut = std::make_shared<core::Cut>();
-  cut->textures = set_;
-  cut->tiles = tiles_;
+  const std::shared_ptr<const core::Cut> cut = cutOfAllTiles();
   const auto tilesWithin = [&](uint64_t layers) {
     residency.setBudget(layers * render::kTileLayerBytes);
     residency.show(cut);
