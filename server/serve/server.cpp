@@ -68,7 +68,6 @@ struct Server::State {
   ~State();
 
   BlobReaderOptions readerOptions();
-  Published published() const { return {offer, tls}; }
   std::shared_ptr<const TokenFile> openTokens() const;
   std::shared_ptr<asio::ssl::context> openCertificate() const;
   uint32_t possibleConnections();
@@ -79,8 +78,8 @@ struct Server::State {
   void startWorkers();
   void run();
   void reload();
-  void lookOver();
-  void warnOfUnknownModels();
+  void lookOver(const Published& now_offered);
+  void warnOfUnknownModels(const Offer& offer);
   void halt();
   void lookAfterMemory();
   void stopNow();
@@ -90,9 +89,9 @@ struct Server::State {
   ServeOptions options;
   const uint64_t open_files = raiseOpenFileLimit();  ///< before a store is opened
   Log log;
-  std::mutex reload_mutex;  ///< one at a time
-  Offer offer;              ///< touched by construction and reload alone
-  std::shared_ptr<asio::ssl::context> tls;
+  std::mutex reload_mutex;     ///< one at a time, each of which may wait for a disk
+  std::mutex published_mutex;  ///< of the next and of the list of workers; nobody waits under it
+  Published published;         ///< written by reload alone
   MemoryBudget budget;
   ByteRate rate;
   Admission admission;
@@ -107,7 +106,6 @@ struct Server::State {
   std::unique_ptr<HealthEndpoint> health;
   asio::steady_timer drain_timer{context}, memory_timer{context};
   TrimWatch trim_watch;
-  std::mutex workers_mutex;  ///< of the list, which run() fills
   std::vector<std::unique_ptr<Worker>> workers;
   ReaderThreads readers{kReaderThreads};
 };
@@ -115,13 +113,12 @@ struct Server::State {
 Server::State::State(ServeOptions given)
     : options(std::move(given)),
       log(options.log),
-      offer{openCatalog(options.stores, readerOptions()), openTokens()},
-      tls(openCertificate()),
+      published{{openCatalog(options.stores, readerOptions()), openTokens()}, openCertificate()},
       budget(options.memory_budget_bytes == 0 ? defaultMemoryBudget() : options.memory_budget_bytes),
       rate(options.bytes_per_second),
       admission(possibleConnections(), options.max_connections_per_address),
       metrics(threadsOf(options) + 1) {
-  lookOver();
+  lookOver(published);
   listen();
 }
 
@@ -149,7 +146,7 @@ std::shared_ptr<asio::ssl::context> Server::State::openCertificate() const {
 
 /// As many as were asked for, or as many as the system lets this process have files open for.
 uint32_t Server::State::possibleConnections() {
-  const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * offer.catalog->models().size();
+  const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * published.offer.catalog->models().size();
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
   if (room >= options.max_connections) return options.max_connections;
   log.write(LogKind::kServer,
@@ -196,15 +193,16 @@ void Server::State::listen() {
   asio::ip::tcp::acceptor acceptor = openDoor();
   port = acceptor.local_endpoint().port();
   address = toString(acceptor.local_endpoint());
-  const DoorOptions door_options{.count_addresses = !options.proxy_protocol,
-                                 .connection_bytes = tls ? kTlsConnectionBytes : kPlainConnectionBytes};
+  const DoorOptions door_options{
+      .count_addresses = !options.proxy_protocol,
+      .connection_bytes = published.tls ? kTlsConnectionBytes : kPlainConnectionBytes};
   door = std::make_unique<Door>(
       std::move(acceptor), door_options, admission, budget, metrics.ofThread(0), log,
       [this](asio::ip::tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
         Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
         worker.give(std::move(socket), std::move(place), std::move(memory), std::move(client));
       });
-  door->setTls(tls);
+  door->setTls(published.tls);
   if (options.metrics.empty()) return;
   health = std::make_unique<HealthEndpoint>(
       context, options.metrics,
@@ -217,10 +215,10 @@ void Server::State::startWorkers() {
       std::min({options.handshake_deadline, options.idle_deadline, options.write_deadline}) / 4;
   const auto sweep_every =
       std::clamp<std::chrono::milliseconds>(shortest, std::chrono::milliseconds(5), std::chrono::seconds(1));
-  const std::scoped_lock lock(reload_mutex, workers_mutex);
+  const std::lock_guard lock(published_mutex);
   try {
     for (unsigned i = 0; i < threads; ++i)
-      workers.push_back(std::make_unique<Worker>(published(), log, metrics.ofThread(i + 1), readers.pool(),
+      workers.push_back(std::make_unique<Worker>(published, log, metrics.ofThread(i + 1), readers.pool(),
                                                  budget, rate, limits()));
     for (auto& worker : workers) worker->start(sweep_every);
   } catch (const std::system_error& error) {
@@ -258,6 +256,7 @@ void Server::State::lookAfterMemory() {
 
 void Server::State::reload() {
   const std::lock_guard lock(reload_mutex);
+  Published next = published;
   bool all_is_new = true;
   const auto keeping = [&](const char* what, const auto& action) {
     try {
@@ -269,24 +268,29 @@ void Server::State::reload() {
     }
   };
   size_t refused = 0;
-  keeping("stores",
-          [&] { offer.catalog = reopenCatalog(*offer.catalog, options.stores, readerOptions(), &refused); });
-  keeping("tokens", [&] { offer.tokens = openTokens(); });
-  keeping("the certificate", [&] { tls = openCertificate(); });
-  keeping("what is offered", [&] { lookOver(); });
-  const std::lock_guard workers_lock(workers_mutex);
-  for (auto& worker : workers) worker->publish(published());
-  asio::post(context, [this, now = tls] { door->setTls(now); });
+  keeping("stores", [&] {
+    next.offer.catalog = reopenCatalog(*next.offer.catalog, options.stores, readerOptions(), &refused);
+  });
+  keeping("tokens", [&] { next.offer.tokens = openTokens(); });
+  keeping("the certificate", [&] { next.tls = openCertificate(); });
+  keeping("what is offered", [&] { lookOver(next); });
+  {
+    const std::lock_guard published_lock(published_mutex);
+    published = next;
+    for (auto& worker : workers) worker->publish(next);
+  }
+  asio::post(context, [this, now = next.tls] { door->setTls(now); });
   all_is_new = all_is_new && refused == 0;
   log.write(LogKind::kServer, all_is_new ? "reloaded" : "reloaded in part", {{"models", uint64_t{models}}});
 }
 
 /// Counts what is offered from now on, and says what of it will hardly be meant so.
-void Server::State::lookOver() {
+void Server::State::lookOver(const Published& now_offered) {
+  const auto& [offer, tls] = now_offered;
   models = offer.catalog->models().size();
   for (const auto& model : offer.catalog->models())  // from 0 on: an increase is seen only of what is there
     metrics.ofThread(0).model(model->summary.name);
-  warnOfUnknownModels();
+  warnOfUnknownModels(offer);
   const auto now = std::chrono::system_clock::now();
   if (offer.tokens && offer.tokens->allHaveExpired(now))
     log.write(
@@ -300,7 +304,7 @@ void Server::State::lookOver() {
               "the certificate has expired, and clients refuse it; give a new one and reload");
 }
 
-void Server::State::warnOfUnknownModels() {
+void Server::State::warnOfUnknownModels(const Offer& offer) {
   if (!offer.tokens) return;
   std::vector<std::string> unknown = offer.tokens->modelsNamed();
   std::erase_if(unknown, [&](const std::string& name) { return offer.catalog->find(name) != nullptr; });
@@ -311,7 +315,7 @@ void Server::State::warnOfUnknownModels() {
 
 void Server::State::halt() {
   context.stop();
-  const std::lock_guard lock(workers_mutex);
+  const std::lock_guard lock(published_mutex);
   for (auto& worker : workers) worker->halt();
 }
 
@@ -346,8 +350,9 @@ std::optional<std::string> Server::metricsAddress() const {
 }
 
 std::vector<std::string> Server::models() const {
+  const std::lock_guard lock(state_->published_mutex);
   std::vector<std::string> names;
-  for (const auto& model : state_->offer.catalog->models()) names.push_back(model->summary.name);
+  for (const auto& model : state_->published.offer.catalog->models()) names.push_back(model->summary.name);
   return names;
 }
 

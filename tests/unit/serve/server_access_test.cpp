@@ -4,6 +4,8 @@
 #include <functional>
 #include <sstream>
 
+#include <sys/stat.h>
+
 #include "common/error.h"
 #include "server/serve/refusals.h"
 #include "tests/support/test_certificate.h"
@@ -120,6 +122,19 @@ TEST_F(ServerAccess, aFolderOfStoresThatIsGoneAtTheReloadLeavesWhatThereWas) {
   TestClient client = connect();
   ASSERT_EQ(greet(client, ""), FrameType::kWelcome);
   EXPECT_EQ(list(client), (std::vector<std::string>{"a", "c"}));
+}
+
+TEST_F(ServerAccess, aServerStartsAndAnswersWhileAReloadWaitsForTheDisk) {
+  writeTokens("one never *\n");
+  server_.emplace(options_);
+  std::filesystem::remove(options_.token_file);
+  ASSERT_EQ(::mkfifo(options_.token_file.c_str(), 0600), 0);  // who reads it waits, as for a disk
+  std::jthread reload([this] { server_->reload(); });
+  const int disk = ::open(options_.token_file.c_str(), O_WRONLY | O_CLOEXEC);
+  thread_ = std::thread([this] { server_->run(); });
+  TestClient client = connect();
+  EXPECT_EQ(greet(client, "one"), FrameType::kWelcome);
+  ::close(disk);
 }
 
 TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
