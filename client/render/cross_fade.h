@@ -10,6 +10,7 @@
 #include "client/core/sight.h"
 #include "client/core/view.h"
 #include "client/render/changed_regions.h"
+#include "client/render/hidden_parts.h"
 #include "client/render/mesh_residency.h"
 
 namespace lode::render {
@@ -22,8 +23,7 @@ constexpr float kLargestFadedStepPx =
 struct DrawTime {
   double now_s = 0;    ///< of any clock that does not go back
   bool fades = false;  ///< what has changed since the last frame takes its place by a cross-fade
-  /// What is hidden is not drawn, by the depth of the rest, which is read back: see drawsInSoftware().
-  bool leaves_out_hidden = false;
+  HiddenParts hidden_parts = HiddenParts::kDrawn;
 };
 
 /// A part of the picture, drawn on those pixels whose dither value, 0..1, lies in [from, to). Where parts
@@ -54,6 +54,8 @@ class CrossFade {
   /// Something that was shown has lost its place: nothing fades from it.
   void forget();
 
+  /// Of the last show(); null: none.
+  const std::shared_ptr<const core::Cut>& cut() const noexcept { return cut_; }
   /// The cover's items and those that leave, with their shares at the time of the last show().
   const std::vector<FadedItem>& items() const noexcept { return items_; }
   /// How many of items() are the cover's; they come first.

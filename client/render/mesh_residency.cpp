@@ -45,6 +45,9 @@ uint64_t bytesOf(const core::PlacedCuts& placed) {
   return bytes;
 }
 
+static_assert(sizeof(glm::u32vec3) == core::kDrawnTriangleBytes);
+static_assert(sizeof(LatticeBox) == core::kDrawnClusterBytes);
+
 }  // namespace
 
 /// What is left of a frame's UploadBudget.
@@ -198,13 +201,14 @@ void MeshResidency::makeRoom(Allowance& allowance) {
 }
 
 bool MeshResidency::uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowance) {
-  while (entry.triangles_done < mesh.triangles.size()) {
+  while (!entry.complete) {
     const uint32_t limit = std::min(allowance.left(), staging_.freeBytes());
     const uint32_t bytes = uploadPiece(mesh, entry, limit);
     if (bytes == 0) return false;
     allowance.used_bytes += bytes;
+    entry.complete = entry.triangles_done == mesh.triangles.size() &&
+                     entry.clusters_done == clusterCount(mesh.triangles.size());
   }
-  entry.complete = true;
   return true;
 }
 
@@ -226,17 +230,27 @@ uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t lim
     entry.vertices_done += count;
     return bytes;
   }
-  constexpr uint32_t kTriangleBytes = sizeof(glm::u32vec3);
-  static_assert(kTriangleBytes == core::kDrawnTriangleBytes);
-  const auto triangles = static_cast<uint32_t>(mesh.triangles.size());
-  const uint32_t count = std::min(limit_bytes / kTriangleBytes, triangles - entry.triangles_done);
+  const uint64_t triangles_at = entry.block.offset_bytes + uint64_t{vertices} * vertex_bytes;
+  if (entry.triangles_done < mesh.triangles.size())
+    return uploadNext(std::span(mesh.triangles), entry.triangles_done, limit_bytes, buffer, triangles_at);
+  std::vector<LatticeBox>& boxes = entry.clusters->boxes;
+  if (boxes.empty()) boxes.assign(clusterCount(mesh.triangles.size()), entry.box);
+  const uint64_t boxes_at = triangles_at + mesh.triangles.size() * core::kDrawnTriangleBytes;
+  return uploadNext(std::span<const LatticeBox>(boxes), entry.clusters_done, limit_bytes, buffer, boxes_at);
+}
+
+/// Of what lies in a buffer from an offset on. @return bytes uploaded; 0 if the limit does not allow one.
+template <typename Element>
+uint32_t MeshResidency::uploadNext(std::span<const Element> elements, uint32_t& done, uint32_t limit_bytes,
+                                   GLuint buffer, uint64_t at) {
+  const auto left = static_cast<uint32_t>(elements.size()) - done;
+  const uint32_t count = std::min(limit_bytes / static_cast<uint32_t>(sizeof(Element)), left);
   if (count == 0) return 0;
-  const std::span<std::byte> room = staging_.take(count * kTriangleBytes);
-  std::memcpy(room.data(), mesh.triangles.data() + entry.triangles_done, room.size());
-  staging_.copyTo(buffer, entry.block.offset_bytes + uint64_t{vertices} * vertex_bytes +
-                              uint64_t{entry.triangles_done} * kTriangleBytes);
-  entry.triangles_done += count;
-  return count * kTriangleBytes;
+  const std::span<std::byte> room = staging_.take(count * sizeof(Element));
+  std::memcpy(room.data(), elements.data() + done, room.size());
+  staging_.copyTo(buffer, at + uint64_t{done} * sizeof(Element));
+  done += count;
+  return static_cast<uint32_t>(room.size());
 }
 
 /// @return null if there is no room, although all that is not drawn or wanted was evicted.
@@ -338,14 +352,16 @@ void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
     if (it == entries_.end()) continue;  // it has no triangles
     Entry& entry = it->second;
     place.entries.push_back(&entry);
-    if (entry.clusters->boxes.empty()) entry.clusters->boxes = {entry.box};
     const uint32_t vertex_bytes = vertexBytes(part.mesh->attributes);
     const uint32_t base = entry.block.offset_bytes / vertex_bytes;
     const auto vertices = static_cast<uint32_t>(part.mesh->positions.size());
+    const auto indices = static_cast<uint32_t>(part.mesh->triangles.size() * 3);
+    const uint32_t first_index = (base + vertices) * (vertex_bytes / 4);
     item = {entry.block.page,
             base,
-            (base + vertices) * (vertex_bytes / 4),
-            static_cast<uint32_t>(part.mesh->triangles.size() * 3),
+            first_index,
+            indices,
+            first_index + indices,
             entry.box,
             entry.clusters,
             part.mesh->attributes,

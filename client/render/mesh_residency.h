@@ -34,7 +34,7 @@ struct UploadBudget {
   bool wait = false;  ///< go on, waiting for the GPU, until the newest cut is there: for off-screen pictures
 };
 
-/// Where the triangles of a mesh are, kClusterTriangles at a time; all in one where that is not known.
+/// Where the triangles of a mesh are, kClusterTriangles at a time; somewhere in it where that is not known.
 struct MeshClusters {
   std::vector<LatticeBox> boxes;
   /// By place where the model stands, as far as looked at, and cluster: by others, in the last frame.
@@ -45,6 +45,7 @@ struct MeshClusters {
 struct DrawItem {
   uint32_t page = 0;
   uint32_t base_vertex = 0, first_index = 0, index_count = 0;
+  uint32_t first_box_word = 0;  ///< of its clusters' boxes, in words of the page
   LatticeBox box;
   std::shared_ptr<MeshClusters> clusters;  ///< never null in what is drawn
   AttributeSet attributes;
@@ -114,7 +115,7 @@ class MeshResidency {
     LatticeBox box;
     std::shared_ptr<MeshClusters> clusters;
     uint64_t used_by = 0;  ///< serial of the last cut that has it
-    uint32_t vertices_done = 0, triangles_done = 0;
+    uint32_t vertices_done = 0, triangles_done = 0, clusters_done = 0;
     bool complete = false;
   };
   /// What is drawn where the model stands once.
@@ -135,6 +136,9 @@ class MeshResidency {
   void makeRoom(Allowance& allowance);
   bool uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowance);
   uint32_t uploadPiece(const Mesh& mesh, Entry& entry, uint32_t limit_bytes);
+  template <typename Element>
+  uint32_t uploadNext(std::span<const Element> elements, uint32_t& done, uint32_t limit_bytes, GLuint buffer,
+                      uint64_t at);
   Entry* place(const std::shared_ptr<const Mesh>& mesh);
   bool makeRoomForTargetAlone();
   void reject();

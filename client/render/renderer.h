@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,10 +13,14 @@
 #include "client/core/view.h"
 #include "client/render/cluster_culling.h"
 #include "client/render/cross_fade.h"
+#include "client/render/depth_pyramid.h"
 #include "client/render/depth_reader.h"
 #include "client/render/draw_list.h"
+#include "client/render/draw_style.h"
 #include "client/render/framebuffer.h"
-#include "client/render/mesh_programs.h"
+#include "client/render/gpu_culling.h"
+#include "client/render/hidden_parts.h"
+#include "client/render/mesh_drawer.h"
 #include "client/render/mesh_residency.h"
 #include "client/render/shown_colours.h"
 #include "client/render/shown_thresholds.h"
@@ -23,20 +28,9 @@
 
 namespace lode::render {
 
-struct DrawStyle {
-  Show show = Show::kSurface;
-  glm::dvec3 up{0};                                    ///< of the model, where its sky is; 0: as the view
-  ShownPlace place = {};                               ///< of the model, among others
-  float exposure = 1;                                  ///< by which the light is multiplied, > 0
-  glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< 0..1
-  glm::vec3 background_bottom_srgb{0.10f, 0.11f, 0.13f};
-  bool over = false;  ///< what the target has stays and hides what is behind it; no background is drawn
-
-  bool operator==(const DrawStyle&) const = default;
-};
-
 struct DrawCounts {
-  uint64_t triangles = 0;  ///< sent to the GPU, after culling
+  /// Drawn, after culling; where the GPU finds what is hidden, of a frame some frames ago.
+  uint64_t triangles = 0;
   uint32_t nodes = 0;
   uint32_t calls = 0;
   float error_px = 0;  ///< largest in the picture, from where the cut was made for
@@ -84,12 +78,18 @@ class Renderer {
   /// Draws the model at one of its places, and no background. Where what is hidden is left out, only what was
   /// not hidden in the last frame: drawAppeared() gives the rest. @param view  as the model sees it from
   /// there.
+  /// @param last_drawn  of all that the last frame has drawn before drawAppeared(), where the GPU finds what
+  /// is
+  ///                    hidden; nobody else needs it.
   DrawCounts drawPlace(size_t place, const core::View& view, const Framebuffer& target,
-                       const DrawStyle& style, const DrawTime& time);
+                       const DrawStyle& style, const DrawTime& time,
+                       const DepthPyramid* last_drawn = nullptr);
   /// Draws what drawPlace() has left out and what is drawn does not hide. The same samples get the same
   /// colours as if all were drawn. @param drawn  of all that drawPlace() has drawn at any place.
   DrawCounts drawAppeared(size_t place, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const FarthestDepths& drawn);
+  DrawCounts drawAppeared(size_t place, const core::View& view, const Framebuffer& target,
+                          const DrawStyle& style, const DepthPyramid& drawn);
   /// Where nothing was drawn: last, so that little of it has to be.
   void drawBackground(const Framebuffer& target, const DrawStyle& style) const;
   /// Nothing is drawn at this place now: when it is next, all appears at once.
@@ -100,17 +100,14 @@ class Renderer {
   bool ageing() const noexcept;
 
  private:
-  /// What all triangles of a draw share, as the shaders read it.
-  struct DrawState {
-    uint32_t flags;
-    glm::u8vec4 tint;
-    uint32_t share;  ///< of the pixels: from and to in 256ths, 16 bits each
-  };
   /// What is in the picture where the model stands once.
   struct Place {
     CrossFade fade;
     uint64_t shown_serial = 0;      ///< of the cuts in the last picture; 0: it was not in it
-    std::vector<SeenCluster> seen;  ///< that may be in the picture
+    std::vector<SeenCluster> seen;  ///< that may be in the picture; or, where the GPU finds clusters,
+    std::vector<SeenPart> parts;
+    std::unique_ptr<GpuCulling> culling;
+    std::optional<core::View> last_view;  ///< of the last frame, where the GPU has found what to draw
     std::vector<bool> is_drawn;     ///< by seen: apart, as one that leaves and has come back is there twice
     std::vector<DrawState> states;  ///< by base_instance: of the cut, then
     size_t states_of_cut = 0;       ///< of what leaves
@@ -119,14 +116,16 @@ class Renderer {
   void keepWhatIsShown();
   DrawState stateOf(const FadedItem& faded, const DrawStyle& style, float threshold_rad) const;
   void choose(Place& place, size_t number, const core::View& view, const DrawTime& time);
-  DrawCounts collect(Place& place, const core::View& view, const DrawStyle& style, float threshold_rad);
+  DrawCounts collect(Place& place, const core::View& view, const DrawStyle& style, bool is_found_on_gpu);
+  static void countShown(const Place& place, const SeenPart& part, uint32_t triangles, const core::View& view,
+                         DrawCounts& counts);
   void drawClusters(const Place& place, const std::vector<bool>& is_chosen, const core::View& view,
                     const DrawStyle& style, DrawCounts& counts);
-  void setCamera(const core::View& view, const DrawStyle& style) const;
-  void setTextures() const;
-  void bindDraws(const Place& place);
-  const GlProgram& program(bool fades, const DrawStyle& style);
-  uint32_t drawList(const DrawList& list, AttributeSet attributes) const;
+  void giveCommands();
+  uint32_t drawList(const DrawList& list) const;
+  void drawUnhiddenOnGpu(Place& place, const core::View& view, const DrawStyle& style,
+                         const DepthPyramid& last_drawn, DrawCounts& counts);
+  uint32_t drawFound(const Place& place, const core::View& view, const DrawStyle& style);
 
   double lattice_step_;
   MeshResidency meshes_;
@@ -134,12 +133,14 @@ class Renderer {
   std::vector<Place> places_;
   bool fades_ = false;       ///< the last picture did
   bool has_samples_ = true;  ///< the target
-  MeshPrograms programs_;
+  MeshDrawer drawer_;
   GlProgram background_program_;
-  GlVertexArray mesh_array_, empty_array_;
-  GlBuffer commands_buffer_, states_buffer_;
+  GlVertexArray empty_array_;
+  GlBuffer commands_buffer_;
   DrawList whole_, fading_;
   DepthReader depth_reader_;
+  std::optional<DepthPyramid> depth_pyramid_;  ///< where the GPU finds what is hidden, in draw()
+  std::optional<CullingPrograms> culling_programs_;
   std::vector<DrawItem> in_picture_;  ///< of the cut alone, where it was drawn last
 };
 

@@ -31,26 +31,42 @@ void attachShader(GLuint program, GLenum kind, const std::string& head,
   }
 }
 
-}  // namespace
-
-GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
-                      std::span<const std::string_view> definitions, const char* geometry_source) {
-  std::string head = "#version 450 core\n";
-  for (const std::string_view definition : definitions) head += "#define " + std::string(definition) + "\n";
-  GlProgram program = GlProgram::create();
-  attachShader(program.get(), GL_VERTEX_SHADER, head, {vertex_source});
-  if (geometry_source != nullptr) attachShader(program.get(), GL_GEOMETRY_SHADER, head, {geometry_source});
-  attachShader(program.get(), GL_FRAGMENT_SHADER, head, fragment_sources);
-  glLinkProgram(program.get());
+void link(GLuint program) {
+  glLinkProgram(program);
   GLint linked = GL_FALSE;
-  glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
+  glGetProgramiv(program, GL_LINK_STATUS, &linked);
   if (linked == GL_FALSE) {
     std::string log(1024, '\0');
-    glGetProgramInfoLog(program.get(), static_cast<GLsizei>(log.size()), nullptr, log.data());
+    glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
     throw Error(ErrorCode::kInternal,
                 "the graphics driver does not link a program of Lodestream: " + firstLine(log.c_str()) +
                     "; update the driver, or set LIBGL_ALWAYS_SOFTWARE=1");
   }
+}
+
+std::string headOf(std::span<const std::string_view> definitions) {
+  std::string head = "#version 450 core\n";
+  for (const std::string_view definition : definitions) head += "#define " + std::string(definition) + "\n";
+  return head;
+}
+
+}  // namespace
+
+GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
+                      std::span<const std::string_view> definitions, const char* geometry_source) {
+  const std::string head = headOf(definitions);
+  GlProgram program = GlProgram::create();
+  attachShader(program.get(), GL_VERTEX_SHADER, head, {vertex_source});
+  if (geometry_source != nullptr) attachShader(program.get(), GL_GEOMETRY_SHADER, head, {geometry_source});
+  attachShader(program.get(), GL_FRAGMENT_SHADER, head, fragment_sources);
+  link(program.get());
+  return program;
+}
+
+GlProgram linkComputeProgram(const char* source, std::span<const std::string_view> definitions) {
+  GlProgram program = GlProgram::create();
+  attachShader(program.get(), GL_COMPUTE_SHADER, headOf(definitions), {source});
+  link(program.get());
   return program;
 }
 

@@ -17,4 +17,7 @@ GlProgram linkProgram(const char* vertex_source, std::initializer_list<const cha
                       std::span<const std::string_view> definitions = {},
                       const char* geometry_source = nullptr);
 
+/// The same of what computes. @throws as above.
+GlProgram linkComputeProgram(const char* source, std::span<const std::string_view> definitions = {});
+
 }  // namespace lode::render

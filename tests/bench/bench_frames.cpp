@@ -12,58 +12,21 @@
 #include <vector>
 
 #include "client/core/camera_path.h"
-#include "client/core/decode_job.h"
 #include "client/core/framing.h"
-#include "client/core/instance.h"
-#include "client/core/model.h"
 #include "client/render/ambient_occlusion.h"
 #include "client/render/framebuffer.h"
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
 #include "server/store/reader.h"
+#include "tests/bench/converged.h"
 #include "tests/bench/surface_cameras.h"
 
 namespace lode::bench {
 namespace {
 
 constexpr uint32_t kWidthPx = 1280, kHeightPx = 720;
-constexpr float kThresholdPx = 1;
 constexpr int kFrames = 15;
 constexpr double kTurnRad = 2e-3;  // between frames
-
-/// What a client of the store shows when all has come.
-class Converged {
- public:
-  explicit Converged(const store::Reader& store)
-      : store_(store), model_(store.summary(), uint64_t{8} << 30) {}
-
-  std::shared_ptr<const core::Cut> cut(const core::View& view) {
-    instance_.setView(view, kThresholdPx);
-    while (true) {
-      instance_.refine(model_);
-      std::vector<core::Wish> wishes = instance_.wishes();
-      if (const auto first = model_.firstWish()) wishes.push_back(*first);
-      if (wishes.empty()) return instance_.cut();
-      for (const core::Wish& wish : wishes) {
-        if (!model_.wants(wish)) continue;
-        model_.take(wish.blob, wish.use, store_.readBlob(wish.blob.number));
-        for (auto jobs = model_.takeDecodeJobs(); !jobs.empty(); jobs = model_.takeDecodeJobs())
-          for (const core::DecodeJob& job : jobs) model_.finishDecode(runDecodeJob(job));
-      }
-    }
-  }
-
- private:
-  const store::Reader& store_;
-  core::Model model_;
-  core::Instance instance_;
-};
-
-core::View turned(const core::View& view, double angle_rad) {
-  core::View next = view;
-  next.forward = glm::normalize(view.forward + std::tan(angle_rad) * glm::cross(view.forward, view.up));
-  return next;
-}
 
 double cpuMs() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -80,12 +43,12 @@ struct Frames {
 };
 
 /// @param occlusion  null: none.
-void draw(Frames& frames, bool leaves_out_hidden, render::AmbientOcclusion* occlusion, const core::View& view,
-          render::Renderer& renderer, const render::Framebuffer& target) {
+void draw(Frames& frames, render::HiddenParts hidden_parts, render::AmbientOcclusion* occlusion,
+          const core::View& view, render::Renderer& renderer, const render::Framebuffer& target) {
   using Clock = std::chrono::steady_clock;
   const double cpu_start = cpuMs();
   const auto start = Clock::now();
-  frames.triangles = renderer.draw(view, target, {}, {.leaves_out_hidden = leaves_out_hidden}).triangles;
+  frames.triangles = renderer.draw(view, target, {}, {.hidden_parts = hidden_parts}).triangles;
   if (occlusion != nullptr) occlusion->darken(target, view.fov_y_rad, render::Show::kSurface);
   target.resolve();
   glFinish();
@@ -97,14 +60,15 @@ void draw(Frames& frames, bool leaves_out_hidden, render::AmbientOcclusion* occl
 /// By turns all that is in the picture, without what is hidden there, and that with ambient occlusion.
 void measure(const std::string& name, const core::Cut& cut, render::Renderer& renderer,
              const render::Framebuffer& target) {
+  using enum render::HiddenParts;
   Frames all, seen, darkened;
   render::AmbientOcclusion occlusion;
   size_t differing = 0;
   for (int frame = 0; frame < kFrames; ++frame) {
     const core::View view = turned(cut.view, frame * kTurnRad);
-    draw(all, false, nullptr, view, renderer, target);
-    draw(seen, true, nullptr, view, renderer, target);
-    draw(darkened, true, &occlusion, view, renderer, target);
+    draw(all, kDrawn, nullptr, view, renderer, target);
+    draw(seen, kReadBack, nullptr, view, renderer, target);
+    draw(darkened, kReadBack, &occlusion, view, renderer, target);
     for (size_t i = 0; i < all.image.rgba.size(); i += 4)
       differing += !std::equal(&all.image.rgba[i], &all.image.rgba[i] + 4, &seen.image.rgba[i]);
   }
@@ -125,7 +89,7 @@ void measure(const std::string& file) {
   const core::CameraPath framing =
       core::framingCamera(store.summary(), {.aspect = double{kWidthPx} / kHeightPx});
   const auto show = [&](const std::string& distance, const core::View& view) {
-    const auto cut = client.cut(view);
+    const auto cut = client.cut(view, 1);
     renderer.show(cut);
     renderer.uploadInRenderThread({.wait = true});
     measure(std::filesystem::path(file).stem().string() + " | " + distance, *cut, renderer, target);

@@ -295,18 +295,26 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
   const render::DrawStyle over = stage_->styleOver(style);
   const std::vector<Standing> seen = inSight(scene_view);
   leaveOutAllBut(seen);
+  const bool is_found_on_gpu = time.hidden_parts == render::HiddenParts::kFoundOnGpu;
+  if (is_found_on_gpu && !depth_pyramid_) depth_pyramid_.emplace();
   for (const auto& [distance, model, place] : seen) {
     counts += model->renderer.drawPlace(place, model->viewAt(place, scene_view), target,
-                                        model->styleAt(place, over, scene_.up), time);
+                                        model->styleAt(place, over, scene_.up), time,
+                                        is_found_on_gpu ? &*depth_pyramid_ : nullptr);
     const auto items = model->renderer.inPicture();
     in_picture_.insert(in_picture_.end(), items.begin(), items.end());
   }
-  if (time.leaves_out_hidden && !seen.empty()) {
-    if (!depth_reader_) depth_reader_.emplace();
-    const render::FarthestDepths drawn = depth_reader_->read(target);
+  const auto drawAppeared = [&](const auto& drawn) {
     for (const auto& [distance, model, place] : seen)
       counts += model->renderer.drawAppeared(place, model->viewAt(place, scene_view), target,
                                              model->styleAt(place, over, scene_.up), drawn);
+  };
+  if (is_found_on_gpu) {
+    depth_pyramid_->build(target);
+    drawAppeared(*depth_pyramid_);
+  } else if (time.hidden_parts == render::HiddenParts::kReadBack && !seen.empty()) {
+    if (!depth_reader_) depth_reader_.emplace();
+    drawAppeared(depth_reader_->read(target));
   }
   stage_->drawSky(target, style);
   return counts;

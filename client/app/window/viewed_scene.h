@@ -79,6 +79,7 @@ class ViewedScene : public Exhibit {
   size_t first_upload_ = 0;          ///< model that uploads first, by turns
   std::optional<SceneStage> stage_;  ///< once none is being waited for
   std::optional<render::DepthReader> depth_reader_;
+  std::optional<render::DepthPyramid> depth_pyramid_;
   ModelSummary whole_;
   stream::StreamStatus status_;
   std::vector<render::DrawItem> in_picture_;

@@ -262,8 +262,7 @@ void Viewer::stream() {
 /// A screenshot shows the model alone.
 render::DrawTime Viewer::time() const {
   const bool is_fast_enough = pacing_.workMs() * kFramesOfFade <= render::kFadeS * 1e3;
-  return {secondsSince(started_), fades_ && is_fast_enough && options_.screenshot.empty(),
-          draws_in_software_};
+  return {secondsSince(started_), fades_ && is_fast_enough && options_.screenshot.empty(), hidden_parts_};
 }
 
 /// A screenshot is the picture that `render` draws.

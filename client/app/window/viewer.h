@@ -97,6 +97,7 @@ class Viewer {
   const std::optional<core::CameraPath> wanted_path_;
   GlfwWindow window_;
   const bool draws_in_software_ = render::drawsInSoftware();
+  const render::HiddenParts hidden_parts_ = render::fastestHiddenParts();
   Panel panel_;
   const std::unique_ptr<Exhibit> exhibit_;
   std::optional<render::Framebuffer> smooth_, quick_;  ///< of several samples a pixel, and of one

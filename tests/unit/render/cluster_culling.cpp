@@ -28,7 +28,7 @@ Mesh clusteredPlain() {
 
 std::vector<SeenCluster> seenOf(const render::DrawItem& item, const core::View& view) {
   std::vector<SeenCluster> seen;
-  const size_t added = addSeenClusters({&item, 0, 7, true}, core::Sight(view, 1), 1, seen);
+  const size_t added = addSeenClusters({&item, 7, true}, core::Sight(view, 1), 1, seen);
   EXPECT_EQ(added, seen.size());
   return seen;
 }
@@ -41,8 +41,8 @@ TEST(ClusterCulling, leavesOutOfAPartWhatIsNotInThePicture) {
   std::vector<bool> is_seen(mesh.cluster_boxes.size());
   for (const SeenCluster& cluster : seenOf(item, view)) {
     EXPECT_NE(sight.see(core::toModelBox(cluster.box(), 1)), core::Seen::kNot);
-    EXPECT_EQ(cluster.state, 7u);
-    EXPECT_TRUE(cluster.fades);
+    EXPECT_EQ(cluster.part.state, 7u);
+    EXPECT_TRUE(cluster.part.fades);
     is_seen[cluster.number] = true;
   }
   const auto count = static_cast<size_t>(std::ranges::count(is_seen, true));
@@ -74,15 +74,6 @@ TEST(ClusterCulling, takesAllOfAPartThatIsWhollyInThePicture) {
 TEST(ClusterCulling, takesNothingOfAPartBehindTheCamera) {
   const render::DrawItem item = itemOf(clusteredPlain());
   EXPECT_TRUE(seenOf(item, lookAt({2048, 2048, 9000}, {2048, 2048, 18000})).empty());
-}
-
-TEST(ClusterCulling, takesAMeshWithoutClustersAsOne) {
-  const Mesh mesh = makeGrid(96, 96, {.attributes = {}});
-  render::DrawItem item = itemOf(mesh);
-  item.clusters->boxes = {item.box};
-  const std::vector<SeenCluster> seen = seenOf(item, lookAt({1000, 1000, 700}, {1000, 1000, 0}));
-  ASSERT_EQ(seen.size(), 1u);
-  EXPECT_EQ(seen[0].triangles(), mesh.triangles.size());
 }
 
 }  // namespace

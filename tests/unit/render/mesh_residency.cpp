@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "client/core/drawn_bytes.h"
+#include "client/core/triangle_clusters.h"
 #include "residency_fixture.h"
 
 namespace lode::test {
@@ -301,6 +302,29 @@ TEST_F(Residency, drawsPartsOfCutsWhoseFallbacksAreNeverThereBeforeANewerOneCome
     if (residency.drawnCut()) drawn.insert(residency.drawnCut()->parts[0].mesh.get());
   }
   EXPECT_GT(drawn.size(), 3u);
+}
+
+TEST_F(Residency, hasWhereClustersAreBesideTheirTriangles) {
+  Mesh mesh = makeGrid(40, 40, {.attributes = {AttributeSet::kNormal}, .bump = 0.1});
+  core::clusterTriangles(mesh);
+  MeshResidency residency({.staging_bytes = 1000});
+  residency.show(GlTest::cutOf({mesh}));
+  residency.uploadInRenderThread({.wait = true});
+  const render::DrawItem& item = residency.drawn()[0];
+  std::vector<LatticeBox> boxes(mesh.cluster_boxes.size());
+  glGetNamedBufferSubData(residency.pages().buffer(item.page), 4 * GLintptr{item.first_box_word},
+                          static_cast<GLsizeiptr>(boxes.size() * sizeof(LatticeBox)), boxes.data());
+  EXPECT_EQ(boxes, mesh.cluster_boxes);
+}
+
+TEST_F(Residency, holdsTrianglesOfAMeshWithoutClustersToBeAnywhereInIt) {
+  const Mesh mesh = makeGrid(40, 40, {.attributes = {AttributeSet::kNormal}});
+  MeshResidency residency({});
+  residency.show(GlTest::cutOf({mesh}));
+  residency.uploadInRenderThread({.wait = true});
+  const render::DrawItem& item = residency.drawn()[0];
+  const std::vector<LatticeBox> everywhere(clusterCount(mesh.triangles.size()), item.box);
+  EXPECT_EQ(item.clusters->boxes, everywhere);
 }
 
 TEST_F(Residency, uploadsASharedMeshOnce) {

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "client/core/decode_job.h"
+#include "client/core/instance.h"
+#include "client/core/model.h"
+#include "server/store/reader.h"
+
+namespace lode::bench {
+
+/// What a client of the store shows when all has come.
+class Converged {
+ public:
+  explicit Converged(const store::Reader& store)
+      : store_(store), model_(store.summary(), uint64_t{8} << 30) {}
+
+  std::shared_ptr<const core::Cut> cut(const core::View& view, float threshold_px) {
+    instance_.setView(view, threshold_px);
+    while (true) {
+      instance_.refine(model_);
+      std::vector<core::Wish> wishes = instance_.wishes();
+      if (const auto first = model_.firstWish()) wishes.push_back(*first);
+      if (wishes.empty()) return instance_.cut();
+      for (const core::Wish& wish : wishes) {
+        if (!model_.wants(wish)) continue;
+        model_.take(wish.blob, wish.use, store_.readBlob(wish.blob.number));
+        for (auto jobs = model_.takeDecodeJobs(); !jobs.empty(); jobs = model_.takeDecodeJobs())
+          for (const core::DecodeJob& job : jobs) model_.finishDecode(runDecodeJob(job));
+      }
+    }
+  }
+
+ private:
+  const store::Reader& store_;
+  core::Model model_;
+  core::Instance instance_;
+};
+
+inline core::View turned(const core::View& view, double angle_rad) {
+  core::View next = view;
+  next.forward = glm::normalize(view.forward + std::tan(angle_rad) * glm::cross(view.forward, view.up));
+  return next;
+}
+
+}  // namespace lode::bench
