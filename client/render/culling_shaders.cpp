@@ -2,8 +2,9 @@
 
 namespace lode::render {
 
-#define LODE_CHUNKS                                                                                         \
-  "struct Chunk { uint first_box_word, clusters, first_index, index_count; int base_vertex; uint state; };" \
+#define LODE_CHUNKS                                                                                       \
+  "struct Chunk { uint first_box_word, clusters, first_index, index_count; int base_vertex; uint state, " \
+  "placement; };"                                                                                         \
   "layout(std430, binding = 2) readonly buffer Chunks { Chunk chunks[]; };"
 
 const char* const kFindShader = LODE_CHUNKS R"glsl(
@@ -12,17 +13,18 @@ layout(std430, binding = 1) readonly buffer Page { uint page[]; };
 layout(std430, binding = 3) buffer Found { uvec2 found[]; };  // by pass and chunk
 layout(binding = 1) uniform sampler2D depths;
 
-layout(location = 0) uniform uint first_chunk;
-layout(location = 1) uniform uint pass;
-layout(location = 2) uniform uint chunks_of_pass;
-layout(location = 3) uniform float lattice_step;
+struct Camera {
+  ivec4 eye_high;  // and 1 if something hides
+  vec4 eye_low_and_step, right, up, behind;  // and scale x, scale y, near
+};
+struct CameraPair { Camera now, before; };
+layout(std430, binding = 4) readonly buffer Cameras { CameraPair cameras[]; };  // by placement
+
+layout(location = 0) uniform uint pass;  // 1: the depths are of this picture, else of the last
+layout(location = 1) uniform uint chunks_of_pass;
+layout(location = 2) uniform uint first_chunk;
+layout(location = 3) uniform bool has_boxes;  // that can be read
 layout(location = 4) uniform vec2 depth_size_px;
-layout(location = 5) uniform int depth_camera;  // -1: nothing hides
-// Of the cameras of this picture and of the last.
-layout(location = 6) uniform ivec3 eye_high[2];
-layout(location = 8) uniform vec3 eye_low[2];
-layout(location = 10) uniform mat3 view_rotation[2];
-layout(location = 12) uniform vec3 projection[2];  // scale x, scale y, near
 
 const float kRim = 1e-5;       // of a distance, that floats may be wrong by
 const float kRimPx = 1.0;      // that rasterizing may reach further than a box
@@ -33,36 +35,35 @@ shared uint bits[2];
 
 struct Box { vec3 middle, half_size; };  // from an eye, in model units
 
-Box boxFrom(int camera, uint word) {
-  ivec3 low = ivec3(page[word], page[word + 1u], page[word + 2u]) - eye_high[camera];
-  ivec3 high = ivec3(page[word + 3u], page[word + 4u], page[word + 5u]) - eye_high[camera];
-  vec3 middle = (vec3(low) + vec3(high)) * 0.5 - eye_low[camera];
+Box boxFrom(Camera camera, uint word) {
+  ivec3 low = ivec3(page[word], page[word + 1u], page[word + 2u]) - camera.eye_high.xyz;
+  ivec3 high = ivec3(page[word + 3u], page[word + 4u], page[word + 5u]) - camera.eye_high.xyz;
+  float lattice_step = camera.eye_low_and_step.w;
+  vec3 middle = (vec3(low) + vec3(high)) * 0.5 - camera.eye_low_and_step.xyz;
   return Box(middle * lattice_step, vec3(high - low) * 0.5 * lattice_step);
 }
 
-bool isInPicture(Box box) {
-  mat3 axes = transpose(view_rotation[0]);
-  vec3 right = axes[0] * projection[0].x, up = axes[1] * projection[0].y, forward = -axes[2];
+bool isInPicture(Camera camera, Box box) {
+  vec3 right = camera.right.xyz * camera.right.w, up = camera.up.xyz * camera.up.w, forward = -camera.behind.xyz;
   vec3 inward[5] = vec3[](forward, forward + right, forward - right, forward + up, forward - up);
-  float rim = kRim * (length(box.middle) + length(box.half_size)) * (1.0 + projection[0].x + projection[0].y);
+  float rim = kRim * (length(box.middle) + length(box.half_size)) * (1.0 + camera.right.w + camera.up.w);
   for (int side = 0; side < 5; ++side)
     if (dot(inward[side], box.middle) + dot(abs(inward[side]), box.half_size) < -rim) return false;
   return true;
 }
 
 /// True only if all that lies in the box is behind what the depths are of: see Occluders.
-bool isHidden(Box box) {
-  mat3 rotation = view_rotation[depth_camera];
-  vec3 lens = projection[depth_camera];
-  vec3 forward = -transpose(rotation)[2];
+bool isHidden(Camera camera, Box box) {
+  vec3 forward = -camera.behind.xyz;
   float nearest = dot(box.middle, forward) - dot(box.half_size, abs(forward));
-  float depth = lens.z / max(nearest, 1e-30) * (1.0 + kDepthRim);
+  float depth = camera.behind.w / max(nearest, 1e-30) * (1.0 + kDepthRim);
   if (depth >= 1.0) return false;
   vec2 least = vec2(1e30), most = vec2(-1e30);
   for (uint corner = 0u; corner < 8u; ++corner) {
     vec3 side = vec3(corner & 1u, corner >> 1 & 1u, corner >> 2) * 2.0 - 1.0;
-    vec3 seen = rotation * (box.middle + box.half_size * side);
-    vec2 place = lens.xy * seen.xy / -seen.z;
+    vec3 arm = box.middle + box.half_size * side;
+    vec2 place = vec2(dot(arm, camera.right.xyz) * camera.right.w, dot(arm, camera.up.xyz) * camera.up.w);
+    place /= dot(arm, forward);
     least = min(least, place);
     most = max(most, place);
   }
@@ -84,9 +85,13 @@ bool isHidden(Box box) {
 bool isFound(uint place, uint number, Chunk chunk) {
   if (number >= chunk.clusters) return false;
   if (pass == 1u && (found[place][number >> 5] >> (number & 31u) & 1u) != 0u) return false;  // drawn already
+  if (!has_boxes) return true;
   uint word = chunk.first_box_word + number * 6u;
-  if (!isInPicture(boxFrom(0, word))) return false;
-  return depth_camera < 0 || !isHidden(boxFrom(depth_camera, word));
+  Camera now = cameras[chunk.placement].now;
+  if (!isInPicture(now, boxFrom(now, word))) return false;
+  if (pass == 1u) return !isHidden(now, boxFrom(now, word));
+  Camera before = cameras[chunk.placement].before;
+  return before.eye_high.w == 0 || !isHidden(before, boxFrom(before, word));
 }
 
 void main() {

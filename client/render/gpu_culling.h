@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -9,84 +8,110 @@
 #include "client/core/view.h"
 #include "client/render/cluster_culling.h"
 #include "client/render/depth_pyramid.h"
+#include "client/render/framebuffer.h"
 #include "client/render/gl_names.h"
 #include "client/render/gpu_pages.h"
 
 namespace lode::render {
 
-/// The compute programs of GpuCulling. Made, used and destroyed on the thread of its context.
-struct CullingPrograms {
-  /// @throws Error kInternal if the driver rejects a shader.
-  CullingPrograms();
-
-  GlProgram find, list;
-};
-
-/// Has the GPU find which clusters of parts are drawn and write the commands that draw them: the processor
-/// names the parts. In two passes over the same parts: first what the last frame's depth does not hide, then
-/// what of the rest the depth of that does not hide. Commands come in the order of the parts, so that a
-/// picture is drawn in the same order each time. Made, used and destroyed on the thread of its context.
+/// Has the GPU find which clusters of a picture's parts are drawn and write the commands that draw them: the
+/// processor names the parts. In two passes over the same parts: first what the last picture's depth does not
+/// hide, then what of the rest the depth of that does not hide. Each pass is one for all models of a picture,
+/// so that the GPU waits for itself but twice. Commands come in the order of the parts: a picture is drawn in
+/// the same order each time. Made, used and destroyed on the thread of its context.
 /// Source: Aaltonen and Haar, GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
 class GpuCulling {
  public:
-  /// What lies in one page and is drawn by one program.
+  /// Of one placement what lies in one page and is drawn by one program, for
+  /// glMultiDrawElementsIndirectCount.
   struct Draw {
+    uint32_t placement = 0;
     bool fades = false;
     uint32_t page = 0;
-    uint32_t first_command = 0, most_commands = 0;
+    uint32_t first_command = 0, most_commands = 0;  ///< from where the pass begins in commands()
+    uint32_t count = 0;                             ///< its place, from there in counts()
   };
 
+  /// @throws Error kInternal if the driver rejects a shader.
   GpuCulling();
   ~GpuCulling();
   GpuCulling(GpuCulling&&) = delete;
 
-  /// Of the current context: it counts draws on the GPU, and lets shaders read so large a page.
-  static bool isPossible(uint64_t page_bytes = 0);
+  /// Of the current context: it counts draws by itself.
+  static bool isPossible();
 
-  /// The parts of a frame. @param lattice_step  of the model.
-  void begin(std::span<const SeenPart> parts, double lattice_step);
-  /// @param last  what the last frame's pyramid was built of, as the model saw it; nothing: all is drawn.
-  void findUnhidden(const CullingPrograms& programs, const GpuPages& pages, const core::View& view,
-                    const std::optional<core::View>& last, const DepthPyramid& last_drawn);
-  void findAppeared(const CullingPrograms& programs, const GpuPages& pages, const core::View& view,
-                    const DepthPyramid& drawn);
+  /// A picture begins. Pages and items of the parts that are added must outlive it.
+  void begin();
+  /// Parts of a model where it stands once, seen from there. @param last_view  of it in the last picture, in
+  /// which nothing hid it where there is none. @return the placement's number in this picture.
+  uint32_t add(std::span<const SeenPart> parts, const GpuPages& pages, double lattice_step,
+               const core::View& view, const std::optional<core::View>& last_view);
+  /// First pass, once all are added.
+  void findUnhidden();
+  /// Second pass. @param drawn  all that the first has found.
+  void findAppeared(const Framebuffer& drawn);
 
-  /// For glMultiDrawElementsIndirectCount, after each pass: the draws, and where the pass begins in
-  /// commands() and counts(), one of these for each draw.
-  std::span<const Draw> draws() const noexcept { return draws_; }
+  /// Of either pass.
+  std::span<const Draw> draws(uint32_t placement) const;
   GLuint commands() const noexcept { return commands_.get(); }
   GLuint counts() const noexcept { return counts_.get(); }
   uint32_t firstCommandOfPass() const noexcept { return pass_ * most_commands_; }
-  uint32_t firstCountOfPass() const noexcept { return pass_ * static_cast<uint32_t>(draws_.size()); }
+  uint32_t firstCountOfPass() const noexcept { return pass_ * static_cast<uint32_t>(lists_.size()); }
 
-  /// Of both passes of a frame some frames ago: nobody waits for the GPU.
+  /// Of both passes of a picture some pictures ago: nobody waits for the GPU.
   uint64_t trianglesLately() const noexcept;
 
  private:
-  static constexpr uint32_t kFramesKept = 4;
-  /// Clusters of one part, kChunkClusters at most, as the shaders read them.
+  static constexpr uint32_t kPicturesKept = 4;
+  struct Listed {
+    SeenPart part;
+    const GpuPages* pages = nullptr;
+    uint32_t placement = 0;
+  };
+  /// How a placement is seen in this picture and was in the last, as the shader reads it.
+  struct Camera {
+    glm::ivec4 eye_high;          ///< and 1 if nothing hides it
+    glm::vec4 eye_low_and_step;   ///< of the model's lattice
+    glm::vec4 right, up, behind;  ///< of the view, and scale x, scale y and near
+  };
+  struct CameraPair {
+    Camera now, before;
+  };
+  /// Clusters of one part, kChunkClusters at most, likewise.
   struct Chunk {
     uint32_t first_box_word, clusters, first_index, index_count;
     int32_t base_vertex;
-    uint32_t state;
+    uint32_t state, placement;
   };
-  /// Of one draw, likewise.
+  /// Chunks that are drawn together, likewise.
   struct List {
     uint32_t first_chunk, chunks, first_command;
   };
-  void addChunks(const SeenPart& part);
-  void find(const CullingPrograms& programs, const GpuPages& pages, const core::View& view,
-            const core::View* depth_view, const DepthPyramid& depths);
+  /// Chunks whose boxes are in one page.
+  struct Group {
+    GLuint page = 0;
+    bool is_readable = true;
+    uint32_t first_chunk = 0, chunks = 0;
+  };
 
-  double lattice_step_ = 1;
+  void layOut();
+  void addChunks(const SeenPart& part, uint32_t placement);
+  void find(bool by_last_picture);
+
+  GlProgram find_program_, list_program_;
+  DepthPyramid depths_;
+  uint64_t most_readable_bytes_;
+  std::vector<Listed> listed_;
+  std::vector<CameraPair> cameras_;  ///< by placement
   std::vector<Chunk> chunks_;
+  std::vector<Group> groups_;
   std::vector<List> lists_;
-  std::vector<Draw> draws_;
+  std::vector<Draw> draws_;     ///< by placement
   uint32_t most_commands_ = 0;  ///< of a pass
   uint32_t pass_ = 0;
-  uint32_t frame_ = 0;
-  GlBuffer chunks_buffer_, lists_buffer_, found_, commands_, counts_, triangles_;
-  const uint32_t* triangles_told_ = nullptr;  ///< kFramesKept, mapped
+  uint32_t picture_ = 0;
+  GlBuffer cameras_buffer_, chunks_buffer_, lists_buffer_, found_, commands_, counts_, triangles_;
+  const uint32_t* triangles_told_ = nullptr;  ///< kPicturesKept, mapped
 };
 
 }  // namespace lode::render

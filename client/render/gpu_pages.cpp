@@ -66,13 +66,6 @@ void GpuPages::release(const GpuBlock& block) {
   used_bytes_ -= BlockAllocator::roundUp(block.bytes);
 }
 
-uint64_t GpuPages::largestPageBytes() const noexcept {
-  uint64_t largest = 0;
-  for (const auto& page : pages_)
-    if (page) largest = std::max<uint64_t>(largest, page->bytes);
-  return largest;
-}
-
 void GpuPages::dropEmptyPages() {
   bool kept_one = false;
   for (auto& page : pages_) {

@@ -36,7 +36,7 @@ class GpuPages {
 
   GLuint buffer(uint32_t page) const noexcept { return pages_[page] ? pages_[page]->buffer.get() : 0; }
   uint32_t pageCount() const noexcept { return static_cast<uint32_t>(pages_.size()); }
-  uint64_t largestPageBytes() const noexcept;
+  uint64_t pageBytes(uint32_t page) const noexcept { return pages_[page] ? pages_[page]->bytes : 0; }
   uint64_t usedBytes() const noexcept { return used_bytes_; }
   uint64_t capacityBytes() const noexcept { return capacity_bytes_; }
 

@@ -12,6 +12,8 @@
 namespace lode::render {
 namespace {
 
+static_assert(sizeof(DrawState) == 3 * sizeof(uint32_t));
+
 enum MeshUniform : GLint {
   kEyeHigh,
   kEyeLow,
@@ -28,7 +30,7 @@ enum MeshUniform : GLint {
 enum Attribute : GLuint { kPositionCode, kNormal, kColour, kDrawState, kTextureCode };
 enum Binding : GLuint { kVertices, kDraws };
 
-GlVertexArray makeMeshArray(const GlBuffer& states) {
+GlVertexArray makeMeshArray() {
   GlVertexArray array = GlVertexArray::create();
   const GLuint name = array.get();
   for (const GLuint attribute : {kPositionCode, kNormal, kColour, kDrawState, kTextureCode}) {
@@ -41,7 +43,6 @@ GlVertexArray makeMeshArray(const GlBuffer& states) {
   glVertexArrayAttribIFormat(name, kTextureCode, 3, GL_UNSIGNED_SHORT, offsetof(GpuTexturedVertex, texture));
   glVertexArrayAttribIFormat(name, kDrawState, 3, GL_UNSIGNED_INT, 0);
   glVertexArrayBindingDivisor(name, kDraws, 1);
-  glVertexArrayVertexBuffer(name, kDraws, states.get(), 0, 3 * sizeof(uint32_t));
   return array;
 }
 
@@ -65,14 +66,23 @@ void setFrameState() {
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
-MeshDrawer::MeshDrawer() : states_(GlBuffer::create()), array_(makeMeshArray(states_)) {}
+void goOnWithPicture(const Framebuffer& target) {
+  target.bindForDrawing();
+  setFrameState();
+}
 
-void MeshDrawer::begin(const std::vector<DrawState>& states, AttributeSet attributes,
-                       const TextureResidency& textures) {
+void startPicture(const Framebuffer& target, const DrawStyle& style) {
+  goOnWithPicture(target);
+  const GLfloat far_depth = 0;
+  if (!style.over) glClearBufferfv(GL_DEPTH, 0, &far_depth);
+}
+
+MeshDrawer::MeshDrawer() : array_(makeMeshArray()) {}
+
+void MeshDrawer::begin(const GlBuffer& states, AttributeSet attributes, const TextureResidency& textures) {
   attributes_ = attributes;
   textures_ = &textures;
-  glNamedBufferData(states_.get(), static_cast<GLsizeiptr>(states.size() * sizeof(DrawState)), states.data(),
-                    GL_STREAM_DRAW);
+  glVertexArrayVertexBuffer(array_.get(), kDraws, states.get(), 0, sizeof(DrawState));
   glEnable(GL_DEPTH_TEST);
   glBindVertexArray(array_.get());
   if (attributes.has(AttributeSet::kTexture)) {

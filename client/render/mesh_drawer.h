@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include <glm/glm.hpp>
 
 #include "client/core/view.h"
 #include "client/render/draw_style.h"
+#include "client/render/framebuffer.h"
 #include "client/render/gl_names.h"
 #include "client/render/gpu_pages.h"
 #include "client/render/mesh_programs.h"
@@ -29,8 +29,9 @@ class MeshDrawer {
   /// @throws Error kInternal if the driver rejects a shader.
   MeshDrawer();
 
+  /// @param states      of DrawState, one after the other.
   /// @param attributes  the model's, of all meshes.
-  void begin(const std::vector<DrawState>& states, AttributeSet attributes, const TextureResidency& textures);
+  void begin(const GlBuffer& states, AttributeSet attributes, const TextureResidency& textures);
   /// @param has_samples  of a pixel, the target.
   void use(bool fades, bool has_samples, const core::View& view, double lattice_step, const DrawStyle& style);
   void bindPage(const GpuPages& pages, uint32_t page) const;
@@ -41,7 +42,6 @@ class MeshDrawer {
   void setTextures() const;
 
   MeshPrograms programs_;
-  GlBuffer states_;
   GlVertexArray array_;
   AttributeSet attributes_;
   const TextureResidency* textures_ = nullptr;  ///< between begin() and end()
@@ -49,5 +49,9 @@ class MeshDrawer {
 
 /// What drawing starts from, whatever was drawn before.
 void setFrameState();
+/// The same for a picture, whose depth is cleared unless it is drawn over what is there.
+void startPicture(const Framebuffer& target, const DrawStyle& style);
+/// The same for one that goes on.
+void goOnWithPicture(const Framebuffer& target);
 
 }  // namespace lode::render

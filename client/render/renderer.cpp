@@ -21,21 +21,9 @@ namespace lode::render {
 namespace {
 
 enum BackgroundUniform : GLint { kBottom, kTop };
-/// Fewer are drawn sooner than found to be hidden.
-constexpr size_t kFewClusters = 64;
-
 uint32_t in256ths(float share) { return static_cast<uint32_t>(std::lround(share * 256)); }
 
 }  // namespace
-
-DrawCounts& DrawCounts::operator+=(const DrawCounts& more) noexcept {
-  triangles += more.triangles;
-  nodes += more.nodes;
-  calls += more.calls;
-  error_px = std::max(error_px, more.error_px);
-  shown += more.shown;
-  return *this;
-}
 
 Renderer::Renderer(double lattice_step, const ResidencyOptions& options)
     : lattice_step_(lattice_step),
@@ -127,7 +115,10 @@ DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style, floa
 }
 
 /// What the drawn cut shows to this camera, and what still fades.
-void Renderer::choose(Place& place, size_t number, const core::View& view, const DrawTime& time) {
+Renderer::Place& Renderer::choose(size_t number, const core::View& view, const DrawTime& time) {
+  static_assert(std::is_nothrow_move_constructible_v<Place>);  // clusters point to the items of others' fades
+  if (number >= places_.size()) places_.resize(number + 1);
+  Place& place = places_[number];
   if (meshes_.keptFrom() > std::min(place.fade.oldestSerial(), place.shown_serial)) place.fade.forget();
   ShownCover cover{meshes_.drawnCut(number), meshes_.drawn(number), {}, meshes_.drawnSerial()};
   std::vector<uint32_t> numbers;
@@ -136,6 +127,7 @@ void Renderer::choose(Place& place, size_t number, const core::View& view, const
   place.fade.show(cover, view, lattice_step_, time);
   place.shown_serial = cover.serial;
   fades_ = time.fades;
+  return place;
 }
 
 void Renderer::leaveOut(size_t place) {
@@ -147,7 +139,9 @@ bool Renderer::fading() const noexcept {
 }
 
 bool Renderer::ageing() const noexcept {
-  return std::ranges::any_of(in_picture_, [](const DrawItem& item) { return item.age_s <= kOldS; });
+  return std::ranges::any_of(places_, [](const Place& place) {
+    return std::ranges::any_of(place.in_picture, [](const DrawItem& item) { return item.age_s <= kOldS; });
+  });
 }
 
 /// Finds what may be in the picture: parts where the GPU finds their clusters, else these.
@@ -158,7 +152,7 @@ DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawSty
   place.parts.clear();
   place.states.clear();
   place.states_of_cut = 0;
-  in_picture_.clear();
+  place.in_picture.clear();
   const core::Sight sight(view, 1);
   const auto& cut = place.fade.cut();
   const float threshold_rad = cut ? static_cast<float>(thresholdRad(*cut)) : 0;
@@ -172,7 +166,7 @@ DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawSty
     if (is_found_on_gpu ? !isInPicture(part, sight, lattice_step_)
                         : addSeenClusters(part, sight, lattice_step_, place.seen) == 0)
       continue;
-    if (is_of_cut) in_picture_.emplace_back(faded.item).place = style.place;
+    if (is_of_cut) place.in_picture.emplace_back(faded.item).place = style.place;
     if (!is_drawn) {
       place.seen.resize(before);
       continue;
@@ -183,44 +177,28 @@ DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawSty
     error_rad = std::max(error_rad, faded.item.error_rad);
     ++counts.nodes;
   }
+  if (!place.states_buffer) place.states_buffer = GlBuffer::create();
+  glNamedBufferData(place.states_buffer.get(),
+                    static_cast<GLsizeiptr>(place.states.size() * sizeof(DrawState)), place.states.data(),
+                    GL_STREAM_DRAW);
   counts.error_px = static_cast<float>(error_rad * focalPx(view));
   return counts;
 }
 
 DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style,
                           const DrawTime& time) {
-  const bool is_found_on_gpu = time.hidden_parts == HiddenParts::kFoundOnGpu;
-  if (is_found_on_gpu && !depth_pyramid_) depth_pyramid_.emplace();
-  DrawCounts counts = drawPlace(0, view, target, style, time, is_found_on_gpu ? &*depth_pyramid_ : nullptr);
-  if (is_found_on_gpu) {
-    depth_pyramid_->build(target);
-    counts += drawAppeared(0, view, target, style, *depth_pyramid_);
-  } else if (time.hidden_parts == HiddenParts::kReadBack) {
-    const bool are_few = places_[0].seen.size() < kFewClusters;
-    counts += drawAppeared(0, view, target, style, are_few ? FarthestDepths() : depth_reader_.read(target));
-  }
+  const Placement alone{this, 0, view, style};
+  const DrawCounts counts = placement_drawer_.draw({&alone, 1}, target, time);
   if (!style.over) drawBackground(target, style);
   return counts;
 }
 
 DrawCounts Renderer::drawPlace(size_t number, const core::View& view, const Framebuffer& target,
-                               const DrawStyle& style, const DrawTime& time, const DepthPyramid* last_drawn) {
-  target.bindForDrawing();
+                               const DrawStyle& style, const DrawTime& time) {
+  startPicture(target, style);
   has_samples_ = target.samples() > 1;
-  setFrameState();
-  const GLfloat far_depth = 0;
-  if (!style.over) glClearBufferfv(GL_DEPTH, 0, &far_depth);
-  static_assert(std::is_nothrow_move_constructible_v<Place>);  // clusters point to the items of others' fades
-  if (number >= places_.size()) places_.resize(number + 1);
-  Place& place = places_[number];
-  choose(place, number, view, time);
-  const bool is_found_on_gpu = time.hidden_parts == HiddenParts::kFoundOnGpu && last_drawn != nullptr &&
-                               GpuCulling::isPossible(meshes_.pages().largestPageBytes());
-  DrawCounts counts = collect(place, view, style, is_found_on_gpu);
-  if (is_found_on_gpu) {
-    drawUnhiddenOnGpu(place, view, style, *last_drawn, counts);
-    return counts;
-  }
+  Place& place = choose(number, view, time);
+  DrawCounts counts = collect(place, view, style, false);
   place.last_view.reset();
   place.is_drawn.assign(place.seen.size(), true);
   if (time.hidden_parts == HiddenParts::kReadBack) {
@@ -259,7 +237,7 @@ void Renderer::drawClusters(const Place& place, const std::vector<bool>& is_chos
   }
   if (whole_.empty() && fading_.empty()) return;
   giveCommands();
-  drawer_.begin(place.states, place.seen.front().part.item->attributes, textures_);
+  drawer_.begin(place.states_buffer, place.seen.front().part.item->attributes, textures_);
   for (const bool fades : {false, true}) {
     const DrawList& list = fades ? fading_ : whole_;
     if (list.empty()) continue;

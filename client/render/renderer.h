@@ -13,31 +13,18 @@
 #include "client/core/view.h"
 #include "client/render/cluster_culling.h"
 #include "client/render/cross_fade.h"
-#include "client/render/depth_pyramid.h"
-#include "client/render/depth_reader.h"
+#include "client/render/draw_counts.h"
 #include "client/render/draw_list.h"
 #include "client/render/draw_style.h"
 #include "client/render/framebuffer.h"
-#include "client/render/gpu_culling.h"
-#include "client/render/hidden_parts.h"
 #include "client/render/mesh_drawer.h"
 #include "client/render/mesh_residency.h"
+#include "client/render/occluders.h"
+#include "client/render/placement_drawer.h"
 #include "client/render/shown_colours.h"
-#include "client/render/shown_thresholds.h"
 #include "client/render/texture_residency.h"
 
 namespace lode::render {
-
-struct DrawCounts {
-  /// Drawn, after culling; where the GPU finds what is hidden, of a frame some frames ago.
-  uint64_t triangles = 0;
-  uint32_t nodes = 0;
-  uint32_t calls = 0;
-  float error_px = 0;  ///< largest in the picture, from where the cut was made for
-  ShownThresholds shown;
-
-  DrawCounts& operator+=(const DrawCounts& more) noexcept;
-};
 
 /// Draws the cuts of one model where it stands, in one place or several. Made, used and destroyed on the
 /// thread of its OpenGL 4.5 context. Needs nothing of the context's state and leaves behind: bound
@@ -67,8 +54,11 @@ class Renderer {
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
   const TextureResidency& textures() const noexcept { return textures_; }
-  /// What the last picture was made of.
-  std::span<const DrawItem> inPicture() const noexcept { return in_picture_; }
+  /// What the last picture was made of at a place.
+  std::span<const DrawItem> inPicture(size_t place = 0) const noexcept {
+    return place < places_.size() ? std::span<const DrawItem>(places_[place].in_picture)
+                                  : std::span<const DrawItem>();
+  }
   /// Of the copies of meshes and tiles, and what uploads go through.
   uint64_t gpuBytes() const noexcept;
 
@@ -82,14 +72,20 @@ class Renderer {
   /// is
   ///                    hidden; nobody else needs it.
   DrawCounts drawPlace(size_t place, const core::View& view, const Framebuffer& target,
-                       const DrawStyle& style, const DrawTime& time,
-                       const DepthPyramid* last_drawn = nullptr);
+                       const DrawStyle& style, const DrawTime& time);
+  /// That drawPlace() has found in the picture there.
+  size_t clustersInPicture(size_t place) const noexcept { return places_[place].seen.size(); }
   /// Draws what drawPlace() has left out and what is drawn does not hide. The same samples get the same
   /// colours as if all were drawn. @param drawn  of all that drawPlace() has drawn at any place.
   DrawCounts drawAppeared(size_t place, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const FarthestDepths& drawn);
-  DrawCounts drawAppeared(size_t place, const core::View& view, const Framebuffer& target,
-                          const DrawStyle& style, const DepthPyramid& drawn);
+  /// Where the GPU finds what is hidden: adds what may be drawn at a place. Its triangles are not counted:
+  /// see GpuCulling::trianglesLately().
+  DrawCounts addPlace(size_t place, const core::View& view, const DrawStyle& style, const DrawTime& time,
+                      GpuCulling& culling);
+  /// Draws of that what the last pass has found, after goOnWithPicture(). @return draw calls.
+  uint32_t drawFound(size_t place, const core::View& view, const Framebuffer& target, const DrawStyle& style,
+                     const GpuCulling& culling);
   /// Where nothing was drawn: last, so that little of it has to be.
   void drawBackground(const Framebuffer& target, const DrawStyle& style) const;
   /// Nothing is drawn at this place now: when it is next, all appears at once.
@@ -106,16 +102,18 @@ class Renderer {
     uint64_t shown_serial = 0;      ///< of the cuts in the last picture; 0: it was not in it
     std::vector<SeenCluster> seen;  ///< that may be in the picture; or, where the GPU finds clusters,
     std::vector<SeenPart> parts;
-    std::unique_ptr<GpuCulling> culling;
-    std::optional<core::View> last_view;  ///< of the last frame, where the GPU has found what to draw
-    std::vector<bool> is_drawn;     ///< by seen: apart, as one that leaves and has come back is there twice
-    std::vector<DrawState> states;  ///< by base_instance: of the cut, then
-    size_t states_of_cut = 0;       ///< of what leaves
+    uint32_t number = 0;                  ///< the placement's, in the GPU's picture
+    std::optional<core::View> last_view;  ///< in the last picture, where the GPU has found what to draw
+    std::vector<bool> is_drawn;  ///< by seen: apart, as one that leaves and has come back is there twice
+    std::vector<DrawItem> in_picture;  ///< of the cut alone
+    std::vector<DrawState> states;     ///< by base_instance: of the cut, then
+    GlBuffer states_buffer;
+    size_t states_of_cut = 0;  ///< of what leaves
   };
   void showTextures();
   void keepWhatIsShown();
   DrawState stateOf(const FadedItem& faded, const DrawStyle& style, float threshold_rad) const;
-  void choose(Place& place, size_t number, const core::View& view, const DrawTime& time);
+  Place& choose(size_t number, const core::View& view, const DrawTime& time);
   DrawCounts collect(Place& place, const core::View& view, const DrawStyle& style, bool is_found_on_gpu);
   static void countShown(const Place& place, const SeenPart& part, uint32_t triangles, const core::View& view,
                          DrawCounts& counts);
@@ -123,10 +121,6 @@ class Renderer {
                     const DrawStyle& style, DrawCounts& counts);
   void giveCommands();
   uint32_t drawList(const DrawList& list) const;
-  void drawUnhiddenOnGpu(Place& place, const core::View& view, const DrawStyle& style,
-                         const DepthPyramid& last_drawn, DrawCounts& counts);
-  uint32_t drawFound(const Place& place, const core::View& view, const DrawStyle& style);
-
   double lattice_step_;
   MeshResidency meshes_;
   TextureResidency textures_;
@@ -138,10 +132,7 @@ class Renderer {
   GlVertexArray empty_array_;
   GlBuffer commands_buffer_;
   DrawList whole_, fading_;
-  DepthReader depth_reader_;
-  std::optional<DepthPyramid> depth_pyramid_;  ///< where the GPU finds what is hidden, in draw()
-  std::optional<CullingPrograms> culling_programs_;
-  std::vector<DrawItem> in_picture_;  ///< of the cut alone, where it was drawn last
+  PlacementDrawer placement_drawer_;  ///< of draw()
 };
 
 }  // namespace lode::render

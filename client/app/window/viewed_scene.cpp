@@ -287,34 +287,21 @@ void ViewedScene::leaveOutAllBut(std::span<const Standing> seen) {
 
 render::DrawCounts ViewedScene::draw(const core::View& view, const render::Framebuffer& target,
                                      render::DrawStyle style, const render::DrawTime& time) {
-  render::DrawCounts counts;
   in_picture_.clear();
-  if (!stage_) return counts;
+  if (!stage_) return {};
   const core::View scene_view = inScene(view);
   stage_->draw(scene_view, target, style);
   const render::DrawStyle over = stage_->styleOver(style);
   const std::vector<Standing> seen = inSight(scene_view);
   leaveOutAllBut(seen);
-  const bool is_found_on_gpu = time.hidden_parts == render::HiddenParts::kFoundOnGpu;
-  if (is_found_on_gpu && !depth_pyramid_) depth_pyramid_.emplace();
-  for (const auto& [distance, model, place] : seen) {
-    counts += model->renderer.drawPlace(place, model->viewAt(place, scene_view), target,
-                                        model->styleAt(place, over, scene_.up), time,
-                                        is_found_on_gpu ? &*depth_pyramid_ : nullptr);
-    const auto items = model->renderer.inPicture();
+  std::vector<render::Placement> placements;
+  for (const auto& [distance, model, place] : seen)
+    placements.push_back(
+        {&model->renderer, place, model->viewAt(place, scene_view), model->styleAt(place, over, scene_.up)});
+  const render::DrawCounts counts = placement_drawer_.draw(placements, target, time);
+  for (const render::Placement& at : placements) {
+    const auto items = at.renderer->inPicture(at.place);
     in_picture_.insert(in_picture_.end(), items.begin(), items.end());
-  }
-  const auto drawAppeared = [&](const auto& drawn) {
-    for (const auto& [distance, model, place] : seen)
-      counts += model->renderer.drawAppeared(place, model->viewAt(place, scene_view), target,
-                                             model->styleAt(place, over, scene_.up), drawn);
-  };
-  if (is_found_on_gpu) {
-    depth_pyramid_->build(target);
-    drawAppeared(*depth_pyramid_);
-  } else if (time.hidden_parts == render::HiddenParts::kReadBack && !seen.empty()) {
-    if (!depth_reader_) depth_reader_.emplace();
-    drawAppeared(depth_reader_->read(target));
   }
   stage_->drawSky(target, style);
   return counts;

@@ -12,7 +12,7 @@
 #include "client/app/window/placed_model.h"
 #include "client/app/window/scene_memory.h"
 #include "client/app/window/scene_stage.h"
-#include "client/render/depth_reader.h"
+#include "client/render/placement_drawer.h"
 
 namespace lode::app {
 
@@ -78,8 +78,7 @@ class ViewedScene : public Exhibit {
   uint64_t gpu_budget_bytes_ = 0;    ///< of meshes of all models
   size_t first_upload_ = 0;          ///< model that uploads first, by turns
   std::optional<SceneStage> stage_;  ///< once none is being waited for
-  std::optional<render::DepthReader> depth_reader_;
-  std::optional<render::DepthPyramid> depth_pyramid_;
+  render::PlacementDrawer placement_drawer_;
   ModelSummary whole_;
   stream::StreamStatus status_;
   std::vector<render::DrawItem> in_picture_;

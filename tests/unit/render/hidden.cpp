@@ -169,18 +169,9 @@ class TwoPlaces {
   uint64_t draw(const core::View& view, const render::Framebuffer& target) {
     core::View shifted = view;
     shifted.eye_model += glm::dvec3(0, 12'000, 0);
-    const render::DrawTime time{.hidden_parts = way_};
-    render::DrawCounts counts = renderer_.drawPlace(0, view, target, {}, time, &pyramid_);
-    counts += renderer_.drawPlace(1, shifted, target, {.over = true}, time, &pyramid_);
-    const auto drawAppeared = [&](const auto& drawn) {
-      counts += renderer_.drawAppeared(0, view, target, {}, drawn);
-      counts += renderer_.drawAppeared(1, shifted, target, {.over = true}, drawn);
-    };
-    if (way_ == HiddenParts::kReadBack) drawAppeared(reader_.read(target));
-    if (way_ == HiddenParts::kFoundOnGpu) {
-      pyramid_.build(target);
-      drawAppeared(pyramid_);
-    }
+    const std::vector<render::Placement> placements{{&renderer_, 0, view, {}},
+                                                    {&renderer_, 1, shifted, {.over = true}}};
+    const render::DrawCounts counts = drawer_.draw(placements, target, {.hidden_parts = way_});
     renderer_.drawBackground(target, {});
     return counts.triangles;
   }
@@ -188,8 +179,7 @@ class TwoPlaces {
  private:
   const HiddenParts way_;
   render::Renderer renderer_;
-  render::DepthReader reader_;
-  render::DepthPyramid pyramid_;
+  render::PlacementDrawer drawer_;
 };
 
 TEST_P(HiddenBy, isLeftOutOfEachPlaceByWhatStandsAtOthers) {

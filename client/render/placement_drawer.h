@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "client/core/view.h"
+#include "client/render/depth_reader.h"
+#include "client/render/draw_counts.h"
+#include "client/render/draw_style.h"
+#include "client/render/gpu_culling.h"
+
+namespace lode::render {
+
+class Renderer;
+
+/// A model where it stands once.
+struct Placement {
+  Renderer* renderer = nullptr;
+  size_t place = 0;   ///< of the model
+  core::View view;    ///< as the model sees it from there
+  DrawStyle style{};  ///< of which the first that is not over what is there clears the depth
+};
+
+/// Draws models where they stand, and leaves out what they hide of one another. Made, used and destroyed on
+/// the thread of its context.
+class PlacementDrawer {
+ public:
+  /// @param placements  those in sight, best the nearest first. Renderer::leaveOut() is for all others.
+  DrawCounts draw(std::span<const Placement> placements, const Framebuffer& target, const DrawTime& time);
+
+ private:
+  DrawCounts drawByGpu(std::span<const Placement> placements, const Framebuffer& target,
+                       const DrawTime& time);
+
+  std::optional<DepthReader> depth_reader_;
+  std::optional<GpuCulling> culling_;
+};
+
+}  // namespace lode::render
