@@ -14,8 +14,8 @@ layout(std430, binding = 3) buffer Found { uvec2 found[]; };  // by pass and chu
 layout(binding = 1) uniform sampler2D depths;
 
 struct Camera {
-  ivec4 eye_high;  // and 1 if something hides
-  vec4 eye_low_and_step, right, up, behind;  // and scale x, scale y, near
+  ivec4 eye_high;  // in steps; and 1 if something hides
+  vec4 eye_low, right, up, behind;  // and scale x, scale y and, in steps, near
 };
 struct CameraPair { Camera now, before; };
 layout(std430, binding = 4) readonly buffer Cameras { CameraPair cameras[]; };  // by placement
@@ -29,18 +29,17 @@ layout(location = 4) uniform vec2 depth_size_px;
 const float kRim = 1e-5;       // of a distance, that floats may be wrong by
 const float kRimPx = 1.0;      // that rasterizing may reach further than a box
 const float kDepthRim = 1e-4;  // of a depth, that it may be nearer
+const float kLeastNearness = 1e-2;  // of a box's distance and size, below which floats lose more than these
 const float kSquarePx = 8.0;
 
 shared uint bits[2];
 
-struct Box { vec3 middle, half_size; };  // from an eye, in model units
+struct Box { vec3 middle, half_size; };  // from an eye, in steps
 
 Box boxFrom(Camera camera, uint word) {
   ivec3 low = ivec3(page[word], page[word + 1u], page[word + 2u]) - camera.eye_high.xyz;
   ivec3 high = ivec3(page[word + 3u], page[word + 4u], page[word + 5u]) - camera.eye_high.xyz;
-  float lattice_step = camera.eye_low_and_step.w;
-  vec3 middle = (vec3(low) + vec3(high)) * 0.5 - camera.eye_low_and_step.xyz;
-  return Box(middle * lattice_step, vec3(high - low) * 0.5 * lattice_step);
+  return Box((vec3(low) + vec3(high)) * 0.5 - camera.eye_low.xyz, vec3(high - low) * 0.5);
 }
 
 bool isInPicture(Camera camera, Box box) {
@@ -56,7 +55,8 @@ bool isInPicture(Camera camera, Box box) {
 bool isHidden(Camera camera, Box box) {
   vec3 forward = -camera.behind.xyz;
   float nearest = dot(box.middle, forward) - dot(box.half_size, abs(forward));
-  float depth = camera.behind.w / max(nearest, 1e-30) * (1.0 + kDepthRim);
+  if (nearest < kLeastNearness * (length(box.middle) + length(box.half_size))) return false;
+  float depth = camera.behind.w / nearest * (1.0 + kDepthRim);
   if (depth >= 1.0) return false;
   vec2 least = vec2(1e30), most = vec2(-1e30);
   for (uint corner = 0u; corner < 8u; ++corner) {
@@ -119,12 +119,14 @@ layout(location = 1) uniform uint chunks_of_pass;
 layout(location = 2) uniform uint commands_of_pass;
 layout(location = 3) uniform uint lists_of_pass;
 layout(location = 4) uniform uint triangles_place;
+layout(location = 5) uniform uint first_list;
 
 const uint kClusterIndices = 384u;
 
 shared uint sums[256];
+shared uint indices;
 
-/// The first of the clusters from `from` on that is found, or with `isFound` false the first that is not; 64: none.
+/// The first of the clusters from `from` on that is found, or with `is_found` false the first that is not; 64: none.
 uint next(uvec2 bits, uint from, bool is_found) {
   if (!is_found) bits = ~bits;
   if (from < 32u) {
@@ -138,21 +140,22 @@ uint next(uvec2 bits, uint from, bool is_found) {
 
 /// One command for each run of clusters that follow one another.
 void list(uvec2 bits, Chunk chunk, uint command) {
-  uint indices = 0u;
+  uint drawn = 0u;
   for (uint first = next(bits, 0u, true); first < 64u;) {
     uint end = next(bits, first, false);
     uint count = min(end * kClusterIndices, chunk.index_count) - first * kClusterIndices;
     commands[command++] =
         Command(count, 1u, chunk.first_index + first * kClusterIndices, chunk.base_vertex, chunk.state);
-    indices += count;
+    drawn += count;
     first = next(bits, end, true);
   }
-  if (indices > 0u) atomicAdd(triangles[triangles_place], indices / 3u);
+  if (drawn > 0u) atomicAdd(indices, drawn);
 }
 
 void main() {
-  uint thread = gl_LocalInvocationIndex;
-  List all = lists[gl_WorkGroupID.x];
+  uint thread = gl_LocalInvocationIndex, number = first_list + gl_WorkGroupID.x;
+  List all = lists[number];
+  if (thread == 0u) indices = 0u;
   uint listed = 0u;
   for (uint base = 0u; base < all.chunks; base += 256u) {
     bool is_there = base + thread < all.chunks;
@@ -173,7 +176,9 @@ void main() {
     listed += sums[255];
     barrier();
   }
-  if (thread == 0u) counts[pass * lists_of_pass + gl_WorkGroupID.x] = listed;
+  if (thread != 0u) return;
+  counts[pass * lists_of_pass + number] = listed;
+  atomicAdd(triangles[triangles_place], indices / 3u);
 }
 )glsl";
 

@@ -16,7 +16,7 @@ namespace lode::render {
 namespace {
 
 enum FindUniform : GLint { kFindPass, kFindChunks, kFirstChunk, kHasBoxes, kDepthSizePx };
-enum ListUniform : GLint { kListPass, kListChunks, kListCommands, kListLists, kTrianglesPlace };
+enum ListUniform : GLint { kListPass, kListChunks, kListCommands, kListLists, kTrianglesPlace, kFirstList };
 enum Storage : GLuint {
   kPage = 1,
   kChunks,
@@ -28,8 +28,10 @@ enum Storage : GLuint {
   kTriangles
 };
 constexpr GLuint kPyramidUnit = 1;
-constexpr uint32_t kChunkClusters = 64;
+constexpr uint32_t kChunkClusters = 64;      ///< as kFindShader has threads in a work group
+constexpr uint32_t kMostWorkGroups = 65535;  ///< that any driver takes at a time
 constexpr uint32_t kPasses = 2;
+static_assert(kClusterTriangles == 128 && sizeof(LatticeBox) == 24);  // as the shaders know them
 
 template <typename Element>
 void give(const GlBuffer& buffer, const std::vector<Element>& elements) {
@@ -47,7 +49,7 @@ void bind(Storage place, const GlBuffer& buffer) {
 
 }  // namespace
 
-GpuCulling::GpuCulling()
+GpuCulling::GpuCulling(uint64_t most_readable_bytes)
     : find_program_(linkComputeProgram(kFindShader)),
       list_program_(linkComputeProgram(kListShader)),
       cameras_buffer_(GlBuffer::create()),
@@ -60,7 +62,7 @@ GpuCulling::GpuCulling()
   static_assert(kTriangles < 8);  // of which every context has as many
   GLint64 most_bytes = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most_bytes);
-  most_readable_bytes_ = static_cast<uint64_t>(most_bytes);
+  most_readable_bytes_ = std::min(most_readable_bytes, static_cast<uint64_t>(most_bytes));
   constexpr GLbitfield kKept = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
   constexpr std::array<uint32_t, kPicturesKept> kNothing{};
   glNamedBufferStorage(triangles_.get(), sizeof(kNothing), kNothing.data(), kKept | GL_CLIENT_STORAGE_BIT);
@@ -69,6 +71,7 @@ GpuCulling::GpuCulling()
 }
 
 GpuCulling::~GpuCulling() {
+  for (const GLsync fence : are_counted_) glDeleteSync(fence);
   if (triangles_told_ != nullptr) glUnmapNamedBuffer(triangles_.get());
 }
 
@@ -90,9 +93,9 @@ uint32_t GpuCulling::add(std::span<const SeenPart> parts, const GpuPages& pages,
     const SplitEye eye = splitEye(seen.eye_model, lattice_step);
     const glm::mat3 axes = glm::transpose(viewRotation(seen));
     const Projection projection = reversedProjection(seen, lattice_step);
-    return Camera{glm::ivec4(eye.high, hides), glm::vec4(eye.low, static_cast<float>(lattice_step)),
-                  glm::vec4(axes[0], projection.scale.x), glm::vec4(axes[1], projection.scale.y),
-                  glm::vec4(axes[2], projection.near_model)};
+    const double near_steps = std::max(seen.near_model, lattice_step) / lattice_step;
+    return Camera{glm::ivec4(eye.high, hides), glm::vec4(eye.low, 0), glm::vec4(axes[0], projection.scale.x),
+                  glm::vec4(axes[1], projection.scale.y), glm::vec4(axes[2], static_cast<float>(near_steps))};
   };
   const bool hides = last_view.has_value() && depths_.widthPx() > 0;
   cameras_.push_back({cameraOf(view, true), cameraOf(hides ? *last_view : view, hides)});
@@ -113,7 +116,8 @@ void GpuCulling::layOut() {
   for (const Listed& listed : listed_) {
     const auto chunks = static_cast<uint32_t>(chunks_.size());
     const bool is_new_page = groups_.empty() || groups_.back().page != pageOf(listed);
-    if (is_new_page) {
+    const auto added = static_cast<uint32_t>(listed.part.item->clusters->boxes.size() / kChunkClusters + 1);
+    if (is_new_page || groups_.back().chunks + added > kMostWorkGroups) {
       const bool is_readable = listed.pages->pageBytes(listed.part.item->page) <= most_readable_bytes_;
       groups_.push_back({pageOf(listed), is_readable, chunks, 0});
     }
@@ -167,6 +171,7 @@ void GpuCulling::findAppeared(const Framebuffer& drawn) {
   depths_.build(drawn);
   pass_ = 1;
   find(false);
+  glDeleteSync(std::exchange(are_counted_[picture_], glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
 }
 
 /// @param by_last_picture  the depths are of that.
@@ -197,8 +202,13 @@ void GpuCulling::find(bool by_last_picture) {
   glUniform1ui(kListCommands, most_commands_);
   glUniform1ui(kListLists, static_cast<GLuint>(lists_.size()));
   glUniform1ui(kTrianglesPlace, picture_);
-  glDispatchCompute(static_cast<GLuint>(lists_.size()), 1, 1);
-  glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+  const auto lists = static_cast<uint32_t>(lists_.size());
+  for (uint32_t first = 0; first < lists; first += kMostWorkGroups) {
+    glUniform1ui(kFirstList, first);
+    glDispatchCompute(std::min(kMostWorkGroups, lists - first), 1, 1);
+  }
+  glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT |
+                  GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 std::span<const GpuCulling::Draw> GpuCulling::draws(uint32_t placement) const {
@@ -206,9 +216,12 @@ std::span<const GpuCulling::Draw> GpuCulling::draws(uint32_t placement) const {
           std::ranges::upper_bound(draws_, placement, {}, &Draw::placement)};
 }
 
-uint64_t GpuCulling::trianglesLately() const noexcept {
-  const volatile uint32_t* const told = triangles_told_;
-  return told == nullptr ? 0 : told[(picture_ + 1) % kPicturesKept];
+uint64_t GpuCulling::trianglesLately() {
+  const uint32_t oldest = (picture_ + 1) % kPicturesKept;
+  if (are_counted_[oldest] == nullptr || triangles_told_ == nullptr) return triangles_lately_;
+  if (glClientWaitSync(are_counted_[oldest], 0, 0) != GL_TIMEOUT_EXPIRED)
+    triangles_lately_ = triangles_told_[oldest];
+  return triangles_lately_;
 }
 
 }  // namespace lode::render

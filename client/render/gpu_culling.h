@@ -1,9 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
+
+#include <glm/glm.hpp>
 
 #include "client/core/view.h"
 #include "client/render/cluster_culling.h"
@@ -32,8 +36,11 @@ class GpuCulling {
     uint32_t count = 0;                             ///< its place, from there in counts()
   };
 
+  /// @param most_readable_bytes  of a page, beside what the driver lets shaders read: parts in larger ones
+  /// are
+  ///                             drawn whole.
   /// @throws Error kInternal if the driver rejects a shader.
-  GpuCulling();
+  explicit GpuCulling(uint64_t most_readable_bytes = std::numeric_limits<uint64_t>::max());
   ~GpuCulling();
   GpuCulling(GpuCulling&&) = delete;
 
@@ -58,8 +65,8 @@ class GpuCulling {
   uint32_t firstCommandOfPass() const noexcept { return pass_ * most_commands_; }
   uint32_t firstCountOfPass() const noexcept { return pass_ * static_cast<uint32_t>(lists_.size()); }
 
-  /// Of both passes of a picture some pictures ago: nobody waits for the GPU.
-  uint64_t trianglesLately() const noexcept;
+  /// Of both passes, three pictures ago, or longer where the GPU is behind: nobody waits for it.
+  uint64_t trianglesLately();
 
  private:
   static constexpr uint32_t kPicturesKept = 4;
@@ -70,9 +77,9 @@ class GpuCulling {
   };
   /// How a placement is seen in this picture and was in the last, as the shader reads it.
   struct Camera {
-    glm::ivec4 eye_high;          ///< and 1 if nothing hides it
-    glm::vec4 eye_low_and_step;   ///< of the model's lattice
-    glm::vec4 right, up, behind;  ///< of the view, and scale x, scale y and near
+    glm::ivec4 eye_high;          ///< in steps of the model's lattice; and 1 if something hides
+    glm::vec4 eye_low;            ///< likewise
+    glm::vec4 right, up, behind;  ///< of the view, and scale x, scale y and, in steps, near
   };
   struct CameraPair {
     Camera now, before;
@@ -111,7 +118,9 @@ class GpuCulling {
   uint32_t pass_ = 0;
   uint32_t picture_ = 0;
   GlBuffer cameras_buffer_, chunks_buffer_, lists_buffer_, found_, commands_, counts_, triangles_;
-  const uint32_t* triangles_told_ = nullptr;  ///< kPicturesKept, mapped
+  const uint32_t* triangles_told_ = nullptr;         ///< kPicturesKept, mapped
+  std::array<GLsync, kPicturesKept> are_counted_{};  ///< signalled where they are complete
+  uint64_t triangles_lately_ = 0;
 };
 
 }  // namespace lode::render

@@ -7,6 +7,7 @@
 #include <epoxy/gl.h>
 
 #include "client/render/gpu_culling.h"
+#include "common/error.h"
 
 namespace lode::render {
 
@@ -19,7 +20,13 @@ bool drawsInSoftware() {
 
 HiddenParts fastestHiddenParts() {
   if (drawsInSoftware()) return HiddenParts::kReadBack;
-  return GpuCulling::isPossible() ? HiddenParts::kFoundOnGpu : HiddenParts::kDrawn;
+  if (!GpuCulling::isPossible()) return HiddenParts::kDrawn;
+  try {
+    const GpuCulling proves_its_shaders;
+    return HiddenParts::kFoundOnGpu;
+  } catch (const Error&) {  // which the driver rejects
+    return HiddenParts::kDrawn;
+  }
 }
 
 }  // namespace lode::render

@@ -17,16 +17,17 @@ class Renderer;
 /// A model where it stands once.
 struct Placement {
   Renderer* renderer = nullptr;
-  size_t place = 0;   ///< of the model
-  core::View view;    ///< as the model sees it from there
-  DrawStyle style{};  ///< of which the first that is not over what is there clears the depth
+  size_t place = 0;  ///< of the model
+  core::View view;   ///< as the model sees it from there
+  DrawStyle style{};
 };
 
 /// Draws models where they stand, and leaves out what they hide of one another. Made, used and destroyed on
 /// the thread of its context.
 class PlacementDrawer {
  public:
-  /// @param placements  those in sight, best the nearest first. Renderer::leaveOut() is for all others.
+  /// @param placements  those in sight, best the nearest first; styles of all but the first are over what is
+  ///                    there. Renderer::leaveOut() is for all others.
   DrawCounts draw(std::span<const Placement> placements, const Framebuffer& target, const DrawTime& time);
 
  private:

@@ -1,26 +1,22 @@
 #include "client/render/renderer.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstddef>
 #include <type_traits>
 
 #include "client/core/shown_parts.h"
 #include "client/core/sight.h"
 #include "client/render/cluster_culling.h"
-#include "client/render/eye.h"
 #include "client/render/gpu_vertex.h"
-#include "client/render/light.h"
 #include "client/render/shader_program.h"
 #include "client/render/shaders.h"
-#include "common/srgb.h"
 
 namespace lode::render {
 namespace {
 
 enum BackgroundUniform : GLint { kBottom, kTop };
+
 uint32_t in256ths(float share) { return static_cast<uint32_t>(std::lround(share * 256)); }
 
 }  // namespace

@@ -66,11 +66,8 @@ class Renderer {
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
                   const DrawTime& time = {});
   /// Draws the model at one of its places, and no background. Where what is hidden is left out, only what was
-  /// not hidden in the last frame: drawAppeared() gives the rest. @param view  as the model sees it from
-  /// there.
-  /// @param last_drawn  of all that the last frame has drawn before drawAppeared(), where the GPU finds what
-  /// is
-  ///                    hidden; nobody else needs it.
+  /// not hidden in the last frame: drawAppeared() gives the rest.
+  /// @param view  as the model sees it from there.
   DrawCounts drawPlace(size_t place, const core::View& view, const Framebuffer& target,
                        const DrawStyle& style, const DrawTime& time);
   /// That drawPlace() has found in the picture there.
@@ -100,15 +97,15 @@ class Renderer {
   struct Place {
     CrossFade fade;
     uint64_t shown_serial = 0;      ///< of the cuts in the last picture; 0: it was not in it
-    std::vector<SeenCluster> seen;  ///< that may be in the picture; or, where the GPU finds clusters,
-    std::vector<SeenPart> parts;
-    uint32_t number = 0;                  ///< the placement's, in the GPU's picture
+    std::vector<SeenCluster> seen;  ///< what may be in the picture, unless the GPU finds clusters
+    std::vector<bool> is_drawn;     ///< by seen: apart, as one that leaves and has come back is there twice
+    std::vector<SeenPart> parts;    ///< what may be in the picture, where the GPU finds their clusters
+    uint32_t number = 0;            ///< the placement's, in the GPU's picture
     std::optional<core::View> last_view;  ///< in the last picture, where the GPU has found what to draw
-    std::vector<bool> is_drawn;  ///< by seen: apart, as one that leaves and has come back is there twice
-    std::vector<DrawItem> in_picture;  ///< of the cut alone
-    std::vector<DrawState> states;     ///< by base_instance: of the cut, then
+    std::vector<DrawItem> in_picture;     ///< of the cut alone
+    std::vector<DrawState> states;        ///< by base_instance: of the cut, then of what leaves
+    size_t states_of_cut = 0;
     GlBuffer states_buffer;
-    size_t states_of_cut = 0;  ///< of what leaves
   };
   void showTextures();
   void keepWhatIsShown();
@@ -121,6 +118,7 @@ class Renderer {
                     const DrawStyle& style, DrawCounts& counts);
   void giveCommands();
   uint32_t drawList(const DrawList& list) const;
+
   double lattice_step_;
   MeshResidency meshes_;
   TextureResidency textures_;

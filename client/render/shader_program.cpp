@@ -63,9 +63,9 @@ GlProgram linkProgram(const char* vertex_source, std::initializer_list<const cha
   return program;
 }
 
-GlProgram linkComputeProgram(const char* source, std::span<const std::string_view> definitions) {
+GlProgram linkComputeProgram(const char* source) {
   GlProgram program = GlProgram::create();
-  attachShader(program.get(), GL_COMPUTE_SHADER, headOf(definitions), {source});
+  attachShader(program.get(), GL_COMPUTE_SHADER, headOf({}), {source});
   link(program.get());
   return program;
 }

@@ -18,6 +18,6 @@ GlProgram linkProgram(const char* vertex_source, std::initializer_list<const cha
                       const char* geometry_source = nullptr);
 
 /// The same of what computes. @throws as above.
-GlProgram linkComputeProgram(const char* source, std::span<const std::string_view> definitions = {});
+GlProgram linkComputeProgram(const char* source);
 
 }  // namespace lode::render

@@ -91,7 +91,7 @@ struct Server::State {
   Log log;
   std::mutex reload_mutex;     ///< one at a time, each of which may wait for a disk
   std::mutex published_mutex;  ///< of the next and of the list of workers; nobody waits under it
-  Published published;         ///< written by reload alone
+  Published published;         ///< written by construction and reload alone
   MemoryBudget budget;
   ByteRate rate;
   Admission admission;

@@ -128,6 +128,10 @@ void measure(const std::string& file) {
 
 int main(int argc, char** argv) {
   const lode::render::OffscreenContext context;
+  if (!lode::render::GpuCulling::isPossible()) {
+    std::puts("this driver does not count draws");
+    return 1;
+  }
   std::printf("%s\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
   std::puts(
       "| model | from | pixels | triangles of the cut | way | triangles drawn | ms of the thread | ms of the "

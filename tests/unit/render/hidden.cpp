@@ -13,7 +13,15 @@ namespace {
 using render::HiddenParts;
 
 using Hidden = GlTest;
-class HiddenBy : public GlTest, public ::testing::WithParamInterface<HiddenParts> {};
+class HiddenBy : public GlTest, public ::testing::WithParamInterface<HiddenParts> {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (!IsSkipped() && GetParam() == HiddenParts::kFoundOnGpu && !render::GpuCulling::isPossible())
+      GTEST_SKIP() << "this driver does not count draws";
+  }
+  void TearDown() override { EXPECT_TRUE(IsSkipped() || glGetError() == GL_NO_ERROR); }
+};
 INSTANTIATE_TEST_SUITE_P(All, HiddenBy, ::testing::Values(HiddenParts::kReadBack, HiddenParts::kFoundOnGpu),
                          [](const auto& way) {
                            return way.param == HiddenParts::kReadBack ? "reading" : "theGpu";
@@ -119,6 +127,19 @@ TEST_P(HiddenBy, isNotDrawnAgainWhileTheCameraRests) {
   EXPECT_EQ(told[first + 2], told[first + 1]);
 }
 
+TEST_P(HiddenBy, isNotToldByAPictureOfAnotherSize) {
+  TwoWays ways(GetParam());
+  ways.show(scene());
+  for (const uint32_t size_px : {600u, 150u, 31u, 1u, 450u}) {
+    for (const int frame : {0, 29}) {
+      core::View view = viewAt(frame);
+      view.width_px = size_px;
+      view.height_px = (size_px * 3 + 3) / 4;
+      ways.expectSamePicture(view);
+    }
+  }
+}
+
 TEST_P(HiddenBy, changesNoViewOfTheModel) {
   TwoWays ways(GetParam());
   ways.show(scene());
@@ -166,11 +187,14 @@ class TwoPlaces {
     renderer_.uploadInRenderThread({.wait = true});
   }
   /// @return triangles drawn.
-  uint64_t draw(const core::View& view, const render::Framebuffer& target) {
+  uint64_t draw(const core::View& view, const render::Framebuffer& target, bool is_second_there = true) {
     core::View shifted = view;
     shifted.eye_model += glm::dvec3(0, 12'000, 0);
-    const std::vector<render::Placement> placements{{&renderer_, 0, view, {}},
-                                                    {&renderer_, 1, shifted, {.over = true}}};
+    std::vector<render::Placement> placements{{&renderer_, 0, view, {}}};
+    if (is_second_there)
+      placements.push_back({&renderer_, 1, shifted, {.over = true}});
+    else
+      renderer_.leaveOut(1);
     const render::DrawCounts counts = drawer_.draw(placements, target, {.hidden_parts = way_});
     renderer_.drawBackground(target, {});
     return counts.triangles;
@@ -201,6 +225,22 @@ TEST_P(HiddenBy, isLeftOutOfEachPlaceByWhatStandsAtOthers) {
     if (frame == 8) {  // one stands before the other
       EXPECT_LT(at_rest, 0.75);
       EXPECT_GT(at_rest, 0);
+    }
+  }
+}
+
+TEST_P(HiddenBy, showsAtOnceOfAPlaceThatHasLeftSightAndComesBack) {
+  TwoPlaces all(scene(), HiddenParts::kDrawn), seen(scene(), GetParam());
+  for (const int frame : {8, 8, 8, 23, 24}) {
+    const core::View view = viewAt(frame);
+    const render::Framebuffer target(view.width_px, view.height_px);
+    for (const bool is_second_there : {true, false, true}) {
+      all.draw(view, target, is_second_there);
+      target.resolve();
+      const render::Image picture = target.readPixels();
+      seen.draw(view, target, is_second_there);
+      target.resolve();
+      EXPECT_EQ(target.readPixels().rgba, picture.rgba) << frame;
     }
   }
 }

@@ -305,16 +305,18 @@ TEST_F(Residency, drawsPartsOfCutsWhoseFallbacksAreNeverThereBeforeANewerOneCome
 }
 
 TEST_F(Residency, hasWhereClustersAreBesideTheirTriangles) {
-  Mesh mesh = makeGrid(40, 40, {.attributes = {AttributeSet::kNormal}, .bump = 0.1});
-  core::clusterTriangles(mesh);
-  MeshResidency residency({.staging_bytes = 1000});
-  residency.show(GlTest::cutOf({mesh}));
-  residency.uploadInRenderThread({.wait = true});
-  const render::DrawItem& item = residency.drawn()[0];
-  std::vector<LatticeBox> boxes(mesh.cluster_boxes.size());
-  glGetNamedBufferSubData(residency.pages().buffer(item.page), 4 * GLintptr{item.first_box_word},
-                          static_cast<GLsizeiptr>(boxes.size() * sizeof(LatticeBox)), boxes.data());
-  EXPECT_EQ(boxes, mesh.cluster_boxes);
+  for (const uint8_t attribute : {AttributeSet::kNormal, AttributeSet::kTexture}) {
+    Mesh mesh = makeGrid(40, 40, {.attributes = {attribute}, .bump = 0.1});
+    core::clusterTriangles(mesh);
+    MeshResidency residency({.staging_bytes = 1000});
+    residency.show(GlTest::cutOf({mesh}));
+    residency.uploadInRenderThread({.wait = true});
+    const render::DrawItem& item = residency.drawn()[0];
+    std::vector<LatticeBox> boxes(mesh.cluster_boxes.size());
+    glGetNamedBufferSubData(residency.pages().buffer(item.page), 4 * GLintptr{item.first_box_word},
+                            static_cast<GLsizeiptr>(boxes.size() * sizeof(LatticeBox)), boxes.data());
+    EXPECT_EQ(boxes, mesh.cluster_boxes);
+  }
 }
 
 TEST_F(Residency, holdsTrianglesOfAMeshWithoutClustersToBeAnywhereInIt) {

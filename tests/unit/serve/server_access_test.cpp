@@ -130,11 +130,10 @@ TEST_F(ServerAccess, aServerStartsAndAnswersWhileAReloadWaitsForTheDisk) {
   std::filesystem::remove(options_.token_file);
   ASSERT_EQ(::mkfifo(options_.token_file.c_str(), 0600), 0);  // who reads it waits, as for a disk
   std::jthread reload([this] { server_->reload(); });
-  const int disk = ::open(options_.token_file.c_str(), O_WRONLY | O_CLOEXEC);
+  std::ofstream disk(options_.token_file);
   thread_ = std::thread([this] { server_->run(); });
   TestClient client = connect();
   EXPECT_EQ(greet(client, "one"), FrameType::kWelcome);
-  ::close(disk);
 }
 
 TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
