@@ -19,7 +19,6 @@ constexpr uint32_t stepsAtFirst(size_t triangles) {
 }
 constexpr float kManySteps = 1.5f;  ///< for each edge of the input that an edge of the rung is as long as
 constexpr uint32_t kMostSteps = 24;
-constexpr int kMostLooksAtInput = 32;  ///< at every triangle of the input, before its tree is asked
 constexpr uint32_t kMostStarts = 64;
 
 /// The input's positions that lie on each triangle of a rung.

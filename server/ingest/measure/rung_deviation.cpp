@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/ingest/measure/farthest_along_edges.h"
 #include "server/ingest/measure/farthest_of_input.h"
 #include "server/ingest/measure/farthest_of_rung.h"
 
@@ -37,7 +38,8 @@ RungDeviation rungDeviation(const SimplifiedMesh& rung, const RungInput& input, 
     return farthestOfInput(rung, input.mesh(), places.surface, places.of_input, known);
   };
   const auto fromRung = [&](float known) {
-    return farthestOfRung(rung, input, places.of_input, places.sources, known);
+    const float at_points = farthestOfRung(rung, input, places.of_input, places.sources, known);
+    return rung.is_clustered ? farthestAlongEdges(rung, input, places.sources, at_points) : at_points;
   };
   if (input.isOriginal()) {
     const FarthestOfInput forward = fromInput(farthest_sample);

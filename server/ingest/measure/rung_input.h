@@ -12,6 +12,8 @@
 
 namespace lode::ingest {
 
+constexpr int kMostLooksAtInput = 32;  ///< at every triangle, before the tree is worth its making
+
 /// What the rungs of a node are made of and measured against. Const functions are thread safe.
 class RungInput {
  public:

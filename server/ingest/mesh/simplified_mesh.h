@@ -14,6 +14,7 @@ struct SimplifiedMesh {
   NodeMesh mesh;
   std::vector<uint32_t> became;  ///< of each position of the input: one of the mesh, or kVanished where its
                                  ///< last triangle has gone
+  bool is_clustered = false;     ///< by cells, without regard to where edges lead
 };
 
 /// Of each position of a simplified mesh, the nearest of those of the input that have become it.

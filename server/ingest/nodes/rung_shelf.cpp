@@ -6,10 +6,10 @@ namespace lode::ingest {
 
 void RungShelf::put(const SimplifiedMesh& rung) {
   // Named one by one, so that a member more does not compile.
-  const auto& [mesh, became] = rung;
+  const auto& [mesh, became, is_clustered] = rung;
   const auto& [attributes, positions, lca_depth, wedge_position, wedge_attributes, triangles] = mesh;
   places_.push_back({spool_.size(), attributes, positions.size(), wedge_position.size(),
-                     wedge_attributes.size(), triangles.size(), became.size()});
+                     wedge_attributes.size(), triangles.size(), became.size(), is_clustered});
   const auto append = [&](const auto& items) { spool_.append(std::as_bytes(std::span(items))); };
   append(positions);
   append(lca_depth);
@@ -29,6 +29,7 @@ SimplifiedMesh RungShelf::read(size_t number) {
     offset += count * sizeof(items[0]);
   };
   SimplifiedMesh rung;
+  rung.is_clustered = place.is_clustered;
   rung.mesh.attributes = place.attributes;
   read(rung.mesh.positions, place.positions);
   read(rung.mesh.lca_depth, place.positions);

@@ -26,6 +26,7 @@ class RungShelf {
     uint64_t offset;
     AttributeSet attributes;
     size_t positions, wedges, wedge_attributes, triangles, became;
+    bool is_clustered;
   };
 
   Spool spool_;

@@ -286,7 +286,7 @@ SimplifiedMesh Clusterer::snapshot() {
   }
   std::vector<uint32_t> became(count);
   for (uint32_t i = 0; i < count; ++i) became[i] = new_position[destination[i]];
-  return {std::move(result), std::move(became)};
+  return {std::move(result), std::move(became), true};
 }
 
 void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {

@@ -386,7 +386,7 @@ void Collapser::run(std::span<const size_t> targets, const SnapshotSink& sink) {
             std::vector<uint32_t> became = rest.became;
             for (uint32_t& place : became)
               if (place != kVanished) place = clustered.became[place];
-            sink(reached + target, {std::move(clustered.mesh), std::move(became)});
+            sink(reached + target, {std::move(clustered.mesh), std::move(became), true});
           });
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/ply_writer.h"
 #include "server/ingest/build/build.h"
+#include "server/ingest/inspect/against.h"
 #include "server/ingest/sample/sample.h"
 #include "server/store/export.h"
 #include "server/store/reader.h"
@@ -103,6 +104,25 @@ TEST(HonestError, ofAnOpenModelIsNotTheSumOfWhatItsRimsAreOffAtEachLevel) {
   terrain.triangles = 30'000;
   writeSample(terrain, folder / "terrain.ply");
   EXPECT_LE(HonestErrorOf(folder / "terrain.ply", 256).largestRatioOfRoot(), 2.5);
+}
+
+TEST(HonestError, countsWhereTrianglesOfClustersLeadPastWhatThereWas) {
+  const test::WorkFolder folder;
+  SampleOptions terrain;
+  terrain.kind = "terrain";
+  terrain.seed = 3;
+  terrain.triangles = 40'000;
+  writeSample(terrain, folder / "terrain.ply");
+  BuildOptions options;
+  options.input = folder / "terrain.ply";
+  options.output = folder / "terrain.lode";
+  options.triangles_per_node = 2048;
+  options.simplifier = Simplifier::kCluster;
+  build(options);
+  AgainstOptions against;
+  against.input = options.input;
+  against.store = options.output;
+  EXPECT_GE(compareWithInput(against).least_ratio, 1);
 }
 
 TEST(HonestError, countsWhatLiesBetweenTheVerticesOfAScan) {

@@ -9,6 +9,7 @@ namespace {
 
 SimplifiedMesh rungOf(uint32_t positions, bool has_attributes) {
   SimplifiedMesh rung;
+  rung.is_clustered = positions % 2 == 0;
   if (has_attributes) rung.mesh.attributes.bits = AttributeSet::kColour;
   for (uint32_t i = 0; i < positions; ++i) {
     rung.mesh.positions.push_back(packPosition({i, 2 * i, 7}));
@@ -31,12 +32,13 @@ void expectSame(const SimplifiedMesh& a, const SimplifiedMesh& b) {
   EXPECT_EQ(a.mesh.wedge_attributes, b.mesh.wedge_attributes);
   EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
   EXPECT_EQ(a.became, b.became);
+  EXPECT_EQ(a.is_clustered, b.is_clustered);
 }
 
 TEST(RungShelf, givesEachRungBackAsItWas) {
   const TemporaryFolder folder(::testing::TempDir());
   RungShelf shelf(folder.file("rungs"));
-  const std::vector<SimplifiedMesh> rungs{rungOf(9, true), rungOf(5, false), rungOf(0, true),
+  const std::vector<SimplifiedMesh> rungs{rungOf(9, true), rungOf(6, false), rungOf(0, true),
                                           rungOf(3, true)};
   for (const SimplifiedMesh& rung : rungs) shelf.put(rung);
   ASSERT_EQ(shelf.size(), rungs.size());

@@ -1,5 +1,6 @@
 #include "server/ingest/simplify/collapse.h"
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -85,6 +86,19 @@ TEST(Collapse, takesATangleDownToNothing) {
     for (const Snapshot& snapshot : snapshots) expectSound(snapshot.mesh);
     EXPECT_TRUE(snapshots[2].mesh.triangles.empty());
   }
+}
+
+TEST(Collapse, saysOfARungWhetherClustersHadToFinishIt) {
+  const auto isClustered = [](const NodeMesh& mesh) {
+    bool is_clustered = false;
+    collapse(mesh, std::array<size_t, 1>{100}, {.node_depth = 2},
+             [&](size_t, SimplifiedMesh&& rung) { is_clustered = rung.is_clustered; });
+    return is_clustered;
+  };
+  NodeMesh sphere = test::nodeOf(test::makeSphere(60, 40));
+  EXPECT_FALSE(isClustered(sphere));
+  lockSome(sphere, 1, 1);
+  EXPECT_TRUE(isClustered(sphere));
 }
 
 TEST(Collapse, leavesLockedPositionsAndTheirAttributesAlone) {
