@@ -22,8 +22,9 @@ struct EncodedPayload {
   uint32_t vertices = 0;         ///< vertices that a decoder will produce
 };
 
-/// Where a mesh's triangles come from: those of a file are often regular, and are predicted more closely.
-enum class MeshSource { kFile, kSimplified };
+/// Where a mesh's triangles come from: those of a file are often regular, and those of a spare rung few and
+/// for the most part border; both are predicted more closely.
+enum class MeshSource { kFile, kSimplified, kSpare };
 
 /// Encodes a rung with Draco's edgebreaker (settings: docs/store-format.md), float positions in the model
 /// frame. The decoded mesh has the same triangles (as sets of position and attributes, orientation kept) in

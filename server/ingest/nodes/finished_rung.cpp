@@ -12,8 +12,8 @@
 namespace lode::ingest {
 
 FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
-                        std::span<const SurfaceSample> samples, double step_model,
-                        const CreaseAngle& crease) {
+                        std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease,
+                        MeshSource source) {
   FinishedRung finished;
   finished.simplified = std::move(simplified);
   SimplifiedMesh& rung = finished.simplified;
@@ -21,7 +21,7 @@ FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
   const RungSurface surface(rung.mesh);
   const std::vector<SurfaceWalk::Place> places = placesOn(rung, input.mesh(), surface.walk());
   giveComputedNormals(rung, input.mesh(), sources, places, crease);
-  finished.payload = encodePayload(toMesh(rung.mesh), step_model);
+  finished.payload = encodePayload(toMesh(rung.mesh), step_model, source);
   if (rung.mesh.triangles.empty()) return finished;
   finished.deviations = deviationsFrom(rung, input.mesh(), surface, places, samples);
   float sampled = 0;

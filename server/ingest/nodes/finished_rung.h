@@ -27,6 +27,7 @@ struct FinishedRung {
 /// Gives a simplified mesh its computed normals, where they are not the file's, measures and encodes it.
 /// @param samples  near positions of the input. @param step_model  the lattice's. Thread safe.
 FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
-                        std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease);
+                        std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease,
+                        MeshSource source);
 
 }  // namespace lode::ingest

@@ -195,7 +195,8 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   });
   const auto finish = [&](SimplifiedMesh&& rung) {
     rungs.push([&, rung = std::move(rung)]() mutable {
-      return finishRung(std::move(rung), input, built.samples, settings_.lattice.step, settings_.crease);
+      return finishRung(std::move(rung), input, built.samples, settings_.lattice.step, settings_.crease,
+                        MeshSource::kSimplified);
     });
   };
   if (shelf) {
@@ -229,8 +230,8 @@ void NodeBuilder::addSpareRungs(BuiltNode& built, std::span<const size_t> target
                         built.references);
   simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& simplified) {
     if (simplified.mesh.triangles.size() >= built.node.rungs.back().triangles) return;
-    const FinishedRung rung =
-        finishRung(std::move(simplified), input, built.samples, settings_.lattice.step, settings_.crease);
+    const FinishedRung rung = finishRung(std::move(simplified), input, built.samples, settings_.lattice.step,
+                                         settings_.crease, MeshSource::kSpare);
     addRung(built, rung);
     ++built.node.spare_rungs;
   });
