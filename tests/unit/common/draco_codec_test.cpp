@@ -192,11 +192,15 @@ TEST(DracoCodec, opaqueAlphaCostsNothing) {
   expectRoundTrip(mesh);
 }
 
-TEST(DracoCodec, predictsTheRegularMeshesOfFilesMoreClosely) {
+TEST(DracoCodec, predictsTheMeshesOfFilesAndOfSpareRungsMoreClosely) {
   const Mesh mesh = test::makeGrid(60, 60, {.attributes = {}, .seed = 2, .bump = 0.2});
-  const EncodedPayload file = encodePayload(mesh, kStep, MeshSource::kFile);
-  EXPECT_LT(file.bytes.size(), encodePayload(mesh, kStep, MeshSource::kSimplified).bytes.size());
-  EXPECT_TRUE(trianglesOf(decodePayload(file.bytes, kStep, expectationOf(mesh, file))) == trianglesOf(mesh));
+  const size_t simplified = encodePayload(mesh, kStep, MeshSource::kSimplified).bytes.size();
+  for (const MeshSource source : {MeshSource::kFile, MeshSource::kSpare}) {
+    const EncodedPayload closer = encodePayload(mesh, kStep, source);
+    EXPECT_LT(closer.bytes.size(), simplified);
+    const Mesh decoded = decodePayload(closer.bytes, kStep, expectationOf(mesh, closer));
+    EXPECT_TRUE(trianglesOf(decoded) == trianglesOf(mesh));
+  }
 }
 
 TEST(DracoCodec, goesThroughTheFilesPositionsInTheOrderThatPredictsThemBest) {
