@@ -30,6 +30,25 @@ void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spoo
   writer.addTextures(set);
 }
 
+namespace {
+
+float offModel(const Rung& rung) { return std::max(rung.error_model, rung.appearance_error_model); }
+
+/// Leaves out spare rungs that are farther off than the parent's finest rung, but for the coarsest: where a
+/// view shows the node it takes a finer one, and where it does not the coarsest.
+void leaveOutIdleRungs(FinishedNode& finished, const Node& parent) {
+  Node& node = finished.node;
+  while (node.spare_rungs > 1) {
+    const auto finer = static_cast<std::ptrdiff_t>(node.rungs.size()) - 2;
+    if (offModel(node.rungs[finer]) <= offModel(parent.rungs.front())) return;
+    node.rungs.erase(node.rungs.begin() + finer);
+    finished.payloads.erase(finished.payloads.begin() + finer);
+    --node.spare_rungs;
+  }
+}
+
+}  // namespace
+
 ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,
                   const BuildProgress& progress) {
   std::vector<Node> packed;
@@ -38,6 +57,9 @@ ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes,
     const std::vector<std::byte> bytes = nodes.read(place);
     RecordReader record(bytes);
     FinishedNode finished = getFinishedNode(record);
+    if (finished.node.spare_rungs > 1)
+      leaveOutIdleRungs(finished,
+                        *std::ranges::lower_bound(packed, finished.node.key.parent(), {}, &Node::key));
     for (size_t r = finished.node.rungs.size(); r-- > 0;) {
       const PayloadSpool::Place payload = finished.payloads[r];
       if (payload.bytes > 0) finished.node.rungs[r].payload = writer.addBlob(payloads.read(payload));

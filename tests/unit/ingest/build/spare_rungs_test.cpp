@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "server/ingest/build/build.h"
+#include "server/ingest/nodes/rung_targets.h"
 #include "server/ingest/sample/sample.h"
 #include "server/store/reader.h"
 #include "server/store/verify.h"
@@ -19,9 +21,9 @@ constexpr uint64_t kMuch = 8 * kNodeBudget;  // triangles of the original below 
 /// A porous model, much of whose nodes is border, of three levels of inner nodes.
 class SpareRungs : public testing::Test {
  protected:
-  SpareRungs() {
+  explicit SpareRungs(const std::string& kind = "gyroid") {
     SampleOptions sample;
-    sample.kind = "gyroid";
+    sample.kind = kind;
     sample.triangles = 60'000;
     writeSample(sample, folder_ / "a.ply");
     BuildOptions options;
@@ -53,6 +55,38 @@ TEST_F(SpareRungs, areThereWhereMuchLiesBelowAndEndAtAQuarterOfTheBudgetOrTheBor
     ++nodes;
   }
   EXPECT_GT(nodes, 5u);
+}
+
+/// Of a node, by the rule alone.
+size_t spareRungsOf(const Node& node, uint64_t original) {
+  const RungRule rule{.depth = node.key.depth(),
+                      .locked = node.sourceRung().locked,
+                      .original_triangles = original,
+                      .triangles_per_node = kNodeBudget};
+  return spareTargets(node.sourceRung().triangles, rule).size();
+}
+
+TEST_F(SpareRungs, areTheCoarsestAloneWhereThoseBetweenAreFartherOffThanTheParentsFinest) {
+  size_t left_out = 0;
+  for (const Node& node : reader_->nodes())
+    if (node.spare_rungs > 0) left_out += spareRungsOf(node, original_.at(node.key)) - node.spare_rungs;
+  EXPECT_GT(left_out, 0u);
+}
+
+class SpareRungsOfATerrain : public SpareRungs {
+ protected:
+  SpareRungsOfATerrain() : SpareRungs("terrain") {}
+};
+
+TEST_F(SpareRungsOfATerrain, betweenAreThereWhereTheyAreNoFartherOffThanTheParentsFinest) {
+  size_t between = 0;
+  for (const Node& node : reader_->nodes()) {
+    if (node.spare_rungs == 0) continue;
+    const float most = reader_->find(node.key.parent())->rungs.front().error_model;
+    for (size_t r = node.rungs.size() - node.spare_rungs; r + 1 < node.rungs.size(); ++r, ++between)
+      EXPECT_LE(node.rungs[r].error_model, most) << node.key.value;
+  }
+  EXPECT_GT(between, 0u);
 }
 
 TEST_F(SpareRungs, areNotWhatTheParentIsMadeOf) {
