@@ -5,6 +5,7 @@
 #include <span>
 
 #include "client/core/view.h"
+#include "client/render/cross_fade.h"
 #include "client/render/depth_reader.h"
 #include "client/render/draw_counts.h"
 #include "client/render/draw_style.h"
