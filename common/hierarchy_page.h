@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,6 +23,8 @@ struct Rung {
   float appearance_error_model = 0;  ///< size of lost detail in colours, normals and pictures, model units
 
   bool operator==(const Rung&) const = default;
+  /// What it is refined on.
+  float offModel() const noexcept { return std::max(error_model, appearance_error_model); }
 };
 
 struct Node {

@@ -260,7 +260,7 @@ class Run {
             error_px,
             wanted.resident->mesh(rung),
             shown.error_model,
-            WantedCut::offModel(shown),
+            shown.offModel(),
             thresholdOf(error_px, fit),
             toModelBox(wanted.node->box, step_)};
   }

@@ -77,7 +77,7 @@ WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
 }
 
 float WantedCut::errorPx(const WantedNode& wanted, uint32_t rung) const {
-  return sight_.errorPx(offModel(wanted.node->rungs[rung]), wanted.distance_model);
+  return sight_.errorPx(wanted.node->rungs[rung].offModel(), wanted.distance_model);
 }
 
 void WantedCut::enqueue(uint32_t place) {

@@ -73,8 +73,6 @@ class WantedCut {
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
   std::vector<WantedMesh> meshes() const;
-  /// What is refined on.
-  static float offModel(const Rung& rung) { return std::max(rung.error_model, rung.appearance_error_model); }
   static uint32_t lastRung(const Node& node) { return static_cast<uint32_t>(node.rungs.size()) - 1; }
   /// The coarsest that is not lost; the last where all are.
   static uint32_t coarsestRung(const KnownNode& node) { return node.coarsestRung().value_or(lastRung(node)); }

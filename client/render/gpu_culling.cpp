@@ -93,7 +93,7 @@ uint32_t GpuCulling::add(std::span<const SeenPart> parts, const GpuPages& pages,
     const SplitEye eye = splitEye(seen.eye_model, lattice_step);
     const glm::mat3 axes = glm::transpose(viewRotation(seen));
     const Projection projection = reversedProjection(seen, lattice_step);
-    const double near_steps = std::max(seen.near_model, lattice_step) / lattice_step;
+    const double near_steps = projection.near_model / lattice_step;
     return Camera{glm::ivec4(eye.high, hides), glm::vec4(eye.low, 0), glm::vec4(axes[0], projection.scale.x),
                   glm::vec4(axes[1], projection.scale.y), glm::vec4(axes[2], static_cast<float>(near_steps))};
   };

@@ -96,23 +96,23 @@ TEST(HonestError, countsPiecesThatVanishInASoupOfThem) {
   EXPECT_GE(HonestErrorOf(soup, 512).leastRatio(), 1);
 }
 
-TEST(HonestError, ofAnOpenModelIsNotTheSumOfWhatItsRimsAreOffAtEachLevel) {
-  const test::WorkFolder folder;
+void writeTerrain(uint64_t seed, uint64_t triangles, const std::filesystem::path& file) {
   SampleOptions terrain;
   terrain.kind = "terrain";
-  terrain.seed = 5;
-  terrain.triangles = 30'000;
-  writeSample(terrain, folder / "terrain.ply");
+  terrain.seed = seed;
+  terrain.triangles = triangles;
+  writeSample(terrain, file);
+}
+
+TEST(HonestError, ofAnOpenModelIsNotTheSumOfWhatItsRimsAreOffAtEachLevel) {
+  const test::WorkFolder folder;
+  writeTerrain(5, 30'000, folder / "terrain.ply");
   EXPECT_LE(HonestErrorOf(folder / "terrain.ply", 256).largestRatioOfRoot(), 2.5);
 }
 
 TEST(HonestError, countsWhereTrianglesOfClustersLeadPastWhatThereWas) {
   const test::WorkFolder folder;
-  SampleOptions terrain;
-  terrain.kind = "terrain";
-  terrain.seed = 3;
-  terrain.triangles = 40'000;
-  writeSample(terrain, folder / "terrain.ply");
+  writeTerrain(3, 40'000, folder / "terrain.ply");
   BuildOptions options;
   options.input = folder / "terrain.ply";
   options.output = folder / "terrain.lode";
