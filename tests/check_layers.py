@@ -52,7 +52,7 @@ ALLOWED = {
 
 # The folders of server/ingest, as the build flows: each may use itself and those before it.
 INGEST_FLOW = [
-    "disk", "mesh", "plan", "ply", "soup", "textures", "partition", "simplify", "measure", "nodes", "build", "sample",
+    "threads", "disk", "mesh", "plan", "ply", "soup", "textures", "partition", "simplify", "measure", "nodes", "build", "sample",
     "inspect",
 ]
 

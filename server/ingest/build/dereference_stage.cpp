@@ -1,5 +1,7 @@
 #include "server/ingest/build/dereference_stage.h"
 
+#include <algorithm>
+
 #include "common/error.h"
 #include "server/ingest/disk/checkpoint_clock.h"
 #include "server/ingest/mesh/cell_code.h"
@@ -108,16 +110,17 @@ void DereferenceStage::sortSoup(const PackedInput& input) {
   const std::span<std::byte> soup(bytes, soupBytes(facts.soup_attributes));
   SortLog log(session_, *sorter_);
   log.beginBatch(begin);
+  FixedHelpers helpers(session_.plan().threads - 1);
   facts.counts = dereference(
-      input, facts.choice.lattice, session_.plan().sort_bytes,
-      [&](const SoupTriangle& triangle) {
-        if (known > 0) {
-          --known;
-          return;
+      input, facts.choice.lattice, session_.plan().sort_bytes, helpers,
+      [&](std::span<const SoupTriangle> triangles) {
+        const uint64_t pushed = std::min<uint64_t>(known, triangles.size());
+        known -= pushed;
+        for (const SoupTriangle& triangle : triangles.subspan(pushed)) {
+          storeSoup(triangle, soup);
+          sorter_->push(grid.code(triangle), soup);
+          log.afterTriangle();
         }
-        storeSoup(triangle, soup);
-        sorter_->push(grid.code(triangle), soup);
-        log.afterTriangle();
       },
       session_.progress(), begin, [&](const DereferencePoint& point) { log.beginBatch(point); });
 }

@@ -57,20 +57,22 @@ bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
   return std::pair(runs_[a]->key, a) > std::pair(runs_[b]->key, b);
 }
 
-/// The two halves side by side, where there is a thread for it.
-void RecordSorter::sortHeld(const Progress& progress, uint64_t total) {
-  if (threads_ < 2 || order_.size() <= 2 * kPieceRecords)
-    return sortPieces(0, order_.size(), progress, total);
-  const size_t middle = order_.size() / 2;
-  std::nth_element(order_.begin(), order_.begin() + static_cast<ptrdiff_t>(middle), order_.end());
-  const auto sortUpper = [&] { sortPieces(middle, order_.size(), {}, total); };
+/// Parts side by side, where there are threads for it; progress is the lowest's.
+void RecordSorter::sortOn(unsigned threads, size_t begin, size_t end, const Progress& progress,
+                          uint64_t total) {
+  if (threads < 2 || end - begin <= 2 * kPieceRecords) return sortPieces(begin, end, progress, total);
+  const unsigned lower_threads = threads / 2;
+  const size_t middle = begin + (end - begin) / threads * lower_threads;
+  const auto at = [this](size_t index) { return order_.begin() + static_cast<ptrdiff_t>(index); };
+  std::nth_element(at(begin), at(middle), at(end));
+  const auto sortUpper = [=, this] { sortOn(threads - lower_threads, middle, end, {}, total); };
   std::jthread upper;
   try {
     upper = std::jthread(sortUpper);
   } catch (const std::system_error&) {
     sortUpper();
   }
-  sortPieces(0, middle, progress, total);
+  sortOn(lower_threads, begin, middle, progress, total);
 }
 
 /// Piece by piece, so that it can be told how far it is.
@@ -89,7 +91,7 @@ void RecordSorter::sortPieces(size_t begin, size_t end, const Progress& progress
 
 void RecordSorter::spill(const Progress& progress) {
   const uint64_t total = 2 * order_.size();
-  sortHeld(progress, total);
+  sortOn(threads_, 0, order_.size(), progress, total);
   if (!spool_) spool_.emplace(file_);
   auto run = std::make_unique<Run>();
   run->begin = spool_->size();
@@ -134,7 +136,7 @@ void RecordSorter::restore(RecordReader& record) {
 
 void RecordSorter::finish(const Progress& progress) {
   if (runs_.empty()) {
-    sortHeld(progress, order_.size());
+    sortOn(threads_, 0, order_.size(), progress, order_.size());
     return;
   }
   if (!order_.empty()) spill(progress);

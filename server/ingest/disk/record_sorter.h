@@ -25,7 +25,7 @@ class RecordSorter {
 
   /// @param memory_bytes  for the records held before a run is written, and for the buffers of the merge.
   /// @param runs  where they are written, if there are any.
-  /// @param threads  two are used where there are more.
+  /// @param threads  that sort.
   RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs, unsigned threads = 1);
   ~RecordSorter();
 
@@ -65,7 +65,7 @@ class RecordSorter {
     }
   };
   bool later(uint32_t a, uint32_t b) const noexcept;
-  void sortHeld(const Progress& progress, uint64_t total);
+  void sortOn(unsigned threads, size_t begin, size_t end, const Progress& progress, uint64_t total);
   void sortPieces(size_t begin, size_t end, const Progress& progress, uint64_t total);
   std::optional<Record> nextOfMemory();
   std::optional<Record> nextOfRuns();

@@ -56,6 +56,8 @@ class Comparison {
   }
 
  private:
+  unsigned threads() const { return options_.threads > 0 ? options_.threads : defaultThreads(); }
+
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(ErrorCode::kFormat, options_.store.string() + " against " + options_.input.string() + ": " +
                                         what + "; build the store again");
@@ -94,12 +96,15 @@ class Comparison {
     build_options.skip_bad = true;
     std::vector<std::string> warnings;
     const ScannedModel scanned = scan(build_options, folder_, progress_, warnings);
+    FixedHelpers helpers(threads() - 1);
     const DereferenceCounts counts = dereference(
-        scanned.input, reader_.summary().lattice, memory_bytes_ / 4,
-        [&](const SoupTriangle& t) {
-          Side side{{}, 1};
-          for (size_t k = 0; k < 3; ++k) side.corners[k] = {t.corners[k].value, t.attributes[k]};
-          push(sorter, side);
+        scanned.input, reader_.summary().lattice, memory_bytes_ / 4, helpers,
+        [&](std::span<const SoupTriangle> triangles) {
+          for (const SoupTriangle& t : triangles) {
+            Side side{{}, 1};
+            for (size_t k = 0; k < 3; ++k) side.corners[k] = {t.corners[k].value, t.attributes[k]};
+            push(sorter, side);
+          }
         },
         progress_);
     const UvGrid& grid = scanned.input.uvGrid();
@@ -174,13 +179,11 @@ class Comparison {
   void compareErrors() {
     std::vector<double> ratios;
     const std::vector<RungAt> rungs = chooseRungs();
-    const std::vector<MeasuredError> errors =
-        measureRungErrors(reader_, rungs,
-                          {.seed = options_.seed,
-                           .threads = options_.threads > 0 ? options_.threads : defaultThreads(),
-                           .progress = [this](double fraction, uint64_t leaves) {
-                             if (progress_) progress_("measure", fraction, leaves, reader_.nodes().size());
-                           }});
+    const std::vector<MeasuredError> errors = measureRungErrors(
+        reader_, rungs,
+        {.seed = options_.seed, .threads = threads(), .progress = [this](double fraction, uint64_t leaves) {
+           if (progress_) progress_("measure", fraction, leaves, reader_.nodes().size());
+         }});
     for (size_t i = 0; i < rungs.size(); ++i) {
       const auto& [node, rung] = rungs[i];
       const MeasuredError& error = errors[i];

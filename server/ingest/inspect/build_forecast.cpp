@@ -29,8 +29,8 @@ constexpr double kLargeModelShare = 0.85;
 
 /// Of a build of a part: what it took a triangle.
 struct Trial {
-  double serial_cpu_seconds = 0;    ///< dereference, partition, pack
-  double parallel_cpu_seconds = 0;  ///< simplify
+  double serial_cpu_seconds = 0;    ///< pack
+  double parallel_cpu_seconds = 0;  ///< dereference, partition, simplify
   double store_bytes = 0;
 };
 
@@ -70,7 +70,7 @@ Trial runTrial(const ForecastInput& input) {
   Trial trial;
   for (const BuildReport::Stage& stage : report.stages) {
     if (stage.name == "scan") continue;
-    (stage.name == "simplify" ? trial.parallel_cpu_seconds : trial.serial_cpu_seconds) +=
+    (stage.name == "pack" ? trial.serial_cpu_seconds : trial.parallel_cpu_seconds) +=
         stage.cpu_seconds / triangles;
   }
   trial.store_bytes = static_cast<double>(report.summary.bytes) / triangles;

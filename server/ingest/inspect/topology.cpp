@@ -81,9 +81,10 @@ void TopologyCounter::sweep(const FaceBatch& batch) {
   members_.clear();
   members_.reserve(batch.members());
   SamePlaces::Cursor places(places_);
-  batch.sweep([&](uint64_t number, glm::dvec3 position, const VertexAttributes& attributes) {
-    members_.push_back({position, places.firstAt(static_cast<uint32_t>(number)), attributes.normal});
-  });
+  batch.sweep(
+      0, input_.vertexCount(), [&](uint64_t number, glm::dvec3 position, const VertexAttributes& attributes) {
+        members_.push_back({position, places.firstAt(static_cast<uint32_t>(number)), attributes.normal});
+      });
 }
 
 void TopologyCounter::countFace() {

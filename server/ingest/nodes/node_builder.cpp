@@ -14,9 +14,9 @@
 #include "server/ingest/nodes/finished_rung.h"
 #include "server/ingest/nodes/leaf_normals.h"
 #include "server/ingest/nodes/rung_targets.h"
-#include "server/ingest/partition/in_order.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/simplify/cluster.h"
+#include "server/ingest/threads/in_order.h"
 
 namespace lode::ingest {
 namespace {

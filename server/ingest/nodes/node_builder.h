@@ -17,6 +17,7 @@
 #include "server/ingest/partition/partition.h"
 #include "server/ingest/plan/simplifier.h"
 #include "server/ingest/simplify/collapse.h"
+#include "server/ingest/threads/helpers.h"
 
 namespace lode::ingest {
 
@@ -78,7 +79,7 @@ class NodeBuilder {
   };
   /// What a node may take.
   struct Room {
-    unsigned helpers = 0;   ///< rungs that may be finished on other threads meanwhile
+    Helpers& helpers;       ///< finish rungs beside the builder
     bool is_tight = false;  ///< the node is large: rungs wait on the disk until all are made
   };
   /// @param folder  for rungs that wait.

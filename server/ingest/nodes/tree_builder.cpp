@@ -17,6 +17,7 @@
 #include "server/ingest/nodes/tree_plan.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
+#include "server/ingest/threads/helpers.h"
 
 namespace lode::ingest {
 namespace {
@@ -41,7 +42,6 @@ class Scheduler {
       : plan_(plan),
         log_(log),
         nodes_(nodes),
-        threads_(resources.threads),
         memory_bytes_(resources.memory_bytes -
                       std::min(resources.memory_bytes, plan.size() * kNodeRecordBytes)),
         leaf_bytes_(memoryOfNode(triangles_per_node)),
@@ -100,13 +100,23 @@ class Scheduler {
  private:
   struct Taken {
     uint32_t number = 0;
-    unsigned lent = 0;  ///< threads that find nothing to do now, for this node until it is given
     uint64_t bytes = 0;
     bool is_large = false;  ///< beside the memory that there is
   };
   struct Finished {
     uint32_t number = 0;
     NodeSpool::Place place;
+  };
+  /// Of a node: workers that find none to build, as many as there is memory for.
+  class IdleWorkers final : public Helpers {
+   public:
+    IdleWorkers(Scheduler& scheduler, uint64_t bytes) : scheduler_(scheduler), bytes_(bytes) {}
+    bool take() override { return scheduler_.lend(bytes_); }
+    void giveBack() override { scheduler_.takeBack(bytes_); }
+
+   private:
+    Scheduler& scheduler_;
+    const uint64_t bytes_;
   };
 
   void tell(const BuildProgress& progress, std::unique_lock<std::mutex>& lock) {
@@ -127,25 +137,32 @@ class Scheduler {
     if (failure && !failure_) failure_ = failure;
   }
 
-  /// The next node to build, or nothing when all are taken or one failed. Inner nodes first: they free
-  /// memory.
+  /// The next node to build, or nothing when all are taken or one failed.
   std::optional<Taken> take() {
     std::unique_lock lock(mutex_);
-    while (true) {
-      if (failure_ || done_ == plan_.size()) return std::nullopt;
-      if (!ready_.empty()) {
-        const uint32_t number = ready_.top();
-        if (hasRoomFor(memoryOfNode(input_triangles_[number]))) {
-          ready_.pop();
-          return started(number, memoryOfNode(input_triangles_[number]));
-        }
-      } else if (leaves_left_ > 0 && hasRoomFor(leaf_bytes_)) {
-        while (noted_[next_leaf_] || !plan_.isLeaf(next_leaf_)) ++next_leaf_;
-        --leaves_left_;
-        return started(next_leaf_++, leaf_bytes_);
+    ++idle_;
+    while (!failure_ && done_ < plan_.size()) {
+      if (idle_ > 0) {  // a worker that is lent has to come back first
+        if (const std::optional<Taken> next = nextWithRoom()) return next;
       }
       changed_.wait(lock);
     }
+    return std::nullopt;
+  }
+
+  /// Inner nodes first: they free memory.
+  std::optional<Taken> nextWithRoom() {
+    if (!ready_.empty()) {
+      const uint32_t number = ready_.top();
+      const uint64_t bytes = memoryOfNode(input_triangles_[number]);
+      if (!hasRoomFor(bytes)) return std::nullopt;
+      ready_.pop();
+      return started(number, bytes);
+    }
+    if (leaves_left_ == 0 || !hasRoomFor(leaf_bytes_)) return std::nullopt;
+    while (noted_[next_leaf_] || !plan_.isLeaf(next_leaf_)) ++next_leaf_;
+    --leaves_left_;
+    return started(next_leaf_++, leaf_bytes_);
   }
 
   /// One node at a time is built whatever it takes.
@@ -154,25 +171,30 @@ class Scheduler {
   }
 
   Taken started(uint32_t number, uint64_t bytes) {
+    --idle_;
     held_bytes_ += bytes;
     ++taken_;
-    const bool is_large = bytes > memory_bytes_ / kLargeShare;
-    return {number, lend(bytes), bytes, is_large};
+    return {number, bytes, bytes > memory_bytes_ / kLargeShare};
   }
 
-  /// To the node that is taken now, as many as there is memory for. @return none while there are nodes for
-  /// all threads.
-  unsigned lend(uint64_t bytes) {
-    const size_t busy = taken_ - done_ + ready_.size() + leaves_left_ + lent_;
-    const uint64_t left = memory_bytes_ - std::min(memory_bytes_, held_bytes_);
-    const uint64_t idle = busy < threads_ ? threads_ - busy : 0;
-    const auto lent = static_cast<unsigned>(std::min(idle, left / std::max<uint64_t>(bytes, 1)));
-    lent_ += lent;
-    return lent;
+  bool lend(uint64_t bytes) {
+    std::lock_guard lock(mutex_);
+    if (idle_ == 0 || held_bytes_ + bytes > memory_bytes_) return false;
+    --idle_;
+    held_bytes_ += bytes;
+    return true;
+  }
+
+  void takeBack(uint64_t bytes) {
+    std::lock_guard lock(mutex_);
+    ++idle_;
+    held_bytes_ -= bytes;
+    changed_.notify_all();
   }
 
   BuiltNode build(NodeBuilder& builder, const Taken& taken) {
-    const NodeBuilder::Room room{taken.lent, taken.is_large};
+    IdleWorkers helpers(*this, taken.bytes);
+    const NodeBuilder::Room room{helpers, taken.is_large};
     if (plan_.isLeaf(taken.number)) return builder.buildLeaf(plan_.leaf(taken.number), room);
     std::vector<BuiltNode> children = takeChildren(taken.number);
     return builder.buildInner(plan_.key(taken.number), children, room);
@@ -280,7 +302,6 @@ class Scheduler {
     const NodeSpool::Place place = nodes_.append(built.node, built.payloads);
     auto waiting = std::make_unique<BuiltNode>(std::move(built));
     std::lock_guard lock(mutex_);
-    lent_ -= taken.lent;
     held_bytes_ += memoryOf(*waiting);
     held_bytes_ -= taken.bytes;
     finished_.push_back({number, place});
@@ -297,7 +318,6 @@ class Scheduler {
   const TreePlan& plan_;
   SimplifyLog& log_;
   NodeSpool& nodes_;
-  const unsigned threads_;
   const uint64_t memory_bytes_, leaf_bytes_;
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -309,7 +329,8 @@ class Scheduler {
   std::vector<uint8_t> waiting_for_;               ///< children not built yet
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   uint32_t next_leaf_ = 0;
-  size_t leaves_left_ = 0, taken_ = 0, done_ = 0, lent_ = 0;
+  size_t leaves_left_ = 0, taken_ = 0, done_ = 0;
+  size_t idle_ = 0;          ///< workers that wait for a node and are not lent
   uint64_t held_bytes_ = 0;  ///< by nodes under way, as far as can be told, and by built_
   std::exception_ptr failure_;
 };

@@ -20,11 +20,10 @@ void keepTrianglesAt(std::span<const uint32_t> positions, NodeMesh& mesh) {
 }  // namespace
 
 LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, const CreaseAngle& crease,
-                       unsigned threads, Sink sink)
+                       Helpers& helpers, Sink sink)
     : attributes_(attributes),
       crease_(crease),
-      welders_(threads),
-      welded_(threads - 1, [&table, sink = std::move(sink)](Welded&& welded) {
+      welded_(helpers, [&table, sink = std::move(sink)](Welded&& welded) {
         sink(welded.mesh.bytes());
         for (size_t i = 0; i < welded.border.size(); ++i) {
           for (ListedFan& fan : welded.fans[i]) {
@@ -35,15 +34,26 @@ LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, const Crease
       }) {}
 
 void LeafWelder::add(uint32_t leaf, std::span<const std::byte> records) {
-  MeshWelder& welder = welders_[next_welder_++ % welders_.size()];
-  welded_.push([this, leaf, &welder, copy = std::vector(records.begin(), records.end())] {
-    return weld(leaf, copy, welder);
-  });
+  welded_.push([this, leaf, copy = std::vector(records.begin(), records.end())] { return weld(leaf, copy); });
 }
 
-LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> records,
-                                    MeshWelder& welder) const {
+NodeMesh LeafWelder::weld(std::span<const std::byte> records) {
+  MeshWelder welder;
+  {
+    std::lock_guard lock(mutex_);
+    if (!welders_.empty()) {
+      welder = std::move(welders_.back());
+      welders_.pop_back();
+    }
+  }
   NodeMesh mesh = weldSoup(records, attributes_, welder);
+  std::lock_guard lock(mutex_);
+  welders_.push_back(std::move(welder));
+  return mesh;
+}
+
+LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> records) {
+  NodeMesh mesh = weld(records);
   Welded welded;
   welded.leaf = leaf;
   putLeaf(welded.mesh, mesh);

@@ -3,13 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <span>
 #include <vector>
 
 #include "server/ingest/disk/record_bytes.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/partition/border_table.h"
-#include "server/ingest/partition/in_order.h"
+#include "server/ingest/threads/in_order.h"
 
 namespace lode::ingest {
 
@@ -21,9 +22,8 @@ class LeafWelder {
   /// Takes each leaf's mesh, as putLeaf() has written it, in the order in which leaves came.
   using Sink = std::function<void(std::span<const std::byte> mesh)>;
 
-  /// @param threads  at least one, the caller's: leaves are welded on so many. @param sink  called by add()
-  /// and finish().
-  LeafWelder(BorderTable& table, AttributeSet attributes, const CreaseAngle& crease, unsigned threads,
+  /// @param helpers  weld beside the caller. @param sink  called by add() and finish().
+  LeafWelder(BorderTable& table, AttributeSet attributes, const CreaseAngle& crease, Helpers& helpers,
              Sink sink);
 
   /// @param leaf     its number; leaves come in rising order.
@@ -39,12 +39,13 @@ class LeafWelder {
     std::vector<PositionCode> border;
     std::vector<std::vector<ListedFan>> fans;  ///< a list a border position
   };
-  Welded weld(uint32_t leaf, std::span<const std::byte> records, MeshWelder& welder) const;
+  Welded weld(uint32_t leaf, std::span<const std::byte> records);
+  NodeMesh weld(std::span<const std::byte> records);
 
   const AttributeSet attributes_;
   const CreaseAngle crease_;
-  std::vector<MeshWelder> welders_;  ///< leaves take turns at them
-  size_t next_welder_ = 0;
+  std::mutex mutex_;                 ///< of welders_
+  std::vector<MeshWelder> welders_;  ///< that no leaf uses now
   InOrder<Welded> welded_;
 };
 

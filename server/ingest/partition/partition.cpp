@@ -55,7 +55,8 @@ Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t tria
                    0,
                    Spool(folder.lastingFile(Partition::kLeafFile)),
                    BorderTable(folder, memory_bytes)};
-  LeafWelder welder(result.border, attributes, crease, threads, [&](std::span<const std::byte> mesh) {
+  FixedHelpers helpers(threads - 1);
+  LeafWelder welder(result.border, attributes, crease, helpers, [&](std::span<const std::byte> mesh) {
     result.meshes.append(mesh);
     result.begin.push_back(result.meshes.size());
   });

@@ -6,141 +6,171 @@
 #include "common/octahedral.h"
 #include "server/ingest/soup/face_batch.h"
 #include "server/ingest/soup/triangulate.h"
+#include "server/ingest/threads/in_order.h"
 
 namespace lode::ingest {
 namespace {
 
-/// Faces of one batch, and what is wanted of the vertices that they use.
-class Batch {
- public:
-  Batch(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes)
-      : input_(input),
-        lattice_(lattice),
-        faces_(input, memory_bytes,
-               sizeof(PositionCode) + (input.hasVertexAttributes() ? sizeof(VertexAttributes) : 0)) {}
+constexpr uint64_t kVerticesAPiece = 16 * FaceBatch::kSweepVertices;
 
-  bool readFaces(PackedInput::FaceCursor& cursor) { return faces_.read(cursor); }
+/// What is wanted of the vertices of a batch of faces, by rank.
+struct BatchVertices {
+  std::vector<PositionCode> positions;
+  std::vector<VertexAttributes> attributes;  ///< empty where the input's vertices have none
+};
 
-  void sweepVertices(DereferenceCounts& counts) {
-    positions_.resize(faces_.members());
-    if (input_.hasVertexAttributes()) attributes_.resize(faces_.members());
-    uint64_t next = 0;
-    faces_.sweep([&](uint64_t, glm::dvec3 position, const VertexAttributes& attributes) {
-      const glm::uvec3 snapped = lattice_.snap(position);
-      positions_[next] = packPosition(snapped);
-      counts.snap_error_steps = std::max(counts.snap_error_steps,
-                                         glm::distance(position, lattice_.toWorld(snapped)) / lattice_.step);
-      if (!attributes_.empty()) attributes_[next] = attributes;
-      ++next;
+/// @return the farthest that a vertex is moved, in steps.
+double sweepVertices(const PackedInput& input, const FaceBatch& faces, const Lattice& lattice,
+                     Helpers& helpers, BatchVertices& vertices) {
+  vertices.positions.resize(faces.members());
+  if (input.hasVertexAttributes()) vertices.attributes.resize(faces.members());
+  const auto sweep = [&](uint32_t begin, uint64_t end) {
+    double error_steps = 0;
+    uint32_t rank = faces.rank(begin);
+    faces.sweep(begin, end, [&](uint64_t, glm::dvec3 position, const VertexAttributes& attributes) {
+      const glm::uvec3 snapped = lattice.snap(position);
+      vertices.positions[rank] = packPosition(snapped);
+      error_steps = std::max(error_steps, glm::distance(position, lattice.toWorld(snapped)) / lattice.step);
+      if (!vertices.attributes.empty()) vertices.attributes[rank] = attributes;
+      ++rank;
     });
+    return error_steps;
+  };
+  double farthest_steps = 0;
+  InOrder<double> pieces(helpers, [&](double&& steps) { farthest_steps = std::max(farthest_steps, steps); });
+  for (uint64_t begin = 0; begin < input.vertexCount(); begin += kVerticesAPiece) {
+    const uint64_t end = std::min(begin + kVerticesAPiece, input.vertexCount());
+    pieces.push([&sweep, begin, end] { return sweep(static_cast<uint32_t>(begin), end); });
   }
+  pieces.finish();
+  return farthest_steps;
+}
 
-  const std::vector<PackedInput::FaceBlock>& blocks() const noexcept { return faces_.blocks(); }
+/// The triangles of one block of faces.
+struct BlockSoup {
+  std::vector<SoupTriangle> triangles;
+  uint64_t faces = 0, dropped = 0, lost = 0;  ///< see DereferenceCounts
+};
 
-  /// Gives out the triangles of a block's faces.
-  void giveOut(const PackedInput::FaceBlock& block, DereferenceCounts& counts, const SoupSink& sink) {
+/// Makes the soup of one block. For one thread.
+class BlockDereference {
+ public:
+  BlockDereference(const PackedInput& input, const FaceBatch& faces, const BatchVertices& vertices,
+                   const PackedInput::FaceBlock& block)
+      : input_(input), faces_(faces), vertices_(vertices), block_(block) {}
+
+  BlockSoup run() {
+    soup_.faces = block_.faceCount();
+    soup_.triangles.reserve(block_.corners.size() - 2 * block_.faceCount());
     size_t number = 0;
-    forEachFace(block, [&](size_t first, uint32_t corners) {
-      const uint16_t material = block.materials.empty() ? uint16_t{0} : block.materials[number];
-      giveOut(block, Face{static_cast<uint32_t>(first), corners, material}, counts, sink);
+    forEachFace(block_, [&](size_t first, uint32_t corners) {
+      const uint16_t material = block_.materials.empty() ? uint16_t{0} : block_.materials[number];
+      add(Face{static_cast<uint32_t>(first), corners, material});
       ++number;
     });
+    return std::move(soup_);
   }
 
  private:
-  /// Of a block.
+  /// Of the block.
   struct Face {
     uint32_t first, corners;
     uint16_t material;
   };
 
-  glm::dvec3 placeOf(const PackedInput::FaceBlock& block, uint32_t corner) const {
-    return unpackPosition(positions_[faces_.rank(block.corners[corner])]);
+  glm::dvec3 placeOf(uint32_t corner) const {
+    return unpackPosition(vertices_.positions[faces_.rank(block_.corners[corner])]);
   }
 
-  void giveOut(const PackedInput::FaceBlock& block, const Face& face, DereferenceCounts& counts,
-               const SoupSink& sink) {
+  void add(const Face& face) {
     normal_of_face_.reset();
     if (face.corners == 3) {
-      giveOut(block, face, face.first + glm::u32vec3(0, 1, 2), counts, sink);
+      add(face, face.first + glm::u32vec3(0, 1, 2));
       return;
     }
     outline_.clear();
-    for (uint32_t c = 0; c < face.corners; ++c) outline_.push_back(placeOf(block, face.first + c));
+    for (uint32_t c = 0; c < face.corners; ++c) outline_.push_back(placeOf(face.first + c));
     triangulate(outline_, cut_);
-    for (const glm::u32vec3& t : cut_) giveOut(block, face, face.first + t, counts, sink);
+    for (const glm::u32vec3& t : cut_) add(face, face.first + t);
   }
 
   /// Once a face: one of very many corners asks for it at each.
-  uint16_t normalOf(const PackedInput::FaceBlock& block, const Face& face) {
+  uint16_t normalOf(const Face& face) {
     if (normal_of_face_) return *normal_of_face_;
-    const glm::dvec3 from = placeOf(block, face.first);
+    const glm::dvec3 from = placeOf(face.first);
     glm::dvec3 front(0);
     for (uint32_t c = 2; c < face.corners; ++c)
-      front += glm::cross(placeOf(block, face.first + c - 1) - from, placeOf(block, face.first + c) - from);
+      front += glm::cross(placeOf(face.first + c - 1) - from, placeOf(face.first + c) - from);
     return normal_of_face_.emplace(encodeOctahedral(glm::vec3(front)));
   }
 
   /// Of a triangle that was dropped. Few are, so that their places are looked up one by one.
-  bool isLost(const PackedInput::FaceBlock& block, glm::u32vec3 corners) const {
-    const glm::u32vec3 t(block.corners[corners.x], block.corners[corners.y], block.corners[corners.z]);
+  bool isLost(glm::u32vec3 corners) const {
+    const glm::u32vec3 t(block_.corners[corners.x], block_.corners[corners.y], block_.corners[corners.z]);
     if (t.x == t.y || t.y == t.z || t.z == t.x) return false;
     const glm::dvec3 a = input_.positionOf(t.x), b = input_.positionOf(t.y), c = input_.positionOf(t.z);
     return a != b && b != c && c != a;
   }
 
-  void giveOut(const PackedInput::FaceBlock& block, const Face& face, glm::u32vec3 corners,
-               DereferenceCounts& counts, const SoupSink& sink) {
+  void add(const Face& face, glm::u32vec3 corners) {
     SoupTriangle triangle;
     for (int k = 0; k < 3; ++k) {
-      const uint64_t rank = faces_.rank(block.corners[corners[k]]);
-      triangle.corners[k] = positions_[rank];
+      const uint32_t rank = faces_.rank(block_.corners[corners[k]]);
+      triangle.corners[k] = vertices_.positions[rank];
       VertexAttributes& attributes = triangle.attributes[k];
-      if (!attributes_.empty()) attributes = attributes_[rank];
-      if (!block.texture.empty()) attributes.texture = block.texture[corners[k]];
-      if (attributes.normal == kNoNormal) attributes.normal = normalOf(block, face);
+      if (!vertices_.attributes.empty()) attributes = vertices_.attributes[rank];
+      if (!block_.texture.empty()) attributes.texture = block_.texture[corners[k]];
+      if (attributes.normal == kNoNormal) attributes.normal = normalOf(face);
       attributes.material = face.material;
     }
     if (triangle.corners[0] == triangle.corners[1] || triangle.corners[1] == triangle.corners[2] ||
         triangle.corners[2] == triangle.corners[0]) {
-      ++counts.dropped;
-      counts.lost += isLost(block, corners);
+      ++soup_.dropped;
+      soup_.lost += isLost(corners);
       return;
     }
-    ++counts.triangles;
-    sink(triangle);
+    soup_.triangles.push_back(triangle);
   }
 
   const PackedInput& input_;
-  const Lattice& lattice_;
-  FaceBatch faces_;
-  std::vector<PositionCode> positions_;
-  std::vector<VertexAttributes> attributes_;
+  const FaceBatch& faces_;
+  const BatchVertices& vertices_;
+  const PackedInput::FaceBlock& block_;
+  BlockSoup soup_;
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
-  std::optional<uint16_t> normal_of_face_;  ///< of the one that is given out
+  std::optional<uint16_t> normal_of_face_;  ///< of the one that is added
 };
 
 }  // namespace
 
 DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes,
-                              const SoupSink& sink, const BuildProgress& progress,
+                              Helpers& helpers, const SoupSink& sink, const BuildProgress& progress,
                               const DereferencePoint& from, const BatchSink& on_batch) {
   DereferenceCounts counts = from.counts;
   PackedInput::FaceCursor cursor(input, from.face_offset);
-  Batch batch(input, lattice, memory_bytes / 2);
+  FaceBatch batch(input, memory_bytes / 2,
+                  sizeof(PositionCode) + (input.hasVertexAttributes() ? sizeof(VertexAttributes) : 0));
+  BatchVertices vertices;
   uint64_t faces = from.faces, begin = cursor.offset();
-  for (; batch.readFaces(cursor); begin = cursor.offset()) {
+  for (; batch.read(cursor); begin = cursor.offset()) {
     if (on_batch) on_batch({begin, faces, counts});
-    batch.sweepVertices(counts);
-    for (const PackedInput::FaceBlock& block : batch.blocks()) {
-      batch.giveOut(block, counts, sink);
-      faces += block.faceCount();
+    counts.snap_error_steps =
+        std::max(counts.snap_error_steps, sweepVertices(input, batch, lattice, helpers, vertices));
+    InOrder<BlockSoup> blocks(helpers, [&](BlockSoup&& soup) {
+      counts.triangles += soup.triangles.size();
+      counts.dropped += soup.dropped;
+      counts.lost += soup.lost;
+      faces += soup.faces;
+      sink(soup.triangles);
       if (progress) {
         progress("dereference", static_cast<double>(faces) / static_cast<double>(input.faceCount()), faces,
                  input.faceCount());
       }
-    }
+    });
+    for (const PackedInput::FaceBlock& block : batch.blocks())
+      blocks.push([&] { return BlockDereference(input, batch, vertices, block).run(); });
+    blocks.finish();
   }
   return counts;
 }

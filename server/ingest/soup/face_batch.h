@@ -10,8 +10,8 @@
 namespace lode::ingest {
 
 /// As many of a packed input's faces as a bounded memory holds with what is wanted of their vertices, which
-/// one sweep over the file gives in their order: no sort, and no look at the file for each corner. For one
-/// thread.
+/// one sweep over the file gives in their order: no sort, and no look at the file for each corner. To be read
+/// by one thread, and looked up by any.
 class FaceBatch {
  public:
   /// @param member_bytes  of memory, for each vertex that the faces use.
@@ -24,26 +24,26 @@ class FaceBatch {
   /// Vertices that they use.
   uint64_t members() const noexcept { return members_; }
   /// The place of a corner's vertex among those.
-  uint64_t rank(uint32_t corner) const noexcept { return used_.rank(corner); }
+  uint32_t rank(uint32_t corner) const noexcept { return used_.rank(corner); }
 
-  /// Calls take(number, position, attributes) for each member, in rising order.
+  /// Calls take(number, position, attributes) for each member of vertices begin..end, in rising order.
+  /// @param begin, end  multiples of kSweepVertices, or the last of all. Thread safe.
   template <typename Take>
-  void sweep(Take&& take) const {
+  void sweep(uint64_t begin, uint64_t end, Take&& take) const {
     const auto takeMember = [&](uint64_t number, glm::dvec3 position, const VertexAttributes& attributes) {
       if (used_.contains(number)) take(number, position, attributes);
     };
-    uint64_t first = 0;
-    while (first < input_.vertexCount()) {
-      uint64_t end = first;
-      while (end < input_.vertexCount() && isNeeded(end)) end += kSweepVertices;
-      if (end > first) input_.readVertices(first, std::min(end, input_.vertexCount()) - first, takeMember);
-      first = end + kSweepVertices;
+    while (begin < end) {
+      uint64_t needed = begin;
+      while (needed < end && isNeeded(needed)) needed += kSweepVertices;
+      if (needed > begin) input_.readVertices(begin, std::min(needed, end) - begin, takeMember);
+      begin = needed + kSweepVertices;
     }
   }
 
- private:
   static constexpr uint64_t kSweepVertices = 4096;  ///< read, or skipped, at once
 
+ private:
   bool isNeeded(uint64_t first) const noexcept;
 
   const PackedInput& input_;

@@ -15,6 +15,7 @@
 #include "server/ingest/sample/sample.h"
 #include "server/store/reader.h"
 #include "tests/support/bytes.h"
+#include "tests/support/own_entries.h"
 #include "tests/support/porous_surface.h"
 #include "tests/support/work_folder.h"
 
@@ -72,6 +73,20 @@ TEST_F(Build, givesTheSameBytesForAnyNumberOfThreadsAndAnyMemory) {
     EXPECT_EQ(built(2, kMega, 1024), expected);
     EXPECT_GT(temporaryBytes("dereference"), 0u) << "sorted on disk";
   }
+}
+
+TEST_F(Build, finishesRungsOfANodeOnThreadsThatFindNoOther) {
+  makeSample(100000, 0);
+  BuildOptions given = options();
+  given.triangles_per_node = 1 << 17;
+  given.memory_bytes = 4096 * kMega;
+  given.threads = 4;
+  const size_t workers = given.threads + test::ownEntries("task");
+  size_t most = 0;
+  build(given, [&](std::string_view stage, double, uint64_t, uint64_t) {
+    if (stage == "simplify") most = std::max(most, test::ownEntries("task"));
+  });
+  EXPECT_GT(most, workers);
 }
 
 TEST_F(Build, leavesNothingBehindWhenItFails) {

@@ -49,9 +49,10 @@ TEST(RecordSorter, givesTheSameOrderWhateverTheMemory) {
   EXPECT_EQ(sortWith(1 << 30, pairs), sortWith(40000, pairs));
 }
 
-TEST(RecordSorter, givesTheSameOrderOnTwoThreads) {
-  const std::vector<Pair> pairs = randomPairs(700000, 1000);
-  EXPECT_EQ(sortWith(1 << 30, pairs), sortWith(1 << 30, pairs, nullptr, 2));
+TEST(RecordSorter, givesTheSameOrderOnAnyNumberOfThreads) {
+  const std::vector<Pair> pairs = randomPairs(1'500'000, 1000);
+  const std::vector<Pair> sorted = sortWith(1 << 30, pairs);
+  for (const unsigned threads : {2u, 5u}) EXPECT_EQ(sortWith(1 << 30, pairs, nullptr, threads), sorted);
 }
 
 TEST(RecordSorter, writesNothingWhenTheRecordsFitInMemory) {

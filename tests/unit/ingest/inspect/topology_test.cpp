@@ -132,7 +132,9 @@ TEST(Topology, countsAsManyLostTrianglesAsABuildDrops) {
   input.addFaces(model.faces);
   input.flush();
   const Lattice lattice = chooseLattice(input, "a.ply").lattice;
-  const DereferenceCounts counts = dereference(input, lattice, 1 << 20, [](const SoupTriangle&) {}, {});
+  FixedHelpers none(0);
+  const DereferenceCounts counts =
+      dereference(input, lattice, 1 << 20, none, [](std::span<const SoupTriangle>) {}, {});
   TopologyCounter counter(folder, {}, true, 1 << 20);
   counter.addVertices(model.vertices);
   counter.addFaces(model.faces);

@@ -28,7 +28,8 @@ std::vector<std::byte> squareAt(uint32_t x) {
 std::vector<std::vector<BorderVertex>> bordersOfARow(unsigned threads) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  LeafWelder welder(table, {}, CreaseAngle(50), threads, [](std::span<const std::byte>) {});
+  FixedHelpers helpers(threads - 1);
+  LeafWelder welder(table, {}, CreaseAngle(50), helpers, [](std::span<const std::byte>) {});
   std::vector<NodeKey> leaves;
   for (uint32_t leaf = 0; leaf < 8; ++leaf) {
     leaves.push_back(kRootKey.child(leaf));
@@ -62,8 +63,9 @@ TEST(LeafWelder, findsTheSameOnSeveralThreads) {
 std::vector<PositionCode> positionsOfARow(unsigned threads) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
+  FixedHelpers helpers(threads - 1);
   std::vector<PositionCode> positions;
-  LeafWelder welder(table, {}, CreaseAngle(50), threads, [&](std::span<const std::byte> mesh) {
+  LeafWelder welder(table, {}, CreaseAngle(50), helpers, [&](std::span<const std::byte> mesh) {
     RecordReader record(mesh);
     const NodeMesh leaf = getLeaf(record, {});
     positions.insert(positions.end(), leaf.positions.begin(), leaf.positions.end());
@@ -86,9 +88,10 @@ TEST(LeafWelder, endsItsThreadsWhenItIsGivenUp) {
   std::thread([] {}).join();  // with the first begins one of the thread sanitizer
   const size_t threads_before = test::ownEntries("task");
   {
+    FixedHelpers helpers(8);
     std::list<LeafWelder> welders;
     for (int i = 0; i < 8; ++i)
-      welders.emplace_back(table, AttributeSet(), CreaseAngle(50), 2, [](std::span<const std::byte>) {})
+      welders.emplace_back(table, AttributeSet(), CreaseAngle(50), helpers, [](std::span<const std::byte>) {})
           .add(0, squareAt(0));
     EXPECT_GT(test::ownEntries("task"), threads_before);
   }

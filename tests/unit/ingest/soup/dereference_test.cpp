@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@ namespace {
 /// Random faces of 3 to 5 corners over random vertices with colours, in several blocks.
 void fill(PackedInput& input) {
   std::mt19937 random(3);
-  constexpr uint32_t kVertices = 20000;
+  constexpr uint32_t kVertices = 200'000;  // of which several pieces are swept
   std::vector<PlyVertex> vertices;
   for (uint32_t v = 0; v < kVertices; ++v) {
     vertices.push_back({.position = {random() % 1000, random() % 1000, random() % 1000},
@@ -31,23 +32,34 @@ void fill(PackedInput& input) {
   input.flush();
 }
 
-std::vector<SoupTriangle> run(const PackedInput& input, uint64_t memory_bytes, DereferenceCounts& counts) {
+std::vector<SoupTriangle> run(const PackedInput& input, uint64_t memory_bytes, DereferenceCounts& counts,
+                              unsigned helper_count = 0) {
   std::vector<SoupTriangle> soup;
-  counts = dereference(input, Lattice{}, memory_bytes,
-                       [&](const SoupTriangle& triangle) { soup.push_back(triangle); }, {});
+  FixedHelpers helpers(helper_count);
+  counts = dereference(input, Lattice{}, memory_bytes, helpers,
+                       [&](std::span<const SoupTriangle> triangles) {
+                         soup.insert(soup.end(), triangles.begin(), triangles.end());
+                       },
+                       {});
   return soup;
 }
 
-TEST(Dereference, givesTheSameTrianglesInTheSameOrderWhateverTheMemory) {
+class DereferenceWith : public testing::TestWithParam<std::tuple<uint64_t, unsigned>> {};
+
+/// Of memory and helpers.
+TEST_P(DereferenceWith, givesTheSameTrianglesInTheSameOrderAsAtOnceAndAlone) {
+  const auto [memory_bytes, helpers] = GetParam();
   const TemporaryFolder folder(testing::TempDir());
   PackedInput input(folder, AttributeSet{AttributeSet::kColour}, false);
   fill(input);
   DereferenceCounts at_once, in_batches;
   const auto whole = run(input, 1 << 30, at_once);
-  const auto parts = run(input, 1, in_batches);
+  const auto parts = run(input, memory_bytes, in_batches, helpers);
   ASSERT_EQ(whole.size(), parts.size());
   EXPECT_EQ(at_once.triangles, whole.size());
+  EXPECT_EQ(in_batches.triangles, whole.size());
   EXPECT_EQ(at_once.dropped, in_batches.dropped);
+  EXPECT_EQ(at_once.snap_error_steps, in_batches.snap_error_steps);
   for (size_t t = 0; t < whole.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       ASSERT_EQ(whole[t].corners[k], parts[t].corners[k]);
@@ -55,6 +67,10 @@ TEST(Dereference, givesTheSameTrianglesInTheSameOrderWhateverTheMemory) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(MemoryAndHelpers, DereferenceWith,
+                         testing::Combine(testing::Values(uint64_t{1}, uint64_t{1} << 30),
+                                          testing::Values(0u, 3u)));
 
 TEST(Dereference, dropsAndCountsTrianglesWhoseCornersCoincideOnTheLattice) {
   const TemporaryFolder folder(testing::TempDir());
