@@ -14,8 +14,10 @@ constexpr uint64_t kFineStepNodes = 16;  ///< node budgets that must lie below a
 constexpr size_t kTrianglesPerLocked = 8;
 constexpr size_t kTrianglesPerLockedBelowRoot = 12;
 // Where those are more than so many budgets, or triangles, fewer do: what a parent is made of has a bound.
+// The root, which is made of most, takes the most memory.
 constexpr size_t kLargeNodes = 8;
 constexpr size_t kLargeTriangles = 1 << 17;
+constexpr size_t kLeastLargeTriangles = 1 << 14;  ///< of nodes that the root is not made of
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
 constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
 constexpr uint64_t kSpareNodes = 8;       ///< node budgets that must lie below a node for spare rungs
@@ -37,7 +39,8 @@ size_t mostTriangles(const RungRule& rule) {
   if (rule.depth == 0) return kRootTriangles;
   const bool is_of_large_root = rule.depth == 1 && hasMuchBelow(rule);
   const size_t per_locked = is_of_large_root ? kTrianglesPerLockedBelowRoot : kTrianglesPerLocked;
-  const size_t large = std::min(kLargeNodes * rule.triangles_per_node, kLargeTriangles);
+  const size_t least_large = rule.depth == 1 ? 0 : kLeastLargeTriangles;
+  const size_t large = std::clamp(kLargeNodes * rule.triangles_per_node, least_large, kLargeTriangles);
   const size_t roomy = std::min(per_locked * rule.locked, large);
   const size_t least = std::max({rule.triangles_per_node, roomy, kTrianglesPerLockedOfLarge * rule.locked});
   return std::min<size_t>(least, kMaxRungTriangles);

@@ -18,9 +18,10 @@ struct RungRule {
 
 /// Triangle counts of the reduced rungs of a node of which its parent is made at the last, falling, until at
 /// most max(triangles_per_node, 8 * locked), at depth 1 of a large model 12 * locked, or 4 * locked where
-/// that is more than 8 budgets or 2^17 triangles, so that what a node is made of has a bound; at the root,
-/// which locks nothing, until kRootTriangles. At least one, but for a root that is small enough already.
-/// Steps above kMaxRungTriangles, which no store takes, are left out.
+/// that is more than 8 budgets or 2^17 triangles, so that what the root is made of has a bound; below depth 1
+/// 2^14 triangles are allowed, whatever the budget. At the root, which locks nothing, until kRootTriangles.
+/// At least one, but for a root that is small enough already. Steps above kMaxRungTriangles, which no store
+/// takes, are left out.
 ///
 /// So at most about a quarter of the vertices that a parent is made of cannot move below it, and a sixth of
 /// the root's. With 4 * locked it is half of them, and cuts that pass from a node to its children stand still

@@ -49,6 +49,13 @@ TEST(RungTargets, stopAtEightBudgetsWhereTwelveTimesTheLockedVerticesIsMore) {
   EXPECT_EQ(mostTriangles(rule), 4096u);
 }
 
+TEST(RungTargets, stopAtTwoToTheFourteenthWhereEightBudgetsAreLessAndTheRootIsNotMadeOfThem) {
+  RungRule rule{.depth = 2, .locked = 900, .original_triangles = 1 << 20, .triangles_per_node = 512};
+  EXPECT_EQ(mostTriangles(rule), 8 * 900u);
+  rule.locked = 3000;
+  EXPECT_EQ(mostTriangles(rule), 1u << 14);
+}
+
 TEST(RungTargets, endBelowTheMostThatIsToldBeforehand) {
   for (const size_t locked : {0u, 700u, 3000u, 20000u, 60000u}) {
     for (const size_t budget : {size_t{512}, kBudget}) {
