@@ -120,7 +120,7 @@ void addVerifyCommand(CLI::App& program) {
           "rungs to measure, with --against, at most, spread over the tree (default: all)")
       ->needs(input)
       ->type_name("N|all");
-  command->add_option("--threads", against.threads, "threads that measure (default: one a core)")
+  command->add_option("--threads", against.threads, "threads that read and measure (default: one a core)")
       ->check(CLI::Range(1u, 1024u));
   addByteSize(*command, "--memory", against.memory_bytes,
               "memory to use with --against, as 512MB (default: half of the machine's or the container's)");

@@ -110,9 +110,8 @@ void DereferenceStage::sortSoup(const PackedInput& input) {
   const std::span<std::byte> soup(bytes, soupBytes(facts.soup_attributes));
   SortLog log(session_, *sorter_);
   log.beginBatch(begin);
-  FixedHelpers helpers(session_.plan().threads - 1);
   facts.counts = dereference(
-      input, facts.choice.lattice, session_.plan().sort_bytes, helpers,
+      input, facts.choice.lattice, session_.plan().sort_bytes, session_.plan().threads,
       [&](std::span<const SoupTriangle> triangles) {
         const uint64_t pushed = std::min<uint64_t>(known, triangles.size());
         known -= pushed;

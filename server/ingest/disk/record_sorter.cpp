@@ -57,7 +57,7 @@ bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
   return std::pair(runs_[a]->key, a) > std::pair(runs_[b]->key, b);
 }
 
-/// Parts side by side, where there are threads for it; progress is the lowest's.
+/// Parts side by side, where there are threads for it; the lowest one's tells progress.
 void RecordSorter::sortOn(unsigned threads, size_t begin, size_t end, const Progress& progress,
                           uint64_t total) {
   if (threads < 2 || end - begin <= 2 * kPieceRecords) return sortPieces(begin, end, progress, total);
@@ -86,11 +86,13 @@ void RecordSorter::sortPieces(size_t begin, size_t end, const Progress& progress
     return;
   }
   std::sort(at(begin), at(end));
-  if (progress) progress(end, total);
+  sorted_ += end - begin;
+  if (progress) progress(sorted_, total);
 }
 
 void RecordSorter::spill(const Progress& progress) {
   const uint64_t total = 2 * order_.size();
+  sorted_ = 0;
   sortOn(threads_, 0, order_.size(), progress, total);
   if (!spool_) spool_.emplace(file_);
   auto run = std::make_unique<Run>();

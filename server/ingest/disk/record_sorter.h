@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -79,6 +80,7 @@ class RecordSorter {
   uint64_t temporary_bytes_ = 0;
   std::vector<std::byte> held_;
   std::vector<Order> order_;
+  std::atomic<size_t> sorted_ = 0;  ///< of those in order_, for progress
   size_t next_held_ = 0;
   bool top_given_ = false;
   std::optional<Spool> spool_;  ///< of all runs; gone when the last record was taken

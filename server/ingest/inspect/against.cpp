@@ -96,9 +96,8 @@ class Comparison {
     build_options.skip_bad = true;
     std::vector<std::string> warnings;
     const ScannedModel scanned = scan(build_options, folder_, progress_, warnings);
-    FixedHelpers helpers(threads() - 1);
     const DereferenceCounts counts = dereference(
-        scanned.input, reader_.summary().lattice, memory_bytes_ / 4, helpers,
+        scanned.input, reader_.summary().lattice, memory_bytes_ / 4, threads(),
         [&](std::span<const SoupTriangle> triangles) {
           for (const SoupTriangle& t : triangles) {
             Side side{{}, 1};

@@ -11,7 +11,7 @@ struct AgainstOptions {
   std::filesystem::path store, input;
   std::filesystem::path temporary_folder;  ///< empty: the system's
   uint64_t memory_bytes = 0;               ///< for sorting; 0: defaultMemoryBytes()
-  unsigned threads = 0;                    ///< that measure; 0: one a core
+  unsigned threads = 0;                    ///< that read and measure; 0: one a core
   size_t rungs = 0;                        ///< at most, that are measured, spread over the tree; 0: all
   uint64_t seed = 1;                       ///< of the choice of rungs and of points inside triangles
 };

@@ -11,7 +11,7 @@ namespace lode::ingest {
 /// triangles, and is proportional to the triangles of a node.
 struct MemoryPlan {
   uint64_t sort_bytes = 0;  ///< for what a sort, or a batch of faces with their vertices, holds
-  unsigned threads = 1;     ///< that simplify: as many as asked for, fewer where their nodes would not fit
+  unsigned threads = 1;     ///< as many as asked for, fewer where the nodes that they simplify would not fit
   /// For one texture image: its file, its texels and what decoding and halving them takes. All but what the
   /// program and one encoder of tiles take; of a small budget, half.
   uint64_t image_bytes = 0;

@@ -12,6 +12,8 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kVerticesAPiece = 16 * FaceBatch::kSweepVertices;
+constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< of the memory, a part of so many
+constexpr uint64_t kCursorBytes = 1 << 20;                  ///< with which one reads vertices
 
 /// What is wanted of the vertices of a batch of faces, by rank.
 struct BatchVertices {
@@ -52,6 +54,20 @@ struct BlockSoup {
   uint64_t faces = 0, dropped = 0, lost = 0;  ///< see DereferenceCounts
 };
 
+uint64_t mostTriangles(const PackedInput::FaceBlock& block) {
+  return block.corners.size() - 2 * block.faceCount();
+}
+
+/// As many of the threads beside the caller's as there is memory for blocks that are under way.
+unsigned helpersFor(const FaceBatch& faces, unsigned threads, uint64_t memory_bytes) {
+  uint64_t triangles = 0;
+  for (const PackedInput::FaceBlock& block : faces.blocks())
+    triangles = std::max(triangles, mostTriangles(block));
+  const uint64_t each =
+      (1 + InOrder<BlockSoup>::kWaitingForEach) * triangles * sizeof(SoupTriangle) + kCursorBytes;
+  return static_cast<unsigned>(std::min<uint64_t>(threads - 1, memory_bytes / kShareOfHelpers / each));
+}
+
 /// Makes the soup of one block. For one thread.
 class BlockDereference {
  public:
@@ -61,7 +77,7 @@ class BlockDereference {
 
   BlockSoup run() {
     soup_.faces = block_.faceCount();
-    soup_.triangles.reserve(block_.corners.size() - 2 * block_.faceCount());
+    soup_.triangles.reserve(mostTriangles(block_));
     size_t number = 0;
     forEachFace(block_, [&](size_t first, uint32_t corners) {
       const uint16_t material = block_.materials.empty() ? uint16_t{0} : block_.materials[number];
@@ -145,16 +161,17 @@ class BlockDereference {
 }  // namespace
 
 DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes,
-                              Helpers& helpers, const SoupSink& sink, const BuildProgress& progress,
+                              unsigned threads, const SoupSink& sink, const BuildProgress& progress,
                               const DereferencePoint& from, const BatchSink& on_batch) {
   DereferenceCounts counts = from.counts;
   PackedInput::FaceCursor cursor(input, from.face_offset);
-  FaceBatch batch(input, memory_bytes / 2,
+  FaceBatch batch(input, memory_bytes / kShareOfFaces,
                   sizeof(PositionCode) + (input.hasVertexAttributes() ? sizeof(VertexAttributes) : 0));
   BatchVertices vertices;
   uint64_t faces = from.faces, begin = cursor.offset();
   for (; batch.read(cursor); begin = cursor.offset()) {
     if (on_batch) on_batch({begin, faces, counts});
+    FixedHelpers helpers(helpersFor(batch, threads, memory_bytes));
     counts.snap_error_steps =
         std::max(counts.snap_error_steps, sweepVertices(input, batch, lattice, helpers, vertices));
     InOrder<BlockSoup> blocks(helpers, [&](BlockSoup&& soup) {

@@ -8,7 +8,6 @@
 #include "server/ingest/plan/build_options.h"
 #include "server/ingest/soup/lattice_choice.h"
 #include "server/ingest/soup/packed_input.h"
-#include "server/ingest/threads/helpers.h"
 
 namespace lode::ingest {
 
@@ -34,12 +33,13 @@ using BatchSink = std::function<void(const DereferencePoint&)>;
 /// are known, and a vertex whose normal has no length gets that of the face at each of its corners. As many
 /// faces as fit in half of the memory are read, the vertices that they use are swept up from the packed file
 /// in one pass over it that skips what is not needed, and the triangles are given out, in the file's order;
-/// then the next. Helpers share both, vertices by ranges and triangles by blocks of faces.
+/// then the next. Threads share both, vertices by ranges and triangles by
+/// blocks of faces, as many as half of what the faces leave of the memory holds the soup of.
 /// @param sink      called by the caller's thread.
 /// @param from      a point that on_batch was told, to go on from; the counts returned include those before.
 /// @param on_batch  told of each batch before its first triangle is given out.
 DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes,
-                              Helpers& helpers, const SoupSink& sink, const BuildProgress& progress,
+                              unsigned threads, const SoupSink& sink, const BuildProgress& progress,
                               const DereferencePoint& from = {}, const BatchSink& on_batch = {});
 
 }  // namespace lode::ingest

@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "common/limits.h"
+#include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/sample/sample.h"
 #include "server/store/reader.h"
@@ -255,6 +256,25 @@ class SlowBuild : public Build {
     });
   }
 
+  /// A flat square of quads.
+  void makeQuads(uint32_t side) const {
+    std::ofstream ply(folder_ / "a.ply", std::ios::binary);
+    ply << "ply\nformat binary_little_endian 1.0\nelement vertex " << (side + 1) * (side + 1)
+        << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << side * side
+        << "\nproperty list uchar uint vertex_indices\nend_header\n";
+    const auto put = [&](const auto& value) {
+      ply.write(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    for (uint32_t y = 0; y <= side; ++y)
+      for (uint32_t x = 0; x <= side; ++x) put(glm::vec3(x, y, 0));
+    for (uint32_t y = 0; y < side; ++y)
+      for (uint32_t x = 0; x < side; ++x) {
+        const uint32_t first = y * (side + 1) + x, above = first + side + 1;
+        put(uint8_t{4});
+        put(glm::uvec4(first, first + 1, above + 1, above));
+      }
+  }
+
   /// The peak of a process that does nothing but build.
   static uint64_t peakOfBuild(const BuildOptions& options) {
     return inChild([&] { return build(options).peak_rss_bytes; });
@@ -285,6 +305,26 @@ TEST_F(SlowBuild, staysBelowLittleMemoryWithVeryManyNodes) {
     EXPECT_LE(peak, given.memory_bytes) << given.threads << " threads";
   }
   EXPECT_TRUE(readBytes(few.output) == readBytes(many.output));
+}
+
+TEST_F(SlowBuild, dereferencesQuadsOnManyThreadsInLittleMemory) {
+  makeQuads(1200);
+  BuildOptions many = options();
+  many.memory_bytes = 80'000'000;
+  many.triangles_per_node = 512;
+  many.threads = 16;
+  ASSERT_EQ(planMemory(many.memory_bytes, many.threads, many.triangles_per_node).threads, many.threads);
+  const uint64_t peak = inChild([&] {
+    try {
+      build(many, [](std::string_view stage, double, uint64_t, uint64_t) {
+        if (stage == "simplify") throw Error(ErrorCode::kIo, "asked to end");
+      });
+    } catch (const Error&) {
+    }
+    return peakRssBytes();
+  });
+  EXPECT_GT(peak, 0u);
+  EXPECT_LE(peak, many.memory_bytes);
 }
 
 TEST_F(SlowBuild, staysBelowLittleMemoryWithASurfaceThatIsAllBorders) {

@@ -1,5 +1,6 @@
 // What a build leaves when it ends before its time, and how another goes on from there.
 
+#include <chrono>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "common/error.h"
 #include "server/ingest/build/build.h"
 #include "server/ingest/disk/build_folder.h"
+#include "server/ingest/disk/checkpoint_clock.h"
 #include "server/ingest/sample/sample.h"
 #include "tests/support/bytes.h"
 #include "tests/support/work_folder.h"
@@ -124,6 +126,19 @@ TEST_F(Resume, givesTheSameBytesOfAModelWithTextures) {
     EXPECT_EQ(build(options_).resumed_from, resumed_from);
     expectDone();
   }
+}
+
+TEST_F(Resume, takesNoTriangleTwiceOfABatchOfWhichARunIsWritten) {
+  using Clock = std::chrono::steady_clock;
+  int blocks = 0;
+  const auto endInSecondBlock = [&](std::string_view stage, double, uint64_t, uint64_t) {
+    if (stage != "dereference") return;
+    if (++blocks == 2) throw Error(ErrorCode::kIo, "asked to end");
+    for (const auto begin = Clock::now(); !CheckpointClock(begin).isDue(Clock::now());) continue;
+  };
+  EXPECT_THROW(build(options_, endInSecondBlock), Error);
+  EXPECT_EQ(build(options_).resumed_from, "dereference");
+  expectDone();
 }
 
 TEST_F(Resume, isRefusedWhenATextureImageHasChangedWithItsName) {

@@ -132,9 +132,8 @@ TEST(Topology, countsAsManyLostTrianglesAsABuildDrops) {
   input.addFaces(model.faces);
   input.flush();
   const Lattice lattice = chooseLattice(input, "a.ply").lattice;
-  FixedHelpers none(0);
   const DereferenceCounts counts =
-      dereference(input, lattice, 1 << 20, none, [](std::span<const SoupTriangle>) {}, {});
+      dereference(input, lattice, 1 << 20, 1, [](std::span<const SoupTriangle>) {}, {});
   TopologyCounter counter(folder, {}, true, 1 << 20);
   counter.addVertices(model.vertices);
   counter.addFaces(model.faces);
