@@ -2,24 +2,9 @@
 
 #include <algorithm>
 
+#include "server/ingest/build/idle_rungs.h"
+
 namespace lode::ingest {
-namespace {
-
-/// Leaves out spare rungs that are farther off than the parent's finest rung, but for the coarsest: where a
-/// view shows the node it takes a finer one, and where it does not the coarsest.
-void leaveOutIdleRungs(FinishedNode& finished, const Node& parent) {
-  Node& node = finished.node;
-  while (node.spare_rungs > 1) {
-    const auto finer = static_cast<std::ptrdiff_t>(node.rungs.size()) - 2;
-    if (node.rungs[finer].offModel() <= parent.rungs.front().offModel()) return;
-    node.rungs.erase(node.rungs.begin() + finer);
-    finished.payloads.erase(finished.payloads.begin() + finer);
-    --node.spare_rungs;
-  }
-}
-
-}  // namespace
-
 void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
                   store::Writer& writer) {
   TextureSet set{grid.origin, grid.scale_exponent, {}};
