@@ -5,6 +5,7 @@
 #include "server/ingest/build/idle_rungs.h"
 
 namespace lode::ingest {
+
 void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
                   store::Writer& writer) {
   TextureSet set{grid.origin, grid.scale_exponent, {}};

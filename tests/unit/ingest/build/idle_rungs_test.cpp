@@ -34,11 +34,11 @@ std::vector<float> leftBelow(const Node& parent) {
 }
 
 TEST(IdleRungs, areThoseBetweenThatAreFartherOffThanTheParentsFinest) {
-  EXPECT_EQ(leftBelow(parentOf(100000)), (std::vector<float>{0.5f, 0.9f, 4.0f}));
+  EXPECT_EQ(leftBelow(parentOf((1 << 19) - 1)), (std::vector<float>{0.5f, 0.9f, 4.0f}));
 }
 
 TEST(IdleRungs, areOfALargeParentThoseThatAreMoreThanTwiceAsFarOff) {
-  EXPECT_EQ(leftBelow(parentOf(1 << 18)), (std::vector<float>{0.5f, 0.9f, 1.5f, 4.0f}));
+  EXPECT_EQ(leftBelow(parentOf(1 << 19)), (std::vector<float>{0.5f, 0.9f, 1.5f, 4.0f}));
 }
 
 }  // namespace
