@@ -20,7 +20,7 @@ std::string toHex(const BlobName& name);  ///< 32 lower-case digits
 
 /// How a blob is asked for and checked: its number in the store, its size and its name.
 struct BlobRef {
-  uint32_t number = 0;  ///< 0 is no blob: a rung without triangles
+  uint32_t number = 0;  ///< 0 is no blob: an LOD without triangles
   uint32_t bytes = 0;
   BlobName name;
 

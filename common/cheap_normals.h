@@ -13,7 +13,7 @@ namespace lode {
 /// Source: Draco's bitstream specification 2.2, prediction of geometric normals.
 uint16_t cheapNormal(uint16_t wanted, glm::i64vec3 sum) noexcept;
 
-/// A code is 0.7 degrees, and what a rung's normals are off their input's some degrees.
+/// A code is 0.7 degrees, and what an LOD's normals are off their input's some degrees.
 constexpr int kCheapNormalSteps = 3;
 
 }  // namespace lode

@@ -22,11 +22,11 @@ struct EncodedPayload {
   uint32_t vertices = 0;         ///< vertices that a decoder will produce
 };
 
-/// Where a mesh's triangles come from: those of a file are often regular, and those of a spare rung few and
+/// Where a mesh's triangles come from: those of a file are often regular, and those of a far LOD few and
 /// for the most part border; both are predicted more closely.
 enum class MeshSource { kFile, kSimplified, kSpare };
 
-/// Encodes a rung with Draco's edgebreaker (settings: docs/store-format.md), float positions in the model
+/// Encodes an LOD with Draco's edgebreaker (settings: docs/store-format.md), float positions in the model
 /// frame. The decoded mesh has the same triangles (as sets of position and attributes, orientation kept) in
 /// another order. Computed normals that the surface gives are left out, where they are most.
 /// @param step  the lattice's step.

@@ -26,7 +26,7 @@ using draco_header::refuse;
 
 // Everything by which Draco sizes its tables. Source: Draco's bitstream specification 2.2, sections 3 and 6.
 void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& expected) {
-  if (expected.triangles > kMaxRungTriangles || expected.vertices > kMaxRungVertices)
+  if (expected.triangles > kMaxLodTriangles || expected.vertices > kMaxLodVertices)
     throw Error(ErrorCode::kLimit, "a payload of " + std::to_string(expected.triangles) + " triangles and " +
                                        std::to_string(expected.vertices) +
                                        " vertices is announced: above the limits");

@@ -48,7 +48,7 @@ std::string hexFloat(uint32_t n, double step) {
 
 void requireSound(const Mesh& mesh) {
   const size_t vertices = mesh.positions.size();
-  if (mesh.triangles.size() > kMaxRungTriangles || vertices > kMaxRungVertices)
+  if (mesh.triangles.size() > kMaxLodTriangles || vertices > kMaxLodVertices)
     throw Error(ErrorCode::kLimit, "cannot encode a mesh of " + std::to_string(mesh.triangles.size()) +
                                        " triangles and " + std::to_string(vertices) +
                                        " vertices in one payload: build with smaller nodes");

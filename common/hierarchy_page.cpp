@@ -38,15 +38,15 @@ class PageWriter {
   std::vector<std::byte> bytes_;
 };
 
-void writeRung(PageWriter& out, const Rung& rung) {
-  out.blob(rung.payload);
-  if (rung.payload) {
-    out.varint(rung.triangles);
-    out.varint(rung.vertices);
-    out.varint(rung.locked);
+void writeLod(PageWriter& out, const Lod& lod) {
+  out.blob(lod.payload);
+  if (lod.payload) {
+    out.varint(lod.triangles);
+    out.varint(lod.vertices);
+    out.varint(lod.locked);
   }
-  out.real(rung.error_model);
-  out.real(rung.appearance_error_model);
+  out.real(lod.error_model);
+  out.real(lod.appearance_error_model);
 }
 
 void writeNode(PageWriter& out, const Node& node) {
@@ -55,9 +55,9 @@ void writeNode(PageWriter& out, const Node& node) {
   out.fixed(packPosition(node.box.max).value, 8);
   out.fixed(node.child_mask, 1);
   out.blob(node.child_page);
-  out.varint(node.rungs.size());
-  out.varint(node.spare_rungs);
-  for (const Rung& rung : node.rungs) writeRung(out, rung);
+  out.varint(node.lods.size());
+  out.varint(node.far_lods);
+  for (const Lod& lod : node.lods) writeLod(out, lod);
 }
 
 // ---- reading
@@ -136,23 +136,23 @@ class PageReader {
   std::span<const std::byte> bytes_;
 };
 
-Rung readRung(PageReader& in) {
-  Rung rung;
-  rung.payload = in.blob(kMaxBlobBytes);
-  if (rung.payload) {
-    rung.triangles = in.count(kMaxRungTriangles, "triangles");
-    rung.vertices = in.count(kMaxRungVertices, "vertices");
-    rung.locked = in.count(kMaxRungVertices, "locked vertices");
-    if (rung.triangles == 0) refusePage("a payload has no triangles");
-    if (rung.vertices < 3 || rung.vertices > 3 * rung.triangles || rung.locked > rung.vertices)
+Lod readLod(PageReader& in) {
+  Lod lod;
+  lod.payload = in.blob(kMaxBlobBytes);
+  if (lod.payload) {
+    lod.triangles = in.count(kMaxLodTriangles, "triangles");
+    lod.vertices = in.count(kMaxLodVertices, "vertices");
+    lod.locked = in.count(kMaxLodVertices, "locked vertices");
+    if (lod.triangles == 0) refusePage("a payload has no triangles");
+    if (lod.vertices < 3 || lod.vertices > 3 * lod.triangles || lod.locked > lod.vertices)
       refusePage("a payload's vertices do not fit its triangles");
   }
-  rung.error_model = in.error();
-  rung.appearance_error_model = in.error();
-  return rung;
+  lod.error_model = in.error();
+  lod.appearance_error_model = in.error();
+  return lod;
 }
 
-bool fallsFrom(const Rung& finer, const Rung& coarser) {
+bool fallsFrom(const Lod& finer, const Lod& coarser) {
   return coarser.error_model < finer.error_model ||
          coarser.appearance_error_model < finer.appearance_error_model;
 }
@@ -164,17 +164,17 @@ Node readNode(PageReader& in) {
   node.box = in.box();
   node.child_mask = static_cast<uint8_t>(in.fixed(1));
   node.child_page = in.blob(kMaxPageBytes);
-  const uint32_t rungs = in.count(kMaxRungs, "rungs of a node");
-  if (rungs == 0) refuseNode(node.key, "has no rung");
-  node.spare_rungs = in.count(rungs - 1, "spare rungs of a node");
-  if (node.spare_rungs > 0 && (node.isLeaf() || node.key == kRootKey))
-    refuseNode(node.key, "has spare rungs where none can be");
-  node.rungs.reserve(rungs);
-  for (uint32_t i = 0; i < rungs; ++i) {
-    node.rungs.push_back(readRung(in));
-    const Rung& rung = node.rungs.back();
-    if (i > 0 && fallsFrom(node.rungs[i - 1], rung)) refuseNode(node.key, "has errors that fall");
-    if (rung.triangles > 0 && node.box.empty()) refuseNode(node.key, "has triangles but no box");
+  const uint32_t lods = in.count(kMaxLods, "LODs of a node");
+  if (lods == 0) refuseNode(node.key, "has no LOD");
+  node.far_lods = in.count(lods - 1, "far LODs of a node");
+  if (node.far_lods > 0 && (node.isLeaf() || node.key == kRootKey))
+    refuseNode(node.key, "has far LODs where none can be");
+  node.lods.reserve(lods);
+  for (uint32_t i = 0; i < lods; ++i) {
+    node.lods.push_back(readLod(in));
+    const Lod& lod = node.lods.back();
+    if (i > 0 && fallsFrom(node.lods[i - 1], lod)) refuseNode(node.key, "has errors that fall");
+    if (lod.triangles > 0 && node.box.empty()) refuseNode(node.key, "has triangles but no box");
   }
   return node;
 }
@@ -211,7 +211,7 @@ class TreeCheck {
     if (parent.key != parent_key) refuseNode(node.key, "lacks its parent");
     seen_[parent_] = static_cast<uint8_t>(seen_[parent_] | 1 << node.key.octant());
     if (!parent.box.contains(node.box)) refuseNode(node.key, "has a box that its parent's does not hold");
-    if (fallsFrom(node.sourceRung(), parent.rungs.front()))
+    if (fallsFrom(node.sourceLod(), parent.lods.front()))
       refuseNode(node.key, "has an error above its parent's");
   }
 
@@ -241,7 +241,7 @@ std::vector<std::byte> encodePage(const HierarchyPage& page) {
   if (page.nodes.size() > kMaxPageNodes || bytes.size() > kMaxPageBytes)
     throw Error(ErrorCode::kLimit, "a hierarchy page of " + std::to_string(page.nodes.size()) +
                                        " nodes would take " + std::to_string(bytes.size()) +
-                                       " bytes: build with fewer rungs");
+                                       " bytes: build with fewer LODs");
   return bytes;
 }
 

@@ -6,13 +6,13 @@
 /// Those of the wire are in proto/limits.h.
 namespace lode {
 
-constexpr uint32_t kMaxRungTriangles = 1u << 20;  ///< of one (node, rung)
-constexpr uint32_t kMaxRungVertices = 3u << 20;   ///< of one (node, rung)
-constexpr uint32_t kMaxBlobBytes = 128u << 20;    ///< of one blob
-constexpr uint32_t kMaxPageBytes = 64u << 10;     ///< of one hierarchy page
-constexpr uint32_t kMaxPageNodes = 73;            ///< 1 + 8 + 64: a page covers at most three levels
-constexpr uint32_t kMaxRungs = 64;                ///< of one node
-constexpr uint64_t kMaxNodes = 1ull << 28;        ///< of one model
+constexpr uint32_t kMaxLodTriangles = 1u << 20;  ///< of one (node, LOD)
+constexpr uint32_t kMaxLodVertices = 3u << 20;   ///< of one (node, LOD)
+constexpr uint32_t kMaxBlobBytes = 128u << 20;   ///< of one blob
+constexpr uint32_t kMaxPageBytes = 64u << 10;    ///< of one hierarchy page
+constexpr uint32_t kMaxPageNodes = 73;           ///< 1 + 8 + 64: a page covers at most three levels
+constexpr uint32_t kMaxLods = 64;                ///< of one node
+constexpr uint64_t kMaxNodes = 1ull << 28;       ///< of one model
 constexpr uint32_t kMaxModelNameBytes = 255;
 
 }  // namespace lode

@@ -46,7 +46,7 @@ constexpr uint64_t clusterCount(uint64_t triangles) noexcept {
   return (triangles + kClusterTriangles - 1) / kClusterTriangles;
 }
 
-/// Triangles of one (node, rung), or of a cut. A vertex is one combination of position and attributes
+/// Triangles of one (node, LOD), or of a cut. A vertex is one combination of position and attributes
 /// ("wedge"); at a seam several vertices share a position.
 struct Mesh {
   AttributeSet attributes;

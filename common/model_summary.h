@@ -19,12 +19,12 @@ struct ModelSummary {
   AttributeSet attributes;
   uint64_t triangles = 0;         ///< in the leaves
   uint64_t dropped = 0;           ///< of the input, for the reasons of design I1
-  uint64_t stored_triangles = 0;  ///< in all rungs
+  uint64_t stored_triangles = 0;  ///< in all LODs
   uint64_t nodes = 0;
   uint64_t payloads = 0;
   uint64_t bytes = 0;         ///< of the store file
   uint32_t depth = 0;         ///< of the deepest node
-  float max_error_model = 0;  ///< of the root's coarsest rung
+  float max_error_model = 0;  ///< of the root's coarsest LOD
   uint32_t triangles_per_node = 0;
   BlobRef root_page;
   BlobRef textures;  ///< the texture set (common/texture_set.h), or no blob

@@ -16,7 +16,7 @@ glm::i64vec3 areaNormal(PositionCode a, PositionCode b, PositionCode c) noexcept
 uint16_t normalOf(glm::i64vec3 sum) noexcept;
 
 /// The normals that a mesh's triangles give its vertices, weighed by their areas: a code a vertex.
-/// @pre at most kMaxRungTriangles, or sums overflow.
+/// @pre at most kMaxLodTriangles, or sums overflow.
 std::vector<uint16_t> surfaceNormals(const Mesh& mesh);
 
 /// What surfaceNormals() of a decoded mesh get wrong, as a payload that has no normals lists it

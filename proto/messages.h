@@ -48,7 +48,7 @@ struct Open {
   bool operator==(const Open&) const = default;
 };
 
-/// Followed, unasked, by the blobs of the root's page and of the root's coarsest rung, both as wish 0.
+/// Followed, unasked, by the blobs of the root's page and of the root's coarsest LOD, both as wish 0.
 struct Opened {
   uint32_t handle = 0;
   ModelSummary summary;

@@ -17,35 +17,35 @@ uint64_t meshBytes(const Mesh& mesh) noexcept {
          mesh.triangles.size() * sizeof(glm::u32vec3) + mesh.cluster_boxes.size() * sizeof(LatticeBox);
 }
 
-const MeshCache::Entry* MeshCache::Rungs::find(uint32_t rung) const noexcept {
+const MeshCache::Entry* MeshCache::Lods::find(uint32_t lod) const noexcept {
   for (const Entry& entry : entries_)
-    if (entry.rung == rung) return &entry;
+    if (entry.lod == lod) return &entry;
   return nullptr;
 }
 
-std::shared_ptr<const Mesh> MeshCache::Rungs::mesh(uint32_t rung) const noexcept {
-  const Entry* entry = find(rung);
+std::shared_ptr<const Mesh> MeshCache::Lods::mesh(uint32_t lod) const noexcept {
+  const Entry* entry = find(lod);
   return entry == nullptr ? nullptr : entry->mesh;
 }
 
-const MeshCache::Rungs& MeshCache::rungsOf(NodeKey node) const noexcept {
-  static const Rungs none;
+const MeshCache::Lods& MeshCache::lodsOf(NodeKey node) const noexcept {
+  static const Lods none;
   const auto found = nodes_.find(node.value);
   return found == nodes_.end() ? none : found->second;
 }
 
 MeshCache::Entry* MeshCache::entryOf(MeshKey key) noexcept {
   const auto found = nodes_.find(key.node.value);
-  return found == nodes_.end() ? nullptr : const_cast<Entry*>(found->second.find(key.rung));
+  return found == nodes_.end() ? nullptr : const_cast<Entry*>(found->second.find(key.lod));
 }
 
 void MeshCache::insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
                        std::shared_ptr<const TextureFootprint> footprint) {
-  Rungs& rungs = nodes_[key.node.value];
-  if (rungs.has(key.rung)) return;
-  rungs.resident_ |= uint64_t{1} << key.rung;
-  rungs.entries_.push_back({key.rung, false, std::move(mesh), std::move(footprint), round_, round_});
-  bytes_ += bytesOf(rungs.entries_.back());
+  Lods& lods = nodes_[key.node.value];
+  if (lods.has(key.lod)) return;
+  lods.resident_ |= uint64_t{1} << key.lod;
+  lods.entries_.push_back({key.lod, false, std::move(mesh), std::move(footprint), round_, round_});
+  bytes_ += bytesOf(lods.entries_.back());
   ++size_;
 }
 
@@ -66,7 +66,7 @@ void MeshCache::setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint
 }
 
 const TextureFootprint* MeshCache::footprint(MeshKey key) const noexcept {
-  const Entry* entry = rungsOf(key.node).find(key.rung);
+  const Entry* entry = lodsOf(key.node).find(key.lod);
   return entry == nullptr ? nullptr : entry->footprint.get();
 }
 
@@ -91,10 +91,10 @@ void MeshCache::trim() {
     MeshKey key;
   };
   std::vector<Spare> spare;
-  for (const auto& [node, rungs] : nodes_)
-    for (const Entry& entry : rungs.entries_)
+  for (const auto& [node, lods] : nodes_)
+    for (const Entry& entry : lods.entries_)
       if (!entry.pinned && entry.in_use_round != round_)
-        spare.push_back({entry.used_round, {NodeKey{node}, entry.rung}});
+        spare.push_back({entry.used_round, {NodeKey{node}, entry.lod}});
   std::sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) {
     return a.used_round != b.used_round ? a.used_round < b.used_round : b.key < a.key;  // then the deeper
   });
@@ -106,13 +106,13 @@ void MeshCache::trim() {
 
 void MeshCache::evict(MeshKey key) {
   const auto node = nodes_.find(key.node.value);
-  Rungs& rungs = node->second;
-  const Entry* entry = rungs.find(key.rung);
+  Lods& lods = node->second;
+  const Entry* entry = lods.find(key.lod);
   bytes_ -= bytesOf(*entry);
   --size_;
-  rungs.resident_ &= ~(uint64_t{1} << key.rung);
-  rungs.entries_.erase(rungs.entries_.begin() + (entry - rungs.entries_.data()));
-  if (rungs.entries_.empty()) nodes_.erase(node);
+  lods.resident_ &= ~(uint64_t{1} << key.lod);
+  lods.entries_.erase(lods.entries_.begin() + (entry - lods.entries_.data()));
+  if (lods.entries_.empty()) nodes_.erase(node);
 }
 
 }  // namespace lode::core

@@ -24,7 +24,7 @@ uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attribute
 /// the deeper node, so that ancestors go last. Not thread safe.
 class MeshCache {
   struct Entry {
-    uint32_t rung = 0;
+    uint32_t lod = 0;
     bool pinned = false;
     std::shared_ptr<const Mesh> mesh;
     std::shared_ptr<const TextureFootprint> footprint;
@@ -33,23 +33,23 @@ class MeshCache {
   };
 
  public:
-  /// The rungs of one node that are resident.
-  class Rungs {
+  /// The LODs of one node that are resident.
+  class Lods {
    public:
-    bool has(uint32_t rung) const noexcept { return (resident_ >> rung & 1) != 0; }
+    bool has(uint32_t lod) const noexcept { return (resident_ >> lod & 1) != 0; }
     bool any() const noexcept { return resident_ != 0; }
     /// Where there is any.
     uint32_t coarsest() const noexcept { return static_cast<uint32_t>(std::bit_width(resident_)) - 1; }
     /// @return null if it is not resident.
-    std::shared_ptr<const Mesh> mesh(uint32_t rung) const noexcept;
+    std::shared_ptr<const Mesh> mesh(uint32_t lod) const noexcept;
 
    private:
     friend class MeshCache;
-    const Entry* find(uint32_t rung) const noexcept;
-    uint64_t resident_ = 0;  // bit r: rung r
+    const Entry* find(uint32_t lod) const noexcept;
+    uint64_t resident_ = 0;  // bit r: LOD r
     std::vector<Entry> entries_;
   };
-  static_assert(kMaxRungs <= 64);
+  static_assert(kMaxLods <= 64);
 
   explicit MeshCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
@@ -60,10 +60,10 @@ class MeshCache {
   void setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint);
   void pin(MeshKey key);
   /// Good until the cache changes; for who asks much of one node.
-  const Rungs& rungsOf(NodeKey node) const noexcept;
+  const Lods& lodsOf(NodeKey node) const noexcept;
   /// @return null if it is not resident.
-  std::shared_ptr<const Mesh> find(MeshKey key) const noexcept { return rungsOf(key.node).mesh(key.rung); }
-  bool contains(MeshKey key) const noexcept { return rungsOf(key.node).has(key.rung); }
+  std::shared_ptr<const Mesh> find(MeshKey key) const noexcept { return lodsOf(key.node).mesh(key.lod); }
+  bool contains(MeshKey key) const noexcept { return lodsOf(key.node).has(key.lod); }
   /// @return null if the mesh is not resident or its footprint is not known.
   const TextureFootprint* footprint(MeshKey key) const noexcept;
 
@@ -96,7 +96,7 @@ class MeshCache {
   uint64_t bytes_ = 0;
   uint64_t round_ = 1;
   size_t size_ = 0;
-  std::unordered_map<uint64_t, Rungs, KeyHash> nodes_;  // by key value
+  std::unordered_map<uint64_t, Lods, KeyHash> nodes_;  // by key value
 };
 
 }  // namespace lode::core

@@ -15,7 +15,7 @@ namespace lode::core {
 /// One drawn part of the model. The mesh is shared with the cache and never changes.
 struct CutPart {
   NodeKey node;
-  uint32_t rung = 0;
+  uint32_t lod = 0;
   bool visible = true;  ///< false: outside the view, held for completeness or as a fallback
   float error_px = 0;   ///< projected error at refinement
   std::shared_ptr<const Mesh> mesh;

@@ -92,7 +92,7 @@ void Engine::handle(BlobArrived event) {
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   prefetcher_.arrived(blob, use);
-  // What several rungs share is fetched once.
+  // What several LODs share is fetched once.
   for (const Wish& wish : instance_.wishes())
     if (wish.blob == blob && wish.use != use) model_->take(wish.blob, wish.use, bytes);
   model_->take(blob, use, std::move(bytes));

@@ -132,7 +132,7 @@ class Engine {
 
   /// Null until the model is open.
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
-  /// The last cut published; null until the root's coarsest rung is there and a view is set.
+  /// The last cut published; null until the root's coarsest LOD is there and a view is set.
   const std::shared_ptr<const Cut>& cut() const noexcept { return instance_.cut(); }
   /// By view, as those; see Instance.
   const std::shared_ptr<const PlacedCuts>& placed() const noexcept { return instance_.placed(); }

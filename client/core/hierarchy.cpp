@@ -9,11 +9,11 @@
 namespace lode::core {
 namespace {
 
-constexpr uint64_t kAllocationBytes = 16;  // that the allocator adds to a node's rungs
+constexpr uint64_t kAllocationBytes = 16;  // that the allocator adds to a node's LODs
 constexpr uint64_t kPageBytes = 128;       // of a page beside its nodes, with its entry in the table
-constexpr uint64_t kLeastNodeBytes = 20, kLeastRungBytes = 9;  // in a page's blob: docs/store-format.md
+constexpr uint64_t kLeastNodeBytes = 20, kLeastLodBytes = 9;  // in a page's blob: docs/store-format.md
 static_assert(sizeof(KnownNode) + kAllocationBytes + kPageBytes <= pageBytesAtMost(kLeastNodeBytes));
-static_assert(sizeof(Rung) + kPageBytes <= pageBytesAtMost(kLeastRungBytes));
+static_assert(sizeof(Lod) + kPageBytes <= pageBytesAtMost(kLeastLodBytes));
 
 [[noreturn]] void refuse(NodeKey owner, const char* what) {
   throw Error(ErrorCode::kFormat, "the hierarchy page below node " + std::to_string(owner.value) + " " +
@@ -44,9 +44,9 @@ void Hierarchy::addPage(NodeKey owner_key, HierarchyPage page) {
     if (node.key.parent() != owner_key) continue;
     children |= 1u << node.key.octant();
     if (!node.box.empty() && !owner->box.contains(node.box)) refuse(owner_key, "leaves its owner's box");
-    if (node.rungs.empty()) refuse(owner_key, "holds a node without rungs");
-    const Rung& coarsest = node.sourceRung();
-    const Rung& finest = owner->rungs.front();
+    if (node.lods.empty()) refuse(owner_key, "holds a node without LODs");
+    const Lod& coarsest = node.sourceLod();
+    const Lod& finest = owner->lods.front();
     if (!(coarsest.error_model <= finest.error_model) ||
         !(coarsest.appearance_error_model <= finest.appearance_error_model))
       refuse(owner_key, "has larger errors than its owner");
@@ -76,8 +76,8 @@ std::unique_ptr<Hierarchy::Page> Hierarchy::link(HierarchyPage page, size_t firs
   linked->nodes.reserve(page.nodes.size());
   uint64_t bytes = kPageBytes;
   for (Node& node : page.nodes) {
-    node.rungs.shrink_to_fit();
-    bytes += sizeof(KnownNode) + kAllocationBytes + node.rungs.size() * sizeof(Rung);
+    node.lods.shrink_to_fit();
+    bytes += sizeof(KnownNode) + kAllocationBytes + node.lods.size() * sizeof(Lod);
     linked->nodes.push_back({std::move(node)});
   }
   linked->bytes = static_cast<uint32_t>(bytes);
@@ -102,9 +102,9 @@ void Hierarchy::markLost(Page& page) const {
   if (lost_.empty()) return;
   for (KnownNode& node : page.nodes) {
     node.is_page_lost = node.child_page && lost_.contains(node.child_page.number);
-    for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
-      if (node.rungs[rung].triangles != 0 && lost_.contains(node.rungs[rung].payload.number))
-        node.lost_rungs |= uint64_t{1} << rung;
+    for (uint32_t lod = 0; lod < node.lods.size(); ++lod)
+      if (node.lods[lod].triangles != 0 && lost_.contains(node.lods[lod].payload.number))
+        node.lost_lods |= uint64_t{1} << lod;
   }
 }
 

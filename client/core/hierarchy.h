@@ -23,33 +23,33 @@ struct KnownNode : Node {
       nullptr;                    ///< one for each bit of child_mask, by octant; null: none, or not known
   uint32_t page_below_bytes = 0;  ///< that the page with the children takes in memory, where it is another
   bool is_page_lost = false;      ///< that page: see Hierarchy::lose()
-  uint64_t lost_rungs = 0;        ///< a bit for each
+  uint64_t lost_lods = 0;         ///< a bit for each
 
   bool childrenKnown() const noexcept { return isLeaf() || children != nullptr; }
   std::span<const KnownNode> knownChildren() const noexcept {
     return {children, children == nullptr ? 0 : static_cast<size_t>(std::popcount(child_mask))};
   }
 
-  /// The coarsest rung that is not lost, and the next finer one than another; nothing where there is none.
-  std::optional<uint32_t> coarsestRung() const noexcept {
-    return finerRung(static_cast<uint32_t>(rungs.size()));
+  /// The coarsest LOD that is not lost, and the next finer one than another; nothing where there is none.
+  std::optional<uint32_t> coarsestLod() const noexcept {
+    return finerLod(static_cast<uint32_t>(lods.size()));
   }
-  std::optional<uint32_t> finerRung(uint32_t than) const noexcept {
+  std::optional<uint32_t> finerLod(uint32_t than) const noexcept {
     while (than-- > 0)
       if (!isLost(than)) return than;
     return std::nullopt;
   }
-  bool isLost(uint32_t rung) const noexcept { return (lost_rungs >> rung & 1) != 0; }
+  bool isLost(uint32_t lod) const noexcept { return (lost_lods >> lod & 1) != 0; }
   /// As far as is known, its children can be shown in its place, or what is below them.
   bool mayGiveWay() const noexcept {
     return !isLeaf() && !is_page_lost && std::ranges::all_of(knownChildren(), [](const KnownNode& child) {
-      return child.coarsestRung() || child.mayGiveWay();
+      return child.coarsestLod() || child.mayGiveWay();
     });
   }
 };
-static_assert(kMaxRungs <= 64);
+static_assert(kMaxLods <= 64);
 
-/// Most that a page takes in memory, by the bytes of its blob: each node and each rung has so many at least.
+/// Most that a page takes in memory, by the bytes of its blob: each node and each LOD has so many at least.
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
 
 /// The part of a model's octree that is known, merged from the pages of an untrusted server. Pages that no
@@ -74,7 +74,7 @@ class Hierarchy {
   /// @param owners  of the pages that are in use.
   void use(std::span<const NodeKey> owners, uint64_t budget_bytes);
 
-  /// A blob that cannot be had: rungs and pages that it holds count as lost from now on, on pages that come
+  /// A blob that cannot be had: LODs and pages that it holds count as lost from now on, on pages that come
   /// later, too.
   void lose(uint32_t blob_number);
 

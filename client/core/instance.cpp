@@ -264,7 +264,7 @@ void Instance::dress(Cut& all, std::span<const Refinement> refinements, Model& m
     const Cut& cut = *refinements[place].cut;
     for (size_t number = 0; number < partCount(cut); ++number) {
       const CutPart& part = partOf(cut, number);
-      const MeshKey key{part.node, part.rung};
+      const MeshKey key{part.node, part.lod};
       if (model.meshes().footprint(key) == nullptr)  // decoded before the set was there
         model.meshes().setFootprint(
             key, std::make_shared<const TextureFootprint>(makeFootprint(*part.mesh, *set, step)));

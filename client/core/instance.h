@@ -37,7 +37,7 @@ class Instance {
   /// Refines if a view or the model has changed. @return whether it did.
   bool refine(Model& model);
 
-  /// The last cuts; null until the root's coarsest rung is there and a view is set.
+  /// The last cuts; null until the root's coarsest LOD is there and a view is set.
   const std::shared_ptr<const PlacedCuts>& placed() const noexcept { return placed_; }
   /// Their meshes: of one view, its cut. Null as placed().
   const std::shared_ptr<const Cut>& cut() const noexcept;

@@ -10,7 +10,7 @@ namespace lode::core {
 /// Names one mesh of a model.
 struct MeshKey {
   NodeKey node;
-  uint32_t rung = 0;
+  uint32_t lod = 0;
   friend constexpr auto operator<=>(const MeshKey&, const MeshKey&) = default;
 };
 

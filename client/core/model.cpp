@@ -46,14 +46,14 @@ uint64_t Model::build() const noexcept {
 
 MeshKey Model::coarsest() const {
   const KnownNode& root = *hierarchy_.root();
-  return {kRootKey, root.coarsestRung().value_or(static_cast<uint32_t>(root.rungs.size()) - 1)};
+  return {kRootKey, root.coarsestLod().value_or(static_cast<uint32_t>(root.lods.size()) - 1)};
 }
 
 std::optional<Wish> Model::firstWish() const {
   constexpr float kFirst = std::numeric_limits<float>::max();
   Wish wish{summary_.root_page, {BlobKind::kRootPage, {kRootKey, 0}}, proto::WishClass::kVisible, kFirst};
   if (const Node* root = hierarchy_.root()) {
-    const BlobRef& payload = root->rungs[coarsest().rung].payload;
+    const BlobRef& payload = root->lods[coarsest().lod].payload;
     if (!payload || meshes_.contains(coarsest())) return std::nullopt;
     wish.blob = payload;
     wish.use = {BlobKind::kMesh, coarsest()};
@@ -112,8 +112,8 @@ void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std
     job.image_size = textures_->imageSize(blob.number);
     job.with_tail = textures_->isCoarsest(blob.number);
   } else {
-    const Rung& rung = node->rungs[use.mesh.rung];
-    job.expected = {rung.triangles, rung.vertices, summary_.attributes, node->box};
+    const Lod& lod = node->lods[use.mesh.lod];
+    job.expected = {lod.triangles, lod.vertices, summary_.attributes, node->box};
     if (textures_) job.textures = textures_->set();
   }
   jobs_.push_back(std::move(job));
@@ -144,25 +144,25 @@ void Model::finishDecode(DecodeResult result) {
   if (!result.decoded) {
     const std::string what = result.use.kind == BlobKind::kTile
                                  ? "blob " + std::to_string(result.blob.number)
-                                 : "node " + std::to_string(result.use.mesh.node.value) + " rung " +
-                                       std::to_string(result.use.mesh.rung);
+                                 : "node " + std::to_string(result.use.mesh.node.value) + " lod " +
+                                       std::to_string(result.use.mesh.lod);
     return refuse(result.blob,
                   what + " cannot be decoded: " + result.failure + ": run lodestreamd verify on the store");
   }
   insert(std::move(result));
 }
 
-/// A mesh is that of every rung of its node that has the same payload.
+/// A mesh is that of every LOD of its node that has the same payload.
 void Model::insert(DecodeResult result) {
   const KnownNode* node = hierarchy_.find(result.use.mesh.node);
   if (node == nullptr) return;  // forgotten meanwhile
-  const Rung& decoded = node->rungs[result.use.mesh.rung];
-  for (uint32_t rung = 0; rung < node->rungs.size(); ++rung) {
-    const Rung& same = node->rungs[rung];
+  const Lod& decoded = node->lods[result.use.mesh.lod];
+  for (uint32_t lod = 0; lod < node->lods.size(); ++lod) {
+    const Lod& same = node->lods[lod];
     if (same.payload != decoded.payload || same.triangles != decoded.triangles ||
         same.vertices != decoded.vertices)
       continue;
-    const MeshKey key{node->key, rung};
+    const MeshKey key{node->key, lod};
     meshes_.insert(key, result.decoded, result.footprint);
     if (key == coarsest()) meshes_.pin(key);
   }

@@ -48,7 +48,7 @@ class Model {
   TextureStream* textures() noexcept { return textures_ ? &*textures_ : nullptr; }
   const TextureStream* textures() const noexcept { return textures_ ? &*textures_ : nullptr; }
 
-  /// What comes before any view: the root's page, then its coarsest rung; nothing once they are there or
+  /// What comes before any view: the root's page, then its coarsest LOD; nothing once they are there or
   /// being decoded.
   std::optional<Wish> firstWish() const;
   /// Whether a blob would help: it is not being decoded and not refused.
@@ -81,7 +81,7 @@ class Model {
   uint64_t textureBlobBytes() const noexcept { return texture_blob_bytes_; }
 
  private:
-  /// What is being decoded: of a mesh, the same for all rungs of a node that share the payload.
+  /// What is being decoded: of a mesh, the same for all LODs of a node that share the payload.
   struct Decoding {
     BlobKind kind;
     NodeKey node;

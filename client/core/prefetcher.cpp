@@ -63,7 +63,7 @@ void Prefetcher::needed(const PlacedCuts* placed, std::span<const NodeKey> pages
   if (placed != nullptr)
     for (const auto& cut : placed->cuts)
       for (const CutPart& part : cut->parts)
-        if (part.visible) use({BlobKind::kMesh, {part.node, part.rung}});
+        if (part.visible) use({BlobKind::kMesh, {part.node, part.lod}});
   for (const NodeKey page : pages) use({BlobKind::kPage, {page, 0}});
   for (const Wish& wish : wishes)
     if (wish.wish_class == proto::WishClass::kVisible) use(wish.use);

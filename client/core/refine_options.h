@@ -15,7 +15,7 @@ constexpr float kHoldFactor =
 /// first.
 struct HeldNode {
   uint32_t first_child = 0;  ///< 0: it was not expanded
-  uint32_t rung = 0;
+  uint32_t lod = 0;
 };
 
 struct RefineOptions {
@@ -29,7 +29,7 @@ struct RefineOptions {
   /// Of the pages that the wanted cut needs: nothing is refined beyond it.
   uint64_t hierarchy_budget_bytes = std::numeric_limits<uint64_t>::max();
   bool finer_stand_ins = true;  ///< false: what is finer than wanted gives way to coarser ancestors at once
-  /// Of fallbacks; beyond it an ancestor above stands by, at last the root's coarsest rung, which counts
+  /// Of fallbacks; beyond it an ancestor above stands by, at last the root's coarsest LOD, which counts
   /// nowhere.
   uint64_t fallback_budget_bytes = std::numeric_limits<uint64_t>::max();
   uint64_t fallback_drawn_budget_bytes =

@@ -15,7 +15,7 @@ namespace {
 constexpr float kPagePriorityFactor = 16;
 // What is hidden comes after all that is seen.
 constexpr float kHiddenPriorityFactor = 1e-6f;
-// A hidden node's coarsest rung stands in for what is wanted there if it has at most a half of the bytes.
+// A hidden node's coarsest LOD stands in for what is wanted there if it has at most a half of the bytes.
 constexpr uint64_t kStandInBytesRatio = 2;
 
 /// Publishes what the resident meshes allow of a wanted cut.
@@ -28,14 +28,14 @@ class Run {
         options_(options),
         seen_(seen),
         want_(hierarchy, lattice.step, attributes, view, options, held),
-        may_leave_out_(cache.rungsOf(kRootKey).any()),
+        may_leave_out_(cache.lodsOf(kRootKey).any()),
         cut_(std::make_shared<Cut>()) {
     cut_->view = view;
     cut_->threshold_px = options.threshold_px;
     cut_->parts.reserve(want_.nodes().size());
     in_use_.reserve(want_.nodes().size());
     for (WantedNode& wanted : want_.nodes()) {
-      wanted.resident = &cache_.rungsOf(wanted.node->key);
+      wanted.resident = &cache_.lodsOf(wanted.node->key);
       wanted.near |= !may_leave_out_;
     }
   }
@@ -46,7 +46,7 @@ class Run {
     if (has_cut) {
       show(root);
     } else {
-      if (const auto coarsest = root.node->coarsestRung())
+      if (const auto coarsest = root.node->coarsestLod())
         wish(root, *coarsest, std::numeric_limits<float>::max(), true);
       else
         askFor(root, std::numeric_limits<float>::max());
@@ -58,24 +58,24 @@ class Run {
  private:
   // ---- what is there
 
-  static bool ready(const WantedNode& wanted, uint32_t rung) {
-    return wanted.node->rungs[rung].triangles == 0 || wanted.resident->has(rung);
+  static bool ready(const WantedNode& wanted, uint32_t lod) {
+    return wanted.node->lods[lod].triangles == 0 || wanted.resident->has(lod);
   }
 
-  /// The finest rung of a wanted node that may be shown.
-  uint32_t finestShown(const WantedNode& wanted) const { return options_.finer_stand_ins ? 0 : wanted.rung; }
+  /// The finest LOD of a wanted node that may be shown.
+  uint32_t finestShown(const WantedNode& wanted) const { return options_.finer_stand_ins ? 0 : wanted.lod; }
 
   bool anyReady(const WantedNode& wanted) const {
-    for (uint32_t rung = finestShown(wanted); rung < wanted.node->rungs.size(); ++rung)
-      if (ready(wanted, rung)) return true;
+    for (uint32_t lod = finestShown(wanted); lod < wanted.node->lods.size(); ++lod)
+      if (ready(wanted, lod)) return true;
     return false;
   }
 
   /// A node below the wanted cut.
   WantedNode standIn(const KnownNode& node) const {
     WantedNode place = want_.place(node);
-    place.resident = &cache_.rungsOf(node.key);
-    place.rung = 0;
+    place.resident = &cache_.lodsOf(node.key);
+    place.lod = 0;
     place.near |= !may_leave_out_;
     return place;
   }
@@ -123,7 +123,7 @@ class Run {
   void show(WantedNode& wanted) {
     if (wanted.role == Role::kExpanded) return showExpanded(wanted);
     if (!wanted.near && !anyReady(wanted)) return leaveOut(wanted);
-    below_hidden_ = (wanted.role == Role::kBlocked || !ready(wanted, wanted.rung)) && isHidden(wanted);
+    below_hidden_ = (wanted.role == Role::kBlocked || !ready(wanted, wanted.lod)) && isHidden(wanted);
     if (wanted.role == Role::kBlocked) askForPage(wanted, want_.errorPx(wanted, 0));
     showPart(wanted);
     below_hidden_ = false;
@@ -145,14 +145,14 @@ class Run {
   };
   Progress progress() const { return {cut_->parts.size(), lacking_.size(), cut_->fallbacks.size()}; }
 
-  /// The finest rung of a node that is resident and for which there is memory; the root's coarsest always.
-  std::optional<uint32_t> fallbackRung(const WantedNode& wanted) const {
-    const MeshCache::Rungs& resident = *wanted.resident;
-    for (uint32_t rung = 0; rung < wanted.node->rungs.size(); ++rung)
-      if (resident.has(rung) &&
-          fallback_bytes_ + meshBytes(*resident.mesh(rung)) <= options_.fallback_budget_bytes &&
-          fallback_drawn_bytes_ + drawnBytes(*resident.mesh(rung)) <= options_.fallback_drawn_budget_bytes)
-        return rung;
+  /// The finest LOD of a node that is resident and for which there is memory; the root's coarsest always.
+  std::optional<uint32_t> fallbackLod(const WantedNode& wanted) const {
+    const MeshCache::Lods& resident = *wanted.resident;
+    for (uint32_t lod = 0; lod < wanted.node->lods.size(); ++lod)
+      if (resident.has(lod) &&
+          fallback_bytes_ + meshBytes(*resident.mesh(lod)) <= options_.fallback_budget_bytes &&
+          fallback_drawn_bytes_ + drawnBytes(*resident.mesh(lod)) <= options_.fallback_drawn_budget_bytes)
+        return lod;
     if (wanted.node->key != kRootKey || !resident.any()) return std::nullopt;
     return resident.coarsest();
   }
@@ -160,11 +160,11 @@ class Run {
   /// Makes a node whose children are shown the fallback for what they leave out, or leaves that to one above.
   void standBy(const WantedNode& wanted, const Progress& before) {
     if (lacking_.size() == before.lacking) return;
-    const std::optional<uint32_t> rung = fallbackRung(wanted);
-    if (!rung) return;
-    in_use_.push_back({wanted.node->key, *rung});
+    const std::optional<uint32_t> lod = fallbackLod(wanted);
+    if (!lod) return;
+    in_use_.push_back({wanted.node->key, *lod});
     Fallback fallback;
-    fallback.part = partAt(wanted, *rung, Fit::kCoarser);
+    fallback.part = partAt(wanted, *lod, Fit::kCoarser);
     fallback.part.visible = false;
     fallback_bytes_ += meshBytes(*fallback.part.mesh);
     const uint64_t drawn_bytes = drawnBytes(*fallback.part.mesh);
@@ -181,38 +181,38 @@ class Run {
     cut_->fallbacks.push_back(std::move(fallback));
   }
 
-  /// Asks for the wanted rung of a part. @param shown_px  error of what stands in for it.
+  /// Asks for the wanted LOD of a part. @param shown_px  error of what stands in for it.
   void wishFor(const WantedNode& part, float shown_px) {
-    wish(part, part.rung, part.near ? priorityOf(shown_px) : want_.errorPx(part, part.rung), part.near);
+    wish(part, part.lod, part.near ? priorityOf(shown_px) : want_.errorPx(part, part.lod), part.near);
   }
 
   void showExpanded(WantedNode& wanted) {
     const Node& node = *wanted.node;
     if (childrenCovered(wanted)) {
-      for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
-        if (wanted.resident->has(rung)) ancestors_.push_back({node.key, rung});
+      for (uint32_t lod = 0; lod < node.lods.size(); ++lod)
+        if (wanted.resident->has(lod)) ancestors_.push_back({node.key, lod});
       const Progress before = progress();
       for (WantedNode& child : want_.children(wanted)) show(child);
       return standBy(wanted, before);
     }
     exact_ = false;
-    uint32_t rung = finestShown(wanted);
-    while (rung < wanted.node->rungs.size() && !ready(wanted, rung)) ++rung;
-    if (rung == wanted.node->rungs.size()) return leaveOut(wanted);
-    emit(wanted, rung, Fit::kCoarser);
-    ask(wanted, want_.errorPx(wanted, rung));
+    uint32_t lod = finestShown(wanted);
+    while (lod < wanted.node->lods.size() && !ready(wanted, lod)) ++lod;
+    if (lod == wanted.node->lods.size()) return leaveOut(wanted);
+    emit(wanted, lod, Fit::kCoarser);
+    ask(wanted, want_.errorPx(wanted, lod));
   }
 
-  /// Shows the wanted rung of a part or what stands in for it: a finer rung, finer nodes, a coarser rung.
+  /// Shows the wanted LOD of a part or what stands in for it: a finer LOD, finer nodes, a coarser LOD.
   void showPart(WantedNode& part) {
-    const uint32_t wanted = part.rung;
+    const uint32_t wanted = part.lod;
     const bool is_blocked = part.role == Role::kBlocked;
     const bool is_for_the_view = part.visible && !is_blocked;
     if (ready(part, wanted)) return emit(part, wanted, is_for_the_view ? Fit::kWanted : Fit::kCoarser);
     (part.near ? exact_ : whole_) = false;
-    for (uint32_t rung = wanted; rung-- > finestShown(part);) {
-      if (!ready(part, rung)) continue;
-      emit(part, rung, Fit::kFiner);
+    for (uint32_t lod = wanted; lod-- > finestShown(part);) {
+      if (!ready(part, lod)) continue;
+      emit(part, lod, Fit::kFiner);
       if (!is_blocked) wishFor(part, want_.errorPx(part, wanted));
       return;
     }
@@ -222,10 +222,10 @@ class Run {
       showFinerChildren(*part.node);
       return standBy(part, before);
     }
-    uint32_t rung = wanted + 1;
-    while (!ready(part, rung)) ++rung;
-    emit(part, rung, Fit::kCoarser);
-    if (!is_blocked) wishFor(part, want_.errorPx(part, rung));
+    uint32_t lod = wanted + 1;
+    while (!ready(part, lod)) ++lod;
+    emit(part, lod, Fit::kCoarser);
+    if (!is_blocked) wishFor(part, want_.errorPx(part, lod));
   }
 
   void showFinerChildren(const KnownNode& node) {
@@ -236,8 +236,8 @@ class Run {
   /// Stands in for a wanted part above: the coarsest that is resident.
   void showFiner(const KnownNode& node) {
     const WantedNode place = standIn(node);
-    for (uint32_t rung = WantedCut::lastRung(node) + 1; rung-- > 0;)
-      if (ready(place, rung)) return emit(place, rung, Fit::kFiner);
+    for (uint32_t lod = WantedCut::lastLod(node) + 1; lod-- > 0;)
+      if (ready(place, lod)) return emit(place, lod, Fit::kFiner);
     if (place.near) return showFinerChildren(node);
     lacking_.push_back({node.key, toModelBox(node.box, step_)});
   }
@@ -251,33 +251,33 @@ class Run {
                               : std::max(options_.threshold_px, error_px);
   }
 
-  CutPart partAt(const WantedNode& wanted, uint32_t rung, Fit fit) const {
-    const Rung& shown = wanted.node->rungs[rung];
-    const float error_px = want_.errorPx(wanted, rung);
+  CutPart partAt(const WantedNode& wanted, uint32_t lod, Fit fit) const {
+    const Lod& shown = wanted.node->lods[lod];
+    const float error_px = want_.errorPx(wanted, lod);
     return {wanted.node->key,
-            rung,
+            lod,
             wanted.visible,
             error_px,
-            wanted.resident->mesh(rung),
+            wanted.resident->mesh(lod),
             shown.error_model,
             shown.offModel(),
             thresholdOf(error_px, fit),
             toModelBox(wanted.node->box, step_)};
   }
 
-  void emit(const WantedNode& part, uint32_t rung, Fit fit) {
-    const Rung& shown = part.node->rungs[rung];
+  void emit(const WantedNode& part, uint32_t lod, Fit fit) {
+    const Lod& shown = part.node->lods[lod];
     if (shown.triangles == 0) return;
-    const MeshKey key{part.node->key, rung};
+    const MeshKey key{part.node->key, lod};
     in_use_.push_back(key);
-    cut_->parts.push_back(partAt(part, rung, fit));
+    cut_->parts.push_back(partAt(part, lod, fit));
     const float error_px = cut_->parts.back().error_px;
     cut_->drawn_bytes += drawnBytes(*cut_->parts.back().mesh);
     cut_->triangles += shown.triangles;
     cut_->blob_bytes += shown.payload.bytes;
     if (!part.visible) return;
     cut_->max_error_px = std::max(cut_->max_error_px, error_px);
-    if (part.node->finerRung(rung) || part.node->mayGiveWay())
+    if (part.node->finerLod(lod) || part.node->mayGiveWay())
       cut_->refinable_px = std::max(cut_->refinable_px, error_px);
   }
 
@@ -287,15 +287,15 @@ class Run {
   /// @param shown_px  error of what is shown there, or will be by then.
   void ask(WantedNode& wanted, float shown_px) {
     const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));
-    if (begins && !covered(wanted)) wish(wanted, WantedCut::coarsestRung(*wanted.node), shown_px, true, true);
+    if (begins && !covered(wanted)) wish(wanted, WantedCut::coarsestLod(*wanted.node), shown_px, true, true);
     below_hidden_ |= begins;
     askFor(wanted, shown_px);
     if (begins) below_hidden_ = false;
   }
 
-  /// Where a hidden node's coarsest rung is worth to be shown until all that is seen is there.
+  /// Where a hidden node's coarsest LOD is worth to be shown until all that is seen is there.
   static bool standInIsCheap(const WantedNode& wanted) {
-    const uint64_t stand_in_bytes = wanted.node->rungs.back().payload.bytes;
+    const uint64_t stand_in_bytes = wanted.node->lods.back().payload.bytes;
     return wanted.role == Role::kBlocked || wanted.below_bytes >= kStandInBytesRatio * stand_in_bytes;
   }
 
@@ -308,10 +308,10 @@ class Run {
       case Role::kExpanded:
         break;
     }
-    if (wanted.cover_rung && !childrenCovered(wanted)) {
-      const float cover_px = want_.errorPx(wanted, *wanted.cover_rung);
+    if (wanted.cover_lod && !childrenCovered(wanted)) {
+      const float cover_px = want_.errorPx(wanted, *wanted.cover_lod);
       if (shown_px > 2 * cover_px) {
-        wish(wanted, *wanted.cover_rung, priorityOf(shown_px), true);
+        wish(wanted, *wanted.cover_lod, priorityOf(shown_px), true);
         shown_px = cover_px;
       }
     }
@@ -330,14 +330,14 @@ class Run {
 
   void wish(const WantedNode& wanted, uint32_t number, float priority_px, bool is_near,
             bool is_stand_in = false) {
-    const Rung& rung = wanted.node->rungs[number];
+    const Lod& lod = wanted.node->lods[number];
     const MeshKey key{wanted.node->key, number};
-    if (rung.triangles == 0) return;
+    if (lod.triangles == 0) return;
     if (wanted.resident->has(number)) {
       in_use_.push_back(key);
       return;
     }
-    wanted_.push_back({rung.payload,
+    wanted_.push_back({lod.payload,
                        {BlobKind::kMesh, key},
                        is_near ? proto::WishClass::kVisible : proto::WishClass::kMargin,
                        priority_px,

@@ -42,7 +42,7 @@ struct Refinement {
 /// Levels between what is shown and what is wanted are skipped, but for one covering step that costs at most
 /// a twentieth of the bytes of the wanted cut.
 ///
-/// What is behind other parts is in the cut like all that is in the view, but its node's coarsest rung is
+/// What is behind other parts is in the cut like all that is in the view, but its node's coarsest LOD is
 /// enough for its siblings to be shown; what is finer comes after all that is seen.
 ///
 /// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the

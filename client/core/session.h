@@ -106,7 +106,7 @@ class Session {
   /// Frames to be sent, in order; the first call gives Hello and Open (or List) together.
   proto::Bytes takeOutgoing();
 
-  /// The server sends the root's page and its coarsest rung by itself: it does to who knows another build.
+  /// The server sends the root's page and its coarsest LOD by itself: it does to who knows another build.
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isWishedFor(const BlobRef& blob) const { return wish_of_blob_.contains(blob.number); }

@@ -11,22 +11,22 @@ namespace {
 constexpr size_t kUsualNodes = 8192;       // that room is made for
 constexpr uint64_t kCoverBytesRatio = 20;  // a covering step costs at most a twentieth of what it bridges
 
-uint64_t partBytes(const Rung& rung, AttributeSet attributes) {
-  return kPartBytes + (rung.triangles == 0 ? 0 : meshBytes(rung.vertices, rung.triangles, attributes));
+uint64_t partBytes(const Lod& lod, AttributeSet attributes) {
+  return kPartBytes + (lod.triangles == 0 ? 0 : meshBytes(lod.vertices, lod.triangles, attributes));
 }
 
 }  // namespace
 
-void WantedCut::Totals::add(const Rung& rung, AttributeSet attributes) {
-  triangles += rung.triangles;
-  bytes += partBytes(rung, attributes);
-  drawn_bytes += drawnBytes(rung.vertices, rung.triangles, attributes);
+void WantedCut::Totals::add(const Lod& lod, AttributeSet attributes) {
+  triangles += lod.triangles;
+  bytes += partBytes(lod, attributes);
+  drawn_bytes += drawnBytes(lod.vertices, lod.triangles, attributes);
 }
 
-void WantedCut::Totals::remove(const Rung& rung, AttributeSet attributes) {
-  triangles -= rung.triangles;
-  bytes -= partBytes(rung, attributes);
-  drawn_bytes -= drawnBytes(rung.vertices, rung.triangles, attributes);
+void WantedCut::Totals::remove(const Lod& lod, AttributeSet attributes) {
+  triangles -= lod.triangles;
+  bytes -= partBytes(lod, attributes);
+  drawn_bytes -= drawnBytes(lod.vertices, lod.triangles, attributes);
 }
 
 WantedCut::WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeSet attributes,
@@ -57,7 +57,7 @@ void WantedCut::begin() {
   stopped_ = limited_ = blocked_ = lacks_ = false;
   totals_ = {};
   nodes_.push_back(place(first));
-  totals_.add(first.rungs[root().rung], attributes_);
+  totals_.add(first.lods[root().lod], attributes_);
   nodes_.back().held = held_.empty() ? 0 : 1;
   enqueue(0);
 }
@@ -65,7 +65,7 @@ void WantedCut::begin() {
 WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
   WantedNode wanted;
   wanted.node = &node;
-  wanted.rung = coarsestRung(node);
+  wanted.lod = coarsestLod(node);
   if (node.box.empty()) return wanted;
   const ModelBox box = toModelBox(node.box, step_);
   const Seen seen = in_sight ? Seen::kWholly : sight_.see(box);
@@ -76,16 +76,15 @@ WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
   return wanted;
 }
 
-float WantedCut::errorPx(const WantedNode& wanted, uint32_t rung) const {
-  return sight_.errorPx(wanted.node->rungs[rung].offModel(), wanted.distance_model);
+float WantedCut::errorPx(const WantedNode& wanted, uint32_t lod) const {
+  return sight_.errorPx(wanted.node->lods[lod].offModel(), wanted.distance_model);
 }
 
 void WantedCut::enqueue(uint32_t place) {
   const WantedNode& wanted = nodes_[place];
-  const bool must_give_way = !wanted.node->coarsestRung();
+  const bool must_give_way = !wanted.node->coarsestLod();
   if (!wanted.visible && !must_give_way) return;
-  const float error_px =
-      must_give_way ? std::numeric_limits<float>::infinity() : errorPx(wanted, wanted.rung);
+  const float error_px = must_give_way ? std::numeric_limits<float>::infinity() : errorPx(wanted, wanted.lod);
   const bool is_too_coarse = error_px > options_.threshold_px ||
                              (error_px > options_.threshold_px * options_.hold_factor && wasFiner(wanted));
   if (!is_too_coarse) return;
@@ -103,7 +102,7 @@ WantedCut::Candidate WantedCut::takeNext() {
 bool WantedCut::wasFiner(const WantedNode& wanted) const {
   if (wanted.held == 0) return false;
   const HeldNode& held = held_[wanted.held - 1];
-  return held.first_child != 0 || held.rung < wanted.rung;
+  return held.first_child != 0 || held.lod < wanted.lod;
 }
 
 void WantedCut::refine() {
@@ -116,16 +115,16 @@ bool WantedCut::giveWay(const Candidate& candidate) {
   WantedNode& wanted = nodes_[candidate.place];
   const KnownNode& node = *wanted.node;
   Totals totals = totals_;
-  totals.remove(node.rungs[wanted.rung], attributes_);
-  if (const std::optional<uint32_t> finer = node.finerRung(wanted.rung)) {
-    totals.add(node.rungs[*finer], attributes_);
+  totals.remove(node.lods[wanted.lod], attributes_);
+  if (const std::optional<uint32_t> finer = node.finerLod(wanted.lod)) {
+    totals.add(node.lods[*finer], attributes_);
     if (!fits(candidate, totals)) return false;
-    wanted.rung = *finer;
+    wanted.lod = *finer;
     enqueue(candidate.place);
     return true;
   }
   if (!node.mayGiveWay()) {
-    lacks_ |= candidate.error_px > options_.threshold_px && (wanted.rung > 0 || !node.isLeaf());
+    lacks_ |= candidate.error_px > options_.threshold_px && (wanted.lod > 0 || !node.isLeaf());
     return true;
   }
   const uint64_t page_bytes =
@@ -154,7 +153,7 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
     WantedNode& child = nodes_.emplace_back(this->place(children[i], in_sight));
     child.held = held_child == 0 ? 0 : held_child + i + 1;  // + 1: it is a place
     if (child.visible) skipWorse(child, candidate.error_px);
-    totals.add(children[i].rungs[child.rung], attributes_);
+    totals.add(children[i].lods[child.lod], attributes_);
   }
   if (!fits(candidate, totals)) {
     nodes_.resize(first_child);
@@ -170,11 +169,11 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
   return true;
 }
 
-/// Begins a node at the coarsest rung that is no worse than what it takes the place of.
+/// Begins a node at the coarsest LOD that is no worse than what it takes the place of.
 void WantedCut::skipWorse(WantedNode& wanted, float replaced_px) const {
-  for (auto finer = wanted.node->finerRung(wanted.rung); finer && errorPx(wanted, wanted.rung) > replaced_px;
-       finer = wanted.node->finerRung(wanted.rung))
-    wanted.rung = *finer;
+  for (auto finer = wanted.node->finerLod(wanted.lod); finer && errorPx(wanted, wanted.lod) > replaced_px;
+       finer = wanted.node->finerLod(wanted.lod))
+    wanted.lod = *finer;
 }
 
 bool WantedCut::fits(const Candidate& candidate, const Totals& totals) {
@@ -192,13 +191,13 @@ void WantedCut::stopAt(const Candidate& candidate) {
   limited_ |= candidate.error_px > options_.threshold_px;
 }
 
-/// Chooses the covering step: on each way down the deepest expanded node, at its finest rung, that costs
+/// Chooses the covering step: on each way down the deepest expanded node, at its finest LOD, that costs
 /// little against what is wanted below it. It does not depend on what is resident, so that wishes do not
 /// waver.
 WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   const KnownNode& node = *wanted.node;
   if (wanted.role == Role::kPart) {
-    wanted.below_bytes = wanted.near ? node.rungs[wanted.rung].payload.bytes : 0;
+    wanted.below_bytes = wanted.near ? node.lods[wanted.lod].payload.bytes : 0;
     return {wanted.below_bytes, false};
   }
   if (wanted.role == Role::kBlocked) return {0, true};
@@ -210,9 +209,9 @@ WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   }
   wanted.below_bytes = below.bytes;
   if (below.settled) return below;
-  for (uint32_t rung = 0; rung < node.rungs.size() && !below.settled; ++rung) {
-    if (node.isLost(rung) || node.rungs[rung].payload.bytes * kCoverBytesRatio > below.bytes) continue;
-    wanted.cover_rung = rung;
+  for (uint32_t lod = 0; lod < node.lods.size() && !below.settled; ++lod) {
+    if (node.isLost(lod) || node.lods[lod].payload.bytes * kCoverBytesRatio > below.bytes) continue;
+    wanted.cover_lod = lod;
     below.settled = true;
   }
   return below;
@@ -221,18 +220,18 @@ WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
 std::vector<HeldNode> WantedCut::held() const {
   std::vector<HeldNode> held;
   held.reserve(nodes_.size());
-  for (const WantedNode& wanted : nodes_) held.push_back({wanted.first_child, wanted.rung});
+  for (const WantedNode& wanted : nodes_) held.push_back({wanted.first_child, wanted.lod});
   return held;
 }
 
 std::vector<WantedMesh> WantedCut::meshes() const {
   std::vector<WantedMesh> meshes;
   for (const WantedNode& wanted : nodes_) {
-    const Rung& rung = wanted.node->rungs[wanted.rung];
-    if (wanted.role == Role::kExpanded || rung.triangles == 0) continue;
-    meshes.push_back({{wanted.node->key, wanted.rung},
-                      meshBytes(rung.vertices, rung.triangles, attributes_),
-                      drawnBytes(rung.vertices, rung.triangles, attributes_)});
+    const Lod& lod = wanted.node->lods[wanted.lod];
+    if (wanted.role == Role::kExpanded || lod.triangles == 0) continue;
+    meshes.push_back({{wanted.node->key, wanted.lod},
+                      meshBytes(lod.vertices, lod.triangles, attributes_),
+                      drawnBytes(lod.vertices, lod.triangles, attributes_)});
   }
   return meshes;
 }

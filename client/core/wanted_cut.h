@@ -27,10 +27,10 @@ struct WantedNode {
   bool wholly_visible = false;
   bool near = false;  ///< visible, or would be if the camera turned a little
   Role role = Role::kPart;
-  uint32_t rung = 0;
-  std::optional<uint32_t> cover_rung;          ///< the node is in the covering step at this rung
-  std::optional<bool> children_covered;        ///< for who publishes the cut,
-  const MeshCache::Rungs* resident = nullptr;  ///< and this
+  uint32_t lod = 0;
+  std::optional<uint32_t> cover_lod;          ///< the node is in the covering step at this LOD
+  std::optional<bool> children_covered;       ///< for who publishes the cut,
+  const MeshCache::Lods* resident = nullptr;  ///< and this
   double distance_model = 0;
   uint64_t below_bytes = 0;  ///< of the wanted cut's payloads near the view, at it and below, as far as known
   uint32_t first_child = 0;  ///< of an expanded node, see WantedCut::children()
@@ -44,9 +44,9 @@ struct WantedMesh {
 };
 
 /// The cut that a view wants of the known octree, whatever is resident: it starts at the root's coarsest
-/// rung, and the part with the largest projected error gives way to its next finer rung, or from rung 0 to
+/// LOD, and the part with the largest projected error gives way to its next finer LOD, or from LOD 0 to
 /// its children, until no visible part is above the threshold or a budget is reached. Children begin at their
-/// coarsest rung, visible ones at the coarsest that is no worse than what they replace (spare rungs may be).
+/// coarsest LOD, visible ones at the coarsest that is no worse than what they replace (far LODs may be).
 /// What is lost is passed over for what is finer; a part stays where there is nothing at a place below it.
 /// Ties go by node key. Parts outside the view are not refined. Where no budget is reached the order makes no
 /// difference to the cut, so that it is tried first in one that needs no queue.
@@ -64,7 +64,7 @@ class WantedCut {
   }
   /// A node as this view sees it. @param in_sight  it is known to be wholly visible, as its parent is.
   WantedNode place(const KnownNode& node, bool in_sight = false) const;
-  float errorPx(const WantedNode& wanted, uint32_t rung) const;
+  float errorPx(const WantedNode& wanted, uint32_t lod) const;
 
   bool limited() const noexcept { return limited_; }  ///< a budget stopped it above the threshold
   bool blocked() const noexcept { return blocked_; }  ///< a node's children are not known yet
@@ -73,9 +73,9 @@ class WantedCut {
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
   std::vector<WantedMesh> meshes() const;
-  static uint32_t lastRung(const Node& node) { return static_cast<uint32_t>(node.rungs.size()) - 1; }
+  static uint32_t lastLod(const Node& node) { return static_cast<uint32_t>(node.lods.size()) - 1; }
   /// The coarsest that is not lost; the last where all are.
-  static uint32_t coarsestRung(const KnownNode& node) { return node.coarsestRung().value_or(lastRung(node)); }
+  static uint32_t coarsestLod(const KnownNode& node) { return node.coarsestLod().value_or(lastLod(node)); }
 
  private:
   /// A part that may have to give way. Largest error first.
@@ -89,8 +89,8 @@ class WantedCut {
   };
   struct Totals {
     uint64_t triangles = 0, bytes = 0, drawn_bytes = 0;
-    void add(const Rung& rung, AttributeSet attributes);
-    void remove(const Rung& rung, AttributeSet attributes);
+    void add(const Lod& lod, AttributeSet attributes);
+    void remove(const Lod& lod, AttributeSet attributes);
   };
   /// Of what is below a node in the choice of covers.
   struct Below {

@@ -13,7 +13,7 @@ enum class BlobKind : uint8_t { kMesh, kPage, kRootPage, kTextureSet, kTile };
 /// What a blob is wished for. Travels with the wish and comes back with its ending.
 struct BlobUse {
   BlobKind kind = BlobKind::kMesh;
-  MeshKey mesh;  ///< of a page: the node that owns it, rung 0
+  MeshKey mesh;  ///< of a page: the node that owns it, LOD 0
 
   friend constexpr auto operator<=>(const BlobUse&, const BlobUse&) = default;
 };

@@ -136,7 +136,7 @@ int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_par
   return guard([&] {
     const lode::core::Cut& whole = lode::embed::cutAt(cut);
     const lode::core::CutPart& of = lode::embed::partAt(whole, number);
-    lode::embed::given(part, "part") = {lode::embed::meshName(whole, of), of.node.value, of.rung, of.visible,
+    lode::embed::given(part, "part") = {lode::embed::meshName(whole, of), of.node.value, of.lod, of.visible,
                                         of.mesh->triangles.size(),        of.error_px};
   });
 }

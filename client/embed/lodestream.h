@@ -92,7 +92,7 @@ typedef struct lodestream_cut_info {
 typedef struct lodestream_part {
   uint64_t mesh;
   uint64_t node;       /* a leading 1, then 3 bits a level of the octree: x, y, z from the lowest */
-  uint32_t rung;       /* 0 is the finest */
+  uint32_t lod;        /* 0 is the finest */
   uint32_t is_visible; /* to the cut's own view: draw what lodestream_cut_shown names, visible or not */
   uint64_t triangles;
   float error_px;

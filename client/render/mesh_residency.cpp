@@ -366,7 +366,7 @@ void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
             entry.clusters,
             part.mesh->attributes,
             part.node,
-            part.rung,
+            part.lod,
             asAngle(part.error_px),
             part.error_model,
             asAngle(std::min(part.threshold_px, place.cut->threshold_px)),

@@ -50,7 +50,7 @@ struct DrawItem {
   std::shared_ptr<MeshClusters> clusters;  ///< never null in what is drawn
   AttributeSet attributes;
   NodeKey node;
-  uint32_t rung = 0;
+  uint32_t lod = 0;
   float error_rad = 0;  ///< as the eye saw it when the cut was made, whatever the picture's pixels
   float error_model = 0;
   float threshold_rad = 0, complete_rad = 0;  ///< likewise: see ShownThresholds

@@ -14,7 +14,7 @@ namespace lode::render {
 namespace {
 
 constexpr std::array<std::string_view, kShowCount> kNames{
-    "surface", "unlit", "wireframe", "normals", "texels", "nodes", "depths", "rungs", "errors", "ages"};
+    "surface", "unlit", "wireframe", "normals", "texels", "nodes", "depths", "lods", "errors", "ages"};
 
 constexpr std::array<glm::u8vec3, kTexelColourCount> kTexelLadder{
     {{220, 50, 40}, {235, 200, 60}, {110, 190, 90}, {70, 170, 200}, {49, 104, 190}, {130, 130, 130}}};
@@ -119,7 +119,7 @@ std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
 /// Of a step among those that are drawn: which end of them is finer.
 std::string stepMeaning(Show show, uint32_t step, bool is_first, bool is_last) {
   const bool is_depth = show == Show::kDepths;
-  std::string meaning = (is_depth ? "depth " : "rung ") + std::to_string(step);
+  std::string meaning = (is_depth ? "depth " : "lod ") + std::to_string(step);
   if (!is_depth && step == 0) return meaning + ", the finest of a node";
   if (is_first == is_last) return meaning;
   return meaning + (is_first == is_depth ? ", the coarsest here" : ", the finest here");
@@ -164,8 +164,8 @@ glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_rad, uint3
       return colourOfNode(part.node, place);
     case Show::kDepths:
       return ladder(static_cast<uint32_t>(part.node.depth()));
-    case Show::kRungs:
-      return ladder(part.rung);
+    case Show::kLods:
+      return ladder(part.lod);
     case Show::kErrors:
       return kErrorBins[errorBin(part.error_rad, threshold_rad)].colour;
     case Show::kAges:
@@ -199,10 +199,10 @@ std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, fl
     for (size_t bin = 0; bin < kErrorBins.size(); ++bin)
       legend.push_back({kErrorBins[bin].colour, errorMeaning(bin, threshold_px)});
   }
-  if (show == Show::kDepths || show == Show::kRungs) {
+  if (show == Show::kDepths || show == Show::kLods) {
     std::map<uint32_t, glm::u8vec3> steps;
     for (const DrawItem& part : drawn)
-      steps.emplace(show == Show::kDepths ? static_cast<uint32_t>(part.node.depth()) : part.rung,
+      steps.emplace(show == Show::kDepths ? static_cast<uint32_t>(part.node.depth()) : part.lod,
                     colourOf(show, part, 0));
     for (const auto& [step, colour] : steps)
       legend.push_back(

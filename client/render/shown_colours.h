@@ -26,7 +26,7 @@ enum class Show : uint8_t {
   kTexels,     ///< how many of its images' lie under a pixel
   kNodes,
   kDepths,  ///< of nodes in the octree
-  kRungs,   ///< of nodes
+  kLods,    ///< of nodes
   kErrors,  ///< projected, when the cut was made
   kAges,    ///< how long they are in the picture
 };

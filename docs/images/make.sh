@@ -23,7 +23,7 @@ sample gyroid gyroid --triangles 500000
 picture asteroid asteroid 960x540
 picture terrain terrain 640x360
 picture gyroid gyroid 640x360
-for show in unlit wireframe normals nodes rungs errors; do
+for show in unlit wireframe normals nodes lods errors; do
   pixels=1
   [[ "$show" != wireframe ]] || pixels=24
   picture "terrain_$show" terrain 640x360 --show "$show" --pixels "$pixels"

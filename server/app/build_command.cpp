@@ -115,7 +115,7 @@ void addBuildCommand(CLI::App& program) {
   command->add_option("--tmp", options.temporary_folder, "folder for temporary files (default: the output's)")
       ->type_name("DIR");
   command->add_option("--triangles-per-node", options.triangles_per_node, "a node with more is split")
-      ->check(CLI::Range(ingest::kMinTrianglesPerNode, kMaxRungTriangles))
+      ->check(CLI::Range(ingest::kMinTrianglesPerNode, kMaxLodTriangles))
       ->capture_default_str();
   command
       ->add_option_function<std::string>(

@@ -38,8 +38,7 @@ store::Cut chooseCut(const ExportArguments& arguments, const store::Reader& read
 
 Json describeAsJson(const store::Cut& cut, const store::Reader& reader) {
   uint64_t bytes = 0;
-  for (const store::CutItem item : cut.items)
-    bytes += reader.nodes()[item.node].rungs[item.rung].payload.bytes;
+  for (const store::CutItem item : cut.items) bytes += reader.nodes()[item.node].lods[item.lod].payload.bytes;
   return {{"triangles", cut.triangles},
           {"nodes", cut.items.size()},
           {"bytes", bytes},

@@ -16,10 +16,10 @@ struct InfoArguments {
   bool json = false, nodes = false;
 };
 
-uint64_t countRungs(const store::Reader& reader) {
-  uint64_t rungs = 0;
-  for (const Node& node : reader.nodes()) rungs += node.rungs.size();
-  return rungs;
+uint64_t countLods(const store::Reader& reader) {
+  uint64_t lods = 0;
+  for (const Node& node : reader.nodes()) lods += node.lods.size();
+  return lods;
 }
 
 uint64_t bytesOf(const Texture& texture) {
@@ -39,7 +39,7 @@ std::string describe(const Texture& texture) {
          std::to_string(texture.tiles.size()) + " tiles, " + describeBytes(bytesOf(texture));
 }
 
-std::string describe(const store::Reader& reader, uint64_t rungs) {
+std::string describe(const store::Reader& reader, uint64_t lods) {
   const ModelSummary& summary = reader.summary();
   const Json json = toJson(summary);
   std::string attributes;
@@ -57,7 +57,7 @@ std::string describe(const store::Reader& reader, uint64_t rungs) {
   line("triangles", std::to_string(summary.triangles) + ", dropped " + std::to_string(summary.dropped));
   line("stored triangles", std::to_string(summary.stored_triangles));
   line("nodes", std::to_string(summary.nodes) + ", depth " + std::to_string(summary.depth));
-  line("rungs", std::to_string(rungs) + ", payloads " + std::to_string(summary.payloads));
+  line("lods", std::to_string(lods) + ", payloads " + std::to_string(summary.payloads));
   line("bytes", std::to_string(summary.bytes));
   line("box", json["box"].dump());
   line("origin", json["origin"].dump());
@@ -68,41 +68,41 @@ std::string describe(const store::Reader& reader, uint64_t rungs) {
   return text;
 }
 
-Json rungAsJson(const Node& node, size_t number, const Lattice& lattice) {
-  const Rung& rung = node.rungs[number];
+Json lodAsJson(const Node& node, size_t number, const Lattice& lattice) {
+  const Lod& lod = node.lods[number];
   return {{"key", node.key.value},
           {"depth", node.key.depth()},
-          {"rung", number},
+          {"lod", number},
           {"leaf", node.isLeaf()},
-          {"triangles", rung.triangles},
-          {"locked", rung.locked},
-          {"bytes", rung.payload.bytes},
-          {"error", rung.error_model},
-          {"appearance_error", rung.appearance_error_model},
-          {"spare", number + node.spare_rungs >= node.rungs.size()},
+          {"triangles", lod.triangles},
+          {"locked", lod.locked},
+          {"bytes", lod.payload.bytes},
+          {"error", lod.error_model},
+          {"appearance_error", lod.appearance_error_model},
+          {"far", number + node.far_lods >= node.lods.size()},
           {"box", toJson(node.box, lattice)}};
 }
 
-/// The columns under which describe(node, rung) writes.
-constexpr const char* kRungColumns =
-    "depth rung  triangles   locked      bytes        error   appearance  node";
+/// The columns under which describe(node, LOD) writes.
+constexpr const char* kLodColumns =
+    "depth LOD  triangles   locked      bytes        error   appearance  node";
 
 std::string describe(const Node& node, size_t number) {
-  const Rung& rung = node.rungs[number];
+  const Lod& lod = node.lods[number];
   std::array<char, 160> numbers{};
   std::snprintf(numbers.data(), numbers.size(), "%5u %4zu %10u %8u %10u %12g %12g  ", node.key.depth(),
-                number, rung.triangles, rung.locked, rung.payload.bytes, rung.error_model,
-                rung.appearance_error_model);
+                number, lod.triangles, lod.locked, lod.payload.bytes, lod.error_model,
+                lod.appearance_error_model);
   return numbers.data() + store::describeKey(node.key) + (node.isLeaf() ? " (leaf)" : "");
 }
 
-/// A line for each (node, rung), in the order of keys.
+/// A line for each (node, LOD), in the order of keys.
 void printNodes(const store::Reader& reader, bool as_json) {
-  if (!as_json) printText(std::string(kRungColumns) + "\n");
+  if (!as_json) printText(std::string(kLodColumns) + "\n");
   for (const Node& node : reader.nodes())
-    for (size_t number = 0; number < node.rungs.size(); ++number)
+    for (size_t number = 0; number < node.lods.size(); ++number)
       if (as_json)
-        printJson(rungAsJson(node, number, reader.summary().lattice));
+        printJson(lodAsJson(node, number, reader.summary().lattice));
       else
         printText(describe(node, number) + "\n");
 }
@@ -110,10 +110,10 @@ void printNodes(const store::Reader& reader, bool as_json) {
 void runInfo(const InfoArguments& arguments) {
   const store::Reader reader(arguments.store);
   if (arguments.nodes) return printNodes(reader, arguments.json);
-  const uint64_t rungs = countRungs(reader);
-  if (!arguments.json) return printText(describe(reader, rungs));
+  const uint64_t lods = countLods(reader);
+  if (!arguments.json) return printText(describe(reader, lods));
   Json json = toJson(reader.summary());
-  json["rungs"] = rungs;
+  json["lods"] = lods;
   json["textures"] = Json::array();
   for (const Texture& texture : reader.textures().textures)
     json["textures"].push_back(textureAsJson(texture));
@@ -128,7 +128,7 @@ void addInfoCommand(CLI::App& program) {
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->add_flag("--nodes", arguments->nodes,
-                    "print a line for each node and rung; with --json each is an object");
+                    "print a line for each node and LOD; with --json each is an object");
   command->callback([arguments] { runInfo(*arguments); });
 }
 

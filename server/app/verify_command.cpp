@@ -32,11 +32,11 @@ Json reportAsJson(const store::VerifyReport& report) {
 }
 
 Json againstAsJson(const ingest::AgainstReport& report) {
-  const auto ofMeasured = [&](double ratio) { return report.rungs > 0 ? Json(ratio) : Json(nullptr); };
+  const auto ofMeasured = [&](double ratio) { return report.lods > 0 ? Json(ratio) : Json(nullptr); };
   return {{"triangles", report.triangles},
           {"dropped", report.dropped},
-          {"rungs_sampled", report.rungs},
-          {"rungs_below", report.rungs_below},
+          {"lods_sampled", report.lods},
+          {"lods_below", report.lods_below},
           {"least_ratio", ofMeasured(report.least_ratio)},
           {"median_ratio", ofMeasured(report.median_ratio)}};
 }
@@ -55,7 +55,7 @@ std::string describe(const ingest::AgainstReport& report) {
                 report.least_ratio, report.median_ratio);
   std::string text = "; all " + std::to_string(report.triangles) + " triangles of the input are there, " +
                      std::to_string(report.dropped) + " dropped";
-  if (report.rungs > 0) text += "; stored errors of " + std::to_string(report.rungs) + " rungs are " + ratios;
+  if (report.lods > 0) text += "; stored errors of " + std::to_string(report.lods) + " LODs are " + ratios;
   return text;
 }
 
@@ -92,12 +92,12 @@ void runVerify(const VerifyArguments& arguments) {
 }
 
 /// @return 0 for all.
-size_t countOfRungs(const std::string& text) {
+size_t countOfLods(const std::string& text) {
   size_t count = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
   const bool is_count = error == std::errc() && end == text.data() + text.size() && count > 0;
   if (!is_count && text != "all")
-    throw CLI::ValidationError("--rungs", "must be a number above 0, or all, not " + text);
+    throw CLI::ValidationError("--lods", "must be a number above 0, or all, not " + text);
   return is_count ? count : 0;
 }
 
@@ -116,8 +116,8 @@ void addVerifyCommand(CLI::App& program) {
           ->type_name("IN.ply");
   command
       ->add_option_function<std::string>(
-          "--rungs", [arguments](const std::string& text) { arguments->against.rungs = countOfRungs(text); },
-          "rungs to measure, with --against, at most, spread over the tree (default: all)")
+          "--lods", [arguments](const std::string& text) { arguments->against.lods = countOfLods(text); },
+          "LODs to measure, with --against, at most, spread over the tree (default: all)")
       ->needs(input)
       ->type_name("N|all");
   command->add_option("--threads", against.threads, "threads that read and measure (default: one a core)")
@@ -132,7 +132,7 @@ void addVerifyCommand(CLI::App& program) {
       ->check(wholeNumber)
       ->capture_default_str();
   command
-      ->add_option("--seed", arguments->options.seed, "of the random cuts, the choice of rungs and of points")
+      ->add_option("--seed", arguments->options.seed, "of the random cuts, the choice of LODs and of points")
       ->check(wholeNumber)
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "print one JSON object");

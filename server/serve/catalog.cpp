@@ -72,8 +72,8 @@ std::shared_ptr<const Model> openModel(const fs::path& file, const BlobReaderOpt
   const uint32_t blobs = reader.blobCount();
   model->blob_bytes.resize(size_t{blobs} + 1);
   for (uint32_t number = 1; number <= blobs; ++number) model->blob_bytes[number] = reader.blob(number).bytes;
-  if (const Node* root = reader.find(kRootKey); root != nullptr && !root->rungs.empty())
-    model->coarsest_blob = root->rungs.back().payload.number;
+  if (const Node* root = reader.find(kRootKey); root != nullptr && !root->lods.empty())
+    model->coarsest_blob = root->lods.back().payload.number;
   model->blobs = std::make_shared<const BlobReader>(std::move(reader), options);
   return model;
 }

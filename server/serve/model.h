@@ -16,7 +16,7 @@ struct ModelTallies;
 struct Model {
   ModelSummary summary;
   std::vector<uint32_t> blob_bytes;         ///< size of each blob by number; 0 is no blob
-  uint32_t coarsest_blob = 0;               ///< the root's coarsest rung; 0 if it has no triangles
+  uint32_t coarsest_blob = 0;               ///< the root's coarsest LOD; 0 if it has no triangles
   std::shared_ptr<const BlobReader> blobs;  ///< none where nothing is read, as in tests of sessions
 
   uint32_t blobBytes(uint32_t number) const noexcept {

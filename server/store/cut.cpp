@@ -7,18 +7,18 @@
 namespace lode::store {
 namespace {
 
-const Rung& rungOf(const NodeTree& tree, CutItem item) { return tree.node(item.node).rungs[item.rung]; }
+const Lod& lodOf(const NodeTree& tree, CutItem item) { return tree.node(item.node).lods[item.lod]; }
 
 CutItem coarsest(const NodeTree& tree, uint32_t node) {
-  return {node, static_cast<uint32_t>(tree.node(node).rungs.size() - 1)};
+  return {node, static_cast<uint32_t>(tree.node(node).lods.size() - 1)};
 }
 
-/// The coarsest rung that is no worse than what it takes the place of.
+/// The coarsest LOD that is no worse than what it takes the place of.
 CutItem coarsestWithin(const NodeTree& tree, uint32_t node, float error) {
-  const std::vector<Rung>& rungs = tree.node(node).rungs;
-  auto rung = static_cast<uint32_t>(rungs.size() - 1);
-  while (rung > 0 && rungs[rung].error_model > error) --rung;
-  return {node, rung};
+  const std::vector<Lod>& lods = tree.node(node).lods;
+  auto lod = static_cast<uint32_t>(lods.size() - 1);
+  while (lod > 0 && lods[lod].error_model > error) --lod;
+  return {node, lod};
 }
 
 /// Puts the items in Morton order and fills in the sums.
@@ -31,14 +31,14 @@ Cut finishCut(const NodeTree& tree, std::vector<CutItem> items) {
   Cut cut;
   cut.items = std::move(items);
   for (const CutItem item : cut.items) {
-    const Rung& rung = rungOf(tree, item);
-    cut.triangles += rung.triangles;
-    if (rung.triangles != 0) cut.max_error_model = std::max(cut.max_error_model, rung.error_model);
+    const Lod& lod = lodOf(tree, item);
+    cut.triangles += lod.triangles;
+    if (lod.triangles != 0) cut.max_error_model = std::max(cut.max_error_model, lod.error_model);
   }
   return cut;
 }
 
-/// Walks down from the root. `choose` returns a rung at which to stop, or a negative number to go on to the
+/// Walks down from the root. `choose` returns an LOD at which to stop, or a negative number to go on to the
 /// children; it is not asked to go on below a leaf.
 template <typename Choose>
 Cut walk(const NodeTree& tree, Choose&& choose) {
@@ -47,9 +47,9 @@ Cut walk(const NodeTree& tree, Choose&& choose) {
   while (!todo.empty()) {
     const uint32_t number = todo.back();
     todo.pop_back();
-    const int rung = choose(tree.node(number));
-    if (rung >= 0) {
-      items.push_back({number, static_cast<uint32_t>(rung)});
+    const int lod = choose(tree.node(number));
+    if (lod >= 0) {
+      items.push_back({number, static_cast<uint32_t>(lod)});
       continue;
     }
     for (uint32_t i = 0; i < tree.childCount(number); ++i) todo.push_back(tree.firstChild(number) + i);
@@ -61,8 +61,8 @@ Cut walk(const NodeTree& tree, Choose&& choose) {
 
 Cut cutByError(const NodeTree& tree, double max_error_model) {
   Cut cut = walk(tree, [&](const Node& node) {
-    for (size_t rung = node.rungs.size(); rung-- > 0;)
-      if (node.rungs[rung].error_model <= max_error_model) return static_cast<int>(rung);
+    for (size_t lod = node.lods.size(); lod-- > 0;)
+      if (node.lods[lod].error_model <= max_error_model) return static_cast<int>(lod);
     return node.isLeaf() ? 0 : -1;
   });
   cut.converged = cut.max_error_model <= max_error_model;
@@ -79,25 +79,25 @@ Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles) {
   };
   std::priority_queue<Candidate> queue;
   std::vector<CutItem> done;
-  const auto show = [&](CutItem item) { queue.push({rungOf(tree, item).error_model, item}); };
+  const auto show = [&](CutItem item) { queue.push({lodOf(tree, item).error_model, item}); };
   show(coarsest(tree, 0));
-  uint64_t triangles = rungOf(tree, coarsest(tree, 0)).triangles;
+  uint64_t triangles = lodOf(tree, coarsest(tree, 0)).triangles;
   const bool fits = triangles <= max_triangles;
   while (!queue.empty()) {
     const auto [error, item] = queue.top();
     queue.pop();
-    const uint64_t others = triangles - rungOf(tree, item).triangles;
-    const uint32_t children = item.rung > 0 ? 0 : tree.childCount(item.node);
+    const uint64_t others = triangles - lodOf(tree, item).triangles;
+    const uint32_t children = item.lod > 0 ? 0 : tree.childCount(item.node);
     uint64_t refined = others;
-    if (item.rung > 0) refined += rungOf(tree, {item.node, item.rung - 1}).triangles;
+    if (item.lod > 0) refined += lodOf(tree, {item.node, item.lod - 1}).triangles;
     for (uint32_t i = 0; i < children; ++i)
-      refined += rungOf(tree, coarsestWithin(tree, tree.firstChild(item.node) + i, error)).triangles;
-    if ((item.rung == 0 && children == 0) || refined > max_triangles) {
+      refined += lodOf(tree, coarsestWithin(tree, tree.firstChild(item.node) + i, error)).triangles;
+    if ((item.lod == 0 && children == 0) || refined > max_triangles) {
       done.push_back(item);
       continue;
     }
     triangles = refined;
-    if (item.rung > 0) show({item.node, item.rung - 1});
+    if (item.lod > 0) show({item.node, item.lod - 1});
     for (uint32_t i = 0; i < children; ++i) show(coarsestWithin(tree, tree.firstChild(item.node) + i, error));
   }
   Cut cut = finishCut(tree, std::move(done));
@@ -109,9 +109,9 @@ Cut randomCut(const NodeTree& tree, uint64_t seed) {
   std::mt19937_64 random(seed);  // its numbers are the standard's; distributions would not be
   const uint64_t stop_of_16 = 1 + random() % 10;
   return walk(tree, [&](const Node& node) {
-    const uint64_t rung = random() % node.rungs.size();
+    const uint64_t lod = random() % node.lods.size();
     const bool stop = node.isLeaf() || random() % 16 < stop_of_16;
-    return stop ? static_cast<int>(rung) : -1;
+    return stop ? static_cast<int>(lod) : -1;
   });
 }
 
@@ -123,7 +123,7 @@ bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items) {
   enum State : uint8_t { kOpen, kTaken };
   std::vector<State> states(tree.nodes().size(), kOpen);
   for (const CutItem item : items) {
-    if (item.node >= states.size() || item.rung >= tree.node(item.node).rungs.size()) return false;
+    if (item.node >= states.size() || item.lod >= tree.node(item.node).lods.size()) return false;
     if (states[item.node] == kTaken) return false;
     states[item.node] = kTaken;
   }

@@ -8,15 +8,15 @@
 
 namespace lode::store {
 
-/// One (node, rung) of a cut, by the node's number in Reader::nodes().
+/// One (node, LOD) of a cut, by the node's number in Reader::nodes().
 struct CutItem {
   uint32_t node = 0;
-  uint32_t rung = 0;
+  uint32_t lod = 0;
 
   bool operator==(const CutItem&) const = default;
 };
 
-/// A set of (node, rung) that covers the model exactly once, in Morton order of the nodes' cells.
+/// A set of (node, LOD) that covers the model exactly once, in Morton order of the nodes' cells.
 struct Cut {
   std::vector<CutItem> items;
   uint64_t triangles = 0;
@@ -24,23 +24,23 @@ struct Cut {
   bool converged = true;      ///< the bound that was asked for is kept
 };
 
-/// The coarsest (node, rung) everywhere whose error is at most `max_error_model`; where even a leaf's is
+/// The coarsest (node, LOD) everywhere whose error is at most `max_error_model`; where even a leaf's is
 /// larger, the leaf, and the cut is not converged. Errors are geometric ones, here and below.
 Cut cutByError(const NodeTree& tree, double max_error_model);
 
 /// The best cut of at most `max_triangles`: best-first refinement by largest error; a step that does not fit
-/// is left out, and smaller ones are tried until none fits. A step leads to a node's next finer rung, after
-/// rung 0 to the children's coarsest ones. Not converged, and then the coarsest cut of all, if that has more
+/// is left out, and smaller ones are tried until none fits. A step leads to a node's next finer LOD, after
+/// LOD 0 to the children's coarsest ones. Not converged, and then the coarsest cut of all, if that has more
 /// triangles already. Ties go by node key.
 Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles);
 
-/// A random cut with random rungs, the same for a seed everywhere; seeds differ in how deep they go.
+/// A random cut with random LODs, the same for a seed everywhere; seeds differ in how deep they go.
 Cut randomCut(const NodeTree& tree, uint64_t seed);
 
-/// All leaves at rung 0: the original triangles.
+/// All leaves at LOD 0: the original triangles.
 Cut leafCut(const NodeTree& tree);
 
-/// True if every path from the root to a leaf meets exactly one item, and every rung exists.
+/// True if every path from the root to a leaf meets exactly one item, and every LOD exists.
 bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items);
 
 }  // namespace lode::store

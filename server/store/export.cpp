@@ -10,27 +10,27 @@
 
 namespace lode::store {
 
-Mesh readRung(const Reader& reader, const Node& node, uint32_t rung_number) {
-  const Rung& rung = node.rungs[rung_number];
+Mesh readLod(const Reader& reader, const Node& node, uint32_t lod_number) {
+  const Lod& lod = node.lods[lod_number];
   Mesh mesh;
   mesh.attributes = reader.summary().attributes;
-  if (!rung.payload) return mesh;
-  const std::vector<std::byte> bytes = reader.readBlob(rung.payload.number);
-  const PayloadExpectation expected{.triangles = rung.triangles,
-                                    .vertices = rung.vertices,
+  if (!lod.payload) return mesh;
+  const std::vector<std::byte> bytes = reader.readBlob(lod.payload.number);
+  const PayloadExpectation expected{.triangles = lod.triangles,
+                                    .vertices = lod.vertices,
                                     .attributes = reader.summary().attributes,
                                     .box = node.box};
   try {
     return decodePayload(bytes, reader.summary().lattice.step, expected);
   } catch (const Error& error) {
-    throw Error(error.code(), reader.path().string() + ": node " + describeKey(node.key) + ", rung " +
-                                  std::to_string(rung_number) + ": " + error.what());
+    throw Error(error.code(), reader.path().string() + ": node " + describeKey(node.key) + ", LOD " +
+                                  std::to_string(lod_number) + ": " + error.what());
   }
 }
 
 Mesh assembleCut(const Reader& reader, const Cut& cut) {
   MeshJoiner joiner(reader.summary().attributes, cut.triangles);
-  for (const CutItem item : cut.items) joiner.add(readRung(reader, reader.nodes()[item.node], item.rung));
+  for (const CutItem item : cut.items) joiner.add(readLod(reader, reader.nodes()[item.node], item.lod));
   return joiner.finish();
 }
 

@@ -8,13 +8,13 @@
 
 namespace lode::store {
 
-/// Reads and decodes one (node, rung) with all guards. A rung without triangles gives an empty mesh.
+/// Reads and decodes one (node, LOD) with all guards. An LOD without triangles gives an empty mesh.
 /// @throws Error kIo, kFormat or kLimit, naming file and node. Thread safe.
-Mesh readRung(const Reader& reader, const Node& node, uint32_t rung);
+Mesh readLod(const Reader& reader, const Node& node, uint32_t lod);
 
 /// Puts a cut together into one mesh; vertices equal in position and attributes become one, in the order of
 /// their first use.
-/// @throws Error as readRung; kLimit if the vertices exceed 32-bit indices. Thread safe.
+/// @throws Error as readLod; kLimit if the vertices exceed 32-bit indices. Thread safe.
 Mesh assembleCut(const Reader& reader, const Cut& cut);
 
 /// Writes a cut in the format that the path asks for (writeMesh()), and its images beside it

@@ -14,41 +14,41 @@ namespace {
   throw Error(ErrorCode::kFormat, "node " + describeKey(key) + ": " + what);
 }
 
-void checkRung(const Node& node, const Rung& rung, const Rung* finer) {
-  if (rung.triangles > kMaxRungTriangles || rung.vertices > kMaxRungVertices)
-    throw Error(ErrorCode::kLimit, "node " + describeKey(node.key) + ": a rung of " +
-                                       std::to_string(rung.triangles) + " triangles, the limit is " +
-                                       std::to_string(kMaxRungTriangles));
-  if ((rung.triangles != 0) != static_cast<bool>(rung.payload))
-    fail(node.key, "a rung has triangles but no payload, or a payload but no triangles");
-  if (rung.locked > rung.vertices) fail(node.key, "more locked vertices than vertices");
-  if (node.key == kRootKey && rung.locked != 0) fail(node.key, "the root locks vertices");
-  if (!std::isfinite(rung.error_model) || rung.error_model < 0 ||
-      !std::isfinite(rung.appearance_error_model) || rung.appearance_error_model < 0)
+void checkLod(const Node& node, const Lod& lod, const Lod* finer) {
+  if (lod.triangles > kMaxLodTriangles || lod.vertices > kMaxLodVertices)
+    throw Error(ErrorCode::kLimit, "node " + describeKey(node.key) + ": an LOD of " +
+                                       std::to_string(lod.triangles) + " triangles, the limit is " +
+                                       std::to_string(kMaxLodTriangles));
+  if ((lod.triangles != 0) != static_cast<bool>(lod.payload))
+    fail(node.key, "an LOD has triangles but no payload, or a payload but no triangles");
+  if (lod.locked > lod.vertices) fail(node.key, "more locked vertices than vertices");
+  if (node.key == kRootKey && lod.locked != 0) fail(node.key, "the root locks vertices");
+  if (!std::isfinite(lod.error_model) || lod.error_model < 0 || !std::isfinite(lod.appearance_error_model) ||
+      lod.appearance_error_model < 0)
     fail(node.key, "an error is no finite number");
   if (!finer) return;
-  if (rung.triangles > finer->triangles) fail(node.key, "a coarser rung has more triangles than a finer one");
-  if (rung.error_model < finer->error_model || rung.appearance_error_model < finer->appearance_error_model)
-    fail(node.key, "the error falls towards a coarser rung (I3)");
+  if (lod.triangles > finer->triangles) fail(node.key, "a coarser LOD has more triangles than a finer one");
+  if (lod.error_model < finer->error_model || lod.appearance_error_model < finer->appearance_error_model)
+    fail(node.key, "the error falls towards a coarser LOD (I3)");
 }
 
 void checkNode(const Node& node) {
   if (!node.key.valid()) fail(node.key, "no valid key");
-  if (node.rungs.empty()) fail(node.key, "no rungs");
-  if (node.rungs.size() > kMaxRungs)
+  if (node.lods.empty()) fail(node.key, "no LODs");
+  if (node.lods.size() > kMaxLods)
     throw Error(ErrorCode::kLimit,
-                "node " + describeKey(node.key) + ": more than " + std::to_string(kMaxRungs) + " rungs");
-  if (node.isLeaf() && node.key != kRootKey && node.rungs.size() != 1)
-    fail(node.key, "a leaf with more than one rung");
-  if (node.spare_rungs >= node.rungs.size() || (node.spare_rungs > 0 && node.key == kRootKey))
-    fail(node.key, "too many spare rungs");
-  const Rung* finer = nullptr;
-  for (const Rung& rung : node.rungs) {
-    checkRung(node, rung, finer);
-    finer = &rung;
+                "node " + describeKey(node.key) + ": more than " + std::to_string(kMaxLods) + " lods");
+  if (node.isLeaf() && node.key != kRootKey && node.lods.size() != 1)
+    fail(node.key, "a leaf with more than one LOD");
+  if (node.far_lods >= node.lods.size() || (node.far_lods > 0 && node.key == kRootKey))
+    fail(node.key, "too many far LODs");
+  const Lod* finer = nullptr;
+  for (const Lod& lod : node.lods) {
+    checkLod(node, lod, finer);
+    finer = &lod;
   }
   const bool flat = node.box.empty() || node.box.min.y > node.box.max.y || node.box.min.z > node.box.max.z;
-  if (flat && (node.rungs[0].triangles != 0 || !node.box.empty())) fail(node.key, "the box is empty");
+  if (flat && (node.lods[0].triangles != 0 || !node.box.empty())) fail(node.key, "the box is empty");
   if (!flat && glm::any(glm::greaterThan(node.box.max, glm::uvec3(kMaxLattice))))
     fail(node.key, "the box is outside the lattice");
 }
@@ -56,8 +56,8 @@ void checkNode(const Node& node) {
 void checkBelowParent(const Node& node, const Node& parent) {
   if ((parent.child_mask >> node.key.octant() & 1) == 0) fail(node.key, "its parent does not know it");
   if (!node.box.empty() && !parent.box.contains(node.box)) fail(node.key, "its box leaves its parent's box");
-  const Rung& coarsest = node.sourceRung();
-  const Rung& above = parent.rungs.front();
+  const Lod& coarsest = node.sourceLod();
+  const Lod& above = parent.lods.front();
   if (above.error_model < coarsest.error_model ||
       above.appearance_error_model < coarsest.appearance_error_model)
     fail(node.key, "the error falls towards the parent (I3)");
@@ -83,11 +83,11 @@ HierarchyTotals checkHierarchy(std::span<const Node> nodes) {
       if (nodes[parent].key != node.key.parent()) fail(node.key, "its parent is missing");
       checkBelowParent(node, nodes[parent]);
     }
-    for (const Rung& rung : node.rungs) {
-      totals.stored_triangles += rung.triangles;
-      totals.payloads += rung.triangles != 0;
+    for (const Lod& lod : node.lods) {
+      totals.stored_triangles += lod.triangles;
+      totals.payloads += lod.triangles != 0;
     }
-    if (node.isLeaf()) totals.triangles += node.rungs.front().triangles;
+    if (node.isLeaf()) totals.triangles += node.lods.front().triangles;
     totals.depth = std::max(totals.depth, static_cast<uint32_t>(node.key.depth()));
   }
   if (announced_children != nodes.size() - 1)

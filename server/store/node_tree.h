@@ -12,14 +12,14 @@ namespace lode::store {
 
 /// Sums over a hierarchy, to compare with what a header says.
 struct HierarchyTotals {
-  uint64_t triangles = 0;         ///< in the leaves' rung 0
-  uint64_t stored_triangles = 0;  ///< in all rungs
-  uint64_t payloads = 0;          ///< rungs with triangles
+  uint64_t triangles = 0;         ///< in the leaves' LOD 0
+  uint64_t stored_triangles = 0;  ///< in all LODs
+  uint64_t payloads = 0;          ///< LODs with triangles
   uint32_t depth = 0;
 };
 
 /// Checks a whole hierarchy, as it comes from pages or from a build: key order, every child of a mask present
-/// and no orphan, one rung in leaves below the root, triangle counts that do not rise towards coarser rungs,
+/// and no orphan, one LOD in leaves below the root, triangle counts that do not rise towards coarser LODs,
 /// errors finite and monotone (I3), boxes inside the parents' boxes, limits.
 /// @param nodes  in key order.
 /// @throws Error kFormat or kLimit, naming the node. Thread safe.

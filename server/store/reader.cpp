@@ -186,8 +186,8 @@ void Reader::State::checkSummary(const HierarchyTotals& totals) const {
       totals.depth != summary.depth)
     failReading("the header's counts are not those of the nodes");
   if (nodes[0].box != summary.box) failReading("the header's box is not the root's");
-  if (nodes[0].rungs.back().error_model != summary.max_error_model)
-    failReading("the header's error is not that of the root's coarsest rung");
+  if (nodes[0].lods.back().error_model != summary.max_error_model)
+    failReading("the header's error is not that of the root's coarsest LOD");
 }
 
 /// Every blob is of one kind, and none is left over.
@@ -210,10 +210,10 @@ void Reader::State::checkRefs() const {
       claim(tile, kTile, "texture " + texture.name);
     }
   for (const Node& node : nodes)
-    for (const Rung& rung : node.rungs) {
-      if (!rung.payload) continue;
-      resolve(rung.payload, "node " + describeKey(node.key));
-      claim(rung.payload, kPayload, "node " + describeKey(node.key));
+    for (const Lod& lod : node.lods) {
+      if (!lod.payload) continue;
+      resolve(lod.payload, "node " + describeKey(node.key));
+      claim(lod.payload, kPayload, "node " + describeKey(node.key));
     }
   if (const auto unused = std::find(uses.begin(), uses.end(), kNone); unused != uses.end())
     failReading("blob " + std::to_string(unused - uses.begin() + 1) + ": nothing uses it");

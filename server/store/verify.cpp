@@ -36,8 +36,8 @@ class Verifier {
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(ErrorCode::kFormat, reader_.path().string() + ": " + what + "; copy it again or rebuild it");
   }
-  [[noreturn]] void fail(const Node& node, size_t rung, const std::string& what) const {
-    fail("node " + describeKey(node.key) + ", rung " + std::to_string(rung) + ": " + what);
+  [[noreturn]] void fail(const Node& node, size_t lod, const std::string& what) const {
+    fail("node " + describeKey(node.key) + ", LOD " + std::to_string(lod) + ": " + what);
   }
 
   void checkNames() const {
@@ -67,21 +67,21 @@ class Verifier {
 
   void checkPayloads() {
     for (const Node& node : reader_.nodes())
-      for (uint32_t rung = 0; rung < node.rungs.size(); ++rung) {
-        if (node.rungs[rung].triangles == 0) continue;
-        const Mesh mesh = readRung(reader_, node, rung);
-        checkMesh(node, rung, mesh);
+      for (uint32_t lod = 0; lod < node.lods.size(); ++lod) {
+        if (node.lods[lod].triangles == 0) continue;
+        const Mesh mesh = readLod(reader_, node, lod);
+        checkMesh(node, lod, mesh);
         ++report_.payloads;
         report_.triangles += mesh.triangles.size();
-        if (node.isLeaf() && rung == 0) leaf_edges_.add(mesh);
+        if (node.isLeaf() && lod == 0) leaf_edges_.add(mesh);
       }
     report_.open_edges = leaf_edges_.edges().size();
   }
 
   void checkMesh(const Node& node, size_t number, const Mesh& mesh) const {
-    const Rung& rung = node.rungs[number];
-    if (mesh.triangles.size() != rung.triangles) fail(node, number, "it has another number of triangles");
-    if (mesh.positions.size() != rung.vertices) fail(node, number, "it has another number of vertices");
+    const Lod& lod = node.lods[number];
+    if (mesh.triangles.size() != lod.triangles) fail(node, number, "it has another number of triangles");
+    if (mesh.positions.size() != lod.vertices) fail(node, number, "it has another number of vertices");
     LatticeBox box;
     for (const PositionCode position : mesh.positions) box.add(unpackPosition(position));
     if (!node.box.contains(box)) fail(node, number, "a vertex lies outside the node's box");
@@ -92,7 +92,7 @@ class Verifier {
     std::vector<PositionCode> distinct = mesh.positions;
     std::sort(distinct.begin(), distinct.end());
     const auto end = std::unique(distinct.begin(), distinct.end());
-    if (rung.locked > static_cast<size_t>(end - distinct.begin()))
+    if (lod.locked > static_cast<size_t>(end - distinct.begin()))
       fail(node, number, "more locked vertices than positions");
   }
 
@@ -104,21 +104,21 @@ class Verifier {
       const uint64_t seed = options_.seed + i;
       const Cut cut = randomCut(tree_, seed);
       OpenEdges edges;
-      for (const CutItem item : cut.items) edges.add(readRung(reader_, tree_.node(item.node), item.rung));
-      const std::vector<const Rung*> shown = shownRungs(cut);
+      for (const CutItem item : cut.items) edges.add(readLod(reader_, tree_.node(item.node), item.lod));
+      const std::vector<const Lod*> shown = shownLods(cut);
       for (const OpenEdge& edge : edges.edges()) checkRim(edge, rim_tree, shown, seed);
       ++report_.cuts;
     }
   }
 
-  /// The rung of each node that a cut shows, by the node's number; null where it shows none.
-  std::vector<const Rung*> shownRungs(const Cut& cut) const {
-    std::vector<const Rung*> shown(tree_.nodes().size());
-    for (const CutItem item : cut.items) shown[item.node] = &tree_.node(item.node).rungs[item.rung];
+  /// The LOD of each node that a cut shows, by the node's number; null where it shows none.
+  std::vector<const Lod*> shownLods(const Cut& cut) const {
+    std::vector<const Lod*> shown(tree_.nodes().size());
+    for (const CutItem item : cut.items) shown[item.node] = &tree_.node(item.node).lods[item.lod];
     return shown;
   }
 
-  void checkRim(const OpenEdge& edge, const SegmentTree& rims, const std::vector<const Rung*>& shown,
+  void checkRim(const OpenEdge& edge, const SegmentTree& rims, const std::vector<const Lod*>& shown,
                 uint64_t seed) {
     const std::string cut = "the random cut " + std::to_string(seed);
     if (rims.empty()) fail(cut + " has an open edge where the model is closed (I2)");
@@ -133,10 +133,10 @@ class Verifier {
     }
   }
 
-  /// The largest error of the rungs shown in whose nodes' boxes a position lies. The rung that an open edge
+  /// The largest error of the LODs shown in whose nodes' boxes a position lies. The LOD that an open edge
   /// comes from need not use it any more: a triangle at a rim that collapsed leaves its neighbour's edge
   /// open.
-  double errorAt(PositionCode position, const std::vector<const Rung*>& shown) const {
+  double errorAt(PositionCode position, const std::vector<const Lod*>& shown) const {
     LatticeBox point;
     point.add(unpackPosition(position));
     double error = 0;

@@ -16,7 +16,7 @@ struct VerifyReport {
   uint64_t blobs = 0;
   uint64_t nodes = 0;
   uint64_t payloads = 0;         ///< decoded
-  uint64_t triangles = 0;        ///< decoded, over all rungs
+  uint64_t triangles = 0;        ///< decoded, over all LODs
   uint64_t tiles = 0;            ///< of textures, decoded
   uint64_t open_edges = 0;       ///< of the leaves' cut: holes and rims of the scan
   uint64_t cuts = 0;             ///< random cuts compared

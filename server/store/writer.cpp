@@ -61,7 +61,7 @@ bool Writer::wasAdded(const BlobRef& ref) const {
          entries_[ref.number - 1].name == ref.name;
 }
 
-/// Every payload must be one that addBlob() returned, and every added blob some rung's or the textures'.
+/// Every payload must be one that addBlob() returned, and every added blob some LOD's or the textures'.
 void Writer::checkUse(std::span<const Node> nodes) const {
   std::vector<bool> used(entries_.size());
   if (textures_) used[textures_.number - 1] = true;
@@ -69,8 +69,8 @@ void Writer::checkUse(std::span<const Node> nodes) const {
   for (const Node& node : nodes) {
     if (node.child_page)
       throw Error(ErrorCode::kFormat, "node " + describeKey(node.key) + ": has a page already");
-    for (const Rung& rung : node.rungs) {
-      const BlobRef& ref = rung.payload;
+    for (const Lod& lod : node.lods) {
+      const BlobRef& ref = lod.payload;
       if (!ref) continue;
       if (!wasAdded(ref))
         throw Error(ErrorCode::kFormat,
@@ -120,7 +120,7 @@ ModelSummary Writer::finish(ModelSummary summary, std::vector<Node> nodes) {
   summary.nodes = nodes.size();
   summary.payloads = totals.payloads;
   summary.depth = totals.depth;
-  summary.max_error_model = nodes[0].rungs.back().error_model;
+  summary.max_error_model = nodes[0].lods.back().error_model;
   summary.textures = textures_;
   summary.root_page = writePages(std::move(nodes));
 

@@ -48,8 +48,8 @@ def nodes_of(lodestreamd, model, folder):
     listing = subprocess.run([lodestreamd, "info", store, "--nodes", "--json"], check=True, capture_output=True, text=True)
     nodes = {}
     for line in listing.stdout.splitlines():
-        rung = json.loads(line)
-        nodes.setdefault(rung["key"], []).append(rung)
+        lod = json.loads(line)
+        nodes.setdefault(lod["key"], []).append(lod)
     return nodes
 
 
@@ -57,11 +57,11 @@ def triangles_of_cut(nodes, error_of, allowed):
     total, open_nodes = 0, [1]
     while open_nodes:
         key = open_nodes.pop()
-        rungs = nodes[key]
-        fine_enough = [rung for rung in rungs if error_of(rung) <= allowed]
+        lods = nodes[key]
+        fine_enough = [lod for lod in lods if error_of(lod) <= allowed]
         children = [child for child in range(8 * key, 8 * key + 8) if child in nodes]
         if fine_enough or not children:
-            total += (fine_enough or rungs[:1])[-1]["triangles"]
+            total += (fine_enough or lods[:1])[-1]["triangles"]
         else:
             open_nodes += children
     return total
@@ -72,9 +72,9 @@ def report(name, nodes):
     diagonal = math.dist(box["min"], box["max"])
     ratios = []
     for error in ERRORS:
-        geometry = triangles_of_cut(nodes, lambda rung: rung["error"], error * diagonal)
+        geometry = triangles_of_cut(nodes, lambda lod: lod["error"], error * diagonal)
         both = triangles_of_cut(
-            nodes, lambda rung: max(rung["error"], rung["appearance_error"]), error * diagonal
+            nodes, lambda lod: max(lod["error"], lod["appearance_error"]), error * diagonal
         )
         ratios.append(both / geometry)
         print(f"{name:14} {error:.0e} of the diagonal: {geometry:8} triangles by geometry alone, "

@@ -2,9 +2,9 @@
 """Stored errors beside found ones: bench_errors.py BIN_DIR [MODEL.ply ...] [--nodes N ...] [--seeds N ...] [--quick]
 
 Builds each model, ten samples and four soups of loose pieces at sizes of nodes from 256 to 16384 triangles, and lets
-`verify --against --rungs all` measure every rung with each seed. Prints for each store how many rungs there are, the least
+`verify --against --lods all` measure every LOD with each seed. Prints for each store how many LODs there are, the least
 and the median ratio of stored to found error over the seeds (the worst of the least, the largest of the medians), how
-many rungs are below 1, and CPU seconds of the verification a million triangles; then the same over all stores. Exits
+many LODs are below 1, and CPU seconds of the verification a million triangles; then the same over all stores. Exits
 with 1 if a store was not sound. Files that are no mesh that can be built are named and left out.
 """
 import argparse
@@ -34,7 +34,7 @@ def main():
     parser.add_argument("--quick", action="store_true", help="the first four samples and two soups alone")
     options = parser.parse_args()
     bench = Bench(str(options.bin_dir / "lodestreamd"), options.seeds)
-    print("| model | a node | rungs | least | median | below 1 | CPU s a million |\n| --- | --- | --- | --- | --- | --- | --- |")
+    print("| model | a node | LODs | least | median | below 1 | CPU s a million |\n| --- | --- | --- | --- | --- | --- | --- |")
     for model in options.models:
         for nodes in options.nodes:
             bench.measure(model.stem, model, nodes)
@@ -75,25 +75,25 @@ class Bench:
             print(f"| {name} | {nodes} | NOT SOUND: {faults[0]} |", flush=True)
             return
         found = [report["against"] for report in reports]
-        if found[0]["rungs_sampled"] == 0:
+        if found[0]["lods_sampled"] == 0:
             return
-        row = (found[0]["rungs_sampled"], min(f["least_ratio"] for f in found), max(f["median_ratio"] for f in found),
-               max(f["rungs_below"] for f in found))
+        row = (found[0]["lods_sampled"], min(f["least_ratio"] for f in found), max(f["median_ratio"] for f in found),
+               max(f["lods_below"] for f in found))
         self.rows.append(row)
         print(f"| {name} | {nodes} | {row[0]} | {row[1]:.2f} | {row[2]:.2f} | {row[3]} | {cpu / triangles * 1e6:.1f} |",
               flush=True)
 
     def verify(self, store, model, seed):
-        done = subprocess.run([self.daemon, "verify", store, "--against", str(model), "--rungs", "all", "--seed", str(seed),
+        done = subprocess.run([self.daemon, "verify", store, "--against", str(model), "--lods", "all", "--seed", str(seed),
                                "--json", "--quiet"], capture_output=True, text=True)
         return json.loads(done.stdout)
 
     def summarize(self):
         if not self.rows:
             return
-        print(f"\n{len(self.rows)} stores, {sum(row[0] for row in self.rows)} rungs: least {min(row[1] for row in self.rows):.2f}, "
+        print(f"\n{len(self.rows)} stores, {sum(row[0] for row in self.rows)} LODs: least {min(row[1] for row in self.rows):.2f}, "
               f"median of the medians {statistics.median(row[2] for row in self.rows):.2f}, "
-              f"{sum(row[3] for row in self.rows)} rungs below 1; {self.unsound} stores not sound")
+              f"{sum(row[3] for row in self.rows)} LODs below 1; {self.unsound} stores not sound")
 
 
 def cpu_seconds():

@@ -51,7 +51,7 @@ class Plain {
       const Refinement now = refineFor(view, options);
       if (now.wanted.empty()) return now.cut->parts.size() * 4 / 3;  // each parent has four children
       for (const Wish& wish : now.wanted)
-        for (uint32_t rung = 0; rung < 2; ++rung) cache_.insert({wish.use.mesh.node, rung}, mesh_);
+        for (uint32_t lod = 0; lod < 2; ++lod) cache_.insert({wish.use.mesh.node, lod}, mesh_);
     }
   }
 
@@ -69,9 +69,9 @@ class Plain {
     node.key = key;
     node.box = {{cell.x * side, cell.y * side, 0}, {(cell.x + 1) * side, (cell.y + 1) * side, side / 4}};
     const float error_model = 64.0f / static_cast<float>(1u << depth);
-    for (uint32_t rung = 0; rung < 2; ++rung) {
-      const float error = depth == kDepth ? 0 : error_model * static_cast<float>(1 + rung) / 2;
-      node.rungs.push_back({{next_blob_++, 8000, {}}, 2000u >> rung, 1000u >> rung, 0, error, 0});
+    for (uint32_t lod = 0; lod < 2; ++lod) {
+      const float error = depth == kDepth ? 0 : error_model * static_cast<float>(1 + lod) / 2;
+      node.lods.push_back({{next_blob_++, 8000, {}}, 2000u >> lod, 1000u >> lod, 0, error, 0});
     }
     if (depth < kDepth) node.child_mask = 0x0f;
     if (depth >= 2 && depth % 2 == 0 && depth < kDepth) node.child_page = {next_blob_++, 4000, {}};

@@ -246,8 +246,8 @@ void add(Shares& shares, const store::Reader& store, const Look& right, const st
   uint64_t all_pixels = 0;
   for (size_t i = 0; i < converged.parts.size(); ++i) {
     const CutPart& part = converged.parts[i];
-    const Part seen{store.find(part.node)->rungs[part.rung].payload.bytes, pixels.of(i), part.visible};
-    parts[{part.node, part.rung}] = seen;
+    const Part seen{store.find(part.node)->lods[part.lod].payload.bytes, pixels.of(i), part.visible};
+    parts[{part.node, part.lod}] = seen;
     by_worth.push_back(seen);
     all_pixels += seen.pixels;
     shares.cut += seen.bytes;

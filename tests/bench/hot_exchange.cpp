@@ -17,23 +17,23 @@ namespace lode {
 namespace {
 
 constexpr uint32_t kPlaces = 120, kParts = 256;
-constexpr uint32_t kRungs = 2;
+constexpr uint32_t kLods = 2;
 
 /// The meshes of a model's nodes, and cuts of it at all places as a refiner publishes them: each of them
 /// anew.
 class Scene {
  public:
   Scene() {
-    for (uint32_t i = 0; i < kParts * kRungs; ++i)
+    for (uint32_t i = 0; i < kParts * kLods; ++i)
       meshes_.push_back(
           std::make_shared<const Mesh>(test::makeGrid(2, 2, {.attributes = {}, .seed = i + 1})));
   }
 
-  /// So many parts of so many places have the other rung in every other step.
+  /// So many parts of so many places have the other LOD in every other step.
   std::shared_ptr<const core::PlacedCuts> at(uint64_t step, const benchmark::State& state) const {
     auto placed = std::make_shared<core::PlacedCuts>();
     for (uint32_t place = 0; place < kPlaces; ++place)
-      placed->cuts.push_back(cutOf(place < state.range(0) && step % kRungs != 0 ? state.range(1) : 0));
+      placed->cuts.push_back(cutOf(place < state.range(0) && step % kLods != 0 ? state.range(1) : 0));
     placed->all = core::gatherMeshes(placed->cuts);
     return placed;
   }
@@ -42,9 +42,9 @@ class Scene {
   std::shared_ptr<const core::Cut> cutOf(int64_t changed) const {
     auto cut = std::make_shared<core::Cut>();
     for (uint32_t i = 0; i < kParts; ++i) {
-      const uint32_t rung = i < changed ? 1 : 0;
+      const uint32_t lod = i < changed ? 1 : 0;
       const NodeKey node{8u * 8 * 8 * 8 + i};  // four levels down, depth first
-      cut->parts.push_back({node, rung, true, 1, meshes_[i * kRungs + rung]});
+      cut->parts.push_back({node, lod, true, 1, meshes_[i * kLods + lod]});
     }
     return cut;
   }
@@ -74,7 +74,7 @@ void exchangeCuts(benchmark::State& state) {
   const Scene scene;
   render::MeshResidency residency({});
   uint64_t step = 0;
-  for (; step < kRungs; ++step) {
+  for (; step < kLods; ++step) {
     residency.show(scene.at(step, state));
     residency.uploadInRenderThread({.wait = true});
   }

@@ -17,7 +17,7 @@ namespace {
 using namespace lode;
 
 constexpr int kDepth = 3;
-constexpr uint32_t kInnerRungs = 14;  ///< of each of the 73 inner nodes, beside the 512 leaves' one
+constexpr uint32_t kInnerLods = 14;  ///< of each of the 73 inner nodes, beside the 512 leaves' one
 
 class StoreOfNoise {
  public:
@@ -40,17 +40,17 @@ class StoreOfNoise {
       return;
     }
     const bool leaf = depth == kDepth;
-    std::vector<Rung> rungs;
-    for (uint32_t i = 0; i < (leaf ? 1 : kInnerRungs); ++i)
-      rungs.push_back(rung(static_cast<float>(100 * (kDepth - depth)) + static_cast<float>(i)));
+    std::vector<Lod> lods;
+    for (uint32_t i = 0; i < (leaf ? 1 : kInnerLods); ++i)
+      lods.push_back(lod(static_cast<float>(100 * (kDepth - depth)) + static_cast<float>(i)));
     Node& made = nodes_.emplace_back();
     made.key = node;
     made.box = box_;
     made.child_mask = static_cast<uint8_t>(leaf ? 0 : 0xFF);
-    made.rungs = std::move(rungs);
+    made.lods = std::move(lods);
   }
 
-  Rung rung(float error_model) {
+  Lod lod(float error_model) {
     std::vector<std::byte> blob(blob_bytes_);
     for (std::byte& byte : blob) byte = static_cast<std::byte>(random_());
     const BlobRef ref = writer_.addBlob(blob);

@@ -112,7 +112,7 @@ class Picks(WindowTest):
         with self.window() as window:
             window.click(MIDDLE)
             one = window.copied()
-            self.assertRegex(one, r"^-?[\d.]+ -?[\d.]+ -?[\d.]+\nnode root[/\d]*, rung \d+, error [\d.]+ px\ncolour #[\da-f]{6}\n$")
+            self.assertRegex(one, r"^-?[\d.]+ -?[\d.]+ -?[\d.]+\nnode root[/\d]*, LOD \d+, error [\d.]+ px\ncolour #[\da-f]{6}\n$")
             window.click((MIDDLE[0] + 40, MIDDLE[1] + 20))
             two = window.copied()
             distance = float(re.search(r"^distance ([\d.]+)$", two, re.M).group(1))

@@ -106,7 +106,7 @@ class JsonPage(unittest.TestCase):
                 self.expect_named("lodestream loadtest", f"lode://{daemon.address}/a", "--clients", "1", "--seconds", "1", *kind)
         if "built without OpenGL" not in subprocess.run([os.path.join(BIN, "lodestream"), "render", "--help"], capture_output=True,
                                                         text=True).stdout:
-            self.assertIn("legend", self.expect_named("lodestream render", "a.lode", *coarse, "--size", "64x48", "--show", "rungs", "-o",
+            self.assertIn("legend", self.expect_named("lodestream render", "a.lode", *coarse, "--size", "64x48", "--show", "lods", "-o",
                                                       "a.png"))
 
 

@@ -49,21 +49,21 @@ class Bytes:
 
 
 def page_references(data):
-    """The pages and the payloads that a page names, or None where there is none, and how many rungs its first node has."""
-    page, pages, payloads, rungs = Bytes(data), [], [], []
+    """The pages and the payloads that a page names, or None where there is none, and how many LODs its first node has."""
+    page, pages, payloads, lods = Bytes(data), [], [], []
     assert page.read("B") == 2, "version of the page"
     for _ in range(page.varint()):
         page.varint(), page.read("QQB")  # key, box, children
         pages.append(page.reference())
-        rungs.append(page.varint())
-        page.varint()  # how many of them are spare
-        for _ in range(rungs[-1]):
+        lods.append(page.varint())
+        page.varint()  # how many of them are far LODs
+        for _ in range(lods[-1]):
             payloads.append(page.reference())
             for _ in range(3 if payloads[-1] else 0):
                 page.varint()  # triangles, vertices, locked
             page.read("ff")  # errors
     assert page.at == len(data), "bytes after the page"
-    return pages, payloads, rungs[0]
+    return pages, payloads, lods[0]
 
 
 def tile_references(data):
@@ -162,8 +162,8 @@ class Reader:
         if kind == "textures":
             self.want("tiles", tile_references(data))
         if kind == "pages":
-            pages, payloads, rungs = page_references(data)
-            coarsest = payloads[rungs - 1]
+            pages, payloads, lods = page_references(data)
+            coarsest = payloads[lods - 1]
             if wish == 0 and coarsest:  # it comes unasked, too
                 self.open[0] = ("payloads", coarsest, bytearray())
                 self.seen.add(coarsest.number)

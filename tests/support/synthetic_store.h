@@ -16,11 +16,11 @@
 #include "tests/support/work_folder.h"
 
 /// Small but complete stores made by hand, for the tests of every module that reads one. They keep the
-/// invariants: a coarser rung is the image of a finer one under a map of the vertices that fixes those that
+/// invariants: a coarser LOD is the image of a finer one under a map of the vertices that fixes those that
 /// leaves share.
 namespace lode::test {
 
-/// A hierarchy with the meshes of its rungs, before it becomes a store.
+/// A hierarchy with the meshes of its LODs, before it becomes a store.
 struct SyntheticModel {
   ModelSummary summary;     ///< lattice and attributes
   std::vector<Node> nodes;  ///< in key order; no payloads yet
@@ -29,8 +29,8 @@ struct SyntheticModel {
 
 struct SyntheticOptions {
   size_t leaf_triangles = 24;  ///< a node with more is split
-  uint32_t rungs = 2;          ///< of an inner node
-  uint32_t spare_rungs = 0;    ///< beside them, of one below the root
+  uint32_t lods = 2;           ///< of an inner node
+  uint32_t far_lods = 0;       ///< beside them, of one below the root
   int extent_bits = 12;        ///< the root's cell has 2^this lattice steps a side
   Lattice lattice{{100.5, -20.25, 3.75}, 0.25};
 };
@@ -133,27 +133,27 @@ class ModelMaker {
     return result;
   }
 
-  void addRung(Node& node, const std::vector<glm::u32vec3>& triangles) {
+  void addLod(Node& node, const std::vector<glm::u32vec3>& triangles) {
     const Mesh mesh = extract(triangles);
-    Rung rung;
-    rung.triangles = static_cast<uint32_t>(triangles.size());
-    rung.vertices = static_cast<uint32_t>(mesh.positions.size());
+    Lod lod;
+    lod.triangles = static_cast<uint32_t>(triangles.size());
+    lod.vertices = static_cast<uint32_t>(mesh.positions.size());
     std::vector<PositionCode> distinct = mesh.positions;
     std::sort(distinct.begin(), distinct.end());
     distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-    rung.locked = static_cast<uint32_t>(std::count_if(
+    lod.locked = static_cast<uint32_t>(std::count_if(
         distinct.begin(), distinct.end(), [&](PositionCode position) { return locked(node.key, position); }));
     const auto step = static_cast<float>(options_.lattice.step);
     const auto extent = static_cast<float>(1u << options_.extent_bits);
-    const int above_parents = node.rungs.size() >= options_.rungs ? 2 : 0;
-    rung.error_model = node.isLeaf() && node.rungs.empty()
-                           ? step
-                           : step * extent *
-                                 std::ldexp(1.0f + 0.1f * static_cast<float>(node.rungs.size()),
-                                            above_parents - node.key.depth());
+    const int above_parents = node.lods.size() >= options_.lods ? 2 : 0;
+    lod.error_model = node.isLeaf() && node.lods.empty()
+                          ? step
+                          : step * extent *
+                                std::ldexp(1.0f + 0.1f * static_cast<float>(node.lods.size()),
+                                           above_parents - node.key.depth());
     node.box.add(boxOf(mesh));
-    model_.meshes[{node.key, static_cast<uint32_t>(node.rungs.size())}] = mesh;
-    node.rungs.push_back(rung);
+    model_.meshes[{node.key, static_cast<uint32_t>(node.lods.size())}] = mesh;
+    node.lods.push_back(lod);
   }
 
   /// @return the triangles that the parent is made of.
@@ -163,7 +163,7 @@ class ModelMaker {
     std::vector<glm::u32vec3> triangles;
     if (const auto leaf = leaves_.find(key); leaf != leaves_.end()) {
       triangles = leaf->second;
-      addRung(node, triangles);
+      addLod(node, triangles);
     } else {
       node.child_mask = masks_[key];
       for (unsigned octant = 0; octant < 8; ++octant) {
@@ -173,15 +173,15 @@ class ModelMaker {
         node.box.add(boxes_[key.child(octant)]);
       }
     }
-    while (!node.isLeaf() && node.rungs.size() < options_.rungs) {
+    while (!node.isLeaf() && node.lods.size() < options_.lods) {
       triangles = coarsen(key, triangles);
-      addRung(node, triangles);
+      addLod(node, triangles);
     }
     std::vector<glm::u32vec3> coarser = triangles;
-    while (!node.isLeaf() && key != kRootKey && node.spare_rungs < options_.spare_rungs) {
+    while (!node.isLeaf() && key != kRootKey && node.far_lods < options_.far_lods) {
       coarser = coarsen(key, coarser);
-      addRung(node, coarser);
-      ++node.spare_rungs;
+      addLod(node, coarser);
+      ++node.far_lods;
     }
     boxes_[key] = node.box;
     model_.nodes.push_back(node);
@@ -215,18 +215,18 @@ inline Texture addFakeTexture(store::Writer& writer, const std::string& name, ui
   return texture;
 }
 
-/// Encodes the rungs and writes the store, coarse first. Fills in the model's payloads.
+/// Encodes the LODs and writes the store, coarse first. Fills in the model's payloads.
 /// @param add_textures  adds tiles and returns the model's texture set.
 inline ModelSummary writeStore(const std::filesystem::path& path, SyntheticModel& model,
                                const std::function<TextureSet(store::Writer&)>& add_textures = {}) {
   store::Writer writer(path);
   if (add_textures) writer.addTextures(add_textures(writer));
   for (Node& node : model.nodes)
-    for (auto rung = static_cast<uint32_t>(node.rungs.size()); rung-- > 0;) {
+    for (auto lod = static_cast<uint32_t>(node.lods.size()); lod-- > 0;) {
       const EncodedPayload payload =
-          encodePayload(model.meshes.at({node.key, rung}), model.summary.lattice.step);
-      node.rungs[rung].vertices = payload.vertices;
-      node.rungs[rung].payload = writer.addBlob(payload.bytes);
+          encodePayload(model.meshes.at({node.key, lod}), model.summary.lattice.step);
+      node.lods[lod].vertices = payload.vertices;
+      node.lods[lod].payload = writer.addBlob(payload.bytes);
     }
   return writer.finish(model.summary, model.nodes);
 }

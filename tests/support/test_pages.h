@@ -14,8 +14,8 @@ struct PageOptions {
   bool is_root_page = true;
   uint32_t seed = 1;
   unsigned children = 8;      ///< of each inner node, 0..8
-  unsigned rungs = 2;         ///< of each node
-  unsigned spare_rungs = 0;   ///< beside them, of inner nodes below the root
+  unsigned lods = 2;          ///< of each node
+  unsigned far_lods = 0;      ///< beside them, of inner nodes below the root
   bool deeper_pages = false;  ///< nodes of the deepest level have children in pages of their own
 };
 
@@ -38,15 +38,15 @@ inline HierarchyPage makePage(const PageOptions& options) {
     result.child_mask = static_cast<uint8_t>(inner ? (1u << options.children) - 1 : 0);
     if (level == 2 && !result.isLeaf()) result.child_page = blob(kMaxPageBytes);
     const bool has_spare = !result.isLeaf() && key != kRootKey;
-    result.spare_rungs = has_spare ? options.spare_rungs : 0;
+    result.far_lods = has_spare ? options.far_lods : 0;
     float error = static_cast<float>(100 >> level * 2);
-    for (unsigned i = 0; i < options.rungs + result.spare_rungs; ++i) {
-      if (i == options.rungs) error *= 10;  // above the parent's
-      Rung rung{blob(60000), 1000 + static_cast<uint32_t>(random() % 15000), 0, 0, error, error / 2};
-      rung.vertices = rung.triangles / 2 + 50;
-      rung.locked = rung.vertices / 20;
-      result.rungs.push_back(rung);
-      error *= 1 + 0.1f / static_cast<float>(options.rungs);
+    for (unsigned i = 0; i < options.lods + result.far_lods; ++i) {
+      if (i == options.lods) error *= 10;  // above the parent's
+      Lod lod{blob(60000), 1000 + static_cast<uint32_t>(random() % 15000), 0, 0, error, error / 2};
+      lod.vertices = lod.triangles / 2 + 50;
+      lod.locked = lod.vertices / 20;
+      result.lods.push_back(lod);
+      error *= 1 + 0.1f / static_cast<float>(options.lods);
     }
     return result;
   };

@@ -32,20 +32,20 @@ class Bell {
  public:
   void ring() {
     const std::lock_guard lock(mutex_);
-    rung_ = true;
+    lod_ = true;
     condition_.notify_one();
   }
   bool waitUntil(Clock::time_point deadline) {
     std::unique_lock lock(mutex_);
-    const bool in_time = condition_.wait_until(lock, deadline, [this] { return rung_; });
-    rung_ = false;
+    const bool in_time = condition_.wait_until(lock, deadline, [this] { return lod_; });
+    lod_ = false;
     return in_time;
   }
 
  private:
   std::mutex mutex_;
   std::condition_variable condition_;
-  bool rung_ = false;
+  bool lod_ = false;
 };
 
 std::vector<ModelSummary> askForModels(const net::Route& route, const std::string& token,

@@ -14,7 +14,7 @@ namespace lode::app {
 struct LoadTally {
   /// By class, from a wish's intended time to its last byte; of a full client from when it was sent.
   std::array<LatencyHistogram, 3> latency;
-  LatencyHistogram first_image;  ///< from a client's intended start to the root's coarsest rung
+  LatencyHistogram first_image;  ///< from a client's intended start to the root's coarsest LOD
   LatencyHistogram converged;    ///< of full clients: until the first picture that needs nothing more
   double looked_s = 0;           ///< of full clients
   double far_off_s = 0;          ///< in which their pictures were off by more than twice the threshold

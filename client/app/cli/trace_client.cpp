@@ -204,13 +204,13 @@ void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session,
     const size_t open = session.openWishes();
     if (open < kRefillBelow && open < pending_.size()) sendWishes();
   }
-  if (blob.blob.number == first_rung_ && !image_seen_) {
+  if (blob.blob.number == first_lod_ && !image_seen_) {
     image_seen_ = true;
     tally_.first_image.add(now - start_);
   } else if (blob.use.kind == core::BlobKind::kRootPage) {
     const HierarchyPage page = decodePage(blob.bytes, kRootKey, true);
-    const BlobRef& coarsest = page.nodes.front().rungs.back().payload;
-    first_rung_ = coarsest.number;
+    const BlobRef& coarsest = page.nodes.front().lods.back().payload;
+    first_lod_ = coarsest.number;
     if (coarsest) session.expectUnasked(coarsest, {});
   }
 }

@@ -71,7 +71,7 @@ class TraceClient final : public LoadClient {
   std::map<uint32_t, Pending> pending_;  ///< by blob number
   bool started_ = false, was_let_in_ = false, image_seen_ = false, gone_ = false;
   std::string turned_away_;  ///< why, the last time, until it is let in
-  uint32_t first_rung_ = 0;  ///< number of the blob that makes the first image
+  uint32_t first_lod_ = 0;   ///< number of the blob that makes the first image
   Transport newest_, leaving_;
   Transport ended_;  ///< gone at the next step: not in its own call
 };

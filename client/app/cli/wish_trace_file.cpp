@@ -100,8 +100,8 @@ void writeDecode(Json& json, const core::DecodeJob& job) {
 core::DecodeJob readMesh(const Reader& mesh, double step) {
   core::DecodeJob job;
   job.step = step;
-  job.expected.triangles = mesh.count("triangles", kMaxRungTriangles);
-  job.expected.vertices = mesh.count("vertices", kMaxRungVertices);
+  job.expected.triangles = mesh.count("triangles", kMaxLodTriangles);
+  job.expected.vertices = mesh.count("vertices", kMaxLodVertices);
   job.expected.attributes.bits =
       static_cast<decltype(job.expected.attributes.bits)>(mesh.count("attributes", 255));
   const std::vector<uint32_t> box = mesh.counts("box", 6, kMaxLattice);

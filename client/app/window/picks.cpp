@@ -28,7 +28,7 @@ PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core:
           model.lattice.origin + hit.position_model,
           false,
           hit.part->node,
-          hit.part->rung,
+          hit.part->lod,
           hit.part->error_px,
           model.lattice.step,
           core::paintAt(hit, textured),
@@ -50,8 +50,8 @@ std::vector<std::string> Picks::lines() const {
   char text[160];
   std::vector<std::string> lines{coordinates(last.position, decimals)};
   if (!last.model.empty()) lines.push_back("model " + last.model);
-  std::snprintf(text, sizeof text, "node %s, rung %u, error %.2f px", render::nodeName(last.node).c_str(),
-                last.rung, static_cast<double>(last.error_px));
+  std::snprintf(text, sizeof text, "node %s, LOD %u, error %.2f px", render::nodeName(last.node).c_str(),
+                last.lod, static_cast<double>(last.error_px));
   lines.emplace_back(last.is_ground ? "the ground" : text);
   if (const auto& colour = last.colour) {
     std::snprintf(text, sizeof text, "colour #%02x%02x%02x", colour->r, colour->g, colour->b);

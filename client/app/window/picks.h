@@ -14,9 +14,9 @@ namespace lode::app {
 struct PickedPoint {
   glm::dvec3 position_model;  ///< in the frame of what is looked at
   glm::dvec3 position;        ///< true coordinates
-  bool is_ground = false;     ///< of a scene: it has no node, rung and error
+  bool is_ground = false;     ///< of a scene: it has no node, LOD and error
   NodeKey node;
-  uint32_t rung = 0;
+  uint32_t lod = 0;
   float error_px = 0;
   double step = 1;  ///< of the lattice
   std::optional<glm::u8vec3> colour;
@@ -34,7 +34,7 @@ class Picks {
   /// The last of these was not meant: a double click begins with one.
   void takeBack() { picks_ = before_; }
 
-  /// Of the last point: coordinates, node, rung, error, colour; and how far it is from the one before.
+  /// Of the last point: coordinates, node, LOD, error, colour; and how far it is from the one before.
   /// Empty without one.
   std::vector<std::string> lines() const;
   /// Between the last two points, as text; empty where there are not two.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/ingest/build/idle_rungs.h"
+#include "server/ingest/build/idle_lods.h"
 
 namespace lode::ingest {
 
@@ -40,12 +40,12 @@ ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes,
     const std::vector<std::byte> bytes = nodes.read(place);
     RecordReader record(bytes);
     FinishedNode finished = getFinishedNode(record);
-    if (finished.node.spare_rungs > 1)
-      leaveOutIdleRungs(finished,
-                        *std::ranges::lower_bound(packed, finished.node.key.parent(), {}, &Node::key));
-    for (size_t r = finished.node.rungs.size(); r-- > 0;) {
+    if (finished.node.far_lods > 1)
+      leaveOutIdleLods(finished,
+                       *std::ranges::lower_bound(packed, finished.node.key.parent(), {}, &Node::key));
+    for (size_t r = finished.node.lods.size(); r-- > 0;) {
       const PayloadSpool::Place payload = finished.payloads[r];
-      if (payload.bytes > 0) finished.node.rungs[r].payload = writer.addBlob(payloads.read(payload));
+      if (payload.bytes > 0) finished.node.lods[r].payload = writer.addBlob(payloads.read(payload));
     }
     packed.push_back(std::move(finished.node));
     if (progress && packed.size() % 256 == 1) {

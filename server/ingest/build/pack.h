@@ -14,7 +14,7 @@ void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spoo
                   store::Writer& writer);
 
 /// Stage 6: payloads and hierarchy into one store, coarse nodes first, siblings together, a node's coarse
-/// rungs first.
+/// LODs first.
 /// @param writer   of the store; it may have textures already.
 /// @param summary  see store::Writer::finish. @param nodes  all of them; used up.
 ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,

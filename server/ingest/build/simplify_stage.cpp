@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "server/ingest/nodes/rung_targets.h"
+#include "server/ingest/nodes/lod_targets.h"
 #include "server/ingest/nodes/simplify_log.h"
 #include "server/ingest/nodes/tree_builder.h"
 

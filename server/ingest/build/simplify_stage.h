@@ -9,7 +9,7 @@
 
 namespace lode::ingest {
 
-/// Makes all nodes with their rungs, measured and encoded.
+/// Makes all nodes with their LODs, measured and encoded.
 class SimplifyStage final : public Stage {
  public:
   SimplifyStage(BuildSession& session, PartitionStage& partition);

@@ -9,7 +9,7 @@
 
 #include "common/error.h"
 #include "server/ingest/disk/record_sorter.h"
-#include "server/ingest/inspect/rung_errors.h"
+#include "server/ingest/inspect/lod_errors.h"
 #include "server/ingest/mesh/number_table.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/soup/dereference.h"
@@ -22,7 +22,7 @@ namespace lode::ingest {
 namespace {
 
 constexpr double kLeastRatio = 0.8;
-constexpr size_t kRungsOfOneBelow = 100;  ///< of so many, one may have an error below the sampled one
+constexpr size_t kLodsOfOneBelow = 100;  ///< of so many, one may have an error below the sampled one
 
 /// A triangle's corner, with what the file says of it: no computed normal.
 struct Corner {
@@ -120,7 +120,7 @@ class Comparison {
   void pushStore(RecordSorter& sorter) const {
     for (const Node& node : reader_.nodes()) {
       if (!node.isLeaf()) continue;
-      const Mesh mesh = store::readRung(reader_, node, 0);
+      const Mesh mesh = store::readLod(reader_, node, 0);
       for (const glm::u32vec3& t : mesh.triangles) {
         Side side{{}, -1};
         for (int k = 0; k < 3; ++k) {
@@ -162,48 +162,48 @@ class Comparison {
   }
 
   /// Those that are no copy of the input, evenly spread over the tree in key order.
-  std::vector<RungAt> chooseRungs() const {
-    std::vector<RungAt> all, chosen;
+  std::vector<LodAt> chooseLods() const {
+    std::vector<LodAt> all, chosen;
     for (const Node& node : reader_.nodes()) {
-      for (uint32_t r = node.isLeaf() ? 1 : 0; r < node.rungs.size(); ++r) {
-        if (node.rungs[r].triangles > 0) all.push_back({&node, r});
+      for (uint32_t r = node.isLeaf() ? 1 : 0; r < node.lods.size(); ++r) {
+        if (node.lods[r].triangles > 0) all.push_back({&node, r});
       }
     }
-    if (options_.rungs == 0 || all.size() <= options_.rungs) return all;
-    const size_t stride = (all.size() + options_.rungs - 1) / options_.rungs;
+    if (options_.lods == 0 || all.size() <= options_.lods) return all;
+    const size_t stride = (all.size() + options_.lods - 1) / options_.lods;
     for (size_t i = options_.seed % stride; i < all.size(); i += stride) chosen.push_back(all[i]);
     return chosen;
   }
 
   void compareErrors() {
     std::vector<double> ratios;
-    const std::vector<RungAt> rungs = chooseRungs();
-    const std::vector<MeasuredError> errors = measureRungErrors(
-        reader_, rungs,
+    const std::vector<LodAt> lods = chooseLods();
+    const std::vector<MeasuredError> errors = measureLodErrors(
+        reader_, lods,
         {.seed = options_.seed, .threads = threads(), .progress = [this](double fraction, uint64_t leaves) {
            if (progress_) progress_("measure", fraction, leaves, reader_.nodes().size());
          }});
-    for (size_t i = 0; i < rungs.size(); ++i) {
-      const auto& [node, rung] = rungs[i];
+    for (size_t i = 0; i < lods.size(); ++i) {
+      const auto& [node, lod] = lods[i];
       const MeasuredError& error = errors[i];
       const double ratio = error.found_steps > 0 ? error.stored_steps / error.found_steps : 2;
       if (ratio < kLeastRatio) {
         const double step = reader_.summary().lattice.step;
-        fail("node " + store::describeKey(node->key) + ", rung " + std::to_string(rung) +
+        fail("node " + store::describeKey(node->key) + ", LOD " + std::to_string(lod) +
              ": its error is given as " + std::to_string(error.stored_steps * step) + ", sampling finds " +
              std::to_string(error.found_steps * step) + " or more (I4)");
       }
-      report_.rungs_below += ratio < 1;
+      report_.lods_below += ratio < 1;
       ratios.push_back(ratio);
     }
-    report_.rungs = ratios.size();
+    report_.lods = ratios.size();
     if (ratios.empty()) return;
     std::sort(ratios.begin(), ratios.end());
     report_.least_ratio = ratios.front();
     report_.median_ratio = ratios[ratios.size() / 2];
-    if (report_.rungs_below > (report_.rungs + kRungsOfOneBelow - 1) / kRungsOfOneBelow) {
-      fail(std::to_string(report_.rungs_below) + " of " + std::to_string(report_.rungs) +
-           " rungs have an error below what sampling finds (I4)");
+    if (report_.lods_below > (report_.lods + kLodsOfOneBelow - 1) / kLodsOfOneBelow) {
+      fail(std::to_string(report_.lods_below) + " of " + std::to_string(report_.lods) +
+           " LODs have an error below what sampling finds (I4)");
     }
   }
 

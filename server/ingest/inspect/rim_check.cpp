@@ -16,10 +16,10 @@ store::Segment segmentOf(const store::OpenEdge& rim) {
 
 }  // namespace
 
-void RimCheck::addRung(const Mesh& rung) {
+void RimCheck::addLod(const Mesh& lod) {
   store::OpenEdges rims;
-  rims.add(rung);
-  of_rungs_.push_back(rims.edges());
+  rims.add(lod);
+  of_lods_.push_back(rims.edges());
 }
 
 void RimCheck::addLeaf(std::span<const store::OpenEdge> rims) {
@@ -33,9 +33,9 @@ std::vector<float> RimCheck::found() {
   segments.reserve(original.size());
   for (const store::OpenEdge& rim : original) segments.push_back(segmentOf(rim));
   const store::SegmentTree tree(std::move(segments));
-  std::vector<float> farthest(of_rungs_.size());
-  for (size_t i = 0; i < of_rungs_.size() && !tree.empty(); ++i) {
-    for (const store::OpenEdge& rim : of_rungs_[i]) {
+  std::vector<float> farthest(of_lods_.size());
+  for (size_t i = 0; i < of_lods_.size() && !tree.empty(); ++i) {
+    for (const store::OpenEdge& rim : of_lods_[i]) {
       if (std::binary_search(original.begin(), original.end(), rim)) continue;
       const store::Segment segment = segmentOf(rim);
       for (int part = 0; part <= kPartsOfRim; ++part) {

@@ -9,22 +9,22 @@
 
 namespace lode::ingest {
 
-/// Looks for the largest distance between the rims of a node's rungs and those of the leaves below it, which
+/// Looks for the largest distance between the rims of a node's LODs and those of the leaves below it, which
 /// come one by one in any order, on any threads. What the node shares with its neighbours counts as a rim of
 /// both and is the same in both.
 class RimCheck {
  public:
-  /// Before the first leaf. The rungs are numbered in the order of these calls.
-  void addRung(const Mesh& rung);
+  /// Before the first leaf. The LODs are numbered in the order of these calls.
+  void addLod(const Mesh& lod);
   /// Thread safe. @param rims  of a leaf.
   void addLeaf(std::span<const store::OpenEdge> rims);
-  /// After the last leaf: for each rung what points of its rims are at most from the leaves', lattice steps.
+  /// After the last leaf: for each LOD what points of its rims are at most from the leaves', lattice steps.
   std::vector<float> found();
 
  private:
   std::mutex mutex_;
   store::OpenEdges of_leaves_;
-  std::vector<std::vector<store::OpenEdge>> of_rungs_;
+  std::vector<std::vector<store::OpenEdge>> of_lods_;
 };
 
 }  // namespace lode::ingest

@@ -15,9 +15,9 @@ constexpr int kMostCuts = 12;  ///< of an edge, one within another
 
 class EdgeMeasurement {
  public:
-  EdgeMeasurement(const SimplifiedMesh& rung, const RungInput& input, std::span<const uint32_t> sources,
+  EdgeMeasurement(const SimplifiedMesh& lod, const LodInput& input, std::span<const uint32_t> sources,
                   float known)
-      : mesh_(rung.mesh), input_(input), largest_(known) {
+      : mesh_(lod.mesh), input_(input), largest_(known) {
     corners_.reserve(sources.size());
     for (size_t i = 0; i < sources.size(); ++i) {
       const glm::vec3 at(unpackPosition(mesh_.positions[i]));
@@ -88,7 +88,7 @@ class EdgeMeasurement {
   }
 
   const NodeMesh& mesh_;
-  const RungInput& input_;
+  const LodInput& input_;
   float largest_;
   int looks_ = 0;
   std::vector<PointBeside> corners_;
@@ -96,9 +96,9 @@ class EdgeMeasurement {
 
 }  // namespace
 
-float farthestAlongEdges(const SimplifiedMesh& rung, const RungInput& input,
-                         std::span<const uint32_t> sources, float known) {
-  return EdgeMeasurement(rung, input, sources, known).run();
+float farthestAlongEdges(const SimplifiedMesh& lod, const LodInput& input, std::span<const uint32_t> sources,
+                         float known) {
+  return EdgeMeasurement(lod, input, sources, known).run();
 }
 
 }  // namespace lode::ingest

@@ -11,7 +11,7 @@ namespace lode::ingest {
 namespace {
 
 // Of the largest distance so far: triangles that are nearer, as far as is known without a look, are passed
-// over. docs/benchmarks.md (Errors) has how many rungs come out too small so.
+// over. docs/benchmarks.md (Errors) has how many LODs come out too small so.
 constexpr float kWorthInInput = 0.7f;
 
 /// A triangle's plane; its normal is 0 where the triangle has no area.
@@ -35,15 +35,15 @@ std::vector<Plane> planesOf(const NodeMesh& mesh) {
   return planes;
 }
 
-/// How far a triangle's points are from a rung, about and rather too much, by the planes beside its corners:
+/// How far a triangle's points are from an LOD, about and rather too much, by the planes beside its corners:
 /// where a side crosses the ridge between two of them it is less high above both than its ends are above the
 /// plane beside the other end.
-float triangleDistance(const std::array<PointBeside, 3>& corners, std::span<const Plane> rung_planes) {
+float triangleDistance(const std::array<PointBeside, 3>& corners, std::span<const Plane> lod_planes) {
   float most = 0;
   for (size_t k = 0; k < 3; ++k) {
     const PointBeside &from = corners[k], &to = corners[(k + 1) % 3];
-    const float from_last = std::abs(rung_planes[to.triangle].height(from.at)),
-                to_first = std::abs(rung_planes[from.triangle].height(to.at));
+    const float from_last = std::abs(lod_planes[to.triangle].height(from.at)),
+                to_first = std::abs(lod_planes[from.triangle].height(to.at));
     most = std::max({most, from.distance, std::min(from_last, to_first)});
   }
   return most;
@@ -51,14 +51,14 @@ float triangleDistance(const std::array<PointBeside, 3>& corners, std::span<cons
 
 /// Each position of the input, with its distance where that may be larger than all others'; `known` becomes
 /// the largest.
-std::vector<PointBeside> positionsBeside(const SimplifiedMesh& rung, const NodeMesh& input,
-                                         const RungSurface& surface,
+std::vector<PointBeside> positionsBeside(const SimplifiedMesh& lod, const NodeMesh& input,
+                                         const LodSurface& surface,
                                          std::span<const SurfaceWalk::Place> places, float& known) {
   std::vector<PointBeside> beside;
   beside.reserve(input.positions.size());
   for (uint32_t i = 0; i < input.positions.size(); ++i) {
     const glm::vec3 at(unpackPosition(input.positions[i]));
-    if (rung.became[i] != kVanished && places[i].distance <= known) {
+    if (lod.became[i] != kVanished && places[i].distance <= known) {
       beside.push_back({at, places[i].distance, places[i].triangle});
     } else {
       const TriangleTree::Nearest nearest = surface.nearest(at, known);
@@ -71,10 +71,10 @@ std::vector<PointBeside> positionsBeside(const SimplifiedMesh& rung, const NodeM
 
 }  // namespace
 
-FarthestOfInput farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
+FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input, const LodSurface& surface,
                                 std::span<const SurfaceWalk::Place> places, float known) {
-  const std::vector<PointBeside> beside = positionsBeside(rung, input, surface, places, known);
-  const std::vector<Plane> rung_planes = planesOf(rung.mesh);
+  const std::vector<PointBeside> beside = positionsBeside(lod, input, surface, places, known);
+  const std::vector<Plane> lod_planes = planesOf(lod.mesh);
   FarthestInTriangle farthest(surface, known, known);
   uint32_t corner = 0;  // of the triangle that has the farthest place
   for (const glm::u32vec3& t : input.triangles) {
@@ -82,7 +82,7 @@ FarthestOfInput farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& inpu
                       &c = beside[input.wedge_position[t.z]];
     if (a.triangle == b.triangle && b.triangle == c.triangle) continue;  // farthest at a corner
     const std::array<PointBeside, 3> corners{a, b, c};
-    if (triangleDistance(corners, rung_planes) <= kWorthInInput * farthest.told()) continue;
+    if (triangleDistance(corners, lod_planes) <= kWorthInInput * farthest.told()) continue;
     const float before = farthest.largest();
     farthest.look(corners);
     if (farthest.largest() > before) corner = input.wedge_position[t.x];

@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "server/ingest/measure/rung_surface.h"
+#include "server/ingest/measure/lod_surface.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/node_mesh.h"
@@ -16,13 +16,13 @@ struct FarthestOfInput {
   std::optional<SurfaceSample> inside;  ///< where, if inside a triangle; near one of its corners
 };
 
-/// The largest distance of a mesh from a rung that was made of it, in lattice steps, to 2 %: of all points of
-/// those triangles that may hide the largest, as their corners and the planes of the rung beside these say.
-/// (What is passed over, RungCheck looks at; what is far along a rim alone, rimGap() measures.)
-/// @param surface  of the rung.
+/// The largest distance of a mesh from an LOD that was made of it, in lattice steps, to 2 %: of all points of
+/// those triangles that may hide the largest, as their corners and the planes of the LOD beside these say.
+/// (What is passed over, LodCheck looks at; what is far along a rim alone, rimGap() measures.)
+/// @param surface  of the LOD.
 /// @param places of the input's positions on it; see placesOn().
 /// @param known  what is nearer does not matter. @return not below it.
-FarthestOfInput farthestOfInput(const SimplifiedMesh& rung, const NodeMesh& input, const RungSurface& surface,
+FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input, const LodSurface& surface,
                                 std::span<const SurfaceWalk::Place> places, float known);
 
 }  // namespace lode::ingest

@@ -14,7 +14,7 @@ namespace {
 constexpr float kColourThreshold = 8;         ///< of 255, in any channel
 constexpr float kNormalThreshold = 0.3473f;   ///< length of a difference: about 20 degrees
 constexpr float kComputedThreshold = 0.684f;  ///< the same of computed normals: about 40 degrees
-constexpr double kIgnoredArea = 1.0 / 1024;   ///< of the rung's
+constexpr double kIgnoredArea = 1.0 / 1024;   ///< of the LOD's
 
 /// Attributes of a point as numbers.
 struct Value {
@@ -23,21 +23,21 @@ struct Value {
   glm::vec2 texture{0};
 };
 
-/// Measures the positions of the input against the triangles of the rung that they lie on.
+/// Measures the positions of the input against the triangles of the LOD that they lie on.
 class DetailMeter {
  public:
-  DetailMeter(const SimplifiedMesh& rung, const NodeMesh& input)
-      : rung_(rung.mesh),
+  DetailMeter(const SimplifiedMesh& lod, const NodeMesh& input)
+      : lod_(lod.mesh),
         input_(input),
         counts_colour_(input.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)),
         counts_normal_(input.attributes.has(AttributeSet::kNormal)),
         counts_texture_(input.attributes.has(AttributeSet::kTexture)),
         normal_threshold_(input.attributes.has(AttributeSet::kComputedNormal) ? kComputedThreshold
                                                                               : kNormalThreshold),
-        found_(rung.mesh.triangles.size()) {
+        found_(lod.mesh.triangles.size()) {
     if (!countsAny()) return;
-    values_.reserve(rung_.wedge_attributes.size());
-    for (const VertexAttributes& attributes : rung_.wedge_attributes) values_.push_back(valueOf(attributes));
+    values_.reserve(lod_.wedge_attributes.size());
+    for (const VertexAttributes& attributes : lod_.wedge_attributes) values_.push_back(valueOf(attributes));
   }
 
   bool countsAny() const noexcept { return counts_colour_ || counts_normal_ || counts_texture_; }
@@ -58,17 +58,17 @@ class DetailMeter {
 
   Value valueOf(const VertexAttributes& attributes) const;
   glm::vec3 pointOf(uint32_t wedge) const {
-    return glm::vec3(unpackPosition(rung_.positions[rung_.wedge_position[wedge]]));
+    return glm::vec3(unpackPosition(lod_.positions[lod_.wedge_position[wedge]]));
   }
   /// Lattice steps for each step of the texture grid, on a triangle.
   float stretchOf(const glm::u32vec3& t) const;
 
-  const NodeMesh& rung_;
+  const NodeMesh& lod_;
   const NodeMesh& input_;
   const bool counts_colour_, counts_normal_, counts_texture_;
   const float normal_threshold_;
-  std::vector<Value> values_;  ///< a wedge of the rung
-  std::vector<Found> found_;   ///< a triangle of the rung
+  std::vector<Value> values_;  ///< a wedge of the LOD
+  std::vector<Found> found_;   ///< a triangle of the LOD
 };
 
 Value DetailMeter::valueOf(const VertexAttributes& attributes) const {
@@ -82,14 +82,14 @@ Value DetailMeter::valueOf(const VertexAttributes& attributes) const {
 float DetailMeter::stretchOf(const glm::u32vec3& t) const {
   const glm::vec3 a = pointOf(t.x);
   const float area = glm::length(glm::cross(pointOf(t.y) - a, pointOf(t.z) - a));
-  const glm::vec2 u(rung_.wedge_attributes[t.x].texture), v(rung_.wedge_attributes[t.y].texture),
-      w(rung_.wedge_attributes[t.z].texture);
+  const glm::vec2 u(lod_.wedge_attributes[t.x].texture), v(lod_.wedge_attributes[t.y].texture),
+      w(lod_.wedge_attributes[t.z].texture);
   const float mapped = std::abs((v.x - u.x) * (w.y - u.y) - (v.y - u.y) * (w.x - u.x));
   return mapped > 0 ? std::sqrt(area / mapped) : 0;
 }
 
 void DetailMeter::add(std::span<const uint32_t> wedges, SurfaceWalk::Place place) {
-  const glm::u32vec3& t = rung_.triangles[place.triangle];
+  const glm::u32vec3& t = lod_.triangles[place.triangle];
   const std::array<const Value*, 3> corners{&values_[t.x], &values_[t.y], &values_[t.z]};
   Value here;
   for (int k = 0; k < 3; ++k) {
@@ -97,7 +97,7 @@ void DetailMeter::add(std::span<const uint32_t> wedges, SurfaceWalk::Place place
     if (counts_normal_) here.normal += place.shares[k] * corners[k]->normal;
     if (counts_texture_) here.texture += place.shares[k] * corners[k]->texture;
   }
-  const uint16_t material = rung_.wedge_attributes[t.x].material;
+  const uint16_t material = lod_.wedge_attributes[t.x].material;
   Value least;
   float least_sum = std::numeric_limits<float>::infinity();
   for (const uint32_t wedge : wedges) {
@@ -131,7 +131,7 @@ float DetailMeter::size() const {
   std::vector<Lost> lost;
   double area = 0;
   for (size_t i = 0; i < found_.size(); ++i) {
-    const glm::u32vec3& t = rung_.triangles[i];
+    const glm::u32vec3& t = lod_.triangles[i];
     const glm::vec3 a = pointOf(t.x), ab = pointOf(t.y) - a, ac = pointOf(t.z) - a;
     const double triangle_area = glm::length(glm::cross(ab, ac));
     area += triangle_area;
@@ -156,10 +156,10 @@ float DetailMeter::size() const {
 
 }  // namespace
 
-float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input,
+float lostDetail(const SimplifiedMesh& lod, const NodeMesh& input,
                  std::span<const SurfaceWalk::Place> places) {
-  DetailMeter meter(rung, input);
-  if (!meter.countsAny() || rung.mesh.triangles.empty()) return 0;
+  DetailMeter meter(lod, input);
+  if (!meter.countsAny() || lod.mesh.triangles.empty()) return 0;
   std::vector<uint32_t> begin(input.positions.size() + 1), wedges(input.wedge_position.size());
   for (const uint32_t position : input.wedge_position) ++begin[position];
   uint32_t end = 0;
@@ -167,7 +167,7 @@ float lostDetail(const SimplifiedMesh& rung, const NodeMesh& input,
   for (auto wedge = static_cast<uint32_t>(wedges.size()); wedge-- > 0;)
     wedges[--begin[input.wedge_position[wedge]]] = wedge;
   for (size_t i = 0; i < input.positions.size(); ++i) {
-    if (rung.became[i] == kVanished) continue;
+    if (lod.became[i] == kVanished) continue;
     meter.add(std::span(wedges).subspan(begin[i], begin[i + 1] - begin[i]), places[i]);
   }
   return meter.size();

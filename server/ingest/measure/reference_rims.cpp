@@ -1,6 +1,6 @@
 #include "server/ingest/measure/reference_rims.h"
 
-#include "server/ingest/measure/rung_input.h"
+#include "server/ingest/measure/lod_input.h"
 
 namespace lode::ingest {
 
@@ -9,7 +9,7 @@ glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> became) noexce
   return {imageOfEnd(ends.x), imageOfEnd(ends.y)};
 }
 
-ReferenceRims referencesIn(const RungInput& input, std::span<const uint32_t> became, float rim_gap_steps,
+ReferenceRims referencesIn(const LodInput& input, std::span<const uint32_t> became, float rim_gap_steps,
                            size_t most) {
   ReferenceRims references{{}, input.referenceGapSteps()};
   for (uint32_t i = 0; i < input.referenceCount(); ++i) {

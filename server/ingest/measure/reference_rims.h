@@ -11,7 +11,7 @@
 
 namespace lode::ingest {
 
-class RungInput;
+class LodInput;
 
 /// A rim of the original that travels up the tree, for rims to be measured against.
 struct ReferenceRim {
@@ -28,10 +28,10 @@ struct ReferenceRims {
 /// What has become of both ends of a rim.
 glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> became) noexcept;
 
-/// What the rims of a rung are measured against where it takes its input's place: what the input's are, but
-/// for what has vanished; or the rung's own rims, if that is more than `most`.
-/// @param rim_gap_steps  the rung's, see rimGap()
-ReferenceRims referencesIn(const RungInput& input, std::span<const uint32_t> became, float rim_gap_steps,
+/// What the rims of an LOD are measured against where it takes its input's place: what the input's are, but
+/// for what has vanished; or the LOD's own rims, if that is more than `most`.
+/// @param rim_gap_steps  the LOD's, see rimGap()
+ReferenceRims referencesIn(const LodInput& input, std::span<const uint32_t> became, float rim_gap_steps,
                            size_t most);
 
 }  // namespace lode::ingest

@@ -89,7 +89,7 @@ void look(const Segment& segment, std::span<Segment> rims, Farthest& farthest) {
 /// The references that have become, or meet, places of a simplified mesh.
 class MeetingRims {
  public:
-  MeetingRims(const SimplifiedMesh& simplified, const RungInput& input)
+  MeetingRims(const SimplifiedMesh& simplified, const LodInput& input)
       : simplified_(simplified), input_(input) {
     for (uint32_t i = 0; i < input.referenceCount(); ++i) {
       const glm::u32vec2 image = imageOf(input.reference(i).near, simplified.became);
@@ -140,12 +140,12 @@ class MeetingRims {
   }
 
   const SimplifiedMesh& simplified_;
-  const RungInput& input_;
+  const LodInput& input_;
   std::vector<Meeting> meetings_;
 };
 
 /// Edges between what has become of the ends of the input's rims, rising.
-std::vector<glm::u32vec2> imagesOfRims(const SimplifiedMesh& simplified, const RungInput& input) {
+std::vector<glm::u32vec2> imagesOfRims(const SimplifiedMesh& simplified, const LodInput& input) {
   std::vector<glm::u32vec2> images;
   for (const glm::u32vec2 rim : input.rims()) {
     const auto [a, b] = std::minmax(simplified.became[rim.x], simplified.became[rim.y]);
@@ -158,7 +158,7 @@ std::vector<glm::u32vec2> imagesOfRims(const SimplifiedMesh& simplified, const R
 
 }  // namespace
 
-float rimGap(const SimplifiedMesh& simplified, const RungInput& input) {
+float rimGap(const SimplifiedMesh& simplified, const LodInput& input) {
   const auto pointOf = [&](uint32_t place) {
     return glm::vec3(unpackPosition(simplified.mesh.positions[place]));
   };

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/ingest/measure/rung_input.h"
+#include "server/ingest/measure/lod_input.h"
 #include "server/ingest/mesh/simplified_mesh.h"
 
 namespace lode::ingest {
@@ -9,6 +9,6 @@ namespace lode::ingest {
 /// references of its input are, and what it is from these, at most 2 % or a quarter of a step too much. A rim
 /// is the image of rims, and is compared with those references alone that have become it or what meets its
 /// ends, and where these are far, with those that meet them.
-float rimGap(const SimplifiedMesh& simplified, const RungInput& input);
+float rimGap(const SimplifiedMesh& simplified, const LodInput& input);
 
 }  // namespace lode::ingest

@@ -30,10 +30,10 @@ glm::vec2 sharesOf(uint32_t n) noexcept {
 /// For how many times the mean area a triangle gets a point inside, in a mesh of so many.
 double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
 
-/// Makes the largest of the distances that walks over a rung have found exact.
+/// Makes the largest of the distances that walks over an LOD have found exact.
 /// @param pointOf  the point of each distance.
 template <typename PointOf>
-void confirmLargest(const RungSurface& surface, std::vector<float>& distances, PointOf&& pointOf) {
+void confirmLargest(const LodSurface& surface, std::vector<float>& distances, PointOf&& pointOf) {
   std::vector<uint32_t> order(distances.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   const auto is_less = [&](uint32_t a, uint32_t b) { return distances[a] < distances[b]; };
@@ -94,20 +94,20 @@ void dropDuplicates(std::vector<SurfaceSample>& samples) {
   samples.erase(std::unique(samples.begin(), samples.end(), is_same), samples.end());
 }
 
-std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
+std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& lod, const NodeMesh& input,
                                          const SurfaceWalk& walk) {
   std::vector<SurfaceWalk::Place> places(input.positions.size());
   for (uint32_t i = 0; i < places.size(); ++i) {
-    const uint32_t became = rung.became[i];
+    const uint32_t became = lod.became[i];
     if (became == kVanished) continue;
-    const bool has_stayed = rung.mesh.positions[became] == input.positions[i];
+    const bool has_stayed = lod.mesh.positions[became] == input.positions[i];
     places[i] = has_stayed ? walk.placeAt(became) : walk.placeOf(pointOf(input, i), became);
   }
   return places;
 }
 
-std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input,
-                                      const RungSurface& surface, std::span<const SurfaceWalk::Place> places,
+std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh& input,
+                                      const LodSurface& surface, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples) {
   std::vector<float> distances;
   std::vector<uint32_t> nears;
@@ -115,10 +115,10 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh
   nears.reserve(samples.size());
   float largest = 0;
   for (const SurfaceSample& sample : samples) {
-    uint32_t near = sample.near == kVanished ? kVanished : rung.became[sample.near];
+    uint32_t near = sample.near == kVanished ? kVanished : lod.became[sample.near];
     if (near == kVanished) {  // where its triangles have gone, the nearest of those that are left
       const TriangleTree::Nearest found = surface.nearest(pointOf(sample), kRanks * largest);
-      near = rung.mesh.wedge_position[rung.mesh.triangles[found.triangle].x];
+      near = lod.mesh.wedge_position[lod.mesh.triangles[found.triangle].x];
       distances.push_back(found.distance);
     } else if (sample.position == input.positions[sample.near]) {
       distances.push_back(places[sample.near].distance);

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "server/ingest/measure/rung_surface.h"
+#include "server/ingest/measure/lod_surface.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/simplified_mesh.h"
 
@@ -34,22 +34,22 @@ void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mes
 /// sorts by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
-/// Where each position of the mesh that a rung was made of lies on the rung; of those that have vanished,
-/// anything. @param walk  over the rung's mesh.
-std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& rung, const NodeMesh& input,
+/// Where each position of the mesh that an LOD was made of lies on the LOD; of those that have vanished,
+/// anything. @param walk  over the LOD's mesh.
+std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& lod, const NodeMesh& input,
                                          const SurfaceWalk& walk);
 
-/// Distance of a sample from a rung, lattice steps.
+/// Distance of a sample from an LOD, lattice steps.
 struct Deviation {
   float steps;
-  uint32_t near;  ///< as SurfaceSample's, in the rung
+  uint32_t near;  ///< as SurfaceSample's, in the LOD
 };
 
-/// Distances of samples, which are near positions of the mesh that `rung` was made of, from the rung: the
+/// Distances of samples, which are near positions of the mesh that `lod` was made of, from the LOD: the
 /// largest is exact, and no other below the true one.
-/// @param surface  of the rung. @param places  of the input's positions, which samples may be.
-std::vector<Deviation> deviationsFrom(const SimplifiedMesh& rung, const NodeMesh& input,
-                                      const RungSurface& surface, std::span<const SurfaceWalk::Place> places,
+/// @param surface  of the LOD. @param places  of the input's positions, which samples may be.
+std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh& input,
+                                      const LodSurface& surface, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples);
 
 /// Points inside the triangles of a mesh that are large beside the others, where its positions alone would

@@ -7,7 +7,7 @@
 namespace lode::ingest {
 namespace {
 
-struct RungRecord {
+struct LodRecord {
   uint32_t triangles, vertices, locked;
   float error_model, appearance_error_model;
   uint32_t payload_bytes;
@@ -48,14 +48,14 @@ void putFinishedNode(RecordWriter& record, const Node& node, std::span<const Pay
   record.put(node.key);
   record.put(node.box);
   record.put(node.child_mask);
-  std::vector<RungRecord> rungs;
-  for (size_t r = 0; r < node.rungs.size(); ++r) {
-    const Rung& rung = node.rungs[r];
-    rungs.push_back({rung.triangles, rung.vertices, rung.locked, rung.error_model,
-                     rung.appearance_error_model, payloads[r].bytes, payloads[r].offset});
+  std::vector<LodRecord> lods;
+  for (size_t r = 0; r < node.lods.size(); ++r) {
+    const Lod& lod = node.lods[r];
+    lods.push_back({lod.triangles, lod.vertices, lod.locked, lod.error_model, lod.appearance_error_model,
+                    payloads[r].bytes, payloads[r].offset});
   }
-  record.putAll(rungs);
-  record.put(node.spare_rungs);
+  record.putAll(lods);
+  record.put(node.far_lods);
 }
 
 FinishedNode getFinishedNode(RecordReader& record) {
@@ -63,23 +63,23 @@ FinishedNode getFinishedNode(RecordReader& record) {
   finished.node.key = record.get<NodeKey>();
   finished.node.box = record.get<LatticeBox>();
   finished.node.child_mask = record.get<uint8_t>();
-  const std::vector<RungRecord> rungs = record.getAll<RungRecord>();
-  finished.node.spare_rungs = record.get<uint32_t>();
-  finished.node.rungs.reserve(rungs.size());
-  for (const RungRecord& from : rungs) {
-    Rung rung;
-    rung.triangles = from.triangles;
-    rung.vertices = from.vertices;
-    rung.locked = from.locked;
-    rung.error_model = from.error_model;
-    rung.appearance_error_model = from.appearance_error_model;
-    finished.node.rungs.push_back(rung);
+  const std::vector<LodRecord> lods = record.getAll<LodRecord>();
+  finished.node.far_lods = record.get<uint32_t>();
+  finished.node.lods.reserve(lods.size());
+  for (const LodRecord& from : lods) {
+    Lod lod;
+    lod.triangles = from.triangles;
+    lod.vertices = from.vertices;
+    lod.locked = from.locked;
+    lod.error_model = from.error_model;
+    lod.appearance_error_model = from.appearance_error_model;
+    finished.node.lods.push_back(lod);
     finished.payloads.push_back({from.payload_offset, from.payload_bytes});
   }
-  if (finished.node.rungs.empty() || finished.node.rungs.size() > kMaxRungs) {
+  if (finished.node.lods.empty() || finished.node.lods.size() > kMaxLods) {
     throw Error(ErrorCode::kLimit, "the journal of a build names a node of " +
-                                       std::to_string(finished.node.rungs.size()) +
-                                       " rungs; build without --resume");
+                                       std::to_string(finished.node.lods.size()) +
+                                       " LODs; build without --resume");
   }
   return finished;
 }
@@ -102,7 +102,7 @@ BuiltNode getBuiltNode(RecordReader& record) {
   built.payloads = std::move(finished.payloads);
   built.coarsest = getMesh(record);
   built.original_triangles = record.get<uint64_t>();
-  built.inherited = record.get<RungError>();
+  built.inherited = record.get<LodError>();
   built.references.gap_steps = record.get<float>();
   built.references.rims = record.getAll<ReferenceRim>();
   built.samples = record.getAll<SurfaceSample>();

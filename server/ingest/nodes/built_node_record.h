@@ -8,7 +8,7 @@ namespace lode::ingest {
 /// A node with the places of its payloads, which are not numbered yet.
 struct FinishedNode {
   Node node;
-  std::vector<PayloadSpool::Place> payloads;  ///< one a rung
+  std::vector<PayloadSpool::Place> payloads;  ///< one an LOD
 };
 
 void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadSpool::Place> payloads);

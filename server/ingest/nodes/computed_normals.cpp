@@ -67,39 +67,39 @@ bool hasCreases(const NodeMesh& mesh) {
   return false;
 }
 
-/// Whether a position has in a rung what it had in its input, to the bit.
-std::vector<bool> positionsThatKeep(const NodeMesh& rung, const NodeMesh& mesh,
+/// Whether a position has in an LOD what it had in its input, to the bit.
+std::vector<bool> positionsThatKeep(const NodeMesh& lod, const NodeMesh& mesh,
                                     std::span<const uint32_t> sources) {
   std::vector<bool> keep(sources.size());
   for (size_t i = 0; i < keep.size(); ++i)
-    keep[i] = rung.lca_depth[i] != kNeverLocked && rung.positions[i] == mesh.positions[sources[i]];
+    keep[i] = lod.lca_depth[i] != kNeverLocked && lod.positions[i] == mesh.positions[sources[i]];
   return keep;
 }
 
 /// Where the faces beside a crease have come to meet at less than its angle, there is none any more: gives
-/// wedges on both its sides one normal. So creases that are noise do not part all coarser rungs.
-void joinSmoothed(NodeMesh& rung, const std::vector<bool>& keep, const CreaseAngle& crease) {
-  const NormalsByPosition own(rung);
-  const NormalFans fans = findFans(rung, crease);
+/// wedges on both its sides one normal. So creases that are noise do not part all coarser LODs.
+void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngle& crease) {
+  const NormalsByPosition own(lod);
+  const NormalFans fans = findFans(lod, crease);
   Groups same(own.codes.size());
   std::vector<uint32_t> of_fan(fans.sums.size(), kNoNormal);
   for (size_t c = 0; c < fans.of_corner.size(); ++c) {
-    const uint32_t wedge = rung.triangles[c / 3][static_cast<int>(c % 3)];
-    if (keep[rung.wedge_position[wedge]]) continue;
+    const uint32_t wedge = lod.triangles[c / 3][static_cast<int>(c % 3)];
+    if (keep[lod.wedge_position[wedge]]) continue;
     uint32_t& normal = of_fan[fans.of_corner[c]];
     if (normal == kNoNormal) normal = own.of_wedge[wedge];
     same.join(normal, own.of_wedge[wedge]);
   }
-  for (size_t wedge = 0; wedge < rung.wedge_attributes.size(); ++wedge)
-    rung.wedge_attributes[wedge].normal = own.codes[same.find(own.of_wedge[wedge])];
+  for (size_t wedge = 0; wedge < lod.wedge_attributes.size(); ++wedge)
+    lod.wedge_attributes[wedge].normal = own.codes[same.find(own.of_wedge[wedge])];
 }
 
-/// Of each normal of the rung, the mean of those that have become it; else that of its position's source.
-std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& rung, const NormalsByPosition& own,
+/// Of each normal of the LOD, the mean of those that have become it; else that of its position's source.
+std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                      const NormalsByPosition& given, std::span<const uint32_t> sources) {
   std::vector<glm::vec3> means(own.codes.size(), glm::vec3(0));
-  for (uint32_t i = 0; i < rung.became.size(); ++i) {
-    const uint32_t place = rung.became[i];
+  for (uint32_t i = 0; i < lod.became.size(); ++i) {
+    const uint32_t place = lod.became[i];
     if (place == kVanished) continue;
     for (uint32_t normal = i; normal != kNoNormal; normal = given.next[normal])
       means[own.mostAlike(place, given.directions[normal])] += given.directions[normal];
@@ -116,17 +116,17 @@ std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& rung, const NormalsBy
   return means;
 }
 
-/// Moves a rung's normals towards those with which its triangles, between their corners, come nearest to the
+/// Moves an LOD's normals towards those with which its triangles, between their corners, come nearest to the
 /// normals that are given where the input's positions lie on them: one step of Jacobi's method for these
 /// least squares, with the sums of rows in place of the diagonal. Means alone are smoothed twice, when they
 /// are taken and when they are interpolated; further steps gain nothing.
-std::vector<glm::vec3> sharpened(const SimplifiedMesh& rung, const NormalsByPosition& own,
+std::vector<glm::vec3> sharpened(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                  std::span<const glm::vec3> means, const NormalsByPosition& given,
                                  std::span<const SurfaceWalk::Place> places) {
   std::vector<glm::vec4> sums(means.size(), glm::vec4(0));  // of what is missing, and of shares
-  for (uint32_t i = 0; i < rung.became.size(); ++i) {
-    if (rung.became[i] == kVanished) continue;
-    const glm::u32vec3& t = rung.mesh.triangles[places[i].triangle];
+  for (uint32_t i = 0; i < lod.became.size(); ++i) {
+    if (lod.became[i] == kVanished) continue;
+    const glm::u32vec3& t = lod.mesh.triangles[places[i].triangle];
     glm::vec3 here(0);
     for (int k = 0; k < 3; ++k) here += places[i].shares[k] * means[own.of_wedge[t[k]]];
     const glm::vec3 off = given.directions[given.mostAlike(i, here)] - here;
@@ -138,11 +138,11 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& rung, const NormalsByPosi
   return normals;
 }
 
-/// Of each normal of the rung, the sum of areaNormal() of its triangles.
-std::vector<glm::i64vec3> sumsOfSurface(const NodeMesh& rung, const NormalsByPosition& own) {
+/// Of each normal of the LOD, the sum of areaNormal() of its triangles.
+std::vector<glm::i64vec3> sumsOfSurface(const NodeMesh& lod, const NormalsByPosition& own) {
   std::vector<glm::i64vec3> sums(own.codes.size(), glm::i64vec3(0));
-  for (const glm::u32vec3& t : rung.triangles) {
-    const auto at = [&](int k) { return rung.positions[rung.wedge_position[t[k]]]; };
+  for (const glm::u32vec3& t : lod.triangles) {
+    const auto at = [&](int k) { return lod.positions[lod.wedge_position[t[k]]]; };
     const glm::i64vec3 normal = areaNormal(at(0), at(1), at(2));
     for (int k = 0; k < 3; ++k) sums[own.of_wedge[t[k]]] += normal;
   }
@@ -160,16 +160,16 @@ NodeMesh withoutSmoothNormals(NodeMesh mesh) {
   return mesh;
 }
 
-void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<const uint32_t> sources,
+void giveComputedNormals(SimplifiedMesh& lod, const NodeMesh& mesh, std::span<const uint32_t> sources,
                          std::span<const SurfaceWalk::Place> places, const CreaseAngle& crease) {
   if (!mesh.attributes.has(AttributeSet::kComputedNormal)) return;
-  const std::vector<bool> keep = positionsThatKeep(rung.mesh, mesh, sources);
-  const bool has_creases = hasCreases(rung.mesh);
-  if (has_creases) joinSmoothed(rung.mesh, keep, crease);
-  const NormalsByPosition given(mesh), own(rung.mesh);
-  const std::vector<glm::vec3> means = meansOfMerged(rung, own, given, sources);
-  const std::vector<glm::vec3> normals = sharpened(rung, own, means, given, places);
-  const std::vector<glm::i64vec3> surface = sumsOfSurface(rung.mesh, own);
+  const std::vector<bool> keep = positionsThatKeep(lod.mesh, mesh, sources);
+  const bool has_creases = hasCreases(lod.mesh);
+  if (has_creases) joinSmoothed(lod.mesh, keep, crease);
+  const NormalsByPosition given(mesh), own(lod.mesh);
+  const std::vector<glm::vec3> means = meansOfMerged(lod, own, given, sources);
+  const std::vector<glm::vec3> normals = sharpened(lod, own, means, given, places);
+  const std::vector<glm::i64vec3> surface = sumsOfSurface(lod.mesh, own);
   std::vector<uint16_t> codes(own.codes.size());
   for (uint32_t position = 0; position < sources.size(); ++position) {
     for (uint32_t normal = position; normal != kNoNormal; normal = own.next[normal]) {
@@ -182,11 +182,11 @@ void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<c
       }
     }
   }
-  rung.mesh.attributes = mesh.attributes;
-  rung.mesh.wedge_attributes.resize(rung.mesh.wedge_position.size());
-  for (size_t wedge = 0; wedge < rung.mesh.wedge_position.size(); ++wedge)
-    rung.mesh.wedge_attributes[wedge].normal = codes[own.of_wedge[wedge]];
-  if (has_creases) joinEqualWedges(rung.mesh);
+  lod.mesh.attributes = mesh.attributes;
+  lod.mesh.wedge_attributes.resize(lod.mesh.wedge_position.size());
+  for (size_t wedge = 0; wedge < lod.mesh.wedge_position.size(); ++wedge)
+    lod.mesh.wedge_attributes[wedge].normal = codes[own.of_wedge[wedge]];
+  if (has_creases) joinEqualWedges(lod.mesh);
 }
 
 }  // namespace lode::ingest

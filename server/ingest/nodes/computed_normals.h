@@ -14,13 +14,13 @@ namespace lode::ingest {
 /// a crease, which collapses along itself as other seams do.
 NodeMesh withoutSmoothNormals(NodeMesh mesh);
 
-/// Gives a rung computed normals, where the mesh that it was made of has such: those with which its shading,
+/// Gives an LOD computed normals, where the mesh that it was made of has such: those with which its shading,
 /// between its corners, comes near that of the mesh, on each side of a crease by itself, as long as it is
 /// one. A position that leaves share keeps its own, to the bit, while it stays where it was.
-/// @param rung  of withoutSmoothNormals(mesh): where there are creases, the normals of its wedges say which
+/// @param LOD  of withoutSmoothNormals(mesh): where there are creases, the normals of its wedges say which
 /// side is which.
 /// @param sources  see sourcesOf(). @param places  see placesOn().
-void giveComputedNormals(SimplifiedMesh& rung, const NodeMesh& mesh, std::span<const uint32_t> sources,
+void giveComputedNormals(SimplifiedMesh& lod, const NodeMesh& mesh, std::span<const uint32_t> sources,
                          std::span<const SurfaceWalk::Place> places, const CreaseAngle& crease);
 
 }  // namespace lode::ingest

@@ -11,9 +11,9 @@
 #include "common/let_go.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/computed_normals.h"
-#include "server/ingest/nodes/finished_rung.h"
+#include "server/ingest/nodes/finished_lod.h"
 #include "server/ingest/nodes/leaf_normals.h"
-#include "server/ingest/nodes/rung_targets.h"
+#include "server/ingest/nodes/lod_targets.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/simplify/cluster.h"
 #include "server/ingest/threads/in_order.h"
@@ -59,8 +59,8 @@ BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, Room room) {
   NodeMesh mesh = loadLeaf(leaf);
   built.original_triangles = mesh.triangles.size();
   built.references.gap_steps = settings_.snap_error_steps;
-  addRung(built, mesh, encodePayload(toMesh(mesh), settings_.lattice.step, MeshSource::kFile),
-          {.deviation_steps = settings_.snap_error_steps});
+  addLod(built, mesh, encodePayload(toMesh(mesh), settings_.lattice.step, MeshSource::kFile),
+         {.deviation_steps = settings_.snap_error_steps});
   if (built.node.key == kRootKey) {
     for (uint32_t i = 0; i < mesh.positions.size(); ++i) built.samples.push_back({mesh.positions[i], 0, i});
     const std::vector<SurfaceSample> inside = samplesInside(mesh);
@@ -82,7 +82,7 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
     built.node.child_mask |= static_cast<uint8_t>(1u << child.node.key.octant());
     built.node.box.add(child.node.box);
     built.original_triangles += child.original_triangles;
-    const RungError error = errorOf(child.node.sourceRung());
+    const LodError error = errorOf(child.node.sourceLod());
     built.inherited.deviation_steps = std::max(built.inherited.deviation_steps, error.deviation_steps);
     built.inherited.lost_detail_steps = std::max(built.inherited.lost_detail_steps, error.lost_detail_steps);
     is_original = is_original && child.node.isLeaf();
@@ -151,52 +151,52 @@ void NodeBuilder::simplify(NodeMesh mesh, int depth, std::span<const size_t> tar
   (is_cluster ? cluster : collapse)(withoutSmoothNormals(std::move(mesh)), targets, options, sink);
 }
 
-/// Makes a node's rungs with nothing beside the simplifier. @return the mesh, and behind it the rungs.
-RungShelf NodeBuilder::shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const {
-  RungShelf shelf(folder_.file("rungs-" + std::to_string(key.value)));
+/// Makes a node's LODs with nothing beside the simplifier. @return the mesh, and behind it the LODs.
+LodShelf NodeBuilder::shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const {
+  LodShelf shelf(folder_.file("lods-" + std::to_string(key.value)));
   SimplifiedMesh input{std::move(mesh), {}};
   shelf.put(input);
   giveBackFreedMemory();
   simplify(std::move(input.mesh), key.depth(), targets,
-           [&](size_t, SimplifiedMesh&& rung) { shelf.put(rung); });
+           [&](size_t, SimplifiedMesh&& lod) { shelf.put(lod); });
   giveBackFreedMemory();
   return shelf;
 }
 
-/// Adds the reduced rungs of a node, all from one sequence.
+/// Adds the reduced LODs of a node, all from one sequence.
 /// @param is_original  whether all triangles of the mesh are the model's own.
 void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room) {
   const int depth = built.node.key.depth();
   const auto locked = static_cast<size_t>(
       std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
-  const RungRule rule{.depth = depth,
-                      .is_leaf = built.node.isLeaf(),
-                      .locked = locked,
-                      .original_triangles = built.original_triangles,
-                      .triangles_per_node = settings_.triangles_per_node};
-  const std::vector<size_t> targets = rungTargets(mesh.triangles.size(), rule);
+  const LodRule rule{.depth = depth,
+                     .is_leaf = built.node.isLeaf(),
+                     .locked = locked,
+                     .original_triangles = built.original_triangles,
+                     .triangles_per_node = settings_.triangles_per_node};
+  const std::vector<size_t> targets = lodTargets(mesh.triangles.size(), rule);
   if (targets.empty()) {
     built.coarsest = std::move(mesh);
     return;
   }
-  std::optional<RungShelf> shelf;
+  std::optional<LodShelf> shelf;
   if (room.is_tight) {
     shelf.emplace(shelve(std::move(mesh), built.node.key, targets));
     mesh = shelf->read(0).mesh;
   }
   const auto off_steps = is_original ? std::nullopt : std::optional(built.inherited.deviation_steps);
-  const RungInput input(std::move(mesh), depth, off_steps, std::move(built.references));
-  FinishedRung coarsest;
-  InOrder<FinishedRung> rungs(room.helpers, [&](FinishedRung&& rung) {
-    if (built.node.rungs.empty() || rung.simplified.mesh.triangles.size() < built.node.rungs.back().triangles)
-      addRung(built, rung);
-    letGo(rung.payload.bytes);
-    coarsest = std::move(rung);
+  const LodInput input(std::move(mesh), depth, off_steps, std::move(built.references));
+  FinishedLod coarsest;
+  InOrder<FinishedLod> lods(room.helpers, [&](FinishedLod&& lod) {
+    if (built.node.lods.empty() || lod.simplified.mesh.triangles.size() < built.node.lods.back().triangles)
+      addLod(built, lod);
+    letGo(lod.payload.bytes);
+    coarsest = std::move(lod);
   });
-  const auto finish = [&](SimplifiedMesh&& rung) {
-    rungs.push([&, rung = std::move(rung)]() mutable {
-      return finishRung(std::move(rung), input, built.samples, settings_.lattice.step, settings_.crease,
-                        MeshSource::kSimplified);
+  const auto finish = [&](SimplifiedMesh&& lod) {
+    lods.push([&, lod = std::move(lod)]() mutable {
+      return finishLod(std::move(lod), input, built.samples, settings_.lattice.step, settings_.crease,
+                       MeshSource::kSimplified);
     });
   };
   if (shelf) {
@@ -205,9 +205,9 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
       giveBackFreedMemory();
     }
   } else {
-    simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& rung) { finish(std::move(rung)); });
+    simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& lod) { finish(std::move(lod)); });
   }
-  rungs.finish();
+  lods.finish();
   const std::vector<Deviation>& deviations = coarsest.deviations;
   for (size_t i = 0; i < built.samples.size(); ++i) {
     SurfaceSample& sample = built.samples[i];
@@ -218,62 +218,62 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   built.references = referencesIn(input, coarsest.simplified.became, coarsest.rim_gap_steps,
                                   kReferencesPerTriangle * settings_.triangles_per_node);
   built.coarsest = std::move(coarsest.simplified.mesh);
-  addSpareRungs(built, spareTargets(built.coarsest.triangles.size(), rule));
+  addFarLods(built, spareTargets(built.coarsest.triangles.size(), rule));
 }
 
-/// Adds rungs that are made of the coarsest one, which stays what the parent is made of; so they cost as
+/// Adds LODs that are made of the coarsest one, which stays what the parent is made of; so they cost as
 /// little as they are small, and are measured as the parent's are.
-void NodeBuilder::addSpareRungs(BuiltNode& built, std::span<const size_t> targets) {
+void NodeBuilder::addFarLods(BuiltNode& built, std::span<const size_t> targets) {
   if (targets.empty()) return;
   const int depth = built.node.key.depth();
-  const RungInput input(built.coarsest, depth, errorOf(built.node.rungs.back()).deviation_steps,
-                        built.references);
+  const LodInput input(built.coarsest, depth, errorOf(built.node.lods.back()).deviation_steps,
+                       built.references);
   simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& simplified) {
-    if (simplified.mesh.triangles.size() >= built.node.rungs.back().triangles) return;
-    const FinishedRung rung = finishRung(std::move(simplified), input, built.samples, settings_.lattice.step,
-                                         settings_.crease, MeshSource::kSpare);
-    addRung(built, rung);
-    ++built.node.spare_rungs;
+    if (simplified.mesh.triangles.size() >= built.node.lods.back().triangles) return;
+    const FinishedLod lod = finishLod(std::move(simplified), input, built.samples, settings_.lattice.step,
+                                      settings_.crease, MeshSource::kSpare);
+    addLod(built, lod);
+    ++built.node.far_lods;
   });
 }
 
-void NodeBuilder::addRung(BuiltNode& built, const FinishedRung& rung) {
-  addRung(built, rung.simplified.mesh, rung.payload, errorOf(built, rung));
+void NodeBuilder::addLod(BuiltNode& built, const FinishedLod& lod) {
+  addLod(built, lod.simplified.mesh, lod.payload, errorOf(built, lod));
 }
 
-RungError NodeBuilder::errorOf(const BuiltNode& built, const FinishedRung& rung) const {
-  const RungError finer = built.node.rungs.empty() ? built.inherited : errorOf(built.node.rungs.back());
-  if (rung.simplified.mesh.triangles.empty()) {
+LodError NodeBuilder::errorOf(const BuiltNode& built, const FinishedLod& lod) const {
+  const LodError finer = built.node.lods.empty() ? built.inherited : errorOf(built.node.lods.back());
+  if (lod.simplified.mesh.triangles.empty()) {
     const float all = glm::length(glm::vec3(built.node.box.max - built.node.box.min));
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
-  const float both = std::hypot(rung.deviation_steps, settings_.snap_error_steps);
-  return {std::max({finer.deviation_steps, both, rung.rim_gap_steps}),
-          std::max(finer.lost_detail_steps, rung.lost_detail_steps)};
+  const float both = std::hypot(lod.deviation_steps, settings_.snap_error_steps);
+  return {std::max({finer.deviation_steps, both, lod.rim_gap_steps}),
+          std::max(finer.lost_detail_steps, lod.lost_detail_steps)};
 }
 
-RungError NodeBuilder::errorOf(const Rung& rung) const noexcept {
-  // Rounded up: in the model's units the same again, or a coarser rung's error could be smaller.
+LodError NodeBuilder::errorOf(const Lod& lod) const noexcept {
+  // Rounded up: in the model's units the same again, or a coarser LOD's error could be smaller.
   const auto inSteps = [&](float model) {
     const auto steps = static_cast<float>(model / settings_.lattice.step);
     const bool is_less = static_cast<float>(steps * settings_.lattice.step) < model;
     return is_less ? std::nextafter(steps, std::numeric_limits<float>::infinity()) : steps;
   };
-  return {inSteps(rung.error_model), inSteps(rung.appearance_error_model)};
+  return {inSteps(lod.error_model), inSteps(lod.appearance_error_model)};
 }
 
-void NodeBuilder::addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload,
-                          RungError error) {
+void NodeBuilder::addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload,
+                         LodError error) {
   built.payloads.push_back(payloads_.append(payload.bytes));
   const int depth = built.node.key.depth();
-  Rung rung;
-  rung.triangles = static_cast<uint32_t>(mesh.triangles.size());
-  rung.vertices = payload.vertices;
-  rung.locked = static_cast<uint32_t>(
+  Lod lod;
+  lod.triangles = static_cast<uint32_t>(mesh.triangles.size());
+  lod.vertices = payload.vertices;
+  lod.locked = static_cast<uint32_t>(
       std::count_if(mesh.lca_depth.begin(), mesh.lca_depth.end(), [&](uint8_t lca) { return lca < depth; }));
-  rung.error_model = static_cast<float>(error.deviation_steps * settings_.lattice.step);
-  rung.appearance_error_model = static_cast<float>(error.lost_detail_steps * settings_.lattice.step);
-  built.node.rungs.push_back(rung);
+  lod.error_model = static_cast<float>(error.deviation_steps * settings_.lattice.step);
+  lod.appearance_error_model = static_cast<float>(error.lost_detail_steps * settings_.lattice.step);
+  built.node.lods.push_back(lod);
   for (const PositionCode position : mesh.positions) built.node.box.add(unpackPosition(position));
 }
 

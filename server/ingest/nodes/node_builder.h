@@ -12,8 +12,8 @@
 #include "server/ingest/disk/temporary_folder.h"
 #include "server/ingest/measure/reference_rims.h"
 #include "server/ingest/measure/surface_samples.h"
-#include "server/ingest/nodes/finished_rung.h"
-#include "server/ingest/nodes/rung_shelf.h"
+#include "server/ingest/nodes/finished_lod.h"
+#include "server/ingest/nodes/lod_shelf.h"
 #include "server/ingest/partition/partition.h"
 #include "server/ingest/plan/simplifier.h"
 #include "server/ingest/simplify/collapse.h"
@@ -47,19 +47,19 @@ class PayloadSpool {
   Spool spool_;
 };
 
-/// What a rung is off by, in lattice steps.
-struct RungError {
+/// What an LOD is off by, in lattice steps.
+struct LodError {
   float deviation_steps = 0;
   float lost_detail_steps = 0;  ///< see lostDetail()
 };
 
-/// A node with all its rungs, and what its parent needs of it.
+/// A node with all its LODs, and what its parent needs of it.
 struct BuiltNode {
   Node node;                                  ///< payloads not numbered yet
-  std::vector<PayloadSpool::Place> payloads;  ///< one a rung
-  NodeMesh coarsest;                          ///< but for spare rungs: what the parent is made of
+  std::vector<PayloadSpool::Place> payloads;  ///< one an LOD
+  NodeMesh coarsest;                          ///< but for far LODs: what the parent is made of
   uint64_t original_triangles = 0;            ///< in the leaves below
-  RungError inherited;                        ///< the largest of the children's source rungs
+  LodError inherited;                         ///< the largest of the children's source LODs
   ReferenceRims references;                   ///< near positions of `coarsest`
   std::vector<SurfaceSample>
       samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
@@ -79,10 +79,10 @@ class NodeBuilder {
   };
   /// What a node may take.
   struct Room {
-    Helpers& helpers;       ///< finish rungs beside the builder
-    bool is_tight = false;  ///< the node is large: rungs wait on the disk until all are made
+    Helpers& helpers;       ///< finish LODs beside the builder
+    bool is_tight = false;  ///< the node is large: LODs wait on the disk until all are made
   };
-  /// @param folder  for rungs that wait.
+  /// @param folder  for LODs that wait.
   NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,
               const TemporaryFolder& folder);
 
@@ -99,17 +99,17 @@ class NodeBuilder {
   /// Fills in references for the same input.
   static void gatherReferences(BuiltNode& built, std::span<BuiltNode> children,
                                std::span<const std::vector<uint32_t>> became);
-  void addSpareRungs(BuiltNode& built, std::span<const size_t> targets);
+  void addFarLods(BuiltNode& built, std::span<const size_t> targets);
   void reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room);
   void simplify(NodeMesh mesh, int depth, std::span<const size_t> targets, const SnapshotSink& sink) const;
-  RungShelf shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
-  void addRung(BuiltNode& built, const FinishedRung& rung);
-  void addRung(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, RungError error);
-  /// Error of a rung in lattice steps: its deviation, and by what the lattice has moved vertices as an
-  /// independent one; not below the gap of its rims, which I2 bounds strictly, nor the finer rung's error
+  LodShelf shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
+  void addLod(BuiltNode& built, const FinishedLod& lod);
+  void addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, LodError error);
+  /// Error of an LOD in lattice steps: its deviation, and by what the lattice has moved vertices as an
+  /// independent one; not below the gap of its rims, which I2 bounds strictly, nor the finer LOD's error
   /// (I3).
-  RungError errorOf(const BuiltNode& built, const FinishedRung& rung) const;
-  RungError errorOf(const Rung& rung) const noexcept;
+  LodError errorOf(const BuiltNode& built, const FinishedLod& lod) const;
+  LodError errorOf(const Lod& lod) const noexcept;
 
   const Settings settings_;
   const Partition& partition_;

@@ -214,7 +214,7 @@ class Scheduler {
     }
     lock.unlock();
     for (size_t i = 0; i < children.size(); ++i) {
-      if (children[i].node.rungs.empty()) children[i] = log_.readRoot(plan_.key(numbers[i]));
+      if (children[i].node.lods.empty()) children[i] = log_.readRoot(plan_.key(numbers[i]));
     }
     return children;
   }
@@ -231,7 +231,7 @@ class Scheduler {
       noted_[at->second] = true;
       nodes_.append(finished.node, finished.payloads);
       if (!plan_.isRoot(at->second))
-        input_triangles_[plan_.parent(at->second)] += finished.node.sourceRung().triangles;
+        input_triangles_[plan_.parent(at->second)] += finished.node.sourceLod().triangles;
       ++done_;
     }
     for (uint32_t i = 0; i < plan_.size(); ++i) {

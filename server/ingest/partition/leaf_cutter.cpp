@@ -46,9 +46,9 @@ void LeafCutter::cutOne() {
   const auto end = std::partition_point(codes_.begin() + static_cast<ptrdiff_t>(begin_), codes_.end(),
                                         [&](uint64_t code) { return cellAt(code, depth) == leaf; });
   const size_t triangles = static_cast<size_t>(end - codes_.begin()) - begin_;
-  if (triangles > kMaxRungTriangles) {
+  if (triangles > kMaxLodTriangles) {
     throw Error(ErrorCode::kInput,
-                "more than " + std::to_string(kMaxRungTriangles) + " triangles lie in cell " +
+                "more than " + std::to_string(kMaxLodTriangles) + " triangles lie in cell " +
                     std::to_string(leaf.value) +
                     " of the finest level: coincident triangles; remove duplicates from the input");
   }

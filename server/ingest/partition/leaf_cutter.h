@@ -17,10 +17,10 @@ class LeafCutter {
   /// Receives a leaf: its triangles' records, in order.
   using Sink = std::function<void(NodeKey leaf, std::span<const std::byte> records, uint32_t triangles)>;
 
-  /// @param max_triangles  of a leaf; at depth 20 kMaxRungTriangles.
+  /// @param max_triangles  of a leaf; at depth 20 kMaxLodTriangles.
   LeafCutter(size_t record_bytes, uint32_t max_triangles, Sink sink);
 
-  /// @throws Error kInput if more than kMaxRungTriangles triangles lie in one cell of depth 20.
+  /// @throws Error kInput if more than kMaxLodTriangles triangles lie in one cell of depth 20.
   void push(uint64_t code, std::span<const std::byte> record);
   void finish();
 

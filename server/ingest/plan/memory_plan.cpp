@@ -13,7 +13,7 @@ constexpr uint64_t kMarginBytes = 24 << 20;   ///< what the allocator keeps of e
 constexpr uint64_t kFrontierBytes =
     5 << 10;  ///< nodes between their building and their parent's: at most; half is usual
 constexpr uint64_t kWorkerBytes = 2816;  ///< a thread's own node, with its quadrics and queue
-// Of a triangle of a large node, whose rungs wait on the disk: 214 to 281 and 316 to 352 bytes were measured,
+// Of a triangle of a large node, whose LODs wait on the disk: 214 to 281 and 316 to 352 bytes were measured,
 // of samples of 500,000 triangles in one node, without attributes that quadrics hold and with.
 constexpr uint64_t kLargeNodeBytes = 300, kLargeNodeBytesWithAttributes = 360;
 // What a triangle of a model costs that is too small for nodes of all threads, or for all levels of the tree.

@@ -25,7 +25,7 @@ constexpr uint64_t kNodeRecordBytes = 96;  ///< of each node of a tree, while it
 
 /// What a node takes while it is reduced and measured. @param triangles  of its input.
 constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
-  constexpr uint64_t kTriangleBytes = 1024;  ///< quadrics, queue, rungs, the walk; with a tree to measure
+  constexpr uint64_t kTriangleBytes = 1024;  ///< quadrics, queue, LODs, the walk; with a tree to measure
   return triangles * kTriangleBytes;
 }
 

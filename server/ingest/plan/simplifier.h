@@ -4,7 +4,7 @@
 
 namespace lode::ingest {
 
-/// How the rungs of a node are made.
+/// How the LODs of a node are made.
 enum class Simplifier : uint8_t {
   kCollapse,  ///< collapse(): best for its triangles
   kCluster,   ///< cluster(): a fast preview, and the paper's method

@@ -8,7 +8,7 @@ namespace lode::ingest {
 
 /// Simplifies a node's mesh by clustering: in an octree over the node's box, the positions of a cell that are
 /// not locked become one, at the optimum of the cell's summed quadric. Cells go in order of that quadric's
-/// error, each after those within it, so that one sequence yields all rungs; the last is the whole box, which
+/// error, each after those within it, so that one sequence yields all LODs; the last is the whole box, which
 /// leaves one position beside the locked ones. Same contract as collapse(): locked positions stay, a triangle
 /// goes only when two of its corners coincide or with an opposite one, positions come to lie on the lattice
 /// and stay apart. Wedges of a cell become one where triangles' edges connect them, with the attributes that

@@ -18,7 +18,7 @@ struct CollapseOptions {
 /// possible (with fewer targets reached than asked for): the mesh so far, compacted.
 using SnapshotSink = std::function<void(size_t target_index, SimplifiedMesh&& snapshot)>;
 
-/// Simplifies a node's mesh by edge collapse in order of quadric error; one sequence yields all rungs.
+/// Simplifies a node's mesh by edge collapse in order of quadric error; one sequence yields all LODs.
 ///
 /// A map on positions that fixes locked ones; a triangle goes only when two of its corners coincide, or
 /// identical triangles in pairs, so that open edges stay the image of open edges (design I2). Rims carry

@@ -190,7 +190,7 @@ class DrawnWithinMemory : public DrawnStreaming, public testing::WithParamInterf
     stopServer();
     SyntheticModel model =
         makeModel(makeSphere(700, 500, {.attributes = {AttributeSet::kColour}, .extent = 60'000}),
-                  {.leaf_triangles = GetParam(), .rungs = 4, .extent_bits = 16});
+                  {.leaf_triangles = GetParam(), .lods = 4, .extent_bits = 16});
     writeStore(folder_ / "a.lode", model);
     startServer();
   }

@@ -79,12 +79,12 @@ TEST(Render, tellsWhatTheColoursMeanThatItWasAskedToShow) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   const Outcome outcome =
-      lodestream({"render", store, "--show", "rungs", "--json", "--size", "64x48", "-o", folder / "a.png"});
+      lodestream({"render", store, "--show", "lods", "--json", "--size", "64x48", "-o", folder / "a.png"});
   if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const Json legend = Json::parse(outcome.out, nullptr, false)["legend"];
   ASSERT_FALSE(legend.empty());
-  EXPECT_EQ(legend[0]["meaning"].get<std::string>().substr(0, 5), "rung ");
+  EXPECT_EQ(legend[0]["meaning"].get<std::string>().substr(0, 5), "lod ");
   EXPECT_EQ(legend[0]["colour"].get<std::string>().substr(0, 1), "#");
 }
 
@@ -94,7 +94,7 @@ TEST(Render, refusesWhatItCannotShow) {
   for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--show", "nothing"},
                                                 {"--show", "ages"},
                                                 {"--up", "north"},
-                                                {"--unlit", "--show", "rungs"}}) {
+                                                {"--unlit", "--show", "lods"}}) {
     std::vector<std::string> arguments{"render", store, "-o", folder / "a.png"};
     arguments.insert(arguments.end(), wrong.begin(), wrong.end());
     const Outcome outcome = lodestream(arguments);

@@ -33,7 +33,7 @@ class DamagePlan {
     std::set<uint32_t> pages{reader_.summary().root_page.number}, originals;
     for (const Node& node : reader_.nodes()) {
       if (node.child_page.number != 0) pages.insert(node.child_page.number);
-      if (node.isLeaf() && node.rungs[0].payload.number != 0) originals.insert(node.rungs[0].payload.number);
+      if (node.isLeaf() && node.lods[0].payload.number != 0) originals.insert(node.lods[0].payload.number);
     }
     std::vector<uint32_t> payloads;
     uint64_t table = 0;
@@ -130,7 +130,7 @@ TEST_F(DamagedStore, givesNoWrongCut) {
     SCOPED_TRACE("byte " + std::to_string(damage.offset));
     writeBytes(damaged_, plan.apply(readBytes(sound_), damage));
     const Outcome outcome = fetchAll(damaged_);
-    if (std::filesystem::exists(cut_) && damage.part == Part::kPayload) {  // a rung that was not needed
+    if (std::filesystem::exists(cut_) && damage.part == Part::kPayload) {  // an LOD that was not needed
       EXPECT_TRUE(readBytes(cut_) == right_cut);
     } else {
       expectFailure(outcome, {"damaged.lode"});

@@ -1,4 +1,4 @@
-// I4, the honest error: what the store says against what dense sampling finds, rung by rung.
+// I4, the honest error: what the store says against what dense sampling finds, LOD by LOD.
 
 #include <algorithm>
 #include <iostream>
@@ -16,45 +16,45 @@
 namespace lode::test {
 namespace {
 
-constexpr size_t kSamplesOfRung = 30000;
-constexpr size_t kMaxRungs = 200;  ///< checked of a model, evenly spread
+constexpr size_t kSamplesOfLod = 30000;
+constexpr size_t kMaxLods = 200;  ///< checked of a model, evenly spread
 
 /// The original surface below a node.
 TriangleSoup leavesBelow(const store::Reader& reader, NodeKey key) {
   TriangleSoup soup;
   for (const Node& node : reader.nodes()) {
     if (!node.isLeaf() || !key.contains(node.key)) continue;
-    const TriangleSoup part = latticeSoup(store::readRung(reader, node, 0));
+    const TriangleSoup part = latticeSoup(store::readLod(reader, node, 0));
     soup.insert(soup.end(), part.begin(), part.end());
   }
   return soup;
 }
 
-struct RungError {
+struct LodError {
   std::string where;
   double stored_steps;
   SurfaceDistance sampled_steps;
 };
 
-std::vector<RungError> measureRungs(const store::Reader& reader) {
-  std::vector<std::pair<const Node*, uint32_t>> rungs;
+std::vector<LodError> measureLods(const store::Reader& reader) {
+  std::vector<std::pair<const Node*, uint32_t>> lods;
   for (const Node& node : reader.nodes()) {
-    for (uint32_t r = 0; r < node.rungs.size(); ++r) {
-      if (!node.isLeaf() || r > 0) rungs.emplace_back(&node, r);
+    for (uint32_t r = 0; r < node.lods.size(); ++r) {
+      if (!node.isLeaf() || r > 0) lods.emplace_back(&node, r);
     }
   }
-  const size_t stride = std::max<size_t>(1, rungs.size() / kMaxRungs);
-  std::vector<RungError> errors;
+  const size_t stride = std::max<size_t>(1, lods.size() / kMaxLods);
+  std::vector<LodError> errors;
   NodeKey key{0};
   TriangleSoup original;
-  for (size_t i = 0; i < rungs.size(); i += stride) {
-    const auto& [node, r] = rungs[i];
+  for (size_t i = 0; i < lods.size(); i += stride) {
+    const auto& [node, r] = lods[i];
     if (node->key != key) original = leavesBelow(reader, node->key);
     key = node->key;
-    const TriangleSoup rung = latticeSoup(store::readRung(reader, *node, r));
+    const TriangleSoup lod = latticeSoup(store::readLod(reader, *node, r));
     errors.push_back({std::to_string(node->key.value) + "/" + std::to_string(r),
-                      node->rungs[r].error_model / reader.summary().lattice.step,
-                      surfaceDistance(original, rung, kSamplesOfRung)});
+                      node->lods[r].error_model / reader.summary().lattice.step,
+                      surfaceDistance(original, lod, kSamplesOfLod)});
   }
   return errors;
 }
@@ -63,15 +63,15 @@ class HonestError : public testing::TestWithParam<Model> {};
 
 TEST_P(HonestError, isAtLeastWhatDenseSamplingFinds) {
   LODE_REQUIRE_MODEL(GetParam());
-  const std::vector<RungError> errors = measureRungs(store::Reader(GetParam().store()));
+  const std::vector<LodError> errors = measureLods(store::Reader(GetParam().store()));
   ASSERT_FALSE(errors.empty());
   size_t below = 0;
   std::vector<double> ratios;
-  for (const RungError& error : errors) {
+  for (const LodError& error : errors) {
     const double ratio = error.stored_steps / error.sampled_steps.both.max;
     below += ratio < 1;
     ratios.push_back(ratio);
-    EXPECT_GE(ratio, 0.8) << error.where << ": stored " << error.stored_steps << " steps, original to rung "
+    EXPECT_GE(ratio, 0.8) << error.where << ": stored " << error.stored_steps << " steps, original to LOD "
                           << error.sampled_steps.forward.max << ", back " << error.sampled_steps.backward.max;
   }
   EXPECT_LE(static_cast<double>(below), 0.01 * static_cast<double>(errors.size()))
@@ -83,16 +83,16 @@ TEST_P(HonestError, isAtLeastWhatDenseSamplingFinds) {
 
 INSTANTIATE_TEST_SUITE_P(Of, HonestError, testing::ValuesIn(models()), nameOf);
 
-// Of this sample a rung of 8,689 triangles is farthest off where what it was made of already is, inside a
+// Of this sample an LOD of 8,689 triangles is farthest off where what it was made of already is, inside a
 // triangle of the leaves; without that place among its samples its error is 0.91 of what is found.
-TEST(HonestErrorOfSample, countsAWorstPlaceThatIsNoVertexInTheRungsAbove) {
+TEST(HonestErrorOfSample, countsAWorstPlaceThatIsNoVertexInTheLodsAbove) {
   const WorkFolder folder;
   const std::string model = folder / "a.ply", store = folder / "a.lode";
   ASSERT_EQ(
       lodestreamd({"sample", "asteroid", "--triangles", "300000", "--seed", "31337", "-o", model}).status, 0);
   ASSERT_EQ(lodestreamd({"build", model, "-o", store, "--triangles-per-node", "4096"}).status, 0);
   const Outcome verified =
-      lodestreamd({"verify", store, "--against", model, "--rungs", "all", "--cuts", "0", "--json"});
+      lodestreamd({"verify", store, "--against", model, "--lods", "all", "--cuts", "0", "--json"});
   EXPECT_GE(nlohmann::json::parse(verified.out)["against"]["least_ratio"], 1);
 }
 

@@ -33,7 +33,7 @@ class Invariants : public testing::TestWithParam<Model> {
   std::vector<store::OpenEdge> openEdges(const store::Cut& cut) const {
     store::OpenEdges open;
     for (const store::CutItem& item : cut.items) {
-      open.add(store::readRung(*reader_, tree_->node(item.node), item.rung));
+      open.add(store::readLod(*reader_, tree_->node(item.node), item.lod));
     }
     return open.edges();
   }
@@ -77,7 +77,7 @@ TEST_P(Invariants, I1EveryInputTriangleIsInExactlyOneLeaf) {
   std::vector<Corners> stored;
   for (const Node& node : reader_->nodes()) {
     if (!node.isLeaf()) continue;
-    const Mesh mesh = store::readRung(*reader_, node, 0);
+    const Mesh mesh = store::readLod(*reader_, node, 0);
     for (const glm::u32vec3& t : mesh.triangles) {
       stored.push_back(
           canonical({mesh.positions[t.x].value, mesh.positions[t.y].value, mesh.positions[t.z].value}));
@@ -103,7 +103,7 @@ TEST_P(Invariants, I2RandomCutsOfClosedModelsHaveNoOpenEdges) {
 size_t crowdedEdges(const store::Reader& reader, const store::NodeTree& tree, const store::Cut& cut) {
   std::vector<std::pair<uint64_t, uint64_t>> edges;
   for (const store::CutItem& item : cut.items) {
-    const Mesh mesh = store::readRung(reader, tree.node(item.node), item.rung);
+    const Mesh mesh = store::readLod(reader, tree.node(item.node), item.lod);
     for (const glm::u32vec3& t : mesh.triangles) {
       for (int k = 0; k < 3; ++k) {
         const uint64_t from = mesh.positions[t[k]].value, to = mesh.positions[t[(k + 1) % 3]].value;
@@ -137,11 +137,11 @@ TEST_P(Invariants, I2OpenEdgesOfRandomCutsLieWithinTheStoredErrorOfTheRims) {
 TEST_P(Invariants, I3ErrorsNeverFallTowardsCoarser) {
   for (uint32_t n = 0; n < tree_->nodes().size(); ++n) {
     const Node& node = tree_->node(n);
-    for (size_t r = 1; r < node.rungs.size(); ++r) {
-      EXPECT_GE(node.rungs[r].error_model, node.rungs[r - 1].error_model);
+    for (size_t r = 1; r < node.lods.size(); ++r) {
+      EXPECT_GE(node.lods[r].error_model, node.lods[r - 1].error_model);
     }
     for (uint32_t c = 0; c < tree_->childCount(n); ++c) {
-      EXPECT_GE(node.rungs[0].error_model, tree_->node(tree_->firstChild(n) + c).sourceRung().error_model);
+      EXPECT_GE(node.lods[0].error_model, tree_->node(tree_->firstChild(n) + c).sourceLod().error_model);
     }
   }
 }
@@ -165,7 +165,7 @@ std::unordered_map<uint64_t, std::set<uint16_t>> originalNormals(const store::Re
   std::unordered_map<uint64_t, std::set<uint16_t>> normals;
   for (const Node& node : reader.nodes()) {
     if (!node.isLeaf()) continue;
-    const Mesh mesh = store::readRung(reader, node, 0);
+    const Mesh mesh = store::readLod(reader, node, 0);
     for (size_t v = 0; v < mesh.positions.size(); ++v)
       normals[mesh.positions[v].value].insert(mesh.vertex_attributes[v].normal);
   }
@@ -181,7 +181,7 @@ TEST_P(Invariants, I5VerticesSharedByPartsOfACutHaveTheSameAttributesInAll) {
     std::unordered_map<uint64_t, VertexAttributes> seen;
     for (const store::CutItem& item : store::randomCut(*tree_, seed).items) {
       for (auto [position, attributes] :
-           singleWedges(store::readRung(*reader_, tree_->node(item.node), item.rung))) {
+           singleWedges(store::readLod(*reader_, tree_->node(item.node), item.lod))) {
         const auto [at, is_new] = seen.emplace(position, attributes);
         shared += !is_new;
         if (const auto& known = original[position]; !is_new && known.size() > 1) {

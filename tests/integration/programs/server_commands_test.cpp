@@ -61,7 +61,7 @@ TEST_F(ServerCommands, printTheJsonThatScriptsRelyOn) {
 
   const Json info = Json::parse(run("info a.lode --json").out);
   expectKeys(info, {"triangles", "nodes", "depth", "bytes", "box", "origin", "step", "attributes", "textures",
-                    "rungs", "max_error"});
+                    "lods", "max_error"});
   expectKeys(info["box"], {"min", "max"});
   EXPECT_EQ(info["attributes"], (Json{"normal", "color"}));
   EXPECT_EQ(info["triangles"], built["triangles"]);
@@ -134,18 +134,18 @@ TEST_F(ServerCommands, doctorExitsWithOneForWhatCannotBeBuiltAndStillSaysWhatIsI
   EXPECT_EQ(run("doctor missing.ply").status, 1);
 }
 
-TEST_F(ServerCommands, infoPrintsAnObjectALineForEachNodeAndRungWhenAskedForJson) {
+TEST_F(ServerCommands, infoPrintsAnObjectALineForEachNodeAndLodWhenAskedForJson) {
   build();
   const Json info = Json::parse(run("info a.lode --json").out);
   std::istringstream lines(run("info a.lode --nodes --json").out);
-  uint64_t rungs = 0, leaf_triangles = 0;
-  for (std::string line; std::getline(lines, line); ++rungs) {
+  uint64_t lods = 0, leaf_triangles = 0;
+  for (std::string line; std::getline(lines, line); ++lods) {
     const Json node = Json::parse(line);
-    expectKeys(node, {"key", "depth", "rung", "leaf", "triangles", "locked", "bytes", "error",
+    expectKeys(node, {"key", "depth", "lod", "leaf", "triangles", "locked", "bytes", "error",
                       "appearance_error", "box"});
     if (node["leaf"]) leaf_triangles += node["triangles"].get<uint64_t>();
   }
-  EXPECT_EQ(rungs, info["rungs"]);
+  EXPECT_EQ(lods, info["lods"]);
   EXPECT_EQ(leaf_triangles, info["triangles"]);
 }
 
@@ -154,15 +154,15 @@ TEST_F(ServerCommands, infoPrintsATableOfNodesForPeople) {
   std::istringstream lines(run("info a.lode --nodes").out);
   std::string line;
   ASSERT_TRUE(std::getline(lines, line));
-  EXPECT_TRUE(line.starts_with("depth rung")) << line;
-  uint64_t rungs = 0, leaf_triangles = 0;
-  for (; std::getline(lines, line); ++rungs) {
-    uint64_t depth = 0, rung = 0, triangles = 0;
-    std::istringstream(line) >> depth >> rung >> triangles;
+  EXPECT_TRUE(line.starts_with("depth LOD")) << line;
+  uint64_t lods = 0, leaf_triangles = 0;
+  for (; std::getline(lines, line); ++lods) {
+    uint64_t depth = 0, lod = 0, triangles = 0;
+    std::istringstream(line) >> depth >> lod >> triangles;
     if (line.ends_with("(leaf)")) leaf_triangles += triangles;
   }
   const Json info = Json::parse(run("info a.lode --json").out);
-  EXPECT_EQ(rungs, info["rungs"]);
+  EXPECT_EQ(lods, info["lods"]);
   EXPECT_EQ(leaf_triangles, info["triangles"]);
 }
 

@@ -46,7 +46,7 @@ TEST_F(Verify, againstFindsTheInputInTheStoreAndNoOther) {
   const Json info = Json::parse(lodestreamd({"info", store_, "--json"}).out);
   EXPECT_TRUE(sound["sound"]);
   EXPECT_EQ(sound["against"]["triangles"], info["triangles"]);
-  EXPECT_GT(sound["against"]["rungs_sampled"], 5);
+  EXPECT_GT(sound["against"]["lods_sampled"], 5);
   EXPECT_GE(sound["against"]["least_ratio"], 0.8);
 
   sample(20000, 2, "other.ply");
@@ -76,22 +76,22 @@ TEST_F(Verify, hasNoRatiosWhereNothingWasMeasured) {
   sample(100, 1, "small.ply");
   ASSERT_EQ(lodestreamd({"build", folder_ / "small.ply", "-o", store_}).status, 0);
   const Json measured = Json::parse(against("small.ply").out)["against"];
-  ASSERT_EQ(measured["rungs_sampled"], 0);
+  ASSERT_EQ(measured["lods_sampled"], 0);
   EXPECT_TRUE(measured["least_ratio"].is_null());
   EXPECT_TRUE(measured["median_ratio"].is_null());
 }
 
-TEST_F(Verify, measuresAsManyRungsAsItIsToldOrAll) {
-  const auto rungs = [&](const std::string& count) {
-    return Json::parse(verify({"--against", folder_ / "a.ply", "--rungs", count, "--json"})
-                           .out)["against"]["rungs_sampled"]
+TEST_F(Verify, measuresAsManyLodsAsItIsToldOrAll) {
+  const auto lods = [&](const std::string& count) {
+    return Json::parse(verify({"--against", folder_ / "a.ply", "--lods", count, "--json"})
+                           .out)["against"]["lods_sampled"]
         .get<int>();
   };
-  EXPECT_LE(rungs("3"), 3);
-  EXPECT_GT(rungs("all"), 3);
+  EXPECT_LE(lods("3"), 3);
+  EXPECT_GT(lods("all"), 3);
   for (const char* none : {"0", "-1", "few", "3x"})
-    EXPECT_EQ(verify({"--against", folder_ / "a.ply", "--rungs", none}).status, 2) << none;
-  EXPECT_EQ(verify({"--rungs", "3"}).status, 2) << "nothing to measure against";
+    EXPECT_EQ(verify({"--against", folder_ / "a.ply", "--lods", none}).status, 2) << none;
+  EXPECT_EQ(verify({"--lods", "3"}).status, 2) << "nothing to measure against";
 }
 
 }  // namespace

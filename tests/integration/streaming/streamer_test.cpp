@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 using stream::Streamer;
 using stream::StreamStatus;
 
-constexpr float kOnlyTheRootPx = 1e6f;  // a threshold that the root's coarsest rung meets
+constexpr float kOnlyTheRootPx = 1e6f;  // a threshold that the root's coarsest LOD meets
 
 TEST_F(Streaming, convergesForTheLastViewHoweverOftenItChanged) {
   Streamer streamer(served_, threads(3));

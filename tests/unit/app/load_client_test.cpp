@@ -48,8 +48,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
     plan_.trace.build_id = store_->summary().build_id;
     for (const Node& node : store_->nodes())
       if (node.isLeaf())
-        plan_.trace.wishes.push_back(
-            {0, {node.rungs[0].payload, {core::BlobKind::kMesh, {node.key, 0}}}, {}});
+        plan_.trace.wishes.push_back({0, {node.lods[0].payload, {core::BlobKind::kMesh, {node.key, 0}}}, {}});
     if (GetParam() == Kind::kFull)
       client_ = std::make_unique<FullClient>(io_, plan_, start_, 1, names_, tally_);
     else
@@ -368,12 +367,12 @@ INSTANTIATE_TEST_SUITE_P(OfALoadTest, AFullClient, testing::Values(Kind::kFull),
 INSTANTIATE_TEST_SUITE_P(OfALoadTest, EveryLoadClient, testing::Values(Kind::kFull, Kind::kTrace),
                          [](const auto& kind) { return kind.param == Kind::kFull ? "full" : "trace"; });
 
-/// All rungs but the one that comes unasked hold fewer triangles than the pages say.
+/// All LODs but the one that comes unasked hold fewer triangles than the pages say.
 class AFullClientOfADamagedModel : public EveryLoadClient {
   void prepare(lode::test::SyntheticModel& model) override {
     for (Node& node : model.nodes)
-      for (Rung& rung : node.rungs) ++rung.triangles;
-    --model.nodes.front().rungs.back().triangles;
+      for (Lod& lod : node.lods) ++lod.triangles;
+    --model.nodes.front().lods.back().triangles;
   }
 };
 

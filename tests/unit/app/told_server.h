@@ -122,7 +122,7 @@ class ToldServer {
     send(to, proto::Opened{1, store_.summary()}, 2);
     if (known_build_id == store_.summary().build_id) return;
     give(to, 0, store_.summary().root_page.number);
-    give(to, 0, store_.find(kRootKey)->rungs.back().payload.number);
+    give(to, 0, store_.find(kRootKey)->lods.back().payload.number);
   }
 
   void take(Connection& from, const proto::WishChange& change) {
@@ -148,7 +148,7 @@ class ToldServer {
 
   bool isMesh(uint32_t blob) const {
     return std::ranges::any_of(store_.nodes(), [&](const Node& node) {
-      return std::ranges::any_of(node.rungs, [&](const Rung& rung) { return rung.payload.number == blob; });
+      return std::ranges::any_of(node.lods, [&](const Lod& lod) { return lod.payload.number == blob; });
     });
   }
 

@@ -168,7 +168,7 @@ TEST(DracoCodecHostile, threeHundredMillionFacesAreRefusedAtOnce) {
 TEST(DracoCodecHostile, anAnnouncementAboveTheLimitsIsRefused) {
   const Sample sample = makeSample(0);
   PayloadExpectation expected = sample.expected;
-  expected.vertices = kMaxRungVertices + 1;
+  expected.vertices = kMaxLodVertices + 1;
   expectRefusedWithoutMemory(sample.payload.bytes, expected, ErrorCode::kLimit);
 }
 

@@ -192,7 +192,7 @@ TEST(DracoCodec, opaqueAlphaCostsNothing) {
   expectRoundTrip(mesh);
 }
 
-TEST(DracoCodec, predictsTheMeshesOfFilesAndOfSpareRungsMoreClosely) {
+TEST(DracoCodec, predictsTheMeshesOfFilesAndOfFarLodsMoreClosely) {
   const Mesh mesh = test::makeGrid(60, 60, {.attributes = {}, .seed = 2, .bump = 0.2});
   const size_t simplified = encodePayload(mesh, kStep, MeshSource::kSimplified).bytes.size();
   for (const MeshSource source : {MeshSource::kFile, MeshSource::kSpare}) {
@@ -304,9 +304,9 @@ TEST(DracoCodec, refusesAStepThatNoStoreHas) {
     expectRefusedToEncode(mesh, step);
 }
 
-TEST(DracoCodec, refusesMoreTrianglesThanARungMayHave) {
+TEST(DracoCodec, refusesMoreTrianglesThanALodMayHave) {
   Mesh mesh = makeMesh({{0, 0, 0}, {9, 0, 0}, {0, 9, 4}}, {});
-  mesh.triangles.assign(kMaxRungTriangles + 1, {0, 1, 2});
+  mesh.triangles.assign(kMaxLodTriangles + 1, {0, 1, 2});
   EXPECT_THROW(encodePayload(mesh, kStep), Error);
 }
 

@@ -40,22 +40,22 @@ TEST(HierarchyPage, ofTheDeepestLevelsComesBack) {
   expectRoundTrip({owner, false, 1, 8, 1, true});
 }
 
-TEST(HierarchyPage, withSpareRungsWhoseErrorsAreAboveTheParentsComesBack) {
-  expectRoundTrip({.spare_rungs = 2});
-  expectRoundTrip({.owner = kOwner, .is_root_page = false, .spare_rungs = 1, .deeper_pages = true});
+TEST(HierarchyPage, withFarLodsWhoseErrorsAreAboveTheParentsComesBack) {
+  expectRoundTrip({.far_lods = 2});
+  expectRoundTrip({.owner = kOwner, .is_root_page = false, .far_lods = 1, .deeper_pages = true});
 }
 
-TEST(HierarchyPage, withEmptyRungsComesBack) {
+TEST(HierarchyPage, withEmptyLodsComesBack) {
   HierarchyPage page = makePage({.children = 2});
   for (Node& node : page.nodes) {
     node.box = {};
-    for (Rung& rung : node.rungs) rung = {{}, 0, 0, 0, rung.error_model, rung.appearance_error_model};
+    for (Lod& lod : node.lods) lod = {{}, 0, 0, 0, lod.error_model, lod.appearance_error_model};
   }
   EXPECT_EQ(decodePage(encodePage(page), kRootKey, true), page);
 }
 
 TEST(HierarchyPage, takesAboutAHundredBytesANode) {
-  const HierarchyPage page = makePage({.rungs = 2, .deeper_pages = true});
+  const HierarchyPage page = makePage({.lods = 2, .deeper_pages = true});
   EXPECT_LT(encodePage(page).size(), 125 * page.nodes.size());
 }
 
@@ -193,67 +193,67 @@ TEST(HierarchyPage, refusesTrianglesWithoutABox) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.back().box = {}; });
 }
 
-TEST(HierarchyPage, refusesErrorsThatFallToACoarserRung) {
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].rungs[1].error_model = 99; });
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].rungs[1].appearance_error_model = 49; });
+TEST(HierarchyPage, refusesErrorsThatFallToACoarserLod) {
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].lods[1].error_model = 99; });
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].lods[1].appearance_error_model = 49; });
 }
 
 TEST(HierarchyPage, refusesErrorsThatFallToTheParent) {
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.back().rungs.back().error_model = 26; });
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[2].rungs.back().appearance_error_model = 51; });
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.back().lods.back().error_model = 26; });
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[2].lods.back().appearance_error_model = 51; });
 }
 
-TEST(HierarchyPage, refusesErrorsThatFallFromTheRungThatTheParentIsMadeOf) {
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[1].spare_rungs = 1; }, {.spare_rungs = 2});
+TEST(HierarchyPage, refusesErrorsThatFallFromTheLodThatTheParentIsMadeOf) {
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[1].far_lods = 1; }, {.far_lods = 2});
 }
 
-TEST(HierarchyPage, refusesSpareRungsWhereThereIsNoParentOrNothingWasReduced) {
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].spare_rungs = 1; });
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.back().spare_rungs = 1; });
-  expectRefused(ErrorCode::kLimit, [](auto& nodes) { nodes[1].spare_rungs = 2; });
+TEST(HierarchyPage, refusesFarLodsWhereThereIsNoParentOrNothingWasReduced) {
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].far_lods = 1; });
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.back().far_lods = 1; });
+  expectRefused(ErrorCode::kLimit, [](auto& nodes) { nodes[1].far_lods = 2; });
 }
 
 TEST(HierarchyPage, refusesErrorsThatAreNoLengths) {
   for (const float error : {-1.0f, -0.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
-    expectRefused(ErrorCode::kFormat, [&](auto& nodes) { nodes[0].rungs[1].error_model = error; });
+    expectRefused(ErrorCode::kFormat, [&](auto& nodes) { nodes[0].lods[1].error_model = error; });
 }
 
-TEST(HierarchyPage, refusesANodeWithoutRungs) {
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].rungs.clear(); });
+TEST(HierarchyPage, refusesANodeWithoutLods) {
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].lods.clear(); });
 }
 
 TEST(HierarchyPage, refusesPayloadsWithoutTriangles) {
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].rungs[0].triangles = 0; });
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].lods[0].triangles = 0; });
 }
 
 TEST(HierarchyPage, refusesPayloadsWithoutBytes) {
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].rungs[0].payload.bytes = 0; });
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].lods[0].payload.bytes = 0; });
 }
 
 TEST(HierarchyPage, refusesVerticesThatDoNotFitTheTriangles) {
-  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].rungs[0].vertices = 2; });
+  expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].lods[0].vertices = 2; });
   expectRefused(ErrorCode::kFormat,
-                [](auto& nodes) { nodes[0].rungs[0].vertices = 3 * nodes[0].rungs[0].triangles + 1; });
+                [](auto& nodes) { nodes[0].lods[0].vertices = 3 * nodes[0].lods[0].triangles + 1; });
   expectRefused(ErrorCode::kFormat,
-                [](auto& nodes) { nodes[0].rungs[0].locked = nodes[0].rungs[0].vertices + 1; });
+                [](auto& nodes) { nodes[0].lods[0].locked = nodes[0].lods[0].vertices + 1; });
 }
 
 TEST(HierarchyPage, refusesCountsAboveTheLimits) {
   const auto spoil = [](auto change) {
-    return [change](std::vector<Node>& nodes) { change(nodes[0].rungs[0]); };
+    return [change](std::vector<Node>& nodes) { change(nodes[0].lods[0]); };
   };
-  expectRefused(ErrorCode::kLimit, spoil([](Rung& rung) { rung.triangles = kMaxRungTriangles + 1; }));
-  expectRefused(ErrorCode::kLimit, spoil([](Rung& rung) { rung.vertices = kMaxRungVertices + 1; }));
-  expectRefused(ErrorCode::kLimit, spoil([](Rung& rung) { rung.payload.bytes = kMaxBlobBytes + 1; }));
+  expectRefused(ErrorCode::kLimit, spoil([](Lod& lod) { lod.triangles = kMaxLodTriangles + 1; }));
+  expectRefused(ErrorCode::kLimit, spoil([](Lod& lod) { lod.vertices = kMaxLodVertices + 1; }));
+  expectRefused(ErrorCode::kLimit, spoil([](Lod& lod) { lod.payload.bytes = kMaxBlobBytes + 1; }));
   expectRefused(ErrorCode::kLimit,
-                [](auto& nodes) { nodes[0].rungs.resize(kMaxRungs + 1, nodes[0].rungs.back()); });
+                [](auto& nodes) { nodes[0].lods.resize(kMaxLods + 1, nodes[0].lods.back()); });
   expectRefused(ErrorCode::kLimit, [](auto& nodes) { nodes.back().child_page = {1, kMaxPageBytes + 1, {}}; });
 }
 
-TEST(HierarchyPage, acceptsTheMostRungsAndRefusesOneMore) {
-  expectRoundTrip({.children = 0, .rungs = kMaxRungs});
-  expectRefused(ErrorCode::kLimit, [](auto& nodes) { nodes[0].rungs.push_back(nodes[0].rungs.back()); },
-                {.children = 0, .rungs = kMaxRungs});
+TEST(HierarchyPage, acceptsTheMostLodsAndRefusesOneMore) {
+  expectRoundTrip({.children = 0, .lods = kMaxLods});
+  expectRefused(ErrorCode::kLimit, [](auto& nodes) { nodes[0].lods.push_back(nodes[0].lods.back()); },
+                {.children = 0, .lods = kMaxLods});
 }
 
 TEST(HierarchyPage, refusesMoreNodesThanItsKindHolds) {
@@ -280,7 +280,7 @@ TEST(HierarchyPage, refusesTooManyBytes) {
 }
 
 TEST(HierarchyPage, refusesToEncodeMoreThanAPageHolds) {
-  EXPECT_THROW(encodePage(makePage({.rungs = kMaxRungs})), Error);
+  EXPECT_THROW(encodePage(makePage({.lods = kMaxLods})), Error);
   HierarchyPage page = makePage({});
   page.nodes.push_back(page.nodes.back());
   EXPECT_THROW(encodePage(page), Error);

@@ -136,7 +136,7 @@ TEST_F(CachedEngine, showsOfflineWhatTheCacheHas) {
 
   const Node& root = server_.nodes().at(kRootKey);
   std::map<BlobName, Bytes> few;
-  for (const BlobRef& blob : {first.summary()->root_page, root.rungs.back().payload})
+  for (const BlobRef& blob : {first.summary()->root_page, root.lods.back().payload})
     few[blob.name] = cache_.at(blob.name);
   cache_ = few;
   Engine part(offline);

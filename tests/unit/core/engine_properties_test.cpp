@@ -126,8 +126,8 @@ class World {
   std::shared_ptr<const Mesh> meshOf(const DecodeJob& job) const {
     for (auto model = models_.rbegin(); model != models_.rend(); ++model) {
       const auto node = model->nodes().find(job.use.mesh.node);
-      if (node != model->nodes().end() && job.use.mesh.rung < node->second.rungs.size() &&
-          node->second.rungs[job.use.mesh.rung].triangles == job.expected.triangles)
+      if (node != model->nodes().end() && job.use.mesh.lod < node->second.lods.size() &&
+          node->second.lods[job.use.mesh.lod].triangles == job.expected.triangles)
         return model->mesh(job.use.mesh);
     }
     return nullptr;
@@ -187,9 +187,9 @@ class World {
     uint64_t largest = 0;
     for (const SyntheticModel& model : models_)
       for (const auto& [key, node] : model.nodes())
-        for (const Rung& rung : node.rungs)
-          largest = std::max(largest, rung.payload.bytes + 2 * meshBytes(rung.vertices, rung.triangles,
-                                                                         SyntheticModel::attributes()));
+        for (const Lod& lod : node.lods)
+          largest = std::max(largest, lod.payload.bytes + 2 * meshBytes(lod.vertices, lod.triangles,
+                                                                        SyntheticModel::attributes()));
     return largest;
   }
 

@@ -13,7 +13,7 @@ using proto::Bytes;
 
 using fixture::kStart;
 
-/// A mesh of triangles in the plane z = 0, of a size that tells rungs apart.
+/// A mesh of triangles in the plane z = 0, of a size that tells LODs apart.
 Mesh stripOf(uint32_t triangles) {
   Mesh mesh;
   for (uint32_t i = 0; i < triangles + 2; ++i) mesh.positions.push_back(packPosition({i / 2, i % 2, 0}));
@@ -22,7 +22,7 @@ Mesh stripOf(uint32_t triangles) {
   return mesh;
 }
 
-/// A model of one node with two rungs, and the server's side of a conversation about it, in process.
+/// A model of one node with two LODs, and the server's side of a conversation about it, in process.
 class EngineTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -31,7 +31,7 @@ class EngineTest : public testing::Test {
     root_.key = kRootKey;
     root_.box.add(glm::uvec3(0));
     root_.box.add(glm::uvec3(21, 1, 0));
-    root_.rungs = {{refOf(1), 40, fine.vertices, 0, 0.001f, 0}, {refOf(2), 4, coarse.vertices, 0, 10, 0}};
+    root_.lods = {{refOf(1), 40, fine.vertices, 0, 0.001f, 0}, {refOf(2), 4, coarse.vertices, 0, 10, 0}};
     blobs_.push_back(encodePage({{root_}}));
     view_.eye_model = {10, 0, 40};
   }
@@ -81,7 +81,7 @@ class EngineTest : public testing::Test {
     for (const DecodeJob& job : engine_.takeDecodeJobs()) engine_.finishDecode(runDecodeJob(job));
   }
 
-  /// The wish for the fine rung, once the coarse one is shown.
+  /// The wish for the fine LOD, once the coarse one is shown.
   uint32_t openAndShowCoarse() {
     engine_.setView(view_, 1);
     engine_.connect(kStart);
@@ -149,7 +149,7 @@ class EngineTest : public testing::Test {
   Engine engine_{options()};
 };
 
-TEST_F(EngineTest, showsTheRootsCoarsestRungFromWhatComesUnasked) {
+TEST_F(EngineTest, showsTheRootsCoarsestLodFromWhatComesUnasked) {
   openAndShowCoarse();
   ASSERT_TRUE(engine_.summary());
   ASSERT_TRUE(engine_.cut());
@@ -203,7 +203,7 @@ TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenABlobCannotBeHad) {
   EXPECT_EQ(engine_.counts().open_wishes, 0u);
 }
 
-TEST_F(EngineTest, beginsWithAFinerRungWhereTheCoarsestIsDamaged) {
+TEST_F(EngineTest, beginsWithAFinerLodWhereTheCoarsestIsDamaged) {
   openWithoutTheCoarsest();
   engine_.receive(blobFrame(firstWish(), 1), kStart);
   decodeAll();
@@ -395,23 +395,23 @@ TEST_F(EngineTest, givesUpWhereANewTryWouldFailToo) {
   EXPECT_THROW(engine_.disconnect(Error(ErrorCode::kInput, "no such model"), kStart), Error);
 }
 
-TEST_F(EngineTest, fetchesWhatTwoRungsShareOnceWhicheverIsWantedFirst) {
-  root_.rungs = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.04f, 0}, root_.rungs[1]};
+TEST_F(EngineTest, fetchesWhatTwoLodsShareOnceWhicheverIsWantedFirst) {
+  root_.lods = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.04f, 0}, root_.lods[1]};
   blobs_[2] = encodePage({{root_}});
   const uint32_t wish = openAndShowCoarse();
   engine_.receive(blobFrame(wish, 1), kStart);
   decodeAll();
   engine_.step(kStart);
-  ASSERT_EQ(engine_.cut()->parts.at(0).rung, 1u);
+  ASSERT_EQ(engine_.cut()->parts.at(0).lod, 1u);
   engine_.setView(view_, 0.1f);
   engine_.step(kStart);
   EXPECT_EQ(engine_.counts().open_wishes, 0u);
-  EXPECT_EQ(engine_.cut()->parts.at(0).rung, 0u);
+  EXPECT_EQ(engine_.cut()->parts.at(0).lod, 0u);
   EXPECT_TRUE(engine_.settled());
 }
 
-TEST_F(EngineTest, fetchesWhatTwoRungsShareOnce) {
-  root_.rungs = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.002f, 0}, root_.rungs[1]};
+TEST_F(EngineTest, fetchesWhatTwoLodsShareOnce) {
+  root_.lods = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.002f, 0}, root_.lods[1]};
   blobs_[2] = encodePage({{root_}});
   const uint32_t wish = openAndShowCoarse();
   engine_.receive(blobFrame(wish, 1), kStart);
@@ -426,8 +426,8 @@ TEST_F(EngineTest, fetchesWhatTwoNodesShareOnce) {
   Node left = root_, right = root_;
   left.key = kRootKey.child(0);
   right.key = kRootKey.child(1);
-  left.rungs = right.rungs = {root_.rungs[0]};
-  root_.rungs.erase(root_.rungs.begin());
+  left.lods = right.lods = {root_.lods[0]};
+  root_.lods.erase(root_.lods.begin());
   root_.child_mask = 0b11;
   nodes_ = 3;
   blobs_[2] = encodePage({{root_, left, right}});

@@ -66,11 +66,11 @@ TEST_P(HiddenParts, comeAfterAllThatIsSeen) {
   const uint64_t until_seen_bytes = client.deliveredPayloadBytes();
   const Parts shown = partsOf(*client.last().cut);
   const Parts wanted = BruteForce(model_, closeView(), kOptions.threshold_px).parts();
-  for (const auto& [key, rung] : wanted) {
+  for (const auto& [key, lod] : wanted) {
     const ModelBox box = toModelBox(model_.nodes().at(key).box, SyntheticModel::lattice().step);
     if (!boxMayBeVisible(box, closeView(), kMarginWidening) || !seen.in(key)) continue;
     ASSERT_TRUE(shown.contains(key)) << key.value;
-    EXPECT_EQ(shown.at(key), rung) << key.value;
+    EXPECT_EQ(shown.at(key), lod) << key.value;
   }
   while (!next().empty()) client.deliver(client.last().wanted.front());
   EXPECT_LT(until_seen_bytes * 20, client.deliveredPayloadBytes() * 19);

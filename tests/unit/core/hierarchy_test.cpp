@@ -83,18 +83,18 @@ TEST_F(HierarchyTest, refusesAChildOutsideItsOwnersBox) {
 TEST_F(HierarchyTest, refusesAChildWithALargerErrorThanItsOwner) {
   Hierarchy hierarchy = withRoot();
   HierarchyPage page = model_.pageBelow(owner_);
-  for (Rung& rung : page.nodes.front().rungs)
-    rung.error_model = hierarchy.find(owner_)->rungs.front().error_model * 2;
+  for (Lod& lod : page.nodes.front().lods)
+    lod.error_model = hierarchy.find(owner_)->lods.front().error_model * 2;
   EXPECT_THROW(hierarchy.addPage(owner_, page), Error);
 }
 
-TEST_F(HierarchyTest, takesAChildWhoseSpareRungHasALargerErrorThanItsOwner) {
+TEST_F(HierarchyTest, takesAChildWhoseFarLodHasALargerErrorThanItsOwner) {
   Hierarchy hierarchy = withRoot();
   HierarchyPage page = model_.pageBelow(owner_);
   Node& child = page.nodes.front();
-  child.rungs.push_back(child.rungs.back());
-  child.rungs.back().error_model = hierarchy.find(owner_)->rungs.front().error_model * 2;
-  ++child.spare_rungs;
+  child.lods.push_back(child.lods.back());
+  child.lods.back().error_model = hierarchy.find(owner_)->lods.front().error_model * 2;
+  ++child.far_lods;
   hierarchy.addPage(owner_, page);
   EXPECT_NE(hierarchy.find(child.key), nullptr);
 }
@@ -152,18 +152,18 @@ TEST(HierarchyMemory, forgetsAPageTogetherWithThoseBelowItWhereNobodyUsesThem) {
   EXPECT_EQ(hierarchy.size(), model.rootPage().nodes.size());
 }
 
-TEST(HierarchyMemory, countsRungsOfNodesThatHoldMany) {
+TEST(HierarchyMemory, countsLodsOfNodesThatHoldMany) {
   HierarchyPage page;
   Node root;
   root.key = kRootKey;
-  root.rungs.assign(64, Rung{});
+  root.lods.assign(64, Lod{});
   page.nodes = {root};
   Hierarchy many(1);
   many.addRootPage(page);
-  page.nodes[0].rungs.resize(1);
+  page.nodes[0].lods.resize(1);
   Hierarchy one(1);
   one.addRootPage(page);
-  EXPECT_EQ(many.bytes(), one.bytes() + 63 * sizeof(Rung));
+  EXPECT_EQ(many.bytes(), one.bytes() + 63 * sizeof(Lod));
 }
 
 }  // namespace

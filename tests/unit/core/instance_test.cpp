@@ -92,8 +92,8 @@ class Within : private Seeded {
 
   /// Of the fallback that is never given up.
   uint64_t leastFallbackBytes() const {
-    const auto rungs = static_cast<uint32_t>(tree_.nodes().at(kRootKey).rungs.size());
-    return drawnBytes(*tree_.mesh({kRootKey, rungs - 1}));
+    const auto lods = static_cast<uint32_t>(tree_.nodes().at(kRootKey).lods.size());
+    return drawnBytes(*tree_.mesh({kRootKey, lods - 1}));
   }
 
  private:
@@ -171,7 +171,7 @@ class Watched : private Seeded {
       for (const NodeKey leaf : tree_.leaves()) {
         const auto shown = partAt(parts, leaf);
         if (shown == parts.end()) continue;
-        const float error_model = tree_.nodes().at(shown->first).rungs[shown->second].error_model;
+        const float error_model = tree_.nodes().at(shown->first).lods[shown->second].error_model;
         const auto [was, is_first] = before.emplace(leaf, error_model);
         rises[leaf] += !is_first && error_model > was->second;
         was->second = error_model;

@@ -23,8 +23,8 @@ TEST(Model, handsOutNoMoreToDecodeThanThereIsMemoryForAndAllInTheEnd) {
              encodePage(synthetic.rootPage()));
   size_t taken = 0;
   for (const auto& [key, node] : synthetic.nodes())
-    for (uint32_t rung = 0; rung < node.rungs.size() && key.depth() <= 2; ++rung, ++taken)
-      model.take(node.rungs[rung].payload, {BlobKind::kMesh, {key, rung}}, Bytes(10));
+    for (uint32_t lod = 0; lod < node.lods.size() && key.depth() <= 2; ++lod, ++taken)
+      model.take(node.lods[lod].payload, {BlobKind::kMesh, {key, lod}}, Bytes(10));
   taken = model.decoding();
   ASSERT_GT(taken, 20u);
   size_t rounds = 0, finished = 0;
@@ -43,7 +43,7 @@ TEST(Model, handsOutNoMoreToDecodeThanThereIsMemoryForAndAllInTheEnd) {
   EXPECT_EQ(model.undecodedBytes() + model.decodingBytes(), 0u);
 }
 
-TEST(Model, beginsWithTheNextFinerRungOnlyWhereTheCoarsestIsLost) {
+TEST(Model, beginsWithTheNextFinerLodOnlyWhereTheCoarsestIsLost) {
   const SyntheticModel synthetic({.seed = 3});
   const ScriptedServer server(synthetic);
   for (const bool is_lost : {true, false}) {
@@ -54,7 +54,7 @@ TEST(Model, beginsWithTheNextFinerRungOnlyWhereTheCoarsestIsLost) {
     model.refuse(first.blob, "the server says no", is_lost);
     ASSERT_EQ(model.firstWish().has_value(), is_lost);
     if (!is_lost) continue;
-    EXPECT_EQ(model.firstWish()->use.mesh.rung, first.use.mesh.rung - 1);
+    EXPECT_EQ(model.firstWish()->use.mesh.lod, first.use.mesh.lod - 1);
   }
 }
 

@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 
 constexpr RefineOptions kOptions{.threshold_px = 1};
 
-/// A model of which the coarsest rung alone is there.
+/// A model of which the coarsest LOD alone is there.
 Model coarseModel(const SyntheticModel& tree, uint64_t memory_budget_bytes) {
   ModelSummary summary;
   summary.lattice = SyntheticModel::lattice();
@@ -83,7 +83,7 @@ TEST(Prefetcher, countsAsUsedWhatAnyPlaceShows) {
   auto elsewhere = std::make_shared<Cut>();
   CutPart& part = elsewhere->parts.emplace_back();
   part.node = mesh->use.mesh.node;
-  part.rung = mesh->use.mesh.rung;
+  part.lod = mesh->use.mesh.lod;
   part.visible = true;
   const PlacedCuts placed{{std::make_shared<Cut>(), elsewhere}, nullptr};
   prefetcher.needed(&placed, {}, {});

@@ -32,9 +32,9 @@ TEST_P(RefinerOnSeeds, whatIsFarOutsideTheViewHoldsUpNothing) {
   EXPECT_TRUE(client.last().cut->converged);
   const Parts shown = partsOf(*client.last().cut);
   const Parts wanted = BruteForce(model_, insideView(), 1).parts();
-  for (const auto& [key, rung] : wanted) {
+  for (const auto& [key, lod] : wanted) {
     if (!isNear(model_, key, insideView())) continue;
-    EXPECT_EQ(shown.at(key), rung) << key.value;
+    EXPECT_EQ(shown.at(key), lod) << key.value;
   }
   for (const Wish& wish : client.last().wanted)
     EXPECT_FALSE(isNear(model_, wish.use.mesh.node, insideView()));
@@ -59,13 +59,13 @@ TEST_P(RefinerOnSeeds, aCameraThatTurnsBeforeTheRestHasComeSeesAWholePicture) {
   }
 }
 
-/// The finest rung of the nearest node above a place that is resident.
+/// The finest LOD of the nearest node above a place that is resident.
 std::optional<MeshKey> nearestAbove(const MeshCache& cache, NodeKey place) {
   while (place != kRootKey) {
     place = place.parent();
-    const MeshCache::Rungs& rungs = cache.rungsOf(place);
-    for (uint32_t rung = 0; rung < kMaxRungs; ++rung)
-      if (rungs.has(rung)) return MeshKey{place, rung};
+    const MeshCache::Lods& lods = cache.lodsOf(place);
+    for (uint32_t lod = 0; lod < kMaxLods; ++lod)
+      if (lods.has(lod)) return MeshKey{place, lod};
   }
   return std::nullopt;
 }
@@ -90,7 +90,7 @@ TEST_P(RefinerOnSeeds, holdsForEachPlaceThatItLeavesOutTheNearestAncestorThatIsR
   const Refinement& now = client.last();
   size_t held_for = 0;
   for (const Fallback& fallback : now.cut->fallbacks) {
-    const MeshKey held{fallback.part.node, fallback.part.rung};
+    const MeshKey held{fallback.part.node, fallback.part.lod};
     EXPECT_EQ(fallback.part.mesh, client.cache().find(held));
     EXPECT_EQ(std::ranges::count(now.in_use, held), 1);
     EXPECT_LT(fallback.first_left_out, fallback.end_left_out);
@@ -103,7 +103,7 @@ TEST_P(RefinerOnSeeds, holdsForEachPlaceThatItLeavesOutTheNearestAncestorThatIsR
   EXPECT_EQ(held_for, now.cut->left_out.size());
 }
 
-TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestRung) {
+TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestLod) {
   Scripted client(model_);
   client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
   deliverWhatIsSeen(client, insideView(), 1);
@@ -114,7 +114,7 @@ TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestRun
   };
   const auto residentBytes = [](const Mesh& mesh) { return meshBytes(mesh); };
   const auto copiedBytes = [](const Mesh& mesh) { return drawnBytes(mesh); };
-  const MeshKey coarsest{kRootKey, static_cast<uint32_t>(model_.nodes().at(kRootKey).rungs.size()) - 1};
+  const MeshKey coarsest{kRootKey, static_cast<uint32_t>(model_.nodes().at(kRootKey).lods.size()) - 1};
   const std::shared_ptr<const Mesh> last = model_.mesh(coarsest);
   const auto cutWith = [&](const RefineOptions& options) {
     const std::shared_ptr<const Cut> cut = client.refineFor(insideView(), options).cut;
@@ -133,7 +133,7 @@ TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestRun
   ASSERT_EQ(cut.fallbacks.size(), cut.left_out.empty() ? 0u : 1u);
   if (cut.left_out.empty()) return;
   const Fallback& root = cut.fallbacks.front();
-  EXPECT_EQ((MeshKey{root.part.node, root.part.rung}), coarsest);
+  EXPECT_EQ((MeshKey{root.part.node, root.part.lod}), coarsest);
   EXPECT_EQ(root.end_left_out - root.first_left_out, cut.left_out.size());
   EXPECT_EQ(root.end_part - root.first_part, cut.parts.size());
 }

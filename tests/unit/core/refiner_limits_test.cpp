@@ -80,7 +80,7 @@ class LimitedBruteForce {
  public:
   LimitedBruteForce(const SyntheticModel& model, const View& view, float threshold_px, uint64_t triangles)
       : model_(model), view_(view), errors_(model, view, threshold_px) {
-    parts_[kRootKey] = lastRung(kRootKey);
+    parts_[kRootKey] = lastLod(kRootKey);
     while (true) {
       const auto worst = std::ranges::max_element(parts_, {}, [this](const auto& part) {
         return std::pair(mayGiveWay(part.first) ? errorOf(part) : 0, ~part.first.value);
@@ -100,8 +100,8 @@ class LimitedBruteForce {
   }
 
  private:
-  uint32_t lastRung(NodeKey key) const {
-    return static_cast<uint32_t>(model_.nodes().at(key).rungs.size()) - 1;
+  uint32_t lastLod(NodeKey key) const {
+    return static_cast<uint32_t>(model_.nodes().at(key).lods.size()) - 1;
   }
   float errorOf(const Parts::value_type& part) const { return errors_.errorPx(part.first, part.second); }
   bool mayGiveWay(NodeKey key) const {
@@ -119,16 +119,16 @@ class LimitedBruteForce {
       if ((model_.nodes().at(key).child_mask >> octant & 1) != 0) begin(key.child(octant), replaced_px);
   }
   void begin(NodeKey key, float replaced_px) {
-    uint32_t rung = lastRung(key);
-    while (isVisible(key) && rung > 0 && errorOf({key, rung}) > replaced_px) --rung;
-    parts_[key] = rung;
+    uint32_t lod = lastLod(key);
+    while (isVisible(key) && lod > 0 && errorOf({key, lod}) > replaced_px) --lod;
+    parts_[key] = lod;
   }
   bool isVisible(NodeKey key) const {
     return boxMayBeVisible(toModelBox(model_.nodes().at(key).box, SyntheticModel::lattice().step), view_);
   }
   uint64_t trianglesOf(const Parts& parts) const {
     uint64_t triangles = 0;
-    for (const auto& [key, rung] : parts) triangles += model_.nodes().at(key).rungs[rung].triangles;
+    for (const auto& [key, lod] : parts) triangles += model_.nodes().at(key).lods[lod].triangles;
     return triangles;
   }
 
@@ -196,7 +196,7 @@ TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {
     node.box.add(glm::uvec3(0));
     node.box.add(glm::uvec3(1024));
     node.child_mask = children;
-    node.rungs = {{{}, 0, 0, 0, error_model, 0}};
+    node.lods = {{{}, 0, 0, 0, error_model, 0}};
     page.nodes.push_back(node);
   };
   add(kRootKey, 0xff, 100);

@@ -19,8 +19,8 @@ class RefinerWithoutSomeBlobs : public RefinerOnSeeds {
     };
     for (const auto& [key, node] : model_.nodes()) {
       if (node.child_page) maybe(node.child_page.number);
-      for (const Rung& rung : node.rungs)
-        if (rung.triangles != 0) maybe(rung.payload.number);
+      for (const Lod& lod : node.lods)
+        if (lod.triangles != 0) maybe(lod.payload.number);
     }
     return blobs;
   }
@@ -45,7 +45,7 @@ TEST_P(RefinerWithoutSomeBlobs, settlesOnTheCutOfAllThatThereIs) {
 
 TEST_P(RefinerWithoutSomeBlobs, beginsBelowARootOfWhichNothingIsThere) {
   std::set<uint32_t> lost;
-  for (const Rung& rung : model_.nodes().at(kRootKey).rungs) lost.insert(rung.payload.number);
+  for (const Lod& lod : model_.nodes().at(kRootKey).lods) lost.insert(lod.payload.number);
   Scripted client(model_);
   for (const uint32_t blob : lost) client.lose(blob);
   client.converge(farView(), {.threshold_px = 1000}, random_, kNoCheck);
@@ -56,8 +56,8 @@ TEST_P(RefinerWithoutSomeBlobs, beginsBelowARootOfWhichNothingIsThere) {
 TEST_P(RefinerWithoutSomeBlobs, hasNotConvergedWhereTheyKeepItAboveTheThreshold) {
   std::set<uint32_t> lost;
   for (const auto& [key, node] : model_.nodes())
-    for (const Rung& rung : node.rungs)
-      if (key.depth() >= 1 && rung.triangles != 0) lost.insert(rung.payload.number);
+    for (const Lod& lod : node.lods)
+      if (key.depth() >= 1 && lod.triangles != 0) lost.insert(lod.payload.number);
   Scripted client(model_);
   for (const uint32_t blob : lost) client.lose(blob);
   client.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);

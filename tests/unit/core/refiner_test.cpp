@@ -64,7 +64,7 @@ TEST_P(RefinerOnSeeds, saysOfAStandInWhatThresholdWouldHaveIt) {
     if (!now.cut) return;
     for (const CutPart& part : now.cut->parts) {
       const auto same = wanted.find(part.node);
-      const bool is_wanted = same != wanted.end() && same->second == part.rung && part.visible;
+      const bool is_wanted = same != wanted.end() && same->second == part.lod && part.visible;
       EXPECT_EQ(part.threshold_px, is_wanted ? 5 : std::max(5.0f, part.error_px)) << part.node.value;
       has_coarser |= !is_wanted;
     }
@@ -83,7 +83,7 @@ TEST_P(RefinerOnSeeds, saysOfAFinerStandInThatASmallerThresholdWouldHaveIt) {
   bool has_finer = false;
   for (const CutPart& part : now.cut->parts) {
     const auto same = wanted.find(part.node);
-    if (!part.visible || (same != wanted.end() && same->second == part.rung)) continue;
+    if (!part.visible || (same != wanted.end() && same->second == part.lod)) continue;
     EXPECT_EQ(part.threshold_px, std::min(20.0f, part.error_px));
     has_finer = true;
   }
@@ -132,7 +132,7 @@ TEST_P(RefinerOnSeeds, countsAsInUseWhatHasComeAndWaitsForItsSiblings) {
     const Wish next = now.wanted[random_() % now.wanted.size()];
     client.deliver(next);
     const auto part = wanted.find(next.use.mesh.node);
-    if (next.use.kind == BlobKind::kMesh && part != wanted.end() && part->second == next.use.mesh.rung)
+    if (next.use.kind == BlobKind::kMesh && part != wanted.end() && part->second == next.use.mesh.lod)
       there.push_back(next.use.mesh);
   }
   EXPECT_TRUE(one_waits);
@@ -148,7 +148,7 @@ TEST_P(RefinerOnSeeds, keepsWhatWasShownFinerUntilTheCoarserArrives) {
   EXPECT_FALSE(now.wanted.empty());
   expectComplete(model_, *now.cut, now.settled);
   for (const CutPart& part : now.cut->parts)
-    EXPECT_TRUE(part.error_px <= 2 || (part.rung == 0 && model_.nodes().at(part.node).isLeaf()));
+    EXPECT_TRUE(part.error_px <= 2 || (part.lod == 0 && model_.nodes().at(part.node).isLeaf()));
 }
 
 TEST_P(RefinerOnSeeds, aLowerThresholdNeverGivesLessTriangles) {
@@ -204,9 +204,9 @@ TEST_P(RefinerOnSeeds, asksForNoPageBeyondTheHierarchysBudgetAndSaysSo) {
 TEST_P(RefinerOnSeeds, asksForATwentiethMoreBytesThanTheConvergedCutAtMost) {
   Scripted client(model_);
   client.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
-  uint64_t needed = model_.nodes().at(kRootKey).rungs.back().payload.bytes;
-  for (const auto& [key, rung] : partsOf(*client.last().cut))
-    needed += model_.nodes().at(key).rungs[rung].payload.bytes;
+  uint64_t needed = model_.nodes().at(kRootKey).lods.back().payload.bytes;
+  for (const auto& [key, lod] : partsOf(*client.last().cut))
+    needed += model_.nodes().at(key).lods[lod].payload.bytes;
   EXPECT_LE(client.deliveredPayloadBytes(), needed * 21 / 20);
 }
 
@@ -228,7 +228,7 @@ TEST_P(RefinerOnSeeds, wishesFirstForWhatReplacesTheLargestErrorInThePicture) {
     float largest_px = 0;
     for (const CutPart& part : now.cut->parts) {
       const auto same = right.find(part.node);
-      const bool is_right = same != right.end() && same->second == part.rung;
+      const bool is_right = same != right.end() && same->second == part.lod;
       const bool waits_for_page = std::ranges::any_of(now.wanted, [&](const Wish& wish) {
         return wish.use.kind == BlobKind::kPage && part.node.contains(wish.use.mesh.node);
       });
@@ -267,7 +267,7 @@ TEST(Refiner, showsACoveringStepBeforeMostOfTheDetailHasCome) {
       triangles_at_half = client.last().cut->triangles;
     client.deliver(client.last().wanted.front());
   }
-  EXPECT_GT(triangles_at_half, 4 * model.nodes().at(kRootKey).rungs.back().triangles);
+  EXPECT_GT(triangles_at_half, 4 * model.nodes().at(kRootKey).lods.back().triangles);
 }
 
 TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {
@@ -279,7 +279,7 @@ TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {
   for (const CutPart& part : client.last().cut->parts) {
     if (part.visible) continue;
     ++outside;
-    EXPECT_EQ(part.rung + 1, model.nodes().at(part.node).rungs.size());
+    EXPECT_EQ(part.lod + 1, model.nodes().at(part.node).lods.size());
   }
   EXPECT_GT(outside, 0u);
 }
@@ -301,7 +301,7 @@ TEST_P(RefinerOnSeeds, countsAsRefinableWhatIsSeenButLeavesAtTheirOriginalTriang
       if (!refined.cut) return;
       float refinable_px = 0;
       for (const CutPart& part : refined.cut->parts)
-        if (part.visible && (part.rung > 0 || !model_.nodes().at(part.node).isLeaf()))
+        if (part.visible && (part.lod > 0 || !model_.nodes().at(part.node).isLeaf()))
           refinable_px = std::max(refinable_px, part.error_px);
       EXPECT_EQ(refined.cut->refinable_px, refinable_px);
     });
@@ -317,10 +317,10 @@ TEST_P(RefinerOnSeeds, namesAllThatIsResidentAboveTheCutAsItsAncestors) {
   const Parts parts = partsOf(*client.last().cut);
   std::set<MeshKey> above;
   for (const auto& [key, node] : model_.nodes())
-    for (const auto& [part, part_rung] : parts)
-      for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
-        if (part != key && key.contains(part) && client.cache().rungsOf(key).has(rung))
-          above.insert({key, rung});
+    for (const auto& [part, part_lod] : parts)
+      for (uint32_t lod = 0; lod < node.lods.size(); ++lod)
+        if (part != key && key.contains(part) && client.cache().lodsOf(key).has(lod))
+          above.insert({key, lod});
   const auto& named = client.last().ancestors;
   EXPECT_FALSE(above.empty());
   EXPECT_EQ(std::set<MeshKey>(named.begin(), named.end()), above);
@@ -332,19 +332,19 @@ TEST(Refiner, refinesOnTheAppearanceErrorToo) {
   root.key = kRootKey;
   root.box.add(glm::uvec3(0));
   root.box.add(glm::uvec3(1024));
-  root.rungs = {{{1, 10, {}}, 100, 60, 0, 0, 0}, {{2, 10, {}}, 10, 9, 0, 0, 1}};
+  root.lods = {{{1, 10, {}}, 100, 60, 0, 0, 0}, {{2, 10, {}}, 10, 9, 0, 0, 1}};
   page.nodes = {root};
   Hierarchy hierarchy(1);
   hierarchy.addRootPage(page);
   MeshCache cache(1u << 20);
   const Lattice lattice{{0, 0, 0}, 1};
   const View view = lookingAt({512, 512, 2000}, {512, 512, 0});
-  EXPECT_EQ(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted[0].use.mesh.rung, 1u);
+  EXPECT_EQ(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted[0].use.mesh.lod, 1u);
   cache.insert({kRootKey, 1}, std::make_shared<const Mesh>());
   EXPECT_TRUE(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted.empty());
   const Refinement sharp = refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 0.1f});
   ASSERT_EQ(sharp.wanted.size(), 1u);
-  EXPECT_EQ(sharp.wanted[0].use.mesh.rung, 0u);
+  EXPECT_EQ(sharp.wanted[0].use.mesh.lod, 0u);
 }
 
 TEST(Refiner, publishesPartsDepthFirstWithTheirMeshes) {

@@ -42,35 +42,35 @@ class BruteForce {
   const Parts& parts() const { return parts_; }
   uint64_t triangles() const {
     uint64_t triangles = 0;
-    for (const auto& [key, rung] : parts_) triangles += model_.nodes().at(key).rungs[rung].triangles;
+    for (const auto& [key, lod] : parts_) triangles += model_.nodes().at(key).lods[lod].triangles;
     return triangles;
   }
-  float errorPx(NodeKey key, uint32_t rung) const {
+  float errorPx(NodeKey key, uint32_t lod) const {
     const Node& node = model_.nodes().at(key);
     const ModelBox box = toModelBox(node.box, SyntheticModel::lattice().step);
-    return screenErrorPx(std::max(node.rungs[rung].error_model, node.rungs[rung].appearance_error_model),
+    return screenErrorPx(std::max(node.lods[lod].error_model, node.lods[lod].appearance_error_model),
                          distanceToBox(view_.eye_model, box), view_);
   }
 
  private:
   void visit(NodeKey key) {
     const Node& node = model_.nodes().at(key);
-    const std::vector<uint32_t> rungs = rungsOf(node);
-    if (!rungs.empty() && !boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view_))
-      return add(node, rungs.back());
-    for (size_t i = rungs.size(); i-- > 0;)
-      if (errorPx(key, rungs[i]) <= threshold_px_) return add(node, rungs[i]);
-    if (!mayGiveWay(node)) return add(node, rungs.front());
+    const std::vector<uint32_t> lods = lodsOf(node);
+    if (!lods.empty() && !boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view_))
+      return add(node, lods.back());
+    for (size_t i = lods.size(); i-- > 0;)
+      if (errorPx(key, lods[i]) <= threshold_px_) return add(node, lods[i]);
+    if (!mayGiveWay(node)) return add(node, lods.front());
     for (unsigned octant = 0; octant < 8; ++octant)
       if ((node.child_mask >> octant & 1) != 0) visit(key.child(octant));
   }
   /// That can be had, finest first.
-  std::vector<uint32_t> rungsOf(const Node& node) const {
-    std::vector<uint32_t> rungs;
-    for (uint32_t rung = 0; rung < node.rungs.size(); ++rung)
-      if (node.rungs[rung].triangles == 0 || !lost_.contains(node.rungs[rung].payload.number))
-        rungs.push_back(rung);
-    return rungs;
+  std::vector<uint32_t> lodsOf(const Node& node) const {
+    std::vector<uint32_t> lods;
+    for (uint32_t lod = 0; lod < node.lods.size(); ++lod)
+      if (node.lods[lod].triangles == 0 || !lost_.contains(node.lods[lod].payload.number))
+        lods.push_back(lod);
+    return lods;
   }
   bool mayGiveWay(const Node& node) const {
     if (node.isLeaf() || (node.child_page && lost_.contains(node.child_page.number))) return false;
@@ -79,9 +79,9 @@ class BruteForce {
         return false;
     return true;
   }
-  bool mayBeShown(const Node& node) const { return !rungsOf(node).empty() || mayGiveWay(node); }
-  void add(const Node& node, uint32_t rung) {
-    if (node.rungs[rung].triangles != 0) parts_[node.key] = rung;
+  bool mayBeShown(const Node& node) const { return !lodsOf(node).empty() || mayGiveWay(node); }
+  void add(const Node& node, uint32_t lod) {
+    if (node.lods[lod].triangles != 0) parts_[node.key] = lod;
   }
 
   const SyntheticModel& model_;
@@ -93,7 +93,7 @@ class BruteForce {
 
 inline Parts partsOf(const Cut& cut) {
   Parts parts;
-  for (const CutPart& part : cut.parts) parts[part.node] = part.rung;
+  for (const CutPart& part : cut.parts) parts[part.node] = part.lod;
   EXPECT_EQ(parts.size(), cut.parts.size());
   return parts;
 }
@@ -167,7 +167,7 @@ inline bool isNear(const SyntheticModel& model, NodeKey node, const View& view) 
                          kMarginWidening);
 }
 
-/// Every leaf's place is covered by exactly one part, or by none where a rung on the way is empty, or where
+/// Every leaf's place is covered by exactly one part, or by none where an LOD on the way is empty, or where
 /// it is far outside the view of a cut that has not settled.
 inline void expectComplete(const SyntheticModel& model, const Cut& cut, bool settled) {
   const Parts parts = partsOf(cut);
@@ -177,7 +177,7 @@ inline void expectComplete(const SyntheticModel& model, const Cut& cut, bool set
     for (int depth = 0; depth <= leaf.depth(); ++depth) {
       const NodeKey key = leaf.ancestorAt(depth);
       covering += static_cast<int>(parts.count(key));
-      for (const Rung& rung : model.nodes().at(key).rungs) may_be_empty |= rung.triangles == 0;
+      for (const Lod& lod : model.nodes().at(key).lods) may_be_empty |= lod.triangles == 0;
     }
     if (may_be_empty) {
       ASSERT_LE(covering, 1) << leaf.value;

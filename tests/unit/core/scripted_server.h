@@ -35,9 +35,9 @@ class ScriptedServer {
   void serve(const SyntheticModel& model) {
     for (const auto& [key, node] : model.nodes()) nodes_.emplace(key, node);
     for (auto& [key, node] : nodes_)
-      for (Rung& rung : node.rungs)
-        if (rung.payload)
-          rung.payload = keep(rung.payload.number, blobBytes(rung.payload.number, rung.payload.bytes));
+      for (Lod& lod : node.lods)
+        if (lod.payload)
+          lod.payload = keep(lod.payload.number, blobBytes(lod.payload.number, lod.payload.bytes));
     for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node)  // deepest first
       if (node->second.child_page)
         node->second.child_page =
@@ -143,7 +143,7 @@ class ScriptedServer {
     append(proto::encode(message, 2));
     if (known_build_id == summary_.build_id) return;
     sendUnasked(kRootPageBlob);
-    sendUnasked(nodes_.at(kRootKey).rungs.back().payload.number);
+    sendUnasked(nodes_.at(kRootKey).lods.back().payload.number);
   }
 
   void sendUnasked(uint32_t blob) {

@@ -26,7 +26,7 @@ class Seeded {
     summary.box = tree_.nodes().at(kRootKey).box;
     summary.nodes = tree_.nodes().size();
     for (const auto& [key, node] : tree_.nodes())
-      if (node.isLeaf()) summary.triangles += node.rungs.front().triangles;
+      if (node.isLeaf()) summary.triangles += node.lods.front().triangles;
     return summary;
   }
 

@@ -14,7 +14,7 @@
 
 namespace lode::core::fixture {
 
-/// A random octree: boxes, rungs and errors as a store would have them, cut into pages as
+/// A random octree: boxes, LODs and errors as a store would have them, cut into pages as
 /// docs/store-format.md says. Meshes have the announced numbers of vertices and triangles, which cover the
 /// sides of the node's box once; the others have no area.
 class SyntheticModel {
@@ -24,9 +24,9 @@ class SyntheticModel {
     int depth = 4;
     double split_chance = 0.8;
     double child_chance = 0.6;
-    double empty_chance = 0;  ///< of a node's coarsest rung without triangles
+    double empty_chance = 0;  ///< of a node's coarsest LOD without triangles
     uint32_t payload_bytes_a_triangle = 1;
-    uint32_t most_spare_rungs = 2;  ///< of an inner node below the root
+    uint32_t most_far_lods = 2;  ///< of an inner node below the root
   };
 
   explicit SyntheticModel(Options options)
@@ -59,17 +59,17 @@ class SyntheticModel {
     constexpr uint32_t kSides[12][3] = {{0, 1, 3}, {0, 3, 2}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                                         {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 3, 7}, {1, 7, 5}};
     const Node& node = nodes_.at(key.node);
-    const Rung& rung = node.rungs[key.rung];
+    const Lod& lod = node.lods[key.lod];
     Mesh mesh;
     mesh.attributes = attributes();
-    for (uint32_t vertex = 0; vertex < rung.vertices; ++vertex) {
+    for (uint32_t vertex = 0; vertex < lod.vertices; ++vertex) {
       const auto side = [&](int axis) {
         return (vertex >> axis & 1) != 0 ? node.box.max[axis] : node.box.min[axis];
       };
       mesh.positions.push_back(packPosition({side(0), side(1), side(2)}));
     }
-    mesh.vertex_attributes.resize(rung.vertices);
-    for (uint32_t i = 0; i < rung.triangles; ++i)
+    mesh.vertex_attributes.resize(lod.vertices);
+    for (uint32_t i = 0; i < lod.triangles; ++i)
       mesh.triangles.push_back(i < 12 ? glm::u32vec3(kSides[i][0], kSides[i][1], kSides[i][2])
                                       : glm::u32vec3(0));
     clusterTriangles(mesh);
@@ -91,27 +91,27 @@ class SyntheticModel {
     node.key = key;
     node.box = box;
     const bool splits = key.depth() < options_.depth && (key == kRootKey || chance() < options_.split_chance);
-    const uint32_t rungs = key == kRootKey ? 4 : splits ? 1 + static_cast<uint32_t>(random_() % 3) : 1;
-    for (uint32_t r = 0; r < rungs; ++r) {
-      Rung rung;
-      rung.triangles = (20 + static_cast<uint32_t>(random_() % 20)) << (rungs - 1 - r);
-      rung.vertices = rung.triangles / 2 + 2;
-      rung.error_model = error_model * (splits || key == kRootKey ? 1.0f : 0.01f) /
-                         static_cast<float>(1u << (rungs - 1 - r));
-      rung.appearance_error_model =
-          std::min(appearance_cap, rung.error_model * static_cast<float>(random_() % 2) * 1.25f);
-      rung.payload = {next_blob_++, 100 + rung.triangles * options_.payload_bytes_a_triangle, {}};
-      node.rungs.push_back(rung);
+    const uint32_t lods = key == kRootKey ? 4 : splits ? 1 + static_cast<uint32_t>(random_() % 3) : 1;
+    for (uint32_t r = 0; r < lods; ++r) {
+      Lod lod;
+      lod.triangles = (20 + static_cast<uint32_t>(random_() % 20)) << (lods - 1 - r);
+      lod.vertices = lod.triangles / 2 + 2;
+      lod.error_model =
+          error_model * (splits || key == kRootKey ? 1.0f : 0.01f) / static_cast<float>(1u << (lods - 1 - r));
+      lod.appearance_error_model =
+          std::min(appearance_cap, lod.error_model * static_cast<float>(random_() % 2) * 1.25f);
+      lod.payload = {next_blob_++, 100 + lod.triangles * options_.payload_bytes_a_triangle, {}};
+      node.lods.push_back(lod);
     }
-    for (size_t r = rungs - 1; r-- > 0;)
-      node.rungs[r].appearance_error_model =
-          std::min(node.rungs[r].appearance_error_model, node.rungs[r + 1].appearance_error_model);
-    if (splits && key != kRootKey) addSpareRungs(node);
+    for (size_t r = lods - 1; r-- > 0;)
+      node.lods[r].appearance_error_model =
+          std::min(node.lods[r].appearance_error_model, node.lods[r + 1].appearance_error_model);
+    if (splits && key != kRootKey) addFarLods(node);
     if (key != kRootKey && chance() < options_.empty_chance) {
-      node.rungs.back().triangles = node.rungs.back().vertices = 0;
-      node.rungs.back().payload = {};
+      node.lods.back().triangles = node.lods.back().vertices = 0;
+      node.lods.back().payload = {};
     }
-    const float child_error = node.rungs.front().error_model / 2;
+    const float child_error = node.lods.front().error_model / 2;
     if (splits) {
       for (unsigned octant = 0; octant < 8; ++octant)
         if (chance() < options_.child_chance || octant == random_() % 8)
@@ -122,21 +122,20 @@ class SyntheticModel {
     nodes_[key] = node;
     for (unsigned octant = 0; octant < 8; ++octant)
       if ((node.child_mask >> octant & 1) != 0)
-        grow(key.child(octant), childBox(box, octant), child_error,
-             node.rungs.front().appearance_error_model);
+        grow(key.child(octant), childBox(box, octant), child_error, node.lods.front().appearance_error_model);
   }
 
   /// With errors of twice and four times the last one's, which may be above the parent's.
-  void addSpareRungs(Node& node) {
-    node.spare_rungs = static_cast<uint32_t>(spare_random_() % (options_.most_spare_rungs + 1));
-    for (uint32_t i = 0; i < node.spare_rungs; ++i) {
-      Rung rung = node.rungs.back();
-      rung.triangles = std::max(12u, rung.triangles * 2 / 3);
-      rung.vertices = rung.triangles / 2 + 2;
-      rung.error_model *= 2;
-      rung.appearance_error_model *= 2;
-      rung.payload = {next_blob_++, 100 + rung.triangles * options_.payload_bytes_a_triangle, {}};
-      node.rungs.push_back(rung);
+  void addFarLods(Node& node) {
+    node.far_lods = static_cast<uint32_t>(spare_random_() % (options_.most_far_lods + 1));
+    for (uint32_t i = 0; i < node.far_lods; ++i) {
+      Lod lod = node.lods.back();
+      lod.triangles = std::max(12u, lod.triangles * 2 / 3);
+      lod.vertices = lod.triangles / 2 + 2;
+      lod.error_model *= 2;
+      lod.appearance_error_model *= 2;
+      lod.payload = {next_blob_++, 100 + lod.triangles * options_.payload_bytes_a_triangle, {}};
+      node.lods.push_back(lod);
     }
   }
 

@@ -71,7 +71,7 @@ class TexturedEngine : public testing::Test {
     root.key = kRootKey;
     root.box.add(glm::uvec3(0));
     root.box.add(glm::uvec3(4096, 4096, 0));
-    root.rungs = {{refOf(kMesh), 2, vertices_, 0, 0, 0}};
+    root.lods = {{refOf(kMesh), 2, vertices_, 0, 0, 0}};
     blobs_[kPage] = encodePage({{root}});
   }
 

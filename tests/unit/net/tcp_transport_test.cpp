@@ -80,19 +80,19 @@ class Bell {
  public:
   void ring() {
     const std::lock_guard lock(mutex_);
-    rung_ = true;
+    lod_ = true;
     condition_.notify_one();
   }
   void wait() {
     std::unique_lock lock(mutex_);
-    ASSERT_TRUE(condition_.wait_for(lock, 300s, [this] { return rung_; }));
-    rung_ = false;
+    ASSERT_TRUE(condition_.wait_for(lock, 300s, [this] { return lod_; }));
+    lod_ = false;
   }
 
  private:
   std::mutex mutex_;
   std::condition_variable condition_;
-  bool rung_ = false;
+  bool lod_ = false;
 };
 
 class TcpTransportTest : public testing::Test {

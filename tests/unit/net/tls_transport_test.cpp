@@ -50,7 +50,7 @@ class EchoUnderTls : public testing::Test {
   std::string answerTo(const std::string& text, const Route& route) {
     TcpTransport transport(route, [this] {
       const std::lock_guard lock(mutex_);
-      rung_ = true;
+      lod_ = true;
       bell_.notify_one();
     });
     proto::Bytes bytes(text.size());
@@ -60,8 +60,8 @@ class EchoUnderTls : public testing::Test {
     while (answer.size() < text.size()) {
       {
         std::unique_lock lock(mutex_);
-        if (!bell_.wait_for(lock, 300s, [this] { return rung_; })) return "nothing";
-        rung_ = false;
+        if (!bell_.wait_for(lock, 300s, [this] { return lod_; })) return "nothing";
+        lod_ = false;
       }
       try {
         for (const std::byte byte : transport.takeReceived()) answer += static_cast<char>(byte);
@@ -93,7 +93,7 @@ class EchoUnderTls : public testing::Test {
   const uint16_t port_ = acceptor_.local_endpoint().port();
   std::mutex mutex_;
   std::condition_variable bell_;
-  bool rung_ = false;
+  bool lod_ = false;
   std::thread thread_;
 };
 
@@ -125,16 +125,16 @@ TEST(TlsTransport, saysThatAServerWithoutTlsHasNone) {
   tcp::acceptor acceptor(io, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
   std::mutex mutex;
   std::condition_variable bell;
-  bool rung = false;
+  bool lod = false;
   TcpTransport transport({{"127.0.0.1", acceptor.local_endpoint().port()}, 10s, trustAuthorities({})}, [&] {
     const std::lock_guard lock(mutex);
-    rung = true;
+    lod = true;
     bell.notify_one();
   });
   tcp::socket peer = acceptor.accept();
   asio::write(peer, asio::buffer("220 no TLS here\r\n", 17));
   std::unique_lock lock(mutex);
-  ASSERT_TRUE(bell.wait_for(lock, 300s, [&] { return rung; }));
+  ASSERT_TRUE(bell.wait_for(lock, 300s, [&] { return lod; }));
   lock.unlock();
   try {
     transport.takeReceived();

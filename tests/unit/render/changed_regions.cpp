@@ -20,7 +20,7 @@ TEST(ChangedRegions, matchANodeWithItsChildrenWhicheverOfThemArrive) {
   EXPECT_EQ(changedRegions(below, above), (std::vector<ChangedRegion>{{kHere, {0, 1, 2}, {0}}}));
 }
 
-TEST(ChangedRegions, matchANodeWithItselfInAnotherRung) {
+TEST(ChangedRegions, matchANodeWithItselfInAnotherLod) {
   EXPECT_EQ(changedRegions(std::vector{kHere}, std::vector{kHere}),
             (std::vector<ChangedRegion>{{kHere, {0}, {0}}}));
 }

@@ -151,7 +151,7 @@ TEST(CrossFade, switchesAtOnceWhereTheStepIsLarge) {
   EXPECT_EQ(frames.fade.items().size(), 3u);
 }
 
-TEST(CrossFade, isBetweenRungsOfANode) {
+TEST(CrossFade, isBetweenLodsOfANode) {
   Frames frames;
   frames.show(1, {kNode});
   frames.meshes.clear();

@@ -20,11 +20,11 @@ using render::ExchangeStep;
 
 std::shared_ptr<const Mesh> aMesh() { return std::make_shared<const Mesh>(); }
 
-/// Meshes of a model, each node's rungs made once.
+/// Meshes of a model, each node's LODs made once.
 class Meshes {
  public:
-  std::shared_ptr<const Mesh> of(NodeKey node, uint32_t rung) {
-    std::shared_ptr<const Mesh>& mesh = known_[{node, rung}];
+  std::shared_ptr<const Mesh> of(NodeKey node, uint32_t lod) {
+    std::shared_ptr<const Mesh>& mesh = known_[{node, lod}];
     if (!mesh) mesh = aMesh();
     return mesh;
   }
@@ -73,8 +73,8 @@ class RandomCuts {
   }
 
   CutPart part(NodeKey node) {
-    const auto rung = static_cast<uint32_t>(random_() % 2);
-    return {node, rung, random_() % 2 == 0, static_cast<float>(random_() % 100), meshes_.of(node, rung)};
+    const auto lod = static_cast<uint32_t>(random_() % 2);
+    return {node, lod, random_() % 2 == 0, static_cast<float>(random_() % 100), meshes_.of(node, lod)};
   }
 
   std::mt19937 random_;

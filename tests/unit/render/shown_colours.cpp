@@ -11,10 +11,10 @@ namespace {
 
 using render::Show;
 
-render::DrawItem partOf(NodeKey node, uint32_t rung = 0, float error_rad = 0) {
+render::DrawItem partOf(NodeKey node, uint32_t lod = 0, float error_rad = 0) {
   render::DrawItem part;
   part.node = node;
-  part.rung = rung;
+  part.lod = lod;
   part.error_rad = error_rad;
   return part;
 }
@@ -118,7 +118,7 @@ TEST_F(Shown, partsHaveTheColoursOfTheirLegend) {
     return glm::ivec3(pixel[0], pixel[1], pixel[2]);
   };
   const render::DrawItem first = partOf(NodeKey{8});
-  for (const Show show : {Show::kDepths, Show::kRungs, Show::kErrors}) {
+  for (const Show show : {Show::kDepths, Show::kLods, Show::kErrors}) {
     const glm::ivec3 expected(colourOf(show, first, 1)), pixel = drawn(show);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) EXPECT_EQ(expected[i] > expected[j] + 20, pixel[i] > pixel[j] + 20);
@@ -147,17 +147,17 @@ TEST(ShownColours, tellErrorsAboveTheThresholdFromThoseBelow) {
   EXPECT_EQ(legend[legend.size() - 2].meaning, "up to 2 px");
 }
 
-TEST(ShownColours, areExplainedForTheDepthsAndRungsThatAreDrawn) {
+TEST(ShownColours, areExplainedForTheDepthsAndLodsThatAreDrawn) {
   const std::vector<render::DrawItem> drawn{partOf(kRootKey.child(1).child(2), 3), partOf(kRootKey.child(1)),
                                             partOf(kRootKey.child(3))};
-  const auto depths = legendOf(Show::kDepths, drawn, 1), rungs = legendOf(Show::kRungs, drawn, 1);
+  const auto depths = legendOf(Show::kDepths, drawn, 1), lods = legendOf(Show::kLods, drawn, 1);
   ASSERT_EQ(depths.size(), 2u);
   EXPECT_EQ(depths[0].meaning, "depth 1, the coarsest here");
   EXPECT_EQ(depths[1].meaning, "depth 2, the finest here");
   EXPECT_NE(depths[0].colour, depths[1].colour);
-  ASSERT_EQ(rungs.size(), 2u);
-  EXPECT_EQ(rungs[0].meaning, "rung 0, the finest of a node");
-  EXPECT_EQ(rungs[1].meaning, "rung 3, the coarsest here");
+  ASSERT_EQ(lods.size(), 2u);
+  EXPECT_EQ(lods[0].meaning, "LOD 0, the finest of a node");
+  EXPECT_EQ(lods[1].meaning, "LOD 3, the coarsest here");
   EXPECT_EQ(legendOf(Show::kDepths, std::span(drawn).last(1), 1)[0].meaning, "depth 1");
   EXPECT_TRUE(legendOf(Show::kSurface, drawn, 1).empty());
 }

@@ -58,11 +58,11 @@ TEST_F(CatalogTest, offersTheStoresOfFoldersAndFilesByName) {
   EXPECT_EQ(catalog->find("d"), nullptr);
 }
 
-TEST_F(CatalogTest, offersEachBlobsSizeAndTheRootsCoarsestRung) {
+TEST_F(CatalogTest, offersEachBlobsSizeAndTheRootsCoarsestLod) {
   writeSmallStore(store("a"));
   const auto model = open({store("a")})->find("a");
   const store::Reader reader(store("a"));
-  EXPECT_EQ(model->coarsest_blob, reader.find(kRootKey)->rungs.back().payload.number);
+  EXPECT_EQ(model->coarsest_blob, reader.find(kRootKey)->lods.back().payload.number);
   EXPECT_EQ(model->blobBytes(0), 0u);
   EXPECT_EQ(model->blobBytes(reader.blobCount() + 1), 0u);
   for (uint32_t blob = 1; blob <= reader.blobCount(); ++blob)

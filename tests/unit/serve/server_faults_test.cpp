@@ -126,7 +126,7 @@ TEST_F(ServerFaults, theLimitOfOpenFilesIsRaisedToWhatItMayBe) {
 TEST_F(ServerFaults, aBlobOverwrittenUnderASessionEndsItsWishAsDamaged) {
   start();
   expectServed();
-  const uint32_t bad = reader().find(kRootKey.child(3))->rungs[0].payload.number;
+  const uint32_t bad = reader().find(kRootKey.child(3))->lods[0].payload.number;
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
   client.blobs(2);

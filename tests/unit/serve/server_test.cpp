@@ -27,7 +27,7 @@ TEST_F(ServerTest, firstBlobsFollowOpenUnasked) {
   const auto blobs = client.blobs(2);
   ASSERT_EQ(blobs.size(), 2u);
   EXPECT_EQ(blobs[0], std::pair(0u, reader().readBlob(opened.summary.root_page.number)));
-  EXPECT_EQ(blobs[1], std::pair(0u, reader().readBlob(reader().find(kRootKey)->rungs.back().payload.number)));
+  EXPECT_EQ(blobs[1], std::pair(0u, reader().readBlob(reader().find(kRootKey)->lods.back().payload.number)));
 }
 
 TEST_F(ServerTest, everyBlobArrivesAsItIsInTheStore) {
@@ -178,7 +178,7 @@ TEST_F(ServerTest, aClientThatFallsSilentIsLetGo) {
 
 TEST_F(ServerTest, aDamagedBlobEndsItsWishAlone) {
   start();
-  const uint32_t bad = reader().find(kRootKey.child(3))->rungs[0].payload.number;
+  const uint32_t bad = reader().find(kRootKey.child(3))->lods[0].payload.number;
   test::damage(store_, reader().blob(bad).offset + 100);
   TestClient client = connect();
   const proto::Opened opened = client.open("a");

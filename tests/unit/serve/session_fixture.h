@@ -20,7 +20,7 @@ using proto::WireError;
 using proto::WishAction;
 using proto::WishClass;
 
-constexpr uint32_t kSmall = 1000, kLarge = 200'000, kPageBlob = 1, kRootRungBlob = 2, kFirstBlob = 3;
+constexpr uint32_t kSmall = 1000, kLarge = 200'000, kPageBlob = 1, kRootLodBlob = 2, kFirstBlob = 3;
 
 /// A model whose blobs 3 to 29 are small, 30 to 39 large.
 inline Model model(const std::string& name, uint8_t build = 1) {
@@ -33,7 +33,7 @@ inline Model model(const std::string& name, uint8_t build = 1) {
   model.blob_bytes[0] = 0;
   model.blob_bytes[kPageBlob] = 300;
   std::fill(model.blob_bytes.begin() + 30, model.blob_bytes.end(), kLarge);
-  model.coarsest_blob = kRootRungBlob;
+  model.coarsest_blob = kRootLodBlob;
   return model;
 }
 

@@ -48,7 +48,7 @@ TEST_F(SessionTest, listsTheModelsInOrder) {
   EXPECT_EQ(list.models[1], modelAt(1).summary);
 }
 
-TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestRung) {
+TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestLod) {
   send(proto::Hello{});
   send(proto::Open{"b", {}}, 5);
   EXPECT_FALSE(session_.beginChunk()) << "no chunk may overtake Opened";
@@ -56,7 +56,7 @@ TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestRung) {
   ASSERT_EQ(frames.size(), 2u);
   EXPECT_EQ(frames[1].header.request, 5u);
   EXPECT_EQ(proto::decode<proto::Opened>(frames[1].body), (proto::Opened{1, modelAt(1).summary}));
-  for (const uint32_t blob : {kPageBlob, kRootRungBlob}) {
+  for (const uint32_t blob : {kPageBlob, kRootLodBlob}) {
     const auto chunk = session_.beginChunk();
     ASSERT_TRUE(chunk);
     EXPECT_EQ(chunk->blob, blob);

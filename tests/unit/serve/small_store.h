@@ -14,21 +14,21 @@ namespace lode::serve::test {
 using lode::test::WorkFolder;
 
 /// Writes a store of a root with eight leaves. A server never looks into payloads, so they are noise from the
-/// seed: the root's rungs of 150,000 (or as many as are asked for) and 9,000 bytes, the leaves' of about
+/// seed: the root's LODs of 150,000 (or as many as are asked for) and 9,000 bytes, the leaves' of about
 /// 40,000.
 inline ModelSummary writeSmallStore(const std::filesystem::path& path, uint32_t seed = 1,
                                     size_t root_bytes = 150'000) {
   std::mt19937 random(seed);
   store::Writer writer(path);
-  const auto rung = [&](size_t bytes, uint32_t triangles, float error_model) {
+  const auto lod = [&](size_t bytes, uint32_t triangles, float error_model) {
     std::vector<std::byte> payload(bytes);
     for (std::byte& byte : payload) byte = static_cast<std::byte>(random());
-    return Rung{writer.addBlob(payload), triangles, triangles, 0, error_model, 0};
+    return Lod{writer.addBlob(payload), triangles, triangles, 0, error_model, 0};
   };
   const LatticeBox box{{0, 0, 0}, {1000, 1000, 1000}};
-  std::vector<Node> nodes{{kRootKey, box, 0xFF, {rung(root_bytes, 3000, 2), rung(9'000, 500, 4)}, 0, {}}};
+  std::vector<Node> nodes{{kRootKey, box, 0xFF, {lod(root_bytes, 3000, 2), lod(9'000, 500, 4)}, 0, {}}};
   for (unsigned octant = 0; octant < 8; ++octant)
-    nodes.push_back({kRootKey.child(octant), box, 0, {rung(40'000 + octant, 1000, 1)}, 0, {}});
+    nodes.push_back({kRootKey.child(octant), box, 0, {lod(40'000 + octant, 1000, 1)}, 0, {}});
   ModelSummary summary;
   summary.name = path.stem().string();
   summary.box = box;

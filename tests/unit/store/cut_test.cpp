@@ -13,10 +13,10 @@ class CutTest : public testing::Test {
   test::SyntheticModel model_ = test::closedModel();
   NodeTree tree_{model_.nodes};
 
-  const Rung& rung(CutItem item) const { return tree_.node(item.node).rungs[item.rung]; }
+  const Lod& lod(CutItem item) const { return tree_.node(item.node).lods[item.lod]; }
   uint64_t triangles(const Cut& cut) const {
     uint64_t sum = 0;
-    for (const CutItem item : cut.items) sum += rung(item).triangles;
+    for (const CutItem item : cut.items) sum += lod(item).triangles;
     return sum;
   }
 };
@@ -43,7 +43,7 @@ TEST_F(CutTest, isNoneWithAPartMissingOrDoubled) {
   items.push_back({0, 0});
   EXPECT_FALSE(coversExactlyOnce(tree_, items));
   items = leaves;
-  items.back().rung = 1;
+  items.back().lod = 1;
   EXPECT_FALSE(coversExactlyOnce(tree_, items));
   EXPECT_FALSE(coversExactlyOnce(tree_, std::vector<CutItem>{{1000000, 0}}));
 }
@@ -56,19 +56,19 @@ TEST_F(CutTest, sumsUpItsTriangles) {
   EXPECT_EQ(leafCut(tree_).triangles, 2u * 24 * 15);
 }
 
-TEST_F(CutTest, byErrorTakesTheCoarsestRungThatIsGoodEnough) {
+TEST_F(CutTest, byErrorTakesTheCoarsestLodThatIsGoodEnough) {
   for (double error = 0.3; error < 2000; error *= 1.7) {
     const Cut cut = cutByError(tree_, error);
     EXPECT_TRUE(cut.converged);
     EXPECT_LE(cut.max_error_model, error);
     for (const CutItem item : cut.items) {
       const Node& node = tree_.node(item.node);
-      if (item.rung + 1 < node.rungs.size()) {
-        EXPECT_GT(node.rungs[item.rung + 1].error_model, error);
+      if (item.lod + 1 < node.lods.size()) {
+        EXPECT_GT(node.lods[item.lod + 1].error_model, error);
       } else if (item.node != 0) {
         const auto parent = std::find_if(model_.nodes.begin(), model_.nodes.end(),
                                          [&](const Node& n) { return n.key == node.key.parent(); });
-        EXPECT_GT(parent->rungs[0].error_model, error);
+        EXPECT_GT(parent->lods[0].error_model, error);
       }
     }
   }
@@ -81,7 +81,7 @@ TEST_F(CutTest, byErrorHasFewerTrianglesTheMoreErrorIsAllowed) {
     EXPECT_LE(cut.triangles, last);
     last = cut.triangles;
   }
-  EXPECT_EQ(last, tree_.node(0).rungs.back().triangles);
+  EXPECT_EQ(last, tree_.node(0).lods.back().triangles);
 }
 
 TEST_F(CutTest, byErrorSaysWhenEvenTheLeavesAreNotGoodEnough) {
@@ -91,7 +91,7 @@ TEST_F(CutTest, byErrorSaysWhenEvenTheLeavesAreNotGoodEnough) {
 }
 
 TEST_F(CutTest, byTrianglesKeepsTheBudgetAndUsesIt) {
-  const uint64_t coarsest = tree_.node(0).rungs.back().triangles;
+  const uint64_t coarsest = tree_.node(0).lods.back().triangles;
   for (uint64_t budget = coarsest; budget < 900; budget += 3) {
     const Cut cut = cutByTriangles(tree_, budget);
     EXPECT_TRUE(cut.converged);
@@ -104,23 +104,23 @@ TEST_F(CutTest, byTrianglesKeepsTheBudgetAndUsesIt) {
 TEST_F(CutTest, byTrianglesRefinesUntilNoStepFits) {
   const auto sum = [&](uint32_t first, uint32_t count) {
     uint64_t triangles = 0;
-    for (uint32_t i = first; i < first + count; ++i) triangles += tree_.node(i).rungs.back().triangles;
+    for (uint32_t i = first; i < first + count; ++i) triangles += tree_.node(i).lods.back().triangles;
     return triangles;
   };
   for (uint64_t budget = 300; budget < 720; budget += 11) {
     const Cut cut = cutByTriangles(tree_, budget);
     for (const CutItem item : cut.items) {
       const Node& node = tree_.node(item.node);
-      if (item.rung == 0 && node.isLeaf()) continue;
-      const uint64_t refined = item.rung > 0 ? node.rungs[item.rung - 1].triangles
-                                             : sum(tree_.firstChild(item.node), tree_.childCount(item.node));
-      EXPECT_GT(cut.triangles - rung(item).triangles + refined, budget);
+      if (item.lod == 0 && node.isLeaf()) continue;
+      const uint64_t refined = item.lod > 0 ? node.lods[item.lod - 1].triangles
+                                            : sum(tree_.firstChild(item.node), tree_.childCount(item.node));
+      EXPECT_GT(cut.triangles - lod(item).triangles + refined, budget);
     }
   }
 }
 
 TEST_F(CutTest, byTrianglesSaysWhenEvenTheCoarsestCutIsTooLarge) {
-  const Cut cut = cutByTriangles(tree_, tree_.node(0).rungs.back().triangles - 1);
+  const Cut cut = cutByTriangles(tree_, tree_.node(0).lods.back().triangles - 1);
   EXPECT_FALSE(cut.converged);
   EXPECT_EQ(cut.items, (std::vector<CutItem>{{0, 1}}));
 }
@@ -132,7 +132,7 @@ TEST(CutByTriangles, goesOnWithSmallerStepsWhenTheWorstDoesNotFit) {
     made.key = {key};
     made.child_mask = mask;
     for (const uint32_t count : triangles) {
-      made.rungs.push_back({.payload = {}, .triangles = count, .error_model = error});
+      made.lods.push_back({.payload = {}, .triangles = count, .error_model = error});
       error += 1;
     }
     return made;
@@ -145,19 +145,19 @@ TEST(CutByTriangles, goesOnWithSmallerStepsWhenTheWorstDoesNotFit) {
   EXPECT_EQ(cut.items, (std::vector<CutItem>{{1, 0}, {4, 0}}));
 }
 
-/// Spare rungs have errors above the parent's here.
-class CutWithSpareRungs : public testing::Test {
+/// Far LODs have errors above the parent's here.
+class CutWithFarLods : public testing::Test {
  protected:
-  static test::SyntheticModel withSpareRungs() {
+  static test::SyntheticModel withFarLods() {
     return test::makeModel(test::makeSphere(24, 16, {.attributes = {}, .extent = 4000, .seed = 7}),
-                           {.spare_rungs = 2});
+                           {.far_lods = 2});
   }
-  test::SyntheticModel model_ = withSpareRungs();
+  test::SyntheticModel model_ = withFarLods();
   NodeTree tree_{model_.nodes};
 };
 
-TEST_F(CutWithSpareRungs, byTrianglesShowsNothingThatIsWorseThanItsParentWouldBe) {
-  for (uint64_t budget = tree_.node(0).rungs.back().triangles; budget < 900; budget += 3) {
+TEST_F(CutWithFarLods, byTrianglesShowsNothingThatIsWorseThanItsParentWouldBe) {
+  for (uint64_t budget = tree_.node(0).lods.back().triangles; budget < 900; budget += 3) {
     const Cut cut = cutByTriangles(tree_, budget);
     EXPECT_TRUE(coversExactlyOnce(tree_, cut.items));
     EXPECT_LE(cut.triangles, budget);
@@ -165,13 +165,13 @@ TEST_F(CutWithSpareRungs, byTrianglesShowsNothingThatIsWorseThanItsParentWouldBe
       const Node& node = tree_.node(item.node);
       if (node.key == kRootKey) continue;
       const auto parent = std::ranges::find(model_.nodes, node.key.parent(), &Node::key);
-      EXPECT_LE(node.rungs[item.rung].error_model, parent->rungs[0].error_model);
+      EXPECT_LE(node.lods[item.lod].error_model, parent->lods[0].error_model);
     }
   }
   EXPECT_EQ(cutByTriangles(tree_, 720).items, leafCut(tree_).items);
 }
 
-TEST_F(CutWithSpareRungs, byErrorKeepsItsPromiseAndAtRandomMeetsThem) {
+TEST_F(CutWithFarLods, byErrorKeepsItsPromiseAndAtRandomMeetsThem) {
   bool takes_spare = false;
   for (double error = 0.3; error < 8000; error *= 1.2) {
     const Cut cut = cutByError(tree_, error);
@@ -181,24 +181,24 @@ TEST_F(CutWithSpareRungs, byErrorKeepsItsPromiseAndAtRandomMeetsThem) {
   for (uint64_t seed = 0; seed < 50; ++seed)
     for (const CutItem item : randomCut(tree_, seed).items) {
       const Node& node = tree_.node(item.node);
-      takes_spare |= item.rung + node.spare_rungs >= node.rungs.size();
+      takes_spare |= item.lod + node.far_lods >= node.lods.size();
     }
   EXPECT_TRUE(takes_spare);
 }
 
 TEST_F(CutTest, atRandomIsTheSameForASeedAndDiffersBetweenSeeds) {
   std::set<uint64_t> sizes;
-  bool mixed_rungs = false;
+  bool mixed_lods = false;
   for (uint64_t seed = 0; seed < 50; ++seed) {
     const Cut cut = randomCut(tree_, seed);
     EXPECT_EQ(cut.items, randomCut(tree_, seed).items);
     sizes.insert(cut.triangles);
-    std::set<uint32_t> rungs;
-    for (const CutItem item : cut.items) rungs.insert(item.rung);
-    mixed_rungs |= rungs.size() > 1;
+    std::set<uint32_t> lods;
+    for (const CutItem item : cut.items) lods.insert(item.lod);
+    mixed_lods |= lods.size() > 1;
   }
   EXPECT_GT(sizes.size(), 10u);
-  EXPECT_TRUE(mixed_rungs);
+  EXPECT_TRUE(mixed_lods);
 }
 
 }  // namespace

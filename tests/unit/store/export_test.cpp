@@ -81,9 +81,9 @@ TEST(Export, namesFileAndNodeOfADamagedPayload) {
   test::SyntheticModel model = test::smallModel();
   Writer writer(folder / "a.lode");
   for (Node& node : model.nodes)
-    for (Rung& rung : node.rungs)
-      if (rung.triangles != 0)
-        rung.payload = writer.addBlob(std::vector<std::byte>(50, static_cast<std::byte>(node.key.value)));
+    for (Lod& lod : node.lods)
+      if (lod.triangles != 0)
+        lod.payload = writer.addBlob(std::vector<std::byte>(50, static_cast<std::byte>(node.key.value)));
   writer.finish(model.summary, model.nodes);
   const Reader reader(folder / "a.lode");
   const NodeTree tree(reader.nodes());

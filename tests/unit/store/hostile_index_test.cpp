@@ -186,12 +186,12 @@ TEST_F(HostileIndex, buildIdsThatAreNotTheHashOfTheIndexAreRefused) {
 }
 
 TEST_F(HostileIndex, payloadsThatAreNotInTheBlobTableAreRefused) {
-  const auto rootRung = [](HierarchyPage& page) -> Rung& { return page.nodes[0].rungs[0]; };
-  EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { rootRung(page).payload.number = 100000; }),
+  const auto rootLod = [](HierarchyPage& page) -> Lod& { return page.nodes[0].lods[0]; };
+  EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { rootLod(page).payload.number = 100000; }),
               "not there");
-  EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { ++rootRung(page).payload.bytes; }), "blob table");
+  EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { ++rootLod(page).payload.bytes; }), "blob table");
   EXPECT_SAYS(
-      openWithRootPage([&](HierarchyPage& page) { rootRung(page).payload.name.bytes[0] ^= std::byte{1}; }),
+      openWithRootPage([&](HierarchyPage& page) { rootLod(page).payload.name.bytes[0] ^= std::byte{1}; }),
       "blob table");
 }
 
@@ -209,7 +209,7 @@ TEST_F(HostileIndex, pagesThatTwoNodesNameAreRefused) {
 TEST_F(HostileIndex, pagesUsedAsPayloadsAreRefused) {
   EXPECT_SAYS(openWithRootPage([](HierarchyPage& page) {
                 for (const Node& node : page.nodes)
-                  if (node.child_page) page.nodes[0].rungs[0].payload = node.child_page;
+                  if (node.child_page) page.nodes[0].lods[0].payload = node.child_page;
               }),
               "something else");
 }
@@ -287,7 +287,7 @@ TEST_F(HostileIndex, errorsThatFallTowardsAParentInAnotherPageAreRefused) {
   EXPECT_SAYS(openWithRootPage([](HierarchyPage& page) {
                 for (Node& node : page.nodes)
                   if (node.child_page)
-                    for (Rung& rung : node.rungs) rung.error_model = 0;
+                    for (Lod& lod : node.lods) lod.error_model = 0;
               }),
               "I3");
 }

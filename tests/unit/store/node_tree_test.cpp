@@ -12,16 +12,16 @@ namespace {
 
 /// A root with two children, the second of which has one child; sound.
 std::vector<Node> soundNodes() {
-  const auto node = [](uint64_t key, uint8_t mask, float error, size_t rungs, uint32_t triangles) {
+  const auto node = [](uint64_t key, uint8_t mask, float error, size_t lods, uint32_t triangles) {
     Node made;
     made.key = {key};
     made.child_mask = mask;
     made.box = {glm::uvec3(0), glm::uvec3(100)};
-    for (size_t i = 0; i < rungs; ++i)
-      made.rungs.push_back({.payload = {1, 10, {}},
-                            .triangles = triangles >> i,
-                            .vertices = triangles,
-                            .error_model = error + static_cast<float>(i)});
+    for (size_t i = 0; i < lods; ++i)
+      made.lods.push_back({.payload = {1, 10, {}},
+                           .triangles = triangles >> i,
+                           .vertices = triangles,
+                           .error_model = error + static_cast<float>(i)});
     return made;
   };
   return {node(1, 0b10010, 10, 3, 100), node(0b1001, 0, 1, 1, 40), node(0b1100, 0b1, 5, 2, 90),
@@ -70,62 +70,62 @@ TEST(Hierarchy, rejectsKeysThatAreNone) {
   EXPECT_NE(check([](auto& nodes) { nodes[3].key = {~uint64_t{0}}; }), "");
 }
 
-TEST(Hierarchy, rejectsErrorsThatFallTowardsCoarserRungs) {
-  EXPECT_NE(check([](auto& nodes) { nodes[0].rungs[2].error_model = 10.5f; }).find("I3"), std::string::npos);
-  EXPECT_NE(check([](auto& nodes) { nodes[2].rungs[0].appearance_error_model = 1; }).find("I3"),
+TEST(Hierarchy, rejectsErrorsThatFallTowardsCoarserLods) {
+  EXPECT_NE(check([](auto& nodes) { nodes[0].lods[2].error_model = 10.5f; }).find("I3"), std::string::npos);
+  EXPECT_NE(check([](auto& nodes) { nodes[2].lods[0].appearance_error_model = 1; }).find("I3"),
             std::string::npos);
 }
 
 TEST(Hierarchy, rejectsErrorsThatFallTowardsTheParent) {
-  EXPECT_NE(check([](auto& nodes) { nodes[1].rungs[0].error_model = 10.5f; }).find("I3"), std::string::npos);
-  EXPECT_NE(check([](auto& nodes) { nodes[3].rungs[0].appearance_error_model = 1; }).find("I3"),
+  EXPECT_NE(check([](auto& nodes) { nodes[1].lods[0].error_model = 10.5f; }).find("I3"), std::string::npos);
+  EXPECT_NE(check([](auto& nodes) { nodes[3].lods[0].appearance_error_model = 1; }).find("I3"),
             std::string::npos);
 }
 
-TEST(Hierarchy, takesSpareRungsWithErrorsAboveTheParents) {
+TEST(Hierarchy, takesFarLodsWithErrorsAboveTheParents) {
   const auto addSpare = [](std::vector<Node>& nodes) {
-    nodes[2].rungs.push_back(nodes[2].rungs.back());
-    nodes[2].rungs.back().error_model = 20;
+    nodes[2].lods.push_back(nodes[2].lods.back());
+    nodes[2].lods.back().error_model = 20;
   };
   EXPECT_NE(check(addSpare).find("I3"), std::string::npos);
   EXPECT_EQ(check([&](auto& nodes) {
               addSpare(nodes);
-              nodes[2].spare_rungs = 1;
+              nodes[2].far_lods = 1;
             }),
             "");
 }
 
-TEST(Hierarchy, rejectsSpareRungsOfTheRootAndMoreThanThereAre) {
-  EXPECT_NE(check([](auto& nodes) { nodes[0].spare_rungs = 1; }).find("spare"), std::string::npos);
-  EXPECT_NE(check([](auto& nodes) { nodes[2].spare_rungs = 2; }).find("spare"), std::string::npos);
-  EXPECT_NE(check([](auto& nodes) { nodes[3].spare_rungs = 1; }).find("spare"), std::string::npos);
+TEST(Hierarchy, rejectsFarLodsOfTheRootAndMoreThanThereAre) {
+  EXPECT_NE(check([](auto& nodes) { nodes[0].far_lods = 1; }).find("far LODs"), std::string::npos);
+  EXPECT_NE(check([](auto& nodes) { nodes[2].far_lods = 2; }).find("far LODs"), std::string::npos);
+  EXPECT_NE(check([](auto& nodes) { nodes[3].far_lods = 1; }).find("far LODs"), std::string::npos);
 }
 
 TEST(Hierarchy, rejectsErrorsThatAreNoNumbers) {
   for (const float error : {-1.0f, std::nanf(""), std::numeric_limits<float>::infinity()})
-    EXPECT_NE(check([&](auto& nodes) { nodes[3].rungs[0].error_model = error; }), "");
+    EXPECT_NE(check([&](auto& nodes) { nodes[3].lods[0].error_model = error; }), "");
 }
 
-TEST(Hierarchy, rejectsRungsThatGrowTowardsTheCoarse) {
-  EXPECT_NE(check([](auto& nodes) { nodes[0].rungs[1].triangles = 101; }), "");
+TEST(Hierarchy, rejectsLodsThatGrowTowardsTheCoarse) {
+  EXPECT_NE(check([](auto& nodes) { nodes[0].lods[1].triangles = 101; }), "");
 }
 
-TEST(Hierarchy, rejectsRungsAboveTheLimits) {
-  EXPECT_NE(check([](auto& nodes) { nodes[3].rungs[0].triangles = kMaxRungTriangles + 1; }).find("limit"),
+TEST(Hierarchy, rejectsLodsAboveTheLimits) {
+  EXPECT_NE(check([](auto& nodes) { nodes[3].lods[0].triangles = kMaxLodTriangles + 1; }).find("limit"),
             std::string::npos);
-  EXPECT_NE(check([](auto& nodes) { nodes[3].rungs[0].vertices = kMaxRungVertices + 1; }).find("limit"),
+  EXPECT_NE(check([](auto& nodes) { nodes[3].lods[0].vertices = kMaxLodVertices + 1; }).find("limit"),
             std::string::npos);
-  EXPECT_NE(check([](auto& nodes) { nodes[0].rungs.resize(kMaxRungs + 1, nodes[0].rungs[2]); }).find("more"),
+  EXPECT_NE(check([](auto& nodes) { nodes[0].lods.resize(kMaxLods + 1, nodes[0].lods[2]); }).find("more"),
             std::string::npos);
 }
 
 TEST(Hierarchy, rejectsTrianglesWithoutPayloadAndPayloadsWithoutTriangles) {
-  EXPECT_NE(check([](auto& nodes) { nodes[3].rungs[0].payload = {}; }), "");
-  EXPECT_NE(check([](auto& nodes) { nodes[3].rungs[0].triangles = 0; }), "");
+  EXPECT_NE(check([](auto& nodes) { nodes[3].lods[0].payload = {}; }), "");
+  EXPECT_NE(check([](auto& nodes) { nodes[3].lods[0].triangles = 0; }), "");
 }
 
-TEST(Hierarchy, rejectsLeavesWithSeveralRungsExceptTheRoot) {
-  EXPECT_NE(check([](auto& nodes) { nodes[3].rungs.push_back(nodes[3].rungs[0]); }), "");
+TEST(Hierarchy, rejectsLeavesWithSeveralLodsExceptTheRoot) {
+  EXPECT_NE(check([](auto& nodes) { nodes[3].lods.push_back(nodes[3].lods[0]); }), "");
   EXPECT_EQ(check([](auto& nodes) {
               nodes.resize(1);
               nodes[0].child_mask = 0;
@@ -134,8 +134,8 @@ TEST(Hierarchy, rejectsLeavesWithSeveralRungsExceptTheRoot) {
 }
 
 TEST(Hierarchy, rejectsLockedVerticesThatCannotBe) {
-  EXPECT_NE(check([](auto& nodes) { nodes[3].rungs[0].locked = nodes[3].rungs[0].vertices + 1; }), "");
-  EXPECT_NE(check([](auto& nodes) { nodes[0].rungs[0].locked = 1; }).find("root"), std::string::npos);
+  EXPECT_NE(check([](auto& nodes) { nodes[3].lods[0].locked = nodes[3].lods[0].vertices + 1; }), "");
+  EXPECT_NE(check([](auto& nodes) { nodes[0].lods[0].locked = 1; }).find("root"), std::string::npos);
 }
 
 TEST(Hierarchy, rejectsBoxesThatLeaveTheParentOrTheLattice) {

@@ -36,9 +36,9 @@ TEST_F(VerifyTest, acceptsAModelWithARim) {
 TEST_F(VerifyTest, findsAHoleThatTheLeavesDoNotHave) {
   test::SyntheticModel model = test::closedModel();
   for (Node& node : model.nodes) {
-    if (node.isLeaf() || node.rungs[1].triangles == 0) continue;
+    if (node.isLeaf() || node.lods[1].triangles == 0) continue;
     model.meshes.at({node.key, 1}).triangles.pop_back();
-    node.rungs[1].triangles -= 1;
+    node.lods[1].triangles -= 1;
   }
   EXPECT_NE(verify(std::move(model)).find("where the model is closed (I2)"), std::string::npos);
 }
@@ -46,13 +46,13 @@ TEST_F(VerifyTest, findsAHoleThatTheLeavesDoNotHave) {
 TEST_F(VerifyTest, findsARimFarFromTheOriginalOne) {
   test::SyntheticModel model = test::makeModel(test::makeGrid(12, 12, {.attributes = {}, .extent = 4000}));
   for (Node& node : model.nodes)
-    for (Rung& rung : node.rungs) rung.error_model = 0.01f;
+    for (Lod& lod : node.lods) lod.error_model = 0.01f;
   EXPECT_NE(verify(std::move(model)).find("I2"), std::string::npos);
 }
 
 TEST_F(VerifyTest, findsAnotherNumberOfTriangles) {
   test::SyntheticModel model = test::closedModel();
-  model.nodes.back().rungs[0].triangles += 1;
+  model.nodes.back().lods[0].triangles += 1;
   EXPECT_NE(verify(std::move(model)), "");
 }
 
@@ -77,12 +77,12 @@ TEST_F(VerifyTest, findsMoreLockedVerticesThanPositions) {
   test::SyntheticModel model = test::closedModel({AttributeSet::kTexture});
   bool changed = false;
   for (Node& node : model.nodes) {
-    Rung& rung = node.rungs[0];
+    Lod& lod = node.lods[0];
     std::vector<PositionCode> distinct = model.meshes.at({node.key, 0}).positions;
     std::sort(distinct.begin(), distinct.end());
     distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-    if (node.key == kRootKey || distinct.size() >= rung.vertices) continue;
-    rung.locked = static_cast<uint32_t>(distinct.size() + 1);
+    if (node.key == kRootKey || distinct.size() >= lod.vertices) continue;
+    lod.locked = static_cast<uint32_t>(distinct.size() + 1);
     changed = true;
     break;
   }

@@ -68,7 +68,7 @@ TEST(Writer, writesTheSameBytesForTheSameModel) {
 TEST(Writer, changesTheBuildIdWithAnythingInTheStore) {
   const WorkFolder folder;
   test::SyntheticModel a = test::smallModel(), b = test::smallModel(), c = test::smallModel();
-  b.nodes.back().rungs[0].error_model *= 0.5f;
+  b.nodes.back().lods[0].error_model *= 0.5f;
   c.summary.dropped = 1;
   const BlobName id = test::writeStore(folder / "a.lode", a).build_id;
   EXPECT_NE(test::writeStore(folder / "b.lode", b).build_id, id);
@@ -82,19 +82,19 @@ TEST(Writer, countsWhatTheSummarySays) {
   EXPECT_EQ(summary.triangles, 2u * 24 * 15);
   EXPECT_EQ(summary.nodes, model.nodes.size());
   EXPECT_EQ(summary.box, model.nodes[0].box);
-  EXPECT_EQ(summary.max_error_model, model.nodes[0].rungs.back().error_model);
+  EXPECT_EQ(summary.max_error_model, model.nodes[0].lods.back().error_model);
   EXPECT_TRUE(summary.root_page);
 }
 
-TEST(Writer, refusesBlobsThatNoRungUses) {
+TEST(Writer, refusesBlobsThatNoLodUses) {
   const WorkFolder folder;
   test::SyntheticModel model = test::smallModel();
   Writer writer(folder / "a.lode");
   writer.addBlob(std::vector<std::byte>(10, std::byte{7}));
   for (Node& node : model.nodes)
-    for (uint32_t i = 0; i < node.rungs.size(); ++i) {
+    for (uint32_t i = 0; i < node.lods.size(); ++i) {
       const auto payload = encodePayload(model.meshes.at({node.key, i}), model.summary.lattice.step);
-      node.rungs[i].payload = writer.addBlob(payload.bytes);
+      node.lods[i].payload = writer.addBlob(payload.bytes);
     }
   EXPECT_THROW(writer.finish(model.summary, model.nodes), Error);
 }

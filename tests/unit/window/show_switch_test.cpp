@@ -16,11 +16,11 @@ TEST(ShowSwitch, goesRoundInBothDirections) {
 }
 
 TEST(ShowSwitch, goesBackFromTheWireframeToWhatWasShown) {
-  ShowSwitch show(Show::kRungs);
+  ShowSwitch show(Show::kLods);
   show.toggleWireframe();
   EXPECT_EQ(show.shown(), Show::kWireframe);
   show.toggleWireframe();
-  EXPECT_EQ(show.shown(), Show::kRungs);
+  EXPECT_EQ(show.shown(), Show::kLods);
 }
 
 TEST(ShowSwitch, goesToTheSurfaceFromAWireframeThatWasThereFirst) {

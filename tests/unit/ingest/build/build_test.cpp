@@ -76,7 +76,7 @@ TEST_F(Build, givesTheSameBytesForAnyNumberOfThreadsAndAnyMemory) {
   }
 }
 
-TEST_F(Build, finishesRungsOfANodeOnThreadsThatFindNoOther) {
+TEST_F(Build, finishesLodsOfANodeOnThreadsThatFindNoOther) {
   makeSample(100000, 0);
   BuildOptions given = options();
   given.triangles_per_node = 1 << 17;
@@ -372,14 +372,14 @@ TEST_F(SlowBuild, staysBelowLittleMemoryWithThePorousSample) {
   }
 }
 
-TEST_F(SlowBuild, storesNoRungThatIsTooLargeAndGoesOnToCoarserOnes) {
+TEST_F(SlowBuild, storesNoLodThatIsTooLargeAndGoesOnToCoarserOnes) {
   makeSample(2000000, 0);
   BuildOptions large = options();
   large.triangles_per_node = 300000;
   EXPECT_NO_THROW(build(large));
   const store::Reader stored(large.output);
   for (const Node& node : stored.nodes())
-    for (const Rung& rung : node.rungs) EXPECT_LE(rung.triangles, kMaxRungTriangles);
+    for (const Lod& lod : node.lods) EXPECT_LE(lod.triangles, kMaxLodTriangles);
 }
 
 TEST_F(SlowBuild, staysBelowItsMemoryAndGivesTheSameBytesWithMore) {

@@ -60,18 +60,18 @@ TEST_P(Creases, leaveEveryCutClosed) {
 }
 
 struct SharedNormals {
-  size_t corners = 0;     ///< of rungs, at locked positions
+  size_t corners = 0;     ///< of LODs, at locked positions
   size_t on_creases = 0;  ///< those at positions that have several normals
   size_t strange = 0;     ///< with a normal that no leaf has there
 };
 
-/// I5: what nodes share has the normals that the original surface has there, in all rungs.
+/// I5: what nodes share has the normals that the original surface has there, in all LODs.
 SharedNormals sharedNormals(const store::Reader& reader) {
   std::map<uint64_t, std::set<uint16_t>> original;
   std::map<uint64_t, std::set<NodeKey>> leaves;
   for (const Node& node : reader.nodes()) {
     if (!node.isLeaf()) continue;
-    const Mesh mesh = store::readRung(reader, node, 0);
+    const Mesh mesh = store::readLod(reader, node, 0);
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
       original[mesh.positions[i].value].insert(mesh.vertex_attributes[i].normal);
       leaves[mesh.positions[i].value].insert(node.key);
@@ -79,8 +79,8 @@ SharedNormals sharedNormals(const store::Reader& reader) {
   }
   SharedNormals result;
   for (const Node& node : reader.nodes())
-    for (uint32_t rung = 0; rung < node.rungs.size(); ++rung) {
-      const Mesh mesh = store::readRung(reader, node, rung);
+    for (uint32_t lod = 0; lod < node.lods.size(); ++lod) {
+      const Mesh mesh = store::readLod(reader, node, lod);
       for (size_t i = 0; i < mesh.positions.size(); ++i) {
         const bool is_locked = std::ranges::any_of(leaves[mesh.positions[i].value], [&](NodeKey leaf) {
           return commonAncestor(leaf, node.key).depth() < node.key.depth();
@@ -95,13 +95,13 @@ SharedNormals sharedNormals(const store::Reader& reader) {
   return result;
 }
 
-TEST_P(Creases, haveTheSameNormalsOnBothSidesOfABorderInAllRungs) {
+TEST_P(Creases, haveTheSameNormalsOnBothSidesOfABorderInAllLods) {
   const SharedNormals found = sharedNormals(store::Reader(built(2)));
   EXPECT_EQ(found.strange, 0u);
   EXPECT_GT(found.on_creases, 100u);
 }
 
-TEST(ComputedNormals, areThoseOfTheOriginalAtPositionsThatNodesShareInAllRungs) {
+TEST(ComputedNormals, areThoseOfTheOriginalAtPositionsThatNodesShareInAllLods) {
   const test::WorkFolder folder;
   SampleOptions sample;
   sample.kind = "asteroid";

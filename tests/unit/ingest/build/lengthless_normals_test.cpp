@@ -49,13 +49,13 @@ class LengthlessNormals : public testing::Test {
     return build(options_);
   }
 
-  /// Of all vertices of the finest rungs, once each.
+  /// Of all vertices of the finest LODs, once each.
   std::vector<uint16_t> storedNormals() const {
     const store::Reader reader(options_.output);
     std::vector<uint16_t> codes;
     for (const Node& node : reader.nodes())
       if (node.isLeaf())
-        for (const VertexAttributes& vertex : store::readRung(reader, node, 0).vertex_attributes)
+        for (const VertexAttributes& vertex : store::readLod(reader, node, 0).vertex_attributes)
           codes.push_back(vertex.normal);
     std::sort(codes.begin(), codes.end());
     codes.erase(std::unique(codes.begin(), codes.end()), codes.end());

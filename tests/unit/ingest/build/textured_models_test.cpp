@@ -63,29 +63,29 @@ TEST_P(TexturedModels, areSoundAndHoldEveryTriangleWithItsAttributes) {
   AgainstOptions against;
   against.store = store_;
   against.input = input_;
-  against.rungs = 20;
+  against.lods = 20;
   EXPECT_GT(compareWithInput(against).triangles, 0u);
 }
 
 TEST_P(TexturedModels, haveARootThatIsQuickToSend) {
-  EXPECT_LE(store::Reader(store_).nodes()[0].rungs.back().triangles, kMostRootTriangles);
+  EXPECT_LE(store::Reader(store_).nodes()[0].lods.back().triangles, kMostRootTriangles);
 }
 
-TEST_P(TexturedModels, wearOneMaterialATriangleInEveryRung) {
+TEST_P(TexturedModels, wearOneMaterialATriangleInEveryLod) {
   const store::Reader reader(store_);
   for (const Node& node : reader.nodes())
-    for (uint32_t r = 0; r < node.rungs.size(); ++r) {
-      const Mesh mesh = store::readRung(reader, node, r);
+    for (uint32_t r = 0; r < node.lods.size(); ++r) {
+      const Mesh mesh = store::readLod(reader, node, r);
       for (const glm::u32vec3& t : mesh.triangles) {
         const uint16_t material = mesh.vertex_attributes[t.x].material;
-        ASSERT_EQ(mesh.vertex_attributes[t.y].material, material) << node.key.value << " rung " << r;
-        ASSERT_EQ(mesh.vertex_attributes[t.z].material, material) << node.key.value << " rung " << r;
+        ASSERT_EQ(mesh.vertex_attributes[t.y].material, material) << node.key.value << " lod " << r;
+        ASSERT_EQ(mesh.vertex_attributes[t.z].material, material) << node.key.value << " lod " << r;
       }
     }
 }
 
 /// New seams of a cut: edges between two nodes at which the picture jumps although it does not in the leaves.
-/// There are a few in coarse rungs, where seams had to give way.
+/// There are a few in coarse LODs, where seams had to give way.
 TEST_P(TexturedModels, showHardlyAnyNewSeamsBetweenTheNodesOfRandomCuts) {
   const store::Reader reader(store_);
   const store::NodeTree tree(reader.nodes());
@@ -102,7 +102,7 @@ TEST_P(TexturedModels, showHardlyAnyNewSeamsBetweenTheNodesOfRandomCuts) {
   const auto edgesOf = [&](const store::Cut& cut) {
     Edges edges;
     for (const store::CutItem item : cut.items) {
-      const Mesh mesh = store::readRung(reader, tree.node(item.node), item.rung);
+      const Mesh mesh = store::readLod(reader, tree.node(item.node), item.lod);
       for (const glm::u32vec3& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) {
           const uint32_t a = t[k], b = t[(k + 1) % 3];

@@ -61,17 +61,17 @@ class Against : public testing::Test {
     store::Writer writer(altered_);
     for (Node& node : nodes) {
       node.child_page = {};
-      for (uint32_t r = 0; r < node.rungs.size(); ++r) {
-        if (!node.rungs[r].payload) continue;
-        std::vector<std::byte> bytes = reader.readBlob(node.rungs[r].payload.number);
+      for (uint32_t r = 0; r < node.lods.size(); ++r) {
+        if (!node.lods[r].payload) continue;
+        std::vector<std::byte> bytes = reader.readBlob(node.lods[r].payload.number);
         if (node.isLeaf() && alter_leaf) {
-          Mesh mesh = store::readRung(reader, node, r);
+          Mesh mesh = store::readLod(reader, node, r);
           alter_leaf(mesh);
           const EncodedPayload payload = encodePayload(mesh, step);
-          node.rungs[r].vertices = payload.vertices;
+          node.lods[r].vertices = payload.vertices;
           bytes = payload.bytes;
         }
-        node.rungs[r].payload = writer.addBlob(bytes);
+        node.lods[r].payload = writer.addBlob(bytes);
       }
       if (alter_node) alter_node(node);
     }
@@ -87,7 +87,7 @@ class Against : public testing::Test {
 TEST_F(Against, findsNoDifferenceInWhatWasBuilt) {
   const AgainstReport report = compare(store_);
   EXPECT_EQ(report.triangles, store::Reader(store_).summary().triangles);
-  EXPECT_GT(report.rungs, 10u);
+  EXPECT_GT(report.lods, 10u);
   EXPECT_GE(report.least_ratio, 0.8);
   EXPECT_LT(report.median_ratio, 3);
 }
@@ -123,7 +123,7 @@ TEST_F(Against, findsACornerWithOtherTextureCoordinates) {
 TEST_F(Against, findsErrorsThatAreGivenTooSmall) {
   alter(
       [](Node& node) {
-        for (Rung& rung : node.rungs) rung.error_model *= 0.4f;
+        for (Lod& lod : node.lods) lod.error_model *= 0.4f;
       },
       {});
   expectDifference("(I4)");
@@ -134,11 +134,11 @@ TEST_F(Against, findsOneErrorThatIsGivenTooSmallWhateverTheSeed) {
   alter(
       [&](Node& node) {
         if (node.isLeaf() || node.key == kRootKey || is_done) return;
-        node.rungs[0].error_model *= 0.4f;
+        node.lods[0].error_model *= 0.4f;
         is_done = true;
       },
       {});
-  for (uint64_t seed = 1; seed <= 3; ++seed) expectDifference("rung 0: its error is given as", seed);
+  for (uint64_t seed = 1; seed <= 3; ++seed) expectDifference("LOD 0: its error is given as", seed);
 }
 
 TEST(AgainstBadInput, agreesWithABuildThatSkipsBadValuesOnWhatWasDropped) {

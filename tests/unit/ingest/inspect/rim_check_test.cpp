@@ -27,9 +27,9 @@ Mesh gridOf(IsKept&& is_kept) {
   return grid;
 }
 
-float found(const Mesh& rung, std::initializer_list<Mesh> leaves) {
+float found(const Mesh& lod, std::initializer_list<Mesh> leaves) {
   RimCheck check;
-  check.addRung(rung);
+  check.addLod(lod);
   for (const Mesh& leaf : leaves) {
     store::OpenEdges rims;
     rims.add(leaf);

@@ -15,8 +15,8 @@
 namespace lode::ingest {
 namespace {
 
-float farthestPlaceOf(const SimplifiedMesh& rung, const NodeMesh& input, float known) {
-  return farthestAlongEdges(rung, RungInput(input, 0), sourcesOf(rung, input), known);
+float farthestPlaceOf(const SimplifiedMesh& lod, const NodeMesh& input, float known) {
+  return farthestAlongEdges(lod, LodInput(input, 0), sourcesOf(lod, input), known);
 }
 
 std::vector<Segment> edgesOf(const NodeMesh& mesh) {
@@ -32,13 +32,13 @@ std::vector<Segment> edgesOf(const NodeMesh& mesh) {
 TEST(FarthestAlongEdges, isWhatDensePointsFind) {
   for (uint32_t seed = 1; seed <= 4; ++seed) {
     const NodeMesh input = test::nodeOf(test::makeSphere(60, 40, {.attributes = {}, .seed = seed}));
-    cluster(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    cluster(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& lod) {
       const TriangleTree tree(input);
       float found = 0;
-      for (const auto& [from, to] : edgesOf(rung.mesh))
+      for (const auto& [from, to] : edgesOf(lod.mesh))
         for (int i = 0; i <= 100; ++i)
           found = std::max(found, tree.distance(glm::mix(from, to, static_cast<float>(i) / 100)));
-      EXPECT_NEAR(farthestPlaceOf(rung, input, 0), found, 0.021f * found) << seed;
+      EXPECT_NEAR(farthestPlaceOf(lod, input, 0), found, 0.021f * found) << seed;
     });
   }
 }
@@ -71,14 +71,14 @@ NodeMesh comb() {
 
 TEST(FarthestAlongEdges, seesThatAnEdgeLeadsAcrossNotchesAlthoughItsMiddleIsNear) {
   const NodeMesh input = comb();
-  SimplifiedMesh rung{input, std::vector<uint32_t>(input.positions.size())};
-  std::iota(rung.became.begin(), rung.became.end(), 0u);
+  SimplifiedMesh lod{input, std::vector<uint32_t>(input.positions.size())};
+  std::iota(lod.became.begin(), lod.became.end(), 0u);
   const auto at = [&](uint32_t x, uint32_t y) {
     const auto found = std::ranges::find(input.positions, packPosition({x, y, 0}));
     return static_cast<uint32_t>(found - input.positions.begin());
   };
-  rung.mesh.triangles.push_back({at(0, 900), at(900, 900), at(500, 900)});
-  EXPECT_NEAR(farthestPlaceOf(rung, input, 0), 150, 3);
+  lod.mesh.triangles.push_back({at(0, 900), at(900, 900), at(500, 900)});
+  EXPECT_NEAR(farthestPlaceOf(lod, input, 0), 150, 3);
 }
 
 TEST(FarthestAlongEdges, isNotBelowWhatIsKnown) {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/ingest/measure/rung_surface.h"
+#include "server/ingest/measure/lod_surface.h"
 #include "server/ingest/measure/triangle_tree.h"
 #include "tests/support/node_meshes.h"
 
@@ -57,7 +57,7 @@ TEST(FarthestInTriangle, isWhatDensePointsFindAboveFoldsHoweverMuchNeedNotBeTold
   std::mt19937 random(21);
   for (const uint32_t height : {16u, 48u, 160u}) {
     const NodeMesh ground = foldedGround(height, random);
-    const RungSurface surface(ground);
+    const LodSurface surface(ground);
     const TriangleTree tree(ground);
     for (int i = 0; i < 300; ++i) {
       const std::array<glm::vec3, 3> at = triangleAbove(height, random);
@@ -91,7 +91,7 @@ struct CountingSurface {
     return of.measure(at, hint, enough);
   }
 
-  const RungSurface& of;
+  const LodSurface& of;
   mutable int measured = 0;
 };
 
@@ -112,7 +112,7 @@ TEST(FarthestInTriangle, isBoundedUncutAboveAVertexIfThatIsNear) {
   const std::array<glm::vec3, 3> at{{{1100, 1010, 1000}, {940, 1090, 1000}, {950, 905, 1000}}};
   for (const auto& [height, is_cut] : {std::pair(20u, false), std::pair(60u, true)}) {
     const NodeMesh mesh = tent(height);
-    const RungSurface surface(mesh);
+    const LodSurface surface(mesh);
     const TriangleTree tree(mesh);
     const CountingSurface counting{surface};
     FarthestInTriangle farthest(counting, 25.f, 0.f);

@@ -27,22 +27,22 @@ NodeMesh meshOf(const std::vector<glm::uvec3>& points, const std::vector<glm::u3
   return mesh;
 }
 
-FarthestOfInput farthestWithPlace(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
-  const RungSurface surface(rung.mesh);
-  return farthestOfInput(rung, input, surface, placesOn(rung, input, surface.walk()), known);
+FarthestOfInput farthestWithPlace(const SimplifiedMesh& lod, const NodeMesh& input, float known = 0) {
+  const LodSurface surface(lod.mesh);
+  return farthestOfInput(lod, input, surface, placesOn(lod, input, surface.walk()), known);
 }
 
-float farthestPlaceOfInput(const SimplifiedMesh& rung, const NodeMesh& input, float known = 0) {
-  return farthestWithPlace(rung, input, known).steps;
+float farthestPlaceOfInput(const SimplifiedMesh& lod, const NodeMesh& input, float known = 0) {
+  return farthestWithPlace(lod, input, known).steps;
 }
 
 void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2>& targets) {
-  collapse(input, targets, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleTree tree(rung.mesh);
+  collapse(input, targets, {}, [&](size_t, SimplifiedMesh&& lod) {
+    const TriangleTree tree(lod.mesh);
     double found = 0;
     for (const glm::dvec3 point : test::pointsOver(input, 16))
       found = std::max<double>(found, tree.distance(glm::vec3(point)));
-    const float measured = farthestPlaceOfInput(rung, input);
+    const float measured = farthestPlaceOfInput(lod, input);
     EXPECT_GE(1.021 * measured, found);
     EXPECT_LE(measured, 1.05 * found);
   });
@@ -58,27 +58,27 @@ TEST(FarthestOfInput, isWhatDensePointsFindWherePiecesVanish) {
   expectWhatDensePointsFind(test::nodeOf(soup), {150, 40});
 }
 
-/// The rung is a ridge; the original is the ridge and a flat triangle under it.
+/// The LOD is a ridge; the original is the ridge and a flat triangle under it.
 struct Ridge {
   NodeMesh input;
-  SimplifiedMesh rung;
+  SimplifiedMesh lod;
 
   Ridge() {
     input = meshOf({{0, 0, 0}, {0, 100, 0}, {100, 0, 80}, {100, 100, 80}, {200, 0, 0}, {200, 100, 0}},
                    {{0, 2, 1}, {1, 2, 3}, {2, 4, 3}, {3, 4, 5}});
-    rung = {input, {0, 1, 2, 3, 4, 5}};
+    lod = {input, {0, 1, 2, 3, 4, 5}};
     input.triangles.emplace_back(0, 4, 5);
   }
 };
 
-TEST(FarthestOfInput, liesInsideATriangleWhoseCornersAreOnTheRung) {
+TEST(FarthestOfInput, liesInsideATriangleWhoseCornersAreOnTheLod) {
   const Ridge ridge;
-  EXPECT_NEAR(farthestPlaceOfInput(ridge.rung, ridge.input), 80 / std::hypot(1, 0.8), 1.5);
+  EXPECT_NEAR(farthestPlaceOfInput(ridge.lod, ridge.input), 80 / std::hypot(1, 0.8), 1.5);
 }
 
 TEST(FarthestOfInput, tellsThePlaceInsideATriangleAndACornerOfIt) {
   const Ridge ridge;
-  const FarthestOfInput farthest = farthestWithPlace(ridge.rung, ridge.input);
+  const FarthestOfInput farthest = farthestWithPlace(ridge.lod, ridge.input);
   ASSERT_TRUE(farthest.inside);
   const glm::uvec3 place = unpackPosition(farthest.inside->position);
   EXPECT_NEAR(place.x, 100, 2);
@@ -89,26 +89,26 @@ TEST(FarthestOfInput, tellsThePlaceInsideATriangleAndACornerOfIt) {
 
 TEST(FarthestOfInput, tellsNoPlaceThatIsNearerThanWhatIsKnown) {
   const Ridge ridge;
-  EXPECT_FALSE(farthestWithPlace(ridge.rung, ridge.input, 70).inside);
+  EXPECT_FALSE(farthestWithPlace(ridge.lod, ridge.input, 70).inside);
 }
 
 TEST(FarthestOfInput, tellsNoPlaceThatIsAPositionOfTheInput) {
   Ridge ridge;
   ridge.input.positions[3] = packPosition({100, 100, 180});
-  ridge.rung.became[3] = kVanished;
-  EXPECT_FALSE(farthestWithPlace(ridge.rung, ridge.input).inside);
+  ridge.lod.became[3] = kVanished;
+  EXPECT_FALSE(farthestWithPlace(ridge.lod, ridge.input).inside);
 }
 
 /// What a look at every triangle finds.
-float farthestOfEveryTriangle(const SimplifiedMesh& rung, const NodeMesh& input) {
-  const TriangleTree tree(rung.mesh);
+float farthestOfEveryTriangle(const SimplifiedMesh& lod, const NodeMesh& input) {
+  const TriangleTree tree(lod.mesh);
   std::vector<PointBeside> beside;
   for (const PositionCode position : input.positions) {
     const glm::vec3 at(unpackPosition(position));
     const TriangleTree::Nearest nearest = tree.nearest(at);
     beside.push_back({at, nearest.distance, nearest.triangle});
   }
-  const RungSurface surface(rung.mesh);
+  const LodSurface surface(lod.mesh);
   FarthestInTriangle farthest(surface, 0, 0);
   for (const glm::u32vec3& t : input.triangles)
     farthest.look({beside[input.wedge_position[t.x]], beside[input.wedge_position[t.y]],
@@ -128,18 +128,18 @@ NodeMesh roughGrid(uint32_t seed) {
   return test::nodeOf(mesh);
 }
 
-TEST(FarthestOfInput, isTooSmallForAtMostOneInAHundredRungsOfRoughGrids) {
-  size_t rungs = 0, too_small = 0;
+TEST(FarthestOfInput, isTooSmallForAtMostOneInAHundredLodsOfRoughGrids) {
+  size_t lods = 0, too_small = 0;
   for (uint32_t seed = 1; seed <= 500; ++seed) {
     const NodeMesh input = roughGrid(seed);
     const size_t all = input.triangles.size();
-    collapse(input, std::array{all / 2, all / 4}, {}, [&](size_t, SimplifiedMesh&& rung) {
-      ++rungs;
-      if (1.021 * farthestPlaceOfInput(rung, input) < farthestOfEveryTriangle(rung, input)) ++too_small;
+    collapse(input, std::array{all / 2, all / 4}, {}, [&](size_t, SimplifiedMesh&& lod) {
+      ++lods;
+      if (1.021 * farthestPlaceOfInput(lod, input) < farthestOfEveryTriangle(lod, input)) ++too_small;
     });
   }
-  EXPECT_EQ(rungs, 1000u);
-  EXPECT_LE(100 * too_small, rungs);
+  EXPECT_EQ(lods, 1000u);
+  EXPECT_LE(100 * too_small, lods);
 }
 
 TEST(FarthestOfInput, countsWhatHasVanished) {

@@ -34,8 +34,8 @@ NodeMesh wall(uint8_t attributes, const Paint& paint) {
 /// Of a wall that only its geometry guides: flat, so that nothing but the paint can be lost.
 float lostAt(size_t triangles, const NodeMesh& input) {
   float lost = -1;
-  collapse(input, std::array{triangles}, {.attribute_weight = 0}, [&](size_t, SimplifiedMesh&& rung) {
-    lost = lostDetail(rung, input, placesOn(rung, input, SurfaceWalk(rung.mesh)));
+  collapse(input, std::array{triangles}, {.attribute_weight = 0}, [&](size_t, SimplifiedMesh&& lod) {
+    lost = lostDetail(lod, input, placesOn(lod, input, SurfaceWalk(lod.mesh)));
   });
   return lost;
 }

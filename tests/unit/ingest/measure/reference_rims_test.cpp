@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/ingest/measure/rung_input.h"
+#include "server/ingest/measure/lod_input.h"
 #include "tests/support/node_meshes.h"
 
 namespace lode::ingest {
@@ -22,7 +22,7 @@ NodeMesh triangle() {
 }
 
 /// Numbers of positions.
-std::vector<glm::u32vec2> placesOf(const RungInput& input) {
+std::vector<glm::u32vec2> placesOf(const LodInput& input) {
   std::vector<glm::u32vec2> places;
   for (uint32_t i = 0; i < input.referenceCount(); ++i) places.push_back(input.reference(i).near);
   return places;
@@ -31,28 +31,28 @@ std::vector<glm::u32vec2> placesOf(const RungInput& input) {
 const std::vector<uint32_t> kUnmoved{0, 1, 2};
 
 TEST(ReferenceRims, areTheRimsThemselvesWhereNoneWereCarried) {
-  const RungInput input(triangle(), kLockDepth + 1);
+  const LodInput input(triangle(), kLockDepth + 1);
   EXPECT_EQ(placesOf(input), (std::vector<glm::u32vec2>{{0, 2}, {1, 2}}));
   EXPECT_EQ(input.reference(1).from, input.mesh().positions[1]);
   EXPECT_EQ(input.reference(1).to, input.mesh().positions[2]);
 }
 
 TEST(ReferenceRims, getRimsThatWereBordersOfTheNodesBelow) {
-  const RungInput below(triangle(), kLockDepth + 1);
-  const RungInput input(triangle(), kLockDepth, {}, referencesIn(below, kUnmoved, 0, 9));
+  const LodInput below(triangle(), kLockDepth + 1);
+  const LodInput input(triangle(), kLockDepth, {}, referencesIn(below, kUnmoved, 0, 9));
   EXPECT_EQ(placesOf(input), (std::vector<glm::u32vec2>{{0, 2}, {1, 2}, {0, 1}}));
 }
 
 TEST(ReferenceRims, standForTheRimsThatTheyHaveBecome) {
   const ReferenceRim reference{packPosition({0, 1, 0}), packPosition({0, 8, 0}), {2, 0}};
-  const RungInput input(triangle(), kLockDepth, {}, {{reference}, kGap});
+  const LodInput input(triangle(), kLockDepth, {}, {{reference}, kGap});
   EXPECT_EQ(input.rims().size(), 3u);
   EXPECT_EQ(placesOf(input), (std::vector<glm::u32vec2>{{2, 0}, {0, 1}, {1, 2}}));
   EXPECT_EQ(input.reference(0).to, reference.to);
 }
 
 TEST(ReferenceRims, stayAsTheyAreWhileTheirEndsMove) {
-  const RungInput input(triangle(), kLockDepth + 1, {}, {{}, kGap});
+  const LodInput input(triangle(), kLockDepth + 1, {}, {{}, kGap});
   const ReferenceRims references = referencesIn(input, std::vector<uint32_t>{4, kVanished, 4}, 99, 2);
   ASSERT_EQ(references.rims.size(), 2u);
   EXPECT_EQ(references.rims[0].near, glm::u32vec2(4, 4));
@@ -62,14 +62,14 @@ TEST(ReferenceRims, stayAsTheyAreWhileTheirEndsMove) {
 }
 
 TEST(ReferenceRims, goWithBothTheirEnds) {
-  const RungInput input(triangle(), kLockDepth + 1);
+  const LodInput input(triangle(), kLockDepth + 1);
   const ReferenceRims references = referencesIn(input, std::vector<uint32_t>{0, kVanished, kVanished}, 0, 9);
   ASSERT_EQ(references.rims.size(), 1u);
   EXPECT_EQ(references.rims[0].near, glm::u32vec2(0, kVanished));
 }
 
-TEST(ReferenceRims, giveWayToTheRungsOwnRimsWhereTheyAreTooMany) {
-  const RungInput input(triangle(), kLockDepth + 1, {}, {{}, kGap});
+TEST(ReferenceRims, giveWayToTheLodsOwnRimsWhereTheyAreTooMany) {
+  const LodInput input(triangle(), kLockDepth + 1, {}, {{}, kGap});
   const ReferenceRims references = referencesIn(input, kUnmoved, 99, 1);
   EXPECT_TRUE(references.rims.empty());
   EXPECT_EQ(references.gap_steps, 99);

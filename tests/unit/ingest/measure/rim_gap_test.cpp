@@ -42,7 +42,7 @@ SimplifiedMesh moved(NodeMesh mesh) {
 }
 
 TEST(RimGap, isHowFarARimThatWasCutShortIsFromTheOriginal) {
-  const RungInput input(house(40), 0);
+  const LodInput input(house(40), 0);
   SimplifiedMesh flat{meshOf({{0, 0}, {100, 0}, {100, 100}, {0, 100}}, {{0, 1, 2}, {0, 2, 3}}),
                       {0, 1, 2, 3, 3}};
   const float of_middle = 40 * 50 / std::hypot(40.f, 50.f);  // from the new rim to either side of the roof
@@ -52,30 +52,30 @@ TEST(RimGap, isHowFarARimThatWasCutShortIsFromTheOriginal) {
 }
 
 TEST(RimGap, isNothingWhereNothingHasMoved) {
-  EXPECT_EQ(rimGap(moved(house(40)), RungInput(house(40), 0)), 0);
+  EXPECT_EQ(rimGap(moved(house(40)), LodInput(house(40), 0)), 0);
 }
 
 TEST(RimGap, isNothingWhereNothingIsLeft) {
   const SimplifiedMesh gone{{}, std::vector<uint32_t>(5, kVanished)};
-  EXPECT_EQ(rimGap(gone, RungInput(house(40), 0)), 0);
+  EXPECT_EQ(rimGap(gone, LodInput(house(40), 0)), 0);
 }
 
 TEST(RimGap, countsWhatTheReferencesAreOffTheOriginal) {
-  EXPECT_EQ(rimGap(moved(house(40)), RungInput(house(40), 0, {}, {{}, 3})), 3);
+  EXPECT_EQ(rimGap(moved(house(40)), LodInput(house(40), 0, {}, {{}, 3})), 3);
 }
 
 TEST(RimGap, isThatFromTheOriginalAndNotTheSumOfTwoLevels) {
-  const RungInput original(house(40), 0);
+  const LodInput original(house(40), 0);
   const SimplifiedMesh higher = moved(house(70)), lower = moved(house(50));
   const float up = rimGap(higher, original);
-  const RungInput above(higher.mesh, 0, {}, referencesIn(original, higher.became, up, 5));
+  const LodInput above(higher.mesh, 0, {}, referencesIn(original, higher.became, up, 5));
   const float both = rimGap(lower, above);
   EXPECT_EQ(both, rimGap(lower, original));
   EXPECT_LT(both, up / 2);
 }
 
 TEST(RimGap, looksAtRimsThatARimHasMovedAlong) {
-  const RungInput input(fan({40, 0}, {80, 0}), 0);
+  const LodInput input(fan({40, 0}, {80, 0}), 0);
   EXPECT_LE(rimGap(moved(fan({110, 0}, {115, 0})), input), kNegligible);
 }
 
@@ -86,7 +86,7 @@ TEST(RimGap, isThatOfRimsWithManyReferencesAtTheirEnds) {
   for (uint32_t i = 0; i < kPoints; ++i) points.emplace_back(10 * i, i == kPoints / 2 ? 30 : 0);
   points.emplace_back(5 * kPoints, 1000);
   for (uint32_t i = 0; i + 1 < kPoints; ++i) triangles.emplace_back(i, i + 1, kPoints);
-  const RungInput input(meshOf(points, triangles), 0);
+  const LodInput input(meshOf(points, triangles), 0);
   std::vector<uint32_t> became(kPoints + 1, 0);
   for (uint32_t i = kPoints / 2; i < kPoints; ++i) became[i] = 1;
   became[kPoints] = 2;

@@ -70,15 +70,15 @@ TEST(SurfaceSamples, measureWhatBruteForceFinds) {
   const NodeMesh input = test::nodeOf(test::makeSphere(60, 40));
   std::vector<SurfaceSample> samples;
   for (uint32_t i = 0; i < input.positions.size(); ++i) samples.push_back({input.positions[i], 0, i});
-  collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleTree to_rung(rung.mesh);
+  collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& lod) {
+    const TriangleTree to_lod(lod.mesh);
     float forward = 0;
     for (const PositionCode position : input.positions)
-      forward = std::max(forward, to_rung.distance(glm::vec3(unpackPosition(position))));
-    const RungSurface surface(rung.mesh);
+      forward = std::max(forward, to_lod.distance(glm::vec3(unpackPosition(position))));
+    const LodSurface surface(lod.mesh);
     float largest = 0;
     for (const Deviation& d :
-         deviationsFrom(rung, input, surface, placesOn(rung, input, surface.walk()), samples))
+         deviationsFrom(lod, input, surface, placesOn(lod, input, surface.walk()), samples))
       largest = std::max(largest, d.steps);
     EXPECT_FLOAT_EQ(largest, forward);
   });
@@ -114,14 +114,14 @@ TEST(SurfaceSamples, areNoneInsideAMeshWithoutArea) {
 
 TEST(SurfaceSamples, areMeasuredWhereNothingIsLeftNearThem) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
-  SimplifiedMesh rung{mesh, std::vector<uint32_t>(mesh.positions.size(), kVanished)};
+  SimplifiedMesh lod{mesh, std::vector<uint32_t>(mesh.positions.size(), kVanished)};
   std::vector<SurfaceSample> samples;
   const PositionCode away = packPosition(unpackPosition(mesh.positions[0]) + glm::uvec3(0, 0, 70));
   samples.push_back({away, 0, kVanished});
   samples.push_back({mesh.positions[0], 0, 0});
-  const RungSurface surface(mesh);
+  const LodSurface surface(mesh);
   const std::vector<Deviation> deviations =
-      deviationsFrom(rung, mesh, surface, placesOn(rung, mesh, surface.walk()), samples);
+      deviationsFrom(lod, mesh, surface, placesOn(lod, mesh, surface.walk()), samples);
   EXPECT_FLOAT_EQ(deviations[0].steps, TriangleTree(mesh).distance(glm::vec3(unpackPosition(away))));
   EXPECT_NE(deviations[0].near, kVanished);
   EXPECT_EQ(deviations[1].steps, 0);

@@ -11,7 +11,7 @@ namespace {
 BuiltNode builtNode() {
   BuiltNode built;
   built.node.key = kRootKey.child(2);
-  built.node.rungs.resize(1);
+  built.node.lods.resize(1);
   built.payloads.resize(1);
   built.coarsest.positions = {packPosition({0, 0, 0}), packPosition({9, 0, 0}), packPosition({0, 9, 0})};
   built.coarsest.triangles = {{0, 1, 2}};

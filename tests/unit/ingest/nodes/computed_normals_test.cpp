@@ -14,8 +14,8 @@ namespace {
 
 constexpr uint8_t kComputed = AttributeSet::kNormal | AttributeSet::kComputedNormal;
 
-void giveNormals(SimplifiedMesh& rung, const NodeMesh& mesh) {
-  giveComputedNormals(rung, mesh, sourcesOf(rung, mesh), placesOn(rung, mesh, SurfaceWalk(rung.mesh)),
+void giveNormals(SimplifiedMesh& lod, const NodeMesh& mesh) {
+  giveComputedNormals(lod, mesh, sourcesOf(lod, mesh), placesOn(lod, mesh, SurfaceWalk(lod.mesh)),
                       CreaseAngle(50));
 }
 
@@ -31,14 +31,14 @@ uint16_t normalAt(PositionCode place, uint8_t lca_depth) {
   for (const glm::vec3 axis :
        {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1), glm::vec3(0, 0, 1)})
     mesh.wedge_attributes.push_back({.normal = encodeOctahedral(axis), .material = 0});
-  SimplifiedMesh rung;
-  rung.mesh.positions = {place, mesh.positions[2], mesh.positions[3]};
-  rung.mesh.lca_depth.assign(3, lca_depth);
-  rung.mesh.wedge_position = {0, 1, 2};
-  rung.mesh.triangles = {{0, 1, 2}};
-  rung.became = {0, 0, 1, 2};
-  giveNormals(rung, mesh);
-  return rung.mesh.wedge_attributes[0].normal;
+  SimplifiedMesh lod;
+  lod.mesh.positions = {place, mesh.positions[2], mesh.positions[3]};
+  lod.mesh.lca_depth.assign(3, lca_depth);
+  lod.mesh.wedge_position = {0, 1, 2};
+  lod.mesh.triangles = {{0, 1, 2}};
+  lod.became = {0, 0, 1, 2};
+  giveNormals(lod, mesh);
+  return lod.mesh.wedge_attributes[0].normal;
 }
 
 TEST(ComputedNormals, lookAboutAsThoseThatHaveBecomeAPositionDoInTheMean) {
@@ -51,16 +51,16 @@ TEST(ComputedNormals, stayToTheBitWhereAPositionThatLeavesShareHasNotMoved) {
   EXPECT_EQ(normalAt(packPosition({30, 0, 0}), 2), encodeOctahedral({0, 1, 0}));
 }
 
-/// Sum over the input's positions of the squares by which a rung's normals, between its corners, miss theirs.
-float missed(const SimplifiedMesh& rung, const NodeMesh& mesh) {
-  const std::vector<SurfaceWalk::Place> places = placesOn(rung, mesh, SurfaceWalk(rung.mesh));
+/// Sum over the input's positions of the squares by which an LOD's normals, between its corners, miss theirs.
+float missed(const SimplifiedMesh& lod, const NodeMesh& mesh) {
+  const std::vector<SurfaceWalk::Place> places = placesOn(lod, mesh, SurfaceWalk(lod.mesh));
   float sum = 0;
   for (size_t wedge = 0; wedge < mesh.wedge_position.size(); ++wedge) {
     const SurfaceWalk::Place& place = places[mesh.wedge_position[wedge]];
     glm::vec3 off = decodeOctahedral(mesh.wedge_attributes[wedge].normal);
     for (int k = 0; k < 3; ++k)
       off -= place.shares[k] *
-             decodeOctahedral(rung.mesh.wedge_attributes[rung.mesh.triangles[place.triangle][k]].normal);
+             decodeOctahedral(lod.mesh.wedge_attributes[lod.mesh.triangles[place.triangle][k]].normal);
     sum += glm::dot(off, off);
   }
   return sum;
@@ -74,20 +74,19 @@ TEST(ComputedNormals, areSharperThanTheMeansOfThoseThatWereMerged) {
     const glm::vec3 outward = decodeOctahedral(attributes.normal);
     attributes.normal = encodeOctahedral(outward + 0.5f * glm::sin(8.f * outward));
   }
-  collapse(withoutSmoothNormals(mesh), std::array<size_t, 1>{800}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    giveNormals(rung, mesh);
-    SimplifiedMesh with_means = rung;
-    std::vector<glm::vec3> sums(rung.mesh.positions.size(), glm::vec3(0));
+  collapse(withoutSmoothNormals(mesh), std::array<size_t, 1>{800}, {}, [&](size_t, SimplifiedMesh&& lod) {
+    giveNormals(lod, mesh);
+    SimplifiedMesh with_means = lod;
+    std::vector<glm::vec3> sums(lod.mesh.positions.size(), glm::vec3(0));
     for (size_t wedge = 0; wedge < mesh.wedge_position.size(); ++wedge)
-      sums[rung.became[mesh.wedge_position[wedge]]] += decodeOctahedral(mesh.wedge_attributes[wedge].normal);
-    for (size_t wedge = 0; wedge < rung.mesh.wedge_position.size(); ++wedge)
-      with_means.mesh.wedge_attributes[wedge].normal =
-          encodeOctahedral(sums[rung.mesh.wedge_position[wedge]]);
-    EXPECT_LT(missed(rung, mesh), 0.95f * missed(with_means, mesh));
+      sums[lod.became[mesh.wedge_position[wedge]]] += decodeOctahedral(mesh.wedge_attributes[wedge].normal);
+    for (size_t wedge = 0; wedge < lod.mesh.wedge_position.size(); ++wedge)
+      with_means.mesh.wedge_attributes[wedge].normal = encodeOctahedral(sums[lod.mesh.wedge_position[wedge]]);
+    EXPECT_LT(missed(lod, mesh), 0.95f * missed(with_means, mesh));
   });
 }
 
-/// Two squares beside a fold, each with its own wedges on it, as a rung that has moved nothing.
+/// Two squares beside a fold, each with its own wedges on it, as an LOD that has moved nothing.
 size_t wedgesOfAFold(uint32_t height, uint8_t lca_depth) {
   NodeMesh mesh;
   mesh.attributes.bits = kComputed;
@@ -100,25 +99,25 @@ size_t wedgesOfAFold(uint32_t height, uint8_t lca_depth) {
     mesh.wedge_attributes.insert(mesh.wedge_attributes.end(), 4,
                                  {.normal = encodeOctahedral({x, 0, 1}), .material = 0});
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 6, 7}, {4, 7, 5}};
-  SimplifiedMesh rung{mesh, {0, 1, 2, 3, 4, 5}};
-  giveNormals(rung, mesh);
-  return rung.mesh.wedge_position.size();
+  SimplifiedMesh lod{mesh, {0, 1, 2, 3, 4, 5}};
+  giveNormals(lod, mesh);
+  return lod.mesh.wedge_position.size();
 }
 
-TEST(ComputedNormals, areOneWhereARungHasACreaseNoMoreUnlessLeavesShareIt) {
+TEST(ComputedNormals, areOneWhereALodHasACreaseNoMoreUnlessLeavesShareIt) {
   EXPECT_EQ(wedgesOfAFold(90, kNeverLocked), 8u) << "90 degrees";
   EXPECT_EQ(wedgesOfAFold(20, kNeverLocked), 6u) << "25 degrees";
   EXPECT_EQ(wedgesOfAFold(20, 2), 8u);
 }
 
-TEST(ComputedNormals, areGivenToEveryVertexOfARung) {
+TEST(ComputedNormals, areGivenToEveryVertexOfALod) {
   NodeMesh mesh = test::nodeOf(test::makeSphere(30, 20, {.attributes = {AttributeSet::kNormal}}));
   mesh.attributes.bits = kComputed;
-  collapse(withoutSmoothNormals(mesh), std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    EXPECT_TRUE(rung.mesh.wedge_attributes.empty());
-    giveNormals(rung, mesh);
-    EXPECT_EQ(rung.mesh.attributes.bits, kComputed);
-    EXPECT_EQ(rung.mesh.wedge_attributes.size(), rung.mesh.positions.size());
+  collapse(withoutSmoothNormals(mesh), std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& lod) {
+    EXPECT_TRUE(lod.mesh.wedge_attributes.empty());
+    giveNormals(lod, mesh);
+    EXPECT_EQ(lod.mesh.attributes.bits, kComputed);
+    EXPECT_EQ(lod.mesh.wedge_attributes.size(), lod.mesh.positions.size());
   });
 }
 
@@ -134,13 +133,13 @@ TEST(ComputedNormals, leaveOtherAttributesAsTheyAre) {
     EXPECT_EQ(bare.wedge_attributes[i].normal, 0);
     EXPECT_EQ(bare.wedge_attributes[i].colour, mesh.wedge_attributes[i].colour);
   }
-  collapse(bare, std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const std::vector<VertexAttributes> before = rung.mesh.wedge_attributes;
-    giveNormals(rung, mesh);
-    EXPECT_EQ(rung.mesh.attributes.bits, kColoured);
-    ASSERT_EQ(rung.mesh.wedge_attributes.size(), before.size());
+  collapse(bare, std::array<size_t, 1>{200}, {}, [&](size_t, SimplifiedMesh&& lod) {
+    const std::vector<VertexAttributes> before = lod.mesh.wedge_attributes;
+    giveNormals(lod, mesh);
+    EXPECT_EQ(lod.mesh.attributes.bits, kColoured);
+    ASSERT_EQ(lod.mesh.wedge_attributes.size(), before.size());
     for (size_t i = 0; i < before.size(); ++i)
-      EXPECT_EQ(rung.mesh.wedge_attributes[i].colour, before[i].colour);
+      EXPECT_EQ(lod.mesh.wedge_attributes[i].colour, before[i].colour);
   });
 }
 

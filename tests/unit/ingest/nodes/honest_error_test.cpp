@@ -18,7 +18,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Builds a model and compares every rung's stored error with points of all triangles below its node.
+/// Builds a model and compares every LOD's stored error with points of all triangles below its node.
 class HonestErrorOf {
  public:
   HonestErrorOf(const Mesh& model, uint32_t triangles_per_node) {
@@ -29,7 +29,7 @@ class HonestErrorOf {
     buildFrom(model, triangles_per_node);
   }
 
-  /// The least stored error, as a share of the largest distance of a point from the rung: of corners and
+  /// The least stored error, as a share of the largest distance of a point from the LOD: of corners and
   /// of edges' middles.
   double leastRatio() const {
     const store::Reader reader(folder_ / "a.lode");
@@ -39,7 +39,7 @@ class HonestErrorOf {
     return least;
   }
 
-  /// The largest such share of the root's rungs.
+  /// The largest such share of the root's LODs.
   double largestRatioOfRoot() const {
     const store::Reader reader(folder_ / "a.lode");
     return std::ranges::max(ratiosOf(reader, *reader.find(kRootKey)));
@@ -54,20 +54,19 @@ class HonestErrorOf {
     build(options);
   }
 
-  /// Of rungs that differ from the leaves.
+  /// Of LODs that differ from the leaves.
   static std::vector<double> ratiosOf(const store::Reader& reader, const Node& node) {
     std::vector<double> ratios;
     const test::TriangleSoup original = leavesBelow(reader, node.key);
-    for (uint32_t r = node.isLeaf() ? 1 : 0; r < node.rungs.size(); ++r) {
-      if (node.rungs[r].triangles == 0) continue;
-      const test::DistanceField field(test::latticeSoup(store::readRung(reader, node, r)));
+    for (uint32_t r = node.isLeaf() ? 1 : 0; r < node.lods.size(); ++r) {
+      if (node.lods[r].triangles == 0) continue;
+      const test::DistanceField field(test::latticeSoup(store::readLod(reader, node, r)));
       double farthest = 0;
       for (const auto& [a, b, c] : original) {
         for (const glm::dvec3 point : {a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0})
           farthest = std::max(farthest, field.distance(point));
       }
-      if (farthest > 0)
-        ratios.push_back(node.rungs[r].error_model / reader.summary().lattice.step / farthest);
+      if (farthest > 0) ratios.push_back(node.lods[r].error_model / reader.summary().lattice.step / farthest);
     }
     return ratios;
   }
@@ -76,7 +75,7 @@ class HonestErrorOf {
     test::TriangleSoup soup;
     for (const Node& node : reader.nodes()) {
       if (!node.isLeaf() || !key.contains(node.key)) continue;
-      const test::TriangleSoup part = test::latticeSoup(store::readRung(reader, node, 0));
+      const test::TriangleSoup part = test::latticeSoup(store::readLod(reader, node, 0));
       soup.insert(soup.end(), part.begin(), part.end());
     }
     return soup;

@@ -13,8 +13,8 @@ TEST(NodeSpool, givesNodesBackInTheOrderOfTheirKeysHoweverTheyCame) {
   for (const unsigned octant : {5u, 0u, 7u, 2u}) {
     Node node;
     node.key = kRootKey.child(octant);
-    node.rungs.resize(octant + 1);
-    node.rungs[0].triangles = 100 + octant;
+    node.lods.resize(octant + 1);
+    node.lods[0].triangles = 100 + octant;
     const std::vector<PayloadSpool::Place> payloads(octant + 1, {octant, octant});
     const NodeSpool::Place place = spool.append(node, payloads);
     const std::vector<std::byte> at_once = spool.read(place);
@@ -28,8 +28,8 @@ TEST(NodeSpool, givesNodesBackInTheOrderOfTheirKeysHoweverTheyCame) {
     const FinishedNode finished = getFinishedNode(record);
     EXPECT_LT(before, finished.node.key);
     before = finished.node.key;
-    EXPECT_EQ(finished.node.rungs.size(), before.octant() + 1u);
-    EXPECT_EQ(finished.node.rungs[0].triangles, 100u + before.octant());
+    EXPECT_EQ(finished.node.lods.size(), before.octant() + 1u);
+    EXPECT_EQ(finished.node.lods[0].triangles, 100u + before.octant());
     EXPECT_EQ(finished.payloads.back().offset, before.octant());
   }
 }

@@ -36,7 +36,7 @@ class KilledBuild : public testing::Test {
   static Node leaf(NodeKey key) {
     Node node;
     node.key = key;
-    node.rungs.resize(1);
+    node.lods.resize(1);
     return node;
   }
 

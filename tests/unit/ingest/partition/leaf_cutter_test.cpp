@@ -74,16 +74,16 @@ TEST(LeafCutter, allowsMoreThanTheMaximumInACellOfTheFinestLevel) {
   EXPECT_EQ(leaves[0].second, 1000u);
 }
 
-TEST(LeafCutter, refusesMoreTrianglesInOneFinestCellThanARungMayHave) {
+TEST(LeafCutter, refusesMoreTrianglesInOneFinestCellThanALodMayHave) {
   try {
-    cut(std::vector<uint64_t>(kMaxRungTriangles + 1, 5), 10);
+    cut(std::vector<uint64_t>(kMaxLodTriangles + 1, 5), 10);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInput) << "to try again is of no use";
     EXPECT_NE(std::string_view(error.what()).find(std::to_string(cellAt(5, kMaxDepth).value)),
               std::string_view::npos);
   }
-  EXPECT_NO_THROW(cut(std::vector<uint64_t>(kMaxRungTriangles, 5), 10));
+  EXPECT_NO_THROW(cut(std::vector<uint64_t>(kMaxLodTriangles, 5), 10));
 }
 
 TEST(CellCode, commonDepthIsTheDepthOfTheDeepestSharedCell) {

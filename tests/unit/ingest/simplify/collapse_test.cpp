@@ -88,11 +88,11 @@ TEST(Collapse, takesATangleDownToNothing) {
   }
 }
 
-TEST(Collapse, saysOfARungWhetherClustersHadToFinishIt) {
+TEST(Collapse, saysOfALodWhetherClustersHadToFinishIt) {
   const auto isClustered = [](const NodeMesh& mesh) {
     bool is_clustered = false;
     collapse(mesh, std::array<size_t, 1>{100}, {.node_depth = 2},
-             [&](size_t, SimplifiedMesh&& rung) { is_clustered = rung.is_clustered; });
+             [&](size_t, SimplifiedMesh&& lod) { is_clustered = lod.is_clustered; });
     return is_clustered;
   };
   NodeMesh sphere = test::nodeOf(test::makeSphere(60, 40));

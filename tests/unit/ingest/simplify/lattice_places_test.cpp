@@ -77,8 +77,8 @@ TEST(LatticePlaces, thatAreFartherApartMakePayloadsSmaller) {
   const NodeMesh sphere =
       test::nodeOf(test::makeSphere(120, 80, {.attributes = {}, .extent = 1 << 14, .seed = 3, .bump = 0.02}));
   collapse(sphere, std::array<size_t, 1>{1200}, {.node_depth = 0, .max_position = glm::uvec3(kMaxLattice)},
-           [&](size_t, SimplifiedMesh&& rung) {
-             Mesh mesh = toMesh(rung.mesh), shaken = mesh;
+           [&](size_t, SimplifiedMesh&& lod) {
+             Mesh mesh = toMesh(lod.mesh), shaken = mesh;
              for (PositionCode& code : shaken.positions) {
                const glm::uvec3 p = unpackPosition(code);
                code =

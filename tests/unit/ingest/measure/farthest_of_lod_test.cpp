@@ -1,4 +1,4 @@
-#include "server/ingest/measure/farthest_of_rung.h"
+#include "server/ingest/measure/farthest_of_lod.h"
 
 #include <algorithm>
 #include <array>
@@ -16,21 +16,21 @@
 namespace lode::ingest {
 namespace {
 
-float farthestPlaceOfRung(const SimplifiedMesh& rung, const NodeMesh& input, float known) {
-  return farthestOfRung(rung, RungInput(input, 0), placesOn(rung, input, SurfaceWalk(rung.mesh)),
-                        sourcesOf(rung, input), known);
+float farthestPlaceOfLod(const SimplifiedMesh& lod, const NodeMesh& input, float known) {
+  return farthestOfLod(lod, LodInput(input, 0), placesOn(lod, input, SurfaceWalk(lod.mesh)),
+                       sourcesOf(lod, input), known);
 }
 
-TEST(FarthestOfRung, isWithinItsMarginOfWhatDensePointsFind) {
-  constexpr double kPointMargin = 1.12;  // that rungDeviation() adds
+TEST(FarthestOfLod, isWithinItsMarginOfWhatDensePointsFind) {
+  constexpr double kPointMargin = 1.12;  // that lodDeviation() adds
   for (uint32_t seed = 1; seed <= 12; ++seed) {
     const NodeMesh input = test::nodeOf(test::makeSphere(60, 40, {.attributes = {}, .seed = seed}));
-    collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
+    collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& lod) {
       const TriangleTree tree(input);
       double found = 0;
-      for (const glm::dvec3 point : test::pointsOver(rung.mesh, 24))
+      for (const glm::dvec3 point : test::pointsOver(lod.mesh, 24))
         found = std::max<double>(found, tree.distance(glm::vec3(point)));
-      const float measured = farthestPlaceOfRung(rung, input, 0);
+      const float measured = farthestPlaceOfLod(lod, input, 0);
       EXPECT_GE(kPointMargin * measured, found) << seed;
       EXPECT_LE(measured, 1.001 * found) << seed;
     });
@@ -63,29 +63,29 @@ NodeMesh pitAndHill() {
   return mesh;
 }
 
-TEST(FarthestOfRung, seesAPitInOneOfFewTrianglesAlthoughAnotherIsFartherAtFirstSight) {
+TEST(FarthestOfLod, seesAPitInOneOfFewTrianglesAlthoughAnotherIsFartherAtFirstSight) {
   const NodeMesh input = pitAndHill();
   const auto last = static_cast<uint32_t>(input.positions.size()) - 1;
   const std::array<uint32_t, 4> corners{0, 64, last - 64, last};
-  SimplifiedMesh rung{{}, std::vector<uint32_t>(input.positions.size(), kVanished)};
+  SimplifiedMesh lod{{}, std::vector<uint32_t>(input.positions.size(), kVanished)};
   for (uint32_t i = 0; i < corners.size(); ++i) {
-    rung.became[corners[i]] = i;
-    rung.mesh.positions.push_back(input.positions[corners[i]]);
-    rung.mesh.wedge_position.push_back(i);
-    rung.mesh.lca_depth.push_back(kNeverLocked);
+    lod.became[corners[i]] = i;
+    lod.mesh.positions.push_back(input.positions[corners[i]]);
+    lod.mesh.wedge_position.push_back(i);
+    lod.mesh.lca_depth.push_back(kNeverLocked);
   }
-  rung.mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
+  lod.mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
   const float pit = TriangleTree(input).distance({800, 800, 1000});
   const float hill = TriangleTree(input).distance({4800, 4800, 1000});
   ASSERT_GT(pit, 1.1f * hill);
-  EXPECT_GE(farthestPlaceOfRung(rung, input, 0), pit * 0.999f);
+  EXPECT_GE(farthestPlaceOfLod(lod, input, 0), pit * 0.999f);
 }
 
-TEST(FarthestOfRung, isNotBelowWhatIsKnown) {
+TEST(FarthestOfLod, isNotBelowWhatIsKnown) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   SimplifiedMesh same{mesh, std::vector<uint32_t>(mesh.positions.size())};
   std::iota(same.became.begin(), same.became.end(), 0u);
-  EXPECT_EQ(farthestPlaceOfRung(same, mesh, 7), 7);
+  EXPECT_EQ(farthestPlaceOfLod(same, mesh, 7), 7);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "server/ingest/measure/farthest_of_rung.h"
+#include "server/ingest/measure/farthest_of_lod.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,24 +9,24 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kWorthInRung =
+constexpr float kWorthInLod =
     0.8f;  ///< of the largest distance so far: triangles that reach it get a closer look
-// Steps along each edge at first: the fewer triangles a rung has, the more may hide inside one of them, and
-// the less a look costs. (Corners alone found 0.8 of what large rungs of a gyroid are off by.)
+// Steps along each edge at first: the fewer triangles an LOD has, the more may hide inside one of them, and
+// the less a look costs. (Corners alone found 0.8 of what large LODs of a gyroid are off by.)
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
 constexpr uint32_t stepsAtFirst(size_t triangles) {
   return triangles <= kVeryFewTriangles ? 8 : triangles <= kFewTriangles ? 4 : 2;
 }
-constexpr float kManySteps = 1.5f;  ///< for each edge of the input that an edge of the rung is as long as
+constexpr float kManySteps = 1.5f;  ///< for each edge of the input that an edge of the LOD is as long as
 constexpr uint32_t kMostSteps = 24;
 constexpr uint32_t kMostStarts = 64;
 
-/// The input's positions that lie on each triangle of a rung.
+/// The input's positions that lie on each triangle of an LOD.
 class PositionsOnTriangles {
  public:
-  PositionsOnTriangles(const SimplifiedMesh& rung, std::span<const SurfaceWalk::Place> places)
-      : begin_(rung.mesh.triangles.size() + 1) {
-    const auto isOn = [&](size_t position) { return rung.became[position] != kVanished; };
+  PositionsOnTriangles(const SimplifiedMesh& lod, std::span<const SurfaceWalk::Place> places)
+      : begin_(lod.mesh.triangles.size() + 1) {
+    const auto isOn = [&](size_t position) { return lod.became[position] != kVanished; };
     for (size_t i = 0; i < places.size(); ++i)
       if (isOn(i)) ++begin_[places[i].triangle];
     uint32_t end = 0;
@@ -46,16 +46,16 @@ class PositionsOnTriangles {
 
 class Measurement {
  public:
-  Measurement(const SimplifiedMesh& rung, const RungInput& input, std::span<const SurfaceWalk::Place> places,
+  Measurement(const SimplifiedMesh& lod, const LodInput& input, std::span<const SurfaceWalk::Place> places,
               std::span<const uint32_t> sources, float known)
-      : mesh_(rung.mesh), input_(input), starts_(rung, places), sources_(sources), largest_(known) {}
+      : mesh_(lod.mesh), input_(input), starts_(lod, places), sources_(sources), largest_(known) {}
 
   float run() {
     of_vertex_.reserve(sources_.size());
     for (uint32_t i = 0; i < sources_.size(); ++i) {
       uint32_t near = sources_[i];
       const bool has_stayed = mesh_.positions[i] == input_.mesh().positions[near];
-      of_vertex_.push_back(has_stayed ? 0 : measure(pointOf(i), near, kWorthInRung * largest_));
+      of_vertex_.push_back(has_stayed ? 0 : measure(pointOf(i), near, kWorthInLod * largest_));
     }
     std::vector<float> high;
     high.reserve(mesh_.triangles.size());
@@ -64,7 +64,7 @@ class Measurement {
     for (size_t t = 0; t < mesh_.triangles.size(); ++t) high.push_back(look(t, few));
     const auto steps = static_cast<uint32_t>(kManySteps * edgesOfInputAlongEdge());
     for (size_t t = 0; t < high.size(); ++t)
-      if (high[t] > kWorthInRung * largest_) lookClosely(t, std::clamp(steps, 2 * few, kMostSteps));
+      if (high[t] > kWorthInLod * largest_) lookClosely(t, std::clamp(steps, 2 * few, kMostSteps));
     return largest_;
   }
 
@@ -120,7 +120,7 @@ class Measurement {
     for (int k = 0; k < 3; ++k) high = std::max(high, lookAlong({at[k], at[(k + 1) % 3]}, triangle, steps));
     if (steps < 3) return high;  // no point is inside
     forEachPoint(at, steps, [&](glm::vec3 point, bool is_inside, uint32_t& near) {
-      if (is_inside) high = std::max(high, measureOn(triangle, point, near, kWorthInRung * largest_));
+      if (is_inside) high = std::max(high, measureOn(triangle, point, near, kWorthInLod * largest_));
     });
     return high;
   }
@@ -136,7 +136,7 @@ class Measurement {
     uint32_t near = sources_[lower];
     for (uint32_t i = 1; i < steps; ++i) {
       const glm::vec3 point = glm::mix(from, to, static_cast<float>(i) / static_cast<float>(steps));
-      high = std::max(high, measureOn(triangle, point, near, kWorthInRung * largest_));
+      high = std::max(high, measureOn(triangle, point, near, kWorthInLod * largest_));
     }
     of_edge_.push_back(high);
     return high;
@@ -174,7 +174,7 @@ class Measurement {
   }
 
   const NodeMesh& mesh_;
-  const RungInput& input_;
+  const LodInput& input_;
   const PositionsOnTriangles starts_;
   const std::span<const uint32_t> sources_;
   float largest_;
@@ -185,10 +185,10 @@ class Measurement {
 
 }  // namespace
 
-float farthestOfRung(const SimplifiedMesh& rung, const RungInput& input,
-                     std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,
-                     float known) {
-  return Measurement(rung, input, places, sources, known).run();
+float farthestOfLod(const SimplifiedMesh& lod, const LodInput& input,
+                    std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,
+                    float known) {
+  return Measurement(lod, input, places, sources, known).run();
 }
 
 }  // namespace lode::ingest

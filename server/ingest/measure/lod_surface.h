@@ -8,13 +8,13 @@
 
 namespace lode::ingest {
 
-/// A rung to measure distances from: by walks where a place near the point is known, and exactly by a look at
+/// An LOD to measure distances from: by walks where a place near the point is known, and exactly by a look at
 /// every triangle or, for more than a few points, by a tree, which takes as long to make as some fifty such
 /// looks. Not thread safe.
-class RungSurface {
+class LodSurface {
  public:
-  /// @param rung  with triangles; must outlive this.
-  explicit RungSurface(const NodeMesh& rung) : rung_(rung), walk_(rung) {}
+  /// @param LOD  with triangles; must outlive this.
+  explicit LodSurface(const NodeMesh& lod) : lod_(lod), walk_(lod) {}
 
   const SurfaceWalk& walk() const noexcept { return walk_; }
   /// See TriangleTree::nearest().
@@ -36,7 +36,7 @@ class RungSurface {
   PointBeside walkFrom(glm::vec3 at, uint32_t hint, float enough) const noexcept;
 
  private:
-  const NodeMesh& rung_;
+  const NodeMesh& lod_;
   const SurfaceWalk walk_;
   mutable int looks_ = 0;
   mutable std::optional<TriangleTree> tree_;

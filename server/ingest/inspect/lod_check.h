@@ -25,24 +25,24 @@ struct LeafSurface {
   TriangleTree tree;  ///< in steps from the box's least corner
 };
 
-/// Looks for the largest distance between a rung and the leaves below its node, which come one by one in any
-/// order, on any threads: of the leaves every triangle (see FarthestInTriangle), of the rung points.
-class RungCheck {
+/// Looks for the largest distance between an LOD and the leaves below its node, which come one by one in any
+/// order, on any threads: of the leaves every triangle (see FarthestInTriangle), of the LOD points.
+class LodCheck {
  public:
-  /// @param box  of the rung's node. @param stored_steps  the error that the store gives.
+  /// @param box  of the LOD's node. @param stored_steps  the error that the store gives.
   /// @param original  triangles below the node. @param seed  of points.
-  RungCheck(const Mesh& rung, const LatticeBox& box, float stored_steps, uint64_t original, uint64_t seed);
+  LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, uint64_t original, uint64_t seed);
 
   /// Thread safe.
   void add(const LeafSurface& leaf);
   /// After the last leaf: lattice steps; at least 3/4 of the stored error, below which nothing is told apart.
-  /// Of a rung that strays farther than 1.25 times that, 1.3 times or more.
+  /// Of an LOD that strays farther than 1.25 times that, 1.3 times or more.
   float found() const { return std::max(forward_, backward()); }
 
  private:
-  RungCheck(const NodeMesh& rung, const LatticeBox& box, float stored_steps);
+  LodCheck(const NodeMesh& lod, const LatticeBox& box, float stored_steps);
   float backward() const;
-  void placePoints(const Mesh& rung, uint64_t count, Dice dice);
+  void placePoints(const Mesh& lod, uint64_t count, Dice dice);
   void sortPoints();
   float farthestOf(const LeafSurface& leaf) const;
   void bringNearer(const LeafSurface& leaf);
@@ -52,13 +52,13 @@ class RungCheck {
   const float stored_;
   const TriangleTree tree_;
   const SurfaceWalk walk_;         ///< shortens searches of the tree
-  std::vector<glm::vec3> points_;  ///< of the rung's surface, cell by cell
+  std::vector<glm::vec3> points_;  ///< of the LOD's surface, cell by cell
   std::vector<std::atomic<float>> nearest_;
   std::vector<uint32_t> begin_;  ///< of each cell's points, and the end
   int cells_ = 1;                ///< along each axis
   glm::vec3 cell_size_{1};
   std::mutex mutex_;
-  float forward_ = 0;  ///< the largest distance of the leaves from the rung
+  float forward_ = 0;  ///< the largest distance of the leaves from the LOD
 };
 
 }  // namespace lode::ingest

@@ -6,9 +6,9 @@
 
 namespace lode::ingest {
 
-constexpr size_t kRootTriangles = 512;  ///< to which the root's rungs go down
+constexpr size_t kRootTriangles = 512;  ///< to which the root's LODs go down
 
-struct RungRule {
+struct LodRule {
   int depth = 0;
   bool is_leaf = false;             ///< only the root's leaf is reduced at all
   size_t locked = 0;                ///< locked vertices of the node's input
@@ -16,11 +16,11 @@ struct RungRule {
   size_t triangles_per_node = 0;
 };
 
-/// Triangle counts of the reduced rungs of a node of which its parent is made at the last, falling, until at
+/// Triangle counts of the reduced LODs of a node of which its parent is made at the last, falling, until at
 /// most max(triangles_per_node, 8 * locked), at depth 1 of a large model 12 * locked, or 4 * locked where
 /// that is more than 8 budgets or 2^17 triangles, so that what the root is made of has a bound; below depth 1
 /// 2^14 triangles are allowed, whatever the budget. At the root, which locks nothing, until kRootTriangles.
-/// At least one, but for a root that is small enough already. Steps above kMaxRungTriangles, which no store
+/// At least one, but for a root that is small enough already. Steps above kMaxLodTriangles, which no store
 /// takes, are left out.
 ///
 /// So at most about a quarter of the vertices that a parent is made of cannot move below it, and a sixth of
@@ -36,18 +36,18 @@ struct RungRule {
 /// Locked vertices hold a triangle each. Where there are so many of them that a step would leave little else,
 /// it stops at two thirds of it of what they do not hold: half of a node that is nearly all border is its
 /// border alone, without its shape, and every level above inherits that error. (9 million triangles at 512 a
-/// node: the root's finest rung had an error of 7.5e-3 of the diagonal without this and has 2.3e-3 with it.)
+/// node: the root's finest LOD had an error of 7.5e-3 of the diagonal without this and has 2.3e-3 with it.)
 /// @param triangles  of the node's input.
-std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule);
+std::vector<size_t> lodTargets(size_t triangles, const LodRule& rule);
 
-/// At how many triangles a node's rungs end, so the most that it gives its parent.
-size_t mostTriangles(const RungRule& rule);
+/// At how many triangles a node's LODs end, so the most that it gives its parent.
+size_t mostTriangles(const LodRule& rule);
 
-/// Triangle counts of the spare rungs that follow: halves, until at most a quarter of the budget or two a
+/// Triangle counts of the far LODs that follow: halves, until at most a quarter of the budget or two a
 /// locked vertex. They are what a view shows of parts beside it, so that coming close costs less of what is
 /// not seen. Only where much lies below the node: close to the leaves they would save little of a view's
 /// bytes for much of the store's.
-/// @param triangles  of the rung that the parent is made of.
-std::vector<size_t> spareTargets(size_t triangles, const RungRule& rule);
+/// @param triangles  of the LOD that the parent is made of.
+std::vector<size_t> spareTargets(size_t triangles, const LodRule& rule);
 
 }  // namespace lode::ingest

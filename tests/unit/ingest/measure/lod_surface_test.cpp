@@ -1,4 +1,4 @@
-#include "server/ingest/measure/rung_surface.h"
+#include "server/ingest/measure/lod_surface.h"
 
 #include <random>
 
@@ -11,10 +11,10 @@ namespace {
 
 glm::vec3 pointNear(std::mt19937& random) { return glm::vec3(random() % 64, random() % 64, random() % 64); }
 
-TEST(RungSurface, findsTheNearestTriangleHoweverManyPointsAreAskedFor) {
+TEST(LodSurface, findsTheNearestTriangleHoweverManyPointsAreAskedFor) {
   const NodeMesh mesh = test::makeTangle(200, 300, 8);
   const TriangleTree tree(mesh);
-  const RungSurface surface(mesh);
+  const LodSurface surface(mesh);
   std::mt19937 random(5);
   for (int i = 0; i < 200; ++i) {  // the first by looks, the others by its tree
     const glm::vec3 point = pointNear(random);
@@ -22,10 +22,10 @@ TEST(RungSurface, findsTheNearestTriangleHoweverManyPointsAreAskedFor) {
   }
 }
 
-TEST(RungSurface, measuresExactlyWhatIsFartherThanEnough) {
+TEST(LodSurface, measuresExactlyWhatIsFartherThanEnough) {
   const NodeMesh mesh = test::makeTangle(200, 300, 8);
   const TriangleTree tree(mesh);
-  const RungSurface surface(mesh);
+  const LodSurface surface(mesh);
   std::mt19937 random(6);
   for (int i = 0; i < 200; ++i) {
     const glm::vec3 point = pointNear(random);
@@ -38,10 +38,10 @@ TEST(RungSurface, measuresExactlyWhatIsFartherThanEnough) {
   }
 }
 
-TEST(RungSurface, neverWalksToLessThanTheDistance) {
+TEST(LodSurface, neverWalksToLessThanTheDistance) {
   const NodeMesh mesh = test::makeTangle(200, 300, 8);
   const TriangleTree tree(mesh);
-  const RungSurface surface(mesh);
+  const LodSurface surface(mesh);
   std::mt19937 random(7);
   for (uint32_t i = 0; i < 200; ++i) {
     const glm::vec3 point = pointNear(random);

@@ -1,4 +1,4 @@
-#include "server/ingest/build/idle_rungs.h"
+#include "server/ingest/build/idle_lods.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -11,16 +11,16 @@ constexpr float kFartherSibling = 2;           ///< as many times as far from th
 
 }  // namespace
 
-void leaveOutIdleRungs(FinishedNode& finished, const Node& parent) {
+void leaveOutIdleLods(FinishedNode& finished, const Node& parent) {
   Node& node = finished.node;
-  const Rung& finest = parent.rungs.front();
+  const Lod& finest = parent.lods.front();
   const float most = (finest.triangles < kLargeTriangles ? 1 : kFartherSibling) * finest.offModel();
-  while (node.spare_rungs > 1) {
-    const auto finer = static_cast<std::ptrdiff_t>(node.rungs.size()) - 2;
-    if (node.rungs[finer].offModel() <= most) return;
-    node.rungs.erase(node.rungs.begin() + finer);
+  while (node.far_lods > 1) {
+    const auto finer = static_cast<std::ptrdiff_t>(node.lods.size()) - 2;
+    if (node.lods[finer].offModel() <= most) return;
+    node.lods.erase(node.lods.begin() + finer);
     finished.payloads.erase(finished.payloads.begin() + finer);
-    --node.spare_rungs;
+    --node.far_lods;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "server/ingest/measure/rung_input.h"
+#include "server/ingest/measure/lod_input.h"
 
 #include <algorithm>
 #include <utility>
@@ -7,7 +7,7 @@
 
 namespace lode::ingest {
 
-RungInput::RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps, ReferenceRims references)
+LodInput::LodInput(NodeMesh mesh, int depth, std::optional<float> off_steps, ReferenceRims references)
     : mesh_(std::move(mesh)),
       walk_(mesh_),
       off_steps_(off_steps),
@@ -26,13 +26,13 @@ RungInput::RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps, R
   own_ = static_cast<uint32_t>(first_image - rims_.begin());
 }
 
-ReferenceRim RungInput::reference(uint32_t number) const noexcept {
+ReferenceRim LodInput::reference(uint32_t number) const noexcept {
   if (number < references_.rims.size()) return references_.rims[number];
   const glm::u32vec2 rim = rims_[number - references_.rims.size()];
   return {mesh_.positions[rim.x], mesh_.positions[rim.y], rim};
 }
 
-const TriangleTree& RungInput::tree() const {
+const TriangleTree& LodInput::tree() const {
   std::call_once(tree_made_, [this] { tree_.emplace(mesh_); });
   return *tree_;
 }

@@ -5,29 +5,29 @@
 #include <vector>
 
 #include "common/draco_codec.h"
-#include "server/ingest/measure/rung_input.h"
+#include "server/ingest/measure/lod_input.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/mesh/simplified_mesh.h"
 #include "server/ingest/partition/normal_fans.h"
 
 namespace lode::ingest {
 
-/// A rung, encoded and measured against what it was made of, and its rims against the original's; lengths are
+/// An LOD, encoded and measured against what it was made of, and its rims against the original's; lengths are
 /// in lattice steps.
-struct FinishedRung {
+struct FinishedLod {
   SimplifiedMesh simplified;
   EncodedPayload payload;
   std::vector<Deviation> deviations;      ///< of the samples; see deviationsFrom()
-  float deviation_steps = 0;              ///< see rungDeviation()
-  std::optional<SurfaceSample> farthest;  ///< see RungDeviation, but near a position of the rung
+  float deviation_steps = 0;              ///< see lodDeviation()
+  std::optional<SurfaceSample> farthest;  ///< see LodDeviation, but near a position of the LOD
   float rim_gap_steps = 0;                ///< see rimGap()
   float lost_detail_steps = 0;            ///< see lostDetail()
 };
 
 /// Gives a simplified mesh its computed normals, where they are not the file's, measures and encodes it.
 /// @param samples  near positions of the input. @param step_model  the lattice's. Thread safe.
-FinishedRung finishRung(SimplifiedMesh&& simplified, const RungInput& input,
-                        std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease,
-                        MeshSource source);
+FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
+                      std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease,
+                      MeshSource source);
 
 }  // namespace lode::ingest

@@ -1,4 +1,4 @@
-#include "server/ingest/inspect/rung_errors.h"
+#include "server/ingest/inspect/lod_errors.h"
 
 #include <algorithm>
 #include <atomic>
@@ -9,21 +9,21 @@
 #include <utility>
 
 #include "common/start_thread.h"
+#include "server/ingest/inspect/lod_check.h"
 #include "server/ingest/inspect/rim_check.h"
-#include "server/ingest/inspect/rung_check.h"
 #include "server/store/export.h"
 #include "server/store/open_edges.h"
 
 namespace lode::ingest {
 namespace {
 
-/// The rungs of a node that are measured; they are in memory from the node's first leaf to its last.
+/// The LODs of a node that are measured; they are in memory from the node's first leaf to its last.
 struct NodeCheck {
   const Node* node = nullptr;
   uint64_t original = 0;       ///< triangles below
   std::vector<size_t> wanted;  ///< places in the result
   std::once_flag begun;
-  std::vector<std::unique_ptr<RungCheck>> rungs;
+  std::vector<std::unique_ptr<LodCheck>> lods;
   RimCheck rims;
   std::atomic<size_t> leaves_left = 0;
 };
@@ -33,18 +33,18 @@ uint64_t placeOf(NodeKey key) noexcept { return key.value << 3 * (kMaxDepth - ke
 
 class Measurement {
  public:
-  Measurement(const store::Reader& reader, std::span<const RungAt> rungs, const RungErrorOptions& options)
-      : reader_(reader), wanted_(rungs), options_(options), errors_(rungs.size()) {
-    for (size_t i = 0; i < rungs.size(); ++i) {
-      NodeCheck& check = checks_[rungs[i].node->key.value];
-      check.node = rungs[i].node;
+  Measurement(const store::Reader& reader, std::span<const LodAt> lods, const LodErrorOptions& options)
+      : reader_(reader), wanted_(lods), options_(options), errors_(lods.size()) {
+    for (size_t i = 0; i < lods.size(); ++i) {
+      NodeCheck& check = checks_[lods[i].node->key.value];
+      check.node = lods[i].node;
       check.wanted.push_back(i);
     }
     for (const Node& node : reader.nodes()) {
       if (!node.isLeaf()) continue;
       leaves_.push_back(&node);
       forEachAbove(node, [&](NodeCheck& check) {
-        check.original += node.rungs[0].triangles;
+        check.original += node.lods[0].triangles;
         ++check.leaves_left;
       });
     }
@@ -70,13 +70,13 @@ class Measurement {
   }
 
   void measure(const Node& leaf) {
-    const Mesh mesh = store::readRung(reader_, leaf, 0);
+    const Mesh mesh = store::readLod(reader_, leaf, 0);
     const LeafSurface surface(mesh);
     store::OpenEdges rims;
     rims.add(mesh);
     forEachAbove(leaf, [&](NodeCheck& check) {
       std::call_once(check.begun, [&] { begin(check); });
-      for (const std::unique_ptr<RungCheck>& rung : check.rungs) rung->add(surface);
+      for (const std::unique_ptr<LodCheck>& lod : check.lods) lod->add(surface);
       check.rims.addLeaf(rims.edges());
       if (--check.leaves_left == 0) end(check);
     });
@@ -86,16 +86,16 @@ class Measurement {
       options_.progress(static_cast<double>(done_) / static_cast<double>(leaves_.size()), done_);
   }
 
-  float storedSteps(const RungAt& rung) const {
-    return static_cast<float>(rung.node->rungs[rung.rung].error_model / reader_.summary().lattice.step);
+  float storedSteps(const LodAt& lod) const {
+    return static_cast<float>(lod.node->lods[lod.lod].error_model / reader_.summary().lattice.step);
   }
 
   void begin(NodeCheck& check) const {
     for (const size_t i : check.wanted) {
-      const Mesh rung = store::readRung(reader_, *check.node, wanted_[i].rung);
-      check.rungs.push_back(std::make_unique<RungCheck>(rung, check.node->box, storedSteps(wanted_[i]),
-                                                        check.original, options_.seed + i));
-      check.rims.addRung(rung);
+      const Mesh lod = store::readLod(reader_, *check.node, wanted_[i].lod);
+      check.lods.push_back(std::make_unique<LodCheck>(lod, check.node->box, storedSteps(wanted_[i]),
+                                                      check.original, options_.seed + i));
+      check.rims.addLod(lod);
     }
   }
 
@@ -103,8 +103,8 @@ class Measurement {
     const std::vector<float> rims = check.rims.found();
     for (size_t i = 0; i < check.wanted.size(); ++i)
       errors_[check.wanted[i]] = {storedSteps(wanted_[check.wanted[i]]),
-                                  std::max(check.rungs[i]->found(), rims[i])};
-    check.rungs.clear();
+                                  std::max(check.lods[i]->found(), rims[i])};
+    check.lods.clear();
   }
 
   template <typename Visit>
@@ -116,8 +116,8 @@ class Measurement {
   }
 
   const store::Reader& reader_;
-  const std::span<const RungAt> wanted_;
-  const RungErrorOptions& options_;
+  const std::span<const LodAt> wanted_;
+  const LodErrorOptions& options_;
   std::vector<MeasuredError> errors_;
   std::unordered_map<uint64_t, NodeCheck> checks_;
   std::vector<const Node*> leaves_;
@@ -130,9 +130,9 @@ class Measurement {
 
 }  // namespace
 
-std::vector<MeasuredError> measureRungErrors(const store::Reader& reader, std::span<const RungAt> rungs,
-                                             const RungErrorOptions& options) {
-  return Measurement(reader, rungs, options).run();
+std::vector<MeasuredError> measureLodErrors(const store::Reader& reader, std::span<const LodAt> lods,
+                                            const LodErrorOptions& options) {
+  return Measurement(reader, lods, options).run();
 }
 
 }  // namespace lode::ingest

@@ -10,13 +10,13 @@
 
 namespace lode::ingest {
 
-/// Rungs of a node on the disk, from when the simplifier has made them until they are measured: a large
+/// LODs of a node on the disk, from when the simplifier has made them until they are measured: a large
 /// node's would not fit beside either. For one thread. All functions throw Error kIo.
-class RungShelf {
+class LodShelf {
  public:
-  explicit RungShelf(TemporaryFile file) : spool_(std::move(file)) {}
+  explicit LodShelf(TemporaryFile file) : spool_(std::move(file)) {}
 
-  void put(const SimplifiedMesh& rung);
+  void put(const SimplifiedMesh& lod);
   size_t size() const noexcept { return places_.size(); }
   /// Those that were put, by their order. @pre nothing is put after the first call.
   SimplifiedMesh read(size_t number);

@@ -1,4 +1,4 @@
-#include "server/ingest/measure/rung_deviation.h"
+#include "server/ingest/measure/lod_deviation.h"
 
 #include <algorithm>
 #include <array>
@@ -14,57 +14,57 @@
 namespace lode::ingest {
 namespace {
 
-/// Of a sphere's rung of 300 triangles.
+/// Of a sphere's LOD of 300 triangles.
 float deviation(std::optional<float> off_steps, float farthest_sample) {
   const NodeMesh sphere = test::nodeOf(test::makeSphere(60, 40));
   float steps = 0;
-  collapse(sphere, std::array<size_t, 1>{300}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const RungSurface surface(rung.mesh);
-    const std::vector<SurfaceWalk::Place> places = placesOn(rung, sphere, surface.walk());
-    const std::vector<uint32_t> sources = sourcesOf(rung, sphere);
-    steps = rungDeviation(rung, RungInput(sphere, 0, off_steps), {surface, places, sources}, farthest_sample)
-                .steps;
+  collapse(sphere, std::array<size_t, 1>{300}, {}, [&](size_t, SimplifiedMesh&& lod) {
+    const LodSurface surface(lod.mesh);
+    const std::vector<SurfaceWalk::Place> places = placesOn(lod, sphere, surface.walk());
+    const std::vector<uint32_t> sources = sourcesOf(lod, sphere);
+    steps =
+        lodDeviation(lod, LodInput(sphere, 0, off_steps), {surface, places, sources}, farthest_sample).steps;
   });
   return steps;
 }
 
-TEST(RungDeviation, countsWhatTheRungsInputIsOffBy) {
+TEST(LodDeviation, countsWhatTheLodsInputIsOffBy) {
   const float of_original = deviation({}, 0);
   ASSERT_GT(of_original, 0);
   EXPECT_GE(deviation(of_original, 0), 1.4f * of_original);
 }
 
-TEST(RungDeviation, isNotBelowASampleOfTheOriginal) {
+TEST(LodDeviation, isNotBelowASampleOfTheOriginal) {
   const float of_original = deviation({}, 0);
   EXPECT_GE(deviation({}, 3 * of_original), 3 * of_original);
   EXPECT_GE(deviation(of_original, 3 * of_original), 3 * of_original);
 }
 
-TEST(RungDeviation, isTheSameWhateverSmallerDeviationIsKnownBefore) {
+TEST(LodDeviation, isTheSameWhateverSmallerDeviationIsKnownBefore) {
   const float of_original = deviation({}, 0);
   EXPECT_NEAR(deviation({}, 0.9f * of_original), of_original, 0.03f * of_original);
 }
 
 constexpr size_t kFew = 4096, kMany = 16384;  // triangles
 
-TEST(RungDeviation, addsWhatTheInputIsOffAsIndependentWhereTrianglesAreFew) {
+TEST(LodDeviation, addsWhatTheInputIsOffAsIndependentWhereTrianglesAreFew) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 4, kFew), 5);
 }
 
-TEST(RungDeviation, believesSamplesWhereTrianglesAreMany) {
+TEST(LodDeviation, believesSamplesWhereTrianglesAreMany) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, kMany), 1.3f * 3.2f);
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, 100 * kMany), 1.3f * 3.2f);
 }
 
-TEST(RungDeviation, believesSamplesByHalvesBetween) {
+TEST(LodDeviation, believesSamplesByHalvesBetween) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, (kFew + kMany) / 2), (5 + 1.3f * 3.2f) / 2);
 }
 
-TEST(RungDeviation, isNoMoreThanIndependentErrorsAddUpToWhateverSamplesSay) {
+TEST(LodDeviation, isNoMoreThanIndependentErrorsAddUpToWhateverSamplesSay) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 4.5f, kMany), 5);
 }
 
-TEST(RungDeviation, isNeverBelowWhatHasBeenFound) {
+TEST(LodDeviation, isNeverBelowWhatHasBeenFound) {
   for (const float from_input : {0.f, 1.f, 3.f})
     for (const float off : {0.f, 1.f, 3.f})
       for (const float sample : {0.f, 1.f, 3.f})

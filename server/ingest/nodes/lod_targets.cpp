@@ -1,4 +1,4 @@
-#include "server/ingest/nodes/rung_targets.h"
+#include "server/ingest/nodes/lod_targets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,11 +20,11 @@ constexpr size_t kLargeTriangles = 1 << 17;
 constexpr size_t kLeastLargeTriangles = 1 << 14;  ///< of nodes that the root is not made of
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
 constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
-constexpr uint64_t kSpareNodes = 8;       ///< node budgets that must lie below a node for spare rungs
+constexpr uint64_t kFarLodNodes = 8;      ///< node budgets that must lie below a node for far LODs
 constexpr size_t kSpareShare = 4;         ///< of the budget, and
 constexpr size_t kSpareTrianglesPerLocked = 2;  ///< at which they end
 
-bool hasMuchBelow(const RungRule& rule) {
+bool hasMuchBelow(const LodRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
 }
 
@@ -35,7 +35,7 @@ double stepFrom(double target, double held, double factor) {
 
 }  // namespace
 
-size_t mostTriangles(const RungRule& rule) {
+size_t mostTriangles(const LodRule& rule) {
   if (rule.depth == 0) return kRootTriangles;
   const bool is_of_large_root = rule.depth == 1 && hasMuchBelow(rule);
   const size_t per_locked = is_of_large_root ? kTrianglesPerLockedBelowRoot : kTrianglesPerLocked;
@@ -43,10 +43,10 @@ size_t mostTriangles(const RungRule& rule) {
   const size_t large = std::clamp(kLargeNodes * rule.triangles_per_node, least_large, kLargeTriangles);
   const size_t roomy = std::min(per_locked * rule.locked, large);
   const size_t least = std::max({rule.triangles_per_node, roomy, kTrianglesPerLockedOfLarge * rule.locked});
-  return std::min<size_t>(least, kMaxRungTriangles);
+  return std::min<size_t>(least, kMaxLodTriangles);
 }
 
-std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
+std::vector<size_t> lodTargets(size_t triangles, const LodRule& rule) {
   const bool is_root = rule.depth == 0;
   const size_t enough = mostTriangles(rule);
   const bool is_fine = is_root || (rule.depth <= kFineStepDepth && hasMuchBelow(rule));
@@ -57,14 +57,14 @@ std::vector<size_t> rungTargets(size_t triangles, const RungRule& rule) {
   double target = static_cast<double>(triangles);
   do {
     target = stepFrom(target, held, factor);
-    if (target < kMaxRungTriangles + 1.0) targets.push_back(static_cast<size_t>(target));
+    if (target < kMaxLodTriangles + 1.0) targets.push_back(static_cast<size_t>(target));
   } while (target >= static_cast<double>(enough) + 1);
   return targets;
 }
 
-std::vector<size_t> spareTargets(size_t triangles, const RungRule& rule) {
+std::vector<size_t> spareTargets(size_t triangles, const LodRule& rule) {
   std::vector<size_t> targets;
-  if (rule.depth == 0 || rule.original_triangles < kSpareNodes * rule.triangles_per_node) return targets;
+  if (rule.depth == 0 || rule.original_triangles < kFarLodNodes * rule.triangles_per_node) return targets;
   const size_t enough =
       std::max(rule.triangles_per_node / kSpareShare, kSpareTrianglesPerLocked * rule.locked);
   const auto held = static_cast<double>(std::min(rule.locked, triangles));

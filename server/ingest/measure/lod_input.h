@@ -14,13 +14,13 @@ namespace lode::ingest {
 
 constexpr int kMostLooksAtInput = 32;  ///< at every triangle, before the tree is worth its making
 
-/// What the rungs of a node are made of and measured against. Const functions are thread safe.
-class RungInput {
+/// What the LODs of a node are made of and measured against. Const functions are thread safe.
+class LodInput {
  public:
   /// @param depth  the node's: positions that are locked there lie on its borders.
   /// @param off_steps  what the mesh is off the original by; none if it is the original.
   /// @param references  near positions of the mesh.
-  RungInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {}, ReferenceRims references = {});
+  LodInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {}, ReferenceRims references = {});
 
   const NodeMesh& mesh() const noexcept { return mesh_; }
   const SurfaceWalk& walk() const noexcept { return walk_; }

@@ -1,12 +1,12 @@
-#include "server/ingest/nodes/rung_shelf.h"
+#include "server/ingest/nodes/lod_shelf.h"
 
 #include <span>
 
 namespace lode::ingest {
 
-void RungShelf::put(const SimplifiedMesh& rung) {
+void LodShelf::put(const SimplifiedMesh& lod) {
   // Named one by one, so that a member more does not compile.
-  const auto& [mesh, became, is_clustered] = rung;
+  const auto& [mesh, became, is_clustered] = lod;
   const auto& [attributes, positions, lca_depth, wedge_position, wedge_attributes, triangles] = mesh;
   places_.push_back({spool_.size(), attributes, positions.size(), wedge_position.size(),
                      wedge_attributes.size(), triangles.size(), became.size(), is_clustered});
@@ -19,7 +19,7 @@ void RungShelf::put(const SimplifiedMesh& rung) {
   append(became);
 }
 
-SimplifiedMesh RungShelf::read(size_t number) {
+SimplifiedMesh LodShelf::read(size_t number) {
   spool_.flush();
   const Place& place = places_[number];
   uint64_t offset = place.offset;
@@ -28,16 +28,16 @@ SimplifiedMesh RungShelf::read(size_t number) {
     spool_.readAt(offset, std::as_writable_bytes(std::span(items)));
     offset += count * sizeof(items[0]);
   };
-  SimplifiedMesh rung;
-  rung.is_clustered = place.is_clustered;
-  rung.mesh.attributes = place.attributes;
-  read(rung.mesh.positions, place.positions);
-  read(rung.mesh.lca_depth, place.positions);
-  read(rung.mesh.wedge_position, place.wedges);
-  read(rung.mesh.wedge_attributes, place.wedge_attributes);
-  read(rung.mesh.triangles, place.triangles);
-  read(rung.became, place.became);
-  return rung;
+  SimplifiedMesh lod;
+  lod.is_clustered = place.is_clustered;
+  lod.mesh.attributes = place.attributes;
+  read(lod.mesh.positions, place.positions);
+  read(lod.mesh.lca_depth, place.positions);
+  read(lod.mesh.wedge_position, place.wedges);
+  read(lod.mesh.wedge_attributes, place.wedge_attributes);
+  read(lod.mesh.triangles, place.triangles);
+  read(lod.became, place.became);
+  return lod;
 }
 
 }  // namespace lode::ingest

@@ -1,4 +1,4 @@
-#include "server/ingest/inspect/rung_check.h"
+#include "server/ingest/inspect/lod_check.h"
 
 #include <algorithm>
 
@@ -19,10 +19,10 @@ LatticeBox boxOf(const Mesh& mesh) {
   return box;
 }
 
-float found(const Mesh& rung, const Mesh& leaf, float stored_steps, uint64_t seed = 1) {
+float found(const Mesh& lod, const Mesh& leaf, float stored_steps, uint64_t seed = 1) {
   LatticeBox box = boxOf(leaf);
-  for (const PositionCode position : rung.positions) box.add(unpackPosition(position));
-  RungCheck check(rung, box, stored_steps, leaf.triangles.size(), seed);
+  for (const PositionCode position : lod.positions) box.add(unpackPosition(position));
+  LodCheck check(lod, box, stored_steps, leaf.triangles.size(), seed);
   check.add(LeafSurface(leaf));
   return check.found();
 }
@@ -40,38 +40,38 @@ void addTriangle(Mesh& mesh, glm::uvec3 at, uint32_t size) {
   mesh.triangles.emplace_back(first, first + 1, first + 2);
 }
 
-TEST(RungCheck, findsWhatDensePointsFindBothWays) {
+TEST(LodCheck, findsWhatDensePointsFindBothWays) {
   const Mesh leaf = test::makeSphere(60, 40);
   const NodeMesh input = test::nodeOf(leaf);
-  collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& rung) {
-    const TriangleTree to_rung(rung.mesh), to_input(input);
+  collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& lod) {
+    const TriangleTree to_lod(lod.mesh), to_input(input);
     double dense = 0;
     for (const glm::dvec3 point : test::pointsOver(input, 16))
-      dense = std::max<double>(dense, to_rung.distance(glm::vec3(point)));
-    for (const glm::dvec3 point : test::pointsOver(rung.mesh, 16))
+      dense = std::max<double>(dense, to_lod.distance(glm::vec3(point)));
+    for (const glm::dvec3 point : test::pointsOver(lod.mesh, 16))
       dense = std::max<double>(dense, to_input.distance(glm::vec3(point)));
-    const float of_rung = found(toMesh(rung.mesh), leaf, static_cast<float>(dense));
-    EXPECT_GE(of_rung, 0.95 * dense);
-    EXPECT_LE(of_rung, 1.05 * dense);
+    const float of_lod = found(toMesh(lod.mesh), leaf, static_cast<float>(dense));
+    EXPECT_GE(of_lod, 0.95 * dense);
+    EXPECT_LE(of_lod, 1.05 * dense);
   });
 }
 
-TEST(RungCheck, findsOneTinyTriangleThatHasGoneWhateverTheSeed) {
-  const Mesh rung = flatGrid();
-  Mesh leaf = rung;
+TEST(LodCheck, findsOneTinyTriangleThatHasGoneWhateverTheSeed) {
+  const Mesh lod = flatGrid();
+  Mesh leaf = lod;
   addTriangle(leaf, {3000, 3000, 5000}, 2);
-  const float height = TriangleTree(test::nodeOf(rung)).distance(glm::vec3(3001, 3001, 5000));
-  for (uint64_t seed = 1; seed <= 5; ++seed) EXPECT_GE(found(rung, leaf, height / 3, seed), 0.98f * height);
+  const float height = TriangleTree(test::nodeOf(lod)).distance(glm::vec3(3001, 3001, 5000));
+  for (uint64_t seed = 1; seed <= 5; ++seed) EXPECT_GE(found(lod, leaf, height / 3, seed), 0.98f * height);
 }
 
-TEST(RungCheck, findsAVertexOfTheRungThatIsFarFromAllLeavesWhateverTheSeed) {
+TEST(LodCheck, findsAVertexOfTheLodThatIsFarFromAllLeavesWhateverTheSeed) {
   const Mesh leaf = flatGrid();
-  Mesh rung = leaf;
-  addTriangle(rung, {3000, 3000, 5000}, 2);
-  for (uint64_t seed = 1; seed <= 5; ++seed) EXPECT_GT(found(rung, leaf, 400, seed), 1.25f * 400);
+  Mesh lod = leaf;
+  addTriangle(lod, {3000, 3000, 5000}, 2);
+  for (uint64_t seed = 1; seed <= 5; ++seed) EXPECT_GT(found(lod, leaf, 400, seed), 1.25f * 400);
 }
 
-TEST(RungCheck, tellsNothingApartBelowThreeQuartersOfTheStoredError) {
+TEST(LodCheck, tellsNothingApartBelowThreeQuartersOfTheStoredError) {
   const Mesh mesh = test::makeGrid(10, 10);
   EXPECT_EQ(found(mesh, mesh, 40), 30);
 }

@@ -1,4 +1,4 @@
-#include "server/ingest/inspect/rung_check.h"
+#include "server/ingest/inspect/lod_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kEnough = 0.75f;         ///< of the stored error; what is nearer need not be told apart
 constexpr float kReach = 1.25f;          ///< of the stored error; farther leaves are not looked at
 constexpr float kBeyond = 1.3f;          ///< of the stored error; what a point counts as that has met none
-constexpr uint64_t kMostPoints = 20000;  ///< of a rung, where its own triangles do not ask for more
+constexpr uint64_t kMostPoints = 20000;  ///< of an LOD, where its own triangles do not ask for more
 constexpr float kPointsOfCell = 8;
 constexpr float kMostCells = 32;  ///< along an axis
 
@@ -48,7 +48,7 @@ glm::vec3 pointIn(glm::vec3 a, glm::vec3 b, glm::vec3 c, Dice& dice) {
   return a + u * (b - a) + v * (c - a);
 }
 
-/// A rung, for FarthestInTriangle; threads share what it refers to.
+/// An LOD, for FarthestInTriangle; threads share what it refers to.
 struct SharedSurface {
   const TriangleTree& tree;
   const SurfaceWalk& walk;
@@ -75,22 +75,22 @@ LeafSurface::LeafSurface(const Mesh& leaf)
   for (const PositionCode position : leaf.positions) positions.push_back(unpackPosition(position));
 }
 
-RungCheck::RungCheck(const Mesh& rung, const LatticeBox& box, float stored_steps, uint64_t original,
-                     uint64_t seed)
-    : RungCheck(meshFrom(rung, box.min), box, stored_steps) {
-  placePoints(rung, std::min(original, kMostPoints), Dice(seed));
+LodCheck::LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, uint64_t original,
+                   uint64_t seed)
+    : LodCheck(meshFrom(lod, box.min), box, stored_steps) {
+  placePoints(lod, std::min(original, kMostPoints), Dice(seed));
   sortPoints();
 }
 
-RungCheck::RungCheck(const NodeMesh& rung, const LatticeBox& box, float stored_steps)
-    : origin_(box.min), stored_(stored_steps), tree_(rung), walk_(rung) {}
+LodCheck::LodCheck(const NodeMesh& lod, const LatticeBox& box, float stored_steps)
+    : origin_(box.min), stored_(stored_steps), tree_(lod), walk_(lod) {}
 
 /// Corners, and points inside by area, at least one a triangle.
-void RungCheck::placePoints(const Mesh& rung, uint64_t count, Dice dice) {
-  for (const PositionCode position : rung.positions) points_.emplace_back(unpackPosition(position) - origin_);
+void LodCheck::placePoints(const Mesh& lod, uint64_t count, Dice dice) {
+  for (const PositionCode position : lod.positions) points_.emplace_back(unpackPosition(position) - origin_);
   float total = 0;
-  for (const glm::u32vec3& t : rung.triangles) total += areaOf(points_[t.x], points_[t.y], points_[t.z]);
-  for (const glm::u32vec3& t : rung.triangles) {
+  for (const glm::u32vec3& t : lod.triangles) total += areaOf(points_[t.x], points_[t.y], points_[t.z]);
+  for (const glm::u32vec3& t : lod.triangles) {
     const glm::vec3 a = points_[t.x], b = points_[t.y], c = points_[t.z];
     const float share = total > 0 ? areaOf(a, b, c) / total : 0;
     const auto inside = 1 + static_cast<uint64_t>(share * static_cast<float>(count));
@@ -98,11 +98,11 @@ void RungCheck::placePoints(const Mesh& rung, uint64_t count, Dice dice) {
   }
 }
 
-glm::ivec3 RungCheck::cellOf(glm::vec3 point) const {
+glm::ivec3 LodCheck::cellOf(glm::vec3 point) const {
   return glm::clamp(glm::ivec3(point / cell_size_), 0, cells_ - 1);
 }
 
-void RungCheck::sortPoints() {
+void LodCheck::sortPoints() {
   nearest_ = std::vector<std::atomic<float>>(points_.size());
   for (std::atomic<float>& nearest : nearest_) nearest.store(kInfinity, std::memory_order_relaxed);
   const auto count = static_cast<float>(points_.size());
@@ -123,7 +123,7 @@ void RungCheck::sortPoints() {
   points_ = std::move(sorted);
 }
 
-void RungCheck::add(const LeafSurface& leaf) {
+void LodCheck::add(const LeafSurface& leaf) {
   if (leaf.triangles.empty()) return;
   const float farthest = farthestOf(leaf);
   bringNearer(leaf);
@@ -131,14 +131,14 @@ void RungCheck::add(const LeafSurface& leaf) {
   forward_ = std::max(forward_, farthest);
 }
 
-float RungCheck::backward() const {
+float LodCheck::backward() const {
   float farthest = kEnough * stored_;
   for (const std::atomic<float>& nearest : nearest_)
     farthest = std::max(farthest, std::min(nearest.load(std::memory_order_relaxed), kBeyond * stored_));
   return farthest;
 }
 
-float RungCheck::farthestOf(const LeafSurface& leaf) const {
+float LodCheck::farthestOf(const LeafSurface& leaf) const {
   const float enough = kEnough * stored_;
   const SharedSurface surface{tree_, walk_};
   std::vector<PointBeside> corners(leaf.positions.size(), {glm::vec3(0), -1, 0});
@@ -156,8 +156,8 @@ float RungCheck::farthestOf(const LeafSurface& leaf) const {
   return farthest.largest();
 }
 
-/// Brings those points of the rung nearer that a leaf may be near to.
-void RungCheck::bringNearer(const LeafSurface& leaf) {
+/// Brings those points of the LOD nearer that a leaf may be near to.
+void LodCheck::bringNearer(const LeafSurface& leaf) {
   const glm::vec3 shift(glm::ivec3(leaf.box.min) - glm::ivec3(origin_));
   const glm::vec3 size(leaf.box.max - leaf.box.min);
   const float reach = kReach * stored_;

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/ingest/build/build.h"
-#include "server/ingest/nodes/rung_targets.h"
+#include "server/ingest/nodes/lod_targets.h"
 #include "server/ingest/sample/sample.h"
 #include "server/store/reader.h"
 #include "server/store/verify.h"
@@ -19,9 +19,9 @@ constexpr uint32_t kNodeBudget = 512;
 constexpr uint64_t kMuch = 8 * kNodeBudget;  // triangles of the original below a node
 
 /// A porous model, much of whose nodes is border, of three levels of inner nodes.
-class SpareRungs : public testing::Test {
+class FarLods : public testing::Test {
  protected:
-  explicit SpareRungs(const std::string& kind = "gyroid") {
+  explicit FarLods(const std::string& kind = "gyroid") {
     SampleOptions sample;
     sample.kind = kind;
     sample.triangles = 60'000;
@@ -34,7 +34,7 @@ class SpareRungs : public testing::Test {
     reader_.emplace(folder_ / "a.lode");
     for (const Node& node : reader_->nodes())
       for (NodeKey key = node.key; node.isLeaf(); key = key.parent()) {
-        original_[key] += node.rungs.front().triangles;
+        original_[key] += node.lods.front().triangles;
         if (key == kRootKey) break;
       }
   }
@@ -44,60 +44,60 @@ class SpareRungs : public testing::Test {
   std::map<NodeKey, uint64_t> original_;  ///< triangles in the leaves below
 };
 
-TEST_F(SpareRungs, areThereWhereMuchLiesBelowAndEndAtAQuarterOfTheBudgetOrTheBorder) {
+TEST_F(FarLods, areThereWhereMuchLiesBelowAndEndAtAQuarterOfTheBudgetOrTheBorder) {
   size_t nodes = 0;
   for (const Node& node : reader_->nodes()) {
     const bool may_have = node.key != kRootKey && !node.isLeaf() && original_.at(node.key) >= kMuch;
-    const uint32_t enough = std::max(kNodeBudget / 4, 2 * node.sourceRung().locked);
-    EXPECT_EQ(node.spare_rungs > 0, may_have && node.sourceRung().triangles > enough) << node.key.value;
-    if (node.spare_rungs == 0) continue;
-    EXPECT_LE(node.rungs.back().triangles, enough + enough / 4) << node.key.value;
+    const uint32_t enough = std::max(kNodeBudget / 4, 2 * node.sourceLod().locked);
+    EXPECT_EQ(node.far_lods > 0, may_have && node.sourceLod().triangles > enough) << node.key.value;
+    if (node.far_lods == 0) continue;
+    EXPECT_LE(node.lods.back().triangles, enough + enough / 4) << node.key.value;
     ++nodes;
   }
   EXPECT_GT(nodes, 5u);
 }
 
 /// Of a node, by the rule alone.
-size_t spareRungsOf(const Node& node, uint64_t original) {
-  const RungRule rule{.depth = node.key.depth(),
-                      .locked = node.sourceRung().locked,
-                      .original_triangles = original,
-                      .triangles_per_node = kNodeBudget};
-  return spareTargets(node.sourceRung().triangles, rule).size();
+size_t farLodsOf(const Node& node, uint64_t original) {
+  const LodRule rule{.depth = node.key.depth(),
+                     .locked = node.sourceLod().locked,
+                     .original_triangles = original,
+                     .triangles_per_node = kNodeBudget};
+  return spareTargets(node.sourceLod().triangles, rule).size();
 }
 
-TEST_F(SpareRungs, areTheCoarsestAloneWhereThoseBetweenAreFartherOffThanTheParentsFinest) {
+TEST_F(FarLods, areTheCoarsestAloneWhereThoseBetweenAreFartherOffThanTheParentsFinest) {
   size_t left_out = 0;
   for (const Node& node : reader_->nodes())
-    if (node.spare_rungs > 0) left_out += spareRungsOf(node, original_.at(node.key)) - node.spare_rungs;
+    if (node.far_lods > 0) left_out += farLodsOf(node, original_.at(node.key)) - node.far_lods;
   EXPECT_GT(left_out, 0u);
 }
 
-class SpareRungsOfATerrain : public SpareRungs {
+class FarLodsOfATerrain : public FarLods {
  protected:
-  SpareRungsOfATerrain() : SpareRungs("terrain") {}
+  FarLodsOfATerrain() : FarLods("terrain") {}
 };
 
-TEST_F(SpareRungsOfATerrain, betweenAreThereWhereTheyAreNoFartherOffThanTheParentsFinest) {
+TEST_F(FarLodsOfATerrain, betweenAreThereWhereTheyAreNoFartherOffThanTheParentsFinest) {
   size_t between = 0;
   for (const Node& node : reader_->nodes()) {
-    if (node.spare_rungs == 0) continue;
-    const float most = reader_->find(node.key.parent())->rungs.front().error_model;
-    for (size_t r = node.rungs.size() - node.spare_rungs; r + 1 < node.rungs.size(); ++r, ++between)
-      EXPECT_LE(node.rungs[r].error_model, most) << node.key.value;
+    if (node.far_lods == 0) continue;
+    const float most = reader_->find(node.key.parent())->lods.front().error_model;
+    for (size_t r = node.lods.size() - node.far_lods; r + 1 < node.lods.size(); ++r, ++between)
+      EXPECT_LE(node.lods[r].error_model, most) << node.key.value;
   }
   EXPECT_GT(between, 0u);
 }
 
-TEST_F(SpareRungs, areNotWhatTheParentIsMadeOf) {
+TEST_F(FarLods, areNotWhatTheParentIsMadeOf) {
   std::map<NodeKey, uint64_t> input;
   for (const Node& node : reader_->nodes())
-    if (node.key != kRootKey) input[node.key.parent()] += node.sourceRung().triangles;
+    if (node.key != kRootKey) input[node.key.parent()] += node.sourceLod().triangles;
   for (const auto& [key, triangles] : input)
-    EXPECT_GE(reader_->find(key)->rungs.front().triangles, triangles * 49 / 100) << key.value;
+    EXPECT_GE(reader_->find(key)->lods.front().triangles, triangles * 49 / 100) << key.value;
 }
 
-TEST_F(SpareRungs, fitTogetherWithAllOthers) {
+TEST_F(FarLods, fitTogetherWithAllOthers) {
   const store::VerifyReport report = store::verifyStore(folder_ / "a.lode", {.random_cuts = 30});
   EXPECT_EQ(report.cuts, 30u);
   EXPECT_EQ(report.open_edges, 0u);

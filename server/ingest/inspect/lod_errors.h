@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "server/store/reader.h"
+
+namespace lode::ingest {
+
+struct LodAt {
+  const Node* node;
+  uint32_t lod;
+};
+
+/// An LOD's stored error beside what a closer look finds, both ways, in lattice steps.
+struct MeasuredError {
+  float stored_steps = 0;
+  float found_steps = 0;  ///< of the surface and of its rims; see LodCheck::found(), RimCheck::found()
+};
+
+struct LodErrorOptions {
+  uint64_t seed = 1;  ///< of points inside triangles
+  unsigned threads = 1;
+  std::function<void(double fraction, uint64_t leaves)>
+      progress;  ///< called by one thread at a time; may throw
+};
+
+/// Measures LODs against the leaves below their nodes, independently of the samples that the build carried.
+/// Each leaf is read once, for all LODs above it. Memory: a leaf a thread, and the LODs above those.
+/// @param LODs  with triangles. @return one for each, in their order.
+/// @throws Error kIo, kFormat.
+std::vector<MeasuredError> measureLodErrors(const store::Reader& reader, std::span<const LodAt> lods,
+                                            const LodErrorOptions& options);
+
+}  // namespace lode::ingest
