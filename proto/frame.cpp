@@ -34,7 +34,7 @@ std::array<std::byte, kFrameHeaderBytes> encodeFrameHeader(const FrameHeader& he
   putU32(bytes.data(), header.body_bytes);
   bytes[4] = std::byte{header.type};
   bytes[5] = std::byte{header.flags};
-  putU32(bytes.data() + 8, header.request);
+  putU32(bytes.data() + 8, header.call);
   return bytes;
 }
 
@@ -43,7 +43,7 @@ FrameHeader decodeFrameHeader(std::span<const std::byte, kFrameHeaderBytes> byte
   header.body_bytes = getU32(bytes.data());
   header.type = std::to_integer<uint8_t>(bytes[4]);
   header.flags = std::to_integer<uint8_t>(bytes[5]);
-  header.request = getU32(bytes.data() + 8);
+  header.call = getU32(bytes.data() + 8);
   if (header.body_bytes > kMaxFrameBodyBytes)
     throw Error(ErrorCode::kLimit, "a frame announces a body of " + std::to_string(header.body_bytes) +
                                        " bytes; the limit is " + std::to_string(kMaxFrameBodyBytes));

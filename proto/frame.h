@@ -34,12 +34,12 @@ std::string_view frameName(uint8_t type) noexcept;
 constexpr uint8_t kFlagOptional = 1;  ///< who does not know the frame's type skips it
 
 /// The fixed header of every frame: 12 bytes, little-endian: body length u32, type u8, flags u8, reserved u16
-/// (zero), request id u32 (answers repeat it).
+/// (zero), call id u32 (answers repeat it).
 struct FrameHeader {
   uint32_t body_bytes = 0;
   uint8_t type = 0;
   uint8_t flags = 0;
-  uint32_t request = 0;
+  uint32_t call = 0;
 
   bool operator==(const FrameHeader&) const = default;
 };

@@ -100,7 +100,7 @@ enum class WireError : uint8_t {
 
 struct ErrorMessage {
   WireError code = WireError::kInternal;
-  uint32_t wish = 0;    ///< the wish that it ends; 0: it answers the frame with the request id
+  uint32_t wish = 0;    ///< the wish that it ends; 0: it answers the frame with the call id
   bool closes = false;  ///< the connection closes after it
   std::string message;
   bool operator==(const ErrorMessage&) const = default;
@@ -142,22 +142,22 @@ struct Closed {
 /// not.
 bool isWireText(std::string_view text) noexcept;
 
-Bytes encode(const Hello& message, uint32_t request);
-Bytes encode(const Welcome& message, uint32_t request);
-Bytes encode(const List& message, uint32_t request);
-Bytes encode(const Models& message, uint32_t request);
-Bytes encode(const Open& message, uint32_t request);
-Bytes encode(const Opened& message, uint32_t request);
-Bytes encode(const Wishes& message, uint32_t request);
-Bytes encode(const Credit& message, uint32_t request);
-Bytes encode(const Cancelled& message, uint32_t request);
-Bytes encode(const ErrorMessage& message, uint32_t request);
-Bytes encode(const GoAway& message, uint32_t request);
-Bytes encode(const ModelReplaced& message, uint32_t request);
-Bytes encode(const Ping& message, uint32_t request);
-Bytes encode(const Pong& message, uint32_t request);
-Bytes encode(const Close& message, uint32_t request);
-Bytes encode(const Closed& message, uint32_t request);
+Bytes encode(const Hello& message, uint32_t call);
+Bytes encode(const Welcome& message, uint32_t call);
+Bytes encode(const List& message, uint32_t call);
+Bytes encode(const Models& message, uint32_t call);
+Bytes encode(const Open& message, uint32_t call);
+Bytes encode(const Opened& message, uint32_t call);
+Bytes encode(const Wishes& message, uint32_t call);
+Bytes encode(const Credit& message, uint32_t call);
+Bytes encode(const Cancelled& message, uint32_t call);
+Bytes encode(const ErrorMessage& message, uint32_t call);
+Bytes encode(const GoAway& message, uint32_t call);
+Bytes encode(const ModelReplaced& message, uint32_t call);
+Bytes encode(const Ping& message, uint32_t call);
+Bytes encode(const Pong& message, uint32_t call);
+Bytes encode(const Close& message, uint32_t call);
+Bytes encode(const Closed& message, uint32_t call);
 
 /// decode<Hello>(body) and so on, for every message above.
 template <typename Message>

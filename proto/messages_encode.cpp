@@ -65,10 +65,10 @@ flatbuffers::Offset<wire::ModelSummary> put(Builder& builder, const ModelSummary
 }
 
 template <typename Root>
-Bytes finish(Builder& builder, flatbuffers::Offset<Root> root, FrameType type, uint32_t request) {
+Bytes finish(Builder& builder, flatbuffers::Offset<Root> root, FrameType type, uint32_t call) {
   builder.Finish(root);
   requireAtMost(builder.GetSize(), kMaxFrameBodyBytes, "bytes in a frame's body");
-  const auto header = encodeFrameHeader({builder.GetSize(), static_cast<uint8_t>(type), 0, request});
+  const auto header = encodeFrameHeader({builder.GetSize(), static_cast<uint8_t>(type), 0, call});
   Bytes frame(kFrameHeaderBytes + builder.GetSize());
   std::memcpy(frame.data(), header.data(), header.size());
   std::memcpy(frame.data() + header.size(), builder.GetBufferPointer(), builder.GetSize());
@@ -79,56 +79,54 @@ Bytes finish(Builder& builder, flatbuffers::Offset<Root> root, FrameType type, u
 
 bool isWireText(std::string_view text) noexcept { return isPrintableUtf8(text); }
 
-Bytes encode(const Hello& message, uint32_t request) {
+Bytes encode(const Hello& message, uint32_t call) {
   Builder builder;
   const auto token = put(builder, checked(message.token, kMaxTokenBytes, "bytes in a token"));
   const auto program = put(builder, presentable(message.program));
   return finish(
       builder,
       wire::CreateHello(builder, message.min_version, message.max_version, message.features, token, program),
-      FrameType::kHello, request);
+      FrameType::kHello, call);
 }
 
-Bytes encode(const Welcome& message, uint32_t request) {
+Bytes encode(const Welcome& message, uint32_t call) {
   Builder builder;
   const auto program = put(builder, presentable(message.program));
   return finish(
       builder,
       wire::CreateWelcome(builder, message.version, message.features, message.max_open_wishes, program),
-      FrameType::kWelcome, request);
+      FrameType::kWelcome, call);
 }
 
-Bytes encode(const List&, uint32_t request) {
+Bytes encode(const List&, uint32_t call) {
   Builder builder;
-  return finish(builder, wire::CreateList(builder), FrameType::kList, request);
+  return finish(builder, wire::CreateList(builder), FrameType::kList, call);
 }
 
-Bytes encode(const Models& message, uint32_t request) {
+Bytes encode(const Models& message, uint32_t call) {
   requireAtMost(message.models.size(), kMaxListedModels, "models in a list");
   Builder builder;
   std::vector<flatbuffers::Offset<wire::ModelSummary>> models;
   models.reserve(message.models.size());
   for (const ModelSummary& summary : message.models) models.push_back(put(builder, summary));
-  return finish(builder, wire::CreateModels(builder, builder.CreateVector(models)), FrameType::kModels,
-                request);
+  return finish(builder, wire::CreateModels(builder, builder.CreateVector(models)), FrameType::kModels, call);
 }
 
-Bytes encode(const Open& message, uint32_t request) {
+Bytes encode(const Open& message, uint32_t call) {
   Builder builder;
   const auto model = put(builder, checked(message.model, kMaxModelNameBytes, "bytes in a model's name"));
   const wire::BlobName known = toWire(message.known_build_id);
   const bool knows = message.known_build_id != BlobName{};
-  return finish(builder, wire::CreateOpen(builder, model, knows ? &known : nullptr), FrameType::kOpen,
-                request);
+  return finish(builder, wire::CreateOpen(builder, model, knows ? &known : nullptr), FrameType::kOpen, call);
 }
 
-Bytes encode(const Opened& message, uint32_t request) {
+Bytes encode(const Opened& message, uint32_t call) {
   Builder builder;
   const auto summary = put(builder, message.summary);
-  return finish(builder, wire::CreateOpened(builder, message.handle, summary), FrameType::kOpened, request);
+  return finish(builder, wire::CreateOpened(builder, message.handle, summary), FrameType::kOpened, call);
 }
 
-Bytes encode(const Wishes& message, uint32_t request) {
+Bytes encode(const Wishes& message, uint32_t call) {
   requireAtMost(message.changes.size(), kMaxWishesPerFrame, "wishes in a frame");
   Builder builder(64 + 32 * message.changes.size());
   std::vector<flatbuffers::Offset<wire::WishChange>> changes;
@@ -138,58 +136,57 @@ Bytes encode(const Wishes& message, uint32_t request) {
                                              static_cast<uint8_t>(change.wish_class), change.wish,
                                              change.blob, change.priority_px));
   return finish(builder, wire::CreateWishes(builder, message.handle, builder.CreateVector(changes)),
-                FrameType::kWishes, request);
+                FrameType::kWishes, call);
 }
 
-Bytes encode(const Credit& message, uint32_t request) {
+Bytes encode(const Credit& message, uint32_t call) {
   Builder builder(64);
-  return finish(builder, wire::CreateCredit(builder, message.granted_bytes), FrameType::kCredit, request);
+  return finish(builder, wire::CreateCredit(builder, message.granted_bytes), FrameType::kCredit, call);
 }
 
-Bytes encode(const Cancelled& message, uint32_t request) {
+Bytes encode(const Cancelled& message, uint32_t call) {
   Builder builder(64);
-  return finish(builder, wire::CreateCancelled(builder, message.wish), FrameType::kCancelled, request);
+  return finish(builder, wire::CreateCancelled(builder, message.wish), FrameType::kCancelled, call);
 }
 
-Bytes encode(const ErrorMessage& message, uint32_t request) {
+Bytes encode(const ErrorMessage& message, uint32_t call) {
   Builder builder(256);
   const auto text = put(builder, presentable(message.message));
   return finish(
       builder,
       wire::CreateError(builder, static_cast<uint8_t>(message.code), message.wish, message.closes, text),
-      FrameType::kError, request);
+      FrameType::kError, call);
 }
 
-Bytes encode(const GoAway& message, uint32_t request) {
+Bytes encode(const GoAway& message, uint32_t call) {
   Builder builder(256);
   const auto reason = put(builder, presentable(message.reason));
-  return finish(builder, wire::CreateGoAway(builder, reason), FrameType::kGoAway, request);
+  return finish(builder, wire::CreateGoAway(builder, reason), FrameType::kGoAway, call);
 }
 
-Bytes encode(const ModelReplaced& message, uint32_t request) {
+Bytes encode(const ModelReplaced& message, uint32_t call) {
   Builder builder(64);
-  return finish(builder, wire::CreateModelReplaced(builder, message.handle), FrameType::kModelReplaced,
-                request);
+  return finish(builder, wire::CreateModelReplaced(builder, message.handle), FrameType::kModelReplaced, call);
 }
 
-Bytes encode(const Ping& message, uint32_t request) {
+Bytes encode(const Ping& message, uint32_t call) {
   Builder builder(64);
-  return finish(builder, wire::CreatePing(builder, message.payload), FrameType::kPing, request);
+  return finish(builder, wire::CreatePing(builder, message.payload), FrameType::kPing, call);
 }
 
-Bytes encode(const Pong& message, uint32_t request) {
+Bytes encode(const Pong& message, uint32_t call) {
   Builder builder(64);
-  return finish(builder, wire::CreatePong(builder, message.payload), FrameType::kPong, request);
+  return finish(builder, wire::CreatePong(builder, message.payload), FrameType::kPong, call);
 }
 
-Bytes encode(const Close& message, uint32_t request) {
+Bytes encode(const Close& message, uint32_t call) {
   Builder builder(64);
-  return finish(builder, wire::CreateClose(builder, message.handle), FrameType::kClose, request);
+  return finish(builder, wire::CreateClose(builder, message.handle), FrameType::kClose, call);
 }
 
-Bytes encode(const Closed& message, uint32_t request) {
+Bytes encode(const Closed& message, uint32_t call) {
   Builder builder(64);
-  return finish(builder, wire::CreateClosed(builder, message.handle), FrameType::kClosed, request);
+  return finish(builder, wire::CreateClosed(builder, message.handle), FrameType::kClosed, call);
 }
 
 }  // namespace lode::proto

@@ -11,7 +11,7 @@
 namespace lode::core {
 namespace {
 
-constexpr uint32_t kHelloRequest = 1, kSecondRequest = 2;
+constexpr uint32_t kHelloCall = 1, kSecondCall = 2;
 constexpr size_t kCompactBytes = 64u << 10;
 constexpr uint64_t kGrantsPerWindow = 8;  // so that the server never waits for a grant that is due
 
@@ -34,13 +34,13 @@ Session::Session(SessionOptions options, TimePoint now)
   hello.min_version = hello.max_version = proto::kProtocolVersion;
   hello.token = options_.token;
   hello.program = options_.program;
-  send(proto::encode(hello, kHelloRequest));
+  send(proto::encode(hello, kHelloCall));
   if (options_.model.empty()) {
-    send(proto::encode(proto::List{}, kSecondRequest));
+    send(proto::encode(proto::List{}, kSecondCall));
   } else {
-    send(proto::encode(proto::Open{options_.model, options_.known_build_id}, kSecondRequest));
+    send(proto::encode(proto::Open{options_.model, options_.known_build_id}, kSecondCall));
   }
-  next_request_ = kSecondRequest + 1;
+  next_call_ = kSecondCall + 1;
 }
 
 void Session::send(const proto::Bytes& frame) {
@@ -113,7 +113,7 @@ void Session::handleFrame(const proto::FrameHeader& header, std::span<const std:
     case proto::FrameType::kPong:
       return handlePong(body);
     case proto::FrameType::kPing:
-      return send(proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.request));
+      return send(proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.call));
     case proto::FrameType::kGoAway:
       event_ = ServerLeaving{"the server is going away (" + proto::decode<proto::GoAway>(body).reason +
                              "); try again later"};
@@ -130,7 +130,7 @@ void Session::handleFrame(const proto::FrameHeader& header, std::span<const std:
 }
 
 void Session::handleWelcome(const proto::FrameHeader& header, std::span<const std::byte> body) {
-  require(state_ == State::kWelcome && header.request == kHelloRequest, "a Welcome out of turn");
+  require(state_ == State::kWelcome && header.call == kHelloCall, "a Welcome out of turn");
   const auto welcome = proto::decode<proto::Welcome>(body);
   require(welcome.version == proto::kProtocolVersion, "it chose version " + std::to_string(welcome.version));
   require(welcome.max_open_wishes > 0, "it allows no wishes");
@@ -139,7 +139,7 @@ void Session::handleWelcome(const proto::FrameHeader& header, std::span<const st
 }
 
 void Session::handleOpened(const proto::FrameHeader& header, std::span<const std::byte> body) {
-  require(state_ == State::kAnswer && !options_.model.empty() && header.request == kSecondRequest,
+  require(state_ == State::kAnswer && !options_.model.empty() && header.call == kSecondCall,
           "an Opened out of turn");
   auto opened = proto::decode<proto::Opened>(body);
   require(opened.summary.name == options_.model, "it opened another model than '" + options_.model + "'");
@@ -156,7 +156,7 @@ void Session::handleOpened(const proto::FrameHeader& header, std::span<const std
 }
 
 void Session::handleModels(const proto::FrameHeader& header, std::span<const std::byte> body) {
-  require(state_ == State::kAnswer && options_.model.empty() && header.request == kSecondRequest,
+  require(state_ == State::kAnswer && options_.model.empty() && header.call == kSecondCall,
           "a list of models out of turn");
   state_ = State::kListed;
   event_ = ModelsListed{proto::decode<proto::Models>(body).models};
@@ -279,7 +279,7 @@ void Session::grantCredit() {
   sendCredit();
 }
 
-void Session::sendCredit() { send(proto::encode(proto::Credit{granted_bytes_}, next_request_++)); }
+void Session::sendCredit() { send(proto::encode(proto::Credit{granted_bytes_}, next_call_++)); }
 
 void Session::setWishes(std::span<const Wish> wanted) {
   if (state_ != State::kOpen) return;
@@ -333,7 +333,7 @@ void Session::setWishes(std::span<const Wish> wanted) {
 void Session::sendChanges(std::span<const proto::WishChange> changes) {
   while (!changes.empty()) {
     const auto some = changes.first(std::min<size_t>(changes.size(), proto::kMaxWishesPerFrame));
-    send(proto::encode(proto::Wishes{handle_, {some.begin(), some.end()}}, next_request_++));
+    send(proto::encode(proto::Wishes{handle_, {some.begin(), some.end()}}, next_call_++));
     changes = changes.subspan(some.size());
   }
 }
@@ -341,7 +341,7 @@ void Session::sendChanges(std::span<const proto::WishChange> changes) {
 void Session::sendPing() {
   last_ping_ = now_;
   ping_open_ = true;
-  send(proto::encode(proto::Ping{++pings_}, next_request_++));
+  send(proto::encode(proto::Ping{++pings_}, next_call_++));
 }
 
 void Session::handlePong(std::span<const std::byte> body) {

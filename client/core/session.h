@@ -160,7 +160,7 @@ class Session {
   uint32_t handle_ = 0;
   bool gives_first_blobs_ = false;
   uint32_t max_open_wishes_ = 0;
-  uint32_t next_request_ = 1;
+  uint32_t next_call_ = 1;
   uint32_t next_wish_ = 1;
   std::map<uint32_t, OpenWish> wishes_;                  // by wish
   std::unordered_map<uint32_t, uint32_t> wish_of_blob_;  // blob number -> wish

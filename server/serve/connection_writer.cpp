@@ -31,7 +31,7 @@ constexpr auto kLingerForMemory = std::chrono::milliseconds(100);  ///< it is ne
 void append(ChunkBuffer& buffer, const Chunk& chunk) {
   const auto head =
       proto::encodeFrameHeader({static_cast<uint32_t>(proto::kBlobChunkHeaderBytes + chunk.bytes),
-                                static_cast<uint8_t>(proto::FrameType::kBlob), 0, chunk.request});
+                                static_cast<uint8_t>(proto::FrameType::kBlob), 0, chunk.call});
   const auto blob_head = proto::encodeBlobChunkHeader(chunk.header);
   std::byte* at = buffer.bytes.get() + buffer.used;
   std::memcpy(at, head.data(), head.size());

@@ -35,15 +35,15 @@ Session::~Session() {
 
 /// For what must be said whatever it costs: it is little.
 template <typename Message>
-void Session::say(const Message& message, uint32_t request) {
-  const proto::Bytes frame = proto::encode(message, request);
+void Session::say(const Message& message, uint32_t call) {
+  const proto::Bytes frame = proto::encode(message, call);
   control_.insert(control_.end(), frame.begin(), frame.end());
   host_.memory->take(frame.size());
 }
 
 template <typename Message>
-void Session::answer(const Message& message, uint32_t request) {
-  const proto::Bytes frame = proto::encode(message, request);
+void Session::answer(const Message& message, uint32_t call) {
+  const proto::Bytes frame = proto::encode(message, call);
   if (!host_.memory->tryTake(frame.size())) {
     host_.memory->give(control_.size());
     control_.clear();
@@ -54,9 +54,9 @@ void Session::answer(const Message& message, uint32_t request) {
   control_.insert(control_.end(), frame.begin(), frame.end());
 }
 
-void Session::refuse(WireError code, const std::string& why, uint32_t request) {
+void Session::refuse(WireError code, const std::string& why, uint32_t call) {
   if (closing_) return;
-  say(proto::ErrorMessage{code, 0, true, why}, request);
+  say(proto::ErrorMessage{code, 0, true, why}, call);
   closing_ = true;
   refusal_ = why;
   host_.memory->give(wishes_.size() * kWishBytes);
@@ -119,9 +119,9 @@ void Session::receive(const proto::FrameHeader& header, std::span<const std::byt
     if (greeted_ && known) deadline_ = now + limits_.idle;
   } catch (const Error& error) {
     refuse(wireCode(error), std::string(proto::frameName(header.type)) + " frame: " + error.what(),
-           header.request);
+           header.call);
   } catch (const Refusal& refusal) {
-    refuse(refusal.code, refusal.why, header.request);
+    refuse(refusal.code, refusal.why, header.call);
   }
 }
 
@@ -138,21 +138,21 @@ void Session::dispatch(const proto::FrameHeader& header, std::span<const std::by
                   "a " + std::string(proto::frameName(header.type)) + " frame came before Hello"};
   switch (type) {
     case FrameType::kHello:
-      return hello(proto::decode<proto::Hello>(body), header.request);
+      return hello(proto::decode<proto::Hello>(body), header.call);
     case FrameType::kList:
       proto::decode<proto::List>(body);
-      return list(header.request);
+      return list(header.call);
     case FrameType::kOpen:
-      return open(proto::decode<proto::Open>(body), header.request);
+      return open(proto::decode<proto::Open>(body), header.call);
     case FrameType::kClose:
-      return close(proto::decode<proto::Close>(body), header.request);
+      return close(proto::decode<proto::Close>(body), header.call);
     case FrameType::kWishes:
-      return wishes(body, header.request);
+      return wishes(body, header.call);
     case FrameType::kCredit:
       granted_bytes_ = std::max(granted_bytes_, proto::decode<proto::Credit>(body).granted_bytes);
       return;
     case FrameType::kPing:
-      return answer(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.request);
+      return answer(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.call);
     case FrameType::kPong:
       proto::decode<proto::Pong>(body);
       hears_until_.reset();
@@ -163,7 +163,7 @@ void Session::dispatch(const proto::FrameHeader& header, std::span<const std::by
   }
 }
 
-void Session::hello(const proto::Hello& message, uint32_t request) {
+void Session::hello(const proto::Hello& message, uint32_t call) {
   if (greeted_) throw Refusal{WireError::kMalformed, "a second Hello"};
   if (message.min_version > proto::kProtocolVersion)
     throw Refusal{WireError::kVersion,
@@ -183,19 +183,19 @@ void Session::hello(const proto::Hello& message, uint32_t request) {
   greeted_ = true;
   answer(proto::Welcome{proto::kProtocolVersion, message.features & proto::kFeatureClose,
                         limits_.max_open_wishes, "lodestreamd"},
-         request);
+         call);
 }
 
-void Session::list(uint32_t request) {
+void Session::list(uint32_t call) {
   proto::Models models;
   for (const auto& model : host_.offer->catalog->models())
     if (allows(*model)) models.models.push_back(model->summary);
-  answer(models, request);
+  answer(models, call);
 }
 
-void Session::open(const proto::Open& message, uint32_t request) {
+void Session::open(const proto::Open& message, uint32_t call) {
   const auto refuse = [&](WireError code, std::string why) {
-    answer(proto::ErrorMessage{code, 0, false, std::move(why)}, request);
+    answer(proto::ErrorMessage{code, 0, false, std::move(why)}, call);
   };
   std::shared_ptr<const Model> model = host_.offer->catalog->find(message.model);
   if (!model || !allows(*model))
@@ -213,11 +213,11 @@ void Session::open(const proto::Open& message, uint32_t request) {
   const BlobName build = offered.summary.build_id;
   const OpenedModel& opened =
       opened_.emplace(handle, OpenedModel{std::move(model), build, tallies}).first->second;
-  answer(proto::Opened{handle, offered.summary}, request);
+  answer(proto::Opened{handle, offered.summary}, call);
   if (build != BlobName() && build == message.known_build_id) return;  // it has the first blobs, or asks
   for (const uint32_t blob : {offered.summary.root_page.number, offered.coarsest_blob})
     if (blob != 0)
-      unasked_.push_back({handle, &opened, blob, 0, request, ++last_serial_, now_, held_.total(now_), false});
+      unasked_.push_back({handle, &opened, blob, 0, call, ++last_serial_, now_, held_.total(now_), false});
 }
 
 const OpenedModel& Session::openedAs(uint32_t handle, const char* frame) {
@@ -228,10 +228,10 @@ const OpenedModel& Session::openedAs(uint32_t handle, const char* frame) {
   return opened->second;
 }
 
-void Session::close(const proto::Close& message, uint32_t request) {
+void Session::close(const proto::Close& message, uint32_t call) {
   openedAs(message.handle, "Close");
   wishes_.endAll(message.handle, [&](OpenWish& wish) {
-    say(proto::Cancelled{wish.rank.wish}, wish.request);
+    say(proto::Cancelled{wish.rank.wish}, wish.call);
     if (under_way_ && under_way_->wish == wish.rank.wish) under_way_.reset();
     host_.memory->give(kWishBytes);
   });
@@ -239,22 +239,22 @@ void Session::close(const proto::Close& message, uint32_t request) {
   std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == message.handle; });
   opened_.erase(message.handle);
   host_.memory->give(kOpenModelBytes);
-  answer(proto::Closed{message.handle}, request);
+  answer(proto::Closed{message.handle}, call);
 }
 
-void Session::wishes(std::span<const std::byte> body, uint32_t request) {
+void Session::wishes(std::span<const std::byte> body, uint32_t call) {
   thread_local proto::Wishes message;  // of every session's, so that a wish takes no memory but its own
   proto::decodeInto(body, message);
   const OpenedModel& opened = openedAs(message.handle, "Wishes");
   for (const proto::WishChange& change : message.changes) {
     if (change.action == proto::WishAction::kAdd) {
-      addWish(change, message.handle, opened, request);
+      addWish(change, message.handle, opened, call);
       continue;
     }
     OpenWish* const wish = wishes_.find(change.wish);
     if (wish == nullptr) continue;  // it ended while the change was on its way
     if (change.action == proto::WishAction::kCancel) {
-      answer(proto::Cancelled{change.wish}, wish->request);
+      answer(proto::Cancelled{change.wish}, wish->call);
       endWish(*wish);
     } else {
       wishes_.reprioritise(*wish, change.wish_class, change.priority_px);
@@ -263,7 +263,7 @@ void Session::wishes(std::span<const std::byte> body, uint32_t request) {
 }
 
 void Session::addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened,
-                      uint32_t request) {
+                      uint32_t call) {
   if (wishes_.find(change.wish) != nullptr)
     throw Refusal{WireError::kMalformed, "wish " + std::to_string(change.wish) + " is open already"};
   if (wishes_.size() >= limits_.max_open_wishes)
@@ -272,18 +272,17 @@ void Session::addWish(const proto::WishChange& change, uint32_t handle, const Op
   if (opened.model->blobBytes(change.blob) == 0) {
     answer(proto::ErrorMessage{WireError::kNoSuchBlob, change.wish, false,
                                "no blob " + std::to_string(change.blob)},
-           request);
+           call);
     return;
   }
   if (!host_.memory->tryTake(kWishBytes)) {
     const proto::ErrorMessage refused{
         WireError::kNotReady, change.wish, false,
         "the server is short of memory; wish again later, and for less at a time"};
-    return control_.size() < kRefusedAnswerBytes ? say(refused, request) : answer(refused, request);
+    return control_.size() < kRefusedAnswerBytes ? say(refused, call) : answer(refused, call);
   }
   const Rank rank{change.wish_class, change.priority_px, change.wish};
-  wishes_.add(
-      {rank, handle, &opened, change.blob, 0, request, false, ++last_serial_, now_, held_.total(now_)});
+  wishes_.add({rank, handle, &opened, change.blob, 0, call, false, ++last_serial_, now_, held_.total(now_)});
   if (host_.tallies != nullptr) host_.tallies->wishes[static_cast<size_t>(change.wish_class)].add();
 }
 
@@ -298,13 +297,13 @@ std::optional<Chunk> Session::next() {
   Chunk chunk;
   if (!unasked_.empty() && !unasked_.front().parked) {
     const Unasked& first = unasked_.front();
-    chunk = {first.opened,  first.blob,        0,
-             first.request, first.serial,      proto::WishClass::kVisible,
-             first.asked,   first.held_before, {0, 0, first.sent_bytes}};
+    chunk = {first.opened, first.blob,        0,
+             first.call,   first.serial,      proto::WishClass::kVisible,
+             first.asked,  first.held_before, {0, 0, first.sent_bytes}};
   } else if (const OpenWish* const first = wishes_.first(); first != nullptr) {
-    chunk = {first->opened,  first->blob,        0,
-             first->request, first->serial,      first->rank.wish_class,
-             first->asked,   first->held_before, {first->rank.wish, 0, first->sent_bytes}};
+    chunk = {first->opened, first->blob,        0,
+             first->call,   first->serial,      first->rank.wish_class,
+             first->asked,  first->held_before, {first->rank.wish, 0, first->sent_bytes}};
   } else {
     return {};
   }
@@ -377,11 +376,11 @@ void Session::failChunk(WireError code, const std::string& why) {
   const UnderWay failed = *std::exchange(under_way_, {});
   if (failed.wish == 0) {
     const Unasked first = unasked_.front();
-    say(proto::ErrorMessage{code, 0, false, why}, first.request);
+    say(proto::ErrorMessage{code, 0, false, why}, first.call);
     std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == first.handle; });
   } else {
     OpenWish& wish = *wishes_.find(failed.wish);
-    say(proto::ErrorMessage{code, failed.wish, false, why}, wish.request);
+    say(proto::ErrorMessage{code, failed.wish, false, why}, wish.call);
     endWish(wish);
   }
 }

@@ -52,7 +52,7 @@ struct Chunk {
   const OpenedModel* opened = nullptr;  ///< as long as its wish is open
   uint32_t blob = 0;
   uint32_t bytes = 0;
-  uint32_t request = 0;
+  uint32_t call = 0;
   uint64_t serial = 0;  ///< of its wish
   proto::WishClass wish_class = proto::WishClass::kVisible;
   Clock::time_point asked;
@@ -80,7 +80,7 @@ class Session {
   /// Takes one frame of the client's. Whatever is wrong with it is answered, never thrown.
   void receive(const proto::FrameHeader& header, std::span<const std::byte> body, Clock::time_point now);
   /// Answers with an Error that closes the connection: for what is no frame at all.
-  void refuse(proto::WireError code, const std::string& why, uint32_t request = 0);
+  void refuse(proto::WireError code, const std::string& why, uint32_t call = 0);
   /// Says GoAway; the session is finished once no wish is open and the client has heard it, as its Pong says
   /// or giveUpHearing(): what it wished for before then is under way.
   void drain(const std::string& reason, Clock::time_point now);
@@ -140,7 +140,7 @@ class Session {
   struct Unasked {
     uint32_t handle = 0;
     const OpenedModel* opened = nullptr;
-    uint32_t blob = 0, sent_bytes = 0, request = 0;
+    uint32_t blob = 0, sent_bytes = 0, call = 0;
     uint64_t serial = 0;
     Clock::time_point asked;
     Clock::duration held_before{};
@@ -153,22 +153,22 @@ class Session {
   };
 
   void dispatch(const proto::FrameHeader& header, std::span<const std::byte> body);
-  void hello(const proto::Hello& message, uint32_t request);
+  void hello(const proto::Hello& message, uint32_t call);
   bool authorize();
   bool allows(const Model& model) const noexcept;
-  void list(uint32_t request);
-  void open(const proto::Open& message, uint32_t request);
-  void close(const proto::Close& message, uint32_t request);
-  void wishes(std::span<const std::byte> body, uint32_t request);
-  void addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened, uint32_t request);
+  void list(uint32_t call);
+  void open(const proto::Open& message, uint32_t call);
+  void close(const proto::Close& message, uint32_t call);
+  void wishes(std::span<const std::byte> body, uint32_t call);
+  void addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened, uint32_t call);
   void endWish(OpenWish& wish);
   std::optional<Chunk> next();
   uint64_t window() const noexcept;
   const OpenedModel& openedAs(uint32_t handle, const char* frame);
   template <typename Message>
-  void answer(const Message& message, uint32_t request);
+  void answer(const Message& message, uint32_t call);
   template <typename Message>
-  void say(const Message& message, uint32_t request);
+  void say(const Message& message, uint32_t call);
 
   SessionHost host_;
   SessionLimits limits_;

@@ -29,7 +29,7 @@ struct OpenWish {
   const OpenedModel* opened = nullptr;
   uint32_t blob = 0;
   uint32_t sent_bytes = 0;
-  uint32_t request = 0;
+  uint32_t call = 0;
   bool parked = false;  ///< waits for the disk, and is passed by
   uint64_t serial = 0;  ///< tells it from an earlier wish of the same number
   std::chrono::steady_clock::time_point asked;

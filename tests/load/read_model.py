@@ -15,7 +15,7 @@ import sys
 import flatbuffers
 import lodestream_generated as wire
 
-HEADER = struct.Struct("<IBBHI")  # body bytes, type, flags, zero, request
+HEADER = struct.Struct("<IBBHI")  # body bytes, type, flags, zero, call
 BLOB = struct.Struct("<III")  # wish, total, offset
 TYPES = dict(Hello=1, Welcome=2, Open=5, Opened=6, Wishes=7, Credit=8, Blob=9, Cancelled=10, Error=11, GoAway=12,
              ModelReplaced=13, Ping=14, Pong=15)
@@ -97,37 +97,37 @@ class Connection:
         self.input.close()
         self.socket.close()
 
-    def send(self, name, request=0, **fields):
+    def send(self, name, call=0, **fields):
         message, builder = getattr(wire, name + "T")(), flatbuffers.Builder(1024)
         vars(message).update(fields)
         builder.Finish(message.Pack(builder))
-        self.socket.sendall(HEADER.pack(len(builder.Output()), TYPES[name], 0, 0, request) + builder.Output())
+        self.socket.sendall(HEADER.pack(len(builder.Output()), TYPES[name], 0, 0, call) + builder.Output())
 
     def open(self, model, token=""):
         """Hello and Open together. Returns Opened, and how many wishes may be open."""
         self.send("Hello", 1, minVersion=VERSION, maxVersion=VERSION, token=token, program="read_model.py")
         self.send("Open", 2, model=model)
-        (name, request, welcome), (also, follows, opened) = self.receive(), self.receive()
-        assert (name, request, welcome.Version(), also, follows) == ("Welcome", 1, VERSION, "Opened", 2)
+        (name, call, welcome), (also, follows, opened) = self.receive(), self.receive()
+        assert (name, call, welcome.Version(), also, follows) == ("Welcome", 1, VERSION, "Opened", 2)
         return opened, welcome.MaxOpenWishes()
 
     def receive(self):
-        """The next frame that says something: its type, its request and its message, or of a Blob the raw body."""
+        """The next frame that says something: its type, its call and its message, or of a Blob the raw body."""
         while True:
-            size, kind, flags, zero, request = HEADER.unpack(self.input.read(HEADER.size))
+            size, kind, flags, zero, call = HEADER.unpack(self.input.read(HEADER.size))
             assert size <= MAX_BODY and zero == 0 and flags & ~OPTIONAL == 0, "a bad header"
             body, name = self.input.read(size), NAMES.get(kind)
             assert name or flags & OPTIONAL, f"unknown frame {kind}"
             if name == "Blob":
                 self.credited += size
-                return name, request, body
+                return name, call, body
             message = getattr(wire, name).GetRootAs(body) if name else None
             if name == "Error":
                 sys.exit(f"the server says: {message.Message().decode()} (code {message.Code()})")
             if name == "Ping":
-                self.send("Pong", request, payload=message.Payload())
+                self.send("Pong", call, payload=message.Payload())
             elif name not in (None, "GoAway", "ModelReplaced", "Pong"):
-                return name, request, message
+                return name, call, message
 
 
 class Reader:

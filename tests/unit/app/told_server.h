@@ -165,8 +165,8 @@ class ToldServer {
   }
 
   template <typename Message>
-  static void send(Connection& to, const Message& message, uint32_t request) {
-    asio::write(to.socket, asio::buffer(proto::encode(message, request)));
+  static void send(Connection& to, const Message& message, uint32_t call) {
+    asio::write(to.socket, asio::buffer(proto::encode(message, call)));
   }
 
   const store::Reader& store_;

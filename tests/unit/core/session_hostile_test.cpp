@@ -29,7 +29,7 @@ TEST_F(SessionTest, refusesASecondWelcome) {
   expectRefused(welcome(), "out of turn");
 }
 
-TEST_F(SessionTest, refusesAnAnswerToAnotherRequest) {
+TEST_F(SessionTest, refusesAnAnswerToAnotherCall) {
   expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 16, ""}, 9), "out of turn");
 }
 

@@ -62,7 +62,7 @@ TEST_F(FrameStreamTest, readsFramesSentInOnePieceOneByOne) {
     Frame frame;
     EXPECT_TRUE(co_await stream_->read(frame));
     EXPECT_EQ(decode<Ping>(frame.body), Ping{1});
-    EXPECT_EQ(frame.header.request, 10u);
+    EXPECT_EQ(frame.header.call, 10u);
     EXPECT_TRUE(co_await stream_->read(frame));
     EXPECT_EQ(decode<Hello>(frame.body).program.size(), 500u);
     EXPECT_TRUE(co_await stream_->read(frame));

@@ -52,7 +52,7 @@ TEST(Messages, aSummaryWithoutTexturesComesBackWithoutThem) {
   EXPECT_EQ(roundTrip(Opened{1, summary}).summary, summary);
 }
 
-TEST(Messages, theFrameAnnouncesItsBodyTypeAndRequest) {
+TEST(Messages, theFrameAnnouncesItsBodyTypeAndCall) {
   uint8_t type = 0;
   test::forEachSample([&](const auto& message) {
     if (++type == static_cast<uint8_t>(FrameType::kBlob)) ++type;

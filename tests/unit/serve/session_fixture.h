@@ -47,12 +47,12 @@ inline std::shared_ptr<const Catalog> catalogOf(std::vector<Model> models) {
 class SessionTest : public testing::Test {
  protected:
   template <typename Message>
-  void send(const Message& message, uint32_t request = 0) {
-    sendTo(session_, message, request);
+  void send(const Message& message, uint32_t call = 0) {
+    sendTo(session_, message, call);
   }
   template <typename Message>
-  void sendTo(Session& session, const Message& message, uint32_t request = 0) {
-    const proto::Bytes frame = proto::encode(message, request);
+  void sendTo(Session& session, const Message& message, uint32_t call = 0) {
+    const proto::Bytes frame = proto::encode(message, call);
     session.receive(headerOf(frame), std::span(frame).subspan(proto::kFrameHeaderBytes), now_);
   }
   void sendRaw(uint8_t type, uint8_t flags, const proto::Bytes& body = {}) {
@@ -67,8 +67,8 @@ class SessionTest : public testing::Test {
     while (session_.beginChunk()) session_.finishChunk();
   }
 
-  void wish(WishClass wish_class, uint32_t id, uint32_t blob, float priority_px, uint32_t request = 0) {
-    send(proto::Wishes{1, {{WishAction::kAdd, wish_class, id, blob, priority_px}}}, request);
+  void wish(WishClass wish_class, uint32_t id, uint32_t blob, float priority_px, uint32_t call = 0) {
+    send(proto::Wishes{1, {{WishAction::kAdd, wish_class, id, blob, priority_px}}}, call);
   }
   void change(WishAction action, WishClass wish_class, uint32_t id, float priority_px = 0) {
     send(proto::Wishes{1, {{action, wish_class, id, 0, priority_px}}});
@@ -100,12 +100,12 @@ class SessionTest : public testing::Test {
     return frames;
   }
   template <typename Message>
-  Message only(FrameType type, uint32_t request = 0) {
+  Message only(FrameType type, uint32_t call = 0) {
     const auto frames = control();
     EXPECT_EQ(frames.size(), 1u);
     if (frames.empty()) return {};
     EXPECT_EQ(frames[0].header.type, static_cast<uint8_t>(type));
-    EXPECT_EQ(frames[0].header.request, request);
+    EXPECT_EQ(frames[0].header.call, call);
     return proto::decode<Message>(frames[0].body);
   }
   void expectClosedWith(WireError code) {

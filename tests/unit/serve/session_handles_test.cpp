@@ -25,9 +25,9 @@ TEST_F(SessionHandlesTest, closingEndsTheWishesOfThatHandleAlone) {
   send(proto::Close{2}, 13);
   const auto frames = control();
   ASSERT_EQ(frames.size(), 2u);
-  EXPECT_EQ(frames[0].header.request, 12u);
+  EXPECT_EQ(frames[0].header.call, 12u);
   EXPECT_EQ(proto::decode<proto::Cancelled>(frames[0].body).wish, 2u);
-  EXPECT_EQ(frames[1].header.request, 13u);
+  EXPECT_EQ(frames[1].header.call, 13u);
   EXPECT_EQ(proto::decode<proto::Closed>(frames[1].body).handle, 2u);
   EXPECT_EQ(sendChunk(), 1u) << "the unasked blobs of the closed one do not come either";
 }
@@ -45,13 +45,13 @@ TEST_F(SessionHandlesTest, anUnaskedChunkOfAClosedHandleIsNotSentNorTakenForAnot
   send(proto::Open{"a", {}}, 1);
   send(proto::Open{"b", {}}, 2);
   session_.takeControl();
-  ASSERT_EQ(session_.beginChunk()->request, 1u);
+  ASSERT_EQ(session_.beginChunk()->call, 1u);
   send(proto::Close{1}, 3);
   session_.takeControl();
   EXPECT_FALSE(session_.finishChunk());
   const auto next = session_.beginChunk();
   ASSERT_TRUE(next);
-  EXPECT_EQ(next->request, 2u);
+  EXPECT_EQ(next->call, 2u);
   EXPECT_EQ(next->blob, kPageBlob);
   EXPECT_TRUE(next->first());
 }

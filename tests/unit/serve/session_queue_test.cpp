@@ -23,7 +23,7 @@ TEST_F(SessionQueueTest, sendsAWishInChunksThatMakeUpItsBlob) {
     const auto chunk = session_.beginChunk();
     ASSERT_TRUE(chunk);
     EXPECT_EQ(chunk->header, (proto::BlobChunkHeader{7, kLarge, offset}));
-    EXPECT_EQ(chunk->request, 99u);
+    EXPECT_EQ(chunk->call, 99u);
     EXPECT_LE(chunk->bytes, proto::kMaxChunkBytes);
     offset += chunk->bytes;
     EXPECT_TRUE(session_.finishChunk());
@@ -166,7 +166,7 @@ TEST_F(SessionQueueTest, anUnaskedBlobThatCannotBeReadIsAnErrorToItsOpen) {
   EXPECT_FALSE(error.closes);
   const auto next = session_.beginChunk();
   ASSERT_TRUE(next);
-  EXPECT_EQ(next->request, 22u) << "the other model's first blobs still come";
+  EXPECT_EQ(next->call, 22u) << "the other model's first blobs still come";
 }
 
 TEST_F(SessionQueueTest, anUnknownBlobIsAnErrorThatEndsItsWish) {

@@ -54,14 +54,14 @@ TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestLod) {
   EXPECT_FALSE(session_.beginChunk()) << "no chunk may overtake Opened";
   const auto frames = control();
   ASSERT_EQ(frames.size(), 2u);
-  EXPECT_EQ(frames[1].header.request, 5u);
+  EXPECT_EQ(frames[1].header.call, 5u);
   EXPECT_EQ(proto::decode<proto::Opened>(frames[1].body), (proto::Opened{1, modelAt(1).summary}));
   for (const uint32_t blob : {kPageBlob, kRootLodBlob}) {
     const auto chunk = session_.beginChunk();
     ASSERT_TRUE(chunk);
     EXPECT_EQ(chunk->blob, blob);
     EXPECT_EQ(chunk->opened->model->summary.name, "b");
-    EXPECT_EQ(chunk->request, 5u);
+    EXPECT_EQ(chunk->call, 5u);
     EXPECT_EQ(chunk->header, (proto::BlobChunkHeader{0, modelAt(1).blobBytes(blob), 0}));
     EXPECT_TRUE(session_.finishChunk());
   }

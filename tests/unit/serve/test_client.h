@@ -41,8 +41,8 @@ class TestClient {
   }
   void sendText(std::string_view text) { sendBytes(std::as_bytes(std::span(text))); }
   template <typename Message>
-  void send(const Message& message, uint32_t request = 0) {
-    sendBytes(proto::encode(message, request));
+  void send(const Message& message, uint32_t call = 0) {
+    sendBytes(proto::encode(message, call));
   }
 
   /// @return nothing at the end of the connection, or where nothing comes for long.
