@@ -24,8 +24,8 @@ uint32_t getU32(const std::byte* at) noexcept {
 
 std::string_view frameName(uint8_t type) noexcept {
   constexpr std::array<std::string_view, 18> kNames{
-      "unknown", "Hello",     "Welcome", "List",   "Models",        "Open", "Opened", "Wishes", "Credit",
-      "Blob",    "Cancelled", "Error",   "GoAway", "ModelReplaced", "Ping", "Pong",   "Close",  "Closed"};
+      "unknown", "Hello",     "Welcome", "List",   "Models",        "Open", "Opened", "Requests", "Credit",
+      "Blob",    "Cancelled", "Error",   "GoAway", "ModelReplaced", "Ping", "Pong",   "Close",    "Closed"};
   return type < kNames.size() ? kNames[type] : kNames[0];
 }
 
@@ -54,7 +54,7 @@ FrameHeader decodeFrameHeader(std::span<const std::byte, kFrameHeaderBytes> byte
 
 std::array<std::byte, kBlobChunkHeaderBytes> encodeBlobChunkHeader(const BlobChunkHeader& header) noexcept {
   std::array<std::byte, kBlobChunkHeaderBytes> bytes{};
-  putU32(bytes.data(), header.wish);
+  putU32(bytes.data(), header.request);
   putU32(bytes.data() + 4, header.total_bytes);
   putU32(bytes.data() + 8, header.offset_bytes);
   return bytes;
@@ -65,7 +65,7 @@ BlobChunk decodeBlobChunk(std::span<const std::byte> body) {
     throw Error(ErrorCode::kProtocol,
                 "a Blob frame of " + std::to_string(body.size()) + " bytes carries no bytes of a blob");
   BlobChunk chunk;
-  chunk.header.wish = getU32(body.data());
+  chunk.header.request = getU32(body.data());
   chunk.header.total_bytes = getU32(body.data() + 4);
   chunk.header.offset_bytes = getU32(body.data() + 8);
   chunk.bytes = body.subspan(kBlobChunkHeaderBytes);

@@ -15,7 +15,7 @@ enum class FrameType : uint8_t {
   kModels = 4,
   kOpen = 5,
   kOpened = 6,
-  kWishes = 7,
+  kRequests = 7,
   kCredit = 8,
   kBlob = 9,
   kCancelled = 10,
@@ -50,10 +50,10 @@ std::array<std::byte, kFrameHeaderBytes> encodeFrameHeader(const FrameHeader& he
 /// @throws Error kLimit if the body is longer than kMaxFrameBodyBytes, kProtocol if reserved bits are set.
 FrameHeader decodeFrameHeader(std::span<const std::byte, kFrameHeaderBytes> bytes);
 
-/// The fixed fields at the head of a Blob frame's body; raw bytes of the blob follow. Little-endian: wish
+/// The fixed fields at the head of a Blob frame's body; raw bytes of the blob follow. Little-endian: request
 /// u32, total u32 (size of the blob), offset u32 (of this chunk in it).
 struct BlobChunkHeader {
-  uint32_t wish = 0;
+  uint32_t request = 0;
   uint32_t total_bytes = 0;
   uint32_t offset_bytes = 0;
 

@@ -28,7 +28,7 @@ struct Hello {
 struct Welcome {
   uint32_t version = kProtocolVersion;
   uint64_t features = 0;
-  uint32_t max_open_wishes = 0;
+  uint32_t max_open_requests = 0;
   std::string program;
   bool operator==(const Welcome&) const = default;
 };
@@ -48,30 +48,30 @@ struct Open {
   bool operator==(const Open&) const = default;
 };
 
-/// Followed, unasked, by the blobs of the root's page and of the root's coarsest LOD, both as wish 0.
+/// Followed, unasked, by the blobs of the root's page and of the root's coarsest LOD, both as request 0.
 struct Opened {
   uint32_t handle = 0;
   ModelSummary summary;
   bool operator==(const Opened&) const = default;
 };
 
-enum class WishClass : uint8_t { kVisible = 0, kMargin = 1, kPrefetch = 2 };
-enum class WishAction : uint8_t { kAdd = 0, kReprioritise = 1, kCancel = 2 };
+enum class RequestClass : uint8_t { kVisible = 0, kMargin = 1, kPrefetch = 2 };
+enum class RequestAction : uint8_t { kAdd = 0, kReprioritise = 1, kCancel = 2 };
 
-struct WishChange {
-  WishAction action = WishAction::kAdd;
-  WishClass wish_class = WishClass::kVisible;
-  uint32_t wish = 0;      ///< chosen by the client, > 0, unique in the session while it is open
+struct RequestChange {
+  RequestAction action = RequestAction::kAdd;
+  RequestClass request_class = RequestClass::kVisible;
+  uint32_t request = 0;   ///< chosen by the client, > 0, unique in the session while it is open
   uint32_t blob = 0;      ///< with kAdd: number of the blob in the model's store
   float priority_px = 0;  ///< within the class: projected error, higher first
-  bool operator==(const WishChange&) const = default;
+  bool operator==(const RequestChange&) const = default;
 };
 
-/// Each wish added has exactly one ending: its blob complete, Cancelled, or Error.
-struct Wishes {
+/// Each request added has exactly one ending: its blob complete, Cancelled, or Error.
+struct Requests {
   uint32_t handle = 0;
-  std::vector<WishChange> changes;
-  bool operator==(const Wishes&) const = default;
+  std::vector<RequestChange> changes;
+  bool operator==(const Requests&) const = default;
 };
 
 /// The server may have sent this many bytes of Blob frame bodies in all, since the session's start.
@@ -81,7 +81,7 @@ struct Credit {
 };
 
 struct Cancelled {
-  uint32_t wish = 0;
+  uint32_t request = 0;
   bool operator==(const Cancelled&) const = default;
 };
 
@@ -100,8 +100,8 @@ enum class WireError : uint8_t {
 
 struct ErrorMessage {
   WireError code = WireError::kInternal;
-  uint32_t wish = 0;    ///< the wish that it ends; 0: it answers the frame with the call id
-  bool closes = false;  ///< the connection closes after it
+  uint32_t request = 0;  ///< the request that it ends; 0: it answers the frame with the call id
+  bool closes = false;   ///< the connection closes after it
   std::string message;
   bool operator==(const ErrorMessage&) const = default;
 };
@@ -126,7 +126,7 @@ struct Pong {
   bool operator==(const Pong&) const = default;
 };
 
-/// The client is done with a model. Its open wishes end with Cancelled, then Closed comes.
+/// The client is done with a model. Its open requests end with Cancelled, then Closed comes.
 struct Close {
   uint32_t handle = 0;
   bool operator==(const Close&) const = default;
@@ -148,7 +148,7 @@ Bytes encode(const List& message, uint32_t call);
 Bytes encode(const Models& message, uint32_t call);
 Bytes encode(const Open& message, uint32_t call);
 Bytes encode(const Opened& message, uint32_t call);
-Bytes encode(const Wishes& message, uint32_t call);
+Bytes encode(const Requests& message, uint32_t call);
 Bytes encode(const Credit& message, uint32_t call);
 Bytes encode(const Cancelled& message, uint32_t call);
 Bytes encode(const ErrorMessage& message, uint32_t call);
@@ -163,6 +163,6 @@ Bytes encode(const Closed& message, uint32_t call);
 template <typename Message>
 Message decode(std::span<const std::byte> body);
 /// The same into a message that keeps its memory from call to call.
-void decodeInto(std::span<const std::byte> body, Wishes& into);
+void decodeInto(std::span<const std::byte> body, Requests& into);
 
 }  // namespace lode::proto

@@ -102,8 +102,8 @@ struct WireOf<Opened> {
   using Type = wire::Opened;
 };
 template <>
-struct WireOf<Wishes> {
-  using Type = wire::Wishes;
+struct WireOf<Requests> {
+  using Type = wire::Requests;
 };
 template <>
 struct WireOf<Credit> {
@@ -154,7 +154,7 @@ auto withRoot(std::span<const std::byte> body, Read read) {
     start = reinterpret_cast<const std::byte*>(aligned.data());
   }
   const auto* bytes = reinterpret_cast<const uint8_t*>(start);
-  flatbuffers::Verifier verifier(bytes, body.size(), 8, 3 * kMaxListedModels + kMaxWishesPerFrame);
+  flatbuffers::Verifier verifier(bytes, body.size(), 8, 3 * kMaxListedModels + kMaxRequestsPerFrame);
   require(!body.empty() && verifier.VerifyBuffer<Root>(nullptr), "its body is no FlatBuffer of its type");
   return read(*flatbuffers::GetRoot<Root>(bytes));
 }
@@ -172,7 +172,7 @@ Hello fromWire(const wire::Hello& from) {
 
 Welcome fromWire(const wire::Welcome& from) {
   require(from.version() >= 1, "a version that is none");
-  return {from.version(), from.features(), from.max_open_wishes(),
+  return {from.version(), from.features(), from.max_open_requests(),
           getString(from.program(), kMaxStringBytes, "bytes in a program's name")};
 }
 
@@ -199,32 +199,33 @@ Opened fromWire(const wire::Opened& from) {
   return {from.handle(), fromWire(*from.summary())};
 }
 
-WishChange fromWire(const wire::WishChange& from) {
-  require(from.action() <= static_cast<uint8_t>(WishAction::kCancel), "an unknown action on a wish");
-  require(from.wish_class() <= static_cast<uint8_t>(WishClass::kPrefetch), "an unknown class of wish");
-  require(from.wish() != 0, "wish 0 is the server's own");
+RequestChange fromWire(const wire::RequestChange& from) {
+  require(from.action() <= static_cast<uint8_t>(RequestAction::kCancel), "an unknown action on a request");
+  require(from.request_class() <= static_cast<uint8_t>(RequestClass::kPrefetch),
+          "an unknown class of request");
+  require(from.request() != 0, "request 0 is the server's own");
   require(!std::isnan(from.priority_px()), "a priority that is not a number");
-  return {static_cast<WishAction>(from.action()), static_cast<WishClass>(from.wish_class()), from.wish(),
-          from.blob(), from.priority_px()};
+  return {static_cast<RequestAction>(from.action()), static_cast<RequestClass>(from.request_class()),
+          from.request(), from.blob(), from.priority_px()};
 }
 
-void read(const wire::Wishes& from, Wishes& into) {
+void read(const wire::Requests& from, Requests& into) {
   into.handle = from.handle();
   into.changes.clear();
   if (from.changes() == nullptr) return;
-  requireAtMost(from.changes()->size(), kMaxWishesPerFrame, "wishes in a frame");
+  requireAtMost(from.changes()->size(), kMaxRequestsPerFrame, "requests in a frame");
   into.changes.reserve(from.changes()->size());
-  for (const wire::WishChange* change : *from.changes()) into.changes.push_back(fromWire(*change));
+  for (const wire::RequestChange* change : *from.changes()) into.changes.push_back(fromWire(*change));
 }
 
-Wishes fromWire(const wire::Wishes& from) {
-  Wishes out;
+Requests fromWire(const wire::Requests& from) {
+  Requests out;
   read(from, out);
   return out;
 }
 
 Credit fromWire(const wire::Credit& from) { return {from.granted_bytes()}; }
-Cancelled fromWire(const wire::Cancelled& from) { return {from.wish()}; }
+Cancelled fromWire(const wire::Cancelled& from) { return {from.request()}; }
 
 /// A code that a later version may add is taken as kInternal.
 WireError toWireError(uint8_t code) {
@@ -234,7 +235,7 @@ WireError toWireError(uint8_t code) {
 }
 
 ErrorMessage fromWire(const wire::Error& from) {
-  return {toWireError(from.code()), from.wish(), from.closes(),
+  return {toWireError(from.code()), from.request(), from.closes(),
           getString(from.message(), kMaxStringBytes, "bytes in an error's text")};
 }
 
@@ -255,8 +256,8 @@ Message decode(std::span<const std::byte> body) {
   return withRoot<typename WireOf<Message>::Type>(body, [](const auto& root) { return fromWire(root); });
 }
 
-void decodeInto(std::span<const std::byte> body, Wishes& into) {
-  withRoot<wire::Wishes>(body, [&into](const wire::Wishes& root) { read(root, into); });
+void decodeInto(std::span<const std::byte> body, Requests& into) {
+  withRoot<wire::Requests>(body, [&into](const wire::Requests& root) { read(root, into); });
 }
 
 template Hello decode<Hello>(std::span<const std::byte>);
@@ -265,7 +266,7 @@ template List decode<List>(std::span<const std::byte>);
 template Models decode<Models>(std::span<const std::byte>);
 template Open decode<Open>(std::span<const std::byte>);
 template Opened decode<Opened>(std::span<const std::byte>);
-template Wishes decode<Wishes>(std::span<const std::byte>);
+template Requests decode<Requests>(std::span<const std::byte>);
 template Credit decode<Credit>(std::span<const std::byte>);
 template Cancelled decode<Cancelled>(std::span<const std::byte>);
 template ErrorMessage decode<ErrorMessage>(std::span<const std::byte>);

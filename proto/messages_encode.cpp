@@ -94,7 +94,7 @@ Bytes encode(const Welcome& message, uint32_t call) {
   const auto program = put(builder, presentable(message.program));
   return finish(
       builder,
-      wire::CreateWelcome(builder, message.version, message.features, message.max_open_wishes, program),
+      wire::CreateWelcome(builder, message.version, message.features, message.max_open_requests, program),
       FrameType::kWelcome, call);
 }
 
@@ -126,17 +126,17 @@ Bytes encode(const Opened& message, uint32_t call) {
   return finish(builder, wire::CreateOpened(builder, message.handle, summary), FrameType::kOpened, call);
 }
 
-Bytes encode(const Wishes& message, uint32_t call) {
-  requireAtMost(message.changes.size(), kMaxWishesPerFrame, "wishes in a frame");
+Bytes encode(const Requests& message, uint32_t call) {
+  requireAtMost(message.changes.size(), kMaxRequestsPerFrame, "requests in a frame");
   Builder builder(64 + 32 * message.changes.size());
-  std::vector<flatbuffers::Offset<wire::WishChange>> changes;
+  std::vector<flatbuffers::Offset<wire::RequestChange>> changes;
   changes.reserve(message.changes.size());
-  for (const WishChange& change : message.changes)
-    changes.push_back(wire::CreateWishChange(builder, static_cast<uint8_t>(change.action),
-                                             static_cast<uint8_t>(change.wish_class), change.wish,
-                                             change.blob, change.priority_px));
-  return finish(builder, wire::CreateWishes(builder, message.handle, builder.CreateVector(changes)),
-                FrameType::kWishes, call);
+  for (const RequestChange& change : message.changes)
+    changes.push_back(wire::CreateRequestChange(builder, static_cast<uint8_t>(change.action),
+                                                static_cast<uint8_t>(change.request_class), change.request,
+                                                change.blob, change.priority_px));
+  return finish(builder, wire::CreateRequests(builder, message.handle, builder.CreateVector(changes)),
+                FrameType::kRequests, call);
 }
 
 Bytes encode(const Credit& message, uint32_t call) {
@@ -146,7 +146,7 @@ Bytes encode(const Credit& message, uint32_t call) {
 
 Bytes encode(const Cancelled& message, uint32_t call) {
   Builder builder(64);
-  return finish(builder, wire::CreateCancelled(builder, message.wish), FrameType::kCancelled, call);
+  return finish(builder, wire::CreateCancelled(builder, message.request), FrameType::kCancelled, call);
 }
 
 Bytes encode(const ErrorMessage& message, uint32_t call) {
@@ -154,7 +154,7 @@ Bytes encode(const ErrorMessage& message, uint32_t call) {
   const auto text = put(builder, presentable(message.message));
   return finish(
       builder,
-      wire::CreateError(builder, static_cast<uint8_t>(message.code), message.wish, message.closes, text),
+      wire::CreateError(builder, static_cast<uint8_t>(message.code), message.request, message.closes, text),
       FrameType::kError, call);
 }
 

@@ -2,10 +2,10 @@
 
 namespace lode::core {
 
-bool CacheQueries::lacks(const Wish& wish) {
-  if (misses_.contains(wish.blob.name)) return true;
+bool CacheQueries::lacks(const Request& request) {
+  if (misses_.contains(request.blob.name)) return true;
   if (asked_.size() >= kMaxCacheQueries) return false;
-  if (asked_.try_emplace(wish.blob.name, wish.use).second) new_.push_back(wish.blob);
+  if (asked_.try_emplace(request.blob.name, request.use).second) new_.push_back(request.blob);
   return false;
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/wish.h"
+#include "client/core/request.h"
 
 namespace lode::core {
 
@@ -17,7 +17,7 @@ constexpr size_t kMaxRememberedMisses = 65536;  ///< then they are asked for aga
 class CacheQueries {
  public:
   /// True: the cache does not have the blob. False: it is being asked, or will be when others are answered.
-  bool lacks(const Wish& wish);
+  bool lacks(const Request& request);
   /// Blobs to be looked for in the cache; each is to be answered by finish().
   std::vector<BlobRef> take() { return std::exchange(new_, {}); }
   /// @return what the blob was asked for; nothing if it was not, or for a model that is gone.

@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds kShortestSample{50};  ///< of the rate; a ro
 constexpr size_t kRateSamples = 8;                        ///< the fastest of the last ones counts
 
 /// How many bytes a server may have under way to a client: enough to fill the link, and so few that what is
-/// wished for urgently does not wait behind the rest. Measures the link by what comes over it. Not thread
+/// requested urgently does not wait behind the rest. Measures the link by what comes over it. Not thread
 /// safe.
 ///
 /// Source: Cardwell et al., BBR: Congestion-Based Congestion Control, 2016 (the largest rate and the smallest

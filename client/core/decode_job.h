@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "client/core/request.h"
 #include "client/core/texture_footprint.h"
-#include "client/core/wish.h"
 #include "common/draco_codec.h"
 #include "common/tile_image.h"
 

@@ -18,7 +18,7 @@ Engine::Engine(EngineOptions options)
                  .lists_wanted = options_.shares_memory}) {
   if (options_.offline && options_.cached_model)
     model_.emplace(*options_.cached_model, options_.memory_budget_bytes);
-  wishes_waiting_ = model_.has_value();
+  requests_waiting_ = model_.has_value();
 }
 
 void Engine::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
@@ -57,14 +57,14 @@ void Engine::handleAll(Line line) {
 void Engine::disconnect(const Error& why, TimePoint now, Line line) {
   if (options_.on_broken && link_.session(line))
     options_.on_broken(line, why, line == Line::kNewest && !link_.survives(why));
-  wishes_waiting_ = true;
+  requests_waiting_ = true;
   if (line == Line::kNewest) return link_.fail(why, now);
   link_.endLeaving();
 }
 
 void Engine::handle(ModelOpened event) {
   link_.succeeded();
-  wishes_waiting_ = true;
+  requests_waiting_ = true;
   if (model_ && model_->summary().build_id == event.summary.build_id) return;
   if (model_ && instance_.cut() && model_->summary().lattice != event.summary.lattice)
     throw Error(ErrorCode::kInput,
@@ -86,36 +86,38 @@ void Engine::handle(BlobArrived event) {
   const bool was_root_page = event.use.kind == BlobKind::kRootPage;
   deliver(event.blob, event.use, std::move(event.bytes));
   if (!was_root_page || !link_.session() || !link_.session()->givesFirstBlobs()) return;
-  if (const auto coarsest = model_->firstWish())
+  if (const auto coarsest = model_->firstRequest())
     link_.session()->expectUnasked(coarsest->blob, coarsest->use);
 }
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   prefetcher_.arrived(blob, use);
   // What several LODs share is fetched once.
-  for (const Wish& wish : instance_.wishes())
-    if (wish.blob == blob && wish.use != use) model_->take(wish.blob, wish.use, bytes);
+  for (const Request& request : instance_.requests())
+    if (request.blob == blob && request.use != use) model_->take(request.blob, request.use, bytes);
   model_->take(blob, use, std::move(bytes));
 }
 
 void Engine::finishCacheQuery(const BlobRef& blob, std::optional<std::vector<std::byte>> bytes) {
   const auto use = queries_.finish(blob, bytes.has_value());
-  wishes_waiting_ = true;
+  requests_waiting_ = true;
   if (!use || !bytes) return;
   cache_bytes_ += bytes->size();
   deliver(blob, *use, std::move(*bytes));
 }
 
 bool Engine::exhausted() const noexcept {
-  return options_.offline && queries_.idle() && !wishes_waiting_ && (!model_ || model_->decoding() == 0);
+  return options_.offline && queries_.idle() && !requests_waiting_ && (!model_ || model_->decoding() == 0);
 }
 
 bool Engine::settled() const noexcept {
   if (instance_.settled()) return true;
-  if (!model_ || model_->failure().empty() || wishes_waiting_ || model_->decoding() != 0 || !queries_.idle())
+  if (!model_ || model_->failure().empty() || requests_waiting_ || model_->decoding() != 0 ||
+      !queries_.idle())
     return false;
-  return !model_->firstWish() &&
-         std::ranges::none_of(instance_.wishes(), [this](const Wish& wish) { return model_->wants(wish); });
+  return !model_->firstRequest() &&
+         std::ranges::none_of(instance_.requests(),
+                              [this](const Request& request) { return model_->wants(request); });
 }
 
 void Engine::handle(BlobRefused event) {
@@ -123,7 +125,7 @@ void Engine::handle(BlobRefused event) {
   model_->refuse(event.blob, "the server says: " + event.message, event.is_lost);
 }
 
-void Engine::handle(WishCancelled) { wishes_waiting_ = true; }
+void Engine::handle(RequestCancelled) { requests_waiting_ = true; }
 
 void Engine::handle(ServerLeaving event) {
   if (options_.on_turned_away && !link_.session()->opened()) options_.on_turned_away(event.reason);
@@ -148,14 +150,14 @@ void Engine::step(TimePoint now) {
   }
   if (model_) {
     bool changed = instance_.refine(*model_);
-    if (changed) prefetcher_.needed(instance_.placed().get(), instance_.pages(), instance_.wishes());
+    if (changed) prefetcher_.needed(instance_.placed().get(), instance_.pages(), instance_.requests());
     if (options_.prefetch) {
       prefetcher_.expectViews(instance_.viewCount());
       for (size_t number = 0; number < instance_.viewCount(); ++number)
         prefetcher_.see(number, instance_.view(number), now);
       changed |= prefetcher_.lookAhead(*model_, instance_.options(), now);
     }
-    if (changed || wishes_waiting_) renewWishes();
+    if (changed || requests_waiting_) renewRequests();
   }
   waited_.begin(waiting(), now);
 }
@@ -163,52 +165,55 @@ void Engine::step(TimePoint now) {
 Waiting Engine::waiting() const noexcept {
   if (!model_ || !model_->hierarchy().root()) return Waiting::kLink;
   if (instance_.viewCount() == 0 || (cut() && cut()->converged)) return Waiting::kNot;
-  const auto isSeen = [](const Wish& wish) { return wish.wish_class == proto::WishClass::kVisible; };
-  const std::vector<Wish>& wishes = instance_.wishes();
-  const auto seen_end = std::find_if_not(wishes.begin(), wishes.end(), isSeen);
-  if (seen_end == wishes.begin()) return instance_.limited() ? Waiting::kBudget : Waiting::kNot;
+  const auto isSeen = [](const Request& request) {
+    return request.request_class == proto::RequestClass::kVisible;
+  };
+  const std::vector<Request>& requests = instance_.requests();
+  const auto seen_end = std::find_if_not(requests.begin(), requests.end(), isSeen);
+  if (seen_end == requests.begin()) return instance_.limited() ? Waiting::kBudget : Waiting::kNot;
   if (held_back_) return Waiting::kDecode;
-  const bool is_awaited =
-      std::any_of(wishes.begin(), seen_end, [this](const Wish& wish) { return model_->wants(wish); });
+  const bool is_awaited = std::any_of(requests.begin(), seen_end,
+                                      [this](const Request& request) { return model_->wants(request); });
   return is_awaited ? Waiting::kLink : Waiting::kDecode;
 }
 
-void Engine::renewWishes() {
-  wishes_waiting_ = held_back_ = false;
+void Engine::renewRequests() {
+  requests_waiting_ = held_back_ = false;
   if (!link_.session() && !options_.has_cache) return;
-  std::vector<Wish> wishes;
+  std::vector<Request> requests;
   std::unordered_set<uint32_t> asked;  // blob numbers
   const Session* const leaving = link_.session(Line::kLeaving);
   const uint64_t budget_bytes = model_->transitBudgetBytes();
   uint64_t waiting_bytes = model_->undecodedBytes();
   /// @return false if no more may be asked for.
-  const auto ask = [&](const Wish& wish) {
+  const auto ask = [&](const Request& request) {
     // Where the cache has all that is wanted, nothing need stand in for it.
-    if (wish.is_stand_in && options_.has_cache && !queries_.lacksAny()) return true;
-    if (!model_->wants(wish) || !asked.insert(wish.blob.number).second) return true;
-    if (leaving != nullptr && leaving->isWishedFor(wish.blob)) return true;
-    waiting_bytes += wish.blob.bytes;
+    if (request.is_stand_in && options_.has_cache && !queries_.lacksAny()) return true;
+    if (!model_->wants(request) || !asked.insert(request.blob.number).second) return true;
+    if (leaving != nullptr && leaving->isRequested(request.blob)) return true;
+    waiting_bytes += request.blob.bytes;
     held_back_ = waiting_bytes > budget_bytes && model_->undecodedBytes() > budget_bytes / 2;
-    if (waiting_bytes > budget_bytes && !(wishes.empty() && model_->decoding() == 0)) return false;
-    if (wish.wish_class == proto::WishClass::kPrefetch) prefetcher_.asked(wish);
-    if (!options_.has_cache || queries_.lacks(wish)) wishes.push_back(wish);
-    return wishes.size() < kMaxWishesAtOnce;
+    if (waiting_bytes > budget_bytes && !(requests.empty() && model_->decoding() == 0)) return false;
+    if (request.request_class == proto::RequestClass::kPrefetch) prefetcher_.asked(request);
+    if (!options_.has_cache || queries_.lacks(request)) requests.push_back(request);
+    return requests.size() < kMaxRequestsAtOnce;
   };
-  if (const auto first = model_->firstWish()) ask(*first);
+  if (const auto first = model_->firstRequest()) ask(*first);
   // What is seen comes first, and all of it where the picture is far from what it is to be.
   const bool is_far_off = isFarOff(cut().get(), instance_.options().threshold_px);
-  const std::span<const Wish> ahead = is_far_off ? std::span<const Wish>() : std::span(prefetcher_.wishes());
-  for (const Wish& wish : instance_.wishes())
-    if (!ask(wish)) break;
-  for (const Wish& wish : ahead)
-    if (!ask(wish)) break;
+  const std::span<const Request> ahead =
+      is_far_off ? std::span<const Request>() : std::span(prefetcher_.requests());
+  for (const Request& request : instance_.requests())
+    if (!ask(request)) break;
+  for (const Request& request : ahead)
+    if (!ask(request)) break;
   if (!options_.best_first) {
-    for (Wish& wish : wishes) {
-      wish.wish_class = proto::WishClass::kVisible;
-      wish.priority_px = 1;
+    for (Request& request : requests) {
+      request.request_class = proto::RequestClass::kVisible;
+      request.priority_px = 1;
     }
   }
-  if (link_.takesWishes()) link_.session()->setWishes(wishes);
+  if (link_.takesRequests()) link_.session()->setRequests(requests);
 }
 
 proto::Bytes Engine::takeOutgoing(Line line) {
@@ -233,8 +238,8 @@ EngineCounts Engine::counts() const noexcept {
   if (const Session* session = link_.session()) {
     using Milliseconds = std::chrono::duration<double, std::milli>;
     const CreditWindow& window = session->window();
-    counts.open_wishes = session->openWishes();
-    counts.wishes = session->wishCounts();
+    counts.open_requests = session->openRequests();
+    counts.requests = session->requestCounts();
     counts.link_bytes_per_s = window.bytesPerSecond();
     counts.round_trip_ms = Milliseconds(window.roundTrip().value_or(std::chrono::nanoseconds(0))).count();
     counts.window_bytes = window.bytes();
@@ -242,7 +247,7 @@ EngineCounts Engine::counts() const noexcept {
   if (!model_) return counts;
   counts.decoding = model_->decoding();
   counts.transit_bytes = model_->undecodedBytes() + model_->decodingBytes();
-  if (link_.session()) counts.transit_bytes += link_.session()->wishedBytes();
+  if (link_.session()) counts.transit_bytes += link_.session()->requestedBytes();
   counts.resident_bytes = model_->meshes().bytes();
   counts.wanted_bytes = instance_.wantedBytes();
   counts.known_nodes = model_->hierarchy().size();

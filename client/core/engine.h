@@ -40,7 +40,7 @@ struct EngineOptions {
   std::optional<ModelSummary> cached_model = std::nullopt;
   bool offline = false;   ///< shows cached_model from the cache and never wants a connection
   bool prefetch = false;  ///< asks ahead of a camera that moves
-  /// False: what is wished for comes in the order in which it was wished for, to compare with.
+  /// False: what is requested comes in the order in which it was requested, to compare with.
   bool best_first = true;
   /// Told of a connection that breaks, and why, while it still has what it had open; may be empty.
   /// @param is_last  the engine does not go on: that error is thrown next.
@@ -54,8 +54,8 @@ struct EngineOptions {
 struct EngineCounts {
   uint64_t received_bytes = 0;  ///< everything from the server
   uint64_t cache_bytes = 0;     ///< of blobs from the cache
-  uint64_t open_wishes = 0;
-  WishCounts wishes;            ///< the same
+  uint64_t open_requests = 0;
+  RequestCounts requests;       ///< the same
   uint64_t decoding = 0;        ///< jobs handed out
   uint64_t transit_bytes = 0;   ///< asked for, not decoded, or being decoded, with what decoding takes
   uint64_t resident_bytes = 0;  ///< decoded meshes
@@ -88,11 +88,11 @@ class Engine {
   /// False: the transport, if there is one, is of no more use.
   bool connected(Line line = Line::kNewest) const noexcept { return link_.session(line) != nullptr; }
   /// There is a connection, and its server does not go away.
-  bool staysConnected() const noexcept { return link_.takesWishes(); }
+  bool staysConnected() const noexcept { return link_.takesRequests(); }
   /// Those that a connection has open, with those taken back.
-  uint64_t openWishes(Line line) const noexcept {
+  uint64_t openRequests(Line line) const noexcept {
     const Session* const session = link_.session(line);
-    return session ? session->openWishes() : 0;
+    return session ? session->openRequests() : 0;
   }
   /// The transport failed. @throws the error if a new one would not help; the last cut stays good.
   void disconnect(const Error& why, TimePoint now, Line line = Line::kNewest);
@@ -110,7 +110,7 @@ class Engine {
   /// Others than the options', from now on: of all, and of what is drawn.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
 
-  /// Refines if anything has changed, renews the wishes, keeps the connection alive. @throws Error as
+  /// Refines if anything has changed, renews the requests, keeps the connection alive. @throws Error as
   /// disconnect().
   void step(TimePoint now);
 
@@ -150,11 +150,11 @@ class Engine {
   void handle(ModelsListed event);
   void handle(BlobArrived event);
   void handle(BlobRefused event);
-  void handle(WishCancelled event);
+  void handle(RequestCancelled event);
   void handle(ServerLeaving event);
   void handle(ModelChanged event);
   void deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
-  void renewWishes();
+  void renewRequests();
   Waiting waiting() const noexcept;
 
   EngineOptions options_;
@@ -167,8 +167,8 @@ class Engine {
   Prefetcher prefetcher_;
   WaitTimes waited_;
   TimePoint now_{};
-  bool wishes_waiting_ = false;  // some may be sent that could not be before
-  bool held_back_ = false;       // some may not be sent before others are decoded
+  bool requests_waiting_ = false;  // some may be sent that could not be before
+  bool held_back_ = false;         // some may not be sent before others are decoded
 };
 
 }  // namespace lode::core

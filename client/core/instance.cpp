@@ -55,7 +55,7 @@ void Instance::forgetModel() noexcept {
   settled_ = limited_ = false;
   giving_ = Giving::kNothing;
   coarsening_ = 0;
-  wishes_.clear();
+  requests_.clear();
   pages_.clear();
   for (Placed& placed : views_) {
     placed.held.clear();
@@ -218,16 +218,16 @@ void Instance::publish(Model& model, Gathered& gathered) {
   settled_ = true;
   limited_ = coarsening_ > 0;
   pages_.clear();
-  std::vector<std::vector<Wish>> wishes;
+  std::vector<std::vector<Request>> requests;
   for (size_t number = 0; number < views_.size(); ++number) {
     Refinement& refinement = gathered.refinements[number];
     settled_ = settled_ && refinement.settled;
     limited_ = limited_ || refinement.limited;
     views_[number].held = std::move(refinement.held);
     pages_.insert(pages_.end(), refinement.pages.begin(), refinement.pages.end());
-    wishes.push_back(std::move(refinement.wanted));
+    requests.push_back(std::move(refinement.wanted));
   }
-  wishes_ = mergeWishes(wishes);
+  requests_ = mergeRequests(requests);
   if (gathered.all) {
     cut_build_ = model.build();
     for (const Refinement& refinement : gathered.refinements) sign(*refinement.cut);
@@ -239,10 +239,10 @@ void Instance::publish(Model& model, Gathered& gathered) {
     placed_ = std::move(placed);
   }
   if (!model.textures()) return;
-  const std::vector<Wish>& missing = model.textures()->missing();
-  wishes_.insert(wishes_.end(), missing.begin(), missing.end());
-  std::stable_sort(wishes_.begin(), wishes_.end(), [](const Wish& a, const Wish& b) {
-    if (a.wish_class != b.wish_class) return a.wish_class < b.wish_class;
+  const std::vector<Request>& missing = model.textures()->missing();
+  requests_.insert(requests_.end(), missing.begin(), missing.end());
+  std::stable_sort(requests_.begin(), requests_.end(), [](const Request& a, const Request& b) {
+    if (a.request_class != b.request_class) return a.request_class < b.request_class;
     return a.priority_px > b.priority_px;
   });
 }

@@ -10,14 +10,14 @@
 #include "client/core/model.h"
 #include "client/core/placed_cuts.h"
 #include "client/core/refiner.h"
+#include "client/core/request.h"
 #include "client/core/seen_places.h"
 #include "client/core/view.h"
-#include "client/core/wish.h"
 
 namespace lode::core {
 
 /// The views of a model that are drawn at one time, one for each place where it stands: from the views and
-/// what is resident, a cut for each and the wishes for the rest. Meshes and budgets are shared by all views.
+/// what is resident, a cut for each and the requests the rest. Meshes and budgets are shared by all views.
 /// Where a budget does not allow what several views want, all are held to the same larger error. Not thread
 /// safe; the cuts it gives are.
 class Instance {
@@ -44,7 +44,7 @@ class Instance {
   /// The build that they are of: see Model::build().
   uint64_t cutBuild() const noexcept { return cut_build_; }
   /// What the last refinement asks for, best first.
-  const std::vector<Wish>& wishes() const noexcept { return wishes_; }
+  const std::vector<Request>& requests() const noexcept { return requests_; }
   /// Owners of the pages that it goes through.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   const RefineOptions& options() const noexcept { return options_; }
@@ -104,7 +104,7 @@ class Instance {
   bool views_changed_ = false;
   std::shared_ptr<const PlacedCuts> placed_;
   uint64_t cut_build_ = 0;
-  std::vector<Wish> wishes_;
+  std::vector<Request> requests_;
   std::vector<NodeKey> pages_;
   Giving giving_ = Giving::kNothing;  // by the last refinement,
   uint64_t wanted_bytes_ = 0;

@@ -20,7 +20,7 @@ inline constexpr std::array kLines{Line::kNewest, Line::kLeaving};
 
 /// A session with a server that is begun anew when its connection ends. Says when, and waits longer after
 /// each try that fails, with jitter, so that the clients of a server that restarts do not come all at once.
-/// A session whose server is going away stays beside the next one, for what it was wished for. Not thread
+/// A session whose server is going away stays beside the next one, for what it was requested. Not thread
 /// safe.
 class Link {
  public:
@@ -41,8 +41,8 @@ class Link {
   const Session* session(Line line = Line::kNewest) const noexcept {
     return const_cast<Link*>(this)->session(line);
   }
-  /// New wishes may be sent: there is a newest session, and its server stays.
-  bool takesWishes() const noexcept { return session_ && !is_leaving_; }
+  /// New requests may be sent: there is a newest session, and its server stays.
+  bool takesRequests() const noexcept { return session_ && !is_leaving_; }
 
   /// The model is open: the next failure is the first again.
   void succeeded() noexcept;

@@ -49,21 +49,23 @@ MeshKey Model::coarsest() const {
   return {kRootKey, root.coarsestLod().value_or(static_cast<uint32_t>(root.lods.size()) - 1)};
 }
 
-std::optional<Wish> Model::firstWish() const {
+std::optional<Request> Model::firstRequest() const {
   constexpr float kFirst = std::numeric_limits<float>::max();
-  Wish wish{summary_.root_page, {BlobKind::kRootPage, {kRootKey, 0}}, proto::WishClass::kVisible, kFirst};
+  Request request{
+      summary_.root_page, {BlobKind::kRootPage, {kRootKey, 0}}, proto::RequestClass::kVisible, kFirst};
   if (const Node* root = hierarchy_.root()) {
     const BlobRef& payload = root->lods[coarsest().lod].payload;
     if (!payload || meshes_.contains(coarsest())) return std::nullopt;
-    wish.blob = payload;
-    wish.use = {BlobKind::kMesh, coarsest()};
+    request.blob = payload;
+    request.use = {BlobKind::kMesh, coarsest()};
   }
-  if (!wants(wish)) return std::nullopt;
-  return wish;
+  if (!wants(request)) return std::nullopt;
+  return request;
 }
 
-bool Model::wants(const Wish& wish) const {
-  return !refused_.contains(wish.blob.number) && !decoding_.contains(toDecoding(wish.blob, wish.use));
+bool Model::wants(const Request& request) const {
+  return !refused_.contains(request.blob.number) &&
+         !decoding_.contains(toDecoding(request.blob, request.use));
 }
 
 void Model::take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {

@@ -14,8 +14,8 @@
 #include "client/core/cache.h"
 #include "client/core/decode_job.h"
 #include "client/core/hierarchy.h"
+#include "client/core/request.h"
 #include "client/core/texture_stream.h"
-#include "client/core/wish.h"
 #include "common/model_summary.h"
 
 namespace lode::core {
@@ -50,9 +50,9 @@ class Model {
 
   /// What comes before any view: the root's page, then its coarsest LOD; nothing once they are there or
   /// being decoded.
-  std::optional<Wish> firstWish() const;
+  std::optional<Request> firstRequest() const;
   /// Whether a blob would help: it is not being decoded and not refused.
-  bool wants(const Wish& wish) const;
+  bool wants(const Request& request) const;
 
   /// Takes the bytes of a blob, whose name was checked. @throws Error kFormat or kLimit for a page or texture
   /// set that breaks a rule.

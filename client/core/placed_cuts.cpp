@@ -31,18 +31,19 @@ std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cu
   return all;
 }
 
-std::vector<Wish> mergeWishes(std::span<const std::vector<Wish>> wishes) {
-  if (wishes.size() == 1) return wishes.front();
-  std::vector<Wish> merged;
-  for (const std::vector<Wish>& of_view : wishes) merged.insert(merged.end(), of_view.begin(), of_view.end());
-  std::sort(merged.begin(), merged.end(), [](const Wish& a, const Wish& b) {
-    return std::tie(a.use, a.wish_class, b.priority_px, a.is_stand_in) <
-           std::tie(b.use, b.wish_class, a.priority_px, b.is_stand_in);
+std::vector<Request> mergeRequests(std::span<const std::vector<Request>> requests) {
+  if (requests.size() == 1) return requests.front();
+  std::vector<Request> merged;
+  for (const std::vector<Request>& of_view : requests)
+    merged.insert(merged.end(), of_view.begin(), of_view.end());
+  std::sort(merged.begin(), merged.end(), [](const Request& a, const Request& b) {
+    return std::tie(a.use, a.request_class, b.priority_px, a.is_stand_in) <
+           std::tie(b.use, b.request_class, a.priority_px, b.is_stand_in);
   });
-  const auto is_same = [](const Wish& a, const Wish& b) { return a.use == b.use; };
+  const auto is_same = [](const Request& a, const Request& b) { return a.use == b.use; };
   merged.erase(std::unique(merged.begin(), merged.end(), is_same), merged.end());
-  std::sort(merged.begin(), merged.end(), [](const Wish& a, const Wish& b) {
-    return std::tie(a.wish_class, b.priority_px, a.use) < std::tie(b.wish_class, a.priority_px, b.use);
+  std::sort(merged.begin(), merged.end(), [](const Request& a, const Request& b) {
+    return std::tie(a.request_class, b.priority_px, a.use) < std::tie(b.request_class, a.priority_px, b.use);
   });
   return merged;
 }

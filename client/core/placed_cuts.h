@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client/core/cut.h"
-#include "client/core/wish.h"
+#include "client/core/request.h"
 
 namespace lode::core {
 
@@ -20,8 +20,8 @@ struct PlacedCuts {
 /// @param cuts  of one build and threshold, one at least.
 std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cuts);
 
-/// The wishes of several views, each blob use once: with the best class and the largest priority that one of
-/// them has for it. Best first.
-std::vector<Wish> mergeWishes(std::span<const std::vector<Wish>> wishes);
+/// The requests of several views, each blob use once: with the best class and the largest priority that one
+/// of them has for it. Best first.
+std::vector<Request> mergeRequests(std::span<const std::vector<Request>> requests);
 
 }  // namespace lode::core

@@ -11,45 +11,45 @@ void Prefetcher::expectViews(size_t count) {
 bool Prefetcher::lookAhead(const Model& model, const RefineOptions& options, TimePoint now) {
   if (looked_at_ && now - *looked_at_ < kPrefetchInterval) return false;
   looked_at_ = now;
-  const bool had_wishes = !wishes_.empty();
-  wishes_.clear();
-  for (auto& [use, open] : open_) open.is_wished = false;
+  const bool had_requests = !requests_.empty();
+  requests_.clear();
+  for (auto& [use, open] : open_) open.is_requested = false;
   const uint64_t budget_bytes = model.meshes().budgetBytes();
   if (!model.hierarchy().root() ||
       model.meshes().bytes() > budget_bytes - budget_bytes / kPrefetchMemoryShare)
-    return had_wishes;
+    return had_requests;
   uint64_t bytes = 0;
-  for (Wish wish : wantedAhead(model, options, now)) {
-    if (wish.wish_class != proto::WishClass::kVisible) break;  // they come last
-    if (!model.wants(wish)) continue;
-    bytes += wish.blob.bytes;
-    if (bytes > kMaxPrefetchBytes && !wishes_.empty()) break;
-    wish.wish_class = proto::WishClass::kPrefetch;
-    wishes_.push_back(wish);
+  for (Request request : wantedAhead(model, options, now)) {
+    if (request.request_class != proto::RequestClass::kVisible) break;  // they come last
+    if (!model.wants(request)) continue;
+    bytes += request.blob.bytes;
+    if (bytes > kMaxPrefetchBytes && !requests_.empty()) break;
+    request.request_class = proto::RequestClass::kPrefetch;
+    requests_.push_back(request);
   }
-  return had_wishes || !wishes_.empty();
+  return had_requests || !requests_.empty();
 }
 
 /// What the places that move will want together, best first.
-std::vector<Wish> Prefetcher::wantedAhead(const Model& model, const RefineOptions& options,
-                                          TimePoint now) const {
-  std::vector<std::vector<Wish>> wanted;
+std::vector<Request> Prefetcher::wantedAhead(const Model& model, const RefineOptions& options,
+                                             TimePoint now) const {
+  std::vector<std::vector<Request>> wanted;
   for (const CameraMotion& motion : motions_)
     if (const std::optional<View> ahead = motion.predict(now, kPrefetchAhead))
       wanted.push_back(refine(model.hierarchy(), model.meshes(), model.summary().lattice,
                               model.summary().attributes, *ahead, options)
                            .wanted);
-  return mergeWishes(wanted);
+  return mergeRequests(wanted);
 }
 
-void Prefetcher::asked(const Wish& wish) {
-  const auto [open, is_new] = open_.try_emplace(wish.use);
-  if (is_new) ++counts_.wished;
-  open->second.is_wished = true;
+void Prefetcher::asked(const Request& request) {
+  const auto [open, is_new] = open_.try_emplace(request.use);
+  if (is_new) ++counts_.requested;
+  open->second.is_requested = true;
 }
 
 void Prefetcher::arrived(const BlobRef& blob, const BlobUse& use) {
-  std::erase_if(wishes_, [&](const Wish& wish) { return wish.blob.number == blob.number; });
+  std::erase_if(requests_, [&](const Request& request) { return request.blob.number == blob.number; });
   const auto open = open_.find(use);
   if (open == open_.end() || open->second.bytes != 0) return;
   open->second.bytes = blob.bytes;
@@ -58,15 +58,15 @@ void Prefetcher::arrived(const BlobRef& blob, const BlobUse& use) {
 }
 
 void Prefetcher::needed(const PlacedCuts* placed, std::span<const NodeKey> pages,
-                        std::span<const Wish> wishes) {
+                        std::span<const Request> requests) {
   if (open_.empty()) return;
   if (placed != nullptr)
     for (const auto& cut : placed->cuts)
       for (const CutPart& part : cut->parts)
         if (part.visible) use({BlobKind::kMesh, {part.node, part.lod}});
   for (const NodeKey page : pages) use({BlobKind::kPage, {page, 0}});
-  for (const Wish& wish : wishes)
-    if (wish.wish_class == proto::WishClass::kVisible) use(wish.use);
+  for (const Request& request : requests)
+    if (request.request_class == proto::RequestClass::kVisible) use(request.use);
 }
 
 void Prefetcher::use(const BlobUse& use) {
@@ -78,11 +78,11 @@ void Prefetcher::use(const BlobUse& use) {
     --counts_.unused;
     counts_.unused_bytes -= ended.bytes;
   }
-  if (ended.bytes != 0 || ended.is_wished) ++counts_.used;
+  if (ended.bytes != 0 || ended.is_requested) ++counts_.used;
 }
 
 void Prefetcher::forgetModel() {
-  wishes_.clear();
+  requests_.clear();
   open_.clear();
   looked_at_.reset();
 }

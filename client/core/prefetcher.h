@@ -9,8 +9,8 @@
 #include "client/core/model.h"
 #include "client/core/placed_cuts.h"
 #include "client/core/refine_options.h"
+#include "client/core/request.h"
 #include "client/core/time_point.h"
-#include "client/core/wish.h"
 
 namespace lode::core {
 
@@ -20,7 +20,7 @@ constexpr uint64_t kMaxPrefetchBytes = 256u << 10;           ///< asked for at o
 constexpr uint64_t kPrefetchMemoryShare = 4;  ///< one in so many bytes of the meshes' stays for what is seen
 
 struct PrefetchCounts {
-  uint64_t wished = 0;        ///< blobs asked for
+  uint64_t requested = 0;     ///< blobs asked for
   uint64_t used = 0;          ///< of these, that a view has needed since
   uint64_t unused = 0;        ///< that have come, and no view has needed yet
   uint64_t unused_bytes = 0;  ///< of them
@@ -35,18 +35,18 @@ class Prefetcher {
   /// The camera as a place sees it, each time that it is looked at.
   void see(size_t view_number, const View& view, TimePoint now) { motions_[view_number].see(view, now); }
 
-  /// Looks ahead, where that is due. @return whether there are other wishes than before.
+  /// Looks ahead, where that is due. @return whether there are other requests than before.
   bool lookAhead(const Model& model, const RefineOptions& options, TimePoint now);
   /// What the camera will need and lacks, best first; of the last look.
-  const std::vector<Wish>& wishes() const noexcept { return wishes_; }
+  const std::vector<Request>& requests() const noexcept { return requests_; }
 
-  /// Of a wish that was sent.
-  void asked(const Wish& wish);
+  /// Of a request that was sent.
+  void asked(const Request& request);
   /// Of any blob.
   void arrived(const BlobRef& blob, const BlobUse& use);
   /// What the views show, go through, and ask for.
   /// @param placed  may be null.
-  void needed(const PlacedCuts* placed, std::span<const NodeKey> pages, std::span<const Wish> wishes);
+  void needed(const PlacedCuts* placed, std::span<const NodeKey> pages, std::span<const Request> requests);
   const PrefetchCounts& counts() const noexcept { return counts_; }
 
   /// Another build has taken the model's place.
@@ -54,15 +54,15 @@ class Prefetcher {
 
  private:
   struct Open {
-    uint64_t bytes = 0;      // 0: it has not come
-    bool is_wished = false;  // still
+    uint64_t bytes = 0;         // 0: it has not come
+    bool is_requested = false;  // still
   };
-  std::vector<Wish> wantedAhead(const Model& model, const RefineOptions& options, TimePoint now) const;
+  std::vector<Request> wantedAhead(const Model& model, const RefineOptions& options, TimePoint now) const;
   void use(const BlobUse& use);
 
   std::vector<CameraMotion> motions_;  // by view
   std::optional<TimePoint> looked_at_;
-  std::vector<Wish> wishes_;
+  std::vector<Request> requests_;
   std::map<BlobUse, Open> open_;  // asked for, and not needed so far
   PrefetchCounts counts_;
 };

@@ -47,7 +47,7 @@ class Run {
       show(root);
     } else {
       if (const auto coarsest = root.node->coarsestLod())
-        wish(root, *coarsest, std::numeric_limits<float>::max(), true);
+        request(root, *coarsest, std::numeric_limits<float>::max(), true);
       else
         askFor(root, std::numeric_limits<float>::max());
       exact_ = false;
@@ -134,7 +134,7 @@ class Run {
     whole_ = false;
     lacking_.push_back({wanted.node->key, toModelBox(wanted.node->box, step_)});
     if (wanted.role == Role::kBlocked) return askForPage(wanted, 0);
-    wishFor(wanted, 0);
+    request(wanted, 0);
   }
 
   // ---- what is shown instead where a camera sees what is left out
@@ -182,8 +182,8 @@ class Run {
   }
 
   /// Asks for the wanted LOD of a part. @param shown_px  error of what stands in for it.
-  void wishFor(const WantedNode& part, float shown_px) {
-    wish(part, part.lod, part.near ? priorityOf(shown_px) : want_.errorPx(part, part.lod), part.near);
+  void request(const WantedNode& part, float shown_px) {
+    request(part, part.lod, part.near ? priorityOf(shown_px) : want_.errorPx(part, part.lod), part.near);
   }
 
   void showExpanded(WantedNode& wanted) {
@@ -213,11 +213,11 @@ class Run {
     for (uint32_t lod = wanted; lod-- > finestShown(part);) {
       if (!ready(part, lod)) continue;
       emit(part, lod, Fit::kFiner);
-      if (!is_blocked) wishFor(part, want_.errorPx(part, wanted));
+      if (!is_blocked) request(part, want_.errorPx(part, wanted));
       return;
     }
     if (part.near && childrenCovered(part)) {
-      if (!is_blocked) wishFor(part, want_.errorPx(part, wanted));
+      if (!is_blocked) request(part, want_.errorPx(part, wanted));
       const Progress before = progress();
       showFinerChildren(*part.node);
       return standBy(part, before);
@@ -225,7 +225,7 @@ class Run {
     uint32_t lod = wanted + 1;
     while (!ready(part, lod)) ++lod;
     emit(part, lod, Fit::kCoarser);
-    if (!is_blocked) wishFor(part, want_.errorPx(part, lod));
+    if (!is_blocked) request(part, want_.errorPx(part, lod));
   }
 
   void showFinerChildren(const KnownNode& node) {
@@ -281,13 +281,14 @@ class Run {
       cut_->refinable_px = std::max(cut_->refinable_px, error_px);
   }
 
-  // ---- the wishes
+  // ---- the requests
 
   /// Asks for the wanted cut at and below a node, where something coarser is shown.
   /// @param shown_px  error of what is shown there, or will be by then.
   void ask(WantedNode& wanted, float shown_px) {
     const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));
-    if (begins && !covered(wanted)) wish(wanted, WantedCut::coarsestLod(*wanted.node), shown_px, true, true);
+    if (begins && !covered(wanted))
+      request(wanted, WantedCut::coarsestLod(*wanted.node), shown_px, true, true);
     below_hidden_ |= begins;
     askFor(wanted, shown_px);
     if (begins) below_hidden_ = false;
@@ -302,7 +303,7 @@ class Run {
   void askFor(WantedNode& wanted, float shown_px) {
     switch (wanted.role) {
       case Role::kPart:
-        return wishFor(wanted, shown_px);
+        return request(wanted, shown_px);
       case Role::kBlocked:
         return askForPage(wanted, shown_px);
       case Role::kExpanded:
@@ -311,7 +312,7 @@ class Run {
     if (wanted.cover_lod && !childrenCovered(wanted)) {
       const float cover_px = want_.errorPx(wanted, *wanted.cover_lod);
       if (shown_px > 2 * cover_px) {
-        wish(wanted, *wanted.cover_lod, priorityOf(shown_px), true);
+        request(wanted, *wanted.cover_lod, priorityOf(shown_px), true);
         shown_px = cover_px;
       }
     }
@@ -324,12 +325,12 @@ class Run {
         std::min(priorityOf(shown_px), std::numeric_limits<float>::max() / kPagePriorityFactor);
     wanted_.push_back({node.child_page,
                        {BlobKind::kPage, {node.key, 0}},
-                       proto::WishClass::kVisible,
+                       proto::RequestClass::kVisible,
                        priority_px * kPagePriorityFactor});
   }
 
-  void wish(const WantedNode& wanted, uint32_t number, float priority_px, bool is_near,
-            bool is_stand_in = false) {
+  void request(const WantedNode& wanted, uint32_t number, float priority_px, bool is_near,
+               bool is_stand_in = false) {
     const Lod& lod = wanted.node->lods[number];
     const MeshKey key{wanted.node->key, number};
     if (lod.triangles == 0) return;
@@ -339,14 +340,14 @@ class Run {
     }
     wanted_.push_back({lod.payload,
                        {BlobKind::kMesh, key},
-                       is_near ? proto::WishClass::kVisible : proto::WishClass::kMargin,
+                       is_near ? proto::RequestClass::kVisible : proto::RequestClass::kMargin,
                        priority_px,
                        is_stand_in});
   }
 
   Refinement finish(bool has_cut) {
-    std::sort(wanted_.begin(), wanted_.end(), [](const Wish& a, const Wish& b) {
-      if (a.wish_class != b.wish_class) return a.wish_class < b.wish_class;
+    std::sort(wanted_.begin(), wanted_.end(), [](const Request& a, const Request& b) {
+      if (a.request_class != b.request_class) return a.request_class < b.request_class;
       if (a.priority_px != b.priority_px) return a.priority_px > b.priority_px;
       return std::tie(a.use.mesh, a.use.kind) < std::tie(b.use.mesh, b.use.kind);
     });
@@ -378,7 +379,7 @@ class Run {
   bool exact_ = true;          // near the view the published cut is the wanted one
   bool whole_ = true;          // and elsewhere, with nothing left out
   bool below_hidden_ = false;  // what is asked for is at or below a hidden node
-  std::vector<Wish> wanted_;
+  std::vector<Request> wanted_;
   std::vector<MeshKey> in_use_, ancestors_;
   std::vector<NodeKey> pages_;  // that only stand-ins need
 };

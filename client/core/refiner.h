@@ -8,16 +8,16 @@
 #include "client/core/cut.h"
 #include "client/core/hierarchy.h"
 #include "client/core/refine_options.h"
+#include "client/core/request.h"
 #include "client/core/seen_places.h"
 #include "client/core/view.h"
 #include "client/core/wanted_cut.h"
-#include "client/core/wish.h"
 
 namespace lode::core {
 
 struct Refinement {
   std::shared_ptr<Cut> cut;     ///< without its textures; null while nothing covers the model yet
-  std::vector<Wish> wanted;     ///< pages and payloads, not resident; best first
+  std::vector<Request> wanted;  ///< pages and payloads, not resident; best first
   std::vector<MeshKey> in_use;  ///< resident: the cut's meshes, its fallbacks', and what waits for siblings
   std::vector<MeshKey> ancestors;  ///< resident: coarser stand-ins for the cut
   std::vector<NodeKey> pages;      ///< owners of those that the wanted cut and the published one go through
@@ -28,14 +28,14 @@ struct Refinement {
 };
 
 /// Best-first refinement: decides what the view needs of the known hierarchy, publishes the best cut that the
-/// resident meshes allow, and wishes for what is missing. A function of its arguments alone, so that the
+/// resident meshes allow, and requests what is missing. A function of its arguments alone, so that the
 /// converged cut does not depend on the order of arrivals. Its time goes with the nodes that the cut goes
 /// through, not with those that are known.
 ///
 /// What is wanted: see WantedCut. The published cut is the wanted one where it is resident. Elsewhere a finer
 /// stand-in is kept if it covers the place, else a coarser one: a node gives way to its children only when
 /// every child is covered that is in the view or in a margin around it. Of the others those that are missing
-/// are left out of the cut, and wished for in the margin class, coarsest first; the nearest ancestor that is
+/// are left out of the cut, and requested in the margin class, coarsest first; the nearest ancestor that is
 /// resident, as far as memory is for it, is their fallback, and where one comes into view the ancestor is
 /// shown again.
 ///
@@ -48,7 +48,8 @@ struct Refinement {
 /// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the
 /// octree of the 2005 paper (docs/lod-selection.md).
 /// @param held  of the last refinement.
-/// @param seen  by this view; null: nothing is known to be hidden. It changes the order of wishes and what is
+/// @param seen  by this view; null: nothing is known to be hidden. It changes the order of requests and what
+/// is
 ///              shown meanwhile, never the cut that has converged.
 Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,
                   AttributeSet attributes, const View& view, const RefineOptions& options,

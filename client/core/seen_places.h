@@ -15,7 +15,7 @@ namespace lode::core {
 
 /// The places of a model's surface that a view and its margin see, as far as a cut can tell: it is drawn here
 /// into a small picture, and each of its pixels is one place. What has none, or few, is behind other parts or
-/// too small to matter. Decides the order of wishes alone, so that a mistake delays and leaves no hole.
+/// too small to matter. Decides the order of requests alone, so that a mistake delays and leaves no hole.
 class SeenPlaces {
  public:
   /// Cuts of more than that would take too long to draw.

@@ -133,8 +133,8 @@ void Session::handleWelcome(const proto::FrameHeader& header, std::span<const st
   require(state_ == State::kWelcome && header.call == kHelloCall, "a Welcome out of turn");
   const auto welcome = proto::decode<proto::Welcome>(body);
   require(welcome.version == proto::kProtocolVersion, "it chose version " + std::to_string(welcome.version));
-  require(welcome.max_open_wishes > 0, "it allows no wishes");
-  max_open_wishes_ = std::min({welcome.max_open_wishes, proto::kMaxOpenWishes, kMaxWishesAtOnce});
+  require(welcome.max_open_requests > 0, "it allows no requests");
+  max_open_requests_ = std::min({welcome.max_open_requests, proto::kMaxOpenRequests, kMaxRequestsAtOnce});
   state_ = State::kAnswer;
 }
 
@@ -168,20 +168,20 @@ void Session::handleBlob(std::span<const std::byte> body) {
   const proto::BlobChunk chunk = proto::decodeBlobChunk(body);
   credited_bytes_ += body.size();
   require(credited_bytes_ <= sent_grant_bytes_, "it sent more than the credit that it was granted");
-  const uint32_t wish = chunk.header.wish;
-  if (wish == 0) {
-    require(unasked_.has_value(), "a blob that was not wished for");
+  const uint32_t request = chunk.header.request;
+  if (request == 0) {
+    require(unasked_.has_value(), "a blob that was not requested");
     appendChunk(*unasked_, chunk);
     if (unasked_->bytes.size() == unasked_->blob.bytes)
       event_ = completed(*std::exchange(unasked_, std::nullopt));
   } else {
-    const auto found = wishes_.find(wish);
-    require(found != wishes_.end(), "a blob that was not wished for");
+    const auto found = requests_.find(request);
+    require(found != requests_.end(), "a blob that was not requested");
     Incoming& incoming = found->second.incoming;
     appendChunk(incoming, chunk);
     if (incoming.bytes.size() == incoming.blob.bytes) {
       Incoming whole = std::move(incoming);
-      endWish(wish);
+      endRequest(request);
       event_ = completed(std::move(whole));
     }
   }
@@ -206,29 +206,29 @@ SessionEvent Session::completed(Incoming incoming) {
 }
 
 void Session::handleCancelled(std::span<const std::byte> body) {
-  const uint32_t wish = proto::decode<proto::Cancelled>(body).wish;
-  const auto found = wishes_.find(wish);
-  require(found != wishes_.end() && found->second.cancelling, "it cancelled what was not to be cancelled");
-  event_ = WishCancelled{found->second.incoming.blob};
-  endWish(wish);
+  const uint32_t request = proto::decode<proto::Cancelled>(body).request;
+  const auto found = requests_.find(request);
+  require(found != requests_.end() && found->second.cancelling, "it cancelled what was not to be cancelled");
+  event_ = RequestCancelled{found->second.incoming.blob};
+  endRequest(request);
 }
 
 void Session::handleError(std::span<const std::byte> body) {
   const auto error = proto::decode<proto::ErrorMessage>(body);
-  if (error.wish == 0) {
+  if (error.request == 0) {
     const bool is_of_the_coarsest = unasked_ && unasked_->use.kind == BlobKind::kMesh;
     if (!is_of_the_coarsest || error.code != proto::WireError::kDamagedStore) return handleRefusal(error);
     const Incoming lost = *std::exchange(unasked_, std::nullopt);
     event_ = BlobRefused{lost.blob, lost.use, error.message, true};
     return;
   }
-  const auto found = wishes_.find(error.wish);
-  require(found != wishes_.end(), "an error for a wish that is not open");
+  const auto found = requests_.find(error.request);
+  require(found != requests_.end(), "an error for a request that is not open");
   const Incoming& incoming = found->second.incoming;
   const bool is_lost =
       error.code == proto::WireError::kDamagedStore || error.code == proto::WireError::kNoSuchBlob;
   event_ = BlobRefused{incoming.blob, incoming.use, error.message, is_lost};
-  endWish(error.wish);
+  endRequest(error.request);
 }
 
 /// The server refuses the session or the model.
@@ -252,18 +252,18 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
   }
 }
 
-void Session::countWish(const OpenWish& wish, bool is_open) {
+void Session::countRequest(const OpenRequest& request, bool is_open) {
   const uint64_t one = is_open ? 1 : -uint64_t{1};
-  wish_counts_[wish.wish_class] += one;
-  if (wish.incoming.use.kind == BlobKind::kTile) wish_counts_.tiles += one;
+  request_counts_[request.request_class] += one;
+  if (request.incoming.use.kind == BlobKind::kTile) request_counts_.tiles += one;
 }
 
-void Session::endWish(uint32_t wish) {
-  const auto found = wishes_.find(wish);
-  countWish(found->second, false);
-  if (!found->second.cancelling) wished_bytes_ -= found->second.incoming.blob.bytes;
-  wish_of_blob_.erase(found->second.incoming.blob.number);
-  wishes_.erase(found);
+void Session::endRequest(uint32_t request) {
+  const auto found = requests_.find(request);
+  countRequest(found->second, false);
+  if (!found->second.cancelling) requested_bytes_ -= found->second.incoming.blob.bytes;
+  request_of_blob_.erase(found->second.incoming.blob.number);
+  requests_.erase(found);
 }
 
 /// Of a frame that has begun to come; its beginning says how long it will be.
@@ -281,59 +281,60 @@ void Session::grantCredit() {
 
 void Session::sendCredit() { send(proto::encode(proto::Credit{granted_bytes_}, next_call_++)); }
 
-void Session::setWishes(std::span<const Wish> wanted) {
+void Session::setRequests(std::span<const Request> wanted) {
   if (state_ != State::kOpen) return;
   std::unordered_set<uint32_t> accepted;
-  std::vector<proto::WishChange> changes;
-  std::vector<const Wish*> additions;
+  std::vector<proto::RequestChange> changes;
+  std::vector<const Request*> additions;
   uint64_t accepted_bytes = 0;
-  for (const Wish& wanting : wanted) {
+  for (const Request& wanting : wanted) {
     const BlobRef& blob = wanting.blob;
-    if (accepted.size() >= max_open_wishes_) break;
-    if (!accepted.empty() && accepted_bytes + blob.bytes > options_.max_wished_bytes) break;
+    if (accepted.size() >= max_open_requests_) break;
+    if (!accepted.empty() && accepted_bytes + blob.bytes > options_.max_requested_bytes) break;
     if (unasked_ && unasked_->blob.number == blob.number) continue;
     if (!accepted.insert(blob.number).second) continue;
     accepted_bytes += blob.bytes;
-    const auto open = wish_of_blob_.find(blob.number);
-    if (open == wish_of_blob_.end()) {
+    const auto open = request_of_blob_.find(blob.number);
+    if (open == request_of_blob_.end()) {
       additions.push_back(&wanting);
       continue;
     }
-    OpenWish& wish = wishes_.at(open->second);
-    const bool moved =
-        wish.wish_class != wanting.wish_class || differsMuch(wish.priority_px, wanting.priority_px);
-    if (wish.cancelling || !moved) continue;
-    countWish(wish, false);
-    wish.wish_class = wanting.wish_class;
-    countWish(wish, true);
-    wish.priority_px = wanting.priority_px;
+    OpenRequest& request = requests_.at(open->second);
+    const bool moved = request.request_class != wanting.request_class ||
+                       differsMuch(request.priority_px, wanting.priority_px);
+    if (request.cancelling || !moved) continue;
+    countRequest(request, false);
+    request.request_class = wanting.request_class;
+    countRequest(request, true);
+    request.priority_px = wanting.priority_px;
+    changes.push_back({proto::RequestAction::kReprioritise, request.request_class, open->second, blob.number,
+                       request.priority_px});
+  }
+  for (auto& [number, request] : requests_) {
+    if (request.cancelling || accepted.contains(request.incoming.blob.number)) continue;
+    request.cancelling = true;
+    requested_bytes_ -= request.incoming.blob.bytes;
     changes.push_back(
-        {proto::WishAction::kReprioritise, wish.wish_class, open->second, blob.number, wish.priority_px});
+        {proto::RequestAction::kCancel, request.request_class, number, request.incoming.blob.number, 0});
   }
-  for (auto& [number, wish] : wishes_) {
-    if (wish.cancelling || accepted.contains(wish.incoming.blob.number)) continue;
-    wish.cancelling = true;
-    wished_bytes_ -= wish.incoming.blob.bytes;
-    changes.push_back({proto::WishAction::kCancel, wish.wish_class, number, wish.incoming.blob.number, 0});
-  }
-  for (const Wish* wanting : additions) {
+  for (const Request* wanting : additions) {
     const BlobRef& blob = wanting->blob;
-    const uint32_t number = next_wish_++;
-    const OpenWish wish{{blob, wanting->use, {}}, wanting->wish_class, wanting->priority_px, false};
-    countWish(wish, true);
-    wishes_.emplace(number, wish);
-    wish_of_blob_.emplace(blob.number, number);
-    wished_bytes_ += blob.bytes;
+    const uint32_t number = next_request_++;
+    const OpenRequest request{{blob, wanting->use, {}}, wanting->request_class, wanting->priority_px, false};
+    countRequest(request, true);
+    requests_.emplace(number, request);
+    request_of_blob_.emplace(blob.number, number);
+    requested_bytes_ += blob.bytes;
     changes.push_back(
-        {proto::WishAction::kAdd, wanting->wish_class, number, blob.number, wanting->priority_px});
+        {proto::RequestAction::kAdd, wanting->request_class, number, blob.number, wanting->priority_px});
   }
   sendChanges(changes);
 }
 
-void Session::sendChanges(std::span<const proto::WishChange> changes) {
+void Session::sendChanges(std::span<const proto::RequestChange> changes) {
   while (!changes.empty()) {
-    const auto some = changes.first(std::min<size_t>(changes.size(), proto::kMaxWishesPerFrame));
-    send(proto::encode(proto::Wishes{handle_, {some.begin(), some.end()}}, next_call_++));
+    const auto some = changes.first(std::min<size_t>(changes.size(), proto::kMaxRequestsPerFrame));
+    send(proto::encode(proto::Requests{handle_, {some.begin(), some.end()}}, next_call_++));
     changes = changes.subspan(some.size());
   }
 }
@@ -358,7 +359,7 @@ void Session::tick(TimePoint now) {
                                          " seconds: check the network and the server, then try again");
   if (state_ == State::kWelcome) return;
   if (!ping_open_ &&
-      (silence_ >= kPingInterval || (!wishes_.empty() && now - last_ping_ >= kMeasureInterval)))
+      (silence_ >= kPingInterval || (!requests_.empty() && now - last_ping_ >= kMeasureInterval)))
     sendPing();
   // A slow link brings bytes for minutes in which a client has nothing to say; the server must hear of it.
   if (outgoing_.empty() && now - last_sent_ >= kPingInterval) sendCredit();

@@ -14,7 +14,7 @@
 
 #include "client/core/credit_window.h"
 #include "client/core/remedies.h"
-#include "client/core/wish.h"
+#include "client/core/request.h"
 #include "common/blob.h"
 #include "common/model_summary.h"
 #include "proto/frame.h"
@@ -25,10 +25,11 @@ namespace lode::core {
 constexpr std::chrono::seconds kPingInterval{10};    ///< of silence, after which a Ping is sent
 constexpr std::chrono::seconds kMeasureInterval{1};  ///< between Pings while blobs are awaited
 constexpr std::chrono::seconds kSilenceLimit{30};    ///< after which the server counts as gone
-constexpr std::chrono::seconds kLongestPause{2};   ///< between two calls that counts as silence of the server
-constexpr uint64_t kMaxWishedBytes = 32ull << 20;  ///< of open wishes together, unless one alone is larger
-constexpr uint32_t kMaxWishesAtOnce = 1024;        ///< enough to fill any window, few enough to re-sort
-constexpr float kReprioritiseFactor = 1.19f;       ///< 2^1/4: smaller changes of priority are not sent
+constexpr std::chrono::seconds kLongestPause{2};  ///< between two calls that counts as silence of the server
+constexpr uint64_t kMaxRequestedBytes = 32ull
+                                        << 20;  ///< of open requests together, unless one alone is larger
+constexpr uint32_t kMaxRequestsAtOnce = 1024;   ///< enough to fill any window, few enough to re-sort
+constexpr float kReprioritiseFactor = 1.19f;    ///< 2^1/4: smaller changes of priority are not sent
 
 struct SessionOptions {
   std::string model;        ///< empty: asks for the list of models and opens none
@@ -36,7 +37,7 @@ struct SessionOptions {
   std::string token;
   std::string program = "lodestream";
   Remedies remedies;
-  uint64_t max_wished_bytes = kMaxWishedBytes;
+  uint64_t max_requested_bytes = kMaxRequestedBytes;
   /// That the server does not have the model is taken for one that is leaving: it may have it again.
   bool awaits_model = false;
   /// Whether bytes have the blob's name; none: their SHA-256 is compared with it.
@@ -62,8 +63,8 @@ struct BlobRefused {
   std::string message;
   bool is_lost = false;  ///< the server does not have it; else it may give it another time
 };
-/// A wish that was taken back has ended without its blob, which may be wished for again from now on.
-struct WishCancelled {
+/// A request that was taken back has ended without its blob, which may be requested again from now on.
+struct RequestCancelled {
   BlobRef blob;
 };
 /// The server closes, for now: connect again.
@@ -71,12 +72,12 @@ struct ServerLeaving {
   std::string reason;  ///< for people
 };
 struct ModelChanged {};
-using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, WishCancelled,
+using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, RequestCancelled,
                                   ServerLeaving, ModelChanged>;
 
 /// One side of a conversation with a server, without a socket: bytes in, events out, bytes out. Everything
 /// that comes in is checked; what the protocol does not allow throws Error kProtocol (kLimit, kFormat), and
-/// the session must be given up. Memory for incoming blobs is taken only for blobs that were wished for,
+/// the session must be given up. Memory for incoming blobs is taken only for blobs that were requested,
 /// whose size was known before. Not thread safe.
 class Session {
  public:
@@ -89,15 +90,15 @@ class Session {
   /// words if it refused the session or the model.
   std::optional<SessionEvent> nextEvent();
 
-  /// The next unasked blob (wish 0) that the server sends: the root's page is expected by itself, the
+  /// The next unasked blob (request 0) that the server sends: the root's page is expected by itself, the
   /// root's coarsest payload is named by who reads the page.
   void expectUnasked(const BlobRef& blob, const BlobUse& use);
 
-  /// What the client wants now, best first: wishes for what is new, re-prioritises, and cancels the rest.
+  /// What the client wants now, best first: requests what is new, re-prioritises, and cancels the rest.
   /// What goes beyond the limits of the session is left for a later call; so is what is wanted again while
-  /// its cancel is under way, until the WishCancelled or the blob that ends it. Wishes taken back count in no
-  /// limit: the server reads the cancels before the adds.
-  void setWishes(std::span<const Wish> wanted);
+  /// its cancel is under way, until the RequestCancelled or the blob that ends it. Requests taken back count
+  /// in no limit: the server reads the cancels before the adds.
+  void setRequests(std::span<const Request> wanted);
 
   /// Keeps the connection alive in both directions. @throws Error kTimeout after kSilenceLimit without a
   /// byte. Time in which nobody called counts as kLongestPause: what came then waits to be received.
@@ -109,10 +110,10 @@ class Session {
   /// The server sends the root's page and its coarsest LOD by itself: it does to who knows another build.
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
-  bool isWishedFor(const BlobRef& blob) const { return wish_of_blob_.contains(blob.number); }
-  size_t openWishes() const noexcept { return wishes_.size(); }           ///< those taken back, too
-  const WishCounts& wishCounts() const noexcept { return wish_counts_; }  ///< of the same
-  uint64_t wishedBytes() const noexcept { return wished_bytes_; }
+  bool isRequested(const BlobRef& blob) const { return request_of_blob_.contains(blob.number); }
+  size_t openRequests() const noexcept { return requests_.size(); }                ///< those taken back, too
+  const RequestCounts& requestCounts() const noexcept { return request_counts_; }  ///< of the same
+  uint64_t requestedBytes() const noexcept { return requested_bytes_; }
   uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all that came from the transport
   /// What is known of the link, and what the server may have under way because of that.
   const CreditWindow& window() const noexcept { return window_; }
@@ -124,9 +125,9 @@ class Session {
     BlobUse use;
     std::vector<std::byte> bytes;  // received so far; room for all of it is taken with the first chunk
   };
-  struct OpenWish {
+  struct OpenRequest {
     Incoming incoming;
-    proto::WishClass wish_class = proto::WishClass::kVisible;
+    proto::RequestClass request_class = proto::RequestClass::kVisible;
     float priority_px = 0;
     bool cancelling = false;
   };
@@ -142,16 +143,16 @@ class Session {
   void handleError(std::span<const std::byte> body);
   void handlePong(std::span<const std::byte> body);
   void handleRefusal(const proto::ErrorMessage& error);
-  void endWish(uint32_t wish);
-  void countWish(const OpenWish& wish, bool is_open);
-  bool awaitsBlobs() const noexcept { return !wishes_.empty() || unasked_; }
+  void endRequest(uint32_t request);
+  void countRequest(const OpenRequest& request, bool is_open);
+  bool awaitsBlobs() const noexcept { return !requests_.empty() || unasked_; }
   uint64_t bytesOfUnfinishedFrame() const;
   void grantCredit();
   void sendCredit();
   void pass(TimePoint now);
   void send(const proto::Bytes& frame);
   void sendPing();
-  void sendChanges(std::span<const proto::WishChange> changes);
+  void sendChanges(std::span<const proto::RequestChange> changes);
   void appendChunk(Incoming& incoming, const proto::BlobChunk& chunk);
   SessionEvent completed(Incoming incoming);
 
@@ -159,13 +160,13 @@ class Session {
   State state_ = State::kWelcome;
   uint32_t handle_ = 0;
   bool gives_first_blobs_ = false;
-  uint32_t max_open_wishes_ = 0;
+  uint32_t max_open_requests_ = 0;
   uint32_t next_call_ = 1;
-  uint32_t next_wish_ = 1;
-  std::map<uint32_t, OpenWish> wishes_;                  // by wish
-  std::unordered_map<uint32_t, uint32_t> wish_of_blob_;  // blob number -> wish
-  WishCounts wish_counts_;
-  uint64_t wished_bytes_ = 0;  // of wishes that are not taken back
+  uint32_t next_request_ = 1;
+  std::map<uint32_t, OpenRequest> requests_;                // by request
+  std::unordered_map<uint32_t, uint32_t> request_of_blob_;  // blob number -> request
+  RequestCounts request_counts_;
+  uint64_t requested_bytes_ = 0;  // of requests that are not taken back
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
   uint64_t sent_grant_bytes_;    // what the server can know of: handed out by takeOutgoing()

@@ -23,7 +23,7 @@ void forEachTile(const Texture& texture, uint32_t number, Use&& use) {
 TextureStream::TextureStream(const BlobRef& set_blob, uint64_t budget_bytes)
     : set_blob_(set_blob), cache_(budget_bytes) {
   constexpr float kFirst = std::numeric_limits<float>::max();
-  missing_.push_back({set_blob_, {BlobKind::kTextureSet, {}}, proto::WishClass::kVisible, kFirst});
+  missing_.push_back({set_blob_, {BlobKind::kTextureSet, {}}, proto::RequestClass::kVisible, kFirst});
 }
 
 void TextureStream::takeSet(std::span<const std::byte> bytes) {
@@ -48,7 +48,7 @@ void TextureStream::takeSet(std::span<const std::byte> bytes) {
 
 void TextureStream::lose(uint32_t blob) {
   lost_.insert(blob);
-  std::erase_if(missing_, [blob](const Wish& wish) { return wish.blob.number == blob; });
+  std::erase_if(missing_, [blob](const Request& request) { return request.blob.number == blob; });
 }
 
 void TextureStream::refine(std::span<const TexturedPart> parts, const View& view, float threshold_px) {
@@ -73,7 +73,7 @@ void TextureStream::refine(std::span<const TexturedPart> parts, const View& view
     } else {
       missing_.push_back({blob,
                           {BlobKind::kTile, {}},
-                          tile.visible ? proto::WishClass::kVisible : proto::WishClass::kMargin,
+                          tile.visible ? proto::RequestClass::kVisible : proto::RequestClass::kMargin,
                           tile.priority_px});
     }
   }

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "client/core/cut.h"
+#include "client/core/request.h"
 #include "client/core/texture_cache.h"
 #include "client/core/texture_wants.h"
 #include "client/core/tile_key.h"
-#include "client/core/wish.h"
 #include "common/blob.h"
 #include "common/texture_set.h"
 
@@ -50,7 +50,7 @@ class TextureStream {
   /// Decides what is needed, and evicts what is not where room is short. Does nothing without the set.
   void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
   /// Needed and not resident, each blob once, best first; the set alone until it is there.
-  const std::vector<Wish>& missing() const noexcept { return missing_; }
+  const std::vector<Request>& missing() const noexcept { return missing_; }
   /// All is there that can be had, that the view needs and that the budget allows.
   bool complete() const noexcept {
     return (set_ ? refined_ : lost_.contains(set_blob_.number)) && missing_.empty();
@@ -81,7 +81,7 @@ class TextureStream {
   std::shared_ptr<const TextureSet> set_;
   std::map<uint32_t, Keys> keys_;  // by blob number
   std::set<uint32_t> lost_;        // blob numbers
-  std::vector<Wish> missing_;
+  std::vector<Request> missing_;
   size_t left_out_ = 0, lost_in_view_ = 0;
   uint64_t blob_bytes_in_use_ = 0;
   bool refined_ = false;

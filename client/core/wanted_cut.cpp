@@ -192,7 +192,7 @@ void WantedCut::stopAt(const Candidate& candidate) {
 }
 
 /// Chooses the covering step: on each way down the deepest expanded node, at its finest LOD, that costs
-/// little against what is wanted below it. It does not depend on what is resident, so that wishes do not
+/// little against what is wanted below it. It does not depend on what is resident, so that requests do not
 /// waver.
 WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   const KnownNode& node = *wanted.node;

@@ -152,8 +152,8 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
                   "of one client's address (default: " + std::to_string(proto::kMaxConnectionsPerAddress) +
                       ", loopback not limited)")
       ->check(CLI::Range(1u, 1000000u));
-  command.add_option("--max-wishes", options.max_open_wishes, "open wishes of a connection")
-      ->check(CLI::Range(1u, proto::kMaxOpenWishes))
+  command.add_option("--max-requests", options.max_open_requests, "open requests of a connection")
+      ->check(CLI::Range(1u, proto::kMaxOpenRequests))
       ->capture_default_str();
   command.add_option("--max-open-models", options.max_open_models, "models that a connection has open")
       ->check(CLI::Range(1u, proto::kMaxOpenModels))
@@ -173,7 +173,7 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
              "for a write that a client does not take");
   addSeconds(command, "--drain-delay", options.drain_delay, 0,
              "to go on accepting after SIGTERM; a second one ends it");
-  addSeconds(command, "--drain-deadline", options.drain_deadline, 0, "for open wishes, after that");
+  addSeconds(command, "--drain-deadline", options.drain_deadline, 0, "for open requests, after that");
 }
 
 }  // namespace

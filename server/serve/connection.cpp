@@ -34,7 +34,7 @@ Connection::Connection(proto::ByteStream stream, Place place, MemoryAccount memo
       host_(host),
       limits_(limits),
       stream_(std::move(stream), 2048, [this](size_t more) { return memory_.tryTake(more); }),
-      session_({&host.offer, &memory_, host.tallies, &host.wishes}, limits.session, Clock::now()),
+      session_({&host.offer, &memory_, host.tallies, &host.requests}, limits.session, Clock::now()),
       rate_(limits.bytes_per_second),
       to_write_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),
       to_read_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),

@@ -20,8 +20,8 @@
 #include "server/serve/memory_budget.h"
 #include "server/serve/metrics.h"
 #include "server/serve/offer.h"
+#include "server/serve/request_memory.h"
 #include "server/serve/session.h"
-#include "server/serve/wish_memory.h"
 
 namespace lode::serve {
 
@@ -57,7 +57,7 @@ struct ConnectionHost {
   MemoryBudget* budget = nullptr;
   asio::thread_pool* readers = nullptr;  ///< threads that may wait for the disk
   BufferPool buffers;
-  WishMemory wishes;
+  RequestMemory requests;
   std::unordered_set<Connection*> connections;
 };
 
@@ -93,7 +93,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   uint64_t heldBytes() const noexcept { return memory_.held(); }
 
  private:
-  /// A chunk that the disk is asked for; its wish is parked meanwhile.
+  /// A chunk that the disk is asked for; its request is parked meanwhile.
   struct ColdRead {
     Chunk chunk;
     std::vector<std::byte> bytes;
@@ -124,7 +124,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Place place_;
   MemoryAccount memory_;
-  MemoryAccount reading_;  ///< what the disk is asked for: no greed of the client's, who may wish and ask on
+  MemoryAccount
+      reading_;  ///< what the disk is asked for: no greed of the client's, who may request and ask on
   ConnectionHost& host_;
   ConnectionLimits limits_;
   proto::FrameStream stream_;

@@ -218,16 +218,16 @@ void Connection::fail(const Chunk& chunk, ReadResult result) {
 }
 
 void Connection::noteRead(const Chunk& chunk) noexcept {
-  const auto wish_class = static_cast<size_t>(chunk.wish_class);
+  const auto request_class = static_cast<size_t>(chunk.request_class);
   const auto now = Clock::now();
   if (chunk.first()) {
     const auto held = session_.heldSince(chunk, now);
-    host_.tallies->held[wish_class].add(held);
-    host_.tallies->queue[wish_class].add(now - chunk.asked - held);
+    host_.tallies->held[request_class].add(held);
+    host_.tallies->queue[request_class].add(now - chunk.asked - held);
   }
   if (chunk.last()) {
     ++blobs_;
-    host_.tallies->send[wish_class].add(now - chunk.asked);
+    host_.tallies->send[request_class].add(now - chunk.asked);
   }
   if (chunk.opened->tallies == nullptr) return;
   chunk.opened->tallies->bytes.add(chunk.bytes);

@@ -17,7 +17,7 @@ using prometheus::MetricFamily;
 using prometheus::MetricType;
 using Threads = std::span<const std::unique_ptr<ThreadTallies>>;
 
-constexpr std::array<std::string_view, kWishClasses> kClassNames{"visible", "margin", "prefetch"};
+constexpr std::array<std::string_view, kRequestClasses> kClassNames{"visible", "margin", "prefetch"};
 
 ClientMetric labelled(const char* label, std::string_view value) {
   ClientMetric metric;
@@ -54,7 +54,7 @@ MetricFamily counters(const char* name, const char* help, const char* label, siz
 
 MetricFamily latencies(const char* name, const char* help, Threads threads, const auto& tally) {
   MetricFamily family{name, help, MetricType::Histogram, {}};
-  for (size_t c = 0; c < kWishClasses; ++c) {
+  for (size_t c = 0; c < kRequestClasses; ++c) {
     ClientMetric metric = labelled("class", kClassNames[c]);
     auto& histogram = metric.histogram;
     for (size_t bucket = 0; bucket < LatencyTally::kBuckets; ++bucket) {
@@ -80,7 +80,7 @@ constexpr std::array kModelFigures{
     ModelFigure{"lodestream_model_sent_bytes_total", "Bytes of blobs sent", &ModelTallies::bytes},
     ModelFigure{"lodestream_model_cold_reads_total", "Reads that had to wait for the disk",
                 &ModelTallies::cold_reads},
-    ModelFigure{"lodestream_model_damaged_blobs_total", "Wishes ended because the store is damaged",
+    ModelFigure{"lodestream_model_damaged_blobs_total", "Requests ended because the store is damaged",
                 &ModelTallies::damaged},
 };
 
@@ -161,18 +161,18 @@ std::string Metrics::text(const ServerGauges& gauges) const {
       "reason", kEndReasons, threads_, [](size_t i) { return endName(static_cast<EndReason>(i)); },
       [](const ThreadTallies& t) -> const auto& { return t.ended; }));
   families.push_back(counters(
-      "lodestream_wishes_total", "Wishes taken, by class", "class", kWishClasses, threads_,
+      "lodestream_requests_total", "Requests taken, by class", "class", kRequestClasses, threads_,
       [](size_t i) { return kClassNames[i]; },
-      [](const ThreadTallies& t) -> const auto& { return t.wishes; }));
+      [](const ThreadTallies& t) -> const auto& { return t.requests; }));
   families.push_back(latencies(
-      "lodestream_wish_queue_seconds", "From a wish to its first chunk, but for wish_held_seconds", threads_,
-      [](const ThreadTallies& t) -> const auto& { return t.queue; }));
+      "lodestream_request_queue_seconds", "From a request to its first chunk, but for request_held_seconds",
+      threads_, [](const ThreadTallies& t) -> const auto& { return t.queue; }));
   families.push_back(latencies(
-      "lodestream_wish_held_seconds",
-      "From a wish to its first chunk, while the client's window was shut or its link full", threads_,
+      "lodestream_request_held_seconds",
+      "From a request to its first chunk, while the client's window was shut or its link full", threads_,
       [](const ThreadTallies& t) -> const auto& { return t.held; }));
   families.push_back(latencies(
-      "lodestream_wish_send_seconds", "From a wish to its last chunk", threads_,
+      "lodestream_request_send_seconds", "From a request to its last chunk", threads_,
       [](const ThreadTallies& t) -> const auto& { return t.send; }));
   for (const ModelFigure& figure : kModelFigures) families.push_back(ofModels(figure, threads_));
   std::erase_if(families, [](const MetricFamily& family) { return family.metric.empty(); });

@@ -44,7 +44,7 @@ enum class EndReason : uint8_t {
 constexpr size_t kEndReasons = 10;
 std::string_view endName(EndReason reason) noexcept;
 
-constexpr size_t kWishClasses = 3;
+constexpr size_t kRequestClasses = 3;
 
 /// What one model has cost one thread.
 struct ModelTallies {
@@ -57,10 +57,11 @@ class ThreadTallies {
   Tally accepted;  ///< past the door, whatever they said then
   std::array<Tally, kRefusalReasons> refused;
   std::array<Tally, kEndReasons> ended;
-  std::array<Tally, kWishClasses> wishes;
-  std::array<LatencyTally, kWishClasses> queue;  ///< from a wish to its first chunk, but for what is held
-  std::array<LatencyTally, kWishClasses> held;   ///< of that time, what the client has held it up
-  std::array<LatencyTally, kWishClasses> send;   ///< from a wish to its last chunk
+  std::array<Tally, kRequestClasses> requests;
+  std::array<LatencyTally, kRequestClasses>
+      queue;  ///< from a request to its first chunk, but for what is held
+  std::array<LatencyTally, kRequestClasses> held;  ///< of that time, what the client has held it up
+  std::array<LatencyTally, kRequestClasses> send;  ///< from a request to its last chunk
 
   /// The tallies of a model, by its name; they stay where they are. Takes a lock: ask once an Open.
   ModelTallies& model(const std::string& name);

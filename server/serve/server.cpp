@@ -156,7 +156,7 @@ uint32_t Server::State::possibleConnections() {
 }
 
 ConnectionLimits Server::State::limits() const {
-  return {.session = {.max_open_wishes = options.max_open_wishes,
+  return {.session = {.max_open_requests = options.max_open_requests,
                       .handshake = options.handshake_deadline,
                       .idle = options.idle_deadline,
                       .max_open_models = options.max_open_models},

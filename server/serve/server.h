@@ -25,10 +25,10 @@ struct ServeOptions {
   bool proxy_protocol = false;                     ///< a balancer says first who the client is
   unsigned threads = 0;                            ///< 0: one a core
   uint32_t max_connections = proto::kMaxConnections;
-  std::optional<uint32_t> max_connections_per_address;  ///< none: kMaxConnectionsPerAddress but for loopback
-  uint64_t memory_budget_bytes = 0;                     ///< 0: an eighth of what there is
-  uint32_t max_open_wishes = proto::kMaxOpenWishes;     ///< of a connection
-  uint32_t max_open_models = proto::kMaxOpenModels;     ///< of a connection
+  std::optional<uint32_t> max_connections_per_address;   ///< none: kMaxConnectionsPerAddress but for loopback
+  uint64_t memory_budget_bytes = 0;                      ///< 0: an eighth of what there is
+  uint32_t max_open_requests = proto::kMaxOpenRequests;  ///< of a connection
+  uint32_t max_open_models = proto::kMaxOpenModels;      ///< of a connection
   uint64_t max_queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< that a connection has not read
   uint64_t bytes_per_second = 0;                                    ///< of blobs, in all; 0: no limit
   uint64_t bytes_per_second_per_connection = 0;
@@ -68,8 +68,8 @@ class Server {
   void reload();
 
   /// Is no longer ready; after the drain delay takes no more connections, says GoAway to those there are,
-  /// lets their wishes end and makes run() return, at the latest after the drain deadline. Called again,
-  /// it ends the delay, or the wait for wishes, that is under way. Thread safe, and
+  /// lets their requests end and makes run() return, at the latest after the drain deadline. Called again,
+  /// it ends the delay, or the wait for requests, that is under way. Thread safe, and
   /// good before run(); not for a signal handler.
   void stop();
 

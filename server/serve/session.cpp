@@ -11,7 +11,7 @@ using proto::WireError;
 
 namespace {
 
-/// Wishes are refused one by one up to this many bytes of answers, where there is no memory for them.
+/// Requests are refused one by one up to this many bytes of answers, where there is no memory for them.
 constexpr size_t kRefusedAnswerBytes = 4u << 10;
 
 /// Thrown by a handler to answer with an Error that closes the connection.
@@ -27,10 +27,10 @@ WireError wireCode(const Error& error) {
 }  // namespace
 
 Session::Session(SessionHost host, SessionLimits limits, Clock::time_point now)
-    : host_(host), limits_(limits), deadline_(now + limits.handshake), now_(now), wishes_(host.wishes) {}
+    : host_(host), limits_(limits), deadline_(now + limits.handshake), now_(now), requests_(host.requests) {}
 
 Session::~Session() {
-  host_.memory->give(wishes_.size() * kWishBytes + opened_.size() * kOpenModelBytes + control_.size());
+  host_.memory->give(requests_.size() * kRequestBytes + opened_.size() * kOpenModelBytes + control_.size());
 }
 
 /// For what must be said whatever it costs: it is little.
@@ -49,7 +49,7 @@ void Session::answer(const Message& message, uint32_t call) {
     control_.clear();
     throw Refusal{WireError::kLimit,
                   "this connection takes more of the server's memory than there is for it now; "
-                  "read answers as they come, and wish for less at a time"};
+                  "read answers as they come, and request less at a time"};
   }
   control_.insert(control_.end(), frame.begin(), frame.end());
 }
@@ -59,8 +59,8 @@ void Session::refuse(WireError code, const std::string& why, uint32_t call) {
   say(proto::ErrorMessage{code, 0, true, why}, call);
   closing_ = true;
   refusal_ = why;
-  host_.memory->give(wishes_.size() * kWishBytes);
-  wishes_.clear();
+  host_.memory->give(requests_.size() * kRequestBytes);
+  requests_.clear();
   unasked_.clear();
   under_way_.reset();
 }
@@ -146,8 +146,8 @@ void Session::dispatch(const proto::FrameHeader& header, std::span<const std::by
       return open(proto::decode<proto::Open>(body), header.call);
     case FrameType::kClose:
       return close(proto::decode<proto::Close>(body), header.call);
-    case FrameType::kWishes:
-      return wishes(body, header.call);
+    case FrameType::kRequests:
+      return requests(body, header.call);
     case FrameType::kCredit:
       granted_bytes_ = std::max(granted_bytes_, proto::decode<proto::Credit>(body).granted_bytes);
       return;
@@ -182,7 +182,7 @@ void Session::hello(const proto::Hello& message, uint32_t call) {
                                                 : "the token is unknown here, or it has expired"};
   greeted_ = true;
   answer(proto::Welcome{proto::kProtocolVersion, message.features & proto::kFeatureClose,
-                        limits_.max_open_wishes, "lodestreamd"},
+                        limits_.max_open_requests, "lodestreamd"},
          call);
 }
 
@@ -230,66 +230,67 @@ const OpenedModel& Session::openedAs(uint32_t handle, const char* frame) {
 
 void Session::close(const proto::Close& message, uint32_t call) {
   openedAs(message.handle, "Close");
-  wishes_.endAll(message.handle, [&](OpenWish& wish) {
-    say(proto::Cancelled{wish.rank.wish}, wish.call);
-    if (under_way_ && under_way_->wish == wish.rank.wish) under_way_.reset();
-    host_.memory->give(kWishBytes);
+  requests_.endAll(message.handle, [&](OpenRequest& request) {
+    say(proto::Cancelled{request.rank.request}, request.call);
+    if (under_way_ && under_way_->request == request.rank.request) under_way_.reset();
+    host_.memory->give(kRequestBytes);
   });
-  if (under_way_ && under_way_->wish == 0 && unasked_.front().handle == message.handle) under_way_.reset();
+  if (under_way_ && under_way_->request == 0 && unasked_.front().handle == message.handle) under_way_.reset();
   std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == message.handle; });
   opened_.erase(message.handle);
   host_.memory->give(kOpenModelBytes);
   answer(proto::Closed{message.handle}, call);
 }
 
-void Session::wishes(std::span<const std::byte> body, uint32_t call) {
-  thread_local proto::Wishes message;  // of every session's, so that a wish takes no memory but its own
+void Session::requests(std::span<const std::byte> body, uint32_t call) {
+  thread_local proto::Requests message;  // of every session's, so that a request takes no memory but its own
   proto::decodeInto(body, message);
-  const OpenedModel& opened = openedAs(message.handle, "Wishes");
-  for (const proto::WishChange& change : message.changes) {
-    if (change.action == proto::WishAction::kAdd) {
-      addWish(change, message.handle, opened, call);
+  const OpenedModel& opened = openedAs(message.handle, "Requests");
+  for (const proto::RequestChange& change : message.changes) {
+    if (change.action == proto::RequestAction::kAdd) {
+      addRequest(change, message.handle, opened, call);
       continue;
     }
-    OpenWish* const wish = wishes_.find(change.wish);
-    if (wish == nullptr) continue;  // it ended while the change was on its way
-    if (change.action == proto::WishAction::kCancel) {
-      answer(proto::Cancelled{change.wish}, wish->call);
-      endWish(*wish);
+    OpenRequest* const request = requests_.find(change.request);
+    if (request == nullptr) continue;  // it ended while the change was on its way
+    if (change.action == proto::RequestAction::kCancel) {
+      answer(proto::Cancelled{change.request}, request->call);
+      endRequest(*request);
     } else {
-      wishes_.reprioritise(*wish, change.wish_class, change.priority_px);
+      requests_.reprioritise(*request, change.request_class, change.priority_px);
     }
   }
 }
 
-void Session::addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened,
-                      uint32_t call) {
-  if (wishes_.find(change.wish) != nullptr)
-    throw Refusal{WireError::kMalformed, "wish " + std::to_string(change.wish) + " is open already"};
-  if (wishes_.size() >= limits_.max_open_wishes)
-    throw Refusal{WireError::kLimit,
-                  "more than " + std::to_string(limits_.max_open_wishes) + " wishes are open at one time"};
+void Session::addRequest(const proto::RequestChange& change, uint32_t handle, const OpenedModel& opened,
+                         uint32_t call) {
+  if (requests_.find(change.request) != nullptr)
+    throw Refusal{WireError::kMalformed, "request " + std::to_string(change.request) + " is open already"};
+  if (requests_.size() >= limits_.max_open_requests)
+    throw Refusal{WireError::kLimit, "more than " + std::to_string(limits_.max_open_requests) +
+                                         " requests are open at one time"};
   if (opened.model->blobBytes(change.blob) == 0) {
-    answer(proto::ErrorMessage{WireError::kNoSuchBlob, change.wish, false,
+    answer(proto::ErrorMessage{WireError::kNoSuchBlob, change.request, false,
                                "no blob " + std::to_string(change.blob)},
            call);
     return;
   }
-  if (!host_.memory->tryTake(kWishBytes)) {
+  if (!host_.memory->tryTake(kRequestBytes)) {
     const proto::ErrorMessage refused{
-        WireError::kNotReady, change.wish, false,
-        "the server is short of memory; wish again later, and for less at a time"};
+        WireError::kNotReady, change.request, false,
+        "the server is short of memory; request again later, and for less at a time"};
     return control_.size() < kRefusedAnswerBytes ? say(refused, call) : answer(refused, call);
   }
-  const Rank rank{change.wish_class, change.priority_px, change.wish};
-  wishes_.add({rank, handle, &opened, change.blob, 0, call, false, ++last_serial_, now_, held_.total(now_)});
-  if (host_.tallies != nullptr) host_.tallies->wishes[static_cast<size_t>(change.wish_class)].add();
+  const Rank rank{change.request_class, change.priority_px, change.request};
+  requests_.add(
+      {rank, handle, &opened, change.blob, 0, call, false, ++last_serial_, now_, held_.total(now_)});
+  if (host_.tallies != nullptr) host_.tallies->requests[static_cast<size_t>(change.request_class)].add();
 }
 
-void Session::endWish(OpenWish& wish) {
-  if (under_way_ && under_way_->wish == wish.rank.wish) under_way_.reset();
-  wishes_.end(wish);
-  host_.memory->give(kWishBytes);
+void Session::endRequest(OpenRequest& request) {
+  if (under_way_ && under_way_->request == request.rank.request) under_way_.reset();
+  requests_.end(request);
+  host_.memory->give(kRequestBytes);
 }
 
 /// The rest of the most urgent blob.
@@ -298,12 +299,12 @@ std::optional<Chunk> Session::next() {
   if (!unasked_.empty() && !unasked_.front().parked) {
     const Unasked& first = unasked_.front();
     chunk = {first.opened, first.blob,        0,
-             first.call,   first.serial,      proto::WishClass::kVisible,
+             first.call,   first.serial,      proto::RequestClass::kVisible,
              first.asked,  first.held_before, {0, 0, first.sent_bytes}};
-  } else if (const OpenWish* const first = wishes_.first(); first != nullptr) {
+  } else if (const OpenRequest* const first = requests_.first(); first != nullptr) {
     chunk = {first->opened, first->blob,        0,
-             first->call,   first->serial,      first->rank.wish_class,
-             first->asked,  first->held_before, {first->rank.wish, 0, first->sent_bytes}};
+             first->call,   first->serial,      first->rank.request_class,
+             first->asked,  first->held_before, {first->rank.request, 0, first->sent_bytes}};
   } else {
     return {};
   }
@@ -331,7 +332,7 @@ std::optional<Chunk> Session::beginChunk(uint32_t max_bytes) {
   chunk->bytes =
       static_cast<uint32_t>(std::min<uint64_t>({rest, max_bytes, proto::kMaxChunkBytes, window()}));
   if (chunk->bytes < std::min(rest, kMinChunkBytes)) return {};
-  under_way_ = UnderWay{chunk->header.wish, chunk->bytes, chunk->bytes == rest};
+  under_way_ = UnderWay{chunk->header.request, chunk->bytes, chunk->bytes == rest};
   return chunk;
 }
 
@@ -339,13 +340,13 @@ bool Session::finishChunk() {
   if (!under_way_) return false;
   const UnderWay done = *std::exchange(under_way_, {});
   sent_bytes_ += proto::kBlobChunkHeaderBytes + done.bytes;
-  if (done.wish == 0) {
+  if (done.request == 0) {
     unasked_.front().sent_bytes += done.bytes;
     if (done.last) unasked_.pop_front();
   } else {
-    OpenWish& wish = *wishes_.find(done.wish);
-    wish.sent_bytes += done.bytes;
-    if (done.last) endWish(wish);
+    OpenRequest& request = *requests_.find(done.request);
+    request.sent_bytes += done.bytes;
+    if (done.last) endRequest(request);
   }
   return true;
 }
@@ -353,35 +354,35 @@ bool Session::finishChunk() {
 void Session::parkChunk() {
   if (!under_way_) return;
   const UnderWay parked = *std::exchange(under_way_, {});
-  if (parked.wish == 0)
+  if (parked.request == 0)
     unasked_.front().parked = true;
   else
-    wishes_.park(*wishes_.find(parked.wish));
+    requests_.park(*requests_.find(parked.request));
 }
 
 bool Session::unpark(const Chunk& chunk) {
-  if (chunk.header.wish == 0) {
+  if (chunk.header.request == 0) {
     if (unasked_.empty() || unasked_.front().serial != chunk.serial) return false;
     unasked_.front().parked = false;
     return true;
   }
-  OpenWish* const wish = wishes_.find(chunk.header.wish);
-  if (wish == nullptr || wish->serial != chunk.serial) return false;
-  wishes_.unpark(*wish);
+  OpenRequest* const request = requests_.find(chunk.header.request);
+  if (request == nullptr || request->serial != chunk.serial) return false;
+  requests_.unpark(*request);
   return true;
 }
 
 void Session::failChunk(WireError code, const std::string& why) {
   if (!under_way_) return;
   const UnderWay failed = *std::exchange(under_way_, {});
-  if (failed.wish == 0) {
+  if (failed.request == 0) {
     const Unasked first = unasked_.front();
     say(proto::ErrorMessage{code, 0, false, why}, first.call);
     std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == first.handle; });
   } else {
-    OpenWish& wish = *wishes_.find(failed.wish);
-    say(proto::ErrorMessage{code, failed.wish, false, why}, wish.call);
-    endWish(wish);
+    OpenRequest& request = *requests_.find(failed.request);
+    say(proto::ErrorMessage{code, failed.request, false, why}, request.call);
+    endRequest(request);
   }
 }
 

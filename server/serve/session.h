@@ -19,14 +19,14 @@
 #include "server/serve/metrics.h"
 #include "server/serve/model.h"
 #include "server/serve/offer.h"
-#include "server/serve/wish_queue.h"
+#include "server/serve/request_queue.h"
 
 namespace lode::serve {
 
 using Clock = std::chrono::steady_clock;
 
 struct SessionLimits {
-  uint32_t max_open_wishes = proto::kMaxOpenWishes;
+  uint32_t max_open_requests = proto::kMaxOpenRequests;
   Clock::duration handshake = proto::kHandshakeDeadline;  ///< until Hello has come
   Clock::duration idle = proto::kIdleDeadline;            ///< between two frames of the client
   uint32_t max_open_models = proto::kMaxOpenModels;
@@ -35,9 +35,9 @@ struct SessionLimits {
 /// What a session has from its owner, all of which outlives it.
 struct SessionHost {
   const Offer* offer = nullptr;      ///< as it is now; its owner may swap it
-  MemoryAccount* memory = nullptr;   ///< open wishes and queued answers are charged
+  MemoryAccount* memory = nullptr;   ///< open requests and queued answers are charged
   ThreadTallies* tallies = nullptr;  ///< none: nothing is counted
-  std::pmr::memory_resource* wishes = std::pmr::get_default_resource();  ///< where open wishes live
+  std::pmr::memory_resource* requests = std::pmr::get_default_resource();  ///< where open requests live
 };
 
 /// What an open model is taken to cost in memory, with the two blobs that follow unasked.
@@ -49,12 +49,12 @@ constexpr uint32_t kMinChunkBytes = 4096;
 
 /// Piece of a blob that shall be sent next.
 struct Chunk {
-  const OpenedModel* opened = nullptr;  ///< as long as its wish is open
+  const OpenedModel* opened = nullptr;  ///< as long as its request is open
   uint32_t blob = 0;
   uint32_t bytes = 0;
   uint32_t call = 0;
-  uint64_t serial = 0;  ///< of its wish
-  proto::WishClass wish_class = proto::WishClass::kVisible;
+  uint64_t serial = 0;  ///< of its request
+  proto::RequestClass request_class = proto::RequestClass::kVisible;
   Clock::time_point asked;
   Clock::duration held_before{};  ///< by the client, when it was asked
   proto::BlobChunkHeader header;
@@ -64,9 +64,9 @@ struct Chunk {
 };
 
 /// The server's side of one connection, without sockets, files or clocks: frames go in, control frames and
-/// chunks to send come out. It owns the wishes' queue and the byte window. All memory is bounded: open wishes
-/// and models by the limits of proto/limits.h, control frames by what one frame can be answered with, if the
-/// caller reads no further frame while controlBytes() is above a limit; and both are charged.
+/// chunks to send come out. It owns the requests' queue and the byte window. All memory is bounded: open
+/// requests and models by the limits of proto/limits.h, control frames by what one frame can be answered
+/// with, if the caller reads no further frame while controlBytes() is above a limit; and both are charged.
 /// Not thread safe.
 ///
 /// Order: everything of takeControl() goes out before a chunk begun after it was queued.
@@ -81,8 +81,8 @@ class Session {
   void receive(const proto::FrameHeader& header, std::span<const std::byte> body, Clock::time_point now);
   /// Answers with an Error that closes the connection: for what is no frame at all.
   void refuse(proto::WireError code, const std::string& why, uint32_t call = 0);
-  /// Says GoAway; the session is finished once no wish is open and the client has heard it, as its Pong says
-  /// or giveUpHearing(): what it wished for before then is under way.
+  /// Says GoAway; the session is finished once no request is open and the client has heard it, as its Pong
+  /// says or giveUpHearing(): what it requested before then is under way.
   void drain(const std::string& reason, Clock::time_point now);
   /// Waits no longer for the Pong than kHearDeadline. @return whether it gave up waiting now.
   bool giveUpHearing(Clock::time_point now) noexcept;
@@ -97,19 +97,20 @@ class Session {
   void controlSent(size_t bytes) noexcept { host_.memory->give(bytes); }
   size_t controlBytes() const noexcept { return control_.size(); }
 
-  /// The chunk to send next, the most urgent wish's, if the window has room for it and no control frame
+  /// The chunk to send next, the most urgent request's, if the window has room for it and no control frame
   /// waits. Until one of the functions below is called it is under way, and no other can begin.
   /// @param max_bytes  at most this much of the blob.
   std::optional<Chunk> beginChunk(uint32_t max_bytes = proto::kMaxChunkBytes);
-  /// The chunk was read: it counts as sent. @return false if its wish ended meanwhile; it must not be sent.
+  /// The chunk was read: it counts as sent. @return false if its request ended meanwhile; it must not be
+  /// sent.
   bool finishChunk();
   /// As if it had never begun.
   void abandonChunk() noexcept { under_way_.reset(); }
-  /// As if it had never begun, and its wish is passed by until unpark().
+  /// As if it had never begun, and its request is passed by until unpark().
   void parkChunk();
-  /// @return false if the wish has ended meanwhile.
+  /// @return false if the request has ended meanwhile.
   bool unpark(const Chunk& chunk);
-  /// The blob cannot be read: its wish ends with an Error.
+  /// The blob cannot be read: its request ends with an Error.
   void failChunk(proto::WireError code, const std::string& why);
 
   /// No frame is taken any more; the connection closes once control frames are out.
@@ -119,13 +120,13 @@ class Session {
   /// Nothing is left to do but to send the control frames and close.
   bool finished() const noexcept { return closing_ || (draining_ && !hears_until_ && !wantsToSend()); }
   /// Blobs are to be sent, now or when the window opens or the disk has answered.
-  bool wantsToSend() const noexcept { return !wishes_.empty() || !unasked_.empty(); }
+  bool wantsToSend() const noexcept { return !requests_.empty() || !unasked_.empty(); }
   /// A chunk could go out now but for the client's window.
   bool waitsForWindow();
   /// From now on the client takes no chunk, its window shut or its link full; and when it does again.
   void heldUp(Clock::time_point now) noexcept { held_.start(now); }
   void goesOn(Clock::time_point now) noexcept { held_.stop(now); }
-  /// Of the time since a chunk's wish came, what the client has held it up.
+  /// Of the time since a chunk's request came, what the client has held it up.
   Clock::duration heldSince(const Chunk& chunk, Clock::time_point now) const noexcept {
     return held_.total(now) - chunk.held_before;
   }
@@ -133,10 +134,10 @@ class Session {
   Clock::time_point deadline() const noexcept { return deadline_; }
   bool greeted() const noexcept { return greeted_; }
   bool unauthorized() const noexcept { return unauthorized_; }
-  size_t openWishes() const noexcept { return wishes_.size(); }
+  size_t openRequests() const noexcept { return requests_.size(); }
 
  private:
-  /// A blob that follows Opened, as wish 0.
+  /// A blob that follows Opened, as request 0.
   struct Unasked {
     uint32_t handle = 0;
     const OpenedModel* opened = nullptr;
@@ -147,7 +148,7 @@ class Session {
     bool parked = false;
   };
   struct UnderWay {
-    uint32_t wish;  ///< 0: the first unasked blob
+    uint32_t request;  ///< 0: the first unasked blob
     uint32_t bytes;
     bool last;
   };
@@ -159,9 +160,10 @@ class Session {
   void list(uint32_t call);
   void open(const proto::Open& message, uint32_t call);
   void close(const proto::Close& message, uint32_t call);
-  void wishes(std::span<const std::byte> body, uint32_t call);
-  void addWish(const proto::WishChange& change, uint32_t handle, const OpenedModel& opened, uint32_t call);
-  void endWish(OpenWish& wish);
+  void requests(std::span<const std::byte> body, uint32_t call);
+  void addRequest(const proto::RequestChange& change, uint32_t handle, const OpenedModel& opened,
+                  uint32_t call);
+  void endRequest(OpenRequest& request);
   std::optional<Chunk> next();
   uint64_t window() const noexcept;
   const OpenedModel& openedAs(uint32_t handle, const char* frame);
@@ -183,7 +185,7 @@ class Session {
   std::map<uint32_t, OpenedModel> opened_;  ///< by handle
   uint32_t last_handle_ = 0;
   std::deque<Unasked> unasked_;
-  WishQueue wishes_;
+  RequestQueue requests_;
   uint64_t last_serial_ = 0;
   HoldClock held_;
   std::optional<UnderWay> under_way_;

@@ -12,7 +12,7 @@ uint64_t anonymousResidentBytes();
 uint64_t allocatedBytes();
 
 /// Tells when malloc shall give freed memory to the system: by itself it keeps nearly all that a flood of
-/// wishes or answers made it take.
+/// requests or answers made it take.
 class TrimWatch {
  public:
   using Time = std::chrono::steady_clock::time_point;

@@ -80,7 +80,7 @@ void openAStore(benchmark::State& state) {
 }
 BENCHMARK(openAStore)->Unit(benchmark::kMicrosecond);
 
-/// A client's side of blobs that were wished for, names compared, as reads of 64 KB bring their frames.
+/// A client's side of blobs that were requested, names compared, as reads of 64 KB bring their frames.
 void receiveBlobs(benchmark::State& state) {
   using namespace core::fixture;
   constexpr uint32_t kBlobs = 64;
@@ -98,15 +98,15 @@ void receiveBlobs(benchmark::State& state) {
   };
   receive(welcome() + opened() + blobFrames(0, kPageBlob, kPageBytes));
   session.takeOutgoing();
-  std::vector<core::Wish> wishes;
+  std::vector<core::Request> requests;
   for (uint32_t i = 0; i < kBlobs; ++i)
-    wishes.push_back({blobRef(100 + i, blob_bytes), {}, proto::WishClass::kVisible, 10});
+    requests.push_back({blobRef(100 + i, blob_bytes), {}, proto::RequestClass::kVisible, 10});
   for (auto _ : state) {
     state.PauseTiming();
-    session.setWishes(wishes);
+    session.setRequests(requests);
     Bytes frames;
-    for (const proto::WishChange& change : changesOf(session.takeOutgoing()))
-      frames = std::move(frames) + blobFrames(change.wish, change.blob, blob_bytes);
+    for (const proto::RequestChange& change : changesOf(session.takeOutgoing()))
+      frames = std::move(frames) + blobFrames(change.request, change.blob, blob_bytes);
     state.ResumeTiming();
     if (receive(frames) != kBlobs) return state.SkipWithError("not all blobs arrived");
   }
@@ -114,20 +114,20 @@ void receiveBlobs(benchmark::State& state) {
 }
 BENCHMARK(receiveBlobs)->Arg(8 << 10)->Arg(64 << 10)->Unit(benchmark::kMicrosecond);
 
-void readWishes(benchmark::State& state) {
-  proto::Wishes wishes;
+void readRequests(benchmark::State& state) {
+  proto::Requests requests;
   for (uint32_t i = 0; i < 1024; ++i) {
-    proto::WishChange change;
-    change.wish = i + 1;
+    proto::RequestChange change;
+    change.request = i + 1;
     change.blob = 1000 + i;
-    wishes.changes.push_back(change);
+    requests.changes.push_back(change);
   }
-  const std::vector<std::byte> frame = proto::encode(wishes, 0);
+  const std::vector<std::byte> frame = proto::encode(requests, 0);
   const auto body = std::span(frame).subspan(proto::kFrameHeaderBytes);
-  for (auto _ : state) benchmark::DoNotOptimize(proto::decode<proto::Wishes>(body));
-  state.SetItemsProcessed(static_cast<int64_t>(state.iterations() * wishes.changes.size()));
+  for (auto _ : state) benchmark::DoNotOptimize(proto::decode<proto::Requests>(body));
+  state.SetItemsProcessed(static_cast<int64_t>(state.iterations() * requests.changes.size()));
 }
-BENCHMARK(readWishes)->Unit(benchmark::kMicrosecond);
+BENCHMARK(readRequests)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace lode

@@ -16,7 +16,7 @@ ROWS = (  # text, benchmarks whose figures stand in a row, what is counted in a 
     ("a blob of a store is read", ("readBlobsOfAStore",), "bytes"),
     ("a store of 1,096 nodes is opened", ("openAStore",), None),
     ("64 blobs of 8 KiB, of 64 KiB are received", ("receiveBlobs/8192", "receiveBlobs/65536"), "bytes"),
-    ("1,024 wishes are read", ("readWishes",), "wishes"),
+    ("1,024 requests are read", ("readRequests",), "requests"),
     ("an exchange of cuts is planned, of one place, of a few parts, of all",
      ("planAnExchange/1/256", "planAnExchange/120/8", "planAnExchange/120/256"), None),
     ("it is planned and done", ("exchangeCuts/1/256", "exchangeCuts/120/8", "exchangeCuts/120/256"), None),
@@ -38,7 +38,7 @@ def time_of(seconds):
 
 
 def rate_of(rates, what):
-    return scaled(rates, 1e9, "GB") if what == "bytes" else scaled(rates, 1e6, "M" if what == "wishes" else "M triangles")
+    return scaled(rates, 1e9, "GB") if what == "bytes" else scaled(rates, 1e6, "M" if what == "requests" else "M triangles")
 
 
 def medians(program, repetitions):

@@ -50,8 +50,8 @@ class Plain {
     while (true) {
       const Refinement now = refineFor(view, options);
       if (now.wanted.empty()) return now.cut->parts.size() * 4 / 3;  // each parent has four children
-      for (const Wish& wish : now.wanted)
-        for (uint32_t lod = 0; lod < 2; ++lod) cache_.insert({wish.use.mesh.node, lod}, mesh_);
+      for (const Request& request : now.wanted)
+        for (uint32_t lod = 0; lod < 2; ++lod) cache_.insert({request.use.mesh.node, lod}, mesh_);
     }
   }
 

@@ -12,14 +12,14 @@ import sys
 from all import tables
 
 SCENARIO = pathlib.Path(__file__).resolve().parent.parent / "load" / "scenario.py"
-HEADS = ("scenario", "visible, median", "p99", "longest", "first image, p99", "single, median", "p99", "connections lost", "wishes failed",
+HEADS = ("scenario", "visible, median", "p99", "longest", "first image, p99", "single, median", "p99", "connections lost", "requests failed",
          "others get")
 OF_CROWD = (3, 4, None, 6, 9, 10, 7, 12, None)
 OF_END = (1, 2, 3, None, None, 8, 5, 6, None)
 ROWS = {  # names of a scenario's rows, and for each head after the first which cell of its own tables it is, these laid side by side
     "steady": (("500 clients, 30 s",), OF_CROWD),
     "flash": (("1,000 within 5 s",), OF_CROWD),
-    "greedy": (("50 polite clients alone", "beside one with 256 wishes open"), (4, 5, None, None, 1, 2, 6, None, 7)),
+    "greedy": (("50 polite clients alone", "beside one with 256 requests open"), (4, 5, None, None, 1, 2, 6, None, 7)),
     "restart": (("the only server of 200, away for 2 s after its drain",), OF_END),
     "rolling_upgrade": (("two behind HAProxy, 200 clients",), OF_END),
     "one_killed": (("of two behind HAProxy, 200 clients",), OF_END),

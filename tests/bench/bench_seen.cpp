@@ -1,5 +1,5 @@
 // Where the bytes go that a client has received when its picture looks right: bench_seen STORE... prints a
-// line for each store and distance. A client without sockets takes the best wish each time, with a link's
+// line for each store and distance. A client without sockets takes the best request each time, with a link's
 // round trip of bytes under way; pictures are drawn off-screen, and what is seen of each part is counted in a
 // small raster of the bench's own.
 
@@ -46,7 +46,7 @@ constexpr Distance kDistances[] = {{"far", 2}, {"mid", 0.6}, {"near", 0.12}, {"c
 /// The cut after so many bytes.
 struct Look {
   uint64_t bytes = 0;
-  size_t received = 0;  ///< wishes
+  size_t received = 0;  ///< requests
   std::shared_ptr<const Cut> cut;
 };
 
@@ -74,39 +74,39 @@ class Client {
     }
   }
   /// In the order in which they came.
-  const std::vector<Wish>& received() const { return received_; }
+  const std::vector<Request>& received() const { return received_; }
 
  private:
   void ask() {
-    if (const auto first = model_.firstWish()) ask(*first);
-    for (const Wish& wish : instance_.wishes()) {
+    if (const auto first = model_.firstRequest()) ask(*first);
+    for (const Request& request : instance_.requests()) {
       if (under_way_bytes_ >= kUnderWayBytes) return;
-      ask(wish);
+      ask(request);
     }
   }
-  void ask(const Wish& wish) {
-    if (!model_.wants(wish) || !asked_.insert(wish.blob.number).second) return;
-    under_way_.push_back(wish);
-    under_way_bytes_ += wish.blob.bytes;
+  void ask(const Request& request) {
+    if (!model_.wants(request) || !asked_.insert(request.blob.number).second) return;
+    under_way_.push_back(request);
+    under_way_bytes_ += request.blob.bytes;
   }
   void take() {
-    const Wish wish = under_way_.front();
+    const Request request = under_way_.front();
     under_way_.pop_front();
-    under_way_bytes_ -= wish.blob.bytes;
-    bytes_ += wish.blob.bytes;
-    received_.push_back(wish);
-    for (const Wish& same : instance_.wishes())
-      if (same.blob == wish.blob && same.use != wish.use)
-        model_.take(same.blob, same.use, store_.readBlob(wish.blob.number));
-    model_.take(wish.blob, wish.use, store_.readBlob(wish.blob.number));
+    under_way_bytes_ -= request.blob.bytes;
+    bytes_ += request.blob.bytes;
+    received_.push_back(request);
+    for (const Request& same : instance_.requests())
+      if (same.blob == request.blob && same.use != request.use)
+        model_.take(same.blob, same.use, store_.readBlob(request.blob.number));
+    model_.take(request.blob, request.use, store_.readBlob(request.blob.number));
     for (const DecodeJob& job : model_.takeDecodeJobs()) model_.finishDecode(runDecodeJob(job));
   }
 
   const store::Reader& store_;
   Model model_;
   Instance instance_;
-  std::deque<Wish> under_way_;
-  std::vector<Wish> received_;
+  std::deque<Request> under_way_;
+  std::vector<Request> received_;
   std::set<uint32_t> asked_;
   uint64_t under_way_bytes_ = 0, bytes_ = 0;
 };
@@ -232,7 +232,7 @@ void addMistakes(Shares& shares, const std::vector<Look>& looks, const PixelCoun
   shares.mistaken_pixels += most_pixels;
 }
 
-void add(Shares& shares, const store::Reader& store, const Look& right, const std::vector<Wish>& received,
+void add(Shares& shares, const store::Reader& store, const Look& right, const std::vector<Request>& received,
          const std::vector<Look>& looks) {
   const Cut& converged = *looks.back().cut;
   const PixelCount pixels(converged, store.summary().lattice.step);
@@ -264,15 +264,15 @@ void add(Shares& shares, const store::Reader& store, const Look& right, const st
   }
   shares.until_right += right.bytes;
   for (size_t i = 0; i < right.received; ++i) {
-    const Wish& wish = received[i];
-    const auto part = parts.find(wish.use.mesh);
-    if (wish.use.kind != BlobKind::kMesh) continue;  // a page
+    const Request& request = received[i];
+    const auto part = parts.find(request.use.mesh);
+    if (request.use.kind != BlobKind::kMesh) continue;  // a page
     if (part == parts.end())
-      shares.replaced += wish.blob.bytes;
+      shares.replaced += request.blob.bytes;
     else
       (part->second.pixels > 0 ? shares.seen
        : part->second.visible  ? shares.hidden
-                               : shares.outside) += wish.blob.bytes;
+                               : shares.outside) += request.blob.bytes;
   }
 }
 

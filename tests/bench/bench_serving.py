@@ -3,15 +3,15 @@
 
 throughput  64 KB and 8 KB blobs, some 1,500 of each, at random: nginx (sendfile off) and lodestreamd in turns, medians
 tls         the same under TLS 1.3
-fairness    what one connection with 256 wishes open takes beside eight with 64, and one that wishes once at a time beside it
-clients     one wish, or request, at a time from each of 1 to 1,000 clients: percentiles beside nginx
+fairness    what one connection with 256 requests open takes beside eight with 64, and one that requests once at a time beside it
+clients     one request, or request, at a time from each of 1 to 1,000 clients: percentiles beside nginx
 idle        memory of 10,000 connections that do nothing, and of 1,000 under TLS
-cold        one wish at a time for blobs in memory, alone and beside others whose blobs come from a slow disk; needs root,
+cold        one request at a time for blobs in memory, alone and beside others whose blobs come from a slow disk; needs root,
             for control groups
 latency     `lodestream loadtest --decode-off` with more and more clients, 99th percentiles by class; beside them those of the
-            server's own histograms, from when it has read a visible wish
+            server's own histograms, from when it has read a visible request
 cores       clients of `lodestream loadtest` that a core carries, its own and the server's, by CPU seconds
-urgent      a visible wish of 24 KB behind as much prefetching as the window takes, at 10 Mbit/s and 50 ms, directly and
+urgent      a visible request of 24 KB behind as much prefetching as the window takes, at 10 Mbit/s and 50 ms, directly and
             through HAProxy, under each congestion control that the system has; needs root, for network namespaces
 
 Starts nginx and HAProxy itself. Server and clients each have one core. Needs `docker/install-packages.sh bench`, the programs
@@ -173,21 +173,21 @@ def fairness(bench):
     numbers = make_store(bench, folder, 24576)
     shares, indices, alone, beside = [], [], [], []
     with lodestreamd(bench, folder / "noise.lode") as (_, listen):
-        wish_times(bench, listen, "noise", numbers, 500)  # warm
+        request_times(bench, listen, "noise", numbers, 500)  # warm
         for _ in range(bench.runs):
             run = json.loads(load_beside(bench, listen, "noise", numbers, 9, "64,256", bench.seconds).communicate()[0])
             greedy, *others = run["each"]
             shares.append(greedy / statistics.mean(others))
             indices.append(sum(run["each"]) ** 2 / (9 * sum(n * n for n in run["each"])))
-            alone.append(wish_times(bench, listen, "noise", numbers, 500))
+            alone.append(request_times(bench, listen, "noise", numbers, 500))
             greedy = load_beside(bench, listen, "noise", numbers, 1, 256, 60)
-            beside.append(wish_times(bench, listen, "noise", numbers, 500))
+            beside.append(request_times(bench, listen, "noise", numbers, 500))
             greedy.terminate()
             greedy.communicate()
-    print("| one with 256 wishes of 24 KB open, of each of eight with 64 | Jain's index of the nine |")
+    print("| one with 256 requests of 24 KB open, of each of eight with 64 | Jain's index of the nine |")
     print("| --- | --- |")
     print(f"| **{statistics.median(shares):.2f}** | **{statistics.median(indices):.3f}** |\n")
-    print("| one wish at a time of 24 KB | median | p99 |")
+    print("| one request at a time of 24 KB | median | p99 |")
     print("| --- | --- | --- |")
     for name, runs in (("alone", alone), ("beside one with 256 open", beside)):
         median, p99 = (statistics.median(run[what] for run in runs) for what in ("median_ms", "p99_ms"))
@@ -203,8 +203,8 @@ def python_client(bench, script, listen, model, numbers, amount):
     return json.loads(done.stdout)
 
 
-def wish_times(bench, listen, model, numbers, count):
-    return python_client(bench, "wish_times.py", listen, model, numbers, count)
+def request_times(bench, listen, model, numbers, count):
+    return python_client(bench, "request_times.py", listen, model, numbers, count)
 
 
 def cold(bench):
@@ -215,15 +215,15 @@ def cold(bench):
         numbers[name] = make_store(bench, bench.folder / name, 65536)
         os.rename(bench.folder / name / "noise.lode", folder / f"{name}.lode")
     (folder / "hot.lode").read_bytes()  # in memory, and counted to this process
-    print("| one wish at a time of 64 KB in memory | median | p99 | beside it, from a disk of 20 MB/s |")
+    print("| one request at a time of 64 KB in memory | median | p99 | beside it, from a disk of 20 MB/s |")
     print("| --- | --- | --- | --- |")
     runs = {False: [], True: []}
     with slow_disk(folder / "cold.lode", 20 << 20, 48 << 20) as slowly, lodestreamd(bench, folder, prefix=slowly) as (_, listen):
-        wish_times(bench, listen, "hot", numbers["hot"], 1000)  # warm
+        request_times(bench, listen, "hot", numbers["hot"], 1000)  # warm
         for beside in (False, True) * bench.runs:
             forget(folder / "cold.lode")
             others = load_beside(bench, listen, "cold", numbers["cold"], 8, 8, 6) if beside else None
-            run = wish_times(bench, listen, "hot", numbers["hot"], 1000)
+            run = request_times(bench, listen, "hot", numbers["hot"], 1000)
             taken = json.loads(others.communicate()[0]) if others else dict(bytes=0, seconds=1)
             runs[beside].append((run["median_ms"], run["p99_ms"], taken["bytes"] / taken["seconds"] / 1e6))
         forget(folder / "cold.lode")
@@ -243,9 +243,9 @@ def sample_store(bench):
 
 
 def visible_in_server(metrics, figure):
-    """Upper ends of a histogram's buckets, in milliseconds, and how many visible wishes took at most so long."""
+    """Upper ends of a histogram's buckets, in milliseconds, and how many visible requests took at most so long."""
     with urllib.request.urlopen(f"http://{metrics}/metrics", timeout=10) as answer:
-        buckets = re.findall(rf'^lodestream_wish_{figure}_seconds_bucket{{class="visible",le="(.*)"}} (\d+)$', answer.read().decode(), re.M)
+        buckets = re.findall(rf'^lodestream_request_{figure}_seconds_bucket{{class="visible",le="(.*)"}} (\d+)$', answer.read().decode(), re.M)
     return [(1000 * float(end), int(count)) for end, count in buckets]
 
 
@@ -255,7 +255,7 @@ def at_most_ms(buckets, part):
 
 def latency(bench):
     store = bench.store or sample_store(bench)
-    print("| clients | wishes a second | MB/s | visible, median | p99 | longest | margin, p99 | first image, p99 | "
+    print("| clients | requests a second | MB/s | visible, median | p99 | longest | margin, p99 | first image, p99 | "
           "unanswered | errors | server's CPU | clients' CPU | in the server: first chunk, p99 | last chunk, p99 | 99.9 % |")
     print("|" + " --- |" * 15)
     for clients in bench.clients:
@@ -281,7 +281,7 @@ def cores(bench):
     print("| clients | path | clients a core | of the server's | bytes a second of each |\n| --- | --- | --- | --- | --- |")
     for what, count, options, paths in (
             ("full: 10 views a second, 1280 × 720, 1 pixel, decoding", 16, ["--full"], ("orbit", "fly", "walk")),
-            ("replaying wishes, not decoding", 1000, ["--decode-off"], ("orbit", "walk")), ("replaying wishes, decoding", 100, [], ("orbit", "walk"))):
+            ("replaying requests, not decoding", 1000, ["--decode-off"], ("orbit", "walk")), ("replaying requests, decoding", 100, [], ("orbit", "walk"))):
         for path in paths:
             with lodestreamd(bench, store) as (server, listen):
                 before = cpu_seconds(server)
@@ -307,8 +307,8 @@ def urgent(bench):
                 subprocess.run([*near, "ip", "route", "replace", "10.9.0.0/24", "dev", "em0", "congctl", control], check=True)
                 environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
                 done = subprocess.run(
-                    [*far, "/usr/bin/python3", LOAD / "urgent_wish.py", f"10.9.0.1:{port}", "noise",
-                     str(numbers["first"]), str(numbers["last"]), str(bench.wishes)],
+                    [*far, "/usr/bin/python3", LOAD / "urgent_request.py", f"10.9.0.1:{port}", "noise",
+                     str(numbers["first"]), str(numbers["last"]), str(bench.requests)],
                     env=environment, capture_output=True, text=True)
                 if done.returncode != 0:
                     sys.exit(done.stderr)
@@ -326,7 +326,7 @@ def main():
     parser.add_argument("--store", type=pathlib.Path, help="of latency; by default a sample of 2 million triangles")
     parser.add_argument("--load-seconds", type=int, default=20)
     parser.add_argument("--clients", type=int, nargs="*", default=[1, 16, 256, 1000, 2000, 3000])
-    parser.add_argument("--wishes", type=int, default=40, help="urgent ones")
+    parser.add_argument("--requests", type=int, default=40, help="urgent ones")
     bench = parser.parse_args()
     bench.bin = bench.bin.resolve()
     for ending in (signal.SIGTERM, signal.SIGHUP):  # as SIGINT does, so that servers, control groups and namespaces go too

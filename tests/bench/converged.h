@@ -21,12 +21,12 @@ class Converged {
     instance_.setView(view, threshold_px);
     while (true) {
       instance_.refine(model_);
-      std::vector<core::Wish> wishes = instance_.wishes();
-      if (const auto first = model_.firstWish()) wishes.push_back(*first);
-      if (wishes.empty()) return instance_.cut();
-      for (const core::Wish& wish : wishes) {
-        if (!model_.wants(wish)) continue;
-        model_.take(wish.blob, wish.use, store_.readBlob(wish.blob.number));
+      std::vector<core::Request> requests = instance_.requests();
+      if (const auto first = model_.firstRequest()) requests.push_back(*first);
+      if (requests.empty()) return instance_.cut();
+      for (const core::Request& request : requests) {
+        if (!model_.wants(request)) continue;
+        model_.take(request.blob, request.use, store_.readBlob(request.blob.number));
         for (auto jobs = model_.takeDecodeJobs(); !jobs.empty(); jobs = model_.takeDecodeJobs())
           for (const core::DecodeJob& job : jobs) model_.finishDecode(runDecodeJob(job));
       }

@@ -1,9 +1,9 @@
 // Takes as much as a server gives: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls].
-// Each connection keeps so many wishes open for blobs from FIRST to LAST, at random; with IN_FLIGHT as 16,256
-// the first one keeps 256 and the others 16. It looks at headers and drops the bytes, so that one core of it
-// does not hold up one of the server. Time begins when all have the model open. Prints blobs, bytes, those of
-// each connection, the seconds that they took, and percentiles of what a wish took, which are exact where
-// IN_FLIGHT is 1.
+// Each connection keeps so many requests open for blobs from FIRST to LAST, at random; with IN_FLIGHT as
+// 16,256 the first one keeps 256 and the others 16. It looks at headers and drops the bytes, so that one core
+// of it does not hold up one of the server. Time begins when all have the model open. Prints blobs, bytes,
+// those of each connection, the seconds that they took, and percentiles of what a request took, which are
+// exact where IN_FLIGHT is 1.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -37,7 +37,7 @@ constexpr uint64_t kEndlessWindow = uint64_t{1} << 60;
 
 struct Tally {
   uint64_t blobs = 0, bytes = 0;
-  std::vector<double> times_ms;  ///< from a frame of wishes to the last byte of each of its blobs
+  std::vector<double> times_ms;  ///< from a frame of requests to the last byte of each of its blobs
 };
 
 class Client {
@@ -77,17 +77,17 @@ class Client {
       if (got < 0) break;
       take(room.first(static_cast<size_t>(got)));
     }
-    if (wishes_ && open_ + std::min(kRefill, in_flight_) <= in_flight_) wish();
+    if (requests_ && open_ + std::min(kRefill, in_flight_) <= in_flight_) request();
   }
   bool opened() const noexcept { return opened_; }
-  /// Once it is opened: wishes from now on.
+  /// Once it is opened: requests from now on.
   void begin() {
-    wishes_ = true;
-    wish();
+    requests_ = true;
+    request();
   }
 
  private:
-  static constexpr uint32_t kRefill = 8;  ///< wishes in a frame
+  static constexpr uint32_t kRefill = 8;  ///< requests in a frame
   static constexpr int kRecords = 16;     ///< of TLS, read at a time
   static constexpr size_t kHeadBytes = proto::kFrameHeaderBytes + proto::kBlobChunkHeaderBytes;
 
@@ -118,13 +118,13 @@ class Client {
     if (::send(socket_, frame.data(), frame.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(frame.size()))
       throw Error(ErrorCode::kNetwork, "a connection broke");
   }
-  void wish() {
-    proto::Wishes wishes{1, {}};
+  void request() {
+    proto::Requests requests{1, {}};
     asked_ = Clock::now();
     for (; open_ < in_flight_; ++open_)
-      wishes.changes.push_back(
-          {proto::WishAction::kAdd, proto::WishClass::kVisible, ++last_wish_, any_(random_), 1});
-    send(proto::encode(wishes, 3));
+      requests.changes.push_back(
+          {proto::RequestAction::kAdd, proto::RequestClass::kVisible, ++last_request_, any_(random_), 1});
+    send(proto::encode(requests, 3));
   }
   /// Frames may be cut anywhere: heads are put together, bodies skipped.
   void take(std::span<const std::byte> bytes) {
@@ -170,11 +170,11 @@ class Client {
   int socket_;
   SSL* tls_ = nullptr;
   std::uniform_int_distribution<uint32_t> any_;
-  uint32_t in_flight_, open_ = 0, last_wish_ = 0;
+  uint32_t in_flight_, open_ = 0, last_request_ = 0;
   std::mt19937 random_;
   std::array<std::byte, kHeadBytes> head_;
   size_t head_used_ = 0, wanted_fields_ = 0, body_bytes_ = 0, skip_ = 0;
-  bool opened_ = false, wishes_ = false;
+  bool opened_ = false, requests_ = false;
   Clock::time_point asked_;
   Tally tally_;
 };

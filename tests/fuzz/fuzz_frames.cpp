@@ -1,4 +1,4 @@
-// What a hostile server sends: any bytes, cut anywhere, into a client's session that wishes for what it was
+// What a hostile server sends: any bytes, cut anywhere, into a client's session that requests what it was
 // told of. The first byte says how they are cut. Headers must come back the same from their own encoding.
 #include <algorithm>
 #include <cstdint>
@@ -30,20 +30,20 @@ void checkHeader(std::span<const std::byte> bytes) {
   }
 }
 
-/// A few small blobs under the numbers that the corpus uses, so that chunks and refusals of wishes are
+/// A few small blobs under the numbers that the corpus uses, so that chunks and refusals of requests are
 /// reached.
-std::vector<core::Wish> fewWishes() {
-  std::vector<core::Wish> wishes;
+std::vector<core::Request> fewRequests() {
+  std::vector<core::Request> requests;
   for (uint32_t number = 2; number < 8; ++number)
-    wishes.push_back({{number, 40 * number, {}}, {}, proto::WishClass::kVisible, 1.0f});
-  return wishes;
+    requests.push_back({{number, 40 * number, {}}, {}, proto::RequestClass::kVisible, 1.0f});
+  return requests;
 }
 
 void take(core::Session& session) {
   while (const auto event = session.nextEvent()) {
     if (const auto* opened = std::get_if<core::ModelOpened>(&*event)) {
       if (opened->summary.root_page) session.expectUnasked(opened->summary.root_page, {});
-      session.setWishes(fewWishes());
+      session.setRequests(fewRequests());
     }
     if (const auto* arrived = std::get_if<core::BlobArrived>(&*event))
       require(nameBlob(arrived->bytes) == arrived->blob.name && arrived->bytes.size() == arrived->blob.bytes);

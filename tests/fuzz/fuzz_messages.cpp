@@ -38,8 +38,8 @@ void checkTyped(uint8_t type, std::span<const std::byte> body) {
       return check<Open>(body);
     case FrameType::kOpened:
       return check<Opened>(body);
-    case FrameType::kWishes:
-      return check<Wishes>(body);
+    case FrameType::kRequests:
+      return check<Requests>(body);
     case FrameType::kCredit:
       return check<Credit>(body);
     case FrameType::kBlob:

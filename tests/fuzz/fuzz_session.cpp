@@ -1,6 +1,6 @@
 // A client that does what it likes, and a disk and a link that do too, against a server's session: a script
 // of steps of a byte each and what they need. What the session sends must keep to the window and to the rules
-// of wishes, and all memory that it was charged for must come back.
+// of requests, and all memory that it was charged for must come back.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -96,7 +96,7 @@ class Play {
         return send(Open{std::string(1, static_cast<char>('a' + script_.byte() % 3)), {}});
       case 2:
       case 3:
-        return wish();
+        return request();
       case 4:
         granted_ = std::max(granted_, uint64_t{64u << 10} + 16 * script_.number());
         return send(Credit{granted_});
@@ -125,13 +125,13 @@ class Play {
     }
   }
 
-  void wish() {
-    Wishes wishes{script_.byte() % 4u, {}};
+  void request() {
+    Requests requests{script_.byte() % 4u, {}};
     for (unsigned count = script_.byte() % 48; count > 0; --count)
-      wishes.changes.push_back({static_cast<WishAction>(script_.byte() % 3),
-                                static_cast<WishClass>(script_.byte() % 3), script_.byte() % 40u + 1,
-                                script_.byte() % (kBlobs + 2u), static_cast<float>(script_.byte())});
-    send(wishes);
+      requests.changes.push_back({static_cast<RequestAction>(script_.byte() % 3),
+                                  static_cast<RequestClass>(script_.byte() % 3), script_.byte() % 40u + 1,
+                                  script_.byte() % (kBlobs + 2u), static_cast<float>(script_.byte())});
+    send(requests);
   }
 
   /// Any frame at all. Only what it grants is looked at here.
@@ -172,11 +172,11 @@ class Play {
     require(sent_bytes_ <= granted_);
     require(chunk.bytes > 0 && chunk.bytes <= kMaxChunkBytes);
     require(uint64_t{chunk.header.offset_bytes} + chunk.bytes <= chunk.header.total_bytes);
-    if (chunk.header.wish == 0) return;
-    uint32_t& so_far = sent_[chunk.header.wish];
+    if (chunk.header.request == 0) return;
+    uint32_t& so_far = sent_[chunk.header.request];
     require(so_far == chunk.header.offset_bytes);
     so_far += chunk.bytes;
-    if (chunk.last()) sent_.erase(chunk.header.wish);
+    if (chunk.last()) sent_.erase(chunk.header.request);
   }
 
   void unpark() {
@@ -193,14 +193,14 @@ class Play {
       const auto header = decodeFrameHeader(rest.first<kFrameHeaderBytes>());
       const auto body = rest.subspan(kFrameHeaderBytes, header.body_bytes);
       if (header.type == static_cast<uint8_t>(FrameType::kCancelled))
-        sent_.erase(decode<Cancelled>(body).wish);
+        sent_.erase(decode<Cancelled>(body).request);
       if (header.type == static_cast<uint8_t>(FrameType::kError))
-        sent_.erase(decode<ErrorMessage>(body).wish);
+        sent_.erase(decode<ErrorMessage>(body).request);
       rest = rest.subspan(kFrameHeaderBytes + header.body_bytes);
     }
     session_.controlSent(control.size());
     require(session_.controlBytes() == 0);
-    require(memory_.held() >= session_.openWishes() * kWishBytes);
+    require(memory_.held() >= session_.openRequests() * kRequestBytes);
   }
 
   Script& script_;
@@ -210,14 +210,14 @@ class Play {
   Session session_;
   std::vector<Chunk> parked_;
   uint64_t granted_ = kInitialWindowBytes, sent_bytes_ = 0;
-  std::map<uint32_t, uint32_t> sent_;  ///< bytes of wishes that are under way
+  std::map<uint32_t, uint32_t> sent_;  ///< bytes of requests that are under way
 };
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Script script(std::as_bytes(std::span(data, size)));
-  MemoryBudget budget(script.byte() % 2 == 0 ? 1u << 30 : 2u << 10);  // plenty, or room for a few wishes
+  MemoryBudget budget(script.byte() % 2 == 0 ? 1u << 30 : 2u << 10);  // plenty, or room for a few requests
   Play(script, budget).run();
   require(budget.used() == 0);
   return 0;

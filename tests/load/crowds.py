@@ -1,9 +1,9 @@
-"""Scenarios of many clients of one server: how late their wishes come."""
+"""Scenarios of many clients of one server: how late their requests come."""
 import statistics
 
 from stage import Plot, Sampler, print_table, probe_row, rates, result
 
-CROWD_HEADS = ("clients", "wishes a second", "MB/s", "visible, median", "p99", "first image, median", "p99", "lost", "errors")
+CROWD_HEADS = ("clients", "requests a second", "MB/s", "visible, median", "p99", "first image, median", "p99", "lost", "errors")
 
 
 def crowd_row(run):
@@ -15,7 +15,7 @@ def crowd_row(run):
 def crowd_plot(title, sampler, *probes):
     """probes: (name, what probe.py told)."""
     plot, samples = Plot(title), sampler.samples
-    plot.panel("a wish's ms", *((name, *zip(*probe["times"])) for name, probe in probes if probe["times"]), log=True)
+    plot.panel("a request's ms", *((name, *zip(*probe["times"])) for name, probe in probes if probe["times"]), log=True)
     plot.panel("connections", ("", [s["t"] for s in samples], [s.get("connections", 0) for s in samples]))
     seconds, bytes_a_second = rates(samples, "model_sent_bytes_total")
     plot.panel("MB/s", ("", seconds, [rate / 1e6 for rate in bytes_a_second]))
@@ -30,11 +30,11 @@ def arrive(stage, clients, seconds, title):
         run, probed = result(crowd), result(probe)
     print_table(CROWD_HEADS, [crowd_row(run)])
     print()
-    print_table(("one wish at a time beside them, median", "p99", "longest", "failed", "server's memory", "its CPU"),
+    print_table(("one request at a time beside them, median", "p99", "longest", "failed", "server's memory", "its CPU"),
                 [(*probe_row(probed["times"]), probed["failed"], f"{sampler.most('memory_bytes') / 1e6:.1f} MB",
                   f"{100 * server.cpu_seconds() / seconds:.0f} %")])
     stage.plot = crowd_plot(title, sampler, ("beside them", probed))
-    assert run["errors"] == run["lost"] == run["failed_wishes"] == probed["failed"] == 0, "not everybody was served"
+    assert run["errors"] == run["lost"] == run["failed_requests"] == probed["failed"] == 0, "not everybody was served"
 
 
 def steady(stage):
@@ -48,14 +48,14 @@ def flash(stage):
 
 
 def greedy(stage):
-    """One greedy client, with 256 wishes open all the time, among polite ones."""
+    """One greedy client, with 256 requests open all the time, among polite ones."""
     clients, seconds = (10, 3) if stage.short else (50, 10)
     server = stage.server()
     rows, probes = [], []
     with Sampler([server]) as sampler:
-        for name, wishes in (("without it", None), ("beside it", 256)):
+        for name, requests in (("without it", None), ("beside it", 256)):
             began = sampler.samples[-1]["t"] if sampler.samples else 0
-            hog = stage.probe(server.listen, seconds, wishes) if wishes else None
+            hog = stage.probe(server.listen, seconds, requests) if requests else None
             probe, crowd = stage.probe(server.listen, seconds), stage.crowd(server.listen, clients, seconds)
             run, probed = result(crowd), result(probe)
             taken = result(hog) if hog else dict(bytes=0, seconds=1)
@@ -66,7 +66,7 @@ def greedy(stage):
             assert run["errors"] == run["lost"] == probed["failed"] == 0, "the polite were not served"
             assert not hog or taken["bytes"] > 0, "the greedy one got nothing"
     stage.plot = crowd_plot("one greedy client among polite ones", sampler, *probes)
-    print_table(("one wish at a time", "median", "p99", "longest", f"visible wishes of {clients} clients, median", "p99", "lost",
+    print_table(("one request at a time", "median", "p99", "longest", f"visible requests of {clients} clients, median", "p99", "lost",
                  "the greedy one"), rows)
     alone, beside = (statistics.median(ms for _, ms in probe["times"]) for _, probe in probes)
     assert beside <= 4 * alone + 20, f"the polite wait {beside:.1f} ms instead of {alone:.1f} ms"

@@ -74,9 +74,9 @@ def refusal(address):
         return wire.Error.GetRootAs(client.recv(size, socket.MSG_WAITALL))
 
 
-def wishes(count, wish_class=0):
+def requests(count, request_class=0):
     """So many, each for one of the first blobs of STORE."""
-    changes = [wire.WishChangeT() for _ in range(count)]
+    changes = [wire.RequestChangeT() for _ in range(count)]
     for number, change in enumerate(changes, 1):
-        change.wish, change.blob, change.wishClass = number, 1 + number % 90, wish_class
+        change.request, change.blob, change.requestClass = number, 1 + number % 90, request_class
     return changes

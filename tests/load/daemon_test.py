@@ -20,7 +20,7 @@ import threading
 import time
 import unittest
 
-from daemon import BIN, MODELS, SOURCE, STORE, Daemon, refusal, wishes
+from daemon import BIN, MODELS, SOURCE, STORE, Daemon, refusal, requests
 from idle_clients import TlsConnection
 from processes import eventually, running, self_signed
 from read_model import BLOB, DAMAGED_STORE, HEADER, LIMIT, NO_SUCH_MODEL, Connection
@@ -181,9 +181,9 @@ class ServiceManager(unittest.TestCase):
                 process.send_signal(signal.SIGTERM)
                 self.assertEqual(process.wait(timeout=120), 0)
 
-    def test_sees_nobody_let_in_after_the_drain_delay_while_wishes_are_open(self):
+    def test_sees_nobody_let_in_after_the_drain_delay_while_requests_are_open(self):
         with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
-            connection.send("Wishes", 3, handle=1, changes=wishes(4000))  # more than the window takes
+            connection.send("Requests", 3, handle=1, changes=requests(4000))  # more than the window takes
             daemon.process.send_signal(signal.SIGTERM)
             eventually(lambda: self.nobody_listens(daemon.address))
             self.assertIsNone(daemon.process.poll())
@@ -197,40 +197,40 @@ class ServiceManager(unittest.TestCase):
 
 
 class Latency(unittest.TestCase):
-    """What histograms say of a client that lets its wishes wait for seconds."""
+    """What histograms say of a client that lets its requests wait for seconds."""
 
-    WISHES, HELD_S = 4000, 3.0
+    REQUESTS, HELD_S = 4000, 3.0
 
     def seconds(self, daemon, figure):
-        return daemon.metric(f'lodestream_wish_{figure}_seconds_sum{{class="visible"}}')
+        return daemon.metric(f'lodestream_request_{figure}_seconds_sum{{class="visible"}}')
 
     def expect_told_from_the_servers(self, granted_at_first):
         with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65536)
             connection.send("Credit", grantedBytes=granted_at_first)
-            connection.send("Wishes", 3, handle=1, changes=wishes(self.WISHES))
+            connection.send("Requests", 3, handle=1, changes=requests(self.REQUESTS))
             time.sleep(self.HELD_S)
             connection.send("Credit", grantedBytes=1 << 40)
             ended = 0
-            while ended < self.WISHES:
-                wish, total, offset = BLOB.unpack_from(body := connection.receive()[2])
-                ended += wish > 0 and offset + len(body) - BLOB.size == total
+            while ended < self.REQUESTS:
+                request, total, offset = BLOB.unpack_from(body := connection.receive()[2])
+                ended += request > 0 and offset + len(body) - BLOB.size == total
             held, queue = (self.seconds(daemon, figure) for figure in ("held", "queue"))
-            self.assertGreater(held, self.WISHES / 2 * self.HELD_S)
+            self.assertGreater(held, self.REQUESTS / 2 * self.HELD_S)
             return queue / held
 
-    def test_of_an_urgent_wish_is_that_of_little_before_it_though_the_client_grants_all_and_takes_nothing(self):
+    def test_of_an_urgent_request_is_that_of_little_before_it_though_the_client_grants_all_and_takes_nothing(self):
         with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.send("Credit", grantedBytes=1 << 40)
-            connection.send("Wishes", 3, handle=1, changes=wishes(self.WISHES, wish_class=2))
+            connection.send("Requests", 3, handle=1, changes=requests(self.REQUESTS, request_class=2))
             sent = [0]
             while len(sent) < 20 or sent[-1] != sent[-20]:  # until it stands still
                 sent.append(daemon.metric('lodestream_model_sent_bytes_total{model="painted"}'))
                 time.sleep(0.01)
-            connection.send("Wishes", 4, handle=1, changes=wishes(self.WISHES + 1)[-1:])
-            eventually(lambda: daemon.metric('lodestream_wishes_total{class="visible"}') == 1)
+            connection.send("Requests", 4, handle=1, changes=requests(self.REQUESTS + 1)[-1:])
+            eventually(lambda: daemon.metric('lodestream_requests_total{class="visible"}') == 1)
             before = -struct.unpack("i", fcntl.ioctl(connection.socket, termios.FIONREAD, bytes(4)))[0]  # what has come already
-            while BLOB.unpack_from(body := connection.receive()[2])[0] <= self.WISHES:
+            while BLOB.unpack_from(body := connection.receive()[2])[0] <= self.REQUESTS:
                 before += HEADER.size + len(body)
             self.assertLess(before, 96 << 10)  # without bounds of the server's own megabytes
 
@@ -394,10 +394,10 @@ class UnderLoad(unittest.TestCase):
                 before = self.reads["steady"]
                 eventually(lambda: self.reads["steady"] >= before + 4 or self.mistakes)
 
-    def test_it_ends_with_0_within_its_deadline_though_a_client_never_takes_what_it_wished_for(self):
+    def test_it_ends_with_0_within_its_deadline_though_a_client_never_takes_what_it_requested(self):
         with Daemon(self.folder.name, "--drain-deadline", "1", stderr=subprocess.DEVNULL) as daemon:
             with self.readers(daemon), contextlib.closing(daemon.open("steady")[0]) as connection:
-                connection.send("Wishes", 3, handle=1, changes=wishes(4000))  # more than the window takes
+                connection.send("Requests", 3, handle=1, changes=requests(4000))  # more than the window takes
                 eventually(lambda: self.reads["steady"] > 2)
                 self.stop.set()  # from here on connections may break
                 daemon.process.send_signal(signal.SIGTERM)

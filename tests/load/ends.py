@@ -7,7 +7,7 @@ from stage import Sampler, percentile, print_table, result
 
 
 def longest_gap(times, seconds):
-    """The longest time between two wishes of a probe that came."""
+    """The longest time between two requests of a probe that came."""
     moments = [0, *(t + ms / 1000 for t, ms in times), seconds]
     return max(b - a for a, b in zip(moments, moments[1:]))
 
@@ -20,14 +20,14 @@ def under_load(stage, title, servers, listen, seconds, act, allowed_failures):
         act()
         run, probed = result(crowd), result(probe)
     visible = run["latency_ms"]["visible"]
-    print_table(("clients", "visible, median", "p99", "longest", "moved when told", "connections lost", "wishes failed", "given up",
-                 "one wish at a time, p99", "longest without one"),
+    print_table(("clients", "visible, median", "p99", "longest", "moved when told", "connections lost", "requests failed", "given up",
+                 "one request at a time, p99", "longest without one"),
                 [(clients, f"{visible['p50']:.1f} ms", f"{visible['p99']:.1f} ms", f"{visible['max']:.0f} ms", run["moved"], run["lost"],
-                  run["failed_wishes"], run["gave_up"], f"{percentile([ms for _, ms in probed['times']], 0.99):.1f} ms",
+                  run["failed_requests"], run["gave_up"], f"{percentile([ms for _, ms in probed['times']], 0.99):.1f} ms",
                   f"{longest_gap(probed['times'], seconds):.2f} s")])
-    stage.plot = crowd_plot(title, sampler, ("one wish at a time", probed))
+    stage.plot = crowd_plot(title, sampler, ("one request at a time", probed))
     assert run["gave_up"] == 0, f"clients have given up: {run['first_error']}"
-    assert allowed_failures or run["failed_wishes"] == 0, "wishes failed"
+    assert allowed_failures or run["failed_requests"] == 0, "requests failed"
     return run
 
 
@@ -46,7 +46,7 @@ def restart(stage):
 
 
 def rolling_upgrade(stage):
-    """Two servers behind HAProxy are replaced one after the other, and no wish fails."""
+    """Two servers behind HAProxy are replaced one after the other, and no request fails."""
     servers = [stage.server("--drain-delay", "1", "--drain-deadline", "10") for _ in range(2)]
     listen, seconds = stage.haproxy(servers), 12 if stage.short else 40
 

@@ -8,7 +8,7 @@ import socket
 import time
 import unittest
 
-from daemon import STORE, Daemon, wishes
+from daemon import STORE, Daemon, requests
 from processes import eventually
 from read_model import HEADER, LIMIT, Connection
 
@@ -43,12 +43,12 @@ class Limits(unittest.TestCase):
             read = daemon.read_whole()["bytes"]
             self.assertAlmostEqual(read / (time.monotonic() - start), 300e3, delta=60e3)
 
-    def test_of_open_wishes_is_what_was_asked_for(self):
-        with Daemon(STORE, "--max-wishes", "10") as daemon:
+    def test_of_open_requests_is_what_was_asked_for(self):
+        with Daemon(STORE, "--max-requests", "10") as daemon:
             connection, _, most = daemon.open()
             with contextlib.closing(connection):
                 self.assertEqual(most, 10)
-                connection.send("Wishes", 3, handle=1, changes=wishes(11))
+                connection.send("Requests", 3, handle=1, changes=requests(11))
                 self.assertIn(f"code {LIMIT}", self.last_word(connection))
 
     def test_of_connections_of_an_address_is_what_was_asked_for(self):
@@ -84,7 +84,7 @@ class Limits(unittest.TestCase):
         connection = daemon.open()[0]
         connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         connection.send("Credit", grantedBytes=1 << 40)
-        connection.send("Wishes", 3, handle=1, changes=wishes(4000))
+        connection.send("Requests", 3, handle=1, changes=requests(4000))
         return connection
 
     @contextlib.contextmanager

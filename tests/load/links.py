@@ -27,10 +27,10 @@ def slow(stage):
         visible = f"{run['latency_ms']['visible']['p50']:.0f} ms" if run else ""
         rows.append((name, *probe_row(probed["times"]), goodput, visible, run["lost"] if run else "",
                      f"{run['first_image_ms']['p99']:.0f} ms" if run else ""))
-        stage.plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
+        stage.plot.panel(f"{name}: a request's ms", ("", *zip(*probed["times"])), log=True)
         assert probed["failed"] == 0 and (not run or run["errors"] == run["lost"] == 0), "somebody was not served"
-    print_table(("one wish at a time on the fast link", "median", "p99", "longest", f"{clients} on the slow link get",
-                 "their visible wishes, median", "lost", "their first image, p99"), rows)
+    print_table(("one request at a time on the fast link", "median", "p99", "longest", f"{clients} on the slow link get",
+                 "their visible requests, median", "lost", "their first image, p99"), rows)
 
 
 def lossy(stage):
@@ -42,9 +42,9 @@ def lossy(stage):
         visible, image = run["latency_ms"]["visible"], run["first_image_ms"]
         rows.append((f"{loss} %", *probe_row(probed["times"]), f"{visible['p50']:.0f} ms", f"{visible['p99']:.0f} ms",
                      f"{image['p99']:.0f} ms", f"{8 * run['bytes'] / run['seconds'] / 1e6:.2f} Mbit/s", run["lost"]))
-        stage.plot.panel(f"{loss} %: a wish's ms", ("", *zip(*probed["times"])), log=True)
+        stage.plot.panel(f"{loss} %: a request's ms", ("", *zip(*probed["times"])), log=True)
         assert run["errors"] == run["lost"] == probed["failed"] == 0, "somebody was not served"
-    print_table(("lost packets", "one wish at a time, median", "p99", "longest", f"visible wishes of {clients} clients, median", "p99",
+    print_table(("lost packets", "one request at a time, median", "p99", "longest", f"visible requests of {clients} clients, median", "p99",
                  "first image, p99", "they get", "connections lost"), rows)
 
 
@@ -66,7 +66,7 @@ def larger_than_memory(stage):
                 probed = result(stage.probe(server.listen, seconds, store=hot))
                 taken = sum(result(other)["bytes"] for other in others) / seconds / 1e6
                 rows.append((name, *probe_row(probed["times"]), f"{taken:.1f} MB/s"))
-                stage.plot.panel(f"{name}: a wish's ms", ("", *zip(*probed["times"])), log=True)
+                stage.plot.panel(f"{name}: a request's ms", ("", *zip(*probed["times"])), log=True)
                 assert probed["failed"] == 0 and (taken > 0) == (count > 0), "somebody was not served"
-    print_table(("one wish at a time for what is in memory", "median", "p99", "longest", f"{readers} readers of the large store, 8 wishes each"),
+    print_table(("one request at a time for what is in memory", "median", "p99", "longest", f"{readers} readers of the large store, 8 requests each"),
                 rows)

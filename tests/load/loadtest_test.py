@@ -16,7 +16,7 @@ from daemon import BIN, STORE, Daemon
 CAMERA = {"fov_y_deg": 45, "keys": [{"t": 0, "eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]},
                                     {"t": 1, "eye": [0, 0, 2], "target": [0, 0, 0], "up": [0, 1, 0]}]}
 STILL_S, TEST_S = 1.0, 4
-LIVE_LINE = re.compile(r" *(\d+) s: (\d+) clients, (\d+) blobs/s, \d+\.\d MB/s, visible wishes: .+, 0 lost, 0 errors")
+LIVE_LINE = re.compile(r" *(\d+) s: (\d+) clients, (\d+) blobs/s, \d+\.\d MB/s, visible requests: .+, 0 lost, 0 errors")
 
 
 def lodestream(*arguments, **options):
@@ -25,21 +25,21 @@ def lodestream(*arguments, **options):
 
 class Latency(unittest.TestCase):
     def trace(self, url, folder):
-        """Every blob that a camera's path wishes for, one after the other at a steady rate."""
+        """Every blob that a camera's path requests, one after the other at a steady rate."""
         camera, trace = (os.path.join(folder, name) for name in ("camera.json", "trace.json"))
         with open(camera, "w") as file:
             json.dump(CAMERA, file)
         lodestream("replay", url, "--camera", camera, "--cache", "off", "--record", trace, "--json").communicate(timeout=300)
         with open(trace) as file:
             recorded = json.load(file)
-        wishes = recorded["wishes"]
-        for number, wish in enumerate(wishes):
-            wish["t"], wish["class"] = number / len(wishes), 0
+        requests = recorded["requests"]
+        for number, request in enumerate(requests):
+            request["t"], request["class"] = number / len(requests), 0
         with open(trace, "w") as file:
-            json.dump({**recorded, "duration_s": 1, "wishes": wishes}, file)
+            json.dump({**recorded, "duration_s": 1, "requests": requests}, file)
         return trace
 
-    def test_counts_from_when_a_wish_was_meant_though_the_server_stands_still(self):
+    def test_counts_from_when_a_request_was_meant_though_the_server_stands_still(self):
         with tempfile.TemporaryDirectory() as folder, Daemon(STORE) as daemon:
             url = f"lode://{daemon.address}/painted"
             test = lodestream("loadtest", url, "--trace", self.trace(url, folder), "--clients", 4, "--seconds", TEST_S,
@@ -50,7 +50,7 @@ class Latency(unittest.TestCase):
             daemon.process.send_signal(signal.SIGCONT)
             told = json.loads(test.communicate(timeout=300)[0])
         late = told["latency_ms"]["visible"]
-        # A quarter of the wishes are meant for that second, and each is late by what is left of it: a tenth by 0.6 s and more.
+        # A quarter of the requests are meant for that second, and each is late by what is left of it: a tenth by 0.6 s and more.
         self.assertGreater(late["count"], 100)
         self.assertGreater(late["p90"], 300)
 

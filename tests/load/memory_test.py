@@ -26,7 +26,7 @@ BUDGET, THREADS = 32_000_000, 2
 POOLS = THREADS * 64 * (60 << 10)  # buffers that threads keep, beside the budget
 LEFT = BUDGET // 8  # what may stay resident when an attack is over, beside the buffers
 SANITIZED = "LODE_SANITIZED" in os.environ
-WISHES, MAX_BODY, MAX_CHANGES, MAX_OPEN = 7, 262144, 4096, 64
+REQUESTS, MAX_BODY, MAX_CHANGES, MAX_OPEN = 7, 262144, 4096, 64
 
 
 class Recorded:
@@ -47,24 +47,24 @@ def frame(name, **fields):
 
 
 @functools.lru_cache
-def wishes(count):
-    """Frames that wish for so many blobs of the first model that was opened."""
-    changes = [wire.WishChangeT() for _ in range(count)]
+def requests(count):
+    """Frames that request so many blobs of the first model that was opened."""
+    changes = [wire.RequestChangeT() for _ in range(count)]
     for number, change in enumerate(changes, 1):
-        change.wish, change.blob, change.priorityPx = number, 1 + number % 90, 1.0
-    return b"".join(frame("Wishes", handle=1, changes=changes[at:at + MAX_CHANGES]) for at in range(0, count, MAX_CHANGES))
+        change.request, change.blob, change.priorityPx = number, 1 + number % 90, 1.0
+    return b"".join(frame("Requests", handle=1, changes=changes[at:at + MAX_CHANGES]) for at in range(0, count, MAX_CHANGES))
 
 
 def announce_a_frame_and_stop_before_its_end():
-    return HEADER.pack(MAX_BODY, WISHES, 0, 0, 1) + bytes(MAX_BODY - 1)
+    return HEADER.pack(MAX_BODY, REQUESTS, 0, 0, 1) + bytes(MAX_BODY - 1)
 
 
-def wish_for_much_with_the_window_shut():
-    return wishes(4 * MAX_CHANGES)
+def request_much_with_the_window_shut():
+    return requests(4 * MAX_CHANGES)
 
 
-def wish_politely_and_never_read():
-    return frame("Credit", grantedBytes=1 << 40) + wishes(400)
+def request_politely_and_never_read():
+    return frame("Credit", grantedBytes=1 << 40) + requests(400)
 
 
 def ping_and_never_read():
@@ -75,7 +75,7 @@ def open_as_often_as_allowed():
     return frame("Open", model="painted") * (MAX_OPEN - 1)
 
 
-ATTACKS = (announce_a_frame_and_stop_before_its_end, wish_for_much_with_the_window_shut, wish_politely_and_never_read,
+ATTACKS = (announce_a_frame_and_stop_before_its_end, request_much_with_the_window_shut, request_politely_and_never_read,
            ping_and_never_read, open_as_often_as_allowed)
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """How long a Ping waits on a connection whose own blobs come from a disk: pong_times.py HOST:PORT MODEL FIRST LAST SECONDS
 
-Keeps eight wishes open and one Ping under way. Prints one JSON object. tests/bench/bench_serving.py runs it; it needs what
+Keeps eight requests open and one Ping under way. Prints one JSON object. tests/bench/bench_serving.py runs it; it needs what
 read_model.py needs.
 """
 import json
@@ -12,9 +12,9 @@ import time
 
 import lodestream_generated as wire
 from read_model import BLOB, HEADER, TYPES
-from urgent_wish import PREFETCH, WINDOW, Client
+from urgent_request import PREFETCH, WINDOW, Client
 
-OPEN_WISHES = 8
+OPEN_REQUESTS = 8
 
 
 def frames(connection):
@@ -34,16 +34,16 @@ def main():
             times_ms.append(1000 * (time.monotonic() - asked))
             asked = None
         elif kind == TYPES["Blob"]:
-            wish, total, offset = BLOB.unpack_from(body)
+            request, total, offset = BLOB.unpack_from(body)
             received += len(body)
             client.connection.send("Credit", grantedBytes=received + WINDOW)
             if offset + len(body) - BLOB.size == total:
-                client.open.discard(wish)
+                client.open.discard(request)
         elif kind == TYPES["Error"]:
             sys.exit(f"the server says: {wire.Error.GetRootAs(body).Message().decode()}")
         if time.monotonic() > end:
             break
-        client.wish(PREFETCH, OPEN_WISHES - len(client.open))
+        client.request(PREFETCH, OPEN_REQUESTS - len(client.open))
         if asked is None:
             asked = time.monotonic()
             client.connection.send("Ping", 1, payload=1)

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Single wishes at their times, and how late each comes:
+"""Single requests at their times, and how late each comes:
 
     probe.py HOST:PORT MODEL LAST_BLOB SECONDS [--every S] [--open N] [--ca-file F] [--seed S]
 
-A wish every 50 ms, or --every so many seconds, for a blob from 1 to LAST_BLOB at random, as visible; what is late counts from when
+A request every 50 ms, or --every so many seconds, for a blob from 1 to LAST_BLOB at random, as visible; what is late counts from when
 it was meant for, whatever was late before it. A connection that ends is made again. With --open it is greedy instead: it keeps so
-many wishes open, with an endless window; with --ca-file it speaks TLS, and believes those authorities. Prints one JSON object. It
+many requests open, with an endless window; with --ca-file it speaks TLS, and believes those authorities. Prints one JSON object. It
 needs what read_model.py needs.
 """
 import argparse
@@ -35,7 +35,7 @@ class TlsConnection(Connection):
 class Probe:
     def __init__(self, address, model, last_blob, authorities=None):
         self.address, self.model, self.last_blob, self.authorities = address, model, last_blob, authorities
-        self.connection, self.wish, self.bytes = None, 0, 0
+        self.connection, self.request, self.bytes = None, 0, 0
 
     def close(self):
         if self.connection:
@@ -51,24 +51,24 @@ class Probe:
         connection.send("Credit", grantedBytes=ENDLESS)
 
     def ask(self, count=1):
-        changes = [wire.WishChangeT() for _ in range(count)]
+        changes = [wire.RequestChangeT() for _ in range(count)]
         for change in changes:
-            self.wish += 1
-            change.wish, change.blob, change.priorityPx = self.wish, random.randint(1, self.last_blob), 1.0
-        self.connection.send("Wishes", 3, handle=1, changes=changes)
+            self.request += 1
+            change.request, change.blob, change.priorityPx = self.request, random.randint(1, self.last_blob), 1.0
+        self.connection.send("Requests", 3, handle=1, changes=changes)
 
     def take(self):
-        """The number of the wish that the next chunk ends, or 0."""
+        """The number of the request that the next chunk ends, or 0."""
         _, _, body = self.connection.receive()
-        wish, total, offset = BLOB.unpack_from(body)
+        request, total, offset = BLOB.unpack_from(body)
         self.bytes += len(body) - BLOB.size
-        return wish if offset + len(body) - BLOB.size == total else 0
+        return request if offset + len(body) - BLOB.size == total else 0
 
     def one(self):
         if not self.connection:
             self.connect()
         self.ask()
-        while self.take() != self.wish:
+        while self.take() != self.request:
             pass
 
 
@@ -87,7 +87,7 @@ def until_it_comes(probe, end):
 
 
 def politely(probe, seconds, every):
-    """Lists of when each wish was meant for, in seconds from the start, and how many milliseconds later it came."""
+    """Lists of when each request was meant for, in seconds from the start, and how many milliseconds later it came."""
     start = time.monotonic()
     end, times, failed, count = start + seconds, [], 0, 0
     while (due := start + count * every) < end:
@@ -100,10 +100,10 @@ def politely(probe, seconds, every):
     return dict(times=times, failed=failed, unanswered=count - len(times))
 
 
-def greedily(probe, seconds, wishes):
+def greedily(probe, seconds, requests):
     end = time.monotonic() + seconds
     probe.connect()
-    probe.ask(wishes)
+    probe.ask(requests)
     with contextlib.suppress(GONE):
         while time.monotonic() < end:
             if probe.take():

@@ -16,12 +16,12 @@ import flatbuffers
 import lodestream_generated as wire
 
 HEADER = struct.Struct("<IBBHI")  # body bytes, type, flags, zero, call
-BLOB = struct.Struct("<III")  # wish, total, offset
-TYPES = dict(Hello=1, Welcome=2, Open=5, Opened=6, Wishes=7, Credit=8, Blob=9, Cancelled=10, Error=11, GoAway=12,
+BLOB = struct.Struct("<III")  # request, total, offset
+TYPES = dict(Hello=1, Welcome=2, Open=5, Opened=6, Requests=7, Credit=8, Blob=9, Cancelled=10, Error=11, GoAway=12,
              ModelReplaced=13, Ping=14, Pong=15)
 NAMES = {number: name for name, number in TYPES.items()}
 NO_SUCH_MODEL, LIMIT, DAMAGED_STORE = 5, 7, 8  # codes of an Error
-VERSION = 3  # of the protocol
+VERSION = 4  # of the protocol
 OPTIONAL, MAX_BODY, WINDOW, MAX_CHANGES, INNER_TEXELS = 1, 262144, 65536, 4096, 508
 
 Ref = collections.namedtuple("Ref", "number bytes name")
@@ -104,12 +104,12 @@ class Connection:
         self.socket.sendall(HEADER.pack(len(builder.Output()), TYPES[name], 0, 0, call) + builder.Output())
 
     def open(self, model, token=""):
-        """Hello and Open together. Returns Opened, and how many wishes may be open."""
+        """Hello and Open together. Returns Opened, and how many requests may be open."""
         self.send("Hello", 1, minVersion=VERSION, maxVersion=VERSION, token=token, program="read_model.py")
         self.send("Open", 2, model=model)
         (name, call, welcome), (also, follows, opened) = self.receive(), self.receive()
         assert (name, call, welcome.Version(), also, follows) == ("Welcome", 1, VERSION, "Opened", 2)
-        return opened, welcome.MaxOpenWishes()
+        return opened, welcome.MaxOpenRequests()
 
     def receive(self):
         """The next frame that says something: its type, its call and its message, or of a Blob the raw body."""
@@ -131,10 +131,10 @@ class Connection:
 
 
 class Reader:
-    """Wishes for everything that it hears of, best first left to the server, as many at a time as allowed."""
+    """Requests everything that it hears of, best first left to the server, as many at a time as allowed."""
 
-    def __init__(self, connection, opened, max_wishes):
-        self.connection, self.handle, self.max_wishes = connection, opened.Handle(), max_wishes
+    def __init__(self, connection, opened, max_requests):
+        self.connection, self.handle, self.max_requests = connection, opened.Handle(), max_requests
         self.counts = dict(pages=0, payloads=0, textures=0, tiles=0, blobs=0, bytes=0)
         root = to_ref(opened.Summary().RootPage())
         self.wanted, self.open, self.seen = collections.deque(), {0: ("pages", root, bytearray())}, {root.number}
@@ -146,16 +146,16 @@ class Reader:
                 self.seen.add(reference.number)
                 self.wanted.append((kind, reference, bytearray()))
 
-    def wish(self):
+    def request(self):
         changes = []
-        while self.wanted and len(self.open) < self.max_wishes and len(changes) < MAX_CHANGES:
-            changes.append(wire.WishChangeT())
-            changes[-1].wish = changes[-1].blob = self.wanted[0][1].number
-            self.open[changes[-1].wish] = self.wanted.popleft()
+        while self.wanted and len(self.open) < self.max_requests and len(changes) < MAX_CHANGES:
+            changes.append(wire.RequestChangeT())
+            changes[-1].request = changes[-1].blob = self.wanted[0][1].number
+            self.open[changes[-1].request] = self.wanted.popleft()
         if changes:
-            self.connection.send("Wishes", 3, handle=self.handle, changes=changes)
+            self.connection.send("Requests", 3, handle=self.handle, changes=changes)
 
-    def complete(self, wish, kind, reference, data):
+    def complete(self, request, kind, reference, data):
         assert hashlib.sha256(data).digest()[:16] == reference.name, f"blob {reference.number} has another name"
         for count, more in ((kind, 1), ("blobs", 1), ("bytes", len(data))):
             self.counts[count] += more
@@ -164,21 +164,21 @@ class Reader:
         if kind == "pages":
             pages, payloads, lods = page_references(data)
             coarsest = payloads[lods - 1]
-            if wish == 0 and coarsest:  # it comes unasked, too
+            if request == 0 and coarsest:  # it comes unasked, too
                 self.open[0] = ("payloads", coarsest, bytearray())
                 self.seen.add(coarsest.number)
             self.want("pages", pages)
             self.want("payloads", payloads)
 
     def chunk(self, body):
-        wish, total, offset = BLOB.unpack_from(body)
-        kind, reference, data = self.open[wish]
+        request, total, offset = BLOB.unpack_from(body)
+        kind, reference, data = self.open[request]
         assert offset == len(data) and total == reference.bytes, "a chunk out of order, or not the size that was announced"
         data += body[BLOB.size :]
         assert len(data) <= total, "more than was announced"
         if len(data) == total:
-            del self.open[wish]
-            self.complete(wish, kind, reference, data)
+            del self.open[request]
+            self.complete(request, kind, reference, data)
 
     def run(self):
         while self.open or self.wanted:
@@ -186,7 +186,7 @@ class Reader:
             assert name == "Blob", name
             self.chunk(body)
             self.connection.send("Credit", grantedBytes=self.connection.credited + WINDOW)
-            self.wish()
+            self.request()
         return self.counts
 
 

@@ -3,9 +3,9 @@
 
 steady              500 clients go round a model for 30 s
 flash               a thousand clients come within 5 s
-greedy              one client with 256 wishes open among polite ones
+greedy              one client with 256 requests open among polite ones
 restart             the only server is ended and started again
-rolling_upgrade     two servers behind HAProxy are replaced one after the other, and no wish fails
+rolling_upgrade     two servers behind HAProxy are replaced one after the other, and no request fails
 one_killed          one of two servers behind HAProxy is killed
 slow                clients on a link of 2 Mbit/s, and one on a fast one
 lossy               a link that loses 0, 1 and 3 % of its packets

@@ -157,16 +157,16 @@ def soak(stage):
         probed = {model: result(probe) for model, probe in probes.items()}
     figures = around.server.figures()
     late = [ms for model in ("steady", "changing") for _, ms in probed[model]["times"]]
-    kinds = ("lost", "errors", "failed_wishes", "first_error")
+    kinds = ("lost", "errors", "failed_requests", "first_error")
     broken = [{kind: run[kind] for kind in kinds} for run in told if any(run[kind] for kind in kinds)]
     clients, full = (sum(run["clients"] for run in told if run["full"] in kind) for kind in ((True, False), (True,)))
-    lost = sum(run["lost"] + run["errors"] + run["failed_wishes"] for run in told)
+    lost = sum(run["lost"] + run["errors"] + run["failed_requests"] for run in told)
     allocated, resident, descriptors = (watch.in_lulls(values) for values in (watch.allocated, watch.resident, watch.descriptors))
     grown = [f"{amount:+.2f} ± {error:.2f}" for amount, error in (
         growth([bytes / 1e6 for bytes in allocated]), growth([bytes / 1e6 for bytes in resident]), growth(descriptors))]
     print_table(("done to it", "times"), sorted(around.done.items()))
     print()
-    print_table(("seconds", "clients that ended by themselves", "of them full", "lost, failed, given up", "single wishes", "p99", "failed",
+    print_table(("seconds", "clients that ended by themselves", "of them full", "lost, failed, given up", "single requests", "p99", "failed",
                  "damaged told"),
                 [(seconds, clients, full, lost, len(late), f"{percentile(late, 0.99):.1f} ms",
                   probed["steady"]["failed"] + probed["changing"]["failed"], f"{figures['model_damaged_blobs_total']:.0f}")])
@@ -182,7 +182,7 @@ def soak(stage):
     stage.plot.panel("memory, MB", *((name, seconds, [bytes / 1e6 for bytes in values]) for name, seconds, values in (
         ("resident", watch.seconds, watch.resident), ("in lulls", lulls, resident), ("allocated in lulls", lulls, allocated))))
     stage.plot.panel("descriptors", ("", watch.seconds, watch.descriptors))
-    stage.plot.panel("a wish's ms", ("", *zip(*probed["steady"]["times"])), log=True)
+    stage.plot.panel("a request's ms", ("", *zip(*probed["steady"]["times"])), log=True)
     assert lost == probed["steady"]["failed"] == probed["changing"]["failed"] == 0, f"something failed that was not made to: {broken}"
     assert set(around.done) == set(ACTIONS) and figures["model_damaged_blobs_total"] > 0, "not all was done to it"
     assert full > 0 or stage.short, "no full client has come to an end"

@@ -186,14 +186,14 @@ frontend clients
         return self.run([*prefix, self.bin / "lodestream", "loadtest", target, "--clients", clients, "--seconds", seconds, *kind,
                          "--json", *(["--ca-file", authority] if authority else [])], stdout=subprocess.PIPE, text=True)
 
-    def probe(self, listen, seconds, wishes=None, every=0.05, prefix=(), store=None, model=None, authority=None):
-        """probe.py, for the blobs of a store; with `wishes` a greedy client that keeps so many open."""
+    def probe(self, listen, seconds, requests=None, every=0.05, prefix=(), store=None, model=None, authority=None):
+        """probe.py, for the blobs of a store; with `requests` a greedy client that keeps so many open."""
         store = store or self.store
         blobs = json.loads(subprocess.run([self.bin / "lodestreamd", "info", store, "--json"], check=True, capture_output=True,
                                           text=True).stdout)["payloads"]
         self.probes += 1
         command = [*prefix, "/usr/bin/python3", LOAD / "probe.py", listen, model or store.stem, blobs, seconds, "--seed", self.probes, "--every", every]
-        command += ["--open", wishes] if wishes else []
+        command += ["--open", requests] if requests else []
         command += ["--ca-file", authority] if authority else []
         return self.run(command, env=dict(os.environ, PYTHONPATH=str(self.messages)), stdout=subprocess.PIPE, text=True)
 
@@ -207,7 +207,7 @@ def result(process):
 
 
 def probe_row(times, since=0, until=math.inf):
-    """Median, 99th percentile and longest of the wishes meant for a part of the time, in words."""
+    """Median, 99th percentile and longest of the requests meant for a part of the time, in words."""
     late = [ms for t, ms in times if since <= t < until]
     if not late:
         return "none", "none", "none"

@@ -42,13 +42,13 @@ class Metrics(unittest.TestCase):
 lodestream_connections 3
 lodestream_model_sent_bytes_total{model="a"} 10
 lodestream_model_sent_bytes_total{model="b \\"c\\""} 1.5e3
-lodestream_wish_queue_seconds_bucket{class="visible",le="0.1"} 9
-lodestream_wish_queue_seconds_count{class="visible"} 4
+lodestream_request_queue_seconds_bucket{class="visible",le="0.1"} 9
+lodestream_request_queue_seconds_count{class="visible"} 4
 """
 
     def test_are_summed_over_labels(self):
         self.assertEqual(stage.parse_metrics(self.TEXT),
-                         dict(connections=3, model_sent_bytes_total=1510, wish_queue_seconds_count=4))
+                         dict(connections=3, model_sent_bytes_total=1510, request_queue_seconds_count=4))
 
     def test_of_a_server_that_began_anew_give_no_negative_rate(self):
         samples = [dict(t=1, n=10), dict(t=2, n=30), dict(t=2.5), dict(t=3, n=5), dict(t=5, n=25)]

@@ -44,36 +44,37 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
 
 bool FullClient::noteBlob(const BlobRef& blob, std::span<const std::byte> bytes) {
   ++tally_.blobs;
-  for (WishClock& clock : clocks_)
-    if (const auto wish = clock.arrived(blob.number)) noteLatency(*wish, std::chrono::steady_clock::now());
+  for (RequestClock& clock : clocks_)
+    if (const auto request = clock.arrived(blob.number))
+      noteLatency(*request, std::chrono::steady_clock::now());
   return names_.isNamed(blob, bytes);
 }
 
-void FullClient::noteLatency(const WishClock::Wish& wish, core::TimePoint now) {
-  tally_.latency[static_cast<size_t>(wish.wish_class)].add(now - wish.sent);
+void FullClient::noteLatency(const RequestClock::Request& request, core::TimePoint now) {
+  tally_.latency[static_cast<size_t>(request.request_class)].add(now - request.sent);
 }
 
 /// One whose server was going away counts only if it still owed something. What ends the client is noted with
 /// its end.
 void FullClient::noteBroken(core::Line line, const Error& why, bool is_last) {
-  const uint64_t open = engine_.openWishes(line);
+  const uint64_t open = engine_.openRequests(line);
   if ((line == core::Line::kNewest && engine_.staysConnected()) || open > 0) {
     ++tally_.lost;
     if (!is_last) tally_.noteError(why.code(), why.what());
   }
-  tally_.failed_wishes += open;
+  tally_.failed_requests += open;
   lose(line);
 }
 
-/// What its connection owed will be wished for again, if the view still wants it.
+/// What its connection owed will be requested again, if the view still wants it.
 void FullClient::lose(core::Line line) {
-  WishClock::Wishes open = std::exchange(clocks_[static_cast<size_t>(line)], {}).open();
+  RequestClock::Requests open = std::exchange(clocks_[static_cast<size_t>(line)], {}).open();
   lost_.merge(open);
 }
 
 void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
-  ++tally_.failed_wishes;
-  for (WishClock& clock : clocks_) clock.refused(blob.number);
+  ++tally_.failed_requests;
+  for (RequestClock& clock : clocks_) clock.refused(blob.number);
   tally_.noteError(ErrorCode::kIo, "the server says: " + why);
 }
 
@@ -101,7 +102,7 @@ void FullClient::keepConnected(core::TimePoint now) {
   auto& [newest, leaving] = transports_;
   if (engine_.connected()) {
     // Two servers left one soon after the other.
-    tally_.failed_wishes += engine_.openWishes(core::Line::kLeaving);
+    tally_.failed_requests += engine_.openRequests(core::Line::kLeaving);
     lose(core::Line::kLeaving);
     leaving = std::move(newest);
     auto& [newest_clock, leaving_clock] = clocks_;
@@ -203,12 +204,12 @@ void FullClient::finish(core::TimePoint now) {
   if (now < start_) return;
   note(now);
   if (!gone_ && engine_.summary() == nullptr) noteNeverLetIn(tally_, turned_away_);
-  for (const WishClock& clock : clocks_) {
-    for (const auto& [blob, wish] : clock.open()) noteLatency(wish, now);
+  for (const RequestClock& clock : clocks_) {
+    for (const auto& [blob, request] : clock.open()) noteLatency(request, now);
     tally_.unanswered += clock.open().size();
   }
   if (!engine_.connected()) {
-    for (const auto& [blob, wish] : lost_) noteLatency(wish, now);
+    for (const auto& [blob, request] : lost_) noteLatency(request, now);
     tally_.unanswered += lost_.size();
   }
   if (!image_seen_) tally_.first_image.add(now - start_);

@@ -12,7 +12,7 @@
 #include "client/app/cli/load_client.h"
 #include "client/app/cli/load_plan.h"
 #include "client/app/cli/load_tally.h"
-#include "client/app/cli/wish_clock.h"
+#include "client/app/cli/request_clock.h"
 #include "client/core/engine.h"
 #include "client/net/tcp_transport.h"
 #include "common/error.h"
@@ -37,7 +37,7 @@ class FullClient final : public LoadClient {
 
   core::EngineOptions engineOptions(uint64_t seed);
   bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
-  void noteLatency(const WishClock::Wish& wish, core::TimePoint now);
+  void noteLatency(const RequestClock::Request& request, core::TimePoint now);
   void noteBroken(core::Line line, const Error& why, bool is_last);
   void lose(core::Line line);
   void noteRefused(const BlobRef& blob, const std::string& why);
@@ -61,8 +61,8 @@ class FullClient final : public LoadClient {
   core::TimePoint noted_until_;  ///< what was seen is in the tally
   uint64_t frames_ = 0;
   std::mt19937_64 random_;
-  std::array<WishClock, 2> clocks_;  ///< by core::Line
-  WishClock::Wishes lost_;           ///< with connections that broke off, and not made again since
+  std::array<RequestClock, 2> clocks_;  ///< by core::Line
+  RequestClock::Requests lost_;         ///< with connections that broke off, and not made again since
   core::Engine engine_;
   core::CameraPath path_;        ///< no keys until the model is known
   core::TimePoint round_begin_;  ///< of the path

@@ -18,7 +18,7 @@ class LoadClient {
 
   /// When step() has something to do next; kNever once it has ended.
   virtual core::TimePoint due() const noexcept = 0;
-  /// Connects, also anew, wishes for what is due, keeps the connection alive.
+  /// Connects, also anew, requests what is due, keeps the connection alive.
   virtual void step(core::TimePoint now) = 0;
   /// What is not there yet counts as late as it is.
   virtual void finish(core::TimePoint now) = 0;

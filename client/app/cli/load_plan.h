@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-#include "client/app/cli/wish_trace.h"
+#include "client/app/cli/request_trace.h"
 #include "client/core/time_point.h"
 #include "client/net/route.h"
 #include "client/stream/streamer.h"
@@ -24,8 +24,8 @@ inline core::TimePoint::duration ofSeconds(double count) {
 struct LoadPlan {
   stream::ServedModel model;
   stream::StreamOptions options;
-  net::Route route;  ///< to the model's server
-  WishTrace trace;   ///< for clients that replay one
+  net::Route route;    ///< to the model's server
+  RequestTrace trace;  ///< for clients that replay one
   /// For full clients, each with a seed of its own.
   std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of;
   glm::uvec2 size_px{1280, 720};

@@ -33,7 +33,7 @@ std::string milliseconds(const LatencyHistogram& latency, double part) {
   return number(latency.percentileMs(part)) + " ms";
 }
 
-/// Of wishes or clients; "none" where there were none.
+/// Of requests or clients; "none" where there were none.
 std::string medianAndWorst(const LatencyHistogram& latency) {
   if (latency.count() == 0) return "none";
   return milliseconds(latency, 0.5) + " (median), " + milliseconds(latency, 0.99) + " (p99)";
@@ -75,7 +75,7 @@ Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const L
     for (const LoadPlan& plan : plans)
       json["traces"].push_back({{"model", net::toString(plan.model.address) + "/" + plan.model.model},
                                 {"seconds", plan.trace.duration_s},
-                                {"wishes", plan.trace.wishes.size()}});
+                                {"requests", plan.trace.requests.size()}});
   json["blobs"] = tally.blobs;
   json["bytes"] = tally.bytes;
   json["errors"] = tally.errorCount();
@@ -87,7 +87,7 @@ Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const L
   json["turned_away"] = tally.turned_away;
   json["lost"] = tally.lost;
   json["gave_up"] = tally.gave_up;
-  json["failed_wishes"] = tally.failed_wishes;
+  json["failed_requests"] = tally.failed_requests;
   json["latency_ms"] = {{"visible", percentiles(tally.latency[0])},
                         {"margin", percentiles(tally.latency[1])},
                         {"prefetch", percentiles(tally.latency[2])}};
@@ -111,7 +111,7 @@ std::string describe(const LoadOptions& options, const LoadResult& result) {
   text += ", " + counted(tally.blobs, "blob");
   if (result.seconds > 0)
     text += ", " + number(static_cast<double>(tally.bytes) * 1e-6 / result.seconds) + " MB/s";
-  text += "; visible wishes: " + medianAndWorst(tally.latency[0]);
+  text += "; visible requests: " + medianAndWorst(tally.latency[0]);
   text += "; first image: " + medianAndWorst(tally.first_image);
   if (options.full) {
     text += "; converged: " + medianAndWorst(tally.converged);
@@ -126,7 +126,7 @@ std::string describe(const LoadOptions& options, const LoadResult& result) {
 }
 
 void LiveLine::print(double seconds, const LoadTally& now) {
-  std::fprintf(stderr, "%4.0f s: %s, %llu blobs/s, %.1f MB/s, visible wishes: %s, %llu lost, %s\n", seconds,
+  std::fprintf(stderr, "%4.0f s: %s, %llu blobs/s, %.1f MB/s, visible requests: %s, %llu lost, %s\n", seconds,
                counted(now.started, "client").c_str(),
                static_cast<unsigned long long>(now.blobs - last_.blobs),
                static_cast<double>(now.bytes - last_.bytes) * 1e-6,

@@ -15,7 +15,7 @@ void LoadTally::add(const LoadTally& other) {
   moved += other.moved;
   turned_away += other.turned_away;
   lost += other.lost;
-  failed_wishes += other.failed_wishes;
+  failed_requests += other.failed_requests;
   gave_up += other.gave_up;
   for (const auto& [code, count] : other.errors) errors[code] += count;
   if (first_error.empty()) first_error = other.first_error;

@@ -12,7 +12,7 @@ namespace lode::app {
 
 /// What the clients of one thread have seen.
 struct LoadTally {
-  /// By class, from a wish's intended time to its last byte; of a full client from when it was sent.
+  /// By class, from a request's intended time to its last byte; of a full client from when it was sent.
   std::array<LatencyHistogram, 3> latency;
   LatencyHistogram first_image;  ///< from a client's intended start to the root's coarsest LOD
   LatencyHistogram converged;    ///< of full clients: until the first picture that needs nothing more
@@ -23,8 +23,8 @@ struct LoadTally {
   uint64_t moved = 0;  ///< clients that a server told to go away, and who went on with another connection
   uint64_t turned_away = 0;  ///< times that a server let a client not in, full or going away; it came again
   uint64_t lost = 0;  ///< connections that broke, or that could not be made anew; each is an error, too
-  uint64_t failed_wishes = 0;  ///< refused, or open when a connection broke; those were wished for again
-  uint64_t gave_up = 0;        ///< clients that an error has ended
+  uint64_t failed_requests = 0;  ///< refused, or open when a connection broke; those were requested again
+  uint64_t gave_up = 0;          ///< clients that an error has ended
   /// That ended a client or a connection, or came in the place of a blob.
   std::map<ErrorCode, uint64_t> errors;
   std::string first_error;

@@ -21,8 +21,8 @@
 #include "client/app/cli/load_test.h"
 #include "client/app/cli/made_path.h"
 #include "client/app/cli/opened_target.h"
-#include "client/app/cli/wish_trace.h"
-#include "client/app/cli/wish_trace_file.h"
+#include "client/app/cli/request_trace.h"
+#include "client/app/cli/request_trace_file.h"
 #include "common/command_line.h"
 #include "common/error.h"
 
@@ -95,12 +95,12 @@ class PlannedLoad {
     return plan;
   }
 
-  WishTrace readTrace(const ResolvedTarget& target) const {
-    const WishTrace trace = readWishTrace(options_.trace_file);
-    if (trace.wishes.empty())
+  RequestTrace readTrace(const ResolvedTarget& target) const {
+    const RequestTrace trace = readRequestTrace(options_.trace_file);
+    if (trace.requests.empty())
       throw Error(ErrorCode::kInput,
                   options_.trace_file +
-                      ": the trace has no wishes, there is nothing to replay; record a path "
+                      ": the trace has no requests, there is nothing to replay; record a path "
                       "that comes closer to the model, or with fewer --pixels");
     stream::StreamOptions options = target.options;
     options.cache_folder.clear();
@@ -109,13 +109,13 @@ class PlannedLoad {
     return trace;
   }
 
-  WishTrace traceOf(const ResolvedTarget& target, const LoadPlan& plan, uint64_t seed) const {
+  RequestTrace traceOf(const ResolvedTarget& target, const LoadPlan& plan, uint64_t seed) const {
     if (!options_.trace_file.empty()) return readTrace(target);
     const auto path_of = [&](const ModelSummary& model) { return path_of_(model, seed); };
-    WishTrace trace =
+    RequestTrace trace =
         recordTrace(plan.model, plan.options, path_of, plan.size_px, plan.pixels, options_.common.timeout());
     if (!trace.gap.empty())
-      std::fprintf(stderr, "lodestream: %s: clients do not wish for a part that cannot be had: %s\n",
+      std::fprintf(stderr, "lodestream: %s: clients do not request a part that cannot be had: %s\n",
                    stream::toString(plan.model).c_str(), trace.gap.c_str());
     return trace;
   }
@@ -164,7 +164,7 @@ void loadtest(const LoadtestOptions& options, int& exit_status) {
 void declareLoadtest(CLI::App& program, int& exit_status) {
   CLI::App* command = program.add_subcommand(
       "loadtest",
-      "Lets many clients look at models along camera paths, and measures how late comes what they wish for");
+      "Lets many clients look at models along camera paths, and measures how late comes what they request");
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
   command->remove_option(command->get_option("--up"));  // made paths go around the y axis
@@ -182,7 +182,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       ->type_name("TARGET");
   auto* full = command->add_flag(
       "--full", options->load.full,
-      "clients refine and decode as one with a window does; else they replay the wishes of one that did");
+      "clients refine and decode as one with a window does; else they replay the requests of one that did");
   auto* path = command->add_option("--path", options->made_path, "where no --camera is given")
                    ->check(CLI::IsMember(kMadePaths))
                    ->capture_default_str()
@@ -203,7 +203,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
   command->add_option("--threads", options->load.threads, "threads that step the clients")
       ->check(CLI::Range(1u, 64u))
       ->capture_default_str();
-  command->add_option("--trace", options->trace_file, "what to wish for, as replay --record wrote it")
+  command->add_option("--trace", options->trace_file, "what to request, as replay --record wrote it")
       ->check(CLI::ExistingFile)
       ->type_name("FILE")
       ->excludes(camera)

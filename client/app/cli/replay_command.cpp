@@ -18,10 +18,10 @@
 #include "client/app/cli/made_path.h"
 #include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/request_trace.h"
+#include "client/app/cli/request_trace_file.h"
 #include "client/app/cli/stream_report.h"
 #include "client/app/cli/target.h"
-#include "client/app/cli/wish_trace.h"
-#include "client/app/cli/wish_trace_file.h"
 #include "client/core/shown_parts.h"
 #include "common/command_line.h"
 
@@ -182,7 +182,7 @@ Json toJson(const Replayed& replayed) {
   return json;
 }
 
-/// Writes what the path wishes for, whatever the link. Whether it can be written is found out before the
+/// Writes what the path requests, whatever the link. Whether it can be written is found out before the
 /// work.
 void record(const ReplayOptions& options) {
   const CommonOptions& common = options.common;
@@ -196,9 +196,9 @@ void record(const ReplayOptions& options) {
   const PathOf path_of = [&](const ModelSummary& model) {
     return path ? *path : makePath(MadePath::kOrbit, model, 0);
   };
-  writeWishTrace(std::move(file),
-                 recordTrace(target.served, target.options, path_of, {size.width_px, size.height_px},
-                             common.pixels, common.timeout()));
+  writeRequestTrace(std::move(file),
+                    recordTrace(target.served, target.options, path_of, {size.width_px, size.height_px},
+                                common.pixels, common.timeout()));
 }
 
 void replay(const ReplayOptions& options) {
@@ -232,8 +232,7 @@ void declareReplay(CLI::App& program, int& /*exit_status*/) {
       ->add_option("--order", options->order, "in which blobs are asked for: best, or first-come to compare")
       ->check(CLI::IsMember({"best", "first-come"}))
       ->capture_default_str();
-  command
-      ->add_option("--record", options->record_file, "write what the path wishes for, for loadtest --trace")
+  command->add_option("--record", options->record_file, "write what the path requests, for loadtest --trace")
       ->type_name("FILE");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { replay(*options); });

@@ -45,7 +45,7 @@ void reportGaps(Json& json, const stream::StreamStatus& status) {
 Json prefetchReport(const core::PrefetchCounts& counts) {
   const uint64_t ended = counts.used + counts.unused;
   return {
-      {"wished", counts.wished},
+      {"requested", counts.requested},
       {"used", counts.used},
       {"hit_rate", ended == 0 ? Json() : Json(static_cast<double>(counts.used) / static_cast<double>(ended))},
       {"wasted_bytes", counts.unused_bytes}};

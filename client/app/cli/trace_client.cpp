@@ -14,7 +14,7 @@ namespace {
 
 constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
 constexpr auto kLookForRetryEvery = std::chrono::milliseconds(20);
-constexpr size_t kRefillBelow = 64;  ///< open wishes; the session holds back what is above its own limits
+constexpr size_t kRefillBelow = 64;  ///< open requests; the session holds back what is above its own limits
 constexpr double kShortestTraceSeconds = 1;  ///< a path that stands still is replayed this often
 
 }  // namespace
@@ -29,9 +29,9 @@ TraceClient::TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimeP
       random_(static_cast<uint64_t>(1000 * phase_s)),
       due_(start),
       link_(sessionOptions(), static_cast<uint32_t>(1000 * phase_s)) {
-  const auto& wishes = plan.trace.wishes;
-  const auto at = std::ranges::lower_bound(wishes, phase_s, {}, &TracedWish::t_s);
-  first_ = at == wishes.end() ? 0 : static_cast<size_t>(at - wishes.begin());
+  const auto& requests = plan.trace.requests;
+  const auto at = std::ranges::lower_bound(requests, phase_s, {}, &TracedRequest::t_s);
+  first_ = at == requests.end() ? 0 : static_cast<size_t>(at - requests.begin());
 }
 
 core::SessionOptions TraceClient::sessionOptions() {
@@ -45,19 +45,19 @@ core::SessionOptions TraceClient::sessionOptions() {
   return options;
 }
 
-/// The time of the next wish: places after the trace's end are those of its next round.
+/// The time of the next request: places after the trace's end are those of its next round.
 core::TimePoint TraceClient::nextIntended() const noexcept {
-  const auto& wishes = plan_.trace.wishes;
+  const auto& requests = plan_.trace.requests;
   const uint64_t place = first_ + replayed_;
   const double round_s = std::max(plan_.trace.duration_s, kShortestTraceSeconds);
-  const size_t rounds = place / wishes.size();
-  const double t_s = static_cast<double>(rounds) * round_s + wishes[place % wishes.size()].t_s;
-  return start_ + ofSeconds(t_s - wishes[first_].t_s + paused_s_);
+  const size_t rounds = place / requests.size();
+  const double t_s = static_cast<double>(rounds) * round_s + requests[place % requests.size()].t_s;
+  return start_ + ofSeconds(t_s - requests[first_].t_s + paused_s_);
 }
 
 void TraceClient::goOn() {
   ++replayed_;
-  if ((first_ + replayed_) % plan_.trace.wishes.size() == 0) paused_s_ += somePause(plan_.think_s, random_);
+  if ((first_ + replayed_) % plan_.trace.requests.size() == 0) paused_s_ += somePause(plan_.think_s, random_);
 }
 
 template <typename Action>
@@ -74,7 +74,7 @@ void TraceClient::step(core::TimePoint now) {
     if (link_.due(now)) connect(now);
     for (const core::Line line : core::kLines)
       onLine(line, now, [&](core::Session& session) { session.tick(now); });
-    addDueWishes(now);
+    addDueRequests(now);
     send();
     scheduleNext(now);
   });
@@ -83,7 +83,7 @@ void TraceClient::step(core::TimePoint now) {
 void TraceClient::connect(core::TimePoint now) {
   if (const core::Session* const older = link_.session(core::Line::kLeaving);
       older != nullptr && link_.session())
-    tally_.failed_wishes += older->openWishes();       // two servers left one soon after the other
+    tally_.failed_requests += older->openRequests();   // two servers left one soon after the other
   if (link_.session()) leaving_ = std::move(newest_);  // else it was turned away, and who leaves still owes
   newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
   link_.begin({}, now);
@@ -97,44 +97,45 @@ void TraceClient::onLine(core::Line line, core::TimePoint now, const Action& act
   try {
     action(*session);
   } catch (const Error& error) {
-    const bool leaves = line == core::Line::kLeaving || !link_.takesWishes();
-    const bool is_lost = !leaves || session->openWishes() > 0;
+    const bool leaves = line == core::Line::kLeaving || !link_.takesRequests();
+    const bool is_lost = !leaves || session->openRequests() > 0;
     tally_.lost += is_lost;
-    tally_.failed_wishes += session->openWishes();
+    tally_.failed_requests += session->openRequests();
     ended_ = std::move(transport(line));
     if (line == core::Line::kNewest)
       link_.fail(error, now);
     else
       link_.endLeaving();
     if (is_lost) tally_.noteError(error.code(), error.what());
-    if (line == core::Line::kLeaving) sendWishes();
+    if (line == core::Line::kLeaving) sendRequests();
   }
 }
 
-void TraceClient::addDueWishes(core::TimePoint now) {
-  const auto& wishes = plan_.trace.wishes;
+void TraceClient::addDueRequests(core::TimePoint now) {
+  const auto& requests = plan_.trace.requests;
   bool added = false;
-  while (!wishes.empty() && nextIntended() <= std::min(now, plan_.end)) {
-    const size_t traced = (first_ + replayed_) % wishes.size();
-    const core::Wish& wish = wishes[traced].wish;
-    added |= pending_.try_emplace(wish.blob.number, Pending{wish, nextIntended(), traced}).second;
+  while (!requests.empty() && nextIntended() <= std::min(now, plan_.end)) {
+    const size_t traced = (first_ + replayed_) % requests.size();
+    const core::Request& request = requests[traced].request;
+    added |= pending_.try_emplace(request.blob.number, Pending{request, nextIntended(), traced}).second;
     goOn();
   }
-  if (added) sendWishes();
+  if (added) sendRequests();
 }
 
-void TraceClient::sendWishes() {
+void TraceClient::sendRequests() {
   core::Session* const session = link_.session();
-  if (!link_.takesWishes() || !session->opened()) return;
+  if (!link_.takesRequests() || !session->opened()) return;
   const core::Session* const before = link_.session(core::Line::kLeaving);
-  std::vector<core::Wish> wishes;
-  wishes.reserve(pending_.size());
+  std::vector<core::Request> requests;
+  requests.reserve(pending_.size());
   for (const auto& [number, pending] : pending_)
-    if (before == nullptr || !before->isWishedFor(pending.wish.blob)) wishes.push_back(pending.wish);
-  std::ranges::stable_sort(wishes, [](const core::Wish& a, const core::Wish& b) {
-    return a.wish_class != b.wish_class ? a.wish_class < b.wish_class : a.priority_px > b.priority_px;
+    if (before == nullptr || !before->isRequested(pending.request.blob)) requests.push_back(pending.request);
+  std::ranges::stable_sort(requests, [](const core::Request& a, const core::Request& b) {
+    return a.request_class != b.request_class ? a.request_class < b.request_class
+                                              : a.priority_px > b.priority_px;
   });
-  session->setWishes(wishes);
+  session->setRequests(requests);
 }
 
 void TraceClient::send() {
@@ -144,8 +145,8 @@ void TraceClient::send() {
 }
 
 void TraceClient::scheduleNext(core::TimePoint now) {
-  due_ = now + (link_.takesWishes() ? core::TimePoint::duration(kKeepAliveEvery) : kLookForRetryEvery);
-  if (!plan_.trace.wishes.empty()) due_ = std::min(due_, nextIntended());
+  due_ = now + (link_.takesRequests() ? core::TimePoint::duration(kKeepAliveEvery) : kLookForRetryEvery);
+  if (!plan_.trace.requests.empty()) due_ = std::min(due_, nextIntended());
 }
 
 void TraceClient::receive() {
@@ -170,11 +171,11 @@ void TraceClient::handle(const core::SessionEvent& event, core::Session& session
     link_.succeeded();
     was_let_in_ = true;
     turned_away_.clear();
-    return sendWishes();
+    return sendRequests();
   }
   if (const auto* blob = std::get_if<core::BlobArrived>(&event)) return arrived(*blob, session, now);
   if (const auto* refused = std::get_if<core::BlobRefused>(&event)) {
-    ++tally_.failed_wishes;
+    ++tally_.failed_requests;
     pending_.erase(refused->blob.number);
     tally_.noteError(ErrorCode::kIo, "the server says: " + refused->message);
   }
@@ -193,16 +194,16 @@ void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session,
   if (found != pending_.end()) {
     const Pending pending = found->second;
     pending_.erase(found);
-    if (plan_.decode && plan_.trace.wishes[pending.traced].decode) {
-      core::DecodeJob job = *plan_.trace.wishes[pending.traced].decode;
+    if (plan_.decode && plan_.trace.requests[pending.traced].decode) {
+      core::DecodeJob job = *plan_.trace.requests[pending.traced].decode;
       job.bytes = blob.bytes;
       const core::DecodeResult result = core::runDecodeJob(job);
       if (!result.failure.empty())
         throw Error(ErrorCode::kFormat, "a blob cannot be decoded: " + result.failure);
     }
-    tally_.latency[static_cast<size_t>(pending.wish.wish_class)].add(now - pending.intended);
-    const size_t open = session.openWishes();
-    if (open < kRefillBelow && open < pending_.size()) sendWishes();
+    tally_.latency[static_cast<size_t>(pending.request.request_class)].add(now - pending.intended);
+    const size_t open = session.openRequests();
+    if (open < kRefillBelow && open < pending_.size()) sendRequests();
   }
   if (blob.blob.number == first_lod_ && !image_seen_) {
     image_seen_ = true;
@@ -222,7 +223,7 @@ void TraceClient::finish(core::TimePoint now) {
   for (const auto& [number, pending] : pending_) {
     if (pending.intended > now) continue;
     ++tally_.unanswered;
-    tally_.latency[static_cast<size_t>(pending.wish.wish_class)].add(now - pending.intended);
+    tally_.latency[static_cast<size_t>(pending.request.request_class)].add(now - pending.intended);
   }
 }
 

@@ -17,9 +17,9 @@
 
 namespace lode::app {
 
-/// Replays a trace over and over from a place of its own in it, each wish at its intended time whether or not
-/// those before are there. What is late counts from that time. When its connection ends it comes again, as
-/// any client does, and wishes again for what it has not got.
+/// Replays a trace over and over from a place of its own in it, each request at its intended time whether or
+/// not those before are there. What is late counts from that time. When its connection ends it comes again,
+/// as any client does, and requests again what it has not got.
 class TraceClient final : public LoadClient {
  public:
   /// @param start    when it connects. @param phase_s  where in the trace it begins.
@@ -33,7 +33,7 @@ class TraceClient final : public LoadClient {
 
  private:
   struct Pending {
-    core::Wish wish;
+    core::Request request;
     core::TimePoint intended;
     size_t traced = 0;  ///< its place in the trace
   };
@@ -51,8 +51,8 @@ class TraceClient final : public LoadClient {
   void receive();
   void handle(const core::SessionEvent& event, core::Session& session, core::TimePoint now);
   void arrived(const core::BlobArrived& blob, core::Session& session, core::TimePoint now);
-  void addDueWishes(core::TimePoint now);
-  void sendWishes();
+  void addDueRequests(core::TimePoint now);
+  void sendRequests();
   void scheduleNext(core::TimePoint now);
   core::TimePoint nextIntended() const noexcept;
   void goOn();
@@ -63,7 +63,7 @@ class TraceClient final : public LoadClient {
   LoadTally& tally_;
   const core::TimePoint start_;
   size_t first_;           ///< place in the trace at which it begins
-  uint64_t replayed_ = 0;  ///< wishes that were due so far
+  uint64_t replayed_ = 0;  ///< requests that were due so far
   double paused_s_ = 0;    ///< between the rounds so far
   std::mt19937_64 random_;
   core::TimePoint due_;

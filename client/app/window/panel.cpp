@@ -93,7 +93,8 @@ std::string sharpnessOf(const PanelContent& content) {
   if (content.exhausted) return "";
   if (content.lacking) return lackingText(content.error_px);
   if (content.waiting_for_server) return waitingText(content.error_px);
-  return refiningText({content.error_px, content.threshold_px, content.wishes.tiles, content.received_bytes});
+  return refiningText(
+      {content.error_px, content.threshold_px, content.requests.tiles, content.received_bytes});
 }
 
 bool isRefining(const PanelContent& content) {

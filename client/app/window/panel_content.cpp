@@ -17,7 +17,7 @@ void describe(const Exhibit& exhibit, const Looked& looked, PanelContent& conten
   content.received_bytes = counts.received_bytes;
   content.link_bytes_per_s = counts.link_bytes_per_s;
   content.round_trip_ms = counts.round_trip_ms;
-  content.wishes = counts.wishes;
+  content.requests = counts.requests;
   content.resident_bytes = counts.resident_bytes + counts.texture_bytes;
   content.tiles_left_out = counts.tiles_left_out;
   content.exhausted = status.exhausted;

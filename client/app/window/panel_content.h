@@ -25,7 +25,7 @@ struct PanelContent {
   uint64_t model_triangles = 0;
   uint64_t received_bytes = 0;
   double link_bytes_per_s = 0, round_trip_ms = 0;  ///< 0: not measured yet
-  core::WishCounts wishes;                         ///< that are open
+  core::RequestCounts requests;                    ///< that are open
   uint64_t resident_bytes = 0, resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
   bool textured = false;
   uint64_t tiles = 0, tiles_left_out = 0;  ///< of textures: on the GPU, and those that memory does not allow

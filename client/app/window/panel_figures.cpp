@@ -47,10 +47,10 @@ std::string networkOf(const PanelContent& content) {
   return text;
 }
 
-std::string wishesOf(const core::WishCounts& wishes) {
-  if (wishes.visible + wishes.margin + wishes.prefetch == 0) return "none";
-  return "visible " + countOf(wishes.visible) + ", margin " + countOf(wishes.margin) + ", prefetch " +
-         countOf(wishes.prefetch);
+std::string requestsOf(const core::RequestCounts& requests) {
+  if (requests.visible + requests.margin + requests.prefetch == 0) return "none";
+  return "visible " + countOf(requests.visible) + ", margin " + countOf(requests.margin) + ", prefetch " +
+         countOf(requests.prefetch);
 }
 
 Figure memoryFigure(const char* name, uint64_t bytes, uint64_t budget_bytes, int rank) {
@@ -79,7 +79,7 @@ std::vector<Figure> figuresOf(const PanelContent& content) {
       {"triangles", countOf(content.triangles) + " of " + countOf(content.model_triangles), -1, 1},
       {"nodes", countOf(content.nodes), -1, 8},
       {"network", networkOf(content), -1, 3},
-      {"wishes", wishesOf(content.wishes), -1, 4},
+      {"requests", requestsOf(content.requests), -1, 4},
       memoryFigure("memory", content.resident_bytes, content.resident_budget_bytes, 5),
       memoryFigure("on the GPU", content.gpu_bytes, content.gpu_budget_bytes, 6),
   };

@@ -11,8 +11,8 @@ void add(core::EngineCounts& counts, const core::EngineCounts& one) {
   counts.received_bytes += one.received_bytes;
   counts.link_bytes_per_s += one.link_bytes_per_s;
   counts.round_trip_ms = std::max(counts.round_trip_ms, one.round_trip_ms);
-  counts.open_wishes += one.open_wishes;
-  counts.wishes += one.wishes;
+  counts.open_requests += one.open_requests;
+  counts.requests += one.requests;
   counts.resident_bytes += one.resident_bytes;
   counts.texture_bytes += one.texture_bytes;
   counts.tiles_left_out += one.tiles_left_out;

@@ -144,7 +144,7 @@ TEST_F(Loadtest, startsItsClientsWithinTheRamp) {
   EXPECT_EQ(run({"--clients", "10", "--seconds", "1", "--ramp", "0", "--decode-off"})["started"], 10);
 }
 
-TEST_F(Loadtest, wishesForLessWhereClientsThink) {
+TEST_F(Loadtest, requestsLessWhereClientsThink) {
   const std::vector<std::string> arguments{"--clients", "4", "--seconds", "3",
                                            "--ramp",    "0", "--camera",  shortPath()};
   std::vector<std::string> thinking = arguments;

@@ -38,7 +38,7 @@ TEST(Replay, movesInRealTimeWithoutAHoleAndConvergesAtTheEnd) {
   EXPECT_GE(json["converged_ms"], 1000);
   EXPECT_LE(json["max_error_px"], 2);
   EXPECT_GE(json["seconds_above_px"]["1"], json["seconds_above_px"]["4"]);
-  EXPECT_GE(json["prefetch"]["wished"], json["prefetch"]["used"]);
+  EXPECT_GE(json["prefetch"]["requested"], json["prefetch"]["used"]);
   EXPECT_TRUE(json["limited_by"].is_string());
   EXPECT_GT(json["waited_s"]["link"], 0);
   EXPECT_EQ(json["waited_s"]["budget"], 0);
@@ -61,7 +61,7 @@ TEST(Replay, asksForNothingAheadWhereThatIsNotWanted) {
   const Outcome outcome = lodestream({"replay", server.url("small"), "--camera", writePath(folder),
                                       "--no-prefetch", "--order", "first-come", "--pixels", "2", "--json"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(Json::parse(outcome.out)["prefetch"]["wished"], 0);
+  EXPECT_EQ(Json::parse(outcome.out)["prefetch"]["requested"], 0);
 }
 
 TEST(Replay, recordsATraceThatALoadTestReplays) {
@@ -79,7 +79,7 @@ TEST(Replay, recordsATraceThatALoadTestReplays) {
   EXPECT_EQ(json["errors"], 0);
   ASSERT_EQ(json["traces"].size(), 1u);
   EXPECT_EQ(json["traces"][0]["seconds"], 1);
-  EXPECT_GT(json["traces"][0]["wishes"], 5);
+  EXPECT_GT(json["traces"][0]["requests"], 5);
   EXPECT_GT(json["latency_ms"]["visible"]["count"], 0);
 }
 
@@ -108,9 +108,9 @@ TEST_F(ReplayedTrace, ofAnotherBuildOfTheModelIsRefused) {
   expectFailure(loadtest(), {trace_, "another build of the model", "replay --record"});
 }
 
-TEST_F(ReplayedTrace, withoutAWishIsRefused) {
+TEST_F(ReplayedTrace, withoutARequestIsRefused) {
   Json trace = Json::parse(readBytes(trace_));
-  trace["wishes"] = Json::array();
+  trace["requests"] = Json::array();
   writeBytes(trace_, trace.dump());
   expectFailure(loadtest(), {trace_, "nothing to replay"});
 }

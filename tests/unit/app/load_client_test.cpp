@@ -48,7 +48,8 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
     plan_.trace.build_id = store_->summary().build_id;
     for (const Node& node : store_->nodes())
       if (node.isLeaf())
-        plan_.trace.wishes.push_back({0, {node.lods[0].payload, {core::BlobKind::kMesh, {node.key, 0}}}, {}});
+        plan_.trace.requests.push_back(
+            {0, {node.lods[0].payload, {core::BlobKind::kMesh, {node.key, 0}}}, {}});
     if (GetParam() == Kind::kFull)
       client_ = std::make_unique<FullClient>(io_, plan_, start_, 1, names_, tally_);
     else
@@ -69,15 +70,15 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
   void settle() {
     for (int turns = 0; turns < 50; ++turns) turn();
   }
-  /// Until the server has the wishes of what the client can know of.
-  void runUntilWishedFor(size_t connection) {
-    run([&] { return server_->openWishes(connection) > 0; });
+  /// Until the server has the requests of what the client can know of.
+  void runUntilRequested(size_t connection) {
+    run([&] { return server_->openRequests(connection) > 0; });
     settle();
   }
   void runUntilOpened(size_t count) {
     run([&] { return server_->opened() == count; });
   }
-  /// Wishes.
+  /// Requests.
   uint64_t timed() const {
     uint64_t count = 0;
     for (const LatencyHistogram& of_class : tally_.latency) count += of_class.count();
@@ -103,14 +104,14 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
 
 TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerBreaksOff) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
-  const size_t open = server_->openWishes(0);
+  runUntilRequested(0);
+  const size_t open = server_->openRequests(0);
   server_->breakOff(0);
-  runUntilWishedFor(1);
+  runUntilRequested(1);
   EXPECT_EQ(tally_.lost, 1u);
-  EXPECT_EQ(tally_.failed_wishes, open);
+  EXPECT_EQ(tally_.failed_requests, open);
   EXPECT_EQ(tally_.moved, 0u);
-  EXPECT_EQ(server_->openWishes(1), open) << "wished for again";
+  EXPECT_EQ(server_->openRequests(1), open) << "requested again";
 }
 
 TEST_P(EveryLoadClient, countsAConnectionThatBreaksAsAnErrorOfTheNetwork) {
@@ -163,8 +164,8 @@ TEST_P(EveryLoadClient, hasNoErrorWhereAServerGoesAway) {
 
 TEST_P(EveryLoadClient, leavesUnansweredWhatABrokenConnectionOwed) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
-  const size_t open = server_->openWishes(0);
+  runUntilRequested(0);
+  const size_t open = server_->openRequests(0);
   server_->breakOff(0);
   run([&] { return tally_.lost > 0; });
   client_->finish(Clock::now());
@@ -173,55 +174,55 @@ TEST_P(EveryLoadClient, leavesUnansweredWhatABrokenConnectionOwed) {
 
 TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerThatIsGoingAwayBreaksOff) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
-  const size_t open = server_->openWishes(0);
+  runUntilRequested(0);
+  const size_t open = server_->openRequests(0);
   server_->goAway(0);
   runUntilOpened(2);
   server_->breakOff(0);
-  runUntilWishedFor(1);
+  runUntilRequested(1);
   EXPECT_EQ(tally_.lost, 1u);
-  EXPECT_EQ(tally_.failed_wishes, open);
+  EXPECT_EQ(tally_.failed_requests, open);
   EXPECT_EQ(tally_.moved, 1u);
-  EXPECT_EQ(server_->openWishes(1), open) << "wished for again";
+  EXPECT_EQ(server_->openRequests(1), open) << "requested again";
 }
 
 TEST_P(EveryLoadClient, countsWhatIsOpenWhereTwoServersGoAwayOneSoonAfterTheOther) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
-  const size_t open = server_->openWishes(0);
+  runUntilRequested(0);
+  const size_t open = server_->openRequests(0);
   server_->goAway(0);
   runUntilOpened(2);
   server_->goAway(1);
-  runUntilWishedFor(2);
-  EXPECT_EQ(tally_.failed_wishes, open);
+  runUntilRequested(2);
+  EXPECT_EQ(tally_.failed_requests, open);
   EXPECT_EQ(tally_.moved, 2u);
 }
 
 TEST_P(EveryLoadClient, takesWhatItWasPromisedBeforeTheNextServerHasSaidAnything) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
+  runUntilRequested(0);
   server_->saysNothing();
   server_->goAway(0);
   run([&] { return server_->connections() == 2; });
-  const uint64_t before = tally_.blobs, open = server_->openWishes(0);
+  const uint64_t before = tally_.blobs, open = server_->openRequests(0);
   server_->grantAll(0);
   settle();
   EXPECT_EQ(tally_.blobs, before + open);
   EXPECT_EQ(tally_.lost, 0u);
-  EXPECT_EQ(tally_.failed_wishes, 0u);
+  EXPECT_EQ(tally_.failed_requests, 0u);
   EXPECT_NE(client_->due(), kNever) << tally_.first_error;
 }
 
 TEST_P(EveryLoadClient, losesNothingWhereAServerThatIsGoingAwayHasGivenAll) {
   runUntilOpened(1);
   settle();
-  ASSERT_GT(tally_.blobs, plan_.trace.wishes.size() / 2);
+  ASSERT_GT(tally_.blobs, plan_.trace.requests.size() / 2);
   server_->goAway(0);
   runUntilOpened(2);
   server_->breakOff(0);
   settle();
   EXPECT_EQ(tally_.lost, 0u);
-  EXPECT_EQ(tally_.failed_wishes, 0u);
+  EXPECT_EQ(tally_.failed_requests, 0u);
   EXPECT_EQ(tally_.moved, 1u);
 }
 
@@ -243,7 +244,7 @@ TEST_P(EveryLoadClient, hasNotMovedWhereItIsTurnedAwayAtTheDoor) {
 
 TEST_P(EveryLoadClient, losesNothingOfWhoLeavesWhereTheNextTurnsItAway) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
+  runUntilRequested(0);
   server_->turnOneAway();
   server_->goAway(0);
   run([&] { return tally_.turned_away == 1; });
@@ -251,7 +252,7 @@ TEST_P(EveryLoadClient, losesNothingOfWhoLeavesWhereTheNextTurnsItAway) {
   server_->grantAll(0);
   settle();
   EXPECT_EQ(tally_.lost, 0u) << tally_.first_error;
-  EXPECT_EQ(tally_.failed_wishes, 0u);
+  EXPECT_EQ(tally_.failed_requests, 0u);
 }
 
 TEST_P(EveryLoadClient, countsWhereItIsTurnedAwayAndHasNoErrorIfItIsLetInLater) {
@@ -271,9 +272,9 @@ TEST_P(EveryLoadClient, isAnErrorWhereItIsNeverLetIn) {
   EXPECT_NE(tally_.first_error.find("maintenance"), std::string::npos) << tally_.first_error;
 }
 
-TEST_P(EveryLoadClient, timesAWishThatIsMadeAgainOnceAndFromItsBeginning) {
+TEST_P(EveryLoadClient, timesARequestThatIsMadeAgainOnceAndFromItsBeginning) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
+  runUntilRequested(0);
   server_->breakOff(0);
   server_->closeToTheNext(2);
   server_->holdBack(false);
@@ -289,9 +290,9 @@ TEST_P(EveryLoadClient, timesAWishThatIsMadeAgainOnceAndFromItsBeginning) {
   EXPECT_GE(longest_ms, until_opened.count());
 }
 
-TEST_P(EveryLoadClient, leavesNothingUnansweredThatIsNotWishedForAgain) {
+TEST_P(EveryLoadClient, leavesNothingUnansweredThatIsNotRequestedAgain) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
+  runUntilRequested(0);
   server_->breakOff(0);
   run([&] { return tally_.lost > 0; });
   plan_.pixels = 10000;  // what it has will do
@@ -311,13 +312,13 @@ TEST_P(EveryLoadClient, thatNeverSeesAPictureCountsAsOneThatIsAsLateAsTheEnd) {
   EXPECT_GE(tally_.first_image.maxMs(), 9000);
 }
 
-TEST_P(EveryLoadClient, countsAWishThatIsRefusedAndGoesOn) {
+TEST_P(EveryLoadClient, countsARequestThatIsRefusedAndGoesOn) {
   server_->refuseOne();
-  run([&] { return tally_.failed_wishes > 0; });
+  run([&] { return tally_.failed_requests > 0; });
   settle();
   EXPECT_NE(client_->due(), kNever);
   client_->finish(Clock::now());
-  EXPECT_EQ(tally_.failed_wishes, 1u);
+  EXPECT_EQ(tally_.failed_requests, 1u);
   EXPECT_EQ(tally_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kIo, 1}}));
   EXPECT_EQ(tally_.first_error, "the server says: damaged");
   EXPECT_EQ(tally_.unanswered, 0u);
@@ -326,11 +327,11 @@ TEST_P(EveryLoadClient, countsAWishThatIsRefusedAndGoesOn) {
 
 TEST_P(EveryLoadClient, countsWhatIsOpenWhereTheServerFallsSilent) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
+  runUntilRequested(0);
   const core::TimePoint since = Clock::now();
   for (int calls = 1; calls <= 40 && tally_.lost == 0; ++calls) client_->step(since + calls * 1s);
   EXPECT_EQ(tally_.lost, 1u);
-  EXPECT_EQ(tally_.failed_wishes, server_->openWishes(0));
+  EXPECT_EQ(tally_.failed_requests, server_->openRequests(0));
 }
 
 using AFullClient = EveryLoadClient;
@@ -378,7 +379,7 @@ class AFullClientOfADamagedModel : public EveryLoadClient {
 
 TEST_P(AFullClientOfADamagedModel, countsTheConnectionThatBreaksAsWellAsWhatItBroughtAndCannotBeDecoded) {
   server_->holdBack(true);
-  runUntilWishedFor(0);
+  runUntilRequested(0);
   server_->grantAMeshAndFail(0);
   run([&] { return tally_.lost == 1; });
   EXPECT_EQ(client_->due(), kNever) << "nothing was decoded";

@@ -36,14 +36,16 @@ TEST_F(LoadReport, saysHowManyClientsThereWereWhereAllHadBegun) {
   EXPECT_TRUE(says(" 30 clients,")) << text();
 }
 
-TEST_F(LoadReport, givesNoTimeOfWishesThatNobodyMade) { EXPECT_TRUE(says("visible wishes: none")) << text(); }
+TEST_F(LoadReport, givesNoTimeOfRequestsThatNobodyMade) {
+  EXPECT_TRUE(says("visible requests: none")) << text();
+}
 
-TEST_F(LoadReport, hasNoPercentilesOfWishesThatNobodyMade) {
+TEST_F(LoadReport, hasNoPercentilesOfRequestsThatNobodyMade) {
   const Json nothing{{"count", 0}, {"p50", nullptr}, {"p90", nullptr}, {"p99", nullptr}, {"max", nullptr}};
   EXPECT_EQ(json()["latency_ms"]["visible"], nothing);
 }
 
-TEST_F(LoadReport, hasPercentilesOfASingleWish) {
+TEST_F(LoadReport, hasPercentilesOfASingleRequest) {
   result_.tally.latency[0].add(std::chrono::milliseconds(7));
   EXPECT_EQ(json()["latency_ms"]["visible"]["p50"], 7.0);
 }

@@ -25,16 +25,16 @@ class ToldServer {
     accept();
   }
 
-  /// Wishes stay open from now on, or are granted as they come.
+  /// Requests stay open from now on, or are granted as they come.
   void holdBack(bool held) { holds_back_ = held; }
-  /// The next wish ends with an error.
+  /// The next request ends with an error.
   void refuseOne() { refuses_ = true; }
   /// The next so many that come find nobody.
   void closeToTheNext(size_t count) { closed_to_ = count; }
-  /// What is wished for on a connection, though it was held back.
+  /// What is requested on a connection, though it was held back.
   void grantAll(size_t connection) {
-    for (const auto& [wish, blob] : std::exchange(connections_[connection]->wishes, {}))
-      grant(*connections_[connection], wish, blob);
+    for (const auto& [request, blob] : std::exchange(connections_[connection]->requests, {}))
+      grant(*connections_[connection], request, blob);
   }
   size_t connections() const { return connections_.size(); }
   void saysNothing() { says_nothing_ = true; }
@@ -45,9 +45,9 @@ class ToldServer {
   void grantAMeshAndFail(size_t connection) {
     Connection& to = *connections_[connection];
     const auto mesh =
-        std::ranges::find_if(to.wishes, [this](const auto& wish) { return isMesh(wish.second); });
+        std::ranges::find_if(to.requests, [this](const auto& request) { return isMesh(request.second); });
     proto::Bytes frames = blobFrame(mesh->first, mesh->second);
-    to.wishes.erase(mesh);
+    to.requests.erase(mesh);
     const proto::Bytes failure =
         proto::encode(proto::ErrorMessage{proto::WireError::kInternal, 0, false, "out of order"}, 0);
     frames.insert(frames.end(), failure.begin(), failure.end());
@@ -58,10 +58,10 @@ class ToldServer {
   uint16_t port() const { return acceptor_.local_endpoint().port(); }
   /// That have the model open, up to now.
   size_t opened() const { return opened_; }
-  /// Wishes, up to now.
+  /// Requests, up to now.
   size_t granted() const { return granted_; }
-  size_t openWishes(size_t connection) const {
-    return connection < connections_.size() ? connections_[connection]->wishes.size() : 0;
+  size_t openRequests(size_t connection) const {
+    return connection < connections_.size() ? connections_[connection]->requests.size() : 0;
   }
 
  private:
@@ -69,7 +69,7 @@ class ToldServer {
     explicit Connection(asio::ip::tcp::socket accepted) : socket(std::move(accepted)) {}
     asio::ip::tcp::socket socket;
     std::vector<std::byte> buffer = std::vector<std::byte>(64u << 10), input;
-    std::map<uint32_t, uint32_t> wishes;  // blobs by wish
+    std::map<uint32_t, uint32_t> requests;  // blobs by request
     bool is_turned_away = false;
   };
 
@@ -113,8 +113,8 @@ class ToldServer {
       send(to, proto::Welcome{proto::kProtocolVersion, 0, 16384, "test"}, 1);
     if (type == proto::FrameType::kOpen) open(to, proto::decode<proto::Open>(body).known_build_id);
     if (type == proto::FrameType::kPing) send(to, proto::Pong{proto::decode<proto::Ping>(body).payload}, 0);
-    if (type != proto::FrameType::kWishes) return;
-    for (const proto::WishChange& change : proto::decode<proto::Wishes>(body).changes) take(to, change);
+    if (type != proto::FrameType::kRequests) return;
+    for (const proto::RequestChange& change : proto::decode<proto::Requests>(body).changes) take(to, change);
   }
 
   void open(Connection& to, const BlobName& known_build_id) {
@@ -125,25 +125,25 @@ class ToldServer {
     give(to, 0, store_.find(kRootKey)->lods.back().payload.number);
   }
 
-  void take(Connection& from, const proto::WishChange& change) {
-    if (change.action == proto::WishAction::kCancel && from.wishes.erase(change.wish) > 0)
-      send(from, proto::Cancelled{change.wish}, 0);
-    if (change.action != proto::WishAction::kAdd) return;
+  void take(Connection& from, const proto::RequestChange& change) {
+    if (change.action == proto::RequestAction::kCancel && from.requests.erase(change.request) > 0)
+      send(from, proto::Cancelled{change.request}, 0);
+    if (change.action != proto::RequestAction::kAdd) return;
     if (std::exchange(refuses_, false))
-      send(from, proto::ErrorMessage{proto::WireError::kDamagedStore, change.wish, false, "damaged"}, 0);
+      send(from, proto::ErrorMessage{proto::WireError::kDamagedStore, change.request, false, "damaged"}, 0);
     else if (holds_back_)
-      from.wishes[change.wish] = change.blob;
+      from.requests[change.request] = change.blob;
     else
-      grant(from, change.wish, change.blob);
+      grant(from, change.request, change.blob);
   }
 
-  void grant(Connection& to, uint32_t wish, uint32_t blob) {
+  void grant(Connection& to, uint32_t request, uint32_t blob) {
     ++granted_;
-    give(to, wish, blob);
+    give(to, request, blob);
   }
 
-  void give(Connection& to, uint32_t wish, uint32_t blob) {
-    asio::write(to.socket, asio::buffer(blobFrame(wish, blob)));
+  void give(Connection& to, uint32_t request, uint32_t blob) {
+    asio::write(to.socket, asio::buffer(blobFrame(request, blob)));
   }
 
   bool isMesh(uint32_t blob) const {
@@ -152,10 +152,10 @@ class ToldServer {
     });
   }
 
-  proto::Bytes blobFrame(uint32_t wish, uint32_t blob) const {
+  proto::Bytes blobFrame(uint32_t request, uint32_t blob) const {
     const std::vector<std::byte> bytes = store_.readBlob(blob);
     const auto size = static_cast<uint32_t>(bytes.size());
-    const auto fields = proto::encodeBlobChunkHeader({wish, size, 0});
+    const auto fields = proto::encodeBlobChunkHeader({request, size, 0});
     const auto header = proto::encodeFrameHeader(
         {static_cast<uint32_t>(fields.size()) + size, static_cast<uint8_t>(proto::FrameType::kBlob), 0, 0});
     proto::Bytes frame(header.begin(), header.end());

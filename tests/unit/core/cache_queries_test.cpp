@@ -5,7 +5,7 @@
 namespace lode::core {
 namespace {
 
-Wish wishFor(uint32_t number) {
+Request request(uint32_t number) {
   BlobName name;
   name.bytes[0] = static_cast<std::byte>(number);
   name.bytes[1] = static_cast<std::byte>(number >> 8);
@@ -14,32 +14,32 @@ Wish wishFor(uint32_t number) {
 
 TEST(CacheQueries, askForABlobOnceUntilTheAnswer) {
   CacheQueries queries;
-  EXPECT_FALSE(queries.lacks(wishFor(1)));
-  EXPECT_FALSE(queries.lacks(wishFor(1)));
+  EXPECT_FALSE(queries.lacks(request(1)));
+  EXPECT_FALSE(queries.lacks(request(1)));
   EXPECT_EQ(queries.take().size(), 1u);
   EXPECT_TRUE(queries.take().empty());
   EXPECT_FALSE(queries.idle());
-  EXPECT_EQ(queries.finish(wishFor(1).blob, true), wishFor(1).use);
+  EXPECT_EQ(queries.finish(request(1).blob, true), request(1).use);
   EXPECT_TRUE(queries.idle());
-  EXPECT_FALSE(queries.finish(wishFor(1).blob, true));
+  EXPECT_FALSE(queries.finish(request(1).blob, true));
 }
 
 TEST(CacheQueries, sendABlobThatIsNotThereToTheServerUntilItHasCome) {
   CacheQueries queries;
-  queries.lacks(wishFor(1));
-  queries.finish(wishFor(1).blob, false);
-  EXPECT_TRUE(queries.lacks(wishFor(1)));
-  queries.arrived(wishFor(1).blob);
-  EXPECT_FALSE(queries.lacks(wishFor(1)));
+  queries.lacks(request(1));
+  queries.finish(request(1).blob, false);
+  EXPECT_TRUE(queries.lacks(request(1)));
+  queries.arrived(request(1).blob);
+  EXPECT_FALSE(queries.lacks(request(1)));
 }
 
 TEST(CacheQueries, waitWhenManyAreUnderWay) {
   CacheQueries queries;
   for (uint32_t number = 1; number <= kMaxCacheQueries + 10; ++number)
-    EXPECT_FALSE(queries.lacks(wishFor(number)));
+    EXPECT_FALSE(queries.lacks(request(number)));
   EXPECT_EQ(queries.take().size(), kMaxCacheQueries);
-  queries.finish(wishFor(1).blob, true);
-  EXPECT_FALSE(queries.lacks(wishFor(kMaxCacheQueries + 5)));
+  queries.finish(request(1).blob, true);
+  EXPECT_FALSE(queries.lacks(request(kMaxCacheQueries + 5)));
   EXPECT_EQ(queries.take().size(), 1u);
 }
 

@@ -97,7 +97,7 @@ class World {
     EngineOptions options;
     options.jitter_seed = seed;
     options.session.model = "model";
-    if (memory_budget_bytes >= 1u << 30) options.session.max_wished_bytes = 20'000;
+    if (memory_budget_bytes >= 1u << 30) options.session.max_requested_bytes = 20'000;
     options.prefetch = true;
     options.memory_budget_bytes = memory_budget_bytes;
     options.drawn_budget_bytes = drawn_budget_bytes;
@@ -233,8 +233,8 @@ class EngineProperties : public testing::TestWithParam<uint32_t> {};
 void convergeFor(World& world, const View& view) {
   world.engine().setView(view, 1);
   for (int steps = 0; steps < 20'000 && !world.settled(); ++steps) world.step(milliseconds(10));
-  EXPECT_TRUE(world.settled()) << world.server().openWishes() << " wishes at the server, " << world.decoding()
-                               << " decoding";
+  EXPECT_TRUE(world.settled()) << world.server().openRequests() << " requests at the server, "
+                               << world.decoding() << " decoding";
   EXPECT_TRUE(world.engine().failure().empty()) << world.engine().failure();
 }
 
@@ -363,14 +363,14 @@ TEST_P(EngineProperties, asksAheadOfACameraThatMovesWithoutFetchingABlobTwice) {
     world.step(milliseconds(10));
   }
   const PrefetchCounts counts = world.engine().counts().prefetch;
-  EXPECT_LE(counts.used + counts.unused, counts.wished);
+  EXPECT_LE(counts.used + counts.unused, counts.requested);
   EXPECT_EQ(counts.unused == 0, counts.unused_bytes == 0);
   convergeFor(world, flight(from, 300));
   for (const auto& [blob, times] : world.server().completed()) EXPECT_EQ(times, 1u) << blob;
 }
 
 TEST(Engine, asksAheadOfAnyPlaceOfAModelThatMoves) {
-  uint64_t wished = 0;
+  uint64_t requested = 0;
   for (uint32_t seed = 1; seed < 7; ++seed) {
     World world(seed, 1ull << 30);
     const View from = world.randomView();
@@ -382,13 +382,13 @@ TEST(Engine, asksAheadOfAnyPlaceOfAModelThatMoves) {
     };
     for (int step = 0; step < 1000; ++step) look(0);
     for (int step = 0; step < 300; ++step) look(step);
-    wished += world.engine().counts().prefetch.wished;
+    requested += world.engine().counts().prefetch.requested;
   }
-  EXPECT_GT(wished, 0u);
+  EXPECT_GT(requested, 0u);
 }
 
 TEST(Engine, asksAheadOfACameraThatIsSoNearThatTheFinestIsFarOff) {
-  uint64_t wished = 0;
+  uint64_t requested = 0;
   for (uint32_t seed = 1; seed < 7; ++seed) {
     World world(seed, 1ull << 30);
     constexpr float kThresholdPx = 1e-3f;
@@ -402,16 +402,16 @@ TEST(Engine, asksAheadOfACameraThatIsSoNearThatTheFinestIsFarOff) {
       world.engine().setView(flight(from, step), kThresholdPx);
       world.step(milliseconds(10));
     }
-    wished += world.engine().counts().prefetch.wished;
+    requested += world.engine().counts().prefetch.requested;
   }
-  EXPECT_GT(wished, 0u);
+  EXPECT_GT(requested, 0u);
 }
 
 TEST_P(EngineProperties, asksForNothingAheadOfACameraThatStands) {
   World world(GetParam(), 1ull << 30);
   convergeFor(world, world.randomView());
   convergeFor(world, world.randomView());  // a jump
-  EXPECT_EQ(world.engine().counts().prefetch.wished, 0u);
+  EXPECT_EQ(world.engine().counts().prefetch.requested, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, EngineProperties, testing::Range(1u, 1 + lode::test::kSeeds));

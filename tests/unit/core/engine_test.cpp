@@ -43,9 +43,9 @@ class EngineTest : public testing::Test {
 
   static void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
 
-  Bytes blobFrame(uint32_t wish, uint32_t number) const {
+  Bytes blobFrame(uint32_t request, uint32_t number) const {
     const Bytes& blob = blobs_[number - 1];
-    const auto fields = proto::encodeBlobChunkHeader({wish, static_cast<uint32_t>(blob.size()), 0});
+    const auto fields = proto::encodeBlobChunkHeader({request, static_cast<uint32_t>(blob.size()), 0});
     const auto header = proto::encodeFrameHeader({static_cast<uint32_t>(fields.size() + blob.size()),
                                                   static_cast<uint8_t>(proto::FrameType::kBlob), 0, 0});
     Bytes frame(header.size() + fields.size() + blob.size());
@@ -81,7 +81,7 @@ class EngineTest : public testing::Test {
     for (const DecodeJob& job : engine_.takeDecodeJobs()) engine_.finishDecode(runDecodeJob(job));
   }
 
-  /// The wish for the fine LOD, once the coarse one is shown.
+  /// The request the fine LOD, once the coarse one is shown.
   uint32_t openAndShowCoarse() {
     engine_.setView(view_, 1);
     engine_.connect(kStart);
@@ -89,22 +89,22 @@ class EngineTest : public testing::Test {
     engine_.takeOutgoing();
     decodeAll();
     engine_.step(kStart);
-    return firstWish();
+    return firstRequest();
   }
 
   /// Of what the engine sends now; 0: none.
-  uint32_t firstWish() {
-    uint32_t wish = 0;
+  uint32_t firstRequest() {
+    uint32_t request = 0;
     std::span<const std::byte> rest = sent_ = engine_.takeOutgoing();
     while (!rest.empty()) {
       const auto header = proto::decodeFrameHeader(rest.first<proto::kFrameHeaderBytes>());
-      if (header.type == static_cast<uint8_t>(proto::FrameType::kWishes))
-        wish = proto::decode<proto::Wishes>(rest.subspan(proto::kFrameHeaderBytes, header.body_bytes))
-                   .changes.at(0)
-                   .wish;
+      if (header.type == static_cast<uint8_t>(proto::FrameType::kRequests))
+        request = proto::decode<proto::Requests>(rest.subspan(proto::kFrameHeaderBytes, header.body_bytes))
+                      .changes.at(0)
+                      .request;
       rest = rest.subspan(proto::kFrameHeaderBytes + header.body_bytes);
     }
-    return wish;
+    return request;
   }
 
   /// The store is damaged there.
@@ -120,9 +120,9 @@ class EngineTest : public testing::Test {
 
   static constexpr TimePoint kMoved = kStart + kMoveOn;
 
-  /// The server goes away with a wish open; the next one is there. @return the wish.
+  /// The server goes away with a request open; the next one is there. @return the request.
   uint32_t moveOn() {
-    const uint32_t wish = openAndShowCoarse();
+    const uint32_t request = openAndShowCoarse();
     engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
     EXPECT_TRUE(engine_.wantsConnection(kMoved));
     engine_.connect(kMoved);
@@ -130,7 +130,7 @@ class EngineTest : public testing::Test {
     engine_.receive(greeting(build_id_), kMoved);
     engine_.takeOutgoing();
     engine_.step(kMoved);
-    return wish;
+    return request;
   }
 
   static EngineOptions options() {
@@ -158,54 +158,55 @@ TEST_F(EngineTest, showsTheRootsCoarsestLodFromWhatComesUnasked) {
   EXPECT_EQ(engine_.cut()->blob_bytes, blobs_[1].size());
 }
 
-TEST_F(EngineTest, convergesWhenTheWishedPayloadHasCome) {
-  const uint32_t wish = openAndShowCoarse();
-  ASSERT_NE(wish, 0u);
-  engine_.receive(blobFrame(wish, 1), kStart);
+TEST_F(EngineTest, convergesWhenTheRequestedPayloadHasCome) {
+  const uint32_t request = openAndShowCoarse();
+  ASSERT_NE(request, 0u);
+  engine_.receive(blobFrame(request, 1), kStart);
   decodeAll();
   engine_.step(kStart);
   EXPECT_EQ(engine_.cut()->triangles, 40u);
   EXPECT_TRUE(engine_.cut()->converged);
   EXPECT_TRUE(engine_.settled());
-  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  EXPECT_EQ(engine_.counts().open_requests, 0u);
 }
 
-TEST_F(EngineTest, wishesAgainForWhatIsWantedAgainBeforeItsCancelHasEnded) {
-  const uint32_t wish = openAndShowCoarse();
+TEST_F(EngineTest, requestsAgainWhatIsWantedAgainBeforeItsCancelHasEnded) {
+  const uint32_t request = openAndShowCoarse();
   engine_.setView(view_, 1e6f);  // too coarse to want it
   engine_.step(kStart);
   engine_.setView(view_, 1);
   engine_.step(kStart);
   engine_.takeOutgoing();
-  engine_.receive(proto::encode(proto::Cancelled{wish}, 0), kStart);
+  engine_.receive(proto::encode(proto::Cancelled{request}, 0), kStart);
   engine_.step(kStart);
-  EXPECT_EQ(engine_.counts().open_wishes, 1u);
+  EXPECT_EQ(engine_.counts().open_requests, 1u);
   EXPECT_FALSE(engine_.takeOutgoing().empty());
 }
 
-TEST_F(EngineTest, doesNotWishAgainForWhatIsBeingDecoded) {
-  const uint32_t wish = openAndShowCoarse();
-  engine_.receive(blobFrame(wish, 1), kStart);
+TEST_F(EngineTest, doesNotRequestAgainWhatIsBeingDecoded) {
+  const uint32_t request = openAndShowCoarse();
+  engine_.receive(blobFrame(request, 1), kStart);
   engine_.step(kStart);
   EXPECT_EQ(engine_.counts().decoding, 1u);
-  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  EXPECT_EQ(engine_.counts().open_requests, 0u);
 }
 
 TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenABlobCannotBeHad) {
-  const uint32_t wish = openAndShowCoarse();
+  const uint32_t request = openAndShowCoarse();
   engine_.receive(
-      proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, wish, false, "damaged"}, 0), kStart);
+      proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, request, false, "damaged"}, 0),
+      kStart);
   engine_.step(kStart);
   EXPECT_NE(engine_.failure().find("damaged"), std::string::npos);
   EXPECT_EQ(engine_.cut()->triangles, 4u);
   EXPECT_TRUE(engine_.settled()) << "nothing more will come";
   EXPECT_FALSE(engine_.cut()->converged);
-  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  EXPECT_EQ(engine_.counts().open_requests, 0u);
 }
 
 TEST_F(EngineTest, beginsWithAFinerLodWhereTheCoarsestIsDamaged) {
   openWithoutTheCoarsest();
-  engine_.receive(blobFrame(firstWish(), 1), kStart);
+  engine_.receive(blobFrame(firstRequest(), 1), kStart);
   decodeAll();
   engine_.step(kStart);
   ASSERT_TRUE(engine_.cut());
@@ -217,7 +218,8 @@ TEST_F(EngineTest, hasSettledWithoutAPictureWhereNothingOfItCanBeHad) {
   openWithoutTheCoarsest();
   EXPECT_FALSE(engine_.settled());
   engine_.receive(
-      proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, firstWish(), false, "damaged"}, 0),
+      proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, firstRequest(), false, "damaged"},
+                    0),
       kStart);
   engine_.step(kStart);
   EXPECT_FALSE(engine_.cut());
@@ -225,14 +227,14 @@ TEST_F(EngineTest, hasSettledWithoutAPictureWhereNothingOfItCanBeHad) {
 }
 
 TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenAPayloadCannotBeDecoded) {
-  const uint32_t wish = openAndShowCoarse();
-  engine_.receive(blobFrame(wish, 1), kStart);
+  const uint32_t request = openAndShowCoarse();
+  engine_.receive(blobFrame(request, 1), kStart);
   for (const DecodeJob& job : engine_.takeDecodeJobs())
     engine_.finishDecode({job.blob, job.use, nullptr, nullptr, nullptr, "broken"});
   engine_.step(kStart);
   EXPECT_NE(engine_.failure().find("broken"), std::string::npos);
   EXPECT_EQ(engine_.cut()->triangles, 4u);
-  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  EXPECT_EQ(engine_.counts().open_requests, 0u);
 }
 
 TEST_F(EngineTest, aJobWithBytesThatAreNoPayloadFailsWithoutThrowing) {
@@ -258,9 +260,9 @@ TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerGoesAway) {
 }
 
 TEST_F(EngineTest, takesWhatItWasPromisedWhileItMovesOnFromAServerThatGoesAway) {
-  const uint32_t wish = moveOn();
+  const uint32_t request = moveOn();
   EXPECT_TRUE(engine_.takeOutgoing().empty()) << "it asks for the blob a second time";
-  engine_.receive(blobFrame(wish, 1), kMoved, Line::kLeaving);
+  engine_.receive(blobFrame(request, 1), kMoved, Line::kLeaving);
   engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kLeaving);
   decodeAll();
   engine_.step(kMoved);
@@ -274,7 +276,7 @@ TEST_F(EngineTest, asksTheNextServerForWhatTheOneThatWentAwayDidNotGive) {
   engine_.takeOutgoing();
   engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kLeaving);
   engine_.step(kMoved);
-  EXPECT_EQ(engine_.counts().open_wishes, 1u);
+  EXPECT_EQ(engine_.counts().open_requests, 1u);
   engine_.receive(blobFrame(1, 1), kMoved);
   decodeAll();
   engine_.step(kMoved);
@@ -282,13 +284,13 @@ TEST_F(EngineTest, asksTheNextServerForWhatTheOneThatWentAwayDidNotGive) {
 }
 
 TEST_F(EngineTest, keepsTheServerThatGoesAwayWhereTheNextOneIsNotThereYet) {
-  const uint32_t wish = openAndShowCoarse();
+  const uint32_t request = openAndShowCoarse();
   engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
   engine_.connect(kMoved);
   engine_.disconnect(Error(ErrorCode::kNetwork, "refused"), kMoved);
   EXPECT_EQ(engine_.trouble(), "refused");
   engine_.connect(kMoved + kFirstRetry);
-  engine_.receive(blobFrame(wish, 1), kMoved + kFirstRetry, Line::kLeaving);
+  engine_.receive(blobFrame(request, 1), kMoved + kFirstRetry, Line::kLeaving);
   decodeAll();
   engine_.step(kMoved + kFirstRetry);
   EXPECT_TRUE(engine_.cut()->converged);
@@ -314,8 +316,8 @@ TEST_F(EngineTest, saysWhatThePictureWaitsFor) {
   const auto waited = [this](Waiting waiting) {
     return std::chrono::duration_cast<milliseconds>(engine_.counts().waited.of(waiting));
   };
-  const uint32_t wish = openAndShowCoarse();
-  engine_.receive(blobFrame(wish, 1), kStart + milliseconds(100));
+  const uint32_t request = openAndShowCoarse();
+  engine_.receive(blobFrame(request, 1), kStart + milliseconds(100));
   engine_.step(kStart + milliseconds(100));
   EXPECT_EQ(waited(Waiting::kLink), milliseconds(100));
   decodeAll();
@@ -334,7 +336,7 @@ TEST_F(EngineTest, asksAnewForWhatWasUnderWayWhenTheConnectionBroke) {
   decodeAll();
   engine_.step(kStart + kFirstRetry);
   EXPECT_EQ(engine_.trouble(), "");
-  EXPECT_EQ(engine_.counts().open_wishes, 1u);
+  EXPECT_EQ(engine_.counts().open_requests, 1u);
   EXPECT_EQ(engine_.cut()->triangles, 4u);
 }
 
@@ -350,7 +352,7 @@ TEST_F(EngineTest, opensTheNewBuildOfAModelThatWasReplacedAndShowsTheOldOneMeanw
   EXPECT_EQ(engine_.summary()->build_id, build_id_);
   decodeAll();
   engine_.step(kStart);
-  EXPECT_EQ(engine_.counts().open_wishes, 1u);
+  EXPECT_EQ(engine_.counts().open_requests, 1u);
 }
 
 TEST_F(EngineTest, refusesANewBuildOfAnotherSize) {
@@ -380,13 +382,13 @@ TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerFallsSilent) {
 
 TEST_F(EngineTest, asksTheServerOfANewBuildForNothingOfTheOldOne) {
   openAndShowCoarse();
-  ASSERT_EQ(engine_.counts().open_wishes, 1u);
+  ASSERT_EQ(engine_.counts().open_requests, 1u);
   engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart);
   engine_.connect(kStart);
   build_id_.bytes[0] = std::byte{2};
   engine_.receive(greeting(build_id_), kStart);  // its first blobs are on their way
   engine_.step(kStart);
-  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  EXPECT_EQ(engine_.counts().open_requests, 0u);
 }
 
 TEST_F(EngineTest, givesUpWhereANewTryWouldFailToo) {
@@ -398,14 +400,14 @@ TEST_F(EngineTest, givesUpWhereANewTryWouldFailToo) {
 TEST_F(EngineTest, fetchesWhatTwoLodsShareOnceWhicheverIsWantedFirst) {
   root_.lods = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.04f, 0}, root_.lods[1]};
   blobs_[2] = encodePage({{root_}});
-  const uint32_t wish = openAndShowCoarse();
-  engine_.receive(blobFrame(wish, 1), kStart);
+  const uint32_t request = openAndShowCoarse();
+  engine_.receive(blobFrame(request, 1), kStart);
   decodeAll();
   engine_.step(kStart);
   ASSERT_EQ(engine_.cut()->parts.at(0).lod, 1u);
   engine_.setView(view_, 0.1f);
   engine_.step(kStart);
-  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  EXPECT_EQ(engine_.counts().open_requests, 0u);
   EXPECT_EQ(engine_.cut()->parts.at(0).lod, 0u);
   EXPECT_TRUE(engine_.settled());
 }
@@ -413,8 +415,8 @@ TEST_F(EngineTest, fetchesWhatTwoLodsShareOnceWhicheverIsWantedFirst) {
 TEST_F(EngineTest, fetchesWhatTwoLodsShareOnce) {
   root_.lods = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.002f, 0}, root_.lods[1]};
   blobs_[2] = encodePage({{root_}});
-  const uint32_t wish = openAndShowCoarse();
-  engine_.receive(blobFrame(wish, 1), kStart);
+  const uint32_t request = openAndShowCoarse();
+  engine_.receive(blobFrame(request, 1), kStart);
   decodeAll();
   engine_.step(kStart);
   engine_.setView(view_, 0.5f);
@@ -431,10 +433,10 @@ TEST_F(EngineTest, fetchesWhatTwoNodesShareOnce) {
   root_.child_mask = 0b11;
   nodes_ = 3;
   blobs_[2] = encodePage({{root_, left, right}});
-  const uint32_t wish = openAndShowCoarse();
-  engine_.receive(blobFrame(wish, 1), kStart);
+  const uint32_t request = openAndShowCoarse();
+  engine_.receive(blobFrame(request, 1), kStart);
   engine_.step(kStart);
-  EXPECT_EQ(engine_.counts().open_wishes, 0u);
+  EXPECT_EQ(engine_.counts().open_requests, 0u);
   decodeAll();
   engine_.step(kStart);
   EXPECT_EQ(engine_.cut()->parts.size(), 2u);

@@ -57,8 +57,10 @@ TEST_P(HiddenParts, comeAfterAllThatIsSeen) {
   const SeenPlaces seen = seenPastAWall(model_, false);
   Scripted client(model_);
   client.seeOnly(seen);
-  const auto isForWhatIsSeen = [](const Wish& wish) { return wish.priority_px > kOptions.threshold_px; };
-  const auto next = [&]() -> const std::vector<Wish>& {
+  const auto isForWhatIsSeen = [](const Request& request) {
+    return request.priority_px > kOptions.threshold_px;
+  };
+  const auto next = [&]() -> const std::vector<Request>& {
     return client.refineFor(closeView(), kOptions).wanted;
   };
   while (!next().empty() && isForWhatIsSeen(client.last().wanted.front()))

@@ -47,7 +47,7 @@ TEST_P(InstanceOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
   Instance early = seeing(kFront);
   early.refine(model_);
   const uint64_t first_triangles = early.cut()->triangles;
-  while (early.cut()->triangles < 2 * first_triangles && !early.wishes().empty()) deliverBest(early, 1);
+  while (early.cut()->triangles < 2 * first_triangles && !early.requests().empty()) deliverBest(early, 1);
   Instance late = seeing(kFront);
   late.refine(model_);
   EXPECT_EQ(orderOf(early), orderOf(late));
@@ -80,7 +80,7 @@ class Within : private Seeded {
     far.setView(farView(), 5);
     deliverBest(far, std::numeric_limits<int>::max());
     for (Instance instance = within(1, {}); sees(instance); instance.refine(model_))
-      deliver(instance.wishes().front());
+      deliver(instance.requests().front());
   }
 
   /// What such a camera is given.
@@ -104,7 +104,8 @@ class Within : private Seeded {
     return instance;
   }
   static bool sees(const Instance& instance) {
-    return !instance.wishes().empty() && instance.wishes().front().wish_class == proto::WishClass::kVisible;
+    return !instance.requests().empty() &&
+           instance.requests().front().request_class == proto::RequestClass::kVisible;
   }
 };
 
@@ -157,8 +158,8 @@ class Watched : private Seeded {
   void watch(See&& see) {
     for (instance_.refine(model_);; instance_.refine(model_)) {
       see(*instance_.cut());
-      if (instance_.wishes().empty()) return;
-      deliver(instance_.wishes().front());
+      if (instance_.requests().empty()) return;
+      deliver(instance_.requests().front());
     }
   }
 

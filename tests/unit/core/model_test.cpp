@@ -50,11 +50,11 @@ TEST(Model, beginsWithTheNextFinerLodOnlyWhereTheCoarsestIsLost) {
     Model model(server.summary(), 1ull << 30);
     model.take(server.summary().root_page, {BlobKind::kRootPage, {kRootKey, 0}},
                encodePage(synthetic.rootPage()));
-    const Wish first = model.firstWish().value();
+    const Request first = model.firstRequest().value();
     model.refuse(first.blob, "the server says no", is_lost);
-    ASSERT_EQ(model.firstWish().has_value(), is_lost);
+    ASSERT_EQ(model.firstRequest().has_value(), is_lost);
     if (!is_lost) continue;
-    EXPECT_EQ(model.firstWish()->use.mesh.lod, first.use.mesh.lod - 1);
+    EXPECT_EQ(model.firstRequest()->use.mesh.lod, first.use.mesh.lod - 1);
   }
 }
 
@@ -64,7 +64,7 @@ TEST(Model, takesNoLateResultOfABuildThatItHasReplaced) {
   Model model(server.summary(), 1ull << 30);
   model.take(server.summary().root_page, {BlobKind::kRootPage, {kRootKey, 0}},
              encodePage(synthetic.rootPage()));
-  const Wish first = model.firstWish().value();
+  const Request first = model.firstRequest().value();
   model.take(first.blob, first.use, Bytes(10));
   ASSERT_EQ(model.takeDecodeJobs().size(), 1u);
   BlobRef of_before = first.blob;

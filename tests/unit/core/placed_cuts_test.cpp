@@ -34,8 +34,8 @@ class Standing : private Seeded {
   int deliverAll(Watch&& watch) {
     constexpr int kTooMany = 5000;
     int count = 0;
-    for (; !instance_.wishes().empty() && count < kTooMany; ++count) {
-      deliver(instance_.wishes().front());
+    for (; !instance_.requests().empty() && count < kTooMany; ++count) {
+      deliver(instance_.requests().front());
       instance_.refine(model_);
       watch();
     }
@@ -79,9 +79,9 @@ TEST_P(PlacedViews, convergeEachToTheCutThatItHasAlone) {
   EXPECT_TRUE(model.all().converged);
 }
 
-std::map<BlobUse, Wish> byUse(const std::vector<Wish>& wishes) {
-  std::map<BlobUse, Wish> found;
-  for (const Wish& wish : wishes) EXPECT_TRUE(found.emplace(wish.use, wish).second);
+std::map<BlobUse, Request> byUse(const std::vector<Request>& requests) {
+  std::map<BlobUse, Request> found;
+  for (const Request& request : requests) EXPECT_TRUE(found.emplace(request.use, request).second);
   return found;
 }
 
@@ -90,25 +90,26 @@ TEST_P(PlacedViews, askForAMeshOnceWithThePriorityOfThePlaceThatNeedsItMost) {
   both.see({kAside, kNear});
   near.see({kNear, kNear});  // two, so that nothing is taken for hidden
   aside.see({kAside, kAside});
-  const auto of_near = byUse(near.instance().wishes()), of_aside = byUse(aside.instance().wishes());
-  const auto merged = byUse(both.instance().wishes());
+  const auto of_near = byUse(near.instance().requests()), of_aside = byUse(aside.instance().requests());
+  const auto merged = byUse(both.instance().requests());
   std::set<BlobUse> uses;
-  for (const auto* wishes : {&of_near, &of_aside})
-    for (const auto& [use, wish] : *wishes) uses.insert(use);
+  for (const auto* requests : {&of_near, &of_aside})
+    for (const auto& [use, request] : *requests) uses.insert(use);
   ASSERT_EQ(merged.size(), uses.size());
   ASSERT_LT(uses.size(), of_near.size() + of_aside.size()) << "nothing is shared";
-  for (const auto& [use, wish] : merged) {
-    for (const auto* wishes : {&of_near, &of_aside}) {
-      const auto one = wishes->find(use);
-      if (one == wishes->end()) continue;
-      EXPECT_LE(wish.wish_class, one->second.wish_class);
-      if (wish.wish_class == one->second.wish_class) {
-        EXPECT_GE(wish.priority_px, one->second.priority_px);
+  for (const auto& [use, request] : merged) {
+    for (const auto* requests : {&of_near, &of_aside}) {
+      const auto one = requests->find(use);
+      if (one == requests->end()) continue;
+      EXPECT_LE(request.request_class, one->second.request_class);
+      if (request.request_class == one->second.request_class) {
+        EXPECT_GE(request.priority_px, one->second.priority_px);
       }
     }
   }
-  EXPECT_TRUE(std::ranges::is_sorted(both.instance().wishes(), [](const Wish& a, const Wish& b) {
-    return a.wish_class != b.wish_class ? a.wish_class < b.wish_class : a.priority_px > b.priority_px;
+  EXPECT_TRUE(std::ranges::is_sorted(both.instance().requests(), [](const Request& a, const Request& b) {
+    return a.request_class != b.request_class ? a.request_class < b.request_class
+                                              : a.priority_px > b.priority_px;
   }));
 }
 
@@ -116,7 +117,7 @@ TEST_P(PlacedViews, costNothingWhereTheCameraDoesNotSeeThem) {
   Standing one(GetParam()), two(GetParam());
   one.see({kFar, kFar});
   two.see({kFar, kAway});
-  EXPECT_EQ(byUse(two.instance().wishes()).size(), byUse(one.instance().wishes()).size());
+  EXPECT_EQ(byUse(two.instance().requests()).size(), byUse(one.instance().requests()).size());
   const int came = one.deliverAll();
   EXPECT_EQ(two.deliverAll(), came);
   EXPECT_EQ(two.residentBytes(), one.residentBytes());

@@ -25,7 +25,7 @@ Model coarseModel(const SyntheticModel& tree, uint64_t memory_budget_bytes) {
   summary.nodes = tree.nodes().size();
   Model model(summary, memory_budget_bytes);
   model.take({}, {BlobKind::kRootPage, {kRootKey, 0}}, encodePage(tree.rootPage()));
-  const MeshKey coarsest = model.firstWish().value().use.mesh;
+  const MeshKey coarsest = model.firstRequest().value().use.mesh;
   model.meshes().insert(coarsest, tree.mesh(coarsest));
   return model;
 }
@@ -38,19 +38,19 @@ View standing(int) { return lookingAt({512, 512, 3000}, {512, 512, 512}); }
 View beside(int step) { return lookingAt({512 + 1500, 512, 2200 - 20. * step}, {512 + 1500, 512, 512}); }
 
 /// What is asked for ahead of a camera that goes on, at each of the places where a model stands.
-std::vector<Wish> askedAhead(const Model& model, const std::vector<Flight>& places = {towardsTheModel}) {
+std::vector<Request> askedAhead(const Model& model, const std::vector<Flight>& places = {towardsTheModel}) {
   Prefetcher prefetcher;
   prefetcher.expectViews(places.size());
   TimePoint now{};
   for (int step = 0; step < 10; ++step, now += milliseconds(25))
     for (size_t place = 0; place < places.size(); ++place) prefetcher.see(place, places[place](step), now);
   prefetcher.lookAhead(model, kOptions, now);
-  return prefetcher.wishes();
+  return prefetcher.requests();
 }
 
-std::set<BlobUse> usesOf(const std::vector<Wish>& wishes) {
+std::set<BlobUse> usesOf(const std::vector<Request>& requests) {
   std::set<BlobUse> uses;
-  for (const Wish& wish : wishes) uses.insert(wish.use);
+  for (const Request& request : requests) uses.insert(request.use);
   return uses;
 }
 
@@ -62,7 +62,7 @@ TEST(Prefetcher, asksForWhatAMovingCameraWillNeed) {
 TEST(Prefetcher, asksForWhatAnyPlaceWillNeedAndForEachBlobOnce) {
   const SyntheticModel tree({.seed = 3});
   const Model model = coarseModel(tree, 1ull << 30);
-  const std::vector<Wish> together = askedAhead(model, {standing, towardsTheModel, beside});
+  const std::vector<Request> together = askedAhead(model, {standing, towardsTheModel, beside});
   std::set<BlobUse> of_each = usesOf(askedAhead(model, {towardsTheModel}));
   of_each.merge(usesOf(askedAhead(model, {beside})));
   EXPECT_FALSE(of_each.empty());
@@ -74,9 +74,9 @@ TEST(Prefetcher, asksForWhatAnyPlaceWillNeedAndForEachBlobOnce) {
 TEST(Prefetcher, countsAsUsedWhatAnyPlaceShows) {
   const SyntheticModel tree({.seed = 3});
   const Model model = coarseModel(tree, 1ull << 30);
-  const std::vector<Wish> wishes = askedAhead(model);
-  const auto mesh = std::ranges::find(wishes, BlobKind::kMesh, [](const Wish& w) { return w.use.kind; });
-  ASSERT_NE(mesh, wishes.end());
+  const std::vector<Request> requests = askedAhead(model);
+  const auto mesh = std::ranges::find(requests, BlobKind::kMesh, [](const Request& w) { return w.use.kind; });
+  ASSERT_NE(mesh, requests.end());
   Prefetcher prefetcher;
   prefetcher.asked(*mesh);
   prefetcher.arrived(mesh->blob, mesh->use);
@@ -102,7 +102,7 @@ TEST(Prefetcher, takesOtherPlacesForNoMotion) {
       prefetcher.see(place, towardsTheModel(10 * static_cast<int>(count)), now);
   }
   prefetcher.lookAhead(model, kOptions, now);
-  EXPECT_TRUE(prefetcher.wishes().empty());
+  EXPECT_TRUE(prefetcher.requests().empty());
 }
 
 TEST(Prefetcher, leavesAShareOfTheMemoryToWhatIsSeen) {

@@ -15,14 +15,14 @@ namespace {
 
 using namespace fixture;
 
-/// Delivers the best wish of the visible class until there is none, without the others.
+/// Delivers the best request of the visible class until there is none, without the others.
 void deliverWhatIsSeen(Scripted& client, const View& view, float threshold_px) {
   for (int round = 0; round < 20000; ++round) {
     const Refinement& now = client.refineFor(view, {.threshold_px = threshold_px});
-    if (now.wanted.empty() || now.wanted.front().wish_class != proto::WishClass::kVisible) return;
+    if (now.wanted.empty() || now.wanted.front().request_class != proto::RequestClass::kVisible) return;
     client.deliver(now.wanted.front());
   }
-  FAIL() << "wishes without end";
+  FAIL() << "requests without end";
 }
 
 TEST_P(RefinerOnSeeds, whatIsFarOutsideTheViewHoldsUpNothing) {
@@ -36,8 +36,8 @@ TEST_P(RefinerOnSeeds, whatIsFarOutsideTheViewHoldsUpNothing) {
     if (!isNear(model_, key, insideView())) continue;
     EXPECT_EQ(shown.at(key), lod) << key.value;
   }
-  for (const Wish& wish : client.last().wanted)
-    EXPECT_FALSE(isNear(model_, wish.use.mesh.node, insideView()));
+  for (const Request& request : client.last().wanted)
+    EXPECT_FALSE(isNear(model_, request.use.mesh.node, insideView()));
 }
 
 TEST_P(RefinerOnSeeds, whatStandsInFarOutsideTheViewHoldsUpNothingEither) {

@@ -39,11 +39,11 @@ TEST_P(RefinerLimits, showsAllOfEachPlaceInTurnThoughTheBudgetHoldsThePagesOfOne
 }
 
 TEST_P(RefinerLimits, asksForNoMorePagesAtOnceThanTheBudgetHoldsTogether) {
-  const auto isPage = [](const Wish& wish) { return wish.use.kind == BlobKind::kPage; };
+  const auto isPage = [](const Request& request) { return request.use.kind == BlobKind::kPage; };
   const auto pagesAskedFor = [&](uint64_t budget) {
     Scripted client(model_);
     while (true) {
-      const std::vector<Wish>& wanted =
+      const std::vector<Request>& wanted =
           client.refineFor(closeView(), {.threshold_px = 1, .hierarchy_budget_bytes = budget}).wanted;
       const auto mesh = std::ranges::find_if_not(wanted, isPage);
       if (mesh == wanted.end()) return wanted.size();

@@ -129,7 +129,7 @@ TEST_P(RefinerOnSeeds, countsAsInUseWhatHasComeAndWaitsForItsSiblings) {
       EXPECT_EQ(std::ranges::count(now.in_use, key), 1) << key.node.value;
       one_waits |= !partsOf(*now.cut).contains(key.node);
     }
-    const Wish next = now.wanted[random_() % now.wanted.size()];
+    const Request next = now.wanted[random_() % now.wanted.size()];
     client.deliver(next);
     const auto part = wanted.find(next.use.mesh.node);
     if (next.use.kind == BlobKind::kMesh && part != wanted.end() && part->second == next.use.mesh.lod)
@@ -217,20 +217,21 @@ const CutPart* partAt(const Cut& cut, NodeKey node) {
   return nullptr;
 }
 
-TEST_P(RefinerOnSeeds, wishesFirstForWhatReplacesTheLargestErrorInThePicture) {
+TEST_P(RefinerOnSeeds, requestsFirstWhatReplacesTheLargestErrorInThePicture) {
   constexpr float kThresholdPx = 2;
   const Parts right = BruteForce(model_, closeView(), kThresholdPx).parts();
   size_t compared = 0;
   const auto check = [&](const Refinement& now) {
-    const auto first =
-        std::ranges::find_if(now.wanted, [](const Wish& wish) { return wish.use.kind == BlobKind::kMesh; });
-    if (!now.cut || first == now.wanted.end() || first->wish_class != proto::WishClass::kVisible) return;
+    const auto first = std::ranges::find_if(
+        now.wanted, [](const Request& request) { return request.use.kind == BlobKind::kMesh; });
+    if (!now.cut || first == now.wanted.end() || first->request_class != proto::RequestClass::kVisible)
+      return;
     float largest_px = 0;
     for (const CutPart& part : now.cut->parts) {
       const auto same = right.find(part.node);
       const bool is_right = same != right.end() && same->second == part.lod;
-      const bool waits_for_page = std::ranges::any_of(now.wanted, [&](const Wish& wish) {
-        return wish.use.kind == BlobKind::kPage && part.node.contains(wish.use.mesh.node);
+      const bool waits_for_page = std::ranges::any_of(now.wanted, [&](const Request& request) {
+        return request.use.kind == BlobKind::kPage && part.node.contains(request.use.mesh.node);
       });
       if (part.visible && !is_right && !waits_for_page) largest_px = std::max(largest_px, part.error_px);
     }

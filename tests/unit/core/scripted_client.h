@@ -98,7 +98,7 @@ inline Parts partsOf(const Cut& cut) {
   return parts;
 }
 
-/// A client whose server answers wishes in an order that the test chooses.
+/// A client whose server answers requests in an order that the test chooses.
 class Scripted {
  public:
   explicit Scripted(const SyntheticModel& model, uint64_t budget_bytes = 1ull << 40)
@@ -119,7 +119,7 @@ class Scripted {
   /// From now on the server has it no more.
   void lose(uint32_t blob) { lost_.insert(blob); }
 
-  void deliver(const Wish& wanted) {
+  void deliver(const Request& wanted) {
     if (lost_.contains(wanted.blob.number)) return hierarchy_.lose(wanted.blob.number);
     const MeshKey& mesh = wanted.use.mesh;
     if (wanted.use.kind == BlobKind::kPage) {
@@ -130,7 +130,7 @@ class Scripted {
     }
   }
 
-  /// Delivers wishes, each time any of them, until none is left. @param check  called on every cut.
+  /// Delivers requests, each time any of them, until none is left. @param check  called on every cut.
   template <typename Check>
   void converge(const View& view, const RefineOptions& options, std::mt19937& random, Check check) {
     for (size_t round = 0; round < 20000; ++round) {
@@ -139,7 +139,7 @@ class Scripted {
       if (last_.wanted.empty()) return;
       deliver(last_.wanted[random() % last_.wanted.size()]);
     }
-    FAIL() << "wishes without end";
+    FAIL() << "requests without end";
   }
 
   /// From now on, of the view that the cut has.

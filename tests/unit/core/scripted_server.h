@@ -75,8 +75,8 @@ class ScriptedServer {
         case FrameType::kOpen:
           answerOpen(proto::decode<proto::Open>(frame.body).known_build_id);
           break;
-        case FrameType::kWishes:
-          for (const auto& change : proto::decode<proto::Wishes>(frame.body).changes) take(change);
+        case FrameType::kRequests:
+          for (const auto& change : proto::decode<proto::Requests>(frame.body).changes) take(change);
           break;
         case FrameType::kCredit:
           granted_ = std::max(granted_, proto::decode<proto::Credit>(frame.body).granted_bytes);
@@ -90,12 +90,12 @@ class ScriptedServer {
     }
   }
 
-  /// Answers, then at most so many chunks of wishes, best first. @return whole frames.
+  /// Answers, then at most so many chunks of requests, best first. @return whole frames.
   Bytes give(size_t max_chunks) {
     for (; max_chunks > 0 && !open_.empty(); --max_chunks) {
       auto best = open_.begin();
-      for (auto wish = open_.begin(); wish != open_.end(); ++wish)
-        if (wish->second.before(best->second)) best = wish;
+      for (auto request = open_.begin(); request != open_.end(); ++request)
+        if (request->second.before(best->second)) best = request;
       if (!sendChunk(best->first, best->second)) break;
       if (best->second.sent_bytes < blobs_.at(best->second.blob).size()) continue;
       ++completed_[best->second.blob];
@@ -106,20 +106,20 @@ class ScriptedServer {
 
   const std::map<NodeKey, Node>& nodes() const { return nodes_; }
   const ModelSummary& summary() const { return summary_; }
-  /// How often a blob was sent as the end of a wish.
+  /// How often a blob was sent as the end of a request.
   const std::map<uint32_t, unsigned>& completed() const { return completed_; }
-  size_t openWishes() const { return open_.size(); }
+  size_t openRequests() const { return open_.size(); }
 
  private:
   static constexpr uint32_t kRootPageBlob = 1u << 30;
 
-  struct OpenWish {
+  struct OpenRequest {
     uint32_t blob = 0;
-    proto::WishClass wish_class = proto::WishClass::kVisible;
+    proto::RequestClass request_class = proto::RequestClass::kVisible;
     float priority_px = 0;
     size_t sent_bytes = 0;
-    bool before(const OpenWish& other) const {
-      if (wish_class != other.wish_class) return wish_class < other.wish_class;
+    bool before(const OpenRequest& other) const {
+      if (request_class != other.request_class) return request_class < other.request_class;
       return priority_px > other.priority_px;
     }
   };
@@ -151,30 +151,30 @@ class ScriptedServer {
     for (size_t at = 0; at < bytes.size(); at += proto::kMaxChunkBytes) sendPiece(0, bytes, at);
   }
 
-  size_t sendPiece(uint32_t wish, const Bytes& bytes, size_t at) {
+  size_t sendPiece(uint32_t request, const Bytes& bytes, size_t at) {
     const size_t size = std::min<size_t>(proto::kMaxChunkBytes, bytes.size() - at);
-    append(chunkFrame(wish, static_cast<uint32_t>(bytes.size()), static_cast<uint32_t>(at),
+    append(chunkFrame(request, static_cast<uint32_t>(bytes.size()), static_cast<uint32_t>(at),
                       std::span(bytes).subspan(at, size)));
     sent_ += size + proto::kBlobChunkHeaderBytes;
     return size;
   }
 
-  bool sendChunk(uint32_t number, OpenWish& wish) {
-    const Bytes& bytes = blobs_.at(wish.blob);
+  bool sendChunk(uint32_t number, OpenRequest& request) {
+    const Bytes& bytes = blobs_.at(request.blob);
     if (sent_ + proto::kMaxChunkBytes + proto::kBlobChunkHeaderBytes > granted_) return false;
-    wish.sent_bytes += sendPiece(number, bytes, wish.sent_bytes);
+    request.sent_bytes += sendPiece(number, bytes, request.sent_bytes);
     return true;
   }
 
-  void take(const proto::WishChange& change) {
-    const auto open = open_.find(change.wish);
-    if (change.action == proto::WishAction::kAdd) {
-      open_[change.wish] = {change.blob, change.wish_class, change.priority_px, 0};
-    } else if (open != open_.end() && change.action == proto::WishAction::kCancel) {
+  void take(const proto::RequestChange& change) {
+    const auto open = open_.find(change.request);
+    if (change.action == proto::RequestAction::kAdd) {
+      open_[change.request] = {change.blob, change.request_class, change.priority_px, 0};
+    } else if (open != open_.end() && change.action == proto::RequestAction::kCancel) {
       open_.erase(open);
-      append(proto::encode(proto::Cancelled{change.wish}, 0));
+      append(proto::encode(proto::Cancelled{change.request}, 0));
     } else if (open != open_.end()) {
-      open->second.wish_class = change.wish_class;
+      open->second.request_class = change.request_class;
       open->second.priority_px = change.priority_px;
     }
   }
@@ -191,7 +191,7 @@ class ScriptedServer {
   std::map<NodeKey, Node> nodes_;
   std::map<uint32_t, Bytes> blobs_;
   ModelSummary summary_;
-  std::map<uint32_t, OpenWish> open_;  // by wish
+  std::map<uint32_t, OpenRequest> open_;  // by request
   std::map<uint32_t, unsigned> completed_;
   Bytes answers_;
   bool opened_ = false;  // on this connection

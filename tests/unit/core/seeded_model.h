@@ -16,7 +16,7 @@ class Seeded {
       : tree_({.seed = seed}), model_(summary(), memory_budget_bytes) {
     const BlobUse root_page{BlobKind::kRootPage, {kRootKey, 0}};
     model_.take(model_.summary().root_page, root_page, encodePage(tree_.rootPage()));
-    deliver(*model_.firstWish());
+    deliver(*model_.firstRequest());
   }
 
   ModelSummary summary() const {
@@ -36,23 +36,23 @@ class Seeded {
     return instance;
   }
 
-  void deliver(const Wish& wish) {
-    if (wish.use.kind == BlobKind::kPage)
-      return model_.take(wish.blob, wish.use, encodePage(tree_.pageBelow(wish.use.mesh.node)));
-    model_.take(wish.blob, wish.use, {});
+  void deliver(const Request& request) {
+    if (request.use.kind == BlobKind::kPage)
+      return model_.take(request.blob, request.use, encodePage(tree_.pageBelow(request.use.mesh.node)));
+    model_.take(request.blob, request.use, {});
     for (const DecodeJob& job : model_.takeDecodeJobs())
       model_.finishDecode({job.blob, job.use, tree_.mesh(job.use.mesh), nullptr, nullptr, ""});
   }
 
-  /// The best wishes of a view come, so many, or until no more is missing.
+  /// The best requests of a view come, so many, or until no more is missing.
   void deliverBest(Instance& instance, int count) {
-    for (; instance.refine(model_), count > 0 && !instance.wishes().empty(); --count)
-      deliver(instance.wishes().front());
+    for (; instance.refine(model_), count > 0 && !instance.requests().empty(); --count)
+      deliver(instance.requests().front());
   }
 
   static std::vector<std::pair<BlobUse, float>> orderOf(const Instance& instance) {
     std::vector<std::pair<BlobUse, float>> order;
-    for (const Wish& wish : instance.wishes()) order.emplace_back(wish.use, wish.priority_px);
+    for (const Request& request : instance.requests()) order.emplace_back(request.use, request.priority_px);
     return order;
   }
 

@@ -42,10 +42,10 @@ std::vector<Message> messagesOf(const Bytes& bytes, FrameType type) {
   return messages;
 }
 
-inline std::vector<proto::WishChange> changesOf(const Bytes& bytes) {
-  std::vector<proto::WishChange> changes;
-  for (const auto& wishes : messagesOf<proto::Wishes>(bytes, FrameType::kWishes))
-    changes.insert(changes.end(), wishes.changes.begin(), wishes.changes.end());
+inline std::vector<proto::RequestChange> changesOf(const Bytes& bytes) {
+  std::vector<proto::RequestChange> changes;
+  for (const auto& requests : messagesOf<proto::Requests>(bytes, FrameType::kRequests))
+    changes.insert(changes.end(), requests.changes.begin(), requests.changes.end());
   return changes;
 }
 
@@ -67,21 +67,22 @@ inline Bytes frameOf(FrameType type, uint8_t flags, std::span<const std::byte> b
   return frame;
 }
 
-inline Bytes chunkFrame(uint32_t wish, uint32_t total, uint32_t offset, std::span<const std::byte> bytes) {
-  const auto fields = proto::encodeBlobChunkHeader({wish, total, offset});
+inline Bytes chunkFrame(uint32_t request, uint32_t total, uint32_t offset, std::span<const std::byte> bytes) {
+  const auto fields = proto::encodeBlobChunkHeader({request, total, offset});
   Bytes body(fields.size() + bytes.size());
   std::copy(bytes.begin(), bytes.end(), std::copy(fields.begin(), fields.end(), body.begin()));
   return frameOf(FrameType::kBlob, 0, body);
 }
 
 /// A whole blob in frames of at most 32 KB.
-inline Bytes blobFrames(uint32_t wish, uint32_t number, size_t size) {
+inline Bytes blobFrames(uint32_t request, uint32_t number, size_t size) {
   const Bytes blob = blobBytes(number, size);
   Bytes frames;
   for (size_t offset = 0; offset < size; offset += proto::kMaxChunkBytes) {
     const auto chunk =
         std::span(blob).subspan(offset, std::min<size_t>(proto::kMaxChunkBytes, size - offset));
-    const Bytes frame = chunkFrame(wish, static_cast<uint32_t>(size), static_cast<uint32_t>(offset), chunk);
+    const Bytes frame =
+        chunkFrame(request, static_cast<uint32_t>(size), static_cast<uint32_t>(offset), chunk);
     frames.insert(frames.end(), frame.begin(), frame.end());
   }
   return frames;
@@ -125,11 +126,11 @@ class SessionTest : public testing::Test {
     give(welcome() + opened() + blobFrames(0, kPageBlob, kPageBytes));
     session_.takeOutgoing();
   }
-  /// Wishes for one blob. @return the number of the wish.
-  uint32_t wishFor(const BlobRef& blob) {
-    session_.setWishes(std::vector<Wish>{{blob, {}, proto::WishClass::kVisible, 10}});
+  /// Requests one blob. @return the number of the request.
+  uint32_t request(const BlobRef& blob) {
+    session_.setRequests(std::vector<Request>{{blob, {}, proto::RequestClass::kVisible, 10}});
     const auto changes = changesOf(session_.takeOutgoing());
-    return changes.empty() ? 0 : changes.back().wish;
+    return changes.empty() ? 0 : changes.back().request;
   }
   /// Calls every second. @return the time of the last call.
   TimePoint listen(TimePoint from, int seconds) {

@@ -11,8 +11,8 @@ using namespace fixture;
 TEST_F(SessionTest, refusesMoreBytesThanTheServerCanHaveBeenGranted) {
   open();
   constexpr size_t kSize = proto::kInitialWindowBytes + proto::kMaxChunkBytes;
-  const uint32_t wish = wishFor(blobRef(5, kSize));
-  expectRefused(blobFrames(wish, 5, kSize), "credit");
+  const uint32_t request = request(blobRef(5, kSize));
+  expectRefused(blobFrames(request, 5, kSize), "credit");
 }
 
 TEST_F(SessionTest, refusesMoreThanTheFirstWindowBeforeACreditWasSent) {
@@ -37,53 +37,53 @@ TEST_F(SessionTest, refusesAVersionThatItDidNotOffer) {
   expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion + 1, 0, 16, ""}, 1), "it chose version");
 }
 
-TEST_F(SessionTest, refusesAServerWithoutWishes) {
-  expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 0, ""}, 1), "no wishes");
+TEST_F(SessionTest, refusesAServerWithoutRequests) {
+  expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 0, ""}, 1), "no requests");
 }
 
-TEST_F(SessionTest, refusesABlobThatWasNotWishedFor) {
+TEST_F(SessionTest, refusesABlobThatWasNotRequested) {
   open();
-  expectRefused(blobFrames(99, 5, 100), "not wished for");
+  expectRefused(blobFrames(99, 5, 100), "not requested");
 }
 
 TEST_F(SessionTest, refusesAnUnaskedBlobBeyondTheAnnouncedOnes) {
   open();
-  expectRefused(blobFrames(0, 5, 100), "not wished for");
+  expectRefused(blobFrames(0, 5, 100), "not requested");
 }
 
 TEST_F(SessionTest, refusesABlobOfAnotherSize) {
   open();
-  const uint32_t wish = wishFor(blobRef(5, 100));
-  expectRefused(blobFrames(wish, 5, 101), "another size");
+  const uint32_t request = request(blobRef(5, 100));
+  expectRefused(blobFrames(request, 5, 101), "another size");
 }
 
 TEST_F(SessionTest, refusesAChunkOutOfOrder) {
   open();
-  const uint32_t wish = wishFor(blobRef(5, 100));
-  expectRefused(chunkFrame(wish, 100, 50, blobBytes(5, 50)), "out of order");
+  const uint32_t request = request(blobRef(5, 100));
+  expectRefused(chunkFrame(request, 100, 50, blobBytes(5, 50)), "out of order");
 }
 
 TEST_F(SessionTest, refusesAChunkThatOverlapsTheOneBefore) {
   open();
-  const uint32_t wish = wishFor(blobRef(5, 100));
-  give(chunkFrame(wish, 100, 0, blobBytes(5, 60)));
-  expectRefused(chunkFrame(wish, 100, 50, blobBytes(5, 50)), "out of order");
+  const uint32_t request = request(blobRef(5, 100));
+  give(chunkFrame(request, 100, 0, blobBytes(5, 60)));
+  expectRefused(chunkFrame(request, 100, 50, blobBytes(5, 50)), "out of order");
 }
 
 TEST_F(SessionTest, refusesAChunkBeyondTheEndOfItsBlob) {
   open();
-  const uint32_t wish = wishFor(blobRef(5, 100));
-  give(chunkFrame(wish, 100, 0, blobBytes(5, 60)));
-  expectRefused(chunkFrame(wish, 100, 60, blobBytes(5, 41)), "beyond");
+  const uint32_t request = request(blobRef(5, 100));
+  give(chunkFrame(request, 100, 0, blobBytes(5, 60)));
+  expectRefused(chunkFrame(request, 100, 60, blobBytes(5, 41)), "beyond");
 }
 
 TEST_F(SessionTest, refusesABlobWhoseBytesAreNotWhatItsNameSays) {
   open();
-  const uint32_t wish = wishFor(blobRef(5, 100));
-  expectRefused(blobFrames(wish, 6, 100), "name");
+  const uint32_t request = request(blobRef(5, 100));
+  expectRefused(blobFrames(request, 6, 100), "name");
 }
 
-TEST_F(SessionTest, refusesAnErrorForAWishThatIsNotOpen) {
+TEST_F(SessionTest, refusesAnErrorForARequestThatIsNotOpen) {
   open();
   expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kInternal, 44, false, "x"}, 0),
                 "not open");
@@ -91,8 +91,8 @@ TEST_F(SessionTest, refusesAnErrorForAWishThatIsNotOpen) {
 
 TEST_F(SessionTest, refusesACancellationThatWasNotAskedFor) {
   open();
-  const uint32_t wish = wishFor(blobRef(5, 100));
-  expectRefused(proto::encode(proto::Cancelled{wish}, 0), "cancelled");
+  const uint32_t request = request(blobRef(5, 100));
+  expectRefused(proto::encode(proto::Cancelled{request}, 0), "cancelled");
 }
 
 TEST_F(SessionTest, refusesAPongWithoutAPing) {

@@ -80,13 +80,13 @@ class TexturedEngine : public testing::Test {
     return {number, static_cast<uint32_t>(blob.size()), nameBlob(blob)};
   }
 
-  Bytes blobFrames(uint32_t wish, uint32_t number) const {
+  Bytes blobFrames(uint32_t request, uint32_t number) const {
     const Bytes& blob = blobs_.at(number);
     Bytes frames;
     for (size_t at = 0; at < blob.size();) {
       const size_t part = std::min<size_t>(blob.size() - at, 16'000);
-      const auto fields =
-          proto::encodeBlobChunkHeader({wish, static_cast<uint32_t>(blob.size()), static_cast<uint32_t>(at)});
+      const auto fields = proto::encodeBlobChunkHeader(
+          {request, static_cast<uint32_t>(blob.size()), static_cast<uint32_t>(at)});
       const auto header = proto::encodeFrameHeader(
           {static_cast<uint32_t>(fields.size() + part), static_cast<uint8_t>(proto::FrameType::kBlob), 0, 0});
       frames.insert(frames.end(), header.begin(), header.end());
@@ -125,36 +125,38 @@ class TexturedEngine : public testing::Test {
     }
   }
 
-  /// Blobs that the engine asks for in what it sends, in its order, with the numbers of the wishes.
-  std::vector<std::pair<uint32_t, uint32_t>> takeWishes() {
-    std::vector<std::pair<uint32_t, uint32_t>> wishes;
+  /// Blobs that the engine asks for in what it sends, in its order, with the numbers of the requests.
+  std::vector<std::pair<uint32_t, uint32_t>> takeRequests() {
+    std::vector<std::pair<uint32_t, uint32_t>> requests;
     const Bytes sent = engine_->takeOutgoing();
     std::span<const std::byte> rest = sent;
     while (!rest.empty()) {
       const auto header = proto::decodeFrameHeader(rest.first<proto::kFrameHeaderBytes>());
-      if (header.type == static_cast<uint8_t>(proto::FrameType::kWishes))
+      if (header.type == static_cast<uint8_t>(proto::FrameType::kRequests))
         for (const auto& change :
-             proto::decode<proto::Wishes>(rest.subspan(proto::kFrameHeaderBytes, header.body_bytes)).changes)
-          if (change.action == proto::WishAction::kAdd) wishes.emplace_back(change.blob, change.wish);
+             proto::decode<proto::Requests>(rest.subspan(proto::kFrameHeaderBytes, header.body_bytes))
+                 .changes)
+          if (change.action == proto::RequestAction::kAdd) requests.emplace_back(change.blob, change.request);
       rest = rest.subspan(proto::kFrameHeaderBytes + header.body_bytes);
     }
-    return wishes;
+    return requests;
   }
 
-  /// Steps and answers wishes, but those refused, until nothing is asked for. @return all that was asked for.
+  /// Steps and answers requests, but those refused, until nothing is asked for. @return all that was asked
+  /// for.
   std::vector<uint32_t> serve(const std::set<uint32_t>& refused = {},
                               proto::WireError why = proto::WireError::kDamagedStore) {
     std::vector<uint32_t> asked;
     for (int round = 0; round < 50; ++round) {
       decodeAll();
       engine_->step(kStart);
-      const auto wishes = takeWishes();
-      if (wishes.empty() && engine_->counts().decoding == 0) return asked;
-      for (const auto& [blob, wish] : wishes) {
+      const auto requests = takeRequests();
+      if (requests.empty() && engine_->counts().decoding == 0) return asked;
+      for (const auto& [blob, request] : requests) {
         asked.push_back(blob);
         engine_->receive(refused.contains(blob)
-                             ? proto::encode(proto::ErrorMessage{why, wish, false, "damaged"}, 0)
-                             : blobFrames(wish, blob),
+                             ? proto::encode(proto::ErrorMessage{why, request, false, "damaged"}, 0)
+                             : blobFrames(request, blob),
                          kStart);
       }
     }

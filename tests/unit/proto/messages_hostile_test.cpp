@@ -156,17 +156,17 @@ TEST(HostileMessages, textThatCouldSteerATerminalIsRefused) {
   EXPECT_EQ(refusalOf<ErrorMessage>(body), ErrorCode::kProtocol);
 }
 
-Bytes wishesOf(size_t count) {
+Bytes requestsOf(size_t count) {
   return craft([&](FlatBufferBuilder& b) {
     // One table, named again and again: small on the wire, large if it were taken.
-    const std::vector changes(count, wire::CreateWishChange(b, 0, 0, 1, 1, 1.0f));
-    return wire::CreateWishes(b, 1, b.CreateVector(changes));
+    const std::vector changes(count, wire::CreateRequestChange(b, 0, 0, 1, 1, 1.0f));
+    return wire::CreateRequests(b, 1, b.CreateVector(changes));
   });
 }
 
-TEST(HostileMessages, moreWishesThanTheLimitAreRefused) {
-  EXPECT_EQ(decode<Wishes>(wishesOf(kMaxWishesPerFrame)).changes.size(), kMaxWishesPerFrame);
-  EXPECT_EQ(refusalOf<Wishes>(wishesOf(kMaxWishesPerFrame + 1)), ErrorCode::kLimit);
+TEST(HostileMessages, moreRequestsThanTheLimitAreRefused) {
+  EXPECT_EQ(decode<Requests>(requestsOf(kMaxRequestsPerFrame)).changes.size(), kMaxRequestsPerFrame);
+  EXPECT_EQ(refusalOf<Requests>(requestsOf(kMaxRequestsPerFrame + 1)), ErrorCode::kLimit);
 }
 
 flatbuffers::Offset<wire::ModelSummary> summaryTable(FlatBufferBuilder& b,
@@ -242,19 +242,19 @@ TEST(HostileMessages, aMissingFieldThatMustBeThereIsRefused) {
             ErrorCode::kProtocol);
 }
 
-Bytes wishWith(uint8_t action, uint8_t wish_class, uint32_t wish, float priority_px) {
+Bytes requestWith(uint8_t action, uint8_t request_class, uint32_t request, float priority_px) {
   return craft([&](FlatBufferBuilder& b) {
-    const std::vector changes{wire::CreateWishChange(b, action, wish_class, wish, 1, priority_px)};
-    return wire::CreateWishes(b, 1, b.CreateVector(changes));
+    const std::vector changes{wire::CreateRequestChange(b, action, request_class, request, 1, priority_px)};
+    return wire::CreateRequests(b, 1, b.CreateVector(changes));
   });
 }
 
-TEST(HostileMessages, aWishThatCannotBeIsRefused) {
-  EXPECT_NO_THROW(decode<Wishes>(wishWith(2, 2, 1, 0)));
-  EXPECT_EQ(refusalOf<Wishes>(wishWith(3, 0, 1, 0)), ErrorCode::kProtocol);
-  EXPECT_EQ(refusalOf<Wishes>(wishWith(0, 3, 1, 0)), ErrorCode::kProtocol);
-  EXPECT_EQ(refusalOf<Wishes>(wishWith(0, 0, 0, 0)), ErrorCode::kProtocol);
-  EXPECT_EQ(refusalOf<Wishes>(wishWith(0, 0, 1, std::nanf(""))), ErrorCode::kProtocol);
+TEST(HostileMessages, aRequestThatCannotBeIsRefused) {
+  EXPECT_NO_THROW(decode<Requests>(requestWith(2, 2, 1, 0)));
+  EXPECT_EQ(refusalOf<Requests>(requestWith(3, 0, 1, 0)), ErrorCode::kProtocol);
+  EXPECT_EQ(refusalOf<Requests>(requestWith(0, 3, 1, 0)), ErrorCode::kProtocol);
+  EXPECT_EQ(refusalOf<Requests>(requestWith(0, 0, 0, 0)), ErrorCode::kProtocol);
+  EXPECT_EQ(refusalOf<Requests>(requestWith(0, 0, 1, std::nanf(""))), ErrorCode::kProtocol);
 }
 
 TEST(HostileMessages, anErrorWithACodeThatIsUnknownIsTakenAsInternal) {

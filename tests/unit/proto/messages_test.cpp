@@ -28,11 +28,11 @@ TEST(Messages, eachDecodesToWhatWasEncoded) {
   test::forEachSample([](const auto& message) { EXPECT_EQ(roundTrip(message), message); });
 }
 
-TEST(Messages, wishesDecodeIntoWhatHeldOthersBefore) {
-  Wishes into{7, std::vector<WishChange>(3)};
-  const Bytes frame = encode(Wishes{2, {{WishAction::kAdd, WishClass::kMargin, 4, 5, 1.5f}}}, 0);
+TEST(Messages, requestsDecodeIntoWhatHeldOthersBefore) {
+  Requests into{7, std::vector<RequestChange>(3)};
+  const Bytes frame = encode(Requests{2, {{RequestAction::kAdd, RequestClass::kMargin, 4, 5, 1.5f}}}, 0);
   decodeInto(std::span(frame).subspan(kFrameHeaderBytes), into);
-  EXPECT_EQ(into, (Wishes{2, {{WishAction::kAdd, WishClass::kMargin, 4, 5, 1.5f}}}));
+  EXPECT_EQ(into, (Requests{2, {{RequestAction::kAdd, RequestClass::kMargin, 4, 5, 1.5f}}}));
 }
 
 TEST(Messages, eachDecodesWhenEveryFieldIsAtItsDefault) {
@@ -40,7 +40,7 @@ TEST(Messages, eachDecodesWhenEveryFieldIsAtItsDefault) {
   EXPECT_EQ(roundTrip(Welcome{}), Welcome{});
   EXPECT_EQ(roundTrip(Models{}), Models{});
   EXPECT_EQ(roundTrip(Open{"a", {}}), (Open{"a", {}}));
-  EXPECT_EQ(roundTrip(Wishes{}), Wishes{});
+  EXPECT_EQ(roundTrip(Requests{}), Requests{});
   EXPECT_EQ(roundTrip(Credit{}), Credit{});
   EXPECT_EQ(roundTrip(ErrorMessage{}), ErrorMessage{});
   EXPECT_EQ(roundTrip(Ping{}), Ping{});
@@ -83,7 +83,7 @@ TEST(Messages, theBytesInTheDocumentAreThoseThatAreSent) {
   EXPECT_EQ(hex(encode(Open{"a", {}}, 2)),
             "1c0000000500000002000000"
             "0c000000000006000800040006000000040000000100000061000000");
-  EXPECT_EQ(hex(encode(Wishes{1, {{WishAction::kAdd, WishClass::kVisible, 1, 3, 2.5f}}}, 3)),
+  EXPECT_EQ(hex(encode(Requests{1, {{RequestAction::kAdd, RequestClass::kVisible, 1, 3, 2.5f}}}, 3)),
             "400000000700000003000000"
             "0c00000008000c000400080008000000010000000400000001000000"
             "1400000000000e0010000000000004000800"
@@ -104,15 +104,15 @@ TEST(Messages, decodeAtAnyAddress) {
   }
 }
 
-TEST(Messages, aFullBatchOfWishesFitsInAFrame) {
-  Wishes wishes{1, {}};
-  for (uint32_t i = 1; i <= kMaxWishesPerFrame; ++i)
-    wishes.changes.push_back({WishAction::kAdd, WishClass::kMargin, i, i, static_cast<float>(i)});
-  EXPECT_EQ(roundTrip(wishes), wishes);
+TEST(Messages, aFullBatchOfRequestsFitsInAFrame) {
+  Requests requests{1, {}};
+  for (uint32_t i = 1; i <= kMaxRequestsPerFrame; ++i)
+    requests.changes.push_back({RequestAction::kAdd, RequestClass::kMargin, i, i, static_cast<float>(i)});
+  EXPECT_EQ(roundTrip(requests), requests);
 }
 
 TEST(Messages, encodeRefusesWhatADecoderWouldRefuse) {
-  EXPECT_THROW(encode(Wishes{1, std::vector<WishChange>(kMaxWishesPerFrame + 1)}, 0), Error);
+  EXPECT_THROW(encode(Requests{1, std::vector<RequestChange>(kMaxRequestsPerFrame + 1)}, 0), Error);
   EXPECT_THROW(encode(Models{std::vector<ModelSummary>(kMaxListedModels + 1)}, 0), Error);
   EXPECT_THROW(encode(Open{std::string(256, 'x'), {}}, 0), Error);
   EXPECT_THROW(encode(Open{"line\nbreak", {}}, 0), Error);

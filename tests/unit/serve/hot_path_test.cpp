@@ -1,4 +1,4 @@
-// What a wish costs a server whose blobs are in memory.
+// What a request costs a server whose blobs are in memory.
 
 #include "tests/unit/serve/allocations.h"
 #include "tests/unit/serve/server_fixture.h"
@@ -10,28 +10,28 @@ using namespace test;
 
 class HotPath : public ServerTest {
  protected:
-  /// So many wishes, eight at a time, and all that is sent for them.
-  void wish(TestClient& client, uint32_t handle, uint32_t count) {
-    for (uint32_t wish = 1; wish <= count; wish += 8) {
-      proto::Wishes wishes{handle, {}};
+  /// So many requests, eight at a time, and all that is sent for them.
+  void request(TestClient& client, uint32_t handle, uint32_t count) {
+    for (uint32_t request = 1; request <= count; request += 8) {
+      proto::Requests requests{handle, {}};
       for (uint32_t n = 0; n < 8; ++n)
-        wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, wish + n, n + 3, 1});
-      client.send(wishes);
+        requests.changes.push_back({RequestAction::kAdd, RequestClass::kVisible, request + n, n + 3, 1});
+      client.send(requests);
       ASSERT_EQ(client.blobs(8).size(), 8u);
     }
   }
 };
 
-TEST_F(HotPath, takesNoMemoryForAWishOnceASessionRuns) {
+TEST_F(HotPath, takesNoMemoryForARequestOnceASessionRuns) {
   options_.threads = 1;
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
   client.blobs(2);
-  wish(client, opened.handle, 1000);
+  request(client, opened.handle, 1000);
   const AllocationsOfOthers allocations;
-  wish(client, opened.handle, 10'000);
-  EXPECT_LT(allocations.count(), 100u) << "by ten thousand wishes";
+  request(client, opened.handle, 10'000);
+  EXPECT_LT(allocations.count(), 100u) << "by ten thousand requests";
 }
 
 TEST_F(HotPath, letsTheMemoryOfALargeFrameGo) {

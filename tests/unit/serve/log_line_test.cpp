@@ -14,11 +14,12 @@ using namespace std::chrono_literals;
 
 constexpr auto kTime = std::chrono::sys_days(std::chrono::year(2026) / 11 / 22) + 3h + 18min + 12s + 7ms;
 const std::vector<LogField> kFields{
-    {"wishes", uint64_t{12}}, {"seconds", 1.5}, {"peer", std::string_view("::1")}};
+    {"requests", uint64_t{12}}, {"seconds", 1.5}, {"peer", std::string_view("::1")}};
 
 TEST(LogLine, inTextIsTimeKindMessageAndFields) {
-  EXPECT_EQ(logLine(false, kTime, LogKind::kConnectionEnd, "closed by the client", kFields),
-            "2026-11-22T03:18:12.007Z connection: closed by the client (wishes=12, seconds=1.5, peer=::1)\n");
+  EXPECT_EQ(
+      logLine(false, kTime, LogKind::kConnectionEnd, "closed by the client", kFields),
+      "2026-11-22T03:18:12.007Z connection: closed by the client (requests=12, seconds=1.5, peer=::1)\n");
   EXPECT_EQ(logLine(false, kTime, LogKind::kServer, "stopping", {}),
             "2026-11-22T03:18:12.007Z server: stopping\n");
 }
@@ -29,7 +30,7 @@ TEST(LogLine, inJsonIsOneObject) {
   EXPECT_EQ(nlohmann::ordered_json::parse(line),
             nlohmann::ordered_json::parse(
                 R"({"time":"2026-11-22T03:18:12.007Z","kind":"damage","message":"a \"blob\"",
-                    "wishes":12,"seconds":1.5,"peer":"::1"})"));
+                    "requests":12,"seconds":1.5,"peer":"::1"})"));
 }
 
 TEST(LogLine, bearsNothingThatCouldForgeALineOrMoveACursor) {

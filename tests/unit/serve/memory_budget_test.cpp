@@ -93,12 +93,12 @@ TEST(MemoryBudget, isAnEighthOfWhatThereIs) {
 
 using SessionMemoryTest = SessionTest;
 
-TEST_F(SessionMemoryTest, wishesAndAnswersAreChargedAndGivenBack) {
+TEST_F(SessionMemoryTest, requestsAndAnswersAreChargedAndGivenBack) {
   open();
   const uint64_t before = memory_.held();
-  wish(WishClass::kVisible, 1, 30, 1);
-  EXPECT_EQ(memory_.held(), before + kWishBytes);
-  change(WishAction::kCancel, WishClass::kVisible, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
+  EXPECT_EQ(memory_.held(), before + kRequestBytes);
+  change(RequestAction::kCancel, RequestClass::kVisible, 1);
   const size_t answered = session_.controlBytes();
   EXPECT_EQ(memory_.held(), before + answered);
   session_.takeControl();
@@ -123,19 +123,19 @@ TEST_F(SessionMemoryTest, anOpenModelIsChargedUntilItIsClosed) {
   EXPECT_EQ(budget_.used(), memory_.held());
 }
 
-TEST_F(SessionMemoryTest, closingAModelGivesItsWishesBack) {
+TEST_F(SessionMemoryTest, closingAModelGivesItsRequestsBack) {
   open();
   const uint64_t before = memory_.held();
-  for (uint32_t i = 1; i <= 10; ++i) wish(WishClass::kVisible, i, 30, 1);
+  for (uint32_t i = 1; i <= 10; ++i) request(RequestClass::kVisible, i, 30, 1);
   send(proto::Close{1});
   EXPECT_EQ(memory_.held() + kOpenModelBytes, before + session_.controlBytes());
 }
 
-TEST_F(SessionMemoryTest, aRefusedSessionGivesItsWishesBackBeforeItsLastWordIsOut) {
+TEST_F(SessionMemoryTest, aRefusedSessionGivesItsRequestsBackBeforeItsLastWordIsOut) {
   open();
   session_.controlSent(memory_.held() - kOpenModelBytes);
-  for (uint32_t i = 1; i <= 10; ++i) wish(WishClass::kVisible, i, 30, 1);
-  EXPECT_EQ(memory_.held(), kOpenModelBytes + 10 * kWishBytes);
+  for (uint32_t i = 1; i <= 10; ++i) request(RequestClass::kVisible, i, 30, 1);
+  EXPECT_EQ(memory_.held(), kOpenModelBytes + 10 * kRequestBytes);
   session_.refuse(WireError::kMalformed, "this is no frame");
   EXPECT_EQ(memory_.held(), kOpenModelBytes + session_.controlBytes());
 }
@@ -153,22 +153,22 @@ TEST_F(SessionMemoryTest, aModelThatThereIsNoMemoryForIsNotOpened) {
   EXPECT_FALSE(session_.closing());
 }
 
-TEST_F(SessionMemoryTest, aWishThatThereIsNoMemoryForIsRefusedAndTheSessionGoesOn) {
+TEST_F(SessionMemoryTest, aRequestThatThereIsNoMemoryForIsRefusedAndTheSessionGoesOn) {
   open();
   MemoryAccount others(budget_);
   others.take(budget_.limit() / 4 * 3);
   memory_.take(kPoliteBytes - 200 - memory_.held());
-  wish(WishClass::kVisible, 1, 30, 1);
-  wish(WishClass::kVisible, 2, 3, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 2, 3, 1);
   const auto refused = only<proto::ErrorMessage>(FrameType::kError);
   EXPECT_EQ(refused.code, WireError::kNotReady);
-  EXPECT_EQ(refused.wish, 2u);
-  EXPECT_EQ(session_.openWishes(), 1u);
+  EXPECT_EQ(refused.request, 2u);
+  EXPECT_EQ(session_.openRequests(), 1u);
   EXPECT_FALSE(session_.closing());
 }
 
 TEST_F(SessionMemoryTest, aGreedySessionIsRefusedWhereAPoliteOneIsServed) {
-  limits_.max_open_wishes = proto::kMaxOpenWishes;
+  limits_.max_open_requests = proto::kMaxOpenRequests;
   MemoryBudget budget(8u << 20);
   MemoryAccount greedy_memory(budget), polite_memory(budget);
   Session greedy({&offer_, &greedy_memory}, limits_, now_), polite({&offer_, &polite_memory}, limits_, now_);
@@ -177,15 +177,15 @@ TEST_F(SessionMemoryTest, aGreedySessionIsRefusedWhereAPoliteOneIsServed) {
     sendTo(*session, proto::Open{"a", {}});
   }
   for (uint32_t frame = 0; frame < 4; ++frame) {
-    proto::Wishes wishes{1, {}};
-    for (uint32_t i = 1; i <= proto::kMaxWishesPerFrame; ++i)
-      wishes.changes.push_back(
-          {WishAction::kAdd, WishClass::kVisible, frame * proto::kMaxWishesPerFrame + i, 30, 1});
-    sendTo(greedy, wishes);
+    proto::Requests requests{1, {}};
+    for (uint32_t i = 1; i <= proto::kMaxRequestsPerFrame; ++i)
+      requests.changes.push_back(
+          {RequestAction::kAdd, RequestClass::kVisible, frame * proto::kMaxRequestsPerFrame + i, 30, 1});
+    sendTo(greedy, requests);
   }
-  EXPECT_TRUE(greedy.closing()) << greedy.openWishes();
-  sendTo(polite, proto::Wishes{1, {{WishAction::kAdd, WishClass::kVisible, 1, 30, 1}}});
-  EXPECT_EQ(polite.openWishes(), 1u);
+  EXPECT_TRUE(greedy.closing()) << greedy.openRequests();
+  sendTo(polite, proto::Requests{1, {{RequestAction::kAdd, RequestClass::kVisible, 1, 30, 1}}});
+  EXPECT_EQ(polite.openRequests(), 1u);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ Metrics busyMetrics() {
     tallies.accepted.add(10);
     tallies.refused[static_cast<size_t>(RefusalReason::kToken)].add(3);
     tallies.ended[static_cast<size_t>(EndReason::kIdle)].add();
-    tallies.wishes[0].add(7);
+    tallies.requests[0].add(7);
     tallies.queue[0].add(1500us);
     tallies.held[1].add(3s);
     tallies.send[2].add(1min);
@@ -47,21 +47,21 @@ TEST(Metrics, areSummedOverThreads) {
   expectLine(text, "lodestream_connections_accepted_total 20");
   expectLine(text, "lodestream_connections_refused_total{reason=\"token\"} 6");
   expectLine(text, "lodestream_connections_ended_total{reason=\"idle\"} 2");
-  expectLine(text, "lodestream_wishes_total{class=\"visible\"} 14");
+  expectLine(text, "lodestream_requests_total{class=\"visible\"} 14");
   expectLine(text, "lodestream_model_sent_bytes_total{model=\"bunny\"} 2000000014");
   expectLine(text, "lodestream_model_damaged_blobs_total{model=\"bunny\"} 2");
 }
 
 TEST(Metrics, putDurationsIntoCumulativeBuckets) {
   const std::string text = busyMetrics().text({});
-  expectLine(text, "lodestream_wish_queue_seconds_bucket{class=\"visible\",le=\"0.001\"} 0");
-  expectLine(text, "lodestream_wish_queue_seconds_bucket{class=\"visible\",le=\"0.002\"} 2");
-  expectLine(text, "lodestream_wish_queue_seconds_bucket{class=\"visible\",le=\"10\"} 2");
-  expectLine(text, "lodestream_wish_queue_seconds_count{class=\"visible\"} 2");
-  expectLine(text, "lodestream_wish_queue_seconds_sum{class=\"visible\"} 0.003");
-  expectLine(text, "lodestream_wish_held_seconds_sum{class=\"margin\"} 6");
-  expectLine(text, "lodestream_wish_send_seconds_bucket{class=\"prefetch\",le=\"10\"} 0");
-  expectLine(text, "lodestream_wish_send_seconds_bucket{class=\"prefetch\",le=\"+Inf\"} 2");
+  expectLine(text, "lodestream_request_queue_seconds_bucket{class=\"visible\",le=\"0.001\"} 0");
+  expectLine(text, "lodestream_request_queue_seconds_bucket{class=\"visible\",le=\"0.002\"} 2");
+  expectLine(text, "lodestream_request_queue_seconds_bucket{class=\"visible\",le=\"10\"} 2");
+  expectLine(text, "lodestream_request_queue_seconds_count{class=\"visible\"} 2");
+  expectLine(text, "lodestream_request_queue_seconds_sum{class=\"visible\"} 0.003");
+  expectLine(text, "lodestream_request_held_seconds_sum{class=\"margin\"} 6");
+  expectLine(text, "lodestream_request_send_seconds_bucket{class=\"prefetch\",le=\"10\"} 0");
+  expectLine(text, "lodestream_request_send_seconds_bucket{class=\"prefetch\",le=\"+Inf\"} 2");
 }
 
 TEST(Metrics, sayWhatIsSoNow) {

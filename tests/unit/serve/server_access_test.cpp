@@ -173,7 +173,7 @@ TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {
   EXPECT_EQ(client.expect<proto::ModelReplaced>(FrameType::kModelReplaced).handle, opened.handle);
   EXPECT_EQ(list(client), (std::vector<std::string>{"a", "c"}));
   const uint32_t blob = 5;
-  client.send(proto::Wishes{opened.handle, {{WishAction::kAdd, WishClass::kVisible, 1, blob, 5}}});
+  client.send(proto::Requests{opened.handle, {{RequestAction::kAdd, RequestClass::kVisible, 1, blob, 5}}});
   const auto old = client.blobs(1);
   ASSERT_EQ(old.size(), 1u);
   EXPECT_NE(old[0].second, reader().readBlob(blob)) << "the open handle keeps what it opened";

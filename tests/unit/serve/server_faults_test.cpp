@@ -35,10 +35,10 @@ TEST_F(ServerFaults, aClientThatPingsAndNeverReadsIsGivenUp) {
   client.socket().set_option(asio::socket_base::receive_buffer_size(4096));
   const proto::Opened opened = client.open("a");
   client.send(proto::Credit{1ull << 40});
-  proto::Wishes wishes{opened.handle, {}};
+  proto::Requests requests{opened.handle, {}};
   for (uint32_t i = 0; i < 4000; ++i)
-    wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, i + 1, i % 10 + 1, 1});
-  client.send(wishes);
+    requests.changes.push_back({RequestAction::kAdd, RequestClass::kVisible, i + 1, i % 10 + 1, 1});
+  client.send(requests);
   EXPECT_TRUE(isGivenUp(client, 60s));
   expectServed();
 }
@@ -48,7 +48,7 @@ TEST_F(ServerFaults, aClientThatReadsIsNotGivenUpHoweverLongItsWindowIsShut) {
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
-  client.send(wishesForAll(opened.handle));
+  client.send(requestsAll(opened.handle));
   EXPECT_FALSE(isGivenUp(client, 300ms));
 }
 
@@ -123,7 +123,7 @@ TEST_F(ServerFaults, theLimitOfOpenFilesIsRaisedToWhatItMayBe) {
   setrlimit(RLIMIT_NOFILE, &before);
 }
 
-TEST_F(ServerFaults, aBlobOverwrittenUnderASessionEndsItsWishAsDamaged) {
+TEST_F(ServerFaults, aBlobOverwrittenUnderASessionEndsItsRequestAsDamaged) {
   start();
   expectServed();
   const uint32_t bad = reader().find(kRootKey.child(3))->lods[0].payload.number;
@@ -131,10 +131,10 @@ TEST_F(ServerFaults, aBlobOverwrittenUnderASessionEndsItsWishAsDamaged) {
   const proto::Opened opened = client.open("a");
   client.blobs(2);
   test::damage(store_, reader().blob(bad).offset + 100);
-  client.send(proto::Wishes{opened.handle, {{WishAction::kAdd, WishClass::kVisible, 1, bad, 5}}});
+  client.send(proto::Requests{opened.handle, {{RequestAction::kAdd, RequestClass::kVisible, 1, bad, 5}}});
   const auto error = client.expect<proto::ErrorMessage>(FrameType::kError);
   EXPECT_EQ(error.code, WireError::kDamagedStore);
-  EXPECT_EQ(error.wish, 1u);
+  EXPECT_EQ(error.request, 1u);
 }
 
 }  // namespace

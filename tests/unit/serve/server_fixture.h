@@ -18,9 +18,9 @@ namespace lode::serve::test {
 
 using namespace std::chrono_literals;
 using proto::FrameType;
+using proto::RequestAction;
+using proto::RequestClass;
 using proto::WireError;
-using proto::WishAction;
-using proto::WishClass;
 
 /// A server over loopback with the models "a" and "b".
 class ServerTest : public testing::Test {
@@ -50,11 +50,12 @@ class ServerTest : public testing::Test {
   }
   TestClient connect() { return TestClient(server_->port()); }
 
-  proto::Wishes wishesForAll(uint32_t handle) const {
-    proto::Wishes wishes{handle, {}};
+  proto::Requests requestsAll(uint32_t handle) const {
+    proto::Requests requests{handle, {}};
     for (uint32_t blob = 1; blob <= reader().blobCount(); ++blob)
-      wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, blob, blob, static_cast<float>(blob)});
-    return wishes;
+      requests.changes.push_back(
+          {RequestAction::kAdd, RequestClass::kVisible, blob, blob, static_cast<float>(blob)});
+    return requests;
   }
   /// A client that is welcome, of many that come one after the other: the server hears of another's end in
   /// its own time. Nothing if none is.
@@ -71,10 +72,10 @@ class ServerTest : public testing::Test {
   bool isLetInSoon() { return letInSoon() != nullptr; }
   void expectAllBlobs(TestClient& client, const proto::Opened& opened) {
     client.blobs(2);
-    client.send(wishesForAll(opened.handle));
+    client.send(requestsAll(opened.handle));
     const auto blobs = client.blobs(reader().blobCount());
     ASSERT_EQ(blobs.size(), reader().blobCount());
-    for (const auto& [wish, bytes] : blobs) EXPECT_EQ(bytes, reader().readBlob(wish)) << wish;
+    for (const auto& [request, bytes] : blobs) EXPECT_EQ(bytes, reader().readBlob(request)) << request;
   }
   /// A client that opens "a" and gets every blob of it.
   void expectServed() {

@@ -64,7 +64,7 @@ TEST_F(ServerHostile, everyFrameCutAtEveryLengthHarmsNobody) {
   start();
   const std::vector<proto::Bytes> frames{
       proto::encode(proto::Hello{}, 1),       proto::encode(proto::List{}, 2),
-      proto::encode(proto::Open{"a", {}}, 3), proto::encode(proto::Wishes{1, {{}}}, 4),
+      proto::encode(proto::Open{"a", {}}, 3), proto::encode(proto::Requests{1, {{}}}, 4),
       proto::encode(proto::Credit{1}, 0),     proto::encode(proto::Ping{1}, 5),
       proto::encode(proto::Pong{1}, 0),       proto::encode(proto::Close{1}, 6)};
   proto::Bytes before;
@@ -83,7 +83,7 @@ TEST_F(ServerHostile, everyBodyCutAtEveryLengthIsRefusedOrTaken) {
   start();
   const proto::Bytes hello = proto::encode(proto::Hello{}, 1);
   for (const proto::Bytes& frame :
-       {proto::encode(proto::Open{"a", {}}, 3), proto::encode(proto::Wishes{1, {{}}}, 4),
+       {proto::encode(proto::Open{"a", {}}, 3), proto::encode(proto::Requests{1, {{}}}, 4),
         proto::encode(proto::Close{1}, 6)})
     for (size_t cut = proto::kFrameHeaderBytes; cut < frame.size(); ++cut) {
       auto header = proto::decodeFrameHeader(std::span(frame).first<proto::kFrameHeaderBytes>());
@@ -102,7 +102,7 @@ TEST_F(ServerHostile, aClientThatShutsDownItsSendingSideHasGone) {
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
-  client.send(wishesForAll(opened.handle));
+  client.send(requestsAll(opened.handle));
   client.socket().shutdown(asio::socket_base::shutdown_send);
   EXPECT_TRUE(endsWithin(client, 60s));
   expectServed();
@@ -114,7 +114,7 @@ TEST_F(ServerHostile, connectionsThatAreResetInTheMiddleHarmNobody) {
     TestClient client = connect();
     const proto::Opened opened = client.open("a");
     client.send(proto::Credit{1ull << 40});
-    client.send(wishesForAll(opened.handle));
+    client.send(requestsAll(opened.handle));
     client.socket().set_option(asio::socket_base::linger(true, 0));
   }
   expectServed();
@@ -125,7 +125,7 @@ TEST_F(ServerHostile, aFrameThatComesMoreSlowlyThanTheIdleDeadlineEndsItsConnect
   start();
   TestClient client = connect();
   client.open("a");
-  client.sendBytes(proto::encodeFrameHeader({100'000, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+  client.sendBytes(proto::encodeFrameHeader({100'000, static_cast<uint8_t>(FrameType::kRequests), 0, 1}));
   asio::error_code error;
   const std::byte crumb{0};
   const auto end = Clock::now() + 20s;
@@ -142,7 +142,7 @@ TEST_F(ServerHostile, aClientThatReadsSlowlyGetsAllAndHoldsNobodyUp) {
   slow.socket().set_option(asio::socket_base::receive_buffer_size(4096));
   const proto::Opened opened = slow.open("a");
   slow.send(proto::Credit{1ull << 40});
-  slow.send(wishesForAll(opened.handle));
+  slow.send(requestsAll(opened.handle));
   uint64_t all = 0;
   for (uint32_t blob = 1; blob <= reader().blobCount(); ++blob) all += reader().blob(blob).bytes;
   std::array<std::byte, 4096> some;
@@ -163,11 +163,11 @@ TEST_F(ServerHostile, aFloodOfAnyFrameLetsOthersBeServed) {
   expectServedBeside(proto::encode(proto::Open{"nothing", {}}, 1));
   expectServedBeside(proto::encode(proto::Credit{1}, 0));
   expectServedBeside(
-      proto::encode(proto::Wishes{1, {{WishAction::kAdd, WishClass::kVisible, 1, 9999, 1}}}, 1));
-  expectServedBeside(proto::encode(
-      proto::Wishes{
-          1, std::vector<proto::WishChange>(4096, {WishAction::kCancel, WishClass::kVisible, 7, 0, 1})},
-      1));
+      proto::encode(proto::Requests{1, {{RequestAction::kAdd, RequestClass::kVisible, 1, 9999, 1}}}, 1));
+  expectServedBeside(
+      proto::encode(proto::Requests{1, std::vector<proto::RequestChange>(
+                                           4096, {RequestAction::kCancel, RequestClass::kVisible, 7, 0, 1})},
+                    1));
   proto::Bytes optional(1000);
   const auto header = proto::encodeFrameHeader({988, 200, proto::kFlagOptional, 0});
   std::copy(header.begin(), header.end(), optional.begin());

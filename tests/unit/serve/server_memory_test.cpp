@@ -27,18 +27,18 @@ class ServerMemory : public ServerTest {
     }
     return clients;
   }
-  static void wishTimes(TestClient& client, uint32_t count) {
-    for (uint32_t wish = 1; wish <= count;) {
-      proto::Wishes wishes{1, {}};
-      for (uint32_t n = 0; n < proto::kMaxWishesPerFrame && wish <= count; ++n)
-        wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, wish++, 5, 1});
-      client.send(wishes);
+  static void requestTimes(TestClient& client, uint32_t count) {
+    for (uint32_t request = 1; request <= count;) {
+      proto::Requests requests{1, {}};
+      for (uint32_t n = 0; n < proto::kMaxRequestsPerFrame && request <= count; ++n)
+        requests.changes.push_back({RequestAction::kAdd, RequestClass::kVisible, request++, 5, 1});
+      client.send(requests);
     }
   }
   /// What takes memory until the rest comes, or the end.
   static void sendPartOfAFrame(TestClient& client, size_t bytes) {
     client.sendBytes(proto::encodeFrameHeader(
-        {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+        {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kRequests), 0, 1}));
     client.sendBytes(proto::Bytes(bytes));
   }
   /// Takes a file out of the page cache.
@@ -74,7 +74,7 @@ TEST_F(ServerMemory, memoryIsTakenByWhatHasComeNotByWhatIsAnnounced) {
     many.back()->send(proto::Hello{});
     many.back()->expect<proto::Welcome>(FrameType::kWelcome);
     many.back()->sendBytes(proto::encodeFrameHeader(
-        {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+        {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kRequests), 0, 1}));
   }
   expectServed();
 }
@@ -83,7 +83,7 @@ TEST_F(ServerMemory, greedyConnectionsAreRefusedAndPoliteOnesServed) {
   options_.memory_budget_bytes = 4u << 20;
   start();
   const Clients greedy = openMany(40);
-  for (const auto& client : greedy) wishTimes(*client, 4 * proto::kMaxWishesPerFrame);
+  for (const auto& client : greedy) requestTimes(*client, 4 * proto::kMaxRequestsPerFrame);
   for (int i = 0; i < 5; ++i) expectServed();
 }
 
@@ -96,11 +96,11 @@ TEST_F(ServerMemory, whenItIsUsedUpThoseWhoHoldMoreThanMostAreClosedAndThePolite
   polite.blobs(2);
   Clients quiet = openMany(20);
   const Clients greedy = openMany(70);
-  for (const auto& client : greedy) wishTimes(*client, 480);  // each asks for less than it may: 60 KB
+  for (const auto& client : greedy) requestTimes(*client, 480);  // each asks for less than it may: 60 KB
   const auto end = std::chrono::steady_clock::now() + 20s;
   size_t closed = 0;
   while (closed == 0 && std::chrono::steady_clock::now() < end) {
-    polite.send(wishesForAll(opened.handle));
+    polite.send(requestsAll(opened.handle));
     ASSERT_EQ(polite.blobs(reader().blobCount()).size(), reader().blobCount());
     closed = static_cast<size_t>(std::ranges::count_if(greedy, [](const auto& c) { return hasEnded(*c); }));
   }
@@ -164,8 +164,8 @@ TEST_F(ServerMemory, aFrameThatThereIsNoRoomForIsGivenBackWithItsMemory) {
   TestClient client = connect();
   client.open("a");
   client.blobs(2);
-  client.sendBytes(
-      proto::encodeFrameHeader({proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kWishes), 0, 1}));
+  client.sendBytes(proto::encodeFrameHeader(
+      {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kRequests), 0, 1}));
   client.sendBytes(proto::Bytes(200'000));
   EXPECT_EQ(client.expect<proto::ErrorMessage>(FrameType::kError).code, WireError::kLimit);
   EXPECT_TRUE(soon([&] { return server_->memoryHeld() < kPlainConnectionBytes + (4u << 10); }))
@@ -173,14 +173,14 @@ TEST_F(ServerMemory, aFrameThatThereIsNoRoomForIsGivenBackWithItsMemory) {
 }
 
 TEST_F(ServerMemory, whatTheDiskIsAskedForIsNoGreedOfTheClients) {
-  options_.memory_budget_bytes = 5'736'000;  // two chunks and eight wishes are all that one may hold of it
+  options_.memory_budget_bytes = 5'736'000;  // two chunks and eight requests are all that one may hold of it
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
   client.blobs(2);
   for (int round = 0; round < 20; ++round) {
     forget(store_);
-    client.send(wishesForAll(opened.handle));
+    client.send(requestsAll(opened.handle));
     client.send(proto::Credit{1ull << 40});
     client.send(proto::Ping{1}, 1);
     for (size_t complete = 0; complete < reader().blobCount();) {
@@ -242,7 +242,7 @@ TEST_F(ServerMemory, whereverItRunsOutWhileASessionIsServedTheNextIsServed) {
     TestClient client = connect();
     client.send(proto::Hello{});
     client.send(proto::Open{"a", {}});
-    client.send(wishesForAll(1));
+    client.send(requestsAll(1));
     client.send(proto::Ping{1});
     for (auto frame = client.receive(); frame && !frame->is(FrameType::kPong);) frame = client.receive();
     failed = failing.failed();

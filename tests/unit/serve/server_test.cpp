@@ -47,7 +47,7 @@ TEST_F(ServerTest, pingIsAnsweredWhileTheWindowIsShut) {
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
-  client.send(wishesForAll(opened.handle));
+  client.send(requestsAll(opened.handle));
   client.send(proto::Ping{5});
   uint64_t body_bytes = 0;
   while (const auto frame = client.receive()) {
@@ -69,10 +69,10 @@ TEST_F(ServerTest, aClientThatDoesNotReadHoldsNobodyUp) {
   slow.send(proto::Hello{});
   slow.send(proto::Open{"b", {}});
   slow.send(proto::Credit{1ull << 40});
-  proto::Wishes wishes{1, {}};
+  proto::Requests requests{1, {}};
   for (uint32_t i = 0; i < 4000; ++i)
-    wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, i + 1, i % 10 + 1, 1});
-  slow.send(wishes);
+    requests.changes.push_back({RequestAction::kAdd, RequestClass::kVisible, i + 1, i % 10 + 1, 1});
+  slow.send(requests);
   expectServed();
   expectServed();
 }
@@ -176,19 +176,19 @@ TEST_F(ServerTest, aClientThatFallsSilentIsLetGo) {
   EXPECT_FALSE(client.receive());
 }
 
-TEST_F(ServerTest, aDamagedBlobEndsItsWishAlone) {
+TEST_F(ServerTest, aDamagedBlobEndsItsRequestAlone) {
   start();
   const uint32_t bad = reader().find(kRootKey.child(3))->lods[0].payload.number;
   test::damage(store_, reader().blob(bad).offset + 100);
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
   client.blobs(2);
-  client.send(proto::Wishes{opened.handle,
-                            {{WishAction::kAdd, WishClass::kVisible, 1, bad, 5},
-                             {WishAction::kAdd, WishClass::kVisible, 2, bad + 1, 1}}});
+  client.send(proto::Requests{opened.handle,
+                              {{RequestAction::kAdd, RequestClass::kVisible, 1, bad, 5},
+                               {RequestAction::kAdd, RequestClass::kVisible, 2, bad + 1, 1}}});
   const auto error = client.expect<proto::ErrorMessage>(FrameType::kError);
   EXPECT_EQ(error.code, WireError::kDamagedStore);
-  EXPECT_EQ(error.wish, 1u);
+  EXPECT_EQ(error.request, 1u);
   EXPECT_FALSE(error.closes);
   const auto blobs = client.blobs(1);
   EXPECT_EQ(blobs.at(0), std::pair(2u, reader().readBlob(bad + 1)));
@@ -202,26 +202,26 @@ uint64_t bytesOfAllBlobs(const store::Reader& reader) {
   return bytes;
 }
 
-TEST_F(ServerTest, stoppingSaysGoAwayLetsOpenWishesEndAndCloses) {
+TEST_F(ServerTest, stoppingSaysGoAwayLetsOpenRequestsEndAndCloses) {
   start();
   const uint64_t all_bytes = bytesOfAllBlobs(reader());
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
   client.blobs(2);
-  client.send(wishesForAll(opened.handle));
+  client.send(requestsAll(opened.handle));
   uint64_t received = 0, blob_bytes = 0;
   const auto take = [&](const Received& frame) {
     received += frame.body.size();
     blob_bytes += proto::decodeBlobChunk(frame.body).bytes.size();
   };
-  const auto first = client.receive();  // the wishes have come
+  const auto first = client.receive();  // the requests have come
   ASSERT_TRUE(first && first->is(FrameType::kBlob));
   take(*first);
   server_->stop();
   auto frame = client.receive();
   for (; frame && frame->is(FrameType::kBlob); frame = client.receive()) take(*frame);
   ASSERT_TRUE(frame && frame->is(FrameType::kGoAway));
-  EXPECT_LT(blob_bytes, all_bytes) << "no wish was open when the server went away";
+  EXPECT_LT(blob_bytes, all_bytes) << "no request was open when the server went away";
   client.expect<proto::Ping>(FrameType::kPing);
   client.send(proto::Pong{});
   client.send(proto::Credit{4 * all_bytes});
@@ -234,7 +234,7 @@ TEST_F(ServerTest, stoppingSaysGoAwayLetsOpenWishesEndAndCloses) {
   thread_.join();
 }
 
-TEST_F(ServerTest, stoppingAnswersAWishThatCrossesGoAway) {
+TEST_F(ServerTest, stoppingAnswersARequestThatCrossesGoAway) {
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
@@ -242,7 +242,8 @@ TEST_F(ServerTest, stoppingAnswersAWishThatCrossesGoAway) {
   server_->stop();
   client.expect<proto::GoAway>(FrameType::kGoAway);
   client.expect<proto::Ping>(FrameType::kPing);
-  client.send(proto::Wishes{opened.handle, {{proto::WishAction::kAdd, proto::WishClass::kVisible, 1, 3, 1}}});
+  client.send(
+      proto::Requests{opened.handle, {{proto::RequestAction::kAdd, proto::RequestClass::kVisible, 1, 3, 1}}});
   client.send(proto::Pong{});
   const auto frame = client.receive();
   ASSERT_TRUE(frame && frame->is(FrameType::kBlob));
@@ -257,14 +258,14 @@ TEST_F(ServerTest, stoppingWaitsForAClientThatDoesNotReadAsLongAsItsDeadlineSays
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
   client.blobs(2);
-  client.send(wishesForAll(opened.handle));
+  client.send(requestsAll(opened.handle));
   const auto first = client.receive();
   ASSERT_TRUE(first && first->is(FrameType::kBlob));
   const auto begin = std::chrono::steady_clock::now();
   server_->stop();
   thread_.join();
   const auto spent = std::chrono::steady_clock::now() - begin;
-  EXPECT_GE(spent, options_.drain_deadline) << "its wishes were given up early";
+  EXPECT_GE(spent, options_.drain_deadline) << "its requests were given up early";
   EXPECT_LT(spent, 20s);
 }
 

@@ -16,9 +16,9 @@ namespace lode::serve::test {
 
 using namespace std::chrono_literals;
 using proto::FrameType;
+using proto::RequestAction;
+using proto::RequestClass;
 using proto::WireError;
-using proto::WishAction;
-using proto::WishClass;
 
 constexpr uint32_t kSmall = 1000, kLarge = 200'000, kPageBlob = 1, kRootLodBlob = 2, kFirstBlob = 3;
 
@@ -67,19 +67,19 @@ class SessionTest : public testing::Test {
     while (session_.beginChunk()) session_.finishChunk();
   }
 
-  void wish(WishClass wish_class, uint32_t id, uint32_t blob, float priority_px, uint32_t call = 0) {
-    send(proto::Wishes{1, {{WishAction::kAdd, wish_class, id, blob, priority_px}}}, call);
+  void request(RequestClass request_class, uint32_t id, uint32_t blob, float priority_px, uint32_t call = 0) {
+    send(proto::Requests{1, {{RequestAction::kAdd, request_class, id, blob, priority_px}}}, call);
   }
-  void change(WishAction action, WishClass wish_class, uint32_t id, float priority_px = 0) {
-    send(proto::Wishes{1, {{action, wish_class, id, 0, priority_px}}});
+  void change(RequestAction action, RequestClass request_class, uint32_t id, float priority_px = 0) {
+    send(proto::Requests{1, {{action, request_class, id, 0, priority_px}}});
   }
 
-  /// Sends what is next. @return its chunk header's wish, or nothing.
+  /// Sends what is next. @return its chunk header's request, or nothing.
   std::optional<uint32_t> sendChunk() {
     const auto chunk = session_.beginChunk();
     if (!chunk || !session_.finishChunk()) return {};
     sent_bytes_ += proto::kBlobChunkHeaderBytes + chunk->bytes;
-    return chunk->header.wish;
+    return chunk->header.request;
   }
 
   struct Received {

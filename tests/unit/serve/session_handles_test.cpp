@@ -16,17 +16,17 @@ TEST_F(SessionHandlesTest, saysThatItUnderstandsCloseToWhomAsks) {
   EXPECT_EQ(only<proto::Welcome>(FrameType::kWelcome).features, proto::kFeatureClose);
 }
 
-TEST_F(SessionHandlesTest, closingEndsTheWishesOfThatHandleAlone) {
+TEST_F(SessionHandlesTest, closingEndsTheRequestsOfThatHandleAlone) {
   open();
   send(proto::Open{"b", {}});
   session_.takeControl();
-  wish(WishClass::kVisible, 1, 30, 1, 11);
-  send(proto::Wishes{2, {{WishAction::kAdd, WishClass::kVisible, 2, 31, 9}}}, 12);
+  request(RequestClass::kVisible, 1, 30, 1, 11);
+  send(proto::Requests{2, {{RequestAction::kAdd, RequestClass::kVisible, 2, 31, 9}}}, 12);
   send(proto::Close{2}, 13);
   const auto frames = control();
   ASSERT_EQ(frames.size(), 2u);
   EXPECT_EQ(frames[0].header.call, 12u);
-  EXPECT_EQ(proto::decode<proto::Cancelled>(frames[0].body).wish, 2u);
+  EXPECT_EQ(proto::decode<proto::Cancelled>(frames[0].body).request, 2u);
   EXPECT_EQ(frames[1].header.call, 13u);
   EXPECT_EQ(proto::decode<proto::Closed>(frames[1].body).handle, 2u);
   EXPECT_EQ(sendChunk(), 1u) << "the unasked blobs of the closed one do not come either";
@@ -34,7 +34,7 @@ TEST_F(SessionHandlesTest, closingEndsTheWishesOfThatHandleAlone) {
 
 TEST_F(SessionHandlesTest, aChunkOfAClosedHandleIsNotSent) {
   open();
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   ASSERT_TRUE(session_.beginChunk());
   send(proto::Close{1});
   EXPECT_FALSE(session_.finishChunk());
@@ -62,7 +62,7 @@ TEST_F(SessionHandlesTest, aClosedHandleIsUnknownAndNotGivenAgain) {
   control();
   send(proto::Open{"a", {}}, 5);
   EXPECT_EQ(only<proto::Opened>(FrameType::kOpened, 5).handle, 2u);
-  send(proto::Wishes{1, {}});
+  send(proto::Requests{1, {}});
   expectClosedWith(WireError::kMalformed);
 }
 
@@ -91,7 +91,7 @@ TEST_F(SessionHandlesTest, aReplacedModelIsSaidOnceOfEachHandleAndServedOnUntilR
   EXPECT_EQ(only<proto::ModelReplaced>(FrameType::kModelReplaced).handle, 1u);
   session_.offerChanged();
   EXPECT_TRUE(control().empty());
-  wish(WishClass::kVisible, 1, 3, 1);
+  request(RequestClass::kVisible, 1, 3, 1);
   send(proto::Open{"a", {}}, 4);
   EXPECT_EQ(only<proto::Opened>(FrameType::kOpened, 4).summary.build_id, modelAt(0).summary.build_id);
 }
@@ -101,17 +101,17 @@ TEST_F(SessionHandlesTest, aRemovedModelIsServedOnToWhoHasItAndOpenedByNobody) {
   offer_.catalog = catalogOf({model("b")});
   session_.offerChanged();
   EXPECT_TRUE(control().empty());
-  wish(WishClass::kVisible, 1, 3, 1);
+  request(RequestClass::kVisible, 1, 3, 1);
   EXPECT_EQ(sendChunk(), 1u);
   send(proto::Open{"a", {}}, 4);
   EXPECT_EQ(only<proto::ErrorMessage>(FrameType::kError, 4).code, WireError::kNoSuchModel);
 }
 
-TEST_F(SessionHandlesTest, aParkedWishIsPassedByUntilItsBytesAreThere) {
+TEST_F(SessionHandlesTest, aParkedRequestIsPassedByUntilItsBytesAreThere) {
   open();
   send(proto::Credit{1 << 30});
-  wish(WishClass::kVisible, 1, 30, 9);
-  wish(WishClass::kVisible, 2, 3, 1);
+  request(RequestClass::kVisible, 1, 30, 9);
+  request(RequestClass::kVisible, 2, 3, 1);
   const auto cold = session_.beginChunk();
   ASSERT_TRUE(cold);
   session_.parkChunk();
@@ -121,38 +121,38 @@ TEST_F(SessionHandlesTest, aParkedWishIsPassedByUntilItsBytesAreThere) {
   EXPECT_EQ(session_.beginChunk()->header, cold->header);
 }
 
-TEST_F(SessionHandlesTest, aWishThatEndedWhileItWasParkedIsNotMistakenForALaterOne) {
+TEST_F(SessionHandlesTest, aRequestThatEndedWhileItWasParkedIsNotMistakenForALaterOne) {
   open();
-  wish(WishClass::kVisible, 1, 3, 9);
+  request(RequestClass::kVisible, 1, 3, 9);
   const auto cold = session_.beginChunk();
   session_.parkChunk();
-  change(WishAction::kCancel, WishClass::kVisible, 1);
-  EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled).wish, 1u) << "at once, disk or not";
-  wish(WishClass::kVisible, 1, 4, 9);
+  change(RequestAction::kCancel, RequestClass::kVisible, 1);
+  EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled).request, 1u) << "at once, disk or not";
+  request(RequestClass::kVisible, 1, 4, 9);
   EXPECT_FALSE(session_.unpark(*cold));
   EXPECT_EQ(session_.beginChunk()->blob, 4u);
 }
 
-TEST_F(SessionHandlesTest, aParkedWishKeepsItsPlaceWhenItIsReprioritised) {
+TEST_F(SessionHandlesTest, aParkedRequestKeepsItsPlaceWhenItIsReprioritised) {
   open();
-  wish(WishClass::kVisible, 1, 3, 1);
+  request(RequestClass::kVisible, 1, 3, 1);
   const auto cold = session_.beginChunk();
   session_.parkChunk();
-  change(WishAction::kReprioritise, WishClass::kVisible, 1, 50);
+  change(RequestAction::kReprioritise, RequestClass::kVisible, 1, 50);
   EXPECT_FALSE(session_.beginChunk());
-  wish(WishClass::kVisible, 2, 4, 10);
+  request(RequestClass::kVisible, 2, 4, 10);
   EXPECT_TRUE(session_.unpark(*cold));
-  EXPECT_EQ(session_.beginChunk()->header.wish, 1u);
+  EXPECT_EQ(session_.beginChunk()->header.request, 1u);
 }
 
-TEST_F(SessionHandlesTest, unaskedBlobsWaitInOrderAndLetWishesPass) {
+TEST_F(SessionHandlesTest, unaskedBlobsWaitInOrderAndLetRequestsPass) {
   send(proto::Hello{});
   send(proto::Open{"a", {}});
   control();
   const auto page = session_.beginChunk();
   session_.parkChunk();
   EXPECT_FALSE(session_.beginChunk());
-  wish(WishClass::kVisible, 1, 3, 1);
+  request(RequestClass::kVisible, 1, 3, 1);
   EXPECT_EQ(sendChunk(), 1u);
   EXPECT_TRUE(session_.unpark(*page));
   EXPECT_EQ(session_.beginChunk()->blob, kPageBlob);

@@ -14,9 +14,9 @@ using namespace test;
 
 using SessionQueueTest = SessionTest;
 
-TEST_F(SessionQueueTest, sendsAWishInChunksThatMakeUpItsBlob) {
+TEST_F(SessionQueueTest, sendsARequestInChunksThatMakeUpItsBlob) {
   open();
-  wish(WishClass::kVisible, 7, 30, 1, 99);
+  request(RequestClass::kVisible, 7, 30, 1, 99);
   send(proto::Credit{1 << 30});
   uint32_t offset = 0;
   while (offset < kLarge) {
@@ -34,23 +34,23 @@ TEST_F(SessionQueueTest, sendsAWishInChunksThatMakeUpItsBlob) {
 
 TEST_F(SessionQueueTest, sendsByClassThenPriorityThenNumber) {
   open();
-  wish(WishClass::kPrefetch, 1, 3, 1000);
-  wish(WishClass::kVisible, 2, 4, 1);
-  wish(WishClass::kMargin, 3, 5, 50);
-  wish(WishClass::kVisible, 5, 6, 2);
-  wish(WishClass::kVisible, 4, 7, 2);
-  wish(WishClass::kVisible, 6, 8, std::numeric_limits<float>::infinity());
+  request(RequestClass::kPrefetch, 1, 3, 1000);
+  request(RequestClass::kVisible, 2, 4, 1);
+  request(RequestClass::kMargin, 3, 5, 50);
+  request(RequestClass::kVisible, 5, 6, 2);
+  request(RequestClass::kVisible, 4, 7, 2);
+  request(RequestClass::kVisible, 6, 8, std::numeric_limits<float>::infinity());
   std::vector<uint32_t> order;
   while (const auto sent = sendChunk()) order.push_back(*sent);
   EXPECT_EQ(order, (std::vector<uint32_t>{6, 4, 5, 2, 3, 1}));
 }
 
-TEST_F(SessionQueueTest, anUrgentWishOvertakesBetweenChunks) {
+TEST_F(SessionQueueTest, anUrgentRequestOvertakesBetweenChunks) {
   open();
   send(proto::Credit{1 << 30});
-  wish(WishClass::kVisible, 1, 30, 5);
+  request(RequestClass::kVisible, 1, 30, 5);
   EXPECT_EQ(sendChunk(), 1u);
-  wish(WishClass::kVisible, 2, 3, 6);
+  request(RequestClass::kVisible, 2, 3, 6);
   EXPECT_EQ(sendChunk(), 2u);
   EXPECT_EQ(sendChunk(), 1u);
 }
@@ -58,50 +58,50 @@ TEST_F(SessionQueueTest, anUrgentWishOvertakesBetweenChunks) {
 TEST_F(SessionQueueTest, reprioritisingReordersAndKeepsWhatWasSent) {
   open();
   send(proto::Credit{1 << 30});
-  wish(WishClass::kVisible, 1, 30, 5);
-  wish(WishClass::kVisible, 2, 31, 4);
+  request(RequestClass::kVisible, 1, 30, 5);
+  request(RequestClass::kVisible, 2, 31, 4);
   EXPECT_EQ(sendChunk(), 1u);
-  change(WishAction::kReprioritise, WishClass::kVisible, 2, 6);
+  change(RequestAction::kReprioritise, RequestClass::kVisible, 2, 6);
   EXPECT_EQ(sendChunk(), 2u);
-  change(WishAction::kReprioritise, WishClass::kPrefetch, 2, 100);
+  change(RequestAction::kReprioritise, RequestClass::kPrefetch, 2, 100);
   const auto chunk = session_.beginChunk();
   EXPECT_EQ(chunk->header, (proto::BlobChunkHeader{1, kLarge, proto::kMaxChunkBytes}));
 }
 
-TEST_F(SessionQueueTest, aCancelledWishEndsOnceAndSendsNoMore) {
+TEST_F(SessionQueueTest, aCancelledRequestEndsOnceAndSendsNoMore) {
   open();
   send(proto::Credit{1 << 30});
-  wish(WishClass::kVisible, 1, 30, 5, 12);
+  request(RequestClass::kVisible, 1, 30, 5, 12);
   EXPECT_EQ(sendChunk(), 1u);
-  change(WishAction::kCancel, WishClass::kVisible, 1);
-  change(WishAction::kCancel, WishClass::kVisible, 1);
-  EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled, 12).wish, 1u);
+  change(RequestAction::kCancel, RequestClass::kVisible, 1);
+  change(RequestAction::kCancel, RequestClass::kVisible, 1);
+  EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled, 12).request, 1u);
   EXPECT_FALSE(session_.beginChunk());
 }
 
-TEST_F(SessionQueueTest, changesToAWishThatHasEndedAreIgnored) {
+TEST_F(SessionQueueTest, changesToARequestThatHasEndedAreIgnored) {
   open();
-  wish(WishClass::kVisible, 1, 3, 5);
+  request(RequestClass::kVisible, 1, 3, 5);
   EXPECT_EQ(sendChunk(), 1u);
-  change(WishAction::kCancel, WishClass::kVisible, 1);
-  change(WishAction::kReprioritise, WishClass::kVisible, 1, 3);
-  change(WishAction::kCancel, WishClass::kVisible, 4444);
+  change(RequestAction::kCancel, RequestClass::kVisible, 1);
+  change(RequestAction::kReprioritise, RequestClass::kVisible, 1, 3);
+  change(RequestAction::kCancel, RequestClass::kVisible, 4444);
   EXPECT_TRUE(control().empty());
   EXPECT_FALSE(session_.beginChunk());
 }
 
 TEST_F(SessionQueueTest, aChunkCancelledWhileItIsReadIsNotSent) {
   open();
-  wish(WishClass::kVisible, 1, 3, 5);
+  request(RequestClass::kVisible, 1, 3, 5);
   ASSERT_TRUE(session_.beginChunk());
-  change(WishAction::kCancel, WishClass::kVisible, 1);
+  change(RequestAction::kCancel, RequestClass::kVisible, 1);
   EXPECT_FALSE(session_.finishChunk());
-  EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled).wish, 1u);
+  EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled).request, 1u);
 }
 
 TEST_F(SessionQueueTest, aChunkThatIsReadWhenTheSessionIsRefusedIsNotSent) {
   open();
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   ASSERT_TRUE(session_.beginChunk());
   session_.refuse(WireError::kMalformed, "this is no frame");
   EXPECT_FALSE(session_.finishChunk());
@@ -112,10 +112,10 @@ TEST_F(SessionQueueTest, aChunkThatIsReadWhenTheSessionIsRefusedIsNotSent) {
 
 TEST_F(SessionQueueTest, aNumberUsedAgainWhileItsOldChunkIsReadStartsAnew) {
   open();
-  wish(WishClass::kVisible, 1, 3, 5);
+  request(RequestClass::kVisible, 1, 3, 5);
   ASSERT_TRUE(session_.beginChunk());
-  change(WishAction::kCancel, WishClass::kVisible, 1);
-  wish(WishClass::kVisible, 1, 4, 5);
+  change(RequestAction::kCancel, RequestClass::kVisible, 1);
+  request(RequestClass::kVisible, 1, 4, 5);
   EXPECT_FALSE(session_.finishChunk());
   control();
   const auto chunk = session_.beginChunk();
@@ -126,7 +126,7 @@ TEST_F(SessionQueueTest, aNumberUsedAgainWhileItsOldChunkIsReadStartsAnew) {
 
 TEST_F(SessionQueueTest, anAbandonedChunkComesAgain) {
   open();
-  wish(WishClass::kVisible, 1, 3, 5);
+  request(RequestClass::kVisible, 1, 3, 5);
   const auto first = session_.beginChunk();
   session_.abandonChunk();
   const auto second = session_.beginChunk();
@@ -136,16 +136,16 @@ TEST_F(SessionQueueTest, anAbandonedChunkComesAgain) {
 
 TEST_F(SessionQueueTest, oneChunkIsUnderWayAtATime) {
   open();
-  wish(WishClass::kVisible, 1, 3, 5);
-  wish(WishClass::kVisible, 2, 4, 5);
+  request(RequestClass::kVisible, 1, 3, 5);
+  request(RequestClass::kVisible, 2, 4, 5);
   EXPECT_TRUE(session_.beginChunk());
   EXPECT_FALSE(session_.beginChunk());
 }
 
-TEST_F(SessionQueueTest, aBlobThatCannotBeReadEndsItsWishAlone) {
+TEST_F(SessionQueueTest, aBlobThatCannotBeReadEndsItsRequestAlone) {
   open();
-  wish(WishClass::kVisible, 1, 3, 5, 31);
-  wish(WishClass::kVisible, 2, 4, 4);
+  request(RequestClass::kVisible, 1, 3, 5, 31);
+  request(RequestClass::kVisible, 2, 4, 4);
   session_.beginChunk();
   session_.failChunk(WireError::kDamagedStore, "blob 3 is damaged");
   const auto error = only<proto::ErrorMessage>(FrameType::kError, 31);
@@ -162,57 +162,57 @@ TEST_F(SessionQueueTest, anUnaskedBlobThatCannotBeReadIsAnErrorToItsOpen) {
   session_.beginChunk();
   session_.failChunk(WireError::kDamagedStore, "damaged");
   const auto error = only<proto::ErrorMessage>(FrameType::kError, 21);
-  EXPECT_EQ(error.wish, 0u);
+  EXPECT_EQ(error.request, 0u);
   EXPECT_FALSE(error.closes);
   const auto next = session_.beginChunk();
   ASSERT_TRUE(next);
   EXPECT_EQ(next->call, 22u) << "the other model's first blobs still come";
 }
 
-TEST_F(SessionQueueTest, anUnknownBlobIsAnErrorThatEndsItsWish) {
+TEST_F(SessionQueueTest, anUnknownBlobIsAnErrorThatEndsItsRequest) {
   open();
   for (const uint32_t blob : {0u, 40u, 0xFFFFFFFFu}) {
-    wish(WishClass::kVisible, 9, blob, 1, 2);
+    request(RequestClass::kVisible, 9, blob, 1, 2);
     const auto error = only<proto::ErrorMessage>(FrameType::kError, 2);
     EXPECT_EQ(error.code, WireError::kNoSuchBlob);
-    EXPECT_EQ(error.wish, 9u);
+    EXPECT_EQ(error.request, 9u);
   }
   EXPECT_FALSE(session_.closing());
 }
 
 TEST_F(SessionQueueTest, anUnknownHandleCloses) {
   open();
-  send(proto::Wishes{2, {}});
+  send(proto::Requests{2, {}});
   expectClosedWith(WireError::kMalformed);
 }
 
-TEST_F(SessionQueueTest, aWishNumberInUseCloses) {
+TEST_F(SessionQueueTest, aRequestNumberInUseCloses) {
   open();
-  wish(WishClass::kVisible, 1, 30, 1);
-  wish(WishClass::kVisible, 1, 31, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 31, 1);
   expectClosedWith(WireError::kMalformed);
 }
 
-TEST_F(SessionQueueTest, aWishNumberMayBeUsedAgainOnceItHasEnded) {
+TEST_F(SessionQueueTest, aRequestNumberMayBeUsedAgainOnceItHasEnded) {
   open();
-  wish(WishClass::kVisible, 1, 3, 1);
+  request(RequestClass::kVisible, 1, 3, 1);
   EXPECT_EQ(sendChunk(), 1u);
-  wish(WishClass::kVisible, 1, 4, 1);
+  request(RequestClass::kVisible, 1, 4, 1);
   EXPECT_EQ(sendChunk(), 1u);
 }
 
-TEST_F(SessionQueueTest, moreOpenWishesThanTheLimitClose) {
+TEST_F(SessionQueueTest, moreOpenRequestsThanTheLimitClose) {
   open();
-  for (uint32_t i = 1; i <= limits_.max_open_wishes; ++i) wish(WishClass::kVisible, i, 30, 1);
+  for (uint32_t i = 1; i <= limits_.max_open_requests; ++i) request(RequestClass::kVisible, i, 30, 1);
   EXPECT_TRUE(control().empty());
-  wish(WishClass::kVisible, 5000, 30, 1);
+  request(RequestClass::kVisible, 5000, 30, 1);
   expectClosedWith(WireError::kLimit);
 }
 
 TEST_F(SessionQueueTest, theWindowIsWhatWasGrantedAtTheStart) {
   open();
   const uint64_t unasked = 2 * proto::kBlobChunkHeaderBytes + 300 + kSmall;
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   while (sendChunk()) {
   }
   EXPECT_EQ(sent_bytes_ + unasked, proto::kInitialWindowBytes);
@@ -220,7 +220,7 @@ TEST_F(SessionQueueTest, theWindowIsWhatWasGrantedAtTheStart) {
 
 TEST_F(SessionQueueTest, creditIsCumulativeAndNeverShrinks) {
   open();
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   while (sendChunk()) {
   }
   const uint64_t before = sent_bytes_;
@@ -235,14 +235,14 @@ TEST_F(SessionQueueTest, creditIsCumulativeAndNeverShrinks) {
 
 TEST_F(SessionQueueTest, whatAClientsWindowHoldsUpIsToldFromWhatTheServerTakes) {
   open();
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   EXPECT_FALSE(session_.waitsForWindow());
   while (sendChunk()) {
   }
   EXPECT_TRUE(session_.waitsForWindow());
   session_.heldUp(now_);
   now_ += 5s;
-  wish(WishClass::kVisible, 2, 3, 2);  // is held up by the rest of the time only
+  request(RequestClass::kVisible, 2, 3, 2);  // is held up by the rest of the time only
   now_ += 2s;
   send(proto::Credit{1 << 30});
   session_.goesOn(now_);
@@ -250,14 +250,14 @@ TEST_F(SessionQueueTest, whatAClientsWindowHoldsUpIsToldFromWhatTheServerTakes) 
   now_ += 1s;
   const auto chunk = session_.beginChunk();
   ASSERT_TRUE(chunk);
-  EXPECT_EQ(chunk->header.wish, 2u);
+  EXPECT_EQ(chunk->header.request, 2u);
   EXPECT_EQ(now_ - chunk->asked, 3s);
   EXPECT_EQ(session_.heldSince(*chunk, now_), 2s);
 }
 
 TEST_F(SessionQueueTest, aWindowHoldsUpUntilTheLeastChunkFits) {
   open();
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   while (sendChunk()) {
   }
   const uint64_t enough = proto::kInitialWindowBytes + proto::kBlobChunkHeaderBytes + kMinChunkBytes;
@@ -269,10 +269,10 @@ TEST_F(SessionQueueTest, aWindowHoldsUpUntilTheLeastChunkFits) {
   EXPECT_TRUE(session_.beginChunk());
 }
 
-TEST_F(SessionQueueTest, aWindowHoldsNobodyUpWhoseWishesWaitForTheDisk) {
+TEST_F(SessionQueueTest, aWindowHoldsNobodyUpWhoseRequestsWaitForTheDisk) {
   open();
   EXPECT_FALSE(session_.waitsForWindow());
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   while (sendChunk()) {
   }
   send(proto::Credit{1 << 30});
@@ -291,13 +291,13 @@ TEST_F(SessionQueueTest, theWindowIsNeverExceededWhateverTheClientDoes) {
   for (int round = 0; round < 5000; ++round) {
     const uint32_t id = 1 + random() % 50;
     const auto priority_px = static_cast<float>(random() % 100);
-    const auto wish_class = static_cast<WishClass>(random() % 3);
+    const auto request_class = static_cast<RequestClass>(random() % 3);
     const uint32_t what = random() % 10;
     if (what < 2) {
-      change(WishAction::kCancel, wish_class, id);
-      wish(wish_class, id, kFirstBlob + random() % 37, priority_px);
+      change(RequestAction::kCancel, request_class, id);
+      request(request_class, id, kFirstBlob + random() % 37, priority_px);
     } else if (what < 4) {
-      change(WishAction::kReprioritise, wish_class, id, priority_px);
+      change(RequestAction::kReprioritise, request_class, id, priority_px);
     } else if (what < 6) {
       granted += random() % 20'000;
       send(proto::Credit{granted});
@@ -310,7 +310,7 @@ TEST_F(SessionQueueTest, theWindowIsNeverExceededWhateverTheClientDoes) {
   EXPECT_GT(sent_bytes_, granted - kLarge) << "and it is made use of";
 }
 
-TEST_F(SessionQueueTest, everyWishHasExactlyOneEnding) {
+TEST_F(SessionQueueTest, everyRequestHasExactlyOneEnding) {
   auto random = [engine = std::mt19937(8)]() mutable { return static_cast<uint32_t>(engine()); };
   open();
   send(proto::Credit{1ull << 40});
@@ -319,39 +319,39 @@ TEST_F(SessionQueueTest, everyWishHasExactlyOneEnding) {
   const auto take = [&] {
     for (const auto& frame : control()) {
       if (frame.header.type == static_cast<uint8_t>(FrameType::kCancelled))
-        ++endings[proto::decode<proto::Cancelled>(frame.body).wish];
+        ++endings[proto::decode<proto::Cancelled>(frame.body).request];
       if (frame.header.type == static_cast<uint8_t>(FrameType::kError))
-        ++endings[proto::decode<proto::ErrorMessage>(frame.body).wish];
+        ++endings[proto::decode<proto::ErrorMessage>(frame.body).request];
     }
   };
   uint32_t next = 1;
   for (int round = 0; round < 4000; ++round) {
     if (next <= 1000 && random() % 2 == 0) {
-      wish(WishClass::kVisible, next, random() % 41, static_cast<float>(random() % 100));
+      request(RequestClass::kVisible, next, random() % 41, static_cast<float>(random() % 100));
       if (session_.closing()) break;
       ++next;
     }
-    if (random() % 3 == 0) change(WishAction::kCancel, WishClass::kVisible, 1 + random() % next);
+    if (random() % 3 == 0) change(RequestAction::kCancel, RequestClass::kVisible, 1 + random() % next);
     take();
     for (int chunks = 0; chunks < 4; ++chunks) {
       const auto chunk = session_.beginChunk();
       if (!chunk) break;
-      if (random() % 10 == 0) change(WishAction::kCancel, WishClass::kVisible, chunk->header.wish);
+      if (random() % 10 == 0) change(RequestAction::kCancel, RequestClass::kVisible, chunk->header.request);
       if (random() % 20 == 0) {
         session_.failChunk(WireError::kInternal, "no");
       } else if (session_.finishChunk()) {
-        EXPECT_EQ(endings[chunk->header.wish], 0) << "a chunk after the ending";
-        EXPECT_EQ(chunk->header.offset_bytes, progress[chunk->header.wish]);
-        progress[chunk->header.wish] += chunk->bytes;
-        if (progress[chunk->header.wish] == chunk->header.total_bytes) ++endings[chunk->header.wish];
+        EXPECT_EQ(endings[chunk->header.request], 0) << "a chunk after the ending";
+        EXPECT_EQ(chunk->header.offset_bytes, progress[chunk->header.request]);
+        progress[chunk->header.request] += chunk->bytes;
+        if (progress[chunk->header.request] == chunk->header.total_bytes) ++endings[chunk->header.request];
       }
       take();
     }
   }
   while (const auto chunk = session_.beginChunk()) {
     session_.finishChunk();
-    progress[chunk->header.wish] += chunk->bytes;
-    if (progress[chunk->header.wish] == chunk->header.total_bytes) ++endings[chunk->header.wish];
+    progress[chunk->header.request] += chunk->bytes;
+    if (progress[chunk->header.request] == chunk->header.total_bytes) ++endings[chunk->header.request];
   }
   ASSERT_EQ(next, 1001u);
   for (uint32_t id = 1; id < next; ++id) EXPECT_EQ(endings[id], 1) << id;
@@ -359,7 +359,7 @@ TEST_F(SessionQueueTest, everyWishHasExactlyOneEnding) {
 
 TEST_F(SessionQueueTest, aWindowThatOpensByCrumbsDoesNotCutBlobsToCrumbs) {
   open();
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   while (sendChunk()) {
   }
   uint64_t granted = proto::kInitialWindowBytes;
@@ -375,7 +375,7 @@ TEST_F(SessionQueueTest, aWindowThatOpensByCrumbsDoesNotCutBlobsToCrumbs) {
 
 TEST_F(SessionQueueTest, theRestOfABlobIsSentHoweverShort) {
   open();
-  wish(WishClass::kVisible, 1, 30, 1);
+  request(RequestClass::kVisible, 1, 30, 1);
   const uint32_t chunks = (kLarge + proto::kMaxChunkBytes - 1) / proto::kMaxChunkBytes;
   const uint64_t unasked = 2 * proto::kBlobChunkHeaderBytes + 300 + kSmall;
   send(proto::Credit{unasked + kLarge + chunks * proto::kBlobChunkHeaderBytes});

@@ -13,7 +13,7 @@ TEST_F(SessionTest, welcomesAVersionThatBothSpeak) {
   send(proto::Hello{1, 7, 0, "", "test"}, 3);
   const auto welcome = only<proto::Welcome>(FrameType::kWelcome, 3);
   EXPECT_EQ(welcome.version, proto::kProtocolVersion);
-  EXPECT_EQ(welcome.max_open_wishes, limits_.max_open_wishes);
+  EXPECT_EQ(welcome.max_open_requests, limits_.max_open_requests);
 }
 
 TEST_F(SessionTest, refusesAClientThatIsTooNew) {
@@ -166,10 +166,10 @@ TEST_F(SessionTest, refusesFramesThatAreForClients) {
 TEST_F(SessionTest, refusesAMalformedBodyByName) {
   send(proto::Hello{});
   control();
-  sendRaw(static_cast<uint8_t>(FrameType::kWishes), 0, proto::Bytes(20));
+  sendRaw(static_cast<uint8_t>(FrameType::kRequests), 0, proto::Bytes(20));
   const auto error = only<proto::ErrorMessage>(FrameType::kError);
   EXPECT_EQ(error.code, WireError::kMalformed);
-  EXPECT_NE(error.message.find("Wishes"), std::string::npos);
+  EXPECT_NE(error.message.find("Requests"), std::string::npos);
   EXPECT_TRUE(session_.closing());
 }
 
@@ -203,9 +203,9 @@ TEST_F(SessionTest, anUnknownFrameWinsNoTimeHoweverOptional) {
   EXPECT_EQ(session_.deadline(), deadline);
 }
 
-TEST_F(SessionTest, drainingSaysGoAwayAndLetsWishesEnd) {
+TEST_F(SessionTest, drainingSaysGoAwayAndLetsRequestsEnd) {
   open();
-  wish(WishClass::kVisible, 1, 3, 1);
+  request(RequestClass::kVisible, 1, 3, 1);
   session_.drain("stopping", now_);
   session_.drain("stopping", now_);
   const auto frames = control();
@@ -218,12 +218,12 @@ TEST_F(SessionTest, drainingSaysGoAwayAndLetsWishesEnd) {
   EXPECT_TRUE(session_.finished());
 }
 
-TEST_F(SessionTest, drainingAnswersWhatWasWishedForBeforeTheClientHeardOfIt) {
+TEST_F(SessionTest, drainingAnswersWhatWasRequestedBeforeTheClientHeardOfIt) {
   open();
   session_.drain("stopping", now_);
   control();
-  EXPECT_FALSE(session_.finished()) << "a wish may be under way";
-  wish(WishClass::kVisible, 1, 3, 1);
+  EXPECT_FALSE(session_.finished()) << "a request may be under way";
+  request(RequestClass::kVisible, 1, 3, 1);
   EXPECT_EQ(sendChunk(), 1u);
   EXPECT_FALSE(session_.finished()) << "another may be";
   send(proto::Pong{});
@@ -239,15 +239,15 @@ TEST_F(SessionTest, drainingWaitsNoLongerForAClientToHearThanItsDeadline) {
   EXPECT_TRUE(session_.finished());
 }
 
-TEST_F(SessionTest, drainingAnswersFramesAsBeforeUntilTheLastWishHasEnded) {
+TEST_F(SessionTest, drainingAnswersFramesAsBeforeUntilTheLastRequestHasEnded) {
   open();
-  wish(WishClass::kVisible, 1, 3, 1);
+  request(RequestClass::kVisible, 1, 3, 1);
   session_.drain("stopping", now_);
   control();
   send(proto::Pong{});
   send(proto::Open{"b", {}}, 9);
   EXPECT_EQ(only<proto::Opened>(FrameType::kOpened, 9).summary.name, "b");
-  wish(WishClass::kVisible, 2, 4, 1);
+  request(RequestClass::kVisible, 2, 4, 1);
   for (int chunk = 0; chunk < 3; ++chunk) EXPECT_TRUE(sendChunk());
   EXPECT_FALSE(session_.finished());
   EXPECT_EQ(sendChunk(), 2u);
@@ -262,10 +262,10 @@ TEST_F(SessionTest, drainedBeforeItGreetsItSaysGoAwayAndEnds) {
 
 TEST_F(SessionTest, whatOneFrameIsAnsweredWithIsBounded) {
   open();
-  proto::Wishes wishes{1, {}};
-  for (uint32_t i = 1; i <= proto::kMaxWishesPerFrame; ++i)
-    wishes.changes.push_back({WishAction::kAdd, WishClass::kVisible, i, 0xFFFFFFFF, 0});
-  send(wishes);
+  proto::Requests requests{1, {}};
+  for (uint32_t i = 1; i <= proto::kMaxRequestsPerFrame; ++i)
+    requests.changes.push_back({RequestAction::kAdd, RequestClass::kVisible, i, 0xFFFFFFFF, 0});
+  send(requests);
   EXPECT_GT(session_.controlBytes(), proto::kMaxQueuedAnswerBytes);
   EXPECT_LT(session_.controlBytes(), 512u << 10);
 }

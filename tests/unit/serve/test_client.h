@@ -97,12 +97,12 @@ class TestClient {
       received_bytes_ += frame->body.size();
       send(proto::Credit{received_bytes_ + (64u << 10)});
       const proto::BlobChunk chunk = proto::decodeBlobChunk(frame->body);
-      proto::Bytes& blob = parts[chunk.header.wish];
+      proto::Bytes& blob = parts[chunk.header.request];
       EXPECT_EQ(chunk.header.offset_bytes, blob.size());
       blob.insert(blob.end(), chunk.bytes.begin(), chunk.bytes.end());
       if (blob.size() < chunk.header.total_bytes) continue;
-      complete.emplace_back(chunk.header.wish, std::move(blob));
-      parts.erase(chunk.header.wish);
+      complete.emplace_back(chunk.header.request, std::move(blob));
+      parts.erase(chunk.header.request);
     }
     return complete;
   }

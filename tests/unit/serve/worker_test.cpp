@@ -17,8 +17,8 @@ namespace {
 using namespace test;
 using asio::ip::tcp;
 using proto::FrameType;
-using proto::WishAction;
-using proto::WishClass;
+using proto::RequestAction;
+using proto::RequestClass;
 using namespace std::chrono_literals;
 
 /// Too large to be checked at once: a server leaves it to who may wait for the disk, wherever its bytes are.
@@ -84,15 +84,15 @@ TEST_F(WorkerTest, aColdReadHoldsUpNoAnswerOfItsConnection) {
   const auto client = connect();
   const proto::Opened opened = client->open("a");
   client->blobs(2);
-  const auto change = [&](WishAction action, uint32_t wish) {
-    client->send(proto::Wishes{opened.handle, {{action, WishClass::kVisible, wish, kColdBlob, 1}}});
+  const auto change = [&](RequestAction action, uint32_t request) {
+    client->send(proto::Requests{opened.handle, {{action, RequestClass::kVisible, request, kColdBlob, 1}}});
   };
-  change(WishAction::kAdd, 1);
+  change(RequestAction::kAdd, 1);
   client->send(proto::Ping{7}, 3);
   EXPECT_EQ(client->expect<proto::Pong>(FrameType::kPong).payload, 7u);
-  change(WishAction::kCancel, 1);
-  EXPECT_EQ(client->expect<proto::Cancelled>(FrameType::kCancelled).wish, 1u);
-  change(WishAction::kAdd, 2);
+  change(RequestAction::kCancel, 1);
+  EXPECT_EQ(client->expect<proto::Cancelled>(FrameType::kCancelled).request, 1u);
+  change(RequestAction::kAdd, 2);
   letDiskAnswer();
   const auto blobs = client->blobs(1);
   ASSERT_EQ(blobs.size(), 1u);

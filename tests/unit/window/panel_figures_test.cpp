@@ -13,11 +13,11 @@ std::string valueOf(const PanelContent& content, std::string_view name) {
   return "missing";
 }
 
-TEST(PanelFigures, sayHowManyWishesOfEachClassAreOpen) {
+TEST(PanelFigures, sayHowManyRequestsOfEachClassAreOpen) {
   PanelContent content;
-  EXPECT_EQ(valueOf(content, "wishes"), "none");
-  content.wishes = {1200, 3, 0, 7};
-  EXPECT_EQ(valueOf(content, "wishes"), "visible 1\u00a0200, margin 3, prefetch 0") << "no line ends in it";
+  EXPECT_EQ(valueOf(content, "requests"), "none");
+  content.requests = {1200, 3, 0, 7};
+  EXPECT_EQ(valueOf(content, "requests"), "visible 1\u00a0200, margin 3, prefetch 0") << "no line ends in it";
 }
 
 TEST(PanelFigures, leaveOutWhatHasNotBeenMeasured) {

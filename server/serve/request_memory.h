@@ -6,20 +6,20 @@
 
 namespace lode::serve {
 
-/// Memory of the open wishes of one thread's connections: small pieces of slabs, each of pieces of one size.
-/// A slab with no piece in use serves whoever asks next, so that a wish takes no memory from the system; more
-/// than kMaxKeptBytes of such go back at once, so that a flood of wishes leaves nothing behind. Not thread
-/// safe.
-class WishMemory : public std::pmr::memory_resource {
+/// Memory of the open requests of one thread's connections: small pieces of slabs, each of pieces of one
+/// size. A slab with no piece in use serves whoever asks next, so that a request takes no memory from the
+/// system; more than kMaxKeptBytes of such go back at once, so that a flood of requests leaves nothing
+/// behind. Not thread safe.
+class RequestMemory : public std::pmr::memory_resource {
  public:
   static constexpr size_t kSlabBytes = 16u << 10, kMaxKeptBytes = 1u << 20;
 
-  explicit WishMemory(std::pmr::memory_resource* system = std::pmr::new_delete_resource()) noexcept
+  explicit RequestMemory(std::pmr::memory_resource* system = std::pmr::new_delete_resource()) noexcept
       : system_(system) {}
   /// All pieces have come back.
-  ~WishMemory() override;
-  WishMemory(const WishMemory&) = delete;
-  WishMemory& operator=(const WishMemory&) = delete;
+  ~RequestMemory() override;
+  RequestMemory(const RequestMemory&) = delete;
+  RequestMemory& operator=(const RequestMemory&) = delete;
 
  private:
   static constexpr size_t kStep = alignof(void*), kMaxPieceBytes = 128;  ///< larger ones: hash tables

@@ -1,4 +1,4 @@
-#include "client/app/cli/wish_trace.h"
+#include "client/app/cli/request_trace.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <asio/io_context.hpp>
 
-#include "client/app/cli/overheard_wishes.h"
+#include "client/app/cli/overheard_requests.h"
 #include "client/net/tcp_transport.h"
 #include "common/error.h"
 
@@ -29,7 +29,7 @@ core::EngineOptions engineOptions(const stream::ServedModel& model, const stream
   return engine_options;
 }
 
-/// One client that goes along the path as fast as it can, and notes what it wishes for.
+/// One client that goes along the path as fast as it can, and notes what it requests.
 class Recorder {
  public:
   Recorder(const stream::ServedModel& model, const stream::StreamOptions& options, Clock::time_point deadline)
@@ -57,11 +57,12 @@ class Recorder {
 
   const std::string& gap() const { return engine_.failure(); }
 
-  std::vector<TracedWish> take() {
-    for (TracedWish& traced : wishes_)
-      if (const auto job = jobs_.find(traced.wish.blob.name); job != jobs_.end()) traced.decode = job->second;
-    std::ranges::stable_sort(wishes_, {}, &TracedWish::t_s);
-    return std::move(wishes_);
+  std::vector<TracedRequest> take() {
+    for (TracedRequest& traced : requests_)
+      if (const auto job = jobs_.find(traced.request.blob.name); job != jobs_.end())
+        traced.decode = job->second;
+    std::ranges::stable_sort(requests_, {}, &TracedRequest::t_s);
+    return std::move(requests_);
   }
 
  private:
@@ -105,9 +106,9 @@ class Recorder {
   const std::string where_;
   const net::Address server_;
   double t_s_ = 0;
-  std::vector<TracedWish> wishes_;
-  OverheardWishes overheard_{[this](const core::Wish& wish, double t_s) {
-    wishes_.push_back({t_s, wish, {}});
+  std::vector<TracedRequest> requests_;
+  OverheardRequests overheard_{[this](const core::Request& request, double t_s) {
+    requests_.push_back({t_s, request, {}});
   }};
   std::map<BlobName, core::DecodeJob> jobs_;
   core::Engine engine_;
@@ -117,21 +118,21 @@ class Recorder {
 
 }  // namespace
 
-void checkBuild(const WishTrace& trace, const BlobName& build_id, const std::string& source) {
+void checkBuild(const RequestTrace& trace, const BlobName& build_id, const std::string& source) {
   if (trace.build_id == build_id) return;
   throw Error(ErrorCode::kInput, source + ": the trace is of another build of the model (" +
                                      toHex(trace.build_id) + ", and this one is " + toHex(build_id) +
                                      "): record it anew with replay --record");
 }
 
-WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
-                      const PathOf& path_of, glm::uvec2 size_px, float pixels,
-                      std::chrono::milliseconds timeout) {
+RequestTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
+                         const PathOf& path_of, glm::uvec2 size_px, float pixels,
+                         std::chrono::milliseconds timeout) {
   Recorder recorder(model, options, Clock::now() + timeout);
   const ModelSummary& summary = recorder.open();
   const core::CameraPath path = path_of(summary);
   const double begin_s = path.keys.front().t;
-  WishTrace trace;
+  RequestTrace trace;
   trace.build_id = summary.build_id;
   trace.duration_s = path.keys.back().t - begin_s;
   if (trace.duration_s > kStepSeconds * kMaxSteps)
@@ -143,7 +144,7 @@ WishTrace recordTrace(const stream::ServedModel& model, const stream::StreamOpti
     recorder.see(core::toView(camera, path.fov_y_deg, size_px.x, size_px.y, summary), pixels, t_s);
   }
   trace.gap = recorder.gap();
-  trace.wishes = recorder.take();
+  trace.requests = recorder.take();
   return trace;
 }
 

@@ -1,4 +1,4 @@
-#include "client/app/cli/wish_trace_file.h"
+#include "client/app/cli/request_trace_file.h"
 
 #include <cmath>
 #include <fstream>
@@ -118,13 +118,13 @@ core::DecodeJob readTile(const Reader& tile) {
   return job;
 }
 
-TracedWish readWish(const Reader& json, double duration_s, double step) {
-  TracedWish traced;
+TracedRequest readRequest(const Reader& json, double duration_s, double step) {
+  TracedRequest traced;
   traced.t_s = json.number("t", duration_s);
-  traced.wish.blob = {json.count("blob", kAny), json.count("bytes", kMaxBlobBytes), json.name("name")};
-  traced.wish.wish_class =
-      static_cast<proto::WishClass>(json.count("class", static_cast<uint32_t>(proto::WishClass::kPrefetch)));
-  traced.wish.priority_px = static_cast<float>(json.number("px", std::numeric_limits<float>::max()));
+  traced.request.blob = {json.count("blob", kAny), json.count("bytes", kMaxBlobBytes), json.name("name")};
+  traced.request.request_class = static_cast<proto::RequestClass>(
+      json.count("class", static_cast<uint32_t>(proto::RequestClass::kPrefetch)));
+  traced.request.priority_px = static_cast<float>(json.number("px", std::numeric_limits<float>::max()));
   if (json.has("mesh")) traced.decode = readMesh(json.below("mesh"), step);
   if (json.has("tile")) traced.decode = readTile(json.below("tile"));
   return traced;
@@ -132,28 +132,28 @@ TracedWish readWish(const Reader& json, double duration_s, double step) {
 
 }  // namespace
 
-std::string toJson(const WishTrace& trace) {
+std::string toJson(const RequestTrace& trace) {
   Json json;
   json["version"] = kTraceVersion;
   json["build_id"] = toHex(trace.build_id);
   json["duration_s"] = trace.duration_s;
   json["step"] = 1.0;
-  json["wishes"] = Json::array();
-  for (const TracedWish& traced : trace.wishes) {
-    Json wish{{"t", traced.t_s},
-              {"blob", traced.wish.blob.number},
-              {"bytes", traced.wish.blob.bytes},
-              {"name", toHex(traced.wish.blob.name)},
-              {"class", static_cast<uint32_t>(traced.wish.wish_class)},
-              {"px", traced.wish.priority_px}};
-    if (traced.decode) writeDecode(wish, *traced.decode);
+  json["requests"] = Json::array();
+  for (const TracedRequest& traced : trace.requests) {
+    Json request{{"t", traced.t_s},
+                 {"blob", traced.request.blob.number},
+                 {"bytes", traced.request.blob.bytes},
+                 {"name", toHex(traced.request.blob.name)},
+                 {"class", static_cast<uint32_t>(traced.request.request_class)},
+                 {"px", traced.request.priority_px}};
+    if (traced.decode) writeDecode(request, *traced.decode);
     if (traced.decode && traced.decode->use.kind != core::BlobKind::kTile) json["step"] = traced.decode->step;
-    json["wishes"].push_back(std::move(wish));
+    json["requests"].push_back(std::move(request));
   }
   return json.dump();
 }
 
-WishTrace parseWishTrace(std::string_view text, std::string_view source) {
+RequestTrace parseRequestTrace(std::string_view text, std::string_view source) {
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) refuse(source, "not JSON");
   const Reader reader(json, "the trace", source);
@@ -162,32 +162,32 @@ WishTrace parseWishTrace(std::string_view text, std::string_view source) {
     throw Error(ErrorCode::kInput, std::string(source) + ": a trace of version " + std::to_string(version) +
                                        ", and this program reads version " + std::to_string(kTraceVersion) +
                                        ": record it anew with replay --record");
-  WishTrace trace;
+  RequestTrace trace;
   trace.build_id = reader.name("build_id");
   trace.duration_s = reader.number("duration_s", kLongestTraceSeconds);
   const double step = reader.number("step", std::numeric_limits<double>::max());
-  const auto wishes = json.find("wishes");
-  if (wishes == json.end() || !wishes->is_array()) refuse(source, "wishes is not a list");
-  if (wishes->size() > kMaxTracedWishes)
-    throw Error(ErrorCode::kLimit, std::string(source) + ": " + std::to_string(wishes->size()) +
-                                       " wishes; the limit is " + std::to_string(kMaxTracedWishes) +
+  const auto requests = json.find("requests");
+  if (requests == json.end() || !requests->is_array()) refuse(source, "requests is not a list");
+  if (requests->size() > kMaxTracedRequests)
+    throw Error(ErrorCode::kLimit, std::string(source) + ": " + std::to_string(requests->size()) +
+                                       " requests; the limit is " + std::to_string(kMaxTracedRequests) +
                                        ": record a shorter path");
-  for (size_t i = 0; i < wishes->size(); ++i) {
-    trace.wishes.push_back(
-        readWish({(*wishes)[i], "wishes[" + std::to_string(i) + "]", source}, trace.duration_s, step));
-    if (i > 0 && trace.wishes[i].t_s < trace.wishes[i - 1].t_s)
-      refuse(source, "wishes[" + std::to_string(i) + "].t is before the wish before it");
+  for (size_t i = 0; i < requests->size(); ++i) {
+    trace.requests.push_back(
+        readRequest({(*requests)[i], "requests[" + std::to_string(i) + "]", source}, trace.duration_s, step));
+    if (i > 0 && trace.requests[i].t_s < trace.requests[i - 1].t_s)
+      refuse(source, "requests[" + std::to_string(i) + "].t is before the request before it");
   }
   return trace;
 }
 
-void writeWishTrace(AtomicFile file, const WishTrace& trace) {
+void writeRequestTrace(AtomicFile file, const RequestTrace& trace) {
   const std::string text = toJson(trace) + '\n';
   file.write(std::as_bytes(std::span(text)));
   file.commit();
 }
 
-WishTrace readWishTrace(const std::filesystem::path& file) {
+RequestTrace readRequestTrace(const std::filesystem::path& file) {
   std::error_code failed;
   const uint64_t bytes = std::filesystem::file_size(file, failed);
   if (!failed && bytes > kMaxTraceFileBytes)
@@ -196,7 +196,7 @@ WishTrace readWishTrace(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (failed || !in) throw Error(ErrorCode::kIo, file.string() + " cannot be read; check the path");
-  return parseWishTrace(text, file.string());
+  return parseRequestTrace(text, file.string());
 }
 
 }  // namespace lode::app

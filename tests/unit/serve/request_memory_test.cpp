@@ -1,4 +1,4 @@
-#include "server/serve/wish_memory.h"
+#include "server/serve/request_memory.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/serve/wish_queue.h"
+#include "server/serve/request_queue.h"
 
 namespace lode::serve {
 namespace {
@@ -31,52 +31,52 @@ class CountedSystem : public std::pmr::memory_resource {
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
 };
 
-void add(WishQueue& queue, uint32_t number) {
-  OpenWish wish;
-  wish.rank.wish = number;
-  queue.add(wish);
+void add(RequestQueue& queue, uint32_t number) {
+  OpenRequest request;
+  request.rank.request = number;
+  queue.add(request);
 }
 
-void addAndEnd(WishQueue& queue, uint32_t count) {
-  for (uint32_t wish = 1; wish <= count; ++wish) add(queue, wish);
-  for (uint32_t wish = 1; wish <= count; ++wish) queue.end(*queue.find(wish));
+void addAndEnd(RequestQueue& queue, uint32_t count) {
+  for (uint32_t request = 1; request <= count; ++request) add(queue, request);
+  for (uint32_t request = 1; request <= count; ++request) queue.end(*queue.find(request));
 }
 
-TEST(WishMemory, keepsWhatEndedWishesHadForTheNext) {
+TEST(RequestMemory, keepsWhatEndedRequestsHadForTheNext) {
   CountedSystem system;
-  WishMemory memory(&system);
-  WishQueue queue(&memory);
+  RequestMemory memory(&system);
+  RequestQueue queue(&memory);
   addAndEnd(queue, 1000);
   const size_t before = system.asked;
   addAndEnd(queue, 1000);
   EXPECT_EQ(system.asked, before);
 }
 
-TEST(WishMemory, givesBackWhatAFloodOfWishesHadBeyondItsBound) {
+TEST(RequestMemory, givesBackWhatAFloodOfRequestsHadBeyondItsBound) {
   CountedSystem system;
-  WishMemory memory(&system);
+  RequestMemory memory(&system);
   {
-    std::vector<WishQueue> queues;
+    std::vector<RequestQueue> queues;
     for (int i = 0; i < 10; ++i) queues.emplace_back(&memory);
-    for (WishQueue& queue : queues)
-      for (uint32_t wish = 1; wish <= 5000; ++wish) add(queue, wish);
-    EXPECT_GT(system.bytes, 4 * WishMemory::kMaxKeptBytes);
+    for (RequestQueue& queue : queues)
+      for (uint32_t request = 1; request <= 5000; ++request) add(queue, request);
+    EXPECT_GT(system.bytes, 4 * RequestMemory::kMaxKeptBytes);
   }
-  EXPECT_LE(system.bytes, WishMemory::kMaxKeptBytes);
+  EXPECT_LE(system.bytes, RequestMemory::kMaxKeptBytes);
 }
 
-TEST(WishMemory, takesLittleMoreThanWhatWishesAreCountedWith) {
+TEST(RequestMemory, takesLittleMoreThanWhatRequestsAreCountedWith) {
   CountedSystem system;
-  WishMemory memory(&system);
-  WishQueue queue(&memory);
+  RequestMemory memory(&system);
+  RequestQueue queue(&memory);
   constexpr uint32_t kMany = 13'000;  // just before the table of numbers would grow
-  for (uint32_t wish = 1; wish <= kMany; ++wish) add(queue, wish);
-  EXPECT_LE(system.bytes, kMany * kWishBytes * 5 / 4);
+  for (uint32_t request = 1; request <= kMany; ++request) add(queue, request);
+  EXPECT_LE(system.bytes, kMany * kRequestBytes * 5 / 4);
 }
 
-TEST(WishMemory, holdsWhatWasWrittenWhicheverPiecesComeAndGo) {
+TEST(RequestMemory, holdsWhatWasWrittenWhicheverPiecesComeAndGo) {
   CountedSystem system;
-  WishMemory memory(&system);
+  RequestMemory memory(&system);
   std::mt19937 random(1);
   std::vector<std::span<unsigned char>> pieces;
   const auto giveBack = [&](size_t which) {
@@ -96,21 +96,21 @@ TEST(WishMemory, holdsWhatWasWrittenWhicheverPiecesComeAndGo) {
     }
   }
   while (!pieces.empty()) giveBack(0);
-  EXPECT_LE(system.bytes, WishMemory::kMaxKeptBytes);
+  EXPECT_LE(system.bytes, RequestMemory::kMaxKeptBytes);
 }
 
-TEST(WishMemory, givesAllBackAtItsEnd) {
+TEST(RequestMemory, givesAllBackAtItsEnd) {
   CountedSystem system;
   {
-    WishMemory memory(&system);
-    WishQueue queue(&memory);
+    RequestMemory memory(&system);
+    RequestQueue queue(&memory);
     addAndEnd(queue, 100);
   }
   EXPECT_EQ(system.bytes, 0u);
 }
 
-TEST(WishMemory, isAlignedForWhateverAsks) {
-  WishMemory memory;
+TEST(RequestMemory, isAlignedForWhateverAsks) {
+  RequestMemory memory;
   for (const size_t alignment : {1u, 8u, 16u, 64u})
     for (const size_t bytes : {1u, 17u, 256u, 257u, 5000u}) {
       void* const piece = memory.allocate(bytes, alignment);

@@ -1,4 +1,4 @@
-#include "server/serve/wish_memory.h"
+#include "server/serve/request_memory.h"
 
 #include <new>
 #include <utility>
@@ -11,11 +11,11 @@ constexpr size_t kHeadBytes = sizeof(void*);  ///< of a piece: the slab that it 
 
 }  // namespace
 
-WishMemory::~WishMemory() {
+RequestMemory::~RequestMemory() {
   while (kept_ != nullptr) letGo(*std::exchange(kept_, kept_->after));
 }
 
-WishMemory::Slab* WishMemory::emptySlab(size_t piece_bytes) {
+RequestMemory::Slab* RequestMemory::emptySlab(size_t piece_bytes) {
   void* memory = kept_;
   if (kept_ != nullptr) {
     kept_ = kept_->after;
@@ -27,19 +27,19 @@ WishMemory::Slab* WishMemory::emptySlab(size_t piece_bytes) {
   return new (memory) Slab{nullptr, nullptr, nullptr, piece_bytes, 0, sizeof(Slab)};
 }
 
-void WishMemory::link(Slab& slab) noexcept {
+void RequestMemory::link(Slab& slab) noexcept {
   Slab*& first = ofSize(slab.piece_bytes);
   slab.before = nullptr;
   slab.after = std::exchange(first, &slab);
   if (slab.after != nullptr) slab.after->before = &slab;
 }
 
-void WishMemory::unlink(Slab& slab) noexcept {
+void RequestMemory::unlink(Slab& slab) noexcept {
   (slab.before != nullptr ? slab.before->after : ofSize(slab.piece_bytes)) = slab.after;
   if (slab.after != nullptr) slab.after->before = slab.before;
 }
 
-void* WishMemory::do_allocate(size_t bytes, size_t alignment) {
+void* RequestMemory::do_allocate(size_t bytes, size_t alignment) {
   if (!isPiece(bytes, alignment)) return system_->allocate(bytes, alignment);
   const size_t piece_bytes = kHeadBytes + (bytes + kStep - 1) / kStep * kStep;
   if (ofSize(piece_bytes) == nullptr) link(*emptySlab(piece_bytes));
@@ -56,7 +56,7 @@ void* WishMemory::do_allocate(size_t bytes, size_t alignment) {
   return piece + kHeadBytes;
 }
 
-void WishMemory::do_deallocate(void* memory, size_t bytes, size_t alignment) {
+void RequestMemory::do_deallocate(void* memory, size_t bytes, size_t alignment) {
   if (!isPiece(bytes, alignment)) return system_->deallocate(memory, bytes, alignment);
   auto* const piece = reinterpret_cast<Piece*>(static_cast<std::byte*>(memory) - kHeadBytes);
   Slab& slab = *piece->slab;

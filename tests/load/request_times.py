@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""How long single wishes take, one after the other: wish_times.py HOST:PORT MODEL FIRST LAST COUNT
+"""How long single requests take, one after the other: request_times.py HOST:PORT MODEL FIRST LAST COUNT
 
 Prints one JSON object. tests/bench/bench_serving.py runs it; it needs what read_model.py needs.
 """
@@ -9,7 +9,7 @@ import statistics
 import sys
 import time
 
-from urgent_wish import VISIBLE, Client
+from urgent_request import VISIBLE, Client
 
 
 def main():
@@ -18,8 +18,8 @@ def main():
     client, times_ms = Client(address, model, int(first), int(last)), []
     for _ in range(int(count)):
         asked = time.monotonic()
-        wish = client.wish(VISIBLE, 1)
-        while client.take() != wish:
+        request = client.request(VISIBLE, 1)
+        while client.take() != request:
             pass
         times_ms.append(1000 * (time.monotonic() - asked))
     print(json.dumps(dict(median_ms=statistics.median(times_ms), p99_ms=statistics.quantiles(times_ms, n=100)[98])))

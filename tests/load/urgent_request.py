@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""How long an urgent wish takes behind a queue of others: urgent_wish.py HOST:PORT MODEL FIRST LAST COUNT
+"""How long an urgent request takes behind a queue of others: urgent_request.py HOST:PORT MODEL FIRST LAST COUNT
 
-Prefetches blobs FIRST to LAST over and over with a window of 96 KB, and now and then wishes for one as visible. Prints one
+Prefetches blobs FIRST to LAST over and over with a window of 96 KB, and now and then requests one as visible. Prints one
 JSON object. tests/bench/bench_serving.py runs it; it needs what read_model.py needs.
 """
 import json
@@ -18,39 +18,39 @@ WINDOW, OPEN_PREFETCHES, VISIBLE, PREFETCH = 96 << 10, 64, 0, 2
 
 class Client:
     def __init__(self, address, model, first, last):
-        self.first, self.last, self.next_wish = first, last, 1
+        self.first, self.last, self.next_request = first, last, 1
         self.connection = Connection(address)
         opened, _ = self.connection.open(model)
         self.connection.send("Credit", grantedBytes=WINDOW)
         self.handle, self.open = opened.Handle(), set()
 
-    def wish(self, wish_class, count):
+    def request(self, request_class, count):
         changes = []
         for _ in range(count):
-            change = wire.WishChangeT()
-            change.wish, change.wishClass, change.priorityPx = self.next_wish, wish_class, 1.0
+            change = wire.RequestChangeT()
+            change.request, change.requestClass, change.priorityPx = self.next_request, request_class, 1.0
             change.blob = random.randint(self.first, self.last)
             changes.append(change)
-            self.open.add(self.next_wish)
-            self.next_wish += 1
+            self.open.add(self.next_request)
+            self.next_request += 1
         if changes:
-            self.connection.send("Wishes", 3, handle=self.handle, changes=changes)
-        return self.next_wish - 1
+            self.connection.send("Requests", 3, handle=self.handle, changes=changes)
+        return self.next_request - 1
 
     def take(self):
-        """The number of the wish that has ended with the next chunk, or None."""
+        """The number of the request that has ended with the next chunk, or None."""
         _, _, body = self.connection.receive()
-        wish, total, offset = BLOB.unpack_from(body)
+        request, total, offset = BLOB.unpack_from(body)
         self.connection.send("Credit", grantedBytes=self.connection.credited + WINDOW)
         if offset + len(body) - BLOB.size < total:
             return None
-        self.open.discard(wish)
-        return wish
+        self.open.discard(request)
+        return request
 
     def flow(self, until):
-        """Takes prefetches until a wish has ended (a number) or the clock has come so far (a float)."""
+        """Takes prefetches until a request has ended (a number) or the clock has come so far (a float)."""
         while True:
-            self.wish(PREFETCH, max(0, OPEN_PREFETCHES - len(self.open)))
+            self.request(PREFETCH, max(0, OPEN_PREFETCHES - len(self.open)))
             ended = self.take()
             if ended == until or (isinstance(until, float) and time.monotonic() >= until):
                 return
@@ -65,7 +65,7 @@ def main():
     for _ in range(int(count)):
         client.flow(time.monotonic() + random.uniform(0.2, 0.6))
         asked = time.monotonic()
-        client.flow(client.wish(VISIBLE, 1))
+        client.flow(client.request(VISIBLE, 1))
         times_ms.append(1000 * (time.monotonic() - asked))
     mbit_s = (client.connection.credited - taken) * 8e-6 / (time.monotonic() - start)
     print(json.dumps(dict(median_ms=statistics.median(times_ms), max_ms=max(times_ms), bulk_mbit_s=mbit_s)))
