@@ -28,7 +28,7 @@ Json reportAsJson(const store::VerifyReport& report) {
           {"tiles", report.tiles},
           {"open_edges", report.open_edges},
           {"random_cuts", report.cuts},
-          {"max_rim_gap", report.max_rim_gap_model}};
+          {"max_boundary_gap", report.max_boundary_gap_model}};
 }
 
 Json againstAsJson(const ingest::AgainstReport& report) {

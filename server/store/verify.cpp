@@ -97,16 +97,16 @@ class Verifier {
   }
 
   void checkRandomCuts() {
-    std::vector<Segment> rims;
-    for (const OpenEdge& edge : leaf_edges_.edges()) rims.push_back({toModel(edge.a), toModel(edge.b)});
-    const SegmentTree rim_tree(std::move(rims));
+    std::vector<Segment> boundaries;
+    for (const OpenEdge& edge : leaf_edges_.edges()) boundaries.push_back({toModel(edge.a), toModel(edge.b)});
+    const SegmentTree boundary_tree(std::move(boundaries));
     for (unsigned i = 0; i < options_.random_cuts; ++i) {
       const uint64_t seed = options_.seed + i;
       const Cut cut = randomCut(tree_, seed);
       OpenEdges edges;
       for (const CutItem item : cut.items) edges.add(readLod(reader_, tree_.node(item.node), item.lod));
       const std::vector<const Lod*> shown = shownLods(cut);
-      for (const OpenEdge& edge : edges.edges()) checkRim(edge, rim_tree, shown, seed);
+      for (const OpenEdge& edge : edges.edges()) checkBoundary(edge, boundary_tree, shown, seed);
       ++report_.cuts;
     }
   }
@@ -118,23 +118,24 @@ class Verifier {
     return shown;
   }
 
-  void checkRim(const OpenEdge& edge, const SegmentTree& rims, const std::vector<const Lod*>& shown,
-                uint64_t seed) {
+  void checkBoundary(const OpenEdge& edge, const SegmentTree& boundaries,
+                     const std::vector<const Lod*>& shown, uint64_t seed) {
     const std::string cut = "the random cut " + std::to_string(seed);
-    if (rims.empty()) fail(cut + " has an open edge where the model is closed (I2)");
+    if (boundaries.empty()) fail(cut + " has an open edge where the model is closed (I2)");
     const double allowed = std::max(errorAt(edge.a, shown), errorAt(edge.b, shown));
     const glm::dvec3 from = toModel(edge.a), to = toModel(edge.b);
     for (int i = 0; i < kPointsPerEdge; ++i) {
-      const double gap = rims.distance(glm::mix(from, to, static_cast<double>(i) / (kPointsPerEdge - 1)));
-      report_.max_rim_gap_model = std::max(report_.max_rim_gap_model, gap);
+      const double gap =
+          boundaries.distance(glm::mix(from, to, static_cast<double>(i) / (kPointsPerEdge - 1)));
+      report_.max_boundary_gap_model = std::max(report_.max_boundary_gap_model, gap);
       if (gap > allowed)
-        fail(cut + " has an open edge " + std::to_string(gap) + " from the nearest rim, the error there is " +
-             std::to_string(allowed) + " (I2)");
+        fail(cut + " has an open edge " + std::to_string(gap) +
+             " from the nearest boundary, the error there is " + std::to_string(allowed) + " (I2)");
     }
   }
 
   /// The largest error of the LODs shown in whose nodes' boxes a position lies. The LOD that an open edge
-  /// comes from need not use it any more: a triangle at a rim that collapsed leaves its neighbour's edge
+  /// comes from need not use it any more: a triangle at a boundary that collapsed leaves its neighbour's edge
   /// open.
   double errorAt(PositionCode position, const std::vector<const Lod*>& shown) const {
     LatticeBox point;

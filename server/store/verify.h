@@ -6,7 +6,7 @@
 namespace lode::store {
 
 struct VerifyOptions {
-  unsigned random_cuts = 3;  ///< whose rims are compared with the leaves'
+  unsigned random_cuts = 3;  ///< whose boundaries are compared with the leaves'
   uint64_t seed = 1;
 };
 
@@ -15,12 +15,12 @@ struct VerifyReport {
   uint64_t bytes = 0;
   uint64_t blobs = 0;
   uint64_t nodes = 0;
-  uint64_t payloads = 0;         ///< decoded
-  uint64_t triangles = 0;        ///< decoded, over all LODs
-  uint64_t tiles = 0;            ///< of textures, decoded
-  uint64_t open_edges = 0;       ///< of the leaves' cut: holes and rims of the scan
-  uint64_t cuts = 0;             ///< random cuts compared
-  double max_rim_gap_model = 0;  ///< largest distance of such a cut's open edges from the leaves' ones
+  uint64_t payloads = 0;              ///< decoded
+  uint64_t triangles = 0;             ///< decoded, over all LODs
+  uint64_t tiles = 0;                 ///< of textures, decoded
+  uint64_t open_edges = 0;            ///< of the leaves' cut: holes and boundaries of the scan
+  uint64_t cuts = 0;                  ///< random cuts compared
+  double max_boundary_gap_model = 0;  ///< largest distance of such a cut's open edges from the leaves' ones
 };
 
 /// Checks everything that a store shows without its input: what opening checks, every blob's checksum and

@@ -30,7 +30,7 @@ def main():
     parser.add_argument("--pixels", default="1")
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
-    print("| model | triangles | drawn, least and most | inside the silhouette, the worst and the best camera, dB | with the rim, the worst |")
+    print("| model | triangles | drawn, least and most | inside the silhouette, the worst and the best camera, dB | with the boundary, the worst |")
     print("| --- | --- | --- | --- | --- |")
     for triangles in options.painted:
         with tempfile.TemporaryDirectory() as folder:
@@ -88,9 +88,9 @@ def compare(options, model, folder):
         fetched = subprocess.run([*client, "fetch", *of_camera, "--json"], capture_output=True).stdout
         drawn.append(json.loads(fetched)["triangles"])
     said = subprocess.run([str(options.bin_dir / "bench_fidelity"), "--pictures", *pairs], check=True, capture_output=True, text=True).stdout
-    inside, rim = ([float(db) for db in re.findall(pattern, said) if db != "inf"] for pattern in (r"(\S+) dB inside", r"(\S+) dB with"))
+    inside, boundary = ([float(db) for db in re.findall(pattern, said) if db != "inf"] for pattern in (r"(\S+) dB inside", r"(\S+) dB with"))
     print(f"| {model.stem} | {info['triangles']} | {min(drawn)}, {max(drawn)} | "
-          f"{f'{min(inside):.1f}, {max(inside):.1f}' if inside else 'equal'} | {f'{min(rim):.1f}' if rim else 'equal'} |", flush=True)
+          f"{f'{min(inside):.1f}, {max(inside):.1f}' if inside else 'equal'} | {f'{min(boundary):.1f}' if boundary else 'equal'} |", flush=True)
 
 
 def camera_at(box, direction, distance):

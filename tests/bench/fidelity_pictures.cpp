@@ -76,7 +76,7 @@ void comparePictures(std::span<char* const> pairs, int halvings) {
       continue;
     }
     const Comparison result = compare(full, other);
-    std::printf("%5.1f dB inside the silhouette  %5.1f dB with its rim  %4.1f %% of the picture  %s\n",
+    std::printf("%5.1f dB inside the silhouette  %5.1f dB with its boundary  %4.1f %% of the picture  %s\n",
                 result.inside_db, result.all_db, 100 * result.share, pairs[i + 1]);
   }
 }

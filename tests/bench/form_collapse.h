@@ -40,7 +40,7 @@ class FormCollapse {
       }
     }
     live_ = mesh_.triangles.size();
-    addRims();
+    addBoundaries();
   }
 
   /// @return the mesh with at most so many triangles, or as few as it gets.
@@ -58,7 +58,7 @@ class FormCollapse {
   }
 
  private:
-  static constexpr double kPointWeight = 1e-6, kRimWeight = 2, kLeastCosine = 0.2;
+  static constexpr double kPointWeight = 1e-6, kBoundaryWeight = 2, kLeastCosine = 0.2;
   struct Entry {
     double cost;
     uint32_t u, v, changes;
@@ -78,7 +78,7 @@ class FormCollapse {
                                              [&](uint32_t t) { return has(mesh_.triangles[t], v); }));
   }
 
-  void addRims() {
+  void addBoundaries() {
     for (const glm::u32vec3 t : mesh_.triangles) {
       for (int k = 0; k < 3; ++k) {
         const uint32_t u = t[k], v = t[(k + 1) % 3];
@@ -86,11 +86,11 @@ class FormCollapse {
         const glm::dvec3 along = at(v).position - at(u).position, across = glm::cross(along, normalOf(t));
         const double length = glm::length(across);
         if (length == 0) continue;
-        ingest::Quadric rim;
-        rim.addPlane(across / length, -glm::dot(across / length, at(u).position),
-                     kRimWeight * glm::dot(along, along));
-        forms_[u].addPositions(rim);
-        forms_[v].addPositions(rim);
+        ingest::Quadric boundary;
+        boundary.addPlane(across / length, -glm::dot(across / length, at(u).position),
+                          kBoundaryWeight * glm::dot(along, along));
+        forms_[u].addPositions(boundary);
+        forms_[v].addPositions(boundary);
       }
     }
   }

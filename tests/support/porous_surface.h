@@ -13,8 +13,8 @@
 
 namespace lode::test {
 
-/// A gyroid, open at the rims of its cube: surface everywhere inside, so that nodes have long borders. Made
-/// by marching tetrahedra, six a cell.
+/// A gyroid, open at the boundaries of its cube: surface everywhere inside, so that nodes have long borders.
+/// Made by marching tetrahedra, six a cell.
 class PorousSurface {
  public:
   /// @param cells  along an edge. @param periods  of the gyroid there.

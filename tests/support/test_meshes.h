@@ -35,7 +35,7 @@ inline VertexAttributes attributesAt(glm::uvec3 p, glm::vec3 normal, const MeshO
   return result;
 }
 
-/// A bumpy height field of columns x rows quads (two triangles each), open at its rim.
+/// A bumpy height field of columns x rows quads (two triangles each), open at its boundary.
 /// With kMaterial, the left half has material 0 and the right half 1: the column between has two wedges a
 /// position.
 inline Mesh makeGrid(uint32_t columns, uint32_t rows, const MeshOptions& options = {}) {

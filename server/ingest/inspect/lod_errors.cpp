@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "common/start_thread.h"
+#include "server/ingest/inspect/boundary_check.h"
 #include "server/ingest/inspect/lod_check.h"
-#include "server/ingest/inspect/rim_check.h"
 #include "server/store/export.h"
 #include "server/store/open_edges.h"
 
@@ -24,7 +24,7 @@ struct NodeCheck {
   std::vector<size_t> wanted;  ///< places in the result
   std::once_flag begun;
   std::vector<std::unique_ptr<LodCheck>> lods;
-  RimCheck rims;
+  BoundaryCheck boundaries;
   std::atomic<size_t> leaves_left = 0;
 };
 
@@ -72,12 +72,12 @@ class Measurement {
   void measure(const Node& leaf) {
     const Mesh mesh = store::readLod(reader_, leaf, 0);
     const LeafSurface surface(mesh);
-    store::OpenEdges rims;
-    rims.add(mesh);
+    store::OpenEdges boundaries;
+    boundaries.add(mesh);
     forEachAbove(leaf, [&](NodeCheck& check) {
       std::call_once(check.begun, [&] { begin(check); });
       for (const std::unique_ptr<LodCheck>& lod : check.lods) lod->add(surface);
-      check.rims.addLeaf(rims.edges());
+      check.boundaries.addLeaf(boundaries.edges());
       if (--check.leaves_left == 0) end(check);
     });
     std::lock_guard lock(mutex_);
@@ -95,15 +95,15 @@ class Measurement {
       const Mesh lod = store::readLod(reader_, *check.node, wanted_[i].lod);
       check.lods.push_back(std::make_unique<LodCheck>(lod, check.node->box, storedSteps(wanted_[i]),
                                                       check.original, options_.seed + i));
-      check.rims.addLod(lod);
+      check.boundaries.addLod(lod);
     }
   }
 
   void end(NodeCheck& check) {
-    const std::vector<float> rims = check.rims.found();
+    const std::vector<float> boundaries = check.boundaries.found();
     for (size_t i = 0; i < check.wanted.size(); ++i)
       errors_[check.wanted[i]] = {storedSteps(wanted_[check.wanted[i]]),
-                                  std::max(check.lods[i]->found(), rims[i])};
+                                  std::max(check.lods[i]->found(), boundaries[i])};
     check.lods.clear();
   }
 

@@ -17,7 +17,8 @@ struct LodAt {
 /// An LOD's stored error beside what a closer look finds, both ways, in lattice steps.
 struct MeasuredError {
   float stored_steps = 0;
-  float found_steps = 0;  ///< of the surface and of its rims; see LodCheck::found(), RimCheck::found()
+  float found_steps =
+      0;  ///< of the surface and of its boundaries; see LodCheck::found(), BoundaryCheck::found()
 };
 
 struct LodErrorOptions {

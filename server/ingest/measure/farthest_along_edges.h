@@ -9,8 +9,8 @@
 namespace lode::ingest {
 
 /// The largest distance of an LOD's edges from the mesh that it was made of, lattice steps, to 2 %: of all
-/// their points. (An edge that clustering has made may lead across a notch of the mesh's rim, or from sheet
-/// to sheet, and be near it wherever farthestOfLod() looks.)
+/// their points. (An edge that clustering has made may lead across a notch of the mesh's boundary, or from
+/// sheet to sheet, and be near it wherever farthestOfLod() looks.)
 /// @param sources  see sourcesOf(). @param known  what is nearer does not matter. @return not below it.
 float farthestAlongEdges(const SimplifiedMesh& lod, const LodInput& input, std::span<const uint32_t> sources,
                          float known);

@@ -18,7 +18,7 @@ struct FarthestOfInput {
 
 /// The largest distance of a mesh from an LOD that was made of it, in lattice steps, to 2 %: of all points of
 /// those triangles that may hide the largest, as their corners and the planes of the LOD beside these say.
-/// (What is passed over, LodCheck looks at; what is far along a rim alone, rimGap() measures.)
+/// (What is passed over, LodCheck looks at; what is far along a boundary alone, boundaryGap() measures.)
 /// @param surface  of the LOD.
 /// @param places of the input's positions on it; see placesOn().
 /// @param known  what is nearer does not matter. @return not below it.

@@ -7,29 +7,30 @@
 
 namespace lode::ingest {
 
-LodInput::LodInput(NodeMesh mesh, int depth, std::optional<float> off_steps, ReferenceRims references)
+LodInput::LodInput(NodeMesh mesh, int depth, std::optional<float> off_steps, ReferenceBoundaries references)
     : mesh_(std::move(mesh)),
       walk_(mesh_),
       off_steps_(off_steps),
       references_(std::move(references)),
-      rims_(openEdges(mesh_)) {
+      boundaries_(openEdges(mesh_)) {
   const auto isLocked = [&](uint32_t position) { return mesh_.lca_depth[position] < depth; };
-  std::erase_if(rims_, [&](glm::u32vec2 edge) { return isLocked(edge.x) && isLocked(edge.y); });
+  std::erase_if(boundaries_, [&](glm::u32vec2 edge) { return isLocked(edge.x) && isLocked(edge.y); });
   std::vector<glm::u32vec2> images;
-  for (const ReferenceRim& reference : references_.rims)
+  for (const ReferenceBoundary& reference : references_.boundaries)
     images.emplace_back(std::min(reference.near.x, reference.near.y),
                         std::max(reference.near.x, reference.near.y));
   std::sort(images.begin(), images.end(), isBefore);
-  const auto first_image = std::stable_partition(rims_.begin(), rims_.end(), [&](glm::u32vec2 rim) {
-    return !std::binary_search(images.begin(), images.end(), rim, isBefore);
-  });
-  own_ = static_cast<uint32_t>(first_image - rims_.begin());
+  const auto first_image =
+      std::stable_partition(boundaries_.begin(), boundaries_.end(), [&](glm::u32vec2 boundary) {
+        return !std::binary_search(images.begin(), images.end(), boundary, isBefore);
+      });
+  own_ = static_cast<uint32_t>(first_image - boundaries_.begin());
 }
 
-ReferenceRim LodInput::reference(uint32_t number) const noexcept {
-  if (number < references_.rims.size()) return references_.rims[number];
-  const glm::u32vec2 rim = rims_[number - references_.rims.size()];
-  return {mesh_.positions[rim.x], mesh_.positions[rim.y], rim};
+ReferenceBoundary LodInput::reference(uint32_t number) const noexcept {
+  if (number < references_.boundaries.size()) return references_.boundaries[number];
+  const glm::u32vec2 boundary = boundaries_[number - references_.boundaries.size()];
+  return {mesh_.positions[boundary.x], mesh_.positions[boundary.y], boundary};
 }
 
 const TriangleTree& LodInput::tree() const {

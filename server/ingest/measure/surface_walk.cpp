@@ -117,7 +117,7 @@ SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
 }
 
 /// Most points lie above a triangle around the start; edges and corners then need no look, unless the
-/// triangles there look to different sides: across the rim of a plate lies its other side.
+/// triangles there look to different sides: across the boundary of a plate lies its other side.
 std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
   float nearest = std::numeric_limits<float>::infinity();

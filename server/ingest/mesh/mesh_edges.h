@@ -45,7 +45,7 @@ inline bool isBefore(glm::u32vec2 e, glm::u32vec2 f) noexcept { return e.x != f.
 std::vector<glm::u32vec2> openEdges(const NodeMesh& mesh);
 
 /// Positions on an edge that the mesh does not use exactly twice, rising: on the border to another leaf, on a
-/// rim, or non-manifold.
+/// boundary, or non-manifold.
 std::vector<uint32_t> findBorder(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

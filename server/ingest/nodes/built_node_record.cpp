@@ -39,7 +39,7 @@ NodeMesh getMesh(RecordReader& record) {
 void requirePosition(uint32_t near, const NodeMesh& mesh) {
   if (near == kVanished || near < mesh.positions.size()) return;
   throw Error(ErrorCode::kFormat,
-              "the journal of a build names a rim of no position; build without --resume");
+              "the journal of a build names a boundary of no position; build without --resume");
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ void putBuiltNode(RecordWriter& record, const BuiltNode& built) {
   record.put(original_triangles);
   record.put(inherited);
   record.put(references.gap_steps);
-  record.putAll(references.rims);
+  record.putAll(references.boundaries);
   record.putAll(samples);
 }
 
@@ -104,11 +104,11 @@ BuiltNode getBuiltNode(RecordReader& record) {
   built.original_triangles = record.get<uint64_t>();
   built.inherited = record.get<LodError>();
   built.references.gap_steps = record.get<float>();
-  built.references.rims = record.getAll<ReferenceRim>();
+  built.references.boundaries = record.getAll<ReferenceBoundary>();
   built.samples = record.getAll<SurfaceSample>();
-  for (const ReferenceRim& rim : built.references.rims) {
-    requirePosition(rim.near.x, built.coarsest);
-    requirePosition(rim.near.y, built.coarsest);
+  for (const ReferenceBoundary& boundary : built.references.boundaries) {
+    requirePosition(boundary.near.x, built.coarsest);
+    requirePosition(boundary.near.y, built.coarsest);
   }
   return built;
 }

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/ingest/measure/boundary_gap.h"
 #include "server/ingest/measure/lod_deviation.h"
 #include "server/ingest/measure/lost_detail.h"
-#include "server/ingest/measure/rim_gap.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/computed_normals.h"
 
@@ -30,7 +30,7 @@ FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
   finished.deviation_steps = deviation.steps;
   finished.farthest = deviation.farthest;
   if (finished.farthest) finished.farthest->near = lod.became[finished.farthest->near];
-  finished.rim_gap_steps = rimGap(lod, input);
+  finished.boundary_gap_steps = boundaryGap(lod, input);
   finished.lost_detail_steps = lostDetail(lod, input.mesh(), places);
   return finished;
 }

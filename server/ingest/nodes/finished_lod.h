@@ -12,15 +12,15 @@
 
 namespace lode::ingest {
 
-/// An LOD, encoded and measured against what it was made of, and its rims against the original's; lengths are
-/// in lattice steps.
+/// An LOD, encoded and measured against what it was made of, and its boundaries against the original's;
+/// lengths are in lattice steps.
 struct FinishedLod {
   SimplifiedMesh simplified;
   EncodedPayload payload;
   std::vector<Deviation> deviations;      ///< of the samples; see deviationsFrom()
   float deviation_steps = 0;              ///< see lodDeviation()
   std::optional<SurfaceSample> farthest;  ///< see LodDeviation, but near a position of the LOD
-  float rim_gap_steps = 0;                ///< see rimGap()
+  float boundary_gap_steps = 0;           ///< see boundaryGap()
   float lost_detail_steps = 0;            ///< see lostDetail()
 };
 

@@ -134,13 +134,14 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
 
 void NodeBuilder::gatherReferences(BuiltNode& built, std::span<BuiltNode> children,
                                    std::span<const std::vector<uint32_t>> became) {
-  ReferenceRims& all = built.references;
+  ReferenceBoundaries& all = built.references;
   for (size_t i = 0; i < children.size(); ++i) {
-    ReferenceRims& references = children[i].references;
-    for (ReferenceRim& rim : references.rims) rim.near = imageOf(rim.near, became[i]);
-    all.rims.insert(all.rims.end(), references.rims.begin(), references.rims.end());
+    ReferenceBoundaries& references = children[i].references;
+    for (ReferenceBoundary& boundary : references.boundaries)
+      boundary.near = imageOf(boundary.near, became[i]);
+    all.boundaries.insert(all.boundaries.end(), references.boundaries.begin(), references.boundaries.end());
     all.gap_steps = std::max(all.gap_steps, references.gap_steps);
-    letGo(references.rims);
+    letGo(references.boundaries);
   }
 }
 
@@ -215,7 +216,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
     if (!deviations.empty()) sample.deviation = deviations[i].steps;
   }
   if (coarsest.farthest) built.samples.push_back(*coarsest.farthest);
-  built.references = referencesIn(input, coarsest.simplified.became, coarsest.rim_gap_steps,
+  built.references = referencesIn(input, coarsest.simplified.became, coarsest.boundary_gap_steps,
                                   kReferencesPerTriangle * settings_.triangles_per_node);
   built.coarsest = std::move(coarsest.simplified.mesh);
   addFarLods(built, spareTargets(built.coarsest.triangles.size(), rule));
@@ -248,7 +249,7 @@ LodError NodeBuilder::errorOf(const BuiltNode& built, const FinishedLod& lod) co
     return {std::max(finer.deviation_steps, all), finer.lost_detail_steps};
   }
   const float both = std::hypot(lod.deviation_steps, settings_.snap_error_steps);
-  return {std::max({finer.deviation_steps, both, lod.rim_gap_steps}),
+  return {std::max({finer.deviation_steps, both, lod.boundary_gap_steps}),
           std::max(finer.lost_detail_steps, lod.lost_detail_steps)};
 }
 

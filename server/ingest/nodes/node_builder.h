@@ -10,7 +10,7 @@
 #include "common/hierarchy_page.h"
 #include "server/ingest/disk/spool.h"
 #include "server/ingest/disk/temporary_folder.h"
-#include "server/ingest/measure/reference_rims.h"
+#include "server/ingest/measure/reference_boundaries.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/nodes/finished_lod.h"
 #include "server/ingest/nodes/lod_shelf.h"
@@ -60,7 +60,7 @@ struct BuiltNode {
   NodeMesh coarsest;                          ///< but for far LODs: what the parent is made of
   uint64_t original_triangles = 0;            ///< in the leaves below
   LodError inherited;                         ///< the largest of the children's source LODs
-  ReferenceRims references;                   ///< near positions of `coarsest`
+  ReferenceBoundaries references;             ///< near positions of `coarsest`
   std::vector<SurfaceSample>
       samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
 };
@@ -106,8 +106,8 @@ class NodeBuilder {
   void addLod(BuiltNode& built, const FinishedLod& lod);
   void addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, LodError error);
   /// Error of an LOD in lattice steps: its deviation, and by what the lattice has moved vertices as an
-  /// independent one; not below the gap of its rims, which I2 bounds strictly, nor the finer LOD's error
-  /// (I3).
+  /// independent one; not below the gap of its boundaries, which I2 bounds strictly, nor the finer LOD's
+  /// error (I3).
   LodError errorOf(const BuiltNode& built, const FinishedLod& lod) const;
   LodError errorOf(const Lod& lod) const noexcept;
 

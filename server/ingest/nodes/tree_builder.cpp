@@ -29,7 +29,7 @@ constexpr uint64_t kLargeShare = 2;  ///< a node that takes more than 1 part of 
 uint64_t memoryOf(const BuiltNode& built) noexcept {
   const auto bytesOf = [](const auto& items) { return items.capacity() * sizeof(items[0]); };
   const NodeMesh& mesh = built.coarsest;
-  return sizeof(BuiltNode) + bytesOf(built.samples) + bytesOf(built.references.rims) +
+  return sizeof(BuiltNode) + bytesOf(built.samples) + bytesOf(built.references.boundaries) +
          bytesOf(mesh.positions) + bytesOf(mesh.lca_depth) + bytesOf(mesh.wedge_position) +
          bytesOf(mesh.wedge_attributes) + bytesOf(mesh.triangles);
 }

@@ -28,8 +28,8 @@ struct BorderVertex {
 std::span<const BorderVertex> sharedAt(std::span<const BorderVertex> border, PositionCode position) noexcept;
 
 /// The border table (design 2.3): collects what leaves list, joins it by position, and gives each leaf its
-/// shared vertices with their lock depth and common normals. Vertices that one leaf alone lists are rims:
-/// they are not locked. Collecting and joining are for one thread; read() is thread safe.
+/// shared vertices with their lock depth and common normals. Vertices that one leaf alone lists are
+/// boundaries: they are not locked. Collecting and joining are for one thread; read() is thread safe.
 class BorderTable {
  public:
   /// Name of the joined table's file, which lasts.

@@ -40,8 +40,9 @@ enum class Freedom { kFree, kPenalised, kFixed };
 /// What meets where two positions have become one, until the next round looks again.
 PositionKind joined(PositionKind a, PositionKind b) {
   if (a > b) std::swap(a, b);
-  const bool seam_meets_rim = a != PositionKind::kSmooth && a < PositionKind::kRim && b == PositionKind::kRim;
-  return seam_meets_rim ? PositionKind::kRimCorner : b;
+  const bool seam_meets_boundary =
+      a != PositionKind::kSmooth && a < PositionKind::kBoundary && b == PositionKind::kBoundary;
+  return seam_meets_boundary ? PositionKind::kBoundaryCorner : b;
 }
 
 float keyOf(double cost) noexcept { return static_cast<float>(std::clamp(cost, 0.0, 1e37)); }
@@ -182,12 +183,12 @@ Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) cons
   if (position.locked) return Freedom::kFixed;
   switch (position.kind) {
     case PositionKind::kSmooth:
-    case PositionKind::kRim:
+    case PositionKind::kBoundary:
       return Freedom::kFree;
     case PositionKind::kSeam:
       return edge == EdgeKind::kSeam ? Freedom::kFree : Freedom::kPenalised;
     case PositionKind::kSeamCorner:
-    case PositionKind::kRimCorner:
+    case PositionKind::kBoundaryCorner:
       break;
   }
   return Freedom::kPenalised;
@@ -214,8 +215,9 @@ void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   });
 }
 
-/// The side of a square as large as the triangles around both ends, about; never 0. What holds rims and seams
-/// counts by half: as an area, rims would be too cheap; not at all, they would take what the rest needs.
+/// The side of a square as large as the triangles around both ends, about; never 0. What holds boundaries and
+/// seams counts by half: as an area, boundaries would be too cheap; not at all, they would take what the rest
+/// needs.
 double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
   const double area = mesh_.areas[u] + mesh_.areas[v];
   const double weight = mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight();
@@ -240,9 +242,9 @@ Collapser::Candidate Collapser::place(uint32_t u, uint32_t v) {
   const Quadric& q = quadric_;
   const bool smooth_u = end_u.kind == PositionKind::kSmooth && !end_u.locked;
   const bool smooth_v = end_v.kind == PositionKind::kSmooth && !end_v.locked;
-  const bool rim_u = end_u.kind == PositionKind::kRim && !end_u.locked;
-  const bool rim_v = end_v.kind == PositionKind::kRim && !end_v.locked;
-  if ((smooth_u || rim_u) && (smooth_v || rim_v)) return {bestPlacement(q, at_u, at_v), true};
+  const bool boundary_u = end_u.kind == PositionKind::kBoundary && !end_u.locked;
+  const bool boundary_v = end_v.kind == PositionKind::kBoundary && !end_v.locked;
+  if ((smooth_u || boundary_u) && (smooth_v || boundary_v)) return {bestPlacement(q, at_u, at_v), true};
   if (smooth_u) return {{at_v, q.at(at_v)}, true};
   if (smooth_v) return {{at_u, q.at(at_u)}, true};
   const EdgeKind kind = mesh_.edgeKind(u, v);

@@ -21,9 +21,9 @@ using SnapshotSink = std::function<void(size_t target_index, SimplifiedMesh&& sn
 /// Simplifies a node's mesh by edge collapse in order of quadric error; one sequence yields all LODs.
 ///
 /// A map on positions that fixes locked ones; a triangle goes only when two of its corners coincide, or
-/// identical triangles in pairs, so that open edges stay the image of open edges (design I2). Rims carry
-/// boundary quadrics. Attribute discontinuities (several wedges at a position) collapse along themselves, not
-/// across. The file's normals, colours and texture coordinates are part of the quadrics (see
+/// identical triangles in pairs, so that open edges stay the image of open edges (design I2). Boundaries
+/// carry boundary quadrics. Attribute discontinuities (several wedges at a position) collapse along
+/// themselves, not across. The file's normals, colours and texture coordinates are part of the quadrics (see
 /// wedge_quadrics.h); a locked position's attributes stay. Vertices come to lie on the lattice.
 /// Deterministic. Thread safe (no state).
 /// @param targets  triangle counts, falling.

@@ -106,17 +106,17 @@ EdgeKind CollapseMesh::edgeKind(uint32_t u, uint32_t v) const noexcept {
     }
   }
   if (uses == 0) return EdgeKind::kSmooth;
-  return uses != 2 ? EdgeKind::kRim : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
+  return uses != 2 ? EdgeKind::kBoundary : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
 }
 
 void CollapseMesh::classify(const std::vector<Features>& features) {
   for (size_t i = 0; i < positions.size(); ++i) {
-    const auto [seams, rims] = features[i];
-    positions[i].kind = rims == 0                 ? seams == 0   ? PositionKind::kSmooth
-                                                    : seams == 2 ? PositionKind::kSeam
-                                                                 : PositionKind::kSeamCorner
-                        : rims == 2 && seams == 0 ? PositionKind::kRim
-                                                  : PositionKind::kRimCorner;
+    const auto [seams, boundaries] = features[i];
+    positions[i].kind = boundaries == 0                 ? seams == 0   ? PositionKind::kSmooth
+                                                          : seams == 2 ? PositionKind::kSeam
+                                                                       : PositionKind::kSeamCorner
+                        : boundaries == 2 && seams == 0 ? PositionKind::kBoundary
+                                                        : PositionKind::kBoundaryCorner;
   }
 }
 

@@ -16,18 +16,18 @@ namespace lode::ingest {
 
 /// What meets along an edge.
 enum class EdgeKind : uint8_t {
-  kSmooth,  ///< two triangles that share both wedges
-  kSeam,    ///< two triangles with different wedges at an end
-  kRim,     ///< one triangle, or more than two
+  kSmooth,    ///< two triangles that share both wedges
+  kSeam,      ///< two triangles with different wedges at an end
+  kBoundary,  ///< one triangle, or more than two
 };
 
-/// What meets at a position, by the feature edges (seams and rims) that end there.
+/// What meets at a position, by the feature edges (seams and boundaries) that end there.
 enum class PositionKind : uint8_t {
-  kSmooth,      ///< none
-  kSeam,        ///< inside a seam: two, no rim
-  kSeamCorner,  ///< an end or a fork of seams
-  kRim,         ///< inside a rim: two rims, no seam
-  kRimCorner,   ///< anything else
+  kSmooth,          ///< none
+  kSeam,            ///< inside a seam: two, no boundary
+  kSeamCorner,      ///< an end or a fork of seams
+  kBoundary,        ///< inside a boundary: two boundaries, no seam
+  kBoundaryCorner,  ///< anything else
 };
 
 constexpr uint32_t kManyWedges = ~0u;
@@ -73,7 +73,7 @@ struct CollapseMesh {
     bool seam;
 
     EdgeKind kind() const noexcept {
-      return uses != 2 ? EdgeKind::kRim : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
+      return uses != 2 ? EdgeKind::kBoundary : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
     }
   };
   /// kSmooth too where no triangle has the edge.
@@ -144,7 +144,7 @@ struct CollapseMesh {
  private:
   /// How many feature edges end at a position, up to 3.
   struct Features {
-    uint8_t seams = 0, rims = 0;
+    uint8_t seams = 0, boundaries = 0;
   };
 
   void gatherCorners();
@@ -155,7 +155,7 @@ struct CollapseMesh {
     const EdgeKind kind = edge.kind();
     if (kind == EdgeKind::kSmooth) return;
     for (const uint32_t end : {edge.u, edge.v}) {
-      uint8_t& n = kind == EdgeKind::kSeam ? features[end].seams : features[end].rims;
+      uint8_t& n = kind == EdgeKind::kSeam ? features[end].seams : features[end].boundaries;
       n = static_cast<uint8_t>(std::min(n + 1, 3));
     }
   }

@@ -9,7 +9,7 @@ namespace {
 
 // Weights beside a triangle's plane, which has its area.
 constexpr double kPointWeight = 1e-6;  // of a triangle's corners: keeps optima on flat ground and orders them
-constexpr double kRimWeight = 2;       // of the plane through a rim, by the square of the edge's length
+constexpr double kBoundaryWeight = 2;  // of the plane through a boundary, by the square of the edge's length
 constexpr double kSeamWeight = 1;      // the same at an attribute seam
 
 std::array<uint32_t, 3> cornersOf(const CollapseMesh& mesh, uint32_t corner) {
@@ -51,7 +51,7 @@ void addFeature(CollapseMesh& mesh, const CollapseMesh::Edge& edge) {
   const glm::dvec3 across = glm::cross(along, normalOf(mesh, cornersOf(mesh, edge.corner)));
   const double length = glm::length(across);
   if (length == 0) return;
-  const double weight = kind == EdgeKind::kRim ? kRimWeight : kSeamWeight;
+  const double weight = kind == EdgeKind::kBoundary ? kBoundaryWeight : kSeamWeight;
   const glm::dvec3 unit = across / length;
   Quadric plane;
   plane.addPlane(unit, -glm::dot(unit, mesh.point(edge.u)), weight * glm::dot(along, along));

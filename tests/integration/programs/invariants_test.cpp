@@ -90,7 +90,7 @@ TEST_P(Invariants, I1EveryInputTriangleIsInExactlyOneLeaf) {
 }
 
 TEST_P(Invariants, I2RandomCutsOfClosedModelsHaveNoOpenEdges) {
-  if (!GetParam().is_closed) GTEST_SKIP() << GetParam().name << " has rims";
+  if (!GetParam().is_closed) GTEST_SKIP() << GetParam().name << " has boundaries";
   EXPECT_TRUE(openEdges(store::leafCut(*tree_)).empty());
   for (uint64_t seed = 1; seed <= kRandomCuts; ++seed) {
     const store::Cut cut = store::randomCut(*tree_, seed);
@@ -119,7 +119,7 @@ size_t crowdedEdges(const store::Reader& reader, const store::NodeTree& tree, co
 
 /// But for the root alone: a porous model's has too few triangles for all the handles.
 TEST_P(Invariants, randomCutsOfManifoldsHaveNoEdgeOfMoreThanTwoTriangles) {
-  if (!GetParam().is_closed) GTEST_SKIP() << GetParam().name << " has rims";
+  if (!GetParam().is_closed) GTEST_SKIP() << GetParam().name << " has boundaries";
   ASSERT_EQ(crowdedEdges(*reader_, *tree_, store::leafCut(*tree_)), 0u);
   for (uint64_t seed = 1; seed <= kRandomCuts; ++seed) {
     const store::Cut cut = store::randomCut(*tree_, seed);
@@ -128,7 +128,7 @@ TEST_P(Invariants, randomCutsOfManifoldsHaveNoEdgeOfMoreThanTwoTriangles) {
   }
 }
 
-TEST_P(Invariants, I2OpenEdgesOfRandomCutsLieWithinTheStoredErrorOfTheRims) {
+TEST_P(Invariants, I2OpenEdgesOfRandomCutsLieWithinTheStoredErrorOfTheBoundaries) {
   const store::VerifyReport report = store::verifyStore(GetParam().store(), {.random_cuts = kRandomCuts});
   EXPECT_EQ(report.cuts, kRandomCuts);
   EXPECT_EQ(report.open_edges == 0, GetParam().is_closed);

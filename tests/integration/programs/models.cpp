@@ -24,7 +24,8 @@ const std::vector<Model>& models() {
       {"asteroid2m", modelFolder() / "asteroid2m.ply", true},
       {"gyroid", modelFolder() / "gyroid.ply", true},
       {"bunny_in_small_nodes", scan("a_bunny_zipper_ascii.ply"), false},
-      {"parasaurolophus", scan("b_parasaurolophus_nrm_ascii.ply"), false},  // a third of its edges are rims
+      {"parasaurolophus", scan("b_parasaurolophus_nrm_ascii.ply"),
+       false},  // a third of its edges are boundaries
   };
   return all;
 }

@@ -56,7 +56,7 @@ TEST(Halved, dividesOddSizesEvenly) {
   EXPECT_EQ(half.texels[1].r, 0);
 }
 
-TEST(CutOut, repeatsThePictureBeyondItsRims) {
+TEST(CutOut, repeatsThePictureBeyondItsBoundaries) {
   const Image image{{2, 2}, {{0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1}}};
   const Image part = cutOut(image, {-3, -2}, {6, 5});
   ASSERT_EQ(part.size, glm::uvec2(6, 5));

@@ -74,7 +74,7 @@ TEST(TextureFootprint, hasAllTilesWhenATriangleSpansMoreThanTheImage) {
   EXPECT_NEAR(footprint.whole[0].texels_per_model, 4.5 / 8, 0.01);
 }
 
-TEST(TextureFootprint, endsAtTheRimOfTheImage) {
+TEST(TextureFootprint, endsAtTheBoundaryOfTheImage) {
   const Mesh whole = triangleOf({{{0.5, 0.5}, {1, 0.5}, {1, 1}}});
   for (const glm::uvec2 place : placesOf(makeFootprint(whole, setOf(), 1))) EXPECT_GE(place.x, 1u);
 }

@@ -28,7 +28,7 @@ TEST_F(VerifyTest, acceptsAClosedModel) {
   EXPECT_GT(report_.payloads, 20u);
 }
 
-TEST_F(VerifyTest, acceptsAModelWithARim) {
+TEST_F(VerifyTest, acceptsAModelWithABoundary) {
   EXPECT_EQ(verify(test::makeModel(test::makeGrid(12, 12, {.attributes = {}, .extent = 4000}))), "");
   EXPECT_EQ(report_.open_edges, 4u * 12);
 }
@@ -43,7 +43,7 @@ TEST_F(VerifyTest, findsAHoleThatTheLeavesDoNotHave) {
   EXPECT_NE(verify(std::move(model)).find("where the model is closed (I2)"), std::string::npos);
 }
 
-TEST_F(VerifyTest, findsARimFarFromTheOriginalOne) {
+TEST_F(VerifyTest, findsABoundaryFarFromTheOriginalOne) {
   test::SyntheticModel model = test::makeModel(test::makeGrid(12, 12, {.attributes = {}, .extent = 4000}));
   for (Node& node : model.nodes)
     for (Lod& lod : node.lods) lod.error_model = 0.01f;

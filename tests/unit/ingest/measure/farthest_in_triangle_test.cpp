@@ -95,7 +95,7 @@ struct CountingSurface {
   mutable int measured = 0;
 };
 
-/// Six triangles around a top that is as high as this above their rim.
+/// Six triangles around a top that is as high as this above their boundary.
 NodeMesh tent(uint32_t height) {
   NodeMesh mesh;
   mesh.positions = {packPosition({1000, 1000, 1000 + height})};

@@ -53,7 +53,8 @@ TEST(Border, hasTheVerticesOfEdgesThatMoreThanTwoTrianglesUse) {
   mesh.triangles.emplace_back(t.x, t.y, tip);
   EXPECT_EQ(findBorder(mesh).size(), 3u);
   mesh.triangles.emplace_back(t.y, t.x, tip);
-  EXPECT_EQ(findBorder(mesh).size(), 2u) << "the fin's other side: its rims are used twice, its foot 4 times";
+  EXPECT_EQ(findBorder(mesh).size(), 2u)
+      << "the fin's other side: its boundaries are used twice, its foot 4 times";
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace lode::ingest {
 namespace {
 
-/// A node of one triangle, one side of which is a rim; the other end of another has vanished.
+/// A node of one triangle, one side of which is a boundary; the other end of another has vanished.
 BuiltNode builtNode() {
   BuiltNode built;
   built.node.key = kRootKey.child(2);
@@ -16,8 +16,8 @@ BuiltNode builtNode() {
   built.coarsest.positions = {packPosition({0, 0, 0}), packPosition({9, 0, 0}), packPosition({0, 9, 0})};
   built.coarsest.triangles = {{0, 1, 2}};
   built.references.gap_steps = 7;
-  built.references.rims = {{packPosition({1, 0, 0}), packPosition({8, 0, 0}), {0, 2}},
-                           {packPosition({2, 0, 0}), packPosition({3, 0, 0}), {kVanished, 1}}};
+  built.references.boundaries = {{packPosition({1, 0, 0}), packPosition({8, 0, 0}), {0, 2}},
+                                 {packPosition({2, 0, 0}), packPosition({3, 0, 0}), {kVanished, 1}}};
   built.samples = {{packPosition({4, 0, 0}), 5, 1}};
   return built;
 }
@@ -29,22 +29,22 @@ BuiltNode readAgain(const BuiltNode& built) {
   return getBuiltNode(reader);
 }
 
-TEST(BuiltNodeRecord, givesBackWhatRimsAreMeasuredAgainst) {
+TEST(BuiltNodeRecord, givesBackWhatBoundariesAreMeasuredAgainst) {
   const BuiltNode built = builtNode(), again = readAgain(built);
   EXPECT_EQ(again.references.gap_steps, 7);
-  ASSERT_EQ(again.references.rims.size(), 2u);
+  ASSERT_EQ(again.references.boundaries.size(), 2u);
   for (size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(again.references.rims[i].from, built.references.rims[i].from);
-    EXPECT_EQ(again.references.rims[i].to, built.references.rims[i].to);
-    EXPECT_EQ(again.references.rims[i].near, built.references.rims[i].near);
+    EXPECT_EQ(again.references.boundaries[i].from, built.references.boundaries[i].from);
+    EXPECT_EQ(again.references.boundaries[i].to, built.references.boundaries[i].to);
+    EXPECT_EQ(again.references.boundaries[i].near, built.references.boundaries[i].near);
   }
   EXPECT_EQ(again.samples.size(), 1u);
 }
 
-TEST(BuiltNodeRecord, isRefusedWhereARimIsNearAPositionThatIsNot) {
+TEST(BuiltNodeRecord, isRefusedWhereABoundaryIsNearAPositionThatIsNot) {
   for (const glm::u32vec2 near : {glm::u32vec2(0, 3), glm::u32vec2(3, 0)}) {
     BuiltNode built = builtNode();
-    built.references.rims[1].near = near;
+    built.references.boundaries[1].near = near;
     EXPECT_THROW(readAgain(built), Error);
   }
 }

@@ -103,7 +103,7 @@ void writeTerrain(uint64_t seed, uint64_t triangles, const std::filesystem::path
   writeSample(terrain, file);
 }
 
-TEST(HonestError, ofAnOpenModelIsNotTheSumOfWhatItsRimsAreOffAtEachLevel) {
+TEST(HonestError, ofAnOpenModelIsNotTheSumOfWhatItsBoundariesAreOffAtEachLevel) {
   const test::WorkFolder folder;
   writeTerrain(5, 30'000, folder / "terrain.ply");
   EXPECT_LE(HonestErrorOf(folder / "terrain.ply", 256).largestRatioOfRoot(), 2.5);

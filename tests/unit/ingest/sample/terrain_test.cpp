@@ -11,22 +11,22 @@ PlyContent terrain(uint64_t triangles, uint8_t attributes = 0, uint64_t seed = 1
   return sampleContent(sampleOf("terrain", triangles, attributes, seed));
 }
 
-TEST(Terrain, hasOneRimAndNoOtherOpenEdge) {
+TEST(Terrain, hasOneBoundaryAndNoOtherOpenEdge) {
   for (const uint64_t triangles : {2u, 4u, 8u, 5000u, 100'000u}) {
     const auto edges = directedEdges(terrain(triangles));
-    std::map<uint64_t, uint64_t> rim;
+    std::map<uint64_t, uint64_t> boundary;
     for (const auto& [edge, uses] : edges) {
       ASSERT_EQ(uses, 1);
       if (edges.contains({edge.second, edge.first})) continue;
-      ASSERT_TRUE(rim.emplace(edge.first, edge.second).second) << "the rim touches itself";
+      ASSERT_TRUE(boundary.emplace(edge.first, edge.second).second) << "the boundary touches itself";
     }
     size_t steps = 0;
-    uint64_t at = rim.begin()->first;
+    uint64_t at = boundary.begin()->first;
     do {
-      at = rim.at(at);
+      at = boundary.at(at);
       ++steps;
-    } while (at != rim.begin()->first && steps <= rim.size());
-    EXPECT_EQ(steps, rim.size()) << "there is more than one rim";
+    } while (at != boundary.begin()->first && steps <= boundary.size());
+    EXPECT_EQ(steps, boundary.size()) << "there is more than one boundary";
   }
 }
 

@@ -90,7 +90,7 @@ TEST(CollapseMesh, givesEachEdgeOnceWithItsUses) {
   for (const CollapseMesh::Edge& edge : edges) EXPECT_EQ(edge.uses, edge.u == 0 && edge.v == 1 ? 3u : 1u);
 }
 
-TEST(CollapseMesh, knowsRimsSeamsAndTheirCorners) {
+TEST(CollapseMesh, knowsBoundariesSeamsAndTheirCorners) {
   test::MeshOptions options;
   options.attributes.bits = AttributeSet::kMaterial;
   const Mesh sheet = test::makeGrid(8, 6, options);
@@ -101,8 +101,8 @@ TEST(CollapseMesh, knowsRimsSeamsAndTheirCorners) {
   EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kSmooth)], 6u * 5);
   EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kSeam)], 5u);
   EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kSeamCorner)], 0u);
-  EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kRim)], 26u);
-  EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kRimCorner)], 2u);
+  EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kBoundary)], 26u);
+  EXPECT_EQ(counts[static_cast<size_t>(PositionKind::kBoundaryCorner)], 2u);
 }
 
 TEST(CollapseMesh, mixesAttributesByShareAndCopiesAtTheEnds) {

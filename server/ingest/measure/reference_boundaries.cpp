@@ -1,4 +1,4 @@
-#include "server/ingest/measure/reference_rims.h"
+#include "server/ingest/measure/reference_boundaries.h"
 
 #include "server/ingest/measure/lod_input.h"
 
@@ -9,15 +9,15 @@ glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> became) noexce
   return {imageOfEnd(ends.x), imageOfEnd(ends.y)};
 }
 
-ReferenceRims referencesIn(const LodInput& input, std::span<const uint32_t> became, float rim_gap_steps,
-                           size_t most) {
-  ReferenceRims references{{}, input.referenceGapSteps()};
+ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> became,
+                                 float boundary_gap_steps, size_t most) {
+  ReferenceBoundaries references{{}, input.referenceGapSteps()};
   for (uint32_t i = 0; i < input.referenceCount(); ++i) {
-    ReferenceRim reference = input.reference(i);
+    ReferenceBoundary reference = input.reference(i);
     reference.near = imageOf(reference.near, became);
     if (reference.near == glm::u32vec2(kVanished)) continue;
-    if (references.rims.size() == most) return {{}, rim_gap_steps};
-    references.rims.push_back(reference);
+    if (references.boundaries.size() == most) return {{}, boundary_gap_steps};
+    references.boundaries.push_back(reference);
   }
   return references;
 }

@@ -1,4 +1,4 @@
-#include "server/ingest/measure/reference_rims.h"
+#include "server/ingest/measure/reference_boundaries.h"
 
 #include <gtest/gtest.h>
 
@@ -30,48 +30,49 @@ std::vector<glm::u32vec2> placesOf(const LodInput& input) {
 
 const std::vector<uint32_t> kUnmoved{0, 1, 2};
 
-TEST(ReferenceRims, areTheRimsThemselvesWhereNoneWereCarried) {
+TEST(ReferenceBoundaries, areTheBoundariesThemselvesWhereNoneWereCarried) {
   const LodInput input(triangle(), kLockDepth + 1);
   EXPECT_EQ(placesOf(input), (std::vector<glm::u32vec2>{{0, 2}, {1, 2}}));
   EXPECT_EQ(input.reference(1).from, input.mesh().positions[1]);
   EXPECT_EQ(input.reference(1).to, input.mesh().positions[2]);
 }
 
-TEST(ReferenceRims, getRimsThatWereBordersOfTheNodesBelow) {
+TEST(ReferenceBoundaries, getBoundariesThatWereBordersOfTheNodesBelow) {
   const LodInput below(triangle(), kLockDepth + 1);
   const LodInput input(triangle(), kLockDepth, {}, referencesIn(below, kUnmoved, 0, 9));
   EXPECT_EQ(placesOf(input), (std::vector<glm::u32vec2>{{0, 2}, {1, 2}, {0, 1}}));
 }
 
-TEST(ReferenceRims, standForTheRimsThatTheyHaveBecome) {
-  const ReferenceRim reference{packPosition({0, 1, 0}), packPosition({0, 8, 0}), {2, 0}};
+TEST(ReferenceBoundaries, standForTheBoundariesThatTheyHaveBecome) {
+  const ReferenceBoundary reference{packPosition({0, 1, 0}), packPosition({0, 8, 0}), {2, 0}};
   const LodInput input(triangle(), kLockDepth, {}, {{reference}, kGap});
-  EXPECT_EQ(input.rims().size(), 3u);
+  EXPECT_EQ(input.boundaries().size(), 3u);
   EXPECT_EQ(placesOf(input), (std::vector<glm::u32vec2>{{2, 0}, {0, 1}, {1, 2}}));
   EXPECT_EQ(input.reference(0).to, reference.to);
 }
 
-TEST(ReferenceRims, stayAsTheyAreWhileTheirEndsMove) {
+TEST(ReferenceBoundaries, stayAsTheyAreWhileTheirEndsMove) {
   const LodInput input(triangle(), kLockDepth + 1, {}, {{}, kGap});
-  const ReferenceRims references = referencesIn(input, std::vector<uint32_t>{4, kVanished, 4}, 99, 2);
-  ASSERT_EQ(references.rims.size(), 2u);
-  EXPECT_EQ(references.rims[0].near, glm::u32vec2(4, 4));
-  EXPECT_EQ(references.rims[1].near, glm::u32vec2(kVanished, 4));
-  EXPECT_EQ(references.rims[1].from, input.mesh().positions[1]);
+  const ReferenceBoundaries references = referencesIn(input, std::vector<uint32_t>{4, kVanished, 4}, 99, 2);
+  ASSERT_EQ(references.boundaries.size(), 2u);
+  EXPECT_EQ(references.boundaries[0].near, glm::u32vec2(4, 4));
+  EXPECT_EQ(references.boundaries[1].near, glm::u32vec2(kVanished, 4));
+  EXPECT_EQ(references.boundaries[1].from, input.mesh().positions[1]);
   EXPECT_EQ(references.gap_steps, kGap);
 }
 
-TEST(ReferenceRims, goWithBothTheirEnds) {
+TEST(ReferenceBoundaries, goWithBothTheirEnds) {
   const LodInput input(triangle(), kLockDepth + 1);
-  const ReferenceRims references = referencesIn(input, std::vector<uint32_t>{0, kVanished, kVanished}, 0, 9);
-  ASSERT_EQ(references.rims.size(), 1u);
-  EXPECT_EQ(references.rims[0].near, glm::u32vec2(0, kVanished));
+  const ReferenceBoundaries references =
+      referencesIn(input, std::vector<uint32_t>{0, kVanished, kVanished}, 0, 9);
+  ASSERT_EQ(references.boundaries.size(), 1u);
+  EXPECT_EQ(references.boundaries[0].near, glm::u32vec2(0, kVanished));
 }
 
-TEST(ReferenceRims, giveWayToTheLodsOwnRimsWhereTheyAreTooMany) {
+TEST(ReferenceBoundaries, giveWayToTheLodsOwnBoundariesWhereTheyAreTooMany) {
   const LodInput input(triangle(), kLockDepth + 1, {}, {{}, kGap});
-  const ReferenceRims references = referencesIn(input, kUnmoved, 99, 1);
-  EXPECT_TRUE(references.rims.empty());
+  const ReferenceBoundaries references = referencesIn(input, kUnmoved, 99, 1);
+  EXPECT_TRUE(references.boundaries.empty());
   EXPECT_EQ(references.gap_steps, 99);
 }
 

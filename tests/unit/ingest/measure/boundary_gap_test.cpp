@@ -1,4 +1,4 @@
-#include "server/ingest/measure/rim_gap.h"
+#include "server/ingest/measure/boundary_gap.h"
 
 #include <cmath>
 #include <numeric>
@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kRounding = 1.001f, kNegligible = 0.25f * kRounding;  // of what rimGap() says
+constexpr float kRounding = 1.001f, kNegligible = 0.25f * kRounding;  // of what boundaryGap() says
 
 NodeMesh meshOf(std::vector<glm::uvec2> points, std::vector<glm::u32vec3> triangles) {
   NodeMesh mesh;
@@ -23,13 +23,13 @@ NodeMesh meshOf(std::vector<glm::uvec2> points, std::vector<glm::u32vec3> triang
   return mesh;
 }
 
-/// A square of two triangles, whose upper rim has a point in its middle that is higher by `bump`.
+/// A square of two triangles, whose upper boundary has a point in its middle that is higher by `bump`.
 NodeMesh house(uint32_t bump) {
   return meshOf({{0, 0}, {100, 0}, {100, 100}, {50, 100 + bump}, {0, 100}},
                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
 }
 
-/// A triangle of the lowest rim of which two points divide.
+/// A triangle of the lowest boundary of which two points divide.
 NodeMesh fan(glm::uvec2 second, glm::uvec2 third) {
   return meshOf({{0, 0}, second, third, {120, 0}, {60, 100}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}});
 }
@@ -41,46 +41,47 @@ SimplifiedMesh moved(NodeMesh mesh) {
   return {std::move(mesh), std::move(became)};
 }
 
-TEST(RimGap, isHowFarARimThatWasCutShortIsFromTheOriginal) {
+TEST(BoundaryGap, isHowFarABoundaryThatWasCutShortIsFromTheOriginal) {
   const LodInput input(house(40), 0);
   SimplifiedMesh flat{meshOf({{0, 0}, {100, 0}, {100, 100}, {0, 100}}, {{0, 1, 2}, {0, 2, 3}}),
                       {0, 1, 2, 3, 3}};
-  const float of_middle = 40 * 50 / std::hypot(40.f, 50.f);  // from the new rim to either side of the roof
-  const float gap = rimGap(flat, input);
+  const float of_middle =
+      40 * 50 / std::hypot(40.f, 50.f);  // from the new boundary to either side of the roof
+  const float gap = boundaryGap(flat, input);
   EXPECT_GE(gap, of_middle * 0.999f);
   EXPECT_LE(gap, of_middle * 1.021f * kRounding);
 }
 
-TEST(RimGap, isNothingWhereNothingHasMoved) {
-  EXPECT_EQ(rimGap(moved(house(40)), LodInput(house(40), 0)), 0);
+TEST(BoundaryGap, isNothingWhereNothingHasMoved) {
+  EXPECT_EQ(boundaryGap(moved(house(40)), LodInput(house(40), 0)), 0);
 }
 
-TEST(RimGap, isNothingWhereNothingIsLeft) {
+TEST(BoundaryGap, isNothingWhereNothingIsLeft) {
   const SimplifiedMesh gone{{}, std::vector<uint32_t>(5, kVanished)};
-  EXPECT_EQ(rimGap(gone, LodInput(house(40), 0)), 0);
+  EXPECT_EQ(boundaryGap(gone, LodInput(house(40), 0)), 0);
 }
 
-TEST(RimGap, countsWhatTheReferencesAreOffTheOriginal) {
-  EXPECT_EQ(rimGap(moved(house(40)), LodInput(house(40), 0, {}, {{}, 3})), 3);
+TEST(BoundaryGap, countsWhatTheReferencesAreOffTheOriginal) {
+  EXPECT_EQ(boundaryGap(moved(house(40)), LodInput(house(40), 0, {}, {{}, 3})), 3);
 }
 
-TEST(RimGap, isThatFromTheOriginalAndNotTheSumOfTwoLevels) {
+TEST(BoundaryGap, isThatFromTheOriginalAndNotTheSumOfTwoLevels) {
   const LodInput original(house(40), 0);
   const SimplifiedMesh higher = moved(house(70)), lower = moved(house(50));
-  const float up = rimGap(higher, original);
+  const float up = boundaryGap(higher, original);
   const LodInput above(higher.mesh, 0, {}, referencesIn(original, higher.became, up, 5));
-  const float both = rimGap(lower, above);
-  EXPECT_EQ(both, rimGap(lower, original));
+  const float both = boundaryGap(lower, above);
+  EXPECT_EQ(both, boundaryGap(lower, original));
   EXPECT_LT(both, up / 2);
 }
 
-TEST(RimGap, looksAtRimsThatARimHasMovedAlong) {
+TEST(BoundaryGap, looksAtBoundariesThatABoundaryHasMovedAlong) {
   const LodInput input(fan({40, 0}, {80, 0}), 0);
-  EXPECT_LE(rimGap(moved(fan({110, 0}, {115, 0})), input), kNegligible);
+  EXPECT_LE(boundaryGap(moved(fan({110, 0}, {115, 0})), input), kNegligible);
 }
 
-TEST(RimGap, isThatOfRimsWithManyReferencesAtTheirEnds) {
-  constexpr uint32_t kPoints = 400;  // of a rim with a tooth in its middle, and above them one more
+TEST(BoundaryGap, isThatOfBoundariesWithManyReferencesAtTheirEnds) {
+  constexpr uint32_t kPoints = 400;  // of a boundary with a tooth in its middle, and above them one more
   std::vector<glm::uvec2> points;
   std::vector<glm::u32vec3> triangles;
   for (uint32_t i = 0; i < kPoints; ++i) points.emplace_back(10 * i, i == kPoints / 2 ? 30 : 0);
@@ -91,7 +92,7 @@ TEST(RimGap, isThatOfRimsWithManyReferencesAtTheirEnds) {
   for (uint32_t i = kPoints / 2; i < kPoints; ++i) became[i] = 1;
   became[kPoints] = 2;
   const glm::uvec2 last(10 * (kPoints - 1), 0);
-  const float gap = rimGap({meshOf({{0, 0}, last, points.back()}, {{0, 1, 2}}), became}, input);
+  const float gap = boundaryGap({meshOf({{0, 0}, last, points.back()}, {{0, 1, 2}}), became}, input);
   const float below_tooth = 30 * 10 / std::hypot(30.f, 10.f);
   EXPECT_GE(gap, below_tooth * 0.999f);
   EXPECT_LE(gap, below_tooth * 1.021f * kRounding);

@@ -1,4 +1,4 @@
-#include "server/ingest/measure/rim_gap.h"
+#include "server/ingest/measure/boundary_gap.h"
 
 #include <algorithm>
 #include <array>
@@ -15,30 +15,31 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kMargin = 1.001f;  ///< rounding
-constexpr float kRimPrecision = 1.02f;
-constexpr float kNegligible = 0.25f;   ///< lattice steps, as far as large coordinates can be told apart
-constexpr float kShortestPart = 0.5f;  ///< lattice steps; rims are not divided further
-constexpr size_t kFewRims = 16;        ///< are not looked through for those that matter
-constexpr size_t kManyRims = 4096;     ///< are enough to measure one against
+constexpr float kBoundaryPrecision = 1.02f;
+constexpr float kNegligible = 0.25f;      ///< lattice steps, as far as large coordinates can be told apart
+constexpr float kShortestPart = 0.5f;     ///< lattice steps; boundaries are not divided further
+constexpr size_t kFewBoundaries = 16;     ///< are not looked through for those that matter
+constexpr size_t kManyBoundaries = 4096;  ///< are enough to measure one against
 
 /// A position of the simplified mesh, and a reference with an end that has become it.
 struct Meeting {
   uint32_t place, reference;
 };
 
-float squaredDistance(glm::vec3 point, std::span<const Segment> rims) noexcept {
+float squaredDistance(glm::vec3 point, std::span<const Segment> boundaries) noexcept {
   float squared = std::numeric_limits<float>::infinity();
-  for (const Segment& rim : rims)
-    squared = std::min(squared, squaredDistanceToSegment(point, rim.from, rim.to));
+  for (const Segment& boundary : boundaries)
+    squared = std::min(squared, squaredDistanceToSegment(point, boundary.from, boundary.to));
   return squared;
 }
 
-/// What no point of a part is farther away than: the distance from one rim is largest at an end of the part.
-float squaredBound(const Segment& part, std::span<const Segment> rims) noexcept {
+/// What no point of a part is farther away than: the distance from one boundary is largest at an end of the
+/// part.
+float squaredBound(const Segment& part, std::span<const Segment> boundaries) noexcept {
   float squared = std::numeric_limits<float>::infinity();
-  for (const Segment& rim : rims)
-    squared = std::min(squared, std::max(squaredDistanceToSegment(part.from, rim.from, rim.to),
-                                         squaredDistanceToSegment(part.to, rim.from, rim.to)));
+  for (const Segment& boundary : boundaries)
+    squared = std::min(squared, std::max(squaredDistanceToSegment(part.from, boundary.from, boundary.to),
+                                         squaredDistanceToSegment(part.to, boundary.from, boundary.to)));
   return squared;
 }
 
@@ -48,48 +49,49 @@ struct Farthest {
   float at_most = 0;  ///< by any
 };
 
-/// Leaves of rims, which it puts in order, those that can be nearest to a point of a part. @return how many.
-size_t keepNear(const Segment& part, std::span<Segment> rims) {
+/// Leaves of boundaries, which it puts in order, those that can be nearest to a point of a part. @return how
+/// many.
+size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
   const glm::vec3 middle = (part.from + part.to) / 2.f;
-  const float reach = std::sqrt(squaredDistance(middle, rims)) + glm::distance(part.from, part.to);
-  const auto far = std::partition(rims.begin(), rims.end(), [&](const Segment& rim) {
-    return squaredDistanceToSegment(middle, rim.from, rim.to) <= reach * reach;
+  const float reach = std::sqrt(squaredDistance(middle, boundaries)) + glm::distance(part.from, part.to);
+  const auto far = std::partition(boundaries.begin(), boundaries.end(), [&](const Segment& boundary) {
+    return squaredDistanceToSegment(middle, boundary.from, boundary.to) <= reach * reach;
   });
-  return static_cast<size_t>(far - rims.begin());
+  return static_cast<size_t>(far - boundaries.begin());
 }
 
-/// Looks for a segment's farthest points from rims, as long as they may be farther than what is known.
-void look(const Segment& segment, std::span<Segment> rims, Farthest& farthest) {
+/// Looks for a segment's farthest points from boundaries, as long as they may be farther than what is known.
+void look(const Segment& segment, std::span<Segment> boundaries, Farthest& farthest) {
   struct Part {
     Segment segment;
-    size_t near;  ///< of rims, the first
+    size_t near;  ///< of boundaries, the first
   };
-  std::vector<Part> parts{{segment, rims.size()}};
+  std::vector<Part> parts{{segment, boundaries.size()}};
   for (const glm::vec3 end : {segment.from, segment.to})
-    farthest.reached = std::max(farthest.reached, squaredDistance(end, rims));
+    farthest.reached = std::max(farthest.reached, squaredDistance(end, boundaries));
   while (!parts.empty()) {
     const auto [part, near] = parts.back();
     parts.pop_back();
-    const std::span<Segment> near_rims = rims.first(near);
-    const float bound = squaredBound(part, near_rims);
+    const std::span<Segment> near_boundaries = boundaries.first(near);
+    const float bound = squaredBound(part, near_boundaries);
     const float enough =
-        std::max(kRimPrecision * kRimPrecision * farthest.reached, kNegligible * kNegligible);
+        std::max(kBoundaryPrecision * kBoundaryPrecision * farthest.reached, kNegligible * kNegligible);
     if (bound <= enough || glm::distance(part.from, part.to) <= kShortestPart) {
       farthest.at_most = std::max(farthest.at_most, bound);
       continue;
     }
     const glm::vec3 middle = (part.from + part.to) / 2.f;
-    farthest.reached = std::max(farthest.reached, squaredDistance(middle, near_rims));
-    const size_t nearer = near > kFewRims ? keepNear(part, near_rims) : near;
+    farthest.reached = std::max(farthest.reached, squaredDistance(middle, near_boundaries));
+    const size_t nearer = near > kFewBoundaries ? keepNear(part, near_boundaries) : near;
     parts.push_back({{part.from, middle}, nearer});
     parts.push_back({{middle, part.to}, nearer});
   }
 }
 
 /// The references that have become, or meet, places of a simplified mesh.
-class MeetingRims {
+class MeetingBoundaries {
  public:
-  MeetingRims(const SimplifiedMesh& simplified, const LodInput& input)
+  MeetingBoundaries(const SimplifiedMesh& simplified, const LodInput& input)
       : simplified_(simplified), input_(input) {
     for (uint32_t i = 0; i < input.referenceCount(); ++i) {
       const glm::u32vec2 image = imageOf(input.reference(i).near, simplified.became);
@@ -102,14 +104,14 @@ class MeetingRims {
   }
 
   /// Those at places, up to where they are many.
-  void gather(std::span<const uint32_t> places, std::vector<Segment>& rims) const {
+  void gather(std::span<const uint32_t> places, std::vector<Segment>& boundaries) const {
     const auto pointOf = [](PositionCode position) { return glm::vec3(unpackPosition(position)); };
-    rims.clear();
+    boundaries.clear();
     for (const uint32_t place : places) {
-      if (rims.size() >= kManyRims) break;
+      if (boundaries.size() >= kManyBoundaries) break;
       for (const Meeting meeting : meetingsAt(place)) {
-        const ReferenceRim rim = input_.reference(meeting.reference);
-        rims.push_back({pointOf(rim.from), pointOf(rim.to)});
+        const ReferenceBoundary boundary = input_.reference(meeting.reference);
+        boundaries.push_back({pointOf(boundary.from), pointOf(boundary.to)});
       }
     }
   }
@@ -144,11 +146,11 @@ class MeetingRims {
   std::vector<Meeting> meetings_;
 };
 
-/// Edges between what has become of the ends of the input's rims, rising.
-std::vector<glm::u32vec2> imagesOfRims(const SimplifiedMesh& simplified, const LodInput& input) {
+/// Edges between what has become of the ends of the input's boundaries, rising.
+std::vector<glm::u32vec2> imagesOfBoundaries(const SimplifiedMesh& simplified, const LodInput& input) {
   std::vector<glm::u32vec2> images;
-  for (const glm::u32vec2 rim : input.rims()) {
-    const auto [a, b] = std::minmax(simplified.became[rim.x], simplified.became[rim.y]);
+  for (const glm::u32vec2 boundary : input.boundaries()) {
+    const auto [a, b] = std::minmax(simplified.became[boundary.x], simplified.became[boundary.y]);
     if (a != b && b != kVanished) images.emplace_back(a, b);
   }
   std::sort(images.begin(), images.end(), isBefore);
@@ -158,21 +160,21 @@ std::vector<glm::u32vec2> imagesOfRims(const SimplifiedMesh& simplified, const L
 
 }  // namespace
 
-float rimGap(const SimplifiedMesh& simplified, const LodInput& input) {
+float boundaryGap(const SimplifiedMesh& simplified, const LodInput& input) {
   const auto pointOf = [&](uint32_t place) {
     return glm::vec3(unpackPosition(simplified.mesh.positions[place]));
   };
-  const MeetingRims meeting(simplified, input);
-  std::vector<Segment> rims;
+  const MeetingBoundaries meeting(simplified, input);
+  std::vector<Segment> boundaries;
   Farthest farthest;
-  for (const glm::u32vec2 image : imagesOfRims(simplified, input)) {
+  for (const glm::u32vec2 image : imagesOfBoundaries(simplified, input)) {
     const Segment segment{pointOf(image.x), pointOf(image.y)};
-    meeting.gather(std::array{image.x, image.y}, rims);
+    meeting.gather(std::array{image.x, image.y}, boundaries);
     Farthest from_these = farthest;
-    look(segment, rims, from_these);
+    look(segment, boundaries, from_these);
     if (from_these.at_most <= farthest.at_most) continue;
-    meeting.gather(meeting.around(image), rims);
-    look(segment, rims, farthest);
+    meeting.gather(meeting.around(image), boundaries);
+    look(segment, boundaries, farthest);
   }
   return input.referenceGapSteps() + kMargin * std::sqrt(farthest.at_most);
 }

@@ -1,4 +1,4 @@
-#include "server/ingest/inspect/rim_check.h"
+#include "server/ingest/inspect/boundary_check.h"
 
 #include <initializer_list>
 
@@ -28,12 +28,12 @@ Mesh gridOf(IsKept&& is_kept) {
 }
 
 float found(const Mesh& lod, std::initializer_list<Mesh> leaves) {
-  RimCheck check;
+  BoundaryCheck check;
   check.addLod(lod);
   for (const Mesh& leaf : leaves) {
-    store::OpenEdges rims;
-    rims.add(leaf);
-    check.addLeaf(rims.edges());
+    store::OpenEdges boundaries;
+    boundaries.add(leaf);
+    check.addLeaf(boundaries.edges());
   }
   return check.found().at(0);
 }
@@ -41,21 +41,21 @@ float found(const Mesh& lod, std::initializer_list<Mesh> leaves) {
 constexpr auto kAll = [](uint32_t, uint32_t) { return true; };
 constexpr auto kWithHole = [](uint32_t x, uint32_t y) { return x < 5 || x >= 8 || y < 9 || y >= 11; };
 
-TEST(RimCheck, findsHowFarARimIsFromTheNearestOfTheLeaves) {
+TEST(BoundaryCheck, findsHowFarABoundaryIsFromTheNearestOfTheLeaves) {
   EXPECT_FLOAT_EQ(found(gridOf(kWithHole), {gridOf(kAll)}), 8 * kCellSteps);
 }
 
-TEST(RimCheck, findsNothingWhereTheRimsAreTheSame) {
+TEST(BoundaryCheck, findsNothingWhereTheBoundariesAreTheSame) {
   EXPECT_EQ(found(gridOf(kWithHole), {gridOf(kWithHole)}), 0);
 }
 
-TEST(RimCheck, takesWhatTwoLeavesShareForNoRim) {
+TEST(BoundaryCheck, takesWhatTwoLeavesShareForNoBoundary) {
   const Mesh left = gridOf([](uint32_t x, uint32_t) { return x < 6; });
   const Mesh right = gridOf([](uint32_t x, uint32_t) { return x >= 6; });
   EXPECT_FLOAT_EQ(found(gridOf(kWithHole), {left, right}), 8 * kCellSteps);
 }
 
-TEST(RimCheck, findsNothingWhereTheLeavesHaveNoRims) {
+TEST(BoundaryCheck, findsNothingWhereTheLeavesHaveNoBoundaries) {
   EXPECT_EQ(found(gridOf(kAll), {test::makeSphere(12, 8)}), 0);
 }
 
