@@ -31,7 +31,7 @@ class PageWriter {
     varint(blob.number);
     if (!blob) return;
     varint(blob.bytes);
-    bytes_.insert(bytes_.end(), blob.name.bytes.begin(), blob.name.bytes.end());
+    bytes_.insert(bytes_.end(), blob.digest.bytes.begin(), blob.digest.bytes.end());
   }
 
  private:
@@ -112,8 +112,8 @@ class PageReader {
     if (!blob) return blob;
     blob.bytes = count(most_bytes, "bytes of a blob");
     if (blob.bytes == 0) refusePage("a blob has no bytes");
-    const auto name = take(blob.name.bytes.size());
-    std::copy(name.begin(), name.end(), blob.name.bytes.begin());
+    const auto name = take(blob.digest.bytes.size());
+    std::copy(name.begin(), name.end(), blob.digest.bytes.begin());
     return blob;
   }
   LatticeBox box() {

@@ -12,8 +12,8 @@ namespace lode {
 /// What a client must know of a model before anything else; part of the store's header and of the answer to
 /// Open.
 struct ModelSummary {
-  std::string name;   ///< the store file's stem
-  BlobName build_id;  ///< hash of the index: changes when anything in the store does
+  std::string name;  ///< the store file's stem
+  Digest build_id;   ///< hash of the index: changes when anything in the store does
   Lattice lattice;
   LatticeBox box;  ///< of all nodes
   AttributeSet attributes;

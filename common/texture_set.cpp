@@ -84,8 +84,8 @@ BlobRef readTile(SetReader& in) {
   BlobRef tile;
   tile.number = in.u32();
   tile.bytes = in.u32();
-  const auto name = in.take(tile.name.bytes.size());
-  std::copy(name.begin(), name.end(), tile.name.bytes.begin());
+  const auto name = in.take(tile.digest.bytes.size());
+  std::copy(name.begin(), name.end(), tile.digest.bytes.begin());
   checkTile(tile);
   return tile;
 }
@@ -177,7 +177,7 @@ std::vector<std::byte> encodeTextureSet(const TextureSet& set) {
       checkTile(tile);
       out.fixed(tile.number, 4);
       out.fixed(tile.bytes, 4);
-      out.raw(tile.name.bytes);
+      out.raw(tile.digest.bytes);
     }
   }
   return out.take();

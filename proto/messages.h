@@ -44,7 +44,7 @@ struct Models {
 
 struct Open {
   std::string model;
-  BlobName known_build_id;  ///< zeros for none
+  Digest known_build_id;  ///< zeros for none
   bool operator==(const Open&) const = default;
 };
 

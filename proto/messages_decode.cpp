@@ -25,13 +25,15 @@ std::string getString(const flatbuffers::String* text, uint32_t limit, const cha
   return std::string(view);
 }
 
-BlobName fromWire(const wire::BlobName& name) {
-  BlobName out;
+Digest fromWire(const wire::Digest& name) {
+  Digest out;
   std::memcpy(out.bytes.data(), name.bytes()->Data(), out.bytes.size());
   return out;
 }
 
-BlobRef fromWire(const wire::BlobRef& blob) { return {blob.number(), blob.bytes(), fromWire(*blob.name())}; }
+BlobRef fromWire(const wire::BlobRef& blob) {
+  return {blob.number(), blob.bytes(), fromWire(*blob.digest())};
+}
 
 glm::uvec3 fromWire(const wire::LatticePoint& p) { return {p.x(), p.y(), p.z()}; }
 

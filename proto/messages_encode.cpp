@@ -37,22 +37,22 @@ std::string_view checked(std::string_view text, uint32_t limit, const char* what
 
 auto put(Builder& builder, std::string_view text) { return builder.CreateString(text.data(), text.size()); }
 
-wire::BlobName toWire(const BlobName& name) {
+wire::Digest toWire(const Digest& name) {
   std::array<uint8_t, 16> bytes;
   std::memcpy(bytes.data(), name.bytes.data(), bytes.size());
-  return wire::BlobName(bytes);
+  return wire::Digest(bytes);
 }
 
 wire::LatticePoint toWire(glm::uvec3 p) { return {p.x, p.y, p.z}; }
 
 flatbuffers::Offset<wire::BlobRef> put(Builder& builder, const BlobRef& blob) {
-  const wire::BlobName name = toWire(blob.name);
+  const wire::Digest name = toWire(blob.digest);
   return wire::CreateBlobRef(builder, blob.number, blob.bytes, &name);
 }
 
 flatbuffers::Offset<wire::ModelSummary> put(Builder& builder, const ModelSummary& summary) {
   const auto name = put(builder, checked(summary.name, kMaxModelNameBytes, "bytes in a model's name"));
-  const wire::BlobName build_id = toWire(summary.build_id);
+  const wire::Digest build_id = toWire(summary.build_id);
   const wire::DVec3 origin(summary.lattice.origin.x, summary.lattice.origin.y, summary.lattice.origin.z);
   const wire::LatticeBox box(toWire(summary.box.min), toWire(summary.box.max));
   const auto page = put(builder, summary.root_page);
@@ -115,8 +115,8 @@ Bytes encode(const Models& message, uint32_t call) {
 Bytes encode(const Open& message, uint32_t call) {
   Builder builder;
   const auto model = put(builder, checked(message.model, kMaxModelNameBytes, "bytes in a model's name"));
-  const wire::BlobName known = toWire(message.known_build_id);
-  const bool knows = message.known_build_id != BlobName{};
+  const wire::Digest known = toWire(message.known_build_id);
+  const bool knows = message.known_build_id != Digest{};
   return finish(builder, wire::CreateOpen(builder, model, knows ? &known : nullptr), FrameType::kOpen, call);
 }
 

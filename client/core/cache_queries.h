@@ -23,15 +23,15 @@ class CacheQueries {
   /// @return what the blob was asked for; nothing if it was not, or for a model that is gone.
   std::optional<BlobUse> finish(const BlobRef& blob, bool found);
   /// The blob has come from elsewhere: the cache will have it.
-  void arrived(const BlobRef& blob) { misses_.erase(blob.name); }
+  void arrived(const BlobRef& blob) { misses_.erase(blob.digest); }
   /// Something is on its way from elsewhere, or not to be had.
   bool lacksAny() const noexcept { return !misses_.empty(); }
   bool idle() const noexcept { return asked_.empty(); }
 
  private:
-  std::map<BlobName, BlobUse> asked_;
+  std::map<Digest, BlobUse> asked_;
   std::vector<BlobRef> new_;
-  std::set<BlobName> misses_;
+  std::set<Digest> misses_;
 };
 
 }  // namespace lode::core

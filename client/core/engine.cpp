@@ -11,11 +11,11 @@ namespace lode::core {
 
 Engine::Engine(EngineOptions options)
     : options_(std::move(options)),
-      link_(options_.session, options_.jitter_seed),
-      instance_({.triangle_budget = options_.triangle_budget,
-                 .drawn_budget_bytes = options_.drawn_budget_bytes,
-                 .hold_factor = options_.hold_factor,
-                 .lists_wanted = options_.shares_memory}) {
+      connection_(options_.session, options_.jitter_seed),
+      group_({.triangle_budget = options_.triangle_budget,
+              .drawn_budget_bytes = options_.drawn_budget_bytes,
+              .hysteresis_factor = options_.hysteresis_factor,
+              .lists_wanted = options_.shares_memory}) {
   if (options_.offline && options_.cached_model)
     model_.emplace(*options_.cached_model, options_.memory_budget_bytes);
   requests_waiting_ = model_.has_value();
@@ -26,54 +26,54 @@ void Engine::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
   options_.memory_budget_bytes = bytes;
   options_.drawn_budget_bytes = drawn_bytes;
   if (model_) model_->setMemoryBudget(bytes);
-  instance_.setDrawnBudget(drawn_bytes);
+  group_.setDrawnBudget(drawn_bytes);
 }
 
 void Engine::connect(TimePoint now) {
   const ModelSummary* const known = model_                  ? &model_->summary()
                                     : options_.cached_model ? &*options_.cached_model
                                                             : nullptr;
-  link_.begin(known ? known->build_id : BlobName(), now);
+  connection_.begin(known ? known->build_id : Digest(), now);
 }
 
 void Engine::receive(std::span<const std::byte> bytes, TimePoint now, Line line) {
   now_ = now;
-  if (!link_.session(line)) return;
-  link_.session(line)->receive(bytes, now);
+  if (!connection_.session(line)) return;
+  connection_.session(line)->receive(bytes, now);
   handleAll(line);
 }
 
 void Engine::handleAll(Line line) {
-  while (link_.session(line)) {
-    std::optional<SessionEvent> event = link_.session(line)->nextEvent();
+  while (connection_.session(line)) {
+    std::optional<SessionEvent> event = connection_.session(line)->nextEvent();
     if (!event) return;
     // What a server that is going away says beside blobs, the next one says too.
-    const bool is_heard = line == Line::kNewest || !(std::holds_alternative<ServerLeaving>(*event) ||
+    const bool is_heard = line == Line::kActive || !(std::holds_alternative<ServerLeaving>(*event) ||
                                                      std::holds_alternative<ModelChanged>(*event));
     if (is_heard) std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
   }
 }
 
 void Engine::disconnect(const Error& why, TimePoint now, Line line) {
-  if (options_.on_broken && link_.session(line))
-    options_.on_broken(line, why, line == Line::kNewest && !link_.survives(why));
+  if (options_.on_broken && connection_.session(line))
+    options_.on_broken(line, why, line == Line::kActive && !connection_.survives(why));
   requests_waiting_ = true;
-  if (line == Line::kNewest) return link_.fail(why, now);
-  link_.endLeaving();
+  if (line == Line::kActive) return connection_.fail(why, now);
+  connection_.endDraining();
 }
 
 void Engine::handle(ModelOpened event) {
-  link_.succeeded();
+  connection_.succeeded();
   requests_waiting_ = true;
   if (model_ && model_->summary().build_id == event.summary.build_id) return;
-  if (model_ && instance_.cut() && model_->summary().lattice != event.summary.lattice)
+  if (model_ && group_.cut() && model_->summary().lattice != event.summary.lattice)
     throw Error(ErrorCode::kInput,
                 "the server has replaced the model by one of another size or place: open it again");
   model_.emplace(std::move(event.summary), options_.memory_budget_bytes);
-  instance_.forgetModel();
+  group_.forgetModel();
   prefetcher_.forgetModel();
   queries_ = {};
-  link_.endLeaving();
+  connection_.endDraining();
 }
 
 void Engine::handle(ModelsListed) {
@@ -85,15 +85,15 @@ void Engine::handle(BlobArrived event) {
   if (options_.has_cache) arrivals_.push_back({event.blob, event.bytes});
   const bool was_root_page = event.use.kind == BlobKind::kRootPage;
   deliver(event.blob, event.use, std::move(event.bytes));
-  if (!was_root_page || !link_.session() || !link_.session()->givesFirstBlobs()) return;
+  if (!was_root_page || !connection_.session() || !connection_.session()->givesFirstBlobs()) return;
   if (const auto coarsest = model_->firstRequest())
-    link_.session()->expectUnasked(coarsest->blob, coarsest->use);
+    connection_.session()->expectUnasked(coarsest->blob, coarsest->use);
 }
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   prefetcher_.arrived(blob, use);
   // What several LODs share is fetched once.
-  for (const Request& request : instance_.requests())
+  for (const Request& request : group_.requests())
     if (request.blob == blob && request.use != use) model_->take(request.blob, request.use, bytes);
   model_->take(blob, use, std::move(bytes));
 }
@@ -111,13 +111,13 @@ bool Engine::exhausted() const noexcept {
 }
 
 bool Engine::settled() const noexcept {
-  if (instance_.settled()) return true;
+  if (group_.settled()) return true;
   if (!model_ || model_->failure().empty() || requests_waiting_ || model_->decoding() != 0 ||
       !queries_.idle())
     return false;
-  return !model_->firstRequest() &&
-         std::ranges::none_of(instance_.requests(),
-                              [this](const Request& request) { return model_->wants(request); });
+  return !model_->firstRequest() && std::ranges::none_of(group_.requests(), [this](const Request& request) {
+    return model_->wants(request);
+  });
 }
 
 void Engine::handle(BlobRefused event) {
@@ -128,11 +128,11 @@ void Engine::handle(BlobRefused event) {
 void Engine::handle(RequestCancelled) { requests_waiting_ = true; }
 
 void Engine::handle(ServerLeaving event) {
-  if (options_.on_turned_away && !link_.session()->opened()) options_.on_turned_away(event.reason);
-  link_.leave(std::move(event.reason), now_);
+  if (options_.on_turned_away && !connection_.session()->opened()) options_.on_turned_away(event.reason);
+  connection_.leave(std::move(event.reason), now_);
 }
 
-void Engine::handle(ModelChanged) { link_.restart(now_); }
+void Engine::handle(ModelChanged) { connection_.restart(now_); }
 
 void Engine::finishDecode(DecodeResult result) {
   if (model_) model_->finishDecode(std::move(result));
@@ -141,21 +141,21 @@ void Engine::finishDecode(DecodeResult result) {
 void Engine::step(TimePoint now) {
   now_ = now;
   for (const Line line : kLines) {
-    if (!link_.session(line)) continue;
+    if (!connection_.session(line)) continue;
     try {
-      link_.session(line)->tick(now);
+      connection_.session(line)->tick(now);
     } catch (const Error& silent) {
       disconnect(silent, now, line);
     }
   }
   if (model_) {
-    bool changed = instance_.refine(*model_);
-    if (changed) prefetcher_.needed(instance_.placed().get(), instance_.pages(), instance_.requests());
+    bool changed = group_.refine(*model_);
+    if (changed) prefetcher_.needed(group_.viewCuts().get(), group_.pages(), group_.requests());
     if (options_.prefetch) {
-      prefetcher_.expectViews(instance_.viewCount());
-      for (size_t number = 0; number < instance_.viewCount(); ++number)
-        prefetcher_.see(number, instance_.view(number), now);
-      changed |= prefetcher_.lookAhead(*model_, instance_.options(), now);
+      prefetcher_.expectViews(group_.viewCount());
+      for (size_t number = 0; number < group_.viewCount(); ++number)
+        prefetcher_.see(number, group_.view(number), now);
+      changed |= prefetcher_.lookAhead(*model_, group_.options(), now);
     }
     if (changed || requests_waiting_) renewRequests();
   }
@@ -164,13 +164,13 @@ void Engine::step(TimePoint now) {
 
 Waiting Engine::waiting() const noexcept {
   if (!model_ || !model_->hierarchy().root()) return Waiting::kLink;
-  if (instance_.viewCount() == 0 || (cut() && cut()->converged)) return Waiting::kNot;
+  if (group_.viewCount() == 0 || (cut() && cut()->converged)) return Waiting::kNot;
   const auto isSeen = [](const Request& request) {
     return request.request_class == proto::RequestClass::kVisible;
   };
-  const std::vector<Request>& requests = instance_.requests();
+  const std::vector<Request>& requests = group_.requests();
   const auto seen_end = std::find_if_not(requests.begin(), requests.end(), isSeen);
-  if (seen_end == requests.begin()) return instance_.limited() ? Waiting::kBudget : Waiting::kNot;
+  if (seen_end == requests.begin()) return group_.limited() ? Waiting::kBudget : Waiting::kNot;
   if (held_back_) return Waiting::kDecode;
   const bool is_awaited = std::any_of(requests.begin(), seen_end,
                                       [this](const Request& request) { return model_->wants(request); });
@@ -179,10 +179,10 @@ Waiting Engine::waiting() const noexcept {
 
 void Engine::renewRequests() {
   requests_waiting_ = held_back_ = false;
-  if (!link_.session() && !options_.has_cache) return;
+  if (!connection_.session() && !options_.has_cache) return;
   std::vector<Request> requests;
   std::unordered_set<uint32_t> asked;  // blob numbers
-  const Session* const leaving = link_.session(Line::kLeaving);
+  const Session* const leaving = connection_.session(Line::kDraining);
   const uint64_t budget_bytes = model_->transitBudgetBytes();
   uint64_t waiting_bytes = model_->undecodedBytes();
   /// @return false if no more may be asked for.
@@ -200,10 +200,10 @@ void Engine::renewRequests() {
   };
   if (const auto first = model_->firstRequest()) ask(*first);
   // What is seen comes first, and all of it where the picture is far from what it is to be.
-  const bool is_far_off = isFarOff(cut().get(), instance_.options().threshold_px);
+  const bool is_far_off = isFarOff(cut().get(), group_.options().threshold_px);
   const std::span<const Request> ahead =
       is_far_off ? std::span<const Request>() : std::span(prefetcher_.requests());
-  for (const Request& request : instance_.requests())
+  for (const Request& request : group_.requests())
     if (!ask(request)) break;
   for (const Request& request : ahead)
     if (!ask(request)) break;
@@ -213,11 +213,11 @@ void Engine::renewRequests() {
       request.priority_px = 1;
     }
   }
-  if (link_.takesRequests()) link_.session()->setRequests(requests);
+  if (connection_.takesRequests()) connection_.session()->setRequests(requests);
 }
 
 proto::Bytes Engine::takeOutgoing(Line line) {
-  return link_.session(line) ? link_.session(line)->takeOutgoing() : proto::Bytes();
+  return connection_.session(line) ? connection_.session(line)->takeOutgoing() : proto::Bytes();
 }
 
 std::vector<DecodeJob> Engine::takeDecodeJobs() {
@@ -231,11 +231,11 @@ const std::string& Engine::failure() const noexcept {
 
 EngineCounts Engine::counts() const noexcept {
   EngineCounts counts;
-  counts.received_bytes = link_.receivedBytes();
+  counts.received_bytes = connection_.receivedBytes();
   counts.cache_bytes = cache_bytes_;
   counts.prefetch = prefetcher_.counts();
   counts.waited = waited_;
-  if (const Session* session = link_.session()) {
+  if (const Session* session = connection_.session()) {
     using Milliseconds = std::chrono::duration<double, std::milli>;
     const CreditWindow& window = session->window();
     counts.open_requests = session->openRequests();
@@ -247,9 +247,9 @@ EngineCounts Engine::counts() const noexcept {
   if (!model_) return counts;
   counts.decoding = model_->decoding();
   counts.transit_bytes = model_->undecodedBytes() + model_->decodingBytes();
-  if (link_.session()) counts.transit_bytes += link_.session()->requestedBytes();
+  if (connection_.session()) counts.transit_bytes += connection_.session()->requestedBytes();
   counts.resident_bytes = model_->meshes().bytes();
-  counts.wanted_bytes = instance_.wantedBytes();
+  counts.wanted_bytes = group_.wantedBytes();
   counts.known_nodes = model_->hierarchy().size();
   counts.hierarchy_bytes = model_->hierarchy().bytes();
   counts.texture_blob_bytes = model_->textureBlobBytes();

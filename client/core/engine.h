@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "client/core/cache_queries.h"
+#include "client/core/connection.h"
 #include "client/core/cut.h"
 #include "client/core/decode_job.h"
-#include "client/core/instance.h"
-#include "client/core/link.h"
 #include "client/core/model.h"
 #include "client/core/prefetcher.h"
 #include "client/core/view.h"
+#include "client/core/view_group.h"
 #include "client/core/wait_times.h"
 #include "common/error.h"
 
@@ -32,7 +32,7 @@ struct EngineOptions {
   // See RefineOptions.
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
-  float hold_factor = 1;
+  float hysteresis_factor = 1;
   bool shares_memory = false;  ///< with other models: counts what is wanted, and holds it to one error
   uint32_t jitter_seed = 0;    ///< of the times between tries to connect
   bool has_cache = false;      ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
@@ -59,7 +59,7 @@ struct EngineCounts {
   uint64_t decoding = 0;        ///< jobs handed out
   uint64_t transit_bytes = 0;   ///< asked for, not decoded, or being decoded, with what decoding takes
   uint64_t resident_bytes = 0;  ///< decoded meshes
-  uint64_t wanted_bytes = 0;    ///< of them for the error asked for: see Instance::wantedBytes()
+  uint64_t wanted_bytes = 0;    ///< of them for the error asked for: see ViewGroup::wantedBytes()
   uint64_t known_nodes = 0;
   uint64_t hierarchy_bytes = 0;     ///< of the known nodes
   uint64_t texture_blob_bytes = 0;  ///< received for textures: their set and tiles
@@ -83,29 +83,29 @@ class Engine {
 
   /// A transport is to be made, and then connect() called. What was the newest until then, if it is there, is
   /// the leaving one from then on.
-  bool wantsConnection(TimePoint now) const noexcept { return !options_.offline && link_.due(now); }
+  bool wantsConnection(TimePoint now) const noexcept { return !options_.offline && connection_.due(now); }
   void connect(TimePoint now);
   /// False: the transport, if there is one, is of no more use.
-  bool connected(Line line = Line::kNewest) const noexcept { return link_.session(line) != nullptr; }
+  bool connected(Line line = Line::kActive) const noexcept { return connection_.session(line) != nullptr; }
   /// There is a connection, and its server does not go away.
-  bool staysConnected() const noexcept { return link_.takesRequests(); }
+  bool staysConnected() const noexcept { return connection_.takesRequests(); }
   /// Those that a connection has open, with those taken back.
   uint64_t openRequests(Line line) const noexcept {
-    const Session* const session = link_.session(line);
+    const Session* const session = connection_.session(line);
     return session ? session->openRequests() : 0;
   }
   /// The transport failed. @throws the error if a new one would not help; the last cut stays good.
-  void disconnect(const Error& why, TimePoint now, Line line = Line::kNewest);
+  void disconnect(const Error& why, TimePoint now, Line line = Line::kActive);
   /// Why there is no connection now, while a new one is tried for; empty otherwise.
-  const std::string& trouble() const noexcept { return link_.trouble(); }
+  const std::string& trouble() const noexcept { return connection_.trouble(); }
 
   /// @throws Error as Session does: the engine must be given up then; the last cut stays good.
-  void receive(std::span<const std::byte> bytes, TimePoint now, Line line = Line::kNewest);
+  void receive(std::span<const std::byte> bytes, TimePoint now, Line line = Line::kActive);
   void finishDecode(DecodeResult result);
   /// @param view  in the model frame: see camera_path.h for how to come from true coordinates.
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
   /// The same for a model that stands in several places. @param views  of pictures of one size.
-  void setViews(std::span<const View> views, float threshold_px) { instance_.setViews(views, threshold_px); }
+  void setViews(std::span<const View> views, float threshold_px) { group_.setViews(views, threshold_px); }
 
   /// Others than the options', from now on: of all, and of what is drawn.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
@@ -114,7 +114,7 @@ class Engine {
   /// disconnect().
   void step(TimePoint now);
 
-  proto::Bytes takeOutgoing(Line line = Line::kNewest);
+  proto::Bytes takeOutgoing(Line line = Line::kActive);
   std::vector<DecodeJob> takeDecodeJobs();
 
   /// Blobs to be looked for in the cache; each is to be answered by finishCacheQuery().
@@ -133,11 +133,11 @@ class Engine {
   /// Null until the model is open.
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
   /// The last cut published; null until the root's coarsest LOD is there and a view is set.
-  const std::shared_ptr<const Cut>& cut() const noexcept { return instance_.cut(); }
-  /// By view, as those; see Instance.
-  const std::shared_ptr<const PlacedCuts>& placed() const noexcept { return instance_.placed(); }
-  uint64_t cutBuild() const noexcept { return instance_.cutBuild(); }
-  bool limited() const noexcept { return instance_.limited(); }
+  const std::shared_ptr<const Cut>& cut() const noexcept { return group_.cut(); }
+  /// By view, as those; see ViewGroup.
+  const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return group_.viewCuts(); }
+  uint64_t cutBuild() const noexcept { return group_.cutBuild(); }
+  bool limited() const noexcept { return group_.limited(); }
   /// Nothing more will come for the views: their cuts are whole, or what they lack cannot be had.
   bool settled() const noexcept;
   /// Why a part of the model cannot be had; empty if nothing is wrong.
@@ -158,12 +158,12 @@ class Engine {
   Waiting waiting() const noexcept;
 
   EngineOptions options_;
-  Link link_;
+  Connection connection_;
   CacheQueries queries_;
   std::vector<Arrival> arrivals_;
   uint64_t cache_bytes_ = 0;
   std::optional<Model> model_;
-  Instance instance_;
+  ViewGroup group_;
   Prefetcher prefetcher_;
   WaitTimes waited_;
   TimePoint now_{};

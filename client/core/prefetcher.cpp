@@ -57,11 +57,11 @@ void Prefetcher::arrived(const BlobRef& blob, const BlobUse& use) {
   counts_.unused_bytes += blob.bytes;
 }
 
-void Prefetcher::needed(const PlacedCuts* placed, std::span<const NodeKey> pages,
+void Prefetcher::needed(const ViewCuts* view_cuts, std::span<const NodeKey> pages,
                         std::span<const Request> requests) {
   if (open_.empty()) return;
-  if (placed != nullptr)
-    for (const auto& cut : placed->cuts)
+  if (view_cuts != nullptr)
+    for (const auto& cut : view_cuts->cuts)
       for (const CutPart& part : cut->parts)
         if (part.visible) use({BlobKind::kMesh, {part.node, part.lod}});
   for (const NodeKey page : pages) use({BlobKind::kPage, {page, 0}});

@@ -7,10 +7,10 @@
 
 #include "client/core/camera_motion.h"
 #include "client/core/model.h"
-#include "client/core/placed_cuts.h"
 #include "client/core/refine_options.h"
 #include "client/core/request.h"
 #include "client/core/time_point.h"
+#include "client/core/view_cuts.h"
 
 namespace lode::core {
 
@@ -45,8 +45,8 @@ class Prefetcher {
   /// Of any blob.
   void arrived(const BlobRef& blob, const BlobUse& use);
   /// What the views show, go through, and ask for.
-  /// @param placed  may be null.
-  void needed(const PlacedCuts* placed, std::span<const NodeKey> pages, std::span<const Request> requests);
+  /// @param view_cuts  may be null.
+  void needed(const ViewCuts* view_cuts, std::span<const NodeKey> pages, std::span<const Request> requests);
   const PrefetchCounts& counts() const noexcept { return counts_; }
 
   /// Another build has taken the model's place.

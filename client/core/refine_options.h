@@ -8,7 +8,7 @@ namespace lode::core {
 
 constexpr uint64_t kPartBytes = 256;  ///< that a part of a cut takes beside its mesh, and where it has none
 constexpr double kMarginWidening = 1.2;  ///< of the picture: what a camera that turns a little sees next
-constexpr float kHoldFactor =
+constexpr float kHysteresisFactor =
     0.841f;  ///< 2^-1/4: a part that a viewer has refined stays so above this threshold
 
 /// What a refinement has made of a node, for the next one: children follow one another, the root is the
@@ -36,8 +36,8 @@ struct RefineOptions {
       std::numeric_limits<uint64_t>::max();  ///< the same where it is drawn
   /// Hysteresis: what was finer in the last refinement stays so until it is this much below the threshold, so
   /// that nothing flickers. 1: none, and the cut depends on the view alone.
-  float hold_factor = 1;
-  /// Refinement::wanted_meshes is to be made; an Instance holds a single view, too, to a larger error where a
+  float hysteresis_factor = 1;
+  /// Refinement::wanted_meshes is to be made; a ViewGroup holds a single view, too, to a larger error where a
   /// budget is short.
   bool lists_wanted = false;
 };

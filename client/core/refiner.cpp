@@ -359,7 +359,7 @@ class Run {
     result.ancestors = std::move(ancestors_);
     result.pages = std::move(pages_);
     result.pages.insert(result.pages.end(), want_.pages().begin(), want_.pages().end());
-    if (options_.hold_factor < 1) result.held = want_.held();
+    if (options_.hysteresis_factor < 1) result.held = want_.held();
     if (options_.lists_wanted) result.wanted_meshes = want_.meshes();
     result.limited = want_.limited();
     result.settled = exact_ && whole_ && !want_.blocked();

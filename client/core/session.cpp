@@ -148,8 +148,8 @@ void Session::handleOpened(const proto::FrameHeader& header, std::span<const std
           "the model's first page has " + std::to_string(root_page.bytes) + " bytes");
   handle_ = opened.handle;
   state_ = State::kOpen;
-  const BlobName& known = options_.known_build_id;
-  gives_first_blobs_ = known == BlobName() || known != opened.summary.build_id;
+  const Digest& known = options_.known_build_id;
+  gives_first_blobs_ = known == Digest() || known != opened.summary.build_id;
   if (gives_first_blobs_) expectUnasked(root_page, {BlobKind::kRootPage, {kRootKey, 0}});
   sendPing();
   event_ = ModelOpened{std::move(opened.summary)};
@@ -199,7 +199,7 @@ void Session::appendChunk(Incoming& incoming, const proto::BlobChunk& chunk) {
 
 SessionEvent Session::completed(Incoming incoming) {
   const bool named = options_.is_named ? options_.is_named(incoming.blob, incoming.bytes)
-                                       : nameBlob(incoming.bytes) == incoming.blob.name;
+                                       : digestOf(incoming.bytes) == incoming.blob.digest;
   require(named, "blob " + std::to_string(incoming.blob.number) +
                      " does not have the bytes that its name stands for");
   return BlobArrived{incoming.blob, incoming.use, std::move(incoming.bytes)};

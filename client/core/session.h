@@ -32,8 +32,8 @@ constexpr uint32_t kMaxRequestsAtOnce = 1024;   ///< enough to fill any window, 
 constexpr float kReprioritiseFactor = 1.19f;    ///< 2^1/4: smaller changes of priority are not sent
 
 struct SessionOptions {
-  std::string model;        ///< empty: asks for the list of models and opens none
-  BlobName known_build_id;  ///< of the model as the client knows it; zeros for none
+  std::string model;      ///< empty: asks for the list of models and opens none
+  Digest known_build_id;  ///< of the model as the client knows it; zeros for none
   std::string token;
   std::string program = "lodestream";
   Remedies remedies;

@@ -36,7 +36,7 @@ WantedCut::WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeS
       attributes_(attributes),
       sight_(view, kMarginWidening),
       options_(options),
-      held_(options.hold_factor < 1 ? held : std::span<const HeldNode>()) {
+      held_(options.hysteresis_factor < 1 ? held : std::span<const HeldNode>()) {
   nodes_.reserve(kUsualNodes);
   begin();
   refine();
@@ -85,8 +85,9 @@ void WantedCut::enqueue(uint32_t place) {
   const bool must_give_way = !wanted.node->coarsestLod();
   if (!wanted.visible && !must_give_way) return;
   const float error_px = must_give_way ? std::numeric_limits<float>::infinity() : errorPx(wanted, wanted.lod);
-  const bool is_too_coarse = error_px > options_.threshold_px ||
-                             (error_px > options_.threshold_px * options_.hold_factor && wasFiner(wanted));
+  const bool is_too_coarse =
+      error_px > options_.threshold_px ||
+      (error_px > options_.threshold_px * options_.hysteresis_factor && wasFiner(wanted));
   if (!is_too_coarse) return;
   open_.push_back({error_px, place, wanted.node->key});
   if (is_best_first_) std::push_heap(open_.begin(), open_.end());

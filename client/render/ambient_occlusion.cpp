@@ -67,8 +67,8 @@ void AmbientOcclusion::drawLayers() const {
   glBindTextureUnit(kHalfLayer, occlusion_.texture.get());
 }
 
-void AmbientOcclusion::darken(const Framebuffer& picture, double fov_y_rad, Show show) {
-  if (show != Show::kSurface) return;
+void AmbientOcclusion::darken(const Framebuffer& picture, double fov_y_rad, ColorMode show) {
+  if (show != ColorMode::kSurface) return;
   fit(picture);
   const float half_height = 0.5f * static_cast<float>(picture.heightPx());
   const glm::vec2 middle_px = 0.25f * glm::vec2(picture.widthPx(), picture.heightPx());

@@ -22,7 +22,7 @@ class AmbientOcclusion {
   /// the background, and nothing unless surfaces are shown in their light: other colours mean something.
   /// @param picture  of several samples a pixel.
   /// Leaves behind: bound framebuffer, program, vertex array, textures, depth state.
-  void darken(const Framebuffer& picture, double fov_y_rad, Show show);
+  void darken(const Framebuffer& picture, double fov_y_rad, ColorMode show);
 
  private:
   /// A texture that is drawn to.

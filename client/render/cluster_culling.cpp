@@ -8,11 +8,11 @@ uint32_t SeenCluster::triangles() const noexcept {
   return std::min(kClusterTriangles, part.item->index_count / 3 - firstTriangle());
 }
 
-std::vector<bool>::reference SeenCluster::hidden(size_t place) const {
-  auto& places = part.item->clusters->hidden;
-  if (places.size() <= place) places.resize(place + 1);
-  places[place].resize(part.item->clusters->boxes.size());
-  return places[place][number];
+std::vector<bool>::reference SeenCluster::hidden(size_t instance) const {
+  auto& instances = part.item->clusters->hidden;
+  if (instances.size() <= instance) instances.resize(instance + 1);
+  instances[instance].resize(part.item->clusters->boxes.size());
+  return instances[instance][number];
 }
 
 bool isInPicture(const SeenPart& part, const core::Sight& sight, double lattice_step) {

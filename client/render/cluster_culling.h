@@ -25,7 +25,7 @@ struct SeenCluster {
   uint32_t triangles() const noexcept;
   const LatticeBox& box() const noexcept { return part.item->clusters->boxes[number]; }
   /// By others, in the last frame. @param place  where the model stands.
-  std::vector<bool>::reference hidden(size_t place) const;
+  std::vector<bool>::reference hidden(size_t instance) const;
 };
 
 bool isInPicture(const SeenPart& part, const core::Sight& sight, double lattice_step);

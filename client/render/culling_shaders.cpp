@@ -4,7 +4,7 @@ namespace lode::render {
 
 #define LODE_CHUNKS                                                                                       \
   "struct Chunk { uint first_box_word, clusters, first_index, index_count; int base_vertex; uint state, " \
-  "placement; };"                                                                                         \
+  "instance; };"                                                                                          \
   "layout(std430, binding = 2) readonly buffer Chunks { Chunk chunks[]; };"
 
 const char* const kFindShader = LODE_CHUNKS R"glsl(
@@ -18,7 +18,7 @@ struct Camera {
   vec4 eye_low, right, up, behind;  // and scale x, scale y and, in steps, near
 };
 struct CameraPair { Camera now, before; };
-layout(std430, binding = 4) readonly buffer Cameras { CameraPair cameras[]; };  // by placement
+layout(std430, binding = 4) readonly buffer Cameras { CameraPair cameras[]; };  // by instance
 
 layout(location = 0) uniform uint pass;  // 1: the depths are of this picture, else of the last
 layout(location = 1) uniform uint chunks_of_pass;
@@ -87,10 +87,10 @@ bool isFound(uint place, uint number, Chunk chunk) {
   if (pass == 1u && (found[place][number >> 5] >> (number & 31u) & 1u) != 0u) return false;  // drawn already
   if (!has_boxes) return true;
   uint word = chunk.first_box_word + number * 6u;
-  Camera now = cameras[chunk.placement].now;
+  Camera now = cameras[chunk.instance].now;
   if (!isInPicture(now, boxFrom(now, word))) return false;
   if (pass == 1u) return !isHidden(now, boxFrom(now, word));
-  Camera before = cameras[chunk.placement].before;
+  Camera before = cameras[chunk.instance].before;
   return before.eye_high.w == 0 || !isHidden(before, boxFrom(before, word));
 }
 

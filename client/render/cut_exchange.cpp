@@ -25,7 +25,7 @@ constexpr std::pair<uint64_t, int> depthLast(NodeKey node) noexcept {
 }
 
 NodeKey nodeOf(const CutPart& part) { return part.node; }
-NodeKey nodeOf(const LeftOut& place) { return place.node; }
+NodeKey nodeOf(const LeftOut& left_out) { return left_out.node; }
 
 /// What is at a node: a part, or, if the mesh is null, a place that is left out.
 struct Covering {
@@ -41,7 +41,7 @@ std::vector<Covering> coverOf(const Cut& cut) {
   std::vector<Covering> cover;
   cover.reserve(cut.parts.size() + cut.left_out.size());
   for (const CutPart& part : cut.parts) cover.push_back({part.node, part.mesh.get()});
-  for (const LeftOut& place : cut.left_out) cover.push_back({place.node, nullptr});
+  for (const LeftOut& left_out : cut.left_out) cover.push_back({left_out.node, nullptr});
   const auto left_out = cover.begin() + static_cast<std::ptrdiff_t>(cut.parts.size());
   std::ranges::sort(left_out, cover.end(), {}, &Covering::order);
   std::ranges::inplace_merge(cover, left_out, {}, &Covering::order);
@@ -109,17 +109,17 @@ struct PlannedRegion {
   float error_px = 0;  ///< of what is there now
 
   std::tuple<bool, float, uint32_t, std::pair<uint64_t, int>> order() const {
-    return {!visible, -error_px, step.place, depthFirst(*step.region)};
+    return {!visible, -error_px, step.instance, depthFirst(*step.region)};
   }
 };
 
 /// But for what is left out of the older cut.
-PlannedRegion planRegion(const Cut& from, const Cut& to, uint32_t place, NodeKey region) {
+PlannedRegion planRegion(const Cut& from, const Cut& to, uint32_t instance, NodeKey region) {
   PlannedRegion planned;
-  planned.step.place = place;
+  planned.step.instance = instance;
   planned.step.region = region;
   for (const CutPart& part : partsIn(region, to)) {
-    planned.step.parts.push_back({place, static_cast<uint32_t>(&part - to.parts.data())});
+    planned.step.parts.push_back({instance, static_cast<uint32_t>(&part - to.parts.data())});
     planned.visible |= part.visible;
   }
   for (const CutPart& part : partsIn(region, from))
@@ -128,11 +128,11 @@ PlannedRegion planRegion(const Cut& from, const Cut& to, uint32_t place, NodeKey
 }
 
 /// Those at one place, depth first.
-std::vector<PlannedRegion> regionsBetween(const Cut& from, const Cut& to, uint32_t place) {
+std::vector<PlannedRegion> regionsBetween(const Cut& from, const Cut& to, uint32_t instance) {
   if (haveSameCover(from, to)) return {};
   std::vector<PlannedRegion> planned;
   const Regions regions(regionsThatDiffer(coverOf(from), coverOf(to)));
-  for (const NodeKey region : regions.nodes()) planned.push_back(planRegion(from, to, place, region));
+  for (const NodeKey region : regions.nodes()) planned.push_back(planRegion(from, to, instance, region));
   for (const LeftOut& left_out : from.left_out)
     if (const auto region = regions.around(left_out.node))
       planned[*region].error_px = std::numeric_limits<float>::max();
@@ -171,18 +171,20 @@ std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
   return both;
 }
 
-/// Gives a cut of parts and places that are left out, both depth first, those fallbacks that these need.
+/// Gives a cut of parts and left_out_below that are left out, both depth first, those fallbacks that these
+/// need.
 void assign(std::vector<Fallback> fallbacks, Cut& cut) {
-  std::unordered_map<uint64_t, std::vector<LeftOut>> places;  // by the node of their fallback
-  for (const Fallback& fallback : fallbacks) places.emplace(fallback.part.node.value, std::vector<LeftOut>());
-  for (const LeftOut& place : std::exchange(cut.left_out, {})) {
-    NodeKey above = place.node;
-    while (above != kRootKey && !places.contains(above.value)) above = above.parent();
-    places[above.value].push_back(place);
+  std::unordered_map<uint64_t, std::vector<LeftOut>> left_out_below;  // by the node of their fallback
+  for (const Fallback& fallback : fallbacks)
+    left_out_below.emplace(fallback.part.node.value, std::vector<LeftOut>());
+  for (const LeftOut& left_out : std::exchange(cut.left_out, {})) {
+    NodeKey above = left_out.node;
+    while (above != kRootKey && !left_out_below.contains(above.value)) above = above.parent();
+    left_out_below[above.value].push_back(left_out);
   }
   for (Fallback& fallback : fallbacks) {
     const NodeKey node = fallback.part.node;
-    const std::vector<LeftOut>& its_own = places[node.value];
+    const std::vector<LeftOut>& its_own = left_out_below[node.value];
     if (its_own.empty()) continue;
     const std::span<const CutPart> below = partsIn(node, cut);
     fallback.first_part = static_cast<uint32_t>(below.data() - cut.parts.data());
@@ -201,18 +203,19 @@ void assign(std::vector<Fallback> fallbacks, Cut& cut) {
 
 CutExchange::CutExchange(Cuts from, Cuts to) : from_(std::move(from)), to_(std::move(to)) {
   ExchangeStep& first = steps_.emplace_back();
-  for (uint32_t place = 0; place < to_.size(); ++place) {
-    const size_t parts = from_.empty() ? 0 : to_[place]->parts.size();
-    for (size_t number = parts; number < partCount(*to_[place]); ++number)
-      first.parts.push_back({place, static_cast<uint32_t>(number)});
+  for (uint32_t instance = 0; instance < to_.size(); ++instance) {
+    const size_t parts = from_.empty() ? 0 : to_[instance]->parts.size();
+    for (size_t number = parts; number < partCount(*to_[instance]); ++number)
+      first.parts.push_back({instance, static_cast<uint32_t>(number)});
   }
   if (!from_.empty()) planRegions();
 }
 
 void CutExchange::planRegions() {
   std::vector<PlannedRegion> planned;
-  for (uint32_t place = 0; place < to_.size(); ++place)
-    std::ranges::move(regionsBetween(*from_[place], *to_[place], place), std::back_inserter(planned));
+  for (uint32_t instance = 0; instance < to_.size(); ++instance)
+    std::ranges::move(regionsBetween(*from_[instance], *to_[instance], instance),
+                      std::back_inserter(planned));
   std::ranges::sort(planned, {}, &PlannedRegion::order);
   for (PlannedRegion& region : planned) steps_.push_back(std::move(region.step));
   mixtures_.resize(to_.size());
@@ -222,23 +225,26 @@ CutExchange::Cuts CutExchange::after(size_t steps) {
   if (steps == steps_.size()) return to_;
   if (steps == 0) return from_;
   std::vector<size_t> done(to_.size(), 0);
-  for (const ExchangeStep& step : std::span(steps_).subspan(1, steps - 1)) ++done[step.place];
+  for (const ExchangeStep& step : std::span(steps_).subspan(1, steps - 1)) ++done[step.instance];
   std::vector<std::vector<NodeKey>> left(to_.size());
-  for (const ExchangeStep& step : std::span(steps_).subspan(steps)) left[step.place].push_back(*step.region);
+  for (const ExchangeStep& step : std::span(steps_).subspan(steps))
+    left[step.instance].push_back(*step.region);
   Cuts cuts = from_;
-  for (uint32_t place = 0; place < to_.size(); ++place) {
-    if (left[place].empty()) cuts[place] = to_[place];
-    if (left[place].empty() || done[place] == 0) continue;
-    Mixture& mixture = mixtures_[place];
-    if (mixture.steps != done[place]) mixture = {done[place], mixtureAt(place, std::move(left[place]))};
-    cuts[place] = mixture.cut;
+  for (uint32_t instance = 0; instance < to_.size(); ++instance) {
+    if (left[instance].empty()) cuts[instance] = to_[instance];
+    if (left[instance].empty() || done[instance] == 0) continue;
+    Mixture& mixture = mixtures_[instance];
+    if (mixture.steps != done[instance])
+      mixture = {done[instance], mixtureAt(instance, std::move(left[instance]))};
+    cuts[instance] = mixture.cut;
   }
   return cuts;
 }
 
-std::shared_ptr<const Cut> CutExchange::mixtureAt(uint32_t place, std::vector<NodeKey> regions_left) const {
+std::shared_ptr<const Cut> CutExchange::mixtureAt(uint32_t instance,
+                                                  std::vector<NodeKey> regions_left) const {
   const Regions kept(std::move(regions_left));
-  const Cut &from = *from_[place], &to = *to_[place];
+  const Cut &from = *from_[instance], &to = *to_[instance];
   const auto cut = std::make_shared<Cut>();
   cut->view = to.view;
   const float pixel_ratio = pixelRatio(from, to);

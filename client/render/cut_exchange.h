@@ -12,15 +12,15 @@
 namespace lode::render {
 
 /// A part of the newer cut at a place where the model stands.
-struct PlacedPart {
-  uint32_t place = 0;
+struct InstancePart {
+  uint32_t instance = 0;
   uint32_t number = 0;  ///< for core::partOf()
 };
 
 /// Parts of the newer cuts whose meshes have to be there together.
 struct ExchangeStep {
-  std::vector<PlacedPart> parts;
-  uint32_t place = 0;             ///< of the region
+  std::vector<InstancePart> parts;
+  uint32_t instance = 0;          ///< of the region
   std::optional<NodeKey> region;  ///< that changes hands then; none: all that is whole, or the fallbacks
 };
 
@@ -47,7 +47,7 @@ class CutExchange {
   };
 
   void planRegions();
-  std::shared_ptr<const core::Cut> mixtureAt(uint32_t place, std::vector<NodeKey> regions_left) const;
+  std::shared_ptr<const core::Cut> mixtureAt(uint32_t instance, std::vector<NodeKey> regions_left) const;
 
   Cuts from_, to_;
   std::vector<ExchangeStep> steps_;

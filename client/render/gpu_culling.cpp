@@ -43,8 +43,8 @@ void makeRoom(const GlBuffer& buffer, size_t bytes) {
   glNamedBufferData(buffer.get(), static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_COPY);
 }
 
-void bind(Storage place, const GlBuffer& buffer) {
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, place, buffer.get());
+void bind(Storage instance, const GlBuffer& buffer) {
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, instance, buffer.get());
 }
 
 }  // namespace
@@ -87,8 +87,8 @@ void GpuCulling::begin() {
 
 uint32_t GpuCulling::add(std::span<const SeenPart> parts, const GpuPages& pages, double lattice_step,
                          const core::View& view, const std::optional<core::View>& last_view) {
-  const auto placement = static_cast<uint32_t>(cameras_.size());
-  for (const SeenPart& part : parts) listed_.push_back({part, &pages, placement});
+  const auto instance = static_cast<uint32_t>(cameras_.size());
+  for (const SeenPart& part : parts) listed_.push_back({part, &pages, instance});
   const auto cameraOf = [lattice_step](const core::View& seen, bool hides) {
     const SplitEye eye = splitEye(seen.eye_model, lattice_step);
     const glm::mat3 axes = glm::transpose(viewRotation(seen));
@@ -99,10 +99,10 @@ uint32_t GpuCulling::add(std::span<const SeenPart> parts, const GpuPages& pages,
   };
   const bool hides = last_view.has_value() && depths_.widthPx() > 0;
   cameras_.push_back({cameraOf(view, true), cameraOf(hides ? *last_view : view, hides)});
-  return placement;
+  return instance;
 }
 
-/// By pages, so that each is bound once; within these by placements.
+/// By pages, so that each is bound once; within these by instances.
 void GpuCulling::layOut() {
   chunks_.clear();
   groups_.clear();
@@ -111,7 +111,7 @@ void GpuCulling::layOut() {
   most_commands_ = 0;
   const auto pageOf = [](const Listed& listed) { return listed.pages->buffer(listed.part.item->page); };
   std::ranges::stable_sort(listed_, {}, [&](const Listed& listed) {
-    return std::tuple(pageOf(listed), listed.placement, listed.part.fades);
+    return std::tuple(pageOf(listed), listed.instance, listed.part.fades);
   });
   for (const Listed& listed : listed_) {
     const auto chunks = static_cast<uint32_t>(chunks_.size());
@@ -121,20 +121,18 @@ void GpuCulling::layOut() {
       const bool is_readable = listed.pages->pageBytes(listed.part.item->page) <= most_readable_bytes_;
       groups_.push_back({pageOf(listed), is_readable, chunks, 0});
     }
-    if (is_new_page || draws_.back().placement != listed.placement ||
+    if (is_new_page || draws_.back().instance != listed.instance ||
         draws_.back().fades != listed.part.fades) {
       const auto list = static_cast<uint32_t>(lists_.size());
-      draws_.push_back(
-          {listed.placement, listed.part.fades, listed.part.item->page, most_commands_, 0, list});
+      draws_.push_back({listed.instance, listed.part.fades, listed.part.item->page, most_commands_, 0, list});
       lists_.push_back({chunks, 0, most_commands_});
     }
-    addChunks(listed.part, listed.placement);
+    addChunks(listed.part, listed.instance);
   }
-  std::ranges::stable_sort(draws_, {},
-                           [](const Draw& draw) { return std::pair(draw.placement, draw.fades); });
+  std::ranges::stable_sort(draws_, {}, [](const Draw& draw) { return std::pair(draw.instance, draw.fades); });
 }
 
-void GpuCulling::addChunks(const SeenPart& part, uint32_t placement) {
+void GpuCulling::addChunks(const SeenPart& part, uint32_t instance) {
   constexpr uint32_t kBoxWords = sizeof(LatticeBox) / sizeof(uint32_t);
   constexpr uint32_t kClusterIndices = 3 * kClusterTriangles;
   const DrawItem& item = *part.item;
@@ -144,7 +142,7 @@ void GpuCulling::addChunks(const SeenPart& part, uint32_t placement) {
     const uint32_t indices_before = first * kClusterIndices;
     chunks_.push_back({item.first_box_word + first * kBoxWords, count, item.first_index + indices_before,
                        std::min(kChunkClusters * kClusterIndices, item.index_count - indices_before),
-                       static_cast<int32_t>(item.base_vertex), part.state, placement});
+                       static_cast<int32_t>(item.base_vertex), part.state, instance});
     ++groups_.back().chunks;
     ++lists_.back().chunks;
     const uint32_t most_runs = (count + 1) / 2;  // each but the last is followed by what is left out
@@ -211,9 +209,9 @@ void GpuCulling::find(bool by_last_picture) {
                   GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-std::span<const GpuCulling::Draw> GpuCulling::draws(uint32_t placement) const {
-  return {std::ranges::lower_bound(draws_, placement, {}, &Draw::placement),
-          std::ranges::upper_bound(draws_, placement, {}, &Draw::placement)};
+std::span<const GpuCulling::Draw> GpuCulling::draws(uint32_t instance) const {
+  return {std::ranges::lower_bound(draws_, instance, {}, &Draw::instance),
+          std::ranges::upper_bound(draws_, instance, {}, &Draw::instance)};
 }
 
 uint64_t GpuCulling::trianglesLately() {

@@ -26,10 +26,10 @@ namespace lode::render {
 /// Source: Aaltonen and Haar, GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
 class GpuCulling {
  public:
-  /// Of one placement what lies in one page and is drawn by one program, for
+  /// Of one instance what lies in one page and is drawn by one program, for
   /// glMultiDrawElementsIndirectCount.
   struct Draw {
-    uint32_t placement = 0;
+    uint32_t instance = 0;
     bool fades = false;
     uint32_t page = 0;
     uint32_t first_command = 0, most_commands = 0;  ///< from where the pass begins in commands()
@@ -50,7 +50,7 @@ class GpuCulling {
   /// A picture begins. Pages and items of the parts that are added must outlive it.
   void begin();
   /// Parts of a model where it stands once, seen from there. @param last_view  of it in the last picture, in
-  /// which nothing hid it where there is none. @return the placement's number in this picture.
+  /// which nothing hid it where there is none. @return the instance's number in this picture.
   uint32_t add(std::span<const SeenPart> parts, const GpuPages& pages, double lattice_step,
                const core::View& view, const std::optional<core::View>& last_view);
   /// First pass, once all are added.
@@ -59,7 +59,7 @@ class GpuCulling {
   void findAppeared(const Framebuffer& drawn);
 
   /// Of either pass.
-  std::span<const Draw> draws(uint32_t placement) const;
+  std::span<const Draw> draws(uint32_t instance) const;
   GLuint commands() const noexcept { return commands_.get(); }
   GLuint counts() const noexcept { return counts_.get(); }
   uint32_t firstCommandOfPass() const noexcept { return pass_ * most_commands_; }
@@ -73,9 +73,9 @@ class GpuCulling {
   struct Listed {
     SeenPart part;
     const GpuPages* pages = nullptr;
-    uint32_t placement = 0;
+    uint32_t instance = 0;
   };
-  /// How a placement is seen in this picture and was in the last, as the shader reads it.
+  /// How a instance is seen in this picture and was in the last, as the shader reads it.
   struct Camera {
     glm::ivec4 eye_high;          ///< in steps of the model's lattice; and 1 if something hides
     glm::vec4 eye_low;            ///< likewise
@@ -88,7 +88,7 @@ class GpuCulling {
   struct Chunk {
     uint32_t first_box_word, clusters, first_index, index_count;
     int32_t base_vertex;
-    uint32_t state, placement;
+    uint32_t state, instance;
   };
   /// Chunks that are drawn together, likewise.
   struct List {
@@ -102,18 +102,18 @@ class GpuCulling {
   };
 
   void layOut();
-  void addChunks(const SeenPart& part, uint32_t placement);
+  void addChunks(const SeenPart& part, uint32_t instance);
   void find(bool by_last_picture);
 
   GlProgram find_program_, list_program_;
   DepthPyramid depths_;
   uint64_t most_readable_bytes_;
   std::vector<Listed> listed_;
-  std::vector<CameraPair> cameras_;  ///< by placement
+  std::vector<CameraPair> cameras_;  ///< by instance
   std::vector<Chunk> chunks_;
   std::vector<Group> groups_;
   std::vector<List> lists_;
-  std::vector<Draw> draws_;     ///< by placement
+  std::vector<Draw> draws_;     ///< by instance
   uint32_t most_commands_ = 0;  ///< of a pass
   uint32_t pass_ = 0;
   uint32_t picture_ = 0;

@@ -102,8 +102,8 @@ void MeshDrawer::use(bool fades, bool has_samples, const core::View& view, doubl
   unsigned parts = fades ? MeshPrograms::kFading : 0;
   if (textures_->set() != nullptr) parts |= MeshPrograms::kTextured;
   if (textures_->hasClear() && !has_samples) parts |= MeshPrograms::kCutOut;
-  if (style.show != Show::kSurface) parts |= MeshPrograms::kViews;
-  if (style.show == Show::kWireframe) parts |= MeshPrograms::kWire;
+  if (style.show != ColorMode::kSurface) parts |= MeshPrograms::kViews;
+  if (style.show == ColorMode::kWireframe) parts |= MeshPrograms::kWire;
   glUseProgram(programs_.with(parts).get());
   setCamera(view, lattice_step, style);
   setTextures();
@@ -145,7 +145,7 @@ void MeshDrawer::setCamera(const core::View& view, double lattice_step, const Dr
   glUniform3fv(kToSun, 1, &light.to_sun.x);
   glUniform3fv(kUp, 1, &light.up.x);
   glUniform1f(kExposure, style.exposure);
-  if (style.show == Show::kSurface) return;
+  if (style.show == ColorMode::kSurface) return;
   std::array<glm::vec3, kTexelColourCount> texel_colours;
   std::ranges::transform(texelColours(), texel_colours.begin(), toLinear);
   glUniform3fv(kTexelColours, kTexelColourCount, &texel_colours[0].x);

@@ -21,27 +21,27 @@ constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the cloc
 
 /// Calls visit(mesh) for each part and fallback that has triangles; of several places once for a mesh.
 template <typename Visit>
-void forEachMesh(const core::PlacedCuts& placed, Visit visit) {
-  for (size_t number = 0; number < partCount(*placed.all); ++number) {
-    const std::shared_ptr<const Mesh>& mesh = partOf(*placed.all, number).mesh;
+void forEachMesh(const core::ViewCuts& view_cuts, Visit visit) {
+  for (size_t number = 0; number < partCount(*view_cuts.all); ++number) {
+    const std::shared_ptr<const Mesh>& mesh = partOf(*view_cuts.all, number).mesh;
     if (mesh && !mesh->triangles.empty()) visit(mesh);
   }
 }
 
 /// Each once.
-std::vector<std::shared_ptr<const Mesh>> meshesOf(const core::PlacedCuts& placed) {
+std::vector<std::shared_ptr<const Mesh>> meshesOf(const core::ViewCuts& view_cuts) {
   std::vector<std::shared_ptr<const Mesh>> meshes;
   std::unordered_set<const Mesh*> known;
-  forEachMesh(placed, [&](const std::shared_ptr<const Mesh>& mesh) {
+  forEachMesh(view_cuts, [&](const std::shared_ptr<const Mesh>& mesh) {
     if (known.insert(mesh.get()).second) meshes.push_back(mesh);
   });
   return meshes;
 }
 
 /// That cuts take of the GPU, with their fallbacks.
-uint64_t bytesOf(const core::PlacedCuts& placed) {
+uint64_t bytesOf(const core::ViewCuts& view_cuts) {
   uint64_t bytes = 0;
-  for (const auto& mesh : meshesOf(placed)) bytes += core::drawnBytes(*mesh);
+  for (const auto& mesh : meshesOf(view_cuts)) bytes += core::drawnBytes(*mesh);
   return bytes;
 }
 
@@ -76,17 +76,17 @@ void MeshResidency::setBudget(uint64_t bytes) noexcept {
 
 void MeshResidency::show(const std::shared_ptr<const core::Cut>& cut) {
   if (newest_ && newest_->all == cut) return;
-  show(cut ? std::make_shared<const core::PlacedCuts>(core::PlacedCuts{{cut}, cut}) : nullptr);
+  show(cut ? std::make_shared<const core::ViewCuts>(core::ViewCuts{{cut}, cut}) : nullptr);
 }
 
-const std::shared_ptr<const core::Cut>& MeshResidency::drawnCut(size_t place) const noexcept {
+const std::shared_ptr<const core::Cut>& MeshResidency::drawnCut(size_t instance) const noexcept {
   static const std::shared_ptr<const core::Cut> kNothing;
-  return place < places_.size() ? places_[place].cut : kNothing;
+  return instance < instances_.size() ? instances_[instance].cut : kNothing;
 }
 
-std::span<const DrawItem> MeshResidency::drawn(size_t place) const noexcept {
-  if (place >= places_.size()) return {};
-  return places_[place].drawn;
+std::span<const DrawItem> MeshResidency::drawn(size_t instance) const noexcept {
+  if (instance >= instances_.size()) return {};
+  return instances_[instance].drawn;
 }
 
 uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
@@ -123,7 +123,7 @@ bool MeshResidency::begin() {
   target_ = newest_;
   CutExchange::Cuts from;
   if (mayMix())
-    for (const Place& place : places_) from.push_back(place.cut);
+    for (const DrawnInstance& instance : instances_) from.push_back(instance.cut);
   startExchange(std::move(from));
   has_room_alone_ = false;
   target_serial_ = ++serial_;
@@ -133,8 +133,8 @@ bool MeshResidency::begin() {
 
 /// What is drawn and the target.
 bool MeshResidency::mayMix() const noexcept {
-  return !places_.empty() && places_.size() == target_->cuts.size() &&
-         places_.front().cut->build == target_->cuts.front()->build;
+  return !instances_.empty() && instances_.size() == target_->cuts.size() &&
+         instances_.front().cut->build == target_->cuts.front()->build;
 }
 
 void MeshResidency::startExchange(CutExchange::Cuts from) {
@@ -143,8 +143,8 @@ void MeshResidency::startExchange(CutExchange::Cuts from) {
 }
 
 void MeshResidency::pinDrawn() noexcept {
-  for (const Place& place : places_)
-    for (Entry* const entry : place.entries) entry->used_by = drawn_serial_;
+  for (const DrawnInstance& instance : instances_)
+    for (Entry* const entry : instance.entries) entry->used_by = drawn_serial_;
 }
 
 void MeshResidency::pinTarget() {
@@ -175,11 +175,11 @@ bool MeshResidency::advance(Allowance& allowance) {
 
 bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) {
   for (; next_in_step_ < step.parts.size(); ++next_in_step_) {
-    const PlacedPart& placed = step.parts[next_in_step_];
-    const core::CutPart& part = partOf(*target_->cuts[placed.place], placed.number);
+    const InstancePart& part_at = step.parts[next_in_step_];
+    const core::CutPart& part = partOf(*target_->cuts[part_at.instance], part_at.number);
     if (!part.mesh || part.mesh->triangles.empty()) continue;
     const auto it = entries_.find(part.mesh);
-    Entry* entry = it != entries_.end() ? &it->second : place(part.mesh);
+    Entry* entry = it != entries_.end() ? &it->second : instance(part.mesh);
     if (entry == nullptr) {
       makeRoom(allowance);
       return false;
@@ -254,7 +254,7 @@ uint32_t MeshResidency::uploadNext(std::span<const Element> elements, uint32_t& 
 }
 
 /// @return null if there is no room, although all that is not drawn or wanted was evicted.
-MeshResidency::Entry* MeshResidency::place(const std::shared_ptr<const Mesh>& mesh) {
+MeshResidency::Entry* MeshResidency::instance(const std::shared_ptr<const Mesh>& mesh) {
   const uint64_t bytes = core::drawnBytes(*mesh);
   if (bytes > options_.budget_bytes || bytes > (1u << 31)) return nullptr;
   std::optional<GpuBlock> block;
@@ -291,12 +291,12 @@ bool MeshResidency::makeRoomForTargetAlone() {
   std::vector<uint64_t> sizes;
   std::ranges::transform(meshes, std::back_inserter(sizes), bytesOf);
   if (!pages_.clearFor(sizes)) return false;
-  places_.clear();
+  instances_.clear();
   complete_.reset();
   drawn_serial_ = 0;
   kept_from_ = std::max(kept_from_, target_serial_);
   entries_.clear();
-  for (const std::shared_ptr<const Mesh>& mesh : meshes) place(mesh);
+  for (const std::shared_ptr<const Mesh>& mesh : meshes) instance(mesh);
   startExchange({});
   has_room_alone_ = true;
   return true;
@@ -320,11 +320,11 @@ void MeshResidency::endExchange() {
 void MeshResidency::drawWhatIsThere() {
   CutExchange::Cuts cuts = exchange_->after(steps_done_);
   steps_drawn_ = steps_done_;
-  places_.resize(cuts.size());
+  instances_.resize(cuts.size());
   for (size_t i = 0; i < cuts.size(); ++i) {
-    if (cuts[i] == places_[i].cut) continue;
+    if (cuts[i] == instances_[i].cut) continue;
     if (cuts[i] != target_->cuts[i]) mixtures_.push_back(cuts[i]);
-    list(places_[i], std::move(cuts[i]));
+    list(instances_[i], std::move(cuts[i]));
   }
   drawn_serial_ = ++serial_;
   complete_ = nullptr;
@@ -338,20 +338,20 @@ void MeshResidency::drawWhatIsThere() {
   trimTo(options_.spare_bytes);
 }
 
-void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
-  place.cut = std::move(cut);
-  place.drawn.clear();
-  place.entries.clear();
-  const auto asAngle = [focal_px = core::focalPx(place.cut->view)](float px) {
+void MeshResidency::list(DrawnInstance& instance, std::shared_ptr<const core::Cut> cut) {
+  instance.cut = std::move(cut);
+  instance.drawn.clear();
+  instance.entries.clear();
+  const auto asAngle = [focal_px = core::focalPx(instance.cut->view)](float px) {
     return static_cast<float>(px / focal_px);
   };
-  for (size_t number = 0; number < partCount(*place.cut); ++number) {
-    const core::CutPart& part = partOf(*place.cut, number);
-    DrawItem& item = place.drawn.emplace_back();
+  for (size_t number = 0; number < partCount(*instance.cut); ++number) {
+    const core::CutPart& part = partOf(*instance.cut, number);
+    DrawItem& item = instance.drawn.emplace_back();
     const auto it = entries_.find(part.mesh);
     if (it == entries_.end()) continue;  // it has no triangles
     Entry& entry = it->second;
-    place.entries.push_back(&entry);
+    instance.entries.push_back(&entry);
     const uint32_t vertex_bytes = vertexBytes(part.mesh->attributes);
     const uint32_t base = entry.block.offset_bytes / vertex_bytes;
     const auto vertices = static_cast<uint32_t>(part.mesh->positions.size());
@@ -369,7 +369,7 @@ void MeshResidency::list(Place& place, std::shared_ptr<const core::Cut> cut) {
             part.lod,
             asAngle(part.error_px),
             part.error_model,
-            asAngle(std::min(part.threshold_px, place.cut->threshold_px)),
+            asAngle(std::min(part.threshold_px, instance.cut->threshold_px)),
             asAngle(part.threshold_px)};
   }
 }

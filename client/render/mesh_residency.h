@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "client/core/cut.h"
-#include "client/core/placed_cuts.h"
+#include "client/core/view_cuts.h"
 #include "client/render/cut_exchange.h"
 #include "client/render/gpu_pages.h"
 #include "client/render/shown_colours.h"
@@ -55,7 +55,7 @@ struct DrawItem {
   float error_model = 0;
   float threshold_rad = 0, complete_rad = 0;  ///< likewise: see ShownThresholds
   float age_s = 0;                            ///< that it is in the picture
-  ShownPlace place = {};                      ///< where it was drawn last
+  ShownInstance instance = {};                ///< where it was drawn last
 };
 
 /// Which meshes of a model are on the GPU, and what is drawn of them at the places where it stands. Of a
@@ -74,7 +74,7 @@ class MeshResidency {
   void setSpare(uint64_t bytes) noexcept { options_.spare_bytes = bytes; }
   /// The newest cuts. They are begun when a region of those under way has taken its place, however fast newer
   /// ones follow; much coarser ones at once.
-  void show(std::shared_ptr<const core::PlacedCuts> cuts) { newest_ = std::move(cuts); }
+  void show(std::shared_ptr<const core::ViewCuts> cuts) { newest_ = std::move(cuts); }
   /// The newest cut of a model that stands in one place.
   void show(const std::shared_ptr<const core::Cut>& cut);
   /// Uploads towards the newest cuts, within the budget. @return bytes uploaded.
@@ -84,16 +84,16 @@ class MeshResidency {
   bool upToDate() const noexcept { return newest_ == complete_; }
   /// The newest cuts do not fit into the budget: what was there before stays.
   bool overBudget() const noexcept { return rejected_ != nullptr && rejected_ == newest_; }
-  const std::shared_ptr<const core::PlacedCuts>& newest() const noexcept { return newest_; }
+  const std::shared_ptr<const core::ViewCuts>& newest() const noexcept { return newest_; }
   /// The last cuts that something was drawn of before those under way; of none under way, those drawn.
-  const std::shared_ptr<const core::PlacedCuts>& before() const noexcept { return before_; }
+  const std::shared_ptr<const core::ViewCuts>& before() const noexcept { return before_; }
   /// How many places something is drawn at.
-  size_t placeCount() const noexcept { return places_.size(); }
+  size_t placeCount() const noexcept { return instances_.size(); }
   /// A cut that was shown, or a mixture of such: see CutExchange. Null before the first, and while room is
   /// made for one that fits only alone.
-  const std::shared_ptr<const core::Cut>& drawnCut(size_t place = 0) const noexcept;
+  const std::shared_ptr<const core::Cut>& drawnCut(size_t instance = 0) const noexcept;
   /// By the numbers of core::partOf(): the drawn cut's parts, and what is drawn instead where it lacks some.
-  std::span<const DrawItem> drawn(size_t place = 0) const noexcept;
+  std::span<const DrawItem> drawn(size_t instance = 0) const noexcept;
   /// Of the drawn cuts; later ones' is larger.
   uint64_t drawnSerial() const noexcept { return drawn_serial_; }
   /// The mixtures made by the last upload. They may be the last to have a mesh: who gives them to the thread
@@ -119,7 +119,7 @@ class MeshResidency {
     bool complete = false;
   };
   /// What is drawn where the model stands once.
-  struct Place {
+  struct DrawnInstance {
     std::shared_ptr<const core::Cut> cut;
     std::vector<DrawItem> drawn;
     std::vector<Entry*> entries;  ///< of what is drawn
@@ -139,12 +139,12 @@ class MeshResidency {
   template <typename Element>
   uint32_t uploadNext(std::span<const Element> elements, uint32_t& done, uint32_t limit_bytes, GLuint buffer,
                       uint64_t at);
-  Entry* place(const std::shared_ptr<const Mesh>& mesh);
+  Entry* instance(const std::shared_ptr<const Mesh>& mesh);
   bool makeRoomForTargetAlone();
   void reject();
   void drawWhatIsThere();
   void endExchange();
-  void list(Place& place, std::shared_ptr<const core::Cut> cut);
+  void list(DrawnInstance& instance, std::shared_ptr<const core::Cut> cut);
   void trimTo(uint64_t spare_bytes);
   bool evictOldest();
   bool pinned(const Entry& entry) const noexcept;
@@ -155,9 +155,9 @@ class MeshResidency {
   GpuPages pages_;
   StagingRing staging_;
   Entries entries_;
-  std::shared_ptr<const core::PlacedCuts> newest_, target_, before_, rejected_;
-  std::shared_ptr<const core::PlacedCuts> complete_;  ///< drawn at all places; null where cuts are mixed
-  std::vector<Place> places_;
+  std::shared_ptr<const core::ViewCuts> newest_, target_, before_, rejected_;
+  std::shared_ptr<const core::ViewCuts> complete_;  ///< drawn at all places; null where cuts are mixed
+  std::vector<DrawnInstance> instances_;
   std::optional<CutExchange> exchange_;      ///< to target_
   size_t steps_done_ = 0, steps_drawn_ = 0;  ///< of exchange_
   size_t next_in_step_ = 0;                  ///< of the step after those done

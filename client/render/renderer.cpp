@@ -40,14 +40,14 @@ void Renderer::show(const std::shared_ptr<const core::Cut>& cut) {
   showTextures();
 }
 
-void Renderer::show(std::shared_ptr<const core::PlacedCuts> placed) {
-  meshes_.show(std::move(placed));
+void Renderer::show(std::shared_ptr<const core::ViewCuts> view_cuts) {
+  meshes_.show(std::move(view_cuts));
   showTextures();
 }
 
 void Renderer::showTextures() {
-  const auto all = [](const std::shared_ptr<const core::PlacedCuts>& placed) {
-    return placed ? placed->all : nullptr;
+  const auto all = [](const std::shared_ptr<const core::ViewCuts>& view_cuts) {
+    return view_cuts ? view_cuts->all : nullptr;
   };
   textures_.show(all(meshes_.newest()), all(meshes_.before()));
 }
@@ -71,9 +71,9 @@ UploadBudget Renderer::uploadInRenderThread(const UploadBudget& budget) {
 /// So that the next picture can fade from the last.
 void Renderer::keepWhatIsShown() {
   uint64_t oldest = MeshResidency::kNone;
-  for (const Place& place : places_)
-    if (fades_ && place.shown_serial > 0)
-      oldest = std::min({oldest, place.fade.oldestSerial(), place.shown_serial});
+  for (const DrawnInstance& instance : instances_)
+    if (fades_ && instance.shown_serial > 0)
+      oldest = std::min({oldest, instance.fade.oldestSerial(), instance.shown_serial});
   meshes_.keepFrom(oldest);
 }
 
@@ -101,139 +101,142 @@ DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style, floa
   uint32_t flags = hasNormals(item.attributes) ? kDrawHasNormals : 0;
   if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
   if (textures_.set() != nullptr && item.attributes.has(AttributeSet::kTexture)) flags |= kDrawTextured;
-  if (style.show == Show::kUnlit) flags |= kDrawUnlit;
-  if (style.show == Show::kNormals) flags |= kDrawNormals;
-  if (style.show == Show::kTexels) flags |= kDrawTexels;
+  if (style.show == ColorMode::kUnlit) flags |= kDrawUnlit;
+  if (style.show == ColorMode::kNormals) flags |= kDrawNormals;
+  if (style.show == ColorMode::kTexels) flags |= kDrawTexels;
   const uint32_t share = in256ths(faded.from) | in256ths(faded.to) << 16;
   if (!coloursParts(style.show)) return {flags, glm::u8vec4(255), share};
-  const glm::u8vec3 colour = colourOf(style.show, item, threshold_rad, style.place.number);
+  const glm::u8vec3 colour = colourOf(style.show, item, threshold_rad, style.instance.number);
   return {flags | kDrawTinted, glm::u8vec4(colour, 255), share};
 }
 
 /// What the drawn cut shows to this camera, and what still fades.
-Renderer::Place& Renderer::choose(size_t number, const core::View& view, const DrawTime& time) {
-  static_assert(std::is_nothrow_move_constructible_v<Place>);  // clusters point to the items of others' fades
-  if (number >= places_.size()) places_.resize(number + 1);
-  Place& place = places_[number];
-  if (meshes_.keptFrom() > std::min(place.fade.oldestSerial(), place.shown_serial)) place.fade.forget();
+Renderer::DrawnInstance& Renderer::choose(size_t number, const core::View& view, const DrawTime& time) {
+  static_assert(
+      std::is_nothrow_move_constructible_v<DrawnInstance>);  // clusters point to the items of others' fades
+  if (number >= instances_.size()) instances_.resize(number + 1);
+  DrawnInstance& instance = instances_[number];
+  if (meshes_.keptFrom() > std::min(instance.fade.oldestSerial(), instance.shown_serial))
+    instance.fade.forget();
   ShownCover cover{meshes_.drawnCut(number), meshes_.drawn(number), {}, meshes_.drawnSerial()};
   std::vector<uint32_t> numbers;
   if (cover.cut) numbers = core::shownParts(*cover.cut, view);
   cover.numbers = numbers;
-  place.fade.show(cover, view, lattice_step_, time);
-  place.shown_serial = cover.serial;
+  instance.fade.show(cover, view, lattice_step_, time);
+  instance.shown_serial = cover.serial;
   fades_ = time.fades;
-  return place;
+  return instance;
 }
 
-void Renderer::leaveOut(size_t place) {
-  if (place < places_.size()) places_[place] = {};
+void Renderer::leaveOut(size_t instance) {
+  if (instance < instances_.size()) instances_[instance] = {};
 }
 
 bool Renderer::fading() const noexcept {
-  return std::ranges::any_of(places_, [](const Place& place) { return place.fade.fading(); });
+  return std::ranges::any_of(instances_,
+                             [](const DrawnInstance& instance) { return instance.fade.fading(); });
 }
 
 bool Renderer::ageing() const noexcept {
-  return std::ranges::any_of(places_, [](const Place& place) {
-    return std::ranges::any_of(place.in_picture, [](const DrawItem& item) { return item.age_s <= kOldS; });
+  return std::ranges::any_of(instances_, [](const DrawnInstance& instance) {
+    return std::ranges::any_of(instance.in_picture, [](const DrawItem& item) { return item.age_s <= kOldS; });
   });
 }
 
 /// Finds what may be in the picture: parts where the GPU finds their clusters, else these.
-DrawCounts Renderer::collect(Place& place, const core::View& view, const DrawStyle& style,
+DrawCounts Renderer::collect(DrawnInstance& instance, const core::View& view, const DrawStyle& style,
                              bool is_found_on_gpu) {
   DrawCounts counts;
-  place.seen.clear();
-  place.parts.clear();
-  place.states.clear();
-  place.states_of_cut = 0;
-  place.in_picture.clear();
+  instance.seen.clear();
+  instance.parts.clear();
+  instance.states.clear();
+  instance.states_of_cut = 0;
+  instance.in_picture.clear();
   const core::Sight sight(view, 1);
-  const auto& cut = place.fade.cut();
+  const auto& cut = instance.fade.cut();
   const float threshold_rad = cut ? static_cast<float>(thresholdRad(*cut)) : 0;
   size_t number = 0;
   float error_rad = 0;
-  for (const FadedItem& faded : place.fade.items()) {
-    const bool is_of_cut = number++ < place.fade.coverCount();
+  for (const FadedItem& faded : instance.fade.items()) {
+    const bool is_of_cut = number++ < instance.fade.coverCount();
     const bool is_drawn = in256ths(faded.from) < in256ths(faded.to);
-    const SeenPart part{&faded.item, static_cast<uint32_t>(place.states.size()), !faded.whole()};
-    const size_t before = place.seen.size();
+    const SeenPart part{&faded.item, static_cast<uint32_t>(instance.states.size()), !faded.whole()};
+    const size_t before = instance.seen.size();
     if (is_found_on_gpu ? !isInPicture(part, sight, lattice_step_)
-                        : addSeenClusters(part, sight, lattice_step_, place.seen) == 0)
+                        : addSeenClusters(part, sight, lattice_step_, instance.seen) == 0)
       continue;
-    if (is_of_cut) place.in_picture.emplace_back(faded.item).place = style.place;
+    if (is_of_cut) instance.in_picture.emplace_back(faded.item).instance = style.instance;
     if (!is_drawn) {
-      place.seen.resize(before);
+      instance.seen.resize(before);
       continue;
     }
-    if (is_found_on_gpu) place.parts.push_back(part);
-    place.states.push_back(stateOf(faded, style, threshold_rad));
-    if (is_of_cut) place.states_of_cut = place.states.size();
+    if (is_found_on_gpu) instance.parts.push_back(part);
+    instance.states.push_back(stateOf(faded, style, threshold_rad));
+    if (is_of_cut) instance.states_of_cut = instance.states.size();
     error_rad = std::max(error_rad, faded.item.error_rad);
     ++counts.nodes;
   }
-  if (!place.states_buffer) place.states_buffer = GlBuffer::create();
-  glNamedBufferData(place.states_buffer.get(),
-                    static_cast<GLsizeiptr>(place.states.size() * sizeof(DrawState)), place.states.data(),
-                    GL_STREAM_DRAW);
+  if (!instance.states_buffer) instance.states_buffer = GlBuffer::create();
+  glNamedBufferData(instance.states_buffer.get(),
+                    static_cast<GLsizeiptr>(instance.states.size() * sizeof(DrawState)),
+                    instance.states.data(), GL_STREAM_DRAW);
   counts.error_px = static_cast<float>(error_rad * focalPx(view));
   return counts;
 }
 
 DrawCounts Renderer::draw(const core::View& view, const Framebuffer& target, const DrawStyle& style,
                           const DrawTime& time) {
-  const Placement alone{this, 0, view, style};
-  const DrawCounts counts = placement_drawer_.draw({&alone, 1}, target, time);
+  const InstanceDraw alone{this, 0, view, style};
+  const DrawCounts counts = instance_drawer_.draw({&alone, 1}, target, time);
   if (!style.over) drawBackground(target, style);
   return counts;
 }
 
-DrawCounts Renderer::drawPlace(size_t number, const core::View& view, const Framebuffer& target,
-                               const DrawStyle& style, const DrawTime& time) {
+DrawCounts Renderer::drawInstance(size_t number, const core::View& view, const Framebuffer& target,
+                                  const DrawStyle& style, const DrawTime& time) {
   startPicture(target, style);
   has_samples_ = target.samples() > 1;
-  Place& place = choose(number, view, time);
-  DrawCounts counts = collect(place, view, style, false);
-  place.last_view.reset();
-  place.is_drawn.assign(place.seen.size(), true);
+  DrawnInstance& instance = choose(number, view, time);
+  DrawCounts counts = collect(instance, view, style, false);
+  instance.last_view.reset();
+  instance.is_drawn.assign(instance.seen.size(), true);
   if (time.hidden_parts == HiddenParts::kReadBack) {
-    for (size_t i = 0; i < place.seen.size(); ++i) place.is_drawn[i] = !place.seen[i].hidden(number);
+    for (size_t i = 0; i < instance.seen.size(); ++i) instance.is_drawn[i] = !instance.seen[i].hidden(number);
   }
-  drawClusters(place, place.is_drawn, view, style, counts);
+  drawClusters(instance, instance.is_drawn, view, style, counts);
   return counts;
 }
 
 DrawCounts Renderer::drawAppeared(size_t number, const core::View& view, const Framebuffer& target,
                                   const DrawStyle& style, const FarthestDepths& drawn) {
   DrawCounts counts;
-  const Place& place = places_[number];
+  const DrawnInstance& instance = instances_[number];
   const Occluders occluders(view, lattice_step_, drawn);
-  std::vector<bool> has_appeared(place.seen.size());
-  for (size_t i = 0; i < place.seen.size(); ++i) {
-    const SeenCluster& cluster = place.seen[i];
+  std::vector<bool> has_appeared(instance.seen.size());
+  for (size_t i = 0; i < instance.seen.size(); ++i) {
+    const SeenCluster& cluster = instance.seen[i];
     const bool is_hidden = occluders.hide(core::toModelBox(cluster.box(), lattice_step_));
     cluster.hidden(number) = is_hidden;
-    has_appeared[i] = !place.is_drawn[i] && !is_hidden;
+    has_appeared[i] = !instance.is_drawn[i] && !is_hidden;
   }
   target.bindForDrawing();
-  drawClusters(place, has_appeared, view, style, counts);
+  drawClusters(instance, has_appeared, view, style, counts);
   return counts;
 }
 
-void Renderer::drawClusters(const Place& place, const std::vector<bool>& is_chosen, const core::View& view,
-                            const DrawStyle& style, DrawCounts& counts) {
+void Renderer::drawClusters(const DrawnInstance& instance, const std::vector<bool>& is_chosen,
+                            const core::View& view, const DrawStyle& style, DrawCounts& counts) {
   for (DrawList* const list : {&whole_, &fading_}) list->clear(meshes_.pages().pageCount());
-  for (size_t i = 0; i < place.seen.size(); ++i) {
+  for (size_t i = 0; i < instance.seen.size(); ++i) {
     if (!is_chosen[i]) continue;
-    const SeenCluster& cluster = place.seen[i];
+    const SeenCluster& cluster = instance.seen[i];
     (cluster.part.fades ? fading_ : whole_).add(cluster);
     counts.triangles += cluster.triangles();
-    countShown(place, cluster.part, cluster.triangles(), view, counts);
+    countShown(instance, cluster.part, cluster.triangles(), view, counts);
   }
   if (whole_.empty() && fading_.empty()) return;
   giveCommands();
-  drawer_.begin(place.states_buffer, place.seen.front().part.item->attributes, textures_);
+  drawer_.begin(instance.states_buffer, instance.seen.front().part.item->attributes, textures_);
   for (const bool fades : {false, true}) {
     const DrawList& list = fades ? fading_ : whole_;
     if (list.empty()) continue;
@@ -245,11 +248,11 @@ void Renderer::drawClusters(const Place& place, const std::vector<bool>& is_chos
 }
 
 /// Adds what triangles of a part say of the thresholds of a picture.
-void Renderer::countShown(const Place& place, const SeenPart& part, uint32_t triangles,
+void Renderer::countShown(const DrawnInstance& instance, const SeenPart& part, uint32_t triangles,
                           const core::View& view, DrawCounts& counts) {
   const double focal_px = core::focalPx(view);
   counts.shown.drawn.add(triangles, part.item->threshold_rad * focal_px);
-  if (part.state < place.states_of_cut)
+  if (part.state < instance.states_of_cut)
     counts.shown.complete.add(triangles, part.item->complete_rad * focal_px);
 }
 

@@ -4,23 +4,24 @@
 
 namespace lode::render {
 
-DrawCounts Renderer::addPlace(size_t number, const core::View& view, const DrawStyle& style,
-                              const DrawTime& time, GpuCulling& culling) {
-  Place& place = choose(number, view, time);
-  DrawCounts counts = collect(place, view, style, true);
-  for (const SeenPart& part : place.parts) countShown(place, part, part.item->index_count / 3, view, counts);
-  place.number = culling.add(place.parts, meshes_.pages(), lattice_step_, view, place.last_view);
-  place.last_view = view;
+DrawCounts Renderer::addInstance(size_t number, const core::View& view, const DrawStyle& style,
+                                 const DrawTime& time, GpuCulling& culling) {
+  DrawnInstance& instance = choose(number, view, time);
+  DrawCounts counts = collect(instance, view, style, true);
+  for (const SeenPart& part : instance.parts)
+    countShown(instance, part, part.item->index_count / 3, view, counts);
+  instance.number = culling.add(instance.parts, meshes_.pages(), lattice_step_, view, instance.last_view);
+  instance.last_view = view;
   return counts;
 }
 
 uint32_t Renderer::drawFound(size_t number, const core::View& view, const Framebuffer& target,
                              const DrawStyle& style, const GpuCulling& culling) {
-  const Place& place = places_[number];
-  const std::span<const GpuCulling::Draw> draws = culling.draws(place.number);
+  const DrawnInstance& instance = instances_[number];
+  const std::span<const GpuCulling::Draw> draws = culling.draws(instance.number);
   if (draws.empty()) return 0;
   has_samples_ = target.samples() > 1;
-  drawer_.begin(place.states_buffer, place.parts.front().item->attributes, textures_);
+  drawer_.begin(instance.states_buffer, instance.parts.front().item->attributes, textures_);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, culling.commands());
   glBindBuffer(GL_PARAMETER_BUFFER, culling.counts());
   std::optional<bool> fades;

@@ -13,7 +13,7 @@
 namespace lode::render {
 namespace {
 
-constexpr std::array<std::string_view, kShowCount> kNames{
+constexpr std::array<std::string_view, kColorModeCount> kNames{
     "surface", "unlit", "wireframe", "normals", "texels", "nodes", "depths", "lods", "errors", "ages"};
 
 constexpr std::array<glm::u8vec3, kTexelColourCount> kTexelLadder{
@@ -82,8 +82,8 @@ size_t errorBin(float error_rad, float threshold_rad) {
 glm::u8vec3 ladder(uint32_t step) { return kLadder[step % kLadder.size()]; }
 
 /// Hue and lightness by the key, and where it stands.
-glm::u8vec3 colourOfNode(NodeKey node, uint32_t place) {
-  const uint64_t hash = (node.value ^ place * 0xbf58476d1ce4e5b9ull) * 0x9e3779b97f4a7c15ull;
+glm::u8vec3 colourOfNode(NodeKey node, uint32_t instance) {
+  const uint64_t hash = (node.value ^ instance * 0xbf58476d1ce4e5b9ull) * 0x9e3779b97f4a7c15ull;
   const double hue = static_cast<double>(hash >> 40) / (1 << 24);
   const double light = 0.6 + 0.4 * static_cast<double>(hash >> 20 & 0xfffff) / (1 << 20);
   const glm::dvec3 third(0, 2.0 / 3, 1.0 / 3);
@@ -91,18 +91,18 @@ glm::u8vec3 colourOfNode(NodeKey node, uint32_t place) {
   return glm::u8vec3(glm::mix(glm::dvec3(1), pure, 0.55) * light * 255.0);
 }
 
-std::string placeName(const ShownPlace& place) {
-  if (place.model.empty()) return "";
-  return std::string(place.model) + (place.nth > 0 ? " " + std::to_string(place.nth) : "") + ", ";
+std::string instanceName(const ShownInstance& instance) {
+  if (instance.model.empty()) return "";
+  return std::string(instance.model) + (instance.nth > 0 ? " " + std::to_string(instance.nth) : "") + ", ";
 }
 
 /// Of a scene the first place of each model before the second of one.
 std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
-  std::map<std::tuple<uint32_t, uint32_t, NodeKey>, ShownPlace> nodes;
+  std::map<std::tuple<uint32_t, uint32_t, NodeKey>, ShownInstance> nodes;
   for (const DrawItem& part : drawn)
-    nodes.emplace(std::tuple(part.place.nth, part.place.number, part.node), part.place);
+    nodes.emplace(std::tuple(part.instance.nth, part.instance.number, part.node), part.instance);
   std::vector<LegendEntry> legend;
-  for (const auto& [order, place] : nodes) {
+  for (const auto& [order, instance] : nodes) {
     if (legend.size() == kMostNodesInLegend) {
       legend.push_back({{200, 200, 200},
                         "and " + std::to_string(nodes.size() - kMostNodesInLegend) +
@@ -111,14 +111,15 @@ std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
       break;
     }
     const NodeKey node = std::get<NodeKey>(order);
-    legend.push_back({colourOfNode(node, place.number), placeName(place) + "node " + nodeName(node)});
+    legend.push_back(
+        {colourOfNode(node, instance.number), instanceName(instance) + "node " + nodeName(node)});
   }
   return legend;
 }
 
 /// Of a step among those that are drawn: which end of them is finer.
-std::string stepMeaning(Show show, uint32_t step, bool is_first, bool is_last) {
-  const bool is_depth = show == Show::kDepths;
+std::string stepMeaning(ColorMode show, uint32_t step, bool is_first, bool is_last) {
+  const bool is_depth = show == ColorMode::kDepths;
   std::string meaning = (is_depth ? "depth " : "lod ") + std::to_string(step);
   if (!is_depth && step == 0) return meaning + ", the finest of a node";
   if (is_first == is_last) return meaning;
@@ -144,12 +145,12 @@ std::string nodeName(NodeKey node) {
 
 const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept { return kTexelLadder; }
 
-std::string_view nameOf(Show show) noexcept { return kNames[static_cast<size_t>(show)]; }
+std::string_view nameOf(ColorMode show) noexcept { return kNames[static_cast<size_t>(show)]; }
 
-std::optional<Show> showNamed(std::string_view name) noexcept {
+std::optional<ColorMode> colorModeNamed(std::string_view name) noexcept {
   const auto found = std::ranges::find(kNames, name);
   if (found == kNames.end()) return std::nullopt;
-  return static_cast<Show>(found - kNames.begin());
+  return static_cast<ColorMode>(found - kNames.begin());
 }
 
 std::string showNames() {
@@ -158,51 +159,51 @@ std::string showNames() {
   return names;
 }
 
-glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_rad, uint32_t place) noexcept {
+glm::u8vec3 colourOf(ColorMode show, const DrawItem& part, float threshold_rad, uint32_t instance) noexcept {
   switch (show) {
-    case Show::kNodes:
-      return colourOfNode(part.node, place);
-    case Show::kDepths:
+    case ColorMode::kNodes:
+      return colourOfNode(part.node, instance);
+    case ColorMode::kDepths:
       return ladder(static_cast<uint32_t>(part.node.depth()));
-    case Show::kLods:
+    case ColorMode::kLods:
       return ladder(part.lod);
-    case Show::kErrors:
+    case ColorMode::kErrors:
       return kErrorBins[errorBin(part.error_rad, threshold_rad)].colour;
-    case Show::kAges:
+    case ColorMode::kAges:
       return kAgeBins[ageBin(part.age_s)].colour;
     default:
       return glm::u8vec3(255);
   }
 }
 
-std::string_view explanationOf(Show show) noexcept {
-  if (show == Show::kUnlit) return "the paint alone, without light";
-  if (show == Show::kWireframe)
+std::string_view explanationOf(ColorMode show) noexcept {
+  if (show == ColorMode::kUnlit) return "the paint alone, without light";
+  if (show == ColorMode::kWireframe)
     return "edges of triangles; where these are too small for lines, the surface alone";
   return "";
 }
 
-std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px) {
-  if (show == Show::kNormals)
+std::vector<LegendEntry> legendOf(ColorMode show, std::span<const DrawItem> drawn, float threshold_px) {
+  if (show == ColorMode::kNormals)
     return {{{255, 128, 128}, "faces +x"}, {{0, 128, 128}, "faces -x"},   {{128, 255, 128}, "faces +y"},
             {{128, 0, 128}, "faces -y"},   {{128, 128, 255}, "faces +z"}, {{128, 128, 0}, "faces -z"}};
-  if (show == Show::kNodes) return legendOfNodes(drawn);
+  if (show == ColorMode::kNodes) return legendOfNodes(drawn);
   std::vector<LegendEntry> legend;
-  if (show == Show::kTexels) {
+  if (show == ColorMode::kTexels) {
     for (size_t i = 0; i < kTexelColourCount; ++i) legend.push_back({kTexelLadder[i], kTexelMeanings[i]});
   }
-  if (show == Show::kAges) {
+  if (show == ColorMode::kAges) {
     for (size_t bin = 0; bin < kAgeBins.size(); ++bin)
       legend.push_back({kAgeBins[bin].colour, ageMeaning(bin)});
   }
-  if (show == Show::kErrors) {
+  if (show == ColorMode::kErrors) {
     for (size_t bin = 0; bin < kErrorBins.size(); ++bin)
       legend.push_back({kErrorBins[bin].colour, errorMeaning(bin, threshold_px)});
   }
-  if (show == Show::kDepths || show == Show::kLods) {
+  if (show == ColorMode::kDepths || show == ColorMode::kLods) {
     std::map<uint32_t, glm::u8vec3> steps;
     for (const DrawItem& part : drawn)
-      steps.emplace(show == Show::kDepths ? static_cast<uint32_t>(part.node.depth()) : part.lod,
+      steps.emplace(show == ColorMode::kDepths ? static_cast<uint32_t>(part.node.depth()) : part.lod,
                     colourOf(show, part, 0));
     for (const auto& [step, colour] : steps)
       legend.push_back(

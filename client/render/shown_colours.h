@@ -18,7 +18,7 @@ namespace lode::render {
 struct DrawItem;
 
 /// What a picture shows of a model.
-enum class Show : uint8_t {
+enum class ColorMode : uint8_t {
   kSurface,    ///< its paint in the light
   kUnlit,      ///< its paint alone
   kWireframe,  ///< triangles, those behind hidden
@@ -30,27 +30,28 @@ enum class Show : uint8_t {
   kErrors,  ///< projected, when the cut was made
   kAges,    ///< how long they are in the picture
 };
-constexpr int kShowCount = 10;
+constexpr int kColorModeCount = 10;
 constexpr float kOldS = 16;  ///< what is older has no other colour any more
 
 /// Which of several places a part stands at.
-struct ShownPlace {
+struct ShownInstance {
   uint32_t number = 0;          ///< its nodes have other colours than those of other places
   std::string_view model = {};  ///< for legends; empty where there is one model
   uint32_t nth = 0;             ///< of the model's places, from 1; 0: it has one
 
-  bool operator==(const ShownPlace&) const = default;
+  bool operator==(const ShownInstance&) const = default;
 };
 
-std::string_view nameOf(Show show) noexcept;
-std::optional<Show> showNamed(std::string_view name) noexcept;
+std::string_view nameOf(ColorMode show) noexcept;
+std::optional<ColorMode> colorModeNamed(std::string_view name) noexcept;
 /// "surface, unlit, ...", for help and errors.
 std::string showNames();
 
 /// Each part is drawn in one colour.
-constexpr bool coloursParts(Show show) noexcept { return show >= Show::kNodes; }
+constexpr bool coloursParts(ColorMode show) noexcept { return show >= ColorMode::kNodes; }
 /// sRGB. @param threshold_rad  of the cut, for errors. @param place  its number, for nodes.
-glm::u8vec3 colourOf(Show show, const DrawItem& part, float threshold_rad, uint32_t place = 0) noexcept;
+glm::u8vec3 colourOf(ColorMode show, const DrawItem& part, float threshold_rad,
+                     uint32_t instance = 0) noexcept;
 
 /// sRGB, for a quarter of a texel a pixel or less, a half, 1, 2, 4 or more, between which colours are mixed;
 /// and for what has no image.
@@ -69,8 +70,8 @@ struct LegendEntry {
   bool operator==(const LegendEntry&) const = default;
 };
 /// What a picture shows that no colours explain; empty where there is nothing to say.
-std::string_view explanationOf(Show show) noexcept;
+std::string_view explanationOf(ColorMode show) noexcept;
 /// Of what is drawn. @param threshold_px  of the picture. Empty where colours mean nothing.
-std::vector<LegendEntry> legendOf(Show show, std::span<const DrawItem> drawn, float threshold_px);
+std::vector<LegendEntry> legendOf(ColorMode show, std::span<const DrawItem> drawn, float threshold_px);
 
 }  // namespace lode::render

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr uint64_t kTrimShare = 16;               // of the limit, kept between two looks at all files
 constexpr std::chrono::hours kUseGranularity{1};  // a file's time is not renewed more often
 constexpr std::chrono::hours kAbandoned{1};       // age of a temporary file that nobody will finish
-constexpr uint64_t kMaxSummaryBytes = sizeof(BlobName) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
+constexpr uint64_t kMaxSummaryBytes = sizeof(Digest) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
 constexpr std::string_view kTemporary = ".new-";
 
 /// @return empty for what cannot be a blob: nothing at all, or more than so many bytes.
@@ -60,7 +60,7 @@ bool writeFile(const fs::path& path, std::span<const std::byte> bytes) {
 
 fs::path summaryFile(const fs::path& folder, const ServedModel& model) {
   const std::string key = toString(model);
-  return folder / "models" / toHex(nameBlob(std::as_bytes(std::span(key))));
+  return folder / "models" / toHex(digestOf(std::as_bytes(std::span(key))));
 }
 
 /// @return what keeps a file from being made there, if anything.
@@ -87,17 +87,17 @@ void prepareCacheFolder(const fs::path& folder, const core::Remedies& remedies) 
 BlobCache::BlobCache(fs::path folder, uint64_t max_bytes)
     : folder_(std::move(folder)), max_bytes_(max_bytes), kept_bytes_(max_bytes) {}
 
-fs::path BlobCache::fileOf(const BlobName& name) const {
+fs::path BlobCache::fileOf(const Digest& name) const {
   const std::string hex = toHex(name);
   return folder_ / "blobs" / hex.substr(0, 2) / hex;
 }
 
 std::optional<std::vector<std::byte>> BlobCache::find(const BlobRef& blob) {
-  const fs::path path = fileOf(blob.name);
+  const fs::path path = fileOf(blob.digest);
   auto bytes = readFile(path, blob.bytes);
   if (!bytes) return std::nullopt;
   std::error_code ignored;
-  if (bytes->size() != blob.bytes || nameBlob(*bytes) != blob.name) {
+  if (bytes->size() != blob.bytes || digestOf(*bytes) != blob.digest) {
     fs::remove(path, ignored);
     return std::nullopt;
   }
@@ -110,15 +110,15 @@ void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {
   if (bytes.size() > max_bytes_ / kTrimShare) return;
   kept_bytes_ += bytes.size();
   if (kept_bytes_ > max_bytes_ / kTrimShare) trim();
-  writeFile(fileOf(blob.name), bytes);
+  writeFile(fileOf(blob.digest), bytes);
 }
 
 /// The name of what follows, then an Opened frame.
 std::optional<ModelSummary> BlobCache::summary(const ServedModel& model) const {
   const auto bytes = readFile(summaryFile(folder_, model), kMaxSummaryBytes);
-  if (!bytes || bytes->size() < sizeof(BlobName) + proto::kFrameHeaderBytes) return std::nullopt;
-  const std::span<const std::byte> frame = std::span(*bytes).subspan(sizeof(BlobName));
-  if (!std::ranges::equal(nameBlob(frame).bytes, std::span(*bytes).first(sizeof(BlobName))))
+  if (!bytes || bytes->size() < sizeof(Digest) + proto::kFrameHeaderBytes) return std::nullopt;
+  const std::span<const std::byte> frame = std::span(*bytes).subspan(sizeof(Digest));
+  if (!std::ranges::equal(digestOf(frame).bytes, std::span(*bytes).first(sizeof(Digest))))
     return std::nullopt;
   try {
     auto opened = proto::decode<proto::Opened>(frame.subspan(proto::kFrameHeaderBytes));
@@ -131,7 +131,7 @@ std::optional<ModelSummary> BlobCache::summary(const ServedModel& model) const {
 
 void BlobCache::keepSummary(const ServedModel& model, const ModelSummary& summary) {
   const proto::Bytes frame = proto::encode(proto::Opened{1, summary}, 0);
-  const BlobName name = nameBlob(frame);
+  const Digest name = digestOf(frame);
   std::vector<std::byte> bytes(name.bytes.begin(), name.bytes.end());
   bytes.insert(bytes.end(), frame.begin(), frame.end());
   writeFile(summaryFile(folder_, model), bytes);

@@ -41,7 +41,7 @@ class BlobCache {
   void trim();
 
  private:
-  std::filesystem::path fileOf(const BlobName& name) const;
+  std::filesystem::path fileOf(const Digest& name) const;
 
   std::filesystem::path folder_;
   uint64_t max_bytes_;

@@ -9,21 +9,21 @@ void addTo(std::vector<std::shared_ptr<const T>>& published, const std::shared_p
 }
 
 template <typename T>
-void letGoOf(std::vector<std::shared_ptr<const T>>& published) {
+void releaseStorageOf(std::vector<std::shared_ptr<const T>>& published) {
   std::erase_if(published, [](const std::shared_ptr<const T>& one) { return one.use_count() == 1; });
 }
 
 }  // namespace
 
 void PublishedCuts::add(const std::shared_ptr<const core::Cut>& cut,
-                        const std::shared_ptr<const core::PlacedCuts>& placed) {
+                        const std::shared_ptr<const core::ViewCuts>& view_cuts) {
   addTo(cuts_, cut);
-  addTo(placed_, placed);
+  addTo(view_cuts_, view_cuts);
 }
 
-void PublishedCuts::letGo() {
-  letGoOf(placed_);  // which have cuts
-  letGoOf(cuts_);
+void PublishedCuts::releaseStorage() {
+  releaseStorageOf(view_cuts_);  // which have cuts
+  releaseStorageOf(cuts_);
 }
 
 }  // namespace lode::stream

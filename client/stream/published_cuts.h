@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/core/cut.h"
-#include "client/core/placed_cuts.h"
+#include "client/core/view_cuts.h"
 
 namespace lode::stream {
 
@@ -14,13 +14,13 @@ namespace lode::stream {
 class PublishedCuts {
  public:
   void add(const std::shared_ptr<const core::Cut>& cut,
-           const std::shared_ptr<const core::PlacedCuts>& placed);
+           const std::shared_ptr<const core::ViewCuts>& view_cuts);
   /// Frees what nobody else has any more.
-  void letGo();
+  void releaseStorage();
 
  private:
   std::vector<std::shared_ptr<const core::Cut>> cuts_;
-  std::vector<std::shared_ptr<const core::PlacedCuts>> placed_;
+  std::vector<std::shared_ptr<const core::ViewCuts>> view_cuts_;
 };
 
 }  // namespace lode::stream

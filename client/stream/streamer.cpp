@@ -99,7 +99,7 @@ struct Streamer::State {
   std::optional<Error> error;
 
   // Of the thread:
-  BlobName kept_build_id;  // of the summary in the cache
+  Digest kept_build_id;  // of the summary in the cache
   PublishedCuts published;
   std::unique_ptr<DecodePool> starting_pool;  // made by whoever opens the stream, who is told if it fails
   std::thread thread;
@@ -146,7 +146,7 @@ void Streamer::State::stream() {
   engine_options.memory_budget_bytes = options.memory_budget_bytes;
   engine_options.triangle_budget = options.triangle_budget;
   engine_options.drawn_budget_bytes = options.drawn_budget_bytes;
-  engine_options.hold_factor = options.hold_factor;
+  engine_options.hysteresis_factor = options.hysteresis_factor;
   engine_options.shares_memory = options.shares_memory;
   engine_options.prefetch = options.prefetch;
   engine_options.best_first = options.best_first;
@@ -221,13 +221,13 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
   pool.add(engine.takeDecodeJobs());
   if (cache) cache->find(engine.takeCacheQueries());
   publish(engine, number);
-  published.letGo();
+  published.releaseStorage();
 }
 
 void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   StreamStatus now;
   now.cut = engine.cut();
-  now.placed = engine.placed();
+  now.view_cuts = engine.viewCuts();
   now.cut_build = engine.cutBuild();
   now.counts = engine.counts();
   now.limited = engine.limited();
@@ -237,7 +237,7 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   now.exhausted = number != 0 && engine.exhausted() && !now.settled;
   if (now.exhausted && now.failure.empty())
     now.failure = "the cache does not have all that the view needs: run without --offline";
-  published.add(now.cut, now.placed);
+  published.add(now.cut, now.view_cuts);
   const std::lock_guard lock(mutex);
   has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
   if (!summary && engine.summary()) summary = *engine.summary();

@@ -26,10 +26,10 @@ struct StreamOptions {
   // See core::RefineOptions.
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
   uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
-  float hold_factor = 1;       ///< core::kHoldFactor where somebody watches
-  bool shares_memory = false;  ///< see core::EngineOptions
-  bool prefetch = false;       ///< asks ahead of a camera that moves
-  bool best_first = true;      ///< see core::EngineOptions
+  float hysteresis_factor = 1;  ///< core::kHysteresisFactor where somebody watches
+  bool shares_memory = false;   ///< see core::EngineOptions
+  bool prefetch = false;        ///< asks ahead of a camera that moves
+  bool best_first = true;       ///< see core::EngineOptions
   /// Keeps trying where a server that had the model says that it has it no more; else the stream ends then.
   bool awaits_model = false;
   std::chrono::milliseconds connect_timeout{20'000};
@@ -44,8 +44,8 @@ net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 
 /// What the last step of a stream has left.
 struct StreamStatus {
-  std::shared_ptr<const core::Cut> cut;            ///< null until there is something to show
-  std::shared_ptr<const core::PlacedCuts> placed;  ///< by view, whose meshes `cut` has: see core::Instance
+  std::shared_ptr<const core::Cut> cut;             ///< null until there is something to show
+  std::shared_ptr<const core::ViewCuts> view_cuts;  ///< by view, whose meshes `cut` has: see core::ViewGroup
   uint64_t cut_build = 0;  ///< names the build that it is of: another one after the model was replaced
   core::EngineCounts counts;
   bool limited = false;    ///< a budget keeps the cut from converging

@@ -9,7 +9,7 @@
 #include <asio/use_awaitable.hpp>
 
 #include "common/error.h"
-#include "common/let_go.h"
+#include "common/release_storage.h"
 #include "server/serve/proxy_preamble.h"
 
 namespace lode::serve {
@@ -34,19 +34,19 @@ Connection::Connection(proto::ByteStream stream, Place place, MemoryAccount memo
       host_(host),
       limits_(limits),
       stream_(std::move(stream), 2048, [this](size_t more) { return memory_.tryTake(more); }),
-      session_({&host.offer, &memory_, host.tallies, &host.requests}, limits.session, Clock::now()),
+      session_({&host.served, &memory_, host.counters, &host.requests}, limits.session, Clock::now()),
       rate_(limits.bytes_per_second),
       to_write_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),
       to_read_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),
       client_(std::move(client)) {
   host_.connections.insert(this);
-  host_.tallies->accepted.add();
+  host_.counters->accepted.add();
 }
 
 Connection::~Connection() {
   host_.connections.erase(this);
   const EndReason reason = end_.value_or(EndReason::kStopping);
-  host_.tallies->ended[static_cast<size_t>(reason)].add();
+  host_.counters->ended[static_cast<size_t>(reason)].add();
   const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
   const std::array<LogField, 7> fields{{{"client", client_},
                                         {"reason", endName(reason)},
@@ -74,8 +74,8 @@ void Connection::drain(const std::string& reason) {
   wakeWriter();
 }
 
-void Connection::offerChanged() {
-  session_.offerChanged();
+void Connection::servedSetChanged() {
+  session_.servedSetChanged();
   wakeWriter();
 }
 
@@ -142,7 +142,7 @@ asio::awaitable<void> Connection::read() {
   if (session_.closing() && !broken) {
     if (!end_) why_ = session_.refusal();
     end(EndReason::kMistake);
-    if (session_.unauthorized()) host_.tallies->refused[static_cast<size_t>(RefusalReason::kToken)].add();
+    if (session_.unauthorized()) host_.counters->refused[static_cast<size_t>(RefusalReason::kToken)].add();
     wakeWriter();  // the Error goes out; what the client still sends is dropped
     co_await stream_.discard();
   } else {
@@ -167,7 +167,7 @@ asio::awaitable<bool> Connection::greet() {
     if (header->client) {
       client_ = plainAddress(*header->client).to_string();
       if (!place_.countUnder(*header->client)) {
-        host_.tallies->refused[static_cast<size_t>(RefusalReason::kAddress)].add();
+        host_.counters->refused[static_cast<size_t>(RefusalReason::kAddress)].add();
         session_.refuse(proto::WireError::kLimit, "this address has as many connections as it may");
       }
     }
@@ -183,16 +183,16 @@ asio::awaitable<bool> Connection::greet() {
 /// Unless a deadline has ended it, which is why it failed then.
 void Connection::turnAway(RefusalReason refused, EndReason ended, const std::string& why) {
   if (end_) return;
-  host_.tallies->refused[static_cast<size_t>(refused)].add();
+  host_.counters->refused[static_cast<size_t>(refused)].add();
   end(ended);
   why_ = why;
 }
 
 /// Lets the memory go that a large frame took beyond what is kept for the next, and gives it back.
-void Connection::letGoOf(proto::Frame& frame) {
+void Connection::releaseStorageOf(proto::Frame& frame) {
   if (frame.body.capacity() <= kMaxKeptBodyBytes) return;
   memory_.give(frame.body.capacity() - kMaxKeptBodyBytes);
-  letGo(frame.body);
+  releaseStorage(frame.body);
 }
 
 asio::awaitable<void> Connection::readFrames() {
@@ -206,7 +206,7 @@ asio::awaitable<void> Connection::readFrames() {
       const bool more = co_await stream_.read(frame, limit);
       if (!more) co_return;
     } catch (...) {
-      letGoOf(frame);
+      releaseStorageOf(frame);
       throw;
     }
     if (!linger_until_) {
@@ -214,7 +214,7 @@ asio::awaitable<void> Connection::readFrames() {
       session_.receive(frame.header, frame.body, Clock::now());
       wakeWriter();
     }
-    letGoOf(frame);
+    releaseStorageOf(frame);
   }
 }
 

@@ -19,8 +19,8 @@
 #include "server/serve/log.h"
 #include "server/serve/memory_budget.h"
 #include "server/serve/metrics.h"
-#include "server/serve/offer.h"
 #include "server/serve/request_memory.h"
+#include "server/serve/served_set.h"
 #include "server/serve/session.h"
 
 namespace lode::serve {
@@ -49,10 +49,10 @@ class Connection;
 
 /// What the connections of one thread share; it outlives them. Touched on that thread only.
 struct ConnectionHost {
-  Offer offer;
+  ServedSet served;
   std::shared_ptr<asio::ssl::context> tls;  ///< of new connections; none: they are plain
   Log* log = nullptr;
-  ThreadTallies* tallies = nullptr;
+  ThreadCounters* counters = nullptr;
   ByteRate* rate = nullptr;  ///< of all connections of the server
   MemoryBudget* budget = nullptr;
   asio::thread_pool* readers = nullptr;  ///< threads that may wait for the disk
@@ -85,7 +85,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void start();
   void drain(const std::string& reason);
-  void offerChanged();
+  void servedSetChanged();
   /// Gives it up if its time has come.
   void sweep(Clock::time_point now);
   /// Gives it up for the memory that it holds.
@@ -104,7 +104,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   asio::awaitable<bool> greet();
   void turnAway(RefusalReason refused, EndReason ended, const std::string& why);
   asio::awaitable<void> readFrames();
-  void letGoOf(proto::Frame& frame);
+  void releaseStorageOf(proto::Frame& frame);
   asio::awaitable<void> write();
   asio::awaitable<void> writeFrames();
   asio::awaitable<void> fetch(std::shared_ptr<ColdRead> cold, std::shared_ptr<const BlobReader> blobs);

@@ -77,10 +77,10 @@ asio::awaitable<void> Connection::writeFrames() {
   while (!gone_) {
     if (slow_) {  // what is in the kernel cannot be overtaken: what comes next is decided when it takes more
       writing_since_ = Clock::now();
-      session_.heldUp(*writing_since_);
+      session_.onBackpressure(*writing_since_);
       asio::error_code error;
       co_await stream_.bytes().waitWritable(error);
-      session_.goesOn(Clock::now());
+      session_.onWritable(Clock::now());
       if (error) throw Error(ErrorCode::kNetwork, "the connection broke while writing: " + error.message());
     }
     const proto::Bytes control = session_.takeControl();
@@ -102,10 +102,10 @@ asio::awaitable<void> Connection::writeFrames() {
     host_.buffers.give(std::move(buffer));
     if (bytes == 0 && session_.controlBytes() == 0) {
       if (session_.finished()) co_return;
-      if (session_.waitsForWindow()) session_.heldUp(Clock::now());
+      if (session_.waitsForWindow()) session_.onBackpressure(Clock::now());
       to_write_.expires_at(turn_.value_or(Clock::time_point::max()));
       co_await sleep(to_write_, write_woken_);
-      session_.goesOn(Clock::now());
+      session_.onWritable(Clock::now());
     }
     wakeReader();
   }
@@ -182,7 +182,7 @@ bool Connection::startFetching(const Chunk& chunk) {
   }
   const auto cold = std::make_shared<ColdRead>(ColdRead{chunk, std::vector<std::byte>(chunk.bytes)});
   cold_.push_back(cold);
-  if (chunk.opened->tallies != nullptr) chunk.opened->tallies->cold_reads.add();
+  if (chunk.opened->counters != nullptr) chunk.opened->counters->cold_reads.add();
   asio::co_spawn(
       stream_.bytes().executor(),
       [self = shared_from_this(), cold, blobs = chunk.opened->model->blobs] {
@@ -206,7 +206,7 @@ asio::awaitable<void> Connection::fetch(std::shared_ptr<ColdRead> cold,
 
 void Connection::fail(const Chunk& chunk, ReadResult result) {
   if (result == ReadResult::kDamaged) {
-    if (chunk.opened->tallies != nullptr) chunk.opened->tallies->damaged.add();
+    if (chunk.opened->counters != nullptr) chunk.opened->counters->damaged.add();
     session_.failChunk(proto::WireError::kDamagedStore,
                        "blob " + std::to_string(chunk.blob) +
                            " of the store is damaged: copy the store again, or rebuild it; lodestreamd "
@@ -222,16 +222,16 @@ void Connection::noteRead(const Chunk& chunk) noexcept {
   const auto now = Clock::now();
   if (chunk.first()) {
     const auto held = session_.heldSince(chunk, now);
-    host_.tallies->held[request_class].add(held);
-    host_.tallies->queue[request_class].add(now - chunk.asked - held);
+    host_.counters->held[request_class].add(held);
+    host_.counters->queue[request_class].add(now - chunk.asked - held);
   }
   if (chunk.last()) {
     ++blobs_;
-    host_.tallies->send[request_class].add(now - chunk.asked);
+    host_.counters->send[request_class].add(now - chunk.asked);
   }
-  if (chunk.opened->tallies == nullptr) return;
-  chunk.opened->tallies->bytes.add(chunk.bytes);
-  if (chunk.last()) chunk.opened->tallies->blobs.add();
+  if (chunk.opened->counters == nullptr) return;
+  chunk.opened->counters->bytes.add(chunk.bytes);
+  if (chunk.last()) chunk.opened->counters->blobs.add();
 }
 
 }  // namespace lode::serve

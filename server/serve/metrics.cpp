@@ -15,7 +15,7 @@ namespace {
 using prometheus::ClientMetric;
 using prometheus::MetricFamily;
 using prometheus::MetricType;
-using Threads = std::span<const std::unique_ptr<ThreadTallies>>;
+using Threads = std::span<const std::unique_ptr<ThreadCounters>>;
 
 constexpr std::array<std::string_view, kRequestClasses> kClassNames{"visible", "margin", "prefetch"};
 
@@ -32,38 +32,38 @@ MetricFamily number(const char* name, const char* help, MetricType type, uint64_
   return family;
 }
 
-/// Sum over the threads of what `tally` picks of each.
-uint64_t sum(Threads threads, const auto& tally) {
+/// Sum over the threads of what `counter` picks of each.
+uint64_t sum(Threads threads, const auto& counter) {
   uint64_t total = 0;
-  for (const auto& thread : threads) total += tally(*thread).read();
+  for (const auto& thread : threads) total += counter(*thread).read();
   return total;
 }
 
 /// A counter for each of `count` values of a label.
-MetricFamily counters(const char* name, const char* help, const char* label, size_t count, Threads threads,
-                      const auto& name_of, const auto& tally) {
+MetricFamily labelledCounters(const char* name, const char* help, const char* label, size_t count,
+                              Threads threads, const auto& name_of, const auto& counter) {
   MetricFamily family{name, help, MetricType::Counter, {}};
   for (size_t i = 0; i < count; ++i) {
     ClientMetric metric = labelled(label, name_of(i));
     metric.counter.value = static_cast<double>(
-        sum(threads, [&](const ThreadTallies& t) -> const Tally& { return tally(t)[i]; }));
+        sum(threads, [&](const ThreadCounters& t) -> const Counter& { return counter(t)[i]; }));
     family.metric.push_back(std::move(metric));
   }
   return family;
 }
 
-MetricFamily latencies(const char* name, const char* help, Threads threads, const auto& tally) {
+MetricFamily latencies(const char* name, const char* help, Threads threads, const auto& counter) {
   MetricFamily family{name, help, MetricType::Histogram, {}};
   for (size_t c = 0; c < kRequestClasses; ++c) {
     ClientMetric metric = labelled("class", kClassNames[c]);
     auto& histogram = metric.histogram;
-    for (size_t bucket = 0; bucket < LatencyTally::kBuckets; ++bucket) {
-      for (const auto& thread : threads) histogram.sample_count += tally(*thread)[c].bucket(bucket);
+    for (size_t bucket = 0; bucket < LatencyCounter::kBuckets; ++bucket) {
+      for (const auto& thread : threads) histogram.sample_count += counter(*thread)[c].bucket(bucket);
       if (bucket < kLatencyBoundsSeconds.size())
         histogram.bucket.push_back({histogram.sample_count, kLatencyBoundsSeconds[bucket]});
     }
     for (const auto& thread : threads)
-      histogram.sample_sum += static_cast<double>(tally(*thread)[c].sumNs()) * 1e-9;
+      histogram.sample_sum += static_cast<double>(counter(*thread)[c].sumNs()) * 1e-9;
     family.metric.push_back(std::move(metric));
   }
   return family;
@@ -71,24 +71,24 @@ MetricFamily latencies(const char* name, const char* help, Threads threads, cons
 
 struct ModelFigure {
   const char *name, *help;
-  Tally ModelTallies::*tally;
+  Counter ModelCounters::*counter;
 };
 constexpr std::array kModelFigures{
     ModelFigure{"lodestream_model_opened_total", "Times that clients opened the model",
-                &ModelTallies::opened},
-    ModelFigure{"lodestream_model_blobs_sent_total", "Blobs sent whole", &ModelTallies::blobs},
-    ModelFigure{"lodestream_model_sent_bytes_total", "Bytes of blobs sent", &ModelTallies::bytes},
+                &ModelCounters::opened},
+    ModelFigure{"lodestream_model_blobs_sent_total", "Blobs sent whole", &ModelCounters::blobs},
+    ModelFigure{"lodestream_model_sent_bytes_total", "Bytes of blobs sent", &ModelCounters::bytes},
     ModelFigure{"lodestream_model_cold_reads_total", "Reads that had to wait for the disk",
-                &ModelTallies::cold_reads},
+                &ModelCounters::cold_reads},
     ModelFigure{"lodestream_model_damaged_blobs_total", "Requests ended because the store is damaged",
-                &ModelTallies::damaged},
+                &ModelCounters::damaged},
 };
 
 MetricFamily ofModels(const ModelFigure& figure, Threads threads) {
   std::map<std::string, uint64_t> by_name;
   for (const auto& thread : threads)
-    thread->forEachModel([&](const std::string& name, const ModelTallies& tallies) {
-      by_name[name] += (tallies.*figure.tally).read();
+    thread->forEachModel([&](const std::string& name, const ModelCounters& counters) {
+      by_name[name] += (counters.*figure.counter).read();
     });
   MetricFamily family{figure.name, figure.help, MetricType::Counter, {}};
   for (const auto& [name, value] : by_name) {
@@ -135,45 +135,46 @@ std::string_view endName(EndReason reason) noexcept {
   return kNames[static_cast<size_t>(reason)];
 }
 
-ModelTallies& ThreadTallies::model(const std::string& name) {
+ModelCounters& ThreadCounters::model(const std::string& name) {
   const std::lock_guard lock(mutex_);
   return models_[name];
 }
 
 Metrics::Metrics(size_t threads) {
-  for (size_t i = 0; i < threads; ++i) threads_.push_back(std::make_unique<ThreadTallies>());
+  for (size_t i = 0; i < threads; ++i) threads_.push_back(std::make_unique<ThreadCounters>());
 }
 
 std::string Metrics::text(const ServerGauges& gauges) const {
   std::vector<MetricFamily> families;
   addGauges(families, gauges);
-  families.push_back(number(
-      "lodestream_connections_accepted_total",
-      "Connections that were taken in, before TLS, a balancer's header or a token were looked at",
-      MetricType::Counter, sum(threads_, [](const ThreadTallies& t) -> const Tally& { return t.accepted; })));
-  families.push_back(counters(
+  families.push_back(
+      number("lodestream_connections_accepted_total",
+             "Connections that were taken in, before TLS, a balancer's header or a token were looked at",
+             MetricType::Counter,
+             sum(threads_, [](const ThreadCounters& t) -> const Counter& { return t.accepted; })));
+  families.push_back(labelledCounters(
       "lodestream_connections_refused_total",
       "Connections that were turned away, before or after they were taken in, by reason", "reason",
       kRefusalReasons, threads_, [](size_t i) { return refusalName(static_cast<RefusalReason>(i)); },
-      [](const ThreadTallies& t) -> const auto& { return t.refused; }));
-  families.push_back(counters(
+      [](const ThreadCounters& t) -> const auto& { return t.refused; }));
+  families.push_back(labelledCounters(
       "lodestream_connections_ended_total", "Connections of those taken in that have ended, by reason",
       "reason", kEndReasons, threads_, [](size_t i) { return endName(static_cast<EndReason>(i)); },
-      [](const ThreadTallies& t) -> const auto& { return t.ended; }));
-  families.push_back(counters(
+      [](const ThreadCounters& t) -> const auto& { return t.ended; }));
+  families.push_back(labelledCounters(
       "lodestream_requests_total", "Requests taken, by class", "class", kRequestClasses, threads_,
       [](size_t i) { return kClassNames[i]; },
-      [](const ThreadTallies& t) -> const auto& { return t.requests; }));
+      [](const ThreadCounters& t) -> const auto& { return t.requests; }));
   families.push_back(latencies(
       "lodestream_request_queue_seconds", "From a request to its first chunk, but for request_held_seconds",
-      threads_, [](const ThreadTallies& t) -> const auto& { return t.queue; }));
+      threads_, [](const ThreadCounters& t) -> const auto& { return t.queue; }));
   families.push_back(latencies(
       "lodestream_request_held_seconds",
       "From a request to its first chunk, while the client's window was shut or its link full", threads_,
-      [](const ThreadTallies& t) -> const auto& { return t.held; }));
+      [](const ThreadCounters& t) -> const auto& { return t.held; }));
   families.push_back(latencies(
       "lodestream_request_send_seconds", "From a request to its last chunk", threads_,
-      [](const ThreadTallies& t) -> const auto& { return t.send; }));
+      [](const ThreadCounters& t) -> const auto& { return t.send; }));
   for (const ModelFigure& figure : kModelFigures) families.push_back(ofModels(figure, threads_));
   std::erase_if(families, [](const MetricFamily& family) { return family.metric.empty(); });
   std::ostringstream out;

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/serve/tally.h"
+#include "server/serve/counter.h"
 
 namespace lode::serve {
 
@@ -47,33 +47,33 @@ std::string_view endName(EndReason reason) noexcept;
 constexpr size_t kRequestClasses = 3;
 
 /// What one model has cost one thread.
-struct ModelTallies {
-  Tally opened, blobs, bytes, cold_reads, damaged;
+struct ModelCounters {
+  Counter opened, blobs, bytes, cold_reads, damaged;
 };
 
 /// What one thread of the server counts; it alone adds, whoever asks for the metrics reads.
-class ThreadTallies {
+class ThreadCounters {
  public:
-  Tally accepted;  ///< past the door, whatever they said then
-  std::array<Tally, kRefusalReasons> refused;
-  std::array<Tally, kEndReasons> ended;
-  std::array<Tally, kRequestClasses> requests;
-  std::array<LatencyTally, kRequestClasses>
+  Counter accepted;  ///< past the door, whatever they said then
+  std::array<Counter, kRefusalReasons> refused;
+  std::array<Counter, kEndReasons> ended;
+  std::array<Counter, kRequestClasses> requests;
+  std::array<LatencyCounter, kRequestClasses>
       queue;  ///< from a request to its first chunk, but for what is held
-  std::array<LatencyTally, kRequestClasses> held;  ///< of that time, what the client has held it up
-  std::array<LatencyTally, kRequestClasses> send;  ///< from a request to its last chunk
+  std::array<LatencyCounter, kRequestClasses> held;  ///< of that time, what the client has held it up
+  std::array<LatencyCounter, kRequestClasses> send;  ///< from a request to its last chunk
 
   /// The tallies of a model, by its name; they stay where they are. Takes a lock: ask once an Open.
-  ModelTallies& model(const std::string& name);
+  ModelCounters& model(const std::string& name);
   template <typename Visit>  ///< visit(name, tallies)
   void forEachModel(const Visit& visit) const {
     const std::lock_guard lock(mutex_);
-    for (const auto& [name, tallies] : models_) visit(name, tallies);
+    for (const auto& [name, counters] : models_) visit(name, counters);
   }
 
  private:
   mutable std::mutex mutex_;
-  std::map<std::string, ModelTallies> models_;
+  std::map<std::string, ModelCounters> models_;
 };
 
 /// What is so at the moment, beside what was counted.
@@ -85,18 +85,18 @@ struct ServerGauges {
   bool stopping = false;
 };
 
-/// The tallies of all threads. Thread safe but for what ThreadTallies says.
+/// The tallies of all threads. Thread safe but for what ThreadCounters says.
 class Metrics {
  public:
   /// @param threads  that count.
   explicit Metrics(size_t threads);
 
-  ThreadTallies& ofThread(size_t thread) noexcept { return *threads_[thread]; }
+  ThreadCounters& ofThread(size_t thread) noexcept { return *threads_[thread]; }
   /// All of it summed, in Prometheus' text format 0.0.4.
   std::string text(const ServerGauges& gauges) const;
 
  private:
-  std::vector<std::unique_ptr<ThreadTallies>> threads_;
+  std::vector<std::unique_ptr<ThreadCounters>> threads_;
 };
 
 }  // namespace lode::serve

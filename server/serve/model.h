@@ -9,7 +9,7 @@
 namespace lode::serve {
 
 class BlobReader;
-struct ModelTallies;
+struct ModelCounters;
 
 /// A model that is offered: what sessions must know of it, and what reads its blobs. Immutable but for the
 /// reader's notes; it lives as long as anybody has it open.
@@ -27,8 +27,8 @@ struct Model {
 /// A model that a connection has open.
 struct OpenedModel {
   std::shared_ptr<const Model> model;
-  BlobName told;                    ///< the build that ModelReplaced was said of
-  ModelTallies* tallies = nullptr;  ///< none where nothing is counted
+  Digest told;                        ///< the build that ModelReplaced was said of
+  ModelCounters* counters = nullptr;  ///< none where nothing is counted
 };
 
 }  // namespace lode::serve

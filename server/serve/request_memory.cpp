@@ -12,7 +12,7 @@ constexpr size_t kHeadBytes = sizeof(void*);  ///< of a piece: the slab that it 
 }  // namespace
 
 RequestMemory::~RequestMemory() {
-  while (kept_ != nullptr) letGo(*std::exchange(kept_, kept_->after));
+  while (kept_ != nullptr) releaseStorage(*std::exchange(kept_, kept_->after));
 }
 
 RequestMemory::Slab* RequestMemory::emptySlab(size_t piece_bytes) {
@@ -64,7 +64,7 @@ void RequestMemory::do_deallocate(void* memory, size_t bytes, size_t alignment) 
   piece->next = std::exchange(slab.free, piece);
   if (--slab.in_use > 0) return;
   unlink(slab);
-  if (kept_bytes_ + kSlabBytes > kMaxKeptBytes) return letGo(slab);
+  if (kept_bytes_ + kSlabBytes > kMaxKeptBytes) return releaseStorage(slab);
   slab.after = std::exchange(kept_, &slab);
   kept_bytes_ += kSlabBytes;
 }

@@ -44,7 +44,7 @@ class RequestMemory : public std::pmr::memory_resource {
   Slab* emptySlab(size_t piece_bytes);
   void link(Slab& slab) noexcept;
   void unlink(Slab& slab) noexcept;
-  void letGo(Slab& slab) noexcept { system_->deallocate(&slab, kSlabBytes); }
+  void releaseStorage(Slab& slab) noexcept { system_->deallocate(&slab, kSlabBytes); }
 
   void* do_allocate(size_t bytes, size_t alignment) override;
   void do_deallocate(void* memory, size_t bytes, size_t alignment) override;

@@ -11,8 +11,8 @@
 #include <malloc.h>
 
 #include "common/error.h"
+#include "server/serve/acceptor.h"
 #include "server/serve/admission.h"
-#include "server/serve/door.h"
 #include "server/serve/health_endpoint.h"
 #include "server/serve/listener.h"
 #include "server/serve/memory_reserve.h"
@@ -73,17 +73,17 @@ struct Server::State {
   uint32_t possibleConnections();
   ConnectionLimits limits() const;
   ServerGauges gauges() const;
-  asio::ip::tcp::acceptor openDoor();
+  asio::ip::tcp::acceptor openListeningSocket();
   void listen();
   void startWorkers();
   void run();
   void reload();
-  void lookOver(const Published& now_offered);
-  void warnOfUnknownModels(const Offer& offer);
+  void lookOver(const Published& now_served);
+  void warnOfUnknownModels(const ServedSet& served);
   void halt();
   void lookAfterMemory();
   void stopNow();
-  void closeDoor();
+  void closeAcceptor();
 
   MemoryReserve reserve;
   ServeOptions options;
@@ -102,7 +102,7 @@ struct Server::State {
   std::string address;
   uint16_t port = 0;
   asio::io_context context{1};  ///< accepts, and answers for health; runs in run()'s thread
-  std::unique_ptr<Door> door;
+  std::unique_ptr<Acceptor> acceptor;
   std::unique_ptr<HealthEndpoint> health;
   asio::steady_timer drain_timer{context}, memory_timer{context};
   TrimWatch trim_watch;
@@ -146,7 +146,7 @@ std::shared_ptr<asio::ssl::context> Server::State::openCertificate() const {
 
 /// As many as were asked for, or as many as the system lets this process have files open for.
 uint32_t Server::State::possibleConnections() {
-  const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * published.offer.catalog->models().size();
+  const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * published.served.catalog->models().size();
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
   if (room >= options.max_connections) return options.max_connections;
   log.write(LogKind::kServer,
@@ -178,7 +178,7 @@ ServerGauges Server::State::gauges() const {
           .stopping = stopping};
 }
 
-asio::ip::tcp::acceptor Server::State::openDoor() {
+asio::ip::tcp::acceptor Server::State::openListeningSocket() {
   if (options.listening_socket) {
     asio::ip::tcp::acceptor given = adoptListener(context, *options.listening_socket);
     requireCareBeyondLoopback(options, given.local_endpoint());
@@ -190,19 +190,19 @@ asio::ip::tcp::acceptor Server::State::openDoor() {
 }
 
 void Server::State::listen() {
-  asio::ip::tcp::acceptor acceptor = openDoor();
-  port = acceptor.local_endpoint().port();
-  address = toString(acceptor.local_endpoint());
-  const DoorOptions door_options{
+  asio::ip::tcp::acceptor listener = openListeningSocket();
+  port = listener.local_endpoint().port();
+  address = toString(listener.local_endpoint());
+  const AcceptorOptions acceptor_options{
       .count_addresses = !options.proxy_protocol,
       .connection_bytes = published.tls ? kTlsConnectionBytes : kPlainConnectionBytes};
-  door = std::make_unique<Door>(
-      std::move(acceptor), door_options, admission, budget, metrics.ofThread(0), log,
+  acceptor = std::make_unique<Acceptor>(
+      std::move(listener), acceptor_options, admission, budget, metrics.ofThread(0), log,
       [this](asio::ip::tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
         Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
         worker.give(std::move(socket), std::move(place), std::move(memory), std::move(client));
       });
-  door->setTls(published.tls);
+  acceptor->setTls(published.tls);
   if (options.metrics.empty()) return;
   health = std::make_unique<HealthEndpoint>(
       context, options.metrics,
@@ -231,7 +231,7 @@ void Server::State::run() {
   startWorkers();
   const auto guard = asio::make_work_guard(context);
   while (true) try {
-      door->open();
+      acceptor->open();
       lookAfterMemory();
       context.run();
       break;
@@ -269,9 +269,9 @@ void Server::State::reload() {
   };
   size_t refused = 0;
   keeping("stores", [&] {
-    next.offer.catalog = reopenCatalog(*next.offer.catalog, options.stores, readerOptions(), &refused);
+    next.served.catalog = reopenCatalog(*next.served.catalog, options.stores, readerOptions(), &refused);
   });
-  keeping("tokens", [&] { next.offer.tokens = openTokens(); });
+  keeping("tokens", [&] { next.served.tokens = openTokens(); });
   keeping("the certificate", [&] { next.tls = openCertificate(); });
   keeping("what is offered", [&] { lookOver(next); });
   {
@@ -279,20 +279,20 @@ void Server::State::reload() {
     published = next;
     for (auto& worker : workers) worker->publish(next);
   }
-  asio::post(context, [this, now = next.tls] { door->setTls(now); });
+  asio::post(context, [this, now = next.tls] { acceptor->setTls(now); });
   all_is_new = all_is_new && refused == 0;
   log.write(LogKind::kServer, all_is_new ? "reloaded" : "reloaded in part", {{"models", uint64_t{models}}});
 }
 
 /// Counts what is offered from now on, and says what of it will hardly be meant so.
-void Server::State::lookOver(const Published& now_offered) {
-  const auto& [offer, tls] = now_offered;
-  models = offer.catalog->models().size();
-  for (const auto& model : offer.catalog->models())  // from 0 on: an increase is seen only of what is there
+void Server::State::lookOver(const Published& now_served) {
+  const auto& [served, tls] = now_served;
+  models = served.catalog->models().size();
+  for (const auto& model : served.catalog->models())  // from 0 on: an increase is seen only of what is there
     metrics.ofThread(0).model(model->summary.name);
-  warnOfUnknownModels(offer);
+  warnOfUnknownModels(served);
   const auto now = std::chrono::system_clock::now();
-  if (offer.tokens && offer.tokens->allHaveExpired(now))
+  if (served.tokens && served.tokens->allHaveExpired(now))
     log.write(
         LogKind::kServer,
         "no token of the token file is valid now, and every client is refused; give new ones and reload");
@@ -304,10 +304,10 @@ void Server::State::lookOver(const Published& now_offered) {
               "the certificate has expired, and clients refuse it; give a new one and reload");
 }
 
-void Server::State::warnOfUnknownModels(const Offer& offer) {
-  if (!offer.tokens) return;
-  std::vector<std::string> unknown = offer.tokens->modelsNamed();
-  std::erase_if(unknown, [&](const std::string& name) { return offer.catalog->find(name) != nullptr; });
+void Server::State::warnOfUnknownModels(const ServedSet& served) {
+  if (!served.tokens) return;
+  std::vector<std::string> unknown = served.tokens->modelsNamed();
+  std::erase_if(unknown, [&](const std::string& name) { return served.catalog->find(name) != nullptr; });
   if (!unknown.empty())
     log.write(LogKind::kServer, "the token file names models that are not offered",
               {{"first", unknown.front()}, {"count", uint64_t{unknown.size()}}});
@@ -326,11 +326,11 @@ void Server::State::stopNow() {
   }
   log.write(LogKind::kServer, "stopping");
   drain_timer.expires_after(options.drain_delay);
-  drain_timer.async_wait([this](const asio::error_code&) { closeDoor(); });
+  drain_timer.async_wait([this](const asio::error_code&) { closeAcceptor(); });
 }
 
-void Server::State::closeDoor() {
-  door->close();
+void Server::State::closeAcceptor() {
+  acceptor->close();
   for (auto& worker : workers) worker->drain("the server is stopping");
   drain_timer.expires_after(options.drain_deadline);
   drain_timer.async_wait([this](const asio::error_code&) { context.stop(); });
@@ -352,7 +352,7 @@ std::optional<std::string> Server::metricsAddress() const {
 std::vector<std::string> Server::models() const {
   const std::lock_guard lock(state_->published_mutex);
   std::vector<std::string> names;
-  for (const auto& model : state_->published.offer.catalog->models()) names.push_back(model->summary.name);
+  for (const auto& model : state_->published.served.catalog->models()) names.push_back(model->summary.name);
   return names;
 }
 

@@ -81,8 +81,8 @@ bool Session::giveUpHearing(Clock::time_point now) noexcept {
 }
 
 bool Session::authorize() {
-  if (!host_.offer->tokens) return true;
-  tokens_ = host_.offer->tokens;
+  if (!host_.served->tokens) return true;
+  tokens_ = host_.served->tokens;
   grant_ = tokens_->find(token_, std::chrono::system_clock::now());
   unauthorized_ = grant_ == nullptr;
   return !unauthorized_;
@@ -92,11 +92,11 @@ bool Session::allows(const Model& model) const noexcept {
   return grant_ == nullptr || grant_->allows(model.summary.name);
 }
 
-void Session::offerChanged() {
+void Session::servedSetChanged() {
   if (closing_) return;
   if (greeted_ && !authorize()) return refuse(WireError::kUnauthorized, "the token is not good any more");
   for (auto& [handle, opened] : opened_) {
-    const auto now = host_.offer->catalog->find(opened.model->summary.name);
+    const auto now = host_.served->catalog->find(opened.model->summary.name);
     if (!now || now->summary.build_id == opened.told) continue;
     opened.told = now->summary.build_id;
     say(proto::ModelReplaced{handle}, 0);
@@ -188,7 +188,7 @@ void Session::hello(const proto::Hello& message, uint32_t call) {
 
 void Session::list(uint32_t call) {
   proto::Models models;
-  for (const auto& model : host_.offer->catalog->models())
+  for (const auto& model : host_.served->catalog->models())
     if (allows(*model)) models.models.push_back(model->summary);
   answer(models, call);
 }
@@ -197,7 +197,7 @@ void Session::open(const proto::Open& message, uint32_t call) {
   const auto refuse = [&](WireError code, std::string why) {
     answer(proto::ErrorMessage{code, 0, false, std::move(why)}, call);
   };
-  std::shared_ptr<const Model> model = host_.offer->catalog->find(message.model);
+  std::shared_ptr<const Model> model = host_.served->catalog->find(message.model);
   if (!model || !allows(*model))
     return refuse(WireError::kNoSuchModel, "there is no model '" + message.model + "' here");
   if (opened_.size() >= limits_.max_open_models)
@@ -207,14 +207,14 @@ void Session::open(const proto::Open& message, uint32_t call) {
     return refuse(WireError::kLimit, "the server is short of memory; close a model, or open this one later");
   const uint32_t handle = ++last_handle_;
   const Model& offered = *model;
-  ModelTallies* const tallies =
-      host_.tallies != nullptr ? &host_.tallies->model(offered.summary.name) : nullptr;
-  if (tallies != nullptr) tallies->opened.add();
-  const BlobName build = offered.summary.build_id;
+  ModelCounters* const counters =
+      host_.counters != nullptr ? &host_.counters->model(offered.summary.name) : nullptr;
+  if (counters != nullptr) counters->opened.add();
+  const Digest build = offered.summary.build_id;
   const OpenedModel& opened =
-      opened_.emplace(handle, OpenedModel{std::move(model), build, tallies}).first->second;
+      opened_.emplace(handle, OpenedModel{std::move(model), build, counters}).first->second;
   answer(proto::Opened{handle, offered.summary}, call);
-  if (build != BlobName() && build == message.known_build_id) return;  // it has the first blobs, or asks
+  if (build != Digest() && build == message.known_build_id) return;  // it has the first blobs, or asks
   for (const uint32_t blob : {offered.summary.root_page.number, offered.coarsest_blob})
     if (blob != 0)
       unasked_.push_back({handle, &opened, blob, 0, call, ++last_serial_, now_, held_.total(now_), false});
@@ -284,7 +284,7 @@ void Session::addRequest(const proto::RequestChange& change, uint32_t handle, co
   const Rank rank{change.request_class, change.priority_px, change.request};
   requests_.add(
       {rank, handle, &opened, change.blob, 0, call, false, ++last_serial_, now_, held_.total(now_)});
-  if (host_.tallies != nullptr) host_.tallies->requests[static_cast<size_t>(change.request_class)].add();
+  if (host_.counters != nullptr) host_.counters->requests[static_cast<size_t>(change.request_class)].add();
 }
 
 void Session::endRequest(OpenRequest& request) {

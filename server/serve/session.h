@@ -18,8 +18,8 @@
 #include "server/serve/memory_budget.h"
 #include "server/serve/metrics.h"
 #include "server/serve/model.h"
-#include "server/serve/offer.h"
 #include "server/serve/request_queue.h"
+#include "server/serve/served_set.h"
 
 namespace lode::serve {
 
@@ -34,9 +34,9 @@ struct SessionLimits {
 
 /// What a session has from its owner, all of which outlives it.
 struct SessionHost {
-  const Offer* offer = nullptr;      ///< as it is now; its owner may swap it
-  MemoryAccount* memory = nullptr;   ///< open requests and queued answers are charged
-  ThreadTallies* tallies = nullptr;  ///< none: nothing is counted
+  const ServedSet* served = nullptr;   ///< as it is now; its owner may swap it
+  MemoryAccount* memory = nullptr;     ///< open requests and queued answers are charged
+  ThreadCounters* counters = nullptr;  ///< none: nothing is counted
   std::pmr::memory_resource* requests = std::pmr::get_default_resource();  ///< where open requests live
 };
 
@@ -86,9 +86,9 @@ class Session {
   void drain(const std::string& reason, Clock::time_point now);
   /// Waits no longer for the Pong than kHearDeadline. @return whether it gave up waiting now.
   bool giveUpHearing(Clock::time_point now) noexcept;
-  /// Another offer is made: says ModelReplaced of handles whose model has another build in it, and ends the
+  /// Another served is made: says ModelReplaced of handles whose model has another build in it, and ends the
   /// session if its token is no longer good.
-  void offerChanged();
+  void servedSetChanged();
   /// Ends the session if its token has expired.
   void checkExpiry(std::chrono::system_clock::time_point now);
 
@@ -124,8 +124,8 @@ class Session {
   /// A chunk could go out now but for the client's window.
   bool waitsForWindow();
   /// From now on the client takes no chunk, its window shut or its link full; and when it does again.
-  void heldUp(Clock::time_point now) noexcept { held_.start(now); }
-  void goesOn(Clock::time_point now) noexcept { held_.stop(now); }
+  void onBackpressure(Clock::time_point now) noexcept { held_.start(now); }
+  void onWritable(Clock::time_point now) noexcept { held_.stop(now); }
   /// Of the time since a chunk's request came, what the client has held it up.
   Clock::duration heldSince(const Chunk& chunk, Clock::time_point now) const noexcept {
     return held_.total(now) - chunk.held_before;

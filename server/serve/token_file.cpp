@@ -30,7 +30,7 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< that some edit
                                      "the models or *");
 }
 
-BlobName hashOf(std::string_view token) { return nameBlob(std::as_bytes(std::span(token))); }
+Digest hashOf(std::string_view token) { return digestOf(std::as_bytes(std::span(token))); }
 
 /// @return nothing if the text is not of the form 2027-01-31T12:00:00Z.
 std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
@@ -148,7 +148,7 @@ bool TokenFile::allHaveExpired(std::chrono::system_clock::time_point now) const 
 }
 
 const TokenGrant* TokenFile::find(std::string_view token, std::chrono::system_clock::time_point now) const {
-  const BlobName hash = hashOf(token);
+  const Digest hash = hashOf(token);
   const TokenGrant* found = nullptr;
   for (const Entry& entry : entries_) {
     const bool same = CRYPTO_memcmp(entry.hash.bytes.data(), hash.bytes.data(), hash.bytes.size()) == 0;

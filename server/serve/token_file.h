@@ -55,7 +55,7 @@ class TokenFile {
 
  private:
   struct Entry {
-    BlobName hash;  ///< SHA-256, cut to 128 bits
+    Digest hash;  ///< SHA-256, cut to 128 bits
     TokenGrant grant;
   };
   std::vector<Entry> entries_;

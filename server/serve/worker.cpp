@@ -21,13 +21,13 @@ constexpr auto kLookEvery = std::chrono::milliseconds(20);  ///< whether memory 
 
 }  // namespace
 
-Worker::Worker(Published published, Log& log, ThreadTallies& tallies, asio::thread_pool& readers,
+Worker::Worker(Published published, Log& log, ThreadCounters& counters, asio::thread_pool& readers,
                MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits)
     : budget_(budget), limits_(limits), guard_(context_.get_executor()), tick_(context_) {
-  host_.offer = std::move(published.offer);
+  host_.served = std::move(published.served);
   host_.tls = std::move(published.tls);
   host_.log = &log;
-  host_.tallies = &tallies;
+  host_.counters = &counters;
   host_.readers = &readers;
   host_.rate = &rate;
   host_.budget = &budget;
@@ -76,9 +76,9 @@ void Worker::admit(tcp::socket socket, Place place, MemoryAccount memory, std::s
 
 void Worker::publish(const Published& published) {
   asio::post(context_, [this, published] {
-    host_.offer = published.offer;
+    host_.served = published.served;
     host_.tls = published.tls;
-    for (Connection* connection : host_.connections) connection->offerChanged();
+    for (Connection* connection : host_.connections) connection->servedSetChanged();
   });
 }
 

@@ -18,7 +18,7 @@ namespace lode::serve {
 
 /// What is swapped whole at a reload.
 struct Published {
-  Offer offer;
+  ServedSet served;
   std::shared_ptr<asio::ssl::context> tls;
 };
 
@@ -26,7 +26,7 @@ struct Published {
 /// unless they say otherwise.
 class Worker {
  public:
-  Worker(Published published, Log& log, ThreadTallies& tallies, asio::thread_pool& readers,
+  Worker(Published published, Log& log, ThreadCounters& counters, asio::thread_pool& readers,
          MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits);
 
   /// Once. @throws std::system_error.

@@ -184,7 +184,7 @@ std::vector<std::byte> encodeTable(std::span<const TableEntry> entries) {
   for (const TableEntry& entry : entries) {
     put.number(entry.bytes);
     put.number(entry.checksum);
-    put.raw(entry.name.bytes);
+    put.raw(entry.digest.bytes);
   }
   return bytes;
 }
@@ -198,7 +198,7 @@ std::vector<TableEntry> decodeTable(std::span<const std::byte> bytes, const File
   for (TableEntry& entry : entries) {
     take.number(entry.bytes);
     take.number(entry.checksum);
-    take.raw(entry.name.bytes);
+    take.raw(entry.digest.bytes);
     if (entry.bytes == 0) fail("blob table: a blob without bytes");
     if (entry.bytes > kMaxBlobBytes)
       throw Error(ErrorCode::kLimit, "blob table: a blob of " + std::to_string(entry.bytes) +
@@ -225,13 +225,13 @@ void checkFooter(std::span<const std::byte, kFooterBytes> footer,
     fail("footer: it does not match the header");
 }
 
-BlobName computeBuildId(const FileHeader& header, std::span<const std::byte> table) {
+Digest computeBuildId(const FileHeader& header, std::span<const std::byte> table) {
   FileHeader anonymous = header;
   anonymous.summary.build_id = {};
   const auto head = encodeHeader(anonymous);
   std::vector<std::byte> index(head.begin(), head.begin() + kHeaderChecksumAt);
   index.insert(index.end(), table.begin(), table.end());
-  return nameBlob(index);
+  return digestOf(index);
 }
 
 }  // namespace lode::store

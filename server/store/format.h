@@ -31,7 +31,7 @@ struct FileHeader {
 struct TableEntry {
   uint32_t bytes = 0;
   uint64_t checksum = 0;
-  BlobName name;
+  Digest digest;
 };
 
 std::array<std::byte, kHeaderBytes> encodeHeader(const FileHeader& header);
@@ -49,6 +49,6 @@ void checkFooter(std::span<const std::byte, kFooterBytes> footer,
                  std::span<const std::byte, kHeaderBytes> header);
 
 /// The hash of the index: of the header without its build id and checksum, and the blob table.
-BlobName computeBuildId(const FileHeader& header, std::span<const std::byte> table);
+Digest computeBuildId(const FileHeader& header, std::span<const std::byte> table);
 
 }  // namespace lode::store

@@ -124,7 +124,7 @@ void Reader::State::readIndex() {
   file.readAt(header.table_offset, table);
   uint64_t offset = kHeaderBytes;
   for (const TableEntry& entry : decodeTable(table, header)) {
-    blobs.push_back({offset, entry.bytes, entry.checksum, entry.name});
+    blobs.push_back({offset, entry.bytes, entry.checksum, entry.digest});
     offset += entry.bytes;
   }
   if (computeBuildId(header, table) != header.summary.build_id)
@@ -132,10 +132,10 @@ void Reader::State::readIndex() {
   summary = header.summary;
   summary.name = path.stem().string();
   const BlobEntry& root = blobs[summary.root_page.number - 1];
-  summary.root_page = {summary.root_page.number, root.bytes, root.name};
+  summary.root_page = {summary.root_page.number, root.bytes, root.digest};
   if (!summary.textures) return;
   const BlobEntry& textures_blob = blobs[summary.textures.number - 1];
-  summary.textures = {summary.textures.number, textures_blob.bytes, textures_blob.name};
+  summary.textures = {summary.textures.number, textures_blob.bytes, textures_blob.digest};
 }
 
 /// Reads all pages, from the root's down; a page that comes a second time is an error, so this ends.
@@ -222,7 +222,7 @@ void Reader::State::checkRefs() const {
 void Reader::State::resolve(const BlobRef& ref, const std::string& user) const {
   if (ref.number == 0 || ref.number > blobs.size()) failReading(user + ": names a blob that is not there");
   const BlobEntry& entry = blobs[ref.number - 1];
-  if (entry.bytes != ref.bytes || entry.name != ref.name)
+  if (entry.bytes != ref.bytes || entry.digest != ref.digest)
     failReading(user + ": size or name of blob " + std::to_string(ref.number) +
                 " is not that of the blob table");
 }

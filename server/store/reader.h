@@ -18,7 +18,7 @@ struct BlobEntry {
   uint64_t offset = 0;
   uint32_t bytes = 0;
   uint64_t checksum = 0;
-  BlobName name;
+  Digest digest;
 };
 
 /// An open store: summary, whole hierarchy, textures and blob table, validated at opening. Const functions

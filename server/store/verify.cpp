@@ -42,7 +42,7 @@ class Verifier {
 
   void checkNames() const {
     for (uint32_t number = 1; number <= reader_.blobCount(); ++number)
-      if (nameBlob(reader_.readBlob(number)) != reader_.blob(number).name)
+      if (digestOf(reader_.readBlob(number)) != reader_.blob(number).digest)
         fail("blob " + std::to_string(number) + ": its name is not the hash of its bytes");
   }
 

@@ -7,14 +7,14 @@
 #include <string>
 
 #include "common/error.h"
-#include "common/let_go.h"
 #include "common/limits.h"
+#include "common/release_storage.h"
 #include "server/store/node_tree.h"
 #include "server/store/page_split.h"
 
 namespace lode::store {
 
-size_t Writer::NameHash::operator()(const BlobName& name) const noexcept {
+size_t Writer::NameHash::operator()(const Digest& name) const noexcept {
   size_t hash;
   std::memcpy(&hash, name.bytes.data(), sizeof hash);
   return hash;
@@ -27,7 +27,7 @@ Writer::Writer(const std::filesystem::path& path, const std::filesystem::path& t
 
 BlobRef Writer::addBlob(std::span<const std::byte> bytes) {
   if (bytes.empty()) return {};
-  const BlobName name = nameBlob(bytes);
+  const Digest name = digestOf(bytes);
   if (const auto known = numbers_.find(name); known != numbers_.end())
     return {known->second, entries_[known->second - 1].bytes, name};
   const BlobRef ref = append(bytes, name);
@@ -35,7 +35,7 @@ BlobRef Writer::addBlob(std::span<const std::byte> bytes) {
   return ref;
 }
 
-BlobRef Writer::append(std::span<const std::byte> bytes, const BlobName& name) {
+BlobRef Writer::append(std::span<const std::byte> bytes, const Digest& name) {
   if (bytes.size() > kMaxBlobBytes)
     throw Error(ErrorCode::kLimit, path_.string() + ": a blob of " + std::to_string(bytes.size()) +
                                        " bytes, the limit is " + std::to_string(kMaxBlobBytes));
@@ -58,7 +58,7 @@ void Writer::addTextures(const TextureSet& textures) {
 
 bool Writer::wasAdded(const BlobRef& ref) const {
   return ref && ref.number <= entries_.size() && entries_[ref.number - 1].bytes == ref.bytes &&
-         entries_[ref.number - 1].name == ref.name;
+         entries_[ref.number - 1].digest == ref.digest;
 }
 
 /// Every payload must be one that addBlob() returned, and every added blob some LOD's or the textures'.
@@ -92,7 +92,7 @@ BlobRef Writer::writePages(std::vector<Node> nodes) {
     throw Error(ErrorCode::kLimit, path_.string() + ": too many blobs for one store");
   const auto first_number = static_cast<uint32_t>(entries_.size() + 1);
   std::vector<std::vector<std::byte>> encoded(plans.size());
-  std::vector<BlobName> names(plans.size());
+  std::vector<Digest> names(plans.size());
   for (size_t i = plans.size(); i-- > 0;) {
     for (Node& node : plans[i].page.nodes) {
       if (!ownsPage(node)) continue;
@@ -102,8 +102,8 @@ BlobRef Writer::writePages(std::vector<Node> nodes) {
       node.child_page = {first_number + index, static_cast<uint32_t>(encoded[index].size()), names[index]};
     }
     encoded[i] = encodePage(plans[i].page);
-    names[i] = nameBlob(encoded[i]);
-    letGo(plans[i].page.nodes);
+    names[i] = digestOf(encoded[i]);
+    releaseStorage(plans[i].page.nodes);
   }
   BlobRef root = append(encoded[0], names[0]);
   for (size_t i = 1; i < encoded.size(); ++i) append(encoded[i], names[i]);

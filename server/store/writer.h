@@ -40,10 +40,10 @@ class Writer {
 
  private:
   struct NameHash {
-    size_t operator()(const BlobName& name) const noexcept;
+    size_t operator()(const Digest& name) const noexcept;
   };
 
-  BlobRef append(std::span<const std::byte> bytes, const BlobName& name);
+  BlobRef append(std::span<const std::byte> bytes, const Digest& name);
   bool wasAdded(const BlobRef& ref) const;
   void checkUse(std::span<const Node> nodes) const;
   BlobRef writePages(std::vector<Node> nodes);
@@ -51,7 +51,7 @@ class Writer {
   AtomicFile file_;
   std::filesystem::path path_;
   std::vector<TableEntry> entries_;
-  std::unordered_map<BlobName, uint32_t, NameHash> numbers_;
+  std::unordered_map<Digest, uint32_t, NameHash> numbers_;
   BlobRef textures_;
   std::vector<uint32_t> tiles_;  ///< numbers of their blobs
 };

@@ -77,19 +77,19 @@ core::View randomView(const ModelSummary& model, std::mt19937& random) {
   return core::toView(key, path.fov_y_deg, kWidthPx, kHeightPx, model);
 }
 
-void print(const char* what, const test::BackgroundWatch::Tally& tally) {
+void print(const char* what, const test::BackgroundWatch::Counter& counts) {
   std::printf(
-      "| %s | %llu | %llu | %llu | %llu | %llu |\n", what, static_cast<unsigned long long>(tally.frames),
-      static_cast<unsigned long long>(tally.fading_frames),
-      static_cast<unsigned long long>(tally.mixed_frames), static_cast<unsigned long long>(tally.inside),
-      static_cast<unsigned long long>(tally.background));
+      "| %s | %llu | %llu | %llu | %llu | %llu |\n", what, static_cast<unsigned long long>(counts.frames),
+      static_cast<unsigned long long>(counts.fading_frames),
+      static_cast<unsigned long long>(counts.mixed_frames), static_cast<unsigned long long>(counts.inside),
+      static_cast<unsigned long long>(counts.background));
 }
 
 /// A picture of one pixel, inside what full resolution and it both cover.
 void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cameras) {
   test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx);
   std::mt19937 random(1);
-  test::BackgroundWatch::Tally tally;
+  test::BackgroundWatch::Counter counts;
   for (int camera = 0; camera < cameras; ++camera) {
     const core::View view = randomView(model, random);
     std::vector<std::vector<bool>> covered;
@@ -97,7 +97,7 @@ void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cam
       streamer.setView(view, threshold_px);
       covered.push_back(watch.coveredBy(streamer.waitUntilSettled(kPatience).cut, view));
     }
-    ++tally.frames;
+    ++counts.frames;
     for (uint32_t y = 2; y + 2 < kHeightPx; ++y) {
       for (uint32_t x = 2; x + 2 < kWidthPx; ++x) {
         bool inside = true;
@@ -105,12 +105,12 @@ void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cam
           for (uint32_t column = x - 2; column <= x + 2; ++column)
             inside = inside && covered[0][size_t{row} * kWidthPx + column];
         if (!inside) continue;
-        ++tally.inside;
-        if (!covered[1][size_t{y} * kWidthPx + x]) ++tally.background;
+        ++counts.inside;
+        if (!covered[1][size_t{y} * kWidthPx + x]) ++counts.background;
       }
     }
   }
-  print("cuts of one pixel without fades, two pixels within the outline of full resolution", tally);
+  print("cuts of one pixel without fades, two pixels within the outline of full resolution", counts);
 }
 
 /// Every frame of a stream whose cameras jump, and sharpen from four pixels to one, region by region.
@@ -134,7 +134,7 @@ void countFading(Models& models, stream::Streamer& streamer, const ModelSummary&
       } while (!(status.current && status.settled) || watch.fading() || !watch.uploaded());
     }
   }
-  print("frames of a stream", watch.tally());
+  print("frames of a stream", watch.counts());
   std::printf("\n%d builds shown in turn\n", builds);
 }
 

@@ -49,7 +49,7 @@ void draw(Frames& frames, render::HiddenParts hidden_parts, render::AmbientOcclu
   const double cpu_start = cpuMs();
   const auto start = Clock::now();
   frames.triangles = renderer.draw(view, target, {}, {.hidden_parts = hidden_parts}).triangles;
-  if (occlusion != nullptr) occlusion->darken(target, view.fov_y_rad, render::Show::kSurface);
+  if (occlusion != nullptr) occlusion->darken(target, view.fov_y_rad, render::ColorMode::kSurface);
   target.resolve();
   glFinish();
   frames.cpu_ms.push_back(cpuMs() - cpu_start);

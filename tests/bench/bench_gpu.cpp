@@ -56,7 +56,7 @@ Frames draw(HiddenParts way, const core::View& first, render::Renderer& renderer
     const Clock::time_point start = Clock::now();
     glBeginQuery(GL_TIME_ELAPSED, query.get());
     frames.triangles = renderer.draw(view, target, {}, {.hidden_parts = way}).triangles;
-    if (occlusion != nullptr) occlusion->darken(target, view.fov_y_rad, render::Show::kSurface);
+    if (occlusion != nullptr) occlusion->darken(target, view.fov_y_rad, render::ColorMode::kSurface);
     target.resolve();
     glEndQuery(GL_TIME_ELAPSED);
     frames.thread_ms.push_back(msSince(start));

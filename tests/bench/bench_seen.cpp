@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "client/core/decode_job.h"
-#include "client/core/instance.h"
 #include "client/core/model.h"
 #include "client/core/seen_places.h"
+#include "client/core/view_group.h"
 #include "client/render/framebuffer.h"
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
@@ -55,15 +55,15 @@ class Client {
  public:
   Client(const store::Reader& store, const View& view)
       : store_(store), model_(store.summary(), uint64_t{8} << 30) {
-    instance_.setView(view, kThresholdPx);
+    group_.setView(view, kThresholdPx);
   }
 
   /// @return what was seen on the way, the converged cut last.
   std::vector<Look> looks() {
     std::vector<Look> looks;
     while (true) {
-      instance_.refine(model_);
-      const std::shared_ptr<const Cut>& cut = instance_.cut();
+      group_.refine(model_);
+      const std::shared_ptr<const Cut>& cut = group_.cut();
       const bool converged = cut && cut->converged;
       if (cut && (converged || looks.empty() ||
                   static_cast<double>(bytes_) > kBetweenLooks * static_cast<double>(looks.back().bytes)))
@@ -79,7 +79,7 @@ class Client {
  private:
   void ask() {
     if (const auto first = model_.firstRequest()) ask(*first);
-    for (const Request& request : instance_.requests()) {
+    for (const Request& request : group_.requests()) {
       if (under_way_bytes_ >= kUnderWayBytes) return;
       ask(request);
     }
@@ -95,7 +95,7 @@ class Client {
     under_way_bytes_ -= request.blob.bytes;
     bytes_ += request.blob.bytes;
     received_.push_back(request);
-    for (const Request& same : instance_.requests())
+    for (const Request& same : group_.requests())
       if (same.blob == request.blob && same.use != request.use)
         model_.take(same.blob, same.use, store_.readBlob(request.blob.number));
     model_.take(request.blob, request.use, store_.readBlob(request.blob.number));
@@ -104,7 +104,7 @@ class Client {
 
   const store::Reader& store_;
   Model model_;
-  Instance instance_;
+  ViewGroup group_;
   std::deque<Request> under_way_;
   std::vector<Request> received_;
   std::set<uint32_t> asked_;

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "client/core/decode_job.h"
-#include "client/core/instance.h"
 #include "client/core/model.h"
+#include "client/core/view_group.h"
 #include "server/store/reader.h"
 
 namespace lode::bench {
@@ -18,12 +18,12 @@ class Converged {
       : store_(store), model_(store.summary(), uint64_t{8} << 30) {}
 
   std::shared_ptr<const core::Cut> cut(const core::View& view, float threshold_px) {
-    instance_.setView(view, threshold_px);
+    group_.setView(view, threshold_px);
     while (true) {
-      instance_.refine(model_);
-      std::vector<core::Request> requests = instance_.requests();
+      group_.refine(model_);
+      std::vector<core::Request> requests = group_.requests();
       if (const auto first = model_.firstRequest()) requests.push_back(*first);
-      if (requests.empty()) return instance_.cut();
+      if (requests.empty()) return group_.cut();
       for (const core::Request& request : requests) {
         if (!model_.wants(request)) continue;
         model_.take(request.blob, request.use, store_.readBlob(request.blob.number));
@@ -36,7 +36,7 @@ class Converged {
  private:
   const store::Reader& store_;
   core::Model model_;
-  core::Instance instance_;
+  core::ViewGroup group_;
 };
 
 inline core::View turned(const core::View& view, double angle_rad) {

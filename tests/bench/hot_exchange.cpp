@@ -30,8 +30,8 @@ class Scene {
   }
 
   /// So many parts of so many places have the other LOD in every other step.
-  std::shared_ptr<const core::PlacedCuts> at(uint64_t step, const benchmark::State& state) const {
-    auto placed = std::make_shared<core::PlacedCuts>();
+  std::shared_ptr<const core::ViewCuts> at(uint64_t step, const benchmark::State& state) const {
+    auto placed = std::make_shared<core::ViewCuts>();
     for (uint32_t place = 0; place < kPlaces; ++place)
       placed->cuts.push_back(cutOf(place < state.range(0) && step % kLods != 0 ? state.range(1) : 0));
     placed->all = core::gatherMeshes(placed->cuts);

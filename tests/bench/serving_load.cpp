@@ -35,7 +35,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr uint64_t kEndlessWindow = uint64_t{1} << 60;
 
-struct Tally {
+struct Counter {
   uint64_t blobs = 0, bytes = 0;
   std::vector<double> times_ms;  ///< from a frame of requests to the last byte of each of its blobs
 };
@@ -67,7 +67,7 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
   int descriptor() const noexcept { return socket_; }
-  const Tally& tally() const noexcept { return tally_; }
+  const Counter& counts() const noexcept { return counts_; }
 
   /// @param room  for what is read in one go; shared by all clients.
   void read(std::span<std::byte> room) {
@@ -160,10 +160,10 @@ class Client {
       return value;
     };
     const auto bytes = static_cast<uint32_t>(body_bytes_ - proto::kBlobChunkHeaderBytes);
-    tally_.bytes += bytes;
+    counts_.bytes += bytes;
     if (u32(8) + bytes < u32(4) || u32(0) == 0) return;
-    ++tally_.blobs;
-    tally_.times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - asked_).count());
+    ++counts_.blobs;
+    counts_.times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - asked_).count());
     --open_;
   }
 
@@ -176,7 +176,7 @@ class Client {
   size_t head_used_ = 0, wanted_fields_ = 0, body_bytes_ = 0, skip_ = 0;
   bool opened_ = false, requests_ = false;
   Clock::time_point asked_;
-  Tally tally_;
+  Counter counts_;
 };
 
 double percentile(const std::vector<double>& sorted_ms, double part) {
@@ -185,13 +185,14 @@ double percentile(const std::vector<double>& sorted_ms, double part) {
 }
 
 void print(std::span<const std::unique_ptr<Client>> clients, double seconds) {
-  Tally all;
+  Counter all;
   std::string each;
   for (const auto& client : clients) {
-    all.blobs += client->tally().blobs;
-    all.bytes += client->tally().bytes;
-    all.times_ms.insert(all.times_ms.end(), client->tally().times_ms.begin(), client->tally().times_ms.end());
-    each += (each.empty() ? "" : ", ") + std::to_string(client->tally().bytes);
+    all.blobs += client->counts().blobs;
+    all.bytes += client->counts().bytes;
+    all.times_ms.insert(all.times_ms.end(), client->counts().times_ms.begin(),
+                        client->counts().times_ms.end());
+    each += (each.empty() ? "" : ", ") + std::to_string(client->counts().bytes);
   }
   std::ranges::sort(all.times_ms);
   std::printf(

@@ -46,7 +46,8 @@ void take(core::Session& session) {
       session.setRequests(fewRequests());
     }
     if (const auto* arrived = std::get_if<core::BlobArrived>(&*event))
-      require(nameBlob(arrived->bytes) == arrived->blob.name && arrived->bytes.size() == arrived->blob.bytes);
+      require(digestOf(arrived->bytes) == arrived->blob.digest &&
+              arrived->bytes.size() == arrived->blob.bytes);
   }
 }
 

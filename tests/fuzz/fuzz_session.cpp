@@ -72,7 +72,7 @@ class Play {
   Play(Script& script, MemoryBudget& budget)
       : script_(script),
         memory_(budget),
-        session_({&offer_, &memory_}, {32, std::chrono::seconds(10), std::chrono::seconds(120)}, now_) {}
+        session_({&served_, &memory_}, {32, std::chrono::seconds(10), std::chrono::seconds(120)}, now_) {}
 
   void run() {
     while (!script_.over()) step();
@@ -117,8 +117,8 @@ class Play {
       case 13:
         return raw();
       case 14:
-        offer_.catalog = catalogOf(script_.byte() % 3);
-        return session_.offerChanged();
+        served_.catalog = catalogOf(script_.byte() % 3);
+        return session_.servedSetChanged();
       default:
         if (script_.byte() % 8 == 0) session_.drain("stopping", now_);
         now_ += std::chrono::milliseconds(script_.byte());
@@ -204,7 +204,7 @@ class Play {
   }
 
   Script& script_;
-  Offer offer_{catalogOf(0), nullptr};
+  ServedSet served_{catalogOf(0), nullptr};
   MemoryAccount memory_;
   Clock::time_point now_{std::chrono::seconds(1000)};
   Session session_;

@@ -16,13 +16,13 @@ namespace lode::test {
 /// for this camera since a fade's length ago, with a pixel around.
 class BackgroundWatch {
  public:
-  struct Tally {
+  struct Counter {
     uint64_t frames = 0, fading_frames = 0;
     uint64_t mixed_frames = 0;  ///< of a cut that has taken another's place in a part of its regions
     uint64_t inside = 0;        ///< pixels
     uint64_t background = 0;    ///< of them
 
-    bool operator==(const Tally&) const = default;
+    bool operator==(const Counter&) const = default;
   };
 
   /// @param upload_bytes  of one frame; none: a cut is uploaded at once.
@@ -51,7 +51,7 @@ class BackgroundWatch {
     if (!uploaded())  // any of them may still be drawn somewhere
       for (Covered& covered : covered_) covered.now_s = now_s;
     const auto isDrawn = [&](const Covered& covered) { return covered.cut == fading_.meshes().drawnCut(); };
-    if (std::ranges::none_of(covered_, isDrawn)) ++tally_.mixed_frames;
+    if (std::ranges::none_of(covered_, isDrawn)) ++counts_.mixed_frames;
     while (covered_.front().now_s < now_s - render::kFadeS) covered_.pop_front();
     fading_.draw(view, target_, style_, {now_s, true});
     count(pixelsOfModel());
@@ -62,7 +62,7 @@ class BackgroundWatch {
     alone_.draw(view, target_, style_);
     return pixelsOfModel();
   }
-  const Tally& tally() const noexcept { return tally_; }
+  const Counter& counts() const noexcept { return counts_; }
   bool fading() const noexcept { return fading_.fading(); }
   /// All of the last frame's cut is there.
   bool uploaded() const noexcept { return fading_.upToDate(); }
@@ -99,13 +99,13 @@ class BackgroundWatch {
     covered_.push_back({alone_.meshes().drawnCut(), now_s, pixelsOfModel()});
   }
   void count(const std::vector<bool>& drawn) {
-    ++tally_.frames;
-    if (fading_.fading()) ++tally_.fading_frames;
+    ++counts_.frames;
+    if (fading_.fading()) ++counts_.fading_frames;
     for (uint32_t y = 1; y + 1 < view_.height_px; ++y) {
       for (uint32_t x = 1; x + 1 < view_.width_px; ++x) {
         if (!isInside(x, y)) continue;
-        ++tally_.inside;
-        if (!drawn[size_t{y} * view_.width_px + x]) ++tally_.background;
+        ++counts_.inside;
+        if (!drawn[size_t{y} * view_.width_px + x]) ++counts_.background;
       }
     }
   }
@@ -126,7 +126,7 @@ class BackgroundWatch {
   const render::DrawStyle style_ = magenta();
   core::View view_;
   std::deque<Covered> covered_;
-  Tally tally_;
+  Counter counts_;
 };
 
 }  // namespace lode::test

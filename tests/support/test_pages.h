@@ -26,7 +26,7 @@ inline HierarchyPage makePage(const PageOptions& options) {
   const auto blob = [&](uint32_t most_bytes) {
     BlobRef ref{
         1 + static_cast<uint32_t>(random() % 100000), 1 + static_cast<uint32_t>(random() % most_bytes), {}};
-    for (std::byte& byte : ref.name.bytes) byte = static_cast<std::byte>(random() & 255);
+    for (std::byte& byte : ref.digest.bytes) byte = static_cast<std::byte>(random() & 255);
     return ref;
   };
   const auto node = [&](NodeKey key, int level) {

@@ -36,7 +36,7 @@ constexpr std::chrono::milliseconds kLockPoll{100};
 constexpr size_t kKeyDigits = 16;
 
 std::string hashOf(const std::string& text) {
-  return toHex(nameBlob(std::as_bytes(std::span(text)))).substr(0, kKeyDigits);
+  return toHex(digestOf(std::as_bytes(std::span(text)))).substr(0, kKeyDigits);
 }
 
 std::string inWords(const timespec& time) {

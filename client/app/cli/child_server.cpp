@@ -25,7 +25,7 @@ std::string makeToken() {
   std::array<std::byte, kTokenBytes> secret;
   if (getentropy(secret.data(), secret.size()) != 0)
     throw Error(ErrorCode::kIo, std::string("the system gives no random bytes: ") + std::strerror(errno));
-  return toHex(nameBlob(secret));
+  return toHex(digestOf(secret));
 }
 
 stream::ServedModel readReadyLine(ChildProcess& child, const fs::path& store, const std::stop_token& stop) {

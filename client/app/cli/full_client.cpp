@@ -8,12 +8,12 @@
 namespace lode::app {
 
 FullClient::FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
-                       KnownNames& names, LoadTally& tally)
+                       KnownDigests& names, LoadCounts& counts)
     : io_(io),
       plan_(plan),
       seed_(seed),
       names_(names),
-      tally_(tally),
+      counts_(counts),
       start_(start),
       due_(start),
       noted_until_(start),
@@ -31,38 +31,38 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
     noteBroken(line, why, is_last);
   };
   options.on_turned_away = [this](const std::string& why) {
-    ++tally_.turned_away;
+    ++counts_.turned_away;
     turned_away_ = why;
   };
   options.on_refused = [this](const BlobRef& blob, const std::string& why) { noteRefused(blob, why); };
   options.memory_budget_bytes = plan_.options.memory_budget_bytes;
-  options.hold_factor = core::kHoldFactor;
+  options.hysteresis_factor = core::kHysteresisFactor;
   options.prefetch = true;
   options.jitter_seed = static_cast<uint32_t>(seed);
   return options;
 }
 
 bool FullClient::noteBlob(const BlobRef& blob, std::span<const std::byte> bytes) {
-  ++tally_.blobs;
+  ++counts_.blobs;
   for (RequestClock& clock : clocks_)
     if (const auto request = clock.arrived(blob.number))
       noteLatency(*request, std::chrono::steady_clock::now());
-  return names_.isNamed(blob, bytes);
+  return names_.matchesDigest(blob, bytes);
 }
 
 void FullClient::noteLatency(const RequestClock::Request& request, core::TimePoint now) {
-  tally_.latency[static_cast<size_t>(request.request_class)].add(now - request.sent);
+  counts_.latency[static_cast<size_t>(request.request_class)].add(now - request.sent);
 }
 
 /// One whose server was going away counts only if it still owed something. What ends the client is noted with
 /// its end.
 void FullClient::noteBroken(core::Line line, const Error& why, bool is_last) {
   const uint64_t open = engine_.openRequests(line);
-  if ((line == core::Line::kNewest && engine_.staysConnected()) || open > 0) {
-    ++tally_.lost;
-    if (!is_last) tally_.noteError(why.code(), why.what());
+  if ((line == core::Line::kActive && engine_.staysConnected()) || open > 0) {
+    ++counts_.lost;
+    if (!is_last) counts_.noteError(why.code(), why.what());
   }
-  tally_.failed_requests += open;
+  counts_.failed_requests += open;
   lose(line);
 }
 
@@ -73,21 +73,21 @@ void FullClient::lose(core::Line line) {
 }
 
 void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
-  ++tally_.failed_requests;
+  ++counts_.failed_requests;
   for (RequestClock& clock : clocks_) clock.refused(blob.number);
-  tally_.noteError(ErrorCode::kIo, "the server says: " + why);
+  counts_.noteError(ErrorCode::kIo, "the server says: " + why);
 }
 
 template <typename Action>
 void FullClient::guarded(const Action& action) {
-  if (gone_ || survives(tally_, action)) return;
+  if (gone_ || survives(counts_, action)) return;
   gone_ = true;
   due_ = kNever;
 }
 
 void FullClient::step(core::TimePoint now) {
   guarded([&] {
-    tally_.started += !std::exchange(started_, true);
+    counts_.started += !std::exchange(started_, true);
     ended_.clear();
     note(now);
     keepConnected(now);
@@ -102,8 +102,8 @@ void FullClient::keepConnected(core::TimePoint now) {
   auto& [newest, leaving] = transports_;
   if (engine_.connected()) {
     // Two servers left one soon after the other.
-    tally_.failed_requests += engine_.openRequests(core::Line::kLeaving);
-    lose(core::Line::kLeaving);
+    counts_.failed_requests += engine_.openRequests(core::Line::kDraining);
+    lose(core::Line::kDraining);
     leaving = std::move(newest);
     auto& [newest_clock, leaving_clock] = clocks_;
     leaving_clock = std::exchange(newest_clock, {});
@@ -125,7 +125,7 @@ void FullClient::receive() {
           if (bytes.empty()) break;
           const bool stayed = engine_.staysConnected();
           engine_.receive(bytes, now, line);
-          tally_.moved += stayed && engine_.connected() && !engine_.staysConnected();
+          counts_.moved += stayed && engine_.connected() && !engine_.staysConnected();
         }
       } catch (const Error& failed) {
         engine_.disconnect(failed, now, line);
@@ -176,12 +176,12 @@ void FullClient::work(core::TimePoint now) {
     decoded = !jobs.empty();
   }
   const uint64_t received = engine_.counts().received_bytes;
-  tally_.bytes += received - std::exchange(received_bytes_, received);
+  counts_.bytes += received - std::exchange(received_bytes_, received);
   const core::Cut* const cut = engine_.cut().get();
   const auto sinceStart = [&] { return std::chrono::steady_clock::now() - start_; };  // decoding included
-  if (cut != nullptr && !std::exchange(image_seen_, true)) tally_.first_image.add(sinceStart());
+  if (cut != nullptr && !std::exchange(image_seen_, true)) counts_.first_image.add(sinceStart());
   const bool has_all = cut != nullptr && cut->converged;
-  if (has_all && !std::exchange(converged_, true)) tally_.converged.add(sinceStart());
+  if (has_all && !std::exchange(converged_, true)) counts_.converged.add(sinceStart());
   if (has_all && engine_.staysConnected()) lost_.clear();  // the view wants them no more
 }
 
@@ -196,24 +196,24 @@ void FullClient::note(core::TimePoint now) {
   if (now <= noted_until_) return;
   const double seconds = std::chrono::duration<double>(now - std::exchange(noted_until_, now)).count();
   const core::Cut* const cut = engine_.cut().get();
-  tally_.looked_s += seconds;
-  if (gone_ || core::isFarOff(cut, plan_.pixels)) tally_.far_off_s += seconds;
+  counts_.looked_s += seconds;
+  if (gone_ || core::isFarOff(cut, plan_.pixels)) counts_.far_off_s += seconds;
 }
 
 void FullClient::finish(core::TimePoint now) {
   if (now < start_) return;
   note(now);
-  if (!gone_ && engine_.summary() == nullptr) noteNeverLetIn(tally_, turned_away_);
+  if (!gone_ && engine_.summary() == nullptr) noteNeverLetIn(counts_, turned_away_);
   for (const RequestClock& clock : clocks_) {
     for (const auto& [blob, request] : clock.open()) noteLatency(request, now);
-    tally_.unanswered += clock.open().size();
+    counts_.unanswered += clock.open().size();
   }
   if (!engine_.connected()) {
     for (const auto& [blob, request] : lost_) noteLatency(request, now);
-    tally_.unanswered += lost_.size();
+    counts_.unanswered += lost_.size();
   }
-  if (!image_seen_) tally_.first_image.add(now - start_);
-  if (!converged_) tally_.converged.add(now - start_);
+  if (!image_seen_) counts_.first_image.add(now - start_);
+  if (!converged_) counts_.converged.add(now - start_);
 }
 
 }  // namespace lode::app

@@ -8,10 +8,10 @@
 
 #include <asio/io_context.hpp>
 
-#include "client/app/cli/known_names.h"
+#include "client/app/cli/known_digests.h"
 #include "client/app/cli/load_client.h"
+#include "client/app/cli/load_counts.h"
 #include "client/app/cli/load_plan.h"
-#include "client/app/cli/load_tally.h"
 #include "client/app/cli/request_clock.h"
 #include "client/core/engine.h"
 #include "client/net/tcp_transport.h"
@@ -26,7 +26,7 @@ class FullClient final : public LoadClient {
   /// @param start  when it connects. @param seed  of its path and pauses. @param names  of the clients of its
   ///               thread.
   FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
-             KnownNames& names, LoadTally& tally);
+             KnownDigests& names, LoadCounts& counts);
 
   core::TimePoint due() const noexcept override { return due_; }
   void step(core::TimePoint now) override;
@@ -54,11 +54,11 @@ class FullClient final : public LoadClient {
   asio::io_context& io_;
   const LoadPlan& plan_;
   const uint64_t seed_;
-  KnownNames& names_;
-  LoadTally& tally_;
+  KnownDigests& names_;
+  LoadCounts& counts_;
   const core::TimePoint start_;
   core::TimePoint due_;
-  core::TimePoint noted_until_;  ///< what was seen is in the tally
+  core::TimePoint noted_until_;  ///< what was seen is in the counts
   uint64_t frames_ = 0;
   std::mt19937_64 random_;
   std::array<RequestClock, 2> clocks_;  ///< by core::Line
@@ -67,7 +67,7 @@ class FullClient final : public LoadClient {
   core::CameraPath path_;        ///< no keys until the model is known
   core::TimePoint round_begin_;  ///< of the path
   double pause_s_ = 0;           ///< at this round's end
-  uint64_t received_bytes_ = 0;  ///< that the tally knows of
+  uint64_t received_bytes_ = 0;  ///< that the counts knows of
   std::string turned_away_;      ///< why, the last time
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;

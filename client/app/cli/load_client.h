@@ -3,7 +3,7 @@
 #include <exception>
 #include <string>
 
-#include "client/app/cli/load_tally.h"
+#include "client/app/cli/load_counts.h"
 #include "client/core/time_point.h"
 #include "common/error.h"
 
@@ -26,23 +26,23 @@ class LoadClient {
 
 /// What goes wrong with one client is counted and ends it; the others go on. @return false: it ends.
 template <typename Action>
-bool survives(LoadTally& tally, const Action& action) {
+bool survives(LoadCounts& counts, const Action& action) {
   try {
     action();
     return true;
   } catch (const Error& error) {
-    tally.noteError(error.code(), error.what());
+    counts.noteError(error.code(), error.what());
   } catch (const std::exception& error) {
-    tally.noteError(ErrorCode::kInternal, error.what());
+    counts.noteError(ErrorCode::kInternal, error.what());
   }
-  ++tally.gave_up;
+  ++counts.gave_up;
   return false;
 }
 
 /// A client that a server has turned away until the test's end is an error.
 /// @param why  the last time; empty if none has.
-inline void noteNeverLetIn(LoadTally& tally, const std::string& why) {
-  if (!why.empty()) tally.noteError(ErrorCode::kNetwork, "never let in: " + why);
+inline void noteNeverLetIn(LoadCounts& counts, const std::string& why) {
+  if (!why.empty()) counts.noteError(ErrorCode::kNetwork, "never let in: " + why);
 }
 
 }  // namespace lode::app

@@ -67,65 +67,65 @@ const char* nameOf(ErrorCode code) {
 
 Json toJson(const LoadOptions& options, std::span<const LoadPlan> plans, const LoadResult& result,
             double cpu_seconds) {
-  const LoadTally& tally = result.tally;
+  const LoadCounts& counts = result.counts;
   Json json{
       {"clients", options.clients}, {"seconds", options.seconds},        {"full", options.full},
-      {"started", tally.started},   {"interrupted", result.interrupted}, {"seconds_run", result.seconds}};
+      {"started", counts.started},  {"interrupted", result.interrupted}, {"seconds_run", result.seconds}};
   if (!options.full)
     for (const LoadPlan& plan : plans)
       json["traces"].push_back({{"model", net::toString(plan.model.address) + "/" + plan.model.model},
                                 {"seconds", plan.trace.duration_s},
                                 {"requests", plan.trace.requests.size()}});
-  json["blobs"] = tally.blobs;
-  json["bytes"] = tally.bytes;
-  json["errors"] = tally.errorCount();
+  json["blobs"] = counts.blobs;
+  json["bytes"] = counts.bytes;
+  json["errors"] = counts.errorCount();
   json["errors_by_kind"] = Json::object();
-  for (const auto& [code, count] : tally.errors) json["errors_by_kind"][nameOf(code)] = count;
-  json["first_error"] = tally.first_error.empty() ? Json() : Json(tally.first_error);
-  json["unanswered"] = tally.unanswered;
-  json["moved"] = tally.moved;
-  json["turned_away"] = tally.turned_away;
-  json["lost"] = tally.lost;
-  json["gave_up"] = tally.gave_up;
-  json["failed_requests"] = tally.failed_requests;
-  json["latency_ms"] = {{"visible", percentiles(tally.latency[0])},
-                        {"margin", percentiles(tally.latency[1])},
-                        {"prefetch", percentiles(tally.latency[2])}};
-  json["first_image_ms"] = percentiles(tally.first_image);
+  for (const auto& [code, count] : counts.errors) json["errors_by_kind"][nameOf(code)] = count;
+  json["first_error"] = counts.first_error.empty() ? Json() : Json(counts.first_error);
+  json["unanswered"] = counts.unanswered;
+  json["moved"] = counts.moved;
+  json["turned_away"] = counts.turned_away;
+  json["lost"] = counts.lost;
+  json["gave_up"] = counts.gave_up;
+  json["failed_requests"] = counts.failed_requests;
+  json["latency_ms"] = {{"visible", percentiles(counts.latency[0])},
+                        {"margin", percentiles(counts.latency[1])},
+                        {"prefetch", percentiles(counts.latency[2])}};
+  json["first_image_ms"] = percentiles(counts.first_image);
   if (options.full) {
-    json["converged_ms"] = percentiles(tally.converged);
-    json["seconds_looked"] = tally.looked_s;
-    json["seconds_far_off"] = tally.far_off_s;
+    json["converged_ms"] = percentiles(counts.converged);
+    json["seconds_looked"] = counts.looked_s;
+    json["seconds_far_off"] = counts.far_off_s;
   }
   json["cpu_seconds"] = cpu_seconds;
   return json;
 }
 
 std::string describe(const LoadOptions& options, const LoadResult& result) {
-  const LoadTally& tally = result.tally;
+  const LoadCounts& counts = result.counts;
   std::string text = result.interrupted ? "interrupted after " + number(result.seconds) + " of " : "";
   text += number(options.seconds, 0) + " s: ";
-  text += tally.started < options.clients
-              ? std::to_string(tally.started) + " of " + counted(options.clients, "client") + " had begun"
+  text += counts.started < options.clients
+              ? std::to_string(counts.started) + " of " + counted(options.clients, "client") + " had begun"
               : counted(options.clients, "client");
-  text += ", " + counted(tally.blobs, "blob");
+  text += ", " + counted(counts.blobs, "blob");
   if (result.seconds > 0)
-    text += ", " + number(static_cast<double>(tally.bytes) * 1e-6 / result.seconds) + " MB/s";
-  text += "; visible requests: " + medianAndWorst(tally.latency[0]);
-  text += "; first image: " + medianAndWorst(tally.first_image);
+    text += ", " + number(static_cast<double>(counts.bytes) * 1e-6 / result.seconds) + " MB/s";
+  text += "; visible requests: " + medianAndWorst(counts.latency[0]);
+  text += "; first image: " + medianAndWorst(counts.first_image);
   if (options.full) {
-    text += "; converged: " + medianAndWorst(tally.converged);
-    if (tally.looked_s > 0)
-      text += "; far off " + number(100 * tally.far_off_s / tally.looked_s) + " % of the time";
+    text += "; converged: " + medianAndWorst(counts.converged);
+    if (counts.looked_s > 0)
+      text += "; far off " + number(100 * counts.far_off_s / counts.looked_s) + " % of the time";
   }
-  text += "; " + std::to_string(tally.unanswered) + " unanswered, " + counted(tally.lost, "connection") +
-          " lost" + ", " + counted(tally.gave_up, "client") + " gave up, " +
-          counted(tally.errorCount(), "error");
-  if (tally.turned_away > 0) text += ", turned away " + counted(tally.turned_away, "time");
-  return tally.first_error.empty() ? text : text + ", the first: " + tally.first_error;
+  text += "; " + std::to_string(counts.unanswered) + " unanswered, " + counted(counts.lost, "connection") +
+          " lost" + ", " + counted(counts.gave_up, "client") + " gave up, " +
+          counted(counts.errorCount(), "error");
+  if (counts.turned_away > 0) text += ", turned away " + counted(counts.turned_away, "time");
+  return counts.first_error.empty() ? text : text + ", the first: " + counts.first_error;
 }
 
-void LiveLine::print(double seconds, const LoadTally& now) {
+void LiveLine::print(double seconds, const LoadCounts& now) {
   std::fprintf(stderr, "%4.0f s: %s, %llu blobs/s, %.1f MB/s, visible requests: %s, %llu lost, %s\n", seconds,
                counted(now.started, "client").c_str(),
                static_cast<unsigned long long>(now.blobs - last_.blobs),

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/app/cli/load_counts.h"
 #include "client/app/cli/load_plan.h"
-#include "client/app/cli/load_tally.h"
 #include "client/app/cli/load_test.h"
 
 namespace lode::app {
@@ -22,10 +22,10 @@ std::string describe(const LoadOptions& options, const LoadResult& result);
 class LiveLine {
  public:
   /// @param now  what all have seen so far: the line tells what came since the last one.
-  void print(double seconds, const LoadTally& now);
+  void print(double seconds, const LoadCounts& now);
 
  private:
-  LoadTally last_;
+  LoadCounts last_;
 };
 
 }  // namespace lode::app

@@ -44,10 +44,10 @@ void allowDescriptors(uint32_t clients) {
 class Stepper {
  public:
   void addFull(const LoadPlan& plan, Clock::time_point start, uint64_t seed) {
-    add(std::make_unique<FullClient>(io_, plan, start, seed, names_, tally_), start);
+    add(std::make_unique<FullClient>(io_, plan, start, seed, names_, counts_), start);
   }
   void addTrace(const LoadPlan& plan, Clock::time_point start, double phase_s) {
-    add(std::make_unique<TraceClient>(io_, plan, start, phase_s, names_, tally_), start);
+    add(std::make_unique<TraceClient>(io_, plan, start, phase_s, names_, counts_), start);
   }
 
   void run(Clock::time_point end, const std::function<bool()>& is_stopped) {
@@ -73,7 +73,7 @@ class Stepper {
   }
 
   /// What its clients had seen a moment ago. Thread safe.
-  LoadTally tally() const {
+  LoadCounts counts() const {
     const std::lock_guard lock(mutex_);
     return published_;
   }
@@ -86,7 +86,7 @@ class Stepper {
 
   void publish() {
     const std::lock_guard lock(mutex_);
-    published_ = tally_;
+    published_ = counts_;
   }
 
   /// @param now  not after the end: clients have nothing to do from then on.
@@ -99,10 +99,10 @@ class Stepper {
     }
   }
 
-  KnownNames names_;
-  LoadTally tally_;
+  KnownDigests names_;
+  LoadCounts counts_;
   mutable std::mutex mutex_;
-  LoadTally published_;
+  LoadCounts published_;
   asio::io_context io_{1};
   /// Without a connection there is nothing to wait for, and run_one_until() would return at once.
   const asio::executor_work_guard<asio::io_context::executor_type> waits_{io_.get_executor()};
@@ -124,10 +124,10 @@ bool sleepUntil(Clock::time_point moment, const std::function<bool()>& is_stoppe
 
 double secondsOf(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-LoadTally tallyOf(const Steppers& steppers) {
-  LoadTally tally;
-  for (const auto& stepper : steppers) tally.add(stepper->tally());
-  return tally;
+LoadCounts countsOf(const Steppers& steppers) {
+  LoadCounts counts;
+  for (const auto& stepper : steppers) counts.add(stepper->counts());
+  return counts;
 }
 
 }  // namespace
@@ -153,11 +153,11 @@ LoadResult runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options) {
     for (const auto& stepper : steppers) threads.emplace_back([&] { stepper->run(end, options.is_stopped); });
     for (unsigned second = 1; options.progress && start + std::chrono::seconds(second) < end; ++second) {
       if (!sleepUntil(start + std::chrono::seconds(second), options.is_stopped)) break;
-      options.progress(second, tallyOf(steppers));
+      options.progress(second, countsOf(steppers));
     }
   }
   const Clock::time_point ended = Clock::now();
-  return {tallyOf(steppers), std::min(secondsOf(ended - start), options.seconds), ended < end};
+  return {countsOf(steppers), std::min(secondsOf(ended - start), options.seconds), ended < end};
 }
 
 }  // namespace lode::app

@@ -4,8 +4,8 @@
 #include <functional>
 #include <span>
 
+#include "client/app/cli/load_counts.h"
 #include "client/app/cli/load_plan.h"
-#include "client/app/cli/load_tally.h"
 
 namespace lode::app {
 
@@ -16,13 +16,13 @@ struct LoadOptions {
   double ramp_s = 2.5;  ///< in which they start, one after the other
   bool full = false;    ///< they refine and decode; else they replay the plans' traces
   /// Called once a second on the caller's thread with what all have seen so far; may be empty.
-  std::function<void(double seconds, const LoadTally&)> progress;
+  std::function<void(double seconds, const LoadCounts&)> progress;
   /// Asked several times a second by every thread: the test ends early once it says so; may be empty.
   std::function<bool()> is_stopped;
 };
 
 struct LoadResult {
-  LoadTally tally;
+  LoadCounts counts;
   double seconds = 0;  ///< that it took
   bool interrupted = false;
 };

@@ -143,7 +143,7 @@ void loadtest(const LoadtestOptions& options, int& exit_status) {
   load.ramp_s = options.ramp_s.value_or(load.seconds / 4);
   LiveLine live;
   if (isatty(STDERR_FILENO) == 1)
-    load.progress = [&](double seconds, const LoadTally& tally) { live.print(seconds, tally); };
+    load.progress = [&](double seconds, const LoadCounts& counts) { live.print(seconds, counts); };
   const Interruption interruption;
   load.is_stopped = [] { return Interruption::signal() != 0; };
   const double cpu_before = cpuSeconds();
@@ -153,10 +153,10 @@ void loadtest(const LoadtestOptions& options, int& exit_status) {
                           : describe(load, result).c_str());
   if (result.interrupted)
     exit_status = kSignalled + Interruption::signal();
-  else if (!result.tally.errors.empty())
+  else if (!result.counts.errors.empty())
     throw Error(ErrorCode::kNetwork, "the load test had errors, " +
-                                         std::to_string(result.tally.errorCount()) +
-                                         " in all; the first: " + result.tally.first_error);
+                                         std::to_string(result.counts.errorCount()) +
+                                         " in all; the first: " + result.counts.first_error);
 }
 
 }  // namespace

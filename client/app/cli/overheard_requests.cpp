@@ -28,7 +28,7 @@ void OverheardRequests::takeChunk(const proto::BlobChunk& chunk) {
   Request& request = found->second;
   request.bytes.insert(request.bytes.end(), chunk.bytes.begin(), chunk.bytes.end());
   if (request.bytes.size() < chunk.header.total_bytes) return;
-  const BlobRef blob{request.asked.blob, chunk.header.total_bytes, nameBlob(request.bytes)};
+  const BlobRef blob{request.asked.blob, chunk.header.total_bytes, digestOf(request.bytes)};
   tell_({blob, {}, request.asked.request_class, request.asked.priority_px}, request.asked_at);
   requests_.erase(found);
 }

@@ -59,7 +59,7 @@ class Recorder {
 
   std::vector<TracedRequest> take() {
     for (TracedRequest& traced : requests_)
-      if (const auto job = jobs_.find(traced.request.blob.name); job != jobs_.end())
+      if (const auto job = jobs_.find(traced.request.blob.digest); job != jobs_.end())
         traced.decode = job->second;
     std::ranges::stable_sort(requests_, {}, &TracedRequest::t_s);
     return std::move(requests_);
@@ -90,7 +90,7 @@ class Recorder {
     if (!engine_.trouble().empty()) throw Error(ErrorCode::kNetwork, engine_.trouble());
     for (core::DecodeJob& job : engine_.takeDecodeJobs()) {
       engine_.finishDecode(core::runDecodeJob(job));
-      const BlobName name = nameBlob(job.bytes);
+      const Digest name = digestOf(job.bytes);
       job.bytes = {};
       jobs_.emplace(name, std::move(job));
     }
@@ -110,7 +110,7 @@ class Recorder {
   OverheardRequests overheard_{[this](const core::Request& request, double t_s) {
     requests_.push_back({t_s, request, {}});
   }};
-  std::map<BlobName, core::DecodeJob> jobs_;
+  std::map<Digest, core::DecodeJob> jobs_;
   core::Engine engine_;
   asio::io_context io_{1};
   net::TcpTransport transport_;
@@ -118,7 +118,7 @@ class Recorder {
 
 }  // namespace
 
-void checkBuild(const RequestTrace& trace, const BlobName& build_id, const std::string& source) {
+void checkBuild(const RequestTrace& trace, const Digest& build_id, const std::string& source) {
   if (trace.build_id == build_id) return;
   throw Error(ErrorCode::kInput, source + ": the trace is of another build of the model (" +
                                      toHex(trace.build_id) + ", and this one is " + toHex(build_id) +

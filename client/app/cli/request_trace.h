@@ -25,7 +25,7 @@ struct TracedRequest {
 
 /// What a camera path requests, in the order of time: recorded once, replayed by any number of clients.
 struct RequestTrace {
-  BlobName build_id;  ///< of the model: in another build of it blobs have other numbers
+  Digest build_id;  ///< of the model: in another build of it blobs have other numbers
   double duration_s = 0;
   std::vector<TracedRequest> requests;
   std::string gap;  ///< why it has no request a part that cannot be had; empty: it has all
@@ -35,7 +35,7 @@ struct RequestTrace {
 using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
 
 /// @param source  names the trace. @throws Error kInput if it is not of this build of the model.
-void checkBuild(const RequestTrace& trace, const BlobName& build_id, const std::string& source);
+void checkBuild(const RequestTrace& trace, const Digest& build_id, const std::string& source);
 
 /// Goes along a path in steps of a tenth of a second, waiting at each until nothing more is to come.
 /// @throws Error kNetwork and so on as a Session does, kTimeout.

@@ -48,10 +48,10 @@ class Reader {
     return counts;
   }
 
-  BlobName name(const char* name) const {
+  Digest name(const char* name) const {
     const Json& value = member(name);
     const std::string text = value.is_string() ? value.get<std::string>() : std::string();
-    BlobName result;
+    Digest result;
     if (text.size() != 2 * result.bytes.size() ||
         text.find_first_not_of("0123456789abcdef") != std::string::npos)
       refuse(source_, where_ + "." + name + " is not a name of 32 hexadecimal digits");
@@ -140,15 +140,15 @@ std::string toJson(const RequestTrace& trace) {
   json["step"] = 1.0;
   json["requests"] = Json::array();
   for (const TracedRequest& traced : trace.requests) {
-    Json request{{"t", traced.t_s},
-                 {"blob", traced.request.blob.number},
-                 {"bytes", traced.request.blob.bytes},
-                 {"name", toHex(traced.request.blob.name)},
-                 {"class", static_cast<uint32_t>(traced.request.request_class)},
-                 {"px", traced.request.priority_px}};
-    if (traced.decode) writeDecode(request, *traced.decode);
+    Json entry{{"t", traced.t_s},
+               {"blob", traced.request.blob.number},
+               {"bytes", traced.request.blob.bytes},
+               {"name", toHex(traced.request.blob.digest)},
+               {"class", static_cast<uint32_t>(traced.request.request_class)},
+               {"px", traced.request.priority_px}};
+    if (traced.decode) writeDecode(entry, *traced.decode);
     if (traced.decode && traced.decode->use.kind != core::BlobKind::kTile) json["step"] = traced.decode->step;
-    json["requests"].push_back(std::move(request));
+    json["requests"].push_back(std::move(entry));
   }
   return json.dump();
 }

@@ -20,15 +20,15 @@ constexpr double kShortestTraceSeconds = 1;  ///< a path that stands still is re
 }  // namespace
 
 TraceClient::TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
-                         KnownNames& names, LoadTally& tally)
+                         KnownDigests& names, LoadCounts& counts)
     : io_(io),
       plan_(plan),
       names_(names),
-      tally_(tally),
+      counts_(counts),
       start_(start),
       random_(static_cast<uint64_t>(1000 * phase_s)),
       due_(start),
-      link_(sessionOptions(), static_cast<uint32_t>(1000 * phase_s)) {
+      connection_(sessionOptions(), static_cast<uint32_t>(1000 * phase_s)) {
   const auto& requests = plan.trace.requests;
   const auto at = std::ranges::lower_bound(requests, phase_s, {}, &TracedRequest::t_s);
   first_ = at == requests.end() ? 0 : static_cast<size_t>(at - requests.begin());
@@ -40,7 +40,7 @@ core::SessionOptions TraceClient::sessionOptions() {
   options.token = plan_.options.token;
   options.remedies = plan_.options.remedies;
   options.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
-    return names_.isNamed(blob, bytes);
+    return names_.matchesDigest(blob, bytes);
   };
   return options;
 }
@@ -62,16 +62,16 @@ void TraceClient::goOn() {
 
 template <typename Action>
 void TraceClient::guarded(const Action& action) {
-  if (gone_ || survives(tally_, action)) return;
+  if (gone_ || survives(counts_, action)) return;
   gone_ = true;
   due_ = kNever;
 }
 
 void TraceClient::step(core::TimePoint now) {
   guarded([&] {
-    tally_.started += !std::exchange(started_, true);
+    counts_.started += !std::exchange(started_, true);
     ended_.reset();
-    if (link_.due(now)) connect(now);
+    if (connection_.due(now)) connect(now);
     for (const core::Line line : core::kLines)
       onLine(line, now, [&](core::Session& session) { session.tick(now); });
     addDueRequests(now);
@@ -81,33 +81,34 @@ void TraceClient::step(core::TimePoint now) {
 }
 
 void TraceClient::connect(core::TimePoint now) {
-  if (const core::Session* const older = link_.session(core::Line::kLeaving);
-      older != nullptr && link_.session())
-    tally_.failed_requests += older->openRequests();   // two servers left one soon after the other
-  if (link_.session()) leaving_ = std::move(newest_);  // else it was turned away, and who leaves still owes
+  if (const core::Session* const older = connection_.session(core::Line::kDraining);
+      older != nullptr && connection_.session())
+    counts_.failed_requests += older->openRequests();  // two servers left one soon after the other
+  if (connection_.session())
+    leaving_ = std::move(newest_);  // else it was turned away, and who leaves still owes
   newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
-  link_.begin({}, now);
+  connection_.begin({}, now);
 }
 
 /// What the network does to a connection ends it; what else goes wrong ends the client.
 template <typename Action>
 void TraceClient::onLine(core::Line line, core::TimePoint now, const Action& action) {
-  core::Session* const session = link_.session(line);
+  core::Session* const session = connection_.session(line);
   if (session == nullptr) return;
   try {
     action(*session);
   } catch (const Error& error) {
-    const bool leaves = line == core::Line::kLeaving || !link_.takesRequests();
+    const bool leaves = line == core::Line::kDraining || !connection_.takesRequests();
     const bool is_lost = !leaves || session->openRequests() > 0;
-    tally_.lost += is_lost;
-    tally_.failed_requests += session->openRequests();
+    counts_.lost += is_lost;
+    counts_.failed_requests += session->openRequests();
     ended_ = std::move(transport(line));
-    if (line == core::Line::kNewest)
-      link_.fail(error, now);
+    if (line == core::Line::kActive)
+      connection_.fail(error, now);
     else
-      link_.endLeaving();
-    if (is_lost) tally_.noteError(error.code(), error.what());
-    if (line == core::Line::kLeaving) sendRequests();
+      connection_.endDraining();
+    if (is_lost) counts_.noteError(error.code(), error.what());
+    if (line == core::Line::kDraining) sendRequests();
   }
 }
 
@@ -124,9 +125,9 @@ void TraceClient::addDueRequests(core::TimePoint now) {
 }
 
 void TraceClient::sendRequests() {
-  core::Session* const session = link_.session();
-  if (!link_.takesRequests() || !session->opened()) return;
-  const core::Session* const before = link_.session(core::Line::kLeaving);
+  core::Session* const session = connection_.session();
+  if (!connection_.takesRequests() || !session->opened()) return;
+  const core::Session* const before = connection_.session(core::Line::kDraining);
   std::vector<core::Request> requests;
   requests.reserve(pending_.size());
   for (const auto& [number, pending] : pending_)
@@ -140,12 +141,13 @@ void TraceClient::sendRequests() {
 
 void TraceClient::send() {
   for (const core::Line line : core::kLines)
-    if (core::Session* const session = link_.session(line); session != nullptr)
+    if (core::Session* const session = connection_.session(line); session != nullptr)
       transport(line)->send(session->takeOutgoing());
 }
 
 void TraceClient::scheduleNext(core::TimePoint now) {
-  due_ = now + (link_.takesRequests() ? core::TimePoint::duration(kKeepAliveEvery) : kLookForRetryEvery);
+  due_ =
+      now + (connection_.takesRequests() ? core::TimePoint::duration(kKeepAliveEvery) : kLookForRetryEvery);
   if (!plan_.trace.requests.empty()) due_ = std::min(due_, nextIntended());
 }
 
@@ -155,7 +157,7 @@ void TraceClient::receive() {
     for (const core::Line line : core::kLines)
       onLine(line, now, [&](core::Session& session) {
         session.receive(transport(line)->takeReceived(), now);
-        while (link_.session(line) == &session) {
+        while (connection_.session(line) == &session) {
           const auto event = session.nextEvent();
           if (!event) break;
           handle(*event, session, now);
@@ -168,28 +170,28 @@ void TraceClient::receive() {
 void TraceClient::handle(const core::SessionEvent& event, core::Session& session, core::TimePoint now) {
   if (const auto* opened = std::get_if<core::ModelOpened>(&event)) {
     checkBuild(plan_.trace, opened->summary.build_id, plan_.model.model);
-    link_.succeeded();
+    connection_.succeeded();
     was_let_in_ = true;
     turned_away_.clear();
     return sendRequests();
   }
   if (const auto* blob = std::get_if<core::BlobArrived>(&event)) return arrived(*blob, session, now);
   if (const auto* refused = std::get_if<core::BlobRefused>(&event)) {
-    ++tally_.failed_requests;
+    ++counts_.failed_requests;
     pending_.erase(refused->blob.number);
-    tally_.noteError(ErrorCode::kIo, "the server says: " + refused->message);
+    counts_.noteError(ErrorCode::kIo, "the server says: " + refused->message);
   }
   if (const auto* leaving = std::get_if<core::ServerLeaving>(&event)) {
-    tally_.moved += session.opened();
-    tally_.turned_away += !session.opened();
+    counts_.moved += session.opened();
+    counts_.turned_away += !session.opened();
     if (!was_let_in_) turned_away_ = leaving->reason;
-    link_.leave(leaving->reason, now);
+    connection_.leave(leaving->reason, now);
   }
 }
 
 void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session, core::TimePoint now) {
-  ++tally_.blobs;
-  tally_.bytes += blob.bytes.size();
+  ++counts_.blobs;
+  counts_.bytes += blob.bytes.size();
   const auto found = pending_.find(blob.blob.number);
   if (found != pending_.end()) {
     const Pending pending = found->second;
@@ -201,13 +203,13 @@ void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session,
       if (!result.failure.empty())
         throw Error(ErrorCode::kFormat, "a blob cannot be decoded: " + result.failure);
     }
-    tally_.latency[static_cast<size_t>(pending.request.request_class)].add(now - pending.intended);
+    counts_.latency[static_cast<size_t>(pending.request.request_class)].add(now - pending.intended);
     const size_t open = session.openRequests();
     if (open < kRefillBelow && open < pending_.size()) sendRequests();
   }
   if (blob.blob.number == first_lod_ && !image_seen_) {
     image_seen_ = true;
-    tally_.first_image.add(now - start_);
+    counts_.first_image.add(now - start_);
   } else if (blob.use.kind == core::BlobKind::kRootPage) {
     const HierarchyPage page = decodePage(blob.bytes, kRootKey, true);
     const BlobRef& coarsest = page.nodes.front().lods.back().payload;
@@ -218,12 +220,12 @@ void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session,
 
 void TraceClient::finish(core::TimePoint now) {
   if (now < start_) return;
-  if (!gone_) noteNeverLetIn(tally_, turned_away_);
-  if (!image_seen_) tally_.first_image.add(now - start_);
+  if (!gone_) noteNeverLetIn(counts_, turned_away_);
+  if (!image_seen_) counts_.first_image.add(now - start_);
   for (const auto& [number, pending] : pending_) {
     if (pending.intended > now) continue;
-    ++tally_.unanswered;
-    tally_.latency[static_cast<size_t>(pending.request.request_class)].add(now - pending.intended);
+    ++counts_.unanswered;
+    counts_.latency[static_cast<size_t>(pending.request.request_class)].add(now - pending.intended);
   }
 }
 

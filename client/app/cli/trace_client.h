@@ -8,11 +8,11 @@
 
 #include <asio/io_context.hpp>
 
-#include "client/app/cli/known_names.h"
+#include "client/app/cli/known_digests.h"
 #include "client/app/cli/load_client.h"
+#include "client/app/cli/load_counts.h"
 #include "client/app/cli/load_plan.h"
-#include "client/app/cli/load_tally.h"
-#include "client/core/link.h"
+#include "client/core/connection.h"
 #include "client/net/tcp_transport.h"
 
 namespace lode::app {
@@ -25,7 +25,7 @@ class TraceClient final : public LoadClient {
   /// @param start    when it connects. @param phase_s  where in the trace it begins.
   /// @param names    of the clients of its thread.
   TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
-              KnownNames& names, LoadTally& tally);
+              KnownDigests& names, LoadCounts& counts);
 
   core::TimePoint due() const noexcept override { return due_; }
   void step(core::TimePoint now) override;
@@ -41,7 +41,7 @@ class TraceClient final : public LoadClient {
   using Transport = std::unique_ptr<net::TcpTransport>;
 
   core::SessionOptions sessionOptions();
-  Transport& transport(core::Line line) noexcept { return line == core::Line::kNewest ? newest_ : leaving_; }
+  Transport& transport(core::Line line) noexcept { return line == core::Line::kActive ? newest_ : leaving_; }
   template <typename Action>
   void guarded(const Action& action);
   template <typename Action>
@@ -59,15 +59,15 @@ class TraceClient final : public LoadClient {
 
   asio::io_context& io_;
   const LoadPlan& plan_;
-  KnownNames& names_;
-  LoadTally& tally_;
+  KnownDigests& names_;
+  LoadCounts& counts_;
   const core::TimePoint start_;
   size_t first_;           ///< place in the trace at which it begins
   uint64_t replayed_ = 0;  ///< requests that were due so far
   double paused_s_ = 0;    ///< between the rounds so far
   std::mt19937_64 random_;
   core::TimePoint due_;
-  core::Link link_;
+  core::Connection connection_;
   std::map<uint32_t, Pending> pending_;  ///< by blob number
   bool started_ = false, was_let_in_ = false, image_seen_ = false, gone_ = false;
   std::string turned_away_;  ///< why, the last time, until it is let in

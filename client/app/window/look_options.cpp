@@ -8,7 +8,7 @@ namespace lode::app {
 
 void addLookOptions(CLI::App& command, LookOptions& options) {
   const auto is_known = [](const std::string& name) {
-    return render::showNamed(name) ? std::string() : "'" + name + "' is none of " + render::showNames();
+    return render::colorModeNamed(name) ? std::string() : "'" + name + "' is none of " + render::showNames();
   };
   auto* show = command.add_option("--show", options.show, "what to show: " + render::showNames())
                    ->type_name("NAME")
@@ -16,7 +16,7 @@ void addLookOptions(CLI::App& command, LookOptions& options) {
                    ->capture_default_str();
   command
       .add_flag_callback(
-          "--unlit", [&options] { options.show = nameOf(render::Show::kUnlit); }, "show the paint alone")
+          "--unlit", [&options] { options.show = nameOf(render::ColorMode::kUnlit); }, "show the paint alone")
       ->excludes(show);
   command.add_option("--exposure", options.exposure, "multiply the light by this")
       ->check(numberFrom(0.01, 100.0))
@@ -25,7 +25,7 @@ void addLookOptions(CLI::App& command, LookOptions& options) {
 
 render::DrawStyle styleOf(const LookOptions& options) {
   render::DrawStyle style;
-  style.show = render::showNamed(options.show).value_or(render::Show::kSurface);
+  style.show = render::colorModeNamed(options.show).value_or(render::ColorMode::kSurface);
   style.exposure = options.exposure;
   return style;
 }

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "client/app/window/camera_kind.h"
-#include "client/app/window/exhibit.h"
 #include "client/app/window/notice.h"
 #include "client/app/window/pick_marks.h"
 #include "client/app/window/settings.h"
+#include "client/app/window/viewer_content.h"
 #include "client/render/shown_colours.h"
 
 namespace lode::app {
@@ -58,14 +58,14 @@ struct PanelContent {
   bool operator==(const PanelContent&) const = default;
 };
 
-/// How an exhibit is looked at.
+/// How an viewer_content is looked at.
 struct Looked {
   bool is_settled = false;  ///< nothing more will come for the view
   bool is_offline = false;
 };
 
-/// Says what an exhibit's stream has brought, what of it is on the GPU, and how it fares.
-void describe(const Exhibit& exhibit, const Looked& looked, PanelContent& content);
+/// Says what an viewer_content's stream has brought, what of it is on the GPU, and how it fares.
+void describe(const ViewerContent& viewer_content, const Looked& looked, PanelContent& content);
 
 /// They differ in what is worth a new picture: in more than what the last frame took and, at rest, bytes that
 /// only keep the connection.

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "client/app/window/camera_rig.h"
-#include "client/app/window/exhibit.h"
 #include "client/app/window/flight.h"
 #include "client/app/window/view_options.h"
+#include "client/app/window/viewer_content.h"
 #include "client/core/camera_path.h"
 
 namespace lode::app {
@@ -22,7 +22,7 @@ class Pilot {
   enum class State { kWaiting, kFlying, kOver };
   /// Takes the camera to where it is to be now.
   /// @throws Error once there can be no first picture any more: nothing more comes, or the time is over.
-  State fly(const Exhibit& exhibit, bool is_time_over, CameraRig& rig);
+  State fly(const ViewerContent& content, bool is_time_over, CameraRig& rig);
 
   /// It has had its first picture.
   bool isUnderWay() const noexcept { return flight_.has_value(); }
@@ -37,7 +37,7 @@ class Pilot {
  private:
   using Clock = std::chrono::steady_clock;
 
-  bool mayBegin(const Exhibit& exhibit, bool is_time_over, const core::View& view) const;
+  bool mayBegin(const ViewerContent& content, bool is_time_over, const core::View& view) const;
 
   const ViewOptions options_;
   const std::optional<core::CameraPath> path_;

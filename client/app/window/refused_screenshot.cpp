@@ -5,12 +5,12 @@
 
 namespace lode::app {
 
-void refuseScreenshot(const Exhibit& exhibit, const CommonOptions& options) {
-  if (exhibit.overBudget())
+void refuseScreenshot(const ViewerContent& content, const CommonOptions& options) {
+  if (content.overBudget())
     throw Error(ErrorCode::kLimit, options.target +
                                        ": the GPU has no room for all of the screenshot; allow more with "
                                        "--memory-budget, or a larger error with --pixels");
-  refuseUnconverged("the screenshot's view", exhibit.status(), options);
+  refuseUnconverged("the screenshot's view", content.status(), options);
 }
 
 }  // namespace lode::app

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "client/app/cli/common_options.h"
-#include "client/app/window/exhibit.h"
+#include "client/app/window/viewer_content.h"
 
 namespace lode::app {
 
 /// Says why there is no screenshot of a view and what to do. @throws Error always.
-[[noreturn]] void refuseScreenshot(const Exhibit& exhibit, const CommonOptions& options);
+[[noreturn]] void refuseScreenshot(const ViewerContent& content, const CommonOptions& options);
 
 }  // namespace lode::app

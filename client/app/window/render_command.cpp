@@ -193,7 +193,7 @@ void checkOutput(const RenderOptions& options) {
   if (options.output.empty() == options.folder.empty())
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
   if (!options.output.empty()) checkPictureFile(options.common.target, options.output);
-  if (options.look.show == nameOf(render::Show::kAges))
+  if (options.look.show == nameOf(render::ColorMode::kAges))
     throw Error(ErrorCode::kUsage,
                 "--show ages is for view: nothing in a picture of render's has been there for a while");
 }

@@ -118,9 +118,9 @@ render::DrawStyle SceneStage::styleOver(const render::DrawStyle& style) const {
 void SceneStage::draw(const core::View& view, const render::Framebuffer& target,
                       const render::DrawStyle& style) {
   render::DrawStyle surface = styleOf(style);
-  if (style.show != render::Show::kUnlit) surface.show = render::Show::kSurface;
-  backdrop_.drawPlace(0, viewFrom(view, {}, ground_lattice_.origin), target, surface, {});
-  if (style.show != render::Show::kUnlit) shadow_pass_.draw(shadows_, view, target);
+  if (style.show != render::ColorMode::kUnlit) surface.show = render::ColorMode::kSurface;
+  backdrop_.drawInstance(0, viewFrom(view, {}, ground_lattice_.origin), target, surface, {});
+  if (style.show != render::ColorMode::kUnlit) shadow_pass_.draw(shadows_, view, target);
 }
 
 void SceneStage::drawSky(const render::Framebuffer& target, const render::DrawStyle& style) const {

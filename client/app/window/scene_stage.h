@@ -18,8 +18,8 @@
 namespace lode::app {
 
 /// Tells a place of a scene from all others: by the model and by which of its places it is.
-constexpr uint32_t placeNumber(size_t model, size_t place) noexcept {
-  return static_cast<uint32_t>((model + 1) << 16 ^ place);
+constexpr uint32_t instanceNumber(size_t model, size_t instance) noexcept {
+  return static_cast<uint32_t>((model + 1) << 16 ^ instance);
 }
 
 /// What a scene is beside its models: how far it reaches, its ground and its sky. On the thread of its

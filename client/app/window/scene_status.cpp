@@ -35,8 +35,8 @@ stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core
     all.ended = all.ended && one.ended;
     if (all.failure.empty()) all.failure = one.failure;
     if (all.trouble.empty()) all.trouble = one.trouble;
-    is_shown = is_shown && one.placed;
-    if (!one.placed) continue;
+    is_shown = is_shown && one.view_cuts;
+    if (!one.view_cuts) continue;
     cut->threshold_px = std::max(cut->threshold_px, one.cut->threshold_px);
     cut->max_error_px = std::max(cut->max_error_px, one.cut->max_error_px);
     cut->lost_tiles += one.cut->lost_tiles;

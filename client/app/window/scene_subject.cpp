@@ -84,11 +84,11 @@ Taken SceneSubject::take(double t, const render::Framebuffer& target, render::Dr
   Taken taken;
   taken.is_finest = taken.has_converged = true;
   std::vector<render::DrawItem> in_picture;
-  std::vector<uint32_t> places(models_.size(), 0);
+  std::vector<uint32_t> instances(models_.size(), 0);
   for (const auto& [number, placement] : scene_.instances) {
     Model& model = *models_[number];
-    const uint32_t place = places[number]++;
-    style.place = {placeNumber(number, place), model.summary.name, place + 1};
+    const uint32_t instance = instances[number]++;
+    style.instance = {instanceNumber(number, instance), model.summary.name, instance + 1};
     const core::View seen = viewFrom(view, placement, model.summary.lattice.origin);
     if (!core::boxMayBeVisible(core::toModelBox(model.summary.box, model.summary.lattice.step), seen))
       continue;

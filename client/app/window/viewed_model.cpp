@@ -23,7 +23,7 @@ ViewedModel::ViewedModel(Target target, const stream::StreamOptions& options, co
     : renderer_(1, render::shareMemory(options.memory_budget_bytes).gpu),
       opener_(std::move(target), streamOptionsOf(options), std::move(framing), timeout) {}
 
-Exhibit::Opening ViewedModel::open() {
+ViewerContent::Opening ViewedModel::open() {
   if (progress_.streamer != nullptr) return {"", -1, true, std::nullopt};
   progress_ = opener_.progress();
   if (progress_.streamer != nullptr) renderer_.setLatticeStep(progress_.model->lattice.step);
@@ -39,7 +39,7 @@ void ViewedModel::setMemory(uint64_t budget_bytes) {
 void ViewedModel::look(const core::View& view, float threshold_px) {
   progress_.streamer->setView(view, threshold_px);
   status_ = progress_.streamer->status();
-  if (status_.placed) renderer_.show(status_.placed);
+  if (status_.view_cuts) renderer_.show(status_.view_cuts);
   if (probe_ && probe_->cut() != renderer_.meshes().drawnCut()) probe_.reset();  // it keeps all of its meshes
 }
 
@@ -58,7 +58,7 @@ double ViewedModel::drawnThresholdRad() const {
   return cut ? thresholdRad(*cut) : 0;
 }
 
-Exhibit::GpuUse ViewedModel::gpuUse() const {
+ViewerContent::GpuUse ViewedModel::gpuUse() const {
   return {renderer_.gpuBytes(), renderer_.textures().tileCount(), renderer_.textures().set() != nullptr};
 }
 

@@ -2,14 +2,14 @@
 
 #include <optional>
 
-#include "client/app/window/exhibit.h"
 #include "client/app/window/model_opener.h"
+#include "client/app/window/viewer_content.h"
 #include "client/core/cut_probe.h"
 
 namespace lode::app {
 
 /// One model in the window.
-class ViewedModel : public Exhibit {
+class ViewedModel : public ViewerContent {
  public:
   /// Begins to open the target. @param memory_budget_bytes  of the stream and the GPU together. @throws
   /// Error.

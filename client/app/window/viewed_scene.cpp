@@ -50,14 +50,14 @@ ViewedScene::~ViewedScene() = default;
 void ViewedScene::openNext() {
   const size_t number = models_.size();
   const render::MemoryShares memory = render::shareMemory(memory_.parts()[number]);
-  models_.push_back(std::make_unique<PlacedModel>(number, scene_.models[number].target,
-                                                  options_.streamOptions(), options_.timeout(), memory));
+  models_.push_back(std::make_unique<InstancedModel>(number, scene_.models[number].target,
+                                                     options_.streamOptions(), options_.timeout(), memory));
   models_.back()->look();
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }
 
 /// Files one after the other, as each may have to be built; servers beside that, as they may not answer.
-Exhibit::Opening ViewedScene::open() {
+ViewerContent::Opening ViewedScene::open() {
   if (stage_) return {.is_open = true};
   for (const auto& model : models_) model->look();
   while (models_.size() < scene_.models.size() &&
@@ -79,7 +79,7 @@ Exhibit::Opening ViewedScene::open() {
 }
 
 /// Why it cannot be opened.
-Error ViewedScene::errorOf(const PlacedModel& model) const {
+Error ViewedScene::errorOf(const InstancedModel& model) const {
   return ofSceneModel(*model.opened.error, options_.target, scene_.models[model.number]);
 }
 
@@ -88,11 +88,11 @@ void ViewedScene::setUp() {
   std::vector<const ModelSummary*> summaries;
   for (const auto& model : models_) {
     summaries.push_back(model->opened.model);
-    model->places.clear();
+    model->instances.clear();
   }
   for (const auto& [number, placement] : scene_.instances)
-    if (models_[number]->isOpen()) models_[number]->places.push_back(placement);
-  const bool is_first = !stage_, is_whole = std::ranges::all_of(models_, &PlacedModel::isOpen);
+    if (models_[number]->isOpen()) models_[number]->instances.push_back(placement);
+  const bool is_first = !stage_, is_whole = std::ranges::all_of(models_, &InstancedModel::isOpen);
   stage_.emplace(scene_, summaries);
   const ModelSummary whole = stage_->whole();
   if (is_first) whole_.lattice = is_whole ? whole.lattice : latticeWithRoom(whole);
@@ -152,16 +152,17 @@ void ViewedScene::look(const core::View& view, float threshold_px) {
   const core::View scene_view = inScene(view);
   memory_.look(view, threshold_px);
   for (const auto& model : models_) {
-    if (model->places.empty()) continue;
+    if (model->instances.empty()) continue;
     model->views.clear();
-    for (size_t place = 0; place < model->places.size(); ++place)
-      model->views.push_back(model->viewAt(place, scene_view));
+    for (size_t instance = 0; instance < model->instances.size(); ++instance)
+      model->views.push_back(model->viewAt(instance, scene_view));
     model->opened.streamer->setViews(model->views, threshold_px);
     model->status = model->opened.streamer->status();
-    if (const auto& placed = model->status.placed; placed && placed->cuts.size() == model->places.size())
-      model->renderer.show(placed);
+    if (const auto& view_cuts = model->status.view_cuts;
+        view_cuts && view_cuts->cuts.size() == model->instances.size())
+      model->renderer.show(view_cuts);
     else
-      model->status.placed = nullptr;  // it is of the first look, at the model alone
+      model->status.view_cuts = nullptr;  // it is of the first look, at the model alone
     model->dropOldProbes();
   }
   mergeStatus(view);
@@ -185,7 +186,7 @@ void ViewedScene::shareMemory() {
 }
 
 /// Its part.
-void ViewedScene::giveMemory(const PlacedModel& model) {
+void ViewedScene::giveMemory(const InstancedModel& model) {
   const render::MemoryShares memory = render::shareMemory(memory_.parts()[model.number]);
   model.opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
 }
@@ -193,7 +194,7 @@ void ViewedScene::giveMemory(const PlacedModel& model) {
 void ViewedScene::mergeStatus(const core::View& view) {
   std::vector<ModelStatus> statuses;
   for (const auto& model : models_)
-    if (!model->places.empty()) statuses.push_back({model->status, model->views.front()});
+    if (!model->instances.empty()) statuses.push_back({model->status, model->views.front()});
   status_ = sceneStatus(statuses, view);
 }
 
@@ -201,7 +202,7 @@ void ViewedScene::mergeStatus(const core::View& view) {
 void ViewedScene::uploadInRenderThread() {
   render::UploadBudget left;
   for (size_t i = 0; i < models_.size() && left.bytes > 0 && left.ms > 0; ++i) {
-    PlacedModel& model = *models_[(first_upload_ + i) % models_.size()];
+    InstancedModel& model = *models_[(first_upload_ + i) % models_.size()];
     if (!model.isOpen()) continue;
     left = model.renderer.uploadInRenderThread(left);
     model.opened.streamer->keep(model.renderer.meshes().takeMixtures());
@@ -227,8 +228,8 @@ bool ViewedScene::uploaded() const {
 double ViewedScene::drawnThresholdRad() const {
   double threshold_rad = 0;
   for (const auto& model : models_)
-    for (size_t place = 0; place < model->places.size(); ++place)
-      if (const auto& cut = model->renderer.meshes().drawnCut(place))
+    for (size_t instance = 0; instance < model->instances.size(); ++instance)
+      if (const auto& cut = model->renderer.meshes().drawnCut(instance))
         threshold_rad = std::max(threshold_rad, thresholdRad(*cut));
   return threshold_rad;
 }
@@ -247,7 +248,7 @@ bool ViewedScene::ageing() const {
   return std::ranges::any_of(in_picture_, [](const auto& item) { return item.age_s <= render::kOldS; });
 }
 
-Exhibit::GpuUse ViewedScene::gpuUse() const {
+ViewerContent::GpuUse ViewedScene::gpuUse() const {
   GpuUse use;
   for (const auto& model : models_) {
     use.bytes += model->renderer.gpuBytes();
@@ -263,11 +264,11 @@ std::vector<ViewedScene::Standing> ViewedScene::inSight(const core::View& scene_
   for (const auto& model : models_) {
     if (!model->isOpen()) continue;
     const core::ModelBox box = model->box();
-    for (size_t place = 0; place < model->places.size(); ++place) {
-      const core::View view = model->viewAt(place, scene_view);
+    for (size_t instance = 0; instance < model->instances.size(); ++instance) {
+      const core::View view = model->viewAt(instance, scene_view);
       if (!core::boxMayBeVisible(box, view)) continue;
-      const double distance = core::distanceToBox(view.eye_model, box) * model->places[place].scale;
-      found.push_back({distance, model.get(), place});
+      const double distance = core::distanceToBox(view.eye_model, box) * model->instances[instance].scale;
+      found.push_back({distance, model.get(), instance});
     }
   }
   std::ranges::stable_sort(found, {}, &Standing::distance);
@@ -277,11 +278,11 @@ std::vector<ViewedScene::Standing> ViewedScene::inSight(const core::View& scene_
 /// What comes into sight again has nothing to fade from.
 void ViewedScene::leaveOutAllBut(std::span<const Standing> seen) {
   for (const auto& model : models_) {
-    std::vector<bool> is_seen(model->places.size());
+    std::vector<bool> is_seen(model->instances.size());
     for (const Standing& standing : seen)
-      if (standing.model == model.get()) is_seen[standing.place] = true;
-    for (size_t place = 0; place < is_seen.size(); ++place)
-      if (!is_seen[place]) model->renderer.leaveOut(place);
+      if (standing.model == model.get()) is_seen[standing.instance] = true;
+    for (size_t instance = 0; instance < is_seen.size(); ++instance)
+      if (!is_seen[instance]) model->renderer.leaveOut(instance);
   }
 }
 
@@ -294,13 +295,13 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
   const render::DrawStyle over = stage_->styleOver(style);
   const std::vector<Standing> seen = inSight(scene_view);
   leaveOutAllBut(seen);
-  std::vector<render::Placement> placements;
-  for (const auto& [distance, model, place] : seen)
-    placements.push_back(
-        {&model->renderer, place, model->viewAt(place, scene_view), model->styleAt(place, over, scene_.up)});
-  const render::DrawCounts counts = placement_drawer_.draw(placements, target, time);
-  for (const render::Placement& at : placements) {
-    const auto items = at.renderer->inPicture(at.place);
+  std::vector<render::InstanceDraw> draws;
+  for (const auto& [distance, model, instance] : seen)
+    draws.push_back({&model->renderer, instance, model->viewAt(instance, scene_view),
+                     model->styleAt(instance, over, scene_.up)});
+  const render::DrawCounts counts = instance_drawer_.draw(draws, target, time);
+  for (const render::InstanceDraw& at : draws) {
+    const auto items = at.renderer->inPicture(at.instance);
     in_picture_.insert(in_picture_.end(), items.begin(), items.end());
   }
   stage_->drawSky(target, style);
@@ -328,19 +329,19 @@ std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm:
     nearest->position_model = nearest->position - whole_.lattice.origin;
     nearest->step = whole_.lattice.step;
   }
-  for (const auto& [distance, model, place] : inSight(scene_view)) {
+  for (const auto& [distance, model, instance] : inSight(scene_view)) {
     if (nearest && distance > nearest_distance) break;
-    const core::View seen = model->viewAt(place, scene_view);
+    const core::View seen = model->viewAt(instance, scene_view);
     const core::Ray ray = core::rayThrough(seen, place_px);
     if (!core::distanceAlong(ray, model->box())) continue;
-    const core::CutProbe* const probe = model->probe(place);
+    const core::CutProbe* const probe = model->probe(instance);
     if (probe == nullptr) continue;
     const auto hit = probe->cast(ray, core::shownParts(*probe->cut(), seen));
-    const double scale = model->places[place].scale;
+    const double scale = model->instances[instance].scale;
     if (!hit || (nearest && hit->distance_model * scale >= nearest_distance)) continue;
     nearest_distance = hit->distance_model * scale;
     nearest = pointOf(*hit, *model->opened.model, *model->status.cut);
-    nearest->position = model->toScene(place, hit->position_model);
+    nearest->position = model->toScene(instance, hit->position_model);
     nearest->position_model = nearest->position - whole_.lattice.origin;
     nearest->step *= scale;
     nearest->model = model->opened.model->name;
@@ -357,14 +358,14 @@ std::optional<render::Ground> ViewedScene::groundBelow(const core::View& view, c
       depth > 0 && up == scene_.up)
     highest = render::Ground{depth, 0};
   for (const auto& model : models_) {
-    for (size_t place = 0; place < model->places.size(); ++place) {
-      const Placement& at = model->places[place];
+    for (size_t instance = 0; instance < model->instances.size(); ++instance) {
+      const Placement& at = model->instances[instance];
       const glm::dquat back = glm::conjugate(at.rotation);
       const glm::dvec3 from = back * (point - at.position) / at.scale - model->opened.model->lattice.origin;
       if (!core::distanceAlong({from, back * -up}, model->box())) continue;
-      const core::CutProbe* const probe = model->probe(place);
+      const core::CutProbe* const probe = model->probe(instance);
       if (probe == nullptr) continue;
-      const auto ground = app::groundBelow(*probe, model->viewAt(place, scene_view), from, back * up);
+      const auto ground = app::groundBelow(*probe, model->viewAt(instance, scene_view), from, back * up);
       if (ground && (!highest || ground->depth_model * at.scale < highest->depth_model))
         highest = render::Ground{ground->depth_model * at.scale, ground->uncertainty_model * at.scale};
     }

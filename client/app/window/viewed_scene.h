@@ -8,17 +8,17 @@
 
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/scene_file.h"
-#include "client/app/window/exhibit.h"
-#include "client/app/window/placed_model.h"
+#include "client/app/window/instanced_model.h"
 #include "client/app/window/scene_memory.h"
 #include "client/app/window/scene_stage.h"
-#include "client/render/placement_drawer.h"
+#include "client/app/window/viewer_content.h"
+#include "client/render/instance_drawer.h"
 
 namespace lode::app {
 
 /// A scene in the window: one stream and one renderer a model, which its places share; a cut and its culling
 /// for each place. Models whose server is away come when it is there.
-class ViewedScene : public Exhibit {
+class ViewedScene : public ViewerContent {
  public:
   /// Reads the scene. @throws Error.
   ViewedScene(const CommonOptions& options, Lacking lacking);
@@ -53,12 +53,12 @@ class ViewedScene : public Exhibit {
   /// A place in the picture.
   struct Standing {
     double distance = 0;  ///< from the eye, in the scene
-    PlacedModel* model = nullptr;
-    size_t place = 0;  ///< of the model
+    InstancedModel* model = nullptr;
+    size_t instance = 0;  ///< of the model
   };
 
   void openNext();
-  Error errorOf(const PlacedModel& model) const;
+  Error errorOf(const InstancedModel& model) const;
   void setUp();
   void takeLate();
   core::View inScene(const core::View& view) const;
@@ -67,18 +67,18 @@ class ViewedScene : public Exhibit {
   void leaveOutAllBut(std::span<const Standing> seen);
   void mergeStatus(const core::View& view);
   void shareMemory();
-  void giveMemory(const PlacedModel& model);
+  void giveMemory(const InstancedModel& model);
 
   const Scene scene_;
   const CommonOptions options_;
   const Lacking lacking_;
   core::Framing framing_;
-  std::vector<std::unique_ptr<PlacedModel>> models_;
+  std::vector<std::unique_ptr<InstancedModel>> models_;
   SceneMemory memory_;
   uint64_t gpu_budget_bytes_ = 0;    ///< of meshes of all models
   size_t first_upload_ = 0;          ///< model that uploads first, by turns
   std::optional<SceneStage> stage_;  ///< once none is being waited for
-  render::PlacementDrawer placement_drawer_;
+  render::InstanceDrawer instance_drawer_;
   ModelSummary whole_;
   stream::StreamStatus status_;
   std::vector<render::DrawItem> in_picture_;

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "client/app/window/camera_rig.h"
-#include "client/app/window/exhibit.h"
+#include "client/app/window/color_mode_switch.h"
 #include "client/app/window/first_start.h"
 #include "client/app/window/glfw_window.h"
 #include "client/app/window/pacing.h"
@@ -17,8 +17,8 @@
 #include "client/app/window/picture_writer.h"
 #include "client/app/window/pilot.h"
 #include "client/app/window/refining_progress.h"
-#include "client/app/window/show_switch.h"
 #include "client/app/window/view_options.h"
+#include "client/app/window/viewer_content.h"
 #include "client/render/ambient_occlusion.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
@@ -99,7 +99,7 @@ class Viewer {
   const bool draws_in_software_ = render::drawsInSoftware();
   const render::HiddenParts hidden_parts_ = render::fastestHiddenParts();
   Panel panel_;
-  const std::unique_ptr<Exhibit> exhibit_;
+  const std::unique_ptr<ViewerContent> viewer_content_;
   std::optional<render::Framebuffer> smooth_, quick_;  ///< of several samples a pixel, and of one
   render::AmbientOcclusion occlusion_;
   render::FrameTimer timer_;
@@ -121,7 +121,7 @@ class Viewer {
   PathRecorder recorder_;
   std::optional<Pilot> pilot_;  ///< of --laps
   render::DrawStyle style_;
-  ShowSwitch show_;
+  ColorModeSwitch show_;
   uint64_t memory_bytes_ = 0;
   bool fades_ = options_.common.fade;
   /// It costs about as much in every frame, which no threshold makes up for where the processor draws.

@@ -16,7 +16,7 @@ void Viewer::scroll(Input& input) {
 }
 
 Settings Viewer::settings() const {
-  return {.unlit = show_.shown() == render::Show::kUnlit,
+  return {.unlit = show_.shown() == render::ColorMode::kUnlit,
           .darkens_hollows = darkens_hollows_,
           .fades = fades_,
           .exposure = style_.exposure,
@@ -29,7 +29,8 @@ Settings Viewer::settings() const {
 /// What differs, so that what is beyond the reach of the settings stays.
 void Viewer::apply(const Settings& wanted) {
   const Settings now = settings();
-  if (wanted.unlit != now.unlit) show_.show(wanted.unlit ? render::Show::kUnlit : render::Show::kSurface);
+  if (wanted.unlit != now.unlit)
+    show_.show(wanted.unlit ? render::ColorMode::kUnlit : render::ColorMode::kSurface);
   darkens_hollows_ = wanted.darkens_hollows;
   fades_ = wanted.fades;
   if (wanted.exposure != now.exposure) style_.exposure = wanted.exposure;
@@ -37,7 +38,7 @@ void Viewer::apply(const Settings& wanted) {
   if (wanted.threshold_px != now.threshold_px) pacing_.setThreshold(wanted.threshold_px);
   if (wanted.fps != now.fps) pacing_.setRate(wanted.fps);
   if (wanted.memory_bytes == now.memory_bytes) return;
-  exhibit_->setMemory(wanted.memory_bytes);
+  viewer_content_->setMemory(wanted.memory_bytes);
   noteMemory(wanted.memory_bytes);
 }
 

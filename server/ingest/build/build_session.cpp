@@ -62,7 +62,7 @@ bool BuildSession::isPackedAlready() {
   try {
     RecordReader record(recorded_.stages.at(BuildEntry::kPacked));
     readKnown(record);
-    const auto build_id = record.get<BlobName>();
+    const auto build_id = record.get<Digest>();
     const store::Reader reader(options_.output);
     report_.summary = reader.summary();
     return reader.summary().build_id == build_id;
@@ -83,7 +83,7 @@ void BuildSession::run(Stage& stage) {
     if (!recorded_.stages.empty() && report_.resumed_from.empty()) report_.resumed_from = name;
     StageClock clock(report_, name);
     const Stage::Work work = stage.run();
-    giveBackFreedMemory();
+    trimHeap();
     if (stage.isOnDisk()) noteFinished(stage);
     clock.finish(work.items, work.temporary_bytes);
   }

@@ -23,7 +23,7 @@ class PackStage final : public Stage {
   BuildSession& session_;
   const TextureStage& textures_;
   SimplifyStage& simplified_;
-  BlobName build_id_;
+  Digest build_id_;
 };
 
 }  // namespace lode::ingest

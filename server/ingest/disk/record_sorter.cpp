@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/let_go.h"
+#include "common/release_storage.h"
 
 namespace lode::ingest {
 namespace {
@@ -142,8 +142,8 @@ void RecordSorter::finish(const Progress& progress) {
     return;
   }
   if (!order_.empty()) spill(progress);
-  letGo(order_);
-  letGo(held_);
+  releaseStorage(order_);
+  releaseStorage(held_);
   spool_->flush();
   const size_t buffer_bytes = std::clamp<size_t>(memory_bytes_ / runs_.size(), 64 << 10, 4 << 20);
   for (uint32_t i = 0; i < runs_.size(); ++i) {

@@ -12,7 +12,7 @@
 
 #include "common/error.h"
 #include "common/file_io.h"
-#include "common/let_go.h"
+#include "common/release_storage.h"
 
 namespace lode::ingest {
 namespace {
@@ -77,7 +77,7 @@ void Spool::append(std::span<const std::byte> bytes) {
 
 void Spool::flush() {
   writeBuffer();
-  letGo(buffer_);
+  releaseStorage(buffer_);
 }
 
 void Spool::sync() const {

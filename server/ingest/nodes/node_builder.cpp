@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/draco_codec.h"
-#include "common/let_go.h"
+#include "common/release_storage.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/computed_normals.h"
 #include "server/ingest/nodes/finished_lod.h"
@@ -92,8 +92,8 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
   NodeMesh input = mergeMeshes(meshes, became);
   gatherSamples(built, children, meshes, input, became);
   gatherReferences(built, children, became);
-  letGo(meshes);
-  letGo(became);
+  releaseStorage(meshes);
+  releaseStorage(became);
   if (room.is_tight) built.samples.shrink_to_fit();
   reduce(built, std::move(input), is_original, room);
   selectSamples(built.samples, built.coarsest.positions.size(), sampleCapacity());
@@ -126,7 +126,7 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
       if (sample.near != kVanished) sample.near = became[i][sample.near];
     std::vector<SurfaceSample>& samples = children[i].node.isLeaf() ? of_leaves : built.samples;
     samples.insert(samples.end(), children[i].samples.begin(), children[i].samples.end());
-    letGo(children[i].samples);
+    releaseStorage(children[i].samples);
   }
   dropDuplicates(built.samples);
   built.samples.insert(built.samples.end(), of_leaves.begin(), of_leaves.end());
@@ -141,7 +141,7 @@ void NodeBuilder::gatherReferences(BuiltNode& built, std::span<BuiltNode> childr
       boundary.near = imageOf(boundary.near, became[i]);
     all.boundaries.insert(all.boundaries.end(), references.boundaries.begin(), references.boundaries.end());
     all.gap_steps = std::max(all.gap_steps, references.gap_steps);
-    letGo(references.boundaries);
+    releaseStorage(references.boundaries);
   }
 }
 
@@ -157,10 +157,10 @@ LodShelf NodeBuilder::shelve(NodeMesh mesh, NodeKey key, std::span<const size_t>
   LodShelf shelf(folder_.file("lods-" + std::to_string(key.value)));
   SimplifiedMesh input{std::move(mesh), {}};
   shelf.put(input);
-  giveBackFreedMemory();
+  trimHeap();
   simplify(std::move(input.mesh), key.depth(), targets,
            [&](size_t, SimplifiedMesh&& lod) { shelf.put(lod); });
-  giveBackFreedMemory();
+  trimHeap();
   return shelf;
 }
 
@@ -191,7 +191,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   InOrder<FinishedLod> lods(room.helpers, [&](FinishedLod&& lod) {
     if (built.node.lods.empty() || lod.simplified.mesh.triangles.size() < built.node.lods.back().triangles)
       addLod(built, lod);
-    letGo(lod.payload.bytes);
+    releaseStorage(lod.payload.bytes);
     coarsest = std::move(lod);
   });
   const auto finish = [&](SimplifiedMesh&& lod) {
@@ -203,7 +203,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   if (shelf) {
     for (size_t i = 1; i < shelf->size(); ++i) {
       finish(shelf->read(i));
-      giveBackFreedMemory();
+      trimHeap();
     }
   } else {
     simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& lod) { finish(std::move(lod)); });

@@ -70,7 +70,7 @@ class Scheduler {
     try {
       NodeBuilder builder = make_builder();
       while (const auto taken = take()) {
-        if (taken->is_large) giveBackFreedMemory();
+        if (taken->is_large) trimHeap();
         give(*taken, build(builder, *taken));
       }
     } catch (...) {

@@ -51,7 +51,7 @@ void shareHeaps(uint64_t memory_bytes) noexcept {
 #endif
 }
 
-void giveBackFreedMemory() noexcept {
+void trimHeap() noexcept {
 #if defined(__GLIBC__)
   malloc_trim(0);
 #endif

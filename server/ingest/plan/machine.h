@@ -22,6 +22,6 @@ uint64_t peakRssBytes() noexcept;
 void shareHeaps(uint64_t memory_bytes) noexcept;
 
 /// Gives freed memory back to the system, which an allocator may keep for long: for between stages.
-void giveBackFreedMemory() noexcept;
+void trimHeap() noexcept;
 
 }  // namespace lode::ingest

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "common/let_go.h"
+#include "common/release_storage.h"
 
 namespace lode::ingest {
 
@@ -32,7 +32,7 @@ WedgeQuadrics::WedgeQuadrics(CollapseMesh& mesh, double diagonal, double weight)
     for (const auto [part, scale] : channels_) lengths_.push_back(scale * value.parts[part]);
   }
   for (uint32_t c = 0; c < mesh.corner_position.size(); c += 4) addTriangle(mesh, c);
-  letGo(lengths_);
+  releaseStorage(lengths_);
 }
 
 void WedgeQuadrics::chooseChannels(AttributeSet attributes, double diagonal, double weight) {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/let_go.h"
+#include "common/release_storage.h"
 #include "server/ingest/mesh/vertex_set.h"
 #include "server/ingest/soup/face_batch.h"
 
@@ -114,7 +114,7 @@ Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& posi
                       glm::dvec3 box_max) {
   std::vector<double> edges = edgesOf(faces, position_of);
   const double coarsest = chooseStep(edges, box_min, box_max), finest = finestStep(box_min, box_max);
-  letGo(edges);
+  releaseStorage(edges);
   std::vector<SampledFace> at_risk;  // nothing else is lost on a finer lattice
   const auto reaches = [&](const SampledFace& face) {
     for (size_t c = 0; c < 4; ++c) {

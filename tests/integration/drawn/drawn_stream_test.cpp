@@ -131,9 +131,9 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelThatSharpensOrIsReplaced)
       for (int frame = 0; frame < 3; ++frame) watch.frame(status.cut, view, now_s += kFrameS);
     }
   }
-  EXPECT_EQ(watch.tally().background, 0u);
-  EXPECT_GT(watch.tally().fading_frames, 60u);
-  EXPECT_GT(watch.tally().inside, 500'000u);
+  EXPECT_EQ(watch.counts().background, 0u);
+  EXPECT_GT(watch.counts().fading_frames, 60u);
+  EXPECT_GT(watch.counts().inside, 500'000u);
   EXPECT_GT(builds, 3);
 }
 
@@ -153,9 +153,9 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseRegionsArriveOneByOn
       while (!watch.uploaded());
     }
   }
-  EXPECT_EQ(watch.tally().background, 0u);
-  EXPECT_GT(watch.tally().mixed_frames, kCameras) << "one a camera, in the mean";
-  EXPECT_GT(watch.tally().inside, 500'000u);
+  EXPECT_EQ(watch.counts().background, 0u);
+  EXPECT_GT(watch.counts().mixed_frames, kCameras) << "one a camera, in the mean";
+  EXPECT_GT(watch.counts().inside, 500'000u);
 }
 
 /// Each threshold's cut comes while regions of the one before are still to arrive.
@@ -178,9 +178,9 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseNewerCutsKeepComing)
     const StreamStatus status = streamer.status();
     while (!watch.uploaded()) watch.frame(status.cut, view, now_s += 0.05);
   }
-  EXPECT_EQ(watch.tally().background, 0u);
+  EXPECT_EQ(watch.counts().background, 0u);
   EXPECT_GT(overtaken, kCameras);
-  EXPECT_GT(watch.tally().inside, 500'000u);
+  EXPECT_GT(watch.counts().inside, 500'000u);
 }
 
 /// A larger model, of about 40 MB when all of it is drawn, with leaves of so many triangles.

@@ -51,9 +51,9 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
         plan_.trace.requests.push_back(
             {0, {node.lods[0].payload, {core::BlobKind::kMesh, {node.key, 0}}}, {}});
     if (GetParam() == Kind::kFull)
-      client_ = std::make_unique<FullClient>(io_, plan_, start_, 1, names_, tally_);
+      client_ = std::make_unique<FullClient>(io_, plan_, start_, 1, names_, counts_);
     else
-      client_ = std::make_unique<TraceClient>(io_, plan_, start_, 0, names_, tally_);
+      client_ = std::make_unique<TraceClient>(io_, plan_, start_, 0, names_, counts_);
   }
 
   virtual void prepare(lode::test::SyntheticModel& /*model*/) {}
@@ -62,7 +62,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
   template <typename Done>
   void run(const Done& done) {
     for (const auto deadline = Clock::now() + 60s; !done(); turn()) {
-      ASSERT_NE(client_->due(), kNever) << tally_.first_error;
+      ASSERT_NE(client_->due(), kNever) << counts_.first_error;
       ASSERT_LT(Clock::now(), deadline) << "it did not come to that";
     }
   }
@@ -81,7 +81,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
   /// Requests.
   uint64_t timed() const {
     uint64_t count = 0;
-    for (const LatencyHistogram& of_class : tally_.latency) count += of_class.count();
+    for (const LatencyHistogram& of_class : counts_.latency) count += of_class.count();
     return count;
   }
   void turn() {
@@ -97,8 +97,8 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
   std::optional<store::Reader> store_;
   std::optional<ToldServer> server_;
   LoadPlan plan_;
-  KnownNames names_;
-  LoadTally tally_;
+  KnownDigests names_;
+  LoadCounts counts_;
   std::unique_ptr<LoadClient> client_;
 };
 
@@ -108,9 +108,9 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerBreaksOff) {
   const size_t open = server_->openRequests(0);
   server_->breakOff(0);
   runUntilRequested(1);
-  EXPECT_EQ(tally_.lost, 1u);
-  EXPECT_EQ(tally_.failed_requests, open);
-  EXPECT_EQ(tally_.moved, 0u);
+  EXPECT_EQ(counts_.lost, 1u);
+  EXPECT_EQ(counts_.failed_requests, open);
+  EXPECT_EQ(counts_.moved, 0u);
   EXPECT_EQ(server_->openRequests(1), open) << "requested again";
 }
 
@@ -118,7 +118,7 @@ TEST_P(EveryLoadClient, countsAConnectionThatBreaksAsAnErrorOfTheNetwork) {
   runUntilOpened(1);
   server_->breakOff(0);
   runUntilOpened(2);
-  EXPECT_EQ(tally_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 1}}));
+  EXPECT_EQ(counts_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 1}}));
 }
 
 TEST_P(EveryLoadClient, countsATryToConnectThatNobodyTakesAsAnErrorOfTheNetwork) {
@@ -126,30 +126,30 @@ TEST_P(EveryLoadClient, countsATryToConnectThatNobodyTakesAsAnErrorOfTheNetwork)
   server_->closeToTheNext(2);
   server_->breakOff(0);
   runUntilOpened(2);
-  EXPECT_EQ(tally_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 3}}));
+  EXPECT_EQ(counts_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 3}}));
 }
 
 TEST_P(EveryLoadClient, hasNotGivenUpWhereItComesAgain) {
   runUntilOpened(1);
   server_->breakOff(0);
   runUntilOpened(2);
-  EXPECT_EQ(tally_.gave_up, 0u);
+  EXPECT_EQ(counts_.gave_up, 0u);
 }
 
 TEST_P(EveryLoadClient, givesUpWithOneErrorWhereNobodyIsThereAtFirst) {
   server_->closeToTheNext(1);
   while (client_->due() != kNever) turn();
-  EXPECT_EQ(tally_.gave_up, 1u);
-  EXPECT_EQ(tally_.errorCount(), 1u);
+  EXPECT_EQ(counts_.gave_up, 1u);
+  EXPECT_EQ(counts_.errorCount(), 1u);
 }
 
 TEST_P(EveryLoadClient, thatGaveUpCountsAsLateAsTheEnd) {
   server_->closeToTheNext(1);
   while (client_->due() != kNever) turn();
   client_->finish(start_ + 9s);
-  EXPECT_EQ(tally_.first_image.count(), 1u);
-  EXPECT_GE(tally_.first_image.maxMs(), 9000);
-  EXPECT_EQ(tally_.errorCount(), 1u) << "and once as an error";
+  EXPECT_EQ(counts_.first_image.count(), 1u);
+  EXPECT_GE(counts_.first_image.maxMs(), 9000);
+  EXPECT_EQ(counts_.errorCount(), 1u) << "and once as an error";
 }
 
 TEST_P(EveryLoadClient, hasNoErrorWhereAServerGoesAway) {
@@ -159,7 +159,7 @@ TEST_P(EveryLoadClient, hasNoErrorWhereAServerGoesAway) {
   runUntilOpened(2);
   server_->breakOff(0);
   settle();
-  EXPECT_EQ(tally_.errorCount(), 0u);
+  EXPECT_EQ(counts_.errorCount(), 0u);
 }
 
 TEST_P(EveryLoadClient, leavesUnansweredWhatABrokenConnectionOwed) {
@@ -167,9 +167,9 @@ TEST_P(EveryLoadClient, leavesUnansweredWhatABrokenConnectionOwed) {
   runUntilRequested(0);
   const size_t open = server_->openRequests(0);
   server_->breakOff(0);
-  run([&] { return tally_.lost > 0; });
+  run([&] { return counts_.lost > 0; });
   client_->finish(Clock::now());
-  EXPECT_EQ(tally_.unanswered, open);
+  EXPECT_EQ(counts_.unanswered, open);
 }
 
 TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerThatIsGoingAwayBreaksOff) {
@@ -180,9 +180,9 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerThatIsGoingAwayBreaksOff) {
   runUntilOpened(2);
   server_->breakOff(0);
   runUntilRequested(1);
-  EXPECT_EQ(tally_.lost, 1u);
-  EXPECT_EQ(tally_.failed_requests, open);
-  EXPECT_EQ(tally_.moved, 1u);
+  EXPECT_EQ(counts_.lost, 1u);
+  EXPECT_EQ(counts_.failed_requests, open);
+  EXPECT_EQ(counts_.moved, 1u);
   EXPECT_EQ(server_->openRequests(1), open) << "requested again";
 }
 
@@ -194,8 +194,8 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereTwoServersGoAwayOneSoonAfterTheOthe
   runUntilOpened(2);
   server_->goAway(1);
   runUntilRequested(2);
-  EXPECT_EQ(tally_.failed_requests, open);
-  EXPECT_EQ(tally_.moved, 2u);
+  EXPECT_EQ(counts_.failed_requests, open);
+  EXPECT_EQ(counts_.moved, 2u);
 }
 
 TEST_P(EveryLoadClient, takesWhatItWasPromisedBeforeTheNextServerHasSaidAnything) {
@@ -204,26 +204,26 @@ TEST_P(EveryLoadClient, takesWhatItWasPromisedBeforeTheNextServerHasSaidAnything
   server_->saysNothing();
   server_->goAway(0);
   run([&] { return server_->connections() == 2; });
-  const uint64_t before = tally_.blobs, open = server_->openRequests(0);
+  const uint64_t before = counts_.blobs, open = server_->openRequests(0);
   server_->grantAll(0);
   settle();
-  EXPECT_EQ(tally_.blobs, before + open);
-  EXPECT_EQ(tally_.lost, 0u);
-  EXPECT_EQ(tally_.failed_requests, 0u);
-  EXPECT_NE(client_->due(), kNever) << tally_.first_error;
+  EXPECT_EQ(counts_.blobs, before + open);
+  EXPECT_EQ(counts_.lost, 0u);
+  EXPECT_EQ(counts_.failed_requests, 0u);
+  EXPECT_NE(client_->due(), kNever) << counts_.first_error;
 }
 
 TEST_P(EveryLoadClient, losesNothingWhereAServerThatIsGoingAwayHasGivenAll) {
   runUntilOpened(1);
   settle();
-  ASSERT_GT(tally_.blobs, plan_.trace.requests.size() / 2);
+  ASSERT_GT(counts_.blobs, plan_.trace.requests.size() / 2);
   server_->goAway(0);
   runUntilOpened(2);
   server_->breakOff(0);
   settle();
-  EXPECT_EQ(tally_.lost, 0u);
-  EXPECT_EQ(tally_.failed_requests, 0u);
-  EXPECT_EQ(tally_.moved, 1u);
+  EXPECT_EQ(counts_.lost, 0u);
+  EXPECT_EQ(counts_.failed_requests, 0u);
+  EXPECT_EQ(counts_.moved, 1u);
 }
 
 TEST_P(EveryLoadClient, hasMovedThoughTheServerIsGoneBeforeItComesAgain) {
@@ -232,14 +232,14 @@ TEST_P(EveryLoadClient, hasMovedThoughTheServerIsGoneBeforeItComesAgain) {
   server_->goAway(0);
   server_->breakOff(0);
   runUntilOpened(2);
-  EXPECT_EQ(tally_.moved, 1u);
-  EXPECT_EQ(tally_.lost, 0u);
+  EXPECT_EQ(counts_.moved, 1u);
+  EXPECT_EQ(counts_.lost, 0u);
 }
 
 TEST_P(EveryLoadClient, hasNotMovedWhereItIsTurnedAwayAtTheDoor) {
   server_->turnOneAway();
   runUntilOpened(1);
-  EXPECT_EQ(tally_.moved, 0u);
+  EXPECT_EQ(counts_.moved, 0u);
 }
 
 TEST_P(EveryLoadClient, losesNothingOfWhoLeavesWhereTheNextTurnsItAway) {
@@ -247,12 +247,12 @@ TEST_P(EveryLoadClient, losesNothingOfWhoLeavesWhereTheNextTurnsItAway) {
   runUntilRequested(0);
   server_->turnOneAway();
   server_->goAway(0);
-  run([&] { return tally_.turned_away == 1; });
+  run([&] { return counts_.turned_away == 1; });
   runUntilOpened(2);
   server_->grantAll(0);
   settle();
-  EXPECT_EQ(tally_.lost, 0u) << tally_.first_error;
-  EXPECT_EQ(tally_.failed_requests, 0u);
+  EXPECT_EQ(counts_.lost, 0u) << counts_.first_error;
+  EXPECT_EQ(counts_.failed_requests, 0u);
 }
 
 TEST_P(EveryLoadClient, countsWhereItIsTurnedAwayAndHasNoErrorIfItIsLetInLater) {
@@ -260,16 +260,16 @@ TEST_P(EveryLoadClient, countsWhereItIsTurnedAwayAndHasNoErrorIfItIsLetInLater) 
   runUntilOpened(1);
   settle();
   client_->finish(Clock::now());
-  EXPECT_EQ(tally_.turned_away, 1u);
-  EXPECT_EQ(tally_.errorCount(), 0u) << tally_.first_error;
+  EXPECT_EQ(counts_.turned_away, 1u);
+  EXPECT_EQ(counts_.errorCount(), 0u) << counts_.first_error;
 }
 
 TEST_P(EveryLoadClient, isAnErrorWhereItIsNeverLetIn) {
   server_->turnOneAway();
-  run([&] { return tally_.turned_away == 1; });
+  run([&] { return counts_.turned_away == 1; });
   client_->finish(Clock::now());
-  EXPECT_EQ(tally_.errorCount(), 1u);
-  EXPECT_NE(tally_.first_error.find("maintenance"), std::string::npos) << tally_.first_error;
+  EXPECT_EQ(counts_.errorCount(), 1u);
+  EXPECT_NE(counts_.first_error.find("maintenance"), std::string::npos) << counts_.first_error;
 }
 
 TEST_P(EveryLoadClient, timesARequestThatIsMadeAgainOnceAndFromItsBeginning) {
@@ -283,10 +283,11 @@ TEST_P(EveryLoadClient, timesARequestThatIsMadeAgainOnceAndFromItsBeginning) {
   const std::chrono::duration<double, std::milli> until_opened = Clock::now() - broken_off;
   settle();
   client_->finish(Clock::now());
-  EXPECT_EQ(tally_.unanswered, 0u);
+  EXPECT_EQ(counts_.unanswered, 0u);
   EXPECT_EQ(timed(), server_->granted());
   double longest_ms = 0;
-  for (const LatencyHistogram& of_class : tally_.latency) longest_ms = std::max(longest_ms, of_class.maxMs());
+  for (const LatencyHistogram& of_class : counts_.latency)
+    longest_ms = std::max(longest_ms, of_class.maxMs());
   EXPECT_GE(longest_ms, until_opened.count());
 }
 
@@ -294,13 +295,13 @@ TEST_P(EveryLoadClient, leavesNothingUnansweredThatIsNotRequestedAgain) {
   server_->holdBack(true);
   runUntilRequested(0);
   server_->breakOff(0);
-  run([&] { return tally_.lost > 0; });
+  run([&] { return counts_.lost > 0; });
   plan_.pixels = 10000;  // what it has will do
   server_->holdBack(false);
   runUntilOpened(2);
   settle();
   client_->finish(Clock::now());
-  EXPECT_EQ(tally_.unanswered, 0u);
+  EXPECT_EQ(counts_.unanswered, 0u);
   EXPECT_EQ(timed(), server_->granted());
 }
 
@@ -308,58 +309,58 @@ TEST_P(EveryLoadClient, thatNeverSeesAPictureCountsAsOneThatIsAsLateAsTheEnd) {
   server_->saysNothing();
   for (int turns = 0; turns < 20; ++turns) turn();
   client_->finish(start_ + 9s);
-  EXPECT_EQ(tally_.first_image.count(), 1u);
-  EXPECT_GE(tally_.first_image.maxMs(), 9000);
+  EXPECT_EQ(counts_.first_image.count(), 1u);
+  EXPECT_GE(counts_.first_image.maxMs(), 9000);
 }
 
 TEST_P(EveryLoadClient, countsARequestThatIsRefusedAndGoesOn) {
   server_->refuseOne();
-  run([&] { return tally_.failed_requests > 0; });
+  run([&] { return counts_.failed_requests > 0; });
   settle();
   EXPECT_NE(client_->due(), kNever);
   client_->finish(Clock::now());
-  EXPECT_EQ(tally_.failed_requests, 1u);
-  EXPECT_EQ(tally_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kIo, 1}}));
-  EXPECT_EQ(tally_.first_error, "the server says: damaged");
-  EXPECT_EQ(tally_.unanswered, 0u);
-  EXPECT_GT(tally_.blobs, 2u);
+  EXPECT_EQ(counts_.failed_requests, 1u);
+  EXPECT_EQ(counts_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kIo, 1}}));
+  EXPECT_EQ(counts_.first_error, "the server says: damaged");
+  EXPECT_EQ(counts_.unanswered, 0u);
+  EXPECT_GT(counts_.blobs, 2u);
 }
 
 TEST_P(EveryLoadClient, countsWhatIsOpenWhereTheServerFallsSilent) {
   server_->holdBack(true);
   runUntilRequested(0);
   const core::TimePoint since = Clock::now();
-  for (int calls = 1; calls <= 40 && tally_.lost == 0; ++calls) client_->step(since + calls * 1s);
-  EXPECT_EQ(tally_.lost, 1u);
-  EXPECT_EQ(tally_.failed_requests, server_->openRequests(0));
+  for (int calls = 1; calls <= 40 && counts_.lost == 0; ++calls) client_->step(since + calls * 1s);
+  EXPECT_EQ(counts_.lost, 1u);
+  EXPECT_EQ(counts_.failed_requests, server_->openRequests(0));
 }
 
 using AFullClient = EveryLoadClient;
 
 TEST_P(AFullClient, hasItsFirstPictureWhenItComesAndNotAtTheNextFrame) {
   plan_.fps = 0.01;
-  run([&] { return tally_.first_image.count() > 0; });
-  EXPECT_LT(tally_.first_image.maxMs(), 60'000);
+  run([&] { return counts_.first_image.count() > 0; });
+  EXPECT_LT(counts_.first_image.maxMs(), 60'000);
 }
 
 TEST_P(AFullClient, looksFromItsBeginningToTheEndWhateverItsFramesTake) {
   plan_.fps = 0.01;
   plan_.pixels = 1;
-  run([&] { return tally_.converged.count() > 0; });
+  run([&] { return counts_.converged.count() > 0; });
   const core::TimePoint converged = Clock::now();
   client_->finish(converged + 5s);
-  EXPECT_NEAR(tally_.looked_s, std::chrono::duration<double>(converged + 5s - start_).count(), 1e-6);
-  EXPECT_GT(tally_.far_off_s, 0);
-  EXPECT_LE(tally_.far_off_s, tally_.looked_s - 5);
+  EXPECT_NEAR(counts_.looked_s, std::chrono::duration<double>(converged + 5s - start_).count(), 1e-6);
+  EXPECT_GT(counts_.far_off_s, 0);
+  EXPECT_LE(counts_.far_off_s, counts_.looked_s - 5);
 }
 
 TEST_P(AFullClient, isNotFarOffWhereNothingFinerIsToCome) {
-  run([&] { return tally_.converged.count() > 0; });
+  run([&] { return counts_.converged.count() > 0; });
   settle();
   client_->step(Clock::now());
-  const double far_off_s = tally_.far_off_s;
+  const double far_off_s = counts_.far_off_s;
   client_->finish(Clock::now() + 5s);
-  EXPECT_EQ(tally_.far_off_s, far_off_s) << "at the lattice's step, which is more than twice the threshold";
+  EXPECT_EQ(counts_.far_off_s, far_off_s) << "at the lattice's step, which is more than twice the threshold";
 }
 
 INSTANTIATE_TEST_SUITE_P(OfALoadTest, AFullClient, testing::Values(Kind::kFull),
@@ -381,22 +382,22 @@ TEST_P(AFullClientOfADamagedModel, countsTheConnectionThatBreaksAsWellAsWhatItBr
   server_->holdBack(true);
   runUntilRequested(0);
   server_->grantAMeshAndFail(0);
-  run([&] { return tally_.lost == 1; });
+  run([&] { return counts_.lost == 1; });
   EXPECT_EQ(client_->due(), kNever) << "nothing was decoded";
-  EXPECT_EQ(tally_.errors,
+  EXPECT_EQ(counts_.errors,
             (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 1}, {ErrorCode::kFormat, 1}}));
-  EXPECT_EQ(tally_.first_error, "the server says: out of order") << "what came first";
+  EXPECT_EQ(counts_.first_error, "the server says: out of order") << "what came first";
 }
 
 TEST_P(AFullClientOfADamagedModel, isFarOffOnceItGaveUp) {
   while (client_->due() != kNever) turn();
-  ASSERT_EQ(tally_.first_image.count(), 1u);
+  ASSERT_EQ(counts_.first_image.count(), 1u);
   const core::TimePoint noted = Clock::now();
   client_->finish(noted);
-  const double far_off_s = tally_.far_off_s;
+  const double far_off_s = counts_.far_off_s;
   plan_.pixels = 10000;  // what it has would do
   client_->finish(noted + 9s);
-  EXPECT_NEAR(tally_.far_off_s, far_off_s + 9, 1e-6);
+  EXPECT_NEAR(counts_.far_off_s, far_off_s + 9, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfALoadTest, AFullClientOfADamagedModel, testing::Values(Kind::kFull));

@@ -27,12 +27,12 @@ class LoadReport : public testing::Test {
 };
 
 TEST_F(LoadReport, saysHowManyClientsHadBegunWhereNotAllHad) {
-  result_.tally.started = 4;
+  result_.counts.started = 4;
   EXPECT_TRUE(says("4 of 30 clients had begun")) << text();
 }
 
 TEST_F(LoadReport, saysHowManyClientsThereWereWhereAllHadBegun) {
-  result_.tally.started = 30;
+  result_.counts.started = 30;
   EXPECT_TRUE(says(" 30 clients,")) << text();
 }
 
@@ -46,7 +46,7 @@ TEST_F(LoadReport, hasNoPercentilesOfRequestsThatNobodyMade) {
 }
 
 TEST_F(LoadReport, hasPercentilesOfASingleRequest) {
-  result_.tally.latency[0].add(std::chrono::milliseconds(7));
+  result_.counts.latency[0].add(std::chrono::milliseconds(7));
   EXPECT_EQ(json()["latency_ms"]["visible"]["p50"], 7.0);
 }
 
@@ -59,7 +59,7 @@ TEST_F(LoadReport, saysWhenItWasInterrupted) {
 
 TEST_F(LoadReport, dividesBytesByTheTimeThatTheTestTook) {
   result_.seconds = 0.5;
-  result_.tally.bytes = 1'000'000;
+  result_.counts.bytes = 1'000'000;
   EXPECT_TRUE(says("2.0 MB/s")) << text();
 }
 

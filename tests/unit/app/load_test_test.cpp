@@ -67,9 +67,9 @@ TEST(LoadTest, addsUpWhatTheClientsOfAllThreadsHaveSeen) {
   std::vector<uint64_t> told;
   LoadOptions options = optionsOf(6, 3, 120);
   std::atomic<bool> has_all = false;
-  options.progress = [&](double, const LoadTally& tally) {
-    told.push_back(tally.blobs);
-    has_all = tally.first_image.count() == 6;
+  options.progress = [&](double, const LoadCounts& counts) {
+    told.push_back(counts.blobs);
+    has_all = counts.first_image.count() == 6;
   };
   options.is_stopped = [&] { return has_all.load(); };
   LoadResult result;
@@ -78,13 +78,13 @@ TEST(LoadTest, addsUpWhatTheClientsOfAllThreadsHaveSeen) {
     result = runLoadTest(plans, options);
     io.stop();
   }
-  EXPECT_EQ(result.tally.started, 6u);
-  EXPECT_EQ(result.tally.first_image.count(), 6u);
-  EXPECT_EQ(result.tally.errorCount(), 0u) << result.tally.first_error;
+  EXPECT_EQ(result.counts.started, 6u);
+  EXPECT_EQ(result.counts.first_image.count(), 6u);
+  EXPECT_EQ(result.counts.errorCount(), 0u) << result.counts.first_error;
   EXPECT_TRUE(result.interrupted);
   EXPECT_TRUE(std::ranges::is_sorted(told));
   EXPECT_GT(told.back(), 0u);
-  EXPECT_LE(told.back(), result.tally.blobs);
+  EXPECT_LE(told.back(), result.counts.blobs);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST_F(OverheardRequestsTest, tellsOfARequestWhenItsBlobIsWhole) {
   EXPECT_TRUE(told_.empty());
   overheard_.received(blobFrame(9, blob_, 200, 100));
   ASSERT_EQ(told_.size(), 1u);
-  EXPECT_EQ(told_[0].request.blob, (BlobRef{20, 300, nameBlob(blob_)}));
+  EXPECT_EQ(told_[0].request.blob, (BlobRef{20, 300, digestOf(blob_)}));
   EXPECT_EQ(told_[0].request.request_class, RequestClass::kMargin);
   EXPECT_EQ(told_[0].request.priority_px, 2.5f);
   EXPECT_EQ(told_[0].asked_at, 1.5);

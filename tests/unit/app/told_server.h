@@ -117,7 +117,7 @@ class ToldServer {
     for (const proto::RequestChange& change : proto::decode<proto::Requests>(body).changes) take(to, change);
   }
 
-  void open(Connection& to, const BlobName& known_build_id) {
+  void open(Connection& to, const Digest& known_build_id) {
     ++opened_;
     send(to, proto::Opened{1, store_.summary()}, 2);
     if (known_build_id == store_.summary().build_id) return;

@@ -11,13 +11,13 @@ using test::bytesOf;
 
 TEST(Blob, isNamedByTheFirstHalfOfItsSha256) {
   // FIPS 180-2, appendix B.1: SHA-256 of "abc" begins so.
-  EXPECT_EQ(toHex(nameBlob(bytesOf("abc"))), "ba7816bf8f01cfea414140de5dae2223");
-  EXPECT_EQ(toHex(nameBlob({})), "e3b0c44298fc1c149afbf4c8996fb924");
+  EXPECT_EQ(toHex(digestOf(bytesOf("abc"))), "ba7816bf8f01cfea414140de5dae2223");
+  EXPECT_EQ(toHex(digestOf({})), "e3b0c44298fc1c149afbf4c8996fb924");
 }
 
 TEST(Blob, namesCompareByTheirBytes) {
-  EXPECT_EQ(nameBlob(bytesOf("a")), nameBlob(bytesOf("a")));
-  EXPECT_NE(nameBlob(bytesOf("a")), nameBlob(bytesOf("b")));
+  EXPECT_EQ(digestOf(bytesOf("a")), digestOf(bytesOf("a")));
+  EXPECT_NE(digestOf(bytesOf("a")), digestOf(bytesOf("b")));
 }
 
 TEST(Blob, checksumIsXxh3) {

@@ -26,7 +26,7 @@ Texture withTiles(const std::string& name, uint32_t width, uint32_t height) {
   const auto tiles = static_cast<uint32_t>(tileCount(texture));
   for (uint32_t i = 0; i < tiles; ++i) {
     BlobRef tile{i + 1, 1000 + i, {}};
-    tile.name.bytes[0] = static_cast<std::byte>(i);
+    tile.digest.bytes[0] = static_cast<std::byte>(i);
     texture.tiles.push_back(tile);
   }
   return texture;

@@ -6,7 +6,7 @@ namespace lode::core {
 namespace {
 
 Request request(uint32_t number) {
-  BlobName name;
+  Digest name;
   name.bytes[0] = static_cast<std::byte>(number);
   name.bytes[1] = static_cast<std::byte>(number >> 8);
   return {{number, 100, name}, {BlobKind::kMesh, {kRootKey, number}}};

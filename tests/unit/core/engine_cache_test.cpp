@@ -48,7 +48,7 @@ class CachedEngine : public testing::Test {
       if (answers_late_) std::shuffle(queries_.begin(), queries_.end(), random_);
       const size_t answers = answers_late_ ? random_() % 4 : queries_.size();
       for (size_t i = 0; i < answers && !queries_.empty(); ++i) {
-        const auto found = cache_.find(queries_.back().name);
+        const auto found = cache_.find(queries_.back().digest);
         engine.finishCacheQuery(queries_.back(),
                                 found == cache_.end() ? std::nullopt : std::optional(found->second));
         queries_.pop_back();
@@ -57,12 +57,12 @@ class CachedEngine : public testing::Test {
         engine.finishDecode({job.blob, job.use, model_.mesh(job.use.mesh), nullptr, nullptr, ""});
       engine.step(kStart);
       for (Engine::Arrival& arrival : engine.takeArrivals())
-        cache_[arrival.blob.name] = std::move(arrival.bytes);
+        cache_[arrival.blob.digest] = std::move(arrival.bytes);
       server_.receive(engine.takeOutgoing());
     }
   }
 
-  std::map<BlobName, Bytes> cache_;
+  std::map<Digest, Bytes> cache_;
   std::vector<BlobRef> queries_;  ///< that wait for an answer
   bool answers_late_ = false;     ///< a few at a time, in any order
   std::mt19937 random_{5};
@@ -135,9 +135,9 @@ TEST_F(CachedEngine, showsOfflineWhatTheCacheHas) {
   EXPECT_EQ(whole.counts().received_bytes, 0u);
 
   const Node& root = server_.nodes().at(kRootKey);
-  std::map<BlobName, Bytes> few;
+  std::map<Digest, Bytes> few;
   for (const BlobRef& blob : {first.summary()->root_page, root.lods.back().payload})
-    few[blob.name] = cache_.at(blob.name);
+    few[blob.digest] = cache_.at(blob.digest);
   cache_ = few;
   Engine part(offline);
   run(part);

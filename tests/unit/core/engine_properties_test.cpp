@@ -135,10 +135,10 @@ class World {
 
   /// The cut covers what is near its view exactly once, and all of the model when it has settled; and what is
   /// shown of it to any other camera, what that one sees: of the newest build, or while that is not there of
-  /// an older one. Where there is one view: cuts of several are what PlacedCuts' tests are about.
+  /// an older one. Where there is one view: cuts of several are what ViewCuts' tests are about.
   void check() {
     expectWithinBudget();
-    if (!engine_.cut() || engine_.placed()->cuts.size() > 1) return;
+    if (!engine_.cut() || engine_.viewCuts()->cuts.size() > 1) return;
     const Cut& cut = *engine_.cut();
     EXPECT_LE(cut.drawn_bytes, drawn_budget_bytes_);
     std::vector<uint32_t> all(cut.parts.size());

@@ -38,7 +38,7 @@ class EngineTest : public testing::Test {
 
   BlobRef refOf(uint32_t number) const {
     const Bytes& blob = blobs_[number - 1];
-    return {number, static_cast<uint32_t>(blob.size()), nameBlob(blob)};
+    return {number, static_cast<uint32_t>(blob.size()), digestOf(blob)};
   }
 
   static void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
@@ -56,7 +56,7 @@ class EngineTest : public testing::Test {
   }
 
   /// Up to the root's page.
-  Bytes openingOf(const BlobName& known) const {
+  Bytes openingOf(const Digest& known) const {
     proto::Opened opened;
     opened.handle = 1;
     opened.summary.name = "strip";
@@ -71,7 +71,7 @@ class EngineTest : public testing::Test {
   }
 
   /// @param known  the build that the client knows: it is sent nothing unasked of that.
-  Bytes greeting(const BlobName& known = {}) const {
+  Bytes greeting(const Digest& known = {}) const {
     Bytes bytes = openingOf(known);
     if (known != build_id_) append(bytes, blobFrame(0, 2));
     return bytes;
@@ -141,7 +141,7 @@ class EngineTest : public testing::Test {
 
   std::vector<Bytes> blobs_;
   Node root_;
-  BlobName build_id_{{std::byte{1}}};
+  Digest build_id_{{std::byte{1}}};
   uint32_t nodes_ = 1;
   double step_ = Lattice{}.step;
   View view_;
@@ -262,8 +262,8 @@ TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerGoesAway) {
 TEST_F(EngineTest, takesWhatItWasPromisedWhileItMovesOnFromAServerThatGoesAway) {
   const uint32_t request = moveOn();
   EXPECT_TRUE(engine_.takeOutgoing().empty()) << "it asks for the blob a second time";
-  engine_.receive(blobFrame(request, 1), kMoved, Line::kLeaving);
-  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kLeaving);
+  engine_.receive(blobFrame(request, 1), kMoved, Line::kDraining);
+  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kDraining);
   decodeAll();
   engine_.step(kMoved);
   EXPECT_TRUE(engine_.settled());
@@ -274,7 +274,7 @@ TEST_F(EngineTest, takesWhatItWasPromisedWhileItMovesOnFromAServerThatGoesAway) 
 TEST_F(EngineTest, asksTheNextServerForWhatTheOneThatWentAwayDidNotGive) {
   moveOn();
   engine_.takeOutgoing();
-  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kLeaving);
+  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kDraining);
   engine_.step(kMoved);
   EXPECT_EQ(engine_.counts().open_requests, 1u);
   engine_.receive(blobFrame(1, 1), kMoved);
@@ -290,7 +290,7 @@ TEST_F(EngineTest, keepsTheServerThatGoesAwayWhereTheNextOneIsNotThereYet) {
   engine_.disconnect(Error(ErrorCode::kNetwork, "refused"), kMoved);
   EXPECT_EQ(engine_.trouble(), "refused");
   engine_.connect(kMoved + kFirstRetry);
-  engine_.receive(blobFrame(request, 1), kMoved + kFirstRetry, Line::kLeaving);
+  engine_.receive(blobFrame(request, 1), kMoved + kFirstRetry, Line::kDraining);
   decodeAll();
   engine_.step(kMoved + kFirstRetry);
   EXPECT_TRUE(engine_.cut()->converged);

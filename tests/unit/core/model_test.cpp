@@ -68,7 +68,7 @@ TEST(Model, takesNoLateResultOfABuildThatItHasReplaced) {
   model.take(first.blob, first.use, Bytes(10));
   ASSERT_EQ(model.takeDecodeJobs().size(), 1u);
   BlobRef of_before = first.blob;
-  of_before.name.bytes[0] ^= std::byte{1};
+  of_before.digest.bytes[0] ^= std::byte{1};
   model.finishDecode({of_before, first.use, synthetic.mesh(first.use.mesh), nullptr, nullptr, ""});
   EXPECT_EQ(model.decoding(), 1u);
   EXPECT_FALSE(model.meshes().contains(first.use.mesh));

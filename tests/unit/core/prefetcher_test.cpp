@@ -85,8 +85,8 @@ TEST(Prefetcher, countsAsUsedWhatAnyPlaceShows) {
   part.node = mesh->use.mesh.node;
   part.lod = mesh->use.mesh.lod;
   part.visible = true;
-  const PlacedCuts placed{{std::make_shared<Cut>(), elsewhere}, nullptr};
-  prefetcher.needed(&placed, {}, {});
+  const ViewCuts view_cuts{{std::make_shared<Cut>(), elsewhere}, nullptr};
+  prefetcher.needed(&view_cuts, {}, {});
   EXPECT_EQ(prefetcher.counts().used, 1u);
 }
 

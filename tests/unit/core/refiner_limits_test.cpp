@@ -67,9 +67,9 @@ TEST_P(RefinerLimits, saysThatItIsLimitedThoughTheBudgetLastStoppedWhatWasOnlyHe
         largest_px = std::max(largest_px, errors.errorPx(key, 0));
     if (largest_px == 0) continue;
     Scripted client(model_);
-    client.converge(view, {.threshold_px = largest_px / 16, .hold_factor = kHold}, random_, kNoCheck);
+    client.converge(view, {.threshold_px = largest_px / 16, .hysteresis_factor = kHold}, random_, kNoCheck);
     const RefineOptions coarser{
-        .threshold_px = largest_px * 0.9f, .hierarchy_budget_bytes = first_page, .hold_factor = kHold};
+        .threshold_px = largest_px * 0.9f, .hierarchy_budget_bytes = first_page, .hysteresis_factor = kHold};
     EXPECT_TRUE(client.refineFor(view, coarser).limited);
   }
 }
@@ -220,8 +220,9 @@ TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {
 View viewFrom(double distance) { return lookingAt({512, 512, 512 + distance}, {512, 512, 512}); }
 
 TEST(Refiner, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
-  const auto partsAt = [](Scripted& client, double distance, float hold_factor, std::mt19937& random) {
-    client.converge(viewFrom(distance), {.threshold_px = 12, .hold_factor = hold_factor}, random, kNoCheck);
+  const auto partsAt = [](Scripted& client, double distance, float hysteresis_factor, std::mt19937& random) {
+    client.converge(viewFrom(distance), {.threshold_px = 12, .hysteresis_factor = hysteresis_factor}, random,
+                    kNoCheck);
     return partsOf(*client.last().cut);
   };
   size_t flickering = 0;  // models that change without hysteresis
@@ -229,10 +230,10 @@ TEST(Refiner, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
     const SyntheticModel model({.seed = seed});
     std::mt19937 random(seed);
     Scripted held(model), plain(model);
-    partsAt(held, 3000, kHoldFactor, random);
-    const Parts nearest = partsAt(held, 2700, kHoldFactor, random);
+    partsAt(held, 3000, kHysteresisFactor, random);
+    const Parts nearest = partsAt(held, 2700, kHysteresisFactor, random);
     for (const double distance : {3000., 2900., 2700., 2800., 3000.})
-      EXPECT_EQ(partsAt(held, distance, kHoldFactor, random), nearest);
+      EXPECT_EQ(partsAt(held, distance, kHysteresisFactor, random), nearest);
     flickering += partsAt(plain, 3000, 1, random) != partsAt(plain, 2700, 1, random);
   }
   EXPECT_GT(flickering, 0u);
@@ -243,7 +244,8 @@ TEST(Refiner, isLimitedByWhatIsAboveTheThresholdAloneNotByWhatItWouldHold) {
   for (uint32_t seed = 1; seed < 13; ++seed) {
     const SyntheticModel model({.seed = seed});
     std::mt19937 random(seed);
-    const RefineOptions plain{.threshold_px = 12}, holding{.threshold_px = 12, .hold_factor = kHoldFactor};
+    const RefineOptions plain{.threshold_px = 12},
+        holding{.threshold_px = 12, .hysteresis_factor = kHysteresisFactor};
     Scripted fresh(model), held(model);
     fresh.converge(viewFrom(3000), plain, random, kNoCheck);
     held.converge(viewFrom(3000), plain, random, kNoCheck);
@@ -264,8 +266,9 @@ TEST(Refiner, letsGoOfWhatItHoldsWhereTheErrorHasFallenByMoreThanThat) {
   std::mt19937 random(3);
   Scripted held(model), fresh(model);
   for (const double distance : {2800., 6000.})
-    held.converge(viewFrom(distance), {.threshold_px = 4, .hold_factor = kHoldFactor}, random, kNoCheck);
-  fresh.converge(viewFrom(6000), {.threshold_px = 4 * kHoldFactor}, random, kNoCheck);
+    held.converge(viewFrom(distance), {.threshold_px = 4, .hysteresis_factor = kHysteresisFactor}, random,
+                  kNoCheck);
+  fresh.converge(viewFrom(6000), {.threshold_px = 4 * kHysteresisFactor}, random, kNoCheck);
   EXPECT_LE(held.last().cut->triangles, fresh.last().cut->triangles);
 }
 

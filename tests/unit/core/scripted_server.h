@@ -48,7 +48,7 @@ class ScriptedServer {
     summary_.box = nodes_.at(kRootKey).box;
     summary_.nodes = nodes_.size();
     summary_.root_page = keep(kRootPageBlob, encodePage({collect(kRootKey, 0, 2)}));
-    summary_.build_id = summary_.root_page.name;
+    summary_.build_id = summary_.root_page.digest;
   }
 
  public:
@@ -125,14 +125,14 @@ class ScriptedServer {
   };
 
   BlobRef keep(uint32_t number, Bytes bytes) {
-    const BlobRef ref{number, static_cast<uint32_t>(bytes.size()), nameBlob(bytes)};
+    const BlobRef ref{number, static_cast<uint32_t>(bytes.size()), digestOf(bytes)};
     blobs_[number] = std::move(bytes);
     return ref;
   }
 
   void append(const Bytes& bytes) { answers_.insert(answers_.end(), bytes.begin(), bytes.end()); }
 
-  void answerOpen(const BlobName& known_build_id) {
+  void answerOpen(const Digest& known_build_id) {
     if (!has_model_)
       return append(
           proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model"}, 2));

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/instance.h"
+#include "client/core/view_group.h"
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core::fixture {
@@ -30,10 +30,10 @@ class Seeded {
     return summary;
   }
 
-  static Instance seeing(const View& view, const RefineOptions& options = {}) {
-    Instance instance(options);
-    instance.setView(view, 1);
-    return instance;
+  static ViewGroup seeing(const View& view, const RefineOptions& options = {}) {
+    ViewGroup group(options);
+    group.setView(view, 1);
+    return group;
   }
 
   void deliver(const Request& request) {
@@ -45,14 +45,14 @@ class Seeded {
   }
 
   /// The best requests of a view come, so many, or until no more is missing.
-  void deliverBest(Instance& instance, int count) {
-    for (; instance.refine(model_), count > 0 && !instance.requests().empty(); --count)
-      deliver(instance.requests().front());
+  void deliverBest(ViewGroup& group, int count) {
+    for (; group.refine(model_), count > 0 && !group.requests().empty(); --count)
+      deliver(group.requests().front());
   }
 
-  static std::vector<std::pair<BlobUse, float>> orderOf(const Instance& instance) {
+  static std::vector<std::pair<BlobUse, float>> orderOf(const ViewGroup& group) {
     std::vector<std::pair<BlobUse, float>> order;
-    for (const Request& request : instance.requests()) order.emplace_back(request.use, request.priority_px);
+    for (const Request& request : group.requests()) order.emplace_back(request.use, request.priority_px);
     return order;
   }
 

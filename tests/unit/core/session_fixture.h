@@ -56,7 +56,7 @@ inline Bytes blobBytes(uint32_t number, size_t size) {
 }
 
 inline BlobRef blobRef(uint32_t number, size_t size) {
-  return {number, static_cast<uint32_t>(size), nameBlob(blobBytes(number, size))};
+  return {number, static_cast<uint32_t>(size), digestOf(blobBytes(number, size))};
 }
 
 inline Bytes frameOf(FrameType type, uint8_t flags, std::span<const std::byte> body) {
@@ -127,7 +127,7 @@ class SessionTest : public testing::Test {
     session_.takeOutgoing();
   }
   /// Requests one blob. @return the number of the request.
-  uint32_t request(const BlobRef& blob) {
+  uint32_t makeRequest(const BlobRef& blob) {
     session_.setRequests(std::vector<Request>{{blob, {}, proto::RequestClass::kVisible, 10}});
     const auto changes = changesOf(session_.takeOutgoing());
     return changes.empty() ? 0 : changes.back().request;

@@ -11,7 +11,7 @@ using namespace fixture;
 TEST_F(SessionTest, refusesMoreBytesThanTheServerCanHaveBeenGranted) {
   open();
   constexpr size_t kSize = proto::kInitialWindowBytes + proto::kMaxChunkBytes;
-  const uint32_t request = request(blobRef(5, kSize));
+  const uint32_t request = makeRequest(blobRef(5, kSize));
   expectRefused(blobFrames(request, 5, kSize), "credit");
 }
 
@@ -53,33 +53,33 @@ TEST_F(SessionTest, refusesAnUnaskedBlobBeyondTheAnnouncedOnes) {
 
 TEST_F(SessionTest, refusesABlobOfAnotherSize) {
   open();
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   expectRefused(blobFrames(request, 5, 101), "another size");
 }
 
 TEST_F(SessionTest, refusesAChunkOutOfOrder) {
   open();
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   expectRefused(chunkFrame(request, 100, 50, blobBytes(5, 50)), "out of order");
 }
 
 TEST_F(SessionTest, refusesAChunkThatOverlapsTheOneBefore) {
   open();
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   give(chunkFrame(request, 100, 0, blobBytes(5, 60)));
   expectRefused(chunkFrame(request, 100, 50, blobBytes(5, 50)), "out of order");
 }
 
 TEST_F(SessionTest, refusesAChunkBeyondTheEndOfItsBlob) {
   open();
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   give(chunkFrame(request, 100, 0, blobBytes(5, 60)));
   expectRefused(chunkFrame(request, 100, 60, blobBytes(5, 41)), "beyond");
 }
 
 TEST_F(SessionTest, refusesABlobWhoseBytesAreNotWhatItsNameSays) {
   open();
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   expectRefused(blobFrames(request, 6, 100), "name");
 }
 
@@ -91,7 +91,7 @@ TEST_F(SessionTest, refusesAnErrorForARequestThatIsNotOpen) {
 
 TEST_F(SessionTest, refusesACancellationThatWasNotAskedFor) {
   open();
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   expectRefused(proto::encode(proto::Cancelled{request}, 0), "cancelled");
 }
 

@@ -11,9 +11,9 @@ using namespace fixture;
 TEST_F(SessionTest, requestsOnceABlobAndDeliversItsBytes) {
   open();
   const BlobRef blob = blobRef(5, 50'000);
-  const uint32_t request = request(blob);
+  const uint32_t request = makeRequest(blob);
   EXPECT_NE(request, 0u);
-  EXPECT_EQ(request(blob), 0u);
+  EXPECT_EQ(makeRequest(blob), 0u);
   const auto events = give(blobFrames(request, 5, 50'000));
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(std::get<BlobArrived>(events[0]).blob, blob);
@@ -46,7 +46,7 @@ TEST_F(SessionTest, countsOpenRequestsByTheirClassAndThoseForTiles) {
 TEST_F(SessionTest, sendsAChangeOfPriorityOnlyIfItIsLarge) {
   open();
   const BlobRef blob = blobRef(5, 100);
-  request(blob);
+  makeRequest(blob);
   session_.setRequests(std::vector<Request>{{blob, {}, proto::RequestClass::kVisible, 11}});
   EXPECT_TRUE(changesOf(session_.takeOutgoing()).empty());
   session_.setRequests(std::vector<Request>{{blob, {}, proto::RequestClass::kVisible, 20}});
@@ -59,7 +59,7 @@ TEST_F(SessionTest, sendsAChangeOfPriorityOnlyIfItIsLarge) {
 TEST_F(SessionTest, cancelsWhatIsNoLongerWantedAndEndsItOnce) {
   open();
   const BlobRef blob = blobRef(5, 100);
-  const uint32_t request = request(blob);
+  const uint32_t request = makeRequest(blob);
   session_.setRequests({});
   const auto changes = changesOf(session_.takeOutgoing());
   ASSERT_EQ(changes.size(), 1u);
@@ -74,7 +74,7 @@ TEST_F(SessionTest, cancelsWhatIsNoLongerWantedAndEndsItOnce) {
 
 TEST_F(SessionTest, takesABlobThatCompletesWhileItIsCancelled) {
   open();
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   session_.setRequests({});
   EXPECT_EQ(give(blobFrames(request, 5, 100)).size(), 1u);
   EXPECT_EQ(session_.openRequests(), 0u);
@@ -83,18 +83,18 @@ TEST_F(SessionTest, takesABlobThatCompletesWhileItIsCancelled) {
 TEST_F(SessionTest, requestsAgainOnlyAfterACancelledRequestHasEnded) {
   open();
   const BlobRef blob = blobRef(5, 100);
-  const uint32_t request = request(blob);
+  const uint32_t request = makeRequest(blob);
   session_.setRequests({});
   session_.takeOutgoing();
-  EXPECT_EQ(request(blob), 0u);
+  EXPECT_EQ(makeRequest(blob), 0u);
   give(proto::encode(proto::Cancelled{request}, 0));
-  EXPECT_NE(request(blob), 0u);
+  EXPECT_NE(makeRequest(blob), 0u);
 }
 
 TEST_F(SessionTest, saysNothingMoreOfARequestThatItHasTakenBackHoweverMuchItIsWantedAgain) {
   open();
   const BlobRef blob = blobRef(5, 100);
-  request(blob);
+  makeRequest(blob);
   session_.setRequests({});
   session_.takeOutgoing();
   session_.setRequests(std::vector<Request>{{blob, {}, proto::RequestClass::kMargin, 1000}});
@@ -104,7 +104,7 @@ TEST_F(SessionTest, saysNothingMoreOfARequestThatItHasTakenBackHoweverMuchItIsWa
 TEST_F(SessionTest, reportsARequestThatTheServerRefuses) {
   open();
   const BlobRef blob = blobRef(5, 100);
-  const uint32_t request = request(blob);
+  const uint32_t request = makeRequest(blob);
   const auto events =
       give(proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, request, false, "damaged"}, 0));
   ASSERT_EQ(events.size(), 1u);
@@ -120,7 +120,7 @@ TEST_F(SessionTest, tellsWhatIsLostFromWhatIsRefusedForNow) {
                                                       {proto::WireError::kNotReady, false},
                                                       {proto::WireError::kInternal, false}};
   for (const auto& [code, is_lost] : errors) {
-    const auto events = give(proto::encode(proto::ErrorMessage{code, request(blob), false, "no"}, 0));
+    const auto events = give(proto::encode(proto::ErrorMessage{code, makeRequest(blob), false, "no"}, 0));
     ASSERT_EQ(events.size(), 1u);
     EXPECT_EQ(std::get<BlobRefused>(events[0]).is_lost, is_lost) << static_cast<int>(code);
   }
@@ -183,7 +183,7 @@ TEST_F(SessionTest, keepsRequestsWithinTheNumberThatTheServerAllows) {
 TEST_F(SessionTest, keepsTheServerAWindowAhead) {
   open();
   constexpr size_t kSize = 3u << 20;
-  const uint32_t request = request(blobRef(5, kSize));
+  const uint32_t request = makeRequest(blobRef(5, kSize));
   const Bytes frames = blobFrames(request, 5, kSize);
   uint64_t sent = kPageBytes + proto::kBlobChunkHeaderBytes, granted = proto::kInitialWindowBytes;
   for (const SentFrame& frame : framesOf(frames)) {
@@ -201,7 +201,7 @@ TEST_F(SessionTest, keepsTheServerAWindowAhead) {
 
 TEST_F(SessionTest, grantsMoreBeforeAChunkHasComeToItsEnd) {
   open();
-  const uint32_t request = request(blobRef(5, proto::kMaxChunkBytes));
+  const uint32_t request = makeRequest(blobRef(5, proto::kMaxChunkBytes));
   const Bytes frame = blobFrames(request, 5, proto::kMaxChunkBytes);
   give({frame.begin(), frame.begin() + frame.size() / 2});
   const auto credits = messagesOf<proto::Credit>(session_.takeOutgoing(), FrameType::kCredit);
@@ -214,7 +214,7 @@ TEST_F(SessionTest, grantsAsMuchAsTheLinkThatItMeasuresCanHold) {
   open();
   give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(100));
   constexpr size_t kSize = 16u << 20;
-  const uint32_t request = request(blobRef(5, kSize));
+  const uint32_t request = makeRequest(blobRef(5, kSize));
   const Bytes frames = blobFrames(request, 5, kSize);
   constexpr size_t kBytesPerMs = 10'000;
   size_t at = 0;

@@ -54,7 +54,7 @@ TEST_F(SessionTest, listsModels) {
 TEST_F(SessionTest, takesTheSecondUnaskedBlobOnceItIsNamed) {
   open();
   session_.expectUnasked(blobRef(5, 100), {});
-  EXPECT_EQ(request(blobRef(5, 100)), 0u);
+  EXPECT_EQ(makeRequest(blobRef(5, 100)), 0u);
   EXPECT_EQ(give(blobFrames(0, 5, 100)).size(), 1u);
 }
 
@@ -128,7 +128,7 @@ TEST_F(SessionTest, pingsASilentServerAndMeasuresTheRoundTrip) {
 TEST_F(SessionTest, measuresTheRoundTripEachSecondWhileBlobsAreAwaited) {
   open();
   give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(70));
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   TimePoint now = kStart;
   for (uint64_t second = 1; second <= 5; ++second) {
     session_.tick(now += std::chrono::seconds(1));
@@ -156,7 +156,7 @@ TEST_F(SessionTest, doesNotTakeAPauseOfItsCallerForSilenceOfTheServer) {
 
 TEST_F(SessionTest, saysSomethingToAServerThatSendsForLong) {
   open();
-  const uint32_t request = request(blobRef(5, 100));
+  const uint32_t request = makeRequest(blobRef(5, 100));
   const Bytes blob = blobBytes(5, 100);
   int heard = 0;
   for (uint32_t second = 0; second < 60; ++second) {

@@ -77,7 +77,7 @@ class TexturedEngine : public testing::Test {
 
   BlobRef refOf(uint32_t number) const {
     const Bytes& blob = blobs_.at(number);
-    return {number, static_cast<uint32_t>(blob.size()), nameBlob(blob)};
+    return {number, static_cast<uint32_t>(blob.size()), digestOf(blob)};
   }
 
   Bytes blobFrames(uint32_t request, uint32_t number) const {

@@ -46,7 +46,7 @@ class SlowName {
     const std::lock_guard lock(mutex_);
     return ended_;
   }
-  void letGo() {
+  void releaseStorage() {
     std::unique_lock lock(mutex_);
     open_ = true;
     change_.notify_all();
@@ -192,7 +192,7 @@ TEST_F(TcpTransportTest, endsAtOnceWhileANameIsStillLookedUp) {
     ASSERT_TRUE(slow_name.waitUntilBegun());
   }
   EXPECT_FALSE(slow_name.ended());
-  slow_name.letGo();
+  slow_name.releaseStorage();
 }
 
 TEST_F(TcpTransportTest, saysThatAHostCannotBeFound) {

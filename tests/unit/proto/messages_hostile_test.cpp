@@ -173,7 +173,7 @@ flatbuffers::Offset<wire::ModelSummary> summaryTable(FlatBufferBuilder& b,
                                                      const std::function<void(ModelSummary&)>& change) {
   ModelSummary s = sampleSummary();
   change(s);
-  const wire::BlobName name;
+  const wire::Digest name;
   const wire::DVec3 origin(s.lattice.origin.x, s.lattice.origin.y, s.lattice.origin.z);
   const wire::LatticeBox box({s.box.min.x, s.box.min.y, s.box.min.z},
                              {s.box.max.x, s.box.max.y, s.box.max.z});

@@ -9,8 +9,8 @@
 
 namespace lode::proto::test {
 
-inline BlobName nameOf(uint8_t seed) {
-  BlobName name;
+inline Digest nameOf(uint8_t seed) {
+  Digest name;
   for (size_t i = 0; i < name.bytes.size(); ++i) name.bytes[i] = static_cast<std::byte>(seed + 7 * i);
   return name;
 }

@@ -138,7 +138,7 @@ TEST_F(Occlusion, leavesAPlaneNearlyAsItWasWhileItFadesByAPixel) {
   renderer.draw(view, target, magentaBehind(), {.now_s = render::kFadeS / 2, .fades = true});
   ASSERT_TRUE(renderer.fading());
   Pair pair{resolved(target), {}};
-  render::AmbientOcclusion().darken(target, view.fov_y_rad, render::Show::kSurface);
+  render::AmbientOcclusion().darken(target, view.fov_y_rad, render::ColorMode::kSurface);
   pair.after = resolved(target);
   EXPECT_LE(pair.largestChange(), 2);
 }
@@ -196,11 +196,11 @@ TEST_F(Occlusion, darkensTheWallCloseBehindABox) {
 }
 
 TEST_F(Occlusion, leavesAllViewsButTheLitSurfaceAsTheyAreToTheBit) {
-  for (int number = 0; number < render::kShowCount; ++number) {
+  for (int number = 0; number < render::kColorModeCount; ++number) {
     render::DrawStyle style = magentaBehind();
-    style.show = static_cast<render::Show>(number);
+    style.show = static_cast<render::ColorMode>(number);
     const Pair pair = drawBoth(floorAndWall(), atCrease(), style);
-    EXPECT_EQ(pair.before.rgba == pair.after.rgba, style.show != render::Show::kSurface)
+    EXPECT_EQ(pair.before.rgba == pair.after.rgba, style.show != render::ColorMode::kSurface)
         << nameOf(style.show);
   }
 }
@@ -253,7 +253,7 @@ TEST_F(Occlusion, leavesTheNextPictureOfAnySizeAsItWouldBeWithoutTheLast) {
     for (int run = 0; run < 2; ++run) {
       renderer->draw(view, target, magentaBehind());
       EXPECT_EQ(resolved(target).rgba, pair.before.rgba);
-      occlusion.darken(target, view.fov_y_rad, render::Show::kSurface);
+      occlusion.darken(target, view.fov_y_rad, render::ColorMode::kSurface);
       EXPECT_EQ(resolved(target).rgba, pair.after.rgba);
       EXPECT_FALSE(glIsEnabled(GL_BLEND));
       GLboolean writes_depth = GL_FALSE;

@@ -121,7 +121,7 @@ void expectCoveredOnce(const Cut& cut, std::span<const CutPart> parts,
                        std::span<const core::LeftOut> left_out) {
   std::vector<NodeKey> nodes;
   for (const CutPart& part : parts) nodes.push_back(part.node);
-  for (const core::LeftOut& place : left_out) nodes.push_back(place.node);
+  for (const core::LeftOut& instance : left_out) nodes.push_back(instance.node);
   uint64_t cells = 0;
   for (const NodeKey node : nodes) cells += uint64_t{1} << 3 * (4 - node.depth());
   ASSERT_EQ(cells, uint64_t{1} << 12) << cut.parts.size();
@@ -146,7 +146,7 @@ TEST(CutExchange, needsOnlyMeshesOfTheOlderCutAndOfTheStepsThatAreDone) {
   forRandomExchanges([](const Cut& from, const Cut& to, OneExchange& exchange) {
     std::set<const Mesh*> there = meshesOf(from);
     for (size_t steps = 1; steps < exchange.steps().size(); ++steps) {
-      for (const render::PlacedPart& part : exchange.steps()[steps - 1].parts)
+      for (const render::InstancePart& part : exchange.steps()[steps - 1].parts)
         there.insert(partOf(to, part.number).mesh.get());
       EXPECT_TRUE(std::ranges::includes(there, meshesOf(*exchange.after(steps))));
     }
@@ -174,7 +174,7 @@ void expectSoundFallbacks(const Cut& cut, std::initializer_list<const Cut*> cuts
   std::set<NodeKey> nodes;
   for (const Cut* const of : cuts)
     for (const Fallback& fallback : of->fallbacks) nodes.insert(fallback.part.node);
-  uint32_t places = 0;
+  uint32_t instances = 0;
   for (size_t i = 0; i < cut.fallbacks.size(); ++i) {
     const Fallback& fallback = cut.fallbacks[i];
     const NodeKey node = fallback.part.node;
@@ -182,15 +182,15 @@ void expectSoundFallbacks(const Cut& cut, std::initializer_list<const Cut*> cuts
       EXPECT_EQ(node.contains(cut.parts[part].node), part >= fallback.first_part && part < fallback.end_part);
     for (uint32_t other = 0; other < i; ++other)
       EXPECT_EQ(node.contains(cut.fallbacks[other].part.node), other >= fallback.first_nested);
-    for (uint32_t place = fallback.first_left_out; place < fallback.end_left_out; ++place) {
-      NodeKey nearest = cut.left_out[place].node;
+    for (uint32_t instance = fallback.first_left_out; instance < fallback.end_left_out; ++instance) {
+      NodeKey nearest = cut.left_out[instance].node;
       while (nearest != kRootKey && !nodes.contains(nearest)) nearest = nearest.parent();
       EXPECT_EQ(nearest, node);
     }
     EXPECT_LT(fallback.first_left_out, fallback.end_left_out) << "something needs it";
-    places += fallback.end_left_out - fallback.first_left_out;
+    instances += fallback.end_left_out - fallback.first_left_out;
   }
-  EXPECT_EQ(places, cut.left_out.size()) << "each has one fallback";
+  EXPECT_EQ(instances, cut.left_out.size()) << "each has one fallback";
 }
 
 TEST(CutExchange, keepsForEachPlaceThatIsLeftOutTheNearestFallback) {
@@ -290,7 +290,7 @@ TEST(CutExchange, coversTheModelOnceWhereWhatWasDrawnBeforeIsAMixtureItself) {
 }
 
 /// The first place lacks more in sight than the second, which has one region in sight and one that is not.
-class TwoPlaces {
+class TwoInstances {
  public:
   const CutExchange::Cuts from{
       cutOfChildren({{child(0), 1, true, 8, aMesh()}}),
@@ -303,22 +303,22 @@ class TwoPlaces {
 
 TEST(CutExchange, takesTheRegionsOfAllPlacesByWhatIsInSightAndCoarsest) {
   std::vector<std::pair<uint32_t, NodeKey>> order;
-  const TwoPlaces places;
-  for (const ExchangeStep& step : places.exchange.steps().subspan(1)) {
-    order.push_back({step.place, *step.region});
-    for (const render::PlacedPart& part : step.parts) EXPECT_EQ(part.place, step.place);
+  const TwoInstances instances;
+  for (const ExchangeStep& step : instances.exchange.steps().subspan(1)) {
+    order.push_back({step.instance, *step.region});
+    for (const render::InstancePart& part : step.parts) EXPECT_EQ(part.instance, step.instance);
   }
   EXPECT_EQ(order, (std::vector<std::pair<uint32_t, NodeKey>>{{0, child(0)}, {1, child(0)}, {1, child(1)}}));
 }
 
 TEST(CutExchange, drawsAtEachPlaceWhatHasChangedHandsThere) {
-  TwoPlaces places;
-  EXPECT_EQ(places.exchange.after(2), (CutExchange::Cuts{places.to[0], places.from[1]}));
-  const CutExchange::Cuts mixed = places.exchange.after(3);
-  EXPECT_EQ(mixed[0], places.to[0]);
-  EXPECT_EQ(mixed[1]->parts[0].mesh, places.to[1]->parts[0].mesh);
-  EXPECT_EQ(mixed[1]->parts[1].mesh, places.from[1]->parts[1].mesh);
-  EXPECT_EQ(places.exchange.after(4), places.to);
+  TwoInstances instances;
+  EXPECT_EQ(instances.exchange.after(2), (CutExchange::Cuts{instances.to[0], instances.from[1]}));
+  const CutExchange::Cuts mixed = instances.exchange.after(3);
+  EXPECT_EQ(mixed[0], instances.to[0]);
+  EXPECT_EQ(mixed[1]->parts[0].mesh, instances.to[1]->parts[0].mesh);
+  EXPECT_EQ(mixed[1]->parts[1].mesh, instances.from[1]->parts[1].mesh);
+  EXPECT_EQ(instances.exchange.after(4), instances.to);
 }
 
 TEST(CutExchange, mixesAnewOnlyWhereMoreIsDone) {

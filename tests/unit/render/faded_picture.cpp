@@ -134,21 +134,21 @@ TEST_F(FadedPicture, fadesAtOnePlaceOfAModelAndStaysAtAnother) {
   const auto red = cutOfSquare(kRed), green = cutOfSquare(kGreen);
   render::Renderer renderer(1);
   const render::Framebuffer target(kWidthPx, kHeightPx);
-  const auto sharesAt = [&](size_t place, double now_s) {
-    renderer.drawPlace(place, lookAt({500, 500, 800}, {500, 500, 0}), target, GlTest::magentaBehind(),
-                       {now_s, true});
+  const auto sharesAt = [&](size_t instance, double now_s) {
+    renderer.drawInstance(instance, lookAt({500, 500, 800}, {500, 500, 0}), target, GlTest::magentaBehind(),
+                          {now_s, true});
     renderer.drawBackground(target, GlTest::magentaBehind());
     target.resolve();
     return sharesOf(target.readPixels());
   };
   const auto show = [&](std::vector<std::shared_ptr<const Cut>> cuts) {
-    renderer.show(std::make_shared<const core::PlacedCuts>(core::PlacedCuts{cuts, core::gatherMeshes(cuts)}));
+    renderer.show(std::make_shared<const core::ViewCuts>(core::ViewCuts{cuts, core::gatherMeshes(cuts)}));
     renderer.uploadInRenderThread({.wait = true});
   };
   show({red, red});
-  for (const size_t place : {0u, 1u}) sharesAt(place, 0);
+  for (const size_t instance : {0u, 1u}) sharesAt(instance, 0);
   show({red, green});
-  for (const size_t place : {0u, 1u}) sharesAt(place, 1);
+  for (const size_t instance : {0u, 1u}) sharesAt(instance, 1);
   EXPECT_EQ(sharesAt(0, 1 + kFadeS / 2).red, kPixels);
   EXPECT_NEAR(sharesAt(1, 1 + kFadeS / 2).green, kPixels / 2, 0.03 * kPixels);
   EXPECT_TRUE(renderer.fading());

@@ -19,7 +19,7 @@ render::Image slantedSquare(const render::Framebuffer& target) {
   renderer.show(GlTest::cutOf(std::vector{squareAt(1500, 1500, 1000, 1000, {255, 255, 0, 255})}));
   renderer.uploadInRenderThread({.wait = true});
   render::DrawStyle style = GlTest::magentaBehind();
-  style.show = render::Show::kUnlit;
+  style.show = render::ColorMode::kUnlit;
   renderer.draw(view, target, style);
   target.resolve();
   return target.readPixels();

@@ -62,7 +62,7 @@ render::Image drawReading(uint64_t most_readable_bytes, const std::shared_ptr<co
   for (int frame = 0; frame < 2; ++frame) {
     startPicture(target, {});
     culling.begin();
-    renderer.addPlace(0, view, {}, {}, culling);
+    renderer.addInstance(0, view, {}, {}, culling);
     culling.findUnhidden();
     renderer.drawFound(0, view, target, {}, culling);
     culling.findAppeared(target);

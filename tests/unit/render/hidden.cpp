@@ -143,8 +143,9 @@ TEST_P(HiddenBy, isNotToldByAPictureOfAnotherSize) {
 TEST_P(HiddenBy, changesNoViewOfTheModel) {
   TwoWays ways(GetParam());
   ways.show(scene());
-  for (const render::Show show : {render::Show::kUnlit, render::Show::kWireframe, render::Show::kNodes,
-                                  render::Show::kNormals, render::Show::kErrors}) {
+  for (const render::ColorMode show :
+       {render::ColorMode::kUnlit, render::ColorMode::kWireframe, render::ColorMode::kNodes,
+        render::ColorMode::kNormals, render::ColorMode::kErrors}) {
     for (int frame = 0; frame < 3; ++frame) ways.expectSamePicture(viewAt(frame), {.show = show});
   }
 }
@@ -182,20 +183,19 @@ class TwoPlaces {
  public:
   TwoPlaces(const std::shared_ptr<const core::Cut>& cut, HiddenParts way) : way_(way) {
     const std::vector cuts{cut, cut};
-    renderer_.show(
-        std::make_shared<const core::PlacedCuts>(core::PlacedCuts{cuts, core::gatherMeshes(cuts)}));
+    renderer_.show(std::make_shared<const core::ViewCuts>(core::ViewCuts{cuts, core::gatherMeshes(cuts)}));
     renderer_.uploadInRenderThread({.wait = true});
   }
   /// @return triangles drawn.
   uint64_t draw(const core::View& view, const render::Framebuffer& target, bool is_second_there = true) {
     core::View shifted = view;
     shifted.eye_model += glm::dvec3(0, 12'000, 0);
-    std::vector<render::Placement> placements{{&renderer_, 0, view, {}}};
+    std::vector<render::InstanceDraw> draws{{&renderer_, 0, view, {}}};
     if (is_second_there)
-      placements.push_back({&renderer_, 1, shifted, {.over = true}});
+      draws.push_back({&renderer_, 1, shifted, {.over = true}});
     else
       renderer_.leaveOut(1);
-    const render::DrawCounts counts = drawer_.draw(placements, target, {.hidden_parts = way_});
+    const render::DrawCounts counts = drawer_.draw(draws, target, {.hidden_parts = way_});
     renderer_.drawBackground(target, {});
     return counts.triangles;
   }
@@ -203,7 +203,7 @@ class TwoPlaces {
  private:
   const HiddenParts way_;
   render::Renderer renderer_;
-  render::PlacementDrawer drawer_;
+  render::InstanceDrawer drawer_;
 };
 
 TEST_P(HiddenBy, isLeftOutOfEachPlaceByWhatStandsAtOthers) {
@@ -279,7 +279,7 @@ TEST_F(Hidden, isToldByWhatShowsInAnySampleOfAPixel) {
     renderer.show(cutOf(std::vector{squareAt(x, 0, 1000, 4000, {255, 0, 0, 255})}));
     renderer.uploadInRenderThread({.wait = true});
     render::DrawStyle style = magentaBehind();
-    style.show = render::Show::kUnlit;
+    style.show = render::ColorMode::kUnlit;
     renderer.draw(view, target, style);
     target.resolve();
     const render::Image picture = target.readPixels();

@@ -194,26 +194,26 @@ TEST_F(Residency, drawsWhatHasComeOfACutThatTurnsOutNotToFitAndThenTheNext) {
   EXPECT_EQ(residency.drawnCut(), next);
 }
 
-std::shared_ptr<const core::PlacedCuts> placedAt(std::vector<std::shared_ptr<const core::Cut>> cuts) {
-  auto placed = std::make_shared<core::PlacedCuts>();
-  placed->cuts = std::move(cuts);
-  placed->all = core::gatherMeshes(placed->cuts);
-  return placed;
+std::shared_ptr<const core::ViewCuts> viewCuts(std::vector<std::shared_ptr<const core::Cut>> cuts) {
+  auto view_cuts = std::make_shared<core::ViewCuts>();
+  view_cuts->cuts = std::move(cuts);
+  view_cuts->all = core::gatherMeshes(view_cuts->cuts);
+  return view_cuts;
 }
 
 TEST_F(Residency, exchangesTheCutsOfAModelInSeveralPlacesRegionByRegion) {
   MeshResidency residency({});
-  residency.show(placedAt({cutOf(std::vector{gridOf(1), gridOf(2)}), cutOf(std::vector{gridOf(3)})}));
+  residency.show(viewCuts({cutOf(std::vector{gridOf(1), gridOf(2)}), cutOf(std::vector{gridOf(3)})}));
   residency.uploadInRenderThread({.wait = true});
-  const auto next = placedAt({cutOf(std::vector{gridOf(4), gridOf(5)}), cutOf(std::vector{gridOf(6)})});
+  const auto next = viewCuts({cutOf(std::vector{gridOf(4), gridOf(5)}), cutOf(std::vector{gridOf(6)})});
   residency.show(next);
   std::set<size_t> regions;  // that have changed hands
   uploadSlowly(residency, [&] {
     size_t changed = 0;
-    for (size_t place = 0; place < 2; ++place)
-      for (size_t part = 0; part < residency.drawn(place).size(); ++part) {
-        EXPECT_GT(residency.drawn(place)[part].index_count, 0u);
-        changed += residency.drawnCut(place)->parts[part].mesh == next->cuts[place]->parts[part].mesh;
+    for (size_t instance = 0; instance < 2; ++instance)
+      for (size_t part = 0; part < residency.drawn(instance).size(); ++part) {
+        EXPECT_GT(residency.drawn(instance)[part].index_count, 0u);
+        changed += residency.drawnCut(instance)->parts[part].mesh == next->cuts[instance]->parts[part].mesh;
       }
     regions.insert(changed);
   });
@@ -226,7 +226,7 @@ TEST_F(Residency, hasAMeshThatStandsInSeveralPlacesOnce) {
   const uint64_t mesh_bytes = core::drawnBytes(*shared);
   MeshResidency residency({.budget_bytes = 2 * mesh_bytes});
   residency.show(
-      placedAt({cutOf(std::vector{shared}), cutOf(std::vector{shared}), cutOf(std::vector{shared})}));
+      viewCuts({cutOf(std::vector{shared}), cutOf(std::vector{shared}), cutOf(std::vector{shared})}));
   EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), mesh_bytes);
   EXPECT_EQ(residency.meshCount(), 1u);
   EXPECT_TRUE(residency.upToDate());
@@ -234,7 +234,7 @@ TEST_F(Residency, hasAMeshThatStandsInSeveralPlacesOnce) {
 
 TEST_F(Residency, uploadsNothingOfCutsOfSeveralPlacesThatDoNotFitTogether) {
   MeshResidency residency({.budget_bytes = core::drawnBytes(*gridOf(1)) * 3 / 2});
-  residency.show(placedAt({cutOf(std::vector{gridOf(1)}), cutOf(std::vector{gridOf(2)})}));
+  residency.show(viewCuts({cutOf(std::vector{gridOf(1)}), cutOf(std::vector{gridOf(2)})}));
   EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), 0u);
 }
 

@@ -243,7 +243,7 @@ TEST_F(Picture, showsTheAncestorForAllOfItsRegionOnceItHasAPlaceThatTheCutLeaves
   renderer.uploadInRenderThread({.wait = true});
   const auto countOf = [&](const core::View& view, int channel) {
     render::DrawStyle style = magentaBehind();
-    style.show = render::Show::kUnlit;
+    style.show = render::ColorMode::kUnlit;
     const render::Image image = draw(renderer, view, style);
     int count = 0;
     for (uint32_t y = 0; y < image.height_px; ++y)

@@ -96,7 +96,7 @@ class TexturedSquare : public GlTest {
   std::shared_ptr<const TextureSet> set_;
   std::vector<core::ResidentTile> tiles_;
   render::Image white_, black_;
-  render::Show shown_ = render::Show::kSurface;
+  render::ColorMode shown_ = render::ColorMode::kSurface;
 };
 
 /// Every texel another colour.
@@ -275,9 +275,9 @@ TEST_F(TexturedSquare, tellsHowManyTexelsLieUnderAPixel) {
   for (size_t i = 0; i < std::size(steps_a_pixel); ++i) {
     const core::View view = above({2048, 2048}, steps_a_pixel[i]);
     wear(noise(512, 512));  // a texel is 8 steps wide
-    shown_ = render::Show::kTexels;
+    shown_ = render::ColorMode::kTexels;
     const render::Image image = drawSquare(view);
-    shown_ = render::Show::kSurface;
+    shown_ = render::ColorMode::kSurface;
     const glm::u8vec4 paint(render::texelColours()[i], 255);
     expectPaint(image, drawSquare(view, paint, AttributeSet::kColour), std::to_string(steps_a_pixel[i]));
   }
@@ -285,9 +285,9 @@ TEST_F(TexturedSquare, tellsHowManyTexelsLieUnderAPixel) {
 
 TEST_F(TexturedSquare, tellsWhereThereIsNoImage) {
   const core::View view = above({2048, 2048}, 8);
-  shown_ = render::Show::kTexels;
+  shown_ = render::ColorMode::kTexels;
   const render::Image image = drawSquare(view, glm::u8vec4(255), AttributeSet::kColour);
-  shown_ = render::Show::kSurface;
+  shown_ = render::ColorMode::kSurface;
   const glm::u8vec4 paint(render::texelColours().back(), 255);
   expectPaint(image, drawSquare(view, paint, AttributeSet::kColour), "no image");
 }

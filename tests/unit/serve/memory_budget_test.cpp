@@ -115,7 +115,7 @@ TEST_F(SessionMemoryTest, anOpenModelIsChargedUntilItIsClosed) {
   EXPECT_EQ(memory_.held(), before + session_.controlBytes());
   {
     MemoryAccount memory(budget_);
-    Session session({&offer_, &memory}, limits_, now_);
+    Session session({&served_, &memory}, limits_, now_);
     sendTo(session, proto::Hello{});
     sendTo(session, proto::Open{"a", {}});
     EXPECT_GT(memory.held(), kOpenModelBytes);
@@ -171,7 +171,8 @@ TEST_F(SessionMemoryTest, aGreedySessionIsRefusedWhereAPoliteOneIsServed) {
   limits_.max_open_requests = proto::kMaxOpenRequests;
   MemoryBudget budget(8u << 20);
   MemoryAccount greedy_memory(budget), polite_memory(budget);
-  Session greedy({&offer_, &greedy_memory}, limits_, now_), polite({&offer_, &polite_memory}, limits_, now_);
+  Session greedy({&served_, &greedy_memory}, limits_, now_),
+      polite({&served_, &polite_memory}, limits_, now_);
   for (Session* session : {&greedy, &polite}) {
     sendTo(*session, proto::Hello{});
     sendTo(*session, proto::Open{"a", {}});

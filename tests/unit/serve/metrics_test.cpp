@@ -24,15 +24,15 @@ void expectLine(const std::string& text, const std::string& line) {
 Metrics busyMetrics() {
   Metrics metrics(2);
   for (size_t thread = 0; thread < 2; ++thread) {
-    ThreadTallies& tallies = metrics.ofThread(thread);
-    tallies.accepted.add(10);
-    tallies.refused[static_cast<size_t>(RefusalReason::kToken)].add(3);
-    tallies.ended[static_cast<size_t>(EndReason::kIdle)].add();
-    tallies.requests[0].add(7);
-    tallies.queue[0].add(1500us);
-    tallies.held[1].add(3s);
-    tallies.send[2].add(1min);
-    ModelTallies& bunny = tallies.model("bunny");
+    ThreadCounters& counters = metrics.ofThread(thread);
+    counters.accepted.add(10);
+    counters.refused[static_cast<size_t>(RefusalReason::kToken)].add(3);
+    counters.ended[static_cast<size_t>(EndReason::kIdle)].add();
+    counters.requests[0].add(7);
+    counters.queue[0].add(1500us);
+    counters.held[1].add(3s);
+    counters.send[2].add(1min);
+    ModelCounters& bunny = counters.model("bunny");
     bunny.opened.add();
     bunny.bytes.add(1'000'000'007);
     bunny.cold_reads.add(2);

@@ -121,12 +121,12 @@ class SessionTest : public testing::Test {
         std::span<const std::byte, proto::kFrameHeaderBytes>(frame.data(), proto::kFrameHeaderBytes));
   }
 
-  const Model& modelAt(size_t index) const { return *offer_.catalog->models()[index]; }
+  const Model& modelAt(size_t index) const { return *served_.catalog->models()[index]; }
 
-  Offer offer_{catalogOf({model("a"), model("b")}), nullptr};
+  ServedSet served_{catalogOf({model("a"), model("b")}), nullptr};
   MemoryBudget budget_{256u << 20};
   MemoryAccount memory_{budget_};
-  SessionHost host_{&offer_, &memory_};
+  SessionHost host_{&served_, &memory_};
   Clock::time_point now_{1000s};
   SessionLimits limits_{100, 10s, 120s, 5};
   Session session_{host_, limits_, now_};

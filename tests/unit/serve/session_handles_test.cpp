@@ -86,10 +86,10 @@ TEST_F(SessionHandlesTest, aReplacedModelIsSaidOnceOfEachHandleAndServedOnUntilR
   open();
   send(proto::Open{"b", {}});
   control();
-  offer_.catalog = catalogOf({model("a", 2), model("b")});
-  session_.offerChanged();
+  served_.catalog = catalogOf({model("a", 2), model("b")});
+  session_.servedSetChanged();
   EXPECT_EQ(only<proto::ModelReplaced>(FrameType::kModelReplaced).handle, 1u);
-  session_.offerChanged();
+  session_.servedSetChanged();
   EXPECT_TRUE(control().empty());
   request(RequestClass::kVisible, 1, 3, 1);
   send(proto::Open{"a", {}}, 4);
@@ -98,8 +98,8 @@ TEST_F(SessionHandlesTest, aReplacedModelIsSaidOnceOfEachHandleAndServedOnUntilR
 
 TEST_F(SessionHandlesTest, aRemovedModelIsServedOnToWhoHasItAndOpenedByNobody) {
   open();
-  offer_.catalog = catalogOf({model("b")});
-  session_.offerChanged();
+  served_.catalog = catalogOf({model("b")});
+  session_.servedSetChanged();
   EXPECT_TRUE(control().empty());
   request(RequestClass::kVisible, 1, 3, 1);
   EXPECT_EQ(sendChunk(), 1u);

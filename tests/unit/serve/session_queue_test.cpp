@@ -240,12 +240,12 @@ TEST_F(SessionQueueTest, whatAClientsWindowHoldsUpIsToldFromWhatTheServerTakes) 
   while (sendChunk()) {
   }
   EXPECT_TRUE(session_.waitsForWindow());
-  session_.heldUp(now_);
+  session_.onBackpressure(now_);
   now_ += 5s;
   request(RequestClass::kVisible, 2, 3, 2);  // is held up by the rest of the time only
   now_ += 2s;
   send(proto::Credit{1 << 30});
-  session_.goesOn(now_);
+  session_.onWritable(now_);
   EXPECT_FALSE(session_.waitsForWindow());
   now_ += 1s;
   const auto chunk = session_.beginChunk();

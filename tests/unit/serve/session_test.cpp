@@ -82,7 +82,7 @@ TEST_F(SessionTest, aClientThatKnowsTheBuildIsSentNothingUnasked) {
 TEST_F(SessionTest, aRootWithoutTrianglesIsFollowedByItsPageAlone) {
   Model empty = model("a");
   empty.coarsest_blob = 0;
-  offer_.catalog = catalogOf({empty});
+  served_.catalog = catalogOf({empty});
   Session session(host_, limits_, now_);
   sendTo(session, proto::Hello{});
   sendTo(session, proto::Open{"a", {}});
@@ -128,7 +128,7 @@ TEST_F(SessionTest, takesAPongThatItDidNotAskForAndSaysNothing) {
 
 TEST_F(SessionTest, endsOnceItsTokenHasExpired) {
   const std::chrono::sys_seconds expiry = std::chrono::sys_days(std::chrono::year(2200) / 1 / 31) + 12h;
-  offer_.tokens =
+  served_.tokens =
       std::make_shared<const TokenFile>(TokenFile::parse("some 2200-01-31T12:00:00Z *\nother never *\n"));
   Session other(host_, limits_, now_);
   sendTo(other, proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "other", "test"});

@@ -34,7 +34,7 @@ class WorkerTest : public testing::Test {
     writeSmallStore(store_, 1, kColdBytes);
     catalog_ = openCatalog(std::span(&store_, 1), {.report = [](std::string_view) {}});
     asio::post(disk_, [this] { disk_answers_.wait(); });
-    worker_.emplace(Published{{catalog_, nullptr}, nullptr}, log_, tallies_, disk_, budget_, rate_,
+    worker_.emplace(Published{{catalog_, nullptr}, nullptr}, log_, counters_, disk_, budget_, rate_,
                     ConnectionLimits{});
     worker_->start(10ms);
   }
@@ -67,7 +67,7 @@ class WorkerTest : public testing::Test {
   const std::filesystem::path store_ = folder_.path() / "a.lode";
   const Quiet quiet_{};
   Log log_{{.descriptor = quiet_.descriptor}};
-  ThreadTallies tallies_;
+  ThreadCounters counters_;
   MemoryBudget budget_{64u << 20};
   ByteRate rate_{0};
   Admission admission_{10, {}};

@@ -76,7 +76,7 @@ class HostileIndex : public testing::Test {
     const uint64_t growth = bytes.size() - entry.bytes;
     parts.header.table_offset += growth;
     parts.header.summary.bytes += growth;
-    entry = {static_cast<uint32_t>(bytes.size()), checksum(bytes), nameBlob(bytes)};
+    entry = {static_cast<uint32_t>(bytes.size()), checksum(bytes), digestOf(bytes)};
   }
 
   /// Changes the root's page.
@@ -167,7 +167,7 @@ TEST_F(HostileIndex, blobsThatNothingUsesAreRefused) {
   EXPECT_SAYS(
       open([](Parts& p) {
         p.blobs.push_back(std::byte{1});
-        p.table.push_back({1, checksum(std::span(p.blobs).last(1)), nameBlob(std::span(p.blobs).last(1))});
+        p.table.push_back({1, checksum(std::span(p.blobs).last(1)), digestOf(std::span(p.blobs).last(1))});
         ++p.header.blobs;
         p.header.table_offset += 1;
         p.header.summary.bytes += 1 + kTableEntryBytes;
@@ -191,7 +191,7 @@ TEST_F(HostileIndex, payloadsThatAreNotInTheBlobTableAreRefused) {
               "not there");
   EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { ++rootLod(page).payload.bytes; }), "blob table");
   EXPECT_SAYS(
-      openWithRootPage([&](HierarchyPage& page) { rootLod(page).payload.name.bytes[0] ^= std::byte{1}; }),
+      openWithRootPage([&](HierarchyPage& page) { rootLod(page).payload.digest.bytes[0] ^= std::byte{1}; }),
       "blob table");
 }
 
@@ -268,7 +268,7 @@ TEST_F(HostileIndex, namesThatAreNotTheHashOfTheirBytesAreFoundByVerify) {
   const auto path = folder_ / "hostile.lode";
   const std::string opened = open([](Parts& parts) {
     const uint32_t number = parts.header.summary.root_page.number;
-    parts.table[number - 1].name.bytes[0] ^= std::byte{1};
+    parts.table[number - 1].digest.bytes[0] ^= std::byte{1};
   });
   EXPECT_EQ(opened, "");
   EXPECT_SAYS(test::messageOf([&] { verifyStore(path); }), "its name is not the hash of its bytes");

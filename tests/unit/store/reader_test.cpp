@@ -39,7 +39,7 @@ TEST(Reader, givesBackTheBytesOfEveryBlob) {
   uint64_t end = kHeaderBytes;
   for (uint32_t number = 1; number <= reader.blobCount(); ++number) {
     EXPECT_EQ(reader.blob(number).offset, end);
-    EXPECT_EQ(nameBlob(reader.readBlob(number)), reader.blob(number).name);
+    EXPECT_EQ(digestOf(reader.readBlob(number)), reader.blob(number).digest);
     end += reader.blob(number).bytes;
   }
 }

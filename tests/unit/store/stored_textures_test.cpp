@@ -76,7 +76,7 @@ TEST_F(StoredTextures, whoseTilesAreNotThoseOfTheTableAreRefused) {
   const auto table_bytes = bytes.subspan(header.table_offset, header.blobs * kTableEntryBytes);
   std::vector<TableEntry> table = decodeTable(table_bytes, header);
   table[summary.textures.number - 1].checksum = checksum(blob);
-  table[summary.textures.number - 1].name = nameBlob(blob);
+  table[summary.textures.number - 1].digest = digestOf(blob);
   const std::vector<std::byte> new_table = encodeTable(table);
   std::copy(new_table.begin(), new_table.end(), table_bytes.begin());
   header.table_checksum = checksum(new_table);

@@ -70,7 +70,7 @@ TEST(Writer, changesTheBuildIdWithAnythingInTheStore) {
   test::SyntheticModel a = test::smallModel(), b = test::smallModel(), c = test::smallModel();
   b.nodes.back().lods[0].error_model *= 0.5f;
   c.summary.dropped = 1;
-  const BlobName id = test::writeStore(folder / "a.lode", a).build_id;
+  const Digest id = test::writeStore(folder / "a.lode", a).build_id;
   EXPECT_NE(test::writeStore(folder / "b.lode", b).build_id, id);
   EXPECT_NE(test::writeStore(folder / "c.lode", c).build_id, id);
 }

@@ -21,7 +21,7 @@ std::vector<std::byte> bytesOf(uint32_t number, size_t size) {
 }
 
 BlobRef refOf(uint32_t number, size_t size) {
-  return {number, static_cast<uint32_t>(size), nameBlob(bytesOf(number, size))};
+  return {number, static_cast<uint32_t>(size), digestOf(bytesOf(number, size))};
 }
 
 class BlobCacheTest : public testing::Test {
@@ -58,7 +58,7 @@ TEST_F(BlobCacheTest, removesAnEntryThatIsDamagedOrCut) {
   keep(1, 5000);
   keep(2, 5000);
   for (const fs::path& file : files()) {
-    if (fs::file_size(file) == 5000 && file.filename() == toHex(refOf(1, 5000).name)) {
+    if (fs::file_size(file) == 5000 && file.filename() == toHex(refOf(1, 5000).digest)) {
       std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(100).put('x');
     } else {
       fs::resize_file(file, 1234);
@@ -141,7 +141,7 @@ TEST_F(BlobCacheTest, remembersWhichBuildOfAModelAServerHad) {
   EXPECT_FALSE(cache_.summary(model));
   ModelSummary summary;
   summary.name = "model";
-  summary.build_id = nameBlob(bytesOf(1, 10));
+  summary.build_id = digestOf(bytesOf(1, 10));
   summary.root_page = refOf(1, 300);
   cache_.keepSummary(model, summary);
   EXPECT_EQ(cache_.summary(model), summary);

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 std::vector<std::byte> bytesOf(uint32_t number) { return {3000, static_cast<std::byte>(number)}; }
-BlobRef refOf(uint32_t number) { return {number, 3000, nameBlob(bytesOf(number))}; }
+BlobRef refOf(uint32_t number) { return {number, 3000, digestOf(bytesOf(number))}; }
 
 TEST(CacheThreadTest, writesWhatItWasGivenBeforeItEnds) {
   const test::WorkFolder folder;

@@ -12,7 +12,7 @@ TEST(PublishedCuts, areFreedWhenTheyAreLetGoAndNotWhereTheLastIsDropped) {
   published.add(cut, nullptr);
   cut.reset();
   EXPECT_FALSE(seen.expired());
-  published.letGo();
+  published.releaseStorage();
   EXPECT_TRUE(seen.expired());
 }
 
@@ -23,26 +23,26 @@ TEST(PublishedCuts, stayWhileSomebodyHasThemHoweverManyFollow) {
   published.add(cut, nullptr);
   for (int i = 0; i < 3; ++i) {
     published.add(std::make_shared<const core::Cut>(), nullptr);
-    published.letGo();
+    published.releaseStorage();
   }
   cut.reset();
   EXPECT_FALSE(seen.expired());
-  published.letGo();
+  published.releaseStorage();
   EXPECT_TRUE(seen.expired());
 }
 
 TEST(PublishedCuts, goWithThePlacesThatTheyAreShownAt) {
   PublishedCuts published;
-  core::PlacedCuts places;
+  core::ViewCuts places;
   places.all = std::make_shared<const core::Cut>();
   const std::weak_ptr<const core::Cut> seen = places.all;
-  auto placed = std::make_shared<const core::PlacedCuts>(std::move(places));
-  published.add(placed->all, placed);
-  published.add(placed->all, placed);
-  published.letGo();
-  placed.reset();
+  auto view_cuts = std::make_shared<const core::ViewCuts>(std::move(places));
+  published.add(view_cuts->all, view_cuts);
+  published.add(view_cuts->all, view_cuts);
+  published.releaseStorage();
+  view_cuts.reset();
   EXPECT_FALSE(seen.expired());
-  published.letGo();
+  published.releaseStorage();
   EXPECT_TRUE(seen.expired());
 }
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/placed_cuts.h"
+#include "client/core/view_cuts.h"
 
 namespace lode::app {
 namespace {
@@ -22,7 +22,7 @@ stream::StreamStatus makeStatus(const core::View& view, uint64_t received_bytes)
   cut->view = view;
   cut->converged = true;
   status.cut = std::move(cut);
-  status.placed = std::make_shared<core::PlacedCuts>();
+  status.view_cuts = std::make_shared<core::ViewCuts>();
   status.settled = true;
   status.counts.received_bytes = received_bytes;
   return status;
@@ -73,7 +73,7 @@ TEST_F(SceneStatus, isOfTheCoarsestThresholdOfItsModels) {
 }
 
 TEST_F(SceneStatus, hasNoCutBeforeEachModelHasOne) {
-  second_.placed = nullptr;
+  second_.view_cuts = nullptr;
   EXPECT_FALSE(merged().cut);
 }
 

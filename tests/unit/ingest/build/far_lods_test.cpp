@@ -15,8 +15,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint32_t kNodeBudget = 512;
-constexpr uint64_t kMuch = 8 * kNodeBudget;  // triangles of the original below a node
+constexpr uint32_t kNodeCapacity = 512;
+constexpr uint64_t kMuch = 8 * kNodeCapacity;  // triangles of the original below a node
 
 /// A porous model, much of whose nodes is border, of three levels of inner nodes.
 class FarLods : public testing::Test {
@@ -29,7 +29,7 @@ class FarLods : public testing::Test {
     BuildOptions options;
     options.input = folder_ / "a.ply";
     options.output = folder_ / "a.lode";
-    options.triangles_per_node = kNodeBudget;
+    options.triangles_per_node = kNodeCapacity;
     build(options);
     reader_.emplace(folder_ / "a.lode");
     for (const Node& node : reader_->nodes())
@@ -48,7 +48,7 @@ TEST_F(FarLods, areThereWhereMuchLiesBelowAndEndAtAQuarterOfTheBudgetOrTheBorder
   size_t nodes = 0;
   for (const Node& node : reader_->nodes()) {
     const bool may_have = node.key != kRootKey && !node.isLeaf() && original_.at(node.key) >= kMuch;
-    const uint32_t enough = std::max(kNodeBudget / 4, 2 * node.sourceLod().locked);
+    const uint32_t enough = std::max(kNodeCapacity / 4, 2 * node.sourceLod().locked);
     EXPECT_EQ(node.far_lods > 0, may_have && node.sourceLod().triangles > enough) << node.key.value;
     if (node.far_lods == 0) continue;
     EXPECT_LE(node.lods.back().triangles, enough + enough / 4) << node.key.value;
@@ -62,7 +62,7 @@ size_t farLodsOf(const Node& node, uint64_t original) {
   const LodRule rule{.depth = node.key.depth(),
                      .locked = node.sourceLod().locked,
                      .original_triangles = original,
-                     .triangles_per_node = kNodeBudget};
+                     .triangles_per_node = kNodeCapacity};
   return spareTargets(node.sourceLod().triangles, rule).size();
 }
 

@@ -100,9 +100,9 @@ TEST_F(Textures, lieInTheStoreCoarseLevelsFirst) {
 TEST_F(Textures, giveTheSameStoreForAnyNumberOfThreads) {
   writeBytes(models_ / "a.png", pngOf(makePhoto(1300, 700)));
   writeBytes(models_ / "b.png", pngOf(makePhoto(700, 600, true)));
-  BlobName expected;
+  Digest expected;
   for (const unsigned threads : {1u, 2u, 7u}) {
-    const BlobName id = built({"a.png", "b.png"}, false, threads).summary.build_id;
+    const Digest id = built({"a.png", "b.png"}, false, threads).summary.build_id;
     if (threads == 1) expected = id;
     EXPECT_EQ(id, expected);
   }

@@ -5,20 +5,21 @@
 namespace lode::app {
 
 /// What is shown of a model, as keys change it.
-class ShowSwitch {
+class ColorModeSwitch {
  public:
-  explicit ShowSwitch(render::Show first) noexcept
-      : shown_(first), filled_(first == render::Show::kWireframe ? render::Show::kSurface : first) {}
+  explicit ColorModeSwitch(render::ColorMode first) noexcept
+      : shown_(first),
+        filled_(first == render::ColorMode::kWireframe ? render::ColorMode::kSurface : first) {}
 
-  render::Show shown() const noexcept { return shown_; }
+  render::ColorMode shown() const noexcept { return shown_; }
   /// @param steps  among all that there is, round and round; negative for back.
   void step(int steps) noexcept;
-  void show(render::Show shown) noexcept { shown_ = shown; }
+  void show(render::ColorMode shown) noexcept { shown_ = shown; }
   /// A wireframe, or back to what was shown before it.
   void toggleWireframe() noexcept;
 
  private:
-  render::Show shown_, filled_;
+  render::ColorMode shown_, filled_;
 };
 
 }  // namespace lode::app

@@ -8,7 +8,7 @@
 namespace lode::serve {
 
 /// What a server offers and to whom, at one time. Swapped whole at a reload.
-struct Offer {
+struct ServedSet {
   std::shared_ptr<const Catalog> catalog;
   std::shared_ptr<const TokenFile> tokens;  ///< none: no token is asked for
 };

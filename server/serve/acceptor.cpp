@@ -1,4 +1,4 @@
-#include "server/serve/door.h"
+#include "server/serve/acceptor.h"
 
 #include <exception>
 #include <utility>
@@ -38,30 +38,30 @@ auto ending(bool& running) {
 
 }  // namespace
 
-Door::Door(tcp::acceptor acceptor, DoorOptions options, Admission& admission, MemoryBudget& budget,
-           ThreadTallies& tallies, Log& log, Hand hand)
+Acceptor::Acceptor(tcp::acceptor acceptor, AcceptorOptions options, Admission& admission,
+                   MemoryBudget& budget, ThreadCounters& counters, Log& log, Hand hand)
     : acceptor_(std::move(acceptor)),
       options_(options),
       admission_(admission),
       budget_(budget),
-      tallies_(tallies),
+      counters_(counters),
       log_(log),
       hand_(std::move(hand)),
       sweep_(acceptor_.get_executor()) {}
 
-void Door::open() {
+void Acceptor::open() {
   if (!accepting_) asio::co_spawn(acceptor_.get_executor(), accept(), ending(accepting_));
   accepting_ = true;
   if (!sweeping_) asio::co_spawn(acceptor_.get_executor(), sweepRefused(), ending(sweeping_));
   sweeping_ = true;
 }
 
-void Door::close() {
+void Acceptor::close() {
   asio::error_code ignored;
   acceptor_.close(ignored);
 }
 
-asio::awaitable<void> Door::accept() {
+asio::awaitable<void> Acceptor::accept() {
   while (acceptor_.is_open()) {
     tcp::socket socket(acceptor_.get_executor());
     asio::error_code error;
@@ -81,14 +81,14 @@ asio::awaitable<void> Door::accept() {
   }
 }
 
-asio::awaitable<void> Door::pauseAfter(const std::string& failure) {
+asio::awaitable<void> Acceptor::pauseAfter(const std::string& failure) {
   log_.write(LogKind::kSystem, "a connection could not be taken", {{"why", failure}});
   asio::error_code ignored;
   asio::steady_timer pause(acceptor_.get_executor(), kAcceptPause);
   co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
 }
 
-asio::awaitable<void> Door::sweepRefused() {
+asio::awaitable<void> Acceptor::sweepRefused() {
   while (acceptor_.is_open() || refusals_.size() > 0) {
     asio::error_code ignored;
     sweep_.expires_after(kSweepEvery);
@@ -98,19 +98,19 @@ asio::awaitable<void> Door::sweepRefused() {
   }
 }
 
-bool Door::outOfDescriptors(const asio::error_code& error) const noexcept {
+bool Acceptor::outOfDescriptors(const asio::error_code& error) const noexcept {
   return error == asio::error::no_descriptors || error == asio::error_code(ENFILE, asio::system_category());
 }
 
 /// Gives the descriptor in hand up for a connection, says why it must go, and takes it back.
-void Door::refuseForDescriptors() {
+void Acceptor::refuseForDescriptors() {
   reserve_.giveUp();
   asio::error_code error;
   tcp::socket socket(acceptor_.get_executor());
   acceptor_.non_blocking(true, error);
   acceptor_.accept(socket, error);
   if (!error) {
-    tallies_.refused[static_cast<size_t>(RefusalReason::kDescriptors)].add();
+    counters_.refused[static_cast<size_t>(RefusalReason::kDescriptors)].add();
     const proto::Bytes word = proto::encode(
         proto::ErrorMessage{proto::WireError::kLimit, 0, true,
                             "this server has all the connections it can; try again later, or another"},
@@ -120,7 +120,7 @@ void Door::refuseForDescriptors() {
   reserve_.keep();
 }
 
-void Door::take(tcp::socket socket) {
+void Acceptor::take(tcp::socket socket) {
   asio::error_code error;
   const tcp::endpoint client = socket.remote_endpoint(error);
   if (error) return;  // it has gone already
@@ -140,8 +140,8 @@ void Door::take(tcp::socket socket) {
   hand_(std::move(socket), std::move(*place), std::move(memory), plainAddress(client.address()).to_string());
 }
 
-void Door::refuse(tcp::socket socket, RefusalReason reason, const std::string& why) {
-  tallies_.refused[static_cast<size_t>(reason)].add();
+void Acceptor::refuse(tcp::socket socket, RefusalReason reason, const std::string& why) {
+  counters_.refused[static_cast<size_t>(reason)].add();
   asio::error_code ignored;
   const std::string client = plainAddress(socket.remote_endpoint(ignored).address()).to_string();
   log_.write(LogKind::kRefused, "a connection was refused",

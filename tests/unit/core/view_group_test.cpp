@@ -1,4 +1,4 @@
-#include "client/core/instance.h"
+#include "client/core/view_group.h"
 
 #include <algorithm>
 #include <limits>
@@ -12,63 +12,63 @@ namespace {
 
 using namespace fixture;
 
-class InstanceOnSeeds : public testing::TestWithParam<uint32_t>, protected Seeded {
+class ViewGroupOnSeeds : public testing::TestWithParam<uint32_t>, protected Seeded {
  protected:
-  InstanceOnSeeds() : Seeded(GetParam()) {}
+  ViewGroupOnSeeds() : Seeded(GetParam()) {}
 };
 
-INSTANTIATE_TEST_SUITE_P(Seeds, InstanceOnSeeds, testing::Range(1u, 7u));
+INSTANTIATE_TEST_SUITE_P(Seeds, ViewGroupOnSeeds, testing::Range(1u, 7u));
 
 const View kFront = lookingAt({512, 512, 2500}, {512, 512, 512}),
            kBack = lookingAt({512, 512, -1500}, {512, 512, 512});
 
-TEST_P(InstanceOnSeeds, asksForWhatIsSeenByTheViewAtHandWhateverWasSeenBefore) {
-  Instance turned = seeing(kFront);
+TEST_P(ViewGroupOnSeeds, asksForWhatIsSeenByTheViewAtHandWhateverWasSeenBefore) {
+  ViewGroup turned = seeing(kFront);
   deliverBest(turned, 10);
   turned.setView(kBack, 1);
   turned.refine(model_);
-  Instance fresh = seeing(kBack);
+  ViewGroup fresh = seeing(kBack);
   fresh.refine(model_);
   EXPECT_EQ(orderOf(turned), orderOf(fresh));
 }
 
-TEST_P(InstanceOnSeeds, asksForWhatIsSeenByTwoViewsWhateverOneHadSeenAlone) {
+TEST_P(ViewGroupOnSeeds, asksForWhatIsSeenByTwoViewsWhateverOneHadSeenAlone) {
   const View both[] = {kBack, kFront};
-  Instance joined = seeing(kFront), fresh;
+  ViewGroup joined = seeing(kFront), fresh;
   deliverBest(joined, 10);
-  for (Instance* instance : {&joined, &fresh}) {
-    instance->setViews(both, 1);
-    instance->refine(model_);
+  for (ViewGroup* group : {&joined, &fresh}) {
+    group->setViews(both, 1);
+    group->refine(model_);
   }
   EXPECT_EQ(orderOf(joined), orderOf(fresh));
 }
 
-TEST_P(InstanceOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
-  Instance early = seeing(kFront);
+TEST_P(ViewGroupOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
+  ViewGroup early = seeing(kFront);
   early.refine(model_);
   const uint64_t first_triangles = early.cut()->triangles;
   while (early.cut()->triangles < 2 * first_triangles && !early.requests().empty()) deliverBest(early, 1);
-  Instance late = seeing(kFront);
+  ViewGroup late = seeing(kFront);
   late.refine(model_);
   EXPECT_EQ(orderOf(early), orderOf(late));
 }
 
-TEST_P(InstanceOnSeeds, becomesFinerAgainOnlyWhereThereIsRoomToSpare) {
-  Instance instance({.lists_wanted = true});
-  instance.setView(kFront, 1);
+TEST_P(ViewGroupOnSeeds, becomesFinerAgainOnlyWhereThereIsRoomToSpare) {
+  ViewGroup group({.lists_wanted = true});
+  group.setView(kFront, 1);
   const auto partsWithin = [&](uint64_t drawn_budget_bytes) {
-    instance.setDrawnBudget(drawn_budget_bytes);
-    deliverBest(instance, std::numeric_limits<int>::max());
-    return partsOf(*instance.cut());
+    group.setDrawnBudget(drawn_budget_bytes);
+    deliverBest(group, std::numeric_limits<int>::max());
+    return partsOf(*group.cut());
   };
   const Parts liked = partsWithin(std::numeric_limits<uint64_t>::max());
-  const uint64_t liked_bytes = instance.cut()->drawn_bytes;
+  const uint64_t liked_bytes = group.cut()->drawn_bytes;
   const Parts held = partsWithin(liked_bytes / 2);
-  EXPECT_TRUE(instance.limited());
+  EXPECT_TRUE(group.limited());
   EXPECT_NE(held, liked);
   for (const uint64_t sixteenths : {9, 10, 8}) EXPECT_EQ(partsWithin(liked_bytes * sixteenths / 16), held);
   EXPECT_EQ(partsWithin(2 * liked_bytes), liked);
-  EXPECT_FALSE(instance.limited());
+  EXPECT_FALSE(group.limited());
 }
 
 /// A camera within a model that asks for less than it did: what it sees is finer than it wants, and something
@@ -76,18 +76,18 @@ TEST_P(InstanceOnSeeds, becomesFinerAgainOnlyWhereThereIsRoomToSpare) {
 class Within : private Seeded {
  public:
   explicit Within(uint32_t seed) : Seeded(seed) {
-    Instance far;
+    ViewGroup far;
     far.setView(farView(), 5);
     deliverBest(far, std::numeric_limits<int>::max());
-    for (Instance instance = within(1, {}); sees(instance); instance.refine(model_))
-      deliver(instance.requests().front());
+    for (ViewGroup group = within(1, {}); sees(group); group.refine(model_))
+      deliver(group.requests().front());
   }
 
   /// What such a camera is given.
   std::shared_ptr<const Cut> cutAt(uint64_t drawn_budget_bytes, bool& limited) {
-    const Instance instance = within(30, {.drawn_budget_bytes = drawn_budget_bytes});
-    limited = instance.limited();
-    return instance.cut();
+    const ViewGroup group = within(30, {.drawn_budget_bytes = drawn_budget_bytes});
+    limited = group.limited();
+    return group.cut();
   }
 
   /// Of the fallback that is never given up.
@@ -97,15 +97,15 @@ class Within : private Seeded {
   }
 
  private:
-  Instance within(float threshold_px, const RefineOptions& options) {
-    Instance instance(options);
-    instance.setView(insideView(), threshold_px);
-    instance.refine(model_);
-    return instance;
+  ViewGroup within(float threshold_px, const RefineOptions& options) {
+    ViewGroup group(options);
+    group.setView(insideView(), threshold_px);
+    group.refine(model_);
+    return group;
   }
-  static bool sees(const Instance& instance) {
-    return !instance.requests().empty() &&
-           instance.requests().front().request_class == proto::RequestClass::kVisible;
+  static bool sees(const ViewGroup& group) {
+    return !group.requests().empty() &&
+           group.requests().front().request_class == proto::RequestClass::kVisible;
   }
 };
 
@@ -115,7 +115,7 @@ uint64_t bytesOfParts(const Cut& cut) {
   return bytes;
 }
 
-TEST(Instance, givesUpWhatStandsByBeforeWhatIsSeenAndThenWhatIsFinerThanWanted) {
+TEST(ViewGroup, givesUpWhatStandsByBeforeWhatIsSeenAndThenWhatIsFinerThanWanted) {
   int without_fallbacks = 0, without_finer = 0;  // budgets at which each was given up
   for (uint32_t seed = 1; seed < 7; ++seed) {
     Within camera(seed);
@@ -140,7 +140,7 @@ TEST(Instance, givesUpWhatStandsByBeforeWhatIsSeenAndThenWhatIsFinerThanWanted) 
 class Watched : private Seeded {
  public:
   Watched(uint32_t seed, uint64_t drawn_budget_bytes)
-      : Seeded(seed), instance_({.drawn_budget_bytes = drawn_budget_bytes}) {}
+      : Seeded(seed), group_({.drawn_budget_bytes = drawn_budget_bytes}) {}
 
   /// Goes on from near the model to where less is wanted of what is there, and what was not seen before.
   static Watched steppingBack(uint32_t seed, uint64_t drawn_budget_bytes) {
@@ -151,15 +151,15 @@ class Watched : private Seeded {
     return camera;
   }
 
-  void see(const View& view, float threshold_px) { instance_.setView(view, threshold_px); }
+  void see(const View& view, float threshold_px) { group_.setView(view, threshold_px); }
 
   /// Calls see(cut) each time that something has come, until all has.
   template <typename See>
   void watch(See&& see) {
-    for (instance_.refine(model_);; instance_.refine(model_)) {
-      see(*instance_.cut());
-      if (instance_.requests().empty()) return;
-      deliver(instance_.requests().front());
+    for (group_.refine(model_);; group_.refine(model_)) {
+      see(*group_.cut());
+      if (group_.requests().empty()) return;
+      deliver(group_.requests().front());
     }
   }
 
@@ -183,7 +183,7 @@ class Watched : private Seeded {
     return most;
   }
 
-  const Instance& instance() const { return instance_; }
+  const ViewGroup& group() const { return group_; }
 
  private:
   static Parts::const_iterator partAt(const Parts& parts, NodeKey place) {
@@ -192,15 +192,15 @@ class Watched : private Seeded {
     return parts.end();
   }
 
-  Instance instance_;
+  ViewGroup group_;
 };
 
-TEST(Instance, doesNotTakeBackWhatItHasGivenUpEachTimeThatSomethingComes) {
+TEST(ViewGroup, doesNotTakeBackWhatItHasGivenUpEachTimeThatSomethingComes) {
   int most = 0;
   for (uint32_t seed = 1; seed < 7; ++seed) {
     auto unlimited = Watched::steppingBack(seed, std::numeric_limits<uint64_t>::max());
     unlimited.mostRises();
-    const uint64_t liked = unlimited.instance().cut()->drawn_bytes;
+    const uint64_t liked = unlimited.group().cut()->drawn_bytes;
     for (uint64_t budget = liked; budget < 5 * liked / 4; budget += liked / 16)
       most = std::max(most, Watched::steppingBack(seed, budget).mostRises());
   }

@@ -1,4 +1,4 @@
-#include "server/serve/door.h"
+#include "server/serve/acceptor.h"
 
 #include <memory>
 #include <new>
@@ -17,21 +17,21 @@ using asio::ip::tcp;
 using namespace std::chrono_literals;
 
 /// A door without a server: its loop is turned by hand, as Server::run() does.
-class DoorTest : public testing::Test {
+class AcceptorTest : public testing::Test {
  protected:
-  DoorTest() {
+  AcceptorTest() {
     tcp::acceptor acceptor(context_, {asio::ip::address_v4::loopback(), 0});
     address_ = acceptor.local_endpoint();
-    door_.emplace(std::move(acceptor), DoorOptions{}, admission_, budget_, tallies_, log_,
-                  [this](const tcp::socket&, const Place&, const MemoryAccount&, const std::string&) {
-                    if (hand_throws_) throw std::bad_alloc();
-                    if (hand_throws_what_nobody_catches_) throw 1;
-                    ++handed_;
-                  });
+    acceptor_.emplace(std::move(acceptor), AcceptorOptions{}, admission_, budget_, counters_, log_,
+                      [this](const tcp::socket&, const Place&, const MemoryAccount&, const std::string&) {
+                        if (hand_throws_) throw std::bad_alloc();
+                        if (hand_throws_what_nobody_catches_) throw 1;
+                        ++handed_;
+                      });
   }
   void turn() {
     try {
-      door_->open();
+      acceptor_->open();
       context_.run_one_for(10ms);
     } catch (...) {  // NOLINT(bugprone-empty-catch): as Server::run() goes on
     }
@@ -58,16 +58,16 @@ class DoorTest : public testing::Test {
   asio::io_context context_, client_context_;
   Admission admission_{1000, {}};
   MemoryBudget budget_{1u << 20};
-  ThreadTallies tallies_;
+  ThreadCounters counters_;
   Log log_{{.descriptor = quiet_.descriptor}};
-  std::optional<Door> door_;
+  std::optional<Acceptor> acceptor_;
   tcp::endpoint address_;
   std::vector<tcp::socket> clients_;
   bool hand_throws_ = false, hand_throws_what_nobody_catches_ = false;
   int handed_ = 0;
 };
 
-TEST_F(DoorTest, aConnectionThatThereIsNoMemoryForLosesItsPlaceAndTheNextIsTaken) {
+TEST_F(AcceptorTest, aConnectionThatThereIsNoMemoryForLosesItsPlaceAndTheNextIsTaken) {
   hand_throws_ = true;
   EXPECT_FALSE(isTakenWithin(50ms));
   EXPECT_EQ(admission_.count(), 0u);
@@ -76,14 +76,14 @@ TEST_F(DoorTest, aConnectionThatThereIsNoMemoryForLosesItsPlaceAndTheNextIsTaken
   EXPECT_TRUE(isTakenWithin(60s));
 }
 
-TEST_F(DoorTest, openedAgainAfterItsLoopWasThrownOutItTakesTheNext) {
+TEST_F(AcceptorTest, openedAgainAfterItsLoopWasThrownOutItTakesTheNext) {
   hand_throws_what_nobody_catches_ = true;
   EXPECT_FALSE(isTakenWithin(50ms));
   hand_throws_what_nobody_catches_ = false;
   EXPECT_TRUE(isTakenWithin(60s));
 }
 
-TEST_F(DoorTest, whereverMemoryRunsOutTheNextConnectionIsTaken) {
+TEST_F(AcceptorTest, whereverMemoryRunsOutTheNextConnectionIsTaken) {
   ASSERT_TRUE(isTakenWithin(60s));
   for (size_t nth = 0, failed = 1; failed > 0; ++nth) {
     connect();

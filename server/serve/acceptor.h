@@ -20,19 +20,19 @@
 
 namespace lode::serve {
 
-struct DoorOptions {
+struct AcceptorOptions {
   bool count_addresses = true;    ///< false behind a balancer: its header says them later
   uint64_t connection_bytes = 0;  ///< what each is taken to cost
 };
 
 /// Takes connections in, or says why not. Not thread safe; it lives on the thread of its context.
-class Door {
+class Acceptor {
  public:
   /// What a connection that was let in is handed to.
   using Hand = std::function<void(asio::ip::tcp::socket, Place, MemoryAccount, std::string client)>;
 
-  Door(asio::ip::tcp::acceptor acceptor, DoorOptions options, Admission& admission, MemoryBudget& budget,
-       ThreadTallies& tallies, Log& log, Hand hand);
+  Acceptor(asio::ip::tcp::acceptor acceptor, AcceptorOptions options, Admission& admission,
+           MemoryBudget& budget, ThreadCounters& counters, Log& log, Hand hand);
 
   /// Until close(); whatever goes wrong with one connection, the next is taken. Call it again when something
   /// was thrown out of the context's run().
@@ -51,10 +51,10 @@ class Door {
   bool outOfDescriptors(const asio::error_code& error) const noexcept;
 
   asio::ip::tcp::acceptor acceptor_;
-  DoorOptions options_;
+  AcceptorOptions options_;
   Admission& admission_;
   MemoryBudget& budget_;
-  ThreadTallies& tallies_;
+  ThreadCounters& counters_;
   Log& log_;
   Hand hand_;
   std::shared_ptr<asio::ssl::context> tls_;

@@ -9,7 +9,7 @@
 namespace lode::serve {
 
 /// A number that one thread adds to and any thread reads: no lock, no locked instruction.
-class Tally {
+class Counter {
  public:
   void add(uint64_t more = 1) noexcept {
     value_.store(value_.load(std::memory_order_relaxed) + more, std::memory_order_relaxed);
@@ -25,7 +25,7 @@ constexpr std::array kLatencyBoundsSeconds{0.0001, 0.0002, 0.0005, 0.001, 0.002,
                                            0.05,   0.1,    0.2,    0.5,   1.0,   2.0,   5.0,  10.0};
 
 /// Durations, counted by bucket. One thread adds, any reads.
-class LatencyTally {
+class LatencyCounter {
  public:
   static constexpr size_t kBuckets = kLatencyBoundsSeconds.size() + 1;
 
@@ -40,8 +40,8 @@ class LatencyTally {
   uint64_t sumNs() const noexcept { return sum_ns_.read(); }
 
  private:
-  std::array<Tally, kBuckets> buckets_;
-  Tally sum_ns_;
+  std::array<Counter, kBuckets> buckets_;
+  Counter sum_ns_;
 };
 
 }  // namespace lode::serve

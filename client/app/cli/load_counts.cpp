@@ -1,8 +1,8 @@
-#include "client/app/cli/load_tally.h"
+#include "client/app/cli/load_counts.h"
 
 namespace lode::app {
 
-void LoadTally::add(const LoadTally& other) {
+void LoadCounts::add(const LoadCounts& other) {
   for (size_t i = 0; i < latency.size(); ++i) latency[i].add(other.latency[i]);
   first_image.add(other.first_image);
   converged.add(other.converged);
@@ -21,12 +21,12 @@ void LoadTally::add(const LoadTally& other) {
   if (first_error.empty()) first_error = other.first_error;
 }
 
-void LoadTally::noteError(ErrorCode code, const std::string& what) {
+void LoadCounts::noteError(ErrorCode code, const std::string& what) {
   if (first_error.empty()) first_error = what;
   ++errors[code];
 }
 
-uint64_t LoadTally::errorCount() const noexcept {
+uint64_t LoadCounts::errorCount() const noexcept {
   uint64_t count = 0;
   for (const auto& [code, of_code] : errors) count += of_code;
   return count;

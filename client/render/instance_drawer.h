@@ -16,23 +16,23 @@ namespace lode::render {
 class Renderer;
 
 /// A model where it stands once.
-struct Placement {
+struct InstanceDraw {
   Renderer* renderer = nullptr;
-  size_t place = 0;  ///< of the model
-  core::View view;   ///< as the model sees it from there
+  size_t instance = 0;  ///< of the model
+  core::View view;      ///< as the model sees it from there
   DrawStyle style{};
 };
 
 /// Draws models where they stand, and leaves out what they hide of one another. Made, used and destroyed on
 /// the thread of its context.
-class PlacementDrawer {
+class InstanceDrawer {
  public:
-  /// @param placements  those in sight, best the nearest first; styles of all but the first are over what is
+  /// @param instances  those in sight, best the nearest first; styles of all but the first are over what is
   ///                    there. Renderer::leaveOut() is for all others.
-  DrawCounts draw(std::span<const Placement> placements, const Framebuffer& target, const DrawTime& time);
+  DrawCounts draw(std::span<const InstanceDraw> instances, const Framebuffer& target, const DrawTime& time);
 
  private:
-  DrawCounts drawByGpu(std::span<const Placement> placements, const Framebuffer& target,
+  DrawCounts drawByGpu(std::span<const InstanceDraw> instances, const Framebuffer& target,
                        const DrawTime& time);
 
   std::optional<DepthReader> depth_reader_;

@@ -1,4 +1,4 @@
-#include "client/core/placed_cuts.h"
+#include "client/core/view_cuts.h"
 
 #include <algorithm>
 #include <tuple>

@@ -1,4 +1,4 @@
-#include "client/core/placed_cuts.h"
+#include "client/core/view_cuts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,20 +23,20 @@ class Standing : private Seeded {
  public:
   explicit Standing(uint32_t seed, uint64_t memory_budget_bytes = 1ull << 40,
                     const RefineOptions& options = {})
-      : Seeded(seed, memory_budget_bytes), instance_(options) {}
+      : Seeded(seed, memory_budget_bytes), group_(options) {}
 
   void see(const std::vector<View>& views, float threshold_px = 1) {
-    instance_.setViews(views, threshold_px);
-    instance_.refine(model_);
+    group_.setViews(views, threshold_px);
+    group_.refine(model_);
   }
   /// Calls watch() each time that something has come, until all has. @return how much came.
   template <typename Watch>
   int deliverAll(Watch&& watch) {
     constexpr int kTooMany = 5000;
     int count = 0;
-    for (; !instance_.requests().empty() && count < kTooMany; ++count) {
-      deliver(instance_.requests().front());
-      instance_.refine(model_);
+    for (; !group_.requests().empty() && count < kTooMany; ++count) {
+      deliver(group_.requests().front());
+      group_.refine(model_);
       watch();
     }
     EXPECT_LT(count, kTooMany);
@@ -48,13 +48,13 @@ class Standing : private Seeded {
 
   void give(uint64_t memory_budget_bytes, uint64_t drawn_budget_bytes) {
     model_.setMemoryBudget(memory_budget_bytes);
-    instance_.setDrawnBudget(drawn_budget_bytes);
-    instance_.refine(model_);
+    group_.setDrawnBudget(drawn_budget_bytes);
+    group_.refine(model_);
   }
 
-  const Instance& instance() const { return instance_; }
-  const Cut& cut(size_t view) const { return *instance_.placed()->cuts[view]; }
-  const Cut& all() const { return *instance_.cut(); }
+  const ViewGroup& group() const { return group_; }
+  const Cut& cut(size_t view) const { return *group_.viewCuts()->cuts[view]; }
+  const Cut& all() const { return *group_.cut(); }
   uint64_t residentBytes() const { return model_.meshes().bytes(); }
   uint64_t budgetBytes() const { return model_.meshes().budgetBytes(); }
   Parts wanted(const View& view, float threshold_px) const {
@@ -62,20 +62,20 @@ class Standing : private Seeded {
   }
 
  private:
-  Instance instance_;
+  ViewGroup group_;
 };
 
-class PlacedViews : public testing::TestWithParam<uint32_t> {};
-INSTANTIATE_TEST_SUITE_P(Seeds, PlacedViews, testing::Range(1u, 7u));
+class ViewsOfAGroup : public testing::TestWithParam<uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, ViewsOfAGroup, testing::Range(1u, 7u));
 
-TEST_P(PlacedViews, convergeEachToTheCutThatItHasAlone) {
+TEST_P(ViewsOfAGroup, convergeEachToTheCutThatItHasAlone) {
   Standing model(GetParam());
   model.see({kNear, kFar, kAside});
   model.deliverAll();
   EXPECT_EQ(partsOf(model.cut(0)), model.wanted(kNear, 1));
   EXPECT_EQ(partsOf(model.cut(1)), model.wanted(kFar, 1));
   EXPECT_EQ(partsOf(model.cut(2)), model.wanted(kAside, 1));
-  EXPECT_TRUE(model.instance().settled());
+  EXPECT_TRUE(model.group().settled());
   EXPECT_TRUE(model.all().converged);
 }
 
@@ -85,13 +85,13 @@ std::map<BlobUse, Request> byUse(const std::vector<Request>& requests) {
   return found;
 }
 
-TEST_P(PlacedViews, askForAMeshOnceWithThePriorityOfThePlaceThatNeedsItMost) {
+TEST_P(ViewsOfAGroup, askForAMeshOnceWithThePriorityOfThePlaceThatNeedsItMost) {
   Standing both(GetParam()), near(GetParam()), aside(GetParam());
   both.see({kAside, kNear});
   near.see({kNear, kNear});  // two, so that nothing is taken for hidden
   aside.see({kAside, kAside});
-  const auto of_near = byUse(near.instance().requests()), of_aside = byUse(aside.instance().requests());
-  const auto merged = byUse(both.instance().requests());
+  const auto of_near = byUse(near.group().requests()), of_aside = byUse(aside.group().requests());
+  const auto merged = byUse(both.group().requests());
   std::set<BlobUse> uses;
   for (const auto* requests : {&of_near, &of_aside})
     for (const auto& [use, request] : *requests) uses.insert(use);
@@ -107,24 +107,24 @@ TEST_P(PlacedViews, askForAMeshOnceWithThePriorityOfThePlaceThatNeedsItMost) {
       }
     }
   }
-  EXPECT_TRUE(std::ranges::is_sorted(both.instance().requests(), [](const Request& a, const Request& b) {
+  EXPECT_TRUE(std::ranges::is_sorted(both.group().requests(), [](const Request& a, const Request& b) {
     return a.request_class != b.request_class ? a.request_class < b.request_class
                                               : a.priority_px > b.priority_px;
   }));
 }
 
-TEST_P(PlacedViews, costNothingWhereTheCameraDoesNotSeeThem) {
+TEST_P(ViewsOfAGroup, costNothingWhereTheCameraDoesNotSeeThem) {
   Standing one(GetParam()), two(GetParam());
   one.see({kFar, kFar});
   two.see({kFar, kAway});
-  EXPECT_EQ(byUse(two.instance().requests()).size(), byUse(one.instance().requests()).size());
+  EXPECT_EQ(byUse(two.group().requests()).size(), byUse(one.group().requests()).size());
   const int came = one.deliverAll();
   EXPECT_EQ(two.deliverAll(), came);
   EXPECT_EQ(two.residentBytes(), one.residentBytes());
   EXPECT_EQ(two.cut(1).parts.size(), 1u) << "the root stands by";
 }
 
-TEST_P(PlacedViews, shareMeshesInWhatIsDrawn) {
+TEST_P(ViewsOfAGroup, shareMeshesInWhatIsDrawn) {
   Standing model(GetParam());
   model.see({kNear, kNear, kFar});
   model.deliverAll();
@@ -150,7 +150,7 @@ std::optional<float> commonThreshold(const Standing& model, const std::vector<Vi
   return std::nullopt;
 }
 
-TEST_P(PlacedViews, areHeldToOneErrorWhereWhatIsDrawnHasNoRoomForAll) {
+TEST_P(ViewsOfAGroup, areHeldToOneErrorWhereWhatIsDrawnHasNoRoomForAll) {
   const std::vector<View> views{kNear, kAside, kFar};
   Standing unlimited(GetParam());
   unlimited.see(views);
@@ -159,15 +159,15 @@ TEST_P(PlacedViews, areHeldToOneErrorWhereWhatIsDrawnHasNoRoomForAll) {
   Standing model(GetParam(), 1ull << 40, {.drawn_budget_bytes = budget_bytes});
   model.see(views);
   model.deliverAll([&] { EXPECT_LE(model.all().drawn_bytes, budget_bytes); });
-  EXPECT_TRUE(model.instance().limited());
-  EXPECT_TRUE(model.instance().settled());
+  EXPECT_TRUE(model.group().limited());
+  EXPECT_TRUE(model.group().settled());
   EXPECT_FALSE(model.all().converged);
   const std::optional<float> threshold_px = commonThreshold(model, views);
   ASSERT_TRUE(threshold_px);
   EXPECT_GT(*threshold_px, 1);
 }
 
-TEST_P(PlacedViews, keepWithinTheMemoryOfTheModelTogether) {
+TEST_P(ViewsOfAGroup, keepWithinTheMemoryOfTheModelTogether) {
   const std::vector<View> views{kNear, kAside, insideView()};
   Standing unlimited(GetParam());
   unlimited.see(views);
@@ -175,42 +175,42 @@ TEST_P(PlacedViews, keepWithinTheMemoryOfTheModelTogether) {
   Standing model(GetParam(), unlimited.residentBytes());
   model.see(views);
   model.deliverAll([&] { EXPECT_LE(model.residentBytes(), model.budgetBytes()); });
-  EXPECT_TRUE(model.instance().limited());
+  EXPECT_TRUE(model.group().limited());
   EXPECT_TRUE(commonThreshold(model, views));
 }
 
-TEST_P(PlacedViews, becomeAsFineAsWantedAgainWhereOneHasGone) {
+TEST_P(ViewsOfAGroup, becomeAsFineAsWantedAgainWhereOneHasGone) {
   Standing unlimited(GetParam());
   unlimited.see({kFar, kFar});
   unlimited.deliverAll();
   Standing model(GetParam(), 1ull << 40, {.drawn_budget_bytes = 2 * unlimited.all().drawn_bytes});
   model.see({kFar, kNear, insideView()});
   model.deliverAll();
-  ASSERT_TRUE(model.instance().limited());
+  ASSERT_TRUE(model.group().limited());
   model.see({kFar, kAway, kAway});
   model.deliverAll();
   EXPECT_TRUE(model.all().converged);
   EXPECT_EQ(partsOf(model.cut(0)), model.wanted(kFar, 1));
 }
 
-TEST_P(PlacedViews, sayWhatTheyWantOfTheMemoryAlsoWhereTheyDoNotGetIt) {
+TEST_P(ViewsOfAGroup, sayWhatTheyWantOfTheMemoryAlsoWhereTheyDoNotGetIt) {
   const RefineOptions counted{.lists_wanted = true};
   Standing unlimited(GetParam(), 1ull << 40, counted);
   unlimited.see({kNear});
   unlimited.deliverAll();
   uint64_t wanted_bytes = 0;
   for (const CutPart& part : unlimited.all().parts) wanted_bytes += meshBytes(*part.mesh) + kPartBytes;
-  EXPECT_EQ(unlimited.instance().wantedBytes(), wanted_bytes);
+  EXPECT_EQ(unlimited.group().wantedBytes(), wanted_bytes);
   Standing model(GetParam(), 1ull << 40, counted);
   model.give(1ull << 40, unlimited.all().drawn_bytes / 2);
   model.see({kNear});
   model.deliverAll();
-  EXPECT_TRUE(model.instance().limited());
-  EXPECT_GT(model.instance().wantedBytes(), wanted_bytes / 3);
-  EXPECT_LT(model.instance().wantedBytes(), wanted_bytes * 3);
+  EXPECT_TRUE(model.group().limited());
+  EXPECT_GT(model.group().wantedBytes(), wanted_bytes / 3);
+  EXPECT_LT(model.group().wantedBytes(), wanted_bytes * 3);
 }
 
-TEST_P(PlacedViews, becomeCoarserWithLessMemoryAndAsFineAgainWithMore) {
+TEST_P(ViewsOfAGroup, becomeCoarserWithLessMemoryAndAsFineAgainWithMore) {
   const std::vector<View> views{kNear, kAside};
   Standing model(GetParam(), 1ull << 40);
   model.see(views);
@@ -221,7 +221,7 @@ TEST_P(PlacedViews, becomeCoarserWithLessMemoryAndAsFineAgainWithMore) {
   EXPECT_LE(model.residentBytes(), model.budgetBytes());
   EXPECT_LE(model.all().drawn_bytes, drawn_bytes / 2);
   model.deliverAll();
-  EXPECT_TRUE(model.instance().limited());
+  EXPECT_TRUE(model.group().limited());
   EXPECT_TRUE(commonThreshold(model, views));
   model.give(1ull << 40, 1ull << 40);
   model.deliverAll();

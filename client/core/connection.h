@@ -14,32 +14,33 @@ constexpr std::chrono::milliseconds kFirstRetry{500};  ///< longest wait before 
 constexpr std::chrono::milliseconds kMoveOn{200};      ///< longest wait where a server is going away
 constexpr std::chrono::seconds kLastRetry{30};         ///< and before any; half more each time in between
 
-/// Which of a link's connections: the newest, or the one before whose server is going away.
-enum class Line : uint8_t { kNewest, kLeaving };
-inline constexpr std::array kLines{Line::kNewest, Line::kLeaving};
+/// Which of a connection's connections: the newest, or the one before whose server is going away.
+enum class Line : uint8_t { kActive, kDraining };
+inline constexpr std::array kLines{Line::kActive, Line::kDraining};
 
 /// A session with a server that is begun anew when its connection ends. Says when, and waits longer after
 /// each try that fails, with jitter, so that the clients of a server that restarts do not come all at once.
 /// A session whose server is going away stays beside the next one, for what it was requested. Not thread
 /// safe.
-class Link {
+class Connection {
  public:
   /// @param options      awaits_model of them: once it was open.
   /// @param jitter_seed  of the waiting times.
-  Link(SessionOptions options, uint32_t jitter_seed) : options_(std::move(options)), random_(jitter_seed) {}
+  Connection(SessionOptions options, uint32_t jitter_seed)
+      : options_(std::move(options)), random_(jitter_seed) {}
 
   /// A connection is to be made now: make a transport, then begin().
   bool due(TimePoint now) const noexcept { return (!session_ || is_leaving_) && now >= retry_at_; }
   /// There is a transport: a session begins, whose first bytes can be taken.
   /// @param known_build_id  of the model as the client has it; zeros for none.
-  void begin(const BlobName& known_build_id, TimePoint now);
+  void begin(const Digest& known_build_id, TimePoint now);
   /// Null while there is no such connection.
-  Session* session(Line line = Line::kNewest) noexcept {
-    std::optional<Session>& session = line == Line::kNewest ? session_ : leaving_;
+  Session* session(Line line = Line::kActive) noexcept {
+    std::optional<Session>& session = line == Line::kActive ? session_ : leaving_;
     return session ? &*session : nullptr;
   }
-  const Session* session(Line line = Line::kNewest) const noexcept {
-    return const_cast<Link*>(this)->session(line);
+  const Session* session(Line line = Line::kActive) const noexcept {
+    return const_cast<Connection*>(this)->session(line);
   }
   /// New requests may be sent: there is a newest session, and its server stays.
   bool takesRequests() const noexcept { return session_ && !is_leaving_; }
@@ -56,7 +57,7 @@ class Link {
   /// The server is going away: another connection is due soon, and the session stays until it ends.
   void leave(std::string why, TimePoint now);
   /// The session before has ended.
-  void endLeaving() noexcept;
+  void endDraining() noexcept;
   /// The session has ended; another is due at once.
   void restart(TimePoint now);
 

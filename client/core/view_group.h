@@ -8,11 +8,11 @@
 
 #include "client/core/cut.h"
 #include "client/core/model.h"
-#include "client/core/placed_cuts.h"
 #include "client/core/refiner.h"
 #include "client/core/request.h"
 #include "client/core/seen_places.h"
 #include "client/core/view.h"
+#include "client/core/view_cuts.h"
 
 namespace lode::core {
 
@@ -20,11 +20,11 @@ namespace lode::core {
 /// what is resident, a cut for each and the requests the rest. Meshes and budgets are shared by all views.
 /// Where a budget does not allow what several views want, all are held to the same larger error. Not thread
 /// safe; the cuts it gives are.
-class Instance {
+class ViewGroup {
  public:
   /// @param options  what of them stays: the hysteresis and the budgets of triangles and of drawn bytes; the
   ///                 latter is here for the cut and its fallbacks together.
-  explicit Instance(const RefineOptions& options = {});
+  explicit ViewGroup(const RefineOptions& options = {});
 
   /// Of drawn bytes, as in the options.
   void setDrawnBudget(uint64_t bytes) noexcept;
@@ -38,8 +38,8 @@ class Instance {
   bool refine(Model& model);
 
   /// The last cuts; null until the root's coarsest LOD is there and a view is set.
-  const std::shared_ptr<const PlacedCuts>& placed() const noexcept { return placed_; }
-  /// Their meshes: of one view, its cut. Null as placed().
+  const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return view_cuts_; }
+  /// Their meshes: of one view, its cut. Null as viewCuts().
   const std::shared_ptr<const Cut>& cut() const noexcept;
   /// The build that they are of: see Model::build().
   uint64_t cutBuild() const noexcept { return cut_build_; }
@@ -65,7 +65,7 @@ class Instance {
   enum class Giving { kNothing, kFallbacks, kFinerStandIns };
 
   /// A view, and what is kept of it from one refinement to the next.
-  struct Placed {
+  struct ViewState {
     View view;
     std::vector<HeldNode> held;
     std::optional<SeenPlaces> seen;  // by the view, as far as known, and
@@ -78,7 +78,7 @@ class Instance {
     std::shared_ptr<Cut> all;             // null while a view has none
   };
 
-  static bool lookAtWhatIsSeen(Placed& placed, const Cut& cut, const ModelSummary& model);
+  static bool lookAtWhatIsSeen(ViewState& state, const Cut& cut, const ModelSummary& model);
   Gathered refineWith(const Model& model, const RefineOptions& options) const;
   RefineOptions optionsAt(Giving giving) const;
   /// Of the wanted cuts together: decoded, and where they are drawn.
@@ -99,10 +99,10 @@ class Instance {
 
   RefineOptions options_;
   uint64_t drawn_budget_bytes_ = 0;  // of the cuts and their fallbacks
-  std::vector<Placed> views_;
+  std::vector<ViewState> views_;
   uint64_t model_version_ = 0;  // that the last refinement saw
   bool views_changed_ = false;
-  std::shared_ptr<const PlacedCuts> placed_;
+  std::shared_ptr<const ViewCuts> view_cuts_;
   uint64_t cut_build_ = 0;
   std::vector<Request> requests_;
   std::vector<NodeKey> pages_;

@@ -1,4 +1,4 @@
-#include "common/let_go.h"
+#include "common/release_storage.h"
 
 #include <vector>
 
@@ -9,7 +9,7 @@ namespace {
 
 TEST(LetGo, freesWhatAContainerHolds) {
   std::vector<int> numbers(1000, 7);
-  letGo(numbers);
+  releaseStorage(numbers);
   EXPECT_TRUE(numbers.empty());
   EXPECT_EQ(numbers.capacity(), 0u);
 }

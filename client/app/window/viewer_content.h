@@ -24,7 +24,7 @@ enum class Lacking : uint8_t { kRefused, kShown };
 
 /// What the window shows: a model or a scene, which opens beside the window's thread, streams and is drawn.
 /// Views and points are in the frame of summary(). For the window's thread.
-class Exhibit {
+class ViewerContent {
  public:
   struct Opening {
     std::string phase = {};  ///< what is being done,
@@ -32,7 +32,7 @@ class Exhibit {
     bool is_open = false;
     std::optional<Error> error = std::nullopt;
   };
-  virtual ~Exhibit() = default;
+  virtual ~ViewerContent() = default;
 
   /// Looks how far it has come, without waiting. What is below is for when it is open.
   virtual Opening open() = 0;

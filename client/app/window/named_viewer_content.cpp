@@ -1,4 +1,4 @@
-#include "client/app/window/named_exhibit.h"
+#include "client/app/window/named_viewer_content.h"
 
 #include "client/app/cli/first_camera.h"
 #include "client/app/cli/target.h"
@@ -10,7 +10,7 @@ namespace {
 
 stream::StreamOptions streamOptions(const CommonOptions& common) {
   stream::StreamOptions options = common.streamOptions();
-  options.hold_factor = core::kHoldFactor;
+  options.hysteresis_factor = core::kHysteresisFactor;
   options.prefetch = true;
   options.awaits_model = true;
   return options;
@@ -18,7 +18,7 @@ stream::StreamOptions streamOptions(const CommonOptions& common) {
 
 }  // namespace
 
-std::unique_ptr<Exhibit> exhibitOf(const CommonOptions& common, Lacking lacking) {
+std::unique_ptr<ViewerContent> contentOf(const CommonOptions& common, Lacking lacking) {
   if (namesScene(common.target)) return std::make_unique<ViewedScene>(common, lacking);
   return std::make_unique<ViewedModel>(parseTarget(common.target), streamOptions(common),
                                        wantedFraming(common), common.timeout());

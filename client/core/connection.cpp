@@ -1,10 +1,10 @@
-#include "client/core/link.h"
+#include "client/core/connection.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace lode::core {
-void Link::begin(const BlobName& known_build_id, TimePoint now) {
+void Connection::begin(const Digest& known_build_id, TimePoint now) {
   options_.known_build_id = known_build_id;
   if (session_) {
     drop(leaving_);
@@ -16,23 +16,23 @@ void Link::begin(const BlobName& known_build_id, TimePoint now) {
   session_.emplace(std::move(options), now);
 }
 
-void Link::succeeded() noexcept {
+void Connection::succeeded() noexcept {
   longest_wait_ = kFirstRetry;
   ever_open_ = true;
   trouble_.clear();
 }
 
-void Link::drop(std::optional<Session>& session) noexcept {
+void Connection::drop(std::optional<Session>& session) noexcept {
   if (session) received_before_bytes_ += session->receivedBytes();
   session.reset();
 }
 
-TimePoint Link::someTimeAfter(TimePoint now, std::chrono::milliseconds longest) {
+TimePoint Connection::someTimeAfter(TimePoint now, std::chrono::milliseconds longest) {
   std::uniform_int_distribution<int64_t> wait_ms(longest.count() / 2, longest.count());
   return now + std::chrono::milliseconds(wait_ms(random_));
 }
 
-void Link::end(std::string why, TimePoint now) {
+void Connection::end(std::string why, TimePoint now) {
   drop(session_);
   is_leaving_ = false;
   retry_at_ = someTimeAfter(now, longest_wait_);
@@ -40,30 +40,30 @@ void Link::end(std::string why, TimePoint now) {
   trouble_ = std::move(why);
 }
 
-void Link::leave(std::string why, TimePoint now) {
+void Connection::leave(std::string why, TimePoint now) {
   if (!session_->opened()) return end(std::move(why), now);
   is_leaving_ = true;
   retry_at_ = someTimeAfter(now, kMoveOn);
 }
 
-void Link::endLeaving() noexcept { drop(leaving_); }
+void Connection::endDraining() noexcept { drop(leaving_); }
 
-bool Link::survives(const Error& error) const noexcept {
+bool Connection::survives(const Error& error) const noexcept {
   return ever_open_ && (error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout);
 }
 
-void Link::fail(const Error& error, TimePoint now) {
+void Connection::fail(const Error& error, TimePoint now) {
   if (!survives(error)) throw error;
   end(error.what(), now);
 }
 
-void Link::restart(TimePoint now) {
+void Connection::restart(TimePoint now) {
   drop(session_);
   is_leaving_ = false;
   retry_at_ = now;
 }
 
-uint64_t Link::receivedBytes() const noexcept {
+uint64_t Connection::receivedBytes() const noexcept {
   return received_before_bytes_ + (session_ ? session_->receivedBytes() : 0) +
          (leaving_ ? leaving_->receivedBytes() : 0);
 }

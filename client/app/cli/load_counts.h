@@ -11,7 +11,7 @@
 namespace lode::app {
 
 /// What the clients of one thread have seen.
-struct LoadTally {
+struct LoadCounts {
   /// By class, from a request's intended time to its last byte; of a full client from when it was sent.
   std::array<LatencyHistogram, 3> latency;
   LatencyHistogram first_image;  ///< from a client's intended start to the root's coarsest LOD
@@ -29,7 +29,7 @@ struct LoadTally {
   std::map<ErrorCode, uint64_t> errors;
   std::string first_error;
 
-  void add(const LoadTally& other);
+  void add(const LoadCounts& other);
   void noteError(ErrorCode code, const std::string& what);
   uint64_t errorCount() const noexcept;
 };

@@ -10,7 +10,7 @@
 namespace lode::core {
 
 /// The cuts of one model for all of its views, which share meshes. Immutable, as cuts are.
-struct PlacedCuts {
+struct ViewCuts {
   std::vector<std::shared_ptr<const Cut>> cuts;  ///< by view
   /// All that they are drawn from: of one view its cut; of several, their parts and fallbacks as parts, each
   /// mesh once, with the textures, their triangles added up, and the largest error.

@@ -1,4 +1,4 @@
-#include "client/core/instance.h"
+#include "client/core/view_group.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,69 +24,69 @@ bool hasRoom(uint64_t bytes, uint64_t budget_bytes, bool to_spare) {
 
 }  // namespace
 
-Instance::Instance(const RefineOptions& options) : options_(options) {
+ViewGroup::ViewGroup(const RefineOptions& options) : options_(options) {
   setDrawnBudget(options.drawn_budget_bytes);
 }
 
-void Instance::setDrawnBudget(uint64_t bytes) noexcept {
+void ViewGroup::setDrawnBudget(uint64_t bytes) noexcept {
   drawn_budget_bytes_ = bytes;
   options_.fallback_drawn_budget_bytes = bytes / kFallbackShare;
   options_.drawn_budget_bytes = bytes - options_.fallback_drawn_budget_bytes;
   views_changed_ = true;
 }
 
-void Instance::setViews(std::span<const View> views, float threshold_px) {
+void ViewGroup::setViews(std::span<const View> views, float threshold_px) {
   const bool is_same_count = views_.size() == views.size();
   const bool is_same_threshold = options_.threshold_px == threshold_px;
   views_.resize(views.size());
   for (size_t number = 0; number < views.size(); ++number) {
-    Placed& placed = views_[number];
-    if (is_same_count && is_same_threshold && placed.view == views[number]) continue;
-    placed.view = views[number];
-    placed.seen.reset();
-    placed.seen_triangles = 0;
+    ViewState& state = views_[number];
+    if (is_same_count && is_same_threshold && state.view == views[number]) continue;
+    state.view = views[number];
+    state.seen.reset();
+    state.seen_triangles = 0;
     views_changed_ = true;
   }
   options_.threshold_px = threshold_px;
 }
 
-void Instance::forgetModel() noexcept {
+void ViewGroup::forgetModel() noexcept {
   model_version_ = 0;
   settled_ = limited_ = false;
   giving_ = Giving::kNothing;
   coarsening_ = 0;
   requests_.clear();
   pages_.clear();
-  for (Placed& placed : views_) {
-    placed.held.clear();
-    placed.seen.reset();
-    placed.seen_triangles = 0;
+  for (ViewState& state : views_) {
+    state.held.clear();
+    state.seen.reset();
+    state.seen_triangles = 0;
   }
 }
 
-const std::shared_ptr<const Cut>& Instance::cut() const noexcept {
+const std::shared_ptr<const Cut>& ViewGroup::cut() const noexcept {
   static const std::shared_ptr<const Cut> kNone;
-  return placed_ ? placed_->all : kNone;
+  return view_cuts_ ? view_cuts_->all : kNone;
 }
 
 /// Where something is missing: at once, and again whenever the cut has become finer.
 /// @return whether more is known than before.
-bool Instance::lookAtWhatIsSeen(Placed& placed, const Cut& cut, const ModelSummary& model) {
-  if (cut.converged || cut.triangles < kFinerRatio * placed.seen_triangles ||
+bool ViewGroup::lookAtWhatIsSeen(ViewState& state, const Cut& cut, const ModelSummary& model) {
+  if (cut.converged || cut.triangles < kFinerRatio * state.seen_triangles ||
       cut.triangles > SeenPlaces::kMostTriangles)
     return false;
-  placed.seen = SeenPlaces::of(cut, model);
-  placed.seen_triangles = cut.triangles;
-  return placed.seen.has_value();
+  state.seen = SeenPlaces::of(cut, model);
+  state.seen_triangles = cut.triangles;
+  return state.seen.has_value();
 }
 
-Instance::Gathered Instance::refineWith(const Model& model, const RefineOptions& options) const {
+ViewGroup::Gathered ViewGroup::refineWith(const Model& model, const RefineOptions& options) const {
   Gathered gathered;
   std::vector<std::shared_ptr<const Cut>> cuts;
-  for (const Placed& placed : views_) {
-    const SeenPlaces* const seen = placed.seen ? &*placed.seen : nullptr;
+  for (const ViewState& state : views_) {
+    const SeenPlaces* const seen = state.seen ? &*state.seen : nullptr;
     gathered.refinements.push_back(core::refine(model.hierarchy(), model.meshes(), model.summary().lattice,
-                                                model.summary().attributes, placed.view, options, placed.held,
+                                                model.summary().attributes, state.view, options, state.held,
                                                 seen));
     if (const auto& cut = gathered.refinements.back().cut) cuts.push_back(cut);
   }
@@ -95,7 +95,7 @@ Instance::Gathered Instance::refineWith(const Model& model, const RefineOptions&
   return gathered;
 }
 
-RefineOptions Instance::optionsAt(Giving giving) const {
+RefineOptions ViewGroup::optionsAt(Giving giving) const {
   RefineOptions options = options_;
   options.threshold_px *= std::exp2(static_cast<float>(coarsening_) / kStepsOfTwo);
   if (giving >= Giving::kFallbacks) options.fallback_budget_bytes = 0;
@@ -103,7 +103,7 @@ RefineOptions Instance::optionsAt(Giving giving) const {
   return options;
 }
 
-Instance::Wanted Instance::wantedBy(const Gathered& gathered) {
+ViewGroup::Wanted ViewGroup::wantedBy(const Gathered& gathered) {
   Wanted wanted;
   std::set<MeshKey> counted;
   for (const Refinement& refinement : gathered.refinements) {
@@ -119,14 +119,14 @@ Instance::Wanted Instance::wantedBy(const Gathered& gathered) {
 }
 
 /// Whether there is room for all that the views want.
-bool Instance::fits(const Wanted& wanted, bool to_spare) const noexcept {
+bool ViewGroup::fits(const Wanted& wanted, bool to_spare) const noexcept {
   return !wanted.limited && hasRoom(wanted.bytes, options_.cut_budget_bytes, to_spare) &&
          hasRoom(wanted.drawn_bytes, options_.drawn_budget_bytes, to_spare);
 }
 
 /// Refines all views alike: down to the threshold, or to the smallest error that there is room for. It
 /// becomes finer again where there is room to spare, so that it does not waver.
-Instance::Gathered Instance::refineWithin(const Model& model) {
+ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   const auto refineNow = [&] {
     RefineOptions options = optionsAt(Giving::kNothing);
     options.lists_wanted = areHeldToOneError();
@@ -165,7 +165,7 @@ Instance::Gathered Instance::refineWithin(const Model& model) {
 
 /// Marks what the refinements use, and forgets pages that they do not, where memory is short.
 /// @return whether there is room for it, here and where it is drawn, and with `to_spare` a part more.
-bool Instance::keep(Model& model, const Gathered& gathered, bool to_spare) const {
+bool ViewGroup::keep(Model& model, const Gathered& gathered, bool to_spare) const {
   std::vector<NodeKey> pages;
   std::vector<MeshKey> in_use, ancestors;
   for (const Refinement& refinement : gathered.refinements) {
@@ -183,7 +183,7 @@ bool Instance::keep(Model& model, const Gathered& gathered, bool to_spare) const
 /// Gives up what stands by, unseen, then what is finer than wanted, until there is room for the rest. It
 /// comes back where there is room to spare or nothing more to come, so that not every arrival changes all of
 /// it.
-void Instance::fit(Model& model, Gathered& gathered) {
+void ViewGroup::fit(Model& model, Gathered& gathered) {
   const Giving before = giving_;
   giving_ = Giving::kNothing;
   while (!keep(model, gathered, giving_ < before) && giving_ != Giving::kFinerStandIns) {
@@ -194,7 +194,7 @@ void Instance::fit(Model& model, Gathered& gathered) {
   if (std::ranges::all_of(gathered.refinements, isSettled)) giving_ = Giving::kNothing;
 }
 
-bool Instance::refine(Model& model) {
+bool ViewGroup::refine(Model& model) {
   if (views_.empty() || !model.hierarchy().root()) return false;
   if (!views_changed_ && model_version_ == model.version()) return false;
   views_changed_ = false;
@@ -214,7 +214,7 @@ bool Instance::refine(Model& model) {
 }
 
 /// Takes over what a refinement has given.
-void Instance::publish(Model& model, Gathered& gathered) {
+void ViewGroup::publish(Model& model, Gathered& gathered) {
   settled_ = true;
   limited_ = coarsening_ > 0;
   pages_.clear();
@@ -233,10 +233,10 @@ void Instance::publish(Model& model, Gathered& gathered) {
     for (const Refinement& refinement : gathered.refinements) sign(*refinement.cut);
     sign(*gathered.all);
     if (model.textures()) dress(*gathered.all, gathered.refinements, model);
-    auto placed = std::make_shared<PlacedCuts>();
-    for (Refinement& refinement : gathered.refinements) placed->cuts.push_back(std::move(refinement.cut));
-    placed->all = std::move(gathered.all);
-    placed_ = std::move(placed);
+    auto view_cuts = std::make_shared<ViewCuts>();
+    for (Refinement& refinement : gathered.refinements) view_cuts->cuts.push_back(std::move(refinement.cut));
+    view_cuts->all = std::move(gathered.all);
+    view_cuts_ = std::move(view_cuts);
   }
   if (!model.textures()) return;
   const std::vector<Request>& missing = model.textures()->missing();
@@ -248,14 +248,14 @@ void Instance::publish(Model& model, Gathered& gathered) {
 }
 
 /// Says of what build a cut is, and against which threshold it has converged.
-void Instance::sign(Cut& cut) const {
+void ViewGroup::sign(Cut& cut) const {
   cut.build = cut_build_;
   cut.threshold_px = options_.threshold_px;
   cut.converged = cut.converged && coarsening_ == 0;
 }
 
 /// Says which tiles the cuts need, and gives them those that are there.
-void Instance::dress(Cut& all, std::span<const Refinement> refinements, Model& model) {
+void ViewGroup::dress(Cut& all, std::span<const Refinement> refinements, Model& model) {
   TextureStream& textures = *model.textures();
   const double step = model.summary().lattice.step;
   const std::shared_ptr<const TextureSet>& set = textures.set();

@@ -1,0 +1,52 @@
+#include "client/render/instance_drawer.h"
+
+#include "client/render/renderer.h"
+
+namespace lode::render {
+namespace {
+
+/// Fewer are drawn sooner than found to be hidden.
+constexpr size_t kFewClusters = 64;
+
+}  // namespace
+
+DrawCounts InstanceDrawer::draw(std::span<const InstanceDraw> instances, const Framebuffer& target,
+                                const DrawTime& time) {
+  if (instances.empty()) return {};
+  if (time.hidden_parts == HiddenParts::kFoundOnGpu) return drawByGpu(instances, target, time);
+  DrawCounts counts;
+  size_t clusters = 0;
+  for (const InstanceDraw& at : instances) {
+    counts += at.renderer->drawInstance(at.instance, at.view, target, at.style, time);
+    clusters += at.renderer->clustersInPicture(at.instance);
+  }
+  if (time.hidden_parts != HiddenParts::kReadBack) return counts;
+  if (!depth_reader_) depth_reader_.emplace();
+  const FarthestDepths drawn = clusters < kFewClusters ? FarthestDepths() : depth_reader_->read(target);
+  for (const InstanceDraw& at : instances)
+    counts += at.renderer->drawAppeared(at.instance, at.view, target, at.style, drawn);
+  return counts;
+}
+
+DrawCounts InstanceDrawer::drawByGpu(std::span<const InstanceDraw> instances, const Framebuffer& target,
+                                     const DrawTime& time) {
+  if (!culling_) culling_.emplace();
+  DrawCounts counts;
+  culling_->begin();
+  for (const InstanceDraw& at : instances)
+    counts += at.renderer->addInstance(at.instance, at.view, at.style, time, *culling_);
+  const auto drawFound = [&] {
+    goOnWithPicture(target);
+    for (const InstanceDraw& at : instances)
+      counts.calls += at.renderer->drawFound(at.instance, at.view, target, at.style, *culling_);
+  };
+  startPicture(target, instances.front().style);
+  culling_->findUnhidden();
+  drawFound();
+  culling_->findAppeared(target);
+  drawFound();
+  counts.triangles = culling_->trianglesLately();
+  return counts;
+}
+
+}  // namespace lode::render
