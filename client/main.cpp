@@ -1,7 +1,7 @@
 #include "client/app/cli/common_options.h"
-#include "client/app/cli/loadtest_command.h"
 #include "client/app/cli/program.h"
-#include "common/interrupted.h"
+#include "client/loadtest/loadtest_command.h"
+#include "common/io/interrupted.h"
 #ifdef LODE_GL
 #include "client/app/window/render_command.h"
 #include "client/app/window/view_command.h"

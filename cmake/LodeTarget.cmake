@@ -1,19 +1,15 @@
 # One function a target: C++20, warnings, sanitizers, and the layers of docs/architecture.md.
 
-set(LODE_LAYER_common "")
-set(LODE_LAYER_mesh_images common)
-set(LODE_LAYER_proto common)
-set(LODE_LAYER_frame_stream proto common)
-set(LODE_LAYER_store mesh_images common)
-set(LODE_LAYER_ingest store common)
-set(LODE_LAYER_serve store proto frame_stream common)
-set(LODE_LAYER_core proto common)
-set(LODE_LAYER_net core proto frame_stream common)
-set(LODE_LAYER_render core mesh_images common)
-set(LODE_LAYER_stream net core proto common)
-set(LODE_LAYER_embed stream net core proto common)
-set(LODE_LAYER_app_cli stream net core mesh_images proto common)
-set(LODE_LAYER_window app_cli render stream net core proto common)
+# LODE_LAYER_<name>: the layers that a library of that layer may use.
+file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/layers.txt lines REGEX "^[a-z_]+ *\\| [^|]*\\|")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/layers.txt)
+foreach(line ${lines})
+  if(line MATCHES "^([a-z_]+) *\\|[^|]*\\|(.*)$")
+    set(name ${CMAKE_MATCH_1})
+    string(STRIP "${CMAKE_MATCH_2}" allowed)
+    separate_arguments(LODE_LAYER_${name} UNIX_COMMAND "${allowed}")
+  endif()
+endforeach()
 
 # Errors with g++ 12, which CI has, and clang: what another compiler newly or falsely warns of ends nobody's build
 # (g++ 14, for one: -Wfree-nonheap-object where a vector<bool> is freed), nor what g++ takes for wrong in what a sanitizer

@@ -30,7 +30,7 @@ constexpr uint16_t kNoMaterial = 0xffff;
 /// Attributes of one vertex as quantized once, at the scan, on grids of the whole model. Fields of attributes
 /// that the model does not have are zero (colour: white, 255 each), so that equal vertices compare equal.
 struct VertexAttributes {
-  uint16_t normal = 0;      ///< octahedral, see common/octahedral.h
+  uint16_t normal = 0;      ///< octahedral, see common/codec/octahedral.h
   uint16_t material = 0;    ///< number of the texture (PLY texnumber), or kNoMaterial
   glm::u8vec4 colour{255};  ///< red, green, blue, alpha
   glm::u16vec2 texture{0};  ///< in steps of kTextureStep

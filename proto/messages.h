@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/model_summary.h"
+#include "common/codec/model_summary.h"
 #include "proto/frame.h"
 #include "proto/limits.h"
 

@@ -5,9 +5,9 @@
 
 #include <flatbuffers/flatbuffers.h>
 
+#include "common/codec/texture_set.h"
 #include "common/limits.h"
 #include "common/node_key.h"
-#include "common/texture_set.h"
 #include "proto/check.h"
 #include "proto/limits.h"
 #include "proto/lodestream_generated.h"

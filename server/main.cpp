@@ -1,5 +1,5 @@
 #include "common/command_line.h"
-#include "common/interrupted.h"
+#include "common/io/interrupted.h"
 #include "server/app/command.h"
 
 namespace {

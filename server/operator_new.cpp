@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "server/serve/memory_reserve.h"
+#include "server/serve/memory/memory_reserve.h"
 
 // NOLINTBEGIN(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
 namespace {

@@ -11,61 +11,37 @@ import re
 import sys
 from pathlib import Path
 
-# A file belongs to the first layer whose prefix its path has.
-LAYER_OF = [
-    ("common/mesh_images/", "mesh_images"),
-    ("common/", "common"),
-    ("proto/byte_stream", "frame_stream"),
-    ("proto/frame_stream", "frame_stream"),
-    ("proto/", "proto"),
-    ("server/store/", "store"),
-    ("server/ingest/", "ingest"),
-    ("server/serve/", "serve"),
-    ("server/", "server_app"),
-    ("client/core/", "core"),
-    ("client/net/", "net"),
-    ("client/stream/", "stream"),
-    ("client/embed/", "embed"),
-    ("client/render/", "render"),
-    ("client/app/window/", "window"),
-    ("client/", "client_app"),
-]
+LAYERS_FILE = Path(__file__).parent.parent / "cmake" / "layers.txt"
 
-ALLOWED = {
-    "common": {"common"},
-    "mesh_images": {"mesh_images", "common"},
-    "proto": {"proto", "common"},
-    "frame_stream": {"frame_stream", "proto", "common"},
-    "store": {"store", "mesh_images", "common"},
-    "ingest": {"ingest", "store", "common"},
-    "serve": {"serve", "store", "proto", "frame_stream", "common"},
-    "server_app": {"server_app", "serve", "ingest", "store", "proto", "frame_stream", "common"},
-    "core": {"core", "proto", "common"},
-    "net": {"net", "core", "proto", "frame_stream", "common"},
-    "stream": {"stream", "net", "core", "proto", "common"},
-    "embed": {"embed", "stream", "net", "core", "proto", "common"},
-    "render": {"render", "core", "mesh_images", "common"},
-    "window": {"window", "client_app", "render", "stream", "net", "core", "proto", "frame_stream", "common"},
-    "client_app": {"window", "client_app", "render", "stream", "net", "core", "mesh_images", "proto", "frame_stream",
-                   "common"},
-}
 
-# The folders of server/ingest, as the build flows: each may use itself and those before it.
-INGEST_FLOW = [
-    "threads", "disk", "mesh", "plan", "ply", "soup", "textures", "partition", "simplify", "measure", "nodes", "build", "sample",
-    "inspect",
-]
+def read_layers(path):
+    """Reads cmake/layers.txt: (prefix, layer) pairs, longest prefix first; allowed layers; folders of the build in order."""
+    layer_of, allowed, flow = [], {}, []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if not line or line.startswith("#"):
+            continue
+        name, *fields = (field.strip() for field in line.split("|"))
+        if name.startswith("flow "):
+            flow = fields[0].split()
+            continue
+        layer_of += [(prefix, name) for prefix in fields[0].split()]
+        allowed[name] = {name, *fields[1].split()}
+    return sorted(layer_of, key=lambda entry: -len(entry[0])), allowed, flow
+
+
+LAYER_OF, ALLOWED, INGEST_FLOW = read_layers(LAYERS_FILE)
 
 # Libraries that only some files may include: name, pattern of the include, path prefixes of those files.
 CONFINED = [
     ("OpenGL and GLFW", re.compile(r"(GL|GLES\w*|KHR|EGL|GLFW|epoxy|imgui)/|(backends/)?(imgui|glad)\w*\.h$"),
      ("client/render/", "client/app/window/")),
     ("Asio", re.compile(r"(boost/)?asio(\.hpp$|/)"),
-     ("proto/byte_stream", "proto/frame_stream", "server/serve/", "server/app/", "server/main", "client/net/", "client/app/", "client/main")),
+     ("proto/byte_stream", "proto/frame_stream", "server/serve/", "server/app/", "server/main",
+      "client/net/", "client/app/", "client/loadtest/", "client/main")),
     ("CLI11", re.compile(r"CLI/"),
-     ("common/command_line", "server/app/", "server/main", "client/app/", "client/main")),
+     ("common/command_line", "server/app/", "server/main", "client/app/", "client/loadtest/", "client/main")),
     ("FlatBuffers", re.compile(r"flatbuffers/|.*_generated\.h$"), ("proto/",)),
-    ("Draco", re.compile(r"draco/"), ("common/draco_",)),
+    ("Draco", re.compile(r"draco/"), ("common/codec/draco_",)),
 ]
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)

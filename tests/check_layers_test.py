@@ -19,14 +19,14 @@ def complaints(path, *includes):
 
 class LayerCheck(unittest.TestCase):
     def test_accepts_the_layers_below(self):
-        self.assertEqual(complaints("server/ingest/build/build.cpp", '"server/store/writer.h"', '"common/mesh.h"'), [])
-        self.assertEqual(complaints("client/core/session.cpp", '"proto/messages.h"', "<vector>"), [])
+        self.assertEqual(complaints("server/ingest/pipeline/build.cpp", '"server/store/writer.h"', '"common/mesh.h"'), [])
+        self.assertEqual(complaints("client/core/session/session.cpp", '"proto/messages.h"', "<vector>"), [])
         self.assertEqual(complaints("client/app/cli/view.cpp", '"client/net/connection.h"'), [])
 
     def test_refuses_a_layer_above(self):
         self.assertEqual(len(complaints("common/mesh.h", '"proto/frame.h"')), 1)
-        self.assertEqual(len(complaints("server/store/reader.cpp", '"server/ingest/build/build.h"')), 1)
-        self.assertEqual(len(complaints("client/core/refiner.cpp", '"client/render/renderer.h"')), 1)
+        self.assertEqual(len(complaints("server/store/reader.cpp", '"server/ingest/pipeline/build.h"')), 1)
+        self.assertEqual(len(complaints("client/core/lod/refiner.cpp", '"client/render/renderer.h"')), 1)
 
     def test_refuses_a_later_folder_of_the_build(self):
         self.assertEqual(complaints("server/ingest/nodes/node_builder.h", '"server/ingest/simplify/collapse.h"'), [])
@@ -34,23 +34,23 @@ class LayerCheck(unittest.TestCase):
 
     def test_refuses_server_in_client_and_client_in_server(self):
         self.assertEqual(len(complaints("client/app/cli/fetch.cpp", '"server/store/reader.h"')), 1)
-        self.assertEqual(len(complaints("server/app/serve.cpp", '"client/core/view.h"')), 1)
+        self.assertEqual(len(complaints("server/app/serve.cpp", '"client/core/view/view.h"')), 1)
 
     def test_refuses_the_transport_in_the_message_layer_and_in_the_core(self):
         self.assertEqual(len(complaints("proto/messages.cpp", '"proto/frame_stream.h"')), 1)
-        self.assertEqual(len(complaints("client/core/session.h", '"proto/frame_stream.h"')), 1)
+        self.assertEqual(len(complaints("client/core/session/session.h", '"proto/frame_stream.h"')), 1)
 
     def test_confines_libraries_to_their_layers(self):
         for library, home, elsewhere in [
             ("<GLFW/glfw3.h>", "client/app/window/window.cpp", "client/app/cli/view.cpp"),
-            ("<epoxy/gl.h>", "client/render/renderer.cpp", "client/core/cut.h"),
-            ("<imgui.h>", "client/app/window/panel.cpp", "client/net/connection.cpp"),
+            ("<epoxy/gl.h>", "client/render/renderer.cpp", "client/core/lod/cut.h"),
+            ("<imgui.h>", "client/app/window/panel/panel.cpp", "client/net/connection.cpp"),
             ("<backends/imgui_impl_glfw.h>", "client/app/window/window.cpp", "client/app/cli/view.cpp"),
             ("<asio.hpp>", "proto/frame_stream.h", "proto/frame.h"),
-            ("<asio/ip/tcp.hpp>", "server/serve/session.cpp", "server/store/reader.cpp"),
-            ('"flatbuffers/flatbuffers.h"', "proto/messages.cpp", "server/serve/session.cpp"),
+            ("<asio/ip/tcp.hpp>", "server/serve/session/session.cpp", "server/store/reader.cpp"),
+            ('"flatbuffers/flatbuffers.h"', "proto/messages.cpp", "server/serve/session/session.cpp"),
             ('"proto/lodestream_generated.h"', "proto/messages.cpp", "client/net/connection.cpp"),
-            ("<draco/mesh/mesh.h>", "common/draco_codec.cpp", "common/mesh.h"),
+            ("<draco/mesh/mesh.h>", "common/codec/draco_codec.cpp", "common/mesh.h"),
         ]:
             with self.subTest(library):
                 self.assertEqual(complaints(home, library), [])
@@ -61,10 +61,10 @@ class LayerCheck(unittest.TestCase):
         self.assertEqual(len(complaints("server/main.cpp", '"tests/support/mesh.h"')), 1)
 
     def test_reads_includes_however_they_are_spaced_and_names_their_line(self):
-        text = '#pragma once\n\n#  include   "client/core/view.h"\n// #include "client/net/a.h"\n'
+        text = '#pragma once\n\n#  include   "client/core/view/view.h"\n// #include "client/net/a.h"\n'
         self.assertEqual(
             list(complaints_about("server/main.cpp", text)),
-            ["server/main.cpp:3: client/core/view.h: layer server_app must not use layer core"],
+            ["server/main.cpp:3: client/core/view/view.h: layer server_app must not use layer core"],
         )
 
     def test_exit_status_tells_whether_the_tree_is_clean(self):

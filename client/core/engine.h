@@ -11,15 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/cache_queries.h"
-#include "client/core/connection.h"
-#include "client/core/cut.h"
-#include "client/core/decode_job.h"
+#include "client/core/cache/cache_queries.h"
+#include "client/core/cache/decode_job.h"
+#include "client/core/lod/cut.h"
+#include "client/core/lod/prefetcher.h"
+#include "client/core/lod/view_group.h"
 #include "client/core/model.h"
-#include "client/core/prefetcher.h"
-#include "client/core/view.h"
-#include "client/core/view_group.h"
-#include "client/core/wait_times.h"
+#include "client/core/session/connection.h"
+#include "client/core/session/wait_times.h"
+#include "client/core/view/view.h"
 #include "common/error.h"
 
 namespace lode::core {

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/cache.h"
-#include "client/core/decode_job.h"
-#include "client/core/hierarchy.h"
-#include "client/core/request.h"
-#include "client/core/texture_stream.h"
-#include "common/model_summary.h"
+#include "client/core/cache/cache.h"
+#include "client/core/cache/decode_job.h"
+#include "client/core/lod/hierarchy.h"
+#include "client/core/lod/request.h"
+#include "client/core/textures/texture_stream.h"
+#include "common/codec/model_summary.h"
 
 namespace lode::core {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "client/core/camera_path.h"
+#include "client/core/view/camera_path.h"
 #include "common/error.h"
 
 namespace lode::embed {

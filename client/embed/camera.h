@@ -1,8 +1,8 @@
 #pragma once
 
-#include "client/core/view.h"
+#include "client/core/view/view.h"
 #include "client/embed/lodestream.h"
-#include "common/model_summary.h"
+#include "common/codec/model_summary.h"
 
 namespace lode::embed {
 

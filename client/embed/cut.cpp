@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "client/core/shown_parts.h"
+#include "client/core/lod/shown_parts.h"
 #include "client/embed/camera.h"
 #include "client/embed/cut_state.h"
 #include "client/embed/guard.h"
 #include "client/embed/handles.h"
 #include "client/embed/lodestream.h"
+#include "common/codec/octahedral.h"
+#include "common/codec/texture_coordinates.h"
 #include "common/error.h"
-#include "common/octahedral.h"
-#include "common/texture_coordinates.h"
 
 struct lodestream_mesh {
   std::vector<float> positions, normals, texture_uvs;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "client/core/cut.h"
+#include "client/core/lod/cut.h"
 
 namespace lode::embed {
 

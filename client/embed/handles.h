@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "client/core/cut.h"
-#include "common/model_summary.h"
+#include "client/core/lod/cut.h"
+#include "common/codec/model_summary.h"
 
 /// What the C face hands out.
 struct lodestream_cut {

@@ -13,8 +13,8 @@
 #include "client/stream/decode_pool.h"
 #include "client/stream/served_url.h"
 #include "client/stream/streamer.h"
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/texture_set.h"
 
 struct lodestream_stream {
   lodestream_stream(lode::stream::ServedModel served, lode::stream::StreamOptions options)

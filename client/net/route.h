@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "client/core/remedies.h"
+#include "client/core/session/remedies.h"
 #include "client/net/address.h"
 
 namespace asio::ssl {

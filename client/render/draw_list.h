@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/render/cluster_culling.h"
+#include "client/render/culling/cluster_culling.h"
 
 namespace lode::render {
 

@@ -2,7 +2,7 @@
 
 #include <glm/glm.hpp>
 
-#include "client/core/view.h"
+#include "client/core/view/view.h"
 
 namespace lode::render {
 

@@ -4,12 +4,12 @@
 #include <optional>
 #include <span>
 
-#include "client/core/view.h"
-#include "client/render/cross_fade.h"
-#include "client/render/depth_reader.h"
+#include "client/core/view/view.h"
+#include "client/render/culling/depth_reader.h"
+#include "client/render/culling/gpu_culling.h"
 #include "client/render/draw_counts.h"
 #include "client/render/draw_style.h"
-#include "client/render/gpu_culling.h"
+#include "client/render/passes/cross_fade.h"
 
 namespace lode::render {
 

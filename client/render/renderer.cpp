@@ -5,12 +5,12 @@
 #include <cmath>
 #include <type_traits>
 
-#include "client/core/shown_parts.h"
-#include "client/core/sight.h"
-#include "client/render/cluster_culling.h"
-#include "client/render/gpu_vertex.h"
-#include "client/render/shader_program.h"
-#include "client/render/shaders.h"
+#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/sight.h"
+#include "client/render/culling/cluster_culling.h"
+#include "client/render/passes/shader_program.h"
+#include "client/render/passes/shaders.h"
+#include "client/render/residency/gpu_vertex.h"
 
 namespace lode::render {
 namespace {

@@ -8,21 +8,21 @@
 
 #include <glm/glm.hpp>
 
-#include "client/core/cut.h"
-#include "client/core/view.h"
-#include "client/core/view_cuts.h"
-#include "client/render/cluster_culling.h"
-#include "client/render/cross_fade.h"
+#include "client/core/lod/cut.h"
+#include "client/core/lod/view_cuts.h"
+#include "client/core/view/view.h"
+#include "client/render/culling/cluster_culling.h"
+#include "client/render/culling/occluders.h"
 #include "client/render/draw_counts.h"
 #include "client/render/draw_list.h"
 #include "client/render/draw_style.h"
 #include "client/render/framebuffer.h"
 #include "client/render/instance_drawer.h"
-#include "client/render/mesh_drawer.h"
-#include "client/render/mesh_residency.h"
-#include "client/render/occluders.h"
+#include "client/render/passes/cross_fade.h"
+#include "client/render/passes/mesh_drawer.h"
+#include "client/render/residency/mesh_residency.h"
+#include "client/render/residency/texture_residency.h"
 #include "client/render/shown_colours.h"
-#include "client/render/texture_residency.h"
 
 namespace lode::render {
 

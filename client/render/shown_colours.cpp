@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "client/render/mesh_residency.h"
+#include "client/render/residency/mesh_residency.h"
 
 namespace lode::render {
 namespace {

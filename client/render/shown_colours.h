@@ -11,11 +11,10 @@
 
 #include <glm/glm.hpp>
 
+#include "client/render/draw_item.h"
 #include "common/node_key.h"
 
 namespace lode::render {
-
-struct DrawItem;
 
 /// What a picture shows of a model.
 enum class ColorMode : uint8_t {
@@ -32,15 +31,6 @@ enum class ColorMode : uint8_t {
 };
 constexpr int kColorModeCount = 10;
 constexpr float kOldS = 16;  ///< what is older has no other colour any more
-
-/// Which of several places a part stands at.
-struct ShownInstance {
-  uint32_t number = 0;          ///< its nodes have other colours than those of other places
-  std::string_view model = {};  ///< for legends; empty where there is one model
-  uint32_t nth = 0;             ///< of the model's places, from 1; 0: it has one
-
-  bool operator==(const ShownInstance&) const = default;
-};
 
 std::string_view nameOf(ColorMode show) noexcept;
 std::optional<ColorMode> colorModeNamed(std::string_view name) noexcept;

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "client/core/remedies.h"
+#include "client/core/session/remedies.h"
 #include "client/stream/served_model.h"
-#include "common/blob.h"
-#include "common/model_summary.h"
+#include "common/codec/blob.h"
+#include "common/codec/model_summary.h"
 
 namespace lode::stream {
 

@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "client/core/cut.h"
-#include "client/core/view_cuts.h"
+#include "client/core/lod/cut.h"
+#include "client/core/lod/view_cuts.h"
 
 namespace lode::stream {
 

@@ -9,9 +9,9 @@
 #include <stop_token>
 #include <string>
 
-#include "client/core/cut.h"
 #include "client/core/engine.h"
-#include "client/core/view.h"
+#include "client/core/lod/cut.h"
+#include "client/core/view/view.h"
 #include "client/net/route.h"
 #include "client/stream/blob_cache.h"
 #include "client/stream/served_model.h"

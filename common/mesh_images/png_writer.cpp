@@ -7,9 +7,9 @@
 
 #include <png.h>
 
-#include "common/atomic_file.h"
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/texture_set.h"
+#include "common/io/atomic_file.h"
 
 namespace lode {
 namespace {

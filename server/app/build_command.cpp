@@ -9,7 +9,7 @@
 #include "server/app/interruption.h"
 #include "server/app/json_output.h"
 #include "server/app/progress_bar.h"
-#include "server/ingest/build/build.h"
+#include "server/ingest/pipeline/build.h"
 #include "server/ingest/ply/ply_header.h"
 #include "server/ingest/textures/texture_images.h"
 

@@ -1,8 +1,8 @@
 #include <memory>
 #include <optional>
 
-#include "common/mesh_file.h"
-#include "common/output_target.h"
+#include "common/io/mesh_file.h"
+#include "common/io/output_target.h"
 #include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/model_summary.h"
+#include "common/codec/model_summary.h"
 
 namespace lode::app {
 

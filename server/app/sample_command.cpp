@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "common/byte_size.h"
-#include "common/output_target.h"
+#include "common/io/output_target.h"
 #include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
 #include "server/app/sample_scene.h"
-#include "server/ingest/sample/sample.h"
+#include "server/sample/sample.h"
 
 namespace lode::app {
 namespace {

@@ -5,9 +5,9 @@
 #include <random>
 
 #include "common/error.h"
-#include "common/interrupted.h"
+#include "common/io/interrupted.h"
 #include "server/app/json_output.h"
-#include "server/ingest/sample/sample.h"
+#include "server/sample/sample.h"
 
 namespace lode::app {
 namespace {

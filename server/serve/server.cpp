@@ -11,16 +11,16 @@
 #include <malloc.h>
 
 #include "common/error.h"
-#include "server/serve/acceptor.h"
-#include "server/serve/admission.h"
-#include "server/serve/health_endpoint.h"
-#include "server/serve/listener.h"
-#include "server/serve/memory_reserve.h"
-#include "server/serve/metrics.h"
-#include "server/serve/open_files.h"
-#include "server/serve/reader_threads.h"
-#include "server/serve/tls.h"
-#include "server/serve/trim_watch.h"
+#include "server/serve/memory/memory_reserve.h"
+#include "server/serve/memory/trim_watch.h"
+#include "server/serve/net/acceptor.h"
+#include "server/serve/net/admission.h"
+#include "server/serve/net/listener.h"
+#include "server/serve/net/open_files.h"
+#include "server/serve/net/tls.h"
+#include "server/serve/ops/health_endpoint.h"
+#include "server/serve/ops/metrics.h"
+#include "server/serve/session/reader_threads.h"
 #include "server/serve/worker.h"
 
 namespace lode::serve {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "proto/limits.h"
-#include "server/serve/log.h"
+#include "server/serve/ops/log.h"
 
 namespace lode::serve {
 

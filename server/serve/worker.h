@@ -12,7 +12,7 @@
 #include <asio/ip/tcp.hpp>
 #include <asio/steady_timer.hpp>
 
-#include "server/serve/connection.h"
+#include "server/serve/net/connection.h"
 
 namespace lode::serve {
 

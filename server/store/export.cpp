@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
 #include "common/error.h"
-#include "common/mesh_file.h"
-#include "common/mesh_joiner.h"
+#include "common/io/mesh_file.h"
+#include "common/io/mesh_joiner.h"
 #include "server/store/texture_export.h"
 
 namespace lode::store {

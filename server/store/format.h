@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "common/blob.h"
-#include "common/model_summary.h"
+#include "common/codec/blob.h"
+#include "common/codec/model_summary.h"
 
 /// The fixed parts of a store file, field by field as docs/store-format.md has them:
 /// header, blobs back to back, blob table, footer. All numbers little-endian.

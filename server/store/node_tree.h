@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/hierarchy_page.h"
+#include "common/codec/hierarchy_page.h"
 #include "common/lattice.h"
 
 namespace lode::store {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "common/hierarchy_page.h"
+#include "common/codec/hierarchy_page.h"
 
 namespace lode::store {
 

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
-#include "common/file_io.h"
+#include "common/io/file_io.h"
 #include "common/limits.h"
 #include "server/store/format.h"
 #include "server/store/node_tree.h"

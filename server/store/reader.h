@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "common/hierarchy_page.h"
-#include "common/model_summary.h"
-#include "common/texture_set.h"
+#include "common/codec/hierarchy_page.h"
+#include "common/codec/model_summary.h"
+#include "common/codec/texture_set.h"
 
 namespace lode::store {
 

@@ -9,9 +9,9 @@
 
 #include <glm/glm.hpp>
 
+#include "common/image/tile_image.h"
 #include "common/mesh_images/image_names.h"
 #include "common/mesh_images/png_writer.h"
-#include "common/tile_image.h"
 
 namespace lode::store {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "common/image_files.h"
+#include "common/io/image_files.h"
 #include "server/store/reader.h"
 
 namespace lode::store {

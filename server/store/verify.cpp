@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/error.h"
-#include "common/tile_image.h"
+#include "common/image/tile_image.h"
 #include "server/store/cut.h"
 #include "server/store/export.h"
 #include "server/store/open_edges.h"

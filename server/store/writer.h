@@ -7,10 +7,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/atomic_file.h"
-#include "common/hierarchy_page.h"
-#include "common/model_summary.h"
-#include "common/texture_set.h"
+#include "common/codec/hierarchy_page.h"
+#include "common/codec/model_summary.h"
+#include "common/codec/texture_set.h"
+#include "common/io/atomic_file.h"
 #include "server/store/format.h"
 
 namespace lode::store {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 
 namespace lode::bench {
 namespace {

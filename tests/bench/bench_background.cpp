@@ -10,8 +10,8 @@
 #include <random>
 #include <thread>
 
-#include "client/core/camera_path.h"
-#include "client/core/framing.h"
+#include "client/core/view/camera_path.h"
+#include "client/core/view/framing.h"
 #include "client/render/offscreen_context.h"
 #include "client/stream/streamer.h"
 #include "common/error.h"

@@ -18,7 +18,7 @@
 #include <malloc.h>
 #include <meshoptimizer.h>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "server/ingest/simplify/cluster.h"
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/surface_distance.h"

@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/camera_path.h"
-#include "client/core/framing.h"
-#include "client/render/ambient_occlusion.h"
+#include "client/core/view/camera_path.h"
+#include "client/core/view/framing.h"
 #include "client/render/framebuffer.h"
 #include "client/render/offscreen_context.h"
+#include "client/render/passes/ambient_occlusion.h"
 #include "client/render/renderer.h"
 #include "server/store/reader.h"
 #include "tests/bench/converged.h"

@@ -3,8 +3,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "client/core/triangle_clusters.h"
-#include "common/draco_codec.h"
+#include "client/core/lod/triangle_clusters.h"
+#include "common/codec/draco_codec.h"
 #include "server/store/reader.h"
 #include "tests/support/synthetic_store.h"
 #include "tests/support/test_meshes.h"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/ply/ply_reader.h"
 #include "server/ingest/soup/lattice_choice.h"

@@ -3,10 +3,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "client/core/cache.h"
-#include "client/core/hierarchy.h"
-#include "client/core/refiner.h"
-#include "client/core/seen_places.h"
+#include "client/core/cache/cache.h"
+#include "client/core/lod/hierarchy.h"
+#include "client/core/lod/refiner.h"
+#include "client/core/lod/seen_places.h"
 
 namespace lode::core {
 namespace {

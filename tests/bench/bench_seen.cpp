@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "client/core/decode_job.h"
+#include "client/core/cache/decode_job.h"
+#include "client/core/lod/seen_places.h"
+#include "client/core/lod/view_group.h"
 #include "client/core/model.h"
-#include "client/core/seen_places.h"
-#include "client/core/view_group.h"
 #include "client/render/framebuffer.h"
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "client/core/decode_job.h"
+#include "client/core/cache/decode_job.h"
+#include "client/core/lod/view_group.h"
 #include "client/core/model.h"
-#include "client/core/view_group.h"
 #include "server/store/reader.h"
 
 namespace lode::bench {

@@ -5,7 +5,7 @@
 #include <ctime>
 #include <vector>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "server/ingest/simplify/wedge_values.h"
 #include "tests/bench/attribute_loss.h"
 #include "tests/bench/fidelity_parts.h"

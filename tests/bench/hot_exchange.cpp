@@ -7,9 +7,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "client/render/cut_exchange.h"
-#include "client/render/mesh_residency.h"
 #include "client/render/offscreen_context.h"
+#include "client/render/residency/cut_exchange.h"
+#include "client/render/residency/mesh_residency.h"
 #include "common/error.h"
 #include "tests/support/test_meshes.h"
 

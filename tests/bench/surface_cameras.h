@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "client/core/view.h"
+#include "client/core/view/view.h"
 #include "server/store/reader.h"
 
 namespace lode::bench {

@@ -8,9 +8,9 @@
 #include <variant>
 #include <vector>
 
-#include "client/core/session.h"
+#include "client/core/session/session.h"
+#include "common/codec/hierarchy_page.h"
 #include "common/error.h"
-#include "common/hierarchy_page.h"
 #include "proto/frame.h"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <span>
 
+#include "common/codec/hierarchy_page.h"
 #include "common/error.h"
-#include "common/hierarchy_page.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "common/error.h"
-#include "server/serve/proxy_header.h"
+#include "server/serve/net/proxy_header.h"
 
 namespace {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "common/error.h"
-#include "server/serve/session.h"
+#include "server/serve/session/session.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <span>
 
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/texture_set.h"
 
 namespace {
 

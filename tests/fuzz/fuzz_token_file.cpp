@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "common/error.h"
-#include "server/serve/token_file.h"
+#include "server/serve/session/token_file.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
 #include "common/error.h"
 #include "server/store/writer.h"
 #include "tests/support/test_meshes.h"

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "common/codec/octahedral.h"
 #include "common/mesh.h"
-#include "common/octahedral.h"
 
 /// Meshes made from a seed, for the tests of every module.
 namespace lode::test {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-#include "common/hierarchy_page.h"
+#include "common/codec/hierarchy_page.h"
 #include "common/limits.h"
 
 /// Hierarchy pages made from a seed, for the tests of every module.

@@ -8,8 +8,8 @@
 
 #include <webp/encode.h>
 
-#include "common/texture_set.h"
-#include "common/tile_image.h"
+#include "common/codec/texture_set.h"
+#include "common/image/tile_image.h"
 
 /// Textures made by hand, for the tests of every module that reads them.
 namespace lode::test {

@@ -22,7 +22,7 @@
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/child_process.h"
 #include "client/app/cli/store_cache.h"
-#include "common/blob.h"
+#include "common/codec/blob.h"
 #include "common/error.h"
 
 namespace lode::app {

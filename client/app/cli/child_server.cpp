@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "common/blob.h"
+#include "common/codec/blob.h"
 #include "common/error.h"
 
 namespace lode::app {

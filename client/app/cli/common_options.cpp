@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/app/cli/cache_folder.h"
-#include "client/core/camera_path.h"
+#include "client/core/view/camera_path.h"
 #include "common/byte_size.h"
 #include "common/command_line.h"
 #include "common/error.h"

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "client/core/cut.h"
-#include "common/image_files.h"
+#include "client/core/lod/cut.h"
+#include "common/io/image_files.h"
 #include "common/mesh.h"
 
 namespace lode::app {

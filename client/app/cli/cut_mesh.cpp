@@ -1,6 +1,6 @@
 #include "client/app/cli/cut_mesh.h"
 
-#include "common/mesh_joiner.h"
+#include "common/io/mesh_joiner.h"
 
 namespace lode::app {
 

@@ -16,8 +16,8 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/stream_report.h"
 #include "common/error.h"
-#include "common/mesh_file.h"
-#include "common/output_target.h"
+#include "common/io/mesh_file.h"
+#include "common/io/output_target.h"
 
 namespace lode::app {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/scene_file.h"
-#include "client/core/framing.h"
+#include "client/core/view/framing.h"
 #include "client/stream/streamer.h"
-#include "common/model_summary.h"
+#include "common/codec/model_summary.h"
 
 namespace lode::app {
 

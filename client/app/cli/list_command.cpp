@@ -12,7 +12,7 @@
 
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/target.h"
-#include "client/core/session.h"
+#include "client/core/session/session.h"
 #include "client/net/tcp_transport.h"
 #include "common/error.h"
 

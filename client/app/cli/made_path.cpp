@@ -6,7 +6,7 @@
 
 #include <glm/gtc/constants.hpp>
 
-#include "client/core/framing.h"
+#include "client/core/view/framing.h"
 
 namespace lode::app {
 namespace {

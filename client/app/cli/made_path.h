@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "client/core/camera_path.h"
+#include "client/core/view/camera_path.h"
 
 namespace lode::app {
 

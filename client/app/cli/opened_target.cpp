@@ -2,7 +2,7 @@
 
 #include "client/app/cli/first_camera.h"
 #include "client/app/cli/target.h"
-#include "client/core/framing.h"
+#include "client/core/view/framing.h"
 
 namespace lode::app {
 std::optional<core::CameraPath> wantedPath(const CommonOptions& options) {

@@ -5,8 +5,8 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/common_options.h"
-#include "client/core/camera_path.h"
-#include "client/core/framing.h"
+#include "client/core/view/camera_path.h"
+#include "client/core/view/framing.h"
 #include "client/stream/streamer.h"
 
 namespace lode::app {

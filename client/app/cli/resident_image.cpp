@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "common/tile_image.h"
+#include "common/image/tile_image.h"
 
 namespace lode::app {
 

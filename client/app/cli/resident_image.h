@@ -6,8 +6,8 @@
 
 #include <glm/glm.hpp>
 
-#include "client/core/cut.h"
-#include "common/texture_set.h"
+#include "client/core/lod/cut.h"
+#include "common/codec/texture_set.h"
 
 namespace lode::app {
 

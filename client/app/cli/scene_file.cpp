@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/cli/target.h"
-#include "client/core/strict_json.h"
+#include "client/core/view/strict_json.h"
 #include "common/error.h"
 
 namespace lode::app {

@@ -10,7 +10,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "client/core/view.h"
+#include "client/core/view/view.h"
 #include "common/error.h"
 
 namespace lode::app {

@@ -2,7 +2,7 @@
 
 #include <glm/glm.hpp>
 
-#include "client/render/cameras.h"
+#include "client/app/window/camera/cameras.h"
 
 namespace lode::app {
 

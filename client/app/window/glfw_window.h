@@ -5,7 +5,7 @@
 #include <string>
 
 #include "client/app/window/input.h"
-#include "client/app/window/panel_settings.h"
+#include "client/app/window/panel/panel_settings.h"
 #include "client/render/image.h"
 
 struct GLFWwindow;

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <optional>
 
-#include "client/render/frame_rate_control.h"
+#include "client/app/window/frame_rate_control.h"
 #include "client/render/shown_thresholds.h"
 
 namespace lode::app {

@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/app/window/picture_file.h"
+#include "client/app/window/output/picture_file.h"
 #include "client/app/window/viewer.h"
 #include "common/command_line.h"
 

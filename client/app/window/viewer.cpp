@@ -6,8 +6,8 @@
 
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/opened_target.h"
-#include "client/app/window/lost_sight.h"
-#include "client/app/window/named_viewer_content.h"
+#include "client/app/window/camera/lost_sight.h"
+#include "client/app/window/scene/named_viewer_content.h"
 #include "common/error.h"
 #include "common/one_line.h"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "client/app/window/panel_fit.h"
-#include "client/app/window/panel_font.h"
+#include "client/app/window/panel/panel_fit.h"
+#include "client/app/window/panel/panel_font.h"
 #include "client/app/window/viewer.h"
 
 /// What moves the camera.

@@ -1,7 +1,7 @@
 #include <exception>
 
-#include "client/app/window/refused_screenshot.h"
-#include "client/app/window/timed_name.h"
+#include "client/app/window/output/refused_screenshot.h"
+#include "client/app/window/output/timed_name.h"
 #include "client/app/window/viewer.h"
 #include "client/render/image.h"
 #include "common/error.h"

@@ -1,8 +1,8 @@
 #include <utility>
 
+#include "client/app/window/memory_shares.h"
 #include "client/app/window/viewer.h"
-#include "client/render/memory_shares.h"
-#include "client/render/staging_ring.h"
+#include "client/render/residency/staging_ring.h"
 
 /// What the mouse does over the panel and the settings.
 namespace lode::app {

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/blob.h"
+#include "common/codec/blob.h"
 #include "common/error.h"
 
 namespace lode::ingest {

@@ -12,9 +12,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/blob.h"
+#include "common/codec/blob.h"
 #include "common/error.h"
-#include "common/file_io.h"
+#include "common/io/file_io.h"
 
 namespace lode::ingest {
 namespace {

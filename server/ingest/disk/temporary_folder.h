@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "common/interrupted.h"
+#include "common/io/interrupted.h"
 #include "server/ingest/disk/spool.h"
 
 namespace lode::ingest {

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 
-#include "server/ingest/build/build.h"
 #include "server/ingest/disk/temporary_folder.h"
 #include "server/ingest/inspect/texture_forecast.h"
 #include "server/ingest/inspect/trial_model.h"
 #include "server/ingest/mesh/soup_triangle.h"
+#include "server/ingest/pipeline/build.h"
 #include "server/ingest/plan/memory_plan.h"
-#include "server/ingest/sample/sample.h"
 #include "server/ingest/soup/scan.h"
+#include "server/sample/sample.h"
 
 namespace lode::ingest {
 namespace {

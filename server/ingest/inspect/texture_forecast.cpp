@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/texture_set.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/textures/tile_encoder.h"

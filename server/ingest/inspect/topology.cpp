@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "server/ingest/soup/lattice_choice.h"
 
 namespace lode::ingest {

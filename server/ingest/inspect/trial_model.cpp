@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/atomic_file.h"
+#include "common/io/atomic_file.h"
 
 namespace lode::ingest {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 
 namespace lode::ingest {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "common/cheap_normals.h"
-#include "common/octahedral.h"
-#include "common/surface_normals.h"
+#include "common/codec/cheap_normals.h"
+#include "common/codec/octahedral.h"
+#include "common/codec/surface_normals.h"
 #include "server/ingest/mesh/groups.h"
 #include "server/ingest/mesh/mesh_welder.h"
 

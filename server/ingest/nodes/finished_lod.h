@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
 #include "server/ingest/measure/lod_input.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/mesh/simplified_mesh.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "common/surface_normals.h"
+#include "common/codec/surface_normals.h"
 
 namespace lode::ingest {
 namespace {

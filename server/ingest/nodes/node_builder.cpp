@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
 #include "common/release_storage.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/computed_normals.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/hierarchy_page.h"
+#include "common/codec/hierarchy_page.h"
 #include "server/ingest/disk/spool.h"
 #include "server/ingest/disk/temporary_folder.h"
 #include "server/ingest/measure/reference_boundaries.h"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/blob.h"
+#include "common/codec/blob.h"
 
 namespace lode::ingest {
 namespace {

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <span>
 
+#include "common/codec/surface_normals.h"
 #include "common/error.h"
-#include "common/surface_normals.h"
 
 namespace lode::ingest {
 

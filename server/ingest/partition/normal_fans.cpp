@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "common/surface_normals.h"
+#include "common/codec/surface_normals.h"
 #include "server/ingest/mesh/groups.h"
 #include "server/ingest/partition/leaf_mesh.h"
 

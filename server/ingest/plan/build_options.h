@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/model_summary.h"
+#include "common/codec/model_summary.h"
 #include "server/ingest/plan/simplifier.h"
 
 namespace lode::ingest {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 
 namespace lode::ingest {
 

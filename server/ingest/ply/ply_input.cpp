@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
-#include "common/file_io.h"
+#include "common/io/file_io.h"
 
 namespace lode::ingest {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 
 namespace lode::ingest {
 

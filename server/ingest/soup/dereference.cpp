@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "server/ingest/soup/face_batch.h"
 #include "server/ingest/soup/triangulate.h"
 #include "server/ingest/threads/in_order.h"

@@ -4,8 +4,8 @@
 #include <array>
 #include <string>
 
+#include "common/codec/octahedral.h"
 #include "common/error.h"
-#include "common/octahedral.h"
 #include "server/ingest/mesh/vertex_set.h"
 
 namespace lode::ingest {

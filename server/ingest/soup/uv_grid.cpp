@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/texture_set.h"
 
 namespace lode::ingest {
 namespace {

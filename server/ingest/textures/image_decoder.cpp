@@ -8,9 +8,9 @@
 #include <webp/decode.h>
 
 #include "common/byte_size.h"
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/jpeg_decoder.h"
-#include "common/texture_set.h"
+#include "common/image/jpeg_decoder.h"
 
 namespace lode::ingest {
 namespace {

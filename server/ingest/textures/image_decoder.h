@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "common/image.h"
+#include "common/image/image.h"
 
 namespace lode::ingest {
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "common/byte_size.h"
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/texture_set.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/ply/ply_input.h"
 

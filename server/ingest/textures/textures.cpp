@@ -5,10 +5,10 @@
 #include <cmath>
 #include <exception>
 
+#include "common/codec/texture_set.h"
 #include "common/error.h"
 #include "common/printable.h"
 #include "common/start_thread.h"
-#include "common/texture_set.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/textures/tile_encoder.h"
 

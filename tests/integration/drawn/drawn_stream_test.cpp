@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/app/window/memory_shares.h"
 #include "client/render/framebuffer.h"
-#include "client/render/memory_shares.h"
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
 #include "common/error.h"

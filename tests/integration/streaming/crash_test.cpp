@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/cli/cut_mesh.h"
-#include "client/core/camera_path.h"
-#include "client/core/framing.h"
+#include "client/core/view/camera_path.h"
+#include "client/core/view/framing.h"
 #include "client/stream/streamer.h"
 #include "tests/integration/programs/programs.h"
 #include "tests/support/synthetic_store.h"

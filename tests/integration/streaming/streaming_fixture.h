@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/camera_path.h"
-#include "client/core/framing.h"
+#include "client/core/view/camera_path.h"
+#include "client/core/view/framing.h"
 #include "client/stream/streamer.h"
 #include "server/serve/server.h"
 #include "tests/integration/programs/programs.h"

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "client/app/cli/first_camera.h"
-#include "client/core/camera_path.h"
+#include "client/core/view/camera_path.h"
 #include "common/error.h"
 #include "proto/limits.h"
 #include "tests/support/work_folder.h"

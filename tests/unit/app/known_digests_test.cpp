@@ -1,4 +1,4 @@
-#include "client/app/cli/known_digests.h"
+#include "client/loadtest/known_digests.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "client/app/cli/latency_histogram.h"
+#include "client/loadtest/latency_histogram.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // What both kinds of a load test's clients count of servers that go, break off, refuse or fall silent.
 
-#include "client/app/cli/load_client.h"
+#include "client/loadtest/load_client.h"
 
 #include <algorithm>
 #include <map>
@@ -12,9 +12,9 @@
 #include <asio/io_context.hpp>
 #include <gtest/gtest.h>
 
-#include "client/app/cli/full_client.h"
-#include "client/app/cli/trace_client.h"
-#include "client/core/framing.h"
+#include "client/core/view/framing.h"
+#include "client/loadtest/full_client.h"
+#include "client/loadtest/trace_client.h"
 #include "proto/limits.h"
 #include "server/store/reader.h"
 #include "tests/support/synthetic_store.h"

@@ -1,4 +1,4 @@
-#include "client/app/cli/load_report.h"
+#include "client/loadtest/load_report.h"
 
 #include <chrono>
 #include <string>

@@ -1,4 +1,4 @@
-#include "client/app/cli/load_test.h"
+#include "client/loadtest/load_test.h"
 
 #include <algorithm>
 #include <atomic>
@@ -10,7 +10,7 @@
 #include <asio/ip/tcp.hpp>
 #include <gtest/gtest.h>
 
-#include "client/core/framing.h"
+#include "client/core/view/framing.h"
 #include "server/store/reader.h"
 #include "tests/support/synthetic_store.h"
 #include "tests/support/work_folder.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/framing.h"
+#include "client/core/view/framing.h"
 
 namespace lode::app {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/app/cli/overheard_requests.h"
+#include "client/loadtest/overheard_requests.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "client/app/cli/request_clock.h"
+#include "client/loadtest/request_clock.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "client/app/cli/request_trace_file.h"
+#include "client/loadtest/request_trace_file.h"
 
 #include <string>
 

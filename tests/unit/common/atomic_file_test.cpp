@@ -1,4 +1,4 @@
-#include "common/atomic_file.h"
+#include "common/io/atomic_file.h"
 
 #include <algorithm>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "common/blob.h"
+#include "common/codec/blob.h"
 
 #include <gtest/gtest.h>
 

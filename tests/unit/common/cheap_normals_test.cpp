@@ -1,12 +1,12 @@
-#include "common/cheap_normals.h"
+#include "common/codec/cheap_normals.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "common/draco_codec.h"
-#include "common/octahedral.h"
-#include "common/surface_normals.h"
+#include "common/codec/draco_codec.h"
+#include "common/codec/octahedral.h"
+#include "common/codec/surface_normals.h"
 #include "tests/support/test_meshes.h"
 
 namespace lode {

@@ -1,12 +1,12 @@
-#include "common/corner_normals.h"
+#include "common/codec/corner_normals.h"
 
 #include <algorithm>
 #include <tuple>
 
 #include <gtest/gtest.h>
 
-#include "common/draco_codec.h"
-#include "common/surface_normals.h"
+#include "common/codec/draco_codec.h"
+#include "common/codec/surface_normals.h"
 #include "tests/support/test_meshes.h"
 #include "tests/unit/common/payload_fixture.h"
 

@@ -7,10 +7,10 @@
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <gtest/gtest.h>
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
+#include "common/codec/surface_normals.h"
 #include "common/error.h"
 #include "common/limits.h"
-#include "common/surface_normals.h"
 #include "tests/support/test_meshes.h"
 #include "tests/unit/common/payload_fixture.h"
 #include "tests/unit/memory_meter.h"

@@ -1,4 +1,4 @@
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,9 @@
 #include <draco/mesh/mesh.h>
 #include <gtest/gtest.h>
 
+#include "common/codec/octahedral.h"
 #include "common/error.h"
 #include "common/limits.h"
-#include "common/octahedral.h"
 #include "tests/support/test_meshes.h"
 #include "tests/unit/common/payload_fixture.h"
 

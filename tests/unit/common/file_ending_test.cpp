@@ -1,4 +1,4 @@
-#include "common/file_ending.h"
+#include "common/io/file_ending.h"
 
 #include <gtest/gtest.h>
 

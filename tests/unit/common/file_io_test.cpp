@@ -1,4 +1,4 @@
-#include "common/file_io.h"
+#include "common/io/file_io.h"
 
 #include <array>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "common/glb_writer.h"
+#include "common/io/glb_writer.h"
 
 #include <cmath>
 #include <cstring>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/codec/octahedral.h"
 #include "common/error.h"
-#include "common/octahedral.h"
 #include "tests/support/bytes.h"
 #include "tests/support/test_meshes.h"
 #include "tests/support/work_folder.h"

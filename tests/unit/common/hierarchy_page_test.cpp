@@ -1,4 +1,4 @@
-#include "common/hierarchy_page.h"
+#include "common/codec/hierarchy_page.h"
 
 #include <cmath>
 #include <functional>

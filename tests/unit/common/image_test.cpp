@@ -1,4 +1,4 @@
-#include "common/image.h"
+#include "common/image/image.h"
 
 #include <cmath>
 

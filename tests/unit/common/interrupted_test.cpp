@@ -1,4 +1,4 @@
-#include "common/interrupted.h"
+#include "common/io/interrupted.h"
 
 #include <csignal>
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/atomic_file.h"
+#include "common/io/atomic_file.h"
 #include "tests/support/bytes.h"
 #include "tests/support/work_folder.h"
 

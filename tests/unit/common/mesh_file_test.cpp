@@ -1,4 +1,4 @@
-#include "common/mesh_file.h"
+#include "common/io/mesh_file.h"
 
 #include <filesystem>
 #include <string>

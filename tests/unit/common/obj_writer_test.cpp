@@ -1,10 +1,10 @@
-#include "common/obj_writer.h"
+#include "common/io/obj_writer.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "tests/support/bytes.h"
 #include "tests/support/test_meshes.h"
 #include "tests/support/work_folder.h"

@@ -1,4 +1,4 @@
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
 #include "tests/support/test_meshes.h"
 
 namespace lode {

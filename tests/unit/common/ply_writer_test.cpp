@@ -1,11 +1,11 @@
-#include "common/ply_writer.h"
+#include "common/io/ply_writer.h"
 
 #include <cstring>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "tests/support/bytes.h"
 #include "tests/support/test_meshes.h"
 #include "tests/support/work_folder.h"

@@ -1,4 +1,4 @@
-#include "common/srgb.h"
+#include "common/image/srgb.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "common/surface_normals.h"
+#include "common/codec/surface_normals.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
+#include "common/codec/octahedral.h"
 #include "common/error.h"
-#include "common/octahedral.h"
 #include "tests/support/test_meshes.h"
 #include "tests/unit/common/payload_fixture.h"
 

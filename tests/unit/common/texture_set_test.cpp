@@ -1,4 +1,4 @@
-#include "common/texture_set.h"
+#include "common/codec/texture_set.h"
 
 #include <cmath>
 #include <cstring>

@@ -1,13 +1,13 @@
-#include "common/tile_image.h"
+#include "common/image/tile_image.h"
 
 #include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/jpeg_decoder.h"
-#include "common/texture_set.h"
+#include "common/image/jpeg_decoder.h"
 #include "tests/support/jpeg_files.h"
 #include "tests/support/texture_images.h"
 

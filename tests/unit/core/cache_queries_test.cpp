@@ -1,4 +1,4 @@
-#include "client/core/cache_queries.h"
+#include "client/core/cache/cache_queries.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "client/core/cache.h"
+#include "client/core/cache/cache.h"
 
 #include <gtest/gtest.h>
 
-#include "client/core/triangle_clusters.h"
+#include "client/core/lod/triangle_clusters.h"
 
 namespace lode::core {
 namespace {

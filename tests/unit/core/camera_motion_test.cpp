@@ -1,4 +1,4 @@
-#include "client/core/camera_motion.h"
+#include "client/core/lod/camera_motion.h"
 
 #include <cmath>
 

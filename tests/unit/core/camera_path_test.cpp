@@ -1,4 +1,4 @@
-#include "client/core/camera_path.h"
+#include "client/core/view/camera_path.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/core/connection.h"
+#include "client/core/session/connection.h"
 
 #include <set>
 

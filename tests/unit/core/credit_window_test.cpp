@@ -1,4 +1,4 @@
-#include "client/core/credit_window.h"
+#include "client/core/session/credit_window.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/core/cut_probe.h"
+#include "client/core/lod/cut_probe.h"
 
 #include <numeric>
 #include <random>

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/core/engine.h"
-#include "client/core/shown_parts.h"
+#include "client/core/lod/shown_parts.h"
 #include "common/error.h"
 #include "tests/support/seeds.h"
 #include "tests/unit/core/scripted_server.h"

@@ -1,4 +1,4 @@
-#include "client/core/framing.h"
+#include "client/core/view/framing.h"
 
 #include <algorithm>
 

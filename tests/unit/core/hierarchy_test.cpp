@@ -1,4 +1,4 @@
-#include "client/core/hierarchy.h"
+#include "client/core/lod/hierarchy.h"
 
 #include <gtest/gtest.h>
 

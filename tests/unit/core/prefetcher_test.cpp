@@ -1,4 +1,4 @@
-#include "client/core/prefetcher.h"
+#include "client/core/lod/prefetcher.h"
 
 #include <algorithm>
 #include <functional>

@@ -1,9 +1,9 @@
-#include "client/core/refiner.h"
+#include "client/core/lod/refiner.h"
 
 #include <algorithm>
 #include <set>
 
-#include "client/core/shown_parts.h"
+#include "client/core/lod/shown_parts.h"
 #include "tests/support/seeds.h"
 #include "tests/unit/core/refiner_on_seeds.h"
 

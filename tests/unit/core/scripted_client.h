@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/refiner.h"
+#include "client/core/lod/refiner.h"
 #include "tests/unit/core/synthetic_model.h"
 
 namespace lode::core::fixture {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/session.h"
-#include "common/hierarchy_page.h"
+#include "client/core/session/session.h"
+#include "common/codec/hierarchy_page.h"
 #include "proto/limits.h"
 #include "tests/unit/core/session_fixture.h"
 #include "tests/unit/core/synthetic_model.h"

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/view_group.h"
+#include "client/core/lod/view_group.h"
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core::fixture {

@@ -1,4 +1,4 @@
-#include "client/core/seen_places.h"
+#include "client/core/lod/seen_places.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/session.h"
+#include "client/core/session/session.h"
 #include "common/error.h"
 #include "proto/limits.h"
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "client/core/session.h"
+#include "client/core/session/session.h"
 #include "tests/unit/core/session_fixture.h"
 
 namespace lode::core {

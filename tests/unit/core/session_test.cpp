@@ -1,4 +1,4 @@
-#include "client/core/session.h"
+#include "client/core/session/session.h"
 
 #include <gtest/gtest.h>
 

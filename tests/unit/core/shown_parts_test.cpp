@@ -1,4 +1,4 @@
-#include "client/core/shown_parts.h"
+#include "client/core/lod/shown_parts.h"
 
 #include <gtest/gtest.h>
 

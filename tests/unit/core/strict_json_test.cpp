@@ -1,4 +1,4 @@
-#include "client/core/strict_json.h"
+#include "client/core/view/strict_json.h"
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include <random>
 #include <vector>
 
-#include "client/core/cache.h"
-#include "client/core/hierarchy.h"
-#include "client/core/triangle_clusters.h"
-#include "common/hierarchy_page.h"
+#include "client/core/cache/cache.h"
+#include "client/core/lod/hierarchy.h"
+#include "client/core/lod/triangle_clusters.h"
+#include "common/codec/hierarchy_page.h"
 
 namespace lode::core::fixture {
 

@@ -1,10 +1,10 @@
-#include "client/core/texture_cache.h"
+#include "client/core/textures/texture_cache.h"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "client/core/texture_wants.h"
+#include "client/core/textures/texture_wants.h"
 
 namespace lode::core {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/core/texture_footprint.h"
+#include "client/core/textures/texture_footprint.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "client/core/texture_stream.h"
+#include "client/core/textures/texture_stream.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "client/core/texture_wants.h"
+#include "client/core/textures/texture_wants.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "client/core/tile_tail.h"
+#include "client/core/textures/tile_tail.h"
 
 #include <gtest/gtest.h>
 
-#include "common/texture_set.h"
+#include "common/codec/texture_set.h"
 
 namespace lode::core {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/core/triangle_clusters.h"
+#include "client/core/lod/triangle_clusters.h"
 
 #include <algorithm>
 #include <random>

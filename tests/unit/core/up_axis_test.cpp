@@ -1,4 +1,4 @@
-#include "client/core/up_axis.h"
+#include "client/core/view/up_axis.h"
 
 #include <array>
 

@@ -1,4 +1,4 @@
-#include "client/core/view_cuts.h"
+#include "client/core/lod/view_cuts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "client/core/drawn_bytes.h"
-#include "client/core/shown_parts.h"
+#include "client/core/cache/drawn_bytes.h"
+#include "client/core/lod/shown_parts.h"
 #include "tests/unit/core/seeded_model.h"
 
 namespace lode::core {

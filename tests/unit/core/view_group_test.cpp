@@ -1,10 +1,10 @@
-#include "client/core/view_group.h"
+#include "client/core/lod/view_group.h"
 
 #include <algorithm>
 #include <limits>
 #include <map>
 
-#include "client/core/drawn_bytes.h"
+#include "client/core/cache/drawn_bytes.h"
 #include "tests/unit/core/seeded_model.h"
 
 namespace lode::core {

@@ -1,4 +1,4 @@
-#include "client/core/view.h"
+#include "client/core/view/view.h"
 
 #include <cmath>
 #include <random>

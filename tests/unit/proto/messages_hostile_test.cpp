@@ -6,9 +6,9 @@
 #include <flatbuffers/flatbuffers.h>
 #include <gtest/gtest.h>
 
+#include "common/codec/texture_set.h"
 #include "common/error.h"
 #include "common/limits.h"
-#include "common/texture_set.h"
 #include "proto/limits.h"
 #include "proto/lodestream_generated.h"
 #include "proto/messages.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <tuple>
 
-#include "common/hierarchy_page.h"
+#include "common/codec/hierarchy_page.h"
 #include "proto/messages.h"
 
 namespace lode::proto::test {

@@ -1,4 +1,4 @@
-#include "client/render/ambient_occlusion.h"
+#include "client/render/passes/ambient_occlusion.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "client/render/block_allocator.h"
+#include "client/render/residency/block_allocator.h"
 
 #include <random>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "client/render/changed_regions.h"
+#include "client/render/residency/changed_regions.h"
 
 #include <algorithm>
 #include <random>

@@ -1,11 +1,11 @@
-#include "client/render/cluster_culling.h"
+#include "client/render/culling/cluster_culling.h"
 
 #include <gtest/gtest.h>
 
-#include "client/core/triangle_clusters.h"
+#include "client/core/lod/triangle_clusters.h"
 #include "gl_fixture.h"
-#include "silhouette.h"
 #include "tests/support/test_meshes.h"
+#include "tests/unit/render/silhouette.h"
 
 namespace lode::test {
 namespace {

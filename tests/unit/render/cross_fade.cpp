@@ -1,4 +1,4 @@
-#include "client/render/cross_fade.h"
+#include "client/render/passes/cross_fade.h"
 
 #include <map>
 #include <numeric>

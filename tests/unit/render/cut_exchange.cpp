@@ -1,4 +1,4 @@
-#include "client/render/cut_exchange.h"
+#include "client/render/residency/cut_exchange.h"
 
 #include <algorithm>
 #include <map>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/shown_parts.h"
+#include "client/core/lod/shown_parts.h"
 
 namespace lode::test {
 namespace {

@@ -1,8 +1,8 @@
-#include "client/render/depth_pyramid.h"
+#include "client/render/culling/depth_pyramid.h"
 
 #include <algorithm>
 
-#include "client/render/depth_reader.h"
+#include "client/render/culling/depth_reader.h"
 #include "client/render/renderer.h"
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/render/cross_fade.h"
+#include "client/render/passes/cross_fade.h"
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"
 

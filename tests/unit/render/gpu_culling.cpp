@@ -1,8 +1,8 @@
-#include "client/render/gpu_culling.h"
+#include "client/render/culling/gpu_culling.h"
 
 #include <algorithm>
 
-#include "client/core/triangle_clusters.h"
+#include "client/core/lod/triangle_clusters.h"
 #include "client/render/draw_list.h"
 #include "client/render/renderer.h"
 #include "gl_fixture.h"

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/triangle_clusters.h"
-#include "client/render/depth_reader.h"
+#include "client/core/lod/triangle_clusters.h"
+#include "client/render/culling/depth_reader.h"
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"
 

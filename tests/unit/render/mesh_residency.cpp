@@ -1,12 +1,12 @@
-#include "client/render/mesh_residency.h"
+#include "client/render/residency/mesh_residency.h"
 
 #include <array>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "client/core/drawn_bytes.h"
-#include "client/core/triangle_clusters.h"
+#include "client/core/cache/drawn_bytes.h"
+#include "client/core/lod/triangle_clusters.h"
 #include "residency_fixture.h"
 
 namespace lode::test {

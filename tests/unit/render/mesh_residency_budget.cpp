@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/drawn_bytes.h"
-#include "client/render/mesh_residency.h"
+#include "client/core/cache/drawn_bytes.h"
+#include "client/render/residency/mesh_residency.h"
 #include "residency_fixture.h"
 
 namespace lode::test {

@@ -1,4 +1,4 @@
-#include "client/render/occluders.h"
+#include "client/render/culling/occluders.h"
 
 #include <gtest/gtest.h>
 

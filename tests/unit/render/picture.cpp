@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "gl_fixture.h"
-#include "silhouette.h"
 #include "tests/support/test_meshes.h"
+#include "tests/unit/render/silhouette.h"
 
 namespace lode::test {
 namespace {

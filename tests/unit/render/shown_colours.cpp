@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "client/render/light.h"
+#include "client/render/passes/light.h"
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "client/core/view.h"
+#include "client/core/view/view.h"
 #include "common/mesh.h"
 
 namespace lode::test {

@@ -1,4 +1,4 @@
-#include "client/render/tile_cells.h"
+#include "client/render/residency/tile_cells.h"
 
 #include <random>
 #include <vector>

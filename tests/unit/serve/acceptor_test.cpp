@@ -1,4 +1,4 @@
-#include "server/serve/acceptor.h"
+#include "server/serve/net/acceptor.h"
 
 #include <memory>
 #include <new>

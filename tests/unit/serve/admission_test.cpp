@@ -1,4 +1,4 @@
-#include "server/serve/admission.h"
+#include "server/serve/net/admission.h"
 
 #include <algorithm>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "server/serve/blob_reader.h"
+#include "server/serve/session/blob_reader.h"
 
 #include <cerrno>
 #include <filesystem>

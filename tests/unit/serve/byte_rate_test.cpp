@@ -1,4 +1,4 @@
-#include "server/serve/byte_rate.h"
+#include "server/serve/net/byte_rate.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "server/serve/catalog.h"
+#include "server/serve/session/catalog.h"
 
 #include <filesystem>
 #include <fstream>

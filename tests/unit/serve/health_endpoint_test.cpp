@@ -1,4 +1,4 @@
-#include "server/serve/health_endpoint.h"
+#include "server/serve/ops/health_endpoint.h"
 
 #include <atomic>
 #include <string>

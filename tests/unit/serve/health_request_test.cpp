@@ -1,4 +1,4 @@
-#include "server/serve/health_request.h"
+#include "server/serve/ops/health_request.h"
 
 #include <gtest/gtest.h>
 

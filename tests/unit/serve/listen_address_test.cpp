@@ -1,4 +1,4 @@
-#include "server/serve/listen_address.h"
+#include "server/serve/net/listen_address.h"
 
 #include <gtest/gtest.h>
 

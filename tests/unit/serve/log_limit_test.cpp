@@ -1,4 +1,4 @@
-#include "server/serve/log_limit.h"
+#include "server/serve/ops/log_limit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/serve/log_line.h"
+#include "server/serve/ops/log_line.h"
 
 #include <algorithm>
 #include <string>

@@ -1,4 +1,4 @@
-#include "server/serve/log.h"
+#include "server/serve/ops/log.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "server/serve/memory_budget.h"
+#include "server/serve/memory/memory_budget.h"
 
 #include <memory>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "server/serve/memory_reserve.h"
+#include "server/serve/memory/memory_reserve.h"
 
 #include <atomic>
 #include <cstdio>

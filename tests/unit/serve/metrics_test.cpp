@@ -1,4 +1,4 @@
-#include "server/serve/metrics.h"
+#include "server/serve/ops/metrics.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "server/serve/proxy_header.h"
+#include "server/serve/net/proxy_header.h"
 
 #include <string>
 #include <string_view>

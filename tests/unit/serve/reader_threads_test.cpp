@@ -1,4 +1,4 @@
-#include "server/serve/reader_threads.h"
+#include "server/serve/session/reader_threads.h"
 
 #include <chrono>
 #include <climits>

@@ -1,4 +1,4 @@
-#include "server/serve/refusals.h"
+#include "server/serve/net/refusals.h"
 
 #include <memory>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "server/serve/request_memory.h"
+#include "server/serve/session/request_memory.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/serve/request_queue.h"
+#include "server/serve/session/request_queue.h"
 
 namespace lode::serve {
 namespace {

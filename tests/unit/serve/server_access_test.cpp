@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 
 #include "common/error.h"
-#include "server/serve/refusals.h"
+#include "server/serve/net/refusals.h"
 #include "tests/support/test_certificate.h"
 #include "tests/unit/serve/server_fixture.h"
 #include "tests/unit/serve/tls_client.h"

@@ -6,7 +6,7 @@
 #include <asio/steady_timer.hpp>
 #include <sys/resource.h>
 
-#include "server/serve/open_files.h"
+#include "server/serve/net/open_files.h"
 #include "tests/unit/serve/server_fixture.h"
 
 namespace lode::serve {

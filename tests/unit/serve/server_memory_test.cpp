@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/serve/connection.h"
+#include "server/serve/net/connection.h"
 #include "tests/unit/serve/allocations.h"
 #include "tests/unit/serve/server_fixture.h"
 

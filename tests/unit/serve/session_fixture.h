@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "proto/frame.h"
-#include "server/serve/session.h"
+#include "server/serve/session/session.h"
 
 namespace lode::serve::test {
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "server/serve/session.h"
+#include "server/serve/session/session.h"
 #include "tests/unit/serve/session_fixture.h"
 
 namespace lode::serve {

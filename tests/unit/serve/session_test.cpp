@@ -1,4 +1,4 @@
-#include "server/serve/session.h"
+#include "server/serve/session/session.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/serve/token_file.h"
+#include "server/serve/session/token_file.h"
 
 #include <algorithm>
 #include <chrono>

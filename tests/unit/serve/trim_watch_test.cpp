@@ -1,4 +1,4 @@
-#include "server/serve/trim_watch.h"
+#include "server/serve/memory/trim_watch.h"
 
 #include <string>
 #include <vector>

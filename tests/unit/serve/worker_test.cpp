@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "server/serve/catalog.h"
+#include "server/serve/session/catalog.h"
 #include "tests/unit/serve/small_store.h"
 #include "tests/unit/serve/test_client.h"
 

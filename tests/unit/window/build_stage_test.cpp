@@ -1,4 +1,4 @@
-#include "client/app/window/build_stage.h"
+#include "client/app/window/panel/build_stage.h"
 
 #include <gtest/gtest.h>
 

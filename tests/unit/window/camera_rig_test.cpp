@@ -1,4 +1,4 @@
-#include "client/app/window/camera_rig.h"
+#include "client/app/window/camera/camera_rig.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/app/window/film_folder.h"
+#include "client/app/window/output/film_folder.h"
 
 #include <fstream>
 

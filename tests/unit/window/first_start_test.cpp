@@ -1,4 +1,4 @@
-#include "client/app/window/first_start.h"
+#include "client/app/window/panel/first_start.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/app/window/ground_below.h"
+#include "client/app/window/camera/ground_below.h"
 
 #include <memory>
 

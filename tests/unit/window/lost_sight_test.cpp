@@ -1,4 +1,4 @@
-#include "client/app/window/lost_sight.h"
+#include "client/app/window/camera/lost_sight.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/app/window/notice.h"
+#include "client/app/window/panel/notice.h"
 
 #include <memory>
 

@@ -1,4 +1,4 @@
-#include "client/app/window/panel_figures.h"
+#include "client/app/window/panel/panel_figures.h"
 
 #include <algorithm>
 

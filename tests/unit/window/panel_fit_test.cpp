@@ -1,4 +1,4 @@
-#include "client/app/window/panel_fit.h"
+#include "client/app/window/panel/panel_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/app/window/panel_letters.h"
+#include "client/app/window/panel/panel_letters.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/app/window/pick_marks.h"
+#include "client/app/window/panel/pick_marks.h"
 
 #include <algorithm>
 

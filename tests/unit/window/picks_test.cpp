@@ -1,4 +1,4 @@
-#include "client/app/window/picks.h"
+#include "client/app/window/scene/picks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/app/window/picture_file.h"
+#include "client/app/window/output/picture_file.h"
 
 #include <gtest/gtest.h>
 

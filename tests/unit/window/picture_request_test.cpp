@@ -1,4 +1,4 @@
-#include "client/app/window/picture_request.h"
+#include "client/app/window/output/picture_request.h"
 
 #include <gtest/gtest.h>
 

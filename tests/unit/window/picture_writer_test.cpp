@@ -1,4 +1,4 @@
-#include "client/app/window/picture_writer.h"
+#include "client/app/window/output/picture_writer.h"
 
 #include <algorithm>
 #include <filesystem>

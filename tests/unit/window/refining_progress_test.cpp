@@ -1,4 +1,4 @@
-#include "client/app/window/refining_progress.h"
+#include "client/app/window/panel/refining_progress.h"
 
 #include <gtest/gtest.h>
 

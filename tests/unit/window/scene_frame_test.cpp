@@ -1,4 +1,4 @@
-#include "client/app/window/scene_frame.h"
+#include "client/app/window/scene/scene_frame.h"
 
 #include <gtest/gtest.h>
 

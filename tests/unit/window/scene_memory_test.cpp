@@ -1,4 +1,4 @@
-#include "client/app/window/scene_memory.h"
+#include "client/app/window/scene/scene_memory.h"
 
 #include <numeric>
 

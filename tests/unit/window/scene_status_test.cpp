@@ -1,10 +1,10 @@
-#include "client/app/window/scene_status.h"
+#include "client/app/window/scene/scene_status.h"
 
 #include <memory>
 
 #include <gtest/gtest.h>
 
-#include "client/core/view_cuts.h"
+#include "client/core/lod/view_cuts.h"
 
 namespace lode::app {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/app/window/video.h"
+#include "client/app/window/output/video.h"
 
 #include <cstdint>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "client/app/window/viewed_scene.h"
+#include "client/app/window/scene/viewed_scene.h"
 
 #include <filesystem>
 #include <fstream>

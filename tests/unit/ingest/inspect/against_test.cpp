@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
 #include "common/error.h"
-#include "server/ingest/build/build.h"
-#include "server/ingest/sample/sample.h"
+#include "server/ingest/pipeline/build.h"
+#include "server/sample/sample.h"
 #include "server/store/export.h"
 #include "server/store/reader.h"
 #include "server/store/writer.h"

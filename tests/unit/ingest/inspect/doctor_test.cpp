@@ -3,7 +3,7 @@
 #include <optional>
 #include <sstream>
 
-#include "server/ingest/build/build.h"
+#include "server/ingest/pipeline/build.h"
 #include "tests/support/jpeg_files.h"
 #include "tests/unit/ingest/ply/ply_fixture.h"
 #include "tests/unit/ingest/textures/image_files.h"

@@ -1,6 +1,6 @@
 #include "server/ingest/inspect/trial_model.h"
 
-#include "server/ingest/sample/sample.h"
+#include "server/sample/sample.h"
 #include "tests/unit/ingest/ply/ply_fixture.h"
 
 namespace lode::ingest {

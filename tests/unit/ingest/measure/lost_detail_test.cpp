@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/node_meshes.h"

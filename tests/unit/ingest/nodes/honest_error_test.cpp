@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "common/ply_writer.h"
-#include "server/ingest/build/build.h"
+#include "common/io/ply_writer.h"
 #include "server/ingest/inspect/against.h"
-#include "server/ingest/sample/sample.h"
+#include "server/ingest/pipeline/build.h"
+#include "server/sample/sample.h"
 #include "server/store/export.h"
 #include "server/store/reader.h"
 #include "tests/support/loose_pieces.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/surface_normals.h"
+#include "common/codec/surface_normals.h"
 #include "server/ingest/partition/leaf_mesh.h"
 
 namespace lode::ingest {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octahedral.h"
-#include "common/surface_normals.h"
+#include "common/codec/octahedral.h"
+#include "common/codec/surface_normals.h"
 #include "server/ingest/partition/leaf_mesh.h"
 #include "server/ingest/plan/build_options.h"
 #include "tests/support/machine_parts.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octahedral.h"
+#include "common/codec/octahedral.h"
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/node_meshes.h"
 #include "tests/support/surface_distance.h"

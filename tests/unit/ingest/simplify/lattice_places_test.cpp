@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/draco_codec.h"
+#include "common/codec/draco_codec.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/node_meshes.h"

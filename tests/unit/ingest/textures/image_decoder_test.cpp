@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/jpeg_decoder.h"
+#include "common/image/jpeg_decoder.h"
 #include "server/ingest/textures/tile_encoder.h"
 #include "tests/support/bytes.h"
 #include "tests/support/jpeg_files.h"

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/texture_set.h"
 #include "server/ingest/textures/tile_encoder.h"
 #include "tests/support/work_folder.h"
 #include "tests/unit/ingest/textures/image_files.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "server/ingest/build/build.h"
+#include "server/ingest/pipeline/build.h"
 #include "server/store/reader.h"
 #include "tests/support/work_folder.h"
 #include "tests/unit/ingest/textures/image_files.h"

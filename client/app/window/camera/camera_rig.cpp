@@ -1,0 +1,161 @@
+#include "client/app/window/camera/camera_rig.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace lode::app {
+namespace {
+
+constexpr double kCrossingSeconds = 4;      ///< in which a flight at first speed passes the whole model
+constexpr double kPadHeightsASecond = 1.2;  ///< a stick at its end drags over so many heights of the picture
+constexpr double kPadStepsASecond = 6;      ///< and turns the wheel so far, as W and S do
+constexpr double kEyeHeight = 0.005;        ///< of the model's size, at which a walk begins
+constexpr double kDropHeights = 2;          ///< that it comes down from
+
+double sizeOf(const ModelSummary& model) {
+  if (model.box.empty()) return model.lattice.step;
+  const glm::dvec3 extent = glm::dvec3(model.box.max) - glm::dvec3(model.box.min);
+  return std::max(glm::length(extent), 1.0) * model.lattice.step;
+}
+
+}  // namespace
+
+CameraRig::CameraRig(const ModelSummary& model, core::Framing framing,
+                     const std::optional<core::CameraPath>& path, uint32_t width_px, uint32_t height_px)
+    : model_(model), framing_(std::move(framing)), starts_framed_(!path), up_(core::upOf(framing_)) {
+  resize(width_px, height_px);
+  if (path)
+    startAt(*path);
+  else
+    frame();
+}
+
+void CameraRig::startAt(const core::CameraPath& path) {
+  const core::CameraKey& key = path.keys.front();
+  start_ = core::toView(key, path.fov_y_deg, view_.width_px, view_.height_px, model_);
+  start_distance_model_ = std::max(glm::distance(key.eye, key.target), model_.lattice.step);
+  restart(start_, start_distance_model_);
+}
+
+/// For the window as it is now.
+void CameraRig::frame() {
+  if (view_.width_px > 0 && view_.height_px > 0)
+    framing_.aspect = static_cast<double>(view_.width_px) / view_.height_px;
+  startAt(core::framingCamera(model_, framing_));
+  const core::ModelBox box = core::toModelBox(model_.box, model_.lattice.step);
+  if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);  // it is not straight ahead
+}
+
+/// All cameras go on from a view; the orbit turns about what lies so far ahead.
+void CameraRig::restart(core::View from, double distance_model) {
+  from.width_px = view_.width_px;  // the window may have another size by now
+  from.height_px = view_.height_px;
+  view_ = from;
+  const double size = sizeOf(model_);  // which may have grown
+  orbit_ = render::OrbitCamera(from, distance_model, up_);
+  fly_ = render::FlyCamera(from, size / kCrossingSeconds, up_);
+  walk_ = render::WalkCamera(from, size * kEyeHeight, up_);
+}
+
+/// Its up says nothing of a model's axis where it looks straight along that, or leans.
+core::CameraKey CameraRig::camera() const {
+  constexpr double kAlong = 1e-5, kUpright = 1e-9;
+  const glm::dvec3 eye = model_.lattice.origin + view_.eye_model;
+  const glm::dvec3 level = glm::cross(view_.forward, up_);
+  const bool is_upright = glm::length(level) > kAlong && std::abs(glm::dot(level, view_.up)) < kUpright &&
+                          glm::dot(view_.up, up_) > 0;
+  return {0, eye, eye + view_.forward * orbit_.distanceModel(), is_upright ? up_ : view_.up};
+}
+
+void CameraRig::lookFrom(const core::CameraKey& camera, double fov_y_deg) {
+  restart(core::toView(camera, fov_y_deg, view_.width_px, view_.height_px, model_),
+          std::max(glm::distance(camera.eye, camera.target), model_.lattice.step));
+}
+
+void CameraRig::standAt(const glm::dvec3& point_model) {
+  if (kind_ != CameraKind::kWalk) return;
+  core::View above = view_;
+  above.eye_model = point_model + up_ * (walk_.eyeHeightModel() * kDropHeights);
+  above.forward = render::Heading(view_, up_).level();
+  walk_ = render::WalkCamera(above, walk_.eyeHeightModel(), up_);
+}
+
+/// The model stands on another side, and is framed anew.
+void CameraRig::turnUp() {
+  constexpr std::array<glm::dvec3, 6> kTurns{glm::dvec3{0, 1, 0}, {0, 0, 1},  {1, 0, 0},
+                                             {0, -1, 0},          {0, 0, -1}, {-1, 0, 0}};
+  // After a guess comes the other axis that is likely.
+  const auto now = !framing_.up && up_ == kTurns[1] ? kTurns.end() - 1 : std::ranges::find(kTurns, up_);
+  framing_.up = kTurns[static_cast<size_t>(now - kTurns.begin() + 1) % kTurns.size()];
+  up_ = *framing_.up;
+  starts_framed_ = true;
+  frame();
+}
+
+void CameraRig::useBookmark(size_t number, bool set) {
+  std::optional<Bookmark>& bookmark = bookmarks_[number - 1];
+  if (set) bookmark = {view_, orbit_.distanceModel(), up_, kind_};
+  if (set || !bookmark) return;
+  up_ = bookmark->up;
+  kind_ = bookmark->kind;
+  restart(bookmark->view, bookmark->distance_model);
+}
+
+/// What walks always looks for its ground, which may have come nearer.
+bool CameraRig::isSteered(const Input& input) const noexcept {
+  return input.turned_px != glm::dvec2(0) || input.shifted_px != glm::dvec2(0) || input.wheel != 0 ||
+         input.pad_turn != glm::dvec2(0) || input.fly.right != 0 || input.fly.up != 0 ||
+         input.fly.forward != 0 || kind_ == CameraKind::kWalk || underWay();
+}
+
+void CameraRig::startAgain() {
+  up_ = core::upOf(framing_);
+  if (starts_framed_)
+    frame();
+  else
+    restart(start_, start_distance_model_);
+}
+
+/// While nothing steers it, the view stays to the bit: a camera that is computed anew differs in rounding.
+void CameraRig::apply(const Input& input, double seconds, const render::GroundBelow& ground) {
+  if (input.reset_camera) startAgain();
+  for (int i = 0; i < input.next_axis; ++i) turnUp();
+  if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
+  if (input.next_camera != 0) {
+    restart(view_, orbit_.distanceModel());
+    kind_ = static_cast<CameraKind>((static_cast<int>(kind_) + input.next_camera) % kCameraKindCount);
+  }
+  if (!isSteered(input)) return;
+  const glm::dvec2 looked_px =
+      input.turned_px + input.shifted_px - input.pad_turn * (kPadHeightsASecond * seconds * view_.height_px);
+  const auto steer = [&](auto& camera, const auto&... where) {
+    camera.changeSpeed(input.wheel);
+    camera.look(looked_px, view_);
+    camera.move(input.fly, seconds, where...);
+    camera.apply(view_);
+  };
+  switch (kind_) {
+    case CameraKind::kOrbit:
+      orbit_.advance(seconds);
+      orbit_.zoom(input.wheel + input.fly.forward * kPadStepsASecond * seconds);
+      orbit_.drag(looked_px - input.shifted_px, view_.height_px);
+      orbit_.shift(input.shifted_px, view_);
+      orbit_.apply(view_);
+      break;
+    case CameraKind::kFly:
+      steer(fly_);
+      break;
+    case CameraKind::kWalk:
+      steer(walk_, ground);
+      break;
+  }
+}
+
+void CameraRig::resize(uint32_t width_px, uint32_t height_px) noexcept {
+  view_.width_px = width_px;
+  view_.height_px = height_px;
+}
+
+}  // namespace lode::app

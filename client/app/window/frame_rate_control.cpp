@@ -1,0 +1,193 @@
+#include "client/app/window/frame_rate_control.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lode::render {
+namespace {
+
+constexpr double kStepsOfOctave = 4;
+/// By the mean of the powers it becomes coarser, and by two finer, so that it is not too fine at once.
+constexpr double kStepsOfHalving = kStepsOfOctave / kFallOfWork;
+constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
+constexpr int kMostSteps = 12;         ///< an eightfold threshold: beyond it a lower rate is the lesser evil
+constexpr int kMostHalvings = 3;       ///< 60 frames a second become 7.5
+constexpr double kFill = 0.8;          ///< of the target: what is aimed at
+constexpr double kFillOfFaster = 0.9;  ///< of a higher rate's: less than what would lower it again
+constexpr double kSpareSteps = 0.25;   ///< that a finer threshold leaves
+constexpr int kSlowFrames = 3;         ///< before the rate is halved
+constexpr int kCalmFrames = 8;         ///< a round of them comes before anything becomes finer or faster
+constexpr int kTrialFrames = 64;       ///< that a rate has to last that was given back
+constexpr int kMorePatience = 4, kMostPatience = 256;        ///< of rounds, where it does not
+constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};  ///< halves and quarters of the pixels
+constexpr int kStepsOfScale = 2;          ///< of the threshold: as much coarser by the window's pixels
+constexpr int kStepsBeforeScale = 4;      ///< a twofold threshold: beyond it fewer pixels are the lesser evil
+constexpr double kPixelFill = 0.5;        ///< of what is aimed at, that pixels may take,
+constexpr double kPixelFillAgain = 0.45;  ///< and where there are to be more of them
+constexpr double kNoThreshold = 1000;     ///< steps: none is coarse enough
+constexpr double kRestSeconds = 0.25;
+constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< what is worth waiting for,
+constexpr double kShareWaited = 0.5;                   ///< so much of a frame
+constexpr double kLongestWaitS = 0.25;
+
+double stepsOf(double coarsening) noexcept { return kStepsOfOctave * std::log2(coarsening); }
+
+/// @param share  of the load that goes by pixels, which no threshold changes.
+double stepsFor(double load, double share) noexcept {
+  const double left = 1 - share * load, triangles = (1 - share) * load;
+  if (left <= 0) return kNoThreshold;
+  const double steps = (load > 1 ? kStepsOfHalving : kStepsOfDoubling) * std::log2(triangles / left);
+  return std::clamp(steps, -kNoThreshold, kNoThreshold);
+}
+
+}  // namespace
+
+bool Trials::see(bool agrees) noexcept {
+  rounds_ = agrees ? rounds_ + 1 : 0;
+  return rounds_ >= patience_;
+}
+
+void Trials::begin() noexcept {
+  rounds_ = 0;
+  frames_ = kTrialFrames;
+}
+
+void Trials::end() noexcept {
+  patience_ = frames_ > 0 ? std::min(kMorePatience * patience_, kMostPatience) : 1;
+  rounds_ = frames_ = 0;
+}
+
+void Trials::passFrame() noexcept { frames_ = std::max(frames_ - 1, 0); }
+
+FrameRateControl::FrameRateControl(double fps, Begin begin) noexcept
+    : wanted_ms_(1000 / fps), most_steps_(kMostSteps), steps_(begin == Begin::kCoarse ? kMostSteps : 0) {}
+
+void FrameRateControl::setRate(double fps) noexcept {
+  wanted_ms_ = 1000 / fps;
+  halvings_ = slow_frames_ = calm_frames_ = 0;
+  rate_ = resolution_ = {};
+}
+
+void FrameRateControl::limitTo(double coarsening) noexcept {
+  most_steps_ = std::clamp(static_cast<int>(stepsOf(coarsening)), 0, kMostSteps);
+  steps_ = std::min(steps_, mostSteps());
+}
+
+/// In the picture's pixels: where these are larger, fewer look as coarse.
+int FrameRateControl::mostSteps() const noexcept {
+  return std::max(0, most_steps_ - kStepsOfScale * scale_steps_);
+}
+
+int FrameRateControl::wholeSteps(double steps) const noexcept {
+  return static_cast<int>(std::clamp(std::ceil(steps), 0.0, static_cast<double>(mostSteps())));
+}
+
+void FrameRateControl::step(double seconds, bool moved) noexcept {
+  still_s_ = moved ? 0 : still_s_ + seconds;
+}
+
+/// A frame that lacks something says that a coarser threshold is needed, but seldom that a finer one is
+/// enough.
+void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcept {
+  if (coarsening.scale != movingScale()) return;
+  const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);
+  const double of_target = std::max(work_ms, 1e-3) / targetMs();
+  const double by_pixels = coarsening.pixel_share, pixel_load = by_pixels * of_target / kFill;
+  const double need = steps + stepsFor(of_target / kFill, by_pixels);
+  const double complete_need = complete_steps + stepsFor(of_target / kFill, by_pixels);
+  const double sure_need = std::min(need, last_need_);
+  const double sure_pixel_load = std::min(pixel_load, last_pixel_load_);
+  last_need_ = need;
+  last_pixel_load_ = pixel_load;
+  rate_.passFrame();
+  resolution_.passFrame();
+  const bool is_slow = std::lround(steps) >= mostSteps() && of_target > 1;
+  least_slow_ = slow_frames_ > 0 ? std::min(least_slow_, of_target) : of_target;
+  slow_frames_ = is_slow ? slow_frames_ + 1 : 0;
+  const bool has_scales_left = scale_steps_ + 1 < static_cast<int>(kScales.size());
+  if (sure_pixel_load > kPixelFill && sure_need > kStepsBeforeScale && has_scales_left) {
+    lowerScale(sure_pixel_load);
+  } else if (slow_frames_ >= kSlowFrames && halvings_ < kMostHalvings) {
+    lowerRate();
+  } else if (sure_need > steps_) {
+    calm_frames_ = 0;
+    steps_ = wholeSteps(sure_need);
+  } else if (need > steps_) {
+    calm_frames_ = 0;
+  } else if (complete_need <= steps_) {
+    const double double_need = complete_steps + stepsFor(2 * of_target / kFillOfFaster, by_pixels);
+    const bool is_first = calm_frames_++ == 0;
+    calm_need_ = is_first ? complete_need : std::max(calm_need_, complete_need);
+    calm_pixel_load_ = is_first ? pixel_load : std::max(calm_pixel_load_, pixel_load);
+    double_need_ = is_first ? double_need : std::max(double_need_, double_need);
+    const double full_need = complete_steps + stepsFor(2 * of_target / kFill, by_pixels);
+    full_need_ = is_first ? full_need : std::max(full_need_, full_need);
+    if (calm_frames_ >= kCalmFrames) ease();
+  }
+}
+
+/// Those to come differ from them in more than their threshold.
+void FrameRateControl::forgetFrames() noexcept {
+  last_need_ = last_pixel_load_ = 0;
+  slow_frames_ = calm_frames_ = 0;
+}
+
+void FrameRateControl::lowerScale(double pixel_load) noexcept {
+  const int halvings = static_cast<int>(std::ceil(std::log2(pixel_load / kPixelFill)));
+  scale_steps_ = std::min(scale_steps_ + std::max(halvings, 1), static_cast<int>(kScales.size()) - 1);
+  steps_ = std::min(steps_, mostSteps());
+  resolution_.end();
+  forgetFrames();
+}
+
+/// As often as the fastest of the slow frames says.
+void FrameRateControl::lowerRate() noexcept {
+  const int halvings = static_cast<int>(std::ceil(std::log2(least_slow_)));
+  halvings_ = std::min(halvings_ + std::max(halvings, 1), kMostHalvings);
+  slow_frames_ = calm_frames_ = 0;
+  rate_.end();
+}
+
+/// Twice the work is that of twice the rate, and at most that of the next resolution.
+void FrameRateControl::ease() noexcept {
+  calm_frames_ = 0;
+  const bool is_enough = double_need_ <= mostSteps();
+  const bool is_few = full_need_ < kStepsBeforeScale;  // by what would take the pixels again
+  const bool leaves_room =
+      double_need_ <= mostSteps() + kStepsOfScale && 2 * calm_pixel_load_ <= kPixelFillAgain;
+  if (rate_.see(halvings_ > 0 && is_enough)) {
+    --halvings_;
+    rate_.begin();
+    steps_ = wholeSteps(double_need_ + kSpareSteps);
+  } else if (resolution_.see(scale_steps_ > 0 && (is_few || leaves_room))) {
+    --scale_steps_;
+    resolution_.begin();
+    forgetFrames();
+    steps_ = wholeSteps(double_need_ + kSpareSteps);
+  } else {
+    steps_ = std::min(steps_, wholeSteps(calm_need_ + kSpareSteps));
+  }
+}
+
+bool FrameRateControl::isResting() const noexcept { return still_s_ >= kRestSeconds; }
+
+double FrameRateControl::coarsening() const noexcept {
+  return isResting() ? 1 : std::exp2(steps_ / kStepsOfOctave);
+}
+
+double FrameRateControl::movingScale() const noexcept {
+  return kScales.at(static_cast<size_t>(scale_steps_));
+}
+
+double FrameRateControl::scale() const noexcept { return isResting() ? 1 : movingScale(); }
+
+bool FrameRateControl::isWorthWaiting(double coarsening, double work_ms, double waited_s) const noexcept {
+  const bool is_much_coarser = this->coarsening() / scale() >= kMuchCoarser * coarsening;
+  const double worth_s = std::min(kShareWaited * work_ms / 1000, kLongestWaitS);
+  return is_much_coarser && work_ms > kMuchSlower * targetMs() && waited_s < worth_s;
+}
+
+double FrameRateControl::targetMs() const noexcept { return wanted_ms_ * std::exp2(halvings_); }
+
+}  // namespace lode::render

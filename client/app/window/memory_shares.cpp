@@ -1,0 +1,43 @@
+#include "client/app/window/memory_shares.h"
+
+#include <algorithm>
+
+#include "client/core/textures/texture_stream.h"
+#include "client/render/residency/staging_ring.h"
+#include "client/render/residency/texture_residency.h"
+
+namespace lode::render {
+namespace {
+
+constexpr uint64_t kStagingShare = 256;      // one in so many bytes of the memory is what a frame uploads
+constexpr uint64_t kPageShare = 8;           // of the meshes' memory is in one buffer, and no more than
+constexpr uint64_t kBufferBytes = 4u << 20;  // that: making one takes a millisecond of a frame in software
+constexpr uint64_t kSpareShare = 4;          // of it is for meshes that are no longer drawn
+constexpr uint64_t kWasteShare = 8;          // of it is lost at the ends of buffers, at most
+
+}  // namespace
+
+/// Tiles have room for all that the core's budget allows, and a half of it more while their array grows.
+/// Meshes have the rest, of which buffers that meshes do not fill to their ends waste a part.
+MemoryShares shareMemory(uint64_t memory_budget_bytes) {
+  MemoryShares shares;
+  shares.stream_bytes = memory_budget_bytes / 2;
+  const uint64_t gpu_bytes = memory_budget_bytes - shares.stream_bytes;
+  ResidencyOptions& gpu = shares.gpu;
+  const uint64_t staging_bytes = memory_budget_bytes / kStagingShare;
+  gpu.staging_bytes = static_cast<uint32_t>(std::clamp<uint64_t>(staging_bytes, 256u << 10, 4u << 20));
+  gpu.texture_staging_bytes = static_cast<uint32_t>(
+      std::clamp<uint64_t>(staging_bytes, kLeastTextureStagingBytes, 4 * kTileLayerBytes));
+  gpu.texture_budget_bytes = shares.stream_bytes / core::kTextureBudgetShare;
+  const uint64_t others = gpu.texture_budget_bytes + gpu.texture_budget_bytes / 2 +
+                          StagingRing::kSegments * (uint64_t{gpu.staging_bytes} + gpu.texture_staging_bytes);
+  const uint64_t least_bytes = gpu_bytes * 3 / 8;
+  gpu.budget_bytes = std::max(gpu_bytes > others ? gpu_bytes - others : 0, least_bytes);
+  gpu.page_bytes =
+      static_cast<uint32_t>(std::clamp<uint64_t>(gpu.budget_bytes / kPageShare, 256u << 10, kBufferBytes));
+  gpu.spare_bytes = gpu.budget_bytes / kSpareShare;
+  shares.drawn_bytes = gpu.budget_bytes - gpu.budget_bytes / kWasteShare;
+  return shares;
+}
+
+}  // namespace lode::render

@@ -1,0 +1,63 @@
+#include "client/app/window/output/picture_writer.h"
+
+#include <chrono>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+constexpr size_t kMostUnderWay = 8;
+
+std::exception_ptr writeOrSayWhyNot(const std::filesystem::path& file, const render::Image& image) {
+  try {
+    render::writePng(file, image);
+    return nullptr;
+  } catch (const Error&) {
+    return std::current_exception();
+  } catch (const std::exception& error) {
+    return std::make_exception_ptr(Error(ErrorCode::kInternal, file.string() + ": " + error.what()));
+  }
+}
+
+}  // namespace
+
+void PictureWriter::write(std::filesystem::path file, render::Image image) {
+  if (under_way_.size() >= kMostUnderWay) under_way_.front().wait();
+  std::shared_future<Written> before;
+  if (!under_way_.empty()) before = under_way_.back();
+  auto shared = std::make_shared<const render::Image>(std::move(image));
+  // What it keeps goes when it is done: its result may wait for long to be taken.
+  auto write = [file = std::move(file), shared = std::move(shared), before = std::move(before)]() mutable {
+    if (before.valid()) before.wait();
+    before = {};
+    std::exception_ptr failure = writeOrSayWhyNot(file, *shared);
+    shared.reset();
+    return Written{std::move(file), std::move(failure)};
+  };
+  try {
+    under_way_.push_back(std::async(std::launch::async, write).share());
+  } catch (const std::system_error&) {
+    std::promise<Written> done;
+    done.set_value(write());
+    under_way_.push_back(done.get_future().share());
+  }
+}
+
+std::optional<PictureWriter::Written> PictureWriter::take() {
+  using namespace std::chrono_literals;
+  if (under_way_.empty() || under_way_.front().wait_for(0s) != std::future_status::ready) return std::nullopt;
+  const Written written = under_way_.front().get();
+  under_way_.pop_front();
+  return written;
+}
+
+std::optional<PictureWriter::Written> PictureWriter::waitAndTake() {
+  if (!under_way_.empty()) under_way_.back().wait();
+  return take();
+}
+
+}  // namespace lode::app

@@ -1,0 +1,16 @@
+#include "client/app/window/output/refused_screenshot.h"
+
+#include "client/app/cli/not_converged.h"
+#include "common/error.h"
+
+namespace lode::app {
+
+void refuseScreenshot(const ViewerContent& content, const CommonOptions& options) {
+  if (content.overBudget())
+    throw Error(ErrorCode::kLimit, options.target +
+                                       ": the GPU has no room for all of the screenshot; allow more with "
+                                       "--memory-budget, or a larger error with --pixels");
+  refuseUnconverged("the screenshot's view", content.status(), options);
+}
+
+}  // namespace lode::app

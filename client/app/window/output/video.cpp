@@ -1,0 +1,76 @@
+#include "client/app/window/output/video.h"
+
+#include <cstdio>
+#include <sstream>
+#include <system_error>
+
+#include <unistd.h>
+
+#include "client/app/cli/child_process.h"
+#include "common/error.h"
+#include "common/io/interrupted.h"
+
+namespace lode::app {
+
+std::filesystem::path findFfmpeg(const std::string& search_path) {
+  std::istringstream folders(search_path);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::filesystem::path program = std::filesystem::path(folder) / "ffmpeg";
+    if (!folder.empty() && access(program.c_str(), X_OK) == 0) return program;
+  }
+  throw Error(ErrorCode::kIo,
+              "--video needs ffmpeg, which is not here: install the package ffmpeg, or write pictures with "
+              "--frames DIR");
+}
+
+void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path& frames, double fps,
+               const std::filesystem::path& output) {
+  std::filesystem::path unfinished = output;
+  unfinished += ".part";
+  const Unfinished until_it_has_its_name(unfinished);
+  char rate[32];
+  std::snprintf(rate, sizeof rate, "%.6g", fps);
+  // What most players take: halved colours, which want even sides, in the matrix that is said beside them:
+  // what is not said players guess by the picture's size.
+  ChildProcess encoder(ffmpeg,
+                       {"-y",
+                        "-loglevel",
+                        "error",
+                        "-framerate",
+                        rate,
+                        "-i",
+                        frames / "frame_%06d.png",
+                        "-vf",
+                        "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
+                        "-c:v",
+                        "libx264",
+                        "-crf",
+                        "18",
+                        "-pix_fmt",
+                        "yuv420p",
+                        "-colorspace",
+                        "bt709",
+                        "-color_primaries",
+                        "bt709",
+                        "-color_trc",
+                        "bt709",
+                        "-color_range",
+                        "tv",
+                        "-movflags",
+                        "+faststart",
+                        "-f",
+                        "mp4",
+                        unfinished},
+                       ChildProcess::Messages::kKeep);
+  const int status = encoder.wait();
+  std::error_code failed;
+  if (status == 0) std::filesystem::rename(unfinished, output, failed);
+  if (status == 0 && !failed) return;
+  const std::string said = status == 0 ? failed.message() : encoder.lastMessage();
+  std::filesystem::remove(unfinished, failed);
+  throw Error(ErrorCode::kIo, output.string() + " cannot be made by ffmpeg (" +
+                                  (said.empty() ? "exit status " + std::to_string(status) : said) +
+                                  "): choose another place, or write pictures with --frames DIR");
+}
+
+}  // namespace lode::app

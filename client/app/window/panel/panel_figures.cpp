@@ -1,0 +1,98 @@
+#include "client/app/window/panel/panel_figures.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "common/byte_size.h"
+
+namespace lode::app {
+namespace {
+
+constexpr const char* kNoBreak = "\u00a0";  ///< a space that no line ends at
+constexpr double kLeastTripMs = 0.05;       ///< what is less would be called nothing
+constexpr double kAlmostInTime = 1.1;       ///< frames that take so much of the target's time keep to it
+
+std::string countOf(uint64_t value) {
+  std::string digits = std::to_string(value);
+  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3) {
+    digits.insert(static_cast<size_t>(at), kNoBreak);
+  }
+  return digits;
+}
+
+std::string formatted(const char* format, double a, double b = 0) {
+  char text[96];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+std::string nameOf(CameraKind camera) {
+  switch (camera) {
+    case CameraKind::kFly:
+      return "fly: W A S D";
+    case CameraKind::kWalk:
+      return "walk: W A S D";
+    case CameraKind::kOrbit:
+      break;
+  }
+  return "orbit";
+}
+
+std::string networkOf(const PanelContent& content) {
+  std::string text = describeBytes(content.received_bytes);
+  if (content.link_bytes_per_s > 0)
+    text += ", " + describeBytes(static_cast<uint64_t>(content.link_bytes_per_s)) + "/s";
+  if (content.round_trip_ms >= kLeastTripMs)
+    text += formatted(", %.1f ms there and back", content.round_trip_ms);
+  return text;
+}
+
+std::string requestsOf(const core::RequestCounts& requests) {
+  if (requests.visible + requests.margin + requests.prefetch == 0) return "none";
+  return "visible " + countOf(requests.visible) + ", margin " + countOf(requests.margin) + ", prefetch " +
+         countOf(requests.prefetch);
+}
+
+Figure memoryFigure(const char* name, uint64_t bytes, uint64_t budget_bytes, int rank) {
+  const double part = static_cast<double>(bytes) / static_cast<double>(std::max<uint64_t>(1, budget_bytes));
+  return {name, describeBytes(bytes) + " of " + describeBytes(budget_bytes), std::min(part, 1.0), rank};
+}
+
+std::string tilesOf(const PanelContent& content) {
+  const std::string tiles = countOf(content.tiles) + " tiles";
+  return content.tiles_left_out == 0 ? tiles : tiles + ", no room for " + countOf(content.tiles_left_out);
+}
+
+/// The rate that the frame-rate control tries to keep is a floor, and not always kept.
+std::string thresholdOf(const PanelContent& content) {
+  std::string text = formatted("%.2f px", content.threshold_px);
+  if (content.target_ms <= 0) return text;
+  text += formatted(" while it moves, for at least %.0f frames a second", 1000 / content.target_ms);
+  if (content.frame_ms > kAlmostInTime * content.target_ms) text += ", which it does not reach";
+  return text;
+}
+
+}  // namespace
+
+std::vector<Figure> figuresOf(const PanelContent& content) {
+  std::vector<Figure> figures{
+      {"triangles", countOf(content.triangles) + " of " + countOf(content.model_triangles), -1, 1},
+      {"nodes", countOf(content.nodes), -1, 8},
+      {"network", networkOf(content), -1, 3},
+      {"requests", requestsOf(content.requests), -1, 4},
+      memoryFigure("memory", content.resident_bytes, content.resident_budget_bytes, 5),
+      memoryFigure("on the GPU", content.gpu_bytes, content.gpu_budget_bytes, 6),
+  };
+  if (content.textured) figures.push_back({"textures", tilesOf(content), -1, 7});
+  figures.push_back({"threshold", thresholdOf(content), -1, 0});
+  if (content.scale < 1)
+    figures.push_back(
+        {"pixels", formatted("%.0f %% while it moves", 100 * content.scale * content.scale), -1, 11});
+  figures.push_back({"view", std::string(content.show), -1, 9});
+  figures.push_back({"camera", nameOf(content.camera), -1, 10});
+  figures.push_back(
+      {"frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms), -1, 2});
+  return figures;
+}
+
+}  // namespace lode::app

@@ -1,0 +1,60 @@
+#include "client/app/window/panel/panel_settings.h"
+
+#include <algorithm>
+
+#include <imgui.h>
+
+#include "client/app/window/pacing.h"
+#include "common/byte_size.h"
+
+namespace lode::app {
+namespace {
+
+constexpr float kSettingsEm = 21, kSliderEm = 9;
+constexpr ImGuiSliderFlags kEven = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
+constexpr ImGuiSliderFlags kByOctaves = kEven | ImGuiSliderFlags_Logarithmic;
+
+void drawMemory(uint64_t& memory_bytes) {
+  auto step = static_cast<int>(memoryStepAt(memory_bytes));
+  if (ImGui::SliderInt("memory", &step, 0, kMemorySteps.size() - 1, describeBytes(memory_bytes).c_str(),
+                       kEven))
+    memory_bytes = kMemorySteps[static_cast<size_t>(step)];
+  ImGui::TextDisabled("half of it on the GPU; --memory-budget is what it begins with");
+}
+
+}  // namespace
+
+Covered drawSettings(float margin_px, Settings& settings) {
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const float em = ImGui::GetFontSize();
+  const float width_px = std::min(kSettingsEm * em, std::max(1.0f, display.x - 2 * margin_px));
+  ImGui::SetNextWindowPos({display.x - margin_px, margin_px}, ImGuiCond_Always, {1, 0});
+  ImGui::SetNextWindowSizeConstraints({width_px, 0}, {width_px, std::max(1.0f, display.y - 2 * margin_px)});
+  ImGui::SetNextWindowBgAlpha(0.9f);
+  ImGui::Begin("settings", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_AlwaysAutoResize |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                   ImGuiWindowFlags_NoNav);
+  ImGui::PushItemWidth(kSliderEm * em);
+  ImGui::PushTextWrapPos(0);
+  ImGui::Checkbox("paint alone, without light", &settings.unlit);
+  ImGui::Checkbox("ambient occlusion", &settings.darkens_hollows);
+  ImGui::Checkbox("fade arrivals in", &settings.fades);
+  ImGui::SliderFloat("exposure", &settings.exposure, kLeastExposure, kLargestExposure, "%.2f", kByOctaves);
+  ImGui::Checkbox("fixed threshold", &settings.fixes_threshold);
+  ImGui::SliderFloat("threshold", &settings.threshold_px, kLeastThresholdPx, kLargestThresholdPx, "%.2f px",
+                     kByOctaves);
+  ImGui::BeginDisabled(settings.fixes_threshold);
+  ImGui::SliderFloat("frames a second", &settings.fps, kLeastFps, kLargestFps, "%.0f", kByOctaves);
+  ImGui::EndDisabled();
+  drawMemory(settings.memory_bytes);
+  ImGui::TextDisabled("O closes this");
+  ImGui::PopTextWrapPos();
+  ImGui::PopItemWidth();
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  ImGui::End();
+  return {{at.x, at.y}, {at.x + size.x, at.y + size.y}};
+}
+
+}  // namespace lode::app

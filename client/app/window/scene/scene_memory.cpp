@@ -1,0 +1,57 @@
+#include "client/app/window/scene/scene_memory.h"
+
+#include <algorithm>
+
+namespace lode::app {
+namespace {
+
+constexpr uint64_t kKeptShare = 8;    // one in so many bytes is shared equally, whatever the needs
+constexpr uint64_t kChangeShare = 8;  // a part that changes by less than one in so many bytes stays
+constexpr int kMostChanges = 4;       // for one picture
+
+}  // namespace
+
+SceneMemory::SceneMemory(uint64_t budget_bytes, size_t models)
+    : budget_bytes_(budget_bytes), parts_(models, budget_bytes / std::max<size_t>(1, models)) {}
+
+void SceneMemory::look(const core::View& view, float threshold_px) {
+  if (view == view_ && threshold_px == threshold_px_) return;
+  view_ = view;
+  threshold_px_ = threshold_px;
+  changes_ = 0;
+}
+
+bool SceneMemory::share(std::span<const Need> needs) {
+  if (changes_ >= kMostChanges || std::ranges::none_of(needs, &Need::is_short)) return false;
+  double all_needs = 0;
+  for (const Need& need : needs) all_needs += static_cast<double>(need.bytes);
+  if (all_needs == 0) return false;
+  const uint64_t kept_bytes = budget_bytes_ / kKeptShare / needs.size();
+  const auto rest_bytes = static_cast<double>(budget_bytes_ - kept_bytes * needs.size());
+  std::vector<uint64_t> parts;
+  bool is_other = false;
+  for (size_t model = 0; model < needs.size(); ++model) {
+    const double share = static_cast<double>(needs[model].bytes) / all_needs;
+    const uint64_t part = kept_bytes + static_cast<uint64_t>(rest_bytes * share * (1 - 1e-9));
+    const uint64_t change = std::max(part, parts_[model]) - std::min(part, parts_[model]);
+    is_other = is_other || change > parts_[model] / kChangeShare;
+    parts.push_back(part);
+  }
+  if (!is_other) return false;
+  parts_ = std::move(parts);
+  ++changes_;
+  return true;
+}
+
+std::vector<uint64_t> gpuBudgets(uint64_t budget_bytes, std::span<const GpuShare> models) {
+  uint64_t held_bytes = 0;
+  for (const GpuShare& model : models) held_bytes += model.held_bytes;
+  std::vector<uint64_t> budgets;
+  for (const GpuShare& model : models) {
+    const uint64_t others_bytes = held_bytes - model.held_bytes;
+    budgets.push_back(std::max(model.part_bytes, budget_bytes - std::min(budget_bytes, others_bytes)));
+  }
+  return budgets;
+}
+
+}  // namespace lode::app

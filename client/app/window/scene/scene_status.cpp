@@ -1,0 +1,51 @@
+#include "client/app/window/scene/scene_status.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace lode::app {
+namespace {
+
+void add(core::EngineCounts& counts, const core::EngineCounts& one) {
+  counts.received_bytes += one.received_bytes;
+  counts.link_bytes_per_s += one.link_bytes_per_s;
+  counts.round_trip_ms = std::max(counts.round_trip_ms, one.round_trip_ms);
+  counts.open_requests += one.open_requests;
+  counts.requests += one.requests;
+  counts.resident_bytes += one.resident_bytes;
+  counts.texture_bytes += one.texture_bytes;
+  counts.tiles_left_out += one.tiles_left_out;
+}
+
+}  // namespace
+
+stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core::View& scene_view) {
+  stream::StreamStatus all;
+  auto cut = std::make_shared<core::Cut>();
+  cut->threshold_px = 0;
+  cut->converged = all.settled = true;
+  all.ended = !models.empty();
+  bool is_shown = true, is_for_view = true;
+  for (const auto& [one, view] : models) {
+    add(all.counts, one.counts);
+    all.limited = all.limited || one.limited;
+    all.settled = all.settled && one.settled;
+    all.exhausted = all.exhausted || one.exhausted;
+    all.ended = all.ended && one.ended;
+    if (all.failure.empty()) all.failure = one.failure;
+    if (all.trouble.empty()) all.trouble = one.trouble;
+    is_shown = is_shown && one.view_cuts;
+    if (!one.view_cuts) continue;
+    cut->threshold_px = std::max(cut->threshold_px, one.cut->threshold_px);
+    cut->max_error_px = std::max(cut->max_error_px, one.cut->max_error_px);
+    cut->lost_tiles += one.cut->lost_tiles;
+    cut->converged = cut->converged && one.cut->converged;
+    is_for_view = is_for_view && one.cut->view == view;
+  }
+  if (is_for_view) cut->view = scene_view;
+  if (is_shown) all.cut = std::move(cut);
+  return all;
+}
+
+}  // namespace lode::app

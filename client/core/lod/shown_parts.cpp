@@ -1,0 +1,58 @@
+#include "client/core/lod/shown_parts.h"
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "client/core/lod/sight.h"
+
+namespace lode::core {
+
+/// From the last part to the first, so that a fallback is met before those below it.
+std::vector<uint32_t> shownParts(const Cut& cut, const View& view) {
+  const Sight sight(view, 1);
+  const auto isSeen = [&](const LeftOut& place) { return sight.see(place.box) != Seen::kNot; };
+  std::vector<uint32_t> shown;
+  shown.reserve(partCount(cut));
+  auto begin = static_cast<uint32_t>(cut.parts.size());  // of what is decided
+  const auto showDownTo = [&](uint32_t part) {
+    while (begin > part) shown.push_back(--begin);
+  };
+  for (auto number = static_cast<uint32_t>(cut.fallbacks.size()); number > 0;) {
+    const Fallback& fallback = cut.fallbacks[--number];
+    const auto places = cut.left_out.begin();
+    if (std::none_of(places + fallback.first_left_out, places + fallback.end_left_out, isSeen)) continue;
+    showDownTo(fallback.end_part);
+    shown.push_back(static_cast<uint32_t>(cut.parts.size()) + number);
+    begin = fallback.first_part;
+    number = fallback.first_nested;
+  }
+  showDownTo(0);
+  std::reverse(shown.begin(), shown.end());
+  return shown;
+}
+
+float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept {
+  const Sight sight(view, 1);
+  float largest_px = 0;
+  for (const uint32_t number : shown) {
+    const CutPart& part = partOf(cut, number);
+    if (sight.see(part.box) == Seen::kNot) continue;
+    largest_px = std::max(largest_px, sight.errorPx(part.off_model, sight.distanceTo(part.box)));
+  }
+  return largest_px;
+}
+
+size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& view) {
+  if (cut.left_out.empty()) return 0;
+  const Sight sight(view, 1);
+  std::unordered_set<uint64_t> drawn;
+  for (const uint32_t number : shown) drawn.insert(partOf(cut, number).node.value);
+  return static_cast<size_t>(std::ranges::count_if(cut.left_out, [&](const LeftOut& place) {
+    if (sight.see(place.box) == Seen::kNot) return false;
+    NodeKey above = place.node;
+    while (above != kRootKey && !drawn.contains(above.value)) above = above.parent();
+    return !drawn.contains(above.value);
+  }));
+}
+
+}  // namespace lode::core

@@ -1,0 +1,71 @@
+#include "client/core/session/connection.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lode::core {
+void Connection::begin(const Digest& known_build_id, TimePoint now) {
+  options_.known_build_id = known_build_id;
+  if (session_) {
+    drop(leaving_);
+    leaving_ = std::exchange(session_, std::nullopt);
+  }
+  is_leaving_ = false;
+  SessionOptions options = options_;
+  options.awaits_model = options_.awaits_model && ever_open_;
+  session_.emplace(std::move(options), now);
+}
+
+void Connection::succeeded() noexcept {
+  longest_wait_ = kFirstRetry;
+  ever_open_ = true;
+  trouble_.clear();
+}
+
+void Connection::drop(std::optional<Session>& session) noexcept {
+  if (session) received_before_bytes_ += session->receivedBytes();
+  session.reset();
+}
+
+TimePoint Connection::someTimeAfter(TimePoint now, std::chrono::milliseconds longest) {
+  std::uniform_int_distribution<int64_t> wait_ms(longest.count() / 2, longest.count());
+  return now + std::chrono::milliseconds(wait_ms(random_));
+}
+
+void Connection::end(std::string why, TimePoint now) {
+  drop(session_);
+  is_leaving_ = false;
+  retry_at_ = someTimeAfter(now, longest_wait_);
+  longest_wait_ = std::min<std::chrono::milliseconds>(longest_wait_ * 3 / 2, kLastRetry);
+  trouble_ = std::move(why);
+}
+
+void Connection::leave(std::string why, TimePoint now) {
+  if (!session_->opened()) return end(std::move(why), now);
+  is_leaving_ = true;
+  retry_at_ = someTimeAfter(now, kMoveOn);
+}
+
+void Connection::endDraining() noexcept { drop(leaving_); }
+
+bool Connection::survives(const Error& error) const noexcept {
+  return ever_open_ && (error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout);
+}
+
+void Connection::fail(const Error& error, TimePoint now) {
+  if (!survives(error)) throw error;
+  end(error.what(), now);
+}
+
+void Connection::restart(TimePoint now) {
+  drop(session_);
+  is_leaving_ = false;
+  retry_at_ = now;
+}
+
+uint64_t Connection::receivedBytes() const noexcept {
+  return received_before_bytes_ + (session_ ? session_->receivedBytes() : 0) +
+         (leaving_ ? leaving_->receivedBytes() : 0);
+}
+
+}  // namespace lode::core

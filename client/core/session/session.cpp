@@ -1,0 +1,373 @@
+#include "client/core/session/session.h"
+
+#include <algorithm>
+#include <unordered_set>
+#include <utility>
+
+#include "common/error.h"
+#include "common/limits.h"
+#include "proto/limits.h"
+
+namespace lode::core {
+namespace {
+
+constexpr uint32_t kHelloCall = 1, kSecondCall = 2;
+constexpr size_t kCompactBytes = 64u << 10;
+constexpr uint64_t kGrantsPerWindow = 8;  // so that the server never waits for a grant that is due
+
+void require(bool allowed, const std::string& what) {
+  if (!allowed) throw Error(ErrorCode::kProtocol, "the server broke the protocol: " + what);
+}
+
+bool differsMuch(float a, float b) { return a > b * kReprioritiseFactor || b > a * kReprioritiseFactor; }
+
+}  // namespace
+
+Session::Session(SessionOptions options, TimePoint now)
+    : options_(std::move(options)),
+      granted_bytes_(proto::kInitialWindowBytes),
+      sent_grant_bytes_(proto::kInitialWindowBytes),
+      now_(now),
+      last_sent_(now),
+      last_ping_(now) {
+  proto::Hello hello;
+  hello.min_version = hello.max_version = proto::kProtocolVersion;
+  hello.token = options_.token;
+  hello.program = options_.program;
+  send(proto::encode(hello, kHelloCall));
+  if (options_.model.empty()) {
+    send(proto::encode(proto::List{}, kSecondCall));
+  } else {
+    send(proto::encode(proto::Open{options_.model, options_.known_build_id}, kSecondCall));
+  }
+  next_call_ = kSecondCall + 1;
+}
+
+void Session::send(const proto::Bytes& frame) {
+  outgoing_.insert(outgoing_.end(), frame.begin(), frame.end());
+}
+
+proto::Bytes Session::takeOutgoing() {
+  sent_grant_bytes_ = granted_bytes_;
+  if (!outgoing_.empty()) last_sent_ = now_;
+  return std::exchange(outgoing_, {});
+}
+
+void Session::receive(std::span<const std::byte> bytes, TimePoint now) {
+  pass(now);
+  if (bytes.empty()) return;
+  silence_ = {};
+  received_bytes_ += bytes.size();
+  if (awaitsBlobs()) window_.receive(bytes.size(), now);
+  if (input_begin_ == input_.size()) {
+    input_.clear();
+    input_begin_ = 0;
+  } else if (input_begin_ > kCompactBytes) {
+    input_.erase(input_.begin(), input_.begin() + static_cast<ptrdiff_t>(input_begin_));
+    input_begin_ = 0;
+  }
+  input_.insert(input_.end(), bytes.begin(), bytes.end());
+}
+
+std::optional<SessionEvent> Session::nextEvent() {
+  while (!event_ && takeFrame()) {
+  }
+  if (!event_) grantCredit();
+  return std::exchange(event_, std::nullopt);
+}
+
+/// What can be no frame before one has come is another program's.
+proto::FrameHeader Session::headerOf(std::span<const std::byte, proto::kFrameHeaderBytes> bytes) const {
+  try {
+    return proto::decodeFrameHeader(bytes);
+  } catch (const Error&) {
+    if (state_ != State::kWelcome) throw;
+    throw Error(ErrorCode::kProtocol, "what answers there is no lodestreamd: check the port");
+  }
+}
+
+bool Session::takeFrame() {
+  const std::span<const std::byte> input = std::span(input_).subspan(input_begin_);
+  if (input.size() < proto::kFrameHeaderBytes) return false;
+  const proto::FrameHeader header = headerOf(input.first<proto::kFrameHeaderBytes>());
+  if (input.size() - proto::kFrameHeaderBytes < header.body_bytes) return false;
+  input_begin_ += proto::kFrameHeaderBytes + header.body_bytes;
+  handleFrame(header, input.subspan(proto::kFrameHeaderBytes, header.body_bytes));
+  return true;
+}
+
+void Session::handleFrame(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  switch (static_cast<proto::FrameType>(header.type)) {
+    case proto::FrameType::kWelcome:
+      return handleWelcome(header, body);
+    case proto::FrameType::kOpened:
+      return handleOpened(header, body);
+    case proto::FrameType::kModels:
+      return handleModels(header, body);
+    case proto::FrameType::kBlob:
+      return handleBlob(body);
+    case proto::FrameType::kCancelled:
+      return handleCancelled(body);
+    case proto::FrameType::kError:
+      return handleError(body);
+    case proto::FrameType::kPong:
+      return handlePong(body);
+    case proto::FrameType::kPing:
+      return send(proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.call));
+    case proto::FrameType::kGoAway:
+      event_ = ServerLeaving{"the server is going away (" + proto::decode<proto::GoAway>(body).reason +
+                             "); try again later"};
+      return;
+    case proto::FrameType::kModelReplaced:
+      require(state_ == State::kOpen && proto::decode<proto::ModelReplaced>(body).handle == handle_,
+              "it replaced a model that is not open");
+      event_ = ModelChanged{};
+      return;
+    default:
+      require((header.flags & proto::kFlagOptional) != 0,
+              "frame type " + std::to_string(header.type) + " is not for a client");
+  }
+}
+
+void Session::handleWelcome(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  require(state_ == State::kWelcome && header.call == kHelloCall, "a Welcome out of turn");
+  const auto welcome = proto::decode<proto::Welcome>(body);
+  require(welcome.version == proto::kProtocolVersion, "it chose version " + std::to_string(welcome.version));
+  require(welcome.max_open_requests > 0, "it allows no requests");
+  max_open_requests_ = std::min({welcome.max_open_requests, proto::kMaxOpenRequests, kMaxRequestsAtOnce});
+  state_ = State::kAnswer;
+}
+
+void Session::handleOpened(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  require(state_ == State::kAnswer && !options_.model.empty() && header.call == kSecondCall,
+          "an Opened out of turn");
+  auto opened = proto::decode<proto::Opened>(body);
+  require(opened.summary.name == options_.model, "it opened another model than '" + options_.model + "'");
+  const BlobRef& root_page = opened.summary.root_page;
+  require(root_page && root_page.bytes > 0 && root_page.bytes <= kMaxPageBytes,
+          "the model's first page has " + std::to_string(root_page.bytes) + " bytes");
+  handle_ = opened.handle;
+  state_ = State::kOpen;
+  const Digest& known = options_.known_build_id;
+  gives_first_blobs_ = known == Digest() || known != opened.summary.build_id;
+  if (gives_first_blobs_) expectUnasked(root_page, {BlobKind::kRootPage, {kRootKey, 0}});
+  sendPing();
+  event_ = ModelOpened{std::move(opened.summary)};
+}
+
+void Session::handleModels(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  require(state_ == State::kAnswer && options_.model.empty() && header.call == kSecondCall,
+          "a list of models out of turn");
+  state_ = State::kListed;
+  event_ = ModelsListed{proto::decode<proto::Models>(body).models};
+}
+
+void Session::expectUnasked(const BlobRef& blob, const BlobUse& use) { unasked_ = Incoming{blob, use, {}}; }
+
+void Session::handleBlob(std::span<const std::byte> body) {
+  const proto::BlobChunk chunk = proto::decodeBlobChunk(body);
+  credited_bytes_ += body.size();
+  require(credited_bytes_ <= sent_grant_bytes_, "it sent more than the credit that it was granted");
+  const uint32_t request = chunk.header.request;
+  if (request == 0) {
+    require(unasked_.has_value(), "a blob that was not requested");
+    appendChunk(*unasked_, chunk);
+    if (unasked_->bytes.size() == unasked_->blob.bytes)
+      event_ = completed(*std::exchange(unasked_, std::nullopt));
+  } else {
+    const auto found = requests_.find(request);
+    require(found != requests_.end(), "a blob that was not requested");
+    Incoming& incoming = found->second.incoming;
+    appendChunk(incoming, chunk);
+    if (incoming.bytes.size() == incoming.blob.bytes) {
+      Incoming whole = std::move(incoming);
+      endRequest(request);
+      event_ = completed(std::move(whole));
+    }
+  }
+  if (!awaitsBlobs()) window_.pause();
+}
+
+void Session::appendChunk(Incoming& incoming, const proto::BlobChunk& chunk) {
+  require(chunk.header.total_bytes == incoming.blob.bytes,
+          "blob " + std::to_string(incoming.blob.number) + " has another size than announced");
+  require(chunk.header.offset_bytes == incoming.bytes.size(),
+          "a chunk of blob " + std::to_string(incoming.blob.number) + " out of order");
+  if (incoming.bytes.empty()) incoming.bytes.reserve(incoming.blob.bytes);
+  incoming.bytes.insert(incoming.bytes.end(), chunk.bytes.begin(), chunk.bytes.end());
+}
+
+SessionEvent Session::completed(Incoming incoming) {
+  const bool named = options_.is_named ? options_.is_named(incoming.blob, incoming.bytes)
+                                       : digestOf(incoming.bytes) == incoming.blob.digest;
+  require(named, "blob " + std::to_string(incoming.blob.number) +
+                     " does not have the bytes that its name stands for");
+  return BlobArrived{incoming.blob, incoming.use, std::move(incoming.bytes)};
+}
+
+void Session::handleCancelled(std::span<const std::byte> body) {
+  const uint32_t request = proto::decode<proto::Cancelled>(body).request;
+  const auto found = requests_.find(request);
+  require(found != requests_.end() && found->second.cancelling, "it cancelled what was not to be cancelled");
+  event_ = RequestCancelled{found->second.incoming.blob};
+  endRequest(request);
+}
+
+void Session::handleError(std::span<const std::byte> body) {
+  const auto error = proto::decode<proto::ErrorMessage>(body);
+  if (error.request == 0) {
+    const bool is_of_the_coarsest = unasked_ && unasked_->use.kind == BlobKind::kMesh;
+    if (!is_of_the_coarsest || error.code != proto::WireError::kDamagedStore) return handleRefusal(error);
+    const Incoming lost = *std::exchange(unasked_, std::nullopt);
+    event_ = BlobRefused{lost.blob, lost.use, error.message, true};
+    return;
+  }
+  const auto found = requests_.find(error.request);
+  require(found != requests_.end(), "an error for a request that is not open");
+  const Incoming& incoming = found->second.incoming;
+  const bool is_lost =
+      error.code == proto::WireError::kDamagedStore || error.code == proto::WireError::kNoSuchBlob;
+  event_ = BlobRefused{incoming.blob, incoming.use, error.message, is_lost};
+  endRequest(error.request);
+}
+
+/// The server refuses the session or the model.
+void Session::handleRefusal(const proto::ErrorMessage& error) {
+  const std::string message = "the server says: " + error.message;
+  switch (error.code) {
+    case proto::WireError::kLimit:
+    case proto::WireError::kNotReady:
+      event_ = ServerLeaving{message};
+      return;
+    case proto::WireError::kInternal:
+      throw Error(ErrorCode::kNetwork, message);
+    case proto::WireError::kNoSuchModel:
+      if (!options_.awaits_model) throw Error(ErrorCode::kInput, message + "; " + options_.remedies.model);
+      event_ = ServerLeaving{message + "; " + options_.remedies.model};
+      return;
+    case proto::WireError::kUnauthorized:
+      throw Error(ErrorCode::kInput, message + "; " + options_.remedies.token);
+    default:
+      throw Error(ErrorCode::kInput, message);
+  }
+}
+
+void Session::countRequest(const OpenRequest& request, bool is_open) {
+  const uint64_t one = is_open ? 1 : -uint64_t{1};
+  request_counts_[request.request_class] += one;
+  if (request.incoming.use.kind == BlobKind::kTile) request_counts_.tiles += one;
+}
+
+void Session::endRequest(uint32_t request) {
+  const auto found = requests_.find(request);
+  countRequest(found->second, false);
+  if (!found->second.cancelling) requested_bytes_ -= found->second.incoming.blob.bytes;
+  request_of_blob_.erase(found->second.incoming.blob.number);
+  requests_.erase(found);
+}
+
+/// Of a frame that has begun to come; its beginning says how long it will be.
+uint64_t Session::bytesOfUnfinishedFrame() const { return input_.size() - input_begin_; }
+
+/// Chunks count as they come, so that the server can send the next one before the last has ended.
+void Session::grantCredit() {
+  if (state_ == State::kWelcome) return;
+  const uint64_t window_bytes = window_.bytes();
+  const uint64_t grant_bytes = credited_bytes_ + bytesOfUnfinishedFrame() + window_bytes;
+  if (grant_bytes < granted_bytes_ + window_bytes / kGrantsPerWindow) return;
+  granted_bytes_ = grant_bytes;
+  sendCredit();
+}
+
+void Session::sendCredit() { send(proto::encode(proto::Credit{granted_bytes_}, next_call_++)); }
+
+void Session::setRequests(std::span<const Request> wanted) {
+  if (state_ != State::kOpen) return;
+  std::unordered_set<uint32_t> accepted;
+  std::vector<proto::RequestChange> changes;
+  std::vector<const Request*> additions;
+  uint64_t accepted_bytes = 0;
+  for (const Request& wanting : wanted) {
+    const BlobRef& blob = wanting.blob;
+    if (accepted.size() >= max_open_requests_) break;
+    if (!accepted.empty() && accepted_bytes + blob.bytes > options_.max_requested_bytes) break;
+    if (unasked_ && unasked_->blob.number == blob.number) continue;
+    if (!accepted.insert(blob.number).second) continue;
+    accepted_bytes += blob.bytes;
+    const auto open = request_of_blob_.find(blob.number);
+    if (open == request_of_blob_.end()) {
+      additions.push_back(&wanting);
+      continue;
+    }
+    OpenRequest& request = requests_.at(open->second);
+    const bool moved = request.request_class != wanting.request_class ||
+                       differsMuch(request.priority_px, wanting.priority_px);
+    if (request.cancelling || !moved) continue;
+    countRequest(request, false);
+    request.request_class = wanting.request_class;
+    countRequest(request, true);
+    request.priority_px = wanting.priority_px;
+    changes.push_back({proto::RequestAction::kReprioritise, request.request_class, open->second, blob.number,
+                       request.priority_px});
+  }
+  for (auto& [number, request] : requests_) {
+    if (request.cancelling || accepted.contains(request.incoming.blob.number)) continue;
+    request.cancelling = true;
+    requested_bytes_ -= request.incoming.blob.bytes;
+    changes.push_back(
+        {proto::RequestAction::kCancel, request.request_class, number, request.incoming.blob.number, 0});
+  }
+  for (const Request* wanting : additions) {
+    const BlobRef& blob = wanting->blob;
+    const uint32_t number = next_request_++;
+    const OpenRequest request{{blob, wanting->use, {}}, wanting->request_class, wanting->priority_px, false};
+    countRequest(request, true);
+    requests_.emplace(number, request);
+    request_of_blob_.emplace(blob.number, number);
+    requested_bytes_ += blob.bytes;
+    changes.push_back(
+        {proto::RequestAction::kAdd, wanting->request_class, number, blob.number, wanting->priority_px});
+  }
+  sendChanges(changes);
+}
+
+void Session::sendChanges(std::span<const proto::RequestChange> changes) {
+  while (!changes.empty()) {
+    const auto some = changes.first(std::min<size_t>(changes.size(), proto::kMaxRequestsPerFrame));
+    send(proto::encode(proto::Requests{handle_, {some.begin(), some.end()}}, next_call_++));
+    changes = changes.subspan(some.size());
+  }
+}
+
+void Session::sendPing() {
+  last_ping_ = now_;
+  ping_open_ = true;
+  send(proto::encode(proto::Ping{++pings_}, next_call_++));
+}
+
+void Session::handlePong(std::span<const std::byte> body) {
+  require(ping_open_ && proto::decode<proto::Pong>(body).payload == pings_, "a Pong without a Ping");
+  ping_open_ = false;
+  window_.measureTrip(now_ - last_ping_);
+}
+
+void Session::tick(TimePoint now) {
+  pass(now);
+  if (silence_ >= kSilenceLimit)
+    throw Error(ErrorCode::kTimeout, "the server has said nothing for " +
+                                         std::to_string(kSilenceLimit.count()) +
+                                         " seconds: check the network and the server, then try again");
+  if (state_ == State::kWelcome) return;
+  if (!ping_open_ &&
+      (silence_ >= kPingInterval || (!requests_.empty() && now - last_ping_ >= kMeasureInterval)))
+    sendPing();
+  // A slow link brings bytes for minutes in which a client has nothing to say; the server must hear of it.
+  if (outgoing_.empty() && now - last_sent_ >= kPingInterval) sendCredit();
+}
+
+void Session::pass(TimePoint now) {
+  silence_ += std::min<std::chrono::nanoseconds>(now - now_, kLongestPause);
+  now_ = now;
+}
+
+}  // namespace lode::core

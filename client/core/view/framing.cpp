@@ -1,0 +1,146 @@
+#include "client/core/view/framing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "client/core/view/up_axis.h"
+
+namespace lode::core {
+namespace {
+
+constexpr double kMargin = 1.08;  ///< around the model in the picture
+constexpr double kTurnDeg = 35;   ///< away from the side that is looked at
+constexpr double kLeastTiltDeg = 28, kLargestTiltDeg = 40;
+
+/// Axes of a model as it stands: right, up and towards who looks at it from the front.
+struct Stand {
+  glm::dvec3 right, up, front;
+};
+
+Stand standOf(const glm::dvec3& up) {
+  // Right stays x where it can, so that y up faces +z, and z up faces -y.
+  const glm::dvec3 right = std::abs(up.x) > 0.5 ? glm::dvec3(0, 0, -up.x) : glm::dvec3(1, 0, 0);
+  return {right, up, glm::cross(right, up)};
+}
+
+std::vector<glm::dvec3> pointsOf(const ModelSummary& model, const Mesh* mesh) {
+  std::vector<glm::dvec3> points;
+  if (mesh != nullptr && !mesh->positions.empty()) {
+    points.reserve(mesh->positions.size());
+    for (const PositionCode code : mesh->positions)
+      points.push_back(model.lattice.toWorld(unpackPosition(code)));
+    return points;
+  }
+  if (model.box.empty()) return {model.lattice.origin};
+  const glm::dvec3 low = model.lattice.toWorld(model.box.min), high = model.lattice.toWorld(model.box.max);
+  for (int corner = 0; corner < 8; ++corner)
+    points.emplace_back(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                        corner & 4 ? high.z : low.z);
+  return points;
+}
+
+/// How far points go along a direction.
+struct Reach {
+  double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
+  void add(double place) {
+    low = std::min(low, place);
+    high = std::max(high, place);
+  }
+  double size() const { return high - low; }
+  double middle() const { return (low + high) / 2; }
+};
+
+Reach reachAlong(const std::vector<glm::dvec3>& points, const glm::dvec3& direction) {
+  Reach reach;
+  for (const glm::dvec3& point : points) reach.add(glm::dot(point, direction));
+  return reach;
+}
+
+glm::dvec3 directionToEye(const std::vector<glm::dvec3>& points, const Stand& stand) {
+  const double width = reachAlong(points, stand.right).size(), depth = reachAlong(points, stand.front).size();
+  const double height = reachAlong(points, stand.up).size();
+  const double turn = glm::radians(width >= depth ? kTurnDeg : 90 - kTurnDeg);
+  const double tallness = std::min(1.0, height / std::max({width, depth, 1e-300}));
+  const double tilt = glm::radians(glm::mix(kLargestTiltDeg, kLeastTiltDeg, tallness));
+  return std::cos(tilt) * (std::sin(turn) * stand.right + std::cos(turn) * stand.front) +
+         std::sin(tilt) * stand.up;
+}
+
+/// What keeps points at one pair of opposite sides of the picture inside: the eye at `across` along the
+/// side's normal and at least so far out.
+struct Fit {
+  double across, out;
+};
+
+/// What is looked at: points of it, an error by which it may lie elsewhere, and points that are around it.
+struct Shape {
+  std::vector<glm::dvec3> points;
+  double error;
+  std::vector<glm::dvec3> box;
+
+  Reach along(const glm::dvec3& direction) const {
+    const Reach near = reachAlong(points, direction), most = reachAlong(box, direction);
+    const double more = error * glm::length(direction);
+    return {std::max(near.low - more, most.low), std::min(near.high + more, most.high)};
+  }
+};
+
+/// @param slope  half the picture's size at distance 1.
+Fit fit(const Shape& shape, const glm::dvec3& side, const glm::dvec3& to_eye, double slope) {
+  const Reach reach{shape.along(side - slope * to_eye).low, shape.along(side + slope * to_eye).high};
+  return {reach.middle(), reach.size() / (2 * slope)};
+}
+
+/// Where the eye is along a side's normal so that points lie as far from both sides of the picture, `out`
+/// away.
+double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, const glm::dvec3& to_eye,
+               double across, double out) {
+  constexpr int kTurns = 8;  // each leaves a fraction of what was left
+  const double middle = out - reachAlong(points, to_eye).middle();
+  for (int turn = 0; turn < kTurns; ++turn) {
+    Reach slopes;
+    for (const glm::dvec3& point : points)
+      slopes.add((glm::dot(point, side) - across) / (out - glm::dot(point, to_eye)));
+    across += slopes.middle() * middle;
+  }
+  return across;
+}
+
+}  // namespace
+
+glm::dvec3 upOf(const Framing& framing) {
+  if (framing.up) return *framing.up;
+  return framing.coarse ? guessUp(*framing.coarse) : glm::dvec3(0, 1, 0);
+}
+
+CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
+  const Mesh* const mesh = framing.coarse.get();
+  const glm::dvec3 up = upOf(framing);
+  Shape shape{pointsOf(model, mesh), mesh != nullptr ? model.max_error_model : 0, pointsOf(model, nullptr)};
+  const glm::dvec3 centre = shape.box.front();  // far from the origin, sums of what follows would lose digits
+  for (auto* points : {&shape.points, &shape.box})
+    for (glm::dvec3& point : *points) point -= centre;
+
+  CameraPath path;
+  const glm::dvec3 to_eye = directionToEye(shape.points, standOf(up));
+  const glm::dvec3 right = glm::normalize(glm::cross(up, to_eye)), above = glm::cross(to_eye, right);
+  const double slope = std::tan(glm::radians(path.fov_y_deg) / 2) / kMargin;
+  // Where the middle of what is free is seen, and a side that is 0 there: a picture that is sheared so that
+  // it has its middle there.
+  const double middle_slope = framing.covered * kMargin * slope * framing.aspect;
+  const glm::dvec3 beside = right + middle_slope * to_eye;
+  const Fit horizontal = fit(shape, beside, to_eye, slope * framing.aspect * (1 - framing.covered));
+  const Fit vertical = fit(shape, above, to_eye, slope);
+  const Reach depth = reachAlong(shape.points, to_eye);
+  double out = std::max(horizontal.out, vertical.out);
+  if (!(out > depth.high)) out = depth.high + 1;  // a point, or all in a line with the eye
+  const double across = centred(shape.points, beside, to_eye, horizontal.across, out) - middle_slope * out;
+  const glm::dvec3 aside =
+      centre + across * right + centred(shape.points, above, to_eye, vertical.across, out) * above;
+  path.keys.push_back({0, aside + out * to_eye, aside + depth.middle() * to_eye, up});
+  return path;
+}
+
+}  // namespace lode::core

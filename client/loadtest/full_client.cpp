@@ -1,0 +1,219 @@
+#include "client/loadtest/full_client.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/error.h"
+
+namespace lode::app {
+
+FullClient::FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
+                       KnownDigests& names, LoadCounts& counts)
+    : io_(io),
+      plan_(plan),
+      seed_(seed),
+      names_(names),
+      counts_(counts),
+      start_(start),
+      due_(start),
+      noted_until_(start),
+      random_(seed),
+      engine_(engineOptions(seed)) {}
+
+core::EngineOptions FullClient::engineOptions(uint64_t seed) {
+  core::EngineOptions options;
+  options.session.model = plan_.model.model;
+  options.session.token = plan_.options.token;
+  options.session.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
+    return noteBlob(blob, bytes);
+  };
+  options.on_broken = [this](core::Line line, const Error& why, bool is_last) {
+    noteBroken(line, why, is_last);
+  };
+  options.on_turned_away = [this](const std::string& why) {
+    ++counts_.turned_away;
+    turned_away_ = why;
+  };
+  options.on_refused = [this](const BlobRef& blob, const std::string& why) { noteRefused(blob, why); };
+  options.memory_budget_bytes = plan_.options.memory_budget_bytes;
+  options.hysteresis_factor = core::kHysteresisFactor;
+  options.prefetch = true;
+  options.jitter_seed = static_cast<uint32_t>(seed);
+  return options;
+}
+
+bool FullClient::noteBlob(const BlobRef& blob, std::span<const std::byte> bytes) {
+  ++counts_.blobs;
+  for (RequestClock& clock : clocks_)
+    if (const auto request = clock.arrived(blob.number))
+      noteLatency(*request, std::chrono::steady_clock::now());
+  return names_.matchesDigest(blob, bytes);
+}
+
+void FullClient::noteLatency(const RequestClock::Request& request, core::TimePoint now) {
+  counts_.latency[static_cast<size_t>(request.request_class)].add(now - request.sent);
+}
+
+/// One whose server was going away counts only if it still owed something. What ends the client is noted with
+/// its end.
+void FullClient::noteBroken(core::Line line, const Error& why, bool is_last) {
+  const uint64_t open = engine_.openRequests(line);
+  if ((line == core::Line::kActive && engine_.staysConnected()) || open > 0) {
+    ++counts_.lost;
+    if (!is_last) counts_.noteError(why.code(), why.what());
+  }
+  counts_.failed_requests += open;
+  lose(line);
+}
+
+/// What its connection owed will be requested again, if the view still wants it.
+void FullClient::lose(core::Line line) {
+  RequestClock::Requests open = std::exchange(clocks_[static_cast<size_t>(line)], {}).open();
+  lost_.merge(open);
+}
+
+void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
+  ++counts_.failed_requests;
+  for (RequestClock& clock : clocks_) clock.refused(blob.number);
+  counts_.noteError(ErrorCode::kIo, "the server says: " + why);
+}
+
+template <typename Action>
+void FullClient::guarded(const Action& action) {
+  if (gone_ || survives(counts_, action)) return;
+  gone_ = true;
+  due_ = kNever;
+}
+
+void FullClient::step(core::TimePoint now) {
+  guarded([&] {
+    counts_.started += !std::exchange(started_, true);
+    ended_.clear();
+    note(now);
+    keepConnected(now);
+    look(now);
+    work(now);
+    while (due_ <= now) due_ = start_ + ofSeconds(static_cast<double>(++frames_) / plan_.fps);
+  });
+}
+
+void FullClient::keepConnected(core::TimePoint now) {
+  if (!engine_.wantsConnection(now)) return;
+  auto& [newest, leaving] = transports_;
+  if (engine_.connected()) {
+    // Two servers left one soon after the other.
+    counts_.failed_requests += engine_.openRequests(core::Line::kDraining);
+    lose(core::Line::kDraining);
+    leaving = std::move(newest);
+    auto& [newest_clock, leaving_clock] = clocks_;
+    leaving_clock = std::exchange(newest_clock, {});
+  }
+  newest = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
+  engine_.connect(now);
+}
+
+void FullClient::receive() {
+  guarded([&] {
+    const core::TimePoint now = std::chrono::steady_clock::now();
+    note(now);
+    for (const core::Line line : core::kLines) {
+      auto& transport = transports_[static_cast<size_t>(line)];
+      if (!transport) continue;
+      try {
+        while (engine_.connected(line)) {
+          const proto::Bytes bytes = transport->takeReceived();
+          if (bytes.empty()) break;
+          const bool stayed = engine_.staysConnected();
+          engine_.receive(bytes, now, line);
+          counts_.moved += stayed && engine_.connected() && !engine_.staysConnected();
+        }
+      } catch (const Error& failed) {
+        engine_.disconnect(failed, now, line);
+      }
+      if (!engine_.connected(line)) ended_.push_back(std::move(transport));
+    }
+    if (path_.keys.empty()) look(now);  // the model is known now, and the first picture waits for no frame
+    work(now);
+  });
+}
+
+void FullClient::look(core::TimePoint now) {
+  const ModelSummary* const model = engine_.summary();
+  if (model == nullptr) return;
+  if (path_.keys.empty()) {
+    path_ = plan_.path_of(*model, seed_);
+    round_begin_ = start_;
+    pause_s_ = somePause(plan_.think_s, random_);
+  }
+  engine_.setView(core::toView(camera(now), path_.fov_y_deg, plan_.size_px.x, plan_.size_px.y, *model),
+                  plan_.pixels);
+}
+
+/// Along the path, and still at its end for as long as the pause takes.
+core::CameraKey FullClient::camera(core::TimePoint now) {
+  const double from_s = path_.keys.front().t, path_s = path_.keys.back().t - from_s;
+  while (path_s > 0 && now >= round_begin_ + ofSeconds(path_s + pause_s_)) {
+    round_begin_ += ofSeconds(path_s + pause_s_);
+    pause_s_ = somePause(plan_.think_s, random_);
+  }
+  const double at_s = std::chrono::duration<double>(now - round_begin_).count();
+  return core::cameraAt(path_, from_s + std::min(at_s, path_s));
+}
+
+/// Until nothing is left to decode.
+void FullClient::work(core::TimePoint now) {
+  for (bool decoded = true; decoded;) {
+    engine_.step(now);
+    for (const core::Line line : core::kLines) {
+      const auto& transport = transports_[static_cast<size_t>(line)];
+      if (!transport) continue;
+      proto::Bytes frames = engine_.takeOutgoing(line);
+      clocks_[static_cast<size_t>(line)].sent(frames, now, lost_);
+      transport->send(std::move(frames));
+    }
+    const std::vector<core::DecodeJob> jobs = engine_.takeDecodeJobs();
+    for (const core::DecodeJob& job : jobs) decode(job);
+    decoded = !jobs.empty();
+  }
+  const uint64_t received = engine_.counts().received_bytes;
+  counts_.bytes += received - std::exchange(received_bytes_, received);
+  const core::Cut* const cut = engine_.cut().get();
+  const auto sinceStart = [&] { return std::chrono::steady_clock::now() - start_; };  // decoding included
+  if (cut != nullptr && !std::exchange(image_seen_, true)) counts_.first_image.add(sinceStart());
+  const bool has_all = cut != nullptr && cut->converged;
+  if (has_all && !std::exchange(converged_, true)) counts_.converged.add(sinceStart());
+  if (has_all && engine_.staysConnected()) lost_.clear();  // the view wants them no more
+}
+
+void FullClient::decode(const core::DecodeJob& job) {
+  core::DecodeResult result = core::runDecodeJob(job);
+  if (!result.failure.empty()) throw Error(ErrorCode::kFormat, "a blob cannot be decoded: " + result.failure);
+  engine_.finishDecode(std::move(result));
+}
+
+/// What somebody has seen since this was called the last time.
+void FullClient::note(core::TimePoint now) {
+  if (now <= noted_until_) return;
+  const double seconds = std::chrono::duration<double>(now - std::exchange(noted_until_, now)).count();
+  const core::Cut* const cut = engine_.cut().get();
+  counts_.looked_s += seconds;
+  if (gone_ || core::isFarOff(cut, plan_.pixels)) counts_.far_off_s += seconds;
+}
+
+void FullClient::finish(core::TimePoint now) {
+  if (now < start_) return;
+  note(now);
+  if (!gone_ && engine_.summary() == nullptr) noteNeverLetIn(counts_, turned_away_);
+  for (const RequestClock& clock : clocks_) {
+    for (const auto& [blob, request] : clock.open()) noteLatency(request, now);
+    counts_.unanswered += clock.open().size();
+  }
+  if (!engine_.connected()) {
+    for (const auto& [blob, request] : lost_) noteLatency(request, now);
+    counts_.unanswered += lost_.size();
+  }
+  if (!image_seen_) counts_.first_image.add(now - start_);
+  if (!converged_) counts_.converged.add(now - start_);
+}
+
+}  // namespace lode::app

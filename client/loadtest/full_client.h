@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <asio/io_context.hpp>
+
+#include "client/core/engine.h"
+#include "client/loadtest/known_digests.h"
+#include "client/loadtest/load_client.h"
+#include "client/loadtest/load_counts.h"
+#include "client/loadtest/load_plan.h"
+#include "client/loadtest/request_clock.h"
+#include "client/net/tcp_transport.h"
+#include "common/error.h"
+
+namespace lode::app {
+
+/// A client that does all that one with a window does but draw: it goes along a path of its own, refines,
+/// decodes, and comes again when its connection ends. Its camera waits for nothing.
+class FullClient final : public LoadClient {
+ public:
+  /// @param start  when it connects. @param seed  of its path and pauses. @param names  of the clients of its
+  ///               thread.
+  FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
+             KnownDigests& names, LoadCounts& counts);
+
+  core::TimePoint due() const noexcept override { return due_; }
+  void step(core::TimePoint now) override;
+  void finish(core::TimePoint now) override;
+
+ private:
+  using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;  // by core::Line
+
+  core::EngineOptions engineOptions(uint64_t seed);
+  bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
+  void noteLatency(const RequestClock::Request& request, core::TimePoint now);
+  void noteBroken(core::Line line, const Error& why, bool is_last);
+  void lose(core::Line line);
+  void noteRefused(const BlobRef& blob, const std::string& why);
+  template <typename Action>
+  void guarded(const Action& action);
+  void keepConnected(core::TimePoint now);
+  void receive();
+  void look(core::TimePoint now);
+  core::CameraKey camera(core::TimePoint now);
+  void work(core::TimePoint now);
+  void decode(const core::DecodeJob& job);
+  void note(core::TimePoint now);
+
+  asio::io_context& io_;
+  const LoadPlan& plan_;
+  const uint64_t seed_;
+  KnownDigests& names_;
+  LoadCounts& counts_;
+  const core::TimePoint start_;
+  core::TimePoint due_;
+  core::TimePoint noted_until_;  ///< what was seen is in the counts
+  uint64_t frames_ = 0;
+  std::mt19937_64 random_;
+  std::array<RequestClock, 2> clocks_;  ///< by core::Line
+  RequestClock::Requests lost_;         ///< with connections that broke off, and not made again since
+  core::Engine engine_;
+  core::CameraPath path_;        ///< no keys until the model is known
+  core::TimePoint round_begin_;  ///< of the path
+  double pause_s_ = 0;           ///< at this round's end
+  uint64_t received_bytes_ = 0;  ///< that the counts knows of
+  std::string turned_away_;      ///< why, the last time
+  bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
+  Transports transports_;
+  std::vector<std::unique_ptr<net::TcpTransport>> ended_;  ///< gone at the next step: not in their own calls
+};
+
+}  // namespace lode::app

@@ -1,0 +1,13 @@
+#include "client/loadtest/known_digests.h"
+
+namespace lode::app {
+
+bool KnownDigests::matchesDigest(const BlobRef& blob, std::span<const std::byte> bytes) {
+  const auto known = checksums_.find(blob.digest);
+  if (known != checksums_.end()) return checksum(bytes) == known->second;
+  if (digestOf(bytes) != blob.digest) return false;
+  checksums_.emplace(blob.digest, checksum(bytes));
+  return true;
+}
+
+}  // namespace lode::app

@@ -1,0 +1,218 @@
+#include "client/loadtest/loadtest_command.h"
+
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "client/app/cli/child_server.h"
+#include "client/app/cli/common_options.h"
+#include "client/app/cli/made_path.h"
+#include "client/app/cli/opened_target.h"
+#include "client/loadtest/interruption.h"
+#include "client/loadtest/load_report.h"
+#include "client/loadtest/load_test.h"
+#include "client/loadtest/request_trace.h"
+#include "client/loadtest/request_trace_file.h"
+#include "common/command_line.h"
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+constexpr int kSignalled = 128;          ///< and the signal: the exit status as shells give it
+constexpr uint64_t kTracesOfPlaces = 4;  ///< that are recorded of paths which differ by their seeds
+
+const std::map<std::string, MadePath> kMadePaths{
+    {"orbit", MadePath::kOrbit}, {"fly", MadePath::kFly}, {"walk", MadePath::kWalk}};
+
+struct LoadtestOptions {
+  CommonOptions common;
+  LoadOptions load;
+  std::vector<std::string> more_targets;
+  std::string made_path = "orbit";
+  double fps = 10, think_s = 0;
+  std::optional<double> ramp_s;
+  std::string trace_file;
+  bool decode_off = false, json = false;
+};
+
+double cpuSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// The targets, open as long as this, and what their clients are told.
+class PlannedLoad {
+ public:
+  explicit PlannedLoad(const LoadtestOptions& options) : options_(options) {
+    const std::optional<core::CameraPath> recorded = wantedPath(options.common);
+    path_of_ = [recorded, kind = kMadePaths.at(options.made_path)](const ModelSummary& model, uint64_t seed) {
+      return recorded ? *recorded : makePath(kind, model, seed);
+    };
+    const bool places_differ = !recorded && options.made_path != "orbit";
+    traces_ = options.load.full || !options.trace_file.empty() || !places_differ ? 1 : kTracesOfPlaces;
+    std::vector<LoadPlan> of_targets{planOf(options.common.target)};
+    for (const std::string& target : options.more_targets) of_targets.push_back(planOf(target));
+    for (uint64_t seed = 0; seed < traces_; ++seed)  // clients take plans by turns: a target each
+      for (size_t i = 0; i < of_targets.size(); ++i) {
+        plans_.push_back(of_targets[i]);
+        if (!options.load.full) plans_.back().trace = traceOf(targets_[i], of_targets[i], seed);
+      }
+  }
+
+  std::span<LoadPlan> plans() noexcept { return plans_; }
+
+ private:
+  /// Of a client that replays nothing. Opens the target.
+  LoadPlan planOf(const std::string& target) {
+    targets_.push_back(resolveTarget(parseTarget(target), options_.common.streamOptions(), !options_.json));
+    const ResolvedTarget& open = targets_.back();
+    const PictureSize size = options_.common.size();
+    LoadPlan plan;
+    plan.model = open.served;
+    plan.options = open.options;
+    plan.route = stream::routeTo(plan.model, plan.options);
+    plan.path_of = path_of_;
+    plan.size_px = {size.width_px, size.height_px};
+    plan.pixels = options_.common.pixels;
+    plan.fps = options_.fps;
+    plan.think_s = options_.think_s;
+    plan.decode = !options_.decode_off;
+    return plan;
+  }
+
+  RequestTrace readTrace(const ResolvedTarget& target) const {
+    const RequestTrace trace = readRequestTrace(options_.trace_file);
+    if (trace.requests.empty())
+      throw Error(ErrorCode::kInput,
+                  options_.trace_file +
+                      ": the trace has no requests, there is nothing to replay; record a path "
+                      "that comes closer to the model, or with fewer --pixels");
+    stream::StreamOptions options = target.options;
+    options.cache_folder.clear();
+    stream::Streamer streamer(target.served, options);
+    checkBuild(trace, openModel(streamer, target, options_.common.timeout()).build_id, options_.trace_file);
+    return trace;
+  }
+
+  RequestTrace traceOf(const ResolvedTarget& target, const LoadPlan& plan, uint64_t seed) const {
+    if (!options_.trace_file.empty()) return readTrace(target);
+    const auto path_of = [&](const ModelSummary& model) { return path_of_(model, seed); };
+    RequestTrace trace =
+        recordTrace(plan.model, plan.options, path_of, plan.size_px, plan.pixels, options_.common.timeout());
+    if (!trace.gap.empty())
+      std::fprintf(stderr, "lodestream: %s: clients do not request a part that cannot be had: %s\n",
+                   stream::toString(plan.model).c_str(), trace.gap.c_str());
+    return trace;
+  }
+
+  const LoadtestOptions& options_;
+  std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of_;
+  uint64_t traces_ = 1;  ///< of each target
+  std::vector<ResolvedTarget> targets_;
+  std::vector<LoadPlan> plans_;
+};
+
+void check(const LoadtestOptions& options) {
+  if (!options.trace_file.empty() && (options.load.full || !options.more_targets.empty()))
+    throw Error(ErrorCode::kUsage, "--trace is of one model, and full clients replay none: leave it out");
+  if (!options.common.cache_text.empty() && options.common.cache_text != "off")
+    throw Error(ErrorCode::kUsage, "clients of a load test keep no cache: leave out --cache");
+  if (options.decode_off && options.load.full)
+    throw Error(ErrorCode::kUsage, "full clients decode: leave out --full or --decode-off");
+}
+
+void loadtest(const LoadtestOptions& options, int& exit_status) {
+  check(options);
+  PlannedLoad planned(options);
+  LoadOptions load = options.load;
+  load.ramp_s = options.ramp_s.value_or(load.seconds / 4);
+  LiveLine live;
+  if (isatty(STDERR_FILENO) == 1)
+    load.progress = [&](double seconds, const LoadCounts& counts) { live.print(seconds, counts); };
+  const Interruption interruption;
+  load.is_stopped = [] { return Interruption::signal() != 0; };
+  const double cpu_before = cpuSeconds();
+  const LoadResult result = runLoadTest(planned.plans(), load);
+  std::printf("%s\n", options.json
+                          ? toJson(load, planned.plans(), result, cpuSeconds() - cpu_before).dump().c_str()
+                          : describe(load, result).c_str());
+  if (result.interrupted)
+    exit_status = kSignalled + Interruption::signal();
+  else if (!result.counts.errors.empty())
+    throw Error(ErrorCode::kNetwork, "the load test had errors, " +
+                                         std::to_string(result.counts.errorCount()) +
+                                         " in all; the first: " + result.counts.first_error);
+}
+
+}  // namespace
+
+void declareLoadtest(CLI::App& program, int& exit_status) {
+  CLI::App* command = program.add_subcommand(
+      "loadtest",
+      "Lets many clients look at models along camera paths, and measures how late comes what they request");
+  const auto options = std::make_shared<LoadtestOptions>();
+  addCommonOptions(*command, options->common);
+  command->remove_option(command->get_option("--up"));  // made paths go around the y axis
+  command->remove_option(command->get_option("--offline"));
+  auto* camera = command->get_option("--camera");
+  command->add_option("--clients", options->load.clients, "independent clients")
+      ->required()
+      ->check(CLI::Range(1u, 100'000u));
+  command->add_option("--seconds", options->load.seconds, "how long")
+      ->check(numberFrom(0.1, 86'400.0))
+      ->capture_default_str();
+  command
+      ->add_option("more", options->more_targets,
+                   "other models, on the same or other servers: clients take turns")
+      ->type_name("TARGET");
+  auto* full = command->add_flag(
+      "--full", options->load.full,
+      "clients refine and decode as one with a window does; else they replay the requests of one that did");
+  auto* path = command->add_option("--path", options->made_path, "where no --camera is given")
+                   ->check(CLI::IsMember(kMadePaths))
+                   ->capture_default_str()
+                   ->excludes(camera);
+  command
+      ->add_option("--ramp", options->ramp_s,
+                   "in which clients begin, one after the other (default: a quarter of --seconds)")
+      ->check(numberFrom(0.0, 86'400.0))
+      ->type_name("SECONDS");
+  command->add_option("--think", options->think_s, "pause at a path's end before it begins anew, in the mean")
+      ->check(numberFrom(0.0, 86'400.0))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  command->add_option("--fps", options->fps, "views a second of a full client")
+      ->check(numberFrom(0.1, 1000.0))
+      ->needs(full)
+      ->capture_default_str();
+  command->add_option("--threads", options->load.threads, "threads that step the clients")
+      ->check(CLI::Range(1u, 64u))
+      ->capture_default_str();
+  command->add_option("--trace", options->trace_file, "what to request, as replay --record wrote it")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE")
+      ->excludes(camera)
+      ->excludes(path)
+      ->excludes(command->get_option("--size"))
+      ->excludes(command->get_option("--pixels"));
+  command->add_flag("--decode-off", options->decode_off, "check names of blobs, but decode none");
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->callback([options, &exit_status] { loadtest(*options, exit_status); });
+}
+
+}  // namespace lode::app

@@ -1,0 +1,232 @@
+#include "client/loadtest/trace_client.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "common/codec/hierarchy_page.h"
+#include "common/error.h"
+
+namespace lode::app {
+namespace {
+
+constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
+constexpr auto kLookForRetryEvery = std::chrono::milliseconds(20);
+constexpr size_t kRefillBelow = 64;  ///< open requests; the session holds back what is above its own limits
+constexpr double kShortestTraceSeconds = 1;  ///< a path that stands still is replayed this often
+
+}  // namespace
+
+TraceClient::TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
+                         KnownDigests& names, LoadCounts& counts)
+    : io_(io),
+      plan_(plan),
+      names_(names),
+      counts_(counts),
+      start_(start),
+      random_(static_cast<uint64_t>(1000 * phase_s)),
+      due_(start),
+      connection_(sessionOptions(), static_cast<uint32_t>(1000 * phase_s)) {
+  const auto& requests = plan.trace.requests;
+  const auto at = std::ranges::lower_bound(requests, phase_s, {}, &TracedRequest::t_s);
+  first_ = at == requests.end() ? 0 : static_cast<size_t>(at - requests.begin());
+}
+
+core::SessionOptions TraceClient::sessionOptions() {
+  core::SessionOptions options;
+  options.model = plan_.model.model;
+  options.token = plan_.options.token;
+  options.remedies = plan_.options.remedies;
+  options.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
+    return names_.matchesDigest(blob, bytes);
+  };
+  return options;
+}
+
+/// The time of the next request: places after the trace's end are those of its next round.
+core::TimePoint TraceClient::nextIntended() const noexcept {
+  const auto& requests = plan_.trace.requests;
+  const uint64_t place = first_ + replayed_;
+  const double round_s = std::max(plan_.trace.duration_s, kShortestTraceSeconds);
+  const size_t rounds = place / requests.size();
+  const double t_s = static_cast<double>(rounds) * round_s + requests[place % requests.size()].t_s;
+  return start_ + ofSeconds(t_s - requests[first_].t_s + paused_s_);
+}
+
+void TraceClient::goOn() {
+  ++replayed_;
+  if ((first_ + replayed_) % plan_.trace.requests.size() == 0) paused_s_ += somePause(plan_.think_s, random_);
+}
+
+template <typename Action>
+void TraceClient::guarded(const Action& action) {
+  if (gone_ || survives(counts_, action)) return;
+  gone_ = true;
+  due_ = kNever;
+}
+
+void TraceClient::step(core::TimePoint now) {
+  guarded([&] {
+    counts_.started += !std::exchange(started_, true);
+    ended_.reset();
+    if (connection_.due(now)) connect(now);
+    for (const core::Line line : core::kLines)
+      onLine(line, now, [&](core::Session& session) { session.tick(now); });
+    addDueRequests(now);
+    send();
+    scheduleNext(now);
+  });
+}
+
+void TraceClient::connect(core::TimePoint now) {
+  if (const core::Session* const older = connection_.session(core::Line::kDraining);
+      older != nullptr && connection_.session())
+    counts_.failed_requests += older->openRequests();  // two servers left one soon after the other
+  if (connection_.session())
+    leaving_ = std::move(newest_);  // else it was turned away, and who leaves still owes
+  newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
+  connection_.begin({}, now);
+}
+
+/// What the network does to a connection ends it; what else goes wrong ends the client.
+template <typename Action>
+void TraceClient::onLine(core::Line line, core::TimePoint now, const Action& action) {
+  core::Session* const session = connection_.session(line);
+  if (session == nullptr) return;
+  try {
+    action(*session);
+  } catch (const Error& error) {
+    const bool leaves = line == core::Line::kDraining || !connection_.takesRequests();
+    const bool is_lost = !leaves || session->openRequests() > 0;
+    counts_.lost += is_lost;
+    counts_.failed_requests += session->openRequests();
+    ended_ = std::move(transport(line));
+    if (line == core::Line::kActive)
+      connection_.fail(error, now);
+    else
+      connection_.endDraining();
+    if (is_lost) counts_.noteError(error.code(), error.what());
+    if (line == core::Line::kDraining) sendRequests();
+  }
+}
+
+void TraceClient::addDueRequests(core::TimePoint now) {
+  const auto& requests = plan_.trace.requests;
+  bool added = false;
+  while (!requests.empty() && nextIntended() <= std::min(now, plan_.end)) {
+    const size_t traced = (first_ + replayed_) % requests.size();
+    const core::Request& request = requests[traced].request;
+    added |= pending_.try_emplace(request.blob.number, Pending{request, nextIntended(), traced}).second;
+    goOn();
+  }
+  if (added) sendRequests();
+}
+
+void TraceClient::sendRequests() {
+  core::Session* const session = connection_.session();
+  if (!connection_.takesRequests() || !session->opened()) return;
+  const core::Session* const before = connection_.session(core::Line::kDraining);
+  std::vector<core::Request> requests;
+  requests.reserve(pending_.size());
+  for (const auto& [number, pending] : pending_)
+    if (before == nullptr || !before->isRequested(pending.request.blob)) requests.push_back(pending.request);
+  std::ranges::stable_sort(requests, [](const core::Request& a, const core::Request& b) {
+    return a.request_class != b.request_class ? a.request_class < b.request_class
+                                              : a.priority_px > b.priority_px;
+  });
+  session->setRequests(requests);
+}
+
+void TraceClient::send() {
+  for (const core::Line line : core::kLines)
+    if (core::Session* const session = connection_.session(line); session != nullptr)
+      transport(line)->send(session->takeOutgoing());
+}
+
+void TraceClient::scheduleNext(core::TimePoint now) {
+  due_ =
+      now + (connection_.takesRequests() ? core::TimePoint::duration(kKeepAliveEvery) : kLookForRetryEvery);
+  if (!plan_.trace.requests.empty()) due_ = std::min(due_, nextIntended());
+}
+
+void TraceClient::receive() {
+  guarded([&] {
+    const core::TimePoint now = std::chrono::steady_clock::now();
+    for (const core::Line line : core::kLines)
+      onLine(line, now, [&](core::Session& session) {
+        session.receive(transport(line)->takeReceived(), now);
+        while (connection_.session(line) == &session) {
+          const auto event = session.nextEvent();
+          if (!event) break;
+          handle(*event, session, now);
+        }
+      });
+    send();
+  });
+}
+
+void TraceClient::handle(const core::SessionEvent& event, core::Session& session, core::TimePoint now) {
+  if (const auto* opened = std::get_if<core::ModelOpened>(&event)) {
+    checkBuild(plan_.trace, opened->summary.build_id, plan_.model.model);
+    connection_.succeeded();
+    was_let_in_ = true;
+    turned_away_.clear();
+    return sendRequests();
+  }
+  if (const auto* blob = std::get_if<core::BlobArrived>(&event)) return arrived(*blob, session, now);
+  if (const auto* refused = std::get_if<core::BlobRefused>(&event)) {
+    ++counts_.failed_requests;
+    pending_.erase(refused->blob.number);
+    counts_.noteError(ErrorCode::kIo, "the server says: " + refused->message);
+  }
+  if (const auto* leaving = std::get_if<core::ServerLeaving>(&event)) {
+    counts_.moved += session.opened();
+    counts_.turned_away += !session.opened();
+    if (!was_let_in_) turned_away_ = leaving->reason;
+    connection_.leave(leaving->reason, now);
+  }
+}
+
+void TraceClient::arrived(const core::BlobArrived& blob, core::Session& session, core::TimePoint now) {
+  ++counts_.blobs;
+  counts_.bytes += blob.bytes.size();
+  const auto found = pending_.find(blob.blob.number);
+  if (found != pending_.end()) {
+    const Pending pending = found->second;
+    pending_.erase(found);
+    if (plan_.decode && plan_.trace.requests[pending.traced].decode) {
+      core::DecodeJob job = *plan_.trace.requests[pending.traced].decode;
+      job.bytes = blob.bytes;
+      const core::DecodeResult result = core::runDecodeJob(job);
+      if (!result.failure.empty())
+        throw Error(ErrorCode::kFormat, "a blob cannot be decoded: " + result.failure);
+    }
+    counts_.latency[static_cast<size_t>(pending.request.request_class)].add(now - pending.intended);
+    const size_t open = session.openRequests();
+    if (open < kRefillBelow && open < pending_.size()) sendRequests();
+  }
+  if (blob.blob.number == first_lod_ && !image_seen_) {
+    image_seen_ = true;
+    counts_.first_image.add(now - start_);
+  } else if (blob.use.kind == core::BlobKind::kRootPage) {
+    const HierarchyPage page = decodePage(blob.bytes, kRootKey, true);
+    const BlobRef& coarsest = page.nodes.front().lods.back().payload;
+    first_lod_ = coarsest.number;
+    if (coarsest) session.expectUnasked(coarsest, {});
+  }
+}
+
+void TraceClient::finish(core::TimePoint now) {
+  if (now < start_) return;
+  if (!gone_) noteNeverLetIn(counts_, turned_away_);
+  if (!image_seen_) counts_.first_image.add(now - start_);
+  for (const auto& [number, pending] : pending_) {
+    if (pending.intended > now) continue;
+    ++counts_.unanswered;
+    counts_.latency[static_cast<size_t>(pending.request.request_class)].add(now - pending.intended);
+  }
+}
+
+}  // namespace lode::app

@@ -1,0 +1,37 @@
+#include "client/render/culling/cluster_culling.h"
+
+#include <algorithm>
+
+namespace lode::render {
+
+uint32_t SeenCluster::triangles() const noexcept {
+  return std::min(kClusterTriangles, part.item->index_count / 3 - firstTriangle());
+}
+
+std::vector<bool>::reference SeenCluster::hidden(size_t instance) const {
+  auto& instances = part.item->clusters->hidden;
+  if (instances.size() <= instance) instances.resize(instance + 1);
+  instances[instance].resize(part.item->clusters->boxes.size());
+  return instances[instance][number];
+}
+
+bool isInPicture(const SeenPart& part, const core::Sight& sight, double lattice_step) {
+  return sight.see(core::toModelBox(part.item->box, lattice_step)) != core::Seen::kNot;
+}
+
+size_t addSeenClusters(const SeenPart& part, const core::Sight& sight, double lattice_step,
+                       std::vector<SeenCluster>& seen) {
+  const core::Seen whole = sight.see(core::toModelBox(part.item->box, lattice_step));
+  if (whole == core::Seen::kNot) return 0;
+  const size_t before = seen.size();
+  const std::vector<LatticeBox>& boxes = part.item->clusters->boxes;
+  for (uint32_t number = 0; number < boxes.size(); ++number) {
+    if (whole == core::Seen::kPartly &&
+        sight.see(core::toModelBox(boxes[number], lattice_step)) == core::Seen::kNot)
+      continue;
+    seen.push_back({part, number});
+  }
+  return seen.size() - before;
+}
+
+}  // namespace lode::render

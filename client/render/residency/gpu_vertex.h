@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "client/core/cache/drawn_bytes.h"
+#include "common/mesh.h"
+
+namespace lode::render {
+
+/// A vertex as the GPU keeps it, of a model without texture coordinates.
+struct GpuVertex {
+  uint32_t position_low;   ///< bits 0..31 of the position code
+  uint32_t position_high;  ///< bits 32..62
+  uint32_t normal;         ///< signed 10:10:10:2, x lowest
+  glm::u8vec4 colour;      ///< sRGB, alpha
+};
+static_assert(sizeof(GpuVertex) == core::kDrawnVertexBytes);
+
+/// The same with texture coordinates.
+struct GpuTexturedVertex {
+  GpuVertex vertex;
+  glm::u16vec2 texture;  ///< codes
+  uint16_t material;
+  uint16_t unused;
+};
+static_assert(sizeof(GpuTexturedVertex) == core::kDrawnTexturedVertexBytes);
+
+/// Bytes of one vertex of meshes with these attributes.
+constexpr uint32_t vertexBytes(AttributeSet attributes) noexcept {
+  return attributes.has(AttributeSet::kTexture) ? sizeof(GpuTexturedVertex) : sizeof(GpuVertex);
+}
+
+/// Packs as many vertices of a mesh as fill `out`, from `first` on, each of vertexBytes(mesh.attributes).
+void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out);
+
+/// True if the mesh brings normals to shade with, its own or computed ones.
+constexpr bool hasNormals(AttributeSet attributes) noexcept {
+  return attributes.has(AttributeSet::kNormal | AttributeSet::kComputedNormal);
+}
+
+}  // namespace lode::render

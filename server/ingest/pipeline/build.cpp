@@ -1,0 +1,90 @@
+#include "server/ingest/pipeline/build.h"
+
+#include <array>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "common/error.h"
+#include "common/io/output_target.h"
+#include "server/ingest/pipeline/build_session.h"
+#include "server/ingest/pipeline/dereference_stage.h"
+#include "server/ingest/pipeline/pack_stage.h"
+#include "server/ingest/pipeline/partition_stage.h"
+#include "server/ingest/pipeline/scan_stage.h"
+#include "server/ingest/pipeline/simplify_stage.h"
+#include "server/ingest/pipeline/texture_stage.h"
+#include "server/ingest/plan/machine.h"
+
+namespace lode::ingest {
+namespace {
+
+/// Behind the links of its name, so that the temporary files lie where it is to be.
+std::filesystem::path outputOf(const BuildOptions& options) {
+  OutputTarget target = findOutput(options.output);
+  if (target.is_stream)
+    throw Error(
+        ErrorCode::kUsage,
+        options.output.string() + ": is a pipe or a device, which no store can be written to: name a file");
+  return std::move(target.path);
+}
+
+BuildOptions withDefaults(BuildOptions options) {
+  options.output = outputOf(options);
+  if (options.memory_bytes == 0) options.memory_bytes = defaultMemoryBytes();
+  if (options.threads == 0) options.threads = defaultThreads();
+  if (options.temporary_folder.empty()) {
+    options.temporary_folder = options.output.has_parent_path() ? options.output.parent_path() : ".";
+  }
+  if (options.triangles_per_node < kMinTrianglesPerNode) {
+    throw Error(ErrorCode::kUsage,
+                "--triangles-per-node must be at least " + std::to_string(kMinTrianglesPerNode));
+  }
+  return options;
+}
+
+/// What a build does. Each stage names those that it takes something from.
+void runStages(BuildSession& session) {
+  ScanStage scan(session);
+  TextureStage textures(session, scan);
+  DereferenceStage dereference(session, scan);
+  PartitionStage partition(session, dereference);
+  SimplifyStage simplify(session, partition);
+  PackStage pack(session, textures, simplify);
+  const std::array<Stage*, 6> in_order{&scan, &textures, &dereference, &partition, &simplify, &pack};
+  for (Stage* stage : in_order) session.run(*stage);
+  session.noteTextureFiles(scan.textureFiles());
+}
+
+/// How a build that failed may go on; empty where it would only fail again.
+std::string_view wayOn(const Error& error, const BuildSession& session) noexcept {
+  if (error.code() == ErrorCode::kIo) return "the same command goes on from there";
+  return session.lacksMemory() ? "with more memory the same command goes on from there" : "";
+}
+
+}  // namespace
+
+BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
+  const BuildOptions options = withDefaults(given);
+  shareHeaps(options.memory_bytes);
+  BuildSession session(options, progress);
+  try {
+    if (given.output.extension() != ".lode")
+      session.warn(given.output.string() +
+                   ": serve finds stores in a folder only if their names end in .lode");
+    runStages(session);
+    return session.takeReport();
+  } catch (const Error& error) {
+    const std::string_view way_on = wayOn(error, session);
+    if (!given.resume || way_on.empty() || !session.keep()) throw;
+    throw Error(error.code(),
+                std::string(error.what()) + "; what is finished is kept, " + std::string(way_on));
+  } catch (const std::exception&) {
+    if (given.resume) session.keep();
+    throw;
+  }
+}
+
+}  // namespace lode::ingest

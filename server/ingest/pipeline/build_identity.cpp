@@ -1,0 +1,176 @@
+#include "server/ingest/pipeline/build_identity.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/codec/blob.h"
+#include "common/codec/texture_set.h"
+#include "common/error.h"
+#include "common/io/file_io.h"
+#include "server/ingest/ply/ply_header.h"
+#include "server/ingest/ply/ply_input.h"
+#include "server/ingest/textures/texture_images.h"
+
+namespace lode::ingest {
+namespace {
+
+constexpr uint64_t kEndBytes = 256 << 10;  ///< hashed of head and of tail
+constexpr uint64_t kSamples = 64, kSampleBytes = 4096;
+
+void append(int file, uint64_t offset, uint64_t bytes, std::vector<std::byte>& to) {
+  const size_t before = to.size();
+  to.resize(before + bytes);
+  to.resize(before + readAt(file, offset, std::span(to).subspan(before)).value_or(0));
+}
+
+uint64_t hashContent(int file, uint64_t bytes) {
+  std::vector<std::byte> taken;
+  append(file, 0, std::min(bytes, kEndBytes), taken);
+  append(file, bytes - std::min(bytes, kEndBytes), std::min(bytes, kEndBytes), taken);
+  for (uint64_t i = 0; i < kSamples; ++i) append(file, bytes / kSamples * i, kSampleBytes, taken);
+  return checksum(taken);
+}
+
+/// Of the images that a model names. Nothing of a file that cannot be read, nor of more images than can be
+/// built: whoever reads them says so better.
+std::vector<BuildIdentity::Texture> texturesOf(const std::filesystem::path& ply) {
+  std::vector<BuildIdentity::Texture> textures;
+  try {
+    const PlyHeader header = readPlyHeader(ply);
+    if (header.texture_files.size() > kMaxTextures) return textures;
+    for (const std::string& name : header.texture_files) {
+      const TextureFile file = findTexture(ply, name);
+      textures.push_back({name, file.problem.empty() ? fingerprint(file.path) : FileFingerprint()});
+    }
+  } catch (const Error&) {
+    textures.clear();
+  }
+  return textures;
+}
+
+void saveFile(RecordWriter& record, const FileFingerprint& file) {
+  record.putText(file.path);
+  record.put(file.bytes);
+  record.put(file.modified_ns);
+  record.put(file.content);
+}
+
+FileFingerprint loadFile(RecordReader& record) {
+  FileFingerprint file;
+  file.path = record.getText();
+  file.bytes = record.get<uint64_t>();
+  file.modified_ns = record.get<int64_t>();
+  file.content = record.get<uint64_t>();
+  return file;
+}
+
+}  // namespace
+
+FileFingerprint fingerprint(const std::filesystem::path& path) {
+  std::error_code ignored;
+  FileFingerprint result{std::filesystem::weakly_canonical(path, ignored).string(), 0, 0, 0};
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return result;
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return result;
+  result.bytes = static_cast<uint64_t>(status.st_size);
+  result.modified_ns = int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+  result.content = hashContent(file, result.bytes);
+  ::close(file);
+  return result;
+}
+
+BuildIdentity BuildIdentity::of(const BuildOptions& options) {
+  BuildIdentity identity;
+  identity.input = fingerprint(options.input);
+  identity.textures = texturesOf(options.input);
+  identity.program = fingerprint("/proc/self/exe").content;
+  std::error_code ignored;
+  identity.temporary_folder = std::filesystem::weakly_canonical(options.temporary_folder, ignored).string();
+  identity.triangles_per_node = options.triangles_per_node;
+  identity.simplifier = static_cast<uint8_t>(options.simplifier);
+  identity.crease_angle_deg = options.crease_angle_deg;
+  identity.skip_bad = options.skip_bad;
+  identity.strict = options.strict;
+  return identity;
+}
+
+void BuildIdentity::save(RecordWriter& record) const {
+  saveFile(record, input);
+  record.put(static_cast<uint32_t>(textures.size()));
+  for (const Texture& texture : textures) {
+    record.putText(texture.name);
+    saveFile(record, texture.image);
+  }
+  record.put(program);
+  record.putText(temporary_folder);
+  record.put(triangles_per_node);
+  record.put(simplifier);
+  record.put(crease_angle_deg);
+  record.put<uint8_t>(skip_bad);
+  record.put<uint8_t>(strict);
+}
+
+BuildIdentity BuildIdentity::load(RecordReader& record) {
+  BuildIdentity identity;
+  identity.input = loadFile(record);
+  for (auto count = record.get<uint32_t>(); count > 0; --count) {
+    std::string name = record.getText();
+    identity.textures.push_back({std::move(name), loadFile(record)});
+  }
+  identity.program = record.get<uint64_t>();
+  identity.temporary_folder = record.getText();
+  identity.triangles_per_node = record.get<uint32_t>();
+  identity.simplifier = record.get<uint8_t>();
+  identity.crease_angle_deg = record.get<float>();
+  identity.skip_bad = record.get<uint8_t>() != 0;
+  identity.strict = record.get<uint8_t>() != 0;
+  return identity;
+}
+
+/// The input is the same, so the names are.
+std::string BuildIdentity::textureDifference(const BuildIdentity& now) const {
+  for (size_t i = 0; i < std::min(textures.size(), now.textures.size()); ++i) {
+    const FileFingerprint &then = textures[i].image, &today = now.textures[i].image;
+    if (then == today) continue;
+    const char* const what = then.path.empty()    ? " was not there when it was begun; take it away"
+                             : today.path.empty() ? " is no longer there; bring it back"
+                                                  : " has changed since; bring the former one back";
+    return "the texture image " + quotedText(textures[i].name, 4096) + what + ", or build without --resume";
+  }
+  return {};
+}
+
+std::string BuildIdentity::difference(const BuildIdentity& now) const {
+  const std::string begun = "it was begun with ", same = "; give the same, or build without --resume";
+  const auto flag = [&](bool given, const char* name) { return begun + (given ? "" : "no ") + name + same; };
+  if (input.path != now.input.path) return begun + "the input " + input.path + same;
+  if (now.input.bytes == 0) return "the input " + input.path + " cannot be read; bring it back";
+  if (input != now.input) return "the input has changed since; build without --resume";
+  if (std::string texture = textureDifference(now); !texture.empty()) return texture;
+  if (program != now.program) return begun + "another version of lodestreamd; build without --resume";
+  if (triangles_per_node != now.triangles_per_node)
+    return begun + "--triangles-per-node " + std::to_string(triangles_per_node) + same;
+  if (simplifier != now.simplifier) {
+    const bool is_cluster = simplifier == static_cast<uint8_t>(Simplifier::kCluster);
+    return begun + "--simplifier " + (is_cluster ? "cluster" : "collapse") + same;
+  }
+  if (crease_angle_deg != now.crease_angle_deg) {
+    char degrees[32];
+    std::snprintf(degrees, sizeof degrees, "%g", static_cast<double>(crease_angle_deg));
+    return begun + "--crease-angle " + degrees + same;
+  }
+  if (skip_bad != now.skip_bad) return flag(skip_bad, "--skip-bad");
+  if (strict != now.strict) return flag(strict, "--strict");
+  if (temporary_folder != now.temporary_folder) return begun + "--tmp " + temporary_folder + same;
+  return {};
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,59 @@
+#include "server/ingest/pipeline/pack.h"
+
+#include <algorithm>
+
+#include "server/ingest/pipeline/idle_lods.h"
+
+namespace lode::ingest {
+
+void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
+                  store::Writer& writer) {
+  TextureSet set{grid.origin, grid.scale_exponent, {}};
+  uint32_t levels = 0;
+  for (const StagedTextures::Texture& texture : textures.textures) {
+    set.textures.push_back({texture.name, texture.width, texture.height, {}});
+    set.textures.back().tiles.resize(texture.tiles.size());
+    levels = std::max(levels, levelCount(set.textures.back()));
+  }
+  std::vector<std::byte> bytes;
+  for (uint32_t rank = 0; rank < levels; ++rank)  // of a level, from each texture's coarsest
+    for (size_t t = 0; t < set.textures.size(); ++t) {
+      Texture& texture = set.textures[t];
+      if (rank >= levelCount(texture)) continue;
+      const uint32_t level = levelCount(texture) - 1 - rank;
+      const size_t first = tileIndex(texture, level, 0, 0);
+      const size_t end = first + size_t{tilesAcross(texture, level)} * tilesDown(texture, level);
+      for (size_t i = first; i < end; ++i) {
+        bytes.resize(textures.textures[t].tiles[i].bytes);
+        tiles->readAt(textures.textures[t].tiles[i].offset, bytes);
+        texture.tiles[i] = writer.addBlob(bytes);
+      }
+    }
+  writer.addTextures(set);
+}
+
+ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,
+                  const BuildProgress& progress) {
+  std::vector<Node> packed;
+  packed.reserve(nodes.size());
+  for (const NodeSpool::Place& place : nodes.takeSorted()) {
+    const std::vector<std::byte> bytes = nodes.read(place);
+    RecordReader record(bytes);
+    FinishedNode finished = getFinishedNode(record);
+    if (finished.node.far_lods > 1)
+      leaveOutIdleLods(finished,
+                       *std::ranges::lower_bound(packed, finished.node.key.parent(), {}, &Node::key));
+    for (size_t r = finished.node.lods.size(); r-- > 0;) {
+      const PayloadSpool::Place payload = finished.payloads[r];
+      if (payload.bytes > 0) finished.node.lods[r].payload = writer.addBlob(payloads.read(payload));
+    }
+    packed.push_back(std::move(finished.node));
+    if (progress && packed.size() % 256 == 1) {
+      progress("pack", static_cast<double>(packed.size()) / static_cast<double>(packed.capacity()),
+               packed.size(), packed.capacity());
+    }
+  }
+  return writer.finish(std::move(summary), std::move(packed));
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include <asio/co_spawn.hpp>
+#include <asio/detached.hpp>
+#include <asio/use_awaitable.hpp>
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+
+#include "common/error.h"
+#include "server/serve/net/connection.h"
+
+/// A connection's writing side: what goes out next, and where its bytes come from.
+namespace lode::serve {
+
+namespace {
+
+constexpr size_t kChunkFrameHeadBytes = proto::kFrameHeaderBytes + proto::kBlobChunkHeaderBytes;
+constexpr size_t kMaxFreeBuffers = 64;         ///< of a thread; more are given back to the system
+constexpr size_t kMaxColdReads = 8;            ///< of a connection at one time
+constexpr size_t kSlowWriteBytes = 16u << 10;  ///< a write to a link that is slower than the server
+/// A write to a client of which it is not known that it reads: so much goes into its first window, so that
+/// one that does not read has no buffer here. And what says that it does.
+constexpr size_t kFirstWriteBytes = 48u << 10, kReadersBytes = 256u << 10;
+constexpr int kLittleUnsentBytes = 8 << 10;  ///< in the kernel: the link takes what it is given
+constexpr auto kLinger = std::chrono::seconds(2);
+constexpr auto kLingerForMemory = std::chrono::milliseconds(100);  ///< it is needed: others wait for it
+
+void append(ChunkBuffer& buffer, const Chunk& chunk) {
+  const auto head =
+      proto::encodeFrameHeader({static_cast<uint32_t>(proto::kBlobChunkHeaderBytes + chunk.bytes),
+                                static_cast<uint8_t>(proto::FrameType::kBlob), 0, chunk.call});
+  const auto blob_head = proto::encodeBlobChunkHeader(chunk.header);
+  std::byte* at = buffer.bytes.get() + buffer.used;
+  std::memcpy(at, head.data(), head.size());
+  std::memcpy(at + head.size(), blob_head.data(), blob_head.size());
+  buffer.used += kChunkFrameHeadBytes + chunk.bytes;
+}
+
+BlobRange rangeOf(const Chunk& chunk) { return {chunk.blob, chunk.header.offset_bytes, chunk.bytes}; }
+
+asio::awaitable<ReadResult> readOnPool(const BlobReader& blobs, BlobRange range, std::span<std::byte> into) {
+  co_return blobs.readCold(range, into);
+}
+
+}  // namespace
+
+ChunkBuffer BufferPool::take() {
+  if (free_.empty()) return {std::make_unique_for_overwrite<std::byte[]>(ChunkBuffer::kBytes), 0};
+  ChunkBuffer buffer = std::move(free_.back());
+  free_.pop_back();
+  buffer.used = 0;
+  return buffer;
+}
+
+void BufferPool::give(ChunkBuffer buffer) {
+  if (buffer.bytes && free_.size() < kMaxFreeBuffers) free_.push_back(std::move(buffer));
+}
+
+asio::awaitable<void> Connection::write() {
+  try {
+    co_await writeFrames();
+    linger_until_ = Clock::now() + (end_ == EndReason::kMemory ? Clock::duration(kLingerForMemory) : kLinger);
+    stream_.bytes().shutdownSend();
+    if (gone_) stream_.close();
+  } catch (const std::exception&) {  // the connection broke, or there is no memory for it
+    end(EndReason::kBroken);
+    gone_ = true;
+    stream_.close();
+  }
+  wakeReader();
+}
+
+asio::awaitable<void> Connection::writeFrames() {
+  while (!gone_) {
+    if (slow_) {  // what is in the kernel cannot be overtaken: what comes next is decided when it takes more
+      writing_since_ = Clock::now();
+      session_.onBackpressure(*writing_since_);
+      asio::error_code error;
+      co_await stream_.bytes().waitWritable(error);
+      session_.onWritable(Clock::now());
+      if (error) throw Error(ErrorCode::kNetwork, "the connection broke while writing: " + error.message());
+    }
+    const proto::Bytes control = session_.takeControl();
+    ChunkBuffer buffer;
+    if (isItsTurn()) {
+      gather(buffer);
+      endTurn(buffer.used);
+    }
+    const size_t bytes = control.size() + buffer.used;
+    if (bytes > 0) {
+      const std::array parts{asio::buffer(control), asio::const_buffer(buffer.bytes.get(), buffer.used)};
+      writing_since_ = Clock::now();
+      co_await stream_.write(parts);
+      session_.controlSent(control.size());
+      sent_bytes_ += bytes;
+      slow_ = linkIsSlow();
+    }
+    writing_since_.reset();
+    host_.buffers.give(std::move(buffer));
+    if (bytes == 0 && session_.controlBytes() == 0) {
+      if (session_.finished()) co_return;
+      if (session_.waitsForWindow()) session_.onBackpressure(Clock::now());
+      to_write_.expires_at(turn_.value_or(Clock::time_point::max()));
+      co_await sleep(to_write_, write_woken_);
+      session_.onWritable(Clock::now());
+    }
+    wakeReader();
+  }
+}
+
+bool Connection::linkIsSlow() {
+  int unsent = 0;
+  return ioctl(stream_.bytes().socket().native_handle(), SIOCOUTQNSD, &unsent) == 0 &&
+         unsent > kLittleUnsentBytes;
+}
+
+/// Whether blobs may be sent as far as rates go. Where they do not, a turn is taken: the writer comes back
+/// for it.
+bool Connection::isItsTurn() {
+  if (!rate_.limited() && !host_.rate->limited()) return true;
+  const auto now = Clock::now();
+  if (!turn_ && session_.wantsToSend())
+    turn_ = std::max(rate_.take(kSlowWriteBytes, now), host_.rate->take(kSlowWriteBytes, now));
+  return turn_ && *turn_ <= now;
+}
+
+void Connection::endTurn(size_t sent_bytes) {
+  if (!turn_) return;
+  rate_.give(kSlowWriteBytes - sent_bytes);
+  host_.rate->give(kSlowWriteBytes - sent_bytes);
+  turn_.reset();
+}
+
+void Connection::gather(ChunkBuffer& buffer) {
+  const size_t of_fast_link = sent_bytes_ < kReadersBytes ? kFirstWriteBytes : ChunkBuffer::kBytes;
+  const size_t most = slow_ || turn_ ? kSlowWriteBytes : of_fast_link;
+  while (buffer.used + kChunkFrameHeadBytes + kMinChunkBytes <= most) {
+    const size_t space = most - buffer.used - kChunkFrameHeadBytes;
+    const std::optional<Chunk> chunk = session_.beginChunk(static_cast<uint32_t>(space));
+    if (!chunk) return;
+    if (!buffer.bytes) buffer = host_.buffers.take();
+    const std::span into(buffer.bytes.get() + buffer.used + kChunkFrameHeadBytes, chunk->bytes);
+    const ReadResult result = readChunk(*chunk, into);
+    if (result == ReadResult::kCold) {
+      if (!startFetching(*chunk)) return session_.abandonChunk();
+      session_.parkChunk();
+    } else if (result != ReadResult::kDone) {
+      fail(*chunk, result);
+    } else {
+      noteRead(*chunk);
+      session_.finishChunk();
+      append(buffer, *chunk);
+    }
+  }
+}
+
+ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) {
+  const auto cold = std::ranges::find_if(cold_, [&](const auto& c) {
+    return c->chunk.serial == chunk.serial && c->result != ReadResult::kCold;
+  });
+  if (cold == cold_.end()) return chunk.opened->model->blobs->readHot(rangeOf(chunk), into);
+  const std::shared_ptr<ColdRead> read = std::move(*cold);
+  cold_.erase(cold);
+  reading_.give(read->bytes.size());
+  // A window or a write smaller than when it was asked for takes the beginning; the rest is read again.
+  if (read->result == ReadResult::kDone) {
+    const size_t there = std::min(read->bytes.size(), into.size());
+    std::memcpy(into.data(), read->bytes.data(), there);
+    if (there < into.size()) return chunk.opened->model->blobs->readHot(rangeOf(chunk), into);
+  }
+  return read->result;
+}
+
+bool Connection::startFetching(const Chunk& chunk) {
+  if (cold_.size() >= kMaxColdReads) return false;
+  if (!reading_.tryTake(chunk.bytes)) {
+    if (!cold_.empty()) return false;
+    reading_.take(chunk.bytes);  // one is always read, so that it goes on
+  }
+  const auto cold = std::make_shared<ColdRead>(ColdRead{chunk, std::vector<std::byte>(chunk.bytes)});
+  cold_.push_back(cold);
+  if (chunk.opened->counters != nullptr) chunk.opened->counters->cold_reads.add();
+  asio::co_spawn(
+      stream_.bytes().executor(),
+      [self = shared_from_this(), cold, blobs = chunk.opened->model->blobs] {
+        return self->fetch(cold, blobs);
+      },
+      asio::detached);
+  return true;
+}
+
+asio::awaitable<void> Connection::fetch(std::shared_ptr<ColdRead> cold,
+                                        std::shared_ptr<const BlobReader> blobs) {
+  try {
+    cold->result = co_await asio::co_spawn(
+        *host_.readers, readOnPool(*blobs, rangeOf(cold->chunk), cold->bytes), asio::use_awaitable);
+  } catch (const std::exception&) {  // no memory to ask the disk
+    cold->result = ReadResult::kFailed;
+  }
+  if (!session_.unpark(cold->chunk) && std::erase(cold_, cold) > 0) reading_.give(cold->bytes.size());
+  wakeWriter();
+}
+
+void Connection::fail(const Chunk& chunk, ReadResult result) {
+  if (result == ReadResult::kDamaged) {
+    if (chunk.opened->counters != nullptr) chunk.opened->counters->damaged.add();
+    session_.failChunk(proto::WireError::kDamagedStore,
+                       "blob " + std::to_string(chunk.blob) +
+                           " of the store is damaged: copy the store again, or rebuild it; lodestreamd "
+                           "verify says what else is");
+  } else {
+    session_.failChunk(proto::WireError::kInternal,
+                       "the server could not read blob " + std::to_string(chunk.blob) + "; try again later");
+  }
+}
+
+void Connection::noteRead(const Chunk& chunk) noexcept {
+  const auto request_class = static_cast<size_t>(chunk.request_class);
+  const auto now = Clock::now();
+  if (chunk.first()) {
+    const auto held = session_.heldSince(chunk, now);
+    host_.counters->held[request_class].add(held);
+    host_.counters->queue[request_class].add(now - chunk.asked - held);
+  }
+  if (chunk.last()) {
+    ++blobs_;
+    host_.counters->send[request_class].add(now - chunk.asked);
+  }
+  if (chunk.opened->counters == nullptr) return;
+  chunk.opened->counters->bytes.add(chunk.bytes);
+  if (chunk.last()) chunk.opened->counters->blobs.add();
+}
+
+}  // namespace lode::serve

@@ -1,0 +1,116 @@
+#include "server/serve/net/proxy_header.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "common/error.h"
+
+namespace lode::serve {
+
+namespace {
+
+constexpr std::string_view kTextStart = "PROXY ";
+constexpr std::string_view kBinaryStart("\r\n\r\n\0\r\nQUIT\n", 12);
+constexpr size_t kMaxTextBytes = 107;  ///< of version 1, with its line end
+constexpr size_t kBinaryHeadBytes = 16;
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(ErrorCode::kProtocol, "a connection without a good PROXY header: " + what +
+                                        "; with --proxy-protocol connect through a balancer that sends one");
+}
+
+/// Whether the text begins as `start` does, as far as it goes.
+bool agrees(std::string_view text, std::string_view start) {
+  const size_t common = std::min(text.size(), start.size());
+  return text.substr(0, common) == start.substr(0, common);
+}
+
+std::string_view nextWord(std::string_view& line) {
+  const size_t end = std::min(line.find(' '), line.size());
+  const std::string_view word = line.substr(0, end);
+  line.remove_prefix(std::min(end + 1, line.size()));
+  return word;
+}
+
+asio::ip::address parseAddress(std::string_view text, bool v6) {
+  asio::error_code error;
+  const asio::ip::address address = asio::ip::make_address(std::string(text), error);
+  if (error || address.is_v6() != v6) refuse("an address in it is none");
+  return address;
+}
+
+void checkPort(std::string_view text) {
+  uint16_t port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (error != std::errc() || end != text.data() + text.size()) refuse("a port in it is none");
+}
+
+/// @param line  without its line end.
+std::optional<asio::ip::address> parseTextLine(std::string_view line) {
+  line.remove_prefix(kTextStart.size());
+  const std::string_view family = nextWord(line);
+  if (family == "UNKNOWN") return {};
+  if (family != "TCP4" && family != "TCP6") refuse("its family is neither TCP4, TCP6 nor UNKNOWN");
+  const bool v6 = family == "TCP6";
+  const asio::ip::address client = parseAddress(nextWord(line), v6);
+  parseAddress(nextWord(line), v6);
+  checkPort(nextWord(line));
+  checkPort(nextWord(line));
+  if (!line.empty()) refuse("its line goes on after the ports");
+  return client;
+}
+
+std::optional<ProxyHeader> parseText(std::string_view text) {
+  const size_t end = text.substr(0, kMaxTextBytes).find("\r\n");
+  if (end == std::string_view::npos) {
+    if (text.size() >= kMaxTextBytes) refuse("its line does not end");
+    return {};
+  }
+  if (end < kTextStart.size()) refuse("its line is cut off");
+  return ProxyHeader{end + 2, parseTextLine(text.substr(0, end))};
+}
+
+/// Addresses of version 2, by family; unix sockets and what else may come have none for us.
+std::optional<asio::ip::address> binaryClient(uint8_t family, std::string_view addresses) {
+  constexpr uint8_t kTcp4 = 0x11, kTcp6 = 0x21;
+  const auto read = [&]<typename Bytes>(Bytes bytes, size_t both_and_ports) {
+    if (addresses.size() < both_and_ports) refuse("its addresses are cut off");
+    std::memcpy(bytes.data(), addresses.data(), bytes.size());
+    return bytes;
+  };
+  if (family == kTcp4) return asio::ip::address_v4(read(asio::ip::address_v4::bytes_type(), 12));
+  if (family == kTcp6) return asio::ip::address_v6(read(asio::ip::address_v6::bytes_type(), 36));
+  return {};
+}
+
+std::optional<ProxyHeader> parseBinary(std::string_view bytes) {
+  if (bytes.size() < kBinaryHeadBytes) return {};
+  const auto at = [bytes](size_t i) { return static_cast<uint8_t>(bytes[i]); };
+  const size_t length = size_t{at(14)} << 8 | at(15);
+  const uint8_t version_and_command = at(12);
+  if (version_and_command != 0x20 && version_and_command != 0x21) refuse("its version or command is unknown");
+  if (kBinaryHeadBytes + length > kMaxProxyHeaderBytes)
+    throw Error(ErrorCode::kLimit, "a PROXY header of " + std::to_string(kBinaryHeadBytes + length) +
+                                       " bytes; the limit is " + std::to_string(kMaxProxyHeaderBytes));
+  if (bytes.size() < kBinaryHeadBytes + length) return {};
+  ProxyHeader header{kBinaryHeadBytes + length, {}};
+  const bool local = version_and_command == 0x20;
+  if (!local) header.client = binaryClient(at(13), bytes.substr(kBinaryHeadBytes, length));
+  return header;
+}
+
+}  // namespace
+
+std::optional<ProxyHeader> parseProxyHeader(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (agrees(text, kBinaryStart)) return parseBinary(text);
+  if (agrees(text, kTextStart)) return parseText(text);
+  refuse("it begins with something else");
+}
+
+}  // namespace lode::serve

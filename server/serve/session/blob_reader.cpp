@@ -1,0 +1,214 @@
+#include "server/serve/session/blob_reader.h"
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <sys/uio.h>
+#include <sys/vfs.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "common/codec/blob.h"
+#include "common/error.h"
+
+namespace lode::serve {
+
+namespace {
+
+/// A blob up to this size is checked on the thread that serves, if it is in the page cache: some 50 µs.
+constexpr uint32_t kMaxCheckedHotBytes = 256u << 10;
+
+// A note on a blob: what is known of it (2 bits), the generation of the file that it is true of (14 bits) and
+// the second in which it was made (16 bits). Notes of another generation say nothing.
+constexpr uint32_t kGenerations = 1u << 14, kSeconds = 1u << 16;
+
+int64_t nowNs() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
+  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
+}
+
+uint32_t nowSecond() noexcept { return static_cast<uint32_t>(nowNs() / 1'000'000'000) % kSeconds; }
+
+struct stat statusOf(int descriptor) {
+  struct stat status {};
+  if (fstat(descriptor, &status) != 0)
+    throw Error(ErrorCode::kIo, std::string("a store cannot be examined: ") + std::strerror(errno));
+  return status;
+}
+
+/// File systems that are memory answer RWF_NOWAIT with an error, and never wait.
+int flagsForHot(int descriptor) noexcept {
+  struct statfs system {};
+  const bool in_memory =
+      fstatfs(descriptor, &system) == 0 && (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
+  return in_memory ? 0 : RWF_NOWAIT;
+}
+
+bool readWhole(int descriptor, uint64_t offset, std::span<std::byte> into, int flags) noexcept {
+  const iovec place{into.data(), into.size()};
+  return preadv2(descriptor, &place, 1, static_cast<off_t>(offset), flags) ==
+         static_cast<ssize_t>(into.size());
+}
+
+}  // namespace
+
+BlobReader::Look::Look(const struct stat& file) noexcept
+    : device(file.st_dev),
+      inode(file.st_ino),
+      bytes(static_cast<uint64_t>(file.st_size)),
+      changed_ns(file.st_ctim.tv_sec * 1'000'000'000 + file.st_ctim.tv_nsec),
+      modified_ns(file.st_mtim.tv_sec * 1'000'000'000 + file.st_mtim.tv_nsec) {}
+
+BlobReader::BlobReader(store::Reader reader, BlobReaderOptions options)
+    : reader_(std::move(reader)),
+      options_(std::move(options)),
+      hot_flags_(flagsForHot(reader_.fileDescriptor())),
+      notes_(std::make_unique<std::atomic<uint32_t>[]>(size_t{reader_.blobCount()} + 1)),
+      looked_ns_(nowNs()),
+      look_(statusOf(reader_.fileDescriptor())) {}
+
+bool BlobReader::isStill(const struct stat& file) const noexcept {
+  const std::lock_guard lock(look_mutex_);
+  return Look(file) == look_ && generation_.load(std::memory_order_relaxed) == 0;
+}
+
+BlobReader::Trust BlobReader::trustIn(uint32_t blob, uint32_t generation) const noexcept {
+  const uint32_t note = notes_[blob].load(std::memory_order_acquire);
+  if ((note >> 2) % kGenerations != generation % kGenerations) return Trust::kUnchecked;
+  const auto trust = static_cast<Trust>(note & 3);
+  const uint32_t age_s = (nowSecond() + kSeconds - (note >> 16)) % kSeconds;
+  const bool retry = trust == Trust::kDamaged && age_s >= options_.retry_damaged.count();
+  return retry ? Trust::kUnchecked : trust;
+}
+
+void BlobReader::note(uint32_t blob, uint32_t generation, Trust trust) const noexcept {
+  notes_[blob].store(nowSecond() << 16 | (generation % kGenerations) << 2 | static_cast<uint32_t>(trust),
+                     std::memory_order_release);
+}
+
+uint32_t BlobReader::lookAtFile() const noexcept {
+  const int64_t now = nowNs();
+  int64_t last = looked_ns_.load(std::memory_order_relaxed);
+  if (now - last >= options_.look_every.count() &&
+      looked_ns_.compare_exchange_strong(last, now, std::memory_order_relaxed))
+    lookNow();
+  return generation_.load(std::memory_order_acquire);
+}
+
+void BlobReader::lookNow() const noexcept {
+  struct stat status {};
+  if (fstat(reader_.fileDescriptor(), &status) != 0) return;
+  bool was_written = false;
+  {
+    const std::lock_guard lock(look_mutex_);
+    const Look now(status);
+    if (now == look_) return;
+    // That it was renamed or removed, as what it was replaced by does, changes its status alone.
+    was_written = now.bytes != look_.bytes || now.modified_ns != look_.modified_ns;
+    look_ = now;
+    generation_.fetch_add(1, std::memory_order_release);
+  }
+  if (!was_written) return;
+  try {
+    options_.report("the store of model '" + reader_.summary().name +
+                    "' was changed in place; its blobs are checked again. Rename new stores into place");
+  } catch (const std::exception&) {  // the operator's log is full or gone: serving goes on
+  }
+}
+
+ReadResult BlobReader::readHot(const BlobRange& range, std::span<std::byte> into) const noexcept {
+  const uint32_t generation = lookAtFile();
+  switch (trustIn(range.blob, generation)) {
+    case Trust::kUnchecked:
+      return checkHot(range, into, generation);
+    case Trust::kDamaged:
+      damaged_reads_.fetch_add(1, std::memory_order_relaxed);
+      return ReadResult::kDamaged;
+    case Trust::kGood:
+      break;
+  }
+  const uint64_t offset = reader_.blob(range.blob).offset + range.offset_bytes;
+  return readWhole(reader_.fileDescriptor(), offset, into.first(range.bytes), hot_flags_) ? ReadResult::kDone
+                                                                                          : ReadResult::kCold;
+}
+
+ReadResult BlobReader::checkHot(const BlobRange& range, std::span<std::byte> into,
+                                uint32_t generation) const noexcept {
+  const store::BlobEntry& entry = reader_.blob(range.blob);
+  if (entry.bytes > kMaxCheckedHotBytes) return ReadResult::kCold;
+  thread_local std::vector<std::byte> room;
+  const bool all = range.bytes == entry.bytes;
+  try {
+    if (!all) room.resize(entry.bytes);
+  } catch (const std::exception&) {
+    return ReadResult::kCold;
+  }
+  const std::span<std::byte> blob = all ? into.first(range.bytes) : std::span(room).first(entry.bytes);
+  if (!readWhole(reader_.fileDescriptor(), entry.offset, blob, hot_flags_)) return ReadResult::kCold;
+  if (checksum(blob) != entry.checksum) return bad(range, generation, "the checksum does not match");
+  note(range.blob, generation, Trust::kGood);
+  if (!all) std::memcpy(into.data(), blob.data() + range.offset_bytes, range.bytes);
+  return ReadResult::kDone;
+}
+
+ReadResult BlobReader::readCold(const BlobRange& range, std::span<std::byte> into) const noexcept {
+  const uint32_t generation = lookAtFile();
+  try {
+    if (trustIn(range.blob, generation) != Trust::kGood) {
+      const std::vector<std::byte> blob = reader_.readBlob(range.blob);
+      std::memcpy(into.data(), blob.data() + range.offset_bytes, range.bytes);
+      note(range.blob, generation, Trust::kGood);
+      return ReadResult::kDone;
+    }
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kIo) return failed(range, "the operating system cannot read it");
+    return bad(range, generation, "the checksum does not match, or the file ends in it");
+  } catch (const std::exception&) {
+    return failed(range, "there is no memory to check it");
+  }
+  const store::BlobEntry& entry = reader_.blob(range.blob);
+  const uint32_t end = range.offset_bytes + range.bytes;
+  if (end < entry.bytes)  // the rest will be asked for next
+    posix_fadvise(reader_.fileDescriptor(), static_cast<off_t>(entry.offset + end), entry.bytes - end,
+                  POSIX_FADV_WILLNEED);
+  uint32_t done = 0;
+  while (done < range.bytes) {
+    const ssize_t got = pread(reader_.fileDescriptor(), into.data() + done, range.bytes - done,
+                              static_cast<off_t>(entry.offset + range.offset_bytes + done));
+    if (got == 0) return bad(range, generation, "the file is shorter than it was");
+    if (got < 0 && errno != EINTR) return failed(range, std::strerror(errno));
+    if (got > 0) done += static_cast<uint32_t>(got);
+  }
+  return ReadResult::kDone;
+}
+
+ReadResult BlobReader::bad(const BlobRange& range, uint32_t generation, std::string_view why) const noexcept {
+  damaged_reads_.fetch_add(1, std::memory_order_relaxed);
+  const uint32_t before = notes_[range.blob].load(std::memory_order_acquire);
+  const bool known = static_cast<Trust>(before & 3) == Trust::kDamaged &&
+                     (before >> 2) % kGenerations == generation % kGenerations;
+  note(range.blob, generation, Trust::kDamaged);
+  if (!known) report(range, why);
+  return ReadResult::kDamaged;
+}
+
+ReadResult BlobReader::failed(const BlobRange& range, std::string_view why) const noexcept {
+  report(range, why);
+  return ReadResult::kFailed;
+}
+
+void BlobReader::report(const BlobRange& range, std::string_view why) const noexcept {
+  try {
+    options_.report("blob " + std::to_string(range.blob) + " of model '" + reader_.summary().name +
+                    "': " + std::string(why));
+  } catch (const std::exception&) {  // the operator's log is full or gone: serving goes on
+  }
+}
+
+}  // namespace lode::serve

@@ -1,0 +1,143 @@
+#include "server/serve/session/catalog.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "common/error.h"
+#include "common/limits.h"
+#include "proto/limits.h"
+#include "proto/messages.h"
+
+namespace lode::serve {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One place under two names, say through a link or "./", counts once.
+bool areTheSame(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return a == b || fs::equivalent(a, b, ignored);
+}
+
+/// Every store named, folders replaced by the stores in them.
+/// @param may_be_none  folders without a store are none the less folders.
+std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool may_be_none) {
+  std::vector<fs::path> files;
+  for (const fs::path& path : stores) {
+    std::error_code error;
+    if (!fs::is_directory(path, error)) {
+      files.push_back(path);
+      continue;
+    }
+    const size_t before = files.size();
+    for (fs::directory_iterator entry(path, error); !error && entry != fs::directory_iterator();
+         entry.increment(error))
+      if (entry->path().extension() == ".lode") files.push_back(entry->path());
+    if (error) throw Error(ErrorCode::kIo, "cannot list " + path.string() + ": " + error.message());
+    if (files.size() == before && !may_be_none)
+      throw Error(ErrorCode::kUsage,
+                  "there is no store (*.lode) in " + path.string() + "; make one with: lodestreamd build");
+  }
+  std::ranges::sort(files);
+  std::ranges::stable_sort(files, {}, [](const fs::path& file) { return file.stem().string(); });
+  files.erase(std::unique(files.begin(), files.end(),
+                          [](const fs::path& a, const fs::path& b) {
+                            return a.stem() == b.stem() && areTheSame(a, b);
+                          }),
+              files.end());
+  if (stores.empty())
+    throw Error(ErrorCode::kUsage, "no store to serve; name a .lode file or a folder of them");
+  for (size_t i = 1; i < files.size(); ++i)
+    if (files[i - 1].stem() == files[i].stem())
+      throw Error(ErrorCode::kUsage, "two stores make a model '" + files[i].stem().string() +
+                                         "': " + files[i - 1].string() + " and " + files[i].string() +
+                                         "; rename one");
+  if (files.size() > proto::kMaxListedModels)
+    throw Error(ErrorCode::kLimit, std::to_string(files.size()) + " stores are more than one server lists; " +
+                                       "the limit is " + std::to_string(proto::kMaxListedModels));
+  return files;
+}
+
+std::shared_ptr<const Model> openModel(const fs::path& file, const BlobReaderOptions& options) {
+  const std::string name = file.stem().string();
+  if (name.empty() || name.size() > kMaxModelNameBytes || !proto::isWireText(name))
+    throw Error(ErrorCode::kUsage, "the name of " + file.string() + " cannot name a model: use at most " +
+                                       std::to_string(kMaxModelNameBytes) + " bytes of printable UTF-8");
+  store::Reader reader(file);
+  auto model = std::make_shared<Model>();
+  model->summary = reader.summary();
+  model->summary.name = name;
+  const uint32_t blobs = reader.blobCount();
+  model->blob_bytes.resize(size_t{blobs} + 1);
+  for (uint32_t number = 1; number <= blobs; ++number) model->blob_bytes[number] = reader.blob(number).bytes;
+  if (const Node* root = reader.find(kRootKey); root != nullptr && !root->lods.empty())
+    model->coarsest_blob = root->lods.back().payload.number;
+  model->blobs = std::make_shared<const BlobReader>(std::move(reader), options);
+  return model;
+}
+
+/// A log names no folders.
+std::string withoutFolder(std::string message, const fs::path& file) {
+  const std::string path = file.string();
+  if (const size_t at = message.find(path); at != std::string::npos)
+    message.replace(at, path.size(), file.filename().string());
+  return message;
+}
+
+bool isUnchanged(const Model& model, const fs::path& file) {
+  struct stat now {};
+  return model.blobs && ::stat(file.c_str(), &now) == 0 && model.blobs->isStill(now);
+}
+
+}  // namespace
+
+Catalog::Catalog(std::vector<std::shared_ptr<const Model>> models) : models_(std::move(models)) {
+  std::ranges::sort(models_, {}, [](const auto& model) { return model->summary.name; });
+  proto::Models list;
+  for (const auto& model : models_) list.models.push_back(model->summary);
+  try {
+    proto::encode(list, 0);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kLimit) throw;
+    throw Error(ErrorCode::kLimit,
+                "the names of " + std::to_string(models_.size()) +
+                    " models do not fit into one answer; shorten them, or serve some of the "
+                    "stores elsewhere");
+  }
+}
+
+std::shared_ptr<const Model> Catalog::find(std::string_view name) const noexcept {
+  const auto found = std::ranges::lower_bound(
+      models_, name, {}, [](const auto& model) { return std::string_view(model->summary.name); });
+  return found != models_.end() && (*found)->summary.name == name ? *found : nullptr;
+}
+
+std::shared_ptr<const Catalog> openCatalog(std::span<const fs::path> stores,
+                                           const BlobReaderOptions& options) {
+  std::vector<std::shared_ptr<const Model>> models;
+  for (const fs::path& file : storeFiles(stores, false)) models.push_back(openModel(file, options));
+  return std::make_shared<const Catalog>(std::move(models));
+}
+
+std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<const fs::path> stores,
+                                             const BlobReaderOptions& options, size_t* refused) {
+  std::vector<std::shared_ptr<const Model>> models;
+  for (const fs::path& file : storeFiles(stores, true)) {
+    std::shared_ptr<const Model> model = before.find(file.stem().string());
+    if (!model || !isUnchanged(*model, file)) try {
+        model = openModel(file, options);
+      } catch (const Error& error) {
+        if (!model && std::ranges::find(stores, file) != stores.end()) throw;  // a folder that is gone, say
+        options.report("the store of model '" + file.stem().string() + "' cannot be opened" +
+                       (model ? "; what was served before stays" : "; it is not offered") + ": " +
+                       withoutFolder(error.what(), file));
+        if (refused != nullptr) ++*refused;
+      }
+    if (model) models.push_back(std::move(model));
+  }
+  return std::make_shared<const Catalog>(std::move(models));
+}
+
+}  // namespace lode::serve
