@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 #define LODESTREAM_VERSION_MAJOR 0
-#define LODESTREAM_VERSION_MINOR 1
+#define LODESTREAM_VERSION_MINOR 5
 #define LODESTREAM_VERSION_PATCH 0
 
 typedef struct lodestream_stream lodestream_stream;

@@ -29,6 +29,12 @@ for show in unlit wireframe normals nodes lods errors; do
   picture "terrain_$show" terrain 640x360 --show "$show" --pixels "$pixels"
 done
 
+# A real scan, from the test data (Stanford Computer Graphics Laboratory).
+if [[ -n "${LODESTREAM_TEST_DATA:-}" ]]; then
+  "$bin/lodestreamd" build "$LODESTREAM_TEST_DATA/a_armadillo86k_le.ply" -o "$work/armadillo.lode" --quiet
+  picture armadillo armadillo 800x450
+fi
+
 "$bin/lodestreamd" sample scene --triangles 100000 -o "$work/scene" >/dev/null
 printf '{"keys":[{"t":0,"eye":[-3,-5,3.6],"target":[11,10,0],"up":[0,0,1]}]}' >"$work/scene_camera.json"
 XDG_CACHE_HOME="$work/cache" "$bin/lodestream" render "$work/scene/scene.json" --camera "$work/scene_camera.json" \
