@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""What the appearance error asks for: triangles of a cut by error, with it and without, on the procedural
-sample and on a painted flat wall.
+"""Cost of the appearance error: bench_appearance.py LODESTREAMD [--triangles N]
 
-usage: bench_appearance.py LODESTREAMD [--triangles N]
+Prints triangles of cuts by error with the appearance error ÷ without, on the sample asteroid and on a painted flat wall.
 """
 
 import argparse
@@ -12,6 +11,8 @@ import pathlib
 import struct
 import subprocess
 import tempfile
+
+from rows import print_row
 
 ERRORS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
 WALL_SIDE = 400
@@ -70,16 +71,14 @@ def triangles_of_cut(nodes, error_of, allowed):
 def report(name, nodes):
     box = nodes[1][0]["box"]
     diagonal = math.dist(box["min"], box["max"])
-    ratios = []
+    ratios = {}
     for error in ERRORS:
         geometry = triangles_of_cut(nodes, lambda lod: lod["error"], error * diagonal)
         both = triangles_of_cut(
             nodes, lambda lod: max(lod["error"], lod["appearance_error"]), error * diagonal
         )
-        ratios.append(both / geometry)
-        print(f"{name:14} {error:.0e} of the diagonal: {geometry:8} triangles by geometry alone, "
-              f"{both:8} with appearance, {ratios[-1]:.2f} times")
-    print(f"{name:14} geometric mean {math.prod(ratios) ** (1 / len(ratios)):.2f}")
+        ratios[f"{error:.0e}"] = both / geometry
+    print_row(model=name, **ratios, geometric_mean=math.prod(ratios.values()) ** (1 / len(ratios)))
 
 
 def main():

@@ -16,6 +16,7 @@
 #include "client/stream/streamer.h"
 #include "common/error.h"
 #include "server/serve/server.h"
+#include "tests/bench/print_row.h"
 #include "tests/support/background_watch.h"
 #include "tests/support/work_folder.h"
 
@@ -27,8 +28,8 @@ namespace fs = std::filesystem;
 constexpr uint32_t kWidthPx = 640, kHeightPx = 360;
 constexpr auto kPatience = std::chrono::seconds(60);
 constexpr double kFrameS = 1 / 60.0;
-constexpr int kBuildsTakeTurnsAfter = 10;      // cameras
-constexpr uint32_t kUploadBytes = 256u << 10;  // of one frame
+constexpr int kBuildsTakeTurnsAfter = 10;      // number of cameras
+constexpr uint32_t kUploadBytes = 256u << 10;  // per frame
 
 class Models {
  public:
@@ -78,14 +79,15 @@ core::View randomView(const ModelSummary& model, std::mt19937& random) {
 }
 
 void print(const char* what, const test::BackgroundWatch::Counter& counts) {
-  std::printf(
-      "| %s | %llu | %llu | %llu | %llu | %llu |\n", what, static_cast<unsigned long long>(counts.frames),
-      static_cast<unsigned long long>(counts.fading_frames),
-      static_cast<unsigned long long>(counts.mixed_frames), static_cast<unsigned long long>(counts.inside),
-      static_cast<unsigned long long>(counts.background));
+  printRow({{"what", what},
+            {"pictures", counts.frames},
+            {"fading", counts.fading_frames},
+            {"mixed", counts.mixed_frames},
+            {"pixels_inside", counts.inside},
+            {"background", counts.background}});
 }
 
-/// A picture of one pixel, inside what full resolution and it both cover.
+/// Counts background of one-pixel pictures within the outline of full resolution.
 void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cameras) {
   test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx);
   std::mt19937 random(1);
@@ -110,10 +112,10 @@ void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cam
       }
     }
   }
-  print("cuts of one pixel without fades, two pixels within the outline of full resolution", counts);
+  print("cuts of one pixel without fades", counts);
 }
 
-/// Every frame of a stream whose cameras jump, and sharpen from four pixels to one, region by region.
+/// Counts background in every frame of a stream whose cameras jump and refine from four pixels to one.
 void countFading(Models& models, stream::Streamer& streamer, const ModelSummary& model, int cameras) {
   test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx, kUploadBytes);
   std::mt19937 random(2);
@@ -135,7 +137,7 @@ void countFading(Models& models, stream::Streamer& streamer, const ModelSummary&
     }
   }
   print("frames of a stream", watch.counts());
-  std::printf("\n%d builds shown in turn\n", builds);
+  printRow({{"what", "builds shown in turn"}, {"count", builds}});
 }
 
 void run(int argc, char** argv) {
@@ -146,10 +148,6 @@ void run(int argc, char** argv) {
   Models models(argv[1], argv[2]);
   stream::Streamer streamer(models.served(), {});
   const ModelSummary model = streamer.waitForModel(kPatience);
-  std::printf(
-      "%d random cameras, %u x %u\n\n| | pictures | with a fade | of a mixture | pixels inside "
-      "| of them background |\n| --- | --- | --- | --- | --- | --- |\n",
-      cameras, kWidthPx, kHeightPx);
   countSettled(streamer, model, cameras);
   countFading(models, streamer, model, cameras);
 }

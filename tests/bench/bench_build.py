@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """Build speed, stage by stage: bench_build.py BIN_DIR [MODEL.ply ...] [--triangles N] [--runs R] [--threads T ...] [--beside BIN_DIR]
 
-Without a model it makes the samples asteroid, gyroid and terrain, of N triangles each. Prints, for each number of threads,
-a table of medians over R runs: million triangles a CPU second, of the whole and of each stage, wall seconds, peak memory, and
-what is stored for an input triangle. With the programs of another state beside, both build by turns, and a column more says
-how much of the other's CPU time this state takes.
+Without a model it makes the samples asteroid, gyroid and terrain, of N triangles each. Prints a row for each model and number of
+threads, medians over R runs: million triangles a CPU second in all and by stage, wall seconds, peak memory, and stored triangles
+and bytes an input triangle. With --beside both programs build in turns; `cpu_ratio` is this one's CPU time ÷ the other's.
 """
 import argparse
 import json
@@ -12,6 +11,8 @@ import pathlib
 import statistics
 import subprocess
 import tempfile
+
+from rows import print_row
 
 STAGES = ("scan", "dereference", "partition", "simplify", "pack")
 
@@ -31,13 +32,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         models = options.models or [sample(daemon, kind, options, folder) for kind in options.samples]
         for threads in options.threads:
-            print(f"| {threads} thread{'s' if threads > 1 else ''} | million triangles a CPU second: all | " + " | ".join(STAGES) +
-                  " | wall | peak memory | stored triangles, bytes an input triangle |" +
-                  (" CPU time beside |" if options.beside else "") +
-                  "\n" + "|" + " --- |" * (len(STAGES) + 5 + bool(options.beside)))
             for model in models:
                 report(options, model, threads, folder)
-            print()
 
 
 def sample(daemon, kind, options, folder):
@@ -65,11 +61,14 @@ def report(options, model, threads, folder):
     def median(value):
         return statistics.median(value(result) for result in results)
 
-    stages = [median(lambda result: result["stages"][index]["cpu_seconds"]) for index in range(len(STAGES))]
-    speeds = " | ".join(f"{triangles / cpu / 1e6:.2f}" for cpu in [median(lambda result: result["cpu_seconds"]), *stages])
-    print(f"| {model.stem}, {triangles} | {speeds} | {median(lambda result: result['seconds']):.1f} s | "
-          f"{median(lambda result: result['peak_rss_bytes']) / 1e6:.0f} MB | {results[0]['stored_triangles'] / triangles:.2f}, "
-          f"{results[0]['bytes'] / triangles:.2f} |" + (f" {statistics.median(ratios):.2f} |" if ratios else ""), flush=True)
+    def speed(cpu_seconds):
+        return triangles / cpu_seconds / 1e6
+
+    print_row(model=model.stem, on=f"{threads} threads", all=speed(median(lambda result: result["cpu_seconds"])),
+              **{stage: speed(median(lambda result: result["stages"][index]["cpu_seconds"])) for index, stage in enumerate(STAGES)},
+              wall_s=median(lambda result: result["seconds"]), peak_mb=median(lambda result: result["peak_rss_bytes"]) / 1e6,
+              stored_triangles=results[0]["stored_triangles"] / triangles, stored_bytes=results[0]["bytes"] / triangles,
+              **({"cpu_ratio": statistics.median(ratios)} if ratios else {}))
 
 
 if __name__ == "__main__":

@@ -1,17 +1,10 @@
-// Speed and quality of collapse() and cluster() beside meshoptimizer's simplifier.
-//   bench_collapse [bunny.ply]      (an ascii file with x y z first; else
-//   $LODESTREAM_TEST_DATA/a_bunny_zipper_ascii.ply)
+// Speed of collapse() and cluster() beside meshoptimizer's simplifier, on a sphere reduced to a quarter.
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <ctime>
-#include <fstream>
 #include <limits>
 #include <numbers>
-#include <sstream>
-#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -21,7 +14,7 @@
 #include "common/codec/octahedral.h"
 #include "server/ingest/simplify/cluster.h"
 #include "server/ingest/simplify/collapse.h"
-#include "tests/support/surface_distance.h"
+#include "tests/bench/print_row.h"
 
 namespace {
 
@@ -44,31 +37,6 @@ struct IndexedMesh {
   std::vector<glm::dvec3> points;
   std::vector<glm::u32vec3> triangles;
 };
-
-IndexedMesh readAscii(const std::string& path) {
-  IndexedMesh mesh;
-  std::ifstream file(path);
-  std::string line, word;
-  size_t vertices = 0, faces = 0;
-  while (std::getline(file, line) && line.rfind("end_header", 0) != 0) {
-    std::istringstream words(line);
-    words >> word;
-    if (word != "element") continue;
-    words >> word;
-    words >> (word == "vertex" ? vertices : faces);
-  }
-  mesh.points.resize(vertices);
-  for (glm::dvec3& p : mesh.points) {
-    std::getline(file, line);
-    std::istringstream(line) >> p.x >> p.y >> p.z;
-  }
-  mesh.triangles.resize(faces);
-  for (glm::u32vec3& t : mesh.triangles) {
-    std::getline(file, line);
-    std::istringstream(line) >> word >> t.x >> t.y >> t.z;
-  }
-  return mesh;
-}
 
 /// A bumpy sphere of 12 * n * n triangles.
 IndexedMesh bumpySphere(uint32_t n) {
@@ -156,15 +124,6 @@ void addAttributes(NodeMesh& mesh, uint8_t bits) {
   }
 }
 
-lode::test::TriangleSoup soupOf(const NodeMesh& mesh, const lode::Lattice& lattice) {
-  lode::test::TriangleSoup soup;
-  const auto corner = [&](uint32_t wedge) {
-    return lattice.toWorld(lode::unpackPosition(mesh.positions[mesh.wedge_position[wedge]]));
-  };
-  for (const glm::u32vec3 t : mesh.triangles) soup.push_back({corner(t.x), corner(t.y), corner(t.z)});
-  return soup;
-}
-
 struct Flat {
   std::vector<float> points;
   std::vector<unsigned> indices;
@@ -186,7 +145,7 @@ std::vector<unsigned> meshoptSimplify(const Flat& flat, size_t triangles) {
   return result;
 }
 
-/// Medians of interleaved runs: a machine that others share changes its speed from one second to the next.
+/// Measures medians of interleaved runs, since a shared machine changes its speed within seconds.
 void speed(uint32_t n) {
   constexpr int kRuns = 15;
   using lode::AttributeSet;
@@ -213,70 +172,21 @@ void speed(uint32_t n) {
     time(3, lode::ingest::cluster, painted);
     time(4, [&](auto&&...) { meshoptSimplify(flat, target[0]); }, {});
   }
-  std::printf(
-      "a sphere of %zu triangles to a quarter:\n\n"
-      "| | million triangles a CPU second | of meshoptimizer 0.18, geometry |\n| --- | --- | --- |\n",
-      triangles);
   const double theirs = median(rates[4]);
   constexpr std::array<const char*, 5> kNames{"collapse, geometry", "collapse, normals and colour",
                                               "cluster, geometry", "cluster, normals and colour",
                                               "meshoptimizer, geometry"};
   for (size_t i = 0; i < rates.size(); ++i)
-    std::printf("| %s | %.2f | %.2f |\n", kNames[i], median(rates[i]), median(rates[i]) / theirs);
-  std::printf("\n");
-}
-
-void quality(const std::string& path) {
-  const IndexedMesh input = readAscii(path);
-  if (input.triangles.empty()) {
-    std::printf("no triangles in %s\n", path.c_str());
-    return;
-  }
-  lode::Lattice lattice;
-  glm::uvec3 max_position;
-  const NodeMesh mesh = snap(input, lattice, max_position);
-  lode::test::TriangleSoup original;
-  for (const glm::u32vec3 t : input.triangles)
-    original.push_back({input.points[t.x], input.points[t.y], input.points[t.z]});
-  const double diagonal = lode::test::boxDiagonal(original);
-  const std::array<size_t, 5> targets{34725, 18799, 6000, 1822, 642};
-  const Flat flat = flatten(input);
-  std::printf("bunny, lattice step %.2e of the diagonal\n", lattice.step / diagonal);
-  std::printf("bunny, two-sided rms / max of the box diagonal (both, forward, backward rms):\n");
-  const auto show = [&](const char* name, const lode::test::TriangleSoup& soup) {
-    const auto d = lode::test::surfaceDistance(original, soup, 400000);
-    std::printf("  %-14s %6zu triangles  %.3e / %.2e   (%.3e %.3e)\n", name, soup.size(),
-                d.both.rms / diagonal, d.both.max / diagonal, d.forward.rms / diagonal,
-                d.backward.rms / diagonal);
-  };
-  lode::ingest::cluster(mesh, targets, {0, max_position}, [&](size_t, SimplifiedMesh&& snapshot) {
-    show("cluster", soupOf(snapshot.mesh, lattice));
-  });
-  lode::ingest::collapse(mesh, targets, {0, max_position}, [&](size_t target, SimplifiedMesh&& snapshot) {
-    if (target == 0) show("lattice alone", soupOf(mesh, lattice));
-    show("collapse", soupOf(snapshot.mesh, lattice));
-    const std::vector<unsigned> indices = meshoptSimplify(flat, targets[target]);
-    lode::test::TriangleSoup theirs;
-    for (size_t i = 0; i < indices.size(); i += 3)
-      theirs.push_back(
-          {input.points[indices[i]], input.points[indices[i + 1]], input.points[indices[i + 2]]});
-    show("meshoptimizer", theirs);
-  });
+    lode::bench::printRow({{"simplifier", kNames[i]},
+                           {"million_triangles_a_cpu_s", median(rates[i])},
+                           {"of_meshoptimizer", median(rates[i]) / theirs}});
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main() {
   // As in a build, whose larger blocks have raised glibc's thresholds by then: freed memory is kept.
   mallopt(M_TRIM_THRESHOLD, 64 << 20);
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   speed(73);
-  const char* folder = std::getenv("LODESTREAM_TEST_DATA");
-  if (argc > 1) {
-    quality(argv[1]);
-  } else if (folder) {
-    quality(std::string(folder) + "/a_bunny_zipper_ascii.ply");
-  } else {
-    std::printf("set LODESTREAM_TEST_DATA for the bunny\n");
-  }
 }

@@ -2,10 +2,10 @@
 """Stored errors beside found ones: bench_errors.py BIN_DIR [MODEL.ply ...] [--nodes N ...] [--seeds N ...] [--quick]
 
 Builds each model, ten samples and four soups of loose pieces at sizes of nodes from 256 to 16384 triangles, and lets
-`verify --against --lods all` measure every LOD with each seed. Prints for each store how many LODs there are, the least
-and the median ratio of stored to found error over the seeds (the worst of the least, the largest of the medians), how
-many LODs are below 1, and CPU seconds of the verification a million triangles; then the same over all stores. Exits
-with 1 if a store was not sound. Files that are no mesh that can be built are named and left out.
+`verify --against --lods all` measure every LOD with each seed. Prints a row for each store: its LODs, the least and the median
+ratio of stored to found error over the seeds (the worst of the least, the largest of the medians), the LODs below 1, and CPU
+seconds of the verification a million triangles; then a row over all stores. Exits with 1 if a store is not sound. Files that cannot
+be built are named on stderr.
 """
 import argparse
 import json
@@ -17,6 +17,8 @@ import statistics
 import subprocess
 import sys
 import tempfile
+
+from rows import print_row
 
 SAMPLES = [  # triangles, seed, attributes, triangles a node
     (300_000, 4242, "normal", 16384), (300_000, 31337, "", 4096), (250_000, 99, "uv", 16384), (200_000, 7, "color", 1024),
@@ -34,7 +36,6 @@ def main():
     parser.add_argument("--quick", action="store_true", help="the first four samples and two soups alone")
     options = parser.parse_args()
     bench = Bench(str(options.bin_dir / "lodestreamd"), options.seeds)
-    print("| model | a node | LODs | least | median | below 1 | CPU s a million |\n| --- | --- | --- | --- | --- | --- | --- |")
     for model in options.models:
         for nodes in options.nodes:
             bench.measure(model.stem, model, nodes)
@@ -44,7 +45,7 @@ def main():
             command = [bench.daemon, "sample", "asteroid", "--triangles", str(triangles), "--seed", str(seed), "-o", str(made)]
             subprocess.run(command + (["--attributes", attributes] if attributes else []), check=True,
                            stdout=subprocess.DEVNULL)
-            bench.measure(f"`sample`, {triangles}, seed {seed}{', ' + attributes if attributes else ''}", made, nodes)
+            bench.measure(f"sample, {triangles}, seed {seed}{', ' + attributes if attributes else ''}", made, nodes)
         for pieces, seed, nodes in SOUPS[:2] if options.quick else SOUPS:
             write_soup(made, pieces, seed)
             bench.measure(f"soup of {pieces} pieces, seed {seed}", made, nodes)
@@ -63,7 +64,7 @@ class Bench:
             built = subprocess.run([self.daemon, "build", str(model), "-o", store, "--triangles-per-node", str(nodes), "--skip-bad",
                                     "--json", "--quiet"], capture_output=True, text=True)
             if built.returncode != 0:
-                print(f"| {name} | {nodes} | not built: {built.stderr.strip().splitlines()[-1]} |", flush=True)
+                print(f"{name}: not built: {built.stderr.strip().splitlines()[-1]}", file=sys.stderr)
                 return
             triangles = json.loads(built.stdout)["triangles"]
             before = cpu_seconds()
@@ -72,7 +73,7 @@ class Bench:
         faults = [report["fault"] for report in reports if not report["sound"]]
         if faults:
             self.unsound += 1
-            print(f"| {name} | {nodes} | NOT SOUND: {faults[0]} |", flush=True)
+            print(f"{name}, {nodes} a node: not sound: {faults[0]}", file=sys.stderr)
             return
         found = [report["against"] for report in reports]
         if found[0]["lods_sampled"] == 0:
@@ -80,8 +81,8 @@ class Bench:
         row = (found[0]["lods_sampled"], min(f["least_ratio"] for f in found), max(f["median_ratio"] for f in found),
                max(f["lods_below"] for f in found))
         self.rows.append(row)
-        print(f"| {name} | {nodes} | {row[0]} | {row[1]:.2f} | {row[2]:.2f} | {row[3]} | {cpu / triangles * 1e6:.1f} |",
-              flush=True)
+        print_row(model=name, nodes=f"{nodes} a node", lods=row[0], least=row[1], median=row[2], below=row[3],
+                  cpu_s_a_million=cpu / triangles * 1e6)
 
     def verify(self, store, model, seed):
         done = subprocess.run([self.daemon, "verify", store, "--against", str(model), "--lods", "all", "--seed", str(seed),
@@ -91,9 +92,8 @@ class Bench:
     def summarize(self):
         if not self.rows:
             return
-        print(f"\n{len(self.rows)} stores, {sum(row[0] for row in self.rows)} LODs: least {min(row[1] for row in self.rows):.2f}, "
-              f"median of the medians {statistics.median(row[2] for row in self.rows):.2f}, "
-              f"{sum(row[3] for row in self.rows)} LODs below 1; {self.unsound} stores not sound")
+        print_row(model="all", stores=len(self.rows), lods=sum(row[0] for row in self.rows), least=min(row[1] for row in self.rows),
+                  median=statistics.median(row[2] for row in self.rows), below=sum(row[3] for row in self.rows), unsound=self.unsound)
 
 
 def cpu_seconds():

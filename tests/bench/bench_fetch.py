@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the first picture of a store takes over loopback: bench_fetch.py BIN_DIR STORE [--runs R]
+"""First picture of a store over loopback: bench_fetch.py BIN_DIR STORE [--runs R]
 
 `lodestream fetch` starts its own server and ends when the first camera's cut is within a pixel. Medians over R runs.
 """
@@ -8,6 +8,8 @@ import json
 import pathlib
 import statistics
 import subprocess
+
+from rows import print_row
 
 
 def main():
@@ -19,9 +21,8 @@ def main():
     command = [options.bin_dir / "lodestream", "fetch", options.store, "--cache", "off", "--json"]
     runs = [json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout) for _ in range(options.runs)]
     median = lambda what: statistics.median(run[what] for run in runs)
-    print("| model | first image | converged | received | of the cut's own bytes | triangles drawn |\n| --- | --- | --- | --- | --- | --- |")
-    print(f"| {options.store.stem} | {median('first_image_ms'):.1f} ms | {median('converged_ms'):.0f} ms | {median('bytes_received'):.0f} bytes | "
-          f"{median('bytes_received') / median('final_cut_bytes'):.2f} | {median('triangles'):.0f} |")
+    print_row(model=options.store.stem, first_image_ms=median("first_image_ms"), converged_ms=median("converged_ms"),
+              bytes_received=median("bytes_received"), of_cut=median("bytes_received") / median("final_cut_bytes"), triangles=median("triangles"))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-// How far simplified surfaces are from their originals. docs/benchmarks.md says what each part has shown.
+// Measures distances of simplified surfaces from their originals, and differences of pictures.
 
 #include <cstdio>
 #include <cstdlib>
@@ -12,25 +12,16 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: bench_fidelity ORIGINAL.ply CUT.ply...                two-sided distances\n"
-    "       bench_fidelity --paper BUNNY.ply                      the paper's operator\n"
-    "       bench_fidelity --equal-error ORIGINAL.ply CUT.ply...  triangles beside meshoptimizer's\n"
-    "       bench_fidelity --attributes MODEL.ply...              what attributes lose\n"
-    "       bench_fidelity --forms MODEL.ply...                   forms of attribute quadrics\n"
+    "       bench_fidelity --equal-error ORIGINAL.ply CUT.ply...  triangles at equal error\n"
     "       bench_fidelity --pictures FULL.png OTHER.png...       pairs of pictures\n"
     "       bench_fidelity --pictures-halved N FULL.png OTHER.png...  of so many times halved ones\n";
 
-/// @return false if the arguments are none of the usage's.
+/// @return false if the arguments do not match the usage.
 bool runPart(std::span<char* const> arguments) {
   if (arguments.size() < 2) return false;
   const std::string_view part = arguments[0];
-  if (part == "--paper" && arguments.size() == 2) {
-    lode::bench::comparePaper(arguments[1]);
-  } else if (part == "--equal-error" && arguments.size() > 2) {
+  if (part == "--equal-error" && arguments.size() > 2) {
     lode::bench::compareAtEqualError(arguments[1], arguments.subspan(2));
-  } else if (part == "--attributes") {
-    lode::bench::compareAttributes(arguments.subspan(1));
-  } else if (part == "--forms") {
-    lode::bench::compareForms(arguments.subspan(1));
   } else if (part == "--pictures" && arguments.size() % 2 == 1) {
     lode::bench::comparePictures(arguments.subspan(1), 0);
   } else if (part == "--pictures-halved" && arguments.size() % 2 == 0) {

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""How good doctor's forecasts are: bench_forecast.py BIN_DIR [MODEL.ply ...] [--triangles N]
+"""Accuracy of doctor's forecasts: bench_forecast.py BIN_DIR [MODEL.ply ...] [--triangles N]
 
 Without a model it takes every PLY of the folder LODESTREAM_TEST_DATA that can be built, and the samples asteroid,
-gyroid and terrain of N triangles. Prints a table of forecast ÷ actual of CPU seconds, memory and the store: a row a
-sample or model, and one for all files of the folder.
+gyroid and terrain of N triangles. Prints a row for each, forecast ÷ actual of CPU seconds, memory and the store.
 """
 import argparse
 import json
@@ -11,6 +10,8 @@ import os
 import pathlib
 import subprocess
 import tempfile
+
+from rows import print_row
 
 
 def main():
@@ -20,15 +21,16 @@ def main():
     parser.add_argument("--triangles", type=int, default=2_000_000)
     options = parser.parse_args()
     daemon = str(options.bin_dir / "lodestreamd")
-    print("| model | CPU seconds | peak memory | store |\n| --- | --- | --- | --- |")
     with tempfile.TemporaryDirectory() as folder:
         if options.models:
             for model in options.models:
-                print_row(model.stem, [forecast(daemon, model, folder)])
+                print_forecast(model.stem, daemon, model, folder)
             return
-        print_row("files of the test data", [forecast(daemon, scan, folder) for scan in scans()])
+        for scan in scans():
+            print_forecast(scan.stem, daemon, scan, folder)
         for kind in ("asteroid", "gyroid", "terrain"):
-            print_row(f"{kind}, {options.triangles}, normals and colour", [forecast(daemon, sample(daemon, kind, options.triangles, folder), folder)])
+            model = sample(daemon, kind, options.triangles, folder)
+            print_forecast(f"{kind}, {options.triangles}, normals and colour", daemon, model, folder)
 
 
 def scans():
@@ -43,16 +45,14 @@ def sample(daemon, kind, triangles, folder):
     return path
 
 
-def print_row(name, ratios):
-    """Of several the least and the largest; those that could not be built are left out."""
-    columns = list(zip(*filter(None, ratios)))
-    if columns:
-        spans = (f"{min(column):.2f}" + (f" to {max(column):.2f}" if len(column) > 1 else "") for column in columns)
-        print(f"| {name} | " + " | ".join(spans) + " |", flush=True)
+def print_forecast(name, daemon, model, folder):
+    """Prints nothing of a model that cannot be built."""
+    if ratios := forecast(daemon, model, folder):
+        print_row(model=name, **dict(zip(("cpu_seconds", "peak_memory", "store"), ratios)))
 
 
 def forecast(daemon, model, folder):
-    """Ratios to what the build took; None if there is none."""
+    """Forecast ÷ actual; None if the model cannot be built."""
     doctor = subprocess.run([daemon, "doctor", str(model), "--json"], capture_output=True, check=False)
     foretold = json.loads(doctor.stdout).get("forecast") if doctor.returncode == 0 else None
     built = subprocess.run([daemon, "build", str(model), "-o", f"{folder}/store.lode", "--json", "--quiet"],

@@ -1,11 +1,10 @@
-// What a frame takes on this machine: bench_frames STORE... prints a line for each store and distance.
-// Converged cuts of one pixel are drawn off-screen as the window draws them, from a camera that turns a
-// little from frame to frame; and what ambient occlusion adds.
+// Measures frame times: bench_frames STORE... prints a row for each store and distance. Converged cuts of one
+// pixel are drawn off-screen as the window draws them, with and without ambient occlusion, from a camera that
+// turns a little between frames.
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <string>
@@ -19,6 +18,7 @@
 #include "client/render/renderer.h"
 #include "server/store/reader.h"
 #include "tests/bench/converged.h"
+#include "tests/bench/print_row.h"
 #include "tests/bench/surface_cameras.h"
 
 namespace lode::bench {
@@ -35,14 +35,14 @@ double medianOf(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Frames of one way to draw.
+/// Frames drawn in one way.
 struct Frames {
   std::vector<double> cpu_ms, ms;
-  uint64_t triangles = 0;  ///< of the last
+  uint64_t triangles = 0;  ///< of the last frame
   render::Image image;
 };
 
-/// @param occlusion  null: none.
+/// @param occlusion  null for none.
 void draw(Frames& frames, render::HiddenParts hidden_parts, render::AmbientOcclusion* occlusion,
           const core::View& view, render::Renderer& renderer, const render::Framebuffer& target) {
   using Clock = std::chrono::steady_clock;
@@ -57,7 +57,7 @@ void draw(Frames& frames, render::HiddenParts hidden_parts, render::AmbientOcclu
   frames.image = target.readPixels();
 }
 
-/// By turns all that is in the picture, without what is hidden there, and that with ambient occlusion.
+/// Draws in turns everything in the picture, without hidden clusters, and that with ambient occlusion.
 void measure(const std::string& name, const core::Cut& cut, render::Renderer& renderer,
              const render::Framebuffer& target) {
   using enum render::HiddenParts;
@@ -72,12 +72,17 @@ void measure(const std::string& name, const core::Cut& cut, render::Renderer& re
     for (size_t i = 0; i < all.image.rgba.size(); i += 4)
       differing += !std::equal(&all.image.rgba[i], &all.image.rgba[i] + 4, &seen.image.rgba[i]);
   }
-  std::printf("| %s | %llu | %llu | %llu | %.0f | %.0f | %.0f | %.0f | %.0f | %.0f | %zu |\n", name.c_str(),
-              static_cast<unsigned long long>(cut.triangles), static_cast<unsigned long long>(all.triangles),
-              static_cast<unsigned long long>(seen.triangles), medianOf(all.cpu_ms), medianOf(seen.cpu_ms),
-              medianOf(darkened.cpu_ms), medianOf(all.ms), medianOf(seen.ms), medianOf(darkened.ms),
-              differing);
-  std::fflush(stdout);
+  printRow({{"view", name},
+            {"triangles_of_cut", cut.triangles},
+            {"in_picture", all.triangles},
+            {"not_hidden", seen.triangles},
+            {"all_cpu_ms", medianOf(all.cpu_ms)},
+            {"not_hidden_cpu_ms", medianOf(seen.cpu_ms)},
+            {"occlusion_cpu_ms", medianOf(darkened.cpu_ms)},
+            {"all_ms", medianOf(all.ms)},
+            {"not_hidden_ms", medianOf(seen.ms)},
+            {"occlusion_ms", medianOf(darkened.ms)},
+            {"differing_pixels", differing}});
 }
 
 void measure(const std::string& file) {
@@ -92,7 +97,7 @@ void measure(const std::string& file) {
     const auto cut = client.cut(view, 1);
     renderer.show(cut);
     renderer.uploadInRenderThread({.wait = true});
-    measure(std::filesystem::path(file).stem().string() + " | " + distance, *cut, renderer, target);
+    measure(std::filesystem::path(file).stem().string() + ", " + distance, *cut, renderer, target);
   };
   show("framed", core::toView(framing.keys.front(), framing.fov_y_deg, kWidthPx, kHeightPx, store.summary()));
   show("near", cameras.next(0.12));
@@ -104,9 +109,5 @@ void measure(const std::string& file) {
 
 int main(int argc, char** argv) {
   const lode::render::OffscreenContext context;
-  std::puts(
-      "| model | from | triangles of the cut | in the picture | not hidden | CPU ms a frame | not hidden "
-      "| with ambient occlusion | ms | not hidden | with ambient occlusion | pixels that differ, of all "
-      "frames |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
   for (int i = 1; i < argc; ++i) lode::bench::measure(argv[i]);
 }

@@ -1,6 +1,6 @@
-// What it gains to have a graphics card find what is hidden: bench_gpu STORE... prints a line for each store,
-// distance, threshold and way to draw. Converged cuts are drawn off-screen as the window draws them, from a
-// camera that turns a little from frame to frame.
+// Measures culling on a graphics card: bench_gpu STORE... prints a row for each store, distance, threshold
+// and way to draw. Converged cuts are drawn off-screen as the window draws them, from a camera that turns a
+// little between frames.
 
 #include <algorithm>
 #include <array>
@@ -19,6 +19,7 @@
 #include "client/render/renderer.h"
 #include "server/store/reader.h"
 #include "tests/bench/converged.h"
+#include "tests/bench/print_row.h"
 #include "tests/bench/surface_cameras.h"
 
 namespace lode::bench {
@@ -28,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 using render::HiddenParts;
 
 constexpr uint32_t kWidthPx = 1280, kHeightPx = 720;
-constexpr std::array kThresholdsPx{1.0f, 0.0f};  // 0: all there is
+constexpr std::array kThresholdsPx{1.0f, 0.0f};  // 0: all leaves
 constexpr int kFrames = 30;
 constexpr double kTurnRad = 2e-3;  // between frames
 
@@ -86,13 +87,15 @@ void measure(const std::string& name, const core::Cut& cut, render::Renderer& re
   const auto tell = [&](const char* way, HiddenParts hidden_parts, render::AmbientOcclusion* darkens) {
     Frames frames = draw(hidden_parts, cut.view, renderer, target, darkens);
     if (all.empty()) all = frames.images;
-    const std::string differing =
-        darkens == nullptr ? std::to_string(differingPixels(all, frames.images)) : "–";
-    std::printf("| %s | %llu | %s | %llu | %.2f | %.2f | %.2f | %s |\n", name.c_str(),
-                static_cast<unsigned long long>(cut.triangles), way,
-                static_cast<unsigned long long>(frames.triangles), medianOf(frames.thread_ms),
-                medianOf(frames.gpu_ms), medianOf(frames.ms), differing.c_str());
-    std::fflush(stdout);
+    nlohmann::ordered_json row{{"view", name},
+                               {"way", way},
+                               {"triangles_of_cut", cut.triangles},
+                               {"triangles_drawn", frames.triangles},
+                               {"thread_ms", medianOf(frames.thread_ms)},
+                               {"gpu_ms", medianOf(frames.gpu_ms)},
+                               {"ms", medianOf(frames.ms)}};
+    if (darkens == nullptr) row["differing_pixels"] = differingPixels(all, frames.images);
+    printRow(row);
   };
   tell("all in the picture", kDrawn, nullptr);
   tell("hidden found by the GPU", kFoundOnGpu, nullptr);
@@ -117,7 +120,8 @@ void measure(const std::string& file) {
       renderer.show(cut);
       renderer.uploadInRenderThread({.wait = true});
       std::string name = std::filesystem::path(file).stem().string();
-      name.append(" | ").append(from).append(" | ").append(std::to_string(static_cast<int>(threshold_px)));
+      name.append(", ").append(from).append(", ").append(std::to_string(static_cast<int>(threshold_px)));
+      name.append(" px");
       measure(name, *cut, renderer, target);
     }
   }
@@ -129,14 +133,9 @@ void measure(const std::string& file) {
 int main(int argc, char** argv) {
   const lode::render::OffscreenContext context;
   if (!lode::render::GpuCulling::isPossible()) {
-    std::puts("this driver does not count draws");
+    std::fputs("bench_gpu: this driver does not count draws\n", stderr);
     return 1;
   }
-  std::printf("%s\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
-  std::puts(
-      "| model | from | pixels | triangles of the cut | way | triangles drawn | ms of the thread | ms of the "
-      "GPU "
-      "| ms until it is there | pixels that differ, of all frames |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+  std::fprintf(stderr, "%s\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
   for (int i = 1; i < argc; ++i) lode::bench::measure(argv[i]);
 }

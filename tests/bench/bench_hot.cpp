@@ -1,4 +1,4 @@
-// What is done for each byte that is built, sent and received: payloads, blobs of a store, a session's
+// Measures functions that run for each byte built, sent and received: payloads, blobs of a store, a session's
 // frames.
 
 #include <benchmark/benchmark.h>
@@ -14,7 +14,7 @@ namespace lode {
 namespace {
 
 constexpr double kStep = 1.0 / 1024;
-constexpr uint32_t kSide = 90;  // squares, two triangles each: as many as a node of the default size has
+constexpr uint32_t kSide = 90;  // squares of two triangles: as many as a node of the default capacity
 
 Mesh leafMesh() {
   return test::makeGrid(kSide, kSide, {.attributes = {AttributeSet::kNormal | AttributeSet::kColour}});
@@ -54,7 +54,7 @@ void clusterAMesh(benchmark::State& state) {
 }
 BENCHMARK(clusterAMesh)->Unit(benchmark::kMillisecond);
 
-/// Each checked against its checksum; the file stays in the page cache.
+/// Reads blobs and compares their checksums; the file stays in the page cache.
 void readBlobsOfAStore(benchmark::State& state) {
   const test::WorkFolder folder;
   test::SyntheticModel model = test::makeModel(leafMesh(), {.leaf_triangles = 512});
@@ -80,7 +80,7 @@ void openAStore(benchmark::State& state) {
 }
 BENCHMARK(openAStore)->Unit(benchmark::kMicrosecond);
 
-/// A client's side of blobs that were requested, names compared, as reads of 64 KB bring their frames.
+/// Receives requested blobs in reads of 64 KB and compares their digests.
 void receiveBlobs(benchmark::State& state) {
   using namespace core::fixture;
   constexpr uint32_t kBlobs = 64;
@@ -92,7 +92,7 @@ void receiveBlobs(benchmark::State& state) {
     for (; !bytes.empty(); bytes = bytes.subspan(std::min(bytes.size(), kReadBytes))) {
       session.receive(bytes.first(std::min(bytes.size(), kReadBytes)), kStart);
       while (session.nextEvent()) ++arrived;
-      session.takeOutgoing();  // what it grants the server to send
+      session.takeOutgoing();  // credit for the server
     }
     return arrived;
   };

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What standing cameras wait for over loopback, over an emulated link, and there through HAProxy: bench_link.py BIN_DIR STORE, as root.
+"""Waits of standing cameras over loopback, over an emulated link, and there through HAProxy: bench_link.py BIN_DIR STORE, as root.
 
-For each camera and both orders `lodestream replay` starts without a cache and ends when the cut has converged: times from the
-start of the connection, the median of --runs. Allowed: 1.15 times what the link alone takes for the bytes, and four round trips.
+For each camera and both orders `lodestream replay` starts without a cache and ends when the cut has converged. Prints medians over
+--runs, from the start of the connection. `allowed_ms` is 1.15 × the link's own time for the bytes, plus four round trips.
 BIN_DIR holds both programs, and wan. Server and client run at real-time priority.
 """
 import argparse
@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+from rows import print_row
 
 sys.path.append(str(pathlib.Path(__file__).parent.parent / "load"))
 from processes import running  # noqa: E402
@@ -40,14 +42,14 @@ print(got / (time.monotonic() - start))
 
 
 def goodput(near, far):
-    """Bytes a second of one connection that has nothing else to do."""
+    """Bytes a second of one bulk connection."""
     with running([*near, *REAL_TIME, sys.executable, "-c", SEND], stdout=subprocess.PIPE, text=True) as sender:
         sender.stdout.readline()
         return float(subprocess.run([*far, *REAL_TIME, sys.executable, "-c", RECEIVE], check=True, capture_output=True, text=True).stdout)
 
 
 def camera(box, name, folder):
-    """Writes a camera that stands beside the box's middle."""
+    """Writes a camera beside the box's centre."""
     eye, target = CAMERAS[name]
     middle = [(low + high) / 2 for low, high in zip(box["min"], box["max"])]
     side = max(high - low for low, high in zip(box["min"], box["max"])) / 2
@@ -58,7 +60,7 @@ def camera(box, name, folder):
 
 
 def measure(program, address, store, path, order, prefix, options):
-    """Medians of what replay says."""
+    """Medians of replay's figures."""
     command = [*prefix, *REAL_TIME, program, "replay", f"lode://{address}/{store.stem}", "--camera", path, "--order", order, "--fps", "250",
                "--cache", "off", "--json", *options.replay]
     runs = [json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout) for _ in range(options.runs)]
@@ -84,8 +86,6 @@ def main():
     parser.add_argument("--replay", nargs="*", default=[], help="more options of replay")
     options = parser.parse_args()
     info = json.loads(subprocess.run([options.bin_dir / "lodestreamd", "info", options.store, "--json"], check=True, capture_output=True).stdout)
-    print("| link | camera | order | first image, ms | 4 px | 2 px | 1 px | allowed | received, KB | of the cut's | holes | peak, MB |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     with contextlib.ExitStack() as ending, tempfile.TemporaryDirectory() as folder:
         near, far = ending.enter_context(long_link(options.bin_dir, DELAY_MS, MBIT_S))
         if options.initcwnd:
@@ -100,11 +100,11 @@ def main():
                 await_answer([*here, options.bin_dir / "lodestream", "list", f"lode://{host}:{port}", "--timeout", "2"], server)
                 for name, order in itertools.product(CAMERAS, ("best", "first-come")):
                     row = measure(options.bin_dir / "lodestream", f"{host}:{port}", options.store, camera(info["box"], name, folder), order, here, options)
-                    allowed = f"{1150 * row['bytes_received'] / bytes_s + 4 * 2 * DELAY_MS:.0f}" if here else ""
-                    print(f"| {link} | {name} | {order} | {row['first_image_ms']:.0f} | {row['px4']:.0f} | {row['px2']:.0f} | {row['px1']:.0f} | {allowed} "
-                          f"| {row['bytes_received'] / 1e3:.0f} | {row['bytes_received'] / row['final_cut_bytes']:.2f} | {row['holes']} "
-                          f"| {row['peak_rss_bytes'] / 1e6:.0f} |", flush=True)
-    print(f"\nGoodput of one bulk connection: {bytes_s / 1e6:.3f} MB/s")
+                    allowed = {"allowed_ms": 1150 * row["bytes_received"] / bytes_s + 4 * 2 * DELAY_MS} if here else {}
+                    print_row(link=link, camera=name, order=order, first_image_ms=row["first_image_ms"], px4_ms=row["px4"], px2_ms=row["px2"],
+                              px1_ms=row["px1"], **allowed, received_kb=row["bytes_received"] / 1e3,
+                              of_cut=row["bytes_received"] / row["final_cut_bytes"], holes=row["holes"], peak_mb=row["peak_rss_bytes"] / 1e6)
+    print_row(link=emulated, what="one bulk connection", goodput_mb_s=bytes_s / 1e6)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@
 
 namespace lode::bench {
 
-/// The surface of a PLY file as it is written: no lattice, no attributes.
+/// Positions and triangles of a PLY file as they are written.
 struct FileSurface {
   std::vector<glm::dvec3> points;
   std::vector<glm::u32vec3> triangles;
@@ -23,22 +23,20 @@ struct FileSurface {
 /// @throws Error as ingest::PlyReader.
 FileSurface readSurface(const char* path);
 
-/// A whole file as one node's mesh on its lattice, nothing locked, with the file's attributes.
+/// A surface as one node's mesh on its lattice: positions alone, nothing locked.
 struct FileNode {
   ingest::NodeMesh mesh;
   Lattice lattice;
-  glm::uvec3 extent{0};      ///< largest coordinates
-  double texture_scale = 1;  ///< true texture coordinates that a whole texture grid spans
+  glm::uvec3 extent{0};  ///< largest coordinates
 };
 
-/// @throws Error as ingest::PlyReader.
-FileNode readNode(const char* path);
+FileNode nodeOf(const FileSurface& surface);
 
 /// Triangles of a node's mesh in lattice steps.
 test::TriangleSoup latticeSoup(const ingest::NodeMesh& mesh);
 
-/// Two-sided distances of surfaces from one original, as fractions of its box diagonal: always the same
-/// points of the original, and as many of the other.
+/// Two-sided distances of surfaces from one original, as fractions of its box diagonal. Samples the same
+/// points of the original each time, and as many of the other surface.
 class Original {
  public:
   Original(std::span<const test::Triangle3> soup, size_t samples);

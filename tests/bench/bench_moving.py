@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""What a camera that moves sees, over an emulated link of 25 ms one way: bench_moving.py WHAT BIN_DIR STORE [OTHER_STORE], as root.
+"""Errors that a moving camera sees over an emulated link of 25 ms one way: bench_moving.py WHAT BIN_DIR STORE [OTHER_STORE], as root.
 
-leaps   turns and leaps that no margin holds, at 10 and at 60 frames a second: holes, and in how many frames an ancestor stood in.
-paths   an orbit, walks along the surface and fast walks, with and without what is asked for ahead of the camera.
-faults  a walk during which nothing happens, the server is killed and comes back, is stopped and comes back, and has its model
-        replaced by OTHER_STORE, another build of the same model; with 1 % of the packets lost, at 20 KB/s, and with both. Ends
-        with 1 unless each run ends converged and has no hole.
+leaps   turns and leaps beyond the margin, at 10 and 60 frames a second: holes, and frames with an ancestor
+paths   an orbit, walks along the surface and fast walks, with and without prefetch
+faults  a walk without a fault, with a killed server, a stopped server, and a model replaced by OTHER_STORE, another build of the
+        same model; with 1 % of the packets lost, at 20 KB/s, and with both. Exits with 1 unless each run converges without a hole.
 
 BIN_DIR holds both programs, and wan. Server and client run at real-time priority.
 """
@@ -23,6 +22,7 @@ import tempfile
 import time
 
 from bench_link import DELAY_MS, MBIT_S, PORT, REAL_TIME, await_answer
+from rows import print_row
 
 sys.path.append(str(pathlib.Path(__file__).parent.parent / "load"))
 from processes import start  # noqa: E402
@@ -34,7 +34,7 @@ FAULT_S = 4  # after the start
 
 
 def turned(radius, degrees, height=0.2):
-    """Around the middle, in half sides of the box."""
+    """An orbit around the centre, in half sides of the box."""
     angle = math.radians(degrees)
     return [radius * math.sin(angle), radius * height, radius * math.cos(angle)]
 
@@ -44,7 +44,7 @@ def orbit():
 
 
 def walks(count, walk_s, rest_s):
-    """Along the surface, looking ahead, a twelfth of the way around each time, and a rest."""
+    """Walks along the surface, a twelfth of the way around each, with rests."""
     keys, t = [], 0
     for i in range(count):
         for at, when in ((i, t), (i + 1, t + walk_s)):
@@ -54,7 +54,7 @@ def walks(count, walk_s, rest_s):
 
 
 def leaps(seconds):
-    """From anywhere around the model to anywhere else, looking at any of its places."""
+    """Leaps between random places around the model, looking at random points of it."""
     chance = random.Random(1)
     def place(least, most):
         direction = [chance.gauss(0, 1) for _ in range(3)]
@@ -72,7 +72,7 @@ def write_path(file, box, keys):
 
 
 class Server:
-    """One that is made to fail."""
+    """A server that the bench makes fail."""
 
     def __init__(self, options, folder, prefix):
         self.store = pathlib.Path(folder, options.store.name)
@@ -101,7 +101,7 @@ class Server:
 
 @contextlib.contextmanager
 def served(options, folder, **link):
-    """The server, and how replay is run beside it: a function of more of its options."""
+    """Yields the server, and a function that runs replay with more options."""
     with long_link(options.bin_dir, DELAY_MS, **link) as (near, far):
         server = Server(options, folder, near)
         program, url = options.bin_dir / "lodestream", f"lode://10.9.0.1:{PORT}/{options.store.stem}"
@@ -119,27 +119,25 @@ def served(options, folder, **link):
 
 
 def measure_leaps(options, folder, box):
-    print("| frames a second | frames | holes | frames with an ancestor | a frame's work, ms: p50, p99 | received, MB | peak, MB |\n| --- | --- | --- | --- | --- | --- | --- |")
     path = write_path(pathlib.Path(folder, "leaps.json"), box, leaps(options.seconds))
     with served(options, folder, mbit_s=MBIT_S) as (_, replay):
         for fps in (10, 60):
             run = replay(path, "--fps", fps)
             frame = run["frame_ms"]
-            print(f"| {fps} | {run['frames']} | {run['holes']} | {run.get('fallback_frames', '')} | {frame['p50']:.3f}, {frame['p99']:.3f} "
-                  f"| {run['bytes_received'] / 1e6:.1f} | {run['peak_rss_bytes'] / 1e6:.1f} |", flush=True)
+            print_row(path="leaps", rate=f"{fps} frames a second", frames=run["frames"], holes=run["holes"], fallback_frames=run["fallback_frames"],
+                      frame_p50_ms=frame["p50"], frame_p99_ms=frame["p99"], received_mb=run["bytes_received"] / 1e6, peak_mb=run["peak_rss_bytes"] / 1e6)
 
 
 def measure_paths(options, folder, box):
-    print("| path | ahead | seconds above 4 px | 2 px | 1 px | hit rate | wasted ÷ received | received, KB | holes |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     with served(options, folder, mbit_s=MBIT_S) as (_, replay):
         for name, keys in (("orbit", orbit()), ("walk", walks(6, 2, 3)), ("fast", walks(8, 1, 1.5))):
             path = write_path(pathlib.Path(folder, name + ".json"), box, keys)
             for ahead in ([], ["--no-prefetch"]):
                 run = replay(path, "--fps", 60, *ahead)
                 above, prefetch = run["seconds_above_px"], run["prefetch"]
-                rate = prefetch["hit_rate"]
-                print(f"| {name} | {'no' if ahead else 'yes'} | {above['4']:.2f} | {above['2']:.2f} | {above['1']:.2f} | {'' if ahead else format(rate or 0, '.2f')} "
-                      f"| {'' if ahead else format(prefetch['wasted_bytes'] / run['bytes_received'], '.2f')} | {run['bytes_received'] / 1e3:.0f} | {run['holes']} |", flush=True)
+                used = {} if ahead else {"hit_rate": prefetch["hit_rate"] or 0, "wasted_of_received": prefetch["wasted_bytes"] / run["bytes_received"]}
+                print_row(path=name, prefetch="no" if ahead else "yes", above_px4_s=above["4"], above_px2_s=above["2"], above_px1_s=above["1"], **used,
+                          received_kb=run["bytes_received"] / 1e3, holes=run["holes"])
 
 
 FAULTS = {
@@ -151,7 +149,6 @@ FAULTS = {
 
 
 def measure_faults(options, folder, box):
-    print("| link | fault | converged after, s | holes | received, KB | frames with an ancestor | seconds above 2 px |\n| --- | --- | --- | --- | --- | --- | --- |")
     path = write_path(pathlib.Path(folder, "walk.json"), box, walks(3, 2, 2))
     good = True
     links = ({"mbit_s": MBIT_S, "loss_percent": 1}, {"mbit_s": SLOW_MBIT_S}, {"mbit_s": SLOW_MBIT_S, "loss_percent": 1})
@@ -163,9 +160,9 @@ def measure_faults(options, folder, box):
                     happen(server)
                 run = replay(path, "--fps", 60, "--timeout", options.seconds, meanwhile=meanwhile)
             good &= run["converged"] and run["holes"] == 0
-            after = f"{run['converged_ms'] / 1e3:.1f}" if run["converged"] else "**not**"
-            print(f"| {link['mbit_s'] * 125:.0f} KB/s, {link.get('loss_percent', 0)} % lost | {fault} | {after} | {run['holes']} | {run['bytes_received'] / 1e3:.0f} "
-                  f"| {run.get('fallback_frames', '')} | {run['seconds_above_px']['2']:.1f} |", flush=True)
+            after = {"converged_s": run["converged_ms"] / 1e3} if run["converged"] else {}
+            print_row(link=f"{link['mbit_s'] * 125:.0f} KB/s, {link.get('loss_percent', 0)} % lost", fault=fault, **after, holes=run["holes"],
+                      received_kb=run["bytes_received"] / 1e3, fallback_frames=run["fallback_frames"], above_px2_s=run["seconds_above_px"]["2"])
     return good
 
 

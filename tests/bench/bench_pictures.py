@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
 """Pictures of one-pixel cuts beside full resolution: bench_pictures.py BIN_DIR MODEL.ply ... [--pixels P]
 
-With --painted N ... it also makes samples of N triangles with texture coordinates and a picture of
-rings, stripes and a gradient, which has hard edges everywhere.
-Builds each model, draws it from eight places (along the axes, and two close ones) at an error of P pixels and of 0.01,
-which is all leaves, and has bench_fidelity compare each pair: peak signal-to-noise ratios over the cameras whose pictures differ.
+--painted N ... adds samples of N triangles with texture coordinates and a picture of rings, stripes and a gradient.
+Builds each model, draws it from eight places at a threshold of P pixels and of 0.01 pixels (all leaves), and compares the
+pictures by bench_fidelity: peak signal-to-noise ratios over the cameras whose pictures differ.
 """
 import argparse
 import json
 import math
 import pathlib
-import re
 import struct
 import subprocess
 import tempfile
 import zlib
+
+from rows import print_row
 
 FULL_PX = "0.01"
 DIRECTIONS = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1), (1, 1, 1), (-1, 1, -1)]
@@ -30,8 +30,6 @@ def main():
     parser.add_argument("--pixels", default="1")
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
-    print("| model | triangles | drawn, least and most | inside the silhouette, the worst and the best camera, dB | with the boundary, the worst |")
-    print("| --- | --- | --- | --- | --- |")
     for triangles in options.painted:
         with tempfile.TemporaryDirectory() as folder:
             compare(options, painted_sample(options, triangles, pathlib.Path(folder)), pathlib.Path(folder))
@@ -88,9 +86,10 @@ def compare(options, model, folder):
         fetched = subprocess.run([*client, "fetch", *of_camera, "--json"], capture_output=True).stdout
         drawn.append(json.loads(fetched)["triangles"])
     said = subprocess.run([str(options.bin_dir / "bench_fidelity"), "--pictures", *pairs], check=True, capture_output=True, text=True).stdout
-    inside, boundary = ([float(db) for db in re.findall(pattern, said) if db != "inf"] for pattern in (r"(\S+) dB inside", r"(\S+) dB with"))
-    print(f"| {model.stem} | {info['triangles']} | {min(drawn)}, {max(drawn)} | "
-          f"{f'{min(inside):.1f}, {max(inside):.1f}' if inside else 'equal'} | {f'{min(boundary):.1f}' if boundary else 'equal'} |", flush=True)
+    rows = [json.loads(line) for line in said.splitlines()]
+    inside, boundary = ([row[key] for row in rows if row[key] is not None] for key in ("inside_db", "with_boundary_db"))
+    differing = {"worst_db": min(inside), "best_db": max(inside), "worst_with_boundary_db": min(boundary)} if inside else {}
+    print_row(model=model.stem, triangles=info["triangles"], drawn_least=min(drawn), drawn_most=max(drawn), **differing)
 
 
 def camera_at(box, direction, distance):

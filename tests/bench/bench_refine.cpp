@@ -1,5 +1,5 @@
-// What a refinement costs its caller, with a million known nodes: a camera over a plain of four children a
-// node, at thresholds that make the cut go through hundreds and thousands of them.
+// Measures refine() with a million known nodes: a camera over a plain of four children a node, at thresholds
+// whose cuts visit hundreds and thousands of nodes.
 
 #include <benchmark/benchmark.h>
 
@@ -15,7 +15,7 @@ constexpr int kDepth = 10;  // 4^10 leaves, 1.4 million nodes
 constexpr Lattice kLattice{{0, 0, 0}, 1.0 / 1024};
 constexpr AttributeSet kAttributes{AttributeSet::kNormal};
 
-/// Cells of a plain, all of it known; every mesh that a view wants is resident.
+/// Cells of a plain, all known; every mesh that a view needs is resident.
 class Plain {
  public:
   Plain() : hierarchy_(UINT64_MAX), cache_(UINT64_MAX) {
@@ -29,7 +29,7 @@ class Plain {
     mesh_ = mesh;
   }
 
-  /// From a height over the middle, towards a corner.
+  /// A view from above the middle towards a corner.
   static View viewFrom(double x) {
     View view;
     view.eye_model = {x, 512, 60};
@@ -45,7 +45,7 @@ class Plain {
     return result;
   }
 
-  /// @return nodes that the cut goes through.
+  /// @return the number of nodes that the cut visits.
   size_t converge(const View& view, const RefineOptions& options) {
     while (true) {
       const Refinement now = refineFor(view, options);
@@ -119,7 +119,7 @@ void refineWhileTheCameraMoves(benchmark::State& state) {
   state.counters["visited"] = static_cast<double>(visited);
   state.counters["known"] = static_cast<double>(plain.known());
 }
-/// A cut of as many triangles as are ever drawn to see what is hidden, in sight and seen at an angle.
+/// A visible cut of the largest size that is drawn to find hidden parts, seen at an angle.
 void lookAtWhatIsSeen(benchmark::State& state) {
   constexpr uint32_t kSide = 181;  // squares; two triangles each
   Mesh mesh;

@@ -1,22 +1,23 @@
 #!/usr/bin/env python3
-"""The table of load scenarios: bench_scenarios.py BIN_DIR [SCENARIO ...]
+"""Load scenarios: bench_scenarios.py BIN_DIR [SCENARIO ...]
 
-Plays tests/load/scenario.py, all but soak, each of which writes its plot into the working folder, and prints a line of what each
-of its rows says, with blanks for what it does not tell.
+Plays tests/load/scenario.py, all but soak, and prints a row for each row of its tables. Each scenario writes its plot into the
+working folder.
 """
 import argparse
 import pathlib
+import re
 import subprocess
 import sys
 
-from all import tables
+from rows import print_row
 
 SCENARIO = pathlib.Path(__file__).resolve().parent.parent / "load" / "scenario.py"
-HEADS = ("scenario", "visible, median", "p99", "longest", "first image, p99", "single, median", "p99", "connections lost", "requests failed",
-         "others get")
+KEYS = ("visible_p50_ms", "visible_p99_ms", "visible_max_ms", "first_image_p99_ms", "single_p50_ms", "single_p99_ms", "connections_lost",
+        "requests_failed", "others_get")
 OF_CROWD = (3, 4, None, 6, 9, 10, 7, 12, None)
 OF_END = (1, 2, 3, None, None, 8, 5, 6, None)
-ROWS = {  # names of a scenario's rows, and for each head after the first which cell of its own tables it is, these laid side by side
+ROWS = {  # names of a scenario's rows, and for each key the index of its cell in the scenario's tables laid side by side
     "steady": (("500 clients, 30 s",), OF_CROWD),
     "flash": (("1,000 within 5 s",), OF_CROWD),
     "greedy": (("50 polite clients alone", "beside one with 256 requests open"), (4, 5, None, None, 1, 2, 6, None, 7)),
@@ -31,7 +32,7 @@ ROWS = {  # names of a scenario's rows, and for each head after the first which 
 
 
 def play(scenario, bin_dir):
-    """Returns the scenario's exit status and what it printed. Ctrl-C reaches the scenario too: it is waited for until it has cleared its stage."""
+    """Returns the scenario's exit status and output. On Ctrl-C waits until the scenario has cleaned up."""
     with subprocess.Popen([SCENARIO, scenario, bin_dir], stdout=subprocess.PIPE, text=True) as playing:
         try:
             printed = playing.communicate()[0]
@@ -40,12 +41,25 @@ def play(scenario, bin_dir):
         return playing.returncode, printed
 
 
-def rows_of(scenario, printed):
+def tables(text):
+    """Rows of cells of each table of a text in Markdown, without its head."""
+    found, rows = [], None
+    for line in text.splitlines():
+        if re.fullmatch(r"[|\s-]*---[|\s-]*", line):
+            found.append(rows := [])
+        elif not line.startswith("|"):
+            rows = None
+        elif rows is not None:
+            rows.append([cell.strip() for cell in line.strip().strip("|").split("|")])
+    return found
+
+
+def print_rows(scenario, printed):
     names, places = ROWS[scenario]
-    for number, cells in enumerate(zip(*(table.rows.values() for table in tables(printed)), strict=True)):
-        side_by_side = sum(cells, ())
-        name = f"`{scenario}`: {names[number]}" if number == 0 else f"… {names[number]}"
-        yield name, *("" if place is None else side_by_side[place] for place in places)
+    for name, cells in zip(names, zip(*tables(printed), strict=True), strict=True):
+        side_by_side = sum(cells, [])
+        said = {key: re.search(r"[\d.,]+", side_by_side[place]) for key, place in zip(KEYS, places) if place is not None}
+        print_row(scenario=scenario, what=name, **{key: float(number[0].replace(",", "")) for key, number in said.items() if number})
 
 
 def main():
@@ -54,16 +68,14 @@ def main():
     parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help=f"of {', '.join(ROWS)}; all by default")
     options = parser.parse_args()
     if unknown := set(options.scenarios) - set(ROWS):
-        parser.error(f"no table is made of {', '.join(sorted(unknown))}: of {', '.join(ROWS)}")
-    print(f"| {' | '.join(HEADS)} |\n|{' --- |' * len(HEADS)}")
+        parser.error(f"no such scenario: {', '.join(sorted(unknown))}: of {', '.join(ROWS)}")
     missing = []
     for scenario in options.scenarios or ROWS:
         status, printed = play(scenario, options.bin_dir)
         if status != 0:
             missing.append(f"{scenario} ended with {status}: {printed}")
             continue
-        for row in rows_of(scenario, printed):
-            print(f"| {' | '.join(row)} |", flush=True)
+        print_rows(scenario, printed)
     if missing:
         sys.exit("\n".join(missing))
 

@@ -1,11 +1,10 @@
-// Where the bytes go that a client has received when its picture looks right: bench_seen STORE... prints a
-// line for each store and distance. A client without sockets takes the best request each time, with a link's
-// round trip of bytes under way; pictures are drawn off-screen, and what is seen of each part is counted in a
-// small raster of the bench's own.
+// Counts bytes that a client receives until its picture looks right: bench_seen STORE... prints a row for
+// each store and distance. A client without sockets takes the best request each time, with a link's round
+// trip of bytes in flight. Pictures are drawn off-screen; a small raster counts the visible pixels of each
+// part.
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <deque>
 #include <filesystem>
 #include <limits>
@@ -25,6 +24,7 @@
 #include "client/render/offscreen_context.h"
 #include "client/render/renderer.h"
 #include "server/store/reader.h"
+#include "tests/bench/print_row.h"
 #include "tests/bench/surface_cameras.h"
 
 namespace lode::core {
@@ -32,10 +32,10 @@ namespace {
 
 constexpr uint32_t kWidthPx = 1280, kHeightPx = 720;
 constexpr float kThresholdPx = 1;
-constexpr uint64_t kUnderWayBytes = 62'500;  // 10 Mbit/s for 50 ms
+constexpr uint64_t kUnderWayBytes = 62'500;  // 50 ms at 10 Mbit/s
 constexpr double kDifferingShare = 0.01;     // of the pixels, in a picture that looks right
 constexpr int kVisibleDifference = 8;        // of 255, in a channel
-constexpr double kBetweenLooks = 1.01;       // the bytes grow by that much from one to the next
+constexpr double kBetweenLooks = 1.01;       // factor of received bytes between two looks
 constexpr int kCameras = 3;                  // at each distance
 struct Distance {
   const char* name;
@@ -43,14 +43,14 @@ struct Distance {
 };
 constexpr Distance kDistances[] = {{"far", 2}, {"mid", 0.6}, {"near", 0.12}, {"close", 0.03}};
 
-/// The cut after so many bytes.
+/// A cut, and the bytes received until it was published.
 struct Look {
   uint64_t bytes = 0;
-  size_t received = 0;  ///< requests
+  size_t received = 0;  ///< number of requests
   std::shared_ptr<const Cut> cut;
 };
 
-/// A client of a store that sees one view until it has settled.
+/// A client of a store that refines one view until it has settled.
 class Client {
  public:
   Client(const store::Reader& store, const View& view)
@@ -58,7 +58,7 @@ class Client {
     group_.setView(view, kThresholdPx);
   }
 
-  /// @return what was seen on the way, the converged cut last.
+  /// @return the cuts on the way, the converged one last.
   std::vector<Look> looks() {
     std::vector<Look> looks;
     while (true) {
@@ -73,7 +73,7 @@ class Client {
       take();
     }
   }
-  /// In the order in which they came.
+  /// Requests in their order of arrival.
   const std::vector<Request>& received() const { return received_; }
 
  private:
@@ -130,7 +130,7 @@ double differingShare(const render::Image& a, const render::Image& b) {
   return static_cast<double>(differing * 4) / static_cast<double>(a.rgba.size());
 }
 
-/// The first that is right, by halving.
+/// Finds the first look that is right by bisection.
 const Look& firstRight(const std::vector<Look>& looks, render::Renderer& renderer,
                        const render::Framebuffer& target) {
   const render::Image converged = draw(renderer, target, looks.back());
@@ -145,7 +145,8 @@ const Look& firstRight(const std::vector<Look>& looks, render::Renderer& rendere
   return looks[right];
 }
 
-/// How many pixels of its view each part of a cut has. What reaches behind the near plane is left out.
+/// Counts the pixels of each part of a cut in its view. Triangles that reach behind the near plane are
+/// skipped.
 class PixelCount {
  public:
   PixelCount(const Cut& cut, double step)
@@ -202,7 +203,7 @@ class PixelCount {
   std::vector<uint64_t> pixels_;
 };
 
-/// Of bytes.
+/// Sums over all cameras; bytes unless the name says otherwise.
 struct Shares {
   uint64_t until_right = 0, seen = 0, hidden = 0, outside = 0, replaced = 0, cut = 0;
   uint64_t floor =
@@ -211,7 +212,7 @@ struct Shares {
   uint64_t mistaken_parts = 0, mistaken_pixels = 0;  ///< seen, but taken for hidden on the way
 };
 
-/// Seen parts of the converged cut that a coarser cut says are hidden: by the one that errs most.
+/// Adds visible parts of the converged cut that a coarser cut takes for hidden, for the look that errs most.
 void addMistakes(Shares& shares, const std::vector<Look>& looks, const PixelCount& pixels,
                  const ModelSummary& model) {
   const std::vector<CutPart>& parts = looks.back().cut->parts;
@@ -288,15 +289,20 @@ void measure(const std::string& file) {
       const std::vector<Look> looks = client.looks();
       add(shares, store, firstRight(looks, renderer, target), client.received(), looks);
     }
-    std::printf("| %s | %s |", std::filesystem::path(file).stem().c_str(), distance.name);
-    for (const uint64_t bytes : {shares.until_right, shares.seen, shares.hidden, shares.outside,
-                                 shares.replaced, shares.cut, shares.floor})
-      std::printf(" %.0f |", static_cast<double>(bytes) / kCameras / 1e3);
-    std::printf(" %.0f of %.0f | %.1f | %.2f |\n", static_cast<double>(shares.seen_parts) / kCameras,
-                static_cast<double>(shares.parts) / kCameras,
-                static_cast<double>(shares.mistaken_parts) / kCameras,
-                100. * static_cast<double>(shares.mistaken_pixels) / kCameras / kWidthPx / kHeightPx);
-    std::fflush(stdout);
+    const auto mean = [](uint64_t count) { return static_cast<double>(count) / kCameras; };
+    bench::printRow({{"model", std::filesystem::path(file).stem().string()},
+                     {"distance", distance.name},
+                     {"until_right_kb", mean(shares.until_right) / 1e3},
+                     {"seen_kb", mean(shares.seen) / 1e3},
+                     {"hidden_kb", mean(shares.hidden) / 1e3},
+                     {"outside_kb", mean(shares.outside) / 1e3},
+                     {"replaced_kb", mean(shares.replaced) / 1e3},
+                     {"final_cut_kb", mean(shares.cut) / 1e3},
+                     {"floor_kb", mean(shares.floor) / 1e3},
+                     {"seen_parts", mean(shares.seen_parts)},
+                     {"parts", mean(shares.parts)},
+                     {"mistaken_parts", mean(shares.mistaken_parts)},
+                     {"mistaken_percent", 100 * mean(shares.mistaken_pixels) / kWidthPx / kHeightPx}});
   }
 }
 
@@ -305,10 +311,5 @@ void measure(const std::string& file) {
 
 int main(int argc, char** argv) {
   const lode::render::OffscreenContext context;
-  std::puts(
-      "| model | distance | KB until it looks right | of it in the final cut and seen | hidden | outside "
-      "| replaced since | final cut | floor | parts seen | of these at most taken for hidden "
-      "| with % of the picture |\n|"
-      " --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
   for (int i = 1; i < argc; ++i) lode::core::measure(argv[i]);
 }

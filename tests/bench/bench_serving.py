@@ -1,21 +1,19 @@
 #!/usr/bin/python3
-"""What one core of a server gives, beside nginx on the same bytes: bench_serving.py BIN_DIR [PART ...]
+"""Throughput and latency of a server on one core, beside nginx on the same bytes: bench_serving.py BIN_DIR [PART ...]
 
 throughput  64 KB and 8 KB blobs, some 1,500 of each, at random: nginx (sendfile off) and lodestreamd in turns, medians
 tls         the same under TLS 1.3
-fairness    what one connection with 256 requests open takes beside eight with 64, and one that requests once at a time beside it
-clients     one request, or request, at a time from each of 1 to 1,000 clients: percentiles beside nginx
+fairness    share of a connection with 256 open requests beside eight with 64, and one request at a time beside it
+clients     one request at a time from each of 1 to 1,000 clients: percentiles beside nginx
 idle        memory of 10,000 connections that do nothing, and of 1,000 under TLS
-cold        one request at a time for blobs in memory, alone and beside others whose blobs come from a slow disk; needs root,
-            for control groups
-latency     `lodestream loadtest --decode-off` with more and more clients, 99th percentiles by class; beside them those of the
-            server's own histograms, from when it has read a visible request
-cores       clients of `lodestream loadtest` that a core carries, its own and the server's, by CPU seconds
-urgent      a visible request of 24 KB behind as much prefetching as the window takes, at 10 Mbit/s and 50 ms, directly and
-            through HAProxy, under each congestion control that the system has; needs root, for network namespaces
+cold        one request at a time for blobs in memory, alone and beside reads of a slow disk; needs root, for control groups
+latency     `lodestream loadtest --decode-off` with growing numbers of clients: percentiles by class, and of the server's histograms
+cores       clients of `lodestream loadtest` per core, of the client's and of the server's, by CPU seconds
+urgent      a visible request of 24 KB behind a window full of prefetches at 10 Mbit/s and 50 ms, directly and through HAProxy, under
+            each congestion control of the system; needs root, for network namespaces
 
 Starts nginx and HAProxy itself. Server and clients each have one core. Needs `docker/install-packages.sh bench`, the programs
-serving_store, serving_load and wan in BIN_DIR, and python3-flatbuffers. Prints tables for docs/benchmarks.md.
+serving_store, serving_load and wan in BIN_DIR, and python3-flatbuffers. Prints rows for compare.py.
 """
 import argparse
 import contextlib
@@ -32,6 +30,8 @@ import tempfile
 import time
 import urllib.request
 
+from rows import print_row
+
 LOAD = pathlib.Path(__file__).resolve().parent.parent / "load"
 sys.path.insert(0, str(LOAD))
 from processes import cpu_seconds, free_port, resident_bytes, running, self_signed, start, wait_for  # noqa: E402
@@ -43,7 +43,7 @@ CONNECTIONS, IN_FLIGHT = 16, 8
 
 @contextlib.contextmanager
 def lodestreamd(bench, store, listen="127.0.0.1:0", prefix=(), tls=None, metrics=None):
-    """Yields its process and where it listens."""
+    """Yields the server's process and address."""
     command = [*prefix, "taskset", "-c", SERVER_CORE, bench.bin / "lodestreamd", "serve", store, "--listen", listen,
                "--threads", 1, "--public", "--insecure"]
     command += ["--tls-cert", tls / "cert.pem", "--tls-key", tls / "key.pem"] if tls else []
@@ -92,7 +92,7 @@ def write_lua(path, first, last):
 
 
 def make_store(bench, folder, size):
-    """Blobs of so many bytes in a store, noise.lode, and as files; the numbers of the first and the last."""
+    """Makes noise.lode and files with blobs of a size; returns the numbers of the first and the last."""
     (folder / "files").mkdir(parents=True)
     done = subprocess.run([bench.bin / "serving_store", str(size), folder / "noise.lode", folder / "files"], check=True,
                           capture_output=True, text=True)
@@ -104,8 +104,6 @@ def tls(bench):
 
 
 def throughput(bench, tls=None):
-    print("| blobs at random | nginx, sendfile off | lodestreamd | ratio | nginx a CPU second | lodestreamd | ratio |")
-    print("| --- | --- | --- | --- | --- | --- | --- |")
     for size in (65536, 8192):
         folder = bench.folder / f"{size}{'-tls' if tls else ''}"
         numbers = make_store(bench, folder, size)
@@ -121,16 +119,14 @@ def throughput(bench, tls=None):
         web_wall, web_cpu, our_wall, our_cpu = (statistics.median(column) / 1e6 for column in zip(*runs))
         wall = statistics.median(run[2] / run[0] for run in runs)
         cpu = statistics.median(run[3] / run[1] for run in runs)
-        print(f"| {size // 1024} KB{', TLS' if tls else ''} | {web_wall:.0f} MB/s | {our_wall:.0f} MB/s | **{wall:.2f}** | "
-              f"{web_cpu:.0f} MB | {our_cpu:.0f} MB | **{cpu:.2f}** |", flush=True)
+        print_row(part="throughput", blobs=f"{size // 1024} KB{', TLS' if tls else ''}", nginx_mb_s=web_wall, ours_mb_s=our_wall, ratio=wall,
+                  nginx_mb_a_cpu_s=web_cpu, ours_mb_a_cpu_s=our_cpu, cpu_ratio=cpu)
 
 
 def clients(bench):
     folder = bench.folder / "clients"
     numbers = make_store(bench, folder, 24576)
     write_lua(folder / "random.lua", numbers["first"], numbers["last"])
-    print("| clients | nginx, median | p99 | lodestreamd, median | p99 | ratio of medians | of p99 |")
-    print("| --- | --- | --- | --- | --- | --- | --- |")
     with (nginx(folder, folder / "files") as (_, web_port), lodestreamd(bench, folder / "noise.lode") as (_, listen)):
         for count in (1, 16, 256, 1000):
             wrk = ["wrk", "-t1", f"-c{count}", f"-d{bench.seconds}", "-s", folder / "random.lua", f"http://127.0.0.1:{web_port}"]
@@ -139,16 +135,14 @@ def clients(bench):
             runs = [[json.loads(on_client_core(command).splitlines()[-1]) for command in (wrk, load)] for _ in range(bench.runs)]
             web, ours = ([statistics.median(run[who][what] for run in runs) for what in ("p50_ms", "p99_ms")] for who in (0, 1))
             median, p99 = (statistics.median(ours[what] / web[what] for web, ours in runs) for what in ("p50_ms", "p99_ms"))
-            print(f"| {count} | {web[0]:.2f} ms | {web[1]:.2f} ms | {ours[0]:.2f} ms | {ours[1]:.2f} ms | **{median:.2f}** | "
-                  f"**{p99:.2f}** |", flush=True)
+            print_row(part="clients", clients=f"{count} clients", nginx_p50_ms=web[0], nginx_p99_ms=web[1], ours_p50_ms=ours[0], ours_p99_ms=ours[1],
+                      p50_ratio=median, p99_ratio=p99)
 
 
 def idle(bench):
     folder = bench.folder / "idle"
     make_store(bench, folder, 8192)
     environment = dict(os.environ, PYTHONPATH=str(bench.bin.parent / "tests" / "load"))
-    print("| connections that do nothing | of each | the server in all |")
-    print("| --- | --- | --- |")
     for count, tls in ((10000, None), (1000, self_signed(bench.folder))):
         with lodestreamd(bench, folder / "noise.lode", tls=tls) as (server, listen):
             before = resident_bytes(server)
@@ -159,7 +153,7 @@ def idle(bench):
                     sys.exit("idle_clients.py failed")
                 time.sleep(2)
                 held = resident_bytes(server)
-        print(f"| {count}{', TLS' if tls else ''} | **{(held - before) / count / 1024:.1f} KB** | {held / 1e6:.0f} MB |", flush=True)
+        print_row(part="idle", connections=f"{count}{', TLS' if tls else ''}", each_kb=(held - before) / count / 1024, server_mb=held / 1e6)
 
 
 def load_beside(bench, listen, model, numbers, connections, in_flight, seconds):
@@ -184,14 +178,10 @@ def fairness(bench):
             beside.append(request_times(bench, listen, "noise", numbers, 500))
             greedy.terminate()
             greedy.communicate()
-    print("| one with 256 requests of 24 KB open, of each of eight with 64 | Jain's index of the nine |")
-    print("| --- | --- |")
-    print(f"| **{statistics.median(shares):.2f}** | **{statistics.median(indices):.3f}** |\n")
-    print("| one request at a time of 24 KB | median | p99 |")
-    print("| --- | --- | --- |")
+    print_row(part="fairness", what="256 open requests beside 64", share=statistics.median(shares), jain_index=statistics.median(indices))
     for name, runs in (("alone", alone), ("beside one with 256 open", beside)):
         median, p99 = (statistics.median(run[what] for run in runs) for what in ("median_ms", "p99_ms"))
-        print(f"| {name} | {median:.2f} ms | **{p99:.2f} ms** |", flush=True)
+        print_row(part="fairness", what=f"one request at a time, {name}", p50_ms=median, p99_ms=p99)
 
 
 def python_client(bench, script, listen, model, numbers, amount):
@@ -215,8 +205,6 @@ def cold(bench):
         numbers[name] = make_store(bench, bench.folder / name, 65536)
         os.rename(bench.folder / name / "noise.lode", folder / f"{name}.lode")
     (folder / "hot.lode").read_bytes()  # in memory, and counted to this process
-    print("| one request at a time of 64 KB in memory | median | p99 | beside it, from a disk of 20 MB/s |")
-    print("| --- | --- | --- | --- |")
     runs = {False: [], True: []}
     with slow_disk(folder / "cold.lode", 20 << 20, 48 << 20) as slowly, lodestreamd(bench, folder, prefix=slowly) as (_, listen):
         request_times(bench, listen, "hot", numbers["hot"], 1000)  # warm
@@ -230,9 +218,8 @@ def cold(bench):
         pongs = python_client(bench, "pong_times.py", listen, "cold", numbers["cold"], 4)
     for beside, measured_runs in runs.items():
         median, p99, rate = (statistics.median(column) for column in zip(*measured_runs))
-        print(f"| {'beside cold reads' if beside else 'alone'} | {median:.2f} ms | **{p99:.2f} ms** | {rate:.1f} MB/s |", flush=True)
-    print(f"| a Ping beside its own connection's cold reads | {pongs['median_ms']:.2f} ms | **{pongs['p99_ms']:.2f} ms** | "
-          f"{pongs['mbyte_s']:.1f} MB/s |", flush=True)
+        print_row(part="cold", what="a request beside cold reads" if beside else "a request alone", p50_ms=median, p99_ms=p99, cold_mb_s=rate)
+    print_row(part="cold", what="a Ping beside its own connection's cold reads", p50_ms=pongs["median_ms"], p99_ms=pongs["p99_ms"], cold_mb_s=pongs["mbyte_s"])
 
 
 def sample_store(bench):
@@ -243,7 +230,7 @@ def sample_store(bench):
 
 
 def visible_in_server(metrics, figure):
-    """Upper ends of a histogram's buckets, in milliseconds, and how many visible requests took at most so long."""
+    """Upper bounds of a histogram's buckets in milliseconds, with the visible requests up to each."""
     with urllib.request.urlopen(f"http://{metrics}/metrics", timeout=10) as answer:
         buckets = re.findall(rf'^lodestream_request_{figure}_seconds_bucket{{class="visible",le="(.*)"}} (\d+)$', answer.read().decode(), re.M)
     return [(1000 * float(end), int(count)) for end, count in buckets]
@@ -255,9 +242,6 @@ def at_most_ms(buckets, part):
 
 def latency(bench):
     store = bench.store or sample_store(bench)
-    print("| clients | requests a second | MB/s | visible, median | p99 | longest | margin, p99 | first image, p99 | "
-          "unanswered | errors | server's CPU | clients' CPU | in the server: first chunk, p99 | last chunk, p99 | 99.9 % |")
-    print("|" + " --- |" * 15)
     for clients in bench.clients:
         metrics = f"127.0.0.1:{free_port()}"
         with lodestreamd(bench, store, metrics=metrics) as (server, listen):
@@ -268,17 +252,15 @@ def latency(bench):
             used = (cpu_seconds(server) - before) / bench.load_seconds
             queue, send = (visible_in_server(metrics, figure) for figure in ("queue", "send"))
         visible, margin, image = run["latency_ms"]["visible"], run["latency_ms"]["margin"], run["first_image_ms"]
-        print(f"| {clients} | {run['blobs'] / run['seconds']:.0f} | {run['bytes'] / run['seconds'] / 1e6:.0f} | "
-              f"{visible['p50']:.1f} ms | **{visible['p99']:.1f} ms** | {visible['max']:.0f} ms | "
-              f"{'none' if margin['p99'] is None else format(margin['p99'], '.1f') + ' ms'} | "
-              f"{image['p99']:.1f} ms | {run['unanswered']} | {run['errors']} | {100 * used:.0f} % | "
-              f"{100 * run['cpu_seconds'] / run['seconds']:.0f} % | ≤ {at_most_ms(queue, 0.99):g} ms | "
-              f"**≤ {at_most_ms(send, 0.99):g} ms** | ≤ {at_most_ms(send, 0.999):g} ms |", flush=True)
+        print_row(part="latency", clients=f"{clients} clients", requests_a_s=run["blobs"] / run["seconds"], mb_s=run["bytes"] / run["seconds"] / 1e6,
+                  visible_p50_ms=visible["p50"], visible_p99_ms=visible["p99"], visible_max_ms=visible["max"], margin_p99_ms=margin["p99"],
+                  first_image_p99_ms=image["p99"], unanswered=run["unanswered"], errors=run["errors"], server_cpu=used,
+                  clients_cpu=run["cpu_seconds"] / run["seconds"], first_chunk_p99_ms=at_most_ms(queue, 0.99),
+                  last_chunk_p99_ms=at_most_ms(send, 0.99), last_chunk_p999_ms=at_most_ms(send, 0.999))
 
 
 def cores(bench):
     store, seconds, ramp_s = bench.store or sample_store(bench), 15, 2
-    print("| clients | path | clients a core | of the server's | bytes a second of each |\n| --- | --- | --- | --- | --- |")
     for what, count, options, paths in (
             ("full: 10 views a second, 1280 × 720, 1 pixel, decoding", 16, ["--full"], ("orbit", "fly", "walk")),
             ("replaying requests, not decoding", 1000, ["--decode-off"], ("orbit", "walk")), ("replaying requests, decoding", 100, [], ("orbit", "walk"))):
@@ -289,16 +271,14 @@ def cores(bench):
                                                  seconds, "--ramp", ramp_s, "--path", path, "--json", *options]))
                 used = cpu_seconds(server) - before
             client_seconds = count * (seconds - ramp_s / 2)
-            print(f"| {what} | {path} | {client_seconds / run['cpu_seconds']:,.0f} | {client_seconds / used:,.0f} | "
-                  f"{run['bytes'] / client_seconds / 1e3:.0f} KB |", flush=True)
+            print_row(part="cores", clients=what, path=path, a_client_core=client_seconds / run["cpu_seconds"], a_server_core=client_seconds / used,
+                      each_kb_s=run["bytes"] / client_seconds / 1e3)
 
 
 def urgent(bench):
     folder = bench.folder / "urgent"
     numbers, store = make_store(bench, folder, 24576), folder / "noise.lode"
     controls = pathlib.Path("/proc/sys/net/ipv4/tcp_available_congestion_control").read_text().split()
-    print("| 24 KB, 10 Mbit/s, 50 ms | median | longest | round trips | bulk beside it |")
-    print("| --- | --- | --- | --- | --- |")
     with long_link(bench.bin) as (near, far):
         with lodestreamd(bench, store, "10.9.0.1:7400", near), plain_haproxy(folder, "10.9.0.1:7401", "10.9.0.1:7400", near):
             time.sleep(0.5)
@@ -313,14 +293,13 @@ def urgent(bench):
                 if done.returncode != 0:
                     sys.exit(done.stderr)
                 run = json.loads(done.stdout)
-                print(f"| {control}, {way} | **{run['median_ms']:.0f} ms** | {run['max_ms']:.0f} ms | {run['median_ms'] / 50:.1f} | "
-                      f"{run['bulk_mbit_s']:.1f} Mbit/s |", flush=True)
+                print_row(part="urgent", way=f"{control}, {way}", p50_ms=run["median_ms"], max_ms=run["max_ms"], bulk_mbit_s=run["bulk_mbit_s"])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin", type=pathlib.Path, metavar="BIN_DIR")
-    parser.add_argument("parts", nargs="*", metavar="PART", help="of those above; all by default")
+    parser.add_argument("parts", nargs="*", metavar="PART", help="one of the parts above; all by default")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--seconds", type=int, default=4, help="of a run of throughput")
     parser.add_argument("--store", type=pathlib.Path, help="of latency; by default a sample of 2 million triangles")
@@ -329,7 +308,7 @@ def main():
     parser.add_argument("--requests", type=int, default=40, help="urgent ones")
     bench = parser.parse_args()
     bench.bin = bench.bin.resolve()
-    for ending in (signal.SIGTERM, signal.SIGHUP):  # as SIGINT does, so that servers, control groups and namespaces go too
+    for ending in (signal.SIGTERM, signal.SIGHUP):  # exit as on SIGINT, so that servers, control groups and namespaces are removed
         signal.signal(ending, lambda number, _: sys.exit(128 + number))
     parts = dict(throughput=throughput, tls=tls, fairness=fairness, clients=clients, idle=idle, cold=cold, latency=latency, cores=cores,
                  urgent=urgent)
@@ -337,7 +316,6 @@ def main():
         bench.folder = pathlib.Path(folder)
         for name in bench.parts or parts:
             parts[name](bench)
-            print()
 
 
 if __name__ == "__main__":

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""What a picture takes to within a pixel: bench_views.py BIN_DIR STORE [STORE ...] [--places 4] [--json]
+"""Bytes and triangles of a view to one pixel: bench_views.py BIN_DIR STORE [STORE ...] [--places 4]
 
-Cameras far to close, the same for all stores, which are to be of one model: at places of its surface drawn by a seed, as far from them
-as the shares of the diagonal below, looking down on them at 30 degrees. A row a distance and store: medians over the places of the
-triangles drawn, of bytes received, and of those divided by what the first store took at the same place.
+Stores are of one model. Cameras stand at random places of its surface, at the distances below, looking down at 30 degrees. Prints a
+row for each distance and store: medians over the places, and ratios to the first store at the same place.
 """
 import argparse
 import json
@@ -13,6 +12,8 @@ import random
 import statistics
 import subprocess
 import tempfile
+
+from rows import print_row
 
 DISTANCES = [2.4, 1.2, 0.6, 0.3, 0.06, 0.012]  # of the diagonal
 PITCH = math.radians(30)
@@ -70,7 +71,6 @@ def main():
     parser.add_argument("bin_dir", type=pathlib.Path)
     parser.add_argument("stores", nargs="+", type=pathlib.Path, metavar="STORE")
     parser.add_argument("--places", type=int, default=4, help="of the surface (default: 4)")
-    parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     taken = {(share, store): [] for share in DISTANCES for store in options.stores}
     with tempfile.TemporaryDirectory() as name:
@@ -83,20 +83,12 @@ def main():
                                       check=False, capture_output=True, text=True).stdout  # 1 where the model has no more
                 fetched = json.loads(said)
                 taken[share, store].append((fetched["triangles"], fetched["bytes_received"]))
-    rows = []
     for (share, store), of_places in taken.items():
         first = taken[share, options.stores[0]]
         ratios = [[mine[i] / others[i] for mine, others in zip(of_places, first)] for i in (0, 1)]
         triangles, received = (statistics.median(values) for values in zip(*of_places))
-        rows.append({"distance": share, "store": store.stem, "triangles_drawn": triangles, "bytes_received": received,
-                     "triangles_ratio": statistics.median(ratios[0]), "bytes_ratio": statistics.median(ratios[1])})
-    if options.json:
-        print(json.dumps(rows))
-        return
-    print("| distance | store | bytes received | triangles drawn | of the first store's |\n| --- | --- | --- | --- | --- |")
-    for row in rows:
-        print(f"| {row['distance']} | {row['store']} | {row['bytes_received']:.0f} | {row['triangles_drawn']:.0f} "
-              f"| {row['bytes_ratio']:.2f} ({row['triangles_ratio']:.2f}) |")
+        print_row(distance=f"{share} diagonals", store=store.stem, bytes_received=received, triangles_drawn=triangles,
+                  bytes_ratio=statistics.median(ratios[1]), triangles_ratio=statistics.median(ratios[0]))
 
 
 if __name__ == "__main__":

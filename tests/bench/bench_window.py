@@ -1,11 +1,13 @@
 #!/usr/bin/python3
-"""What frames of the window take while a model streams into it: bench_window.py BIN_DIR TARGET... [--link]
+"""Frame times of the window while a model streams into it: bench_window.py BIN_DIR TARGET... [--link]
 
-A window of 1280 x 720 on an Xvfb flies an orbit twice: on the first lap parts arrive, on the second nearly all are there. By turns with
-the frame rate's control (60 and 15 frames a second wanted) and without (--pixels 1). Where it has fewer pixels drawn, thresholds are in
-these. "Of the fit": the 99th percentile, by nearest rank as all of them are, of what frames of the first lap take over what their
-triangles cost, by a line through the frames of the second. "Of the aim": the same of what they take over what each was to take itself.
-With --link, as root, targets are stores that are served over an emulated link of 10 Mbit/s and 25 ms one way; BIN_DIR holds wan, too.
+A window of 1280 x 720 on an Xvfb flies an orbit twice: parts arrive on the first lap; on the second nearly all are resident. It runs
+with frame rate control (60 and 15 frames a second) and without (--pixels 1), and prints a row for each. Thresholds are in drawn pixels.
+
+of_fit  99th percentile of a first-lap frame's time ÷ the time for its triangles by a line through the second lap's frames
+of_aim  99th percentile of a first-lap frame's time ÷ its target
+
+With --link, as root, stores are served over an emulated link of 10 Mbit/s and 25 ms one way; BIN_DIR then needs wan.
 """
 import argparse
 import contextlib
@@ -15,6 +17,8 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+
+from rows import print_row
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "load"))
 from processes import display, running  # noqa: E402
@@ -26,13 +30,13 @@ WAYS = (("60 frames a second", ["--fps", "60"]), ("15 frames a second", ["--fps"
 
 @contextlib.contextmanager
 def beside(_, target):
-    """A target, and what a command for it begins with: it is on this machine."""
+    """Yields a target on this machine, and an empty prefix of commands for it."""
     yield target, []
 
 
 @contextlib.contextmanager
 def beyond_link(bin_dir, store):
-    """The same of a store that is served over a long link."""
+    """Yields the URL of a store served over a long link, and the prefix of commands at its far end."""
     with long_link(bin_dir) as (near, far), \
             running([*near, bin_dir / "lodestreamd", "serve", store, "--listen", "10.9.0.1:7400", "--public", "--insecure"],
                     stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as server:
@@ -48,7 +52,7 @@ def fly(bin_dir, target, prefix, options):
 
 
 def line_through(points):
-    """Least squares of milliseconds over triangles: at none, and a triangle's."""
+    """Least squares of milliseconds over triangles: intercept and slope."""
     count = len(points)
     mean_x, mean_y = (sum(point[i] for point in points) / count for i in (0, 1))
     spread = sum((x - mean_x) ** 2 for x, _ in points)
@@ -59,7 +63,7 @@ def line_through(points):
 def frames_of(flown, lap):
     frames = [frame for frame in flown["frames"] if frame["lap"] == lap]
     if not frames:
-        sys.exit(f"no frame of lap {lap + 1} was timed: a frame takes longer than the whole lap here, which nothing can be told from")
+        sys.exit(f"no frame of lap {lap + 1} was timed: a frame takes longer than the lap")
     return frames
 
 
@@ -81,21 +85,16 @@ def main():
     parser.add_argument("targets", nargs="+")
     parser.add_argument("--link", dest="place", action="store_const", const=beyond_link, default=beside)
     arguments = parser.parse_args()
-    print("| target | held | frames | median ms | 99th percentile | aimed at, ms, median | of the aim |"
-          " of the fit | triangles, median | of the pixels, median | threshold px, median |"
-          " uploads ms, 99th percentile, most |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for target in arguments.targets:
         for name, options in WAYS:
             with arguments.place(arguments.bin_dir.resolve(), target) as (address, prefix):
                 flown = fly(arguments.bin_dir.resolve(), address, prefix, options)
             of_fit, of_aim = over_fit(flown), over_aim(flown)
             lap = flown["laps"][0]
-            aimed = lap["target_ms"]["p50"]
-            print(f"| {pathlib.PurePath(target).name} | {name} | {lap['frames']} | {lap['work_ms']['p50']:.0f} |"
-                  f" {lap['work_ms']['p99']:.0f} | {f'{aimed:.0f}' if aimed else '–'} | {f'{of_aim:.2f}' if of_aim else '–'} | {of_fit:.2f} |"
-                  f" {lap['triangles']['p50']:,.0f} | {lap['scale']['p50'] ** 2:.0%} | {lap['threshold_px']['p50']:.2f} |"
-                  f" {lap['upload_ms']['p99']:.2f}, {lap['upload_ms']['max']:.2f} |", flush=True)
+            aim = {"aim_ms": lap["target_ms"]["p50"], "of_aim": of_aim} if of_aim else {}
+            print_row(target=pathlib.PurePath(target).name, held=name, frames=lap["frames"], work_p50_ms=lap["work_ms"]["p50"],
+                      work_p99_ms=lap["work_ms"]["p99"], **aim, of_fit=of_fit, triangles=lap["triangles"]["p50"], pixels=lap["scale"]["p50"] ** 2,
+                      threshold_px=lap["threshold_px"]["p50"], upload_p99_ms=lap["upload_ms"]["p99"], upload_max_ms=lap["upload_ms"]["max"])
 
 
 if __name__ == "__main__":

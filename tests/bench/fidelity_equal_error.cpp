@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <meshoptimizer.h>
@@ -10,6 +10,7 @@
 #include "server/ingest/simplify/collapse.h"
 #include "tests/bench/bench_models.h"
 #include "tests/bench/fidelity_parts.h"
+#include "tests/bench/print_row.h"
 
 namespace lode::bench {
 namespace {
@@ -24,8 +25,7 @@ struct Measured {
   SampledDistance distance;
 };
 
-/// Triangle counts to which the whole model is reduced, falling, down to where errors are larger than any of
-/// the cuts'.
+/// Falling triangle counts of the whole model's simplifications, down to errors larger than any cut's.
 std::vector<size_t> ladderOf(size_t triangles, size_t fewest) {
   const auto whole = static_cast<double>(triangles);
   std::vector<size_t> ladder{static_cast<size_t>(kFirstStep * whole)};
@@ -34,8 +34,8 @@ std::vector<size_t> ladderOf(size_t triangles, size_t fewest) {
   return ladder;
 }
 
-/// Triangles at which an error is first kept, interpolated in log-log; the whole model's where only it keeps
-/// it, nothing where even the fewest do.
+/// Smallest count that keeps an error, interpolated in log-log: the whole model's if only it keeps the error,
+/// none if even the coarsest simplification does.
 /// @param ladder  by falling counts.
 std::optional<double> trianglesAt(std::span<const Measured> ladder, double whole, double error,
                                   double SampledDistance::*kind) {
@@ -71,12 +71,10 @@ std::vector<Measured> measureMeshoptimizer(const FileSurface& surface, const Ori
   return result;
 }
 
-/// Our own simplifier on the whole model as one node, nothing locked: what the hierarchy alone costs.
-std::vector<Measured> measureCollapse(const char* path, const Original& original,
+/// Measures collapse() on the whole model as one node with nothing locked: the cost of the hierarchy alone.
+std::vector<Measured> measureCollapse(const FileSurface& surface, const Original& original,
                                       std::span<const size_t> ladder) {
-  FileNode node = readNode(path);
-  node.mesh.attributes = {};
-  node.mesh.wedge_attributes.clear();
+  FileNode node = nodeOf(surface);
   std::vector<Measured> result;
   ingest::collapse(std::move(node.mesh), ladder, {.max_position = node.extent},
                    [&](size_t, ingest::SimplifiedMesh&& simple) {
@@ -94,24 +92,18 @@ struct CutMeasured {
   Measured measured;
 };
 
-void compareWith(const char* name, std::span<const Measured> ladder, double whole,
-                 std::span<const CutMeasured> cuts) {
-  std::printf("triangles of cuts / of %s on the whole model, at equal\n", name);
+/// Adds to each cut's row its triangles ÷ the simplifier's at equal error; none if no simplification is so
+/// coarse.
+void addRatios(const std::string& simplifier, std::span<const Measured> ladder, double whole,
+               std::span<const CutMeasured> cuts, std::vector<nlohmann::ordered_json>& rows) {
   for (const bool is_max : {true, false}) {
     double SampledDistance::*const kind = is_max ? &SampledDistance::max : &SampledDistance::rms;
-    std::printf("  %-14s", is_max ? "largest error:" : "rms:");
-    double logs = 0, count = 0;
-    for (const CutMeasured& cut : cuts) {
-      const auto theirs = trianglesAt(ladder, whole, cut.measured.distance.*kind, kind);
-      if (!theirs) {
-        std::printf("  (too coarse)");
-        continue;
-      }
-      std::printf("  %.0f / %.0f = %.2f", cut.measured.triangles, *theirs, cut.measured.triangles / *theirs);
-      logs += std::log(cut.measured.triangles / *theirs);
-      ++count;
+    for (size_t i = 0; i < cuts.size(); ++i) {
+      const auto theirs = trianglesAt(ladder, whole, cuts[i].measured.distance.*kind, kind);
+      if (theirs)
+        rows[i][simplifier + (is_max ? "_at_equal_largest" : "_at_equal_rms")] =
+            cuts[i].measured.triangles / *theirs;
     }
-    std::printf("   geometric mean %.2f\n", std::exp(logs / count));
   }
 }
 
@@ -121,19 +113,21 @@ void compareAtEqualError(const char* original, std::span<char* const> paths) {
   const FileSurface surface = readSurface(original);
   const Original measured(surface.soup(), kSamples);
   std::vector<CutMeasured> cuts;
+  std::vector<nlohmann::ordered_json> rows;
   size_t fewest = surface.triangles.size();
   for (const char* path : paths) {
     const test::TriangleSoup soup = readSurface(path).soup();
     fewest = std::min(fewest, soup.size());
     cuts.push_back({path, {static_cast<double>(soup.size()), measured.distanceOf(soup)}});
     const SampledDistance& distance = cuts.back().measured.distance;
-    std::printf("%9zu triangles  largest %.3e  rms %.3e of the diagonal  %s\n", soup.size(), distance.max,
-                distance.rms, path);
+    rows.push_back(
+        {{"cut", path}, {"triangles", soup.size()}, {"largest", distance.max}, {"rms", distance.rms}});
   }
   const std::vector<size_t> ladder = ladderOf(surface.triangles.size(), fewest / 3);
   const auto whole = static_cast<double>(surface.triangles.size());
-  compareWith("meshoptimizer", measureMeshoptimizer(surface, measured, ladder), whole, cuts);
-  compareWith("collapse()", measureCollapse(original, measured, ladder), whole, cuts);
+  addRatios("of_meshoptimizer", measureMeshoptimizer(surface, measured, ladder), whole, cuts, rows);
+  addRatios("of_collapse", measureCollapse(surface, measured, ladder), whole, cuts, rows);
+  for (const auto& row : rows) printRow(row);
 }
 
 }  // namespace lode::bench

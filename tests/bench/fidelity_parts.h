@@ -4,25 +4,17 @@
 
 namespace lode::bench {
 
-/// The parts of bench_fidelity; each prints what it measures. @throws Error as ingest::PlyReader.
+/// The parts of bench_fidelity. Each prints one JSON object per measurement. @throws Error as
+/// ingest::PlyReader.
 
-/// Two-sided distances of cuts from their original; of the bunny's beside the reference.
+/// Two-sided distances of cuts from their original; of the bunny beside the reference, too.
 void compareCuts(const char* original, std::span<char* const> cuts);
 
-/// The paper's operator on the bunny: the cuts nearest to the reference's counts.
-void comparePaper(const char* original);
-
-/// Triangles of cuts beside those of meshoptimizer on the whole model at the same measured error.
+/// Triangles of cuts ÷ those of meshoptimizer and collapse() on the whole model at the same measured error.
 void compareAtEqualError(const char* original, std::span<char* const> cuts);
 
-/// What attributes lose with and without their quadrics, at equal triangle counts.
-void compareAttributes(std::span<char* const> models);
-
-/// Hoppe's form of attribute quadrics beside Garland's and Heckbert's.
-void compareForms(std::span<char* const> models);
-
-/// Pictures in pairs, the full resolution's first: peak signal-to-noise ratio where both show the model.
-/// @param halvings  how often they are halved before, in linear light.
+/// Peak signal-to-noise ratio of pairs of pictures, full resolution first, where both show the model.
+/// @param halvings  number of times that both are halved first, in linear light.
 void comparePictures(std::span<char* const> pairs, int halvings);
 
 }  // namespace lode::bench

@@ -11,12 +11,13 @@
 
 #include "server/ingest/textures/image_decoder.h"
 #include "tests/bench/fidelity_parts.h"
+#include "tests/bench/print_row.h"
 
 namespace lode::bench {
 namespace {
 
 constexpr uint64_t kMemory = 1u << 30;
-constexpr int kDither = 8;  // of the background, which else is one colour a row
+constexpr int kDither = 8;  // largest difference from a row's background colour
 
 Image readPicture(const char* path, int halvings) {
   std::ifstream file(path, std::ios::binary);
@@ -38,9 +39,9 @@ bool isDrawn(const Image& picture, uint32_t x, uint32_t y) {
 }
 
 struct Comparison {
-  double inside_db = 0;  ///< over the pixels that both show the model at
-  double all_db = 0;     ///< over those that either does: silhouettes count
-  double share = 0;      ///< of the picture, that the model covers
+  double inside_db = 0;  ///< over pixels where both show the model
+  double all_db = 0;     ///< over pixels where either does, silhouettes included
+  double share = 0;      ///< of the picture that the model covers
 };
 
 double decibels(double squares, double count) {
@@ -72,12 +73,17 @@ void comparePictures(std::span<char* const> pairs, int halvings) {
   for (size_t i = 0; i + 1 < pairs.size(); i += 2) {
     const Image full = readPicture(pairs[i], halvings), other = readPicture(pairs[i + 1], halvings);
     if (full.size != other.size) {
-      std::printf("of different sizes: %s %s\n", pairs[i], pairs[i + 1]);
+      std::fprintf(stderr, "bench_fidelity: %s and %s differ in size\n", pairs[i], pairs[i + 1]);
       continue;
     }
     const Comparison result = compare(full, other);
-    std::printf("%5.1f dB inside the silhouette  %5.1f dB with its boundary  %4.1f %% of the picture  %s\n",
-                result.inside_db, result.all_db, 100 * result.share, pairs[i + 1]);
+    const auto decibels_of = [](double db) {  // equal pictures have none
+      return std::isfinite(db) ? nlohmann::ordered_json(db) : nlohmann::ordered_json();
+    };
+    printRow({{"picture", pairs[i + 1]},
+              {"inside_db", decibels_of(result.inside_db)},
+              {"with_boundary_db", decibels_of(result.all_db)},
+              {"share", result.share}});
   }
 }
 

@@ -1,5 +1,5 @@
-// What the thread that draws does for newer cuts of a scene whose meshes are all there: it plans their
-// exchange and lists what is drawn, in one frame. Needs OpenGL 4.5, but no display.
+// Measures the drawing thread's work for new cuts of a scene with resident meshes: planning the exchange and
+// listing what is drawn, in one frame. Needs OpenGL 4.5, but no display.
 
 #include <memory>
 #include <optional>
@@ -19,8 +19,7 @@ namespace {
 constexpr uint32_t kPlaces = 120, kParts = 256;
 constexpr uint32_t kLods = 2;
 
-/// The meshes of a model's nodes, and cuts of it at all places as a refiner publishes them: each of them
-/// anew.
+/// Meshes of a model's nodes, and new cuts of all its instances as a refiner publishes them.
 class Scene {
  public:
   Scene() {
@@ -29,7 +28,7 @@ class Scene {
           std::make_shared<const Mesh>(test::makeGrid(2, 2, {.attributes = {}, .seed = i + 1})));
   }
 
-  /// So many parts of so many places have the other LOD in every other step.
+  /// The given number of parts and instances change their LOD in every other step.
   std::shared_ptr<const core::ViewCuts> at(uint64_t step, const benchmark::State& state) const {
     auto placed = std::make_shared<core::ViewCuts>();
     for (uint32_t place = 0; place < kPlaces; ++place)
@@ -52,7 +51,7 @@ class Scene {
   std::vector<std::shared_ptr<const Mesh>> meshes_;
 };
 
-/// All places' cuts are new, as they are when the camera moves; so many have other meshes.
+/// All instances have new cuts, as when the camera moves; the given number have other meshes.
 void planAnExchange(benchmark::State& state) {
   const Scene scene;
   const auto from = scene.at(0, state), to = scene.at(1, state);

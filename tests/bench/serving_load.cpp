@@ -1,9 +1,8 @@
-// Takes as much as a server gives: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls].
-// Each connection keeps so many requests open for blobs from FIRST to LAST, at random; with IN_FLIGHT as
-// 16,256 the first one keeps 256 and the others 16. It looks at headers and drops the bytes, so that one core
-// of it does not hold up one of the server. Time begins when all have the model open. Prints blobs, bytes,
-// those of each connection, the seconds that they took, and percentiles of what a request took, which are
-// exact where IN_FLIGHT is 1.
+// Loads a server as far as it goes: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls].
+// Each connection keeps IN_FLIGHT requests open for random blobs from FIRST to LAST; with IN_FLIGHT 16,256
+// the first keeps 256 and the others 16. It reads headers and drops the bytes, so that one client core does
+// not limit one server core. Time starts when all connections have the model open. Prints blobs, bytes, bytes
+// of each connection, seconds, and percentiles of a request's time, which are exact if IN_FLIGHT is 1.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -37,12 +36,12 @@ constexpr uint64_t kEndlessWindow = uint64_t{1} << 60;
 
 struct Counter {
   uint64_t blobs = 0, bytes = 0;
-  std::vector<double> times_ms;  ///< from a frame of requests to the last byte of each of its blobs
+  std::vector<double> times_ms;  ///< from a Requests frame to the last byte of each of its blobs
 };
 
 class Client {
  public:
-  /// @param tls  none: plain.
+  /// @param tls  null for a plain connection.
   Client(uint16_t port, const std::string& model, uint32_t first, uint32_t last, uint32_t in_flight,
          uint32_t seed, SSL_CTX* tls)
       : socket_(socket(AF_INET, SOCK_STREAM, 0)), any_(first, last), in_flight_(in_flight), random_(seed) {
@@ -69,7 +68,7 @@ class Client {
   int descriptor() const noexcept { return socket_; }
   const Counter& counts() const noexcept { return counts_; }
 
-  /// @param room  for what is read in one go; shared by all clients.
+  /// @param room  read buffer, shared by all clients.
   void read(std::span<std::byte> room) {
     for (int records = tls_ != nullptr ? kRecords : 1; records > 0; --records) {
       const ssize_t got = receive(room);
@@ -80,15 +79,15 @@ class Client {
     if (requests_ && open_ + std::min(kRefill, in_flight_) <= in_flight_) request();
   }
   bool opened() const noexcept { return opened_; }
-  /// Once it is opened: requests from now on.
+  /// Starts requesting, once the model is open.
   void begin() {
     requests_ = true;
     request();
   }
 
  private:
-  static constexpr uint32_t kRefill = 8;  ///< requests in a frame
-  static constexpr int kRecords = 16;     ///< of TLS, read at a time
+  static constexpr uint32_t kRefill = 8;  ///< requests per frame
+  static constexpr int kRecords = 16;     ///< TLS records per read
   static constexpr size_t kHeadBytes = proto::kFrameHeaderBytes + proto::kBlobChunkHeaderBytes;
 
   void shakeHands(SSL_CTX* tls) {
@@ -97,7 +96,7 @@ class Client {
     if (SSL_connect(tls_) != 1) throw Error(ErrorCode::kNetwork, "the TLS handshake failed");
     fcntl(socket_, F_SETFL, O_NONBLOCK);
   }
-  /// As recv(): -1 for nothing now.
+  /// Reads like recv(): -1 if nothing is available.
   ssize_t receive(std::span<std::byte> room) {
     if (tls_ == nullptr) return recv(socket_, room.data(), room.size(), MSG_DONTWAIT);
     size_t got = 0;
@@ -126,7 +125,7 @@ class Client {
           {proto::RequestAction::kAdd, proto::RequestClass::kVisible, ++last_request_, any_(random_), 1});
     send(proto::encode(requests, 3));
   }
-  /// Frames may be cut anywhere: heads are put together, bodies skipped.
+  /// Reads may end within a frame: headers are joined, bodies are skipped.
   void take(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
       const size_t skipped = std::min(skip_, bytes.size());
