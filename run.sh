@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From nothing to a picture: ./run.sh [MODEL] [OPTIONS of lodestream view or render]
+# Builds Lodestream and shows a model: ./run.sh [MODEL] [OPTIONS of lodestream view or render]
 set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
@@ -10,9 +10,9 @@ usage() {
   cat <<'EOF'
 usage: ./run.sh [MODEL.ply | STORE.lode | lode://HOST:PORT/MODEL] [OPTIONS]
 
-Installs what is missing, builds Lodestream, and opens a window on the model; without a display it draws a
-picture and says where. Without a model it makes one of two million triangles. Options go to the client:
-lodestream view --help (lodestream render --help, without a display) lists them.
+Installs missing packages, builds Lodestream and opens a window on the model; without a display it draws a
+picture and prints its path. Without a model it makes one of two million triangles. Options go to the client:
+lodestream view --help (without a display lodestream render --help) lists them.
 EOF
 }
 
@@ -24,7 +24,7 @@ build_programs() {
     (cd "$root" && cmake --preset release -DLODE_TESTS=OFF) >"$build/configure.log" 2>&1
   }; then
     cat "$build/configure.log" >&2
-    say "the build could not be set up; the lines above say why"
+    say "cmake could not configure the build; the lines above say why"
     exit 1
   fi
   if ! cmake --build "$build" --target lodestreamd lodestream >&2; then
@@ -33,10 +33,10 @@ build_programs() {
   fi
 }
 
-make_sample() {  # prints the path
+make_sample() {  # prints its path
   local sample="$root/build/sample/asteroid.ply"
   if [[ ! -s "$sample" ]]; then
-    say "no model given: making one of $sample_triangles triangles in $sample"
+    say "no model given: making $sample with $sample_triangles triangles"
     mkdir -p "$(dirname "$sample")"
     "$build/bin/lodestreamd" sample asteroid --triangles "$sample_triangles" --attributes normal,color \
       -o "$sample" >&2
@@ -55,7 +55,7 @@ case "${1:-}" in
     model="$1"
     shift
     if [[ "$model" != lode*://* && ! -f "$model" ]]; then
-      say "no such file: $model; give a PLY mesh, or nothing for a sample model"
+      say "no such file: $model; name a PLY mesh, or nothing for a sample model"
       exit 1
     fi
     ;;
@@ -67,7 +67,7 @@ build_programs
 [[ -n "$model" ]] || model="$(make_sample)"
 
 if [[ -n "${DISPLAY:-}" ]]; then
-  say "opening $model: drag to turn; the panel lists the keys, Esc leaves"
+  say "opening $model: drag to turn; F1 shows the keys; Esc leaves"
   exec "$build/bin/lodestream" view "$model" "$@"
 fi
 

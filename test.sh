@@ -9,9 +9,9 @@ usage() {
   cat <<'EOF'
 usage: ./test.sh [--all] [OPTIONS]
 
-Installs what is missing, builds the dev preset and runs every unit and integration test; --all runs the slow
-ones too. Other options go to ctest: ./test.sh -R store, ./test.sh -L unit. With LODESTREAM_TEST_DATA set to a
-folder of scans the tests that need one run as well; without it they are skipped by name.
+Installs missing packages, builds the dev preset and runs the unit and integration tests; --all runs the slow
+ones too. Other options go to ctest: ./test.sh -R store, ./test.sh -L unit. Tests of scans read the folder
+LODESTREAM_TEST_DATA and are skipped without it.
 EOF
 }
 
@@ -31,7 +31,7 @@ docker/install-packages.sh run window build test
 started=$SECONDS
 rm -f build/dev/test.log
 first=()
-[[ -f build/dev/CMakeCache.txt ]] || first=(-DCMAKE_UNITY_BUILD=ON)  # a whole build then takes half
+[[ -f build/dev/CMakeCache.txt ]] || first=(-DCMAKE_UNITY_BUILD=ON)  # halves a whole build
 cmake --preset dev "${first[@]}"
 cmake --build --preset dev
 built=$SECONDS
@@ -39,5 +39,5 @@ built=$SECONDS
 status=0
 ctest --preset "$preset" --parallel "$(nproc)" "$@" 2>&1 | tee build/dev/test.log || status=$?
 echo "test.sh: built in $((built - started)) s, tested in $((SECONDS - built)) s; the log is in build/dev/test.log"
-grep -E '^[0-9]+% tests passed' build/dev/test.log || echo "test.sh: ctest counted no tests" >&2
+grep -E '^[0-9]+% tests passed' build/dev/test.log || echo "test.sh: ctest ran no tests" >&2
 exit "$status"

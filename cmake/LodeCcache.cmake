@@ -1,5 +1,5 @@
-# Where ccache is installed, compilations go through it, unless the command line names a launcher of its own. It keeps what
-# takes precompiled headers only if g++ leaves them alone while it preprocesses, and if what they define may be trusted.
+# Compiles through ccache if it is installed, unless the command line names a launcher. ccache caches files with precompiled
+# headers only with -fpch-preprocess and with the sloppiness below.
 find_program(LODE_CCACHE ccache)
 if(LODE_CCACHE)
   if(NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)

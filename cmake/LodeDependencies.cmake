@@ -1,4 +1,4 @@
-# Every library from outside, as a target. docs/architecture.md says why each is here; docker/packages.txt installs them.
+# Finds every external library as a target. docs/architecture.md gives the reasons; docker/packages.txt lists the packages.
 
 find_package(Threads REQUIRED)
 find_package(glm REQUIRED)
@@ -13,31 +13,31 @@ find_package(JPEG REQUIRED)
 find_package(PNG REQUIRED)
 find_package(spdlog REQUIRED)
 
-# Debian's draco package config misses its include folder; the library itself is all that is needed.
+# Debian's draco package config names a missing include folder, so only the library is looked for.
 find_library(LODE_DRACO_LIBRARY draco REQUIRED)
 add_library(lode_draco INTERFACE)
 target_link_libraries(lode_draco INTERFACE ${LODE_DRACO_LIBRARY})
 
-# Debian's prometheus-cpp package config asks for what its other parts need; its core is all that is needed.
+# Debian's prometheus-cpp package config requires the packages of its other parts; only its core is used.
 find_library(LODE_PROMETHEUS_LIBRARY prometheus-cpp-core REQUIRED)
 add_library(lode_prometheus INTERFACE)
 target_link_libraries(lode_prometheus INTERFACE ${LODE_PROMETHEUS_LIBRARY})
 
-# Asio is headers only. The definitions make clang's tools see the coroutines that g++ sees by itself.
+# Asio is header-only. The definitions enable coroutines for clang's tools; g++ enables them by itself.
 find_path(LODE_ASIO_INCLUDE asio.hpp REQUIRED)
 add_library(lode_asio INTERFACE)
 target_include_directories(lode_asio SYSTEM INTERFACE ${LODE_ASIO_INCLUDE})
 target_compile_definitions(lode_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED ASIO_HAS_CO_AWAIT=1 ASIO_HAS_STD_COROUTINE=1)
-# Coroutines wait in one another: a thread keeps the frames of as many as a connection has, instead of two. Its memory comes
-# from operator new, as all other does, so that the server's reserve is for it too.
+# A thread recycles the frames of as many nested coroutines as a connection has, instead of two. Frames come from operator
+# new, so that the server's memory reserve covers them.
 target_compile_definitions(lode_asio INTERFACE ASIO_RECYCLING_ALLOCATOR_CACHE_SIZE=8 ASIO_DISABLE_STD_ALIGNED_ALLOC)
 target_link_libraries(lode_asio INTERFACE Threads::Threads)
 if(LODE_SANITIZE)
-  # At their -O1 g++ 12 sees the operator new in a coroutine's frame, but not the delete that goes with it: a false alarm.
+  # At -O1 g++ 12 sees operator new of a coroutine's frame but not its delete: a false alarm.
   target_compile_options(lode_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-mismatched-new-delete>)
 endif()
 if(LODE_SANITIZE MATCHES thread)
-  # The thread sanitizer does not know fences, and g++ says so. Asio's queues are behind mutexes all the same.
+  # The thread sanitizer does not support fences, and g++ warns of it. Asio's queues are behind mutexes anyway.
   target_compile_definitions(lode_asio INTERFACE ASIO_DISABLE_FENCED_BLOCK)
 endif()
 
@@ -47,7 +47,7 @@ if(LODE_GL)
   pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
   find_path(LODE_IMGUI_INCLUDE imgui/imgui.h REQUIRED)
   find_library(LODE_IMGUI_LIBRARY imgui REQUIRED)
-  find_library(LODE_STB_LIBRARY NAMES libstb.a REQUIRED)  # imgui's fonts use it; static, as imgui is
+  find_library(LODE_STB_LIBRARY NAMES libstb.a REQUIRED)  # for imgui's fonts; static, like imgui
   add_library(lode_imgui INTERFACE)
   target_include_directories(lode_imgui SYSTEM INTERFACE ${LODE_IMGUI_INCLUDE}/imgui)
   target_link_libraries(lode_imgui INTERFACE ${LODE_IMGUI_LIBRARY} ${LODE_STB_LIBRARY} glfw)

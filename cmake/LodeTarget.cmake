@@ -1,6 +1,6 @@
-# One function a target: C++20, warnings, sanitizers, and the layers of docs/architecture.md.
+# Declares targets with C++20, warnings, sanitizers and the layers of docs/architecture.md.
 
-# LODE_LAYER_<name>: the layers that a library of that layer may use.
+# LODE_LAYER_<name> lists the layers that a library of that layer may use.
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/layers.txt lines REGEX "^[a-z_]+ *\\| [^|]*\\|")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/layers.txt)
 foreach(line ${lines})
@@ -11,39 +11,37 @@ foreach(line ${lines})
   endif()
 endforeach()
 
-# Errors with g++ 12, which CI has, and clang: what another compiler newly or falsely warns of ends nobody's build
-# (g++ 14, for one: -Wfree-nonheap-object where a vector<bool> is freed), nor what g++ takes for wrong in what a sanitizer
-# has added to.
+# Warnings are errors with g++ 12, which CI uses, and with clang. New or false warnings of other compilers, such as g++ 14's
+# -Wfree-nonheap-object on a vector<bool>, and of instrumented code never end a build.
 set(LODE_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-restrict)
 if(NOT LODE_SANITIZE AND (NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13))
   list(APPEND LODE_WARNINGS -Werror)
 endif()
 
-# lode_compile_options(NAME): what every file is compiled with.
+# lode_compile_options(NAME) sets the options of every file.
 function(lode_compile_options name)
   target_compile_features(${name} PUBLIC cxx_std_20)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
   # -Wrestrict: false alarms on string concatenation in g++ 12 (GCC bug 105651).
-  # Stores, and normals that a reader finds, are the same on machines that fuse multiplications and additions.
+  # -ffp-contract=off: stores and computed normals are the same on machines with fused multiply-add.
   target_compile_options(${name} PRIVATE ${LODE_WARNINGS} -ffp-contract=off)
   if(CMAKE_UNITY_BUILD)
-    # g++ takes what a source has for itself for a header's, as it is included.
+    # g++ treats an included source as a header and warns of its anonymous namespaces.
     target_compile_options(${name} PRIVATE -Wno-subobject-linkage)
   endif()
   if(LODE_SANITIZE)
-    # g++ 12 takes what a sanitizer watches for uninitialized, moved optionals for one.
+    # With sanitizers g++ 12 falsely reports uninitialized values, such as moved optionals.
     target_compile_options(${name} PRIVATE -fsanitize=${LODE_SANITIZE} -fno-omit-frame-pointer -Wno-maybe-uninitialized)
   endif()
 endfunction()
 
-# lode_target(NAME [EXECUTABLE] [SOURCES files...] [LAYERS layers...] [LIBRARIES outside...] [PUBLIC_LIBRARIES outside...]
+# lode_target(NAME [EXECUTABLE] [SOURCES files...] [LAYERS layers...] [LIBRARIES external...] [PUBLIC_LIBRARIES external...]
 #             [PRECOMPILED set])
-#   NAME      lode_<layer> for a library; the *.cpp in and below its folder are its sources unless SOURCES names them
-#   LAYERS    the layers it may use; a library asking for one that its layer does not allow is a configure error
-#   PRECOMPILED  the headers of cmake/LodePrecompiled.cmake that its files need not parse, and the options that go with them
-# Where CMAKE_UNITY_BUILD is on (release), the sources of a folder are compiled as one, in about half the time; a source
-# that has a UNITY_GROUP keeps it. Each still includes what it uses, as other presets need it to. The commands are then
-# three files: a set of headers for them would cost more than it saves.
+#   NAME         lode_<layer> for a library; its sources are the *.cpp in and below its folder unless SOURCES names them
+#   LAYERS       the layers that it uses; a layer that its own may not use is a configure error
+#   PRECOMPILED  a set of cmake/LodePrecompiled.cmake, with its options; std by default
+# With CMAKE_UNITY_BUILD the sources of a folder compile as one, in about half the time; a source with a UNITY_GROUP keeps it.
+# Commands use no precompiled set then: they are three files, and a set would cost more than it saves.
 function(lode_target name)
   cmake_parse_arguments(arg "EXECUTABLE" "PRECOMPILED" "SOURCES;LAYERS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   if(NOT arg_SOURCES)

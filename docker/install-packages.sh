@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the sections of docker/packages.txt that are named: docker/install-packages.sh run window build test
-# Touches nothing, not even apt's lists, where all packages are there already.
-# LODESTREAM_PACKAGES=skip trusts that they are (on systems where they bear names that the list does not know).
+# Installs sections of docker/packages.txt: docker/install-packages.sh run window build test
+# Changes nothing, not even apt's lists, if all packages are installed.
+# LODESTREAM_PACKAGES=skip skips the check, for systems with other package names.
 set -euo pipefail
 
 list="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/packages.txt"
@@ -11,7 +11,7 @@ fail() {
   exit 1
 }
 
-packages_of() {  # SECTION...; a line a package: its names, separated by '|'
+packages_of() {  # SECTION...; prints a line per package: its names, separated by '|'
   local section
   for section in "$@"; do
     grep -qx "\[$section\]" "$list" || fail "no section [$section] in $list: it has $(grep -o '^\[.*\]' "$list" | tr '\n' ' ')"
@@ -19,7 +19,7 @@ packages_of() {  # SECTION...; a line a package: its names, separated by '|'
   done
 }
 
-# Answers are read to their end: a program that a reader leaves in mid-sentence fails, and with it, under pipefail, the question.
+# Output is read to its end: under pipefail a reader that stops early makes the writer, and so the check, fail.
 is_installed() { [[ " $(dpkg-query -W -f '${db:Status-Status} ' "$1" 2>/dev/null)" == *" installed "* ]]; }
 
 is_offered() { [[ "$(LC_ALL=C apt-cache policy "$1" 2>/dev/null)" =~ Candidate:\ [^\(] ]]; }
@@ -32,7 +32,7 @@ is_installed_by_any_name() {  # NAME|NAME...
   return 1
 }
 
-names_here() {  # NAME|NAME...; of each package the name that apt offers, or its first, for apt to say what is wrong
+names_here() {  # NAME|NAME...; prints the name that apt offers, or the first, for which apt then reports the error
   local names name found
   for names in "$@"; do
     found="${names%%|*}"
@@ -51,7 +51,7 @@ packages="$(packages_of "$@")"
 [[ "${LODESTREAM_PACKAGES:-}" != skip ]] || exit 0
 
 by_hand="install what docker/packages.txt lists by hand, then set LODESTREAM_PACKAGES=skip"
-command -v dpkg-query >/dev/null || fail "this is no Debian system: $by_hand"
+command -v dpkg-query >/dev/null || fail "this is not a Debian system: $by_hand"
 missing=()
 for names in $packages; do
   is_installed_by_any_name "$names" || missing+=("$names")
@@ -64,7 +64,7 @@ if [[ $EUID -ne 0 ]]; then
   command -v sudo >/dev/null || fail "neither root nor sudo; as root, run: apt-get install $(names_here "${missing[@]}" | tr '\n' ' ')"
   as_root=(sudo)
 fi
-"${as_root[@]}" apt-get update -q >&2 || echo "install-packages: apt-get update failed; going on with the lists that are there" >&2
+"${as_root[@]}" apt-get update -q >&2 || echo "install-packages: apt-get update failed; continuing with the existing lists" >&2
 mapfile -t chosen < <(names_here "${missing[@]}")
 echo "Installing ${#chosen[@]} packages: ${chosen[*]}" >&2
 "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${chosen[@]}" >&2 ||

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every C++ file, known to git or new, is as clang-format 14 would write it, and every script can be run as the documents call
-# it; `tests/check_format.sh --fix` makes it so.
+# Checks that every C++ file, tracked or new, is formatted by clang-format 14 and every script is executable.
+# tests/check_format.sh --fix mends both.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

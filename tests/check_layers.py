@@ -3,8 +3,8 @@
 
 usage: check_layers.py ROOT
 
-Prints one line for each forbidden include and exits 1 if there is any. What links against what is checked by
-cmake/LodeTarget.cmake; this is about headers, which a linker does not see.
+Prints one line for each forbidden include and exits with 1 if there is any. cmake/LodeTarget.cmake checks what links against
+what; this script checks headers, which a linker does not see.
 """
 
 import re
@@ -48,7 +48,7 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILIN
 
 
 def layer_of(path):
-    """The layer of a path from the root, or None for what is outside of the tree (a library)."""
+    """The layer of a path from the root, or None for a library's header."""
     return next((layer for prefix, layer in LAYER_OF if path.startswith(prefix)), None)
 
 
@@ -59,7 +59,7 @@ def ingest_folder(path):
 
 
 def breaks_the_flow(path, included):
-    """Whether a file of server/ingest includes one of a later folder."""
+    """Returns whether a file of server/ingest includes one of a later folder."""
     own, other = ingest_folder(path), ingest_folder(included)
     return own is not None and other is not None and INGEST_FLOW.index(other) > INGEST_FLOW.index(own)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The layer check refuses what it is there to refuse, and nothing else."""
+"""Tests that the layer check refuses forbidden includes and nothing else."""
 
 import subprocess
 import sys

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
-"""clang-tidy 14 over the sources of the programs, by .clang-tidy: tests/check_tidy.py [BUILD] [FILE...]
+"""Runs clang-tidy 14 over the sources of the programs: tests/check_tidy.py [BUILD] [FILE...]
 
-BUILD (build/dev) is a configured build folder; its generated headers must be there, so build before. Most of
-the time goes into the headers, so the sources of a folder that are compiled alike are read as one: what they
-name for themselves must differ within the folder. (A using declaration that only another of them uses is
-not noticed.)
+BUILD (build/dev) is a build folder with generated headers. Most of the time goes into headers, so the sources of a folder
+with equal options are read as one: names in anonymous namespaces must differ within a folder. A using declaration that only
+another source needs goes unnoticed.
 """
 
 import collections
@@ -18,7 +17,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 SOURCES = ["common/*.cpp", "proto/*.cpp", "server/*.cpp", "client/*.cpp"]
-WITH_THEIR_OWN_BUILD = ":!client/embed/examples"  # compiled against an installed tree
+WITH_THEIR_OWN_BUILD = ":!client/embed/examples"  # compile against an installed tree
 UNITY = re.compile(r"/Unity/unity_[^/]+\.cxx$")
 CHATTER = re.compile(r"^\d+ warnings? (generated|treated)")
 
@@ -30,14 +29,14 @@ def all_sources():
 
 
 def sources_of(file):
-    """What is compiled with the file: a unity build's includes its sources, any other is one."""
+    """Sources of a compiled file: those that a unity file includes, or the file itself."""
     if not UNITY.search(file):
         return [file]
     return re.findall(r'^#include "(.+)"$', pathlib.Path(file).read_text(), re.MULTILINE)
 
 
 def read_commands(build):
-    """By file. clang reads no headers that g++ precompiled: each file must include what it uses."""
+    """Compile commands by file, without precompiled headers, which clang cannot read from g++."""
     commands = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         command = re.sub(r" -Winvalid-pch -include \S+", "", entry["command"])
@@ -47,18 +46,18 @@ def read_commands(build):
 
 
 def together(files, commands):
-    """The files by folder and by how they are compiled, the largest groups first."""
+    """Groups of files with one folder and equal options, the largest first."""
     groups = collections.defaultdict(list)
     for file in files:
         if file not in commands:
-            sys.exit(f"check_tidy: {file} is compiled by nothing; name it in a CMakeLists.txt, and configure again")
+            sys.exit(f"check_tidy: no target compiles {file}; name it in a CMakeLists.txt and configure again")
         how = re.sub(r" -o .*", "", commands[file]["command"])
         groups[os.path.dirname(file), how].append(file)
     return sorted(groups.values(), key=len, reverse=True)
 
 
 def complaints(commands_at, files):
-    """What clang-tidy says of the files, nothing if it has no complaint."""
+    """Output of clang-tidy for the files; empty without complaints."""
     *before, last = files
     others = [f"--extra-arg={word}" for file in before for word in ("-include", os.path.abspath(file))]
     run = subprocess.run(["clang-tidy-14", "-p", commands_at, "--quiet", "--checks=-bugprone-suspicious-include",

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tidy check finds how each source is compiled, whether it is compiled by itself or with others."""
+"""Tests that the tidy check finds the options of each source, compiled by itself or in a unity file."""
 
 import json
 import os

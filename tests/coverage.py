@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Which lines of parsing, store, session and refinement the unit and integration tests run: tests/coverage.py [BUILD] [--lines]
+"""Prints how many lines of parsing, store, session and refinement the tests run: tests/coverage.py [BUILD] [--lines]
 
-BUILD (build/coverage) is where `cmake --workflow --preset coverage` ran. Prints a table; with --lines the lines that
-nothing ran, too, as FILE:FIRST-LAST.
+BUILD (build/coverage) is where `cmake --workflow --preset coverage` ran. --lines also lists the lines that no test ran, as
+FILE:FIRST-LAST.
 """
 
 import argparse
@@ -15,22 +15,22 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 PARTS = {
-    "parsing": ("server/ingest/ply/", "proto/", "common/hierarchy_page", "common/texture_set", "common/tile_image",
-                "common/image", "common/jpeg_", "common/draco_decoder", "server/serve/proxy_header",
-                "server/serve/token_file", "server/serve/health_request"),
+    "parsing": ("server/ingest/ply/", "proto/", "common/codec/hierarchy_page", "common/codec/texture_set", "common/image/",
+                "common/codec/draco_decoder", "server/serve/net/proxy_header", "server/serve/session/token_file",
+                "server/serve/ops/health_request"),
     "store": ("server/store/",),
-    "session": ("server/serve/", "client/core/session", "client/core/link", "client/core/credit_window"),
+    "session": ("server/serve/", "client/core/session/"),
     "refinement": ("client/core/",),
 }
 
 
 def part_of(file):
-    """The first that claims it."""
+    """The first part that lists the file."""
     return next((part for part, places in PARTS.items() if file.startswith(places)), None)
 
 
 def read_counts(notes):
-    """(file, line, runs) of what one object has run."""
+    """(file, line, runs) for the lines of one object."""
     run = subprocess.run(["gcov", "--json-format", "--stdout", notes], capture_output=True, text=True, check=True)
     root = os.getcwd() + os.sep
     return [(entry["file"].removeprefix(root), line["line_number"], line["count"])
@@ -39,7 +39,7 @@ def read_counts(notes):
 
 
 def runs_of(lines):
-    """'3-5', '9' of 3, 4, 5, 9."""
+    """Ranges of line numbers: '3-5', '9' for 3, 4, 5, 9."""
     spans = []
     for line in sorted(lines):
         if spans and line == spans[-1][1] + 1:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docker/install-packages.sh installs what is missing, and nothing else."""
+"""Tests that docker/install-packages.sh installs missing packages and nothing else."""
 
 import os
 import shutil
@@ -13,7 +13,7 @@ TOOLS = ("bash", "awk", "grep", "tr", "dirname", "env", "cat")
 
 
 class InstallPackages(unittest.TestCase):
-    """The script runs with a PATH of its own, where apt and its kin only write down how they were called."""
+    """Runs the script with a PATH of its own, where apt and dpkg are stubs that record their calls."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

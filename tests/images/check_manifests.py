@@ -16,9 +16,9 @@ import yaml
 from kubernetes.client import models
 
 SCALARS = {"str": str, "int": int, "float": (int, float), "bool": bool, "datetime": (str, datetime)}
-# What this release of the client does not know under its name yet, and the same under an older one.
+# Names that this release of the client does not know, with their older names.
 OLDER = {"V2HorizontalPodAutoscaler": "V2beta2HorizontalPodAutoscaler"}
-# No object of the API: read by kubectl and by a chart.
+# Files of kubectl and of a chart, which are not objects of the API.
 NOT_OF_THE_API = {"kustomization.yaml", "prometheus-adapter.yaml"}
 
 
@@ -30,7 +30,7 @@ def type_of(document):
 
 
 def problems_of(value, type_name, where):
-    """Yields what is wrong with a value of a type, as the client names types."""
+    """Yields the problems of a value, by the client's name of its type."""
     if match := re.fullmatch(r"list\[(.*)\]", type_name):
         if not isinstance(value, list):
             yield f"{where}: wants a list"
@@ -52,7 +52,7 @@ def problems_of(value, type_name, where):
 
 def problems_of_object(value, kind, where):
     if not isinstance(value, dict):
-        # The client has a type for what may be a number or a text: a port, a quantity.
+        # The client has a type for values that are a number or a text: ports, quantities.
         if kind.__name__ != "IntOrString" and kind.openapi_types:
             yield f"{where}: wants an object"
         return
@@ -64,12 +64,12 @@ def problems_of_object(value, kind, where):
             yield from problems_of(item, kind.openapi_types[attribute_of[key]], f"{where}.{key}")
     try:
         kind(**{attribute_of[key]: item for key, item in value.items() if key in attribute_of})
-    except ValueError as error:  # a key that must be there, a value that is none of those allowed
+    except ValueError as error:  # a missing key or a value that is not allowed
         yield f"{where}: {error}"
 
 
 def problems_in(text):
-    """Of all documents of a YAML file."""
+    """Problems in all documents of a YAML file."""
     for document in yaml.safe_load_all(text):
         where = f"{document.get('kind')} {document.get('metadata', {}).get('name')}"
         kind = type_of(document)

@@ -1,4 +1,4 @@
-"""Containers by buildah and crun, and network namespaces for them: what verify_images.py needs of an engine."""
+"""Containers by buildah and crun, and network namespaces for them, in place of an engine."""
 
 import contextlib
 import json
@@ -13,7 +13,7 @@ from pathlib import Path
 
 
 def run(*command, check=True, **options):
-    """Runs a command to its end. Its output is told if it fails."""
+    """Runs a command and prints its output if it fails."""
     result = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, **options)
     if check and result.returncode != 0:
         sys.exit(f"{' '.join(map(str, command))}: {result.returncode}\n{result.stdout[-4000:]}{result.stderr[-4000:]}")
@@ -29,7 +29,7 @@ def wait_until(condition, seconds, complaint):
 
 
 def image_size(image):
-    """Bytes of its files."""
+    """Total size of the files in bytes."""
     container = run("buildah", "from", "--pull-never", image).stdout.strip()
     mounted = run("buildah", "mount", container).stdout.strip()
     size = int(run("du", "-sb", "--one-file-system", mounted).stdout.split()[0])
@@ -38,7 +38,7 @@ def image_size(image):
 
 
 class Network:
-    """A namespace "hub" and others, each linked to it: what runs in the hub reaches all by their addresses."""
+    """A namespace "hub" and others, each linked to it: programs in the hub reach all by their addresses."""
 
     def __init__(self, names):
         self.prefix = f"lode{os.getpid()}"
@@ -81,7 +81,7 @@ class Network:
         return run("ip", "netns", "exec", self.namespace(name, path=False), *command, check=check)
 
     def start(self, name, *command, **options):
-        """Runs a program beside until the network ends."""
+        """Runs a program in the background until the network ends."""
         self.processes.append(subprocess.Popen(
             ["ip", "netns", "exec", self.namespace(name, path=False), *map(str, command)],
             stdout=subprocess.DEVNULL, **options))
@@ -89,7 +89,7 @@ class Network:
 
 
 class Container:
-    """A process in an image, as the image's user, on a root that is read only, without capabilities."""
+    """A process in an image, as the image's user, on a read-only root, without capabilities."""
 
     def __init__(self, image, arguments, network=None, binds=None, writable=(), output=None):
         self.bundle = Path(tempfile.mkdtemp(prefix="lodestream-container-"))
@@ -107,7 +107,7 @@ class Container:
 
     @staticmethod
     def describe(config, root, arguments, network, binds, writable):
-        """What crun is to run: the runtime specification's config.json."""
+        """config.json of the OCI runtime specification, for crun."""
         user, group = (int(number) for number in config["User"].split(":"))
         namespaces = [{"type": kind} for kind in ("pid", "ipc", "uts", "mount")]
         if network:
@@ -138,7 +138,7 @@ class Container:
         return self.process.poll()
 
     def wait(self, seconds):
-        """Its exit status; what it said on stderr is told if that is not 0."""
+        """Exit status; prints stderr if it is not 0."""
         status = self.process.wait(seconds)
         if status != 0:
             print((self.bundle / "stderr").read_text()[-2000:], file=sys.stderr)
@@ -148,7 +148,7 @@ class Container:
         run("crun", "kill", self.name, name)
 
     def execute(self, *command):
-        """A command beside the process. @return its exit status."""
+        """Runs a command beside the process and returns its exit status."""
         return run("crun", "--cgroup-manager=disabled", "exec", self.name, *command, check=False).returncode
 
     def read_proc(self, file):

@@ -1,5 +1,5 @@
-"""The Deployment and the Job of docker/kubernetes as pods that podman plays on one machine: with their secret and their volumes, the
-Deployment with its probes and its drain."""
+"""The Deployment and the Job of docker/kubernetes as pods that podman plays on one machine, with secret and volumes, probes and
+drain."""
 
 import contextlib
 import json
@@ -38,10 +38,10 @@ limited = ["{runtime}"]
 
 
 class Played:
-    """What podman plays while the `with` lasts."""
+    """A pod that podman plays while the `with` lasts."""
 
     def __init__(self, folder, played, container, volumes):
-        """played: an object of Kubernetes' API that podman knows. volumes: by their claims' names the folders whose files they hold."""
+        """played: an object that podman knows. volumes: folders by the names of their claims."""
         runtime, engine = folder / "crun-within-limits", folder / "containers.conf"
         runtime.write_text(RUNTIME.format(python=sys.executable))
         runtime.chmod(0o755)
@@ -61,7 +61,7 @@ class Played:
         with contextlib.ExitStack() as failing:
             failing.callback(self.remove)
             for volume, folder in self.volumes.items():
-                self.podman("volume", "create", "--opt", "o=uid=10001,gid=10001", volume)  # a kubelet does it, by fsGroup
+                self.podman("volume", "create", "--opt", "o=uid=10001,gid=10001", volume)  # a kubelet does this by fsGroup
                 run("cp", "-r", f"{folder}/.", self.files(volume))
             self.before()
             self.podman("play", "kube", self.manifest)
@@ -81,10 +81,10 @@ class Played:
 
 
 class PlayedJob(Played):
-    """The Job, as the pod that it makes: podman 4.3 knows pods, no jobs."""
+    """The Job as the pod that it makes, since podman 4.3 knows no jobs."""
 
     def __init__(self, folder, scans, models):
-        """Folders of the scan and of the store that comes of it."""
+        """Folders of the scan and of its store."""
         job = yaml.safe_load((MANIFESTS / "build-store.yaml").read_text())
         name, template = job["metadata"]["name"], job["spec"]["template"]
         pod = {"apiVersion": "v1", "kind": "Pod", "metadata": {**template["metadata"], "name": name}, "spec": template["spec"]}
@@ -99,14 +99,14 @@ class PlayedJob(Played):
 
 
 class PlayedPod(Played):
-    """The Deployment. Its server is at 127.0.0.1:7400, what it says of itself at 127.0.0.1:9400."""
+    """The Deployment, with its server at 127.0.0.1:7400 and its metrics at 127.0.0.1:9400."""
 
     def __init__(self, folder, models, secret):
-        """models: a folder of stores; secret: the texts of the files by their names."""
+        """models: a folder of stores; secret: contents of files by name."""
         deployment = next(part for part in yaml.safe_load_all((MANIFESTS / "lodestream.yaml").read_text()) if part["kind"] == "Deployment")
         name = deployment["metadata"]["name"]
         super().__init__(folder, deployment, f"{name}-pod-0-{deployment['spec']['template']['spec']['containers'][0]['name']}", {MODELS: models})
-        # Podman 4.3 takes a secret's texts as they are, not in base64.
+        # Podman 4.3 reads a secret's values as plain text, not as base64.
         self.secret = folder / "secret.json"
         self.secret.write_text(json.dumps({"apiVersion": "v1", "kind": "Secret", "metadata": {"name": SECRET}, "data": secret}))
 
@@ -127,6 +127,6 @@ class PlayedPod(Played):
             return False
 
     def stop(self, seconds):
-        """As a scheduler does. Returns the server's exit status."""
+        """Stops the pod as a scheduler does. Returns the server's exit status."""
         self.podman("stop", "--time", str(seconds), self.container)
         return int(self.podman("inspect", self.container, "--format", "{{.State.ExitCode}}"))

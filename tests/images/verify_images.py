@@ -54,7 +54,7 @@ def expect(condition, text):
 
 
 def import_root(folder, image, slim):
-    """Makes a base image of a root file system."""
+    """Makes a base image from a root file system."""
     container = run("buildah", "from", "scratch").stdout.strip()
     mounted = Path(run("buildah", "mount", container).stdout.strip())
     run("tar", "-C", folder, "--one-file-system", "--exclude=./proc/*", "--exclude=./dev/*", "--exclude=./var/cache/apt/*",
@@ -87,7 +87,7 @@ def build_images(options):
 
 
 def check_files():
-    """What other programs read, by those programs or their types."""
+    """Checks files of other programs by these programs or their types."""
     environment = {**os.environ, "SERVER_A": "127.0.0.2", "SERVER_B": "127.0.0.3", "LODESTREAM_MODELS": "/tmp", "GRAFANA_PASSWORD": "a"}
     run("docker-compose", "-f", DOCKER / "compose.yaml", "config", "-q", env=environment)
     del environment["LODESTREAM_MODELS"]
@@ -103,7 +103,7 @@ def check_files():
 
 
 def make_store(folder):
-    """A sample and its store, by the builder's image, as the user that it runs as."""
+    """Makes a sample and its store with the builder's image, as its user."""
     models, scans = folder / "models", folder / "scans"
     for made in (models, scans):
         made.mkdir()
@@ -118,7 +118,7 @@ def make_store(folder):
 
 
 def server_command():
-    """Of compose.yaml."""
+    """Command of the servers in compose.yaml."""
     return yaml.safe_load((DOCKER / "compose.yaml").read_text())["services"]["server-a"]["command"]
 
 
@@ -129,7 +129,7 @@ def start_server(network, name, models):
 
 
 def fetch(network, folder):
-    """Through HAProxy, by the client's image. Returns what it printed."""
+    """Runs the client's image through HAProxy and returns its output."""
     output = folder / "out.json"
     with Container("lodestream-client", ["fetch", "lode://127.0.0.1:7400/gyroid", "--json", "--cache", "off"],
                    network=network.namespace("hub"), output=output) as client:
@@ -145,7 +145,7 @@ def expect_confined(server):
 
 
 def check_metrics(network, folder, addresses):
-    """Prometheus with the file of docker/, and the metrics that the dashboard asks for."""
+    """Runs Prometheus with docker/'s file and queries the dashboard's metrics."""
     text = (DOCKER / "prometheus" / "prometheus.yml").read_text()
     for name, address in addresses.items():
         text = text.replace(f"server-{name}", address)
@@ -170,7 +170,7 @@ def check_metrics(network, folder, addresses):
 
 
 def drain(network, folder, servers, models):
-    """Ends and starts each server in turn while clients come; none may fail."""
+    """Restarts each server in turn while clients connect; none may fail."""
     fetched = 0
     for name in list(servers):
         servers[name].kill("TERM")
@@ -184,12 +184,12 @@ def drain(network, folder, servers, models):
         expect(status == 0, f"a fetch without server {name}")
         servers[name].remove()
         servers[name] = start_server(network, name, models)
-        time.sleep(1.5)  # HAProxy looks every half second
+        time.sleep(1.5)  # HAProxy checks every half second
     expect(fetched >= 2, f"{fetched} fetches while a server drained, none failed")
 
 
 def play_deployment(folder, models):
-    """The pod of Kubernetes' Deployment, under TLS and with a token, and its drain."""
+    """Plays the Deployment's pod with TLS and a token, and drains it."""
     token = secrets.token_hex(16)
     run("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2", "-subj", "/CN=localhost",
         "-keyout", folder / "tls.key", "-out", folder / "tls.crt")
@@ -210,7 +210,7 @@ def play_deployment(folder, models):
 
 
 def play_job(folder):
-    """The pod of Kubernetes' Job: a scan on one volume, its store on the other, which the server's volume is."""
+    """Plays the Job's pod: the scan is on one volume, the store on the server's."""
     scans, models = (folder / name for name in ("job-scans", "job-models"))
     for made in (scans, models):
         made.mkdir()
@@ -224,7 +224,7 @@ def play_job(folder):
 
 @contextlib.contextmanager
 def storage_of_its_own(keep):
-    """What buildah and podman keep while the `with` lasts, apart from what an operator of this machine has them keep."""
+    """Storage of buildah and podman for the `with`, apart from this machine's own."""
     folder = Path(tempfile.mkdtemp(prefix="lodestream-storage-", dir="/var/tmp"))
     settings = folder / "storage.conf"
     settings.write_text(f'[storage]\ndriver = "vfs"\ngraphroot = "{folder}/kept"\nrunroot = "{folder}/running"\n')
@@ -239,7 +239,7 @@ def storage_of_its_own(keep):
 
 
 def in_mounts_of_its_own():
-    """Goes on in a mount namespace. crun takes cgroups of version 1 or 2; where a system has both, version 2 is left out there."""
+    """Moves into a mount namespace without cgroup 2 if the system has both versions, since crun takes one."""
     if "LODESTREAM_OWN_MOUNTS" not in os.environ:
         os.environ["LODESTREAM_OWN_MOUNTS"] = "yes"
         os.execvp("unshare", ["unshare", "--mount", sys.executable, *sys.argv])
@@ -256,7 +256,7 @@ def main():
     parser.add_argument("--keep", action="store_true")
     options = parser.parse_args()
     in_mounts_of_its_own()
-    for ending in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM):  # as SIGINT does, so that containers and networks go too
+    for ending in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM):  # exit as on SIGINT, so that containers and networks are removed
         signal.signal(ending, lambda number, _: sys.exit(128 + number))
     signal.alarm(LONGEST_S)
     check_files()
