@@ -3,7 +3,7 @@
 
 usage: animate.py OUT.png MILLISECONDS:IN.png...
 
-The pictures must be as `lodestream render` writes them: 8-bit RGB, not interlaced. Each is shown for its time; the whole
+The pictures must be 8-bit RGB without interlacing, as `lodestream render` writes them. Each is shown for its time; the animation
 repeats. Source: APNG Specification, https://wiki.mozilla.org/APNG_Specification.
 """
 
@@ -16,7 +16,7 @@ SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 
 def chunks(data):
-    """Name and content of each chunk of a PNG."""
+    """Yields name and content of each chunk of a PNG."""
     at = len(SIGNATURE)
     while at < len(data):
         (length,) = struct.unpack(">I", data[at:at + 4])

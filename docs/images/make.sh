@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of README.md and docs/gallery.md from samples: docs/images/make.sh BIN_DIR
+# Makes the pictures of README.md and docs/gallery.md: docs/images/make.sh BIN_DIR
 set -euo pipefail
 
 bin="$(cd "${1:?usage: docs/images/make.sh BIN_DIR}" && pwd)"
@@ -44,10 +44,10 @@ XDG_CACHE_HOME="$work/cache" "$bin/lodestream" render "$work/scene/scene.json" -
 if command -v Xvfb >/dev/null && command -v xdotool >/dev/null; then
   ./window_pictures.py "$bin" "$work"
 else
-  echo "make.sh: Xvfb or xdotool is missing: the window's pictures stay" >&2
+  echo "make.sh: Xvfb or xdotool is missing: the window's pictures stay as they are" >&2
 fi
 
-# A model that sharpens: each picture allows a smaller error than the one before.
+# A refining model: each picture allows a smaller error than the one before.
 frames=()
 for pixels in 45 32 23 16 11 8 5.6 4 2.8 1; do
   "$bin/lodestream" render "$work/asteroid.lode" --size 480x270 --pixels "$pixels" -o "$work/sharp_$pixels.png" --json >/dev/null

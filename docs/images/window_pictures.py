@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Pictures of the window with its panel, driven by keys and a pointer: window_pictures.py BIN_DIR MODELS_DIR
+"""Makes pictures of the window with its panel, driven by keys and a pointer: window_pictures.py BIN_DIR MODELS_DIR
 
-Of MODELS_DIR/terrain.lode, into this script's folder. Needs Xvfb and xdotool; make.sh calls it.
+Shows MODELS_DIR/terrain.lode and writes into this script's folder. Needs Xvfb and xdotool; make.sh calls it.
 """
 import pathlib
 import sys
@@ -16,7 +16,7 @@ MODEL = driven_window.MODELS / "terrain.lode"
 driven_window.WIDTH, driven_window.HEIGHT = 1120, 630
 
 
-REST_S = 12  # until the picture has converged on a slow machine, and notices are gone
+REST_S = 12  # the picture converges and notices disappear, on a slow machine
 
 
 def save(name, window):
