@@ -12,19 +12,16 @@ namespace lode::core {
 Engine::Engine(EngineOptions options)
     : options_(std::move(options)),
       connection_(options_.session, options_.jitter_seed),
-      group_({.triangle_budget = options_.triangle_budget,
-              .drawn_budget_bytes = options_.drawn_budget_bytes,
-              .hysteresis_factor = options_.hysteresis_factor,
-              .lists_wanted = options_.shares_memory}) {
+      group_(options_.refine) {
   if (options_.offline && options_.cached_model)
     model_.emplace(*options_.cached_model, options_.memory_budget_bytes);
   requests_waiting_ = model_.has_value();
 }
 
 void Engine::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
-  if (options_.memory_budget_bytes == bytes && options_.drawn_budget_bytes == drawn_bytes) return;
+  if (options_.memory_budget_bytes == bytes && options_.refine.drawn_budget_bytes == drawn_bytes) return;
   options_.memory_budget_bytes = bytes;
-  options_.drawn_budget_bytes = drawn_bytes;
+  options_.refine.drawn_budget_bytes = drawn_bytes;
   if (model_) model_->setMemoryBudget(bytes);
   group_.setDrawnBudget(drawn_bytes);
 }

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,10 +16,11 @@
 #include "client/core/cache/decode_job.h"
 #include "client/core/lod/cut.h"
 #include "client/core/lod/prefetcher.h"
+#include "client/core/lod/refine_options.h"
 #include "client/core/lod/view_group.h"
 #include "client/core/model.h"
 #include "client/core/session/connection.h"
-#include "client/core/session/wait_times.h"
+#include "client/core/view/time_point.h"
 #include "client/core/view/view.h"
 #include "common/error.h"
 
@@ -28,14 +30,10 @@ constexpr uint64_t kDefaultMemoryBudgetBytes = 1ull << 30;  ///< of decoded mesh
 
 struct EngineOptions {
   SessionOptions session;
+  RefineOptions refine;  ///< for ViewGroup
   uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;
-  // See RefineOptions.
-  uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
-  uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
-  float hysteresis_factor = 1;
-  bool shares_memory = false;  ///< with other models: counts what is wanted, and holds it to one error
-  uint32_t jitter_seed = 0;    ///< of the times between tries to connect
-  bool has_cache = false;      ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
+  uint32_t jitter_seed = 0;  ///< of the times between tries to connect
+  bool has_cache = false;    ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
   /// Of the model as the cache has it, from an earlier run.
   std::optional<ModelSummary> cached_model = std::nullopt;
   bool offline = false;   ///< shows cached_model from the cache and never wants a connection
@@ -49,6 +47,36 @@ struct EngineOptions {
   std::function<void(const std::string& why)> on_turned_away = nullptr;
   /// Told of a blob that the server cannot give, and why; may be empty.
   std::function<void(const BlobRef& blob, const std::string& why)> on_refused = nullptr;
+};
+
+/// What stands between a view and its converged picture.
+enum class Waiting : size_t {
+  kNot,     ///< it has converged, or there is no view
+  kLink,    ///< bytes are awaited, from the server or for a connection to it
+  kDecode,  ///< bytes are there and not decoded yet
+  kBudget,  ///< all is there that the memory allows
+};
+constexpr size_t kWaitings = 4;
+
+/// How long it was waited for what.
+class WaitTimes {
+ public:
+  using Duration = std::chrono::nanoseconds;
+
+  /// From now on, until the next call.
+  void begin(Waiting waiting, TimePoint now) noexcept {
+    if (begun_) times_[static_cast<size_t>(waiting_)] += now - since_;
+    begun_ = true;
+    waiting_ = waiting;
+    since_ = now;
+  }
+  Duration of(Waiting waiting) const noexcept { return times_[static_cast<size_t>(waiting)]; }
+
+ private:
+  std::array<Duration, kWaitings> times_{};
+  bool begun_ = false;
+  Waiting waiting_ = Waiting::kNot;
+  TimePoint since_{};
 };
 
 struct EngineCounts {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/cache/cache.h"
 #include "client/core/cache/decode_job.h"
+#include "client/core/cache/mesh_cache.h"
 #include "client/core/lod/hierarchy.h"
 #include "client/core/lod/request.h"
 #include "client/core/textures/texture_stream.h"

@@ -4,14 +4,11 @@
 #include <optional>
 #include <string>
 
-#include "client/embed/camera.h"
-#include "client/embed/cut_state.h"
-#include "client/embed/guard.h"
-#include "client/embed/handles.h"
+#include "client/embed/internal.h"
 #include "client/embed/lodestream.h"
 #include "client/stream/blob_cache.h"
 #include "client/stream/decode_pool.h"
-#include "client/stream/served_url.h"
+#include "client/stream/served_model.h"
 #include "client/stream/streamer.h"
 #include "common/codec/texture_set.h"
 #include "common/error.h"
@@ -60,13 +57,13 @@ constexpr core::Remedies kEmbeddedRemedies{
 stream::StreamOptions toStreamOptions(const lodestream_options& options) {
   const auto textOf = [](const char* text) { return text != nullptr ? std::string(text) : std::string(); };
   stream::StreamOptions of_stream;
-  of_stream.remedies = kEmbeddedRemedies;
-  of_stream.token = textOf(options.token);
+  of_stream.engine.session.remedies = kEmbeddedRemedies;
+  of_stream.engine.session.token = textOf(options.token);
   of_stream.ca_file = textOf(options.ca_file);
   of_stream.cache_folder = textOf(options.cache_folder);
   if (!of_stream.cache_folder.empty()) stream::prepareCacheFolder(of_stream.cache_folder, kEmbeddedRemedies);
-  if (options.memory_budget_bytes != 0) of_stream.memory_budget_bytes = options.memory_budget_bytes;
-  if (options.triangle_budget != 0) of_stream.triangle_budget = options.triangle_budget;
+  if (options.memory_budget_bytes != 0) of_stream.engine.memory_budget_bytes = options.memory_budget_bytes;
+  if (options.triangle_budget != 0) of_stream.engine.refine.triangle_budget = options.triangle_budget;
   if (options.connect_timeout_ms != 0)
     of_stream.connect_timeout = std::chrono::milliseconds(options.connect_timeout_ms);
   if (options.decode_threads > stream::kMaxDecodeThreads)
@@ -115,8 +112,8 @@ void lodestream_default_options(lodestream_options* options) {
   if (options == nullptr) return;
   const lode::stream::StreamOptions of_stream;
   *options = {};
-  options->memory_budget_bytes = of_stream.memory_budget_bytes;
-  options->triangle_budget = of_stream.triangle_budget;
+  options->memory_budget_bytes = of_stream.engine.memory_budget_bytes;
+  options->triangle_budget = of_stream.engine.refine.triangle_budget;
   options->connect_timeout_ms = static_cast<uint32_t>(of_stream.connect_timeout.count());
   options->decode_threads = lode::stream::defaultDecodeThreads();
 }

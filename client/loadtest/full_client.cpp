@@ -21,10 +21,9 @@ FullClient::FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoi
       engine_(engineOptions(seed)) {}
 
 core::EngineOptions FullClient::engineOptions(uint64_t seed) {
-  core::EngineOptions options;
+  core::EngineOptions options = plan_.options.engine;
   options.session.model = plan_.model.model;
-  options.session.token = plan_.options.token;
-  options.session.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
+  options.session.matches_digest = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
     return noteBlob(blob, bytes);
   };
   options.on_broken = [this](core::Line line, const Error& why, bool is_last) {
@@ -35,8 +34,7 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
     turned_away_ = why;
   };
   options.on_refused = [this](const BlobRef& blob, const std::string& why) { noteRefused(blob, why); };
-  options.memory_budget_bytes = plan_.options.memory_budget_bytes;
-  options.hysteresis_factor = core::kHysteresisFactor;
+  options.refine.hysteresis_factor = core::kHysteresisFactor;
   options.prefetch = true;
   options.jitter_seed = static_cast<uint32_t>(seed);
   return options;

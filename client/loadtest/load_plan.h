@@ -10,7 +10,7 @@
 
 #include "client/core/view/time_point.h"
 #include "client/loadtest/request_trace.h"
-#include "client/net/route.h"
+#include "client/net/address.h"
 #include "client/stream/streamer.h"
 
 namespace lode::app {

@@ -19,7 +19,7 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/stream_report.h"
 #include "client/app/cli/target.h"
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 #include "client/loadtest/latency_histogram.h"
 #include "client/loadtest/request_trace.h"
 #include "client/loadtest/request_trace_file.h"
@@ -42,8 +42,8 @@ struct ReplayOptions {
 
   stream::StreamOptions streamOptions() const {
     stream::StreamOptions options = common.streamOptions();
-    options.prefetch = !no_prefetch;
-    options.best_first = order == "best";
+    options.engine.prefetch = !no_prefetch;
+    options.engine.best_first = order == "best";
     return options;
   }
 };

@@ -20,13 +20,9 @@ using Clock = std::chrono::steady_clock;
 constexpr double kStepSeconds = 0.1;
 constexpr size_t kMaxSteps = 36'000;  ///< an hour of a path
 
-core::EngineOptions engineOptions(const stream::ServedModel& model, const stream::StreamOptions& options) {
-  core::EngineOptions engine_options;
-  engine_options.session.model = model.model;
-  engine_options.session.token = options.token;
-  engine_options.session.remedies = options.remedies;
-  engine_options.memory_budget_bytes = options.memory_budget_bytes;
-  return engine_options;
+core::EngineOptions engineOptions(const stream::ServedModel& model, core::EngineOptions options) {
+  options.session.model = model.model;
+  return options;
 }
 
 /// One client that goes along the path as fast as it can, and notes what it requests.
@@ -36,7 +32,7 @@ class Recorder {
       : deadline_(deadline),
         where_(stream::toString(model)),
         server_(model.address),
-        engine_(engineOptions(model, options)),
+        engine_(engineOptions(model, options.engine)),
         transport_(io_, stream::routeTo(model, options), [] {}) {
     engine_.connect(Clock::now());
   }

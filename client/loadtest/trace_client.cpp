@@ -35,11 +35,9 @@ TraceClient::TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimeP
 }
 
 core::SessionOptions TraceClient::sessionOptions() {
-  core::SessionOptions options;
+  core::SessionOptions options = plan_.options.engine.session;
   options.model = plan_.model.model;
-  options.token = plan_.options.token;
-  options.remedies = plan_.options.remedies;
-  options.is_named = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
+  options.matches_digest = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
     return names_.matchesDigest(blob, bytes);
   };
   return options;

@@ -5,7 +5,7 @@
 
 #include <asio/io_context.hpp>
 
-#include "client/net/route.h"
+#include "client/net/address.h"
 #include "proto/messages.h"
 
 namespace lode::net {

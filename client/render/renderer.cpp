@@ -5,8 +5,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "client/core/lod/shown_parts.h"
-#include "client/core/lod/sight.h"
+#include "client/core/lod/cut.h"
+#include "client/core/view/view.h"
 #include "client/render/culling/cluster_culling.h"
 #include "client/render/passes/shader_program.h"
 #include "client/render/passes/shaders.h"

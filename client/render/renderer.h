@@ -9,7 +9,6 @@
 #include <glm/glm.hpp>
 
 #include "client/core/lod/cut.h"
-#include "client/core/lod/view_cuts.h"
 #include "client/core/view/view.h"
 #include "client/render/culling/cluster_culling.h"
 #include "client/render/culling/occluders.h"

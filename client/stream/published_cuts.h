@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "client/core/lod/cut.h"
-#include "client/core/lod/view_cuts.h"
 
 namespace lode::stream {
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "client/net/address.h"
 
@@ -18,5 +19,10 @@ struct ServedModel {
 inline std::string toString(const ServedModel& served) {
   return (served.encrypted ? "lodes://" : "lode://") + net::toString(served.address) + '/' + served.model;
 }
+
+/// lode://host[:port]/model, or lodes:// for one behind TLS. @throws Error kUsage for what is none.
+ServedModel parseServedModel(std::string_view url);
+/// lode://host[:port] or lodes://host[:port] without a model, whose name stays empty. @throws Error kUsage.
+ServedModel parseServer(std::string_view url);
 
 }  // namespace lode::stream

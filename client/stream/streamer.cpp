@@ -60,8 +60,8 @@ struct Streamer::State {
   State(ServedModel served_model, StreamOptions stream_options)
       : model(std::move(served_model)),
         options(std::move(stream_options)),
-        memory_budget_bytes(options.memory_budget_bytes),
-        drawn_budget_bytes(options.drawn_budget_bytes),
+        memory_budget_bytes(options.engine.memory_budget_bytes),
+        drawn_budget_bytes(options.engine.refine.drawn_budget_bytes),
         starting_pool(std::make_unique<DecodePool>(options.decode_threads, [this] { wakeUp(); })) {}
 
   void run();
@@ -107,8 +107,8 @@ struct Streamer::State {
 
 net::Route routeTo(const ServedModel& model, const StreamOptions& options) {
   return {model.address, options.connect_timeout,
-          model.encrypted ? net::trustAuthorities(options.ca_file, options.remedies) : nullptr,
-          options.remedies};
+          model.encrypted ? net::trustAuthorities(options.ca_file, options.engine.session.remedies) : nullptr,
+          options.engine.session.remedies};
 }
 
 Streamer::Streamer(ServedModel model, StreamOptions options)
@@ -138,18 +138,8 @@ void Streamer::State::run() {
 }
 
 void Streamer::State::stream() {
-  core::EngineOptions engine_options;
+  core::EngineOptions engine_options = options.engine;
   engine_options.session.model = model.model;
-  engine_options.session.token = options.token;
-  engine_options.session.awaits_model = options.awaits_model;
-  engine_options.session.remedies = options.remedies;
-  engine_options.memory_budget_bytes = options.memory_budget_bytes;
-  engine_options.triangle_budget = options.triangle_budget;
-  engine_options.drawn_budget_bytes = options.drawn_budget_bytes;
-  engine_options.hysteresis_factor = options.hysteresis_factor;
-  engine_options.shares_memory = options.shares_memory;
-  engine_options.prefetch = options.prefetch;
-  engine_options.best_first = options.best_first;
   engine_options.jitter_seed = std::random_device()();
   std::unique_ptr<CacheThread> cache = openCache(engine_options);
   core::Engine engine(std::move(engine_options));
@@ -172,9 +162,8 @@ std::unique_ptr<CacheThread> Streamer::State::openCache(core::EngineOptions& eng
   if (options.cache_folder.empty()) return nullptr;
   const BlobCache cache(options.cache_folder, options.cache_bytes);
   engine_options.has_cache = true;
-  engine_options.offline = options.offline;
   engine_options.cached_model = cache.summary(model);
-  if (options.offline && !engine_options.cached_model)
+  if (options.engine.offline && !engine_options.cached_model)
     throw Error(ErrorCode::kInput, toString(model) + " is not in the cache " + options.cache_folder.string() +
                                        ": run once without --offline");
   return std::make_unique<CacheThread>(cache, [this] { wakeUp(); });
@@ -185,7 +174,7 @@ void Streamer::State::askCache(core::Engine& engine, CacheThread& cache) {
   for (CacheThread::Answer& answer : cache.takeAnswers())
     engine.finishCacheQuery(answer.blob, std::move(answer.bytes));
   if (const ModelSummary* opened = engine.summary();
-      opened && opened->build_id != kept_build_id && !options.offline) {
+      opened && opened->build_id != kept_build_id && !options.engine.offline) {
     kept_build_id = opened->build_id;
     BlobCache(options.cache_folder, options.cache_bytes).keepSummary(model, *opened);
   }

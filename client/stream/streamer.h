@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,30 +11,19 @@
 #include "client/core/engine.h"
 #include "client/core/lod/cut.h"
 #include "client/core/view/view.h"
-#include "client/net/route.h"
+#include "client/net/address.h"
 #include "client/stream/blob_cache.h"
 #include "client/stream/served_model.h"
 
 namespace lode::stream {
 
 struct StreamOptions {
-  std::string token;
-  core::Remedies remedies;
-  std::filesystem::path ca_file;  ///< authorities that vouch for the server under TLS; empty: the system's
-  uint64_t memory_budget_bytes = core::kDefaultMemoryBudgetBytes;
-  // See core::RefineOptions.
-  uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
-  uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
-  float hysteresis_factor = 1;  ///< core::kHysteresisFactor where somebody watches
-  bool shares_memory = false;   ///< see core::EngineOptions
-  bool prefetch = false;        ///< asks ahead of a camera that moves
-  bool best_first = true;       ///< see core::EngineOptions
-  /// Keeps trying where a server that had the model says that it has it no more; else the stream ends then.
-  bool awaits_model = false;
+  /// The streamer fills in the model's name, jitter_seed, has_cache and cached_model.
+  core::EngineOptions engine;
+  std::filesystem::path ca_file;  ///< trusted certificate authorities for TLS, in PEM; empty: the system's
   std::chrono::milliseconds connect_timeout{20'000};
-  std::filesystem::path cache_folder;  ///< empty: nothing is kept between runs
+  std::filesystem::path cache_folder;  ///< empty: no cache; required if engine.offline
   uint64_t cache_bytes = kDefaultCacheBytes;
-  bool offline = false;         ///< shows what the cache has; needs one
   unsigned decode_threads = 0;  ///< 0: defaultDecodeThreads()
 };
 

@@ -3,7 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "client/core/cache/cache.h"
+#include "client/core/cache/mesh_cache.h"
 #include "client/core/lod/hierarchy.h"
 #include "client/core/lod/refiner.h"
 #include "client/core/lod/seen_places.h"

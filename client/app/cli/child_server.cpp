@@ -56,7 +56,7 @@ ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options
   const fs::path file = ply ? ply->path : std::get<StoreFile>(target).path;
   BuiltStore store = ply ? builtStore(file, announce, stop, watch) : BuiltStore{file, {}};
   auto child = std::make_unique<ChildServer>(store.path, stop);
-  options.token = child->token();
+  options.engine.session.token = child->token();
   stream::ServedModel served = child->served();
   return {std::move(served),       std::move(options),       std::move(child), file,
           std::move(store.in_use), std::move(store.warnings)};

@@ -97,17 +97,17 @@ std::chrono::milliseconds CommonOptions::timeout() const {
 
 stream::StreamOptions CommonOptions::streamOptions() const {
   stream::StreamOptions options;
-  options.remedies = kCommandRemedies;
+  options.engine.session.remedies = kCommandRemedies;
   options.ca_file = ca_file;
-  options.token = readToken(token_file);
-  if (!memory_text.empty()) options.memory_budget_bytes = parseByteSize(memory_text);
-  if (options.memory_budget_bytes < kMinMemoryBudgetBytes)
+  options.engine.session.token = readToken(token_file);
+  if (!memory_text.empty()) options.engine.memory_budget_bytes = parseByteSize(memory_text);
+  if (options.engine.memory_budget_bytes < kMinMemoryBudgetBytes)
     throw Error(ErrorCode::kUsage, "--memory-budget must be at least 16MiB");
   options.connect_timeout = std::min(options.connect_timeout, timeout());
   const bool on_server = target.find("://") != std::string::npos;
   if (on_server && cache_text != "off")
     options.cache_folder = cache_text.empty() ? cacheFolder() : chosenCache(cache_text, offline);
-  options.offline = offline;
+  options.engine.offline = offline;
   if (offline && options.cache_folder.empty())
     throw Error(ErrorCode::kUsage, "--offline shows what the cache has of a model on a server: it needs one");
   return options;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "client/core/view/up_axis.h"
+#include "client/core/view/framing.h"
 #include "common/error.h"
 
 namespace lode::app {

@@ -48,14 +48,11 @@ class Bell {
   bool lod_ = false;
 };
 
-std::vector<ModelSummary> askForModels(const net::Route& route, const std::string& token,
+std::vector<ModelSummary> askForModels(const net::Route& route, const core::SessionOptions& session_options,
                                        std::chrono::milliseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
   const std::string where = net::toString(route.address);
   Bell bell;
-  core::SessionOptions session_options;
-  session_options.token = token;
-  session_options.remedies = route.remedies;
   core::Session session(session_options, Clock::now());
   net::TcpTransport transport(route, [&bell] { bell.ring(); });
   transport.send(session.takeOutgoing());
@@ -88,8 +85,8 @@ void list(const ListOptions& options) {
   const stream::StreamOptions stream_options = options.common.streamOptions();
   std::vector<ModelSummary> models;
   try {
-    models =
-        askForModels(stream::routeTo(server, stream_options), stream_options.token, options.common.timeout());
+    models = askForModels(stream::routeTo(server, stream_options), stream_options.engine.session,
+                          options.common.timeout());
   } catch (const Error& failed) {
     throw net::naming(server.address, failed);
   }

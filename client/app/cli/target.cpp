@@ -3,7 +3,7 @@
 #include <array>
 #include <fstream>
 
-#include "client/stream/served_url.h"
+#include "client/stream/served_model.h"
 #include "common/error.h"
 
 namespace lode::app {

@@ -138,7 +138,7 @@ class ModelSubject : public PictureSubject {
  public:
   ModelSubject(const CommonOptions& options, bool announce)
       : options_(options),
-        memory_(render::shareMemory(options.streamOptions().memory_budget_bytes)),
+        memory_(render::shareMemory(options.streamOptions().engine.memory_budget_bytes)),
         opened_(options, streamOptions(), announce),
         up_(opened_.up()),
         renderer_(opened_.model().lattice.step, memory_.gpu) {}
@@ -171,8 +171,8 @@ class ModelSubject : public PictureSubject {
  private:
   stream::StreamOptions streamOptions() const {
     stream::StreamOptions options = options_.streamOptions();
-    options.memory_budget_bytes = memory_.stream_bytes;
-    options.drawn_budget_bytes = memory_.drawn_bytes;
+    options.engine.memory_budget_bytes = memory_.stream_bytes;
+    options.engine.refine.drawn_budget_bytes = memory_.drawn_bytes;
     return options;
   }
 

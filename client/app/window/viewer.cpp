@@ -45,7 +45,7 @@ Viewer::Viewer(const ViewOptions& options)
   content_.title = options.common.target;
   if (options.laps > 0) pilot_.emplace(options, wanted_path_);
   content_.help = isForAPerson() && first_start_.isHelpDue();
-  noteMemory(options.common.streamOptions().memory_budget_bytes);
+  noteMemory(options.common.streamOptions().engine.memory_budget_bytes);
 }
 
 bool Viewer::run() {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "client/core/lod/triangle_clusters.h"
-#include "client/core/textures/tile_tail.h"
+#include "client/core/textures/tile.h"
 
 namespace lode::core {
 

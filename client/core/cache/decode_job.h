@@ -23,7 +23,7 @@ struct DecodeJob {
   PayloadExpectation expected;
   std::shared_ptr<const TextureSet> textures = nullptr;
   glm::uvec2 image_size{0};  ///< of a tile
-  bool with_tail = false;    ///< it is a coarsest level: see tile_tail.h
+  bool with_tail = false;    ///< it is a coarsest level: see makeTail()
 };
 
 struct DecodeResult {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "client/core/textures/tile_key.h"
+#include "client/core/textures/tile.h"
 #include "client/core/view/view.h"
 #include "common/codec/texture_set.h"
 #include "common/image/tile_image.h"
@@ -41,7 +44,7 @@ struct LeftOut {
 };
 
 /// A part above places that are left out: to be drawn instead of the cut's parts below it as soon as a camera
-/// sees one of those places. See shown_parts.h.
+/// sees one of those places. See shownParts().
 struct Fallback {
   CutPart part;
   uint32_t first_part = 0, end_part = 0;          ///< those of the cut below it
@@ -83,5 +86,35 @@ constexpr float kFarOffFactor = 2;
 inline bool isFarOff(const Cut* cut, float threshold_px) noexcept {
   return cut == nullptr || cut->refinable_px > kFarOffFactor * threshold_px;
 }
+
+/// How many numbers partOf() knows: first the cut's parts, then those of its fallbacks.
+inline size_t partCount(const Cut& cut) noexcept { return cut.parts.size() + cut.fallbacks.size(); }
+inline const CutPart& partOf(const Cut& cut, size_t number) noexcept {
+  return number < cut.parts.size() ? cut.parts[number] : cut.fallbacks[number - cut.parts.size()].part;
+}
+
+/// What to draw of a cut for a camera, wherever it has gone since: the cut's parts, but where it sees a place
+/// that is left out the fallback, for all of its region. It covers what the camera sees, no place twice.
+/// @return numbers for partOf(), depth first.
+std::vector<uint32_t> shownParts(const Cut& cut, const View& view);
+
+/// The largest error in the picture of a camera, wherever it has gone since, of what is drawn of a cut; 0 if
+/// it sees none of it. @param shown  numbers for partOf().
+float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept;
+
+/// Places that are left out of a cut, that a camera sees, and that nothing drawn covers.
+/// @param shown  numbers for partOf() of what is drawn.
+size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& view);
+
+/// The cuts of one model for all of its views, which share meshes. Immutable, as cuts are.
+struct ViewCuts {
+  std::vector<std::shared_ptr<const Cut>> cuts;  ///< by view
+  /// All that they are drawn from: of one view its cut; of several, their parts and fallbacks as parts, each
+  /// mesh once, with the textures, their triangles added up, and the largest error.
+  std::shared_ptr<const Cut> all;
+};
+
+/// @param cuts  of one build and threshold, one at least.
+std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cuts);
 
 }  // namespace lode::core

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 
 namespace lode::core {
 namespace {

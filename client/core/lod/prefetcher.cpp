@@ -1,6 +1,7 @@
 #include "client/core/lod/prefetcher.h"
 
 #include "client/core/lod/refiner.h"
+#include "client/core/lod/request.h"
 
 namespace lode::core {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "client/core/lod/camera_motion.h"
+#include "client/core/lod/cut.h"
 #include "client/core/lod/refine_options.h"
 #include "client/core/lod/request.h"
-#include "client/core/lod/view_cuts.h"
 #include "client/core/model.h"
 #include "client/core/view/time_point.h"
 

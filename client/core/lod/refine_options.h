@@ -21,7 +21,7 @@ struct HeldNode {
 struct RefineOptions {
   float threshold_px = 1;
   uint64_t triangle_budget = std::numeric_limits<uint64_t>::max();
-  /// Of the wanted cut's meshes where they are drawn: see drawn_bytes.h. What is shown until it is there may
+  /// Of the wanted cut's meshes where they are drawn: see drawnBytes(). What is shown until it is there may
   /// take more: see Cut::drawn_bytes.
   uint64_t drawn_budget_bytes = std::numeric_limits<uint64_t>::max();
   uint64_t cut_budget_bytes =
@@ -39,7 +39,7 @@ struct RefineOptions {
   float hysteresis_factor = 1;
   /// Refinement::wanted_meshes is to be made; a ViewGroup holds a single view, too, to a larger error where a
   /// budget is short.
-  bool lists_wanted = false;
+  bool shares_memory = false;
 };
 
 }  // namespace lode::core

@@ -5,7 +5,7 @@
 #include <optional>
 #include <tuple>
 
-#include "client/core/cache/drawn_bytes.h"
+#include "client/core/cache/mesh_cache.h"
 #include "client/core/lod/wanted_cut.h"
 
 namespace lode::core {
@@ -360,7 +360,7 @@ class Run {
     result.pages = std::move(pages_);
     result.pages.insert(result.pages.end(), want_.pages().begin(), want_.pages().end());
     if (options_.hysteresis_factor < 1) result.held = want_.held();
-    if (options_.lists_wanted) result.wanted_meshes = want_.meshes();
+    if (options_.shares_memory) result.wanted_meshes = want_.meshes();
     result.limited = want_.limited();
     result.settled = exact_ && whole_ && !want_.blocked();
     return result;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "client/core/cache/cache.h"
+#include "client/core/cache/mesh_cache.h"
 #include "client/core/lod/cut.h"
 #include "client/core/lod/hierarchy.h"
 #include "client/core/lod/refine_options.h"

@@ -1,12 +1,22 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
+#include <span>
+#include <vector>
 
-#include "client/core/lod/mesh_key.h"
 #include "common/codec/blob.h"
+#include "common/node_key.h"
 #include "proto/messages.h"
 
 namespace lode::core {
+
+/// Names one mesh of a model.
+struct MeshKey {
+  NodeKey node;
+  uint32_t lod = 0;
+  friend constexpr auto operator<=>(const MeshKey&, const MeshKey&) = default;
+};
 
 enum class BlobKind : uint8_t { kMesh, kPage, kRootPage, kTextureSet, kTile };
 
@@ -45,5 +55,9 @@ struct Request {
   float priority_px = 0;     ///< error in the picture that its arrival helps to remove
   bool is_stand_in = false;  ///< shown until what is asked for in its place is there
 };
+
+/// The requests of several views, each blob use once: with the best class and the largest priority that one
+/// of them has for it. Best first.
+std::vector<Request> mergeRequests(std::span<const std::vector<Request>> requests);
 
 }  // namespace lode::core

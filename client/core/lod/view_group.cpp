@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 
 namespace lode::core {
 namespace {
@@ -129,7 +129,7 @@ bool ViewGroup::fits(const Wanted& wanted, bool to_spare) const noexcept {
 ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   const auto refineNow = [&] {
     RefineOptions options = optionsAt(Giving::kNothing);
-    options.lists_wanted = areHeldToOneError();
+    options.shares_memory = areHeldToOneError();
     return refineWith(model, options);
   };
   if (!areHeldToOneError()) coarsening_ = 0;

@@ -10,7 +10,6 @@
 #include "client/core/lod/refiner.h"
 #include "client/core/lod/request.h"
 #include "client/core/lod/seen_places.h"
-#include "client/core/lod/view_cuts.h"
 #include "client/core/model.h"
 #include "client/core/view/view.h"
 
@@ -87,7 +86,7 @@ class ViewGroup {
     bool limited = false;  // a budget has stopped one
   };
 
-  bool areHeldToOneError() const noexcept { return views_.size() > 1 || options_.lists_wanted; }
+  bool areHeldToOneError() const noexcept { return views_.size() > 1 || options_.shares_memory; }
   static Wanted wantedBy(const Gathered& gathered);
   bool fits(const Wanted& wanted, bool to_spare) const noexcept;
   Gathered refineWithin(const Model& model);

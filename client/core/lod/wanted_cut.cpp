@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "client/core/cache/drawn_bytes.h"
+#include "client/core/cache/mesh_cache.h"
 
 namespace lode::core {
 namespace {

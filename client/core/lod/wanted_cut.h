@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "client/core/cache/cache.h"
+#include "client/core/cache/mesh_cache.h"
 #include "client/core/lod/hierarchy.h"
 #include "client/core/lod/refine_options.h"
-#include "client/core/lod/sight.h"
+#include "client/core/view/view.h"
 #include "common/mesh.h"
 
 namespace lode::core {

@@ -198,8 +198,8 @@ void Session::appendChunk(Incoming& incoming, const proto::BlobChunk& chunk) {
 }
 
 SessionEvent Session::completed(Incoming incoming) {
-  const bool named = options_.is_named ? options_.is_named(incoming.blob, incoming.bytes)
-                                       : digestOf(incoming.bytes) == incoming.blob.digest;
+  const bool named = options_.matches_digest ? options_.matches_digest(incoming.blob, incoming.bytes)
+                                             : digestOf(incoming.bytes) == incoming.blob.digest;
   require(named, "blob " + std::to_string(incoming.blob.number) +
                      " does not have the bytes that its name stands for");
   return BlobArrived{incoming.blob, incoming.use, std::move(incoming.bytes)};

@@ -41,7 +41,7 @@ struct SessionOptions {
   /// That the server does not have the model is taken for one that is leaving: it may have it again.
   bool awaits_model = false;
   /// Whether bytes have the blob's name; none: their SHA-256 is compared with it.
-  std::function<bool(const BlobRef&, std::span<const std::byte>)> is_named;
+  std::function<bool(const BlobRef&, std::span<const std::byte>)> matches_digest;
 };
 
 struct ModelOpened {

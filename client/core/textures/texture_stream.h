@@ -12,7 +12,7 @@
 #include "client/core/lod/request.h"
 #include "client/core/textures/texture_cache.h"
 #include "client/core/textures/texture_wants.h"
-#include "client/core/textures/tile_key.h"
+#include "client/core/textures/tile.h"
 #include "common/codec/blob.h"
 #include "common/codec/texture_set.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "client/core/textures/tile_tail.h"
+#include "client/core/textures/tile.h"
 
 namespace lode::core {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/core/textures/texture_footprint.h"
-#include "client/core/textures/tile_key.h"
+#include "client/core/textures/tile.h"
 #include "client/core/view/view.h"
 #include "common/codec/texture_set.h"
 #include "common/image/tile_image.h"

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <set>
 #include <string>
@@ -11,7 +12,12 @@
 namespace lode::core {
 
 /// " at line 3, column 7". @param bytes  of the text up to the place, itself included.
-std::string placeIn(std::string_view text, size_t bytes);
+inline std::string placeIn(std::string_view text, size_t bytes) {
+  const std::string_view before = text.substr(0, bytes > 0 ? bytes - 1 : 0);
+  const auto line = 1 + std::ranges::count(before, '\n');
+  const size_t column = before.size() - (before.rfind('\n') + 1);  // npos + 1 is 0
+  return " at line " + std::to_string(line) + ", column " + std::to_string(column + 1);
+}
 
 /// JSON that people write: a name that an object has twice is wrong, too, of which one would be lost without
 /// a word. @param problem  what is wrong, with its place; empty: nothing.

@@ -1,8 +1,8 @@
 #include "client/core/view/view.h"
 
+#include <algorithm>
 #include <cmath>
-
-#include "client/core/lod/sight.h"
+#include <limits>
 
 namespace lode::core {
 
@@ -24,6 +24,40 @@ bool boxMayBeVisible(const ModelBox& box, const View& view, double widening) noe
   const Sight sight(view, widening);
   // A box around the eye may pass the narrower test alone.
   return sight.see(box) != Seen::kNot || (widening > 1 && sight.maySeeWhenTurned(box));
+}
+
+Sight::Pyramid::Pyramid(const View& view, double widening) noexcept : eye_model_(view.eye_model) {
+  const double tan_y = std::tan(view.fov_y_rad / 2) * widening;
+  const double tan_x = tan_y * view.width_px / view.height_px;
+  const glm::dvec3 right = glm::cross(view.forward, view.up);
+  inward_ = {view.forward, view.forward * tan_x + right, view.forward * tan_x - right,
+             view.forward * tan_y + view.up, view.forward * tan_y - view.up};
+  for (size_t side = 0; side < inward_.size(); ++side) reach_[side] = glm::abs(inward_[side]);
+}
+
+Seen Sight::Pyramid::see(const ModelBox& box) const noexcept {
+  const glm::dvec3 centre = (box.min + box.max) / 2.0 - eye_model_;
+  const glm::dvec3 half = (box.max - box.min) / 2.0;
+  bool wholly = true;
+  for (size_t side = 0; side < inward_.size(); ++side) {
+    const double middle = glm::dot(inward_[side], centre), reach = glm::dot(reach_[side], half);
+    if (middle + reach < 0) return Seen::kNot;
+    wholly = wholly && middle >= reach;
+  }
+  return wholly ? Seen::kWholly : Seen::kPartly;
+}
+
+Sight::Sight(const View& view, double widening) noexcept
+    : eye_model_(view.eye_model),
+      near_model_(view.near_model),
+      focal_px_(focalPx(view)),
+      picture_(view, 1),
+      wider_(view, widening) {}
+
+float Sight::errorPx(float error_model, double distance_model) const noexcept {
+  const double error_px =
+      static_cast<double>(error_model) * focal_px_ / std::max(distance_model, near_model_);
+  return static_cast<float>(std::min(error_px, static_cast<double>(std::numeric_limits<float>::max())));
 }
 
 }  // namespace lode::core

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/core/lod/sight.h"
+#include "client/core/view/view.h"
 #include "client/render/residency/mesh_residency.h"
 
 namespace lode::render {

@@ -5,8 +5,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "client/core/lod/shown_parts.h"
-#include "client/core/lod/sight.h"
+#include "client/core/lod/cut.h"
+#include "client/core/view/view.h"
 
 namespace lode::render {
 namespace {

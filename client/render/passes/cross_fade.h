@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "client/core/lod/cut.h"
-#include "client/core/lod/sight.h"
 #include "client/core/view/view.h"
 #include "client/render/culling/hidden_parts.h"
 #include "client/render/residency/changed_regions.h"

@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "client/core/cache/drawn_bytes.h"
-#include "client/core/lod/shown_parts.h"
+#include "client/core/cache/mesh_cache.h"
+#include "client/core/lod/cut.h"
 #include "client/render/residency/changed_regions.h"
 
 namespace lode::render {

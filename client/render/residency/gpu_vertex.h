@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "client/core/cache/drawn_bytes.h"
+#include "client/core/cache/mesh_cache.h"
 #include "common/mesh.h"
 
 namespace lode::render {

@@ -8,8 +8,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "client/core/cache/drawn_bytes.h"
-#include "client/core/lod/shown_parts.h"
+#include "client/core/cache/mesh_cache.h"
+#include "client/core/lod/cut.h"
 #include "client/render/residency/gpu_vertex.h"
 
 namespace lode::render {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "client/core/lod/cut.h"
-#include "client/core/lod/view_cuts.h"
 #include "client/render/draw_item.h"
 #include "client/render/residency/cut_exchange.h"
 #include "client/render/residency/gpu_pages.h"

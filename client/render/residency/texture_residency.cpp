@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "client/core/textures/texture_wants.h"
-#include "client/core/textures/tile_tail.h"
+#include "client/core/textures/tile.h"
 
 namespace lode::render {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "client/core/lod/cut.h"
-#include "client/core/textures/tile_key.h"
+#include "client/core/textures/tile.h"
 #include "client/render/gl_names.h"
 #include "client/render/residency/mesh_residency.h"
 #include "client/render/residency/staging_ring.h"

@@ -202,8 +202,8 @@ TEST_P(DrawnWithinMemory, countsTheCopiesOnTheGpuInTheMemoryThatAllDrawFrom) {
   constexpr uint64_t kMemoryBytes = 32u << 20;
   const render::MemoryShares memory = render::shareMemory(kMemoryBytes);
   stream::StreamOptions options = threads(1);
-  options.memory_budget_bytes = memory.stream_bytes;
-  options.drawn_budget_bytes = memory.drawn_bytes;
+  options.engine.memory_budget_bytes = memory.stream_bytes;
+  options.engine.refine.drawn_budget_bytes = memory.drawn_bytes;
   Streamer streamer(served_, options);
   const ModelSummary& model = streamer.waitForModel(kPatience);
   render::Renderer renderer(model.lattice.step, memory.gpu);

@@ -142,7 +142,7 @@ TEST_F(Streaming, goesOnWhenTheServerComesBack) {
 TEST_F(Streaming, goesOnWhenAServerHasTheModelAgainAndEndsWhereItIsNotToAwaitThat) {
   stream::StreamOptions options = threads(2);
   Streamer ends(served_, options);
-  options.awaits_model = true;
+  options.engine.session.awaits_model = true;
   Streamer awaits(served_, options);
   for (Streamer* streamer : {&ends, &awaits}) {
     streamer->setView(viewAt(1, streamer->waitForModel(kPatience)), kOnlyTheRootPx);
@@ -252,10 +252,10 @@ TEST_F(Streaming, waitsForRoomWhereTheServerIsFull) {
 TEST_F(Streaming, fromAChildServerNeedsTheTokenThatWasMadeForIt) {
   const app::ChildServer child(folder_ / "a.lode");
   stream::StreamOptions options = threads(1);
-  options.token = child.token();
+  options.engine.session.token = child.token();
   EXPECT_EQ(Streamer(child.served(), options).waitForModel(kPatience).name, "a");
   EXPECT_NE(app::ChildServer(folder_ / "a.lode").token(), child.token());
-  options.token.clear();
+  options.engine.session.token.clear();
   Streamer stranger(child.served(), options);
   EXPECT_THROW(stranger.waitForModel(kPatience), Error);
 }

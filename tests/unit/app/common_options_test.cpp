@@ -37,9 +37,9 @@ TEST(PictureSize, isRefusedIfItIsNoneOrTooLarge) {
 TEST(CommonOptions, giveTheStreamItsBudget) {
   CommonOptions options;
   options.memory_text = "16M";
-  EXPECT_EQ(options.streamOptions().memory_budget_bytes, 16u << 20);
+  EXPECT_EQ(options.streamOptions().engine.memory_budget_bytes, 16u << 20);
   options.memory_text = "512MB";
-  EXPECT_EQ(options.streamOptions().memory_budget_bytes, 512'000'000u);
+  EXPECT_EQ(options.streamOptions().engine.memory_budget_bytes, 512'000'000u);
   options.memory_text = "16777215";
   EXPECT_THROW(options.streamOptions(), Error);
 }
@@ -56,9 +56,9 @@ TEST(CommonOptions, takeTheTokenFromAFileWithoutItsLineEnds) {
   CommonOptions options;
   options.token_file = file;
   std::ofstream(file) << "secret\r\n";
-  EXPECT_EQ(options.streamOptions().token, "secret");
+  EXPECT_EQ(options.streamOptions().engine.session.token, "secret");
   std::ofstream(file) << std::string(proto::kMaxTokenBytes, 'x') << '\n';
-  EXPECT_EQ(options.streamOptions().token.size(), proto::kMaxTokenBytes);
+  EXPECT_EQ(options.streamOptions().engine.session.token.size(), proto::kMaxTokenBytes);
   std::ofstream(file) << std::string(proto::kMaxTokenBytes + 1, 'x');
   EXPECT_THROW(options.streamOptions(), Error);
   std::remove(file.c_str());
@@ -117,7 +117,7 @@ TEST(CommonOptions, takeATokenWithSpaces) {
   CommonOptions options;
   options.token_file = folder / "token";
   std::ofstream(options.token_file) << "correct horse never tires\n";
-  EXPECT_EQ(options.streamOptions().token, "correct horse never tires");
+  EXPECT_EQ(options.streamOptions().engine.session.token, "correct horse never tires");
 }
 
 TEST(CommonOptions, sayWhatTheFirstCameraFrames) {

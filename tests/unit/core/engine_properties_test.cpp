@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/core/engine.h"
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 #include "common/error.h"
 #include "tests/support/seeds.h"
 #include "tests/unit/core/scripted_server.h"
@@ -100,7 +100,7 @@ class World {
     if (memory_budget_bytes >= 1u << 30) options.session.max_requested_bytes = 20'000;
     options.prefetch = true;
     options.memory_budget_bytes = memory_budget_bytes;
-    options.drawn_budget_bytes = drawn_budget_bytes;
+    options.refine.drawn_budget_bytes = drawn_budget_bytes;
     return options;
   }
 

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/cache/drawn_bytes.h"
+#include "client/core/cache/mesh_cache.h"
+#include "client/core/lod/cut.h"
 #include "client/core/lod/refiner.h"
-#include "client/core/lod/shown_parts.h"
 #include "tests/unit/core/refiner_on_seeds.h"
 
 namespace lode::core {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/cache/drawn_bytes.h"
+#include "client/core/cache/mesh_cache.h"
 #include "tests/support/seeds.h"
 #include "tests/unit/core/scripted_client.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 #include "tests/support/seeds.h"
 #include "tests/unit/core/refiner_on_seeds.h"
 

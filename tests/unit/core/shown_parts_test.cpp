@@ -1,7 +1,6 @@
-#include "client/core/lod/shown_parts.h"
-
 #include <gtest/gtest.h>
 
+#include "client/core/lod/cut.h"
 #include "tests/unit/core/scripted_client.h"
 
 namespace lode::core {

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "client/core/cache/cache.h"
+#include "client/core/cache/mesh_cache.h"
 #include "client/core/lod/hierarchy.h"
 #include "client/core/lod/triangle_clusters.h"
 #include "common/codec/hierarchy_page.h"

@@ -1,8 +1,8 @@
-#include "client/core/view/up_axis.h"
-
 #include <array>
 
 #include <gtest/gtest.h>
+
+#include "client/core/view/framing.h"
 
 namespace lode::core {
 namespace {

@@ -1,4 +1,3 @@
-#include "client/core/lod/view_cuts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "client/core/cache/drawn_bytes.h"
-#include "client/core/lod/shown_parts.h"
+#include "client/core/cache/mesh_cache.h"
+#include "client/core/lod/cut.h"
 #include "tests/unit/core/seeded_model.h"
 
 namespace lode::core {
@@ -194,7 +193,7 @@ TEST_P(ViewsOfAGroup, becomeAsFineAsWantedAgainWhereOneHasGone) {
 }
 
 TEST_P(ViewsOfAGroup, sayWhatTheyWantOfTheMemoryAlsoWhereTheyDoNotGetIt) {
-  const RefineOptions counted{.lists_wanted = true};
+  const RefineOptions counted{.shares_memory = true};
   Standing unlimited(GetParam(), 1ull << 40, counted);
   unlimited.see({kNear});
   unlimited.deliverAll();

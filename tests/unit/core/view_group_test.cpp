@@ -4,7 +4,7 @@
 #include <limits>
 #include <map>
 
-#include "client/core/cache/drawn_bytes.h"
+#include "client/core/cache/mesh_cache.h"
 #include "tests/unit/core/seeded_model.h"
 
 namespace lode::core {
@@ -54,7 +54,7 @@ TEST_P(ViewGroupOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
 }
 
 TEST_P(ViewGroupOnSeeds, becomesFinerAgainOnlyWhereThereIsRoomToSpare) {
-  ViewGroup group({.lists_wanted = true});
+  ViewGroup group({.shares_memory = true});
   group.setView(kFront, 1);
   const auto partsWithin = [&](uint64_t drawn_budget_bytes) {
     group.setDrawnBudget(drawn_budget_bytes);

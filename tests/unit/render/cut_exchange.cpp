@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 
 namespace lode::test {
 namespace {

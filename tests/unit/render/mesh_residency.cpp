@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/cache/drawn_bytes.h"
+#include "client/core/cache/mesh_cache.h"
 #include "client/core/lod/triangle_clusters.h"
 #include "residency_fixture.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/cache/drawn_bytes.h"
+#include "client/core/cache/mesh_cache.h"
 #include "client/render/residency/mesh_residency.h"
 #include "residency_fixture.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/textures/tile_tail.h"
+#include "client/core/textures/tile.h"
 #include "gl_fixture.h"
 #include "tests/support/texture_images.h"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/lod/view_cuts.h"
+#include "client/core/lod/cut.h"
 
 namespace lode::app {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 
 namespace lode::app {
 namespace {

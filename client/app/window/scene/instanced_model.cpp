@@ -9,11 +9,11 @@ namespace lode::app {
 namespace {
 
 stream::StreamOptions streamOptionsOf(stream::StreamOptions options, const render::MemoryShares& memory) {
-  options.memory_budget_bytes = memory.stream_bytes;
-  options.drawn_budget_bytes = memory.drawn_bytes;
-  options.hysteresis_factor = core::kHysteresisFactor;
-  options.shares_memory = true;
-  options.awaits_model = true;
+  options.engine.memory_budget_bytes = memory.stream_bytes;
+  options.engine.refine.drawn_budget_bytes = memory.drawn_bytes;
+  options.engine.refine.hysteresis_factor = core::kHysteresisFactor;
+  options.engine.refine.shares_memory = true;
+  options.engine.session.awaits_model = true;
   return options;
 }
 

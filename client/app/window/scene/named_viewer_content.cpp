@@ -10,9 +10,9 @@ namespace {
 
 stream::StreamOptions streamOptions(const CommonOptions& common) {
   stream::StreamOptions options = common.streamOptions();
-  options.hysteresis_factor = core::kHysteresisFactor;
-  options.prefetch = true;
-  options.awaits_model = true;
+  options.engine.refine.hysteresis_factor = core::kHysteresisFactor;
+  options.engine.prefetch = true;
+  options.engine.session.awaits_model = true;
   return options;
 }
 

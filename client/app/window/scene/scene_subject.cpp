@@ -8,7 +8,7 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/target.h"
 #include "client/app/window/memory_shares.h"
-#include "client/core/lod/sight.h"
+#include "client/core/view/view.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -21,13 +21,13 @@ CommonOptions optionsOf(const CommonOptions& scene, const std::string& target) {
 }
 
 render::MemoryShares shareOf(const CommonOptions& options, size_t models) {
-  return render::shareMemory(options.streamOptions().memory_budget_bytes / models);
+  return render::shareMemory(options.streamOptions().engine.memory_budget_bytes / models);
 }
 
 stream::StreamOptions streamOptionsOf(const CommonOptions& options, const render::MemoryShares& memory) {
   stream::StreamOptions stream_options = options.streamOptions();
-  stream_options.memory_budget_bytes = memory.stream_bytes;
-  stream_options.drawn_budget_bytes = memory.drawn_bytes;
+  stream_options.engine.memory_budget_bytes = memory.stream_bytes;
+  stream_options.engine.refine.drawn_budget_bytes = memory.drawn_bytes;
   return stream_options;
 }
 

@@ -4,15 +4,15 @@
 
 #include "client/app/window/camera/ground_below.h"
 #include "client/app/window/memory_shares.h"
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 
 namespace lode::app {
 namespace {
 
 stream::StreamOptions streamOptionsOf(stream::StreamOptions options) {
-  const render::MemoryShares memory = render::shareMemory(options.memory_budget_bytes);
-  options.memory_budget_bytes = memory.stream_bytes;
-  options.drawn_budget_bytes = memory.drawn_bytes;
+  const render::MemoryShares memory = render::shareMemory(options.engine.memory_budget_bytes);
+  options.engine.memory_budget_bytes = memory.stream_bytes;
+  options.engine.refine.drawn_budget_bytes = memory.drawn_bytes;
   return options;
 }
 
@@ -20,7 +20,7 @@ stream::StreamOptions streamOptionsOf(stream::StreamOptions options) {
 
 ViewedModel::ViewedModel(Target target, const stream::StreamOptions& options, core::Framing framing,
                          std::chrono::milliseconds timeout)
-    : renderer_(1, render::shareMemory(options.memory_budget_bytes).gpu),
+    : renderer_(1, render::shareMemory(options.engine.memory_budget_bytes).gpu),
       opener_(std::move(target), streamOptionsOf(options), std::move(framing), timeout) {}
 
 ViewerContent::Opening ViewedModel::open() {

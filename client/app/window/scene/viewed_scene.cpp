@@ -10,7 +10,7 @@
 #include "client/app/window/memory_shares.h"
 #include "client/app/window/scene/scene_frame.h"
 #include "client/app/window/scene/scene_status.h"
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 
 namespace lode::app {
 namespace {
@@ -40,7 +40,7 @@ ViewedScene::ViewedScene(const CommonOptions& options, Lacking lacking)
       options_(options),
       lacking_(lacking),
       framing_(framingOf(scene_, options)),
-      memory_(options.streamOptions().memory_budget_bytes, scene_.models.size()) {
+      memory_(options.streamOptions().engine.memory_budget_bytes, scene_.models.size()) {
   whole_.name = std::filesystem::path(options.target).filename().string();
   refuseWrongTargets(scene_, options.target, lacking);
 }

@@ -1,9 +1,10 @@
-#include "client/core/lod/shown_parts.h"
+#include "client/core/lod/cut.h"
 
 #include <algorithm>
 #include <unordered_set>
 
-#include "client/core/lod/sight.h"
+#include "client/core/cache/mesh_cache.h"
+#include "client/core/view/view.h"
 
 namespace lode::core {
 
@@ -53,6 +54,28 @@ size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& v
     while (above != kRootKey && !drawn.contains(above.value)) above = above.parent();
     return !drawn.contains(above.value);
   }));
+}
+
+std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cuts) {
+  auto all = std::make_shared<Cut>();
+  all->view = cuts.front()->view;
+  all->threshold_px = cuts.front()->threshold_px;
+  all->build = cuts.front()->build;
+  all->converged = true;
+  std::unordered_set<const Mesh*> known;
+  for (const auto& cut : cuts) {
+    for (size_t number = 0; number < partCount(*cut); ++number) {
+      const CutPart& part = partOf(*cut, number);
+      if (!known.insert(part.mesh.get()).second) continue;
+      all->drawn_bytes += drawnBytes(*part.mesh);
+      all->parts.push_back(part);
+    }
+    all->triangles += cut->triangles;
+    all->max_error_px = std::max(all->max_error_px, cut->max_error_px);
+    all->refinable_px = std::max(all->refinable_px, cut->refinable_px);
+    all->converged = all->converged && cut->converged;
+  }
+  return all;
 }
 
 }  // namespace lode::core

@@ -1,4 +1,4 @@
-#include "client/core/cache/cache.h"
+#include "client/core/cache/mesh_cache.h"
 
 #include <algorithm>
 #include <utility>

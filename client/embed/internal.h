@@ -1,10 +1,23 @@
 #pragma once
 
+#include <cstdint>
 #include <exception>
+#include <memory>
 #include <new>
 #include <string>
 
+#include "client/core/lod/cut.h"
+#include "client/core/view/view.h"
+#include "client/embed/lodestream.h"
+#include "common/codec/model_summary.h"
 #include "common/error.h"
+
+/// What the C face hands out.
+struct lodestream_cut {
+  std::shared_ptr<const lode::core::Cut> cut;
+  lode::ModelSummary model;
+  uint64_t serial = 0;  // by its stream
+};
 
 namespace lode::embed {
 
@@ -34,5 +47,19 @@ int guard(Work&& work) noexcept {
     return 0;
   }
 }
+
+/// What is seen is off by no more than that: a leaf at its original triangles may be, where core::Cut has
+/// converged.
+inline bool isWithin(const core::Cut& cut, float threshold_px) noexcept {
+  return cut.converged && cut.max_error_px <= threshold_px;
+}
+
+/// It is not within its threshold, and nothing finer is to be had.
+inline bool isFinest(const core::Cut& cut) noexcept {
+  return cut.converged && !isWithin(cut, cut.threshold_px);
+}
+
+/// The C face's camera in the model's frame. @throws Error kUsage if it is none.
+core::View toView(const lodestream_view& view, const ModelSummary& model);
 
 }  // namespace lode::embed

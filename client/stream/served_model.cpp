@@ -1,4 +1,4 @@
-#include "client/stream/served_url.h"
+#include "client/stream/served_model.h"
 
 #include "common/error.h"
 #include "common/limits.h"

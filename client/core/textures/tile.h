@@ -2,8 +2,12 @@
 
 #include <compare>
 #include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
 
 #include "common/codec/texture_set.h"
+#include "common/image/tile_image.h"
 
 namespace lode::core {
 
@@ -32,5 +36,16 @@ inline const BlobRef& tileBlob(const TextureSet& set, const TileKey& key) {
 inline glm::uvec2 tileImageSize(const TextureSet& set, const TileKey& key) {
   return tileInnerSize(set.textures[key.texture], key.level, key.x, key.y) + 2 * kTileGutterPx;
 }
+
+/// A texture's stored levels end with the first that fits one tile; seen from afar that one would sparkle.
+/// The tail is what a chain of levels goes on with, down to one texel: made by the client, each in an image
+/// with gutters of its own.
+
+/// Sizes of the tail's images, gutters included, finest first. @param coarsest  of the coarsest stored level,
+/// gutters included.
+std::vector<glm::uvec2> tailSizes(glm::uvec2 coarsest);
+
+/// Fills coarsest.coarser from its texels: each level the finer one halved (common/image/image.h).
+void makeTail(TileImage& coarsest);
 
 }  // namespace lode::core

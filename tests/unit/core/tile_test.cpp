@@ -1,4 +1,4 @@
-#include "client/core/textures/tile_tail.h"
+#include "client/core/textures/tile.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "client/core/lod/mesh_key.h"
+#include "client/core/lod/request.h"
 #include "client/core/textures/texture_footprint.h"
 #include "common/limits.h"
 #include "common/mesh.h"
@@ -18,6 +18,24 @@ namespace lode::core {
 uint64_t meshBytes(const Mesh& mesh) noexcept;
 /// The same, before it is there, with its clusters: see clusterTriangles().
 uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept;
+
+// What a drawer's copy of a mesh takes of its memory.
+constexpr uint64_t kDrawnVertexBytes = 16;
+constexpr uint64_t kDrawnTexturedVertexBytes = 24;  ///< with texture coordinates
+constexpr uint64_t kDrawnTriangleBytes = 12;
+constexpr uint64_t kDrawnClusterBytes = 24;  ///< of kClusterTriangles: where they lie
+
+/// Bytes that a drawer's copy of a mesh takes: whoever decides what is shown counts in them, too, since
+/// meshes without attributes take more of a GPU than of the core.
+constexpr uint64_t drawnBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept {
+  const bool is_textured = attributes.has(AttributeSet::kTexture);
+  return vertices * (is_textured ? kDrawnTexturedVertexBytes : kDrawnVertexBytes) +
+         triangles * kDrawnTriangleBytes + clusterCount(triangles) * kDrawnClusterBytes;
+}
+
+inline uint64_t drawnBytes(const Mesh& mesh) noexcept {
+  return drawnBytes(mesh.positions.size(), mesh.triangles.size(), mesh.attributes);
+}
 
 /// The decoded meshes that are resident and their footprints, within a budget. What is in use (the cut and
 /// what it waits for) and what is pinned stays; of the rest the least recently used goes first, and of equals
