@@ -44,7 +44,7 @@ void Engine::handleAll(Line line) {
   while (connection_.session(line)) {
     std::optional<SessionEvent> event = connection_.session(line)->nextEvent();
     if (!event) return;
-    // What a server that is going away says beside blobs, the next one says too.
+    // The active connection gets the same notices, so ignore them on the draining one.
     const bool is_heard = line == Line::kActive || !(std::holds_alternative<ServerLeaving>(*event) ||
                                                      std::holds_alternative<ModelChanged>(*event));
     if (is_heard) std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
@@ -89,7 +89,7 @@ void Engine::handle(BlobArrived event) {
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   prefetcher_.arrived(blob, use);
-  // What several LODs share is fetched once.
+  // LODs that share a payload fetch it once.
   for (const Request& request : group_.requests())
     if (request.blob == blob && request.use != use) model_->take(request.blob, request.use, bytes);
   model_->take(blob, use, std::move(bytes));
@@ -149,9 +149,9 @@ void Engine::step(TimePoint now) {
     bool changed = group_.refine(*model_);
     if (changed) prefetcher_.needed(group_.viewCuts().get(), group_.pages(), group_.requests());
     if (options_.prefetch) {
-      prefetcher_.expectViews(group_.viewCount());
+      prefetcher_.setViewCount(group_.viewCount());
       for (size_t number = 0; number < group_.viewCount(); ++number)
-        prefetcher_.see(number, group_.view(number), now);
+        prefetcher_.record(number, group_.view(number), now);
       changed |= prefetcher_.lookAhead(*model_, group_.options(), now);
     }
     if (changed || requests_waiting_) renewRequests();
@@ -182,9 +182,9 @@ void Engine::renewRequests() {
   const Session* const leaving = connection_.session(Line::kDraining);
   const uint64_t budget_bytes = model_->transitBudgetBytes();
   uint64_t waiting_bytes = model_->undecodedBytes();
-  /// @return false if no more may be asked for.
+  /// @return false if no further request fits.
   const auto ask = [&](const Request& request) {
-    // Where the cache has all that is wanted, nothing need stand in for it.
+    // While every query hits the cache, stand-ins are not worth loading.
     if (request.is_stand_in && options_.has_cache && !queries_.lacksAny()) return true;
     if (!model_->wants(request) || !asked.insert(request.blob.number).second) return true;
     if (leaving != nullptr && leaving->isRequested(request.blob)) return true;
@@ -196,7 +196,7 @@ void Engine::renewRequests() {
     return requests.size() < kMaxRequestsAtOnce;
   };
   if (const auto first = model_->firstRequest()) ask(*first);
-  // What is seen comes first, and all of it where the picture is far from what it is to be.
+  // Visible blobs come first. While the picture is far too coarse, prefetch nothing.
   const bool is_far_off = isFarOff(cut().get(), group_.options().threshold_px);
   const std::span<const Request> ahead =
       is_far_off ? std::span<const Request>() : std::span(prefetcher_.requests());

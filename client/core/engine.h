@@ -26,44 +26,45 @@
 
 namespace lode::core {
 
-constexpr uint64_t kDefaultMemoryBudgetBytes = 1ull << 30;  ///< of decoded meshes and textures
+constexpr uint64_t kDefaultMemoryBudgetBytes = 1ull << 30;
 
 struct EngineOptions {
   SessionOptions session;
-  RefineOptions refine;  ///< for ViewGroup
-  uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;
-  uint32_t jitter_seed = 0;  ///< of the times between tries to connect
-  bool has_cache = false;    ///< takeCacheQueries() is answered: a server is asked for what the cache lacks
-  /// Of the model as the cache has it, from an earlier run.
+  RefineOptions refine;
+  uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;  ///< hierarchy, transit, meshes, textures
+  uint32_t jitter_seed = 0;                                  ///< for the times between connection attempts
+  bool has_cache = false;  ///< the caller answers takeCacheQueries(); only misses go to the server
+  /// The model in the cache, kept by an earlier run.
   std::optional<ModelSummary> cached_model = std::nullopt;
-  bool offline = false;   ///< shows cached_model from the cache and never wants a connection
-  bool prefetch = false;  ///< asks ahead of a camera that moves
-  /// False: what is requested comes in the order in which it was requested, to compare with.
+  bool offline = false;   ///< shows cached_model from the cache and never connects
+  bool prefetch = false;  ///< requests ahead of a moving camera
+  /// False: gives all requests one class and priority, so that they are served in the order of sending. For
+  /// comparison.
   bool best_first = true;
-  /// Told of a connection that breaks, and why, while it still has what it had open; may be empty.
-  /// @param is_last  the engine does not go on: that error is thrown next.
+  /// Called when a connection breaks, while its requests are still open; may be empty.
+  /// @param is_last  the engine does not reconnect and throws `why` next.
   std::function<void(Line line, const Error& why, bool is_last)> on_broken = nullptr;
-  /// Told of a server that does not let it in, as it is full or going away, and why; may be empty.
+  /// Called when a server rejects the connection because it is full or shuts down; may be empty.
   std::function<void(const std::string& why)> on_turned_away = nullptr;
-  /// Told of a blob that the server cannot give, and why; may be empty.
+  /// Called when the server refuses a blob; may be empty.
   std::function<void(const BlobRef& blob, const std::string& why)> on_refused = nullptr;
 };
 
-/// What stands between a view and its converged picture.
+/// Reason why the cut of a view has not converged.
 enum class Waiting : size_t {
-  kNot,     ///< it has converged, or there is no view
-  kLink,    ///< bytes are awaited, from the server or for a connection to it
-  kDecode,  ///< bytes are there and not decoded yet
-  kBudget,  ///< all is there that the memory allows
+  kNot,     ///< it has converged, or no view is set
+  kLink,    ///< waits for a connection or for bytes from the server or the cache
+  kDecode,  ///< waits for received blobs to be decoded
+  kBudget,  ///< a budget is exhausted
 };
 constexpr size_t kWaitings = 4;
 
-/// How long it was waited for what.
+/// Total waiting time by reason.
 class WaitTimes {
  public:
   using Duration = std::chrono::nanoseconds;
 
-  /// From now on, until the next call.
+  /// Counts the time until the next call under `waiting`.
   void begin(Waiting waiting, TimePoint now) noexcept {
     if (begun_) times_[static_cast<size_t>(waiting_)] += now - since_;
     begun_ = true;
@@ -80,95 +81,96 @@ class WaitTimes {
 };
 
 struct EngineCounts {
-  uint64_t received_bytes = 0;  ///< everything from the server
-  uint64_t cache_bytes = 0;     ///< of blobs from the cache
+  uint64_t received_bytes = 0;  ///< all bytes from the server
+  uint64_t cache_bytes = 0;     ///< blobs from the cache
   uint64_t open_requests = 0;
-  RequestCounts requests;       ///< the same
-  uint64_t decoding = 0;        ///< jobs handed out
-  uint64_t transit_bytes = 0;   ///< asked for, not decoded, or being decoded, with what decoding takes
+  RequestCounts requests;       ///< the open requests by class
+  uint64_t decoding = 0;        ///< blobs waiting to be decoded or being decoded
+  uint64_t transit_bytes = 0;   ///< requested, received or being decoded, with the decoders' memory
   uint64_t resident_bytes = 0;  ///< decoded meshes
-  uint64_t wanted_bytes = 0;    ///< of them for the error asked for: see ViewGroup::wantedBytes()
+  uint64_t wanted_bytes = 0;    ///< ViewGroup::wantedBytes()
   uint64_t known_nodes = 0;
-  uint64_t hierarchy_bytes = 0;     ///< of the known nodes
-  uint64_t texture_blob_bytes = 0;  ///< received for textures: their set and tiles
+  uint64_t hierarchy_bytes = 0;     ///< memory of the known nodes
+  uint64_t texture_blob_bytes = 0;  ///< received texture set and tiles
   uint64_t texture_bytes = 0;       ///< decoded tiles
-  uint64_t tiles = 0;               ///< resident
-  uint64_t tiles_left_out = 0;      ///< that the view needs and the memory budget does not allow
+  uint64_t tiles = 0;               ///< resident tiles
+  uint64_t tiles_left_out = 0;      ///< needed by the view, but above the texture budget
   PrefetchCounts prefetch;
-  WaitTimes waited;             ///< for the picture to converge
-  double link_bytes_per_s = 0;  ///< measured; 0: not yet
-  double round_trip_ms = 0;     ///< smallest measured; 0: none yet
-  uint64_t window_bytes = 0;    ///< that the server may have under way
+  WaitTimes waited;             ///< time to convergence by reason
+  double link_bytes_per_s = 0;  ///< measured throughput; 0: unknown
+  double round_trip_ms = 0;     ///< smallest measured; 0: unknown
+  uint64_t window_bytes = 0;    ///< unacknowledged bytes that the server may send
 };
 
-/// A link to a server, a model and the views of it, stepped together: bytes, blobs from a cache, decoded
-/// meshes and tiles and a camera in; bytes, decode jobs and cuts out. Blobs are asked of the cache first. The
-/// model and the last cut outlive the connection. Owns no thread, knows no clock and no socket. Not thread
-/// safe; the cuts it gives are.
+/// The client's state machine: a connection, a model and its views. Takes received bytes, cached blobs,
+/// decode results and cameras; produces bytes to send, cache queries, decode jobs and cuts. Queries the cache
+/// before the server. The model and the last cut outlive the connection. Uses no thread, clock or socket of
+/// its own. Not thread safe; the published cuts are.
 class Engine {
  public:
   explicit Engine(EngineOptions options);
 
-  /// A transport is to be made, and then connect() called. What was the newest until then, if it is there, is
-  /// the leaving one from then on.
+  /// Returns true if the caller should open a connection and then call connect(). The active connection, if
+  /// any, becomes the draining one.
   bool wantsConnection(TimePoint now) const noexcept { return !options_.offline && connection_.due(now); }
   void connect(TimePoint now);
-  /// False: the transport, if there is one, is of no more use.
+  /// Returns false if the caller should close the transport.
   bool connected(Line line = Line::kActive) const noexcept { return connection_.session(line) != nullptr; }
-  /// There is a connection, and its server does not go away.
+  /// Returns true if the active connection accepts requests: its server is not shutting down.
   bool staysConnected() const noexcept { return connection_.takesRequests(); }
-  /// Those that a connection has open, with those taken back.
+  /// Number of open requests of a connection, including cancelled ones that are not acknowledged yet.
   uint64_t openRequests(Line line) const noexcept {
     const Session* const session = connection_.session(line);
     return session ? session->openRequests() : 0;
   }
-  /// The transport failed. @throws the error if a new one would not help; the last cut stays good.
+  /// Reports that the transport failed. @throws `why` if reconnecting cannot help; the last cut stays valid.
   void disconnect(const Error& why, TimePoint now, Line line = Line::kActive);
-  /// Why there is no connection now, while a new one is tried for; empty otherwise.
+  /// Reason for the missing connection while the engine reconnects; empty otherwise.
   const std::string& trouble() const noexcept { return connection_.trouble(); }
 
-  /// @throws Error as Session does: the engine must be given up then; the last cut stays good.
+  /// Takes received bytes. @throws Error as Session does; do not use the engine afterwards. The last cut
+  /// stays valid.
   void receive(std::span<const std::byte> bytes, TimePoint now, Line line = Line::kActive);
   void finishDecode(DecodeResult result);
-  /// @param view  in the model frame: see camera_path.h for how to come from true coordinates.
+  /// @param view  in the model frame: toView() in camera_path.h converts from true coordinates.
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
-  /// The same for a model that stands in several places. @param views  of pictures of one size.
+  /// Sets one view per instance of the model. @param views  all pictures have one size.
   void setViews(std::span<const View> views, float threshold_px) { group_.setViews(views, threshold_px); }
 
-  /// Others than the options', from now on: of all, and of what is drawn.
+  /// Replaces memory_budget_bytes and refine.drawn_budget_bytes of the options.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
 
-  /// Refines if anything has changed, renews the requests, keeps the connection alive. @throws Error as
+  /// Refines if anything has changed, renews the requests and keeps the connections alive. @throws Error as
   /// disconnect().
   void step(TimePoint now);
 
   proto::Bytes takeOutgoing(Line line = Line::kActive);
   std::vector<DecodeJob> takeDecodeJobs();
 
-  /// Blobs to be looked for in the cache; each is to be answered by finishCacheQuery().
+  /// Blobs to look up in the cache. Answer each with finishCacheQuery().
   std::vector<BlobRef> takeCacheQueries() { return queries_.take(); }
-  /// @param bytes  none: the cache does not have the blob. They must have its name.
+  /// @param bytes  nothing if the cache does not have the blob. They must match its digest.
   void finishCacheQuery(const BlobRef& blob, std::optional<std::vector<std::byte>> bytes);
   struct Arrival {
     BlobRef blob;
     std::vector<std::byte> bytes;
   };
-  /// Blobs that came from the server, for the cache; none without one.
+  /// Blobs received from the server, to be cached; none if has_cache is false.
   std::vector<Arrival> takeArrivals() { return std::exchange(arrivals_, {}); }
-  /// Nothing more will come: it is offline, and the cache has given what it has.
+  /// Returns true if the engine is offline and the cache has answered everything.
   bool exhausted() const noexcept;
 
   /// Null until the model is open.
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
-  /// The last cut published; null until the root's coarsest LOD is there and a view is set.
+  /// The last published cut; null until the root's coarsest LOD is resident and a view is set.
   const std::shared_ptr<const Cut>& cut() const noexcept { return group_.cut(); }
-  /// By view, as those; see ViewGroup.
+  /// The last cuts by view: see ViewGroup.
   const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return group_.viewCuts(); }
   uint64_t cutBuild() const noexcept { return group_.cutBuild(); }
   bool limited() const noexcept { return group_.limited(); }
-  /// Nothing more will come for the views: their cuts are whole, or what they lack cannot be had.
+  /// Returns true if the cuts are final: they are complete, or the missing blobs cannot be loaded.
   bool settled() const noexcept;
-  /// Why a part of the model cannot be had; empty if nothing is wrong.
+  /// Why some part of the model cannot be loaded; empty if none failed.
   const std::string& failure() const noexcept;
   EngineCounts counts() const noexcept;
 
@@ -195,8 +197,8 @@ class Engine {
   Prefetcher prefetcher_;
   WaitTimes waited_;
   TimePoint now_{};
-  bool requests_waiting_ = false;  // some may be sent that could not be before
-  bool held_back_ = false;         // some may not be sent before others are decoded
+  bool requests_waiting_ = false;  // some requests may be sendable now
+  bool held_back_ = false;         // requests wait until received blobs are decoded
 };
 
 }  // namespace lode::core

@@ -15,7 +15,7 @@ uint64_t transitShare(uint64_t budget_bytes) {
   return std::min(budget_bytes / kTransitBudgetShare, kMaxTransitBytes);
 }
 
-/// What decoding takes: the result, and as much again for the decoder's own.
+/// Estimated memory for decoding: the result, and as much again for the decoder.
 uint64_t decodingBytes(const DecodeJob& job) {
   if (job.use.kind == BlobKind::kTile) return uint64_t{8} * job.image_size.x * job.image_size.y;
   return 2 * meshBytes(job.expected.vertices, job.expected.triangles, job.expected.attributes);
@@ -86,8 +86,8 @@ void Model::take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte>
   }
 }
 
-/// A page that is there already may come again: a new connection begins with the root's. One below a page
-/// that was forgotten meanwhile has come in vain.
+/// Ignores pages that are loaded already, since every connection starts with the root page, and pages whose
+/// parent page has been evicted.
 void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
   const KnownNode* owner = hierarchy_.find(use.mesh.node);
   const bool is_root_page = use.kind == BlobKind::kRootPage;
@@ -102,7 +102,7 @@ void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
 
 void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   const KnownNode* node = hierarchy_.find(use.mesh.node);
-  if (use.kind == BlobKind::kMesh && node == nullptr) return;  // forgotten meanwhile
+  if (use.kind == BlobKind::kMesh && node == nullptr) return;  // its page was evicted
   if (!decoding_.try_emplace(toDecoding(blob, use), Work{blob}).second) return;
   undecoded_bytes_ += blob.bytes;
   DecodeJob job;
@@ -154,10 +154,10 @@ void Model::finishDecode(DecodeResult result) {
   insert(std::move(result));
 }
 
-/// A mesh is that of every LOD of its node that has the same payload.
+/// Inserts a mesh for every LOD of its node that has the same payload.
 void Model::insert(DecodeResult result) {
   const KnownNode* node = hierarchy_.find(result.use.mesh.node);
-  if (node == nullptr) return;  // forgotten meanwhile
+  if (node == nullptr) return;  // its page was evicted
   const Lod& decoded = node->lods[result.use.mesh.lod];
   for (uint32_t lod = 0; lod < node->lods.size(); ++lod) {
     const Lod& same = node->lods[lod];

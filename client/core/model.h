@@ -20,68 +20,68 @@
 
 namespace lode::core {
 
-constexpr uint64_t kHierarchyBudgetShare = 8;  ///< one in so many bytes of memory is for what is known
-/// And one in so many for blobs that are asked for or wait to be decoded, as many again for decoding. One
-/// alone may be larger.
+constexpr uint64_t kHierarchyBudgetShare = 8;  ///< the hierarchy gets 1/8 of the memory budget
+/// Blobs that are requested or wait to be decoded get 1/16 of the memory budget, and decoders as much again.
+/// A single blob may exceed its share.
 constexpr uint64_t kTransitBudgetShare = 16;
-constexpr uint64_t kMaxTransitBytes = 64ull << 20;  ///< of either, however large the budget
+constexpr uint64_t kMaxTransitBytes = 64ull << 20;  ///< upper limit of either share
 
-/// One build of a model, as far as it is known and resident: its hierarchy, meshes and textures. Blobs go in,
-/// wherever they come from; decode jobs come out, and their results go in. Knows no view and no connection;
-/// every view of the model shares it. Not thread safe.
+/// The resident data of one build of a model: hierarchy, meshes and textures. Takes blobs from any source,
+/// returns decode jobs and takes their results. All views share it; it depends on no view and no connection.
+/// Not thread safe.
 class Model {
  public:
-  /// @param memory_budget_bytes  of the hierarchy, blobs on their way, decoding, meshes and textures.
+  /// @param memory_budget_bytes  for hierarchy, blobs in transit, decoding, meshes and textures.
   Model(ModelSummary summary, uint64_t memory_budget_bytes);
 
-  /// Another budget from now on: views are refined anew.
+  /// Changes the budget and the version, so that views refine again.
   void setMemoryBudget(uint64_t bytes);
 
   const ModelSummary& summary() const noexcept { return summary_; }
   const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
   Hierarchy& hierarchy() noexcept { return hierarchy_; }
-  /// For the pages that a view needs, and beyond them for those that it does not.
+  /// Budget of the hierarchy: pages in use, then recently used pages.
   uint64_t hierarchyBudgetBytes() const noexcept { return hierarchy_budget_bytes_; }
   MeshCache& meshes() noexcept { return meshes_; }
   const MeshCache& meshes() const noexcept { return meshes_; }
-  /// Null: it has none.
+  /// Null if the model has no textures.
   TextureStream* textures() noexcept { return textures_ ? &*textures_ : nullptr; }
   const TextureStream* textures() const noexcept { return textures_ ? &*textures_ : nullptr; }
 
-  /// What comes before any view: the root's page, then its coarsest LOD; nothing once they are there or
-  /// being decoded.
+  /// The request that precedes any view: the root page, then the root's coarsest LOD; nothing once both are
+  /// resident or being decoded.
   std::optional<Request> firstRequest() const;
-  /// Whether a blob would help: it is not being decoded and not refused.
+  /// Returns true if a request makes sense: the blob is not being decoded and was not refused.
   bool wants(const Request& request) const;
 
-  /// Takes the bytes of a blob, whose name was checked. @throws Error kFormat or kLimit for a page or texture
-  /// set that breaks a rule.
+  /// Takes the bytes of a blob. @param bytes  must match the digest.
+  /// @throws Error kFormat or kLimit for an invalid page or texture set.
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
-  /// A blob cannot be had. @param is_lost  for good, so that something else is to take its place.
+  /// Notes that a blob cannot be loaded. @param is_lost  permanently, so that refinement works around it.
   void refuse(const BlobRef& blob, const std::string& why, bool is_lost = true);
 
-  /// Those that there is memory for; others follow when these have come back.
+  /// Returns the waiting jobs that fit the decoding budget; the rest follow after finishDecode().
   std::vector<DecodeJob> takeDecodeJobs();
-  /// Takes a job's result; one that belongs to another build is dropped.
+  /// Takes a job's result; ignores results of another build.
   void finishDecode(DecodeResult result);
 
-  /// Names it among the builds of one model.
+  /// Identifies the build: the first 8 bytes of its build id.
   uint64_t build() const noexcept;
-  /// Grows with every change that a view may show.
+  /// Increases with every change that may change a cut.
   uint64_t version() const noexcept { return version_; }
-  /// Why a part of the model cannot be had; empty if nothing is wrong.
+  /// Why some part of the model cannot be loaded; empty if none failed.
   const std::string& failure() const noexcept { return failure_; }
-  /// Of blobs that have come and are not decoded, and what those take that are being decoded.
+  /// Encoded size of received blobs that are not decoded yet, and memory of the running decoders.
   uint64_t undecodedBytes() const noexcept { return undecoded_bytes_; }
   uint64_t decodingBytes() const noexcept { return decoding_bytes_; }
-  /// For blobs that are asked for or not decoded yet.
+  /// Budget for requested and undecoded blobs.
   uint64_t transitBudgetBytes() const noexcept { return transit_budget_bytes_; }
   size_t decoding() const noexcept { return decoding_.size(); }
-  /// Of all texture blobs that came.
+  /// Size of all received texture blobs.
   uint64_t textureBlobBytes() const noexcept { return texture_blob_bytes_; }
 
  private:
-  /// What is being decoded: of a mesh, the same for all LODs of a node that share the payload.
+  /// Identifies a decode job; LODs of a node that share a payload share the job.
   struct Decoding {
     BlobKind kind;
     NodeKey node;
@@ -89,10 +89,9 @@ class Model {
     friend constexpr auto operator<=>(const Decoding&, const Decoding&) = default;
   };
 
-  /// What is being decoded, and what that takes.
   struct Work {
     BlobRef blob;
-    uint64_t bytes = 0;  // while it is handed out; 0 before
+    uint64_t bytes = 0;  // memory for decoding; 0 until the job is handed out
   };
 
   void addPage(const BlobUse& use, std::span<const std::byte> bytes);
@@ -108,10 +107,10 @@ class Model {
   uint64_t hierarchy_budget_bytes_ = 0;
   MeshCache meshes_;
   std::optional<TextureStream> textures_;
-  std::map<Decoding, Work> decoding_;  // handed out or waiting for that
+  std::map<Decoding, Work> decoding_;  // jobs handed out or waiting
   uint64_t transit_budget_bytes_ = 0;
   uint64_t undecoded_bytes_ = 0, decoding_bytes_ = 0;
-  std::deque<DecodeJob> jobs_;  // not handed out yet
+  std::deque<DecodeJob> jobs_;  // waiting to be handed out
   std::set<uint32_t> refused_;  // blob numbers
   uint64_t texture_blob_bytes_ = 0;
   uint64_t version_ = 0;

@@ -27,8 +27,8 @@ namespace {
 
 void checkNumber(size_t number, size_t count, const char* what) {
   if (number >= count)
-    throw Error(ErrorCode::kUsage, "the cut has " + std::to_string(count) + " " + what + ", none of number " +
-                                       std::to_string(number));
+    throw Error(ErrorCode::kUsage, "number " + std::to_string(number) + " is out of range: the cut has " +
+                                       std::to_string(count) + " " + what);
 }
 
 template <typename Things>
@@ -48,12 +48,12 @@ const Value* dataOrNull(const std::vector<Value>& values) {
 }
 
 const core::Cut& cutAt(const lodestream_cut* cut) {
-  return *given(cut, "cut", "one that lodestream_take_cut() gave").cut;
+  return *given(cut, "cut", "one from lodestream_take_cut()").cut;
 }
 
-/// Renderers tell by it what they have uploaded: a mesh that came before the model's textures were known has
-/// another name than the same with its coordinates.
-uint64_t meshName(const core::Cut& cut, const core::CutPart& part) {
+/// Returns the mesh id. A mesh without texture coordinates, taken before the texture set was loaded, has
+/// another id than the same mesh with them.
+uint64_t meshId(const core::Cut& cut, const core::CutPart& part) {
   static_assert(alignof(Mesh) > 1);
   return reinterpret_cast<uintptr_t>(part.mesh.get()) | (cut.textures ? 1 : 0);
 }
@@ -122,10 +122,10 @@ core::View toView(const lodestream_view& view, const ModelSummary& model) {
                         std::clamp(view.height_px, 1u, core::kMaxPictureSidePx) == view.height_px;
   if (!isFinite(view.eye) || !isFinite(view.target) || !isFinite(view.up) || !has_size ||
       !(view.fov_y_deg >= core::kMinFovDeg && view.fov_y_deg <= core::kMaxFovDeg) || !(view.threshold_px > 0))
-    throw Error(
-        ErrorCode::kUsage,
-        "this is no view: it needs finite vectors, a picture of 1 to 32768 pixels each way, an angle of "
-        "0.01 to 170 degrees and a threshold above 0; set none while a window has no pixels");
+    throw Error(ErrorCode::kUsage,
+                "invalid view: it needs finite vectors, a picture of 1 to 32768 pixels each way, fov_y_deg "
+                "from 0.01 to "
+                "170 and a threshold above 0; set no view while a window has no pixels");
   const core::CameraKey camera{0, toVector(view.eye), toVector(view.target), toVector(view.up)};
   return core::toView(camera, view.fov_y_deg, view.width_px, view.height_px, model);
 }
@@ -157,8 +157,8 @@ int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_par
   return guard([&] {
     const lode::core::Cut& whole = lode::embed::cutAt(cut);
     const lode::core::CutPart& of = lode::embed::partAt(whole, number);
-    lode::embed::given(part, "part") = {lode::embed::meshName(whole, of), of.node.value, of.lod, of.visible,
-                                        of.mesh->triangles.size(),        of.error_px};
+    lode::embed::given(part, "part") = {lode::embed::meshId(whole, of), of.node.value, of.lod, of.visible,
+                                        of.mesh->triangles.size(),      of.error_px};
   });
 }
 

@@ -12,54 +12,53 @@
 #include "common/codec/model_summary.h"
 #include "common/error.h"
 
-/// What the C face hands out.
+/// A reference to a cut, as the C API returns it.
 struct lodestream_cut {
   std::shared_ptr<const lode::core::Cut> cut;
   lode::ModelSummary model;
-  uint64_t serial = 0;  // by its stream
+  uint64_t serial = 0;  // lodestream_status::cut_serial
 };
 
 namespace lode::embed {
 
-/// Keeps a message for lodestream_last_error() on this thread.
-void remember(const char* message) noexcept;
+/// Stores a message for lodestream_last_error() on this thread.
+void setLastError(const char* message) noexcept;
 
-/// What a pointer of the caller's points to. @throws Error kUsage for NULL.
+/// Dereferences an argument of the C API. @throws Error kUsage for NULL.
 template <typename T>
 T& given(T* pointer, const char* what, const char* remedy = "the address of one") {
   if (pointer == nullptr)
-    throw Error(ErrorCode::kUsage, std::string("a NULL ") + what + " was given: give " + remedy);
+    throw Error(ErrorCode::kUsage, std::string("the ") + what + " is NULL: pass " + remedy);
   return *pointer;
 }
 
-/// Runs what a function of the C face does, from which nothing may be thrown. @return what that returns: 1,
-/// or 0.
+/// Runs the body of a C API function and converts exceptions. @return 1 on success, 0 on failure.
 template <typename Work>
 int guard(Work&& work) noexcept {
   try {
     work();
     return 1;
   } catch (const std::bad_alloc&) {
-    remember(kOutOfMemory);
+    setLastError(kOutOfMemory);
     return 0;
   } catch (const std::exception& error) {
-    remember(error.what());
+    setLastError(error.what());
     return 0;
   }
 }
 
-/// What is seen is off by no more than that: a leaf at its original triangles may be, where core::Cut has
-/// converged.
+/// Returns true if no visible part exceeds the threshold. A converged core::Cut may exceed it at leaves with
+/// their original triangles.
 inline bool isWithin(const core::Cut& cut, float threshold_px) noexcept {
   return cut.converged && cut.max_error_px <= threshold_px;
 }
 
-/// It is not within its threshold, and nothing finer is to be had.
+/// Returns true if the cut exceeds its threshold and the model has nothing finer.
 inline bool isFinest(const core::Cut& cut) noexcept {
   return cut.converged && !isWithin(cut, cut.threshold_px);
 }
 
-/// The C face's camera in the model's frame. @throws Error kUsage if it is none.
+/// Converts a view to the model frame. @throws Error kUsage if it is invalid.
 core::View toView(const lodestream_view& view, const ModelSummary& model);
 
 }  // namespace lode::embed

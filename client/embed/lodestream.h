@@ -1,19 +1,22 @@
-/* Lodestream's client for other programs: a model on a server, as the mesh that a camera needs now.
+/* Lodestream client library: streams a model from a server and provides the meshes that a camera needs.
  *
- * Open a model, say where the camera is, step, take the cut: parts whose meshes cover what the camera sees,
- * and after each step as fine as has come so far. The library connects, decodes and refines on threads of its
- * own; no function waits for the network, but lodestream_step() as long as it is allowed to. C below; C++ in
- * namespace lodestream at the end.
+ * Open a stream, set the view, step, and take the cut: a set of parts whose meshes cover everything that
+ * the camera sees. Each step may refine the cut. The library connects, decodes and refines on its own
+ * threads. No function blocks on the network, except lodestream_step() up to the given timeout. This
+ * header declares the C API first, then a C++ wrapper in namespace lodestream.
  *
- * Lengths are the model's unit. Positions of meshes are relative to the model's origin, which keeps them
- * exact in float: true = origin + position. Cameras are in true coordinates. Texts are UTF-8.
+ * Lengths are in the model's unit. Mesh positions are relative to the model's origin, which keeps them
+ * exact in float: true position = origin + position. Views use true coordinates. Strings are UTF-8.
  *
- * A stream is for one thread at a time. Cuts and meshes do not change, may be read by any thread, and outlive
- * their stream. Functions that return int return 1, or 0 with lodestream_last_error(); so do those that
- * return a pointer. NULL in place of what a function needs makes it fail, or where it returns nothing does
- * nothing.
+ * Threads: use a stream from one thread at a time. Cuts and meshes are immutable, can be read from any
+ * thread, and may outlive their stream.
  *
- * The header and the library of one version go together: a minor version may change structs. */
+ * Errors: functions that return int return 1 on success and 0 on failure; functions that return a pointer
+ * return NULL on failure. lodestream_last_error() describes the failure. Passing NULL for a required
+ * argument is an error; functions without a return value ignore it.
+ *
+ * Versions: use the header and the library of the same version. Before 1.0, minor versions may change
+ * structs. */
 #ifndef LODESTREAM_H
 #define LODESTREAM_H
 
@@ -32,134 +35,136 @@ typedef struct lodestream_stream lodestream_stream;
 typedef struct lodestream_cut lodestream_cut;
 typedef struct lodestream_mesh lodestream_mesh;
 
-/* All zeros are the default, as lodestream_default_options() gives it with its values. */
+/* Options of a stream. Zero or NULL selects the default of each option; lodestream_default_options() fills
+ * in the default values. */
 typedef struct lodestream_options {
-  const char* token;            /* NULL: none */
-  const char* ca_file;          /* authorities for lodes://, in PEM; NULL: the system's */
-  const char* cache_folder;     /* keeps what came between runs; NULL: nothing is kept */
-  uint64_t memory_budget_bytes; /* of what is known and decoded; 0: 1 GiB */
-  uint64_t triangle_budget;     /* of a cut; 0: as many as the view needs */
-  uint32_t connect_timeout_ms;  /* up to the server's first word; 0: 20,000 */
-  uint32_t decode_threads;      /* at most 256; 0: as many as there are cores but two, at least one */
+  const char* token;            /* access token; NULL: none */
+  const char* ca_file;          /* PEM file of certificate authorities for lodes://; NULL: the system's */
+  const char* cache_folder;     /* caches received data between runs; NULL: no cache */
+  uint64_t memory_budget_bytes; /* for hierarchy, received data and decoded meshes; 0: 1 GiB */
+  uint64_t triangle_budget;     /* largest number of triangles of a cut; 0: no limit */
+  uint32_t connect_timeout_ms;  /* until the server's first byte; 0: 20,000 */
+  uint32_t decode_threads;      /* at most 256; 0: two fewer than there are cores, at least one */
 } lodestream_options;
 
 typedef struct lodestream_model {
   double origin[3];
   double box_min[3], box_max[3]; /* true coordinates */
-  uint64_t triangles;            /* of the original */
+  uint64_t triangles;            /* of the original model */
   uint32_t has_normals, has_colours;
-  uint32_t
-      has_textures; /* images: without, it may have coordinates of its own, lodestream_arrays.texture_uvs */
+  uint32_t has_textures; /* images; texture_uvs may exist without them */
 } lodestream_model;
 
-/* Finite vectors. A window that is minimized has 0 pixels, which is no view: set none until it is back, and
- * what was set last stays. */
+/* A camera and its picture. Vectors must be finite. A minimized window has no pixels and no valid view: do
+ * not set one; the last view stays in effect. */
 typedef struct lodestream_view {
   double eye[3], target[3], up[3];
   double fov_y_deg;             /* 0.01 to 170 */
   uint32_t width_px, height_px; /* 1 to 32,768 each */
-  float threshold_px;           /* largest error allowed in the picture, above 0 */
+  float threshold_px;           /* largest projected error allowed; above 0 */
 } lodestream_view;
 
 typedef struct lodestream_status {
-  uint32_t is_open;         /* the model is known: lodestream_describe() works */
-  uint32_t has_cut;         /* there is something to draw */
-  uint32_t is_converged;    /* what the view last set sees is within the threshold */
-  uint32_t is_settled;      /* nothing more will come for that view */
-  uint32_t is_limited;      /* a budget keeps it from converging */
-  uint32_t is_reconnecting; /* the connection broke, and is tried for again; the cut stays */
-  uint32_t has_failed;      /* some of it cannot be had: lodestream_last_error() says why */
-  uint32_t has_ended;       /* nothing more will come at all: likewise */
+  uint32_t is_open;         /* the model is open: lodestream_describe() works */
+  uint32_t has_cut;         /* lodestream_take_cut() returns a cut */
+  uint32_t is_converged;    /* the view last set is within its threshold */
+  uint32_t is_settled;      /* the cut is final for that view */
+  uint32_t is_limited;      /* a budget keeps that view from converging */
+  uint32_t is_reconnecting; /* the connection broke and the library reconnects; the cut stays */
+  uint32_t has_failed;      /* part of the model cannot be loaded: see lodestream_last_error() */
+  uint32_t has_ended;       /* the stream has stopped for good: see lodestream_last_error() */
   uint64_t received_bytes;
-  uint64_t resident_bytes; /* decoded meshes */
-  uint64_t cut_serial; /* of the cut that lodestream_take_cut() gives: another one, another cut; 0: none */
-  uint32_t is_finest;  /* what that view sees is as fine as the model has it, but not within the threshold */
+  uint64_t resident_bytes; /* memory of decoded meshes */
+  uint64_t cut_serial;     /* serial of the current cut; changes with every new cut; 0: none */
+  uint32_t is_finest;      /* that view shows the finest data of the model, but exceeds its threshold */
 } lodestream_status;
 
 typedef struct lodestream_cut_info {
   size_t parts;
-  size_t fallbacks; /* parts beside the cut, numbered on from its own: see lodestream_cut_shown() */
+  size_t fallbacks; /* coarser parts, numbered after the parts: see lodestream_cut_shown() */
   size_t tiles, textures;
   uint64_t triangles;
-  float max_error_px;    /* of what is seen */
-  uint32_t is_converged; /* to the threshold that it was made for */
-  uint32_t is_finest;    /* not that, but as fine as the model has it */
-  uint64_t serial;       /* of its stream: another one, another cut */
+  float max_error_px;    /* largest projected error of the visible parts */
+  uint32_t is_converged; /* within the threshold of its view */
+  uint32_t is_finest;    /* the finest data of the model, but not within the threshold */
+  uint64_t serial;       /* lodestream_status.cut_serial of this cut */
 } lodestream_cut_info;
 
-/* Parts of two cuts that are both held have the same mesh where it is named alike: what a renderer has
- * uploaded for the one it can draw for the other. */
+/* A part of a cut. Parts with the same mesh id, in one cut or in several cuts held at the same time, share
+ * one mesh, so a renderer can reuse an uploaded mesh for the next cut. */
 typedef struct lodestream_part {
-  uint64_t mesh;
-  uint64_t node;       /* a leading 1, then 3 bits a level of the octree: x, y, z from the lowest */
+  uint64_t mesh;       /* mesh id */
+  uint64_t node;       /* octree node: a leading 1, then 3 bits per level: x, y, z from the lowest bit */
   uint32_t lod;        /* 0 is the finest */
-  uint32_t is_visible; /* to the cut's own view: draw what lodestream_cut_shown names, visible or not */
+  uint32_t is_visible; /* in the cut's own view; draw what lodestream_cut_shown() selects instead */
   uint64_t triangles;
-  float error_px;
+  float error_px; /* projected error in the cut's view */
 } lodestream_part;
 
-/* What lodestream_arrays.texture_of says of a vertex that wears no texture. */
+/* Value of lodestream_arrays.texture_of for a vertex without a texture. */
 #define LODESTREAM_NO_TEXTURE 0xffffu
 
-/* One value, or group of values, a vertex; NULL for what the model does not have. */
+/* Vertex and index arrays of a mesh. Attributes that the model does not have are NULL. */
 typedef struct lodestream_arrays {
   uint32_t vertices, triangles;
-  const float* positions;   /* x y z */
-  const float* normals;     /* x y z, unit length */
-  const uint8_t* colours;   /* r g b a, sRGB */
-  const float* texture_uvs; /* u v; v is 0 at the image's lower edge; it repeats beyond 0 to 1 */
-  const uint16_t*
-      texture_of; /* number of the vertex's texture, or LODESTREAM_NO_TEXTURE; NULL without textures */
-  const uint32_t* indices; /* three a triangle, counter-clockwise */
+  const float* positions;     /* x y z */
+  const float* normals;       /* x y z, unit length */
+  const uint8_t* colours;     /* r g b a, sRGB */
+  const float* texture_uvs;   /* u v; v = 0 is the lower edge of the image; values outside 0..1 repeat it */
+  const uint16_t* texture_of; /* texture number per vertex, or LODESTREAM_NO_TEXTURE; NULL without textures */
+  const uint32_t* indices;    /* three per triangle, counter-clockwise */
 } lodestream_arrays;
 
 typedef struct lodestream_tile {
-  uint32_t texture, level, column, row; /* level 0 is the finest; rows from the image's top */
-  uint32_t width_px, height_px;         /* with a gutter of 2 px of the neighbourhood on each side */
-  const uint8_t* rgba;                  /* by rows from the top, as long as the cut is held */
+  uint32_t texture, level, column, row; /* level 0 is the finest; row 0 is at the top */
+  uint32_t width_px, height_px;         /* including a gutter of 2 px on each side */
+  const uint8_t* rgba;                  /* rows from the top; valid while the cut is held */
 } lodestream_tile;
 
 typedef struct lodestream_texture {
-  uint32_t width_px, height_px, levels; /* 0: the image is missing */
+  uint32_t width_px, height_px, levels; /* all 0 if the image is missing */
 } lodestream_texture;
 
-/* Of this thread's last call that failed; one line: what, where, what to do. */
+/* Returns the error of the last failed call on this thread, in one line: what failed, where, what to do. */
 const char* lodestream_last_error(void);
 
-/* Fills in the values; texts are NULL. */
+/* Fills in the default values; strings are NULL. */
 void lodestream_default_options(lodestream_options* options);
-/* Begins to open lode://HOST[:PORT]/MODEL, or lodes:// with TLS; step until it is open. options: NULL for the
- * default. */
+/* Starts to open lode://HOST[:PORT]/MODEL, or lodes:// with TLS. Call lodestream_step() until the status says
+ * is_open. options: NULL selects the defaults. */
 lodestream_stream* lodestream_open(const char* url, const lodestream_options* options);
-/* Ends the stream's threads; NULL does nothing, here and where something is released. */
+/* Closes the stream and joins its threads. NULL is ignored, as in all release functions. */
 void lodestream_close(lodestream_stream* stream);
 
-/* Waits until there is news since the last step, but no longer than so; 0 does not wait. A view that was set
- * and has settled, the same again, too, is news. */
+/* Waits for a change since the last step, at most wait_ms, and returns the status. 0 does not wait.
+ * Setting a view that has settled already counts as a change. */
 int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status);
+/* Describes the model. Fails until it is open. */
 int lodestream_describe(lodestream_stream* stream, lodestream_model* model);
-/* Once the model is open. */
+/* Sets the view to refine for. Fails until the model is open. */
 int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view);
 
-/* The newest cut as of the last step: a reference of the caller's own, to be released. NULL while there is
- * none, which is no error: lodestream_last_error() stays. */
+/* Returns a new reference to the cut of the last step; release it with lodestream_release_cut(). Returns
+ * NULL if there is no cut yet, which is not an error: lodestream_last_error() does not change. */
 lodestream_cut* lodestream_take_cut(lodestream_stream* stream);
 void lodestream_release_cut(lodestream_cut* cut);
-/* All zeros of NULL. */
+/* Describes a cut; all zeros for NULL. */
 void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info);
+/* Describes a part or fallback. number: below parts + fallbacks. */
 int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part);
-/* Which parts to draw for a camera that may have moved on since the cut was made: the cut's own, but where it
- * sees a place that has not come yet, a fallback for the whole region. numbers has room for parts +
- * fallbacks. */
+/* Selects the parts to draw for a camera that may have moved since the cut was refined: the cut's parts,
+ * but a fallback for its whole region where the camera sees a missing part. numbers needs room for parts +
+ * fallbacks entries; *count receives the number written. */
 int lodestream_cut_shown(const lodestream_cut* cut, const lodestream_view* view, size_t* numbers,
                          size_t* count);
 
-/* A part's mesh as flat arrays, made for the caller, to be released. */
+/* Returns a copy of a part's mesh as flat arrays, valid until lodestream_release_mesh(). */
 lodestream_mesh* lodestream_take_mesh(const lodestream_cut* cut, size_t part, lodestream_arrays* arrays);
 void lodestream_release_mesh(lodestream_mesh* mesh);
 
-/* A tile that has come; coarse levels come first and stand in for finer ones. */
+/* Returns a loaded tile. Coarse levels come first; draw them while finer tiles are missing. */
 int lodestream_cut_tile(const lodestream_cut* cut, size_t number, lodestream_tile* tile);
+/* Returns the size of a texture. number: below lodestream_cut_info.textures. */
 int lodestream_cut_texture(const lodestream_cut* cut, size_t number, lodestream_texture* texture);
 
 #ifdef __cplusplus
@@ -170,7 +175,7 @@ int lodestream_cut_texture(const lodestream_cut* cut, size_t number, lodestream_
 #include <string>
 #include <vector>
 
-/// The same, with objects that release what they hold and exceptions in place of return values.
+/// C++ wrapper: classes release their handles, and errors are exceptions.
 namespace lodestream {
 
 using Options = lodestream_options;
@@ -181,7 +186,7 @@ using Part = lodestream_part;
 using Tile = lodestream_tile;
 using Texture = lodestream_texture;
 
-/// What lodestream_last_error() says.
+/// An error with the text of lodestream_last_error().
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -196,7 +201,7 @@ inline Options defaultOptions() {
   return options;
 }
 
-/// A part's triangles. Move only.
+/// The arrays of a part's mesh. Move only.
 class Mesh {
  public:
   Mesh(const lodestream_cut* cut, size_t part) : handle_(lodestream_take_mesh(cut, part, &arrays_)) {
@@ -212,7 +217,7 @@ class Mesh {
   std::unique_ptr<lodestream_mesh, Release> handle_;
 };
 
-/// What to draw. Empty where there is nothing yet. Copies share it.
+/// A reference to a cut; empty if there is none yet. Copies share the cut.
 class Cut {
  public:
   Cut() = default;
@@ -226,7 +231,7 @@ class Cut {
     Error::unless(lodestream_cut_part(handle_.get(), number, &part) != 0);
     return part;
   }
-  /// Numbers of the parts to draw for a camera that may have moved on since.
+  /// Returns the numbers of the parts to draw for a camera: see lodestream_cut_shown().
   std::vector<size_t> shown(const View& view) const {
     std::vector<size_t> numbers(info_.parts + info_.fallbacks);
     size_t count = 0;
@@ -251,14 +256,14 @@ class Cut {
   lodestream_cut_info info_{};
 };
 
-/// A model that streams in. Move only.
+/// A stream. Move only.
 class Stream {
  public:
   explicit Stream(const std::string& url, const Options& options = defaultOptions())
       : handle_(lodestream_open(url.c_str(), &options)) {
     Error::unless(handle_ != nullptr);
   }
-  /// @throws Error once the stream has ended, too.
+  /// Waits for a change: see lodestream_step(). @throws Error also once the stream has ended.
   Status step(uint32_t wait_ms) {
     Status status;
     Error::unless(lodestream_step(handle_.get(), wait_ms, &status) != 0 && status.has_ended == 0);

@@ -19,7 +19,7 @@ struct lodestream_stream {
 
   lode::stream::Streamer streamer;
   std::optional<lode::ModelSummary> model;
-  std::shared_ptr<const lode::core::Cut> cut;  // of the last step
+  std::shared_ptr<const lode::core::Cut> cut;  // at the last step
   uint64_t cut_serial = 0;
   std::optional<lode::core::View> view;  // last set
   float threshold_px = 1;
@@ -38,22 +38,22 @@ void copyTo(double (&values)[3], const glm::dvec3& vector) {
 }
 
 lodestream_stream& streamAt(lodestream_stream* stream) {
-  return given(stream, "stream", "the one that lodestream_open() made");
+  return given(stream, "stream", "the one from lodestream_open()");
 }
 
 const ModelSummary& modelOf(const lodestream_stream& stream) {
   if (!stream.model)
-    throw Error(ErrorCode::kUsage, "the model is not open yet: step until the status says is_open");
+    throw Error(ErrorCode::kUsage, "the model is not open yet: call lodestream_step() until is_open is set");
   return *stream.model;
 }
 
 constexpr core::Remedies kEmbeddedRemedies{
-    .token = "give one that it knows as token",
-    .certificate = "name the host as the certificate does, and its authority as ca_file",
-    .authorities = "give certificates in PEM as ca_file",
-    .cache_folder = "name another folder as cache_folder, or none"};
+    .token = "set the option token to a valid one",
+    .certificate = "use the host name of the certificate, and set the option ca_file to its authority",
+    .authorities = "set the option ca_file to a PEM file of certificates",
+    .cache_folder = "set the option cache_folder to another folder, or to NULL"};
 
-/// @throws Error if it cannot be had.
+/// @throws Error for an invalid option.
 stream::StreamOptions toStreamOptions(const lodestream_options& options) {
   const auto textOf = [](const char* text) { return text != nullptr ? std::string(text) : std::string(); };
   stream::StreamOptions of_stream;
@@ -68,8 +68,8 @@ stream::StreamOptions toStreamOptions(const lodestream_options& options) {
     of_stream.connect_timeout = std::chrono::milliseconds(options.connect_timeout_ms);
   if (options.decode_threads > stream::kMaxDecodeThreads)
     throw Error(ErrorCode::kUsage, "decode_threads is " + std::to_string(options.decode_threads) +
-                                       ", and may be " + std::to_string(stream::kMaxDecodeThreads) +
-                                       " at most; 0 is the default");
+                                       ", but at most " + std::to_string(stream::kMaxDecodeThreads) +
+                                       " are allowed; 0 selects the default");
   of_stream.decode_threads = options.decode_threads;
   return of_stream;
 }
@@ -94,7 +94,7 @@ lodestream_status toStatus(const stream::StreamStatus& status, const lodestream_
 
 }  // namespace
 
-void remember(const char* message) noexcept {
+void setLastError(const char* message) noexcept {
   try {
     lastError() = message;
   } catch (const std::exception&) {
@@ -122,7 +122,7 @@ lodestream_stream* lodestream_open(const char* url, const lodestream_options* op
   lodestream_stream* stream = nullptr;
   guard([&] {
     if (url == nullptr)
-      throw lode::Error(lode::ErrorCode::kUsage, "no address was given: name lode://HOST[:PORT]/MODEL");
+      throw lode::Error(lode::ErrorCode::kUsage, "the url is NULL: pass lode://HOST[:PORT]/MODEL");
     lodestream_options chosen;
     lodestream_default_options(&chosen);
     if (options != nullptr) chosen = *options;
@@ -144,7 +144,7 @@ int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_stat
     if (now.cut != of.cut) ++of.cut_serial;
     of.cut = now.cut;
     *status = lode::embed::toStatus(now, of);
-    if (status->has_failed) lode::embed::remember(now.failure.c_str());
+    if (status->has_failed) lode::embed::setLastError(now.failure.c_str());
   });
 }
 

@@ -17,29 +17,29 @@ class context;
 namespace lode::net {
 
 struct Address {
-  std::string host;  ///< name or number, without brackets
+  std::string host;  ///< name or IP address, without brackets
   uint16_t port = 0;
   bool operator==(const Address&) const = default;
 };
 
-/// "host:port", "host", "[v6]:port". @throws Error kUsage.
+/// Parses "host", "host:port" or "[v6]:port". @throws Error kUsage.
 Address parseAddress(std::string_view text);
-/// With brackets where needed.
+/// Returns "host:port", with brackets around an IPv6 address.
 std::string toString(const Address& address);
-/// An error with the server that it is about before it, unless it names that already.
+/// Returns an error prefixed with the server's address, unless the message contains it already.
 Error naming(const Address& server, const Error& error);
 
-/// How a server is reached.
+/// How to reach a server.
 struct Route {
   Address address;
-  std::chrono::milliseconds connect_timeout{20'000};  ///< up to the server's first word
+  std::chrono::milliseconds connect_timeout{20'000};  ///< until the server's first byte
   std::shared_ptr<asio::ssl::context> tls = nullptr;  ///< null: plain TCP
   core::Remedies remedies = {};
 };
 
-/// A client's side of TLS 1.3, which believes servers whose certificate an authority vouches for.
-/// @param ca_file  certificates of authorities, in PEM; empty: those of the system.
-/// @throws Error kUsage: a file that cannot be read or holds no certificate.
+/// Creates a TLS 1.3 client context that verifies server certificates.
+/// @param ca_file  trusted certificate authorities, in PEM; empty: the system's.
+/// @throws Error kUsage if the file cannot be read or holds no certificate.
 std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file,
                                                      const core::Remedies& remedies = {});
 

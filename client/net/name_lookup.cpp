@@ -17,8 +17,8 @@ namespace lode::net {
 using asio::ip::tcp;
 
 struct NameLookup::Shared {
-  std::mutex mutex;      // of all
-  asio::io_context* io;  // null: nobody wants the answer
+  std::mutex mutex;      // guards all members
+  asio::io_context* io;  // null: abandoned
   std::weak_ptr<asio::steady_timer> answered;
   bool done = false;
   asio::error_code error;
@@ -52,7 +52,7 @@ void NameLookup::abandon() {
   answered_->cancel();
 }
 
-/// On a thread of its own.
+/// Runs on the detached thread.
 void NameLookup::ask(Shared& shared, const Address& address) {
   addrinfo hints{};
   hints.ai_flags = AI_ADDRCONFIG;

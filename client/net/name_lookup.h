@@ -12,20 +12,20 @@
 
 namespace lode::net {
 
-/// The endpoints of one address. The system's look-up cannot be ended and may take a minute; it runs on a
-/// thread that nobody waits for, and that touches nothing but what it shares with this object. For the loop's
-/// thread.
+/// Resolves one host name. The system's lookup cannot be cancelled and may take a minute, so it runs on a
+/// detached thread that only touches state shared with this object. Use it on the event loop's thread.
 class NameLookup {
  public:
-  /// @param io  outlives the object.
+  /// @param io  must outlive the object.
   explicit NameLookup(asio::io_context& io);
   ~NameLookup();
   NameLookup(const NameLookup&) = delete;
   NameLookup& operator=(const NameLookup&) = delete;
 
-  /// Numbers are not looked up. @throws std::system_error where the name is not known, or after abandon().
+  /// Returns the endpoints of an address; IP addresses need no lookup.
+  /// @throws std::system_error if the name is unknown, or after abandon().
   asio::awaitable<std::vector<asio::ip::tcp::endpoint>> find(Address address);
-  /// A find() under way fails at once. While the loop does not run, any thread may call it.
+  /// Makes a pending find() fail at once. Any thread may call it while the loop is not running.
   void abandon();
 
  private:
@@ -33,7 +33,7 @@ class NameLookup {
   static void ask(Shared& shared, const Address& address);
 
   std::shared_ptr<Shared> shared_;
-  std::shared_ptr<asio::steady_timer> answered_;  // cancelled: there is an answer, or none will come
+  std::shared_ptr<asio::steady_timer> answered_;  // cancelled once the lookup has ended or is abandoned
 };
 
 }  // namespace lode::net

@@ -34,13 +34,13 @@ using asio::ip::tcp;
 
 }  // namespace
 
-/// A loop with a thread that runs it.
+/// An event loop and its thread.
 struct TcpTransport::Thread {
   asio::io_context io{1};
   std::thread thread;
 };
 
-/// The coroutines keep it; on a caller's loop they end some time after the transport.
+/// Owned by the coroutines too, which on a caller's loop end after the transport.
 struct TcpTransport::State : std::enable_shared_from_this<State> {
   State(asio::io_context& loop, Route to, std::function<void()> on_wake)
       : io(loop), route(std::move(to)), wake(std::move(on_wake)) {}
@@ -79,18 +79,18 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   asio::io_context& io;
   const Route route;
   const std::function<void()> wake;
-  bool abandoned = false;  // the transport is gone
+  bool abandoned = false;  // the transport is destroyed
   NameLookup lookup{io};
-  tcp::socket connecting{io};               // until it is connected
+  tcp::socket connecting{io};               // until connected
   std::optional<proto::ByteStream> stream;  // from then on
   bool any_received = false;
-  bool connected = false, timed_out = false;  // of the deadline, which ends what has not got a first word
+  bool connected = false, timed_out = false;  // timed_out: no byte arrived before the deadline
   asio::steady_timer deadline{io};
   asio::steady_timer room{io, asio::steady_timer::time_point::max()};  // cancelled: received bytes were taken
   asio::steady_timer work{io,
                           asio::steady_timer::time_point::max()};  // cancelled: there is something to send
 
-  std::mutex mutex;  // of what follows
+  std::mutex mutex;  // guards the members below
   proto::Bytes received, unsent;
   std::optional<Error> failure;
 };
@@ -160,7 +160,7 @@ asio::awaitable<void> TcpTransport::State::shakeHands() {
   }
 }
 
-/// Why a connection that there was has ended.
+/// Returns the error for a connection that has ended.
 Error TcpTransport::State::lost(const asio::error_code& error) const {
   const std::string where = toString(route.address);
   if (timed_out) return noAnswer();
@@ -168,8 +168,8 @@ Error TcpTransport::State::lost(const asio::error_code& error) const {
     return {ErrorCode::kNetwork, "the connection to " + where + " broke (" + error.message() +
                                      "): check the network and the server"};
   if (!any_received && !route.tls)
-    return {ErrorCode::kNetwork, where + " closed the connection without a word: use lodes:// if it serves " +
-                                     "TLS, or look into its log"};
+    return {ErrorCode::kNetwork, where + " closed the connection without an answer: use lodes:// if it " +
+                                     "serves TLS, or look into its log"};
   return {ErrorCode::kNetwork, where + " closed the connection: look into the server's log"};
 }
 
@@ -226,7 +226,7 @@ asio::awaitable<void> TcpTransport::State::writeAll() {
       const asio::const_buffer whole = asio::buffer(bytes);
       asio::error_code error;
       co_await stream->write(std::span(&whole, 1), error);
-      if (error) co_return;  // the reader sees the end too, after all that came before it, and reports it
+      if (error) co_return;  // the reader reports the end, after the bytes received before it
     }
   }
 }
@@ -235,7 +235,7 @@ asio::awaitable<void> TcpTransport::State::writeUntilClosed() {
   try {
     co_await writeAll();
   } catch (const std::exception&) {
-    // The reader sees the end of the connection too, after all that came before it, and reports it.
+    // The reader reports the end of the connection, after the bytes received before it.
   }
 }
 
@@ -265,7 +265,7 @@ void TcpTransport::send(proto::Bytes bytes) {
     const std::lock_guard lock(state_->mutex);
     if (state_->unsent.size() + bytes.size() > kMaxUnsentBytes)
       throw Error(ErrorCode::kNetwork,
-                  toString(state_->route.address) + " takes no bytes: check the server and try again");
+                  toString(state_->route.address) + " accepts no data: check the server and try again");
     state_->unsent.insert(state_->unsent.end(), bytes.begin(), bytes.end());
   }
   asio::post(state_->io, [state = state_] { state->work.cancel(); });

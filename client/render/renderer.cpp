@@ -152,7 +152,7 @@ DrawCounts Renderer::collect(DrawnInstance& instance, const core::View& view, co
   instance.states.clear();
   instance.states_of_cut = 0;
   instance.in_picture.clear();
-  const core::Sight sight(view, 1);
+  const core::ViewFrustum frustum(view, 1);
   const auto& cut = instance.fade.cut();
   const float threshold_rad = cut ? static_cast<float>(thresholdRad(*cut)) : 0;
   size_t number = 0;
@@ -162,8 +162,8 @@ DrawCounts Renderer::collect(DrawnInstance& instance, const core::View& view, co
     const bool is_drawn = in256ths(faded.from) < in256ths(faded.to);
     const SeenPart part{&faded.item, static_cast<uint32_t>(instance.states.size()), !faded.whole()};
     const size_t before = instance.seen.size();
-    if (is_found_on_gpu ? !isInPicture(part, sight, lattice_step_)
-                        : addSeenClusters(part, sight, lattice_step_, instance.seen) == 0)
+    if (is_found_on_gpu ? !isInPicture(part, frustum, lattice_step_)
+                        : addSeenClusters(part, frustum, lattice_step_, instance.seen) == 0)
       continue;
     if (is_of_cut) instance.in_picture.emplace_back(faded.item).instance = style.instance;
     if (!is_drawn) {

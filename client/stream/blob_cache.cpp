@@ -21,13 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kTrimShare = 16;               // of the limit, kept between two looks at all files
-constexpr std::chrono::hours kUseGranularity{1};  // a file's time is not renewed more often
-constexpr std::chrono::hours kAbandoned{1};       // age of a temporary file that nobody will finish
+constexpr uint64_t kTrimShare = 16;               // writes between two trims: 1/16 of the limit
+constexpr std::chrono::hours kUseGranularity{1};  // shortest interval between updates of a file's time
+constexpr std::chrono::hours kAbandoned{1};       // age at which a temporary file is removed
 constexpr uint64_t kMaxSummaryBytes = sizeof(Digest) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
 constexpr std::string_view kTemporary = ".new-";
 
-/// @return empty for what cannot be a blob: nothing at all, or more than so many bytes.
+/// Returns nothing if there is no file, and no bytes if it is empty or too large.
 std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t max_bytes) {
   std::error_code missing;
   if (!fs::is_regular_file(path, missing)) return std::nullopt;  // opening a pipe would wait
@@ -42,7 +42,7 @@ std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t ma
   return bytes;
 }
 
-/// A reader sees the whole file or none. Not synced: what a crash leaves half written does not have its name.
+/// Writes a file atomically. Not synced: reads verify the digest of a file that a crash left incomplete.
 bool writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   static std::atomic<uint64_t> serial{0};
   std::error_code failed;
@@ -63,7 +63,7 @@ fs::path summaryFile(const fs::path& folder, const ServedModel& model) {
   return folder / "models" / toHex(digestOf(std::as_bytes(std::span(key))));
 }
 
-/// @return what keeps a file from being made there, if anything.
+/// Returns the error of creating a file in the folder, if any.
 std::error_code triedToWriteTo(const fs::path& folder) {
   std::string name = folder / (std::string(kTemporary) + "XXXXXX");
   const int file = mkstemp(name.data());
@@ -80,8 +80,8 @@ void prepareCacheFolder(const fs::path& folder, const core::Remedies& remedies) 
   fs::create_directories(folder, failed);
   if (!failed) failed = triedToWriteTo(folder);
   if (failed)
-    throw Error(ErrorCode::kIo, folder.string() + ": nothing can be kept there (" + failed.message() + "); " +
-                                    remedies.cache_folder);
+    throw Error(ErrorCode::kIo, folder.string() + ": the cache folder is not writable (" + failed.message() +
+                                    "); " + remedies.cache_folder);
 }
 
 BlobCache::BlobCache(fs::path folder, uint64_t max_bytes)
@@ -113,7 +113,7 @@ void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {
   writeFile(fileOf(blob.digest), bytes);
 }
 
-/// The name of what follows, then an Opened frame.
+/// File format: the digest of the rest, then an Opened frame.
 std::optional<ModelSummary> BlobCache::summary(const ServedModel& model) const {
   const auto bytes = readFile(summaryFile(folder_, model), kMaxSummaryBytes);
   if (!bytes || bytes->size() < sizeof(Digest) + proto::kFrameHeaderBytes) return std::nullopt;
@@ -125,7 +125,7 @@ std::optional<ModelSummary> BlobCache::summary(const ServedModel& model) const {
     if (opened.summary.name != model.model) return std::nullopt;
     return std::move(opened.summary);
   } catch (const std::exception&) {
-    return std::nullopt;  // of another version
+    return std::nullopt;  // written by another version
   }
 }
 

@@ -16,28 +16,28 @@ namespace lode::stream {
 
 constexpr uint64_t kDefaultCacheBytes = 4ull << 30;
 
-/// Makes a folder that was asked for and tries it at once: blobs that cannot be kept are let go without a
-/// word. @throws Error kIo if nothing can be kept there.
+/// Creates a cache folder and checks that it is writable, since BlobCache ignores write errors.
+/// @throws Error kIo if it is not.
 void prepareCacheFolder(const std::filesystem::path& folder, const core::Remedies& remedies);
 
-/// Blobs on disk, by name, one file each, and which build of a model a server had last. Any number of
-/// processes may share a folder: a file appears whole under its name, and what is read is checked against it,
-/// so that what a crash or a bad disk has damaged is removed and fetched again. Least recently used files go
-/// first when there are too many bytes. Errors of the disk make it forget, never fail. Not thread safe.
+/// Caches blobs on disk by digest, one file each, and the last summary of each served model. Any number of
+/// processes may share a folder: files appear atomically, and reads verify the digest, so that files damaged
+/// by a crash or a bad disk are removed and fetched again. Evicts least recently used files. Disk errors
+/// cause misses, never exceptions. Not thread safe.
 class BlobCache {
  public:
-  /// @param folder  is made when the first blob is kept.
+  /// @param folder  created when the first blob is kept.
   BlobCache(std::filesystem::path folder, uint64_t max_bytes);
 
-  /// The bytes of a blob, if they are there and have its name.
+  /// Returns the bytes of a blob if the cache has them and they match the digest.
   std::optional<std::vector<std::byte>> find(const BlobRef& blob);
   void keep(const BlobRef& blob, std::span<const std::byte> bytes);
 
-  /// The summary that keepSummary() was given last for a model of a server.
+  /// Returns the last summary passed to keepSummary() for a served model.
   std::optional<ModelSummary> summary(const ServedModel& model) const;
   void keepSummary(const ServedModel& model, const ModelSummary& summary);
 
-  /// Removes the least recently used beyond the limit. keep() does so by itself after every so many bytes.
+  /// Evicts least recently used files above the limit. keep() calls it after every 1/16 of the limit.
   void trim();
 
  private:

@@ -13,14 +13,14 @@
 
 namespace lode::stream {
 
-constexpr uint64_t kMaxUnwrittenBytes = 16u << 20;  ///< of blobs that wait for the disk; more are not kept
+constexpr uint64_t kMaxUnwrittenBytes = 16u << 20;  ///< blobs waiting to be written; more are dropped
 
-/// A thread that reads from and writes to a BlobCache, so that nobody waits for a disk; reading goes first.
-/// The destructor waits until all is written and joins it. Thread safe.
+/// Runs a BlobCache on a thread of its own, so that callers never wait for the disk. Reads precede writes.
+/// The destructor finishes all writes and joins the thread. Thread safe.
 class CacheThread {
  public:
-  /// @param wake  called on the thread, and must be quick, when there are answers to take.
-  /// @throws Error kIo if the system gives no thread.
+  /// @param wake  called on the cache's thread when answers can be taken; must return quickly.
+  /// @throws Error kIo if no thread can be started.
   CacheThread(BlobCache cache, std::function<void()> wake);
   ~CacheThread();
   CacheThread(const CacheThread&) = delete;
@@ -28,10 +28,10 @@ class CacheThread {
 
   struct Answer {
     BlobRef blob;
-    std::optional<std::vector<std::byte>> bytes;  ///< none: the cache does not have it
+    std::optional<std::vector<std::byte>> bytes;  ///< nothing: a miss
   };
 
-  /// Each blob gets an answer. How many may be asked for at a time is the caller's to bound.
+  /// Looks up blobs; takeAnswers() returns an answer for each. The caller limits the number of open queries.
   void find(const std::vector<BlobRef>& blobs);
   void keep(const BlobRef& blob, std::vector<std::byte> bytes);
   std::vector<Answer> takeAnswers();
@@ -44,9 +44,9 @@ class CacheThread {
   void work();
   void answer(const BlobRef& blob);
 
-  BlobCache cache_;  // of the thread
+  BlobCache cache_;  // used only by the thread
   const std::function<void()> wake_;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable work_;
   bool stopping_ = false;
   std::deque<BlobRef> asked_;

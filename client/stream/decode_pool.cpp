@@ -13,11 +13,11 @@
 namespace lode::stream {
 namespace {
 
-constexpr int kNice = 10;  // decoding must not take the renderer's time
+constexpr int kNice = 10;  // the renderer's thread takes precedence
 
 unsigned threadCount(unsigned wanted) {
   if (wanted > kMaxDecodeThreads)
-    throw Error(ErrorCode::kUsage, std::to_string(wanted) + " threads that decode are more than " +
+    throw Error(ErrorCode::kUsage, std::to_string(wanted) + " decode threads are more than " +
                                        std::to_string(kMaxDecodeThreads) + ": give fewer");
   return wanted != 0 ? wanted : defaultDecodeThreads();
 }

@@ -13,21 +13,22 @@ namespace lode::stream {
 
 constexpr unsigned kMaxDecodeThreads = 256;
 
-/// How many threads decode where nobody has said it: as many as there are cores but two, at least one.
+/// Default number of decode threads: two fewer than there are cores, at least one.
 unsigned defaultDecodeThreads() noexcept;
 
-/// Threads of low priority that decode payloads. The destructor drops what waits and joins them. Thread safe.
+/// A pool of low-priority threads that decode blobs. The destructor drops waiting jobs and joins the threads.
+/// Thread safe.
 class DecodePool {
  public:
   /// @param threads  0: defaultDecodeThreads().
-  /// @param wake     called on a pool's thread, and must be quick, when there are results to take.
-  /// @throws Error kUsage above kMaxDecodeThreads, kIo if the system does not give so many.
+  /// @param wake     called on a pool thread when results can be taken; must return quickly.
+  /// @throws Error kUsage above kMaxDecodeThreads, kIo if a thread cannot be started.
   DecodePool(unsigned threads, std::function<void()> wake);
   ~DecodePool();
   DecodePool(const DecodePool&) = delete;
   DecodePool& operator=(const DecodePool&) = delete;
 
-  /// Waits only if more than kMaxWaitingJobs wait already.
+  /// Queues jobs. Blocks only if more than kMaxWaitingJobs are waiting.
   void add(std::vector<core::DecodeJob> jobs);
   std::vector<core::DecodeResult> takeResults();
 

@@ -7,14 +7,13 @@
 
 namespace lode::stream {
 
-/// The cuts that a stream has given out, each kept until nobody else has it: its meshes are freed where it
-/// was published, in the time of the thread that refines, and not in a frame of the one that draws. There are
-/// as many as others hold, and the last. Not thread safe.
+/// Keeps every published cut until no one else holds it, so that the refinement thread frees its meshes, not
+/// the render thread during a frame. Holds the cuts that others hold, and the last one. Not thread safe.
 class PublishedCuts {
  public:
   void add(const std::shared_ptr<const core::Cut>& cut,
            const std::shared_ptr<const core::ViewCuts>& view_cuts);
-  /// Frees what nobody else has any more.
+  /// Frees the cuts that no one else holds.
   void releaseStorage();
 
  private:

@@ -15,7 +15,7 @@ struct Url {
   std::string_view rest;
 };
 
-/// @param form  how to write what was meant.
+/// @param form  correct form, for the error message.
 Url splitScheme(std::string_view text, const char* form) {
   for (const auto scheme : {kScheme, kTlsScheme})
     if (text.starts_with(scheme)) return {scheme == kTlsScheme, text.substr(scheme.size())};
@@ -40,7 +40,8 @@ ServedModel parseServer(std::string_view text) {
   auto [encrypted, rest] = splitScheme(text, kServerForm);
   if (rest.ends_with('/')) rest.remove_suffix(1);
   if (rest.find('/') != std::string_view::npos)
-    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names a model; " + kServerForm);
+    throw Error(ErrorCode::kUsage,
+                "'" + std::string(text) + "' names a model, but a server is needed; " + kServerForm);
   return {net::parseAddress(rest), "", encrypted};
 }
 

@@ -7,7 +7,7 @@
 
 namespace lode::stream {
 
-/// lode://host[:port]/model, or lodes:// for one behind TLS.
+/// Address of a model on a server: lode://host[:port]/model, or lodes:// with TLS.
 struct ServedModel {
   net::Address address;
   std::string model;
@@ -15,14 +15,14 @@ struct ServedModel {
   bool operator==(const ServedModel&) const = default;
 };
 
-/// As a user writes it.
+/// Returns the URL.
 inline std::string toString(const ServedModel& served) {
   return (served.encrypted ? "lodes://" : "lode://") + net::toString(served.address) + '/' + served.model;
 }
 
-/// lode://host[:port]/model, or lodes:// for one behind TLS. @throws Error kUsage for what is none.
+/// Parses lode://host[:port]/model or lodes://host[:port]/model. @throws Error kUsage.
 ServedModel parseServedModel(std::string_view url);
-/// lode://host[:port] or lodes://host[:port] without a model, whose name stays empty. @throws Error kUsage.
+/// Parses lode://host[:port] or lodes://host[:port]; the model name stays empty. @throws Error kUsage.
 ServedModel parseServer(std::string_view url);
 
 }  // namespace lode::stream

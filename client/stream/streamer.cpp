@@ -21,15 +21,15 @@
 namespace lode::stream {
 namespace {
 
-constexpr std::chrono::seconds kTick{1};             // how often a stream without events looks at the clock
-constexpr std::chrono::milliseconds kRetryTick{50};  // and while it waits to connect anew
+constexpr std::chrono::seconds kTick{1};             // longest wait of the thread without events
+constexpr std::chrono::milliseconds kRetryTick{50};  // the same while it waits to reconnect
 
 using Clock = std::chrono::steady_clock;
 
-/// By core::Line; a leaving one ends when its server has given what it was asked for.
+/// Indexed by core::Line.
 using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;
 
-/// Counts that grow are no news.
+/// Returns true if the status has changed in more than its counts.
 bool isNews(const StreamStatus& now, const StreamStatus& last) {
   return now.cut != last.cut || now.limited != last.limited || now.settled != last.settled ||
          now.exhausted != last.exhausted || now.failure != last.failure || now.trouble != last.trouble;
@@ -39,7 +39,7 @@ std::unique_ptr<net::TcpTransport>& transportOf(Transports& transports, core::Li
   return transports[static_cast<size_t>(line)];
 }
 
-/// Gives the engine what has come. A transport that is of no more use goes.
+/// Passes received bytes to the engine, and closes a transport that it no longer needs.
 void receiveFrom(std::unique_ptr<net::TcpTransport>& transport, core::Line line, core::Engine& engine) {
   if (!transport) return;
   try {
@@ -72,36 +72,36 @@ struct Streamer::State {
   void stepOnce(core::Engine& engine, Transports& transports, DecodePool& pool, CacheThread* cache);
   void publish(const core::Engine& engine, uint64_t view_number);
   void end(ErrorCode code, const std::string& message);
-  void tellOfEqualViews();
+  void notifyOfSameViews();
   bool waitForWork(std::chrono::milliseconds longest);
   void wakeUp();
   StreamStatus statusOfView() const;
-  /// Waits until `done` holds for the status of the view last set, or nothing more will come.
+  /// Waits until `done` holds for the status of the view last set, or the stream is exhausted or has ended.
   template <typename Done>
   StreamStatus waitFor(std::chrono::milliseconds timeout, Done done);
 
   const ServedModel model;
   const StreamOptions options;
 
-  mutable std::mutex mutex;  // of what follows
+  mutable std::mutex mutex;  // guards the members below
   std::condition_variable work;
   std::condition_variable_any news;
   bool woken = true, stopping = false;
   std::vector<core::View> views;
   float threshold_px = 1;
   uint64_t memory_budget_bytes, drawn_budget_bytes;
-  uint64_t view_number = 0;         // of the view last set; 0: none
-  uint64_t status_view_number = 0;  // of the view that the status is about
+  uint64_t view_number = 0;         // number of the view last set; 0: none
+  uint64_t status_view_number = 0;  // number of the view that the status is about
   std::vector<std::shared_ptr<const core::Cut>> to_keep;
   StreamStatus status;
   bool has_news = false;  // for waitForNews()
   std::optional<ModelSummary> summary;
   std::optional<Error> error;
 
-  // Of the thread:
-  Digest kept_build_id;  // of the summary in the cache
+  // Used only by the thread:
+  Digest kept_build_id;  // build of the cached summary
   PublishedCuts published;
-  std::unique_ptr<DecodePool> starting_pool;  // made by whoever opens the stream, who is told if it fails
+  std::unique_ptr<DecodePool> starting_pool;  // created by the constructor, which reports errors
   std::thread thread;
 };
 
@@ -157,7 +157,7 @@ void Streamer::State::stream() {
   }
 }
 
-/// @return null if there is to be none. @throws Error if it is offline and knows nothing of the model.
+/// Returns null without a cache folder. @throws Error if the stream is offline and the cache lacks the model.
 std::unique_ptr<CacheThread> Streamer::State::openCache(core::EngineOptions& engine_options) {
   if (options.cache_folder.empty()) return nullptr;
   const BlobCache cache(options.cache_folder, options.cache_bytes);
@@ -169,7 +169,7 @@ std::unique_ptr<CacheThread> Streamer::State::openCache(core::EngineOptions& eng
   return std::make_unique<CacheThread>(cache, [this] { wakeUp(); });
 }
 
-/// Carries blobs between the engine and the cache.
+/// Exchanges blobs between the engine and the cache.
 void Streamer::State::askCache(core::Engine& engine, CacheThread& cache) {
   for (CacheThread::Answer& answer : cache.takeAnswers())
     engine.finishCacheQuery(answer.blob, std::move(answer.bytes));
@@ -182,7 +182,7 @@ void Streamer::State::askCache(core::Engine& engine, CacheThread& cache) {
     cache.keep(arrival.blob, std::move(arrival.bytes));
 }
 
-/// Makes a new transport where the engine wants one, and gives it what came from all.
+/// Opens a transport if the engine needs one, and passes on the bytes of all transports.
 void Streamer::State::keepConnected(core::Engine& engine, const net::Route& route, Transports& transports) {
   auto& [newest, leaving] = transports;
   if (engine.wantsConnection(Clock::now())) {
@@ -225,12 +225,12 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   now.trouble = engine.trouble();
   now.exhausted = number != 0 && engine.exhausted() && !now.settled;
   if (now.exhausted && now.failure.empty())
-    now.failure = "the cache does not have all that the view needs: run without --offline";
+    now.failure = "the cache lacks parts that the view needs: run without --offline";
   published.add(now.cut, now.view_cuts);
   const std::lock_guard lock(mutex);
   has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
   if (!summary && engine.summary()) summary = *engine.summary();
-  std::swap(status, now);  // what only the last status held is freed after the lock
+  std::swap(status, now);  // the old status is freed after the lock is released
   status_view_number = number;
   news.notify_all();
 }
@@ -244,8 +244,8 @@ void Streamer::State::end(ErrorCode code, const std::string& message) {
   news.notify_all();
 }
 
-/// Who sets views again for which nothing more will come is not to wait for it. The caller has the lock.
-void Streamer::State::tellOfEqualViews() {
+/// Wakes waitForNews() after the same views were set again and the status is final. Requires the lock.
+void Streamer::State::notifyOfSameViews() {
   if (status_view_number != view_number || (!status.settled && !status.exhausted && !status.ended)) return;
   has_news = true;
   news.notify_all();
@@ -273,7 +273,7 @@ StreamStatus Streamer::State::waitFor(std::chrono::milliseconds timeout, Done do
   return statusOfView();
 }
 
-/// What it says of another view than the one last set is left out.
+/// Returns the status; clears the flags of an outdated view.
 StreamStatus Streamer::State::statusOfView() const {
   StreamStatus result = status;
   result.current = status_view_number == view_number;
@@ -297,7 +297,7 @@ void Streamer::setViews(std::span<const core::View> views, float threshold_px) {
   const std::lock_guard lock(state_->mutex);
   if (state_->view_number != 0 && std::ranges::equal(state_->views, views) &&
       state_->threshold_px == threshold_px) {
-    state_->tellOfEqualViews();
+    state_->notifyOfSameViews();
     return;
   }
   state_->views.assign(views.begin(), views.end());
@@ -317,7 +317,7 @@ void Streamer::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
 
 void Streamer::keep(std::vector<std::shared_ptr<const core::Cut>> cuts) {
   const std::lock_guard lock(state_->mutex);
-  if (state_->status.ended) return;  // and nobody is there to free them
+  if (state_->status.ended) return;  // the thread that would free them has ended
   std::ranges::move(cuts, std::back_inserter(state_->to_keep));
 }
 

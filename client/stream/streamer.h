@@ -27,60 +27,60 @@ struct StreamOptions {
   unsigned decode_threads = 0;  ///< 0: defaultDecodeThreads()
 };
 
-/// How the server of a model is reached. @throws Error kUsage as net::trustAuthorities().
+/// Returns the route to the server of a model. @throws Error kUsage as net::trustAuthorities().
 net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 
-/// What the last step of a stream has left.
+/// State of a stream after its last step.
 struct StreamStatus {
-  std::shared_ptr<const core::Cut> cut;             ///< null until there is something to show
-  std::shared_ptr<const core::ViewCuts> view_cuts;  ///< by view, whose meshes `cut` has: see core::ViewGroup
-  uint64_t cut_build = 0;  ///< names the build that it is of: another one after the model was replaced
+  std::shared_ptr<const core::Cut> cut;             ///< null until something can be drawn
+  std::shared_ptr<const core::ViewCuts> view_cuts;  ///< by view; `cut` is their union: see core::ViewGroup
+  uint64_t cut_build = 0;                           ///< build of the cut; changes when the model is replaced
   core::EngineCounts counts;
   bool limited = false;    ///< a budget keeps the cut from converging
-  bool settled = false;    ///< the cut is all that the view and the budgets will ever give
-  bool exhausted = false;  ///< offline, and the cache does not have the rest of what the view needs
-  std::string failure;     ///< why the stream has ended or a part cannot be had; empty while all is well
-  std::string trouble;     ///< why there is no connection, while a new one is tried for; empty otherwise
-  bool ended = false;      ///< nothing more will come
-  bool current = false;    ///< it is about the view last set
+  bool settled = false;    ///< the cut is final for the view and the budgets
+  bool exhausted = false;  ///< offline, and the cache lacks blobs that the view needs
+  std::string failure;     ///< why the stream ended or a part cannot be loaded; else empty
+  std::string trouble;     ///< why there is no connection while the stream reconnects; else empty
+  bool ended = false;      ///< the stream has stopped for good
+  bool current = false;    ///< the status is about the view last set
 };
 
-/// A model streamed from a server: transport, refine thread and decode pool around a core::Engine. Connects
-/// anew when the connection ends, while the last cut stays. All threads are joined by the destructor. Thread
-/// safe.
+/// Streams a model from a server: a core::Engine with a transport, a refinement thread and a decode pool.
+/// Reconnects when the connection ends and keeps the last cut meanwhile. The destructor joins all threads.
+/// Thread safe.
 class Streamer {
  public:
-  /// Starts to connect. @throws Error as DecodePool(), kIo if the system gives no thread.
+  /// Starts to connect. @throws Error as DecodePool(); kIo if no thread can be started.
   Streamer(ServedModel model, StreamOptions options);
   ~Streamer();
   Streamer(const Streamer&) = delete;
   Streamer& operator=(const Streamer&) = delete;
 
-  /// Waits until the model is open. @throws Error if it cannot be, kTimeout after the time or when it is
+  /// Waits until the model is open. @throws Error if it cannot be opened; kTimeout after the timeout or when
   /// stopped.
   const ModelSummary& waitForModel(std::chrono::milliseconds timeout, std::stop_token stop = {});
-  /// Refines for this view from now on; never waits for the network.
+  /// Sets the view to refine for; never blocks on the network.
   void setView(const core::View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
-  /// The same for a model that stands in several places: see core::Engine.
+  /// Sets one view per instance of the model: see core::Engine.
   void setViews(std::span<const core::View> views, float threshold_px);
-  /// Others than the options', from now on: see core::Engine.
+  /// Replaces the memory and drawn budgets of the options: see core::Engine.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
-  /// Cuts made of the stream's: freed on its thread when nobody else has them, as its own are.
+  /// Hands over cuts derived from the stream's cuts, to be freed on its thread when no one else holds them.
   void keep(std::vector<std::shared_ptr<const core::Cut>> cuts);
-  /// Never waits for the network.
+  /// Returns the last status; never blocks on the network.
   StreamStatus status() const;
-  /// What is known of the model; nothing until it is open.
+  /// Returns the model's summary; nothing until it is open.
   std::optional<ModelSummary> model() const;
-  /// Waits until there is news since the last call, or the time is over: the model is open, the view last set
-  /// was refined, another cut, whether it is limited or settled, a failure, trouble or its end. A view set
-  /// again that has settled is news, too.
+  /// Waits for a change since the last call, at most for the timeout. Changes are: the model opened, the view
+  /// last set was refined, a new cut, a change of limited, settled, exhausted, failure or trouble, and the
+  /// end. Setting a settled view again counts as a change too.
   StreamStatus waitForNews(std::chrono::milliseconds timeout);
-  /// Waits until the cut for the view last set has converged, cannot, or the time is over. Parts that are not
-  /// seen may be missing.
+  /// Waits until the cut for the view last set has converged or cannot converge, at most for the timeout.
+  /// Parts outside the view may still be missing.
   StreamStatus waitForConvergence(std::chrono::milliseconds timeout);
-  /// Waits until the cut for the view last set has settled, cannot, or the time is over.
+  /// Waits until the cut for the view last set has settled or cannot settle, at most for the timeout.
   StreamStatus waitUntilSettled(std::chrono::milliseconds timeout);
-  /// Waits for the first cut for the view last set, or the end.
+  /// Waits for the first cut for the view last set or the end of the stream, at most for the timeout.
   StreamStatus waitForCut(std::chrono::milliseconds timeout);
 
  private:

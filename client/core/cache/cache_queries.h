@@ -10,21 +10,23 @@
 
 namespace lode::core {
 
-constexpr size_t kMaxCacheQueries = 256;        ///< under way at one time
-constexpr size_t kMaxRememberedMisses = 65536;  ///< then they are asked for again
+constexpr size_t kMaxCacheQueries = 256;        ///< unanswered at one time
+constexpr size_t kMaxRememberedMisses = 65536;  ///< beyond it all are forgotten and queried again
 
-/// What is asked of a cache before a server is asked: each blob once, until the answer. Not thread safe.
+/// Queries to the blob cache that precede requests to the server: each blob once, until it is answered. Not
+/// thread safe.
 class CacheQueries {
  public:
-  /// True: the cache does not have the blob. False: it is being asked, or will be when others are answered.
+  /// Returns true if the cache does not have the blob. Otherwise queries the cache, now or on a later call if
+  /// too many queries are open, and returns false.
   bool lacks(const Request& request);
-  /// Blobs to be looked for in the cache; each is to be answered by finish().
+  /// Blobs to look up in the cache. Answer each with finish().
   std::vector<BlobRef> take() { return std::exchange(new_, {}); }
-  /// @return what the blob was asked for; nothing if it was not, or for a model that is gone.
+  /// @return the use of the blob; nothing if it was not queried.
   std::optional<BlobUse> finish(const BlobRef& blob, bool found);
-  /// The blob has come from elsewhere: the cache will have it.
+  /// The server has sent the blob: the cache will have it.
   void arrived(const BlobRef& blob) { misses_.erase(blob.digest); }
-  /// Something is on its way from elsewhere, or not to be had.
+  /// Returns true if some blob was missing in the cache and has not arrived since.
   bool lacksAny() const noexcept { return !misses_.empty(); }
   bool idle() const noexcept { return asked_.empty(); }
 

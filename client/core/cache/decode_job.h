@@ -12,9 +12,8 @@
 
 namespace lode::core {
 
-/// A payload to be decoded outside the core, on any thread: decodePayload(bytes, step, expected), its
-/// triangles in clusters, and the footprint of the mesh where textures are known; or a tile:
-/// decodeTile(bytes, image_size), and its tail.
+/// A blob to decode outside the core, on any thread. A payload: decodePayload(), clusterTriangles(), and the
+/// footprint if the texture set is known. A tile: decodeTile() and its tail.
 struct DecodeJob {
   BlobRef blob;
   BlobUse use;
@@ -22,20 +21,20 @@ struct DecodeJob {
   double step = 1;
   PayloadExpectation expected;
   std::shared_ptr<const TextureSet> textures = nullptr;
-  glm::uvec2 image_size{0};  ///< of a tile
-  bool with_tail = false;    ///< it is a coarsest level: see makeTail()
+  glm::uvec2 image_size{0};  ///< tiles only
+  bool with_tail = false;    ///< for tiles of a coarsest level: see makeTail()
 };
 
 struct DecodeResult {
   BlobRef blob;
   BlobUse use;
-  std::shared_ptr<const Mesh> decoded;     ///< of a payload; null if it failed
-  std::shared_ptr<const TileImage> image;  ///< of a tile; null if it failed
+  std::shared_ptr<const Mesh> decoded;     ///< payloads only; null on failure
+  std::shared_ptr<const TileImage> image;  ///< tiles only; null on failure
   std::shared_ptr<const TextureFootprint> footprint;
-  std::string failure;  ///< why it failed
+  std::string failure;  ///< reason, on failure
 };
 
-/// Runs a job; never throws.
+/// Runs a job. Never throws: errors are in DecodeResult::failure.
 DecodeResult runDecodeJob(const DecodeJob& job);
 
 }  // namespace lode::core

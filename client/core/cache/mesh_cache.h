@@ -14,19 +14,19 @@
 
 namespace lode::core {
 
-/// Bytes that a decoded mesh takes in memory.
+/// Memory of a decoded mesh.
 uint64_t meshBytes(const Mesh& mesh) noexcept;
-/// The same, before it is there, with its clusters: see clusterTriangles().
+/// The same before decoding, including the cluster boxes of clusterTriangles().
 uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept;
 
-// What a drawer's copy of a mesh takes of its memory.
+// GPU memory of a mesh.
 constexpr uint64_t kDrawnVertexBytes = 16;
 constexpr uint64_t kDrawnTexturedVertexBytes = 24;  ///< with texture coordinates
 constexpr uint64_t kDrawnTriangleBytes = 12;
-constexpr uint64_t kDrawnClusterBytes = 24;  ///< of kClusterTriangles: where they lie
+constexpr uint64_t kDrawnClusterBytes = 24;  ///< the box of kClusterTriangles triangles
 
-/// Bytes that a drawer's copy of a mesh takes: whoever decides what is shown counts in them, too, since
-/// meshes without attributes take more of a GPU than of the core.
+/// GPU memory of a mesh. Refinement counts it too, since meshes without attributes take more memory on the
+/// GPU than decoded.
 constexpr uint64_t drawnBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept {
   const bool is_textured = attributes.has(AttributeSet::kTexture);
   return vertices * (is_textured ? kDrawnTexturedVertexBytes : kDrawnVertexBytes) +
@@ -37,9 +37,9 @@ inline uint64_t drawnBytes(const Mesh& mesh) noexcept {
   return drawnBytes(mesh.positions.size(), mesh.triangles.size(), mesh.attributes);
 }
 
-/// The decoded meshes that are resident and their footprints, within a budget. What is in use (the cut and
-/// what it waits for) and what is pinned stays; of the rest the least recently used goes first, and of equals
-/// the deeper node, so that ancestors go last. Not thread safe.
+/// The resident decoded meshes and their texture footprints, within a budget. Keeps pinned meshes and meshes
+/// in use (those of the cut and those that wait for siblings). Evicts the rest least recently used first,
+/// deeper nodes before their ancestors. Not thread safe.
 class MeshCache {
   struct Entry {
     uint32_t lod = 0;
@@ -51,12 +51,12 @@ class MeshCache {
   };
 
  public:
-  /// The LODs of one node that are resident.
+  /// The resident LODs of one node.
   class Lods {
    public:
     bool has(uint32_t lod) const noexcept { return (resident_ >> lod & 1) != 0; }
     bool any() const noexcept { return resident_ != 0; }
-    /// Where there is any.
+    /// Requires any().
     uint32_t coarsest() const noexcept { return static_cast<uint32_t>(std::bit_width(resident_)) - 1; }
     /// @return null if it is not resident.
     std::shared_ptr<const Mesh> mesh(uint32_t lod) const noexcept;
@@ -64,20 +64,20 @@ class MeshCache {
    private:
     friend class MeshCache;
     const Entry* find(uint32_t lod) const noexcept;
-    uint64_t resident_ = 0;  // bit r: LOD r
+    uint64_t resident_ = 0;  // bit i: LOD i
     std::vector<Entry> entries_;
   };
   static_assert(kMaxLods <= 64);
 
   explicit MeshCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// A mesh that is there already is kept as it is.
-  /// @param footprint  of a mesh that wears textures; may come later, with setFootprint().
+  /// Adds a mesh; keeps the old one if it is resident already.
+  /// @param footprint  of a textured mesh; setFootprint() can add it later.
   void insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
               std::shared_ptr<const TextureFootprint> footprint = nullptr);
   void setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint);
   void pin(MeshKey key);
-  /// Good until the cache changes; for who asks much of one node.
+  /// Valid until the cache changes. Saves lookups when several LODs of one node are queried.
   const Lods& lodsOf(NodeKey node) const noexcept;
   /// @return null if it is not resident.
   std::shared_ptr<const Mesh> find(MeshKey key) const noexcept { return lodsOf(key.node).mesh(key.lod); }
@@ -87,15 +87,15 @@ class MeshCache {
 
   /// Starts a new round of use.
   /// @param in_use    meshes that must stay until the next call.
-  /// @param recently  meshes that were looked at: evicted after all that were not.
-  /// @return bytes of those in use that are resident, each counted once.
+  /// @param recently  recently used meshes: evicted after all older ones.
+  /// @return bytes of the resident meshes in use, each counted once.
   uint64_t use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently);
-  /// Evicts what does not fit the budget, but nothing in use or pinned.
+  /// Evicts meshes until the rest fits the budget, but none in use or pinned.
   void trim();
-  /// From the next trim() on.
+  /// Takes effect at the next trim().
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
 
-  /// Of meshes and footprints.
+  /// Memory of meshes and footprints.
   uint64_t bytes() const noexcept { return bytes_; }
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
   size_t size() const noexcept { return size_; }

@@ -11,17 +11,17 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr Seconds kMoment{0.25};       // that is looked back
-constexpr Seconds kShortest{0.03};     // less says too little
-constexpr double kLargestTurnRad = 1;  // in a moment; more is a jump
+constexpr Seconds kWindow{0.25};       // length of the recorded history
+constexpr Seconds kShortest{0.03};     // shorter histories give no reliable velocity
+constexpr double kLargestTurnRad = 1;  // within the history; more is a jump
 
-/// From the camera's axes (right, up, back) to the model's.
+/// Rotation from the camera's axes (right, up, back) to the model's.
 glm::dquat axesOf(const View& view) {
   return glm::quat_cast(glm::dmat3(glm::cross(view.forward, view.up), view.up, -view.forward));
 }
 
-/// A turn so many times as far.
-glm::dquat times(const glm::dquat& turn, double factor) {
+/// Scales the angle of a rotation.
+glm::dquat scaled(const glm::dquat& turn, double factor) {
   const double angle = glm::angle(turn);
   if (angle < 1e-9) return {1, 0, 0, 0};
   return glm::angleAxis(angle * factor, glm::axis(turn));
@@ -33,15 +33,15 @@ bool isSamePicture(const View& a, const View& b) {
 
 }  // namespace
 
-void CameraMotion::see(const View& view, TimePoint now) {
+void CameraMotion::record(const View& view, TimePoint now) {
   if (!seen_.empty() && !isSamePicture(seen_.back().view, view)) seen_.clear();
   const size_t count = seen_.size();
   if (count >= 2 && seen_[count - 1].view == view && seen_[count - 2].view == view)
     seen_.back().at = now;
   else
     seen_.push_back({view, now});
-  // One that is a little older than a moment stays, so that a moment is covered.
-  while (seen_.size() > 2 && now - seen_[1].at > kMoment) seen_.pop_front();
+  // Keep one entry older than the window, so that the history spans all of it.
+  while (seen_.size() > 2 && now - seen_[1].at > kWindow) seen_.pop_front();
 }
 
 std::optional<View> CameraMotion::predict(TimePoint now, Seconds ahead) const {
@@ -49,23 +49,23 @@ std::optional<View> CameraMotion::predict(TimePoint now, Seconds ahead) const {
   const Seen& first = seen_.front();
   const Seen& last = seen_.back();
   const Seconds passed = last.at - first.at;
-  if (passed < kShortest || passed > 2 * kMoment || now - last.at > kMoment) return std::nullopt;
+  if (passed < kShortest || passed > 2 * kWindow || now - last.at > kWindow) return std::nullopt;
   if (first.view == last.view) return std::nullopt;
 
   const glm::dquat from = axesOf(first.view), to = axesOf(last.view);
-  glm::dquat turn = to * glm::conjugate(from);  // in the model's axes
+  glm::dquat turn = to * glm::conjugate(from);  // in the model frame
   if (turn.w < 0) turn = -turn;
   if (glm::angle(turn) > kLargestTurnRad) return std::nullopt;
   const double factor = (ahead + (now - last.at)) / passed;
   const glm::dvec3 path_model = last.view.eye_model - first.view.eye_model;
-  // The chord of the coming arc is the last one's, turned by half of both arcs' turns.
+  // The chord of the next arc is the last chord, rotated by half of both arcs' angles.
   const double angle = glm::angle(turn);
   const double stretch =
       angle < 1e-6 ? factor : std::sin(std::min(angle * factor, 3.0) / 2) / std::sin(angle / 2);
 
   View view = last.view;
-  view.eye_model += times(turn, (1 + factor) / 2) * path_model * stretch;
-  const glm::dquat turned = times(turn, factor);
+  view.eye_model += scaled(turn, (1 + factor) / 2) * path_model * stretch;
+  const glm::dquat turned = scaled(turn, factor);
   view.forward = glm::normalize(turned * last.view.forward);
   view.up =
       glm::normalize(turned * last.view.up - view.forward * glm::dot(view.forward, turned * last.view.up));

@@ -9,13 +9,12 @@
 
 namespace lode::core {
 
-/// How a camera moves, by where it was in the last moments, and where it will be if it goes on like this. Not
-/// thread safe.
+/// Predicts where a camera will be from its recent views. Not thread safe.
 class CameraMotion {
  public:
-  void see(const View& view, TimePoint now);
-  /// It goes on in a helix: with the velocity and the turn of the last moments, both as seen from the camera.
-  /// @return nothing while the camera stands still or has jumped.
+  void record(const View& view, TimePoint now);
+  /// Extrapolates along a helix, with constant velocity and rotation in the camera's frame.
+  /// @return nothing while the camera stands still or after it has jumped.
   std::optional<View> predict(TimePoint now, std::chrono::duration<double> ahead) const;
 
  private:

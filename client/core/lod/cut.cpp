@@ -8,13 +8,13 @@
 
 namespace lode::core {
 
-/// From the last part to the first, so that a fallback is met before those below it.
+/// Walks from the last part to the first, so that a fallback comes before the fallbacks below it.
 std::vector<uint32_t> shownParts(const Cut& cut, const View& view) {
-  const Sight sight(view, 1);
-  const auto isSeen = [&](const LeftOut& place) { return sight.see(place.box) != Seen::kNot; };
+  const ViewFrustum frustum(view, 1);
+  const auto isSeen = [&](const LeftOut& place) { return frustum.test(place.box) != Visibility::kOutside; };
   std::vector<uint32_t> shown;
   shown.reserve(partCount(cut));
-  auto begin = static_cast<uint32_t>(cut.parts.size());  // of what is decided
+  auto begin = static_cast<uint32_t>(cut.parts.size());  // parts from here on are decided
   const auto showDownTo = [&](uint32_t part) {
     while (begin > part) shown.push_back(--begin);
   };
@@ -33,23 +33,23 @@ std::vector<uint32_t> shownParts(const Cut& cut, const View& view) {
 }
 
 float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept {
-  const Sight sight(view, 1);
+  const ViewFrustum frustum(view, 1);
   float largest_px = 0;
   for (const uint32_t number : shown) {
     const CutPart& part = partOf(cut, number);
-    if (sight.see(part.box) == Seen::kNot) continue;
-    largest_px = std::max(largest_px, sight.errorPx(part.off_model, sight.distanceTo(part.box)));
+    if (frustum.test(part.box) == Visibility::kOutside) continue;
+    largest_px = std::max(largest_px, frustum.errorPx(part.off_model, frustum.distanceTo(part.box)));
   }
   return largest_px;
 }
 
 size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& view) {
   if (cut.left_out.empty()) return 0;
-  const Sight sight(view, 1);
+  const ViewFrustum frustum(view, 1);
   std::unordered_set<uint64_t> drawn;
   for (const uint32_t number : shown) drawn.insert(partOf(cut, number).node.value);
   return static_cast<size_t>(std::ranges::count_if(cut.left_out, [&](const LeftOut& place) {
-    if (sight.see(place.box) == Seen::kNot) return false;
+    if (frustum.test(place.box) == Visibility::kOutside) return false;
     NodeKey above = place.node;
     while (above != kRootKey && !drawn.contains(above.value)) above = above.parent();
     return !drawn.contains(above.value);

@@ -15,106 +15,108 @@
 
 namespace lode::core {
 
-/// One drawn part of the model. The mesh is shared with the cache and never changes.
+/// One mesh to draw. The cache shares the mesh, which never changes.
 struct CutPart {
   NodeKey node;
   uint32_t lod = 0;
-  bool visible = true;  ///< false: outside the view, held for completeness or as a fallback
-  float error_px = 0;   ///< projected error at refinement
+  bool visible = true;  ///< false: outside the view; kept for completeness or as a fallback
+  float error_px = 0;   ///< off_model projected into the view of the refinement
   std::shared_ptr<const Mesh> mesh;
-  float error_model = 0;  ///< how far its surface lies from the original one
-  float off_model = 0;    ///< the larger of that and of its lost detail: error_px is of it
-  /// Whose cut would have it: of what is wanted and seen that of the cut that it is made for, of a finer
-  /// stand-in less, of a coarser one, a fallback or what is not seen as much as its error, if that is more.
+  float error_model = 0;  ///< distance of the surface from the original
+  float off_model = 0;    ///< the larger of error_model and the appearance error
+  /// Threshold at which this part would be selected: the cut's for exact parts, lower for finer stand-ins,
+  /// max(threshold, error_px) otherwise.
   float threshold_px = 0;
-  ModelBox box = {};  ///< of its node
+  ModelBox box = {};  ///< the node's
 };
 
-/// A tile of a texture that may be drawn. The image is shared with the cache and never changes; tiles that
-/// are equal share one.
+/// A texture tile to draw. The cache shares the image, which never changes; equal tiles share one image.
 struct ResidentTile {
   TileKey key;
   std::shared_ptr<const TileImage> image;
 };
 
-/// A place where a cut has no part yet.
+/// A node outside the view whose mesh is missing.
 struct LeftOut {
   NodeKey node;
   ModelBox box;
 };
 
-/// A part above places that are left out: to be drawn instead of the cut's parts below it as soon as a camera
-/// sees one of those places. See shownParts().
+/// A coarser part that replaces the cut's parts below its node as soon as a camera sees one of the nodes left
+/// out there: see shownParts(). Ranges index the vectors of the cut and exclude their end.
 struct Fallback {
   CutPart part;
-  uint32_t first_part = 0, end_part = 0;          ///< those of the cut below it
-  uint32_t first_left_out = 0, end_left_out = 0;  ///< what it is for: no other fallback is nearer
-  uint32_t first_nested = 0;                      ///< fallbacks below it: from here up to itself
+  uint32_t first_part = 0, end_part = 0;          ///< parts below the node
+  uint32_t first_left_out = 0, end_left_out = 0;  ///< left-out nodes that have no nearer fallback
+  uint32_t first_nested = 0;                      ///< fallbacks below the node: from here up to this one
 };
 
-/// What covers the model exactly once (design: cut), depth first, by octant; published by the refiner,
-/// immutable, read by the renderer on another thread. Parts without triangles are left out, and until it has
-/// settled parts that cannot be seen from the view, nor if it turned a little: shownParts() says what to draw
-/// for a camera that is elsewhere meanwhile.
+/// Parts that cover the model exactly once, depth first, by octant. The refiner publishes cuts; they are
+/// immutable, and the renderer reads them on another thread. Parts without triangles are omitted. Until the
+/// cut has settled, parts outside the view and its margin may be missing too: call shownParts() to draw the
+/// cut for a camera that has moved.
 struct Cut {
-  View view;               ///< for which it was refined,
-  float threshold_px = 1;  ///< and down to which error
-  uint64_t build = 0;      ///< of the model: see Model::build()
+  View view;               ///< view of the refinement
+  float threshold_px = 1;  ///< largest error that the refinement allowed
+  uint64_t build = 0;      ///< Model::build()
   std::vector<CutPart> parts;
-  std::vector<LeftOut> left_out;    ///< parts that are not there: none in the view, a fallback for each
-  std::vector<Fallback> fallbacks;  ///< depth first, each after those below it
+  std::vector<LeftOut> left_out;    ///< missing parts, all outside the view; each has a fallback
+  std::vector<Fallback> fallbacks;  ///< depth first, children before parents
   uint64_t triangles = 0;
-  uint64_t blob_bytes = 0;   ///< of the blobs that it is made of
-  uint64_t drawn_bytes = 0;  ///< that its meshes and its fallbacks' take where they are drawn
+  uint64_t blob_bytes = 0;   ///< encoded size of the meshes and tiles in use
+  uint64_t drawn_bytes = 0;  ///< GPU memory of the parts and fallbacks: see drawnBytes()
   float max_error_px = 0;    ///< of the visible parts
-  float refinable_px = 0;    ///< of those of them for which something finer can be had
-  bool converged = false;    ///< nothing visible is above the threshold, but leaves at their original
-                             ///< triangles, and every tile that the memory allows for textures is there
-  uint64_t lost_tiles = 0;   ///< but for these, which the view sees and which cannot be had; the set is one
-  std::shared_ptr<const TextureSet> textures;  ///< null: the model has none, or they are not there yet
+  float refinable_px = 0;    ///< largest error among visible parts that have a finer version
+  /// No visible part exceeds the threshold, except leaves at their original triangles, and every tile that
+  /// fits the texture budget is resident or lost.
+  bool converged = false;
+  uint64_t lost_tiles = 0;  ///< visible tiles that cannot be loaded; a lost texture set counts as one
+  std::shared_ptr<const TextureSet> textures;  ///< null: no textures, or not loaded yet
   std::vector<ResidentTile> tiles;             ///< by key, coarse levels first
 };
 
-/// Its threshold as the eye sees it, whatever the pixels of the picture that it was made for: times
-/// focalPx(), those of another.
+/// The threshold as an angle, independent of the picture size. Multiply by focalPx() of another view to get
+/// pixels there.
 inline double thresholdRad(const Cut& cut) noexcept { return cut.threshold_px / focalPx(cut.view); }
 
 constexpr float kFarOffFactor = 2;
 
-/// Whether more than twice the error that was asked for is seen where something finer is to come.
-/// @param cut  null: there is none yet.
+/// Returns true if a visible part that can be refined has more than twice the requested error.
+/// @param cut  null: nothing is resident yet, which returns true.
 inline bool isFarOff(const Cut* cut, float threshold_px) noexcept {
   return cut == nullptr || cut->refinable_px > kFarOffFactor * threshold_px;
 }
 
-/// How many numbers partOf() knows: first the cut's parts, then those of its fallbacks.
+/// Parts and fallbacks of a cut share one numbering: parts first, then fallbacks.
 inline size_t partCount(const Cut& cut) noexcept { return cut.parts.size() + cut.fallbacks.size(); }
+/// @param number  below partCount().
 inline const CutPart& partOf(const Cut& cut, size_t number) noexcept {
   return number < cut.parts.size() ? cut.parts[number] : cut.fallbacks[number - cut.parts.size()].part;
 }
 
-/// What to draw of a cut for a camera, wherever it has gone since: the cut's parts, but where it sees a place
-/// that is left out the fallback, for all of its region. It covers what the camera sees, no place twice.
+/// Selects the parts to draw for any camera: the cut's parts, but a fallback for its whole region where the
+/// camera sees a node that is left out. The result covers every visible place exactly once.
 /// @return numbers for partOf(), depth first.
 std::vector<uint32_t> shownParts(const Cut& cut, const View& view);
 
-/// The largest error in the picture of a camera, wherever it has gone since, of what is drawn of a cut; 0 if
-/// it sees none of it. @param shown  numbers for partOf().
+/// Returns the largest projected error of the drawn parts that a camera sees; 0 if it sees none.
+/// @param shown  numbers for partOf().
 float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept;
 
-/// Places that are left out of a cut, that a camera sees, and that nothing drawn covers.
-/// @param shown  numbers for partOf() of what is drawn.
+/// Counts the left-out nodes that a camera sees and no drawn part covers.
+/// @param shown  numbers for partOf().
 size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& view);
 
-/// The cuts of one model for all of its views, which share meshes. Immutable, as cuts are.
+/// The cuts of one model for all of its views, which share meshes. Immutable.
 struct ViewCuts {
   std::vector<std::shared_ptr<const Cut>> cuts;  ///< by view
-  /// All that they are drawn from: of one view its cut; of several, their parts and fallbacks as parts, each
-  /// mesh once, with the textures, their triangles added up, and the largest error.
+  /// Union of the cuts: with one view its cut; with several, all parts and fallbacks as parts, each mesh
+  /// once, with the textures, the sum of triangles and the largest error.
   std::shared_ptr<const Cut> all;
 };
 
-/// @param cuts  of one build and threshold, one at least.
+/// Builds the union of several cuts: see ViewCuts::all.
+/// @param cuts  at least one; all of the same build and threshold.
 std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cuts);
 
 }  // namespace lode::core

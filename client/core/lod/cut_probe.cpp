@@ -13,11 +13,11 @@ namespace {
 
 struct TriangleHit {
   double distance;
-  glm::dvec3 weights;  ///< of the corners
+  glm::dvec3 weights;  ///< barycentric, by corner
 };
 
 /// Source: Moeller & Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.
-std::optional<TriangleHit> meet(const std::array<glm::dvec3, 3>& corners, const Ray& ray) {
+std::optional<TriangleHit> intersect(const std::array<glm::dvec3, 3>& corners, const Ray& ray) {
   const glm::dvec3 a = corners[1] - corners[0], b = corners[2] - corners[0];
   const glm::dvec3 across = glm::cross(ray.direction, b);
   const double determinant = glm::dot(a, across);
@@ -82,7 +82,7 @@ std::optional<Hit> CutProbe::cast(const Ray& ray, std::span<const uint32_t> show
       std::array<glm::dvec3, 3> corners;
       for (int k = 0; k < 3; ++k)
         corners[k] = glm::dvec3(unpackPosition(mesh.positions[mesh.triangles[triangle][k]])) * step_;
-      const std::optional<TriangleHit> met = meet(corners, ray);
+      const std::optional<TriangleHit> met = intersect(corners, ray);
       if (!met || met->distance >= limit) continue;
       limit = met->distance;
       nearest = Hit{&part, limit, ray.origin_model + limit * ray.direction, static_cast<uint32_t>(triangle),

@@ -13,42 +13,42 @@
 
 namespace lode::core {
 
-/// Half a line in the model frame.
+/// A ray in the model frame.
 struct Ray {
-  glm::dvec3 origin_model{0}, direction{0, 0, -1};  ///< the latter of unit length
+  glm::dvec3 origin_model{0}, direction{0, 0, -1};  ///< direction has unit length
 };
 
-/// From the eye through a place of the picture. @param place_px  from its top left corner, y down.
+/// Returns the ray from the eye through a pixel position. @param place_px  from the top left corner, y down.
 Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept;
 
-/// How far along a ray a box begins, 0 inside; nothing if the ray passes it by.
+/// Returns the distance along the ray at which it enters a box, 0 if it starts inside; nothing if it misses.
 std::optional<double> distanceAlong(const Ray& ray, const ModelBox& box) noexcept;
 
-/// Where a ray meets a cut first.
+/// The nearest intersection of a ray with a cut.
 struct Hit {
-  const CutPart* part = nullptr;  ///< of the probed cut, or one of its fallbacks
+  const CutPart* part = nullptr;  ///< a part or fallback of the probed cut
   double distance_model = 0;
   glm::dvec3 position_model{0};
-  uint32_t triangle = 0;  ///< of the part's mesh,
-  glm::dvec3 weights{0};  ///< and of its corners at the point
+  uint32_t triangle = 0;  ///< index in the part's mesh
+  glm::dvec3 weights{0};  ///< barycentric weights of its corners
 };
 
-/// Looks for what lies under a place of the picture, on the triangles that are drawn. Immutable.
+/// Intersects rays with the drawn triangles of a cut, for example to pick a point. Immutable.
 class CutProbe {
  public:
-  /// Reads the boxes of clusters; of meshes without, every vertex once. @param step  of the model's lattice.
+  /// Computes the bounding box of every part, from its cluster boxes if it has any, else from its vertices.
+  /// @param step  lattice step of the model.
   CutProbe(std::shared_ptr<const Cut> cut, double step);
 
   const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }
   double step() const noexcept { return step_; }
-  /// Looks at the triangles of parts whose box the ray meets, from both sides.
-  /// @param shown  the parts that are drawn: see shownParts().
+  /// Returns the nearest hit on the front or back of a triangle. @param shown  drawn parts: see shownParts().
   std::optional<Hit> cast(const Ray& ray, std::span<const uint32_t> shown) const;
 
  private:
   std::shared_ptr<const Cut> cut_;
   double step_;
-  std::vector<LatticeBox> boxes_;  ///< by the numbers of partOf()
+  std::vector<LatticeBox> boxes_;  ///< by number of partOf()
 };
 
 }  // namespace lode::core

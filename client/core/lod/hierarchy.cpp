@@ -9,9 +9,9 @@
 namespace lode::core {
 namespace {
 
-constexpr uint64_t kAllocationBytes = 16;  // that the allocator adds to a node's LODs
-constexpr uint64_t kPageBytes = 128;       // of a page beside its nodes, with its entry in the table
-constexpr uint64_t kLeastNodeBytes = 20, kLeastLodBytes = 9;  // in a page's blob: docs/store-format.md
+constexpr uint64_t kAllocationBytes = 16;  // allocator overhead of a node's LODs
+constexpr uint64_t kPageBytes = 128;       // a page without its nodes, with its entry in the table
+constexpr uint64_t kLeastNodeBytes = 20, kLeastLodBytes = 9;  // encoded size: docs/store-format.md
 static_assert(sizeof(KnownNode) + kAllocationBytes + kPageBytes <= pageBytesAtMost(kLeastNodeBytes));
 static_assert(sizeof(Lod) + kPageBytes <= pageBytesAtMost(kLeastLodBytes));
 
@@ -34,7 +34,7 @@ void Hierarchy::addRootPage(HierarchyPage page) {
 }
 
 void Hierarchy::addPage(NodeKey owner_key, HierarchyPage page) {
-  auto* const owner = const_cast<KnownNode*>(find(owner_key));  // of a page of this hierarchy
+  auto* const owner = const_cast<KnownNode*>(find(owner_key));  // this object owns the pages
   if (!owner || !owner->child_page) refuse(owner_key, "belongs to no known node");
   if (owner->childrenKnown()) refuse(owner_key, "came twice");
   unsigned children = 0;
@@ -65,8 +65,8 @@ void Hierarchy::addPage(NodeKey owner_key, HierarchyPage page) {
   pages_.emplace(owner_key.value, std::move(linked));
 }
 
-/// Leads from each node to its children, which in key order follow one another.
-/// @param first_level  nodes whose parents are not in the page: the first ones.
+/// Links each node to its children, which are consecutive in key order.
+/// @param first_level  number of leading nodes whose parents are not in the page.
 std::unique_ptr<Hierarchy::Page> Hierarchy::link(HierarchyPage page, size_t first_level) const {
   if (size_ + page.nodes.size() > max_nodes_)
     throw Error(ErrorCode::kLimit,
@@ -120,7 +120,7 @@ void Hierarchy::use(std::span<const NodeKey> owners, uint64_t budget_bytes) {
   std::vector<Spare> spare;
   for (const auto& [owner, page] : pages_)
     if (page->used_round != round_) spare.push_back({page->used_round, owner});
-  // Of those used in one round the deeper first, so that a branch that nobody uses goes at once.
+  // Deeper pages first within a round, so that an unused branch is evicted at once.
   std::sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) {
     return a.used_round != b.used_round ? a.used_round < b.used_round : a.owner > b.owner;
   });

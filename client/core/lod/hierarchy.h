@@ -17,30 +17,31 @@
 
 namespace lode::core {
 
-/// A node of the octree, and the way down from it.
+/// A node of the octree with links to its loaded children.
 struct KnownNode : Node {
-  const KnownNode* children =
-      nullptr;                    ///< one for each bit of child_mask, by octant; null: none, or not known
-  uint32_t page_below_bytes = 0;  ///< that the page with the children takes in memory, where it is another
-  bool is_page_lost = false;      ///< that page: see Hierarchy::lose()
-  uint64_t lost_lods = 0;         ///< a bit for each
+  const KnownNode* children = nullptr;  ///< one per bit of child_mask, by octant; null: none or not loaded
+  uint32_t page_below_bytes = 0;        ///< memory of the loaded child page; 0: no page of its own
+  bool is_page_lost = false;            ///< the child page: see Hierarchy::lose()
+  uint64_t lost_lods = 0;               ///< bit i: LOD i is lost
 
   bool childrenKnown() const noexcept { return isLeaf() || children != nullptr; }
   std::span<const KnownNode> knownChildren() const noexcept {
     return {children, children == nullptr ? 0 : static_cast<size_t>(std::popcount(child_mask))};
   }
 
-  /// The coarsest LOD that is not lost, and the next finer one than another; nothing where there is none.
+  /// Returns the coarsest LOD that is not lost, if any.
   std::optional<uint32_t> coarsestLod() const noexcept {
     return finerLod(static_cast<uint32_t>(lods.size()));
   }
+  /// Returns the next finer LOD that is not lost, if any.
   std::optional<uint32_t> finerLod(uint32_t than) const noexcept {
     while (than-- > 0)
       if (!isLost(than)) return than;
     return std::nullopt;
   }
   bool isLost(uint32_t lod) const noexcept { return (lost_lods >> lod & 1) != 0; }
-  /// As far as is known, its children can be shown in its place, or what is below them.
+  /// Returns true if, according to the loaded pages, the nodes below can replace this one: no lost blob
+  /// leaves a hole.
   bool mayGiveWay() const noexcept {
     return !isLeaf() && !is_page_lost && std::ranges::all_of(knownChildren(), [](const KnownNode& child) {
       return child.coarsestLod() || child.mayGiveWay();
@@ -49,47 +50,47 @@ struct KnownNode : Node {
 };
 static_assert(kMaxLods <= 64);
 
-/// Most that a page takes in memory, by the bytes of its blob: each node and each LOD has so many at least.
+/// Upper bound on the memory of a page, given the size of its blob. hierarchy.cpp checks it against the
+/// smallest encoded node and LOD.
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
 
-/// The part of a model's octree that is known, merged from the pages of an untrusted server. Pages that no
-/// view uses go when memory is short, and may come again. Not thread safe. Pointers to nodes stay valid until
-/// then.
+/// The known part of a model's octree, merged from the pages of an untrusted server. use() evicts pages that
+/// no view uses when memory is short; they may be loaded again. Pointers to nodes stay valid until their page
+/// is evicted. Not thread safe.
 class Hierarchy {
  public:
-  /// @param max_nodes  what the model's summary announced; pages that bring more are an error.
+  /// @param max_nodes  number of nodes in the model's summary; more are an error.
   explicit Hierarchy(uint64_t max_nodes) : max_nodes_(max_nodes) {}
 
-  /// Takes the page that holds the root; it stays.
-  /// @throws Error kFormat, and the hierarchy is as before: there is a root already, or none in the page.
+  /// Adds the page that holds the root; it is never evicted.
+  /// @throws Error kFormat if there is a root already or the page has none; the hierarchy is unchanged.
   void addRootPage(HierarchyPage page);
 
-  /// Takes the page that hangs below `owner`, and checks it against the owner: children as announced, boxes
-  /// inside, errors not above.
-  /// @throws Error kFormat or kLimit, and the hierarchy is as before.
+  /// Adds the page with the children of `owner`. The children must match the owner's child mask, lie inside
+  /// its box and have no larger errors.
+  /// @throws Error kFormat or kLimit; the hierarchy is unchanged.
   void addPage(NodeKey owner, HierarchyPage page);
 
-  /// Starts a new round of use, and forgets pages that are not in use and have none below them, the least
-  /// recently used first, until the rest takes no more than so many bytes.
-  /// @param owners  of the pages that are in use.
+  /// Starts a new round of use. Evicts unused pages that have no pages below them, least recently used first,
+  /// until the rest fits the budget.
+  /// @param owners  owners of the pages in use.
   void use(std::span<const NodeKey> owners, uint64_t budget_bytes);
 
-  /// A blob that cannot be had: LODs and pages that it holds count as lost from now on, on pages that come
-  /// later, too.
+  /// Marks a blob that cannot be loaded. Its LODs and pages count as lost, in pages added later too.
   void lose(uint32_t blob_number);
 
-  /// @return null if the node is not known.
+  /// @return null if the node is not loaded.
   const KnownNode* find(NodeKey key) const noexcept;
   const KnownNode* root() const noexcept { return root_ ? root_->nodes.data() : nullptr; }
   size_t size() const noexcept { return size_; }
-  /// That it takes in memory, and its first page, which is never forgotten.
+  /// Memory of all loaded pages.
   uint64_t bytes() const noexcept { return bytes_; }
   uint64_t rootPageBytes() const noexcept { return root_ ? root_->bytes : 0; }
 
  private:
   struct Page {
-    std::vector<KnownNode> nodes;  // in key order, so that siblings stand together; never moved
-    KnownNode* owner = nullptr;    // in the page above
+    std::vector<KnownNode> nodes;  // by key, so siblings are consecutive; never moved
+    KnownNode* owner = nullptr;    // parent of its first level, in the page above
     uint32_t bytes = 0;
     uint64_t used_round = 0;
     Page* above = nullptr;
@@ -104,9 +105,9 @@ class Hierarchy {
   size_t size_ = 0;
   uint64_t bytes_ = 0;
   uint64_t round_ = 1;
-  std::set<uint32_t> lost_;  // blobs
+  std::set<uint32_t> lost_;  // blob numbers
   std::unique_ptr<Page> root_;
-  std::unordered_map<uint64_t, std::unique_ptr<Page>> pages_;  // by the owner's key, without the root's
+  std::unordered_map<uint64_t, std::unique_ptr<Page>> pages_;  // by the owner's key, without the root page
 };
 
 }  // namespace lode::core

@@ -5,13 +5,13 @@
 
 namespace lode::core {
 
-void Prefetcher::expectViews(size_t count) {
+void Prefetcher::setViewCount(size_t count) {
   if (motions_.size() != count) motions_.assign(count, {});
 }
 
 bool Prefetcher::lookAhead(const Model& model, const RefineOptions& options, TimePoint now) {
-  if (looked_at_ && now - *looked_at_ < kPrefetchInterval) return false;
-  looked_at_ = now;
+  if (predicted_at_ && now - *predicted_at_ < kPrefetchInterval) return false;
+  predicted_at_ = now;
   const bool had_requests = !requests_.empty();
   requests_.clear();
   for (auto& [use, open] : open_) open.is_requested = false;
@@ -21,7 +21,7 @@ bool Prefetcher::lookAhead(const Model& model, const RefineOptions& options, Tim
     return had_requests;
   uint64_t bytes = 0;
   for (Request request : wantedAhead(model, options, now)) {
-    if (request.request_class != proto::RequestClass::kVisible) break;  // they come last
+    if (request.request_class != proto::RequestClass::kVisible) break;  // visible requests come first
     if (!model.wants(request)) continue;
     bytes += request.blob.bytes;
     if (bytes > kMaxPrefetchBytes && !requests_.empty()) break;
@@ -31,7 +31,7 @@ bool Prefetcher::lookAhead(const Model& model, const RefineOptions& options, Tim
   return had_requests || !requests_.empty();
 }
 
-/// What the places that move will want together, best first.
+/// Returns the merged requests of all predicted views, best first.
 std::vector<Request> Prefetcher::wantedAhead(const Model& model, const RefineOptions& options,
                                              TimePoint now) const {
   std::vector<std::vector<Request>> wanted;
@@ -85,7 +85,7 @@ void Prefetcher::use(const BlobUse& use) {
 void Prefetcher::forgetModel() {
   requests_.clear();
   open_.clear();
-  looked_at_.reset();
+  predicted_at_.reset();
 }
 
 }  // namespace lode::core

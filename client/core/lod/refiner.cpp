@@ -11,14 +11,14 @@
 namespace lode::core {
 namespace {
 
-// Pages are small, and nothing below them can be asked for without them.
+// Pages are small, and nothing below a node can be requested without its page.
 constexpr float kPagePriorityFactor = 16;
-// What is hidden comes after all that is seen.
+// Hidden nodes come after everything visible.
 constexpr float kHiddenPriorityFactor = 1e-6f;
-// A hidden node's coarsest LOD stands in for what is wanted there if it has at most a half of the bytes.
+// A hidden node's coarsest LOD serves as stand-in if it takes at most half of the bytes wanted there.
 constexpr uint64_t kStandInBytesRatio = 2;
 
-/// Publishes what the resident meshes allow of a wanted cut.
+/// One refinement: builds the best cut that the resident meshes allow, and the requests for the rest.
 class Run {
  public:
   Run(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice, AttributeSet attributes,
@@ -56,13 +56,13 @@ class Run {
   }
 
  private:
-  // ---- what is there
+  // ---- resident meshes
 
   static bool ready(const WantedNode& wanted, uint32_t lod) {
     return wanted.node->lods[lod].triangles == 0 || wanted.resident->has(lod);
   }
 
-  /// The finest LOD of a wanted node that may be shown.
+  /// Returns the finest LOD of a wanted node that may be shown.
   uint32_t finestShown(const WantedNode& wanted) const { return options_.finer_stand_ins ? 0 : wanted.lod; }
 
   bool anyReady(const WantedNode& wanted) const {
@@ -71,7 +71,7 @@ class Run {
     return false;
   }
 
-  /// A node below the wanted cut.
+  /// Returns a node below the wanted cut as a possible stand-in.
   WantedNode standIn(const KnownNode& node) const {
     WantedNode place = want_.place(node);
     place.resident = &cache_.lodsOf(node.key);
@@ -80,7 +80,7 @@ class Run {
     return place;
   }
 
-  /// True if resident meshes at the node, or at it and below, cover what of it is near the view.
+  /// Returns true if resident meshes, at the node or below it, cover its region near the view.
   bool covered(WantedNode& wanted) { return anyReady(wanted) || !wanted.near || childrenCovered(wanted); }
 
   bool childrenCovered(WantedNode& wanted) {
@@ -97,8 +97,8 @@ class Run {
     return all;
   }
 
-  /// The same below the wanted cut. It ends at the first place that is not covered, so that it looks at no
-  /// more nodes than meshes that are resident.
+  /// Same below the wanted cut. Stops at the first uncovered node, so that the number of visited nodes is
+  /// bounded by the number of resident meshes.
   bool finerChildrenCovered(const KnownNode& node) {
     const auto children = node.knownChildren();
     return !children.empty() && std::all_of(children.begin(), children.end(), [this](const KnownNode& child) {
@@ -107,13 +107,13 @@ class Run {
     });
   }
 
-  // ---- what is seen of it
+  // ---- occlusion
 
   bool isHidden(const WantedNode& wanted) const {
     return seen_ != nullptr && wanted.near && !seen_->in(wanted.node->key);
   }
 
-  /// The error in the picture that an arrival helps to remove, where that is in the view.
+  /// Priority of a request in the view: the projected error that its arrival helps to remove.
   float priorityOf(float shown_px) const {
     return below_hidden_ ? shown_px * kHiddenPriorityFactor : shown_px;
   }
@@ -129,7 +129,8 @@ class Run {
     below_hidden_ = false;
   }
 
-  /// A part that is not there and cannot be seen holds up nothing; it comes after all that is seen.
+  /// Leaves out a missing part outside the view, so that it delays nothing. Its request comes after
+  /// everything visible.
   void leaveOut(const WantedNode& wanted) {
     whole_ = false;
     lacking_.push_back({wanted.node->key, toModelBox(wanted.node->box, step_)});
@@ -137,15 +138,16 @@ class Run {
     request(wanted, 0);
   }
 
-  // ---- what is shown instead where a camera sees what is left out
+  // ---- fallbacks
 
-  /// How far the cut was when a node's children began.
+  /// Sizes of the cut before the children of a node.
   struct Progress {
     size_t parts, lacking, fallbacks;
   };
   Progress progress() const { return {cut_->parts.size(), lacking_.size(), cut_->fallbacks.size()}; }
 
-  /// The finest LOD of a node that is resident and for which there is memory; the root's coarsest always.
+  /// Returns the finest resident LOD of a node that fits the fallback budgets; for the root at least the
+  /// coarsest resident one.
   std::optional<uint32_t> fallbackLod(const WantedNode& wanted) const {
     const MeshCache::Lods& resident = *wanted.resident;
     for (uint32_t lod = 0; lod < wanted.node->lods.size(); ++lod)
@@ -157,8 +159,9 @@ class Run {
     return resident.coarsest();
   }
 
-  /// Makes a node whose children are shown the fallback for what they leave out, or leaves that to one above.
-  void standBy(const WantedNode& wanted, const Progress& before) {
+  /// Adds a node as fallback for the parts that its children leave out. Does nothing if no LOD fits the
+  /// budgets: an ancestor takes over.
+  void addFallback(const WantedNode& wanted, const Progress& before) {
     if (lacking_.size() == before.lacking) return;
     const std::optional<uint32_t> lod = fallbackLod(wanted);
     if (!lod) return;
@@ -181,7 +184,7 @@ class Run {
     cut_->fallbacks.push_back(std::move(fallback));
   }
 
-  /// Asks for the wanted LOD of a part. @param shown_px  error of what stands in for it.
+  /// Requests the wanted LOD of a part. @param shown_px  error of its stand-in.
   void request(const WantedNode& part, float shown_px) {
     request(part, part.lod, part.near ? priorityOf(shown_px) : want_.errorPx(part, part.lod), part.near);
   }
@@ -193,7 +196,7 @@ class Run {
         if (wanted.resident->has(lod)) ancestors_.push_back({node.key, lod});
       const Progress before = progress();
       for (WantedNode& child : want_.children(wanted)) show(child);
-      return standBy(wanted, before);
+      return addFallback(wanted, before);
     }
     exact_ = false;
     uint32_t lod = finestShown(wanted);
@@ -203,7 +206,7 @@ class Run {
     ask(wanted, want_.errorPx(wanted, lod));
   }
 
-  /// Shows the wanted LOD of a part or what stands in for it: a finer LOD, finer nodes, a coarser LOD.
+  /// Shows the wanted LOD of a part, or else a finer LOD, finer nodes or a coarser LOD.
   void showPart(WantedNode& part) {
     const uint32_t wanted = part.lod;
     const bool is_blocked = part.role == Role::kBlocked;
@@ -220,7 +223,7 @@ class Run {
       if (!is_blocked) request(part, want_.errorPx(part, wanted));
       const Progress before = progress();
       showFinerChildren(*part.node);
-      return standBy(part, before);
+      return addFallback(part, before);
     }
     uint32_t lod = wanted + 1;
     while (!ready(part, lod)) ++lod;
@@ -233,7 +236,7 @@ class Run {
     for (const KnownNode& child : node.knownChildren()) showFiner(child);
   }
 
-  /// Stands in for a wanted part above: the coarsest that is resident.
+  /// Shows the coarsest resident LOD of a node below a wanted part, or its children.
   void showFiner(const KnownNode& node) {
     const WantedNode place = standIn(node);
     for (uint32_t lod = WantedCut::lastLod(node) + 1; lod-- > 0;)
@@ -242,7 +245,7 @@ class Run {
     lacking_.push_back({node.key, toModelBox(node.box, step_)});
   }
 
-  /// What a part is beside what is wanted at its place and is to come.
+  /// Relation of a shown part to the part that is wanted there.
   enum class Fit { kWanted, kFiner, kCoarser };
 
   float thresholdOf(float error_px, Fit fit) const {
@@ -283,8 +286,8 @@ class Run {
 
   // ---- the requests
 
-  /// Asks for the wanted cut at and below a node, where something coarser is shown.
-  /// @param shown_px  error of what is shown there, or will be by then.
+  /// Requests the wanted cut at and below a node that shows something coarser.
+  /// @param shown_px  error of the mesh shown there when the requests are answered.
   void ask(WantedNode& wanted, float shown_px) {
     const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));
     if (begins && !covered(wanted))
@@ -294,7 +297,7 @@ class Run {
     if (begins) below_hidden_ = false;
   }
 
-  /// Where a hidden node's coarsest LOD is worth to be shown until all that is seen is there.
+  /// Returns true if a hidden node's coarsest LOD is worth loading before everything visible is resident.
   static bool standInIsCheap(const WantedNode& wanted) {
     const uint64_t stand_in_bytes = wanted.node->lods.back().payload.bytes;
     return wanted.role == Role::kBlocked || wanted.below_bytes >= kStandInBytesRatio * stand_in_bytes;
@@ -371,17 +374,17 @@ class Run {
   const RefineOptions& options_;
   const SeenPlaces* const seen_;
   WantedCut want_;
-  const bool may_leave_out_;  // the root stands by for what is left out
+  const bool may_leave_out_;  // the root is resident and can serve as fallback
 
   std::shared_ptr<Cut> cut_;
-  std::vector<LeftOut> lacking_;  // left out, and no fallback yet
+  std::vector<LeftOut> lacking_;  // left out, without a fallback yet
   uint64_t fallback_bytes_ = 0, fallback_drawn_bytes_ = 0;
-  bool exact_ = true;          // near the view the published cut is the wanted one
-  bool whole_ = true;          // and elsewhere, with nothing left out
-  bool below_hidden_ = false;  // what is asked for is at or below a hidden node
+  bool exact_ = true;          // the published cut is the wanted one near the view
+  bool whole_ = true;          // nothing is left out
+  bool below_hidden_ = false;  // requests are at or below a hidden node
   std::vector<Request> wanted_;
   std::vector<MeshKey> in_use_, ancestors_;
-  std::vector<NodeKey> pages_;  // that only stand-ins need
+  std::vector<NodeKey> pages_;  // needed only by stand-ins
 };
 
 }  // namespace

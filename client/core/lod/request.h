@@ -11,7 +11,7 @@
 
 namespace lode::core {
 
-/// Names one mesh of a model.
+/// Identifies one mesh of a model.
 struct MeshKey {
   NodeKey node;
   uint32_t lod = 0;
@@ -20,15 +20,15 @@ struct MeshKey {
 
 enum class BlobKind : uint8_t { kMesh, kPage, kRootPage, kTextureSet, kTile };
 
-/// What a blob is requested. Travels with the request and comes back with its ending.
+/// Purpose of a requested blob. The session returns it with the blob or the refusal.
 struct BlobUse {
   BlobKind kind = BlobKind::kMesh;
-  MeshKey mesh;  ///< of a page: the node that owns it, LOD 0
+  MeshKey mesh;  ///< for a page: its owner node, LOD 0
 
   friend constexpr auto operator<=>(const BlobUse&, const BlobUse&) = default;
 };
 
-/// How many of the requests that a server has are of each class, and for tiles of textures.
+/// Open requests by class, and among them those for texture tiles.
 struct RequestCounts {
   uint64_t visible = 0, margin = 0, prefetch = 0;
   uint64_t tiles = 0;
@@ -47,17 +47,17 @@ struct RequestCounts {
   friend bool operator==(const RequestCounts&, const RequestCounts&) = default;
 };
 
-/// A blob that a view asks for.
+/// A blob that a view needs.
 struct Request {
   BlobRef blob = {};
   BlobUse use = {};
   proto::RequestClass request_class = proto::RequestClass::kVisible;
-  float priority_px = 0;     ///< error in the picture that its arrival helps to remove
-  bool is_stand_in = false;  ///< shown until what is asked for in its place is there
+  float priority_px = 0;     ///< projected error that its arrival helps to remove
+  bool is_stand_in = false;  ///< shown only until the wanted meshes below it are resident
 };
 
-/// The requests of several views, each blob use once: with the best class and the largest priority that one
-/// of them has for it. Best first.
+/// Merges the requests of several views. Each blob use appears once, with its best class and highest
+/// priority; best first.
 std::vector<Request> mergeRequests(std::span<const std::vector<Request>> requests);
 
 }  // namespace lode::core

@@ -10,12 +10,12 @@
 namespace lode::core {
 namespace {
 
-constexpr double kWidth = 160, kHeight = 90;  // of the small picture at most, without its margin
-constexpr size_t kFewOf = 512;                // one place in so many hardly matters,
-constexpr size_t kFewOfPart = 4;              // or one in so many of what a part has in the mean
-constexpr double kMostTried = 1u << 22;       // pixels, over all triangles; more would take too long
+constexpr double kWidth = 160, kHeight = 90;  // largest size of the depth buffer, without margin
+constexpr size_t kFewOf = 512;                // "few" is below 1/512 of all cells
+constexpr size_t kFewOfPart = 4;              // and below 1/4 of the mean per part
+constexpr double kMostTried = 1u << 22;       // pixels tested over all triangles
 
-/// A coordinate's bits, each three places above the one before.
+/// Spreads the bits of a coordinate to every third bit.
 uint64_t spread(uint64_t bits) {
   bits = (bits | bits << 32) & 0x1f00000000ffff;
   bits = (bits | bits << 16) & 0x1f0000ff0000ff;
@@ -24,14 +24,15 @@ uint64_t spread(uint64_t bits) {
   return (bits | bits << 2) & 0x1249249249249249;
 }
 
-/// The finest cell that holds a point. @param in_root  its place in the root's cell, 0 to 1.
+/// Returns the cell at kMaxDepth that contains a point.
+/// @param in_root  coordinates in the root cell, 0 to 1.
 NodeKey cellAt(glm::dvec3 in_root) {
   constexpr double kCells = 1u << kMaxDepth;
   const glm::uvec3 cell(glm::clamp(in_root * kCells, 0.0, kCells - 1));
   return {kRootKey.value << 3 * kMaxDepth | spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2};
 }
 
-/// Depths in a small picture, behind which nothing is seen.
+/// A small depth buffer.
 class SmallPicture {
  public:
   explicit SmallPicture(const View& view)
@@ -61,10 +62,10 @@ class SmallPicture {
       clip({vertices[triangle.x], vertices[triangle.y], vertices[triangle.z]});
   }
 
-  /// False if there was too much to draw: something is missing.
+  /// Returns false if the pixel limit stopped rasterisation.
   bool complete() const { return tried_ <= kMostTried; }
 
-  /// Calls `take` with each point of the surface that a pixel shows.
+  /// Calls `take` with the surface point of each covered pixel.
   template <typename Take>
   void forEachPoint(Take&& take) const {
     for (int y = 0; y < height_; ++y)
@@ -81,7 +82,7 @@ class SmallPicture {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
   }
 
-  /// Across, up and away from the eye; draws what of a triangle is beyond the near plane.
+  /// Clips a triangle at the near plane and draws it. Coordinates: right, up, away from the eye.
   void clip(const std::array<glm::dvec3, 3>& corners) {
     std::array<glm::dvec3, 4> seen;
     size_t count = 0;
@@ -94,12 +95,12 @@ class SmallPicture {
     for (size_t i = 2; i < count; ++i) fill(seen[0], seen[i - 1], seen[i]);
   }
 
-  /// Place in the picture, and one divided by the depth, which is even across a triangle there.
+  /// Returns pixel coordinates and 1 / depth, which is linear across a projected triangle.
   glm::dvec3 project(glm::dvec3 p) const {
     return {width_ / 2.0 + focal_ * p.x / p.z, height_ / 2.0 + focal_ * p.y / p.z, 1 / p.z};
   }
 
-  /// The pixels whose middle it covers, where nothing nearer is.
+  /// Writes the pixels whose centre the triangle covers, with a depth test.
   void fill(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
     const auto first = [](double least) { return std::max(0.0, std::ceil(least - 0.5)); };
     const auto last = [](double most, int side) { return std::min(side - 1.0, std::floor(most - 0.5)); };
@@ -110,7 +111,7 @@ class SmallPicture {
     if (!complete()) return;
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (area == 0) return;
-    // Shares of the corners and nearness are even across the picture.
+    // Barycentric weights and nearness change linearly across the picture.
     const double right_b = (c.y - a.y) / area, right_c = (a.y - b.y) / area;
     const double right_nearness = right_b * (b.z - a.z) + right_c * (c.z - a.z);
     for (double y = low; y <= high; ++y) {
@@ -132,7 +133,7 @@ class SmallPicture {
   const double near_;
   int width_ = 0, height_ = 0;
   double focal_ = 0, tried_ = 0;
-  std::vector<double> nearness_;  // by rows; 0: nothing is there
+  std::vector<double> nearness_;  // 1 / depth by rows; 0: empty
 };
 
 }  // namespace
@@ -141,7 +142,7 @@ std::optional<SeenPlaces> SeenPlaces::of(const Cut& cut, const ModelSummary& mod
   SmallPicture picture(cut.view);
   for (const CutPart& part : cut.parts) picture.draw(*part.mesh, model.lattice.step);
   if (!picture.complete()) return std::nullopt;
-  // The root's cell is the cube from the lattice's first point with the model's longest side.
+  // The root cell is the cube at the lattice origin with the longest side of the model.
   const glm::uvec3 extent = model.box.max;
   const double side_model = model.lattice.step * (std::max({extent.x, extent.y, extent.z}) + 1.0);
   SeenPlaces seen;

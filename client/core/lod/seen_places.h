@@ -13,25 +13,25 @@
 
 namespace lode::core {
 
-/// The places of a model's surface that a view and its margin see, as far as a cut can tell: it is drawn here
-/// into a small picture, and each of its pixels is one place. What has none, or few, is behind other parts or
-/// too small to matter. Decides the order of requests alone, so that a mistake delays and leaves no hole.
+/// Occlusion estimate: the octree cells that a view and its margin see. Rasterises a cut into a small depth
+/// buffer; each pixel marks one cell. A node with no or few marked cells is hidden or too small to matter.
+/// The estimate changes only the order of requests, so an error delays a request but never leaves a hole.
 class SeenPlaces {
  public:
-  /// Cuts of more than that would take too long to draw.
+  /// Larger cuts would take too long to rasterise.
   static constexpr uint64_t kMostTriangles = 1u << 16;
 
-  /// By a cut's own view. @param cut  of at most kMostTriangles. @param model  what it is of.
-  /// @return nothing if the cut's triangles are so large that it would take too long all the same.
+  /// Rasterises a cut for its own view. @param cut  at most kMostTriangles.
+  /// @return nothing if the triangles cover so many pixels that it would take too long.
   static std::optional<SeenPlaces> of(const Cut& cut, const ModelSummary& model);
 
-  /// True if more than a few of the places lie in the node's cell.
+  /// Returns true if the node's cell contains more than a few of the marked cells.
   bool in(NodeKey node) const noexcept;
 
  private:
   SeenPlaces() = default;
 
-  std::vector<NodeKey> places_;  // cells of kMaxDepth, in order
+  std::vector<NodeKey> places_;  // cells at kMaxDepth, sorted
   size_t few_ = 0;
 };
 

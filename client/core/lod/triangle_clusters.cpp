@@ -10,16 +10,16 @@
 namespace lode::core {
 namespace {
 
-constexpr int kPlaceBits = 10;  ///< of an axis: the mesh's longest side has so many places
-constexpr int kDigits = 3;      ///< of a Morton code, each of as many bits
+constexpr int kPlaceBits = 10;  ///< bits per axis; the longest side of the mesh spans all of them
+constexpr int kDigits = 3;      ///< radix sort digits of a Morton code, kPlaceBits bits each
 
-/// Three times the middle of a triangle.
+/// Returns three times the centroid of a triangle.
 glm::uvec3 middleOf(const Mesh& mesh, const glm::u32vec3& triangle) {
   return unpackPosition(mesh.positions[triangle.x]) + unpackPosition(mesh.positions[triangle.y]) +
          unpackPosition(mesh.positions[triangle.z]);
 }
 
-/// Two zeros between its bits.
+/// Inserts two zero bits between the bits of a coordinate.
 constexpr uint32_t spread(uint32_t place) noexcept {
   place = (place | place << 16) & 0x030000ff;
   place = (place | place << 8) & 0x0300f00f;
@@ -27,7 +27,7 @@ constexpr uint32_t spread(uint32_t place) noexcept {
   return (place | place << 2) & 0x09249249;
 }
 
-/// A triangle's number below its Morton code.
+/// Returns per triangle its Morton code in the upper and its index in the lower 32 bits.
 std::vector<uint64_t> codesOf(const Mesh& mesh) {
   std::vector<glm::uvec3> middles;
   middles.reserve(mesh.triangles.size());
@@ -49,7 +49,7 @@ std::vector<uint64_t> codesOf(const Mesh& mesh) {
   return codes;
 }
 
-/// By code, equal ones as they were.
+/// Sorts by Morton code; stable.
 void sortByCode(std::vector<uint64_t>& codes) {
   std::vector<uint64_t> sorted(codes.size());
   for (int digit = 0; digit < kDigits; ++digit) {

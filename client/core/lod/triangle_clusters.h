@@ -4,8 +4,8 @@
 
 namespace lode::core {
 
-/// Puts triangles that lie near one another together and notes where they are, so that a renderer can leave
-/// out those that are not in the picture. The order is a function of the mesh alone. Thread safe.
+/// Sorts the triangles of a mesh into spatial clusters and computes the clusters' boxes, so that a renderer
+/// can cull clusters outside the picture. Deterministic. Thread safe.
 void clusterTriangles(Mesh& mesh);
 
 }  // namespace lode::core

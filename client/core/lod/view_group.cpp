@@ -10,16 +10,15 @@
 namespace lode::core {
 namespace {
 
-constexpr uint64_t kFinerRatio = 2;  // of a cut's triangles, from which on it is worth to look anew
-// One in so many bytes of the meshes, and of what may be drawn, is for fallbacks.
-constexpr uint64_t kFallbackShare = 8;
-constexpr uint64_t kSpareShare = 4;  // one in so many bytes is free before what was given up comes back
-constexpr float kStepsOfTwo = 4;     // the threshold is raised by steps of 2^1/4,
-constexpr int kMostCoarsening = 80;  // to a million times at most
+constexpr uint64_t kFinerRatio = 2;     // growth of the triangle count that triggers a new occlusion estimate
+constexpr uint64_t kFallbackShare = 8;  // fallbacks get 1/8 of the mesh budget and of the drawn budget
+constexpr uint64_t kReserveShare = 4;   // 1/4 of a budget must be free before a degradation is undone
+constexpr float kStepsOfTwo = 4;        // the threshold is raised in steps of 2^1/4
+constexpr int kMostCoarsening = 80;     // at most 2^20 times the threshold
 
-/// @param to_spare  with a part more.
-bool hasRoom(uint64_t bytes, uint64_t budget_bytes, bool to_spare) {
-  return bytes <= budget_bytes - (to_spare ? budget_bytes / kSpareShare : 0);
+/// @param with_reserve  requires 1/kReserveShare of the budget to stay free.
+bool hasRoom(uint64_t bytes, uint64_t budget_bytes, bool with_reserve) {
+  return bytes <= budget_bytes - (with_reserve ? budget_bytes / kReserveShare : 0);
 }
 
 }  // namespace
@@ -53,7 +52,7 @@ void ViewGroup::setViews(std::span<const View> views, float threshold_px) {
 void ViewGroup::forgetModel() noexcept {
   model_version_ = 0;
   settled_ = limited_ = false;
-  giving_ = Giving::kNothing;
+  degradation_ = Degradation::kNone;
   coarsening_ = 0;
   requests_.clear();
   pages_.clear();
@@ -69,9 +68,9 @@ const std::shared_ptr<const Cut>& ViewGroup::cut() const noexcept {
   return view_cuts_ ? view_cuts_->all : kNone;
 }
 
-/// Where something is missing: at once, and again whenever the cut has become finer.
-/// @return whether more is known than before.
-bool ViewGroup::lookAtWhatIsSeen(ViewState& state, const Cut& cut, const ModelSummary& model) {
+/// Estimates occlusion unless the cut has converged: once, and again whenever the triangle count has doubled.
+/// @return true if there is a new estimate.
+bool ViewGroup::updateOcclusion(ViewState& state, const Cut& cut, const ModelSummary& model) {
   if (cut.converged || cut.triangles < kFinerRatio * state.seen_triangles ||
       cut.triangles > SeenPlaces::kMostTriangles)
     return false;
@@ -95,11 +94,11 @@ ViewGroup::Gathered ViewGroup::refineWith(const Model& model, const RefineOption
   return gathered;
 }
 
-RefineOptions ViewGroup::optionsAt(Giving giving) const {
+RefineOptions ViewGroup::optionsAt(Degradation degradation) const {
   RefineOptions options = options_;
   options.threshold_px *= std::exp2(static_cast<float>(coarsening_) / kStepsOfTwo);
-  if (giving >= Giving::kFallbacks) options.fallback_budget_bytes = 0;
-  options.finer_stand_ins = giving < Giving::kFinerStandIns;
+  if (degradation >= Degradation::kNoFallbacks) options.fallback_budget_bytes = 0;
+  options.finer_stand_ins = degradation < Degradation::kNoFinerStandIns;
   return options;
 }
 
@@ -118,24 +117,24 @@ ViewGroup::Wanted ViewGroup::wantedBy(const Gathered& gathered) {
   return wanted;
 }
 
-/// Whether there is room for all that the views want.
-bool ViewGroup::fits(const Wanted& wanted, bool to_spare) const noexcept {
-  return !wanted.limited && hasRoom(wanted.bytes, options_.cut_budget_bytes, to_spare) &&
-         hasRoom(wanted.drawn_bytes, options_.drawn_budget_bytes, to_spare);
+/// Returns true if the wanted cuts of all views fit the budgets.
+bool ViewGroup::fits(const Wanted& wanted, bool with_reserve) const noexcept {
+  return !wanted.limited && hasRoom(wanted.bytes, options_.cut_budget_bytes, with_reserve) &&
+         hasRoom(wanted.drawn_bytes, options_.drawn_budget_bytes, with_reserve);
 }
 
-/// Refines all views alike: down to the threshold, or to the smallest error that there is room for. It
-/// becomes finer again where there is room to spare, so that it does not waver.
+/// Refines all views with one threshold: the requested one, or the smallest that fits the budgets. Lowers a
+/// raised threshold only if a reserve stays free, so that it does not oscillate.
 ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   const auto refineNow = [&] {
-    RefineOptions options = optionsAt(Giving::kNothing);
-    options.shares_memory = areHeldToOneError();
+    RefineOptions options = optionsAt(Degradation::kNone);
+    options.shares_memory = usesOneThreshold();
     return refineWith(model, options);
   };
-  if (!areHeldToOneError()) coarsening_ = 0;
+  if (!usesOneThreshold()) coarsening_ = 0;
   Gathered gathered = refineNow();
   Wanted wanted = wantedBy(gathered);
-  while (areHeldToOneError() && !fits(wanted, false) && coarsening_ < kMostCoarsening) {
+  while (usesOneThreshold() && !fits(wanted, false) && coarsening_ < kMostCoarsening) {
     ++coarsening_;
     gathered = refineNow();
     wanted = wantedBy(gathered);
@@ -153,7 +152,7 @@ ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   }
   wanted_bytes_ = wanted.bytes;
   if (coarsening_ == 0) return gathered;
-  // Twice the error is a quarter of the triangles, and there are no more than those of the file.
+  // Halving the error quadruples the triangles, up to those of the original.
   const uint64_t triangles = model.summary().triangles;
   const double most_bytes =
       std::max(static_cast<double>(wanted.bytes),
@@ -163,9 +162,9 @@ ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   return gathered;
 }
 
-/// Marks what the refinements use, and forgets pages that they do not, where memory is short.
-/// @return whether there is room for it, here and where it is drawn, and with `to_spare` a part more.
-bool ViewGroup::keep(Model& model, const Gathered& gathered, bool to_spare) const {
+/// Marks the pages and meshes in use, and evicts unused pages if memory is short.
+/// @return true if everything in use fits the memory and drawn budgets.
+bool ViewGroup::keep(Model& model, const Gathered& gathered, bool with_reserve) const {
   std::vector<NodeKey> pages;
   std::vector<MeshKey> in_use, ancestors;
   for (const Refinement& refinement : gathered.refinements) {
@@ -175,23 +174,23 @@ bool ViewGroup::keep(Model& model, const Gathered& gathered, bool to_spare) cons
   }
   model.hierarchy().use(pages, model.hierarchyBudgetBytes());
   const uint64_t used_bytes = model.meshes().use(in_use, ancestors);
-  return hasRoom(used_bytes, model.meshes().budgetBytes(), to_spare) &&
+  return hasRoom(used_bytes, model.meshes().budgetBytes(), with_reserve) &&
          model.hierarchy().bytes() <= model.hierarchyBudgetBytes() &&
-         (!gathered.all || hasRoom(gathered.all->drawn_bytes, drawn_budget_bytes_, to_spare));
+         (!gathered.all || hasRoom(gathered.all->drawn_bytes, drawn_budget_bytes_, with_reserve));
 }
 
-/// Gives up what stands by, unseen, then what is finer than wanted, until there is room for the rest. It
-/// comes back where there is room to spare or nothing more to come, so that not every arrival changes all of
-/// it.
+/// Drops fallbacks, then stand-ins finer than wanted, until the rest fits. Restores them only if a reserve
+/// stays free or the cuts have settled, so that not every arrival changes the whole cut.
 void ViewGroup::fit(Model& model, Gathered& gathered) {
-  const Giving before = giving_;
-  giving_ = Giving::kNothing;
-  while (!keep(model, gathered, giving_ < before) && giving_ != Giving::kFinerStandIns) {
-    giving_ = giving_ == Giving::kNothing ? Giving::kFallbacks : Giving::kFinerStandIns;
-    gathered = refineWith(model, optionsAt(giving_));
+  const Degradation before = degradation_;
+  degradation_ = Degradation::kNone;
+  while (!keep(model, gathered, degradation_ < before) && degradation_ != Degradation::kNoFinerStandIns) {
+    degradation_ =
+        degradation_ == Degradation::kNone ? Degradation::kNoFallbacks : Degradation::kNoFinerStandIns;
+    gathered = refineWith(model, optionsAt(degradation_));
   }
   const auto isSettled = [](const Refinement& refinement) { return refinement.settled; };
-  if (std::ranges::all_of(gathered.refinements, isSettled)) giving_ = Giving::kNothing;
+  if (std::ranges::all_of(gathered.refinements, isSettled)) degradation_ = Degradation::kNone;
 }
 
 bool ViewGroup::refine(Model& model) {
@@ -199,21 +198,21 @@ bool ViewGroup::refine(Model& model) {
   if (!views_changed_ && model_version_ == model.version()) return false;
   views_changed_ = false;
   model_version_ = model.version();
-  // Half for the wanted cuts, half for those still shown, so that neither wait for the other.
+  // Half for the wanted cuts and half for the shown ones, so that neither blocks the other.
   options_.hierarchy_budget_bytes = model.hierarchyBudgetBytes();
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
   options_.fallback_budget_bytes = model.meshes().budgetBytes() / kFallbackShare;
   Gathered gathered = refineWithin(model);
-  // What hides a model in a scene is mostly not the model itself.
-  if (views_.size() == 1 && gathered.all && lookAtWhatIsSeen(views_.front(), *gathered.all, model.summary()))
-    gathered = refineWith(model, optionsAt(Giving::kNothing));
+  // With several views, mostly other models hide this one, so occlusion is not estimated.
+  if (views_.size() == 1 && gathered.all && updateOcclusion(views_.front(), *gathered.all, model.summary()))
+    gathered = refineWith(model, optionsAt(Degradation::kNone));
   fit(model, gathered);
   model.meshes().trim();
   publish(model, gathered);
   return true;
 }
 
-/// Takes over what a refinement has given.
+/// Publishes the cuts and requests of a refinement.
 void ViewGroup::publish(Model& model, Gathered& gathered) {
   settled_ = true;
   limited_ = coarsening_ > 0;
@@ -230,9 +229,9 @@ void ViewGroup::publish(Model& model, Gathered& gathered) {
   requests_ = mergeRequests(requests);
   if (gathered.all) {
     cut_build_ = model.build();
-    for (const Refinement& refinement : gathered.refinements) sign(*refinement.cut);
-    sign(*gathered.all);
-    if (model.textures()) dress(*gathered.all, gathered.refinements, model);
+    for (const Refinement& refinement : gathered.refinements) label(*refinement.cut);
+    label(*gathered.all);
+    if (model.textures()) addTextures(*gathered.all, gathered.refinements, model);
     auto view_cuts = std::make_shared<ViewCuts>();
     for (Refinement& refinement : gathered.refinements) view_cuts->cuts.push_back(std::move(refinement.cut));
     view_cuts->all = std::move(gathered.all);
@@ -247,15 +246,15 @@ void ViewGroup::publish(Model& model, Gathered& gathered) {
   });
 }
 
-/// Says of what build a cut is, and against which threshold it has converged.
-void ViewGroup::sign(Cut& cut) const {
+/// Sets the build and the threshold of a cut; a cut at a raised threshold has not converged.
+void ViewGroup::label(Cut& cut) const {
   cut.build = cut_build_;
   cut.threshold_px = options_.threshold_px;
   cut.converged = cut.converged && coarsening_ == 0;
 }
 
-/// Says which tiles the cuts need, and gives them those that are there.
-void ViewGroup::dress(Cut& all, std::span<const Refinement> refinements, Model& model) {
+/// Requests the tiles that the cuts need, and adds the resident tiles to the union of the cuts.
+void ViewGroup::addTextures(Cut& all, std::span<const Refinement> refinements, Model& model) {
   TextureStream& textures = *model.textures();
   const double step = model.summary().lattice.step;
   const std::shared_ptr<const TextureSet>& set = textures.set();
@@ -265,7 +264,7 @@ void ViewGroup::dress(Cut& all, std::span<const Refinement> refinements, Model& 
     for (size_t number = 0; number < partCount(cut); ++number) {
       const CutPart& part = partOf(cut, number);
       const MeshKey key{part.node, part.lod};
-      if (model.meshes().footprint(key) == nullptr)  // decoded before the set was there
+      if (model.meshes().footprint(key) == nullptr)  // decoded before the texture set arrived
         model.meshes().setFootprint(
             key, std::make_shared<const TextureFootprint>(makeFootprint(*part.mesh, *set, step)));
       const ModelBox box = toModelBox(model.hierarchy().find(part.node)->box, step);

@@ -15,99 +15,98 @@
 
 namespace lode::core {
 
-/// The views of a model that are drawn at one time, one for each place where it stands: from the views and
-/// what is resident, a cut for each and the requests the rest. Meshes and budgets are shared by all views.
-/// Where a budget does not allow what several views want, all are held to the same larger error. Not thread
-/// safe; the cuts it gives are.
+/// The views of one model that are drawn together, one per instance of the model. Refines a cut for each view
+/// from the resident meshes and collects the requests for the missing ones. All views share meshes and
+/// budgets; if a budget is too small for several views, one larger threshold applies to all. Not thread safe;
+/// the published cuts are.
 class ViewGroup {
  public:
-  /// @param options  what of them stays: the hysteresis and the budgets of triangles and of drawn bytes; the
-  ///                 latter is here for the cut and its fallbacks together.
+  /// @param options  see RefineOptions. Here the drawn budget covers the cut and its fallbacks together.
   explicit ViewGroup(const RefineOptions& options = {});
 
-  /// Of drawn bytes, as in the options.
+  /// Replaces RefineOptions::drawn_budget_bytes.
   void setDrawnBudget(uint64_t bytes) noexcept;
-  /// @param views  in the model frame, of pictures of one size.
+  /// @param views  in the model frame; all pictures have one size.
   void setViews(std::span<const View> views, float threshold_px);
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
-  /// Another build has taken the model's place: the last cut stays until the new one has one.
+  /// Another build has replaced the model. The last cut stays until the new build has one.
   void forgetModel() noexcept;
 
-  /// Refines if a view or the model has changed. @return whether it did.
+  /// Refines if a view or the model has changed. @return true if it refined.
   bool refine(Model& model);
 
-  /// The last cuts; null until the root's coarsest LOD is there and a view is set.
+  /// The last published cuts; null until the root's coarsest LOD is resident and a view is set.
   const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return view_cuts_; }
-  /// Their meshes: of one view, its cut. Null as viewCuts().
+  /// ViewCuts::all of the last cuts; null if viewCuts() is null.
   const std::shared_ptr<const Cut>& cut() const noexcept;
-  /// The build that they are of: see Model::build().
+  /// Model::build() of the last cuts.
   uint64_t cutBuild() const noexcept { return cut_build_; }
-  /// What the last refinement asks for, best first.
+  /// Requests of the last refinement, best first.
   const std::vector<Request>& requests() const noexcept { return requests_; }
-  /// Owners of the pages that it goes through.
+  /// Owners of the pages that the cuts pass through.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   const RefineOptions& options() const noexcept { return options_; }
-  /// How many there are; none before the first.
+  /// Number of views; 0 before setViews().
   size_t viewCount() const noexcept { return views_.size(); }
   /// @param number  below viewCount().
   const View& view(size_t number) const noexcept { return views_[number].view; }
-  /// A budget keeps the last cuts from converging.
+  /// Returns true if a budget keeps the last cuts from converging.
   bool limited() const noexcept { return limited_; }
-  /// What the views want of the memory for meshes, for the error that is asked for; where a budget does not
-  /// allow that, an estimate. 0 unless the options hold views to one error or there are several.
+  /// Mesh memory that the views need at the requested threshold; an estimate if a budget is too small for it.
+  /// 0 for a single view, unless RefineOptions::shares_memory is set.
   uint64_t wantedBytes() const noexcept { return wanted_bytes_; }
-  /// The last cuts are all that the views and the budgets will ever give.
+  /// Returns true if the last cuts are final for these views and budgets.
   bool settled() const noexcept { return settled_; }
 
  private:
-  /// What is given up where there is no room for all that could be shown, each with what comes before.
-  enum class Giving { kNothing, kFallbacks, kFinerStandIns };
+  /// Degradation steps when memory is short; each includes the steps before it.
+  enum class Degradation { kNone, kNoFallbacks, kNoFinerStandIns };
 
-  /// A view, and what is kept of it from one refinement to the next.
+  /// A view and its state between refinements.
   struct ViewState {
     View view;
     std::vector<HeldNode> held;
-    std::optional<SeenPlaces> seen;  // by the view, as far as known, and
-    uint64_t seen_triangles = 0;     // those of the cut that told
+    std::optional<SeenPlaces> seen;  // nothing: occlusion is unknown
+    uint64_t seen_triangles = 0;     // triangles of the cut that `seen` was computed from
   };
 
-  /// What all views have together.
+  /// Results of one refinement of all views.
   struct Gathered {
     std::vector<Refinement> refinements;  // by view
-    std::shared_ptr<Cut> all;             // null while a view has none
+    std::shared_ptr<Cut> all;             // null while a view has no cut
   };
 
-  static bool lookAtWhatIsSeen(ViewState& state, const Cut& cut, const ModelSummary& model);
+  static bool updateOcclusion(ViewState& state, const Cut& cut, const ModelSummary& model);
   Gathered refineWith(const Model& model, const RefineOptions& options) const;
-  RefineOptions optionsAt(Giving giving) const;
-  /// Of the wanted cuts together: decoded, and where they are drawn.
+  RefineOptions optionsAt(Degradation degradation) const;
+  /// Memory of all wanted cuts together: decoded, and on the GPU.
   struct Wanted {
     uint64_t bytes = 0, drawn_bytes = 0;
-    bool limited = false;  // a budget has stopped one
+    bool limited = false;  // a budget stopped one of them
   };
 
-  bool areHeldToOneError() const noexcept { return views_.size() > 1 || options_.shares_memory; }
+  bool usesOneThreshold() const noexcept { return views_.size() > 1 || options_.shares_memory; }
   static Wanted wantedBy(const Gathered& gathered);
-  bool fits(const Wanted& wanted, bool to_spare) const noexcept;
+  bool fits(const Wanted& wanted, bool with_reserve) const noexcept;
   Gathered refineWithin(const Model& model);
-  bool keep(Model& model, const Gathered& gathered, bool to_spare) const;
+  bool keep(Model& model, const Gathered& gathered, bool with_reserve) const;
   void fit(Model& model, Gathered& gathered);
   void publish(Model& model, Gathered& gathered);
-  void sign(Cut& cut) const;
-  void dress(Cut& all, std::span<const Refinement> refinements, Model& model);
+  void label(Cut& cut) const;
+  void addTextures(Cut& all, std::span<const Refinement> refinements, Model& model);
 
   RefineOptions options_;
-  uint64_t drawn_budget_bytes_ = 0;  // of the cuts and their fallbacks
+  uint64_t drawn_budget_bytes_ = 0;  // for the cuts and their fallbacks
   std::vector<ViewState> views_;
-  uint64_t model_version_ = 0;  // that the last refinement saw
+  uint64_t model_version_ = 0;  // at the last refinement
   bool views_changed_ = false;
   std::shared_ptr<const ViewCuts> view_cuts_;
   uint64_t cut_build_ = 0;
   std::vector<Request> requests_;
   std::vector<NodeKey> pages_;
-  Giving giving_ = Giving::kNothing;  // by the last refinement,
+  Degradation degradation_ = Degradation::kNone;  // of the last refinement
   uint64_t wanted_bytes_ = 0;
-  int coarsening_ = 0;  // and steps of the threshold that it was raised by
+  int coarsening_ = 0;  // steps by which the threshold is raised
   bool limited_ = false, settled_ = false;
 };
 

@@ -8,8 +8,8 @@
 namespace lode::core {
 namespace {
 
-constexpr size_t kUsualNodes = 8192;       // that room is made for
-constexpr uint64_t kCoverBytesRatio = 20;  // a covering step costs at most a twentieth of what it bridges
+constexpr size_t kUsualNodes = 8192;       // reserved
+constexpr uint64_t kCoverBytesRatio = 20;  // a covering step costs at most 1/20 of the bytes wanted below it
 
 uint64_t partBytes(const Lod& lod, AttributeSet attributes) {
   return kPartBytes + (lod.triangles == 0 ? 0 : meshBytes(lod.vertices, lod.triangles, attributes));
@@ -34,7 +34,7 @@ WantedCut::WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeS
     : hierarchy_(hierarchy),
       step_(lattice_step),
       attributes_(attributes),
-      sight_(view, kMarginWidening),
+      frustum_(view, kMarginWidening),
       options_(options),
       held_(options.hysteresis_factor < 1 ? held : std::span<const HeldNode>()) {
   nodes_.reserve(kUsualNodes);
@@ -68,16 +68,16 @@ WantedNode WantedCut::place(const KnownNode& node, bool in_sight) const {
   wanted.lod = coarsestLod(node);
   if (node.box.empty()) return wanted;
   const ModelBox box = toModelBox(node.box, step_);
-  const Seen seen = in_sight ? Seen::kWholly : sight_.see(box);
-  wanted.visible = seen != Seen::kNot;
-  wanted.wholly_visible = seen == Seen::kWholly;
-  wanted.near = wanted.visible || sight_.maySeeWhenTurned(box);
-  wanted.distance_model = sight_.distanceTo(box);
+  const Visibility seen = in_sight ? Visibility::kInside : frustum_.test(box);
+  wanted.visible = seen != Visibility::kOutside;
+  wanted.wholly_visible = seen == Visibility::kInside;
+  wanted.near = wanted.visible || frustum_.isInMargin(box);
+  wanted.distance_model = frustum_.distanceTo(box);
   return wanted;
 }
 
 float WantedCut::errorPx(const WantedNode& wanted, uint32_t lod) const {
-  return sight_.errorPx(wanted.node->lods[lod].offModel(), wanted.distance_model);
+  return frustum_.errorPx(wanted.node->lods[lod].offModel(), wanted.distance_model);
 }
 
 void WantedCut::enqueue(uint32_t place) {
@@ -111,7 +111,7 @@ void WantedCut::refine() {
     if (!giveWay(takeNext()) || (stopped_ && !is_best_first_)) return;
 }
 
-/// @return false if a budget forbids it.
+/// Replaces a part by its finer LOD or its children. @return false if a budget forbids it.
 bool WantedCut::giveWay(const Candidate& candidate) {
   WantedNode& wanted = nodes_[candidate.place];
   const KnownNode& node = *wanted.node;
@@ -152,7 +152,7 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
   Totals totals = without;
   for (uint32_t i = 0; i < children.size(); ++i) {
     WantedNode& child = nodes_.emplace_back(this->place(children[i], in_sight));
-    child.held = held_child == 0 ? 0 : held_child + i + 1;  // + 1: it is a place
+    child.held = held_child == 0 ? 0 : held_child + i + 1;  // 1-based
     if (child.visible) skipWorse(child, candidate.error_px);
     totals.add(children[i].lods[child.lod], attributes_);
   }
@@ -170,7 +170,7 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
   return true;
 }
 
-/// Begins a node at the coarsest LOD that is no worse than what it takes the place of.
+/// Raises a node to the coarsest LOD whose error does not exceed the error of the part it replaces.
 void WantedCut::skipWorse(WantedNode& wanted, float replaced_px) const {
   for (auto finer = wanted.node->finerLod(wanted.lod); finer && errorPx(wanted, wanted.lod) > replaced_px;
        finer = wanted.node->finerLod(wanted.lod))
@@ -186,15 +186,14 @@ bool WantedCut::fits(const Candidate& candidate, const Totals& totals) {
   return fits;
 }
 
-/// A budget does not let a part give way. What is only held is right without.
+/// Notes that a budget stopped a part. Parts refined by hysteresis alone do not make the cut limited.
 void WantedCut::stopAt(const Candidate& candidate) {
   stopped_ = true;
   limited_ |= candidate.error_px > options_.threshold_px;
 }
 
-/// Chooses the covering step: on each way down the deepest expanded node, at its finest LOD, that costs
-/// little against what is wanted below it. It does not depend on what is resident, so that requests do not
-/// waver.
+/// Chooses the covering step: on each path the deepest expanded node, at its finest LOD, whose bytes are few
+/// compared with those wanted below it. Ignores which meshes are resident, so that requests do not oscillate.
 WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   const KnownNode& node = *wanted.node;
   if (wanted.role == Role::kPart) {

@@ -14,71 +14,73 @@
 
 namespace lode::core {
 
-/// What the wanted cut makes of a node.
+/// Role of a node in the wanted cut.
 enum class Role : uint8_t {
-  kPart,      ///< it is in the cut
-  kExpanded,  ///< its children are
-  kBlocked,   ///< its children should be, but are not known yet
+  kPart,      ///< a part of the cut
+  kExpanded,  ///< replaced by its children
+  kBlocked,   ///< to be replaced by its children, whose page is not loaded
 };
 
 struct WantedNode {
   const KnownNode* node = nullptr;
   bool visible = false;
   bool wholly_visible = false;
-  bool near = false;  ///< visible, or would be if the camera turned a little
+  bool near = false;  ///< in the view or its margin
   Role role = Role::kPart;
   uint32_t lod = 0;
-  std::optional<uint32_t> cover_lod;          ///< the node is in the covering step at this LOD
-  std::optional<bool> children_covered;       ///< for who publishes the cut,
-  const MeshCache::Lods* resident = nullptr;  ///< and this
+  std::optional<uint32_t> cover_lod;          ///< LOD of the covering step, if the node is part of it
+  std::optional<bool> children_covered;       ///< cached by the refiner
+  const MeshCache::Lods* resident = nullptr;  ///< set by the refiner
   double distance_model = 0;
-  uint64_t below_bytes = 0;  ///< of the wanted cut's payloads near the view, at it and below, as far as known
-  uint32_t first_child = 0;  ///< of an expanded node, see WantedCut::children()
-  uint32_t held = 0;         ///< place in the last refinement's nodes + 1; 0: it had not come so far
+  uint64_t below_bytes = 0;  ///< payloads that the wanted cut has near the view, at this node and below
+  uint32_t first_child = 0;  ///< index of the first child, if expanded: see children()
+  uint32_t held = 0;         ///< 1-based index into the previous refinement; 0: not reached
 };
 
-/// A mesh of a wanted cut, resident or not, and what it takes: decoded, and where it is drawn.
+/// A mesh of the wanted cut, resident or not, with its decoded size and its size in GPU memory.
 struct WantedMesh {
   MeshKey key;
   uint64_t bytes = 0, drawn_bytes = 0;
 };
 
-/// The cut that a view wants of the known octree, whatever is resident: it starts at the root's coarsest
-/// LOD, and the part with the largest projected error gives way to its next finer LOD, or from LOD 0 to
-/// its children, until no visible part is above the threshold or a budget is reached. Children begin at their
-/// coarsest LOD, visible ones at the coarsest that is no worse than what they replace (far LODs may be).
-/// What is lost is passed over for what is finer; a part stays where there is nothing at a place below it.
-/// Ties go by node key. Parts outside the view are not refined. Where no budget is reached the order makes no
-/// difference to the cut, so that it is tried first in one that needs no queue.
+/// The cut that a view needs of the known octree, regardless of which meshes are resident. Refinement starts
+/// at the root's coarsest LOD. The part with the largest projected error is replaced by its next finer LOD,
+/// or at LOD 0 by its children, until no visible part exceeds the threshold or a budget is reached. Children
+/// start at their coarsest LOD; visible children start at the coarsest LOD whose error does not exceed the
+/// error of the part that they replace, since far LODs may be coarser. Lost LODs are skipped in favour of
+/// finer ones; a part stays if nothing below it can be loaded. Node keys break ties. Parts outside the view
+/// are not refined. Without a budget the order does not change the result, so the first attempt uses no
+/// priority queue.
 class WantedCut {
  public:
-  /// @param held  see held(), of the last refinement; used where the options ask for hysteresis.
+  /// @param held  held() of the previous refinement; used only with hysteresis.
   WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeSet attributes, const View& view,
             const RefineOptions& options, std::span<const HeldNode> held);
 
   WantedNode& root() { return nodes_.front(); }
   std::span<WantedNode> nodes() { return nodes_; }
-  /// Of an expanded node, by octant.
+  /// Returns the children of an expanded node, by octant.
   std::span<WantedNode> children(const WantedNode& wanted) {
     return std::span(nodes_).subspan(wanted.first_child, wanted.node->knownChildren().size());
   }
-  /// A node as this view sees it. @param in_sight  it is known to be wholly visible, as its parent is.
+  /// Returns a node with its visibility and distance for this view.
+  /// @param in_sight  skips the visibility test, because the parent is wholly visible.
   WantedNode place(const KnownNode& node, bool in_sight = false) const;
   float errorPx(const WantedNode& wanted, uint32_t lod) const;
 
-  bool limited() const noexcept { return limited_; }  ///< a budget stopped it above the threshold
-  bool blocked() const noexcept { return blocked_; }  ///< a node's children are not known yet
-  bool lacks() const noexcept { return lacks_; }      ///< what is lost stopped it above the threshold
-  /// Owners of the pages that it goes through.
+  bool limited() const noexcept { return limited_; }  ///< a budget stopped refinement above the threshold
+  bool blocked() const noexcept { return blocked_; }  ///< the page of some node's children is not loaded
+  bool lacks() const noexcept { return lacks_; }      ///< lost blobs stopped refinement above the threshold
+  /// Owners of the pages that the cut passes through.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
   std::vector<WantedMesh> meshes() const;
   static uint32_t lastLod(const Node& node) { return static_cast<uint32_t>(node.lods.size()) - 1; }
-  /// The coarsest that is not lost; the last where all are.
+  /// Returns the coarsest LOD that is not lost, or the last LOD if all are lost.
   static uint32_t coarsestLod(const KnownNode& node) { return node.coarsestLod().value_or(lastLod(node)); }
 
  private:
-  /// A part that may have to give way. Largest error first.
+  /// A part above the threshold, ordered by error, largest first.
   struct Candidate {
     float error_px = 0;
     uint32_t place = 0;
@@ -92,10 +94,10 @@ class WantedCut {
     void add(const Lod& lod, AttributeSet attributes);
     void remove(const Lod& lod, AttributeSet attributes);
   };
-  /// Of what is below a node in the choice of covers.
+  /// Result of chooseCovers() for one subtree.
   struct Below {
-    uint64_t bytes = 0;    // of the wanted cut's payloads near the view
-    bool settled = false;  // a covering step was chosen, or not all of it is known yet
+    uint64_t bytes = 0;    // payloads that the wanted cut has near the view
+    bool settled = false;  // has a covering step, or a page is not loaded
   };
 
   void begin();
@@ -113,16 +115,16 @@ class WantedCut {
   const Hierarchy& hierarchy_;
   const double step_;
   const AttributeSet attributes_;
-  const Sight sight_;
+  const ViewFrustum frustum_;
   const RefineOptions& options_;
   const std::span<const HeldNode> held_;
   std::vector<WantedNode> nodes_;
   bool is_best_first_ = false;
-  std::vector<Candidate> open_;  // a heap where it goes best first
+  std::vector<Candidate> open_;  // a heap if is_best_first_
   Totals totals_;
   uint64_t page_bytes_ = 0;
   std::vector<NodeKey> pages_;
-  bool stopped_ = false;  // by a budget
+  bool stopped_ = false;  // at a budget
   bool limited_ = false, blocked_ = false, lacks_ = false;
 };
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 namespace lode::core {
+
 void Connection::begin(const Digest& known_build_id, TimePoint now) {
   options_.known_build_id = known_build_id;
   if (session_) {
@@ -27,7 +28,8 @@ void Connection::drop(std::optional<Session>& session) noexcept {
   session.reset();
 }
 
-TimePoint Connection::someTimeAfter(TimePoint now, std::chrono::milliseconds longest) {
+/// Returns a random time between half of `longest` and `longest` after now.
+TimePoint Connection::withJitter(TimePoint now, std::chrono::milliseconds longest) {
   std::uniform_int_distribution<int64_t> wait_ms(longest.count() / 2, longest.count());
   return now + std::chrono::milliseconds(wait_ms(random_));
 }
@@ -35,7 +37,7 @@ TimePoint Connection::someTimeAfter(TimePoint now, std::chrono::milliseconds lon
 void Connection::end(std::string why, TimePoint now) {
   drop(session_);
   is_leaving_ = false;
-  retry_at_ = someTimeAfter(now, longest_wait_);
+  retry_at_ = withJitter(now, longest_wait_);
   longest_wait_ = std::min<std::chrono::milliseconds>(longest_wait_ * 3 / 2, kLastRetry);
   trouble_ = std::move(why);
 }
@@ -43,7 +45,7 @@ void Connection::end(std::string why, TimePoint now) {
 void Connection::leave(std::string why, TimePoint now) {
   if (!session_->opened()) return end(std::move(why), now);
   is_leaving_ = true;
-  retry_at_ = someTimeAfter(now, kMoveOn);
+  retry_at_ = withJitter(now, kMoveOn);
 }
 
 void Connection::endDraining() noexcept { drop(leaving_); }

@@ -9,33 +9,33 @@
 
 namespace lode::core {
 
-constexpr uint64_t kMaxWindowBytes = 16u << 20;  ///< a gigabit a second over 85 ms
-constexpr double kWindowGain = 1.5;              ///< of rate × round trip
-constexpr double kGrowthGain = 3;                ///< while each sample is faster than those before
-/// Round trips below count as it: what keeps a fast link waiting is the threads at its ends.
+constexpr uint64_t kMaxWindowBytes = 16u << 20;  ///< enough for 1 Gbit/s at 85 ms, with kWindowGain
+constexpr double kWindowGain = 1.5;              ///< window / (rate × round trip)
+constexpr double kGrowthGain = 3;                ///< the same while the measured rate still grows
+/// Shorter round trips count as this one: on a fast link, thread scheduling dominates.
 constexpr std::chrono::milliseconds kShortestTrip{10};
-constexpr std::chrono::milliseconds kShortestSample{50};  ///< of the rate; a round trip where that is longer
-constexpr size_t kRateSamples = 8;                        ///< the fastest of the last ones counts
+constexpr std::chrono::milliseconds kShortestSample{50};  ///< of the rate; a round trip if longer
+constexpr size_t kRateSamples = 8;                        ///< the rate is the maximum of the last samples
 
-/// How many bytes a server may have under way to a client: enough to fill the link, and so few that what is
-/// requested urgently does not wait behind the rest. Measures the link by what comes over it. Not thread
+/// Flow control: computes how many unacknowledged bytes the server may send. Enough to fill the link, but few
+/// enough that urgent blobs do not queue behind others. Measures the link by the received bytes. Not thread
 /// safe.
 ///
 /// Source: Cardwell et al., BBR: Congestion-Based Congestion Control, 2016 (the largest rate and the smallest
 /// round trip, each over a while).
 class CreditWindow {
  public:
-  /// So many bytes have come by now.
+  /// Counts bytes received until `now`.
   void receive(uint64_t bytes, TimePoint now);
-  /// Nothing is awaited: until bytes come again the link is not measured.
+  /// Stops measuring until bytes arrive again, since no blob is awaited.
   void pause() noexcept { sample_begin_.reset(); }
   void measureTrip(std::chrono::nanoseconds trip) noexcept;
 
-  /// What the server may have under way.
+  /// The window.
   uint64_t bytes() const noexcept;
-  /// Of the link, as far as it was measured; 0: not yet.
+  /// Measured rate of the link; 0: unknown.
   double bytesPerSecond() const noexcept;
-  /// The smallest so far.
+  /// The smallest measured round trip.
   std::optional<std::chrono::nanoseconds> roundTrip() const noexcept { return round_trip_; }
 
  private:
@@ -43,9 +43,9 @@ class CreditWindow {
 
   std::optional<std::chrono::nanoseconds> round_trip_;
   std::optional<TimePoint> sample_begin_;
-  uint64_t sample_bytes_ = 0;  // since then
-  std::deque<double> rates_;   // bytes a second, the newest last
-  bool growing_ = true;        // the newest sample is much faster than any before
+  uint64_t sample_bytes_ = 0;  // received since sample_begin_
+  std::deque<double> rates_;   // bytes per second, newest last
+  bool growing_ = true;        // the newest sample is much faster than all before
 };
 
 }  // namespace lode::core

@@ -13,10 +13,10 @@ namespace {
 
 constexpr uint32_t kHelloCall = 1, kSecondCall = 2;
 constexpr size_t kCompactBytes = 64u << 10;
-constexpr uint64_t kGrantsPerWindow = 8;  // so that the server never waits for a grant that is due
+constexpr uint64_t kGrantsPerWindow = 8;  // grants are early enough that the server never waits for one
 
 void require(bool allowed, const std::string& what) {
-  if (!allowed) throw Error(ErrorCode::kProtocol, "the server broke the protocol: " + what);
+  if (!allowed) throw Error(ErrorCode::kProtocol, "the server violated the protocol: " + what);
 }
 
 bool differsMuch(float a, float b) { return a > b * kReprioritiseFactor || b > a * kReprioritiseFactor; }
@@ -54,7 +54,7 @@ proto::Bytes Session::takeOutgoing() {
 }
 
 void Session::receive(std::span<const std::byte> bytes, TimePoint now) {
-  pass(now);
+  advance(now);
   if (bytes.empty()) return;
   silence_ = {};
   received_bytes_ += bytes.size();
@@ -76,13 +76,13 @@ std::optional<SessionEvent> Session::nextEvent() {
   return std::exchange(event_, std::nullopt);
 }
 
-/// What can be no frame before one has come is another program's.
+/// An invalid header before the first frame means that another program answers.
 proto::FrameHeader Session::headerOf(std::span<const std::byte, proto::kFrameHeaderBytes> bytes) const {
   try {
     return proto::decodeFrameHeader(bytes);
   } catch (const Error&) {
     if (state_ != State::kWelcome) throw;
-    throw Error(ErrorCode::kProtocol, "what answers there is no lodestreamd: check the port");
+    throw Error(ErrorCode::kProtocol, "the program that answers is no lodestreamd: check the port");
   }
 }
 
@@ -115,22 +115,22 @@ void Session::handleFrame(const proto::FrameHeader& header, std::span<const std:
     case proto::FrameType::kPing:
       return send(proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.call));
     case proto::FrameType::kGoAway:
-      event_ = ServerLeaving{"the server is going away (" + proto::decode<proto::GoAway>(body).reason +
+      event_ = ServerLeaving{"the server is shutting down (" + proto::decode<proto::GoAway>(body).reason +
                              "); try again later"};
       return;
     case proto::FrameType::kModelReplaced:
       require(state_ == State::kOpen && proto::decode<proto::ModelReplaced>(body).handle == handle_,
-              "it replaced a model that is not open");
+              "ModelReplaced for a model that is not open");
       event_ = ModelChanged{};
       return;
     default:
       require((header.flags & proto::kFlagOptional) != 0,
-              "frame type " + std::to_string(header.type) + " is not for a client");
+              "frame type " + std::to_string(header.type) + " is not sent to clients");
   }
 }
 
 void Session::handleWelcome(const proto::FrameHeader& header, std::span<const std::byte> body) {
-  require(state_ == State::kWelcome && header.call == kHelloCall, "a Welcome out of turn");
+  require(state_ == State::kWelcome && header.call == kHelloCall, "unexpected Welcome");
   const auto welcome = proto::decode<proto::Welcome>(body);
   require(welcome.version == proto::kProtocolVersion, "it chose version " + std::to_string(welcome.version));
   require(welcome.max_open_requests > 0, "it allows no requests");
@@ -140,7 +140,7 @@ void Session::handleWelcome(const proto::FrameHeader& header, std::span<const st
 
 void Session::handleOpened(const proto::FrameHeader& header, std::span<const std::byte> body) {
   require(state_ == State::kAnswer && !options_.model.empty() && header.call == kSecondCall,
-          "an Opened out of turn");
+          "unexpected Opened");
   auto opened = proto::decode<proto::Opened>(body);
   require(opened.summary.name == options_.model, "it opened another model than '" + options_.model + "'");
   const BlobRef& root_page = opened.summary.root_page;
@@ -157,7 +157,7 @@ void Session::handleOpened(const proto::FrameHeader& header, std::span<const std
 
 void Session::handleModels(const proto::FrameHeader& header, std::span<const std::byte> body) {
   require(state_ == State::kAnswer && options_.model.empty() && header.call == kSecondCall,
-          "a list of models out of turn");
+          "unexpected list of models");
   state_ = State::kListed;
   event_ = ModelsListed{proto::decode<proto::Models>(body).models};
 }
@@ -167,7 +167,7 @@ void Session::expectUnasked(const BlobRef& blob, const BlobUse& use) { unasked_ 
 void Session::handleBlob(std::span<const std::byte> body) {
   const proto::BlobChunk chunk = proto::decodeBlobChunk(body);
   credited_bytes_ += body.size();
-  require(credited_bytes_ <= sent_grant_bytes_, "it sent more than the credit that it was granted");
+  require(credited_bytes_ <= sent_grant_bytes_, "it sent more bytes than the granted credit");
   const uint32_t request = chunk.header.request;
   if (request == 0) {
     require(unasked_.has_value(), "a blob that was not requested");
@@ -198,17 +198,17 @@ void Session::appendChunk(Incoming& incoming, const proto::BlobChunk& chunk) {
 }
 
 SessionEvent Session::completed(Incoming incoming) {
-  const bool named = options_.matches_digest ? options_.matches_digest(incoming.blob, incoming.bytes)
-                                             : digestOf(incoming.bytes) == incoming.blob.digest;
-  require(named, "blob " + std::to_string(incoming.blob.number) +
-                     " does not have the bytes that its name stands for");
+  const bool matches = options_.matches_digest ? options_.matches_digest(incoming.blob, incoming.bytes)
+                                               : digestOf(incoming.bytes) == incoming.blob.digest;
+  require(matches, "blob " + std::to_string(incoming.blob.number) + " does not match its digest");
   return BlobArrived{incoming.blob, incoming.use, std::move(incoming.bytes)};
 }
 
 void Session::handleCancelled(std::span<const std::byte> body) {
   const uint32_t request = proto::decode<proto::Cancelled>(body).request;
   const auto found = requests_.find(request);
-  require(found != requests_.end() && found->second.cancelling, "it cancelled what was not to be cancelled");
+  require(found != requests_.end() && found->second.cancelling,
+          "Cancelled for a request that was not cancelled");
   event_ = RequestCancelled{found->second.incoming.blob};
   endRequest(request);
 }
@@ -266,10 +266,10 @@ void Session::endRequest(uint32_t request) {
   requests_.erase(found);
 }
 
-/// Of a frame that has begun to come; its beginning says how long it will be.
+/// Returns the received part of an incomplete frame.
 uint64_t Session::bytesOfUnfinishedFrame() const { return input_.size() - input_begin_; }
 
-/// Chunks count as they come, so that the server can send the next one before the last has ended.
+/// Counts the received part of a frame too, so that the server can send the next chunk before this one ends.
 void Session::grantCredit() {
   if (state_ == State::kWelcome) return;
   const uint64_t window_bytes = window_.bytes();
@@ -346,27 +346,27 @@ void Session::sendPing() {
 }
 
 void Session::handlePong(std::span<const std::byte> body) {
-  require(ping_open_ && proto::decode<proto::Pong>(body).payload == pings_, "a Pong without a Ping");
+  require(ping_open_ && proto::decode<proto::Pong>(body).payload == pings_, "Pong without Ping");
   ping_open_ = false;
   window_.measureTrip(now_ - last_ping_);
 }
 
 void Session::tick(TimePoint now) {
-  pass(now);
+  advance(now);
   if (silence_ >= kSilenceLimit)
-    throw Error(ErrorCode::kTimeout, "the server has said nothing for " +
+    throw Error(ErrorCode::kTimeout, "the server has sent nothing for " +
                                          std::to_string(kSilenceLimit.count()) +
                                          " seconds: check the network and the server, then try again");
   if (state_ == State::kWelcome) return;
   if (!ping_open_ &&
       (silence_ >= kPingInterval || (!requests_.empty() && now - last_ping_ >= kMeasureInterval)))
     sendPing();
-  // A slow link brings bytes for minutes in which a client has nothing to say; the server must hear of it.
+  // On a slow link a client may receive for minutes without sending, and the server would time out.
   if (outgoing_.empty() && now - last_sent_ >= kPingInterval) sendCredit();
 }
 
-void Session::pass(TimePoint now) {
-  silence_ += std::min<std::chrono::nanoseconds>(now - now_, kLongestPause);
+void Session::advance(TimePoint now) {
+  silence_ += std::min<std::chrono::nanoseconds>(now - now_, kMaxGap);
   now_ = now;
 }
 

@@ -22,25 +22,25 @@
 
 namespace lode::core {
 
-constexpr std::chrono::seconds kPingInterval{10};    ///< of silence, after which a Ping is sent
-constexpr std::chrono::seconds kMeasureInterval{1};  ///< between Pings while blobs are awaited
-constexpr std::chrono::seconds kSilenceLimit{30};    ///< after which the server counts as gone
-constexpr std::chrono::seconds kLongestPause{2};  ///< between two calls that counts as silence of the server
-constexpr uint64_t kMaxRequestedBytes = 32ull
-                                        << 20;  ///< of open requests together, unless one alone is larger
-constexpr uint32_t kMaxRequestsAtOnce = 1024;   ///< enough to fill any window, few enough to re-sort
-constexpr float kReprioritiseFactor = 1.19f;    ///< 2^1/4: smaller changes of priority are not sent
+constexpr std::chrono::seconds kPingInterval{10};    ///< silence after which a Ping is sent
+constexpr std::chrono::seconds kMeasureInterval{1};  ///< between Pings while requests are open
+constexpr std::chrono::seconds kSilenceLimit{30};    ///< the connection is lost after this
+/// A gap between two calls counts as at most kMaxGap of server silence, since received data may be queued.
+constexpr std::chrono::seconds kMaxGap{2};
+constexpr uint64_t kMaxRequestedBytes = 32ull << 20;  ///< of all open requests; one alone may be larger
+constexpr uint32_t kMaxRequestsAtOnce = 1024;         ///< enough to fill any window, few enough to sort again
+constexpr float kReprioritiseFactor = 1.19f;          ///< 2^1/4: smaller changes of a priority are not sent
 
 struct SessionOptions {
-  std::string model;      ///< empty: asks for the list of models and opens none
-  Digest known_build_id;  ///< of the model as the client knows it; zeros for none
+  std::string model;      ///< empty: lists the models and opens none
+  Digest known_build_id;  ///< build of the model that the client has; zeros for none
   std::string token;
   std::string program = "lodestream";
   Remedies remedies;
   uint64_t max_requested_bytes = kMaxRequestedBytes;
-  /// That the server does not have the model is taken for one that is leaving: it may have it again.
+  /// If the server does not have the model, waits for it to return instead of failing.
   bool awaits_model = false;
-  /// Whether bytes have the blob's name; none: their SHA-256 is compared with it.
+  /// Returns true if the bytes match the blob's digest. Empty: compares their SHA-256.
   std::function<bool(const BlobRef&, std::span<const std::byte>)> matches_digest;
 };
 
@@ -50,7 +50,7 @@ struct ModelOpened {
 struct ModelsListed {
   std::vector<ModelSummary> models;
 };
-/// A blob is complete, and its bytes have the announced name.
+/// A blob is complete, and its bytes match the digest.
 struct BlobArrived {
   BlobRef blob;
   BlobUse use;
@@ -61,61 +61,61 @@ struct BlobRefused {
   BlobRef blob;
   BlobUse use;
   std::string message;
-  bool is_lost = false;  ///< the server does not have it; else it may give it another time
+  bool is_lost = false;  ///< the server does not have it; else a later request may succeed
 };
-/// A request that was taken back has ended without its blob, which may be requested again from now on.
+/// A cancelled request has ended without its blob; the blob may be requested again.
 struct RequestCancelled {
   BlobRef blob;
 };
-/// The server closes, for now: connect again.
+/// The server is shutting down or rejects the session for now: connect again later.
 struct ServerLeaving {
-  std::string reason;  ///< for people
+  std::string reason;  ///< text for users
 };
 struct ModelChanged {};
 using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, RequestCancelled,
                                   ServerLeaving, ModelChanged>;
 
-/// One side of a conversation with a server, without a socket: bytes in, events out, bytes out. Everything
-/// that comes in is checked; what the protocol does not allow throws Error kProtocol (kLimit, kFormat), and
-/// the session must be given up. Memory for incoming blobs is taken only for blobs that were requested,
-/// whose size was known before. Not thread safe.
+/// The client side of the protocol as a state machine without a socket: takes received bytes, returns events
+/// and bytes to send. Validates all input; a violation throws Error kProtocol, kLimit or kFormat, and the
+/// session must not be used afterwards. Allocates memory only for requested blobs, whose sizes are known in
+/// advance. Not thread safe.
 class Session {
  public:
   Session(SessionOptions options, TimePoint now);
 
-  /// Takes bytes as they come from the transport, cut anywhere. Call nextEvent() until it is empty
-  /// afterwards.
+  /// Takes received bytes, split anywhere. Call nextEvent() afterwards until it returns nothing.
   void receive(std::span<const std::byte> bytes, TimePoint now);
-  /// Works through what was received up to the next event. @throws Error as above; kNetwork with the server's
-  /// words if it refused the session or the model.
+  /// Processes the received bytes up to the next event. @throws Error as above; kInput or kNetwork with the
+  /// server's words if it refuses the session or the model.
   std::optional<SessionEvent> nextEvent();
 
-  /// The next unasked blob (request 0) that the server sends: the root's page is expected by itself, the
-  /// root's coarsest payload is named by who reads the page.
+  /// Announces the next blob that the server sends without a request (request 0). The session expects the
+  /// root page itself; the caller names the root's coarsest payload after reading that page.
   void expectUnasked(const BlobRef& blob, const BlobUse& use);
 
-  /// What the client wants now, best first: requests what is new, re-prioritises, and cancels the rest.
-  /// What goes beyond the limits of the session is left for a later call; so is what is wanted again while
-  /// its cancel is under way, until the RequestCancelled or the blob that ends it. Requests taken back count
-  /// in no limit: the server reads the cancels before the adds.
+  /// Replaces the set of requests: adds new ones, changes priorities and cancels the rest. Requests above the
+  /// limits of the session wait for a later call, as do blobs whose cancel is not acknowledged yet. Cancelled
+  /// requests count towards no limit, because the server reads the cancels before the adds.
+  /// @param wanted  best first.
   void setRequests(std::span<const Request> wanted);
 
   /// Keeps the connection alive in both directions. @throws Error kTimeout after kSilenceLimit without a
-  /// byte. Time in which nobody called counts as kLongestPause: what came then waits to be received.
+  /// byte: see kMaxGap.
   void tick(TimePoint now);
 
-  /// Frames to be sent, in order; the first call gives Hello and Open (or List) together.
+  /// Returns the frames to send, in order; the first call returns Hello with Open or List.
   proto::Bytes takeOutgoing();
 
-  /// The server sends the root's page and its coarsest LOD by itself: it does to who knows another build.
+  /// Returns true if the server sends the root page and the root's coarsest LOD without a request, because
+  /// the client does not have this build.
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isRequested(const BlobRef& blob) const { return request_of_blob_.contains(blob.number); }
-  size_t openRequests() const noexcept { return requests_.size(); }                ///< those taken back, too
-  const RequestCounts& requestCounts() const noexcept { return request_counts_; }  ///< of the same
+  size_t openRequests() const noexcept { return requests_.size(); }                ///< with cancelled ones
+  const RequestCounts& requestCounts() const noexcept { return request_counts_; }  ///< of the open requests
   uint64_t requestedBytes() const noexcept { return requested_bytes_; }
-  uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all that came from the transport
-  /// What is known of the link, and what the server may have under way because of that.
+  uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all bytes of the transport
+  /// Measurements of the link, and the flow control window.
   const CreditWindow& window() const noexcept { return window_; }
 
  private:
@@ -123,7 +123,7 @@ class Session {
   struct Incoming {
     BlobRef blob;
     BlobUse use;
-    std::vector<std::byte> bytes;  // received so far; room for all of it is taken with the first chunk
+    std::vector<std::byte> bytes;  // received so far; the first chunk reserves the whole size
   };
   struct OpenRequest {
     Incoming incoming;
@@ -149,7 +149,7 @@ class Session {
   uint64_t bytesOfUnfinishedFrame() const;
   void grantCredit();
   void sendCredit();
-  void pass(TimePoint now);
+  void advance(TimePoint now);
   void send(const proto::Bytes& frame);
   void sendPing();
   void sendChanges(std::span<const proto::RequestChange> changes);
@@ -166,18 +166,18 @@ class Session {
   std::map<uint32_t, OpenRequest> requests_;                // by request
   std::unordered_map<uint32_t, uint32_t> request_of_blob_;  // blob number -> request
   RequestCounts request_counts_;
-  uint64_t requested_bytes_ = 0;  // of requests that are not taken back
+  uint64_t requested_bytes_ = 0;  // of requests that are not cancelled
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
-  uint64_t sent_grant_bytes_;    // what the server can know of: handed out by takeOutgoing()
-  uint64_t credited_bytes_ = 0;  // received bodies of Blob frames
+  uint64_t sent_grant_bytes_;    // known to the server: returned by takeOutgoing()
+  uint64_t credited_bytes_ = 0;  // bytes of received Blob frame bodies
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_sent_, last_ping_;
-  std::chrono::nanoseconds silence_{0};  // of the server, while it was listened to
+  std::chrono::nanoseconds silence_{0};  // of the server: see kMaxGap
   CreditWindow window_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;
-  std::vector<std::byte> input_;  // received, not worked through
+  std::vector<std::byte> input_;  // received, not processed
   size_t input_begin_ = 0;
   std::optional<SessionEvent> event_;
   proto::Bytes outgoing_;

@@ -9,19 +9,18 @@
 
 namespace lode::core {
 
-/// The decoded tiles that are resident, by the number of their blob (several tiles may be one blob), within
-/// a budget. What is in use stays; of the rest the least recently used goes first, of equals the higher
-/// number. Not thread safe.
+/// The resident decoded tiles by blob number, within a budget. Equal tiles share a blob. Keeps tiles in use;
+/// evicts the rest least recently used first, then higher numbers first. Not thread safe.
 class TextureCache {
  public:
   explicit TextureCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// A tile that is there already is kept as it is.
+  /// Adds a tile; keeps the old one if it is resident already.
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image);
   /// @return null if it is not resident.
   std::shared_ptr<const TileImage> find(uint32_t blob) const noexcept;
 
-  /// Starts a new round of use and evicts what does not fit the budget, but nothing in use.
+  /// Starts a new round of use and evicts tiles until the rest fits the budget, but none in use.
   /// @param in_use  blobs that must stay until the next call.
   void use(std::span<const uint32_t> in_use);
 
@@ -31,9 +30,9 @@ class TextureCache {
     for (const auto& [blob, entry] : entries_) visit(blob, entry.image);
   }
 
-  uint64_t bytes() const noexcept { return bytes_; }  ///< room taken, see tileRoomBytes()
+  uint64_t bytes() const noexcept { return bytes_; }  ///< sum of tileRoomBytes()
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
-  /// From the next use() on.
+  /// Takes effect at the next use().
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
   size_t size() const noexcept { return entries_.size(); }
 

@@ -11,11 +11,11 @@ namespace {
 using Corners = std::array<glm::dvec2, 3>;
 using ModelCorners = std::array<glm::dvec3, 3>;
 
-/// How much farther apart texels may lie in one direction than in the other, or on one triangle than in the
-/// mean, for it to count. Source of the former: as often is a pixel sampled along its length (shaders.cpp).
+/// Limit on the anisotropy of texels on a triangle, and on a triangle's deviation from the mean density. The
+/// shader's anisotropic filter takes as many samples (shaders.cpp).
 constexpr double kMostStretch = 8;
 
-/// Level 0 tiles of one texture, as they are touched.
+/// Collects the level 0 tiles of one texture that a mesh uses.
 class TouchedGrid {
  public:
   explicit TouchedGrid(const Texture& texture)
@@ -24,15 +24,15 @@ class TouchedGrid {
         down_(tilesDown(texture, 0)),
         cells_(size_t{across_} * down_) {}
 
-  /// @param corners  in texels from the image's top left, not brought back into the image.
-  /// @param model  the triangle's corners in the model.
+  /// @param corners  in texels from the image's top left, not wrapped.
+  /// @param model  the triangle's corners in model units.
   void add(const Corners& corners, const ModelCorners& model, uint64_t& tests_left) {
     const Worn worn = wornBy(corners, model);
     const glm::dvec2 least = glm::min(corners[0], glm::min(corners[1], corners[2]));
     const glm::dvec2 most = glm::max(corners[0], glm::max(corners[1], corners[2]));
     if (!all_) {
       const glm::dvec2 first = glm::floor(least / size_), last = lastBefore(most / size_, first);
-      // Beyond that the floats of the division say nothing, and neither would the picture.
+      // Beyond it float coordinates have no precision left.
       constexpr double kMaxRepeats = 1 << 20;
       const bool in_range = glm::all(glm::lessThan(glm::abs(first), glm::dvec2(kMaxRepeats))) &&
                             glm::all(glm::lessThan(glm::abs(last), glm::dvec2(kMaxRepeats)));
@@ -67,14 +67,14 @@ class TouchedGrid {
   }
 
  private:
-  /// What a triangle wears; nothing if all its corners lie at one place of the image.
+  /// Texels on one triangle; zero if its corners share one texture position.
   struct Worn {
     double model_area = 0, texel_area = 0;
     double texels_per_model = 0;  ///< along the direction with the fewest
   };
   struct Cell {
     double model_area = 0, texel_area = 0;
-    double spread = 0;  ///< sum of each triangle's area over the square of its texels a model unit
+    double spread = 0;  ///< sum over triangles of area / (texels per model unit)²
     bool touched = false;
   };
 
@@ -82,8 +82,8 @@ class TouchedGrid {
     const glm::dvec3 ab = model[1] - model[0], ac = model[2] - model[0];
     const double length = glm::length(ab), doubled_area = glm::length(glm::cross(ab, ac));
     if (!(doubled_area > 0)) return {};
-    // Texels a model unit along ab and across it: the columns of a matrix whose singular values are the most
-    // and the fewest texels along any direction.
+    // Texels per model unit along ab and perpendicular to it: the columns of a matrix whose singular values
+    // are the largest and smallest density over all directions.
     const glm::dvec2 along = (texels[1] - texels[0]) / length;
     const glm::dvec2 across =
         (texels[2] - texels[0] - along * (glm::dot(ab, ac) / length)) * (length / doubled_area);
@@ -95,7 +95,7 @@ class TouchedGrid {
     return {doubled_area / 2, product * doubled_area / 2, std::max(product / most, most / kMostStretch)};
   }
 
-  // Of the mean at least an eighth: a few triangles whose coordinates hardly differ ask for no more.
+  // At least 1/8 of the mean, so that a few degenerate triangles do not dominate.
   static float density(const Cell& cell) {
     if (!(cell.model_area > 0)) return 0;
     const double leaning = std::sqrt(cell.model_area / cell.spread);
@@ -110,14 +110,14 @@ class TouchedGrid {
     cell.spread += worn.model_area / (worn.texels_per_model * worn.texels_per_model);
   }
 
-  /// Number of the last whole range that ends at `most` or holds it: what only touches it does not count.
+  /// Returns the index of the last unit interval that `most` reaches into; touching its start does not count.
   static glm::dvec2 lastBefore(glm::dvec2 most, glm::dvec2 first) {
     return glm::max(glm::ceil(most) - 1.0, first);
   }
 
   static double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-  /// Separating axes of a triangle and a box that touch at least by their bounding boxes.
+  /// Separating axis test of a triangle and a box whose bounding boxes overlap.
   static bool overlaps(const Corners& corners, glm::dvec2 least, glm::dvec2 most) {
     const glm::dvec2 centre = (least + most) / 2.0, half = (most - least) / 2.0;
     for (int i = 0; i < 3; ++i) {
@@ -131,7 +131,7 @@ class TouchedGrid {
     return true;
   }
 
-  /// Adds the part of a triangle on one repeat of the image.
+  /// Adds the part of a triangle on one repetition of the image.
   void addToImage(const Corners& corners, const Worn& worn, glm::dvec2 image_origin, uint64_t& tests_left) {
     Corners here;
     for (int i = 0; i < 3; ++i) here[i] = corners[i] - image_origin;

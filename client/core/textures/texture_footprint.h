@@ -8,29 +8,28 @@
 
 namespace lode::core {
 
-/// A tile of a texture's level 0 that a mesh wears, and how closely its texels lie on the surface there.
+/// A tile of a texture's level 0 that a mesh uses, and the texel density on the surface there.
 ///
-/// It is counted with a view to where they lie farthest apart, which would be blurred first: on each triangle
-/// along the direction with the fewest, but not below an eighth of the most; over the triangles by the mean
-/// of the squared distances between texels, which leans towards the greater, but not below an eighth of what
-/// areas say.
+/// The density favours the places with the sparsest texels, which would blur first. Per triangle it is the
+/// density along the direction with the fewest texels, at least 1/8 of that with the most. Over the triangles
+/// it is the mean of the squared texel distances, and at least 1/8 of the density computed from areas.
 struct TouchedTile {
   uint32_t texture = 0;
   uint32_t y = 0, x = 0;
-  float texels_per_model = 0;  ///< level 0 texels a model unit
+  float texels_per_model = 0;  ///< level 0 texels per model unit
 
   bool operator==(const TouchedTile&) const = default;
 };
 
-/// A texture that a mesh wears as a whole: all tiles of level 0, as closely everywhere.
+/// A texture of which a mesh uses all level 0 tiles, with one density.
 struct WornTexture {
   uint32_t texture = 0;
-  float texels_per_model = 0;  ///< as that of a tile
+  float texels_per_model = 0;  ///< as in TouchedTile
 
   bool operator==(const WornTexture&) const = default;
 };
 
-/// What a mesh needs of the textures. No texture is in both lists.
+/// The texture tiles that a mesh uses. No texture is in both lists.
 struct TextureFootprint {
   std::vector<TouchedTile> tiles;  ///< by texture, row and column, each once
   std::vector<WornTexture> whole;  ///< by texture, each once
@@ -38,22 +37,22 @@ struct TextureFootprint {
   bool operator==(const TextureFootprint&) const = default;
 };
 
-/// Tests of a triangle against a tile that one mesh is worth. A mesh that would take more, as only hostile
-/// or very coarse ones do, is taken to touch all of the textures that it has not finished.
+/// Largest number of triangle-tile tests per mesh. A mesh that needs more, hostile or very coarse, counts as
+/// using its remaining textures as a whole.
 constexpr uint64_t kMaxTileTests = 1u << 20;
 
-/// Tiles that a footprint names at most, so that it takes no more memory than about that of its mesh: of
-/// textures that touch more than what is left of it, in their order, the whole is said to be touched.
+/// Largest number of tiles in a footprint, so that it takes about the memory of its mesh at most. Textures
+/// that exceed the remaining number, in their order, count as used as a whole.
 constexpr uint64_t maxTouchedTiles(uint64_t triangles) noexcept { return 512 + 2 * triangles; }
 
-/// Bytes that a footprint takes in memory.
+/// Memory of a footprint.
 uint64_t footprintBytes(const TextureFootprint& footprint) noexcept;
 
-/// The footprint of a mesh. A triangle touches the tiles that it overlaps once the coordinates outside 0..1
-/// have been brought back by repeating the image. Triangles all at one place of the image touch its tile
-/// too, but count for nothing else, if there are others. Vertices of a material that the set lacks, or whose
-/// image is missing, touch nothing. Never throws but for want of memory; thread safe.
-/// @param step  of the lattice.
+/// Computes the footprint of a mesh. A triangle uses the tiles that it overlaps after its texture coordinates
+/// are wrapped into 0..1. A triangle whose corners share one texture position uses that tile, but does not
+/// count towards the density. Vertices of an unknown material or with a missing image use nothing. Throws
+/// only if memory runs out. Thread safe.
+/// @param step  lattice step.
 TextureFootprint makeFootprint(const Mesh& mesh, const TextureSet& set, double step);
 
 }  // namespace lode::core

@@ -18,62 +18,63 @@
 
 namespace lode::core {
 
-/// One in so many bytes of a client's memory budget is for the textures of a model that has any.
+/// Textures get 1/4 of the memory budget of a textured model.
 constexpr uint64_t kTextureBudgetShare = 4;
 
-/// The textures of one model as they stream in: the set, the tiles that the view needs within the budget, and
-/// those that are resident. Not thread safe.
+/// The textures of one model: the texture set, the tiles that the view needs within the budget, and the
+/// resident tiles. Not thread safe.
 class TextureStream {
  public:
-  /// @param set_blob  of the encoded set.
+  /// @param set_blob  the encoded texture set.
   TextureStream(const BlobRef& set_blob, uint64_t budget_bytes);
 
-  /// @throws Error kFormat or kLimit.
+  /// Takes the encoded set. @throws Error kFormat or kLimit.
   void takeSet(std::span<const std::byte> bytes);
-  /// Null until it is there.
+  /// Null until it is loaded.
   const std::shared_ptr<const TextureSet>& set() const noexcept { return set_; }
 
-  /// Size that the image of a blob must have. @param blob  of a tile that was wanted.
+  /// Returns the size that the image of a tile must have. @param blob  of a requested tile.
   glm::uvec2 imageSize(uint32_t blob) const { return keys_.find(blob)->second.image_size; }
-  /// It is all of a texture's coarsest level, and is to have a tail.
+  /// Returns true if the tile is a texture's whole coarsest level, which gets a tail.
   bool isCoarsest(uint32_t blob) const { return keys_.find(blob)->second.coarsest; }
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image) {
     cache_.insert(blob, std::move(image));
   }
 
-  /// A blob cannot be had, the set's or a tile's: from the next refine() on it is not needed.
+  /// Notes that the set or a tile cannot be loaded. The next refine() stops requesting it.
   void lose(uint32_t blob);
 
-  /// From the next refine() on.
+  /// Takes effect at the next refine().
   void setBudget(uint64_t bytes) noexcept { cache_.setBudget(bytes); }
 
-  /// Decides what is needed, and evicts what is not where room is short. Does nothing without the set.
+  /// Selects the needed tiles, and evicts others if memory is short. Does nothing without the set.
   void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
-  /// Needed and not resident, each blob once, best first; the set alone until it is there.
+  /// Requests for needed tiles that are not resident, each blob once, best first; for the set until it is
+  /// loaded.
   const std::vector<Request>& missing() const noexcept { return missing_; }
-  /// All is there that can be had, that the view needs and that the budget allows.
+  /// Returns true if every needed tile within the budget is resident or lost.
   bool complete() const noexcept {
     return (set_ ? refined_ : lost_.contains(set_blob_.number)) && missing_.empty();
   }
-  /// Tiles that the view needs and the budget does not allow.
+  /// Number of needed tiles above the budget.
   size_t leftOut() const noexcept { return left_out_; }
 
-  /// Of those within it, the tiles that the view sees and that cannot be had; 1 where the set cannot.
+  /// Number of visible tiles within the budget that are lost; 1 if the set is lost.
   size_t lostCount() const noexcept { return lost_.contains(set_blob_.number) ? 1 : lost_in_view_; }
 
   /// All resident tiles, coarse levels first.
   std::vector<ResidentTile> residentTiles() const;
   uint64_t residentBytes() const noexcept { return cache_.bytes(); }
   size_t residentCount() const noexcept { return cache_.size(); }
-  /// Of the set, and of the tiles that are both needed and resident.
+  /// Encoded size of the set and of the needed resident tiles.
   uint64_t blobBytesInUse() const noexcept { return blob_bytes_in_use_; }
 
  private:
-  struct Keys {  // of the tiles that are one blob
+  struct Keys {  // tiles that share a blob
     BlobRef blob;
     glm::uvec2 image_size{0};
     std::vector<TileKey> keys;
-    bool coarsest = false;  // one of them is all of its texture's coarsest level
+    bool coarsest = false;  // one of them is its texture's whole coarsest level
   };
 
   BlobRef set_blob_;

@@ -10,9 +10,9 @@
 namespace lode::core {
 namespace {
 
-/// What is asked of one tile of level 0, over all parts that touch it.
+/// Demand for one level 0 tile over all parts that use it.
 struct Demand {
-  double texels_px = std::numeric_limits<double>::infinity();  // level 0 texels a pixel, the least
+  double texels_px = std::numeric_limits<double>::infinity();  // smallest number of level 0 texels per pixel
   bool visible = false;
 };
 
@@ -23,7 +23,7 @@ double pixelModel(double distance_model, const View& view) {
   return distance * 2 * std::tan(view.fov_y_rad / 2) / view.height_px;
 }
 
-/// First and last tile of a coarser level that hold parts of a tile of level 0, along one axis.
+/// Returns the first and last tile of a coarser level that overlap a level 0 tile, along one axis.
 glm::uvec2 coarserTiles(uint32_t tile, uint32_t size, uint32_t coarse_size, uint32_t coarse_tiles) {
   const uint64_t first = uint64_t{tile} * kTileInnerPx * coarse_size / size;
   const uint64_t end = std::min<uint64_t>(uint64_t{tile + 1} * kTileInnerPx, size) * coarse_size;
@@ -32,7 +32,7 @@ glm::uvec2 coarserTiles(uint32_t tile, uint32_t size, uint32_t coarse_size, uint
           std::min(static_cast<uint32_t>(last / kTileInnerPx), coarse_tiles - 1)};
 }
 
-/// The tiles of one texture, each once, with the most that is asked of it.
+/// The demand for the tiles of one texture.
 class TextureDemand {
  public:
   TextureDemand(const Texture& texture, uint32_t number)
@@ -47,7 +47,7 @@ class TextureDemand {
   void addWhole(float texels_per_model, double pixel_model, bool visible) {
     raise(whole_, demandFor(texels_per_model, pixel_model, visible));
   }
-  /// To be called when all is added.
+  /// Applies addWhole() to all tiles. Call it after everything is added.
   void spreadWhole() {
     for (Demand& demand : demands_) raise(demand, whole_);
   }
@@ -105,7 +105,7 @@ class TextureDemand {
   const Texture& texture_;
   uint32_t number_, levels_, across_;
   Demands demands_;
-  Demand whole_;  // of all tiles
+  Demand whole_;  // applies to all tiles
 };
 
 }  // namespace

@@ -11,10 +11,10 @@
 
 namespace lode::core {
 
-/// Names one tile of a model's textures. Coarser levels come first in their order.
+/// Identifies one tile of a model's textures. Coarser levels sort first.
 struct TileKey {
   uint32_t level = 0;    ///< 0 is the finest
-  uint32_t texture = 0;  ///< its number in the set
+  uint32_t texture = 0;  ///< index in the texture set
   uint32_t y = 0, x = 0;
 
   bool operator==(const TileKey&) const = default;
@@ -26,26 +26,26 @@ struct TileKey {
   }
 };
 
-/// The blob of a tile. @param key  of a tile that the set has.
+/// Returns the blob of a tile. @param key  must exist in the set.
 inline const BlobRef& tileBlob(const TextureSet& set, const TileKey& key) {
   const Texture& texture = set.textures[key.texture];
   return texture.tiles[tileIndex(texture, key.level, key.x, key.y)];
 }
 
-/// Size of a tile's image, gutters included.
+/// Returns the size of a tile's image, including gutters.
 inline glm::uvec2 tileImageSize(const TextureSet& set, const TileKey& key) {
   return tileInnerSize(set.textures[key.texture], key.level, key.x, key.y) + 2 * kTileGutterPx;
 }
 
-/// A texture's stored levels end with the first that fits one tile; seen from afar that one would sparkle.
-/// The tail is what a chain of levels goes on with, down to one texel: made by the client, each in an image
-/// with gutters of its own.
+// A texture's stored levels end with the first that fits one tile, which would alias from far away. The
+// client computes the remaining mip levels, down to one texel: the tail. Each has an image with its own
+// gutters.
 
-/// Sizes of the tail's images, gutters included, finest first. @param coarsest  of the coarsest stored level,
-/// gutters included.
+/// Returns the sizes of the tail's images, finest first. @param coarsest  size of the coarsest stored level.
+/// All sizes include gutters.
 std::vector<glm::uvec2> tailSizes(glm::uvec2 coarsest);
 
-/// Fills coarsest.coarser from its texels: each level the finer one halved (common/image/image.h).
+/// Computes coarsest.coarser from its texels: halves each level (common/image/image.h).
 void makeTail(TileImage& coarsest);
 
 }  // namespace lode::core

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kMaxCoordinate = 1e15;  // so that no square overflows
+constexpr double kMaxCoordinate = 1e15;  // its square does not overflow
 
 [[noreturn]] void refuse(std::string_view source, const std::string& what) {
   throw Error(
@@ -27,7 +27,7 @@ constexpr double kMaxCoordinate = 1e15;  // so that no square overflows
           R"("up": [0,1,0]}]})");
 }
 
-/// Misspelt members would be left out without a word.
+/// Rejects unknown members, since a misspelt one would be ignored silently.
 void refuseOthers(const Json& object, std::initializer_list<std::string_view> known, std::string_view source,
                   const std::string& where) {
   for (const auto& [name, value] : object.items())
@@ -70,7 +70,7 @@ CameraKey parseKey(const Json& json, std::string_view source, const std::string&
   return key;
 }
 
-/// Tangent of a spline through keys at one of them, by finite differences.
+/// Returns the tangent of a spline at a key, by finite differences.
 template <typename Get>
 glm::dvec3 tangent(const std::vector<CameraKey>& keys, size_t at, Get get) {
   const size_t before = at == 0 ? 0 : at - 1, after = std::min(at + 1, keys.size() - 1);

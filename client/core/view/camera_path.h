@@ -24,25 +24,26 @@ struct CameraKey {
   bool operator==(const CameraKey&) const = default;
 };
 
-/// A moving camera: {"fov_y_deg": 45, "keys": [{"t": 0, "eye": [x,y,z], "target": [x,y,z], "up": [x,y,z]}]}.
+/// An animated camera: {"fov_y_deg": 45, "keys": [{"t": 0, "eye": [x,y,z], "target": [x,y,z], "up":
+/// [x,y,z]}]}.
 struct CameraPath {
   double fov_y_deg = 45;
   std::vector<CameraKey> keys;  ///< at least one; t increases
 };
 
-/// @param source  names the text in errors.
-/// @throws Error kInput or kLimit, naming the key and the remedy.
+/// Parses a camera path. @param source  name of the text for error messages.
+/// @throws Error kInput or kLimit.
 CameraPath parseCameraPath(std::string_view json, std::string_view source);
 
-/// @throws Error kIo too.
+/// Reads a camera path from a file. @throws Error kInput, kLimit or kIo.
 CameraPath readCameraPath(const std::filesystem::path& file);
 
-/// The camera at a time; before the first key and after the last it stands still. At a key's t it is the key.
-/// Eye and target move by Catmull-Rom splines in t, up is interpolated linearly.
+/// Returns the camera at a time. It equals the key at a key's time and is constant before the first key and
+/// after the last. Catmull-Rom splines interpolate eye and target; up is interpolated linearly.
 /// Source: Catmull & Rom, A Class of Local Interpolating Splines, 1974 (non-uniform, finite differences).
 CameraKey cameraAt(const CameraPath& path, double t);
 
-/// The view of a camera in a model's frame: the lattice's origin is subtracted in double.
+/// Returns the view in the model frame: subtracts the lattice origin in double precision.
 View toView(const CameraKey& camera, double fov_y_deg, uint32_t width_px, uint32_t height_px,
             const ModelSummary& model);
 

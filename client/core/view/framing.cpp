@@ -9,17 +9,17 @@
 namespace lode::core {
 namespace {
 
-constexpr double kMargin = 1.08;  ///< around the model in the picture
-constexpr double kTurnDeg = 35;   ///< away from the side that is looked at
+constexpr double kMargin = 1.08;  ///< size of the picture relative to the model
+constexpr double kTurnDeg = 35;   ///< rotation away from the broader side
 constexpr double kLeastTiltDeg = 28, kLargestTiltDeg = 40;
 
-/// Axes of a model as it stands: right, up and towards who looks at it from the front.
+/// Axes of a model: right, up, and towards a viewer in front of it.
 struct Stand {
   glm::dvec3 right, up, front;
 };
 
 Stand standOf(const glm::dvec3& up) {
-  // Right stays x where it can, so that y up faces +z, and z up faces -y.
+  // Right is x where possible, so that the front is +z with y up and -y with z up.
   const glm::dvec3 right = std::abs(up.x) > 0.5 ? glm::dvec3(0, 0, -up.x) : glm::dvec3(1, 0, 0);
   return {right, up, glm::cross(right, up)};
 }
@@ -40,7 +40,7 @@ std::vector<glm::dvec3> pointsOf(const ModelSummary& model, const Mesh* mesh) {
   return points;
 }
 
-/// How far points go along a direction.
+/// Extent of points along a direction.
 struct Reach {
   double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
   void add(double place) {
@@ -67,13 +67,13 @@ glm::dvec3 directionToEye(const std::vector<glm::dvec3>& points, const Stand& st
          std::sin(tilt) * stand.up;
 }
 
-/// What keeps points at one pair of opposite sides of the picture inside: the eye at `across` along the
-/// side's normal and at least so far out.
+/// Eye position that keeps points between two opposite sides of the picture: `across` along the side's
+/// normal, and at least `out` away.
 struct Fit {
   double across, out;
 };
 
-/// What is looked at: points of it, an error by which it may lie elsewhere, and points that are around it.
+/// The framed shape: surface points, their possible error, and points of the bounding box.
 struct Shape {
   std::vector<glm::dvec3> points;
   double error;
@@ -86,17 +86,16 @@ struct Shape {
   }
 };
 
-/// @param slope  half the picture's size at distance 1.
+/// @param slope  half the size of the picture at distance 1.
 Fit fit(const Shape& shape, const glm::dvec3& side, const glm::dvec3& to_eye, double slope) {
   const Reach reach{shape.along(side - slope * to_eye).low, shape.along(side + slope * to_eye).high};
   return {reach.middle(), reach.size() / (2 * slope)};
 }
 
-/// Where the eye is along a side's normal so that points lie as far from both sides of the picture, `out`
-/// away.
+/// Returns the eye position along a side's normal that centres the points in the picture at distance `out`.
 double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, const glm::dvec3& to_eye,
                double across, double out) {
-  constexpr int kTurns = 8;  // each leaves a fraction of what was left
+  constexpr int kTurns = 8;  // each reduces the remaining offset
   const double middle = out - reachAlong(points, to_eye).middle();
   for (int turn = 0; turn < kTurns; ++turn) {
     Reach slopes;
@@ -107,17 +106,17 @@ double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, co
   return across;
 }
 
-constexpr double kOpenPart = 0.2;     ///< of the area that does not cancel out: the surface is ground
-constexpr double kOpenFactor = 1.5;   ///< and so much more than along the other axis
-constexpr double kFootPart = 0.03;    ///< of the area that lies in the foot, more than along the other axis
-constexpr double kFootHeight = 0.03;  ///< of the model's: so far up a foot goes
-constexpr double kDownwards = 0.7;    ///< cosine to the axis, of what is flat
+constexpr double kOpenPart = 0.2;     ///< terrain: fraction of the area that does not cancel out
+constexpr double kOpenFactor = 1.5;   ///< terrain: least ratio to the other axis
+constexpr double kFootPart = 0.03;    ///< foot: least excess over the other axis, as fraction of the area
+constexpr double kFootHeight = 0.03;  ///< height of the foot as fraction of the model's
+constexpr double kDownwards = 0.7;    ///< flat: least cosine between normal and axis
 
-/// What areas say of the three axes.
+/// Areas by axis.
 struct Areas {
   double all = 0;
-  glm::dvec3 facing{0};    ///< signed
-  glm::dvec3 standing{0};  ///< flat at the lower end, less what is at the upper one
+  glm::dvec3 facing{0};    ///< signed sum of the triangles' area vectors
+  glm::dvec3 standing{0};  ///< flat area at the lower end minus that at the upper end
 };
 
 LatticeBox boxOf(const Mesh& mesh) {
@@ -178,7 +177,7 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const Mesh* const mesh = framing.coarse.get();
   const glm::dvec3 up = upOf(framing);
   Shape shape{pointsOf(model, mesh), mesh != nullptr ? model.max_error_model : 0, pointsOf(model, nullptr)};
-  const glm::dvec3 centre = shape.box.front();  // far from the origin, sums of what follows would lose digits
+  const glm::dvec3 centre = shape.box.front();  // centre at the origin, to keep precision
   for (auto* points : {&shape.points, &shape.box})
     for (glm::dvec3& point : *points) point -= centre;
 
@@ -186,15 +185,15 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const glm::dvec3 to_eye = directionToEye(shape.points, standOf(up));
   const glm::dvec3 right = glm::normalize(glm::cross(up, to_eye)), above = glm::cross(to_eye, right);
   const double slope = std::tan(glm::radians(path.fov_y_deg) / 2) / kMargin;
-  // Where the middle of what is free is seen, and a side that is 0 there: a picture that is sheared so that
-  // it has its middle there.
+  // Slope of the direction through the middle of the uncovered part, and a side normal sheared so that it is
+  // 0 there.
   const double middle_slope = framing.covered * kMargin * slope * framing.aspect;
   const glm::dvec3 beside = right + middle_slope * to_eye;
   const Fit horizontal = fit(shape, beside, to_eye, slope * framing.aspect * (1 - framing.covered));
   const Fit vertical = fit(shape, above, to_eye, slope);
   const Reach depth = reachAlong(shape.points, to_eye);
   double out = std::max(horizontal.out, vertical.out);
-  if (!(out > depth.high)) out = depth.high + 1;  // a point, or all in a line with the eye
+  if (!(out > depth.high)) out = depth.high + 1;  // a point, or a line through the eye
   const double across = centred(shape.points, beside, to_eye, horizontal.across, out) - middle_slope * out;
   const glm::dvec3 aside =
       centre + across * right + centred(shape.points, above, to_eye, vertical.across, out) * above;

@@ -12,30 +12,30 @@
 
 namespace lode::core {
 
-/// "y", "-z" and the like. Nothing for another text.
+/// Parses an axis such as "y" or "-z"; nothing for other text.
 std::optional<glm::dvec3> parseAxis(std::string_view text) noexcept;
 
-/// Which axis of a model is up, y or z, since files do not say. Guessed from the areas of a coarse mesh of
-/// it: ground that is seen from one side faces up, and what stands has a flat foot and no flat top. y where
-/// neither tells. Source of the limits: docs/architecture.md, "Which way is up".
+/// Guesses the up axis of a model, y or z, since files do not record it. Compares areas of a coarse mesh:
+/// terrain faces up, and standing objects have a flat foot and no flat top. Returns y if neither applies.
+/// Source of the limits: docs/architecture.md.
 glm::dvec3 guessUp(const Mesh& coarse);
 
-/// How a model is looked at first.
+/// Input for the default camera.
 struct Framing {
-  /// What is to fill the picture: the coarsest mesh of the whole model. Null: its box.
+  /// The coarsest mesh of the whole model, which shall fill the picture. Null: the model's box.
   std::shared_ptr<const Mesh> coarse = nullptr;
-  /// A coordinate axis. Nothing: guessUp(*coarse), y without a mesh.
+  /// Up axis. Nothing: guessUp(*coarse), or y without a mesh.
   std::optional<glm::dvec3> up = std::nullopt;
-  double aspect = 1;   ///< the picture's width by its height
-  double covered = 0;  ///< of its width, from its left: the model is framed beside that
+  double aspect = 1;   ///< width / height of the picture
+  double covered = 0;  ///< covered part of the width, at the left: the model is framed in the rest
 };
 
-/// Which way is up in the picture, and for its light.
+/// Returns the up direction for the camera and the light.
 glm::dvec3 upOf(const Framing& framing);
 
-/// The camera that every command has where none is named: at three quarters from above, as near as the whole
-/// model fits into the picture. One key. It looks at the broader side, along what is +z of a model with y up
-/// and -y of one with z up, turned to the right; down more steeply on what is flat.
+/// Returns the default camera of every command, a path of one key: a three-quarter view from above, as near
+/// as the whole model fits the picture. It shows the broader side, seen from +z of a model with y up and from
+/// -y of one with z up, turned to the right. It looks down more steeply on flat models.
 CameraPath framingCamera(const ModelSummary& model, const Framing& framing = {});
 
 }  // namespace lode::core

@@ -11,7 +11,8 @@
 
 namespace lode::core {
 
-/// " at line 3, column 7". @param bytes  of the text up to the place, itself included.
+/// Returns a position such as " at line 3, column 7". @param bytes  length of the text up to and including
+/// it.
 inline std::string placeIn(std::string_view text, size_t bytes) {
   const std::string_view before = text.substr(0, bytes > 0 ? bytes - 1 : 0);
   const auto line = 1 + std::ranges::count(before, '\n');
@@ -19,8 +20,8 @@ inline std::string placeIn(std::string_view text, size_t bytes) {
   return " at line " + std::to_string(line) + ", column " + std::to_string(column + 1);
 }
 
-/// JSON that people write: a name that an object has twice is wrong, too, of which one would be lost without
-/// a word. @param problem  what is wrong, with its place; empty: nothing.
+/// Parses JSON written by people. Rejects duplicate names in an object, of which all but one would be ignored
+/// silently. @param problem  receives the error with its position; unchanged on success.
 template <typename Json>
 Json parseStrictly(std::string_view text, std::string& problem) {
   std::vector<std::set<std::string>> names;  // of the objects around
@@ -29,7 +30,7 @@ Json parseStrictly(std::string_view text, std::string& problem) {
     if (event == Event::object_start) names.emplace_back();
     if (event == Event::object_end) names.pop_back();
     if (event == Event::key && !names.back().insert(parsed.template get_ref<const std::string&>()).second)
-      problem = parsed.dump(-1, ' ', true) + " is there twice";
+      problem = parsed.dump(-1, ' ', true) + " appears twice";
     return true;
   };
   try {

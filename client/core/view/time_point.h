@@ -4,7 +4,7 @@
 
 namespace lode::core {
 
-/// Of a clock that the core's caller reads.
+/// Time of the clock that the caller of the core reads.
 using TimePoint = std::chrono::steady_clock::time_point;
 
 }  // namespace lode::core

@@ -17,16 +17,16 @@ double distanceToBox(glm::dvec3 eye_model, const ModelBox& box) noexcept {
 double focalPx(const View& view) noexcept { return view.height_px / (2 * std::tan(view.fov_y_rad / 2)); }
 
 float screenErrorPx(float error_model, double distance_model, const View& view) noexcept {
-  return Sight(view, 1).errorPx(error_model, distance_model);
+  return ViewFrustum(view, 1).errorPx(error_model, distance_model);
 }
 
 bool boxMayBeVisible(const ModelBox& box, const View& view, double widening) noexcept {
-  const Sight sight(view, widening);
-  // A box around the eye may pass the narrower test alone.
-  return sight.see(box) != Seen::kNot || (widening > 1 && sight.maySeeWhenTurned(box));
+  const ViewFrustum frustum(view, widening);
+  // A box around the eye may pass the narrower test only.
+  return frustum.test(box) != Visibility::kOutside || (widening > 1 && frustum.isInMargin(box));
 }
 
-Sight::Pyramid::Pyramid(const View& view, double widening) noexcept : eye_model_(view.eye_model) {
+ViewFrustum::Pyramid::Pyramid(const View& view, double widening) noexcept : eye_model_(view.eye_model) {
   const double tan_y = std::tan(view.fov_y_rad / 2) * widening;
   const double tan_x = tan_y * view.width_px / view.height_px;
   const glm::dvec3 right = glm::cross(view.forward, view.up);
@@ -35,26 +35,26 @@ Sight::Pyramid::Pyramid(const View& view, double widening) noexcept : eye_model_
   for (size_t side = 0; side < inward_.size(); ++side) reach_[side] = glm::abs(inward_[side]);
 }
 
-Seen Sight::Pyramid::see(const ModelBox& box) const noexcept {
+Visibility ViewFrustum::Pyramid::test(const ModelBox& box) const noexcept {
   const glm::dvec3 centre = (box.min + box.max) / 2.0 - eye_model_;
   const glm::dvec3 half = (box.max - box.min) / 2.0;
   bool wholly = true;
   for (size_t side = 0; side < inward_.size(); ++side) {
     const double middle = glm::dot(inward_[side], centre), reach = glm::dot(reach_[side], half);
-    if (middle + reach < 0) return Seen::kNot;
+    if (middle + reach < 0) return Visibility::kOutside;
     wholly = wholly && middle >= reach;
   }
-  return wholly ? Seen::kWholly : Seen::kPartly;
+  return wholly ? Visibility::kInside : Visibility::kPartial;
 }
 
-Sight::Sight(const View& view, double widening) noexcept
+ViewFrustum::ViewFrustum(const View& view, double widening) noexcept
     : eye_model_(view.eye_model),
       near_model_(view.near_model),
       focal_px_(focalPx(view)),
       picture_(view, 1),
       wider_(view, widening) {}
 
-float Sight::errorPx(float error_model, double distance_model) const noexcept {
+float ViewFrustum::errorPx(float error_model, double distance_model) const noexcept {
   const double error_px =
       static_cast<double>(error_model) * focal_px_ / std::max(distance_model, near_model_);
   return static_cast<float>(std::min(error_px, static_cast<double>(std::numeric_limits<float>::max())));

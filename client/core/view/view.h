@@ -9,15 +9,14 @@
 
 namespace lode::core {
 
-/// A camera and the picture that it fills, in the model frame (true coordinates minus the lattice's origin),
-/// in double.
+/// A camera and the size of its picture, in the model frame (true coordinates minus the lattice origin).
 struct View {
   glm::dvec3 eye_model{0, 0, 1};
   glm::dvec3 forward{0, 0, -1};  ///< unit length
-  glm::dvec3 up{0, 1, 0};        ///< unit length, at a right angle to forward
+  glm::dvec3 up{0, 1, 0};        ///< unit length, perpendicular to forward
   double fov_y_rad = 0.785398163397448;
   uint32_t width_px = 1280, height_px = 720;
-  double near_model = 1e-6;  ///< distances below it count as it
+  double near_model = 1e-6;  ///< smaller distances are clamped to it
 
   bool operator==(const View&) const = default;
 };
@@ -29,51 +28,50 @@ struct ModelBox {
 
 ModelBox toModelBox(const LatticeBox& box, double step) noexcept;
 
-/// Eye to the nearest point of the box; 0 inside.
+/// Returns the distance from the eye to the nearest point of the box; 0 inside.
 double distanceToBox(glm::dvec3 eye_model, const ModelBox& box) noexcept;
 
-/// Projected size of a node's geometric error.
+/// Projects a geometric error to pixels.
 /// @param error_model     >= 0, in model units.
-/// @param distance_model  eye to the nearest point of the node's box; clamped to view.near_model.
-/// @return pixels; monotone in error_model: the refinement queue relies on it.
+/// @param distance_model  from the eye to the nearest point of the node's box; clamped to view.near_model.
+/// @return pixels; monotone in error_model, on which the refinement queue relies.
 /// Source: Luebke et al., Level of Detail for 3D Graphics, 2003.
 float screenErrorPx(float error_model, double distance_model, const View& view) noexcept;
 
-/// Pixels that one unit takes up at a distance of one. By their ratio pixels of one picture become another's.
+/// Returns the focal length in pixels: the projected size of one unit at distance one.
 double focalPx(const View& view) noexcept;
 
-/// False only if no point of the box can be in the picture (planes test: may say true for a box just
-/// outside).
-/// @param widening  of the picture, each side from its middle: 1.2 looks a fifth further on every side.
+/// Returns false only if the box is outside the picture. Conservative: may return true for a box just
+/// outside.
+/// @param widening  scales the picture about its centre: 1.2 adds a fifth on every side.
 bool boxMayBeVisible(const ModelBox& box, const View& view, double widening = 1) noexcept;
 
-/// How much of a box is in a picture, as far as planes tell.
-enum class Seen : uint8_t { kNot, kPartly, kWholly };
+/// Result of a box test against the planes of a frustum.
+enum class Visibility : uint8_t { kOutside, kPartial, kInside };
 
-/// What screenErrorPx() and boxMayBeVisible() say, for many boxes of one view, whose angles are worked out
-/// once.
-class Sight {
+/// screenErrorPx() and boxMayBeVisible() for many boxes of one view, with the frustum computed once.
+class ViewFrustum {
  public:
-  /// @param widening  of what a view that turns a little may see.
-  Sight(const View& view, double widening) noexcept;
+  /// @param widening  scale of the margin around the picture: see isInMargin().
+  ViewFrustum(const View& view, double widening) noexcept;
 
-  Seen see(const ModelBox& box) const noexcept { return picture_.see(box); }
-  /// Of a box that it does not see.
-  bool maySeeWhenTurned(const ModelBox& box) const noexcept { return wider_.see(box) != Seen::kNot; }
+  Visibility test(const ModelBox& box) const noexcept { return picture_.test(box); }
+  /// Tests a box outside the picture against the widened picture.
+  bool isInMargin(const ModelBox& box) const noexcept { return wider_.test(box) != Visibility::kOutside; }
   double distanceTo(const ModelBox& box) const noexcept { return distanceToBox(eye_model_, box); }
   float errorPx(float error_model, double distance_model) const noexcept;
 
  private:
-  /// The pyramid of a picture, by inward normals of its sides and of the plane through the eye.
+  /// The planes of a picture: its four sides and the plane through the eye, with inward normals.
   class Pyramid {
    public:
     Pyramid(const View& view, double widening) noexcept;
-    Seen see(const ModelBox& box) const noexcept;
+    Visibility test(const ModelBox& box) const noexcept;
 
    private:
     glm::dvec3 eye_model_;
-    std::array<glm::dvec3, 5> inward_;  // none needs unit length
-    std::array<glm::dvec3, 5> reach_;   // the same without signs
+    std::array<glm::dvec3, 5> inward_;  // not normalised
+    std::array<glm::dvec3, 5> reach_;   // absolute values
   };
 
   glm::dvec3 eye_model_;

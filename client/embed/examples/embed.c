@@ -1,4 +1,4 @@
-/* Fetches a model and walks its cut, in C: what the camera sees, within a pixel.
+/* Streams a model and prints the parts of its cut, within an error of one pixel, in C.
  *
  *   embed_c lode://HOST[:PORT]/MODEL */
 
@@ -9,7 +9,7 @@
 
 #include <lodestream.h>
 
-/* From the front, a little above, so that the box fills the picture. */
+/* Looks at the box from the front and slightly above, so that it fills the picture. */
 static lodestream_view frame(const lodestream_model* model) {
   lodestream_view view = {.up = {0, 1, 0}, .fov_y_deg = 45, .width_px = 1280, .height_px = 720, .threshold_px = 1};
   double squared = 0;
@@ -28,7 +28,7 @@ static int fail(void) {
   return EXIT_FAILURE;
 }
 
-/* What a renderer would upload, here only looked at: all indices name vertices. */
+/* A renderer would upload the mesh; this example only checks its indices. */
 static int is_sound(const lodestream_arrays* mesh) {
   for (uint32_t i = 0; i < 3 * mesh->triangles; ++i)
     if (mesh->indices[i] >= mesh->vertices) return 0;
@@ -54,7 +54,7 @@ static int walk(const lodestream_cut* cut, const lodestream_view* view) {
   }
   free(numbers);
   if (!good) return fail();
-  printf("%" PRIu64 " triangles in %zu parts, %" PRIu64 " of them in the picture, off by %.2f pixels at most\n",
+  printf("%" PRIu64 " triangles in %zu parts, %" PRIu64 " of them in the picture, largest error %.2f pixels\n",
          info.triangles, info.parts, visible, (double)info.max_error_px);
   return EXIT_SUCCESS;
 }
@@ -69,7 +69,7 @@ static int run(lodestream_stream* stream) {
   const lodestream_view view = frame(&model);
   if (!lodestream_set_view(stream, &view)) return fail();
 
-  /* A game would step without waiting, once a frame, and take the cut where cut_serial is another one. */
+  /* A game would step once per frame without waiting, and take the cut when cut_serial changes. */
   do {
     if (!lodestream_step(stream, 1000, &status) || status.has_ended) return fail();
   } while (!status.is_settled);

@@ -1,4 +1,4 @@
-// Fetches a model and walks its cut: what the camera sees, within a pixel, by levels of the octree.
+// Streams a model and prints its cut, within an error of one pixel, by octree level.
 //
 //   embed lode://HOST[:PORT]/MODEL
 
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// From the front, a little above, so that the box fills the picture.
+/// Looks at the box from the front and slightly above, so that it fills the picture.
 lodestream::View frame(const lodestream::Model& model) {
   lodestream::View view{};
   double radius = 0;
@@ -33,7 +33,7 @@ lodestream::View frame(const lodestream::Model& model) {
   return view;
 }
 
-/// What a renderer would upload, here only looked at: all indices name vertices.
+/// A renderer would upload the mesh; this example only checks its indices.
 bool isSound(const lodestream::Mesh& mesh) {
   return std::all_of(mesh->indices, mesh->indices + size_t{3} * mesh->triangles,
                      [&](uint32_t index) { return index < mesh->vertices; });
@@ -51,7 +51,7 @@ void walk(const lodestream::Cut& cut, const lodestream::View& view) {
     triangles_at[depthOf(part.node)] += part.triangles;
     unseen += part.is_visible ? 0 : part.triangles;
   }
-  std::printf("%llu triangles in %zu parts, %llu of them out of the picture, off by %.2f pixels at most\n",
+  std::printf("%llu triangles in %zu parts, %llu of them out of the picture, largest error %.2f pixels\n",
               static_cast<unsigned long long>(cut->triangles), cut->parts,
               static_cast<unsigned long long>(unseen), static_cast<double>(cut->max_error_px));
   for (const auto& [depth, triangles] : triangles_at)
@@ -65,7 +65,7 @@ void run(const char* url) {
   const lodestream::View view = frame(stream.describe());
   stream.setView(view);
 
-  // A game would step without waiting, once a frame, and draw what it takes.
+  // A game would step once per frame without waiting, and draw the cut.
   lodestream::Status status{};
   uint64_t drawn_serial = 0;
   while (!status.is_settled && !status.has_ended) {

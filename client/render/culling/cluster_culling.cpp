@@ -15,19 +15,19 @@ std::vector<bool>::reference SeenCluster::hidden(size_t instance) const {
   return instances[instance][number];
 }
 
-bool isInPicture(const SeenPart& part, const core::Sight& sight, double lattice_step) {
-  return sight.see(core::toModelBox(part.item->box, lattice_step)) != core::Seen::kNot;
+bool isInPicture(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step) {
+  return frustum.test(core::toModelBox(part.item->box, lattice_step)) != core::Visibility::kOutside;
 }
 
-size_t addSeenClusters(const SeenPart& part, const core::Sight& sight, double lattice_step,
+size_t addSeenClusters(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step,
                        std::vector<SeenCluster>& seen) {
-  const core::Seen whole = sight.see(core::toModelBox(part.item->box, lattice_step));
-  if (whole == core::Seen::kNot) return 0;
+  const core::Visibility whole = frustum.test(core::toModelBox(part.item->box, lattice_step));
+  if (whole == core::Visibility::kOutside) return 0;
   const size_t before = seen.size();
   const std::vector<LatticeBox>& boxes = part.item->clusters->boxes;
   for (uint32_t number = 0; number < boxes.size(); ++number) {
-    if (whole == core::Seen::kPartly &&
-        sight.see(core::toModelBox(boxes[number], lattice_step)) == core::Seen::kNot)
+    if (whole == core::Visibility::kPartial &&
+        frustum.test(core::toModelBox(boxes[number], lattice_step)) == core::Visibility::kOutside)
       continue;
     seen.push_back({part, number});
   }

@@ -28,11 +28,11 @@ struct SeenCluster {
   std::vector<bool>::reference hidden(size_t instance) const;
 };
 
-bool isInPicture(const SeenPart& part, const core::Sight& sight, double lattice_step);
+bool isInPicture(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step);
 
 /// Adds what a camera may see of a part: all but clusters that are not in its picture.
 /// @return how many were added.
-size_t addSeenClusters(const SeenPart& part, const core::Sight& sight, double lattice_step,
+size_t addSeenClusters(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step,
                        std::vector<SeenCluster>& seen);
 
 }  // namespace lode::render

@@ -28,13 +28,13 @@ bool isWithin(NodeKey node, std::span<const NodeKey> nodes) {
 
 void CrossFade::show(const ShownCover& cover, const core::View& view, double lattice_step,
                      const DrawTime& time) {
-  const core::Sight sight(view, 1);
+  const core::ViewFrustum frustum(view, 1);
   if (!time.fades) forget();
   std::erase_if(leaving_, [&](const Part& part) { return progressOf(part.left_s, time.now_s) >= 1; });
   if (cover.cut != cut_ || !std::ranges::equal(cover.numbers, numbers_))
-    change(cover, sight, lattice_step, time.now_s);
+    change(cover, frustum, lattice_step, time.now_s);
   lost_ = false;
-  endFadesInSight(sight, time.now_s);
+  endFadesInSight(frustum, time.now_s);
   list(time.now_s);
 }
 
@@ -94,12 +94,13 @@ CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
 }
 
 /// First what cannot fade, since it ends fades around it.
-void CrossFade::change(const ShownCover& cover, const core::Sight& sight, double lattice_step, double now_s) {
+void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum, double lattice_step,
+                       double now_s) {
   const Change change = take(cover, now_s);
   std::vector<const ChangedRegion*> fading;
   std::vector<NodeKey> at_once;
   for (const ChangedRegion& region : change.regions) {
-    if (mayFade(change, region, sight, lattice_step))
+    if (mayFade(change, region, frustum, lattice_step))
       fading.push_back(&region);
     else
       at_once.push_back(region.node);
@@ -116,13 +117,13 @@ void CrossFade::change(const ShownCover& cover, const core::Sight& sight, double
   noteGaps(change, fading, now_s + kFadeS);
 }
 
-bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::Sight& sight,
+bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::ViewFrustum& frustum,
                         double lattice_step) const {
   if (lost_ || region.leaving.empty() || region.arriving.empty()) return false;
   if (change.cut_before->build != cut_->build) return false;  // no error tells how far they are apart
   const auto fits = [&](const DrawItem& item) {
-    const double distance_model = sight.distanceTo(core::toModelBox(item.box, lattice_step));
-    return sight.errorPx(item.error_model, distance_model) <= kLargestFadedStepPx;
+    const double distance_model = frustum.distanceTo(core::toModelBox(item.box, lattice_step));
+    return frustum.errorPx(item.error_model, distance_model) <= kLargestFadedStepPx;
   };
   return std::ranges::all_of(region.leaving, [&](uint32_t i) { return fits(change.before[i].item); }) &&
          std::ranges::all_of(region.arriving, [&](uint32_t i) { return fits(live_[i].item); });
@@ -169,11 +170,11 @@ std::vector<NodeKey> CrossFade::endFadesAt(std::span<const NodeKey> nodes) {
 }
 
 /// Where the camera sees a place that one side does not cover, or has turned to one.
-void CrossFade::endFadesInSight(const core::Sight& sight, double now_s) {
+void CrossFade::endFadesInSight(const core::ViewFrustum& frustum, double now_s) {
   std::erase_if(gaps_, [&](const Gap& gap) { return gap.until_s <= now_s; });
   std::vector<NodeKey> seen;
   for (const Gap& gap : gaps_) {
-    if (sight.see(gap.box) != core::Seen::kNot) seen.push_back(gap.region);
+    if (frustum.test(gap.box) != core::Visibility::kOutside) seen.push_back(gap.region);
   }
   endFadesAt(seen);
 }

@@ -87,13 +87,13 @@ class CrossFade {
   };
 
   Change take(const ShownCover& cover, double now_s);
-  void change(const ShownCover& cover, const core::Sight& sight, double lattice_step, double now_s);
-  bool mayFade(const Change& change, const ChangedRegion& region, const core::Sight& sight,
+  void change(const ShownCover& cover, const core::ViewFrustum& frustum, double lattice_step, double now_s);
+  bool mayFade(const Change& change, const ChangedRegion& region, const core::ViewFrustum& frustum,
                double lattice_step) const;
   void noteGaps(const Change& change, std::span<const ChangedRegion* const> regions, double until_s);
   static std::vector<Part> partsOf(const ShownCover& cover, double now_s);
   std::vector<NodeKey> endFadesAt(std::span<const NodeKey> nodes);
-  void endFadesInSight(const core::Sight& sight, double now_s);
+  void endFadesInSight(const core::ViewFrustum& frustum, double now_s);
   void list(double now_s);
 
   std::shared_ptr<const core::Cut> cut_;

@@ -118,7 +118,7 @@ TEST_F(Embedding, takesNoAddressForAnErrorAndNoCutYetForNone) {
   writeBytes(folder_ / "nothing.c", kNothingYet);
   const RunningServer server({makeSmallStore(folder_)});
   EXPECT_EQ(run(compileInC(folder_ / "nothing.c"), {server.url("small")}),
-            "no address was given: name lode://HOST[:PORT]/MODEL\n");
+            "the url is NULL: pass lode://HOST[:PORT]/MODEL\n");
 }
 
 TEST_F(Embedding, namesItsVersionForThePreprocessor) {

@@ -71,7 +71,7 @@ TEST(SceneFile, refusesWhatIsNotOneAndNamesWhere) {
       {"{\n]", "not JSON at line 2, column 1"},
       {"[]", "the scene is not an object"},
       {R"({"models": {"a": "a.lode", "a": "b.lode"}, "instances": [{"model": "a"}]})",
-       R"("a" is there twice)"},
+       R"("a" appears twice)"},
       {R"({"models": {"a": "b.json"}, "instances": [{"model": "a"}]})", "models.\"a\" is itself a scene"},
       {R"({"models": {}, "instances": []})", "models is not an object with a model"},
       {"{" + kModels + "}", "instances is not a list"},

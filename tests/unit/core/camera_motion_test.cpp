@@ -21,7 +21,8 @@ View onHelix(double t_s) {
 }
 
 void watch(CameraMotion& motion, int from_ms, int to_ms, const auto& viewAt) {
-  for (int ms = from_ms; ms <= to_ms; ms += 16) motion.see(viewAt(ms * 1e-3), TimePoint{} + milliseconds(ms));
+  for (int ms = from_ms; ms <= to_ms; ms += 16)
+    motion.record(viewAt(ms * 1e-3), TimePoint{} + milliseconds(ms));
 }
 
 TEST(CameraMotion, goesOnInAHelix) {

@@ -40,10 +40,10 @@ View beside(int step) { return lookingAt({512 + 1500, 512, 2200 - 20. * step}, {
 /// What is asked for ahead of a camera that goes on, at each of the places where a model stands.
 std::vector<Request> askedAhead(const Model& model, const std::vector<Flight>& places = {towardsTheModel}) {
   Prefetcher prefetcher;
-  prefetcher.expectViews(places.size());
+  prefetcher.setViewCount(places.size());
   TimePoint now{};
   for (int step = 0; step < 10; ++step, now += milliseconds(25))
-    for (size_t place = 0; place < places.size(); ++place) prefetcher.see(place, places[place](step), now);
+    for (size_t place = 0; place < places.size(); ++place) prefetcher.record(place, places[place](step), now);
   prefetcher.lookAhead(model, kOptions, now);
   return prefetcher.requests();
 }
@@ -96,10 +96,10 @@ TEST(Prefetcher, takesOtherPlacesForNoMotion) {
   Prefetcher prefetcher;
   TimePoint now{};
   for (size_t count : {1, 2}) {
-    prefetcher.expectViews(count);
+    prefetcher.setViewCount(count);
     now += milliseconds(200);
     for (size_t place = 0; place < count; ++place)
-      prefetcher.see(place, towardsTheModel(10 * static_cast<int>(count)), now);
+      prefetcher.record(place, towardsTheModel(10 * static_cast<int>(count)), now);
   }
   prefetcher.lookAhead(model, kOptions, now);
   EXPECT_TRUE(prefetcher.requests().empty());

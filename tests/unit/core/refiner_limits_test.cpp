@@ -69,7 +69,7 @@ TEST_P(RefinerLimits, saysThatItIsLimitedThoughTheBudgetLastStoppedWhatWasOnlyHe
     Scripted client(model_);
     client.converge(view, {.threshold_px = largest_px / 16, .hysteresis_factor = kHold}, random_, kNoCheck);
     const RefineOptions coarser{
-        .threshold_px = largest_px * 0.9f, .hierarchy_budget_bytes = first_page, .hysteresis_factor = kHold};
+        .threshold_px = largest_px * 0.9f, .hysteresis_factor = kHold, .hierarchy_budget_bytes = first_page};
     EXPECT_TRUE(client.refineFor(view, coarser).limited);
   }
 }

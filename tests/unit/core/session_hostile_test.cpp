@@ -22,15 +22,15 @@ TEST_F(SessionTest, refusesMoreThanTheFirstWindowBeforeACreditWasSent) {
   expectRefused(blobFrames(0, 5, proto::kInitialWindowBytes), "credit");
 }
 
-TEST_F(SessionTest, refusesAnAnswerOutOfTurn) { expectRefused(opened(), "out of turn"); }
+TEST_F(SessionTest, refusesAnAnswerOutOfTurn) { expectRefused(opened(), "unexpected"); }
 
 TEST_F(SessionTest, refusesASecondWelcome) {
   give(welcome());
-  expectRefused(welcome(), "out of turn");
+  expectRefused(welcome(), "unexpected");
 }
 
 TEST_F(SessionTest, refusesAnAnswerToAnotherCall) {
-  expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 16, ""}, 9), "out of turn");
+  expectRefused(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 16, ""}, 9), "unexpected");
 }
 
 TEST_F(SessionTest, refusesAVersionThatItDidNotOffer) {
@@ -80,7 +80,7 @@ TEST_F(SessionTest, refusesAChunkBeyondTheEndOfItsBlob) {
 TEST_F(SessionTest, refusesABlobWhoseBytesAreNotWhatItsNameSays) {
   open();
   const uint32_t request = makeRequest(blobRef(5, 100));
-  expectRefused(blobFrames(request, 6, 100), "name");
+  expectRefused(blobFrames(request, 6, 100), "digest");
 }
 
 TEST_F(SessionTest, refusesAnErrorForARequestThatIsNotOpen) {
@@ -101,7 +101,7 @@ TEST_F(SessionTest, refusesAPongWithoutAPing) {
 }
 
 TEST_F(SessionTest, refusesAFrameThatIsNotForAClient) {
-  expectRefused(proto::encode(proto::Hello{}, 1), "not for a client");
+  expectRefused(proto::encode(proto::Hello{}, 1), "not sent to clients");
 }
 
 TEST_F(SessionTest, refusesAnUnknownFrameThatIsNotOptional) {

@@ -91,7 +91,8 @@ TEST_F(SessionTest, saysThatTheServerIsLeaving) {
   open();
   const auto events = give(proto::encode(proto::GoAway{"drain"}, 0));
   ASSERT_EQ(events.size(), 1u);
-  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server is going away (drain); try again later");
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason,
+            "the server is shutting down (drain); try again later");
 }
 
 TEST_F(SessionTest, takesAnErrorOfTheServersOwnForOneThatMayPass) {

@@ -19,7 +19,7 @@ TEST(StrictJson, tellsWhereATextIsNotJson) {
 
 TEST(StrictJson, refusesANameThatAnObjectHasTwice) {
   EXPECT_EQ(problemOf(R"({"a": [{"b": 1}, {"b": 2}], "b": 3})"), "");
-  EXPECT_EQ(problemOf(R"({"a": {"b": 1, "c": 2, "b": 3}})"), R"("b" is there twice)");
+  EXPECT_EQ(problemOf(R"({"a": {"b": 1, "c": 2, "b": 3}})"), R"("b" appears twice)");
 }
 
 TEST(StrictJson, refusesANumberThatNoDoubleHolds) {

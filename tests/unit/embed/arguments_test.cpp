@@ -1,4 +1,4 @@
-// What the library's functions do with what they cannot take.
+// Errors of the C API for invalid arguments.
 
 #include <fstream>
 #include <string>
@@ -25,11 +25,11 @@ TEST(Arguments, thatAreNullFailAndSayWhich) {
   lodestream_view view{};
   size_t count = 0;
   EXPECT_EQ(lodestream_step(nullptr, 0, &status), 0);
-  EXPECT_STREQ(lodestream_last_error(), "a NULL stream was given: give the one that lodestream_open() made");
+  EXPECT_STREQ(lodestream_last_error(), "the stream is NULL: pass the one from lodestream_open()");
   EXPECT_EQ(lodestream_set_view(nullptr, &view), 0);
   EXPECT_EQ(lodestream_take_cut(nullptr), nullptr);
   EXPECT_EQ(lodestream_cut_part(nullptr, 0, nullptr), 0);
-  EXPECT_STREQ(lodestream_last_error(), "a NULL cut was given: give one that lodestream_take_cut() gave");
+  EXPECT_STREQ(lodestream_last_error(), "the cut is NULL: pass one from lodestream_take_cut()");
   EXPECT_EQ(lodestream_cut_shown(nullptr, &view, nullptr, &count), 0);
   EXPECT_EQ(lodestream_take_mesh(nullptr, 0, nullptr), nullptr);
   EXPECT_EQ(lodestream_cut_tile(nullptr, 0, nullptr), 0);
@@ -50,7 +50,7 @@ TEST(Arguments, thatAStreamNeedsFailBesideItIfTheyAreNull) {
   lodestream_stream* const stream = lodestream_open(kNobody, nullptr);
   ASSERT_NE(stream, nullptr) << lodestream_last_error();
   EXPECT_EQ(lodestream_step(stream, 0, nullptr), 0);
-  EXPECT_STREQ(lodestream_last_error(), "a NULL status was given: give the address of one");
+  EXPECT_STREQ(lodestream_last_error(), "the status is NULL: pass the address of one");
   EXPECT_EQ(lodestream_set_view(stream, nullptr), 0);
   lodestream_close(stream);
 }
@@ -69,8 +69,9 @@ TEST(Arguments, thatNameACacheWhereNothingCanBeKeptFailAtOnce) {
     lodestream_options options{};
     options.cache_folder = cache.c_str();
     const std::string said = refusalOf(kNobody, &options);
-    EXPECT_EQ(said.find(cache + ": nothing can be kept there ("), 0u) << said;
-    EXPECT_NE(said.find("; name another folder as cache_folder, or none"), std::string::npos) << said;
+    EXPECT_EQ(said.find(cache + ": the cache folder is not writable ("), 0u) << said;
+    EXPECT_NE(said.find("; set the option cache_folder to another folder, or to NULL"), std::string::npos)
+        << said;
   }
 }
 
@@ -82,7 +83,7 @@ TEST(Arguments, thatNameNoAuthoritiesAreCalledByTheirOption) {
   while (stream != nullptr && !status.has_ended) lodestream_step(stream, 1000, &status);
   lodestream_close(stream);
   const std::string said = lodestream_last_error();
-  EXPECT_NE(said.find("; give certificates in PEM as ca_file"), std::string::npos) << said;
+  EXPECT_NE(said.find("; set the option ca_file to a PEM file of certificates"), std::string::npos) << said;
 }
 
 TEST(Options, byDefaultNameEachNumberThatTheLibraryTakesForZero) {

@@ -15,7 +15,7 @@ using test::threads_left;
 
 constexpr const char* kNoServer = "lode://127.0.0.1:1/model";
 
-/// What a stream with three threads that decode says in the end, where so many threads can be had.
+/// Returns the last error of a stream with three decode threads if only `threads` threads can be started.
 std::string saidWith(int threads) {
   lodestream_options options{};
   options.decode_threads = 3;
@@ -43,7 +43,8 @@ TEST(Threads, thatDecodeHaveALimitThatTheErrorNames) {
   lodestream_options options{};
   options.decode_threads = 100'000;
   EXPECT_EQ(lodestream_open(kNoServer, &options), nullptr);
-  EXPECT_STREQ(lodestream_last_error(), "decode_threads is 100000, and may be 256 at most; 0 is the default");
+  EXPECT_STREQ(lodestream_last_error(),
+               "decode_threads is 100000, but at most 256 are allowed; 0 selects the default");
 }
 
 }  // namespace

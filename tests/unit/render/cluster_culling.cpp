@@ -28,7 +28,7 @@ Mesh clusteredPlain() {
 
 std::vector<SeenCluster> seenOf(const render::DrawItem& item, const core::View& view) {
   std::vector<SeenCluster> seen;
-  const size_t added = addSeenClusters({&item, 7, true}, core::Sight(view, 1), 1, seen);
+  const size_t added = addSeenClusters({&item, 7, true}, core::ViewFrustum(view, 1), 1, seen);
   EXPECT_EQ(added, seen.size());
   return seen;
 }
@@ -37,10 +37,10 @@ TEST(ClusterCulling, leavesOutOfAPartWhatIsNotInThePicture) {
   const Mesh mesh = clusteredPlain();
   const render::DrawItem item = itemOf(mesh);
   const core::View view = lookAt({1000, 1000, 700}, {1000, 1000, 0});
-  const core::Sight sight(view, 1);
+  const core::ViewFrustum frustum(view, 1);
   std::vector<bool> is_seen(mesh.cluster_boxes.size());
   for (const SeenCluster& cluster : seenOf(item, view)) {
-    EXPECT_NE(sight.see(core::toModelBox(cluster.box(), 1)), core::Seen::kNot);
+    EXPECT_NE(frustum.test(core::toModelBox(cluster.box(), 1)), core::Visibility::kOutside);
     EXPECT_EQ(cluster.part.state, 7u);
     EXPECT_TRUE(cluster.part.fades);
     is_seen[cluster.number] = true;
