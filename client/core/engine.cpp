@@ -33,29 +33,29 @@ void Engine::connect(TimePoint now) {
   connection_.begin(known ? known->build_id : Digest(), now);
 }
 
-void Engine::receive(std::span<const std::byte> bytes, TimePoint now, Line line) {
+void Engine::receive(std::span<const std::byte> bytes, TimePoint now, SessionRole role) {
   now_ = now;
-  if (!connection_.session(line)) return;
-  connection_.session(line)->receive(bytes, now);
-  handleAll(line);
+  if (!connection_.session(role)) return;
+  connection_.session(role)->receive(bytes, now);
+  handleAll(role);
 }
 
-void Engine::handleAll(Line line) {
-  while (connection_.session(line)) {
-    std::optional<SessionEvent> event = connection_.session(line)->nextEvent();
+void Engine::handleAll(SessionRole role) {
+  while (connection_.session(role)) {
+    std::optional<SessionEvent> event = connection_.session(role)->nextEvent();
     if (!event) return;
     // The active connection gets the same notices, so ignore them on the draining one.
-    const bool is_heard = line == Line::kActive || !(std::holds_alternative<ServerLeaving>(*event) ||
-                                                     std::holds_alternative<ModelChanged>(*event));
+    const bool is_heard = role == SessionRole::kActive || !(std::holds_alternative<ServerLeaving>(*event) ||
+                                                            std::holds_alternative<ModelChanged>(*event));
     if (is_heard) std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
   }
 }
 
-void Engine::disconnect(const Error& why, TimePoint now, Line line) {
-  if (options_.on_broken && connection_.session(line))
-    options_.on_broken(line, why, line == Line::kActive && !connection_.survives(why));
+void Engine::disconnect(const Error& why, TimePoint now, SessionRole role) {
+  if (options_.on_broken && connection_.session(role))
+    options_.on_broken(role, why, role == SessionRole::kActive && !connection_.survives(why));
   requests_waiting_ = true;
-  if (line == Line::kActive) return connection_.fail(why, now);
+  if (role == SessionRole::kActive) return connection_.fail(why, now);
   connection_.endDraining();
 }
 
@@ -137,12 +137,12 @@ void Engine::finishDecode(DecodeResult result) {
 
 void Engine::step(TimePoint now) {
   now_ = now;
-  for (const Line line : kLines) {
-    if (!connection_.session(line)) continue;
+  for (const SessionRole role : kSessionRoles) {
+    if (!connection_.session(role)) continue;
     try {
-      connection_.session(line)->tick(now);
+      connection_.session(role)->tick(now);
     } catch (const Error& silent) {
-      disconnect(silent, now, line);
+      disconnect(silent, now, role);
     }
   }
   if (model_) {
@@ -179,7 +179,7 @@ void Engine::renewRequests() {
   if (!connection_.session() && !options_.has_cache) return;
   std::vector<Request> requests;
   std::unordered_set<uint32_t> asked;  // blob numbers
-  const Session* const leaving = connection_.session(Line::kDraining);
+  const Session* const draining = connection_.session(SessionRole::kDraining);
   const uint64_t budget_bytes = model_->transitBudgetBytes();
   uint64_t waiting_bytes = model_->undecodedBytes();
   /// @return false if no further request fits.
@@ -187,7 +187,7 @@ void Engine::renewRequests() {
     // While every query hits the cache, stand-ins are not worth loading.
     if (request.is_stand_in && options_.has_cache && !queries_.lacksAny()) return true;
     if (!model_->wants(request) || !asked.insert(request.blob.number).second) return true;
-    if (leaving != nullptr && leaving->isRequested(request.blob)) return true;
+    if (draining != nullptr && draining->isRequested(request.blob)) return true;
     waiting_bytes += request.blob.bytes;
     held_back_ = waiting_bytes > budget_bytes && model_->undecodedBytes() > budget_bytes / 2;
     if (waiting_bytes > budget_bytes && !(requests.empty() && model_->decoding() == 0)) return false;
@@ -213,8 +213,8 @@ void Engine::renewRequests() {
   if (connection_.takesRequests()) connection_.session()->setRequests(requests);
 }
 
-proto::Bytes Engine::takeOutgoing(Line line) {
-  return connection_.session(line) ? connection_.session(line)->takeOutgoing() : proto::Bytes();
+proto::Bytes Engine::takeOutgoing(SessionRole role) {
+  return connection_.session(role) ? connection_.session(role)->takeOutgoing() : proto::Bytes();
 }
 
 std::vector<DecodeJob> Engine::takeDecodeJobs() {

@@ -43,7 +43,7 @@ struct EngineOptions {
   bool best_first = true;
   /// Called when a connection breaks, while its requests are still open; may be empty.
   /// @param is_last  the engine does not reconnect and throws `why` next.
-  std::function<void(Line line, const Error& why, bool is_last)> on_broken = nullptr;
+  std::function<void(SessionRole role, const Error& why, bool is_last)> on_broken = nullptr;
   /// Called when a server rejects the connection because it is full or shuts down; may be empty.
   std::function<void(const std::string& why)> on_turned_away = nullptr;
   /// Called when the server refuses a blob; may be empty.
@@ -115,22 +115,24 @@ class Engine {
   bool wantsConnection(TimePoint now) const noexcept { return !options_.offline && connection_.due(now); }
   void connect(TimePoint now);
   /// Returns false if the caller should close the transport.
-  bool connected(Line line = Line::kActive) const noexcept { return connection_.session(line) != nullptr; }
+  bool connected(SessionRole role = SessionRole::kActive) const noexcept {
+    return connection_.session(role) != nullptr;
+  }
   /// Returns true if the active connection accepts requests: its server is not shutting down.
   bool staysConnected() const noexcept { return connection_.takesRequests(); }
   /// Number of open requests of a connection, including cancelled ones that are not acknowledged yet.
-  uint64_t openRequests(Line line) const noexcept {
-    const Session* const session = connection_.session(line);
+  uint64_t openRequests(SessionRole role) const noexcept {
+    const Session* const session = connection_.session(role);
     return session ? session->openRequests() : 0;
   }
   /// Reports that the transport failed. @throws `why` if reconnecting cannot help; the last cut stays valid.
-  void disconnect(const Error& why, TimePoint now, Line line = Line::kActive);
+  void disconnect(const Error& why, TimePoint now, SessionRole role = SessionRole::kActive);
   /// Reason for the missing connection while the engine reconnects; empty otherwise.
   const std::string& trouble() const noexcept { return connection_.trouble(); }
 
   /// Takes received bytes. @throws Error as Session does; do not use the engine afterwards. The last cut
   /// stays valid.
-  void receive(std::span<const std::byte> bytes, TimePoint now, Line line = Line::kActive);
+  void receive(std::span<const std::byte> bytes, TimePoint now, SessionRole role = SessionRole::kActive);
   void finishDecode(DecodeResult result);
   /// @param view  in the model frame: toView() in camera_path.h converts from true coordinates.
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
@@ -144,7 +146,7 @@ class Engine {
   /// disconnect().
   void step(TimePoint now);
 
-  proto::Bytes takeOutgoing(Line line = Line::kActive);
+  proto::Bytes takeOutgoing(SessionRole role = SessionRole::kActive);
   std::vector<DecodeJob> takeDecodeJobs();
 
   /// Blobs to look up in the cache. Answer each with finishCacheQuery().
@@ -175,7 +177,7 @@ class Engine {
   EngineCounts counts() const noexcept;
 
  private:
-  void handleAll(Line line);
+  void handleAll(SessionRole role);
   void handle(ModelOpened event);
   void handle(ModelsListed event);
   void handle(BlobArrived event);

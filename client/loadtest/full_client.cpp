@@ -26,8 +26,8 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
   options.session.matches_digest = [this](const BlobRef& blob, std::span<const std::byte> bytes) {
     return noteBlob(blob, bytes);
   };
-  options.on_broken = [this](core::Line line, const Error& why, bool is_last) {
-    noteBroken(line, why, is_last);
+  options.on_broken = [this](core::SessionRole role, const Error& why, bool is_last) {
+    noteBroken(role, why, is_last);
   };
   options.on_turned_away = [this](const std::string& why) {
     ++counts_.turned_away;
@@ -54,19 +54,19 @@ void FullClient::noteLatency(const RequestClock::Request& request, core::TimePoi
 
 /// One whose server was going away counts only if it still owed something. What ends the client is noted with
 /// its end.
-void FullClient::noteBroken(core::Line line, const Error& why, bool is_last) {
-  const uint64_t open = engine_.openRequests(line);
-  if ((line == core::Line::kActive && engine_.staysConnected()) || open > 0) {
+void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_last) {
+  const uint64_t open = engine_.openRequests(role);
+  if ((role == core::SessionRole::kActive && engine_.staysConnected()) || open > 0) {
     ++counts_.lost;
     if (!is_last) counts_.noteError(why.code(), why.what());
   }
   counts_.failed_requests += open;
-  lose(line);
+  lose(role);
 }
 
 /// What its connection owed will be requested again, if the view still wants it.
-void FullClient::lose(core::Line line) {
-  RequestClock::Requests open = std::exchange(clocks_[static_cast<size_t>(line)], {}).open();
+void FullClient::lose(core::SessionRole role) {
+  RequestClock::Requests open = std::exchange(clocks_[static_cast<size_t>(role)], {}).open();
   lost_.merge(open);
 }
 
@@ -100,8 +100,8 @@ void FullClient::keepConnected(core::TimePoint now) {
   auto& [newest, leaving] = transports_;
   if (engine_.connected()) {
     // Two servers left one soon after the other.
-    counts_.failed_requests += engine_.openRequests(core::Line::kDraining);
-    lose(core::Line::kDraining);
+    counts_.failed_requests += engine_.openRequests(core::SessionRole::kDraining);
+    lose(core::SessionRole::kDraining);
     leaving = std::move(newest);
     auto& [newest_clock, leaving_clock] = clocks_;
     leaving_clock = std::exchange(newest_clock, {});
@@ -114,21 +114,21 @@ void FullClient::receive() {
   guarded([&] {
     const core::TimePoint now = std::chrono::steady_clock::now();
     note(now);
-    for (const core::Line line : core::kLines) {
-      auto& transport = transports_[static_cast<size_t>(line)];
+    for (const core::SessionRole role : core::kSessionRoles) {
+      auto& transport = transports_[static_cast<size_t>(role)];
       if (!transport) continue;
       try {
-        while (engine_.connected(line)) {
+        while (engine_.connected(role)) {
           const proto::Bytes bytes = transport->takeReceived();
           if (bytes.empty()) break;
           const bool stayed = engine_.staysConnected();
-          engine_.receive(bytes, now, line);
+          engine_.receive(bytes, now, role);
           counts_.moved += stayed && engine_.connected() && !engine_.staysConnected();
         }
       } catch (const Error& failed) {
-        engine_.disconnect(failed, now, line);
+        engine_.disconnect(failed, now, role);
       }
-      if (!engine_.connected(line)) ended_.push_back(std::move(transport));
+      if (!engine_.connected(role)) ended_.push_back(std::move(transport));
     }
     if (path_.keys.empty()) look(now);  // the model is known now, and the first picture waits for no frame
     work(now);
@@ -162,11 +162,11 @@ core::CameraKey FullClient::camera(core::TimePoint now) {
 void FullClient::work(core::TimePoint now) {
   for (bool decoded = true; decoded;) {
     engine_.step(now);
-    for (const core::Line line : core::kLines) {
-      const auto& transport = transports_[static_cast<size_t>(line)];
+    for (const core::SessionRole role : core::kSessionRoles) {
+      const auto& transport = transports_[static_cast<size_t>(role)];
       if (!transport) continue;
-      proto::Bytes frames = engine_.takeOutgoing(line);
-      clocks_[static_cast<size_t>(line)].sent(frames, now, lost_);
+      proto::Bytes frames = engine_.takeOutgoing(role);
+      clocks_[static_cast<size_t>(role)].sent(frames, now, lost_);
       transport->send(std::move(frames));
     }
     const std::vector<core::DecodeJob> jobs = engine_.takeDecodeJobs();

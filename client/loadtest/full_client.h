@@ -33,13 +33,13 @@ class FullClient final : public LoadClient {
   void finish(core::TimePoint now) override;
 
  private:
-  using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;  // by core::Line
+  using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;  // by core::SessionRole
 
   core::EngineOptions engineOptions(uint64_t seed);
   bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
   void noteLatency(const RequestClock::Request& request, core::TimePoint now);
-  void noteBroken(core::Line line, const Error& why, bool is_last);
-  void lose(core::Line line);
+  void noteBroken(core::SessionRole role, const Error& why, bool is_last);
+  void lose(core::SessionRole role);
   void noteRefused(const BlobRef& blob, const std::string& why);
   template <typename Action>
   void guarded(const Action& action);
@@ -61,7 +61,7 @@ class FullClient final : public LoadClient {
   core::TimePoint noted_until_;  ///< what was seen is in the counts
   uint64_t frames_ = 0;
   std::mt19937_64 random_;
-  std::array<RequestClock, 2> clocks_;  ///< by core::Line
+  std::array<RequestClock, 2> clocks_;  ///< by core::SessionRole
   RequestClock::Requests lost_;         ///< with connections that broke off, and not made again since
   core::Engine engine_;
   core::CameraPath path_;        ///< no keys until the model is known

@@ -70,8 +70,8 @@ void TraceClient::step(core::TimePoint now) {
     counts_.started += !std::exchange(started_, true);
     ended_.reset();
     if (connection_.due(now)) connect(now);
-    for (const core::Line line : core::kLines)
-      onLine(line, now, [&](core::Session& session) { session.tick(now); });
+    for (const core::SessionRole role : core::kSessionRoles)
+      onSession(role, now, [&](core::Session& session) { session.tick(now); });
     addDueRequests(now);
     send();
     scheduleNext(now);
@@ -79,7 +79,7 @@ void TraceClient::step(core::TimePoint now) {
 }
 
 void TraceClient::connect(core::TimePoint now) {
-  if (const core::Session* const older = connection_.session(core::Line::kDraining);
+  if (const core::Session* const older = connection_.session(core::SessionRole::kDraining);
       older != nullptr && connection_.session())
     counts_.failed_requests += older->openRequests();  // two servers left one soon after the other
   if (connection_.session())
@@ -90,23 +90,23 @@ void TraceClient::connect(core::TimePoint now) {
 
 /// What the network does to a connection ends it; what else goes wrong ends the client.
 template <typename Action>
-void TraceClient::onLine(core::Line line, core::TimePoint now, const Action& action) {
-  core::Session* const session = connection_.session(line);
+void TraceClient::onSession(core::SessionRole role, core::TimePoint now, const Action& action) {
+  core::Session* const session = connection_.session(role);
   if (session == nullptr) return;
   try {
     action(*session);
   } catch (const Error& error) {
-    const bool leaves = line == core::Line::kDraining || !connection_.takesRequests();
+    const bool leaves = role == core::SessionRole::kDraining || !connection_.takesRequests();
     const bool is_lost = !leaves || session->openRequests() > 0;
     counts_.lost += is_lost;
     counts_.failed_requests += session->openRequests();
-    ended_ = std::move(transport(line));
-    if (line == core::Line::kActive)
+    ended_ = std::move(transport(role));
+    if (role == core::SessionRole::kActive)
       connection_.fail(error, now);
     else
       connection_.endDraining();
     if (is_lost) counts_.noteError(error.code(), error.what());
-    if (line == core::Line::kDraining) sendRequests();
+    if (role == core::SessionRole::kDraining) sendRequests();
   }
 }
 
@@ -125,7 +125,7 @@ void TraceClient::addDueRequests(core::TimePoint now) {
 void TraceClient::sendRequests() {
   core::Session* const session = connection_.session();
   if (!connection_.takesRequests() || !session->opened()) return;
-  const core::Session* const before = connection_.session(core::Line::kDraining);
+  const core::Session* const before = connection_.session(core::SessionRole::kDraining);
   std::vector<core::Request> requests;
   requests.reserve(pending_.size());
   for (const auto& [number, pending] : pending_)
@@ -138,9 +138,9 @@ void TraceClient::sendRequests() {
 }
 
 void TraceClient::send() {
-  for (const core::Line line : core::kLines)
-    if (core::Session* const session = connection_.session(line); session != nullptr)
-      transport(line)->send(session->takeOutgoing());
+  for (const core::SessionRole role : core::kSessionRoles)
+    if (core::Session* const session = connection_.session(role); session != nullptr)
+      transport(role)->send(session->takeOutgoing());
 }
 
 void TraceClient::scheduleNext(core::TimePoint now) {
@@ -152,10 +152,10 @@ void TraceClient::scheduleNext(core::TimePoint now) {
 void TraceClient::receive() {
   guarded([&] {
     const core::TimePoint now = std::chrono::steady_clock::now();
-    for (const core::Line line : core::kLines)
-      onLine(line, now, [&](core::Session& session) {
-        session.receive(transport(line)->takeReceived(), now);
-        while (connection_.session(line) == &session) {
+    for (const core::SessionRole role : core::kSessionRoles)
+      onSession(role, now, [&](core::Session& session) {
+        session.receive(transport(role)->takeReceived(), now);
+        while (connection_.session(role) == &session) {
           const auto event = session.nextEvent();
           if (!event) break;
           handle(*event, session, now);

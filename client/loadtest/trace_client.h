@@ -41,11 +41,13 @@ class TraceClient final : public LoadClient {
   using Transport = std::unique_ptr<net::TcpTransport>;
 
   core::SessionOptions sessionOptions();
-  Transport& transport(core::Line line) noexcept { return line == core::Line::kActive ? newest_ : leaving_; }
+  Transport& transport(core::SessionRole role) noexcept {
+    return role == core::SessionRole::kActive ? newest_ : leaving_;
+  }
   template <typename Action>
   void guarded(const Action& action);
   template <typename Action>
-  void onLine(core::Line line, core::TimePoint now, const Action& action);
+  void onSession(core::SessionRole role, core::TimePoint now, const Action& action);
   void connect(core::TimePoint now);
   void send();
   void receive();

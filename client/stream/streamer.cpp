@@ -26,7 +26,7 @@ constexpr std::chrono::milliseconds kRetryTick{50};  // the same while it waits 
 
 using Clock = std::chrono::steady_clock;
 
-/// Indexed by core::Line.
+/// Indexed by core::SessionRole.
 using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;
 
 /// Returns true if the status has changed in more than its counts.
@@ -35,23 +35,24 @@ bool isNews(const StreamStatus& now, const StreamStatus& last) {
          now.exhausted != last.exhausted || now.failure != last.failure || now.trouble != last.trouble;
 }
 
-std::unique_ptr<net::TcpTransport>& transportOf(Transports& transports, core::Line line) {
-  return transports[static_cast<size_t>(line)];
+std::unique_ptr<net::TcpTransport>& transportOf(Transports& transports, core::SessionRole role) {
+  return transports[static_cast<size_t>(role)];
 }
 
 /// Passes received bytes to the engine, and closes a transport that it no longer needs.
-void receiveFrom(std::unique_ptr<net::TcpTransport>& transport, core::Line line, core::Engine& engine) {
+void receiveFrom(std::unique_ptr<net::TcpTransport>& transport, core::SessionRole role,
+                 core::Engine& engine) {
   if (!transport) return;
   try {
-    while (engine.connected(line)) {
+    while (engine.connected(role)) {
       const proto::Bytes bytes = transport->takeReceived();
       if (bytes.empty()) break;
-      engine.receive(bytes, Clock::now(), line);
+      engine.receive(bytes, Clock::now(), role);
     }
   } catch (const Error& failed) {
-    engine.disconnect(failed, Clock::now(), line);
+    engine.disconnect(failed, Clock::now(), role);
   }
-  if (!engine.connected(line)) transport.reset();
+  if (!engine.connected(role)) transport.reset();
 }
 
 }  // namespace
@@ -190,7 +191,8 @@ void Streamer::State::keepConnected(core::Engine& engine, const net::Route& rout
     newest = std::make_unique<net::TcpTransport>(route, [this] { wakeUp(); });
     engine.connect(Clock::now());
   }
-  for (const core::Line line : core::kLines) receiveFrom(transportOf(transports, line), line, engine);
+  for (const core::SessionRole role : core::kSessionRoles)
+    receiveFrom(transportOf(transports, role), role, engine);
 }
 
 void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, DecodePool& pool,
@@ -205,8 +207,8 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
     for (const auto& cut : std::exchange(to_keep, {})) published.add(cut, nullptr);
   }
   engine.step(Clock::now());
-  for (const core::Line line : core::kLines)
-    if (const auto& transport = transportOf(transports, line)) transport->send(engine.takeOutgoing(line));
+  for (const core::SessionRole role : core::kSessionRoles)
+    if (const auto& transport = transportOf(transports, role)) transport->send(engine.takeOutgoing(role));
   pool.add(engine.takeDecodeJobs());
   if (cache) cache->find(engine.takeCacheQueries());
   publish(engine, number);

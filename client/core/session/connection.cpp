@@ -8,10 +8,10 @@ namespace lode::core {
 void Connection::begin(const Digest& known_build_id, TimePoint now) {
   options_.known_build_id = known_build_id;
   if (session_) {
-    drop(leaving_);
-    leaving_ = std::exchange(session_, std::nullopt);
+    drop(draining_);
+    draining_ = std::exchange(session_, std::nullopt);
   }
-  is_leaving_ = false;
+  is_draining_ = false;
   SessionOptions options = options_;
   options.awaits_model = options_.awaits_model && ever_open_;
   session_.emplace(std::move(options), now);
@@ -36,7 +36,7 @@ TimePoint Connection::withJitter(TimePoint now, std::chrono::milliseconds longes
 
 void Connection::end(std::string why, TimePoint now) {
   drop(session_);
-  is_leaving_ = false;
+  is_draining_ = false;
   retry_at_ = withJitter(now, longest_wait_);
   longest_wait_ = std::min<std::chrono::milliseconds>(longest_wait_ * 3 / 2, kLastRetry);
   trouble_ = std::move(why);
@@ -44,11 +44,11 @@ void Connection::end(std::string why, TimePoint now) {
 
 void Connection::leave(std::string why, TimePoint now) {
   if (!session_->opened()) return end(std::move(why), now);
-  is_leaving_ = true;
+  is_draining_ = true;
   retry_at_ = withJitter(now, kMoveOn);
 }
 
-void Connection::endDraining() noexcept { drop(leaving_); }
+void Connection::endDraining() noexcept { drop(draining_); }
 
 bool Connection::survives(const Error& error) const noexcept {
   return ever_open_ && (error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout);
@@ -61,13 +61,13 @@ void Connection::fail(const Error& error, TimePoint now) {
 
 void Connection::restart(TimePoint now) {
   drop(session_);
-  is_leaving_ = false;
+  is_draining_ = false;
   retry_at_ = now;
 }
 
 uint64_t Connection::receivedBytes() const noexcept {
   return received_before_bytes_ + (session_ ? session_->receivedBytes() : 0) +
-         (leaving_ ? leaving_->receivedBytes() : 0);
+         (draining_ ? draining_->receivedBytes() : 0);
 }
 
 }  // namespace lode::core

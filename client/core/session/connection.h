@@ -15,8 +15,8 @@ constexpr std::chrono::seconds kLastRetry{30};         ///< longest wait before 
 constexpr std::chrono::milliseconds kMoveOn{200};      ///< longest wait after a server announces its shutdown
 
 /// The two sessions of a connection: the active one, and the previous one, whose server is shutting down.
-enum class Line : uint8_t { kActive, kDraining };
-inline constexpr std::array kLines{Line::kActive, Line::kDraining};
+enum class SessionRole : uint8_t { kActive, kDraining };
+inline constexpr std::array kSessionRoles{SessionRole::kActive, SessionRole::kDraining};
 
 /// Reconnects to a server: starts a new session when the last one has ended. Waits longer after each failed
 /// attempt, with jitter, so that the clients of a restarted server do not reconnect all at once. When a
@@ -30,20 +30,20 @@ class Connection {
       : options_(std::move(options)), random_(jitter_seed) {}
 
   /// Returns true if the caller should open a transport and call begin().
-  bool due(TimePoint now) const noexcept { return (!session_ || is_leaving_) && now >= retry_at_; }
+  bool due(TimePoint now) const noexcept { return (!session_ || is_draining_) && now >= retry_at_; }
   /// Starts a session on a new transport; its first bytes can be sent at once.
   /// @param known_build_id  build of the model that the client has; zeros for none.
   void begin(const Digest& known_build_id, TimePoint now);
   /// Null if there is no such session.
-  Session* session(Line line = Line::kActive) noexcept {
-    std::optional<Session>& session = line == Line::kActive ? session_ : leaving_;
+  Session* session(SessionRole role = SessionRole::kActive) noexcept {
+    std::optional<Session>& session = role == SessionRole::kActive ? session_ : draining_;
     return session ? &*session : nullptr;
   }
-  const Session* session(Line line = Line::kActive) const noexcept {
-    return const_cast<Connection*>(this)->session(line);
+  const Session* session(SessionRole role = SessionRole::kActive) const noexcept {
+    return const_cast<Connection*>(this)->session(role);
   }
   /// Returns true if requests may be sent: there is an active session, and its server is not shutting down.
-  bool takesRequests() const noexcept { return session_ && !is_leaving_; }
+  bool takesRequests() const noexcept { return session_ && !is_draining_; }
 
   /// The model is open: resets the retry interval.
   void succeeded() noexcept;
@@ -72,8 +72,8 @@ class Connection {
 
   SessionOptions options_;
   std::mt19937 random_;
-  std::optional<Session> session_, leaving_;
-  bool is_leaving_ = false;  // the server of the active session is shutting down
+  std::optional<Session> session_, draining_;
+  bool is_draining_ = false;  // the server of the active session is shutting down
   TimePoint retry_at_ = TimePoint::min();
   std::chrono::milliseconds longest_wait_ = kFirstRetry;  // before the next attempt
   bool ever_open_ = false;

@@ -262,8 +262,8 @@ TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerGoesAway) {
 TEST_F(EngineTest, takesWhatItWasPromisedWhileItMovesOnFromAServerThatGoesAway) {
   const uint32_t request = moveOn();
   EXPECT_TRUE(engine_.takeOutgoing().empty()) << "it asks for the blob a second time";
-  engine_.receive(blobFrame(request, 1), kMoved, Line::kDraining);
-  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kDraining);
+  engine_.receive(blobFrame(request, 1), kMoved, SessionRole::kDraining);
+  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, SessionRole::kDraining);
   decodeAll();
   engine_.step(kMoved);
   EXPECT_TRUE(engine_.settled());
@@ -274,7 +274,7 @@ TEST_F(EngineTest, takesWhatItWasPromisedWhileItMovesOnFromAServerThatGoesAway) 
 TEST_F(EngineTest, asksTheNextServerForWhatTheOneThatWentAwayDidNotGive) {
   moveOn();
   engine_.takeOutgoing();
-  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, Line::kDraining);
+  engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, SessionRole::kDraining);
   engine_.step(kMoved);
   EXPECT_EQ(engine_.counts().open_requests, 1u);
   engine_.receive(blobFrame(1, 1), kMoved);
@@ -290,7 +290,7 @@ TEST_F(EngineTest, keepsTheServerThatGoesAwayWhereTheNextOneIsNotThereYet) {
   engine_.disconnect(Error(ErrorCode::kNetwork, "refused"), kMoved);
   EXPECT_EQ(engine_.trouble(), "refused");
   engine_.connect(kMoved + kFirstRetry);
-  engine_.receive(blobFrame(request, 1), kMoved + kFirstRetry, Line::kDraining);
+  engine_.receive(blobFrame(request, 1), kMoved + kFirstRetry, SessionRole::kDraining);
   decodeAll();
   engine_.step(kMoved + kFirstRetry);
   EXPECT_TRUE(engine_.cut()->converged);
