@@ -82,7 +82,7 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   bool abandoned = false;  // the transport is destroyed
   NameLookup lookup{io};
   tcp::socket connecting{io};               // until connected
-  std::optional<proto::ByteStream> stream;  // from then on
+  std::optional<proto::ByteStream> stream;  // once connected
   bool any_received = false;
   bool connected = false, timed_out = false;  // timed_out: no byte arrived before the deadline
   asio::steady_timer deadline{io};

@@ -65,7 +65,7 @@ struct Cut {
   uint64_t triangles = 0;
   uint64_t blob_bytes = 0;   ///< encoded size of the meshes and tiles in use
   uint64_t drawn_bytes = 0;  ///< GPU memory of the parts and fallbacks: see drawnBytes()
-  float max_error_px = 0;    ///< of the visible parts
+  float max_error_px = 0;    ///< largest error of the visible parts
   float refinable_px = 0;    ///< largest error among visible parts that have a finer version
   /// No visible part exceeds the threshold, except leaves at their original triangles, and every tile that
   /// fits the texture budget is resident or lost.

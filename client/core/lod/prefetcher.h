@@ -21,7 +21,7 @@ constexpr uint64_t kPrefetchMemoryShare = 4;  ///< 1/4 of the mesh budget stays 
 
 struct PrefetchCounts {
   uint64_t requested = 0;     ///< prefetched blobs, received or not
-  uint64_t used = 0;          ///< of these, needed by a view since
+  uint64_t used = 0;          ///< prefetched blobs that a view has needed since
   uint64_t unused = 0;        ///< received, but not needed by a view yet
   uint64_t unused_bytes = 0;  ///< size of the unused blobs
 };

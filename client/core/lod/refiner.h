@@ -21,7 +21,7 @@ struct Refinement {
   std::vector<MeshKey> in_use;     ///< resident meshes of the cut, fallbacks and nodes waiting for siblings
   std::vector<MeshKey> ancestors;  ///< resident meshes of nodes above the cut
   std::vector<NodeKey> pages;      ///< owners of the pages that either cut passes through
-  std::vector<WantedMesh> wanted_meshes;  ///< of the wanted cut; needs RefineOptions::shares_memory
+  std::vector<WantedMesh> wanted_meshes;  ///< all wanted meshes; needs RefineOptions::shares_memory
   std::vector<HeldNode> held;             ///< input of the next refinement; needs hysteresis
   bool limited = false;                   ///< a budget stopped the wanted cut above the threshold
   bool settled = false;  ///< the cut is the wanted one and complete: only a new view changes it

@@ -8,7 +8,7 @@
 namespace lode::core {
 namespace {
 
-constexpr size_t kUsualNodes = 8192;       // reserved
+constexpr size_t kUsualNodes = 8192;       // nodes reserved in advance
 constexpr uint64_t kCoverBytesRatio = 20;  // a covering step costs at most 1/20 of the bytes wanted below it
 
 uint64_t partBytes(const Lod& lod, AttributeSet attributes) {

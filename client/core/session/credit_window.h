@@ -14,7 +14,7 @@ constexpr double kWindowGain = 1.5;              ///< window / (rate × round tr
 constexpr double kGrowthGain = 3;                ///< the same while the measured rate still grows
 /// Shorter round trips count as this one: on a fast link, thread scheduling dominates.
 constexpr std::chrono::milliseconds kShortestTrip{10};
-constexpr std::chrono::milliseconds kShortestSample{50};  ///< of the rate; a round trip if longer
+constexpr std::chrono::milliseconds kShortestSample{50};  ///< rate sample; a round trip if longer
 constexpr size_t kRateSamples = 8;                        ///< the rate is the maximum of the last samples
 
 /// Flow control: computes how many unacknowledged bytes the server may send. Enough to fill the link, but few

@@ -2,8 +2,8 @@
 
 namespace lode::core {
 
-/// What to do where an option would help, in the words of the program around the core: ends of messages. As
-/// they are, they name no option.
+/// Advice at the end of error messages that an option of the program would solve. Programs replace the
+/// defaults by words that name their options.
 struct Remedies {
   const char* model = "name one that it has";
   const char* token = "give a token that it knows";

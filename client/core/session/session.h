@@ -27,7 +27,7 @@ constexpr std::chrono::seconds kMeasureInterval{1};  ///< between Pings while re
 constexpr std::chrono::seconds kSilenceLimit{30};    ///< the connection is lost after this
 /// A gap between two calls counts as at most kMaxGap of server silence, since received data may be queued.
 constexpr std::chrono::seconds kMaxGap{2};
-constexpr uint64_t kMaxRequestedBytes = 32ull << 20;  ///< of all open requests; one alone may be larger
+constexpr uint64_t kMaxRequestedBytes = 32ull << 20;  ///< open requests together; one alone may be larger
 constexpr uint32_t kMaxRequestsAtOnce = 1024;         ///< enough to fill any window, few enough to sort again
 constexpr float kReprioritiseFactor = 1.19f;          ///< 2^1/4: smaller changes of a priority are not sent
 
@@ -112,7 +112,7 @@ class Session {
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isRequested(const BlobRef& blob) const { return request_of_blob_.contains(blob.number); }
   size_t openRequests() const noexcept { return requests_.size(); }                ///< with cancelled ones
-  const RequestCounts& requestCounts() const noexcept { return request_counts_; }  ///< of the open requests
+  const RequestCounts& requestCounts() const noexcept { return request_counts_; }  ///< open requests by class
   uint64_t requestedBytes() const noexcept { return requested_bytes_; }
   uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all bytes of the transport
   /// Measurements of the link, and the flow control window.
@@ -166,14 +166,14 @@ class Session {
   std::map<uint32_t, OpenRequest> requests_;                // by request
   std::unordered_map<uint32_t, uint32_t> request_of_blob_;  // blob number -> request
   RequestCounts request_counts_;
-  uint64_t requested_bytes_ = 0;  // of requests that are not cancelled
+  uint64_t requested_bytes_ = 0;  // open requests that are not cancelled
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
   uint64_t sent_grant_bytes_;    // known to the server: returned by takeOutgoing()
   uint64_t credited_bytes_ = 0;  // bytes of received Blob frame bodies
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_sent_, last_ping_;
-  std::chrono::nanoseconds silence_{0};  // of the server: see kMaxGap
+  std::chrono::nanoseconds silence_{0};  // server silence: see kMaxGap
   CreditWindow window_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;

@@ -24,7 +24,7 @@ struct TouchedTile {
 /// A texture of which a mesh uses all level 0 tiles, with one density.
 struct WornTexture {
   uint32_t texture = 0;
-  float texels_per_model = 0;  ///< as in TouchedTile
+  float texels_per_model = 0;  ///< see TouchedTile
 
   bool operator==(const WornTexture&) const = default;
 };

@@ -24,7 +24,7 @@ inline std::string placeIn(std::string_view text, size_t bytes) {
 /// silently. @param problem  receives the error with its position; unchanged on success.
 template <typename Json>
 Json parseStrictly(std::string_view text, std::string& problem) {
-  std::vector<std::set<std::string>> names;  // of the objects around
+  std::vector<std::set<std::string>> names;  // names so far, per enclosing object
   const auto look = [&](int /*depth*/, typename Json::parse_event_t event, Json& parsed) {
     using Event = typename Json::parse_event_t;
     if (event == Event::object_start) names.emplace_back();

@@ -1,4 +1,4 @@
-// A PLY as a target: the client builds it by the server's program, and says how far that is.
+// A PLY as target: the client builds it with lodestreamd and reports the progress.
 
 #include <cstdlib>
 #include <fstream>
@@ -28,7 +28,7 @@ TEST(BuildOfATarget, tellsItsStagesAndHowFarTheyAreAndNothingWhereItWasDoneBefor
   EXPECT_TRUE(stages.empty());
 }
 
-/// Two files, and room for the store of one.
+/// Two files, and disk space for the store of one.
 class StoresOfTargets : public testing::Test {
  protected:
   StoresOfTargets() {

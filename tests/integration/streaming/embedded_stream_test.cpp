@@ -1,4 +1,4 @@
-// The library for other programs, against a server: what it says of views, cuts and textures.
+// The C API against a server: views, cuts and textures.
 
 #include <chrono>
 #include <functional>
@@ -22,12 +22,12 @@ using lodestream::Status;
 using lodestream::Stream;
 using lodestream::View;
 
-constexpr uint32_t kNewsMs = 60'000;  // longer than anything is waited for here
+constexpr uint32_t kNewsMs = 60'000;  // longer than any wait in these tests
 
-/// What a program does that embeds the library.
+/// A program that embeds the library.
 class EmbeddedStream : public Streaming {
  protected:
-  /// The server has a model with coordinates of textures, and vertices of materials 0 and 1, instead.
+  /// Replaces the model by one with texture coordinates and materials 0 and 1.
   void serveTextured(TextureSet set) {
     SyntheticModel model = makeModel(
         makeSphere(96, 64,
@@ -50,7 +50,7 @@ class EmbeddedStream : public Streaming {
     return stream;
   }
 
-  /// From before the box's middle, by so many times its width.
+  /// Returns a view of the box's centre from the front, at a multiple of its width.
   static View viewOf(const Stream& stream, double distance) { return viewOf(stream.describe(), distance); }
   static View viewOf(const lodestream::Model& model, double distance) {
     View view{};
@@ -205,7 +205,7 @@ TEST_F(EmbeddedStream, givesMeshesOfOneNameTheSameArrays) {
   Stream stream = open();
   stream.setView(viewOf(stream, 1.7));
   std::map<uint64_t, bool> has_uvs;
-  std::vector<Cut> held;  // names are of what is held
+  std::vector<Cut> held;  // mesh ids are unique among held cuts
   for (Status status{}; status.is_settled == 0;) {
     status = stream.step(kNewsMs);
     const Cut& cut = held.emplace_back(stream.takeCut());

@@ -1,5 +1,5 @@
-// Server and client in one process, so that sanitizers see both sides' threads: views that change while blobs
-// are under way, streams that end in the middle, a server that goes.
+// Server and client in one process, so that sanitizers see the threads of both: views that change during
+// transfers, streams that end early, a server that shuts down.
 
 #include "client/stream/streamer.h"
 
@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 using stream::Streamer;
 using stream::StreamStatus;
 
-constexpr float kOnlyTheRootPx = 1e6f;  // a threshold that the root's coarsest LOD meets
+constexpr float kOnlyTheRootPx = 1e6f;  // the root's coarsest LOD is within this threshold
 
 TEST_F(Streaming, convergesForTheLastViewHoweverOftenItChanged) {
   Streamer streamer(served_, threads(3));
@@ -76,11 +76,11 @@ TEST_F(Streaming, givesManyClientsAtOnceTheSameCut) {
 }
 
 TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
-  Streamer(served_, threads(2)).waitForModel(kPatience);  // the server has all its threads
+  Streamer(served_, threads(2)).waitForModel(kPatience);  // the server has started all its threads
   const size_t threads_before = ownEntries("task"), descriptors_before = ownEntries("fd");
   for (int step = 0; step < 30; ++step) {
     Streamer streamer(served_, threads(2));
-    if (step % 3 == 0) continue;  // while it connects
+    if (step % 3 == 0) continue;  // during the connection attempt
     const ModelSummary& model = streamer.waitForModel(kPatience);
     streamer.setView(viewAt(step, model), 0.01f);
     if (step % 3 == 1) {
@@ -101,7 +101,7 @@ TEST_F(Streaming, freesItsCutsOnItsOwnThreadAndNotWhereTheyWereShownLast) {
     streamer.setView(viewAt(1, model), threshold_px);
     ASSERT_NE(streamer.waitUntilSettled(kPatience).cut, cut);
   }
-  EXPECT_EQ(cut.use_count(), 2);  // here and there
+  EXPECT_EQ(cut.use_count(), 2);  // this reference and the stream's
   const std::weak_ptr<const core::Cut> shown = cut;
   cut.reset();
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -138,7 +138,7 @@ TEST_F(Streaming, goesOnWhenTheServerComesBack) {
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
 }
 
-/// The server is one without the model for a while.
+/// The server does not have the model for a while.
 TEST_F(Streaming, goesOnWhenAServerHasTheModelAgainAndEndsWhereItIsNotToAwaitThat) {
   stream::StreamOptions options = threads(2);
   Streamer ends(served_, options);
@@ -230,7 +230,7 @@ TEST_F(Streaming, wakesWhoWaitsForNewsAndNobodyOnceItHasSettled) {
     status = streamer.waitForNews(kPatience);
   EXPECT_TRUE(status.current && status.settled);
   const auto begin = std::chrono::steady_clock::now();
-  streamer.waitForNews(1200ms);  // longer than the time between two looks at the clock
+  streamer.waitForNews(1200ms);  // longer than the tick of the stream's thread
   EXPECT_GE(std::chrono::steady_clock::now() - begin, 1200ms);
 }
 

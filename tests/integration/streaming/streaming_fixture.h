@@ -24,7 +24,7 @@ inline stream::StreamOptions threads(unsigned count) {
   return options;
 }
 
-/// A closed model "a" served on loopback, on two threads.
+/// A server with two threads that serves a closed model "a" on loopback.
 class Streaming : public testing::Test {
  protected:
   Streaming() {
@@ -40,14 +40,14 @@ class Streaming : public testing::Test {
     writeStore(file, model);
   }
 
-  /// The server has another build of the same size and place from now on.
+  /// Replaces the model by another build with the same lattice.
   void replaceModel(uint32_t seed) {
     writeModel(folder_ / "next.lode", seed);
     std::filesystem::rename(folder_ / "next.lode", folder_ / "a.lode");
     server_->reload();
   }
 
-  /// On a port of its own choice, and then always on that.
+  /// Starts on a free port, and later always on the same port.
   void startServer() {
     serve::ServeOptions options;
     options.stores = {folder_ / store_};
@@ -66,7 +66,7 @@ class Streaming : public testing::Test {
     server_.reset();
   }
 
-  /// A camera that goes round the model, near to it.
+  /// Returns a view from a camera that orbits close to the model.
   static core::View viewAt(int step, const ModelSummary& model) {
     core::CameraPath path = core::framingCamera(model);
     core::CameraKey& key = path.keys.front();

@@ -10,7 +10,7 @@ namespace {
 using std::chrono::milliseconds;
 using Seconds = std::chrono::duration<double>;
 
-/// Once around the origin in 20 seconds, climbing.
+/// Returns a view from a helix around the origin, one turn in 20 seconds.
 View onHelix(double t_s) {
   const double angle = 2 * 3.14159265358979 * t_s / 20;
   View view;

@@ -18,7 +18,7 @@ Connection makeConnection(uint32_t seed) {
   return Connection(options, seed);
 }
 
-/// The time until the next try is due.
+/// Returns the time until the next attempt is due.
 milliseconds waitOf(const Connection& connection, TimePoint from) {
   milliseconds wait{0};
   while (!connection.due(from + wait)) ++wait;

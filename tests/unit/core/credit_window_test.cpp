@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A link that brings what the window allows, as fast as it can, in pieces.
+/// A link that delivers the window in pieces, at a fixed rate.
 class SteadyLink {
  public:
   SteadyLink(double bytes_per_s, milliseconds trip) : bytes_per_s_(bytes_per_s), trip_(trip) {
@@ -31,7 +31,7 @@ class SteadyLink {
 
   void slowDown(double bytes_per_s) { bytes_per_s_ = bytes_per_s; }
 
-  /// Of what the link holds.
+  /// Bandwidth-delay product.
   double windowRatio() const {
     return static_cast<double>(window_.bytes()) /
            (bytes_per_s_ * std::chrono::duration<double>(trip_).count());

@@ -31,7 +31,7 @@ Mesh squareAt(uint32_t z) {
   return mesh;
 }
 
-/// With all of the cut's own parts drawn.
+/// Casts a ray with all parts of the cut drawn.
 std::optional<Hit> cast(const CutProbe& probe, const Ray& ray) {
   std::vector<uint32_t> shown(probe.cut()->parts.size());
   std::iota(shown.begin(), shown.end(), 0u);

@@ -12,7 +12,7 @@ namespace {
 
 using namespace fixture;
 
-/// Runs of an engine with one cache, against one server.
+/// Runs engines with one cache against one server.
 class CachedEngine : public testing::Test {
  protected:
   static EngineOptions options() {
@@ -22,7 +22,7 @@ class CachedEngine : public testing::Test {
     return options;
   }
 
-  /// Of a second visit, after an engine's.
+  /// Returns options for a second run after an engine.
   static EngineOptions optionsAfter(const Engine& first) {
     EngineOptions again = options();
     again.cached_model = *first.summary();
@@ -35,7 +35,7 @@ class CachedEngine : public testing::Test {
     return view;
   }
 
-  /// Steps an engine until it has settled or can get no further.
+  /// Steps an engine until it has settled or makes no progress.
   void run(Engine& engine) {
     engine.setView(near(), 1);
     for (int steps = 0; steps < 5000 && !engine.settled() && !engine.exhausted(); ++steps) {
@@ -63,8 +63,8 @@ class CachedEngine : public testing::Test {
   }
 
   std::map<Digest, Bytes> cache_;
-  std::vector<BlobRef> queries_;  ///< that wait for an answer
-  bool answers_late_ = false;     ///< a few at a time, in any order
+  std::vector<BlobRef> queries_;  ///< unanswered
+  bool answers_late_ = false;     ///< answers a few at a time, in random order
   std::mt19937 random_{5};
   SyntheticModel model_{{7, 4}};
   ScriptedServer server_{model_};
@@ -85,7 +85,7 @@ TEST_F(CachedEngine, receivesNoBlobOnASecondVisit) {
   EXPECT_EQ(server_.completed(), sent);
   EXPECT_LT(second.counts().received_bytes, 500u);
   EXPECT_GT(second.counts().cache_bytes, 0u);
-  EXPECT_LE(second.counts().cache_bytes, kept_bytes);  // what stood in for others is not needed again
+  EXPECT_LE(second.counts().cache_bytes, kept_bytes);  // stand-ins are not needed again
 }
 
 TEST_F(CachedEngine, receivesNoBlobOnASecondVisitHoweverLateTheCacheAnswers) {

@@ -16,7 +16,7 @@ namespace {
 using namespace fixture;
 using std::chrono::milliseconds;
 
-/// An engine and a server with a slow link between them, on a clock that only the test moves.
+/// An engine and a server with a slow link between them, on a simulated clock.
 class World {
  public:
   World(uint32_t seed, uint64_t memory_budget_bytes, uint32_t payload_bytes_a_triangle = 1,
@@ -30,7 +30,7 @@ class World {
         server_(models_.front()),
         engine_(options(seed, memory_budget_bytes, drawn_budget_bytes)) {}
 
-  /// A step of the clock: bytes that are due arrive, some decoding ends, the engine is stepped.
+  /// Advances the clock: due bytes arrive, some decoding ends, and the engine steps.
   void step(milliseconds time) {
     now_ += time;
     if (engine_.wantsConnection(now_)) {
@@ -53,24 +53,24 @@ class World {
     check();
   }
 
-  /// The connection breaks; what is under way is lost when the next one begins.
+  /// Breaks the connection; bytes in transit are lost when the next one starts.
   void breakConnection() {
     if (!engine_.connected() || !engine_.cut()) return;
     engine_.disconnect(Error(ErrorCode::kNetwork, "broken"), now_);
   }
 
-  /// The server has another build from now on.
+  /// Replaces the model by another build.
   void replaceModel() {
     models_.push_back(SyntheticModel({static_cast<uint32_t>(random_()), 4}));
     server_.replaceBy(models_.back());
   }
 
-  /// The engine has all that the view needs of what the server has.
+  /// Returns true if the engine has everything that the view needs and the server has.
   bool settled() const {
     return engine_.settled() && engine_.summary()->build_id == server_.summary().build_id;
   }
 
-  /// Looks from a place around or within the model.
+  /// Sets a random view around or inside the model.
   View randomView() {
     const double side = SyntheticModel::boxSide();
     const auto number = [this] { return std::uniform_real_distribution<double>(-1, 1)(random_); };
@@ -110,7 +110,7 @@ class World {
     line.push_back({line.empty() ? due : std::max(due, line.back().due), std::move(bytes)});
   }
 
-  /// The two ends of them may arrive at different times.
+  /// Both ends may notice it at different times.
   void postCut(std::deque<Parcel>& line, const Bytes& bytes) {
     const auto cut = bytes.begin() + static_cast<std::ptrdiff_t>(random_() % (bytes.size() + 1));
     post(line, {bytes.begin(), cut});
@@ -122,7 +122,7 @@ class World {
     for (; !line.empty() && line.front().due <= now_; line.pop_front()) take(line.front().bytes);
   }
 
-  /// Of the build that the job is about: the last one whose payload has this name.
+  /// Returns the build of a job: the last one whose payload has its digest.
   std::shared_ptr<const Mesh> meshOf(const DecodeJob& job) const {
     for (auto model = models_.rbegin(); model != models_.rend(); ++model) {
       const auto node = model->nodes().find(job.use.mesh.node);
@@ -133,9 +133,9 @@ class World {
     return nullptr;
   }
 
-  /// The cut covers what is near its view exactly once, and all of the model when it has settled; and what is
-  /// shown of it to any other camera, what that one sees: of the newest build, or while that is not there of
-  /// an older one. Where there is one view: cuts of several are what ViewCuts' tests are about.
+  /// Expects that the cut covers the region near its view exactly once, and the whole model once it has
+  /// settled, and that shownParts() covers what any other camera sees: with the newest build or, before it is
+  /// resident, an older one. Only for a single view; the tests of ViewCuts check several.
   void check() {
     expectWithinBudget();
     if (!engine_.cut() || engine_.viewCuts()->cuts.size() > 1) return;
@@ -152,7 +152,7 @@ class World {
     }
   }
 
-  /// Anywhere, looking anywhere.
+  /// Returns a view at a random position with a random direction.
   View anyView() {
     const auto number = [this] { return std::uniform_real_distribution<double>(-1, 1)(cameras_); };
     const auto vector = [&] { return glm::dvec3(number(), number(), number()); };
@@ -164,7 +164,7 @@ class World {
     return view;
   }
 
-  /// @param isDue  whether a place of the model has to be covered.
+  /// @param isDue  returns true if a node must be covered.
   template <typename IsDue>
   void expectCovered(std::span<const uint32_t> shown, IsDue&& isDue) const {
     std::string problem;
@@ -173,8 +173,8 @@ class World {
     ASSERT_EQ(problem, "");
   }
 
-  /// The hierarchy may go beyond its share by the page that was under way; a blob that is larger than the
-  /// share of what is on its way comes alone, and so is it decoded.
+  /// Expects that all memory shares hold, except that the hierarchy may exceed its share by one requested
+  /// page, and a blob larger than the transit share is requested and decoded alone.
   void expectWithinBudget() const {
     const EngineCounts counts = engine_.counts();
     const uint64_t share = memory_budget_bytes_ / kTransitBudgetShare;
@@ -229,7 +229,7 @@ class World {
 
 class EngineProperties : public testing::TestWithParam<uint32_t> {};
 
-/// Whatever the camera has done, a view that stays converges.
+/// A view that stays converges, whatever the camera did before.
 void convergeFor(World& world, const View& view) {
   world.engine().setView(view, 1);
   for (int steps = 0; steps < 20'000 && !world.settled(); ++steps) world.step(milliseconds(10));
@@ -327,7 +327,7 @@ TEST_P(EngineProperties, showsNeverMoreThanMayBeDrawnAndSettlesWithinIt) {
 }
 
 TEST_P(EngineProperties, asksAtOneTimeForNoMoreThanItsShareOfTheMemoryAndConvergesAllTheSame) {
-  constexpr uint32_t kHeavy = 64;  // payloads that take more than their meshes
+  constexpr uint32_t kHeavy = 64;  // payloads larger than their meshes
   World unlimited(GetParam(), 1ull << 30, kHeavy);
   convergeFor(unlimited, unlimited.randomView());
   World world(GetParam(), 4 * unlimited.engine().counts().resident_bytes, kHeavy);
@@ -347,7 +347,7 @@ TEST_P(EngineProperties, convergesOnTheNewestBuildHoweverOftenTheModelIsReplaced
   EXPECT_TRUE(world.engine().cut()->converged);
 }
 
-/// Towards the middle of the model, and past it.
+/// Returns a view moving towards the centre of the model and past it.
 View flight(const View& from, int step) {
   View view = from;
   view.eye_model += view.forward * (SyntheticModel::boxSide() * 2e-3 * step);

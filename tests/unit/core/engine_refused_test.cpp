@@ -10,7 +10,7 @@ namespace {
 
 using namespace fixture;
 
-/// An engine that has a picture of a model, and its server, which has been gone for a moment.
+/// An engine with a cut, whose server has been unreachable for a moment.
 class RefusedEngine : public testing::Test {
  protected:
   /// @param awaits_model  see SessionOptions
@@ -28,7 +28,7 @@ class RefusedEngine : public testing::Test {
     engine_->disconnect(Error(ErrorCode::kNetwork, "closed"), now_);
   }
 
-  /// As soon as the engine wants to.
+  /// Reconnects as soon as the engine is due.
   void connect() {
     while (!engine_->wantsConnection(now_)) now_ += std::chrono::milliseconds(10);
     server_.accept();

@@ -13,7 +13,7 @@ using proto::Bytes;
 
 using fixture::kStart;
 
-/// A mesh of triangles in the plane z = 0, of a size that tells LODs apart.
+/// Returns triangles in the plane z = 0; their number identifies the LOD.
 Mesh stripOf(uint32_t triangles) {
   Mesh mesh;
   for (uint32_t i = 0; i < triangles + 2; ++i) mesh.positions.push_back(packPosition({i / 2, i % 2, 0}));
@@ -22,7 +22,7 @@ Mesh stripOf(uint32_t triangles) {
   return mesh;
 }
 
-/// A model of one node with two LODs, and the server's side of a conversation about it, in process.
+/// A model of one node with two LODs, and its server as bytes in process.
 class EngineTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -55,7 +55,7 @@ class EngineTest : public testing::Test {
     return frame;
   }
 
-  /// Up to the root's page.
+  /// Opens the model and receives the root page.
   Bytes openingOf(const Digest& known) const {
     proto::Opened opened;
     opened.handle = 1;
@@ -70,7 +70,7 @@ class EngineTest : public testing::Test {
     return bytes;
   }
 
-  /// @param known  the build that the client knows: it is sent nothing unasked of that.
+  /// @param known  the build that the client has: the server sends no blobs of it without a request.
   Bytes greeting(const Digest& known = {}) const {
     Bytes bytes = openingOf(known);
     if (known != build_id_) append(bytes, blobFrame(0, 2));
@@ -81,7 +81,7 @@ class EngineTest : public testing::Test {
     for (const DecodeJob& job : engine_.takeDecodeJobs()) engine_.finishDecode(runDecodeJob(job));
   }
 
-  /// The request the fine LOD, once the coarse one is shown.
+  /// Returns the request for the fine LOD once the coarse one is shown.
   uint32_t openAndShowCoarse() {
     engine_.setView(view_, 1);
     engine_.connect(kStart);
@@ -92,7 +92,7 @@ class EngineTest : public testing::Test {
     return firstRequest();
   }
 
-  /// Of what the engine sends now; 0: none.
+  /// Returns the request in the bytes that the engine sends now; 0: none.
   uint32_t firstRequest() {
     uint32_t request = 0;
     std::span<const std::byte> rest = sent_ = engine_.takeOutgoing();
@@ -107,7 +107,7 @@ class EngineTest : public testing::Test {
     return request;
   }
 
-  /// The store is damaged there.
+  /// Refuses a request because the store is damaged.
   void openWithoutTheCoarsest() {
     engine_.setView(view_, 1000);
     engine_.connect(kStart);
@@ -120,7 +120,7 @@ class EngineTest : public testing::Test {
 
   static constexpr TimePoint kMoved = kStart + kMoveOn;
 
-  /// The server goes away with a request open; the next one is there. @return the request.
+  /// The server shuts down with an open request while the next one is connected. @return the request.
   uint32_t moveOn() {
     const uint32_t request = openAndShowCoarse();
     engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
@@ -172,7 +172,7 @@ TEST_F(EngineTest, convergesWhenTheRequestedPayloadHasCome) {
 
 TEST_F(EngineTest, requestsAgainWhatIsWantedAgainBeforeItsCancelHasEnded) {
   const uint32_t request = openAndShowCoarse();
-  engine_.setView(view_, 1e6f);  // too coarse to want it
+  engine_.setView(view_, 1e6f);  // too coarse to need it
   engine_.step(kStart);
   engine_.setView(view_, 1);
   engine_.step(kStart);
@@ -386,7 +386,7 @@ TEST_F(EngineTest, asksTheServerOfANewBuildForNothingOfTheOldOne) {
   engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart);
   engine_.connect(kStart);
   build_id_.bytes[0] = std::byte{2};
-  engine_.receive(greeting(build_id_), kStart);  // its first blobs are on their way
+  engine_.receive(greeting(build_id_), kStart);  // its first blobs are in transit
   engine_.step(kStart);
   EXPECT_EQ(engine_.counts().open_requests, 0u);
 }

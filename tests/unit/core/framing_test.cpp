@@ -24,7 +24,7 @@ std::vector<glm::uvec3> cornersOf(const LatticeBox& box) {
   return corners;
 }
 
-/// What points take up of a picture's halves: 1 is its boundary.
+/// Extent of points in the picture: 1 is its edge.
 struct Filled {
   glm::dvec2 low{1e9}, high{-1e9};
   bool all_in_front = true;

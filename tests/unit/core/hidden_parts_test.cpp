@@ -1,4 +1,4 @@
-// What is taken for hidden comes last and changes nothing of what is seen in the end: even if it is wrong.
+// Parts estimated as hidden arrive last, and never change the converged cut, even if the estimate is wrong.
 
 #include "tests/support/seeds.h"
 #include "tests/unit/core/scripted_client.h"
@@ -8,7 +8,7 @@ namespace {
 
 using namespace fixture;
 
-/// What closeView() sees past a wall close before it, which hides what is to the left, or everything.
+/// Returns what closeView() sees behind a near wall that hides its left side or everything.
 SeenPlaces seenPastAWall(const SyntheticModel& model, bool all) {
   const View view = closeView();
   Cut cut;

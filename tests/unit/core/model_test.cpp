@@ -9,7 +9,7 @@ namespace {
 
 using namespace fixture;
 
-/// Of a job, as the model counts it.
+/// Memory of a decode job as the model counts it.
 uint64_t workBytes(const DecodeJob& job) {
   return 2 * meshBytes(job.expected.vertices, job.expected.triangles, job.expected.attributes);
 }

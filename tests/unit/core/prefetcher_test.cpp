@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 
 constexpr RefineOptions kOptions{.threshold_px = 1};
 
-/// A model of which the coarsest LOD alone is there.
+/// A model with only the coarsest LOD resident.
 Model coarseModel(const SyntheticModel& tree, uint64_t memory_budget_bytes) {
   ModelSummary summary;
   summary.lattice = SyntheticModel::lattice();
@@ -30,14 +30,14 @@ Model coarseModel(const SyntheticModel& tree, uint64_t memory_budget_bytes) {
   return model;
 }
 
-/// As a place sees a camera that goes towards what it looks at.
+/// Returns the view of a camera that moves forwards.
 using Flight = std::function<View(int step)>;
 
 View towardsTheModel(int step) { return lookingAt({512, 512, 3000 - 20. * step}, {512, 512, 512}); }
 View standing(int) { return lookingAt({512, 512, 3000}, {512, 512, 512}); }
 View beside(int step) { return lookingAt({512 + 1500, 512, 2200 - 20. * step}, {512 + 1500, 512, 512}); }
 
-/// What is asked for ahead of a camera that goes on, at each of the places where a model stands.
+/// Returns the prefetch requests of a moving camera for all instances of a model.
 std::vector<Request> askedAhead(const Model& model, const std::vector<Flight>& places = {towardsTheModel}) {
   Prefetcher prefetcher;
   prefetcher.setViewCount(places.size());
@@ -108,7 +108,7 @@ TEST(Prefetcher, takesOtherPlacesForNoMotion) {
 TEST(Prefetcher, leavesAShareOfTheMemoryToWhatIsSeen) {
   const SyntheticModel tree({.seed = 3});
   const Model roomy = coarseModel(tree, 1ull << 30);
-  // Of the whole three quarters are for meshes, and three quarters of these for what is asked for ahead.
+  // Meshes get 3/4 of the budget, and prefetching 3/4 of that.
   const uint64_t half_full_bytes = roomy.meshes().bytes() * 16 / 9;
   EXPECT_TRUE(askedAhead(coarseModel(tree, half_full_bytes - 16)).empty());
   EXPECT_FALSE(askedAhead(coarseModel(tree, half_full_bytes + 64)).empty());

@@ -1,4 +1,4 @@
-// What a refinement leaves out of the view, and what stands in for it.
+// Parts that a refinement leaves out outside the view, and their fallbacks.
 
 #include <algorithm>
 #include <optional>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace fixture;
 
-/// Delivers the best request of the visible class until there is none, without the others.
+/// Delivers the best requests of the visible class until none is left.
 void deliverWhatIsSeen(Scripted& client, const View& view, float threshold_px) {
   for (int round = 0; round < 20000; ++round) {
     const Refinement& now = client.refineFor(view, {.threshold_px = threshold_px});
@@ -59,7 +59,7 @@ TEST_P(RefinerOnSeeds, aCameraThatTurnsBeforeTheRestHasComeSeesAWholePicture) {
   }
 }
 
-/// The finest LOD of the nearest node above a place that is resident.
+/// Returns the finest resident LOD of the nearest resident ancestor.
 std::optional<MeshKey> nearestAbove(const MeshCache& cache, NodeKey place) {
   while (place != kRootKey) {
     place = place.parent();
@@ -140,7 +140,7 @@ TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestLod
 
 TEST_P(RefinerOnSeeds, leavesNothingOutWhileNothingCouldBeShownInstead) {
   const Hierarchy hierarchy = model_.hierarchy();
-  MeshCache cache(1ull << 40);  // never gets the root's meshes
+  MeshCache cache(1ull << 40);  // without the root's meshes
   std::vector<NodeKey> missing;
   for (const auto& [key, node] : model_.nodes())
     if (key != kRootKey) missing.push_back(key);

@@ -1,4 +1,4 @@
-// What budgets and hysteresis make of a refinement.
+// Refinement with budgets and hysteresis.
 
 #include <algorithm>
 #include <utility>
@@ -61,7 +61,7 @@ TEST_P(RefinerLimits, saysThatItIsLimitedThoughTheBudgetLastStoppedWhatWasOnlyHe
   const uint64_t first_page = Scripted(model_).hierarchy().bytes();
   for (const View& view : {closeView(), farView()}) {
     const BruteForce errors(model_, view, 1);
-    float largest_px = 0;  // of what the first page alone allows of the model
+    float largest_px = 0;  // largest error with the first page alone
     for (const auto& [key, node] : model_.nodes())
       if (node.child_page && boxMayBeVisible(toModelBox(node.box, SyntheticModel::lattice().step), view))
         largest_px = std::max(largest_px, errors.errorPx(key, 0));
@@ -74,8 +74,8 @@ TEST_P(RefinerLimits, saysThatItIsLimitedThoughTheBudgetLastStoppedWhatWasOnlyHe
   }
 }
 
-/// The cut of a triangle budget, written down as plainly as can be: the visible part with the largest error
-/// gives way, ties by key, until one would not fit.
+/// Reference implementation of a triangle budget: refines the visible part with the largest error, ties by
+/// key, until one does not fit.
 class LimitedBruteForce {
  public:
   LimitedBruteForce(const SyntheticModel& model, const View& view, float threshold_px, uint64_t triangles)
@@ -216,7 +216,7 @@ TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {
   EXPECT_FALSE(limitedBy(64 * kPartBytes));
 }
 
-/// Sees all of the model, so that only distances change.
+/// Returns a view of the whole model, so that only the distance changes.
 View viewFrom(double distance) { return lookingAt({512, 512, 512 + distance}, {512, 512, 512}); }
 
 TEST(Refiner, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
@@ -225,7 +225,7 @@ TEST(Refiner, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
                     kNoCheck);
     return partsOf(*client.last().cut);
   };
-  size_t flickering = 0;  // models that change without hysteresis
+  size_t flickering = 0;  // models that flicker without hysteresis
   for (uint32_t seed = 1; seed < 13; ++seed) {
     const SyntheticModel model({.seed = seed});
     std::mt19937 random(seed);
@@ -240,7 +240,7 @@ TEST(Refiner, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
 }
 
 TEST(Refiner, isLimitedByWhatIsAboveTheThresholdAloneNotByWhatItWouldHold) {
-  int held_back = 0;  // budgets that do not allow what would be held
+  int held_back = 0;  // budgets that prevent what hysteresis would keep
   for (uint32_t seed = 1; seed < 13; ++seed) {
     const SyntheticModel model({.seed = seed});
     std::mt19937 random(seed);

@@ -1,4 +1,4 @@
-// What a server does not have: damage at single places of a store.
+// Lost blobs: a store damaged in single places.
 #include <set>
 
 #include "tests/support/seeds.h"
@@ -11,7 +11,7 @@ using namespace fixture;
 
 class RefinerWithoutSomeBlobs : public RefinerOnSeeds {
  protected:
-  /// One in `share` of all.
+  /// Loses one in `share` of all blobs.
   std::set<uint32_t> someBlobs(uint32_t share) {
     std::set<uint32_t> blobs;
     const auto maybe = [&](uint32_t blob) {

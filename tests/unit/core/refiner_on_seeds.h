@@ -9,7 +9,7 @@
 
 namespace lode::core::fixture {
 
-/// Refinements of models that differ by their seed; its tests are in several files.
+/// Fixture with models that differ by their seed; several files contain its tests.
 class RefinerOnSeeds : public testing::TestWithParam<uint32_t> {
  protected:
   SyntheticModel model_{{.seed = GetParam(), .empty_chance = GetParam() % 2 ? 0.1 : 0.0}};

@@ -210,7 +210,7 @@ TEST_P(RefinerOnSeeds, asksForATwentiethMoreBytesThanTheConvergedCutAtMost) {
   EXPECT_LE(client.deliveredPayloadBytes(), needed * 21 / 20);
 }
 
-/// The part of a cut that is drawn where a node lies, if there is one.
+/// Returns the part of a cut at a node or above it, if any.
 const CutPart* partAt(const Cut& cut, NodeKey node) {
   for (const CutPart& part : cut.parts)
     if (part.node.contains(node)) return &part;
@@ -235,7 +235,7 @@ TEST_P(RefinerOnSeeds, requestsFirstWhatReplacesTheLargestErrorInThePicture) {
       });
       if (part.visible && !is_right && !waits_for_page) largest_px = std::max(largest_px, part.error_px);
     }
-    if (largest_px <= kThresholdPx) return;  // only what is finer than it need be
+    if (largest_px <= kThresholdPx) return;  // only parts finer than necessary
     const CutPart* const replaced = partAt(*now.cut, first->use.mesh.node);
     ASSERT_NE(replaced, nullptr);
     EXPECT_EQ(replaced->error_px, largest_px);
@@ -288,7 +288,7 @@ TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {
 TEST_P(RefinerOnSeeds, countsAsErrorOnlyWhatIsSeen) {
   Scripted client(model_);
   client.converge(insideView(), {.threshold_px = 1}, random_, kNoCheck);
-  float seen_px = 0;  // in most of these models what is not seen has larger ones
+  float seen_px = 0;  // in most of these models parts outside the view have larger errors
   for (const CutPart& part : client.last().cut->parts)
     if (part.visible) seen_px = std::max(seen_px, part.error_px);
   EXPECT_EQ(client.last().cut->max_error_px, seen_px);
@@ -349,7 +349,9 @@ TEST(Refiner, refinesOnTheAppearanceErrorToo) {
 }
 
 TEST(Refiner, publishesPartsDepthFirstWithTheirMeshes) {
-  const auto cell = [](NodeKey node) { return node.value << 3 * (kMaxDepth - node.depth()); };  // its first
+  const auto cell = [](NodeKey node) {
+    return node.value << 3 * (kMaxDepth - node.depth());
+  };  // first cell of a node
   const SyntheticModel model({.seed = 6, .empty_chance = 0.2});
   Scripted client(model);
   std::mt19937 random(3);

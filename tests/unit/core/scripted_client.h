@@ -30,10 +30,10 @@ inline View closeView() { return lookingAt({512, 512, 1400}, {200, 300, 0}); }
 inline View farView() { return lookingAt({4000, 9000, 30000}, {512, 512, 512}); }
 inline View insideView() { return lookingAt({500, 510, 520}, {0, 0, 400}); }
 
-/// The definition of the converged cut, written down as plainly as can be.
+/// Reference implementation of the converged cut, as simple as possible.
 class BruteForce {
  public:
-  /// @param lost  blobs that cannot be had.
+  /// @param lost  blobs that cannot be loaded.
   BruteForce(const SyntheticModel& model, const View& view, float threshold_px,
              const std::set<uint32_t>& lost = {})
       : model_(model), view_(view), threshold_px_(threshold_px), lost_(lost) {
@@ -64,7 +64,7 @@ class BruteForce {
     for (unsigned octant = 0; octant < 8; ++octant)
       if ((node.child_mask >> octant & 1) != 0) visit(key.child(octant));
   }
-  /// That can be had, finest first.
+  /// Returns the loadable LODs, finest first.
   std::vector<uint32_t> lodsOf(const Node& node) const {
     std::vector<uint32_t> lods;
     for (uint32_t lod = 0; lod < node.lods.size(); ++lod)
@@ -98,7 +98,7 @@ inline Parts partsOf(const Cut& cut) {
   return parts;
 }
 
-/// A client whose server answers requests in an order that the test chooses.
+/// A client whose requests the test answers in any order.
 class Scripted {
  public:
   explicit Scripted(const SyntheticModel& model, uint64_t budget_bytes = 1ull << 40)
@@ -116,7 +116,7 @@ class Scripted {
     return last_;
   }
 
-  /// From now on the server has it no more.
+  /// Makes a blob unavailable.
   void lose(uint32_t blob) { lost_.insert(blob); }
 
   void deliver(const Request& wanted) {
@@ -130,7 +130,7 @@ class Scripted {
     }
   }
 
-  /// Delivers requests, each time any of them, until none is left. @param check  called on every cut.
+  /// Delivers random requests until none is left. @param check  called on every cut.
   template <typename Check>
   void converge(const View& view, const RefineOptions& options, std::mt19937& random, Check check) {
     for (size_t round = 0; round < 20000; ++round) {
@@ -142,7 +142,7 @@ class Scripted {
     FAIL() << "requests without end";
   }
 
-  /// From now on, of the view that the cut has.
+  /// Sets the occlusion estimate for the following refinements.
   void seeOnly(const SeenPlaces& seen) { seen_ = seen; }
 
   const Refinement& last() const { return last_; }
@@ -167,8 +167,8 @@ inline bool isNear(const SyntheticModel& model, NodeKey node, const View& view) 
                          kMarginWidening);
 }
 
-/// Every leaf's place is covered by exactly one part, or by none where an LOD on the way is empty, or where
-/// it is far outside the view of a cut that has not settled.
+/// Expects exactly one part per leaf, or none where an LOD on its path is empty, or where the leaf is outside
+/// the margin of a cut that has not settled.
 inline void expectComplete(const SyntheticModel& model, const Cut& cut, bool settled) {
   const Parts parts = partsOf(cut);
   for (const NodeKey leaf : model.leaves()) {

@@ -14,13 +14,13 @@
 
 namespace lode::core::fixture {
 
-/// The server's side of the protocol about one synthetic model, without a socket: frames in, frames out. Its
-/// payloads are bytes of the announced size; meshes come from the model.
+/// The server side of the protocol for one synthetic model, without a socket: takes and returns frames.
+/// Payloads are placeholder bytes of the announced size; the model provides the meshes.
 class ScriptedServer {
  public:
   explicit ScriptedServer(const SyntheticModel& model) { serve(model); }
 
-  /// Another build takes the model's place. Who has the old one open is told so, and is given no more of it.
+  /// Replaces the model by another build: notifies clients of the old one and stops serving it.
   void replaceBy(const SyntheticModel& model) {
     open_.clear();
     nodes_.clear();
@@ -52,7 +52,7 @@ class ScriptedServer {
   }
 
  public:
-  /// A new connection: what the last one had under way is forgotten.
+  /// Starts a new connection and drops the state of the last one.
   void accept() {
     open_.clear();
     answers_.clear();
@@ -61,10 +61,10 @@ class ScriptedServer {
     deaf_ = opened_ = false;
   }
 
-  /// Whether it has the model, for who opens it from now on.
+  /// Sets whether the model exists for clients that open it later.
   void offer(bool is_there) { has_model_ = is_there; }
 
-  /// Takes whole frames.
+  /// Takes complete frames.
   void receive(const Bytes& bytes) {
     if (deaf_) return;
     for (const SentFrame& frame : framesOf(bytes)) {
@@ -90,7 +90,7 @@ class ScriptedServer {
     }
   }
 
-  /// Answers, then at most so many chunks of requests, best first. @return whole frames.
+  /// Returns complete frames: replies, then a limited number of blob chunks, best first.
   Bytes give(size_t max_chunks) {
     for (; max_chunks > 0 && !open_.empty(); --max_chunks) {
       auto best = open_.begin();
@@ -106,7 +106,7 @@ class ScriptedServer {
 
   const std::map<NodeKey, Node>& nodes() const { return nodes_; }
   const ModelSummary& summary() const { return summary_; }
-  /// How often a blob was sent as the end of a request.
+  /// Number of requests that delivered a blob.
   const std::map<uint32_t, unsigned>& completed() const { return completed_; }
   size_t openRequests() const { return open_.size(); }
 
@@ -196,7 +196,7 @@ class ScriptedServer {
   Bytes answers_;
   bool opened_ = false;  // on this connection
   bool has_model_ = true;
-  bool deaf_ = false;  // what comes is about a model that was replaced
+  bool deaf_ = false;  // ignores frames about a replaced model
   uint64_t granted_ = proto::kInitialWindowBytes, sent_ = 0;
 };
 

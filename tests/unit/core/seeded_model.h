@@ -9,7 +9,7 @@
 
 namespace lode::core::fixture {
 
-/// A model that comes blob by blob, as the test asks.
+/// A model whose blobs the test delivers one by one.
 class Seeded {
  protected:
   explicit Seeded(uint32_t seed, uint64_t memory_budget_bytes = 1ull << 40)
@@ -44,7 +44,7 @@ class Seeded {
       model_.finishDecode({job.blob, job.use, tree_.mesh(job.use.mesh), nullptr, nullptr, ""});
   }
 
-  /// The best requests of a view come, so many, or until no more is missing.
+  /// Delivers the best requests of a view, up to a number, or until none is missing.
   void deliverBest(ViewGroup& group, int count) {
     for (; group.refine(model_), count > 0 && !group.requests().empty(); --count)
       deliver(group.requests().front());

@@ -19,7 +19,7 @@ ModelSummary summary() {
   return model;
 }
 
-/// Upright, at a depth of the model, from one side to the other.
+/// An upright rectangle at a depth of the model, from one side to the other.
 CutPart wall(double left, double right, double depth) {
   Mesh mesh;
   for (const auto& [x, y] : {std::pair{left, 0.}, {right, 0.}, {right, 500.}, {left, 500.}})
@@ -85,7 +85,7 @@ TEST(SeenPlaces, areEnoughInEachOfManySmallPartsOfWhichNoneHasMuchOfThePicture) 
   Cut cut;
   cut.view = kFromTheFront;
   for (int i = 0; i < 2000; ++i) cut.parts.push_back(wall(i * 0.5, (i + 1) * 0.5, 100));
-  NodeKey small = kRootKey;  // a sixty-fourth of the side, around (512, 256, 100)
+  NodeKey small = kRootKey;  // 1/64 of the side, around (512, 256, 100)
   for (const unsigned octant : {1u, 2u, 0u, 4u, 4u, 0u}) small = small.child(octant);
   EXPECT_TRUE(SeenPlaces::of(cut, summary()).value().in(small));
 }

@@ -74,7 +74,7 @@ inline Bytes chunkFrame(uint32_t request, uint32_t total, uint32_t offset, std::
   return frameOf(FrameType::kBlob, 0, body);
 }
 
-/// A whole blob in frames of at most 32 KB.
+/// Returns a whole blob as frames of at most 32 KB.
 inline Bytes blobFrames(uint32_t request, uint32_t number, size_t size) {
   const Bytes blob = blobBytes(number, size);
   Bytes frames;
@@ -121,18 +121,18 @@ class SessionTest : public testing::Test {
     while (auto event = session_.nextEvent()) events.push_back(std::move(*event));
     return events;
   }
-  /// Up to an open model whose root page has come.
+  /// Opens the model and receives its root page.
   void open() {
     give(welcome() + opened() + blobFrames(0, kPageBlob, kPageBytes));
     session_.takeOutgoing();
   }
-  /// Requests one blob. @return the number of the request.
+  /// Requests one blob. @return the request number.
   uint32_t makeRequest(const BlobRef& blob) {
     session_.setRequests(std::vector<Request>{{blob, {}, proto::RequestClass::kVisible, 10}});
     const auto changes = changesOf(session_.takeOutgoing());
     return changes.empty() ? 0 : changes.back().request;
   }
-  /// Calls every second. @return the time of the last call.
+  /// Calls tick() every second. @return the time of the last call.
   TimePoint listen(TimePoint from, int seconds) {
     for (; seconds > 0; --seconds) session_.tick(from += std::chrono::seconds(1));
     return from;

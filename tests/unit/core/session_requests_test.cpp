@@ -209,7 +209,7 @@ TEST_F(SessionTest, grantsMoreBeforeAChunkHasComeToItsEnd) {
   EXPECT_GE(credits[0].granted_bytes, proto::kInitialWindowBytes + frame.size() / 2);
 }
 
-/// On a clock of the test: half a second in which a link brings so many bytes a millisecond.
+/// Simulates half a second of a link with a rate in bytes per millisecond.
 TEST_F(SessionTest, grantsAsMuchAsTheLinkThatItMeasuresCanHold) {
   open();
   give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(100));

@@ -11,8 +11,7 @@ using Numbers = std::vector<uint32_t>;
 
 constexpr NodeKey kNearNode = kRootKey.child(0), kFarNode = kRootKey.child(7);
 
-/// Octants 1 and 2 of one child of the root, of which the others are left out, and of another its octant 0
-/// alone.
+/// Octants 1 and 2 of one child of the root, and octant 0 of another; all others are left out.
 class ShownParts : public testing::Test {
  protected:
   ShownParts() {
@@ -85,7 +84,7 @@ TEST_F(ShownParts, leaveHolesThatAreCountedIfTheCutAloneIsDrawn) {
   EXPECT_EQ(countHoles(cut_, Numbers{kNearFallback, 2}, at_both_), 1u);
 }
 
-/// One part of a hundred units, off by one.
+/// A cut of one part with a side of 100 and an error of 1.
 class ShownError : public testing::Test {
  protected:
   ShownError() {

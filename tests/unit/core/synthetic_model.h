@@ -14,9 +14,9 @@
 
 namespace lode::core::fixture {
 
-/// A random octree: boxes, LODs and errors as a store would have them, cut into pages as
-/// docs/store-format.md says. Meshes have the announced numbers of vertices and triangles, which cover the
-/// sides of the node's box once; the others have no area.
+/// A random octree with boxes, LODs and errors as in a store, split into pages as in docs/store-format.md.
+/// Meshes have the announced numbers of vertices and triangles. Some triangles cover the sides of the node's
+/// box once; the others are degenerate.
 class SyntheticModel {
  public:
   struct Options {
@@ -24,9 +24,9 @@ class SyntheticModel {
     int depth = 4;
     double split_chance = 0.8;
     double child_chance = 0.6;
-    double empty_chance = 0;  ///< of a node's coarsest LOD without triangles
+    double empty_chance = 0;  ///< chance that a node's coarsest LOD is empty
     uint32_t payload_bytes_a_triangle = 1;
-    uint32_t most_far_lods = 2;  ///< of an inner node below the root
+    uint32_t most_far_lods = 2;  ///< far LODs of an inner node below the root
   };
 
   explicit SyntheticModel(Options options)
@@ -46,7 +46,7 @@ class SyntheticModel {
   HierarchyPage rootPage() const { return {collect(kRootKey, 0, 2)}; }
   HierarchyPage pageBelow(NodeKey owner) const { return {collect(owner, 1, 2)}; }
 
-  /// The whole tree.
+  /// Returns the whole tree.
   Hierarchy hierarchy() const {
     Hierarchy all(nodes_.size());
     all.addRootPage(rootPage());
@@ -125,7 +125,7 @@ class SyntheticModel {
         grow(key.child(octant), childBox(box, octant), child_error, node.lods.front().appearance_error_model);
   }
 
-  /// With errors of twice and four times the last one's, which may be above the parent's.
+  /// Adds LODs with twice and four times the error of the last one, which may exceed the parent's error.
   void addFarLods(Node& node) {
     node.far_lods = static_cast<uint32_t>(spare_random_() % (options_.most_far_lods + 1));
     for (uint32_t i = 0; i < node.far_lods; ++i) {

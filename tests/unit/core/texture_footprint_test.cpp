@@ -9,7 +9,7 @@
 namespace lode::core {
 namespace {
 
-/// A set whose coordinates are codes / 2^14: from 0 to 4, of one texture of 3 x 2 tiles.
+/// A set with one texture of 3 x 2 tiles and coordinates code / 2^14, from 0 to 4.
 TextureSet setOf(uint32_t width = 1500, uint32_t height = 1000) {
   TextureSet set;
   set.uv_scale_exponent = 2;
@@ -17,7 +17,7 @@ TextureSet setOf(uint32_t width = 1500, uint32_t height = 1000) {
   return set;
 }
 
-constexpr double kCodes = 1 << 14;  // of one repeat
+constexpr double kCodes = 1 << 14;  // codes per repetition
 
 Mesh triangleOf(std::array<glm::dvec2, 3> uv, uint16_t material = 0) {
   Mesh mesh;
@@ -70,7 +70,7 @@ TEST(TextureFootprint, hasAllTilesWhenATriangleSpansMoreThanTheImage) {
   const TextureFootprint footprint = makeFootprint(wide, setOf(), 1);
   EXPECT_TRUE(footprint.tiles.empty());
   ASSERT_EQ(footprint.whole.size(), 1u);
-  // 3 x 1500 texels along 1000 steps, a tenth of 1000 texels along as many: more than 8 times apart.
+  // 3 x 1500 texels per 1000 steps one way and 100 the other: a ratio above 8.
   EXPECT_NEAR(footprint.whole[0].texels_per_model, 4.5 / 8, 0.01);
 }
 
@@ -80,7 +80,7 @@ TEST(TextureFootprint, endsAtTheBoundaryOfTheImage) {
 }
 
 TEST(TextureFootprint, knowsHowFarApartTexelsLieWhereTheyLieFarthestApart) {
-  // Half of 1500 texels along 1000 steps of 0.5, half of 1000 texels along as many.
+  // 750 texels per 1000 steps of 0.5 one way, 500 the other.
   const Mesh mesh = triangleOf({{{0, 0.5}, {0.5, 0.5}, {0, 1}}});
   for (const TouchedTile& tile : makeFootprint(mesh, setOf(), 0.5).tiles)
     EXPECT_NEAR(tile.texels_per_model, 1.0, 0.01);
@@ -105,7 +105,7 @@ TEST(TextureFootprint, countsATriangleWhoseCoordinatesAreALineWithAnEighthOfItsT
 }
 
 TEST(TextureFootprint, leansTowardsTheTrianglesOnWhichTexelsLieFartherApart) {
-  // Two triangles of one size, on one of which texels lie ten times as far apart.
+  // Two triangles of equal size; texels are ten times as far apart on one.
   Mesh mesh = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.75}}});
   const Mesh sparse = triangleOf({{{0.1, 0.9}, {0.11, 0.9}, {0.1, 0.885}}});
   const float close = makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model;
@@ -157,7 +157,7 @@ TEST(TextureFootprint, ofAMeshThatCostsTooMuchIsTheWholeImage) {
 }
 
 TEST(TextureFootprint, namesNoMoreTilesThanItsMeshIsWorth) {
-  // Half of a texture of 33 x 33 tiles, more than a triangle is worth; then a small one, that has room.
+  // Half of a texture of 33 x 33 tiles, above the limit of a triangle; then a small one within the rest.
   TextureSet set = setOf(32 * kTileInnerPx + 1, 32 * kTileInnerPx + 1);
   set.textures.push_back({"b", 1500, 1000, {}});
   Mesh mesh = triangleOf({{{0, 0}, {1, 0}, {0, 1}}});
@@ -173,7 +173,7 @@ TEST(TextureFootprint, namesNoMoreTilesThanItsMeshIsWorth) {
   ASSERT_EQ(footprint.tiles.size(), 1u);
   EXPECT_EQ(footprint.tiles[0].texture, 1u);
 
-  mesh.triangles.resize(200, mesh.triangles[0]);  // worth more than those tiles
+  mesh.triangles.resize(200, mesh.triangles[0]);  // enough triangles for those tiles
   EXPECT_TRUE(makeFootprint(mesh, set, 1).whole.empty());
   EXPECT_GT(makeFootprint(mesh, set, 1).tiles.size(), maxTouchedTiles(2));
 }

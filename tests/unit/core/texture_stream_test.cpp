@@ -25,8 +25,8 @@ constexpr uint32_t kPage = 1, kMesh = 2, kSet = 3, kFirstTile = 4;
 
 void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
 
-/// A textured square of 4096 steps, its image 1000 x 600 texels: a coarse level of one tile and a fine one of
-/// 2 x 2; and the server's side of a conversation about it, in process.
+/// A textured square of 4096 steps with an image of 1000 x 600 texels: a coarse level of one tile and a fine
+/// one of 2 x 2; and its server as bytes in process.
 class TexturedEngine : public testing::Test {
  protected:
   void SetUp() override {
@@ -44,7 +44,7 @@ class TexturedEngine : public testing::Test {
     far_.eye_model = {2048, 2048, 40000};
   }
 
-  /// @param materials  of the square's two halves.
+  /// @param materials  materials of the square's two halves.
   void makeMesh(std::array<uint16_t, 2> materials) {
     Mesh mesh;
     mesh.attributes.bits = AttributeSet::kTexture | AttributeSet::kMaterial;
@@ -64,7 +64,7 @@ class TexturedEngine : public testing::Test {
     vertices_ = payload.vertices;
   }
 
-  /// Encodes the set, and the page that names the mesh.
+  /// Encodes the texture set and the page with the mesh.
   void finishSet() {
     blobs_[kSet] = encodeTextureSet(set_);
     Node root;
@@ -125,7 +125,7 @@ class TexturedEngine : public testing::Test {
     }
   }
 
-  /// Blobs that the engine asks for in what it sends, in its order, with the numbers of the requests.
+  /// Returns the blobs that the engine requests now, in order, with their request numbers.
   std::vector<std::pair<uint32_t, uint32_t>> takeRequests() {
     std::vector<std::pair<uint32_t, uint32_t>> requests;
     const Bytes sent = engine_->takeOutgoing();
@@ -142,8 +142,7 @@ class TexturedEngine : public testing::Test {
     return requests;
   }
 
-  /// Steps and answers requests, but those refused, until nothing is asked for. @return all that was asked
-  /// for.
+  /// Steps and answers requests, except refused ones, until no request is left. @return all requested blobs.
   std::vector<uint32_t> serve(const std::set<uint32_t>& refused = {},
                               proto::WireError why = proto::WireError::kDamagedStore) {
     std::vector<uint32_t> asked;
@@ -179,7 +178,7 @@ TEST_F(TexturedEngine, asksForTheSetThenTheCoarsestLevelThenTheRest) {
   const std::vector<uint32_t> asked = serve();
   ASSERT_EQ(asked.size(), 1u + tiles());
   EXPECT_EQ(asked[0], kSet);
-  EXPECT_EQ(asked[1], kFirstTile);  // tiles stand coarsest first
+  EXPECT_EQ(asked[1], kFirstTile);  // coarsest tiles first
   EXPECT_TRUE(engine_->settled());
   EXPECT_TRUE(engine_->cut()->converged);
   EXPECT_EQ(engine_->failure(), "");
@@ -226,7 +225,7 @@ TEST_F(TexturedEngine, countsWhatTexturesTake) {
 
 TEST_F(TexturedEngine, leavesOutFinerTilesThatTheBudgetDoesNotAllowAndSettles) {
   EngineOptions options;
-  // The coarse tile takes a layer and more for its tail, each fine one a layer: room for two of five.
+  // The coarse tile takes a layer and its tail, each fine one a layer: two of five fit.
   options.memory_budget_bytes = kTextureBudgetShare * 11 * (1u << 18);
   open(options);
   EXPECT_EQ(serve().size(), 1u + 2u);
@@ -235,7 +234,7 @@ TEST_F(TexturedEngine, leavesOutFinerTilesThatTheBudgetDoesNotAllowAndSettles) {
   EXPECT_EQ(engine_->counts().tiles_left_out, tiles() - 2u);
   EXPECT_LE(engine_->counts().texture_bytes, options.memory_budget_bytes / kTextureBudgetShare);
   EXPECT_EQ(engine_->cut()->tiles.front().key.level, 1u);
-  for (int turn = 0; turn < 3; ++turn) {  // there and back: no tile is asked for twice
+  for (int turn = 0; turn < 3; ++turn) {  // there and back: no tile is requested twice
     engine_->setView(turn % 2 == 0 ? far_ : near_, 1);
     EXPECT_TRUE(serve().empty());
     EXPECT_TRUE(engine_->settled());

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kTexelsPerModel = 2;
 
-/// Two textures: 2048 x 2048 of 5 x 5 tiles and 4 levels, and 64 x 64 of one tile.
+/// Two textures: 2048 x 2048 with 5 x 5 tiles and 4 levels, and 64 x 64 with one tile.
 TextureSet twoTextures() {
   TextureSet set;
   set.textures.push_back({"large", 2048, 2048, {}});
@@ -26,7 +26,7 @@ TextureFootprint footprintOf(std::initializer_list<glm::uvec2> places, uint32_t 
   return footprint;
 }
 
-/// Where a pixel is as large as so many texels of level 0.
+/// Distance at which a pixel covers a number of level 0 texels.
 double distanceFor(double texels_px, const View& view) {
   return texels_px / kTexelsPerModel * view.height_px / (2 * std::tan(view.fov_y_rad / 2));
 }
@@ -54,7 +54,7 @@ TEST(TextureWants, areTheLevelWhereATexelIsAPixelAndAllCoarserOnes) {
   EXPECT_EQ(levels(4.1, 1), (std::set<uint32_t>{2, 3}));
   EXPECT_EQ(levels(1000, 1), (std::set<uint32_t>{3}));
   EXPECT_EQ(levels(1.1, 2), (std::set<uint32_t>{1, 2, 3}));        // a texel may cover two pixels
-  EXPECT_EQ(levels(1.9, 0.1f), (std::set<uint32_t>{0, 1, 2, 3}));  // finer than pixels is for nothing
+  EXPECT_EQ(levels(1.9, 0.1f), (std::set<uint32_t>{0, 1, 2, 3}));  // levels finer than pixels are not needed
   EXPECT_EQ(levels(2.1, 0.1f), (std::set<uint32_t>{1, 2, 3}));
 }
 
@@ -91,7 +91,7 @@ TEST(TextureWants, comeCoarserBeforeFiner) {
       const bool same = wanted[i].key.texture == wanted[j].key.texture;
       EXPECT_TRUE(!same || wanted[i].key.level >= wanted[j].key.level);
     }
-  EXPECT_EQ(wanted[1].key.texture + wanted[0].key.texture, 1u);  // the coarsest of both first
+  EXPECT_EQ(wanted[1].key.texture + wanted[0].key.texture, 1u);  // both coarsest levels first
 }
 
 TEST(TextureWants, haveThePixelsOfACoarserTexelForAPriority) {
@@ -162,7 +162,7 @@ TEST(TileRoom, ofACoarsestLevelIncludesItsTail) {
   EXPECT_EQ(tileRoomBytes(set, {0, 0, 1, 1}), tileRoomBytes({512, 512}));
   uint64_t expected = 0;
   for (const uint32_t edge : {128, 64, 32, 32, 32, 32, 32})
-    expected += edge * edge * 4;  // of 68 texels ... 5
+    expected += edge * edge * 4;  // sides of 68 to 5 texels
   EXPECT_EQ(tileRoomBytes(set, {0, 1, 0, 0}), expected);
 }
 

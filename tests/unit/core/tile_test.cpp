@@ -7,7 +7,7 @@
 namespace lode::core {
 namespace {
 
-/// An image whose gutters repeat it, as those of a coarsest level do.
+/// An image whose gutters repeat it, as in a coarsest level.
 TileImage imageOf(uint32_t width, uint32_t height, const std::vector<glm::u8vec4>& texels) {
   TileImage image{{width + 2 * kTileGutterPx, height + 2 * kTileGutterPx}, {}, {}};
   for (uint32_t y = 0; y < image.size.y; ++y)

@@ -11,7 +11,7 @@
 namespace lode::core {
 namespace {
 
-/// A bumpy sphere whose triangles follow one another at random.
+/// A bumpy sphere with triangles in random order.
 Mesh shuffledSphere(uint32_t seed) {
   Mesh mesh = test::makeSphere(80, 40, {.attributes = {}, .seed = seed, .bump = 0.1});
   std::ranges::shuffle(mesh.triangles, std::mt19937(seed));
@@ -53,7 +53,7 @@ TEST(TriangleClusters, areSmall) {
     whole.add(box);
     mean += diagonalOf(box) / static_cast<double>(mesh.cluster_boxes.size());
   }
-  // 50 squares would have 0.2 of it; in the order of before, each has nearly all of it.
+  // 50 squares would cover 0.2 of it; in the original order each cluster covers nearly all of it.
   EXPECT_LT(mean, 0.4 * diagonalOf(whole));
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr glm::dvec3 kY(0, 1, 0), kZ(0, 0, 1);
 
-/// Faces of four corners, in steps of the lattice.
+/// Quads in lattice steps.
 class Faces {
  public:
   Faces& add(const std::array<glm::uvec3, 4>& corners) {
@@ -25,13 +25,13 @@ class Faces {
   Mesh mesh_;
 };
 
-/// x, y, z to y, z, x and so on, as often as told.
+/// Maps x, y, z to z, x, y, a number of times.
 glm::uvec3 turned(glm::uvec3 p, int times) {
   for (int i = 0; i < times; ++i) p = {p.z, p.x, p.y};
   return p;
 }
 
-/// Ground of a hill along x, up z unless turned: two slopes.
+/// Terrain with z up before rotation: two slopes of a hill along x.
 Mesh hill(int turns, bool reversed = false) {
   std::array<glm::uvec3, 4> rise{glm::uvec3{0, 0, 0}, {100, 0, 60}, {100, 100, 60}, {0, 100, 0}};
   std::array<glm::uvec3, 4> fall{glm::uvec3{100, 0, 60}, {200, 0, 0}, {200, 100, 0}, {100, 100, 60}};
@@ -42,7 +42,7 @@ Mesh hill(int turns, bool reversed = false) {
   return Faces().add(rise).add(fall).mesh();
 }
 
-/// A closed wedge: a flat foot at z = 0 unless turned, and a ridge along x.
+/// A closed wedge with a flat foot at z = 0 before rotation, and a ridge along x.
 Mesh tent(int turns) {
   std::array<std::array<glm::uvec3, 4>, 5> faces{{
       {glm::uvec3{0, 0, 0}, {0, 100, 0}, {100, 100, 0}, {100, 0, 0}},
@@ -73,7 +73,7 @@ TEST(UpAxis, isOppositeToAFlatFoot) {
 
 TEST(UpAxis, isYWhereNothingTells) {
   EXPECT_EQ(guessUp(Mesh()), kY);
-  EXPECT_EQ(guessUp(tent(1)), kY);  // its foot is at a side
+  EXPECT_EQ(guessUp(tent(1)), kY);  // its foot is on one side
 }
 
 TEST(UpAxis, isReadWithItsSign) {

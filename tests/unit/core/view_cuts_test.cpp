@@ -17,7 +17,7 @@ using namespace fixture;
 const View kNear = closeView(), kFar = farView(), kAside = lookingAt({2600, 512, 512}, {512, 512, 512}),
            kAway = lookingAt({512, 512, 2500}, {512, 512, 9000});
 
-/// A model that stands in several places.
+/// A model with several instances.
 class Standing : private Seeded {
  public:
   explicit Standing(uint32_t seed, uint64_t memory_budget_bytes = 1ull << 40,
@@ -28,7 +28,7 @@ class Standing : private Seeded {
     group_.setViews(views, threshold_px);
     group_.refine(model_);
   }
-  /// Calls watch() each time that something has come, until all has. @return how much came.
+  /// Delivers all blobs and calls watch() after each. @return the number of blobs.
   template <typename Watch>
   int deliverAll(Watch&& watch) {
     constexpr int kTooMany = 5000;
@@ -87,7 +87,7 @@ std::map<BlobUse, Request> byUse(const std::vector<Request>& requests) {
 TEST_P(ViewsOfAGroup, askForAMeshOnceWithThePriorityOfThePlaceThatNeedsItMost) {
   Standing both(GetParam()), near(GetParam()), aside(GetParam());
   both.see({kAside, kNear});
-  near.see({kNear, kNear});  // two, so that nothing is taken for hidden
+  near.see({kNear, kNear});  // two views disable the occlusion estimate
   aside.see({kAside, kAside});
   const auto of_near = byUse(near.group().requests()), of_aside = byUse(aside.group().requests());
   const auto merged = byUse(both.group().requests());
@@ -137,7 +137,7 @@ TEST_P(ViewsOfAGroup, shareMeshesInWhatIsDrawn) {
   EXPECT_EQ(model.all().triangles, 2 * model.cut(0).triangles + model.cut(2).triangles);
 }
 
-/// The threshold at which all views have what they would have alone; none if there is none.
+/// Returns the threshold at which every view has the cut that it would have alone, if any.
 std::optional<float> commonThreshold(const Standing& model, const std::vector<View>& views) {
   for (int step = 0; step < 80; ++step) {
     const float threshold_px = std::exp2(static_cast<float>(step) / 4);

@@ -71,8 +71,7 @@ TEST_P(ViewGroupOnSeeds, becomesFinerAgainOnlyWhereThereIsRoomToSpare) {
   EXPECT_FALSE(group.limited());
 }
 
-/// A camera within a model that asks for less than it did: what it sees is finer than it wants, and something
-/// stands by for what it leaves out.
+/// A camera inside a model whose threshold was raised: its cut contains finer stand-ins and fallbacks.
 class Within : private Seeded {
  public:
   explicit Within(uint32_t seed) : Seeded(seed) {
@@ -83,14 +82,14 @@ class Within : private Seeded {
       deliver(group.requests().front());
   }
 
-  /// What such a camera is given.
+  /// Returns the cut within a budget.
   std::shared_ptr<const Cut> cutAt(uint64_t drawn_budget_bytes, bool& limited) {
     const ViewGroup group = within(30, {.drawn_budget_bytes = drawn_budget_bytes});
     limited = group.limited();
     return group.cut();
   }
 
-  /// Of the fallback that is never given up.
+  /// Memory of the fallback that is never dropped.
   uint64_t leastFallbackBytes() const {
     const auto lods = static_cast<uint32_t>(tree_.nodes().at(kRootKey).lods.size());
     return drawnBytes(*tree_.mesh({kRootKey, lods - 1}));
@@ -116,7 +115,7 @@ uint64_t bytesOfParts(const Cut& cut) {
 }
 
 TEST(ViewGroup, givesUpWhatStandsByBeforeWhatIsSeenAndThenWhatIsFinerThanWanted) {
-  int without_fallbacks = 0, without_finer = 0;  // budgets at which each was given up
+  int without_fallbacks = 0, without_finer = 0;  // budgets at which each was dropped
   for (uint32_t seed = 1; seed < 7; ++seed) {
     Within camera(seed);
     bool limited = false;
@@ -136,13 +135,13 @@ TEST(ViewGroup, givesUpWhatStandsByBeforeWhatIsSeenAndThenWhatIsFinerThanWanted)
   EXPECT_GT(without_finer, 0);
 }
 
-/// A camera whose cuts are looked at as blobs come.
+/// A camera whose cuts are checked after every blob.
 class Watched : private Seeded {
  public:
   Watched(uint32_t seed, uint64_t drawn_budget_bytes)
       : Seeded(seed), group_({.drawn_budget_bytes = drawn_budget_bytes}) {}
 
-  /// Goes on from near the model to where less is wanted of what is there, and what was not seen before.
+  /// Moves away from the model, to a view that needs coarser LODs and nodes not seen before.
   static Watched steppingBack(uint32_t seed, uint64_t drawn_budget_bytes) {
     Watched camera(seed, drawn_budget_bytes);
     camera.see(closeView(), 4);
@@ -153,7 +152,7 @@ class Watched : private Seeded {
 
   void see(const View& view, float threshold_px) { group_.setView(view, threshold_px); }
 
-  /// Calls see(cut) each time that something has come, until all has.
+  /// Delivers all blobs and calls see(cut) after each.
   template <typename See>
   void watch(See&& see) {
     for (group_.refine(model_);; group_.refine(model_)) {
@@ -163,7 +162,7 @@ class Watched : private Seeded {
     }
   }
 
-  /// How often the place that does so most becomes coarser meanwhile.
+  /// Returns the largest number of times that one node becomes coarser meanwhile.
   int mostRises() {
     std::map<NodeKey, int> rises;
     std::map<NodeKey, float> before;

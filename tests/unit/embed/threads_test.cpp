@@ -1,4 +1,4 @@
-// A system that gives no more threads: the program that embeds the library goes on, and is told.
+// Thread creation fails: the embedding program continues and gets an error.
 
 #include <climits>
 #include <string>

@@ -25,7 +25,7 @@ namespace {
 using asio::ip::tcp;
 using namespace std::chrono_literals;
 
-/// A name whose look-up does not end before it is let go.
+/// A host name whose lookup blocks until release.
 class SlowName {
  public:
   static constexpr const char* kHost = "slow.example";
@@ -62,7 +62,7 @@ class SlowName {
 }  // namespace
 }  // namespace lode::net
 
-/// This program's own: the system's, but for SlowName.
+/// Replaces the system's function, to block for SlowName.
 extern "C" int getaddrinfo(const char* node, const char* service, const addrinfo* hints, addrinfo** found) {
   if (std::string_view(node) == lode::net::SlowName::kHost) {
     lode::net::slow_name.lookUp();
@@ -75,7 +75,7 @@ extern "C" int getaddrinfo(const char* node, const char* service, const addrinfo
 namespace lode::net {
 namespace {
 
-/// Counts wakes, so that a test waits without sleeping.
+/// Counts wake calls, so that a test can wait without polling.
 class Bell {
  public:
   void ring() {
@@ -121,7 +121,7 @@ class TcpTransportTest : public testing::Test {
     }
   }
 
-  /// How many bytes come before the connection is closed; nothing if it is not.
+  /// Returns the number of bytes received before the connection closes; nothing if it stays open.
   std::optional<size_t> receivedUntilTheEnd(tcp::socket& peer) {
     proto::Bytes all(2 * kMaxUnsentBytes);
     std::optional<size_t> received;
@@ -242,7 +242,7 @@ TEST_F(TcpTransportTest, refusesToQueueMoreThanTheLimit) {
 }
 
 TEST_F(TcpTransportTest, leavesNoThreadAndNoDescriptorBehindWhereverInConnectingItEnds) {
-  std::thread([] {}).join();  // with the first begins one of the thread sanitizer
+  std::thread([] {}).join();  // the first thread starts one of the thread sanitizer too
   const size_t threads_before = test::ownEntries("task"), descriptors_before = test::ownEntries("fd");
   for (int i = 0; i < 30; ++i) TcpTransport(route(), [] {});
   EXPECT_LE(test::ownEntriesOnceDownTo(threads_before, "task"), threads_before);
@@ -252,7 +252,7 @@ TEST_F(TcpTransportTest, leavesNoThreadAndNoDescriptorBehindWhereverInConnecting
 TEST_F(TcpTransportTest, closesTheConnectionWhereItEndsWhileItSends) {
   acceptor_.set_option(asio::socket_base::receive_buffer_size(1 << 16));
   std::optional<TcpTransport> transport(std::in_place, route(), [] {});
-  transport->send(proto::Bytes(kMaxUnsentBytes));  // more than the system keeps for one who takes nothing
+  transport->send(proto::Bytes(kMaxUnsentBytes));  // more than the socket buffers hold
   tcp::socket peer = acceptor_.accept();
   peer.wait(tcp::socket::wait_read);
   transport.reset();
@@ -303,7 +303,7 @@ TEST_F(TcpTransportTest, wakesNobodyOnceItIsGone) {
     loop.poll();
   }
   loop.restart();
-  loop.run();  // ends, as nothing of the transport is left on it
+  loop.run();  // returns, since the transport has left nothing on the loop
   EXPECT_FALSE(woken);
 }
 

@@ -1,4 +1,4 @@
-// A connection under TLS: whom it believes, and what it says when it does not.
+// TLS connections: trusted certificates, and errors for untrusted ones.
 
 #include <condition_variable>
 #include <fstream>
@@ -25,7 +25,7 @@ namespace {
 using asio::ip::tcp;
 using namespace std::chrono_literals;
 
-/// A server of one connection that sends back what it receives, with a certificate for "localhost".
+/// An echo server for one connection, with a certificate for "localhost".
 class EchoUnderTls : public testing::Test {
  protected:
   EchoUnderTls() {
@@ -46,7 +46,7 @@ class EchoUnderTls : public testing::Test {
     return {{host, port_}, 10s, trustAuthorities(folder_ / authorities)};
   }
 
-  /// What comes back, or why nothing does.
+  /// Returns the echo or the error.
   std::string answerTo(const std::string& text, const Route& route) {
     TcpTransport transport(route, [this] {
       const std::lock_guard lock(mutex_);

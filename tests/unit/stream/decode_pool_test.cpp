@@ -12,14 +12,14 @@
 namespace lode::stream {
 namespace {
 
-/// Counts what a pool wakes for.
+/// Collects the results of a pool.
 class Results {
  public:
   void wake() {
     const std::lock_guard lock(mutex_);
     woken_.notify_one();
   }
-  /// Takes results until there are so many.
+  /// Takes results until the given number is reached.
   std::vector<core::DecodeResult> waitFor(DecodePool& pool, size_t count) {
     std::vector<core::DecodeResult> all;
     std::unique_lock lock(mutex_);
@@ -36,7 +36,7 @@ class Results {
   std::condition_variable woken_;
 };
 
-/// Jobs whose bytes are no payload: they fail fast.
+/// Jobs with invalid payloads, which fail fast.
 std::vector<core::DecodeJob> jobs(size_t count) {
   std::vector<core::DecodeJob> made(count);
   for (core::DecodeJob& job : made) job.bytes.resize(100);
@@ -75,7 +75,7 @@ TEST(DecodePool, dropsTheJobsThatWaitWhenItEnds) {
       closed.get_future().wait();
     });
     adder = std::thread([&] {
-      pool.add(jobs(kMaxWaitingJobs + 2));  // one more than there is room for: it waits until the pool ends
+      pool.add(jobs(kMaxWaitingJobs + 2));  // one more than fits: blocks until the pool ends
       closed.set_value();
     });
     first_woke.get_future().wait();
