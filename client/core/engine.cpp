@@ -185,14 +185,14 @@ void Engine::renewRequests() {
   /// @return false if no further request fits.
   const auto ask = [&](const Request& request) {
     // While every query hits the cache, stand-ins are not worth loading.
-    if (request.is_stand_in && options_.has_cache && !queries_.lacksAny()) return true;
+    if (request.is_stand_in && options_.has_cache && !queries_.hasMisses()) return true;
     if (!model_->wants(request) || !asked.insert(request.blob.number).second) return true;
     if (draining != nullptr && draining->isRequested(request.blob)) return true;
     waiting_bytes += request.blob.bytes;
     held_back_ = waiting_bytes > budget_bytes && model_->undecodedBytes() > budget_bytes / 2;
     if (waiting_bytes > budget_bytes && !(requests.empty() && model_->decoding() == 0)) return false;
     if (request.request_class == proto::RequestClass::kPrefetch) prefetcher_.asked(request);
-    if (!options_.has_cache || queries_.lacks(request)) requests.push_back(request);
+    if (!options_.has_cache || queries_.isMissing(request)) requests.push_back(request);
     return requests.size() < kMaxRequestsAtOnce;
   };
   if (const auto first = model_->firstRequest()) ask(*first);

@@ -2,7 +2,7 @@
 
 namespace lode::core {
 
-bool CacheQueries::lacks(const Request& request) {
+bool CacheQueries::isMissing(const Request& request) {
   if (misses_.contains(request.blob.digest)) return true;
   if (asked_.size() >= kMaxCacheQueries) return false;
   if (asked_.try_emplace(request.blob.digest, request.use).second) new_.push_back(request.blob);

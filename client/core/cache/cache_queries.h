@@ -19,7 +19,7 @@ class CacheQueries {
  public:
   /// Returns true if the cache does not have the blob. Otherwise queries the cache, now or on a later call if
   /// too many queries are open, and returns false.
-  bool lacks(const Request& request);
+  bool isMissing(const Request& request);
   /// Blobs to look up in the cache. Answer each with finish().
   std::vector<BlobRef> take() { return std::exchange(new_, {}); }
   /// @return the use of the blob; nothing if it was not queried.
@@ -27,7 +27,7 @@ class CacheQueries {
   /// The server has sent the blob: the cache will have it.
   void arrived(const BlobRef& blob) { misses_.erase(blob.digest); }
   /// Returns true if some blob was missing in the cache and has not arrived since.
-  bool lacksAny() const noexcept { return !misses_.empty(); }
+  bool hasMisses() const noexcept { return !misses_.empty(); }
   bool idle() const noexcept { return asked_.empty(); }
 
  private:

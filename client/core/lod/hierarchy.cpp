@@ -25,8 +25,8 @@ unsigned childCount(const Node& node) { return static_cast<unsigned>(std::popcou
 }  // namespace
 
 void Hierarchy::addRootPage(HierarchyPage page) {
-  if (root_) refuse(kRootKey, "came twice");
-  if (page.nodes.empty() || page.nodes.front().key != kRootKey) refuse(kRootKey, "does not hold the root");
+  if (root_) refuse(kRootKey, "was received twice");
+  if (page.nodes.empty() || page.nodes.front().key != kRootKey) refuse(kRootKey, "does not contain the root");
   root_ = link(std::move(page), 1);
   markLost(*root_);
   size_ = root_->nodes.size();
@@ -35,15 +35,16 @@ void Hierarchy::addRootPage(HierarchyPage page) {
 
 void Hierarchy::addPage(NodeKey owner_key, HierarchyPage page) {
   auto* const owner = const_cast<KnownNode*>(find(owner_key));  // this object owns the pages
-  if (!owner || !owner->child_page) refuse(owner_key, "belongs to no known node");
-  if (owner->childrenKnown()) refuse(owner_key, "came twice");
+  if (!owner || !owner->child_page) refuse(owner_key, "does not belong to a known node");
+  if (owner->childrenKnown()) refuse(owner_key, "was received twice");
   unsigned children = 0;
   for (const Node& node : page.nodes) {
     if (node.key == owner_key || !owner_key.contains(node.key))
-      refuse(owner_key, "holds a node of elsewhere");
+      refuse(owner_key, "contains a node outside its subtree");
     if (node.key.parent() != owner_key) continue;
     children |= 1u << node.key.octant();
-    if (!node.box.empty() && !owner->box.contains(node.box)) refuse(owner_key, "leaves its owner's box");
+    if (!node.box.empty() && !owner->box.contains(node.box))
+      refuse(owner_key, "exceeds the box of its owner");
     if (node.lods.empty()) refuse(owner_key, "holds a node without LODs");
     const Lod& coarsest = node.sourceLod();
     const Lod& finest = owner->lods.front();
@@ -51,7 +52,8 @@ void Hierarchy::addPage(NodeKey owner_key, HierarchyPage page) {
         !(coarsest.appearance_error_model <= finest.appearance_error_model))
       refuse(owner_key, "has larger errors than its owner");
   }
-  if (children != owner->child_mask) refuse(owner_key, "holds other children than its owner announced");
+  if (children != owner->child_mask)
+    refuse(owner_key, "does not match the children that its owner announced");
   std::unique_ptr<Page> linked = link(std::move(page), childCount(*owner));
   markLost(*linked);
   linked->owner = owner;
@@ -85,7 +87,7 @@ std::unique_ptr<Hierarchy::Page> Hierarchy::link(HierarchyPage page, size_t firs
   for (KnownNode& node : linked->nodes) {
     if (node.isLeaf() || node.child_page) continue;
     if (next + childCount(node) > linked->nodes.size() || linked->nodes[next].key.parent() != node.key)
-      refuse(node.key, "lacks a child");
+      refuse(node.key, "is missing a child");
     node.children = &linked->nodes[next];
     next += childCount(node);
   }

@@ -133,7 +133,7 @@ class Run {
   /// everything visible.
   void leaveOut(const WantedNode& wanted) {
     whole_ = false;
-    lacking_.push_back({wanted.node->key, toModelBox(wanted.node->box, step_)});
+    uncovered_.push_back({wanted.node->key, toModelBox(wanted.node->box, step_)});
     if (wanted.role == Role::kBlocked) return askForPage(wanted, 0);
     request(wanted, 0);
   }
@@ -142,9 +142,9 @@ class Run {
 
   /// Sizes of the cut before the children of a node.
   struct Progress {
-    size_t parts, lacking, fallbacks;
+    size_t parts, uncovered, fallbacks;
   };
-  Progress progress() const { return {cut_->parts.size(), lacking_.size(), cut_->fallbacks.size()}; }
+  Progress progress() const { return {cut_->parts.size(), uncovered_.size(), cut_->fallbacks.size()}; }
 
   /// Returns the finest resident LOD of a node that fits the fallback budgets; for the root at least the
   /// coarsest resident one.
@@ -162,7 +162,7 @@ class Run {
   /// Adds a node as fallback for the parts that its children leave out. Does nothing if no LOD fits the
   /// budgets: an ancestor takes over.
   void addFallback(const WantedNode& wanted, const Progress& before) {
-    if (lacking_.size() == before.lacking) return;
+    if (uncovered_.size() == before.uncovered) return;
     const std::optional<uint32_t> lod = fallbackLod(wanted);
     if (!lod) return;
     in_use_.push_back({wanted.node->key, *lod});
@@ -176,9 +176,9 @@ class Run {
     fallback.first_part = static_cast<uint32_t>(before.parts);
     fallback.end_part = static_cast<uint32_t>(cut_->parts.size());
     fallback.first_left_out = static_cast<uint32_t>(cut_->left_out.size());
-    const auto first = lacking_.begin() + static_cast<std::ptrdiff_t>(before.lacking);
-    cut_->left_out.insert(cut_->left_out.end(), first, lacking_.end());
-    lacking_.erase(first, lacking_.end());
+    const auto first = uncovered_.begin() + static_cast<std::ptrdiff_t>(before.uncovered);
+    cut_->left_out.insert(cut_->left_out.end(), first, uncovered_.end());
+    uncovered_.erase(first, uncovered_.end());
     fallback.end_left_out = static_cast<uint32_t>(cut_->left_out.size());
     fallback.first_nested = static_cast<uint32_t>(before.fallbacks);
     cut_->fallbacks.push_back(std::move(fallback));
@@ -242,7 +242,7 @@ class Run {
     for (uint32_t lod = WantedCut::lastLod(node) + 1; lod-- > 0;)
       if (ready(place, lod)) return emit(place, lod, Fit::kFiner);
     if (place.near) return showFinerChildren(node);
-    lacking_.push_back({node.key, toModelBox(node.box, step_)});
+    uncovered_.push_back({node.key, toModelBox(node.box, step_)});
   }
 
   /// Relation of a shown part to the part that is wanted there.
@@ -354,7 +354,7 @@ class Run {
       if (a.priority_px != b.priority_px) return a.priority_px > b.priority_px;
       return std::tie(a.use.mesh, a.use.kind) < std::tie(b.use.mesh, b.use.kind);
     });
-    cut_->converged = exact_ && !want_.blocked() && !want_.limited() && !want_.lacks();
+    cut_->converged = exact_ && !want_.blocked() && !want_.limited() && !want_.stoppedByLoss();
     Refinement result;
     if (has_cut) result.cut = std::move(cut_);
     result.wanted = std::move(wanted_);
@@ -377,7 +377,7 @@ class Run {
   const bool may_leave_out_;  // the root is resident and can serve as fallback
 
   std::shared_ptr<Cut> cut_;
-  std::vector<LeftOut> lacking_;  // left out, without a fallback yet
+  std::vector<LeftOut> uncovered_;  // left out, no fallback yet
   uint64_t fallback_bytes_ = 0, fallback_drawn_bytes_ = 0;
   bool exact_ = true;          // the published cut is the wanted one near the view
   bool whole_ = true;          // nothing is left out

@@ -54,7 +54,7 @@ void WantedCut::begin() {
   open_.clear();
   pages_.clear();
   page_bytes_ = hierarchy_.rootPageBytes();
-  stopped_ = limited_ = blocked_ = lacks_ = false;
+  stopped_ = limited_ = blocked_ = stopped_by_loss_ = false;
   totals_ = {};
   nodes_.push_back(place(first));
   totals_.add(first.lods[root().lod], attributes_);
@@ -125,7 +125,7 @@ bool WantedCut::giveWay(const Candidate& candidate) {
     return true;
   }
   if (!node.mayGiveWay()) {
-    lacks_ |= candidate.error_px > options_.threshold_px && (wanted.lod > 0 || !node.isLeaf());
+    stopped_by_loss_ |= candidate.error_px > options_.threshold_px && (wanted.lod > 0 || !node.isLeaf());
     return true;
   }
   const uint64_t page_bytes =

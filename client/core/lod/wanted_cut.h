@@ -70,7 +70,8 @@ class WantedCut {
 
   bool limited() const noexcept { return limited_; }  ///< a budget stopped refinement above the threshold
   bool blocked() const noexcept { return blocked_; }  ///< the page of some node's children is not loaded
-  bool lacks() const noexcept { return lacks_; }      ///< lost blobs stopped refinement above the threshold
+  /// Returns true if lost blobs stopped refinement above the threshold.
+  bool stoppedByLoss() const noexcept { return stopped_by_loss_; }
   /// Owners of the pages that the cut passes through.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
@@ -125,7 +126,7 @@ class WantedCut {
   uint64_t page_bytes_ = 0;
   std::vector<NodeKey> pages_;
   bool stopped_ = false;  // at a budget
-  bool limited_ = false, blocked_ = false, lacks_ = false;
+  bool limited_ = false, blocked_ = false, stopped_by_loss_ = false;
 };
 
 }  // namespace lode::core

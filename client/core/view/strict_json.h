@@ -25,7 +25,7 @@ inline std::string placeIn(std::string_view text, size_t bytes) {
 template <typename Json>
 Json parseStrictly(std::string_view text, std::string& problem) {
   std::vector<std::set<std::string>> names;  // names so far, per enclosing object
-  const auto look = [&](int /*depth*/, typename Json::parse_event_t event, Json& parsed) {
+  const auto checkNames = [&](int /*depth*/, typename Json::parse_event_t event, Json& parsed) {
     using Event = typename Json::parse_event_t;
     if (event == Event::object_start) names.emplace_back();
     if (event == Event::object_end) names.pop_back();
@@ -34,7 +34,7 @@ Json parseStrictly(std::string_view text, std::string& problem) {
     return true;
   };
   try {
-    return Json::parse(text, look);
+    return Json::parse(text, checkNames);
   } catch (const typename Json::parse_error& error) {
     problem = "not JSON" + placeIn(text, error.byte);
   } catch (const typename Json::out_of_range&) {

@@ -14,8 +14,8 @@ Request request(uint32_t number) {
 
 TEST(CacheQueries, askForABlobOnceUntilTheAnswer) {
   CacheQueries queries;
-  EXPECT_FALSE(queries.lacks(request(1)));
-  EXPECT_FALSE(queries.lacks(request(1)));
+  EXPECT_FALSE(queries.isMissing(request(1)));
+  EXPECT_FALSE(queries.isMissing(request(1)));
   EXPECT_EQ(queries.take().size(), 1u);
   EXPECT_TRUE(queries.take().empty());
   EXPECT_FALSE(queries.idle());
@@ -26,20 +26,20 @@ TEST(CacheQueries, askForABlobOnceUntilTheAnswer) {
 
 TEST(CacheQueries, sendABlobThatIsNotThereToTheServerUntilItHasCome) {
   CacheQueries queries;
-  queries.lacks(request(1));
+  queries.isMissing(request(1));
   queries.finish(request(1).blob, false);
-  EXPECT_TRUE(queries.lacks(request(1)));
+  EXPECT_TRUE(queries.isMissing(request(1)));
   queries.arrived(request(1).blob);
-  EXPECT_FALSE(queries.lacks(request(1)));
+  EXPECT_FALSE(queries.isMissing(request(1)));
 }
 
 TEST(CacheQueries, waitWhenManyAreUnderWay) {
   CacheQueries queries;
   for (uint32_t number = 1; number <= kMaxCacheQueries + 10; ++number)
-    EXPECT_FALSE(queries.lacks(request(number)));
+    EXPECT_FALSE(queries.isMissing(request(number)));
   EXPECT_EQ(queries.take().size(), kMaxCacheQueries);
   queries.finish(request(1).blob, true);
-  EXPECT_FALSE(queries.lacks(request(kMaxCacheQueries + 5)));
+  EXPECT_FALSE(queries.isMissing(request(kMaxCacheQueries + 5)));
   EXPECT_EQ(queries.take().size(), 1u);
 }
 
