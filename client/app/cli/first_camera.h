@@ -14,7 +14,8 @@ namespace lode::app {
 /// What --up and --size say of the first camera. @throws Error kUsage.
 core::Framing wantedFraming(const CommonOptions& options);
 
-/// What --size and a scene say of its first camera. @throws Error kUsage where --up says it, too.
+/// Returns how a scene is framed first: --size and the scene's up axis; of a single model as wantedFraming().
+/// @throws Error kUsage if --up is given for a scene that names its own up axis.
 core::Framing framingOf(const Scene& scene, const CommonOptions& options);
 
 /// wantedFraming() with the coarsest mesh of an open model, which comes before all else. Waits for it: where

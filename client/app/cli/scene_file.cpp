@@ -194,16 +194,28 @@ Scene readScene(const std::filesystem::path& file) {
   return scene;
 }
 
-Error ofSceneModel(const Error& error, std::string_view source, const SceneModel& model) {
-  return Error(error.code(), std::string(source) + ": models." + quoted(model.name) + ": " + error.what());
+Scene sceneOf(const std::string& target) {
+  if (namesScene(target)) return readScene(target);
+  Scene scene;
+  scene.models.push_back({target, target});
+  scene.instances.emplace_back();
+  scene.is_single_model = true;
+  return scene;
+}
+
+Error ofSceneModel(const Error& error, std::string_view source, const Scene& scene, size_t model) {
+  if (scene.is_single_model) return error;
+  return Error(error.code(),
+               std::string(source) + ": models." + quoted(scene.models[model].name) + ": " + error.what());
 }
 
 core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept {
   const glm::dquat back = glm::conjugate(placement.rotation);
+  const glm::dvec3 origin_in_scene = placement.position + placement.rotation * (placement.scale * origin);
   core::View seen = view;
-  seen.eye_model = back * (view.eye_model - placement.position) / placement.scale - origin;
-  seen.forward = glm::normalize(back * view.forward);
-  seen.up = glm::normalize(back * view.up);
+  seen.eye_model = back * (view.eye_model - origin_in_scene) / placement.scale;
+  seen.forward = back * view.forward;
+  seen.up = back * view.up;
   seen.near_model = view.near_model / placement.scale;
   return seen;
 }

@@ -56,6 +56,7 @@ struct Scene {
   std::vector<SceneInstance> instances;  ///< at least one
   std::optional<SceneGround> ground;
   std::optional<SceneSky> sky;
+  bool is_single_model = false;  ///< made by sceneOf() for one model, not read from a file
 };
 
 /// A name as a scene's file has it, in quotes, in one line of ASCII; of a long one how it begins.
@@ -69,10 +70,14 @@ std::string quoted(const std::string& name);
 Scene parseScene(std::string_view json, std::string_view source);
 /// @throws Error kIo too.
 Scene readScene(const std::filesystem::path& file);
-/// What a model's target could not be opened for, with its place in the scene.
-Error ofSceneModel(const Error& error, std::string_view source, const SceneModel& model);
+/// Reads the scene that a target names. Any other target becomes a scene of one model at its own coordinates,
+/// which does not say which way is up. @throws Error as readScene().
+Scene sceneOf(const std::string& target);
+/// Adds the scene's file and the model's name to the error of opening one of its models. The error of a
+/// single model stays as it is.
+Error ofSceneModel(const Error& error, std::string_view source, const Scene& scene, size_t model);
 
-/// A camera of the scene as the model sees it that stands there.
+/// Transforms a camera of the scene into the frame of a model's instance. Exact for a single model.
 /// @param view    in the scene: eye and near distance in its units.
 /// @param origin  of the model's lattice, in true coordinates.
 core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept;

@@ -24,7 +24,7 @@
 #include "client/app/window/output/film_folder.h"
 #include "client/app/window/output/picture_file.h"
 #include "client/app/window/output/video.h"
-#include "client/app/window/scene/scene_subject.h"
+#include "client/app/window/scene/rendered_scene.h"
 #include "client/core/view/camera_path.h"
 #include "client/render/framebuffer.h"
 #include "client/render/image.h"
@@ -133,61 +133,6 @@ void printLegend(const Shown& shown, std::FILE* report) {
     std::fprintf(report, "%s  %s\n", hexOf(entry.colour).c_str(), entry.meaning.c_str());
 }
 
-/// A model whose server, stream and renderer live as long.
-class ModelSubject : public PictureSubject {
- public:
-  ModelSubject(const CommonOptions& options, bool announce)
-      : options_(options),
-        memory_(render::shareMemory(options.streamOptions().engine.memory_budget_bytes)),
-        opened_(options, streamOptions(), announce),
-        up_(opened_.up()),
-        renderer_(opened_.model().lattice.step, memory_.gpu) {}
-
-  const core::CameraPath& path() const override { return opened_.path(); }
-
-  Taken take(double t, const render::Framebuffer& target, render::DrawStyle style) override {
-    const core::View view = opened_.viewAt(t, options_.size());
-    opened_.streamer().setView(view, options_.pixels);
-    Taken taken;
-    taken.status = opened_.streamer().waitForConvergence(options_.timeout());
-    const std::shared_ptr<const core::Cut>& cut = taken.status.cut;
-    taken.is_finest = cut && cut->converged;
-    taken.has_converged = hasConverged(taken.status, options_.pixels);
-    if (!taken.is_finest) return taken;
-    taken.max_error_px = cut->max_error_px;
-    renderer_.show(cut);
-    renderer_.uploadInRenderThread({.wait = true});
-    if (!renderer_.upToDate()) {
-      throw Error(ErrorCode::kLimit, options_.target +
-                                         " needs more graphics memory than there is; allow a larger error "
-                                         "with --pixels");
-    }
-    style.up = up_;
-    renderer_.draw(view, target, style, {.now_s = t});
-    taken.legend = legendOf(style.show, renderer_.inPicture(), options_.pixels);
-    return taken;
-  }
-
- private:
-  stream::StreamOptions streamOptions() const {
-    stream::StreamOptions options = options_.streamOptions();
-    options.engine.memory_budget_bytes = memory_.stream_bytes;
-    options.engine.refine.drawn_budget_bytes = memory_.drawn_bytes;
-    return options;
-  }
-
-  const CommonOptions options_;
-  const render::MemoryShares memory_;
-  OpenedTarget opened_;
-  const glm::dvec3 up_;
-  render::Renderer renderer_;
-};
-
-std::unique_ptr<PictureSubject> open(const RenderOptions& options) {
-  if (namesScene(options.common.target)) return std::make_unique<SceneSubject>(options.common, !options.json);
-  return std::make_unique<ModelSubject>(options.common, !options.json);
-}
-
 /// Said before the work.
 void checkOutput(const RenderOptions& options) {
   if (options.output.empty() == options.folder.empty())
@@ -212,20 +157,21 @@ void render(const RenderOptions& options) {
     refuseOtherFilm(options.folder, path ? frameCount(options, *path) : 1);
   }
 
-  const std::unique_ptr<PictureSubject> subject = open(options);
+  RenderedScene scene(options.common, !options.json);
   Shown shown;
   const render::DrawStyle style = styleOf(options.look);
-  for (const Shot& shot : planShots(options, subject->path())) {
-    Taken taken = subject->take(shot.t, target, style);
-    if (!shown.first_unconverged && !taken.has_converged) shown.first_unconverged = {shot.t, taken.status};
-    if (!taken.is_finest) break;
-    shown.last = taken.status;
-    shown.legend = std::move(taken.legend);
-    occlusion.darken(target, glm::radians(subject->path().fov_y_deg), style.show);
+  for (const Shot& shot : planShots(options, scene.path())) {
+    RenderedScene::Picture picture = scene.draw(shot.t, target, style);
+    if (!shown.first_unconverged && !picture.has_converged)
+      shown.first_unconverged = {shot.t, picture.status};
+    if (!picture.is_drawn) break;
+    shown.last = picture.status;
+    shown.legend = std::move(picture.legend);
+    occlusion.darken(target, glm::radians(scene.path().fov_y_deg), style.show);
     target.resolve();
     render::writePng(shot.file, target.readPixels());
     ++shown.pictures;
-    shown.max_error_px = std::max(shown.max_error_px, taken.max_error_px);
+    shown.max_error_px = std::max(shown.max_error_px, picture.max_error_px);
   }
   if (options.json)
     printJson(shown, report);

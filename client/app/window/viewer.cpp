@@ -7,7 +7,6 @@
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/window/camera/lost_sight.h"
-#include "client/app/window/scene/named_viewer_content.h"
 #include "common/error.h"
 #include "common/one_line.h"
 
@@ -32,7 +31,7 @@ Viewer::Viewer(const ViewOptions& options)
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
-      viewer_content_(contentOf(options.common, isForAPerson() ? Lacking::kShown : Lacking::kRefused)),
+      scene_(options.common, isForAPerson() ? MissingModels::kAllowed : MissingModels::kRefused),
       pacing_({.threshold_px = options.common.pixels,
                .is_fixed = options.is_threshold_fixed,
                .fps = options.fps,
@@ -71,17 +70,17 @@ bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
 
 /// Nothing more will come for what is looked at now.
 bool Viewer::settled() const {
-  const stream::StreamStatus& status = viewer_content_->status();
+  const stream::StreamStatus& status = scene_.status();
   return rig_ && status.settled && status.cut && status.cut->view == drawnView() &&
-         status.cut->threshold_px == pacing_.askedPx() && viewer_content_->uploaded();
+         status.cut->threshold_px == pacing_.askedPx() && scene_.uploaded();
 }
 
 /// Nothing is drawn anew while nothing changes; what streams in is looked for often.
 double Viewer::waitSeconds() const {
   if (isMinimized() || (failed_ && frames_to_draw_ == 0)) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
-  if (moved_ || frames_to_draw_ > 0 || uploading_ || viewer_content_->fading()) return 0;
-  return (settled() || viewer_content_->status().ended) && !window_.hasGamepad() ? kIdleWaitS
+  if (moved_ || frames_to_draw_ > 0 || uploading_ || scene_.fading()) return 0;
+  return (settled() || scene_.status().ended) && !window_.hasGamepad() ? kIdleWaitS
                                                                                  : kStreamingWaitS;
 }
 
@@ -126,16 +125,16 @@ void Viewer::passUnseen() {
 
 /// Something has changed that can be seen.
 bool Viewer::isPictureOld(const Input& input) const {
-  if (input.any() || input.damaged || uploading_ || viewer_content_->fading() || !options_.screenshot.empty())
+  if (input.any() || input.damaged || uploading_ || scene_.fading() || !options_.screenshot.empty())
     return true;
-  if (style_.show == render::ColorMode::kAges && viewer_content_->ageing()) return true;
-  return differ(content_, drawn_.content) || viewer_content_->drawnSerial() != drawn_.serial ||
+  if (style_.show == render::ColorMode::kAges && scene_.ageing()) return true;
+  return differ(content_, drawn_.content) || scene_.drawnSerial() != drawn_.serial ||
          isQuick() != drawn_.is_quick || (rig_ && rig_->view() != drawn_.view);
 }
 
 /// For all of a coarser cut, to draw it instead of what is there.
 bool Viewer::isWorthWaiting() const {
-  return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), viewer_content_->uploaded(), Clock::now());
+  return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_.uploaded(), Clock::now());
 }
 
 void Viewer::obey(Input& input) {
@@ -145,7 +144,7 @@ void Viewer::obey(Input& input) {
   if (input.toggle_wireframe) show_.toggleWireframe();
   show_.step(input.next_show);
   style_.show = show_.shown();
-  if (viewer_content_->saysWhatIsUp() && std::exchange(input.next_axis, 0) != 0)
+  if (scene_.hasFixedUp() && std::exchange(input.next_axis, 0) != 0)
     note("a scene says which way is up");
   if (input.bookmark != 0) tellOfBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
@@ -183,28 +182,28 @@ void Viewer::fail(const Error& error) {
 
 void Viewer::openWhenReady() {
   if (rig_ || failed_) return;
-  const ViewerContent::Opening opening = viewer_content_->open();
+  const ViewedScene::Opening opening = scene_.open();
   if (opening.error) return fail(*opening.error);
   content_.waiting = opening.phase;
   content_.waiting_part = opening.part;
   content_.waited_s = secondsSince(started_);
   if (!opening.is_open) return;
-  const ModelSummary& summary = viewer_content_->summary();
+  const ModelSummary& summary = scene_.summary();
   opened_ = Clock::now();
   content_.is_open = true;
-  core::Framing framing = viewer_content_->framing();
+  core::Framing framing = scene_.framing();
   framing.covered = coveredShare();
   rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
-  content_.warning = warningOf(viewer_content_->warnings());
-  for (const std::string& model : viewer_content_->missing())
+  content_.warning = warningOf(scene_.warnings());
+  for (const std::string& model : scene_.missing())
     sayOnOneLine("lodestream", options_.common.target + ": " + model);
   window_.setTitle(summary.name + " - Lodestream");
 }
 
 /// What is drawn at a place.
 std::optional<PickedPoint> Viewer::under(const glm::dvec2& place_px) {
-  return viewer_content_->under(rig_->view(), place_px);
+  return scene_.under(rig_->view(), place_px);
 }
 
 void Viewer::noteFlight(std::optional<uint64_t> number) {
@@ -253,10 +252,10 @@ void Viewer::takeTimes() {
 }
 
 void Viewer::stream() {
-  viewer_content_->look(drawnView(), pacing_.askedPx());
-  uploading_ = !viewer_content_->uploaded();
+  scene_.update(drawnView(), pacing_.askedPx());
+  uploading_ = !scene_.uploaded();
   const Clock::time_point start = Clock::now();
-  viewer_content_->uploadInRenderThread();
+  scene_.uploadInRenderThread();
   uploads_ms_ += secondsSince(start) * 1e3;
 }
 
@@ -289,7 +288,7 @@ core::View Viewer::drawnView() const {
 
 /// In the pixels of the next picture; 0 while nothing is drawn.
 float Viewer::drawnThresholdPx() const {
-  return static_cast<float>(viewer_content_->drawnThresholdRad() * focalPx(drawnView()));
+  return static_cast<float>(scene_.drawnThresholdRad() * focalPx(drawnView()));
 }
 
 const render::Framebuffer& Viewer::target(const core::View& view) {
@@ -317,7 +316,7 @@ void Viewer::draw() {
   const render::Framebuffer& target = this->target(view);
   const std::optional<uint64_t> number = timer_.begin();
   if (rig_) style_.up = rig_->up();
-  const render::DrawCounts drawn = viewer_content_->draw(view, target, style_, time());
+  const render::DrawCounts drawn = scene_.draw(view, target, style_, time());
   if (rig_ && darkensHollows() && !isQuick()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
   target.resolve();
   target.copyTo(0, window_.widthPx(), window_.heightPx());
@@ -325,9 +324,9 @@ void Viewer::draw() {
   content_.nodes = drawn.nodes;
   content_.error_px = drawn.error_px;
   content_.legend =
-      legendOf(style_.show, viewer_content_->inPicture(), std::max(drawnThresholdPx(), kLeastThresholdPx));
+      legendOf(style_.show, scene_.inPicture(), std::max(drawnThresholdPx(), kLeastThresholdPx));
   const std::optional<render::Coarsening> coarsening = coarseningOf(drawn, view);
-  drawn_ = {rig_ ? rig_->view() : view, viewer_content_->drawnSerial(), isQuick(), content_};
+  drawn_ = {rig_ ? rig_->view() : view, scene_.drawnSerial(), isQuick(), content_};
   pacing_.draw(coarsening, Clock::now());
   panel_.prepare(window_.contentScale(), content_);
   panel_.draw(content_);
@@ -341,14 +340,14 @@ void Viewer::draw() {
 }
 
 void Viewer::describe() {
-  app::describe(*viewer_content_, {.is_settled = settled(), .is_offline = options_.common.offline}, content_);
+  app::describe(scene_, {.is_settled = settled(), .is_offline = options_.common.offline}, content_);
   if (failed_) content_.notice = noticeOf(*failed_);
-  const auto& cut = viewer_content_->status().cut;
+  const auto& cut = scene_.status().cut;
   content_.progress = cut ? progress_.see(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   if (rig_) {
-    content_.model_triangles = viewer_content_->summary().triangles;
-    content_.missing = missingText(viewer_content_->missing());
-    const bool is_waiting = drawnThresholdPx() == 0 && !viewer_content_->status().ended;
+    content_.model_triangles = scene_.summary().triangles;
+    content_.missing = missingText(scene_.missing());
+    const bool is_waiting = drawnThresholdPx() == 0 && !scene_.status().ended;
     content_.waiting = is_waiting ? "Loading the first picture" : "";
     content_.waiting_part = -1;
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;
@@ -359,8 +358,8 @@ void Viewer::describe() {
   content_.scale = isQuick() ? pacing_.scale() : 1;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
-  content_.lost = rig_ ? lostSightText(core::toModelBox(viewer_content_->summary().box,
-                                                        viewer_content_->summary().lattice.step),
+  content_.lost = rig_ ? lostSightText(core::toModelBox(scene_.summary().box,
+                                                        scene_.summary().lattice.step),
                                        rig_->view())
                        : "";
   content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();

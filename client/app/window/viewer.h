@@ -17,7 +17,7 @@
 #include "client/app/window/panel/panel.h"
 #include "client/app/window/panel/refining_progress.h"
 #include "client/app/window/scene/picks.h"
-#include "client/app/window/scene/viewer_content.h"
+#include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/view_options.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
@@ -99,7 +99,7 @@ class Viewer {
   const bool draws_in_software_ = render::drawsInSoftware();
   const render::HiddenParts hidden_parts_ = render::fastestHiddenParts();
   Panel panel_;
-  const std::unique_ptr<ViewerContent> viewer_content_;
+  ViewedScene scene_;
   std::optional<render::Framebuffer> smooth_, quick_;  ///< of several samples a pixel, and of one
   render::AmbientOcclusion occlusion_;
   render::FrameTimer timer_;

@@ -33,7 +33,7 @@ void Viewer::moveCamera(const Input& input, double seconds) {
   const core::View before = rig_->view();
   const CameraKind kind_before = rig_->kind();
   const auto ground = [this](const glm::dvec3& point) -> std::optional<render::Ground> {
-    return viewer_content_->groundBelow(rig_->view(), point, rig_->up());
+    return scene_.groundBelow(rig_->view(), point, rig_->up());
   };
   std::optional<glm::dvec3> start;
   if (input.next_camera != 0) start = startOfWalk(input.pointer_px, ground);
@@ -44,7 +44,7 @@ void Viewer::moveCamera(const Input& input, double seconds) {
 
 void Viewer::fly() {
   if (!pilot_) return;
-  const Pilot::State state = pilot_->fly(*viewer_content_, isTimeOver(), *rig_);
+  const Pilot::State state = pilot_->fly(scene_, isTimeOver(), *rig_);
   moved_ = moved_ || state != Pilot::State::kWaiting;
   done_ = done_ || state == Pilot::State::kOver;
 }

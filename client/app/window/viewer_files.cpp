@@ -37,8 +37,8 @@ void Viewer::saveScreenshots() {
     if (converged_frames_ > kFramesToSettle) {
       render::writePng(options_.screenshot, window_.readBack());
       is_screenshot_there_ = done_ = true;
-    } else if (!content_.converged && (viewer_content_->status().ended || settled() || isTimeOver())) {
-      refuseScreenshot(*viewer_content_, options_.common);
+    } else if (!content_.converged && (scene_.status().ended || settled() || isTimeOver())) {
+      refuseScreenshot(scene_, options_.common);
     }
   }
   if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now())) savePicture();

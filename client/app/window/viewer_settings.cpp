@@ -38,7 +38,7 @@ void Viewer::apply(const Settings& wanted) {
   if (wanted.threshold_px != now.threshold_px) pacing_.setThreshold(wanted.threshold_px);
   if (wanted.fps != now.fps) pacing_.setRate(wanted.fps);
   if (wanted.memory_bytes == now.memory_bytes) return;
-  viewer_content_->setMemory(wanted.memory_bytes);
+  scene_.setMemory(wanted.memory_bytes);
   noteMemory(wanted.memory_bytes);
 }
 

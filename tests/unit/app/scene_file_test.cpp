@@ -24,8 +24,9 @@ std::string refusalOf(const std::string& text) {
 
 /// A scene may have dozens.
 TEST(SceneFile, saysInWhichOfItsModelsAnErrorIs) {
-  const Error error =
-      ofSceneModel({ErrorCode::kIo, "gone.lode: no such file"}, "a.json", {"rock", "gone.lode"});
+  Scene scene;
+  scene.models = {{"tree", "tree.lode"}, {"rock", "gone.lode"}};
+  const Error error = ofSceneModel({ErrorCode::kIo, "gone.lode: no such file"}, "a.json", scene, 1);
   EXPECT_EQ(error.code(), ErrorCode::kIo);
   EXPECT_EQ(error.what(), std::string("a.json: models.\"rock\": gone.lode: no such file"));
 }
@@ -131,6 +132,30 @@ TEST(SceneFile, showsAPlacedPointToTheModelWhereTheSceneHasIt) {
   EXPECT_NEAR(glm::distance(seen.eye_model + away * seen.forward, point - origin), 0, 1e-9);
   EXPECT_EQ(seen.near_model, 0.25);
   EXPECT_NEAR(glm::dot(seen.up, glm::dvec3(0, 0, 1)), 1, 1e-12);
+}
+
+TEST(SceneFile, makesASceneOfOneOfAModel) {
+  const Scene scene = sceneOf("lode://127.0.0.1/rock");
+  EXPECT_TRUE(scene.is_single_model);
+  ASSERT_EQ(scene.models.size(), 1u);
+  EXPECT_EQ(scene.models[0].target, "lode://127.0.0.1/rock");
+  ASSERT_EQ(scene.instances.size(), 1u);
+  const Error error(ErrorCode::kIo, "gone.lode: no such file");
+  EXPECT_EQ(ofSceneModel(error, "gone.lode", scene, 0).what(), std::string(error.what()));
+}
+
+/// Pictures of a single model must not depend on rounding, wherever its lattice lies.
+TEST(SceneFile, showsASingleModelExactlyAsItsOwnCameraDoes) {
+  const glm::dvec3 origin(4'512'345.1, -312'345.7, 33.3), eye_model(0.1, 7.3, -2.7);
+  core::View view;
+  view.forward = glm::normalize(glm::dvec3(1, -2, 0.3));
+  view.up = glm::normalize(glm::cross(view.forward, glm::dvec3(0.3, 0.1, -2)));
+  view.eye_model = eye_model;
+  core::View expected = view;
+  EXPECT_EQ(viewFrom(view, {.position = -origin}, origin), expected) << "in the model's frame";
+  view.eye_model = eye_model + origin;
+  expected.eye_model = view.eye_model - origin;
+  EXPECT_EQ(viewFrom(view, {}, origin), expected) << "in true coordinates";
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST(SceneMemory, isNeverMoreThanThereIs) {
 int changesOf(SceneMemory& memory, const core::View& view, float threshold_px) {
   int changes = 0;
   for (int turn = 0; turn < 100; ++turn) {
-    memory.look(view, threshold_px);
+    memory.setView(view, threshold_px);
     changes +=
         memory.share(turn % 2 == 0 ? Needs{{900, true}, {100, true}} : Needs{{100, true}, {900, true}});
   }
@@ -65,7 +65,7 @@ TEST(SceneMemory, comesToRestUntilAnotherPictureIsLookedAt) {
 TEST(SceneMemory, changesAgainInTheSamePictureForAModelThatHasComeLate) {
   SceneMemory memory(8000, 2);
   changesOf(memory, core::View{}, 1);
-  memory.lookAnew();
+  memory.allowChanges();
   EXPECT_GT(changesOf(memory, core::View{}, 1), 1);
 }
 

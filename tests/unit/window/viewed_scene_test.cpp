@@ -12,14 +12,14 @@ namespace lode::app {
 namespace {
 
 /// @return the error of a scene before it is opened; nothing where it has none.
-std::string errorOf(const std::string& models, const std::string& instances, Lacking lacking) {
+std::string errorOf(const std::string& models, const std::string& instances, MissingModels missing_models) {
   const test::WorkFolder work;
   const std::filesystem::path file = work / "scene.json";
   std::ofstream(file) << R"({"models": {)" << models << R"(}, "instances": [)" << instances << "]}";
   CommonOptions options;
   options.target = file.string();
   try {
-    ViewedScene scene(options, lacking);
+    ViewedScene scene(options, missing_models);
   } catch (const Error& error) {
     return error.what();
   }
@@ -30,15 +30,15 @@ const std::string kModels = R"("a": "typo.ply", "b": "typo.lode", "away": "lode:
 const std::string kOfTypos = R"({"model": "b"}, {"model": "a"}, {"model": "b"})";
 
 TEST(ViewedScene, isRefusedBeforeItOpensWhereNoneOfWhatIsPlacedIsThere) {
-  EXPECT_NE(errorOf(kModels, kOfTypos, Lacking::kShown).find("models.\"b\": "), std::string::npos);
+  EXPECT_NE(errorOf(kModels, kOfTypos, MissingModels::kAllowed).find("models.\"b\": "), std::string::npos);
 }
 
 TEST(ViewedScene, mayLackAModelWhereAnotherThatIsPlacedMayCome) {
-  EXPECT_EQ(errorOf(kModels, kOfTypos + R"(, {"model": "away"})", Lacking::kShown), "");
+  EXPECT_EQ(errorOf(kModels, kOfTypos + R"(, {"model": "away"})", MissingModels::kAllowed), "");
 }
 
 TEST(ViewedScene, lacksNoModelInAPictureThatIsToBeTheSameAgain) {
-  EXPECT_NE(errorOf(kModels, R"({"model": "away"})", Lacking::kRefused).find("models.\"a\": "),
+  EXPECT_NE(errorOf(kModels, R"({"model": "away"})", MissingModels::kRefused).find("models.\"a\": "),
             std::string::npos);
 }
 

@@ -25,19 +25,19 @@ Pilot::Pilot(const ViewOptions& options, std::optional<core::CameraPath> path)
     : options_(options), path_(std::move(path)) {}
 
 /// There is a picture to begin with.
-bool Pilot::mayBegin(const ViewerContent& content, bool is_time_over, const core::View& view) const {
-  const double drawn_px = content.drawnThresholdRad() * focalPx(view);
+bool Pilot::mayBegin(const ViewedScene& scene, bool is_time_over, const core::View& view) const {
+  const double drawn_px = scene.drawnThresholdRad() * focalPx(view);
   if (drawn_px > 0 && drawn_px <= kLargestThresholdPx) return true;
-  const stream::StreamStatus& status = content.status();
-  const bool is_all_there = (status.ended || status.exhausted) && content.uploaded();
+  const stream::StreamStatus& status = scene.status();
+  const bool is_all_there = (status.ended || status.exhausted) && scene.uploaded();
   if (is_all_there || is_time_over) refuse(options_.common.target, status);
   return false;
 }
 
-Pilot::State Pilot::fly(const ViewerContent& content, bool is_time_over, CameraRig& rig) {
+Pilot::State Pilot::fly(const ViewedScene& scene, bool is_time_over, CameraRig& rig) {
   if (!flight_) {
-    if (!mayBegin(content, is_time_over, rig.view())) return State::kWaiting;
-    flight_.emplace(path_ ? *path_ : makePath(MadePath::kOrbit, content.summary(), 0), options_.laps);
+    if (!mayBegin(scene, is_time_over, rig.view())) return State::kWaiting;
+    flight_.emplace(path_ ? *path_ : makePath(MadePath::kOrbit, scene.summary(), 0), options_.laps);
     start_ = Clock::now();
   }
   const std::chrono::duration<double> flown = Clock::now() - start_;

@@ -6,7 +6,7 @@
 
 #include "client/app/window/camera/camera_rig.h"
 #include "client/app/window/camera/flight.h"
-#include "client/app/window/scene/viewer_content.h"
+#include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/view_options.h"
 #include "client/core/view/camera_path.h"
 
@@ -22,7 +22,7 @@ class Pilot {
   enum class State { kWaiting, kFlying, kOver };
   /// Takes the camera to where it is to be now.
   /// @throws Error once there can be no first picture any more: nothing more comes, or the time is over.
-  State fly(const ViewerContent& content, bool is_time_over, CameraRig& rig);
+  State fly(const ViewedScene& scene, bool is_time_over, CameraRig& rig);
 
   /// It has had its first picture.
   bool isUnderWay() const noexcept { return flight_.has_value(); }
@@ -37,7 +37,7 @@ class Pilot {
  private:
   using Clock = std::chrono::steady_clock;
 
-  bool mayBegin(const ViewerContent& content, bool is_time_over, const core::View& view) const;
+  bool mayBegin(const ViewedScene& scene, bool is_time_over, const core::View& view) const;
 
   const ViewOptions options_;
   const std::optional<core::CameraPath> path_;

@@ -5,12 +5,12 @@
 
 namespace lode::app {
 
-void refuseScreenshot(const ViewerContent& content, const CommonOptions& options) {
-  if (content.overBudget())
+void refuseScreenshot(const ViewedScene& scene, const CommonOptions& options) {
+  if (scene.overBudget())
     throw Error(ErrorCode::kLimit, options.target +
                                        ": the GPU has no room for all of the screenshot; allow more with "
                                        "--memory-budget, or a larger error with --pixels");
-  refuseUnconverged("the screenshot's view", content.status(), options);
+  refuseUnconverged("the screenshot's view", scene.status(), options);
 }
 
 }  // namespace lode::app

@@ -4,15 +4,15 @@ namespace lode::app {
 
 namespace {
 
-OnGpu onGpu(const ViewerContent& viewer_content) {
-  if (viewer_content.overBudget()) return OnGpu::kFull;
-  return viewer_content.uploaded() ? OnGpu::kAll : OnGpu::kNotYetAll;
+OnGpu onGpu(const ViewedScene& scene) {
+  if (scene.overBudget()) return OnGpu::kFull;
+  return scene.uploaded() ? OnGpu::kAll : OnGpu::kNotYetAll;
 }
 
 }  // namespace
 
-void describe(const ViewerContent& viewer_content, const Looked& looked, PanelContent& content) {
-  const stream::StreamStatus& status = viewer_content.status();
+void describe(const ViewedScene& scene, const Looked& looked, PanelContent& content) {
+  const stream::StreamStatus& status = scene.status();
   const core::EngineCounts& counts = status.counts;
   content.received_bytes = counts.received_bytes;
   content.link_bytes_per_s = counts.link_bytes_per_s;
@@ -22,12 +22,12 @@ void describe(const ViewerContent& viewer_content, const Looked& looked, PanelCo
   content.tiles_left_out = counts.tiles_left_out;
   content.exhausted = status.exhausted;
   const bool is_whole = status.cut && status.cut->converged && status.cut->lost_tiles == 0;
-  content.converged = looked.is_settled && viewer_content.upToDate() && is_whole;
-  content.limited = looked.is_settled && (status.limited || viewer_content.overBudget());
-  content.lacking = looked.is_settled && viewer_content.upToDate() && !is_whole && !status.failure.empty();
+  content.converged = looked.is_settled && scene.upToDate() && is_whole;
+  content.limited = looked.is_settled && (status.limited || scene.overBudget());
+  content.lacking = looked.is_settled && scene.upToDate() && !is_whole && !status.failure.empty();
   content.waiting_for_server = !looked.is_settled && !status.trouble.empty();
-  content.notice = noticeOf(status, looked.is_offline, onGpu(viewer_content));
-  const ViewerContent::GpuUse gpu = viewer_content.gpuUse();
+  content.notice = noticeOf(status, looked.is_offline, onGpu(scene));
+  const ViewedScene::GpuUse gpu = scene.gpuUse();
   content.gpu_bytes = gpu.bytes;
   content.tiles = gpu.tiles;
   content.textured = gpu.textured;

@@ -8,7 +8,7 @@
 #include "client/app/window/camera/camera_kind.h"
 #include "client/app/window/panel/notice.h"
 #include "client/app/window/panel/pick_marks.h"
-#include "client/app/window/scene/viewer_content.h"
+#include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/settings.h"
 #include "client/render/shown_colours.h"
 
@@ -58,14 +58,14 @@ struct PanelContent {
   bool operator==(const PanelContent&) const = default;
 };
 
-/// How an viewer_content is looked at.
+/// How a scene is looked at.
 struct Looked {
   bool is_settled = false;  ///< nothing more will come for the view
   bool is_offline = false;
 };
 
-/// Says what an viewer_content's stream has brought, what of it is on the GPU, and how it fares.
-void describe(const ViewerContent& viewer_content, const Looked& looked, PanelContent& content);
+/// Says what a scene's stream has brought, what of it is on the GPU, and how it fares.
+void describe(const ViewedScene& scene, const Looked& looked, PanelContent& content);
 
 /// They differ in what is worth a new picture: in more than what the last frame took and, at rest, bytes that
 /// only keep the connection.

@@ -1,6 +1,7 @@
 #include "client/app/window/scene/model_opener.h"
 
 #include <utility>
+#include <variant>
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/first_camera.h"
@@ -9,6 +10,12 @@
 
 namespace lode::app {
 namespace {
+
+constexpr std::chrono::seconds kBetweenAttempts{5};
+
+bool isUnreachable(const Error& error) {
+  return error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout;
+}
 
 std::string firstPhase(const Target& target) {
   if (const auto* ply = std::get_if<PlyFile>(&target)) {
@@ -34,7 +41,7 @@ ModelOpener::ModelOpener(Target target, stream::StreamOptions options, core::Fra
 ModelOpener::~ModelOpener() {
   stopping_.request_stop();
   {
-    const std::lock_guard lock(mutex_);  // so that run() is not between looking and waiting
+    const std::lock_guard lock(mutex_);  // run() is either before its check or waiting: it misses no notify
   }
   stop_.notify_all();
   thread_.join();
@@ -45,7 +52,7 @@ ModelOpener::Progress ModelOpener::progress() const {
   return progress_;
 }
 
-void ModelOpener::say(std::string phase, double part) {
+void ModelOpener::report(std::string phase, double part) {
   const std::lock_guard lock(mutex_);
   progress_.phase = std::move(phase);
   progress_.part = part;
@@ -54,10 +61,10 @@ void ModelOpener::say(std::string phase, double part) {
 void ModelOpener::run() {
   try {
     const auto watch = [this, phase = firstPhase(target_)](std::string_view stage, double part) {
-      say(phase + "\n" + describeStage(stage), part);
+      report(phase + "\n" + describeStage(stage), part);
     };
     const ResolvedTarget resolved = resolveTarget(target_, options_, true, stopping_.get_token(), watch);
-    say("Connecting to " + net::toString(resolved.served.address));
+    report("Connecting to " + net::toString(resolved.served.address));
     stream::Streamer streamer(resolved.served, resolved.options);
     const ModelSummary model = openModel(streamer, resolved, timeout_, stopping_.get_token());
     const core::Framing framing = frameCoarsely(framing_, streamer, model, timeout_, stopping_.get_token());
@@ -76,6 +83,46 @@ void ModelOpener::run() {
     const std::lock_guard lock(mutex_);
     progress_.error = Error(ErrorCode::kInternal, error.what());
   }
+}
+
+RetryingOpener::RetryingOpener(std::string target, stream::StreamOptions options, core::Framing framing,
+                               std::chrono::milliseconds timeout)
+    : target_(std::move(target)),
+      options_(std::move(options)),
+      framing_(std::move(framing)),
+      timeout_(timeout) {
+  begin();
+}
+
+void RetryingOpener::begin() {
+  next_attempt_.reset();
+  try {
+    Target target = parseTarget(target_);
+    target_is_server_ = std::holds_alternative<stream::ServedModel>(target);
+    opener_.emplace(std::move(target), options_, framing_, timeout_);
+  } catch (const Error& error) {
+    fail(error);
+  }
+}
+
+void RetryingOpener::fail(const Error& error) {
+  opener_.reset();
+  progress_.error = error;
+  if (isUnreachable(error)) next_attempt_ = Clock::now() + kBetweenAttempts;
+}
+
+const ModelOpener::Progress& RetryingOpener::poll() {
+  if (progress_.streamer != nullptr) return progress_;
+  if (next_attempt_ && Clock::now() >= *next_attempt_) begin();
+  if (!opener_) return progress_;
+  ModelOpener::Progress now = opener_->progress();
+  if (now.error) {
+    fail(*now.error);
+  } else {
+    if (now.streamer == nullptr) now.error = std::move(progress_.error);
+    progress_ = std::move(now);
+  }
+  return progress_;
 }
 
 }  // namespace lode::app

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -18,11 +18,12 @@
 
 namespace lode::app {
 
-/// Opens a target beside the window's thread: builds a PLY, starts the child server of a file, connects. The
-/// thread lives as long as this object, since a child process ends with the thread that started it.
+/// Opens a target on a thread of its own: builds a PLY, starts the child server of a file, connects. The
+/// thread lives as long as this object, since a child process ends with the thread that started it. Thread
+/// safe.
 class ModelOpener {
  public:
-  /// @param framing  completed by the coarsest mesh, so that a first camera can be made of it.
+  /// @param framing  Progress::framing without the coarsest mesh.
   ModelOpener(Target target, stream::StreamOptions options, core::Framing framing,
               std::chrono::milliseconds timeout);
   ~ModelOpener();
@@ -30,19 +31,20 @@ class ModelOpener {
   ModelOpener& operator=(const ModelOpener&) = delete;
 
   struct Progress {
-    std::string phase;                     ///< what is being done,
-    double part = -1;                      ///< and how much of it, 0 to 1; below: unknown
-    stream::Streamer* streamer = nullptr;  ///< once the model is open; lives as long as the opener
-    const ModelSummary* model = nullptr;
-    core::Framing framing;
-    std::vector<std::string> warnings;  ///< of a build
-    std::optional<Error> error;
+    std::string phase;                     ///< for the user; empty once the model is open
+    double part = -1;                      ///< finished part of the phase, 0 to 1; below 0: unknown
+    stream::Streamer* streamer = nullptr;  ///< null until the model is open; lives as long as the opener
+    const ModelSummary* model = nullptr;   ///< as the streamer
+    core::Framing framing;                 ///< with the coarsest mesh, for the first camera
+    std::vector<std::string> warnings;     ///< from the build
+    std::optional<Error> error;            ///< set if the model cannot be opened
   };
+  /// Never waits for the network.
   Progress progress() const;
 
  private:
   void run();
-  void say(std::string phase, double part = -1);
+  void report(std::string phase, double part = -1);
 
   const Target target_;
   const stream::StreamOptions options_;
@@ -53,6 +55,37 @@ class ModelOpener {
   std::stop_source stopping_;
   Progress progress_;
   std::thread thread_;
+};
+
+/// Opens a target with a ModelOpener, and opens it again every few seconds while its server is unreachable.
+/// Not thread safe.
+class RetryingOpener {
+ public:
+  /// @param target  text for parseTarget(); a text that it refuses counts as a failure.
+  RetryingOpener(std::string target, stream::StreamOptions options, core::Framing framing,
+                 std::chrono::milliseconds timeout);
+
+  /// Returns the current progress without waiting. An error of an earlier attempt stays until the model is
+  /// open.
+  const ModelOpener::Progress& poll();
+  /// Returns true if an attempt is under way or planned.
+  bool retries() const noexcept { return next_attempt_ || opener_; }
+  bool targetIsServer() const noexcept { return target_is_server_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void begin();
+  void fail(const Error& error);
+
+  const std::string target_;
+  const stream::StreamOptions options_;
+  const core::Framing framing_;
+  const std::chrono::milliseconds timeout_;
+  bool target_is_server_ = false;
+  std::optional<ModelOpener> opener_;              ///< empty between two attempts
+  std::optional<Clock::time_point> next_attempt_;  ///< empty if the error cannot go away by itself
+  ModelOpener::Progress progress_;                 ///< last polled
 };
 
 }  // namespace lode::app

@@ -14,7 +14,7 @@ constexpr int kMostChanges = 4;       // for one picture
 SceneMemory::SceneMemory(uint64_t budget_bytes, size_t models)
     : budget_bytes_(budget_bytes), parts_(models, budget_bytes / std::max<size_t>(1, models)) {}
 
-void SceneMemory::look(const core::View& view, float threshold_px) {
+void SceneMemory::setView(const core::View& view, float threshold_px) {
   if (view == view_ && threshold_px == threshold_px_) return;
   view_ = view;
   threshold_px_ = threshold_px;

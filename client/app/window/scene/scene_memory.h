@@ -21,9 +21,9 @@ class SceneMemory {
     bool is_short = false;  ///< its part does not give it that
   };
   /// What is looked at, each frame. For one picture parts change a few times only, so that they come to rest.
-  void look(const core::View& view, float threshold_px);
+  void setView(const core::View& view, float threshold_px);
   /// There is more in the same view: parts may change again.
-  void lookAnew() noexcept { changes_ = 0; }
+  void allowChanges() noexcept { changes_ = 0; }
   /// @param needs  by model. @return whether parts have changed.
   bool share(std::span<const Need> needs);
   /// By model; together no more than the budget.

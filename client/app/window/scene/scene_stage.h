@@ -1,60 +1,54 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
-#include <vector>
-
-#include <glm/glm.hpp>
 
 #include "client/app/cli/scene_file.h"
-#include "client/app/window/memory_shares.h"
 #include "client/core/view/view.h"
 #include "client/render/framebuffer.h"
-#include "client/render/passes/contact_shadows.h"
 #include "client/render/renderer.h"
 #include "common/codec/model_summary.h"
 
 namespace lode::app {
 
-/// Tells a place of a scene from all others: by the model and by which of its places it is.
+/// Returns a number that no other instance of the scene has.
+/// @param model     index in Scene::models.
+/// @param instance  index among the instances of that model.
 constexpr uint32_t instanceNumber(size_t model, size_t instance) noexcept {
   return static_cast<uint32_t>((model + 1) << 16 ^ instance);
 }
 
-/// What a scene is beside its models: how far it reaches, its ground and its sky. On the thread of its
-/// context.
+/// The scene apart from its models: its extent, ground and sky. Made, used and destroyed on the thread of its
+/// OpenGL context.
 class SceneStage {
  public:
-  /// @param models  those of the scene, by number; null for one that is missing.
+  /// @param models  summaries by index in Scene::models; null: the model is missing.
   SceneStage(const Scene& scene, std::span<const ModelSummary* const> models);
+  ~SceneStage();
 
-  /// A model of the scene's place and size, with the triangles of all instances.
+  /// Describes the scene as one model: its extent, and the triangles of all instances. A single model's own
+  /// summary.
   const ModelSummary& whole() const noexcept { return whole_; }
-  /// For views: no nearer than one lattice step of any instance, so that depths compare.
+  /// Near distance of views of the scene: one lattice step of the coarsest instance, so that depths of
+  /// different models compare.
   double nearest() const noexcept { return near_; }
 
-  /// Behind all: the ground if there is one, darker where models stand. @param view  in the scene.
-  void draw(const core::View& view, const render::Framebuffer& target, const render::DrawStyle& style);
-  /// Where neither ground nor models are: when these are drawn.
-  void drawSky(const render::Framebuffer& target, const render::DrawStyle& style) const;
-  /// How the models are drawn over it; their up is still to be set.
-  render::DrawStyle styleOver(const render::DrawStyle& style) const;
+  /// Starts the picture: clears depths and draws the ground, if there is one, with contact shadows.
+  /// @param view  in the scene.
+  void begin(const core::View& view, const render::Framebuffer& target, const render::DrawStyle& style);
 
  private:
-  static constexpr uint64_t kBackdropBytes = 1u << 20;  ///< of two triangles
-  void addShadow(const ModelSummary& model, const Placement& placement, double ground_height);
+  struct Ground;
   void makeGround(const Scene& scene, const glm::dvec3& min, const glm::dvec3& max);
-  render::DrawStyle styleOf(render::DrawStyle style) const;
 
-  const glm::dvec3 up_;
-  const std::optional<SceneSky> sky_;
   ModelSummary whole_;
   double near_ = 0;
-  Lattice ground_lattice_;
-  std::vector<render::ContactShadow> shadows_;
-  render::ContactShadows shadow_pass_;
-  render::Renderer backdrop_{1, render::shareMemory(kBackdropBytes).gpu};
+  std::unique_ptr<Ground> ground_;
 };
+
+/// Draws the background of a scene where no ground and no model was drawn: its sky, or the style's colours.
+/// @param renderer  any model's.
+void drawSky(const render::Renderer& renderer, const Scene& scene, const render::Framebuffer& target,
+             render::DrawStyle style);
 
 }  // namespace lode::app

@@ -1,7 +1,6 @@
 #include "client/app/window/scene/viewed_scene.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -11,20 +10,21 @@
 #include "client/app/window/scene/scene_frame.h"
 #include "client/app/window/scene/scene_status.h"
 #include "client/core/lod/cut.h"
+#include "client/render/passes/mesh_drawer.h"
 
 namespace lode::app {
 namespace {
 
-/// Says at once what is wrong with the targets of the scene's models. @throws Error.
-void refuseWrongTargets(const Scene& scene, const std::string& source, Lacking lacking) {
-  std::vector<std::optional<Error>> refused;
-  for (const SceneModel& model : scene.models) {
-    refused.emplace_back();
+/// Refuses a scene with wrong targets before any model is opened. @throws Error.
+void refuseWrongTargets(const Scene& scene, const std::string& source, MissingModels missing_models) {
+  std::vector<std::optional<Error>> refused(scene.models.size());
+  for (size_t model = 0; model < scene.models.size(); ++model) {
     try {
-      parseTarget(model.target);
+      parseTarget(scene.models[model].target);
     } catch (const Error& error) {
-      refused.back() = ofSceneModel(error, source, model);
-      if (lacking == Lacking::kRefused || error.code() == ErrorCode::kUsage) throw *refused.back();
+      refused[model] = ofSceneModel(error, source, scene, model);
+      if (missing_models == MissingModels::kRefused || error.code() == ErrorCode::kUsage)
+        throw *refused[model];
     }
   }
   if (std::ranges::all_of(scene.instances, [&refused](const SceneInstance& instance) {
@@ -33,16 +33,25 @@ void refuseWrongTargets(const Scene& scene, const std::string& source, Lacking l
     throw *refused[scene.instances.front().model];
 }
 
+stream::StreamOptions streamOptionsOf(const CommonOptions& common, const Scene& scene) {
+  stream::StreamOptions options = common.streamOptions();
+  options.engine.refine.hysteresis_factor = core::kHysteresisFactor;
+  options.engine.refine.shares_memory = scene.models.size() > 1;
+  options.engine.prefetch = scene.instances.size() == 1;
+  options.engine.session.awaits_model = true;
+  return options;
+}
+
 }  // namespace
 
-ViewedScene::ViewedScene(const CommonOptions& options, Lacking lacking)
-    : scene_(readScene(options.target)),
+ViewedScene::ViewedScene(const CommonOptions& options, MissingModels missing_models)
+    : scene_(sceneOf(options.target)),
       options_(options),
-      lacking_(lacking),
+      missing_models_(missing_models),
       framing_(framingOf(scene_, options)),
       memory_(options.streamOptions().engine.memory_budget_bytes, scene_.models.size()) {
   whole_.name = std::filesystem::path(options.target).filename().string();
-  refuseWrongTargets(scene_, options.target, lacking);
+  refuseWrongTargets(scene_, options.target, missing_models);
 }
 
 ViewedScene::~ViewedScene() = default;
@@ -51,21 +60,24 @@ void ViewedScene::openNext() {
   const size_t number = models_.size();
   const render::MemoryShares memory = render::shareMemory(memory_.parts()[number]);
   models_.push_back(std::make_unique<InstancedModel>(number, scene_.models[number].target,
-                                                     options_.streamOptions(), options_.timeout(), memory));
-  models_.back()->look();
+                                                     streamOptionsOf(options_, scene_), framing_,
+                                                     options_.timeout(), memory));
+  models_.back()->poll();
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }
 
-/// Files one after the other, as each may have to be built; servers beside that, as they may not answer.
-ViewerContent::Opening ViewedScene::open() {
+/// Opens files one after the other, since each may have to be built, and servers at the same time, since they
+/// may not answer.
+ViewedScene::Opening ViewedScene::open() {
   if (stage_) return {.is_open = true};
-  for (const auto& model : models_) model->look();
+  for (const auto& model : models_) model->poll();
   while (models_.size() < scene_.models.size() &&
-         (models_.empty() || !models_.back()->isAwaited() || models_.back()->opener.asksServer()))
+         (models_.empty() || !models_.back()->isAwaited() || models_.back()->opener.targetIsServer()))
     openNext();
   const auto failed =
       std::ranges::find_if(models_, [](const auto& model) { return model->opened.error.has_value(); });
-  if (failed != models_.end() && lacking_ == Lacking::kRefused) return {.error = errorOf(**failed)};
+  if (failed != models_.end() && missing_models_ == MissingModels::kRefused)
+    return {.error = errorOf(**failed)};
   if (const auto last = std::find_if(models_.rbegin(), models_.rend(),
                                      [](const auto& model) { return model->isAwaited(); });
       last != models_.rend())
@@ -78,38 +90,46 @@ ViewerContent::Opening ViewedScene::open() {
   return {.is_open = true};
 }
 
-/// Why it cannot be opened.
 Error ViewedScene::errorOf(const InstancedModel& model) const {
-  return ofSceneModel(*model.opened.error, options_.target, scene_.models[model.number]);
+  return ofSceneModel(*model.opened.error, options_.target, scene_, model.number);
 }
 
-/// With the models that are open; the frame of views stays when one comes later.
+core::Framing ViewedScene::framing() const {
+  return scene_.is_single_model ? models_.front()->opened.framing : framing_;
+}
+
+/// Sets up the models that are open. The frame of views stays when a model is added later.
 void ViewedScene::setUp() {
   std::vector<const ModelSummary*> summaries;
-  for (const auto& model : models_) {
-    summaries.push_back(model->opened.model);
-    model->instances.clear();
-  }
-  for (const auto& [number, placement] : scene_.instances)
-    if (models_[number]->isOpen()) models_[number]->instances.push_back(placement);
+  for (const auto& model : models_) summaries.push_back(model->opened.model);
   const bool is_first = !stage_, is_whole = std::ranges::all_of(models_, &InstancedModel::isOpen);
   stage_.emplace(scene_, summaries);
   const ModelSummary whole = stage_->whole();
-  if (is_first) whole_.lattice = is_whole ? whole.lattice : latticeWithRoom(whole);
-  whole_.triangles = whole.triangles;
-  whole_.box = boxIn(whole_.lattice, whole);
+  if (scene_.is_single_model) {
+    whole_ = whole;
+  } else {
+    if (is_first) whole_.lattice = is_whole ? whole.lattice : latticeWithRoom(whole);
+    whole_.triangles = whole.triangles;
+    whole_.box = boxIn(whole_.lattice, whole);
+  }
+  for (const auto& model : models_) model->instances.clear();
+  for (auto [number, placement] : scene_.instances) {
+    if (!models_[number]->isOpen()) continue;
+    placement.position -= whole_.lattice.origin;
+    models_[number]->instances.push_back(placement);
+  }
 }
 
-/// Of models whose server has come meanwhile.
-void ViewedScene::takeLate() {
-  bool has_come = false;
+/// Adds models that have opened since the last frame.
+void ViewedScene::addLateModels() {
+  bool has_opened = false;
   for (const auto& model : models_) {
-    if (!model->look()) continue;
-    giveMemory(*model);
-    has_come = true;
+    if (!model->poll()) continue;
+    applyShare(*model);
+    has_opened = true;
   }
-  if (!has_come) return;
-  memory_.lookAnew();
+  if (!has_opened) return;
+  memory_.allowChanges();
   setUp();
 }
 
@@ -118,7 +138,7 @@ std::vector<std::string> ViewedScene::missing() const {
   for (const auto& model : models_)
     if (const auto& error = model->opened.error)
       missing.push_back(quoted(scene_.models[model->number].name) + " is missing: " + error->what() +
-                        (model->opener.triesAgain() ? "; it is tried again every few seconds" : ""));
+                        (model->opener.retries() ? "; it is tried again every few seconds" : ""));
   return missing;
 }
 
@@ -129,11 +149,16 @@ std::vector<std::string> ViewedScene::warnings() const {
   return warnings;
 }
 
-core::View ViewedScene::inScene(const core::View& view) const {
-  core::View in_scene = view;
-  in_scene.eye_model += whole_.lattice.origin;
-  in_scene.near_model = stage_->nearest();
-  return in_scene;
+core::View ViewedScene::withNear(const core::View& view) const {
+  core::View near = view;
+  near.near_model = stage_->nearest();
+  return near;
+}
+
+core::View ViewedScene::inTrueCoordinates(const core::View& view) const {
+  core::View moved = withNear(view);
+  moved.eye_model += whole_.lattice.origin;
+  return moved;
 }
 
 void ViewedScene::setMemory(uint64_t budget_bytes) {
@@ -143,14 +168,14 @@ void ViewedScene::setMemory(uint64_t budget_bytes) {
     const render::ResidencyOptions gpu = render::shareMemory(memory_.parts()[model->number]).gpu;
     model->renderer.setMemory(gpu);
     gpu_budget_bytes_ += gpu.budget_bytes;
-    if (model->isOpen()) giveMemory(*model);
+    if (model->isOpen()) applyShare(*model);
   }
 }
 
-void ViewedScene::look(const core::View& view, float threshold_px) {
-  takeLate();
-  const core::View scene_view = inScene(view);
-  memory_.look(view, threshold_px);
+void ViewedScene::update(const core::View& view, float threshold_px) {
+  addLateModels();
+  const core::View scene_view = withNear(view);
+  memory_.setView(view, threshold_px);
   for (const auto& model : models_) {
     if (model->instances.empty()) continue;
     model->views.clear();
@@ -162,14 +187,14 @@ void ViewedScene::look(const core::View& view, float threshold_px) {
         view_cuts && view_cuts->cuts.size() == model->instances.size())
       model->renderer.show(view_cuts);
     else
-      model->status.view_cuts = nullptr;  // it is of the first look, at the model alone
+      model->status.view_cuts = nullptr;  // cut of ModelOpener's view, which is not one of the instances'
     model->dropOldProbes();
   }
   mergeStatus(view);
   shareMemory();
 }
 
-/// Gives the models other parts of the memory where one is short.
+/// Shifts memory between the models if one of them is limited.
 void ViewedScene::shareMemory() {
   std::vector<SceneMemory::Need> needs;
   std::vector<GpuShare> on_gpu;
@@ -182,11 +207,11 @@ void ViewedScene::shareMemory() {
   for (const auto& model : models_) model->renderer.meshes().setBudget(gpu_budgets[model->number]);
   if (!memory_.share(needs)) return;
   for (const auto& model : models_)
-    if (model->isOpen()) giveMemory(*model);
+    if (model->isOpen()) applyShare(*model);
 }
 
-/// Its part.
-void ViewedScene::giveMemory(const InstancedModel& model) {
+/// Tells a model's stream its part of the memory.
+void ViewedScene::applyShare(const InstancedModel& model) {
   const render::MemoryShares memory = render::shareMemory(memory_.parts()[model.number]);
   model.opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
 }
@@ -198,7 +223,7 @@ void ViewedScene::mergeStatus(const core::View& view) {
   status_ = sceneStatus(statuses, view);
 }
 
-/// One frame's budget for all models: each frame another one is the first.
+/// Spends one frame's budget on all models; each frame another one is the first.
 void ViewedScene::uploadInRenderThread() {
   render::UploadBudget left;
   for (size_t i = 0; i < models_.size() && left.bytes > 0 && left.ms > 0; ++i) {
@@ -248,7 +273,7 @@ bool ViewedScene::ageing() const {
   return std::ranges::any_of(in_picture_, [](const auto& item) { return item.age_s <= render::kOldS; });
 }
 
-ViewerContent::GpuUse ViewedScene::gpuUse() const {
+ViewedScene::GpuUse ViewedScene::gpuUse() const {
   GpuUse use;
   for (const auto& model : models_) {
     use.bytes += model->renderer.gpuBytes();
@@ -258,81 +283,95 @@ ViewerContent::GpuUse ViewedScene::gpuUse() const {
   return use;
 }
 
-/// The places that a camera may see, the nearest first, so that little is drawn that others hide.
-std::vector<ViewedScene::Standing> ViewedScene::inSight(const core::View& scene_view) const {
-  std::vector<Standing> found;
+/// Returns the instances whose boxes may be in the picture, the nearest first: it hides most of the others.
+std::vector<ViewedScene::VisibleInstance> ViewedScene::visibleInstances(const core::View& view) const {
+  std::vector<VisibleInstance> found;
   for (const auto& model : models_) {
     if (!model->isOpen()) continue;
     const core::ModelBox box = model->box();
     for (size_t instance = 0; instance < model->instances.size(); ++instance) {
-      const core::View view = model->viewAt(instance, scene_view);
-      if (!core::boxMayBeVisible(box, view)) continue;
-      const double distance = core::distanceToBox(view.eye_model, box) * model->instances[instance].scale;
+      const core::View seen = model->viewAt(instance, view);
+      if (!core::boxMayBeVisible(box, seen)) continue;
+      const double distance = core::distanceToBox(seen.eye_model, box) * model->instances[instance].scale;
       found.push_back({distance, model.get(), instance});
     }
   }
-  std::ranges::stable_sort(found, {}, &Standing::distance);
+  std::ranges::stable_sort(found, {}, &VisibleInstance::distance);
   return found;
 }
 
-/// What comes into sight again has nothing to fade from.
-void ViewedScene::leaveOutAllBut(std::span<const Standing> seen) {
+/// Ends the fades of all other instances: when they become visible again, nothing fades.
+void ViewedScene::forgetInvisible(std::span<const VisibleInstance> visible) {
   for (const auto& model : models_) {
-    std::vector<bool> is_seen(model->instances.size());
-    for (const Standing& standing : seen)
-      if (standing.model == model.get()) is_seen[standing.instance] = true;
-    for (size_t instance = 0; instance < is_seen.size(); ++instance)
-      if (!is_seen[instance]) model->renderer.leaveOut(instance);
+    std::vector<bool> is_visible(model->instances.size());
+    for (const VisibleInstance& one : visible)
+      if (one.model == model.get()) is_visible[one.instance] = true;
+    for (size_t instance = 0; instance < is_visible.size(); ++instance)
+      if (!is_visible[instance]) model->renderer.leaveOut(instance);
   }
+}
+
+render::DrawStyle ViewedScene::styleOf(const VisibleInstance& visible, render::DrawStyle style) const {
+  const auto& [distance, model, instance] = visible;
+  style.over = true;
+  style.up = glm::conjugate(model->instances[instance].rotation) * style.up;
+  if (!scene_.is_single_model)
+    style.instance = {instanceNumber(model->number, instance), model->opened.model->name,
+                      static_cast<uint32_t>(instance + 1)};
+  return style;
 }
 
 render::DrawCounts ViewedScene::draw(const core::View& view, const render::Framebuffer& target,
                                      render::DrawStyle style, const render::DrawTime& time) {
   in_picture_.clear();
-  if (!stage_) return {};
-  const core::View scene_view = inScene(view);
-  stage_->draw(scene_view, target, style);
-  const render::DrawStyle over = stage_->styleOver(style);
-  const std::vector<Standing> seen = inSight(scene_view);
-  leaveOutAllBut(seen);
-  std::vector<render::InstanceDraw> draws;
-  for (const auto& [distance, model, instance] : seen)
-    draws.push_back({&model->renderer, instance, model->viewAt(instance, scene_view),
-                     model->styleAt(instance, over, scene_.up)});
-  const render::DrawCounts counts = instance_drawer_.draw(draws, target, time);
-  for (const render::InstanceDraw& at : draws) {
-    const auto items = at.renderer->inPicture(at.instance);
-    in_picture_.insert(in_picture_.end(), items.begin(), items.end());
+  render::DrawCounts counts;
+  if (stage_) {
+    stage_->begin(inTrueCoordinates(view), target, style);
+    const core::View scene_view = withNear(view);
+    const std::vector<VisibleInstance> visible = visibleInstances(scene_view);
+    forgetInvisible(visible);
+    std::vector<render::InstanceDraw> draws;
+    for (const VisibleInstance& one : visible)
+      draws.push_back({&one.model->renderer, one.instance, one.model->viewAt(one.instance, scene_view),
+                       styleOf(one, style)});
+    counts = instance_drawer_.draw(draws, target, time);
+    for (const render::InstanceDraw& at : draws) {
+      const auto items = at.renderer->inPicture(at.instance);
+      in_picture_.insert(in_picture_.end(), items.begin(), items.end());
+    }
+  } else {
+    render::startPicture(target, style);
   }
-  stage_->drawSky(target, style);
+  if (!models_.empty()) drawSky(models_.front()->renderer, scene_, target, style);
   return counts;
 }
 
-/// Along a ray of the scene. Nothing where it does not come down on it, or there is no ground.
-std::optional<double> ViewedScene::distanceToGround(const core::Ray& ray) const {
-  const double falls = -glm::dot(ray.direction, scene_.up);
-  if (!scene_.ground || falls <= 0) return std::nullopt;
-  const double distance = (glm::dot(ray.origin_model, scene_.up) - scene_.ground->height) / falls;
-  return distance > 0 ? std::optional(distance) : std::nullopt;
+/// Returns the point where a ray meets the scene's ground from above.
+/// @param ray       in the scene.
+/// @param distance  set to the point's distance if there is one.
+std::optional<PickedPoint> ViewedScene::groundUnder(const core::Ray& ray, double& distance) const {
+  const double fall = -glm::dot(ray.direction, scene_.up);
+  if (!scene_.ground || fall <= 0) return std::nullopt;
+  const glm::dvec3 eye = ray.origin_model + whole_.lattice.origin;
+  const double to_ground = (glm::dot(eye, scene_.up) - scene_.ground->height) / fall;
+  if (!(to_ground > 0)) return std::nullopt;
+  distance = to_ground;
+  PickedPoint point;
+  point.is_ground = true;
+  point.position_model = ray.origin_model + to_ground * ray.direction;
+  point.position = point.position_model + whole_.lattice.origin;
+  point.step = whole_.lattice.step;
+  return point;
 }
 
-std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& place_px) {
-  const core::View scene_view = inScene(view);
-  std::optional<PickedPoint> nearest;
+std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& pixel_px) {
+  const core::View scene_view = withNear(view);
   double nearest_distance = 0;
-  const core::Ray scene_ray = core::rayThrough(scene_view, place_px);
-  if (const auto distance = distanceToGround(scene_ray)) {
-    nearest_distance = *distance;
-    nearest.emplace();
-    nearest->is_ground = true;
-    nearest->position = scene_ray.origin_model + *distance * scene_ray.direction;
-    nearest->position_model = nearest->position - whole_.lattice.origin;
-    nearest->step = whole_.lattice.step;
-  }
-  for (const auto& [distance, model, instance] : inSight(scene_view)) {
+  std::optional<PickedPoint> nearest = groundUnder(core::rayThrough(scene_view, pixel_px), nearest_distance);
+  for (const auto& [distance, model, instance] : visibleInstances(scene_view)) {
     if (nearest && distance > nearest_distance) break;
     const core::View seen = model->viewAt(instance, scene_view);
-    const core::Ray ray = core::rayThrough(seen, place_px);
+    const core::Ray ray = core::rayThrough(seen, pixel_px);
     if (!core::distanceAlong(ray, model->box())) continue;
     const core::CutProbe* const probe = model->probe(instance);
     if (probe == nullptr) continue;
@@ -341,31 +380,31 @@ std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm:
     if (!hit || (nearest && hit->distance_model * scale >= nearest_distance)) continue;
     nearest_distance = hit->distance_model * scale;
     nearest = pointOf(*hit, *model->opened.model, *model->status.cut);
-    nearest->position = model->toScene(instance, hit->position_model);
-    nearest->position_model = nearest->position - whole_.lattice.origin;
+    nearest->position_model = model->toScene(instance, hit->position_model);
+    nearest->position = nearest->position_model + whole_.lattice.origin;
     nearest->step *= scale;
-    nearest->model = model->opened.model->name;
+    if (!scene_.is_single_model) nearest->model = model->opened.model->name;
   }
   return nearest;
 }
 
 std::optional<render::Ground> ViewedScene::groundBelow(const core::View& view, const glm::dvec3& point_model,
                                                        const glm::dvec3& up) {
-  const core::View scene_view = inScene(view);
-  const glm::dvec3 point = point_model + whole_.lattice.origin;
+  const core::View scene_view = withNear(view);
   std::optional<render::Ground> highest;
-  if (const double depth = scene_.ground ? glm::dot(point, scene_.up) - scene_.ground->height : -1;
-      depth > 0 && up == scene_.up)
-    highest = render::Ground{depth, 0};
+  if (scene_.ground && up == scene_.up) {
+    const double height = glm::dot(point_model + whole_.lattice.origin, up) - scene_.ground->height;
+    if (height > 0) highest = render::Ground{height, 0};
+  }
   for (const auto& model : models_) {
     for (size_t instance = 0; instance < model->instances.size(); ++instance) {
       const Placement& at = model->instances[instance];
-      const glm::dquat back = glm::conjugate(at.rotation);
-      const glm::dvec3 from = back * (point - at.position) / at.scale - model->opened.model->lattice.origin;
-      if (!core::distanceAlong({from, back * -up}, model->box())) continue;
+      const glm::dvec3 from = model->toModel(instance, point_model);
+      const glm::dvec3 model_up = glm::conjugate(at.rotation) * up;
+      if (!core::distanceAlong({from, -model_up}, model->box())) continue;
       const core::CutProbe* const probe = model->probe(instance);
       if (probe == nullptr) continue;
-      const auto ground = app::groundBelow(*probe, model->viewAt(instance, scene_view), from, back * up);
+      const auto ground = app::groundBelow(*probe, model->viewAt(instance, scene_view), from, model_up);
       if (ground && (!highest || ground->depth_model * at.scale < highest->depth_model))
         highest = render::Ground{ground->depth_model * at.scale, ground->uncertainty_model * at.scale};
     }

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "client/app/cli/common_options.h"
+#include "client/app/cli/scene_file.h"
+#include "client/app/window/scene/scene_stage.h"
+#include "client/core/view/camera_path.h"
+#include "client/core/view/framing.h"
+#include "client/render/framebuffer.h"
+#include "client/render/renderer.h"
+#include "client/stream/streamer.h"
+
+namespace lode::app {
+
+/// The scene that `render` draws; a single model is a scene of one. Each model has one stream and one
+/// renderer, which its instances share, and an equal part of the memory budget. Made, used and destroyed on
+/// the thread of its OpenGL context.
+class RenderedScene {
+ public:
+  struct Picture {
+    bool is_drawn = false;         ///< false if an instance did not converge; no converged cut: no picture
+    bool has_converged = false;    ///< see hasConverged()
+    stream::StreamStatus status;   ///< of the first instance that did not converge, else of the last
+    float max_error_px = 0;        ///< of all instances
+    std::vector<render::LegendEntry> legend;
+  };
+
+  /// Starts servers for local models, builds those that are PLYs, and waits until all are open.
+  /// @param announce  see resolveTarget(). @throws Error.
+  RenderedScene(const CommonOptions& options, bool announce);
+  ~RenderedScene();
+
+  /// --camera's path, or the camera that frames the scene.
+  const core::CameraPath& path() const { return path_; }
+  /// Draws the scene instance by instance, each once it has converged for the camera at a time of the path.
+  /// @throws Error, kLimit if a model does not fit into its GPU memory.
+  Picture draw(double t, const render::Framebuffer& target, render::DrawStyle style);
+
+ private:
+  struct Model;
+  void drawInstance(Model& model, const Placement& placement, const core::View& seen,
+                    const render::Framebuffer& target, render::DrawStyle style, double t);
+
+  const Scene scene_;
+  const PictureSize size_;
+  const float pixels_;
+  const std::chrono::milliseconds timeout_;
+  std::vector<std::unique_ptr<Model>> models_;
+  std::optional<SceneStage> stage_;
+  glm::dvec3 up_{0};
+  core::CameraPath path_;
+};
+
+}  // namespace lode::app
