@@ -8,32 +8,32 @@ namespace lode::render {
 namespace {
 
 constexpr double kStepsOfOctave = 4;
-/// By the mean of the powers it becomes coarser, and by two finer, so that it is not too fine at once.
+/// Getting coarser assumes the mean power of work over threshold, getting finer its square: careful.
 constexpr double kStepsOfHalving = kStepsOfOctave / kFallOfWork;
 constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
-constexpr int kMostSteps = 12;         ///< an eightfold threshold: beyond it a lower rate is the lesser evil
+constexpr int kMostSteps = 12;         ///< 8 times the threshold; beyond it, the rate is halved
 constexpr int kMostHalvings = 3;       ///< 60 frames a second become 7.5
-constexpr double kFill = 0.8;          ///< of the target: what is aimed at
-constexpr double kFillOfFaster = 0.9;  ///< of a higher rate's: less than what would lower it again
-constexpr double kSpareSteps = 0.25;   ///< that a finer threshold leaves
-constexpr int kSlowFrames = 3;         ///< before the rate is halved
-constexpr int kCalmFrames = 8;         ///< a round of them comes before anything becomes finer or faster
-constexpr int kTrialFrames = 64;       ///< that a rate has to last that was given back
-constexpr int kMorePatience = 4, kMostPatience = 256;        ///< of rounds, where it does not
-constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};  ///< halves and quarters of the pixels
-constexpr int kStepsOfScale = 2;          ///< of the threshold: as much coarser by the window's pixels
-constexpr int kStepsBeforeScale = 4;      ///< a twofold threshold: beyond it fewer pixels are the lesser evil
-constexpr double kPixelFill = 0.5;        ///< of what is aimed at, that pixels may take,
-constexpr double kPixelFillAgain = 0.45;  ///< and where there are to be more of them
-constexpr double kNoThreshold = 1000;     ///< steps: none is coarse enough
+constexpr double kFill = 0.8;          ///< part of the target time that frames aim at
+constexpr double kFillOfFaster = 0.9;  ///< the same for a restored rate: below the target, or it drops again
+constexpr double kSpareSteps = 0.25;   ///< margin when the threshold becomes finer
+constexpr int kSlowFrames = 3;         ///< consecutive slow frames that halve the rate
+constexpr int kCalmFrames = 8;         ///< frames in a round: at least one before anything is restored
+constexpr int kTrialFrames = 64;       ///< frames that a restored rate or resolution must last
+constexpr int kMorePatience = 4, kMostPatience = 256;        ///< factor and limit of Trials::patience_
+constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};  ///< all, half and a quarter of the pixels
+constexpr int kStepsOfScale = 2;          ///< threshold steps equal to one step of kScales, in window pixels
+constexpr int kStepsBeforeScale = 4;      ///< twice the threshold; beyond it, the resolution drops
+constexpr double kPixelFill = 0.5;        ///< part of a frame that work per pixel may take
+constexpr double kPixelFillAgain = 0.45;  ///< the same for a restored resolution
+constexpr double kNoThreshold = 1000;     ///< steps if no threshold is coarse enough
 constexpr double kRestSeconds = 0.25;
-constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< what is worth waiting for,
-constexpr double kShareWaited = 0.5;                   ///< so much of a frame
+constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< a cut worth waiting for: factors on the drawn one
+constexpr double kShareWaited = 0.5;                   ///< part of a frame's time that may be waited
 constexpr double kLongestWaitS = 0.25;
 
 double stepsOf(double coarsening) noexcept { return kStepsOfOctave * std::log2(coarsening); }
 
-/// @param share  of the load that goes by pixels, which no threshold changes.
+/// Returns the steps that bring a load to 1. @param share  part of the load per pixel, which stays.
 double stepsFor(double load, double share) noexcept {
   const double left = 1 - share * load, triangles = (1 - share) * load;
   if (left <= 0) return kNoThreshold;
@@ -74,7 +74,7 @@ void FrameRateControl::limitTo(double coarsening) noexcept {
   steps_ = std::min(steps_, mostSteps());
 }
 
-/// In the picture's pixels: where these are larger, fewer look as coarse.
+/// Returns the limit of steps_ in the picture's pixels, which a lower resolution makes larger.
 int FrameRateControl::mostSteps() const noexcept {
   return std::max(0, most_steps_ - kStepsOfScale * scale_steps_);
 }
@@ -87,8 +87,8 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
   still_s_ = moved ? 0 : still_s_ + seconds;
 }
 
-/// A frame that lacks something says that a coarser threshold is needed, but seldom that a finer one is
-/// enough.
+/// Frames with missing parts can show that a coarser threshold is needed, but not that a finer one fits: only
+/// complete parts count for that.
 void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcept {
   if (coarsening.scale != movingScale()) return;
   const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);
@@ -127,7 +127,7 @@ void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcep
   }
 }
 
-/// Those to come differ from them in more than their threshold.
+/// Forgets earlier frames: frames of the new resolution differ by more than their threshold.
 void FrameRateControl::forgetFrames() noexcept {
   last_need_ = last_pixel_load_ = 0;
   slow_frames_ = calm_frames_ = 0;
@@ -141,7 +141,7 @@ void FrameRateControl::lowerScale(double pixel_load) noexcept {
   forgetFrames();
 }
 
-/// As often as the fastest of the slow frames says.
+/// Halves the rate as often as the fastest of the slow frames needs.
 void FrameRateControl::lowerRate() noexcept {
   const int halvings = static_cast<int>(std::ceil(std::log2(least_slow_)));
   halvings_ = std::min(halvings_ + std::max(halvings, 1), kMostHalvings);
@@ -149,18 +149,19 @@ void FrameRateControl::lowerRate() noexcept {
   rate_.end();
 }
 
-/// Twice the work is that of twice the rate, and at most that of the next resolution.
+/// Restores the rate, the resolution or the threshold. Twice the rate means twice the work; the next
+/// resolution at most that.
 void FrameRateControl::ease() noexcept {
   calm_frames_ = 0;
-  const bool is_enough = double_need_ <= mostSteps();
-  const bool is_few = full_need_ < kStepsBeforeScale;  // by what would take the pixels again
+  const bool fits_limit = double_need_ <= mostSteps();
+  const bool stays_fine = full_need_ < kStepsBeforeScale;  // or the resolution would drop again
   const bool leaves_room =
       double_need_ <= mostSteps() + kStepsOfScale && 2 * calm_pixel_load_ <= kPixelFillAgain;
-  if (rate_.see(halvings_ > 0 && is_enough)) {
+  if (rate_.see(halvings_ > 0 && fits_limit)) {
     --halvings_;
     rate_.begin();
     steps_ = wholeSteps(double_need_ + kSpareSteps);
-  } else if (resolution_.see(scale_steps_ > 0 && (is_few || leaves_room))) {
+  } else if (resolution_.see(scale_steps_ > 0 && (stays_fine || leaves_room))) {
     --scale_steps_;
     resolution_.begin();
     forgetFrames();

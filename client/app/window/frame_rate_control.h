@@ -4,63 +4,63 @@
 
 namespace lode::render {
 
-/// A choice that may turn out to be wrong: where it does, it takes more rounds that agree to make it again.
+/// Hysteresis for a step that may have to be taken back: each time it is, the next one needs more rounds of
+/// frames that vote for it.
 class Trials {
  public:
-  /// @param agrees  what was seen of a round of frames. @return whether it is to be made.
+  /// Adds a round of frames. @return true if the step should be taken.
   bool see(bool agrees) noexcept;
+  /// The step was taken.
   void begin() noexcept;
-  /// It was taken back: wrong, unless it has lasted.
+  /// The step was taken back: a failure, unless it has lasted kTrialFrames.
   void end() noexcept;
   void passFrame() noexcept;
 
  private:
-  int rounds_ = 0;    ///< that agree, one after another,
-  int patience_ = 1;  ///< and how many of them are enough,
-  int frames_ = 0;    ///< for which it has yet to last
+  int rounds_ = 0;    ///< consecutive rounds that voted for the step
+  int patience_ = 1;  ///< rounds needed
+  int frames_ = 0;    ///< frames that the step must still last to count as a success
 };
 
-/// Holds a frame rate while the camera moves, by a coarser threshold, and gives it back while the camera
-/// rests. What a frame takes follows from its triangles, and these from its threshold: each frame says how
-/// much coarser the next ones should be. What goes by its pixels no threshold makes less: where that is most
-/// of what a frame may take, the picture gets fewer pixels before its threshold, which is in these pixels,
-/// becomes more than twice as coarse. Where all that would be too coarse to fly by, the frame rate is halved
-/// instead, as often as frames say. The rate is given back first, then pixels, then the threshold, as soon as
-/// frames say that there is time for it. That is a guess, as what frames would take is not known: where it
-/// was wrong the next one takes more frames that agree. Thresholds move in steps of 2^1/4, the picture's
-/// sides in steps of 2^1/2. Pure: no clock, no GL.
+/// Holds a frame rate while the camera moves, by a coarser threshold; at rest the threshold is the user's. A
+/// frame's time follows from its triangles, and these from its threshold: each frame predicts how much
+/// coarser the next should be. A threshold does not reduce the work per pixel: if that is most of a frame,
+/// the resolution drops before the threshold, in its pixels, doubles. If the threshold reaches its limit, the
+/// frame rate is halved. When frames leave time, first the rate is restored, then the resolution, then the
+/// threshold. Restoring relies on a prediction: after a wrong one, more frames must agree (see Trials).
+/// Thresholds move in steps of 2^1/4, the picture's sides in steps of 2^1/2. Pure: no clock, no GL.
 class FrameRateControl {
  public:
   enum class Begin { kFine, kCoarse };
 
-  /// @param fps    frames a second that are wanted, > 0.
-  /// @param begin  where the first frame of a fine threshold could take seconds: coarse.
+  /// @param fps    frame rate to hold, > 0.
+  /// @param begin  kCoarse where the first frame with a fine threshold could take seconds.
   explicit FrameRateControl(double fps, Begin begin = Begin::kFine) noexcept;
 
-  /// From now on it holds another rate. @param fps  > 0.
+  /// Changes the rate to hold. @param fps  > 0.
   void setRate(double fps) noexcept;
-  /// From now on it asks for nothing coarser. @param coarsening  >= 1; eight at most is made use of.
+  /// Limits the coarsening. @param coarsening  >= 1; more than 8 counts as 8.
   void limitTo(double coarsening) noexcept;
-  /// Time passes. @param moved  the camera did.
+  /// Advances time. @param moved  the camera moved.
   void step(double seconds, bool moved) noexcept;
-  /// A frame was drawn, however long ago it was asked for. One of another resolution than is asked for now
-  /// tells nothing.
-  /// @param work_ms  without the wait for the display
+  /// Adds a drawn frame, which may be several frames old. A frame of another resolution than the current one
+  /// is ignored.
+  /// @param work_ms  time without the wait for the display
   void add(double work_ms, const Coarsening& coarsening) noexcept;
 
-  /// The camera has not moved for a while.
+  /// Returns true if the camera has not moved for a while.
   bool isResting() const noexcept;
-  /// By what to multiply the finest threshold for the next frame: 1 while the camera rests.
+  /// Factor on the user's threshold for the next frame; 1 while the camera rests.
   double coarsening() const noexcept;
-  /// By what to multiply the picture's sides for it, 0.5 to 1: 1 while the camera rests.
+  /// Factor on the picture's sides for the next frame, 0.5 to 1; 1 while the camera rests.
   double scale() const noexcept;
-  /// Whether to draw nothing for now, as a much coarser cut than the one that is there is on its way and the
-  /// camera moves already.
-  /// @param coarsening  of the frame that was drawn last, by the pixels of all of the resolution
-  /// @param work_ms     that it took
-  /// @param waited_s    since then
+  /// Returns true if drawing should wait: the camera has begun to move, and a much coarser cut than the drawn
+  /// one is coming.
+  /// @param coarsening  coarsening of the last frame, in pixels of full resolution
+  /// @param work_ms     time of the last frame
+  /// @param waited_s    time since then
   bool isWorthWaiting(double coarsening, double work_ms, double waited_s) const noexcept;
-  /// What a frame may take now.
+  /// Time that a frame may take at the current rate.
   double targetMs() const noexcept;
 
  private:
@@ -73,21 +73,22 @@ class FrameRateControl {
   void ease() noexcept;
 
   double wanted_ms_;
-  int most_steps_;              ///< of the threshold in the window's pixels,
-  int steps_;                   ///< and while the camera moves
-  int halvings_ = 0;            ///< of the rate,
-  int scale_steps_ = 0;         ///< and of the resolution
-  double last_need_ = 0;        ///< steps; one frame that is slow by accident changes nothing,
-  double last_pixel_load_ = 0;  ///< of what a frame may take, that its pixels do
-  int slow_frames_ = 0;         ///< beyond the target at the coarsest threshold, one after another,
-  double least_slow_ = 0;       ///< and the least of them, of the target
-  int calm_frames_ = 0;         ///< that needed no more, none between them that did,
-  double calm_need_ = 0;        ///< the most steps that these needed,
-  double calm_pixel_load_ = 0;
-  double double_need_ = 0;  ///< those that they would need for twice the work in a higher rate,
-  double full_need_ = 0;    ///< and in this one
+  int most_steps_;              ///< limit of steps_, in pixels of full resolution
+  int steps_;                   ///< steps of the threshold while the camera moves
+  int halvings_ = 0;            ///< of the frame rate
+  int scale_steps_ = 0;         ///< index into kScales
+  double last_need_ = 0;        ///< steps that the last frame needed: a single slow frame changes nothing
+  double last_pixel_load_ = 0;  ///< the last frame's work per pixel, relative to a frame's time
+  int slow_frames_ = 0;         ///< consecutive frames over the target at the coarsest threshold
+  double least_slow_ = 0;       ///< fastest of them, relative to the target
+  // Consecutive frames that needed no more steps, and their maxima:
+  int calm_frames_ = 0;
+  double calm_need_ = 0;        ///< steps needed
+  double calm_pixel_load_ = 0;  ///< work per pixel, relative to a frame's time
+  double double_need_ = 0;      ///< steps needed for twice the work, with the room that a higher rate leaves
+  double full_need_ = 0;        ///< steps needed for twice the work at this rate
   Trials rate_, resolution_;
-  double still_s_ = 0;  ///< it begins as if the camera had moved, so that the first cut may be coarse
+  double still_s_ = 0;  ///< time at rest; starts as if the camera had just moved: the first cut may be coarse
 };
 
 }  // namespace lode::render

@@ -5,17 +5,17 @@
 namespace lode::app {
 namespace {
 
-constexpr double kDeadZone = 0.2;  ///< of a stick's way: worn ones do not come back any better
+constexpr double kDeadZone = 0.2;  ///< part of a stick's travel: worn sticks do not return closer to 0
 
-double curved(double way) noexcept {
-  const double part = std::clamp((way - kDeadZone) / (1 - kDeadZone), 0.0, 1.0);
+double curved(double travel) noexcept {
+  const double part = std::clamp((travel - kDeadZone) / (1 - kDeadZone), 0.0, 1.0);
   return part * part;
 }
 
-/// By its whole way, not by x and y, so that it keeps its direction.
+/// Curves the length, not x and y by themselves: the direction stays.
 glm::dvec2 stick(const glm::dvec2& at) noexcept {
-  const double way = glm::length(at);
-  return way > 0 ? at / way * curved(way) : glm::dvec2(0);
+  const double travel = glm::length(at);
+  return travel > 0 ? at / travel * curved(travel) : glm::dvec2(0);
 }
 
 double trigger(double at) noexcept { return curved((at + 1) / 2); }

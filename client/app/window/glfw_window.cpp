@@ -15,9 +15,9 @@
 namespace lode::app {
 namespace {
 
-constexpr double kClickReach = 4;             ///< of the pointer between down and up, in its own units
-constexpr double kDoubleClickS = 0.35;        ///< without the frames drawn meanwhile,
-constexpr double kLongestDoubleClickS = 1.2;  ///< and with them
+constexpr double kClickReach = 4;             ///< pointer units that it may move between down and up
+constexpr double kDoubleClickS = 0.35;        ///< between two clicks, without the time to draw frames
+constexpr double kLongestDoubleClickS = 1.2;  ///< between two clicks, with it
 
 std::string lastGlfwError() {
   const char* text = nullptr;
@@ -27,7 +27,7 @@ std::string lastGlfwError() {
 
 }  // namespace
 
-/// GLFW calls these back from handleEvents().
+/// Callbacks that GLFW calls from handleEvents().
 struct GlfwWindow::Callbacks {
   static GlfwWindow& of(GLFWwindow* window) {
     return *static_cast<GlfwWindow*>(glfwGetWindowUserPointer(window));
@@ -117,7 +117,7 @@ void GlfwWindow::handleEvents(double wait_s) {
 }
 
 void GlfwWindow::pressKey(int key, int modifiers) {
-  if (key < GLFW_KEY_LEFT_SHIFT) pending_.any_key = true;  // what goes with others is none by itself
+  if (key < GLFW_KEY_LEFT_SHIFT) pending_.any_key = true;  // modifier keys do not count
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) {
     pending_.bookmark = key - GLFW_KEY_1 + 1;
     pending_.set_bookmark = (modifiers & GLFW_MOD_CONTROL) != 0;
@@ -167,7 +167,8 @@ void GlfwWindow::pressKey(int key, int modifiers) {
   }
 }
 
-/// Wherever the keyboard has it, beside its digits too. It follows its key, which says whether it is held.
+/// Handles signs wherever the keyboard layout has them. GLFW sends the key's event first, so that
+/// is_repeated_ is known.
 void GlfwWindow::typeSign(unsigned code) {
   if (is_repeated_) return;
   if (code == '?') pending_.toggle_help = !pending_.toggle_help;
@@ -230,8 +231,8 @@ render::FlyKeys GlfwWindow::heldKeys() const {
 
 bool GlfwWindow::hasGamepad() const noexcept { return glfwJoystickIsGamepad(GLFW_JOYSTICK_1) == GLFW_TRUE; }
 
-/// Beside the keys. The right bumper is Shift, A the next camera, Y the first view, X the next view, Start
-/// the help.
+/// Adds the gamepad to the keys: right bumper as Shift, A next camera, Y first view, X next colour mode,
+/// Start help.
 void GlfwWindow::takeGamepad(Input& input) {
   GLFWgamepadstate pad;
   if (!hasGamepad() || glfwGetGamepadState(GLFW_JOYSTICK_1, &pad) == GLFW_FALSE) return;

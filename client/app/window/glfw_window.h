@@ -12,11 +12,11 @@ struct GLFWwindow;
 
 namespace lode::app {
 
-/// The one window of this program with its OpenGL 4.5 core context, current on the thread that made it.
+/// The program's window with an OpenGL 4.5 core context, current on the thread that made it.
 /// All functions are for that thread, which must be the program's first.
 class GlfwWindow {
  public:
-  /// @throws Error kIo that says what is missing and what to do instead.
+  /// @throws Error kIo if there is no display or no OpenGL 4.5.
   GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string& title);
   ~GlfwWindow();
   GlfwWindow(const GlfwWindow&) = delete;
@@ -26,21 +26,22 @@ class GlfwWindow {
   /// Size of the picture; 0 while the window is minimized.
   uint32_t widthPx() const noexcept;
   uint32_t heightPx() const noexcept;
-  double contentScale() const noexcept;  ///< pixels for what is one pixel on a plain display
+  double contentScale() const noexcept;  ///< pixels per pixel of a display of normal density
 
   bool shouldClose() const noexcept;
   void setTitle(const std::string& title);
   void copyToClipboard(const std::string& text);
-  /// There is one with a mapping that GLFW knows; it makes no events.
+  /// Returns true if a gamepad that GLFW can map is connected. Gamepads send no events: poll them.
   bool hasGamepad() const noexcept;
-  /// Waits for events at most so long (0: not at all) and handles them.
+  /// Waits at most so long for events and handles them.
   void handleEvents(double wait_s);
-  /// From now on the mouse is not for the picture there, nor until a button is released that went down there.
+  /// Sets the area covered by the panel: mouse input there, and drags that begin there, are not for the
+  /// picture.
   void cover(const std::optional<Covered>& covered) { covered_ = covered; }
-  /// What the user did since the last call.
+  /// Returns the input since the last call.
   Input takeInput();
   void swap();
-  /// What was drawn and not yet swapped.
+  /// Reads the picture that was drawn and is not yet swapped.
   render::Image readBack() const;
 
  private:
@@ -57,14 +58,14 @@ class GlfwWindow {
   GLFWwindow* window_ = nullptr;
   Input pending_;
   std::optional<Covered> covered_;
-  bool pressed_covered_ = false;  ///< the button last pressed, where it went down
-  bool is_repeated_ = false;      ///< the key last handled is held down
+  bool pressed_covered_ = false;  ///< the last pressed button went down over the panel
+  bool is_repeated_ = false;      ///< the last handled key event was a repeat
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
-  unsigned pad_buttons_ = 0;  ///< that were held at the last look, by GLFW's numbers
-  double handled_s_ = 0;      ///< when events were last looked at
-  double unattended_s_ = 0;   ///< in all, between looks: events bear no times of their own
-  double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< at the last click
-  double to_px_ = 1;                                    ///< pixels of the picture for one unit of the pointer
+  unsigned pad_buttons_ = 0;  ///< bits of buttons held at the last poll, by GLFW's numbers
+  double handled_s_ = 0;      ///< time when events were last handled
+  double unattended_s_ = 0;   ///< total time spent outside of handleEvents(): events have no time stamps
+  double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< both times at the last click
+  double to_px_ = 1;                                    ///< pixels of the picture per pointer unit
 };
 
 }  // namespace lode::app

@@ -10,7 +10,7 @@ class App;
 
 namespace lode::app {
 
-/// How view and render show a model, as their options say it.
+/// Options of view and render that choose how a model looks.
 struct LookOptions {
   std::string show = "surface";
   float exposure = 1;

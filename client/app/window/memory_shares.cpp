@@ -9,16 +9,16 @@
 namespace lode::render {
 namespace {
 
-constexpr uint64_t kStagingShare = 256;      // one in so many bytes of the memory is what a frame uploads
-constexpr uint64_t kPageShare = 8;           // of the meshes' memory is in one buffer, and no more than
-constexpr uint64_t kBufferBytes = 4u << 20;  // that: making one takes a millisecond of a frame in software
-constexpr uint64_t kSpareShare = 4;          // of it is for meshes that are no longer drawn
-constexpr uint64_t kWasteShare = 8;          // of it is lost at the ends of buffers, at most
+constexpr uint64_t kStagingShare = 256;      // a frame uploads at most 1/256 of the memory
+constexpr uint64_t kPageShare = 8;           // a buffer holds 1/8 of the meshes' memory, but at most
+constexpr uint64_t kBufferBytes = 4u << 20;  // 4 MiB: software GL takes a millisecond to make that
+constexpr uint64_t kSpareShare = 4;          // 1/4 of the meshes' memory keeps meshes no longer drawn
+constexpr uint64_t kWasteShare = 8;          // at most 1/8 of it is lost at the ends of buffers
 
 }  // namespace
 
-/// Tiles have room for all that the core's budget allows, and a half of it more while their array grows.
-/// Meshes have the rest, of which buffers that meshes do not fill to their ends waste a part.
+/// Tiles get what the core's texture budget allows, plus half of it for copying while their array grows.
+/// Meshes get the rest, at least 3/8 of the GPU's half.
 MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   MemoryShares shares;
   shares.stream_bytes = memory_budget_bytes / 2;
@@ -38,6 +38,12 @@ MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   gpu.spare_bytes = gpu.budget_bytes / kSpareShare;
   shares.drawn_bytes = gpu.budget_bytes - gpu.budget_bytes / kWasteShare;
   return shares;
+}
+
+stream::StreamOptions withShare(stream::StreamOptions options, const MemoryShares& memory) {
+  options.engine.memory_budget_bytes = memory.stream_bytes;
+  options.engine.refine.drawn_budget_bytes = memory.drawn_bytes;
+  return options;
 }
 
 }  // namespace lode::render

@@ -48,8 +48,8 @@ void Pacing::draw(const std::optional<render::Coarsening>& coarsening, TimePoint
 }
 
 bool Pacing::isWorthWaiting(float drawn_px, bool is_uploaded, TimePoint now) const noexcept {
-  const bool is_there = is_uploaded && kThresholdStep * drawn_px >= asked_px_;
-  if (is_fixed_ || is_there) return false;
+  const bool is_drawable = is_uploaded && kThresholdStep * drawn_px >= asked_px_;
+  if (is_fixed_ || is_drawable) return false;
   const std::chrono::duration<double> waited = now - std::max(drawn_, began_to_move_);
   return control_.isWorthWaiting(drawn_coarsening_, work_ms_, waited.count());
 }

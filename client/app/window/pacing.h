@@ -8,52 +8,52 @@
 
 namespace lode::app {
 
-/// Between which a window's threshold is, whatever keys and the frame rate ask for.
+/// Range of the window's threshold, whatever keys and the frame rate ask for.
 constexpr float kLeastThresholdPx = 0.1f, kLargestThresholdPx = 64;
 constexpr float kThresholdStep = 1.189207115f;  ///< 2^1/4
 
-/// How fine the window's next picture is to be: the user's threshold while the camera rests, what the frame
-/// rate allows while it moves; and whether it is worth waiting for. Pure: no clock, no GL.
+/// Chooses the threshold and resolution of the next picture: the user's threshold while the camera rests, a
+/// coarser one that holds the frame rate while it moves. Pure: no clock, no GL.
 class Pacing {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
   struct Options {
     float threshold_px = 1;
-    bool is_fixed = false;  ///< the threshold is the user's whatever a frame takes
+    bool is_fixed = false;  ///< keep the user's threshold whatever a frame takes
     double fps = 60;
     render::FrameRateControl::Begin begin = render::FrameRateControl::Begin::kFine;
   };
 
   Pacing(const Options& options, TimePoint now) noexcept;
 
-  /// So many steps of the user's threshold; coarser below 0.
+  /// Makes the user's threshold finer by so many steps of kThresholdStep; coarser below 0.
   void sharpen(int steps) noexcept;
   void setThreshold(float threshold_px) noexcept;
-  /// Whether it is the user's whatever a frame takes.
+  /// Sets Options::is_fixed.
   void fix(bool is_fixed) noexcept { is_fixed_ = is_fixed; }
   void setRate(double fps) noexcept;
-  /// What a frame took that was drawn some frames ago. @param coarsening  nothing if it showed nothing
+  /// Reports the time of an earlier frame. @param coarsening  empty if it drew nothing.
   void measure(double work_ms, const std::optional<render::Coarsening>& coarsening) noexcept;
-  /// Time passes before the next frame.
+  /// Advances time before the next frame.
   void step(double seconds, bool moved, TimePoint now) noexcept;
-  /// A frame was drawn.
+  /// Reports that a frame was drawn.
   void draw(const std::optional<render::Coarsening>& coarsening, TimePoint now) noexcept;
 
   bool isFixed() const noexcept { return is_fixed_; }
-  double fps() const noexcept { return fps_; }                  ///< that are wanted
+  double fps() const noexcept { return fps_; }                  ///< the rate to hold
   float thresholdPx() const noexcept { return threshold_px_; }  ///< while the camera rests
-  float askedPx() const noexcept { return asked_px_; }          ///< of the next cut
-  /// Of the sides of the next picture; thresholds are in its pixels.
+  float askedPx() const noexcept { return asked_px_; }          ///< threshold of the next cut
+  /// Factor for the sides of the next picture; thresholds are in its pixels.
   double scale() const noexcept { return is_fixed_ ? 1 : control_.scale(); }
-  /// And for nothing coarser.
+  /// Returns true if the next picture has the user's threshold and full resolution.
   bool asksForFinest() const noexcept { return asked_px_ <= threshold_px_ && scale() == 1; }
-  double workMs() const noexcept { return work_ms_; }  ///< of the last frame that was measured
+  double workMs() const noexcept { return work_ms_; }  ///< time of the last measured frame
   bool isResting() const noexcept { return control_.isResting(); }
-  /// What a frame may take; 0 where that has no say.
+  /// Time that a frame may take; 0 if the threshold is fixed.
   double targetMs() const noexcept { return is_fixed_ ? 0 : control_.targetMs(); }
-  /// Whether to draw nothing for now, but wait for all of a much coarser cut.
-  /// @param drawn_px     of what would be drawn, in the next picture's pixels
-  /// @param is_uploaded  there is nothing to wait for
+  /// Returns true if drawing should wait for a much coarser cut, which is faster to draw.
+  /// @param drawn_px     threshold of the cut that would be drawn, in the next picture's pixels
+  /// @param is_uploaded  nothing is left to upload
   bool isWorthWaiting(float drawn_px, bool is_uploaded, TimePoint now) const noexcept;
 
  private:

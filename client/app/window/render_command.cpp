@@ -21,7 +21,6 @@
 #include "client/app/cli/target.h"
 #include "client/app/window/look_options.h"
 #include "client/app/window/memory_shares.h"
-#include "client/app/window/output/film_folder.h"
 #include "client/app/window/output/picture_file.h"
 #include "client/app/window/output/video.h"
 #include "client/app/window/scene/rendered_scene.h"
@@ -47,14 +46,15 @@ constexpr size_t kMaxPictures = 1'000'000;
 struct RenderOptions {
   CommonOptions common;
   LookOptions look;
-  std::string output;  ///< one picture, of the first key
-  std::string folder;  ///< or one for each frame,
-  std::string video;   ///< or these as a video
+  // Exactly one of these is not empty:
+  std::string output;  ///< picture of the path's first key
+  std::string folder;  ///< folder for a picture of each frame
+  std::string video;   ///< video of all frames
   double fps = 30;
   bool json = false;
 };
 
-/// When and where each picture is taken.
+/// Time on the camera's path and file of one picture.
 struct Shot {
   double t = 0;
   fs::path file;
@@ -80,7 +80,7 @@ std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath
   return shots;
 }
 
-/// Where a video's frames lie until it is made.
+/// Temporary folder for a video's frames; removes it in the end.
 class FramesFolder {
  public:
   explicit FramesFolder(fs::path path) : path_(std::move(path)), unfinished_(path_) {}
@@ -96,7 +96,7 @@ class FramesFolder {
   const Unfinished unfinished_;
 };
 
-/// What the pictures so far show.
+/// Results of the pictures drawn so far.
 struct Shown {
   struct Unconverged {
     double t = 0;
@@ -104,7 +104,7 @@ struct Shown {
   };
   size_t pictures = 0;
   float max_error_px = 0;
-  std::vector<render::LegendEntry> legend;  ///< of the last
+  std::vector<render::LegendEntry> legend;  ///< of the last picture
   std::optional<Unconverged> first_unconverged;
   stream::StreamStatus last;
 };
@@ -133,21 +133,20 @@ void printLegend(const Shown& shown, std::FILE* report) {
     std::fprintf(report, "%s  %s\n", hexOf(entry.colour).c_str(), entry.meaning.c_str());
 }
 
-/// Said before the work.
+/// Refuses wrong outputs before the work begins. @throws Error.
 void checkOutput(const RenderOptions& options) {
   if (options.output.empty() == options.folder.empty())
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
   if (!options.output.empty()) checkPictureFile(options.common.target, options.output);
   if (options.look.show == nameOf(render::ColorMode::kAges))
-    throw Error(ErrorCode::kUsage,
-                "--show ages is for view: nothing in a picture of render's has been there for a while");
+    throw Error(ErrorCode::kUsage, "--show ages is for view: render draws every part for the first time");
 }
 
 void render(const RenderOptions& options) {
   checkOutput(options);
   std::FILE* const report = options.output.empty() ? stdout : reportStream(options.output, options.json);
   const PictureSize size = options.common.size();
-  // What this machine cannot draw is said before a long build is begun.
+  // Fails here if this machine cannot draw, before a long build begins.
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);
   render::AmbientOcclusion occlusion;
@@ -190,7 +189,7 @@ void renderVideo(RenderOptions options) {
   const fs::path ffmpeg = findFfmpeg(search_path != nullptr ? search_path : "");
   options.folder = options.video + ".frames";
   if (fs::exists(options.folder))
-    throw Error(ErrorCode::kIo, options.folder + " is in the way of the video's frames: remove it");
+    throw Error(ErrorCode::kIo, options.folder + " is needed for the video's frames but exists: remove it");
   const FramesFolder frames(options.folder);
   render(options);
   makeVideo(ffmpeg, options.folder, options.fps, options.video);

@@ -12,4 +12,15 @@ size_t memoryStepAt(uint64_t bytes) noexcept {
   return static_cast<size_t>(std::ranges::min_element(kMemorySteps, {}, distance) - kMemorySteps.begin());
 }
 
+void ColorModeSwitch::step(int steps) noexcept {
+  const int next = static_cast<int>(shown_) + steps % render::kColorModeCount + render::kColorModeCount;
+  shown_ = static_cast<render::ColorMode>(next % render::kColorModeCount);
+}
+
+void ColorModeSwitch::toggleWireframe() noexcept {
+  const bool is_on = shown_ == render::ColorMode::kWireframe;
+  if (!is_on) filled_ = shown_;
+  shown_ = is_on ? filled_ : render::ColorMode::kWireframe;
+}
+
 }  // namespace lode::app

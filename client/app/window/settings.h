@@ -4,29 +4,49 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "client/render/shown_colours.h"
+
 namespace lode::app {
 
-/// What can be set in the window, besides by options and keys.
+/// Settings that the user changes in the window's panel.
 struct Settings {
-  bool unlit = false;            ///< the paint alone
+  bool unlit = false;            ///< show colours without light
   bool darkens_hollows = true;   ///< ambient occlusion
-  bool fades = true;             ///< what arrives and leaves
+  bool fades = true;             ///< cross-fade LODs
   float exposure = 1;            ///< kLeastExposure to kLargestExposure
-  bool fixes_threshold = false;  ///< whatever a frame takes
-  float threshold_px = 1;        ///< of a camera at rest, kLeastThresholdPx to kLargestThresholdPx
+  bool fixes_threshold = false;  ///< keep the threshold whatever a frame takes
+  float threshold_px = 1;        ///< while the camera rests, kLeastThresholdPx to kLargestThresholdPx
   float fps = 60;                ///< while the camera moves, kLeastFps to kLargestFps
-  uint64_t memory_bytes = 0;     ///< of streams and on the GPU together
+  uint64_t memory_bytes = 0;     ///< budget of streams and GPU copies together
 
   bool operator==(const Settings&) const = default;
 };
 
 constexpr float kLeastExposure = 0.1f, kLargestExposure = 10;
-/// That the memory is set to.
+constexpr float kLeastFps = 5, kLargestFps = 240;
+/// Memory budgets to choose from.
 constexpr std::array<uint64_t, 9> kMemorySteps{20'000'000,    50'000'000,    100'000'000,
                                                200'000'000,   500'000'000,   1'000'000'000,
                                                2'000'000'000, 5'000'000'000, 10'000'000'000};
-/// The one that is nearest to this many bytes, by their ratio. Pure.
+/// Returns the index of the step nearest to a budget, by their ratio. Pure.
 size_t memoryStepAt(uint64_t bytes) noexcept;
-constexpr float kLeastFps = 5, kLargestFps = 240;
+
+/// The colour mode, as keys change it.
+class ColorModeSwitch {
+ public:
+  explicit ColorModeSwitch(render::ColorMode first) noexcept
+      : shown_(first),
+        filled_(first == render::ColorMode::kWireframe ? render::ColorMode::kSurface : first) {}
+
+  render::ColorMode shown() const noexcept { return shown_; }
+  /// Steps through all modes and wraps around; negative steps go back.
+  void step(int steps) noexcept;
+  void show(render::ColorMode shown) noexcept { shown_ = shown; }
+  /// Switches to the wireframe, or from it back to the mode before.
+  void toggleWireframe() noexcept;
+
+ private:
+  render::ColorMode shown_, filled_;  ///< filled_: the mode before the wireframe
+};
 
 }  // namespace lode::app

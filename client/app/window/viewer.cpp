@@ -13,11 +13,12 @@
 namespace lode::app {
 namespace {
 
-constexpr double kIdleWaitS = 0.25;       ///< between looks at a stream that has nothing left to do
-constexpr double kCoarserWaitS = 0.002;   ///< between looks at a coarser cut that is on its way
-constexpr double kStreamingWaitS = 0.01;  ///< between looks at one that has
-constexpr double kFramesOfFade = 4;       ///< that it takes to look like one
-constexpr double kNoteS = 6;              ///< how long a note stays on the panel
+// Seconds between two frames that draw nothing:
+constexpr double kIdleWaitS = 0.25;       ///< streams are settled
+constexpr double kStreamingWaitS = 0.01;  ///< streams refine
+constexpr double kCoarserWaitS = 0.002;   ///< a coarser cut is about to be drawn
+constexpr double kFramesOfFade = 4;       ///< fewer frames do not look like a fade
+constexpr double kNoteS = 6;              ///< time that a note stays on the panel
 
 }  // namespace
 
@@ -31,7 +32,7 @@ Viewer::Viewer(const ViewOptions& options)
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
-      scene_(options.common, isForAPerson() ? MissingModels::kAllowed : MissingModels::kRefused),
+      scene_(options.common, isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused),
       pacing_({.threshold_px = options.common.pixels,
                .is_fixed = options.is_threshold_fixed,
                .fps = options.fps,
@@ -43,18 +44,19 @@ Viewer::Viewer(const ViewOptions& options)
       show_(style_.show) {
   content_.title = options.common.target;
   if (options.laps > 0) pilot_.emplace(options, wanted_path_);
-  content_.help = isForAPerson() && first_start_.isHelpDue();
-  noteMemory(options.common.streamOptions().engine.memory_budget_bytes);
+  content_.help = isInteractive() && first_start_.isHelpDue();
+  setMemoryBudget(options.common.streamOptions().engine.memory_budget_bytes);
 }
 
 bool Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && !isMinimized()) draw();
   if (recorder_.recording()) saveRecording();
-  while (const auto written = picture_writer_.waitAndTake()) tellOfPicture(*written);
-  if (!options_.screenshot.empty() && !is_screenshot_there_)
+  while (const auto written = picture_writer_.waitAndTake()) noteWritten(*written);
+  if (!options_.screenshot.empty() && !has_screenshot_)
     throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
-                                         options_.screenshot + " was there; it ends by itself when it is");
+                                         options_.screenshot +
+                                         " was saved; leave it open, it closes by itself");
   if (!pilot_) return !failed_;
   timer_.wait();
   takeTimes();
@@ -62,26 +64,25 @@ bool Viewer::run() {
   return true;
 }
 
-bool Viewer::isForAPerson() const { return options_.screenshot.empty() && options_.laps == 0; }
+bool Viewer::isInteractive() const { return options_.screenshot.empty() && options_.laps == 0; }
 
 bool Viewer::isMinimized() const { return window_.widthPx() == 0 || window_.heightPx() == 0; }
 
 bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
 
-/// Nothing more will come for what is looked at now.
+/// Returns true if the cut for the view now drawn is final and uploaded.
 bool Viewer::settled() const {
   const stream::StreamStatus& status = scene_.status();
   return rig_ && status.settled && status.cut && status.cut->view == drawnView() &&
          status.cut->threshold_px == pacing_.askedPx() && scene_.uploaded();
 }
 
-/// Nothing is drawn anew while nothing changes; what streams in is looked for often.
+/// Returns how long to wait for input: long while nothing changes, briefly while streams refine.
 double Viewer::waitSeconds() const {
   if (isMinimized() || (failed_ && frames_to_draw_ == 0)) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
   if (moved_ || frames_to_draw_ > 0 || uploading_ || scene_.fading()) return 0;
-  return (settled() || scene_.status().ended) && !window_.hasGamepad() ? kIdleWaitS
-                                                                                 : kStreamingWaitS;
+  return (settled() || scene_.status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
 }
 
 void Viewer::frame() {
@@ -90,10 +91,10 @@ void Viewer::frame() {
   const double seconds = secondsSince(last_frame_);
   last_frame_ = Clock::now();
   Input input = window_.takeInput();
-  scroll(input);
-  obey(input);
+  scrollPanel(input);
+  obeyKeys(input);
   openWhenReady();
-  if (const auto written = picture_writer_.take()) tellOfPicture(*written);
+  if (const auto written = picture_writer_.take()) noteWritten(*written);
   if (isMinimized()) return passUnseen();
   if (rig_) {
     rig_->resize(window_.widthPx(), window_.heightPx());
@@ -113,17 +114,17 @@ void Viewer::frame() {
   draw();
 }
 
-/// Nothing is drawn, but time goes on.
+/// A frame of a minimized window: draws nothing, but checks the timeout and flies on.
 void Viewer::passUnseen() {
   const bool is_picture_due = !options_.screenshot.empty() || (pilot_ && !pilot_->isUnderWay());
   if (is_picture_due && isTimeOver())
-    throw Error(ErrorCode::kTimeout,
-                options_.common.target +
-                    " gave no picture within --timeout, as its window is minimized: leave that open");
+    throw Error(
+        ErrorCode::kTimeout,
+        options_.common.target + " gave no picture within --timeout: its window is minimized; leave it open");
   if (rig_) fly();
 }
 
-/// Something has changed that can be seen.
+/// Returns true if the next picture would differ from the last.
 bool Viewer::isPictureOld(const Input& input) const {
   if (input.any() || input.damaged || uploading_ || scene_.fading() || !options_.screenshot.empty())
     return true;
@@ -132,48 +133,14 @@ bool Viewer::isPictureOld(const Input& input) const {
          isQuick() != drawn_.is_quick || (rig_ && rig_->view() != drawn_.view);
 }
 
-/// For all of a coarser cut, to draw it instead of what is there.
+/// Returns true if a much coarser cut is coming soon: drawing it is faster than drawing the old one first.
 bool Viewer::isWorthWaiting() const {
   return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_.uploaded(), Clock::now());
 }
 
-void Viewer::obey(Input& input) {
-  if (input.quit && !content_.help) done_ = true;
-  if (input.quit_where_idle && failed_) done_ = true;
-  openOrCloseHelp(input);
-  if (input.toggle_wireframe) show_.toggleWireframe();
-  show_.step(input.next_show);
-  style_.show = show_.shown();
-  if (scene_.hasFixedUp() && std::exchange(input.next_axis, 0) != 0)
-    note("a scene says which way is up");
-  if (input.bookmark != 0) tellOfBookmark(input);
-  if (input.toggle_panel) content_.visible = !content_.visible;
-  if (input.toggle_settings) content_.shows_settings = !content_.shows_settings;
-  if (input.screenshot) picture_request_.ask(Clock::now());
-  pacing_.sharpen(input.finer);
-}
-
-void Viewer::tellOfBookmark(const Input& input) {
-  const std::string number = std::to_string(input.bookmark);
-  if (input.set_bookmark)
-    note("bookmark " + number + " is here");
-  else if (rig_ && !rig_->hasBookmark(input.bookmark))
-    note("no bookmark " + number + " yet: Ctrl+" + number + " sets it");
-}
-
-/// It goes with the next key, whatever that does, and is not shown by itself any more.
-void Viewer::openOrCloseHelp(const Input& input) {
-  if (!content_.help) {
-    content_.help = input.toggle_help;
-  } else if (input.any_key) {
-    content_.help = false;
-    first_start_.helpWasSeen();
-  }
-}
-
-/// Who started the window from no terminal reads there why nothing comes, until it is closed.
+/// Shows the error in the window, which stays open: users may have no terminal.
 void Viewer::fail(const Error& error) {
-  if (!isForAPerson() || error.code() == ErrorCode::kUsage) throw error;
+  if (!isInteractive() || error.code() == ErrorCode::kUsage) throw error;
   failed_ = error;
   sayOnOneLine("lodestream", error.what());
   content_.waiting.clear();
@@ -201,11 +168,6 @@ void Viewer::openWhenReady() {
   window_.setTitle(summary.name + " - Lodestream");
 }
 
-/// What is drawn at a place.
-std::optional<PickedPoint> Viewer::under(const glm::dvec2& place_px) {
-  return scene_.under(rig_->view(), place_px);
-}
-
 void Viewer::noteFlight(std::optional<uint64_t> number) {
   if (!pilot_ || !number) return;
   FlownFrame frame;
@@ -217,32 +179,7 @@ void Viewer::noteFlight(std::optional<uint64_t> number) {
   pilot_->draw(*number, frame);
 }
 
-/// What was clicked on in the same frame is copied, too.
-void Viewer::pick(const Input& input) {
-  if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
-  if (!input.copy) return;
-  std::string text;
-  for (const std::string& line : picks_.lines()) text += line + "\n";
-  if (!text.empty()) window_.copyToClipboard(text);
-  note(text.empty() ? "click on the model first" : "copied");
-}
-
-void Viewer::pointAt(const Input& input) {
-  const std::optional<PickedPoint> hit = under(input.pressed ? input.pressed_px : input.pointer_px);
-  if (!hit) {
-    if (input.clicked) picks_.clear();
-    return;
-  }
-  if (input.double_clicked) {
-    rig_->flyTo(hit->position_model);
-    if (!input.clicked) picks_.takeBack();  // what the first of the two clicks added
-    return;
-  }
-  rig_->turnAbout(hit->position_model);
-  if (input.clicked) picks_.add(*hit);
-}
-
-/// Those of frames that were drawn some frames ago.
+/// Takes the times of earlier frames, which the GPU has finished.
 void Viewer::takeTimes() {
   while (const auto frame = timer_.take()) {
     const double work_ms = std::max(frame->cpu_ms, frame->gpu_ms);
@@ -259,22 +196,22 @@ void Viewer::stream() {
   uploads_ms_ += secondsSince(start) * 1e3;
 }
 
-/// A screenshot shows the model alone.
+/// A screenshot shows no fades.
 render::DrawTime Viewer::time() const {
   const bool is_fast_enough = pacing_.workMs() * kFramesOfFade <= render::kFadeS * 1e3;
   return {secondsSince(started_), fades_ && is_fast_enough && options_.screenshot.empty(), hidden_parts_};
 }
 
-/// A screenshot is the picture that `render` draws.
+/// A screenshot equals the picture that `render` draws.
 bool Viewer::darkensHollows() const { return darkens_hollows_ || !options_.screenshot.empty(); }
 
-/// Where the processor draws, samples of pixels cost time that is better spent on a finer threshold while the
-/// camera moves.
+/// Returns true if a picture gets one sample a pixel: where the CPU draws and the camera moves, a finer
+/// threshold is worth more than antialiasing.
 bool Viewer::isQuick() const {
   return draws_in_software_ && rig_ && !pacing_.isResting() && options_.screenshot.empty();
 }
 
-/// The camera's, with the pixels that are really drawn: thresholds are in these.
+/// Returns the camera's view with the pixels that are drawn: thresholds are in these.
 core::View Viewer::drawnView() const {
   core::View view;
   if (rig_) view = rig_->view();
@@ -286,7 +223,7 @@ core::View Viewer::drawnView() const {
   return view;
 }
 
-/// In the pixels of the next picture; 0 while nothing is drawn.
+/// Returns the coarsest drawn threshold, in pixels of the next picture; 0 while nothing is drawn.
 float Viewer::drawnThresholdPx() const {
   return static_cast<float>(scene_.drawnThresholdRad() * focalPx(drawnView()));
 }
@@ -298,7 +235,8 @@ const render::Framebuffer& Viewer::target(const core::View& view) {
   return *target;
 }
 
-/// What the frame tells of those while the camera moves: nothing, where it is drawn in another way.
+/// Returns the coarsening of a drawn frame for the frame-rate control; nothing if a frame of the moving
+/// camera is drawn in another way.
 std::optional<render::Coarsening> Viewer::coarseningOf(const render::DrawCounts& drawn,
                                                        const core::View& view) const {
   std::optional<render::Coarsening> coarsening = render::coarseningOf(drawn.shown, pacing_.thresholdPx());
@@ -358,8 +296,7 @@ void Viewer::describe() {
   content_.scale = isQuick() ? pacing_.scale() : 1;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
-  content_.lost = rig_ ? lostSightText(core::toModelBox(scene_.summary().box,
-                                                        scene_.summary().lattice.step),
+  content_.lost = rig_ ? lostSightText(core::toModelBox(scene_.summary().box, scene_.summary().lattice.step),
                                        rig_->view())
                        : "";
   content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();
@@ -370,12 +307,7 @@ void Viewer::describe() {
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
 }
 
-void Viewer::note(const std::string& message) {
-  note_ = message;
-  noted_ = Clock::now();
-}
-
-/// That --timeout allows from when the target was open.
+/// Returns true if --timeout has passed since the target was open.
 bool Viewer::isTimeOver() const { return rig_ && secondsSince(opened_) > options_.common.timeout_s; }
 
 }  // namespace lode::app

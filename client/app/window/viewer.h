@@ -8,9 +8,7 @@
 #include "client/app/window/camera/camera_rig.h"
 #include "client/app/window/camera/path_recorder.h"
 #include "client/app/window/camera/pilot.h"
-#include "client/app/window/color_mode_switch.h"
 #include "client/app/window/glfw_window.h"
-#include "client/app/window/output/picture_request.h"
 #include "client/app/window/output/picture_writer.h"
 #include "client/app/window/pacing.h"
 #include "client/app/window/panel/first_start.h"
@@ -18,7 +16,8 @@
 #include "client/app/window/panel/refining_progress.h"
 #include "client/app/window/scene/picks.h"
 #include "client/app/window/scene/viewed_scene.h"
-#include "client/app/window/view_options.h"
+#include "client/app/window/settings.h"
+#include "client/app/window/view_command.h"
 #include "client/render/frame_timer.h"
 #include "client/render/framebuffer.h"
 #include "client/render/passes/ambient_occlusion.h"
@@ -26,55 +25,37 @@
 
 namespace lode::app {
 
-/// The window: takes input, tells the stream what is looked at, uploads within each frame's budget and draws.
-/// Refinement, network and decoding happen on the threads of the stream::Streamer. For the program's first
+/// The window: handles input, tells the streams the camera, uploads within each frame's budget and draws.
+/// Refinement, network and decoding run on the threads of each stream::Streamer. For the program's first
 /// thread.
 class Viewer {
  public:
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
-  /// Returns when the user closes the window; a picture that a key has asked for, and what was recorded, is
-  /// written before.
-  /// @return false if the target could not be opened: why is on a line of stderr, and was in the window.
-  /// @throws Error where nobody looks at the window (--screenshot, --laps) or wrong usage is why it could
-  /// not, if the screenshot asked for is not to be had in time or not there when the window is closed, that
-  /// last picture cannot be written, or the flight asked for cannot begin or is not over: what was flown of
-  /// it is printed before.
+  /// Runs until the user closes the window, then writes a picture or a recording that is still due.
+  /// @return false if the target could not be opened; the window and a line on stderr have shown why.
+  /// @throws Error on wrong usage; with --screenshot or --laps also if the target cannot be opened, if the
+  /// picture is not complete in time or before the window is closed, or if the flight cannot begin or is cut
+  /// short (its frames are printed before); if the last picture cannot be written.
   bool run();
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr int kFramesToSettle = 2;  ///< that the panel takes to fit its text
+  static constexpr int kFramesToSettle = 2;  ///< frames that the panel needs to fit its text
 
+  // viewer.cpp: opening, frames and drawing.
   static double secondsSince(Clock::time_point start);
-  bool isForAPerson() const;
+  bool isInteractive() const;
   void frame();
   void passUnseen();
   void fail(const Error& error);
   void openWhenReady();
-  void obey(Input& input);
-  void scroll(Input& input);
-  void tellOfBookmark(const Input& input);
-  void openOrCloseHelp(const Input& input);
-  void pick(const Input& input);
-  void pointAt(const Input& input);
-  void record(const Input& input);
-  void saveRecording();
-  std::optional<PickedPoint> under(const glm::dvec2& place_px);
-  double coveredShare() const;
-  void fly();
-  void noteFlight(std::optional<uint64_t> number);
-  std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
-  void moveCamera(const Input& input, double seconds);
   void takeTimes();
   void stream();
   bool isPictureOld(const Input& input) const;
   bool isWorthWaiting() const;
   render::DrawTime time() const;
   bool darkensHollows() const;
-  Settings settings() const;
-  void apply(const Settings& wanted);
-  void noteMemory(uint64_t budget_bytes);
   bool isQuick() const;
   core::View drawnView() const;
   float drawnThresholdPx() const;
@@ -83,15 +64,36 @@ class Viewer {
                                                  const core::View& view) const;
   void draw();
   void describe();
+  void noteFlight(std::optional<uint64_t> number);
   bool isMinimized() const;
   bool isLeaving() const;
-  void saveScreenshots();
-  void savePicture();
-  void tellOfPicture(const PictureWriter::Written& written);
-  void note(const std::string& message);
   bool isTimeOver() const;
   double waitSeconds() const;
   bool settled() const;
+
+  // viewer_input.cpp: keys, mouse, camera and settings.
+  void scrollPanel(Input& input);
+  void obeyKeys(Input& input);
+  void noteBookmark(const Input& input);
+  void openOrCloseHelp(const Input& input);
+  void pick(const Input& input);
+  void pointAt(const Input& input);
+  std::optional<PickedPoint> under(const glm::dvec2& pixel_px);
+  double coveredShare() const;
+  void fly();
+  std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
+  void moveCamera(const Input& input, double seconds);
+  Settings settings() const;
+  void apply(const Settings& wanted);
+  void setMemoryBudget(uint64_t budget_bytes);
+  void note(const std::string& message);
+
+  // viewer_files.cpp: pictures and recorded camera paths.
+  void record(const Input& input);
+  void saveRecording();
+  void saveScreenshots();
+  [[noreturn]] void refuseScreenshot() const;
+  void noteWritten(const PictureWriter::Written& written);
 
   const ViewOptions options_;
   const std::optional<core::CameraPath> wanted_path_;
@@ -100,14 +102,14 @@ class Viewer {
   const render::HiddenParts hidden_parts_ = render::fastestHiddenParts();
   Panel panel_;
   ViewedScene scene_;
-  std::optional<render::Framebuffer> smooth_, quick_;  ///< of several samples a pixel, and of one
+  std::optional<render::Framebuffer> smooth_, quick_;  ///< several samples a pixel, and one
   render::AmbientOcclusion occlusion_;
   render::FrameTimer timer_;
   Pacing pacing_;
   double uploads_ms_ = 0;         ///< since the last frame
-  std::optional<CameraRig> rig_;  ///< once it is open
-  std::optional<Error> failed_;   ///< why it cannot be
-  /// What the picture in the window was drawn from.
+  std::optional<CameraRig> rig_;  ///< empty until the scene is open
+  std::optional<Error> failed_;   ///< set if the scene cannot be opened
+  /// State of the last picture in the window.
   struct Drawn {
     core::View view;
     uint64_t serial = 0;
@@ -119,12 +121,12 @@ class Viewer {
   RefiningProgress progress_;
   const FirstStart first_start_;
   PathRecorder recorder_;
-  std::optional<Pilot> pilot_;  ///< of --laps
+  std::optional<Pilot> pilot_;  ///< set with --laps
   render::DrawStyle style_;
   ColorModeSwitch show_;
   uint64_t memory_bytes_ = 0;
   bool fades_ = options_.common.fade;
-  /// It costs about as much in every frame, which no threshold makes up for where the processor draws.
+  /// Off by default where the CPU draws: ambient occlusion costs the same at every threshold.
   bool darkens_hollows_ = !draws_in_software_;
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;
@@ -133,7 +135,7 @@ class Viewer {
   PictureRequest picture_request_;
   PictureWriter picture_writer_;
   int frames_to_draw_ = 0, converged_frames_ = 0;
-  bool moved_ = true, uploading_ = false, is_screenshot_there_ = false, done_ = false;
+  bool moved_ = true, uploading_ = false, has_screenshot_ = false, done_ = false;
 };
 
 }  // namespace lode::app

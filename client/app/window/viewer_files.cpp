@@ -1,12 +1,12 @@
 #include <exception>
 
-#include "client/app/window/output/refused_screenshot.h"
-#include "client/app/window/output/timed_name.h"
+#include "client/app/cli/not_converged.h"
+#include "client/app/window/output/picture_file.h"
 #include "client/app/window/viewer.h"
 #include "client/render/image.h"
 #include "common/error.h"
 
-/// What the window writes: pictures and recorded cameras.
+/// Files: pictures and recorded camera paths.
 namespace lode::app {
 
 void Viewer::record(const Input& input) {
@@ -18,7 +18,7 @@ void Viewer::record(const Input& input) {
     recorder_.start();
 }
 
-/// Whoever is leaving would not read a note.
+/// Throws while the window closes, where a note would not be read.
 void Viewer::saveRecording() {
   try {
     if (const std::optional<std::string> file = recorder_.save())
@@ -29,25 +29,32 @@ void Viewer::saveRecording() {
   }
 }
 
-/// The one that the command line asks for ends the program, once the panel fits its last text; one asked for
-/// by a key does not.
+/// --screenshot's picture is saved once the panel fits its last text, and ends the program; a key's picture
+/// is saved once the window is at rest.
 void Viewer::saveScreenshots() {
   if (!options_.screenshot.empty()) {
     converged_frames_ = content_.converged && pacing_.asksForFinest() ? converged_frames_ + 1 : 0;
     if (converged_frames_ > kFramesToSettle) {
       render::writePng(options_.screenshot, window_.readBack());
-      is_screenshot_there_ = done_ = true;
+      has_screenshot_ = done_ = true;
     } else if (!content_.converged && (scene_.status().ended || settled() || isTimeOver())) {
-      refuseScreenshot(scene_, options_.common);
+      refuseScreenshot();
     }
   }
-  if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now())) savePicture();
+  if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now()))
+    picture_writer_.write(timedName("png"), window_.readBack());
 }
 
-/// It takes longer to compress than to draw.
-void Viewer::savePicture() { picture_writer_.write(timedName("png"), window_.readBack()); }
+/// Throws the reason why --screenshot's picture cannot be complete.
+void Viewer::refuseScreenshot() const {
+  if (scene_.overBudget())
+    throw Error(ErrorCode::kLimit, options_.common.target +
+                                       ": the GPU has no room for all of the screenshot; allow more with "
+                                       "--memory-budget, or a larger error with --pixels");
+  refuseUnconverged("the screenshot's view", scene_.status(), options_.common);
+}
 
-void Viewer::tellOfPicture(const PictureWriter::Written& written) {
+void Viewer::noteWritten(const PictureWriter::Written& written) {
   try {
     if (written.failure) std::rethrow_exception(written.failure);
     note("saved " + written.file.string());

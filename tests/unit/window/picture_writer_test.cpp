@@ -1,6 +1,7 @@
 #include "client/app/window/output/picture_writer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -59,6 +60,33 @@ TEST(PictureWriter, keepsNobodyWaitingWhileItWrites) {
   std::fclose(reader);
   ASSERT_TRUE(written);
   EXPECT_EQ(written->failure, nullptr);
+}
+
+using std::chrono::milliseconds;
+
+constexpr PictureRequest::TimePoint kStart{};
+
+TEST(PictureRequest, isTakenOnceWhenTheWindowIsAtRest) {
+  PictureRequest request;
+  EXPECT_FALSE(request.take(true, kStart)) << "before anyone asks";
+  request.ask(kStart);
+  EXPECT_FALSE(request.take(false, kStart + milliseconds(100)));
+  EXPECT_TRUE(request.take(true, kStart + milliseconds(200)));
+  EXPECT_FALSE(request.take(true, kStart + milliseconds(300)));
+}
+
+TEST(PictureRequest, isTakenAfterTwoSecondsWhateverMoves) {
+  PictureRequest request;
+  request.ask(kStart);
+  EXPECT_FALSE(request.take(false, kStart + milliseconds(1999)));
+  EXPECT_TRUE(request.take(false, kStart + milliseconds(2000)));
+}
+
+TEST(PictureRequest, waitsNoLongerWhereTheKeyIsHeld) {
+  PictureRequest request;
+  request.ask(kStart);
+  request.ask(kStart + milliseconds(1500));
+  EXPECT_TRUE(request.take(false, kStart + milliseconds(2000)));
 }
 
 }  // namespace

@@ -5,12 +5,36 @@
 namespace lode::app {
 namespace {
 
+using render::ColorMode;
+
 TEST(Settings, haveTheMemoryStepThatIsNearestByItsRatio) {
   EXPECT_EQ(kMemorySteps[memoryStepAt(uint64_t{1} << 30)], 1'000'000'000u);
   EXPECT_EQ(kMemorySteps[memoryStepAt(1'500'000'000)], 2'000'000'000u);
   EXPECT_EQ(memoryStepAt(1), 0u);
   EXPECT_EQ(memoryStepAt(uint64_t{1} << 50), kMemorySteps.size() - 1);
   for (size_t step = 0; step < kMemorySteps.size(); ++step) EXPECT_EQ(memoryStepAt(kMemorySteps[step]), step);
+}
+
+TEST(ColorModeSwitch, goesRoundInBothDirections) {
+  ColorModeSwitch show(ColorMode::kSurface);
+  show.step(-1);
+  EXPECT_EQ(static_cast<int>(show.shown()), render::kColorModeCount - 1);
+  show.step(1 + render::kColorModeCount);
+  EXPECT_EQ(show.shown(), ColorMode::kSurface);
+}
+
+TEST(ColorModeSwitch, goesBackFromTheWireframeToWhatWasShown) {
+  ColorModeSwitch show(ColorMode::kLods);
+  show.toggleWireframe();
+  EXPECT_EQ(show.shown(), ColorMode::kWireframe);
+  show.toggleWireframe();
+  EXPECT_EQ(show.shown(), ColorMode::kLods);
+}
+
+TEST(ColorModeSwitch, goesToTheSurfaceFromAWireframeThatWasThereFirst) {
+  ColorModeSwitch show(ColorMode::kWireframe);
+  show.toggleWireframe();
+  EXPECT_EQ(show.shown(), ColorMode::kSurface);
 }
 
 }  // namespace

@@ -19,13 +19,13 @@ TEST(Sharpness, isTheFilesOwnWhereThereIsNothingFiner) {
 }
 
 TEST(Sharpness, isNotToldByABoundThatSaysNothingButByWhatHasCome) {
-  EXPECT_EQ(refiningText({746, 1, 0, 240'000}), "refining: 240.0 KB have come");
+  EXPECT_EQ(refiningText({746, 1, 0, 240'000}), "refining: 240.0 KB received");
 }
 
 TEST(Sharpness, saysThatTilesAreWhatLacksWhereTheSurfaceIsThere) {
-  EXPECT_EQ(refiningText({0.05f, 1, 3, 0}), "textures: 3 tiles to come");
-  EXPECT_EQ(refiningText({0.05f, 1, 1, 0}), "textures: 1 tile to come");
-  EXPECT_EQ(refiningText({0.05f, 1, 0, 0}), "at most 0.05 px off where it is seen; the rest is on its way");
+  EXPECT_EQ(refiningText({0.05f, 1, 3, 0}), "textures: 3 tiles missing");
+  EXPECT_EQ(refiningText({0.05f, 1, 1, 0}), "textures: 1 tile missing");
+  EXPECT_EQ(refiningText({0.05f, 1, 0, 0}), "at most 0.05 px off where it is seen; the rest is loading");
 }
 
 TEST(Sharpness, isABoundWithoutAPromiseWhereMemoryAllowsNoMore) {
@@ -34,8 +34,8 @@ TEST(Sharpness, isABoundWithoutAPromiseWhereMemoryAllowsNoMore) {
 }
 
 TEST(Sharpness, doesNotPromiseWhatCannotBeHadOrWaitsForAServer) {
-  EXPECT_EQ(lackingText(0.4f), "at most 0.40 px off where it is seen; what is finer cannot be had");
-  EXPECT_EQ(waitingText(1e9f), "coarse where it is nearest; the rest waits for a connection");
+  EXPECT_EQ(lackingText(0.4f), "at most 0.40 px off where it is seen; finer parts are not available");
+  EXPECT_EQ(waitingText(1e9f), "coarse where it is nearest; the rest waits for the server");
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "client/app/window/camera/camera_path_writer.h"
-#include "client/app/window/output/timed_name.h"
+#include "client/app/window/output/picture_file.h"
 #include "common/error.h"
 
 namespace lode::app {

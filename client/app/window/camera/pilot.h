@@ -7,7 +7,7 @@
 #include "client/app/window/camera/camera_rig.h"
 #include "client/app/window/camera/flight.h"
 #include "client/app/window/scene/viewed_scene.h"
-#include "client/app/window/view_options.h"
+#include "client/app/window/view_command.h"
 #include "client/core/view/camera_path.h"
 
 namespace lode::app {

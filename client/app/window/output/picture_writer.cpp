@@ -10,9 +10,9 @@
 namespace lode::app {
 namespace {
 
-constexpr size_t kMostUnderWay = 8;
+constexpr size_t kMaxQueued = 8;
 
-std::exception_ptr writeOrSayWhyNot(const std::filesystem::path& file, const render::Image& image) {
+std::exception_ptr tryToWrite(const std::filesystem::path& file, const render::Image& image) {
   try {
     render::writePng(file, image);
     return nullptr;
@@ -26,37 +26,37 @@ std::exception_ptr writeOrSayWhyNot(const std::filesystem::path& file, const ren
 }  // namespace
 
 void PictureWriter::write(std::filesystem::path file, render::Image image) {
-  if (under_way_.size() >= kMostUnderWay) under_way_.front().wait();
+  if (queued_.size() >= kMaxQueued) queued_.front().wait();
   std::shared_future<Written> before;
-  if (!under_way_.empty()) before = under_way_.back();
+  if (!queued_.empty()) before = queued_.back();
   auto shared = std::make_shared<const render::Image>(std::move(image));
-  // What it keeps goes when it is done: its result may wait for long to be taken.
+  // Frees the image and the future before it when it is done: its result may be taken much later.
   auto write = [file = std::move(file), shared = std::move(shared), before = std::move(before)]() mutable {
     if (before.valid()) before.wait();
     before = {};
-    std::exception_ptr failure = writeOrSayWhyNot(file, *shared);
+    std::exception_ptr failure = tryToWrite(file, *shared);
     shared.reset();
     return Written{std::move(file), std::move(failure)};
   };
   try {
-    under_way_.push_back(std::async(std::launch::async, write).share());
+    queued_.push_back(std::async(std::launch::async, write).share());
   } catch (const std::system_error&) {
     std::promise<Written> done;
     done.set_value(write());
-    under_way_.push_back(done.get_future().share());
+    queued_.push_back(done.get_future().share());
   }
 }
 
 std::optional<PictureWriter::Written> PictureWriter::take() {
   using namespace std::chrono_literals;
-  if (under_way_.empty() || under_way_.front().wait_for(0s) != std::future_status::ready) return std::nullopt;
-  const Written written = under_way_.front().get();
-  under_way_.pop_front();
+  if (queued_.empty() || queued_.front().wait_for(0s) != std::future_status::ready) return std::nullopt;
+  const Written written = queued_.front().get();
+  queued_.pop_front();
   return written;
 }
 
 std::optional<PictureWriter::Written> PictureWriter::waitAndTake() {
-  if (!under_way_.empty()) under_way_.back().wait();
+  if (!queued_.empty()) queued_.back().wait();
   return take();
 }
 

@@ -18,20 +18,21 @@ std::filesystem::path findFfmpeg(const std::string& search_path) {
     const std::filesystem::path program = std::filesystem::path(folder) / "ffmpeg";
     if (!folder.empty() && access(program.c_str(), X_OK) == 0) return program;
   }
-  throw Error(ErrorCode::kIo,
-              "--video needs ffmpeg, which is not here: install the package ffmpeg, or write pictures with "
-              "--frames DIR");
+  throw Error(
+      ErrorCode::kIo,
+      "--video needs ffmpeg, which is not installed: install the package ffmpeg, or write pictures with "
+      "--frames DIR");
 }
 
 void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path& frames, double fps,
                const std::filesystem::path& output) {
   std::filesystem::path unfinished = output;
   unfinished += ".part";
-  const Unfinished until_it_has_its_name(unfinished);
+  const Unfinished until_renamed(unfinished);
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", fps);
-  // What most players take: halved colours, which want even sides, in the matrix that is said beside them:
-  // what is not said players guess by the picture's size.
+  // Most players need yuv420p, which needs even sides. The colour matrix is stated, since players otherwise
+  // guess it from the picture's size.
   ChildProcess encoder(ffmpeg,
                        {"-y",
                         "-loglevel",

@@ -5,11 +5,11 @@
 
 namespace lode::app {
 
-/// ffmpeg in one of the folders that PATH names. @throws Error kIo if there is none, with what to do instead.
+/// Finds ffmpeg in the folders of PATH. @throws Error kIo if there is none.
 std::filesystem::path findFfmpeg(const std::string& search_path);
 
-/// Makes a video of frame_000000.png, frame_000001.png, ... in a folder; it appears under its name when it is
-/// whole. @throws Error kIo with what ffmpeg said.
+/// Encodes frame_000000.png, frame_000001.png, ... of a folder as a video. The output appears only when it is
+/// complete. @throws Error kIo with ffmpeg's message.
 void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path& frames, double fps,
                const std::filesystem::path& output);
 

@@ -3,22 +3,13 @@
 #include <utility>
 
 namespace lode::app {
-namespace {
-
-stream::StreamOptions streamOptionsOf(stream::StreamOptions options, const render::MemoryShares& memory) {
-  options.engine.memory_budget_bytes = memory.stream_bytes;
-  options.engine.refine.drawn_budget_bytes = memory.drawn_bytes;
-  return options;
-}
-
-}  // namespace
 
 InstancedModel::InstancedModel(size_t model_number, const std::string& target, stream::StreamOptions options,
                                core::Framing framing, std::chrono::milliseconds timeout,
                                const render::MemoryShares& memory)
     : number(model_number),
       renderer(1, memory.gpu),
-      opener(target, streamOptionsOf(std::move(options), memory), std::move(framing), timeout) {}
+      opener(target, render::withShare(std::move(options), memory), std::move(framing), timeout) {}
 
 bool InstancedModel::poll() {
   if (isOpen()) return false;

@@ -11,19 +11,19 @@ glm::dvec3 toLinear(const glm::u8vec4& srgb) {
   return {linearOf(srgb.r), linearOf(srgb.g), linearOf(srgb.b)};
 }
 
-/// @param uv  true: v = 0 is the image's bottom.
+/// Returns the finest resident texel. @param uv  v = 0 is the image's bottom.
 std::optional<glm::u8vec4> texelAt(const Cut& cut, uint32_t number, const glm::dvec2& uv) {
   if (!cut.textures || number >= cut.textures->textures.size()) return std::nullopt;
   const Texture& texture = cut.textures->textures[number];
   const glm::dvec2 at = glm::fract(glm::dvec2(uv.x, 1 - uv.y));
   for (uint32_t level = 0; level < levelCount(texture); ++level) {
     const glm::uvec2 size = levelSize(texture, level);
-    const glm::uvec2 place = glm::min(glm::uvec2(at * glm::dvec2(size)), size - 1u);
-    const glm::uvec2 tile = place / kTileInnerPx;
+    const glm::uvec2 texel = glm::min(glm::uvec2(at * glm::dvec2(size)), size - 1u);
+    const glm::uvec2 tile = texel / kTileInnerPx;
     const TileKey key{level, number, tile.y, tile.x};
     const auto found = std::ranges::lower_bound(cut.tiles, key, {}, &ResidentTile::key);
     if (found == cut.tiles.end() || found->key != key) continue;
-    const glm::uvec2 in_tile = place - tile * kTileInnerPx + kTileGutterPx;
+    const glm::uvec2 in_tile = texel - tile * kTileInnerPx + kTileGutterPx;
     return found->image->texels[size_t{in_tile.y} * found->image->size.x + in_tile.x];
   }
   return std::nullopt;

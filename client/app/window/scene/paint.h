@@ -9,9 +9,9 @@
 
 namespace lode::core {
 
-/// The colour of a model where a ray has met it, sRGB: of the vertices, between them, and of the finest texel
-/// that is there, mixed in linear light as they are drawn. Nothing where it has neither.
-/// @param textured  a cut of the same model with its textures: those of a place have none.
+/// Returns the colour at a hit, sRGB: the interpolated vertex colour times the finest resident texel, in
+/// linear light as they are drawn. Nothing if the model has neither.
+/// @param textured  a cut of the model with its textures; cuts of instances have none.
 std::optional<glm::u8vec3> paintAt(const Hit& hit, const Cut& textured);
 
 }  // namespace lode::core

@@ -11,7 +11,7 @@
 namespace lode::app {
 namespace {
 
-/// As many digits as a step of the lattice can be told by: no more are true.
+/// Returns the decimals that resolve a lattice step; more would not be meaningful.
 int decimalsOf(double step) { return std::clamp(static_cast<int>(std::ceil(-std::log10(step))), 0, 12); }
 
 std::string coordinates(const glm::dvec3& position, int decimals) {

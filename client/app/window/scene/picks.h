@@ -10,34 +10,34 @@
 
 namespace lode::app {
 
-/// A point of a picture.
+/// A surface point at a pixel.
 struct PickedPoint {
-  glm::dvec3 position_model;  ///< in the frame of what is looked at
+  glm::dvec3 position_model;  ///< in the frame of ViewedScene::summary()
   glm::dvec3 position;        ///< true coordinates
-  bool is_ground = false;     ///< of a scene: it has no node, LOD and error
+  bool is_ground = false;     ///< on a scene's ground: has no node, LOD and error
   NodeKey node;
   uint32_t lod = 0;
   float error_px = 0;
-  double step = 1;  ///< of the lattice
+  double step = 1;  ///< lattice step: the precision of the position
   std::optional<glm::u8vec3> colour;
-  std::string model;  ///< whose point it is, where there are several
+  std::string model;  ///< name; empty on the ground and in a scene of a single model
 };
 
-/// @param textured  see core::paintAt().
+/// Describes a hit. @param textured  see core::paintAt().
 PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured);
 
-/// The last two points that were clicked on, as text.
+/// The last two points that the user clicked on, as text.
 class Picks {
  public:
   void add(PickedPoint point);
   void clear() noexcept;
-  /// The last of these was not meant: a double click begins with one.
+  /// Undoes the last change: a double click begins with a click.
   void takeBack() { picks_ = before_; }
 
-  /// Of the last point: coordinates, node, LOD, error, colour; and how far it is from the one before.
-  /// Empty without one.
+  /// Describes the last point: coordinates, node, LOD, error, colour, and the distance to the point before.
+  /// Empty if there is none.
   std::vector<std::string> lines() const;
-  /// Between the last two points, as text; empty where there are not two.
+  /// Distance between the two points; empty if there are not two.
   std::string distance() const;
   std::span<const PickedPoint> points() const noexcept { return picks_; }
 

@@ -6,7 +6,7 @@
 namespace lode::core {
 namespace {
 
-// Of the depth of a segment's deeper end: what comes nearer to the eye would show very far outside the
+// Near limit of a segment relative to the depth of its far end: nearer points project very far outside the
 // picture.
 constexpr double kNearest = 1e-3;
 
@@ -14,7 +14,7 @@ double depthOf(const View& view, const glm::dvec3& point_model) noexcept {
   return glm::dot(point_model - view.eye_model, view.forward);
 }
 
-/// Of a point in front of the eye.
+/// Projects a point that is in front of the eye.
 glm::dvec2 project(const View& view, const glm::dvec3& point_model) noexcept {
   const double slope_per_px = 2 * std::tan(view.fov_y_rad / 2) / std::max(1u, view.height_px);
   const glm::dvec3 away = point_model - view.eye_model;

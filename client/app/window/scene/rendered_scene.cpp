@@ -12,20 +12,11 @@
 #include "common/error.h"
 
 namespace lode::app {
-namespace {
-
-stream::StreamOptions streamOptionsOf(stream::StreamOptions options, const render::MemoryShares& memory) {
-  options.engine.memory_budget_bytes = memory.stream_bytes;
-  options.engine.refine.drawn_budget_bytes = memory.drawn_bytes;
-  return options;
-}
-
-}  // namespace
 
 struct RenderedScene::Model {
   Model(const std::string& target_text, const CommonOptions& options, const render::MemoryShares& memory,
         bool announce)
-      : target(resolveTarget(parseTarget(target_text), streamOptionsOf(options.streamOptions(), memory),
+      : target(resolveTarget(parseTarget(target_text), render::withShare(options.streamOptions(), memory),
                              announce)),
         streamer(target.served, target.options),
         summary(openModel(streamer, target, options.timeout())),
@@ -69,9 +60,10 @@ void RenderedScene::drawInstance(Model& model, const Placement& placement, const
                                  const render::Framebuffer& target, render::DrawStyle style, double t) {
   model.renderer.uploadInRenderThread({.wait = true});
   if (!model.renderer.upToDate())
-    throw Error(ErrorCode::kLimit, model.summary.name +
-                                       " needs more graphics memory than its part of the memory budget; allow "
-                                       "more with --memory-budget, or a larger error with --pixels");
+    throw Error(ErrorCode::kLimit,
+                model.summary.name +
+                    " needs more graphics memory than its part of the memory budget; allow "
+                    "more with --memory-budget, or a larger error with --pixels");
   style.over = true;
   style.up = glm::conjugate(placement.rotation) * style.up;
   model.renderer.draw(seen, target, style, {.now_s = t});

@@ -22,10 +22,10 @@ namespace lode::app {
 class RenderedScene {
  public:
   struct Picture {
-    bool is_drawn = false;         ///< false if an instance did not converge; no converged cut: no picture
-    bool has_converged = false;    ///< see hasConverged()
-    stream::StreamStatus status;   ///< of the first instance that did not converge, else of the last
-    float max_error_px = 0;        ///< of all instances
+    bool is_drawn = false;        ///< false if an instance did not converge; no converged cut: no picture
+    bool has_converged = false;   ///< see hasConverged()
+    stream::StreamStatus status;  ///< of the first instance that did not converge, else of the last
+    float max_error_px = 0;       ///< of all instances
     std::vector<render::LegendEntry> legend;
   };
 

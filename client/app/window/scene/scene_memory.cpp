@@ -5,9 +5,9 @@
 namespace lode::app {
 namespace {
 
-constexpr uint64_t kKeptShare = 8;    // one in so many bytes is shared equally, whatever the needs
-constexpr uint64_t kChangeShare = 8;  // a part that changes by less than one in so many bytes stays
-constexpr int kMostChanges = 4;       // for one picture
+constexpr uint64_t kEqualShare = 8;   // 1/8 of the budget is divided equally, whatever the needs
+constexpr uint64_t kChangeShare = 8;  // parts stay unless one changes by more than 1/8
+constexpr int kMostChanges = 4;       // in one view
 
 }  // namespace
 
@@ -26,18 +26,18 @@ bool SceneMemory::share(std::span<const Need> needs) {
   double all_needs = 0;
   for (const Need& need : needs) all_needs += static_cast<double>(need.bytes);
   if (all_needs == 0) return false;
-  const uint64_t kept_bytes = budget_bytes_ / kKeptShare / needs.size();
-  const auto rest_bytes = static_cast<double>(budget_bytes_ - kept_bytes * needs.size());
+  const uint64_t equal_bytes = budget_bytes_ / kEqualShare / needs.size();
+  const auto rest_bytes = static_cast<double>(budget_bytes_ - equal_bytes * needs.size());
   std::vector<uint64_t> parts;
-  bool is_other = false;
+  bool has_changed = false;
   for (size_t model = 0; model < needs.size(); ++model) {
     const double share = static_cast<double>(needs[model].bytes) / all_needs;
-    const uint64_t part = kept_bytes + static_cast<uint64_t>(rest_bytes * share * (1 - 1e-9));
+    const uint64_t part = equal_bytes + static_cast<uint64_t>(rest_bytes * share * (1 - 1e-9));
     const uint64_t change = std::max(part, parts_[model]) - std::min(part, parts_[model]);
-    is_other = is_other || change > parts_[model] / kChangeShare;
+    has_changed = has_changed || change > parts_[model] / kChangeShare;
     parts.push_back(part);
   }
-  if (!is_other) return false;
+  if (!has_changed) return false;
   parts_ = std::move(parts);
   ++changes_;
   return true;

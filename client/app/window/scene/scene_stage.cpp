@@ -25,6 +25,8 @@ constexpr double kShadowWidening = 1.3;      ///< a shadow's extent relative to 
 /// Darkness of a shadow below a model on the ground; fades to none at the model's own height above it.
 constexpr double kShadowDepth = 0.55;
 
+constexpr double kRoom = 64;  ///< on each side of the scene, in its longest sides
+
 /// Returns a corner of a model's box in the scene. @param corner  bits 0 to 2 choose max for x, y and z.
 glm::dvec3 cornerOf(const ModelSummary& model, const Placement& placement, unsigned corner) {
   const glm::uvec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
@@ -65,6 +67,19 @@ void sortShadows(std::vector<render::ContactShadow>& shadows) {
 }
 
 }  // namespace
+
+Lattice latticeWithRoom(const ModelSummary& whole) {
+  const glm::dvec3 min = whole.lattice.toWorld(whole.box.min), max = whole.lattice.toWorld(whole.box.max);
+  const double longest = std::max({max.x - min.x, max.y - min.y, max.z - min.z, whole.lattice.step});
+  return {min - kRoom * longest, std::exp2(std::ceil(std::log2((2 * kRoom + 1) * longest / kMaxLattice)))};
+}
+
+LatticeBox boxIn(const Lattice& lattice, const ModelSummary& whole) {
+  LatticeBox box;
+  box.add(lattice.snap(whole.lattice.toWorld(whole.box.min)));
+  box.add(lattice.snap(whole.lattice.toWorld(whole.box.max)));
+  return box;
+}
 
 struct SceneStage::Ground {
   Lattice lattice;

@@ -8,6 +8,7 @@
 #include "client/render/framebuffer.h"
 #include "client/render/renderer.h"
 #include "common/codec/model_summary.h"
+#include "common/lattice.h"
 
 namespace lode::app {
 
@@ -17,6 +18,15 @@ namespace lode::app {
 constexpr uint32_t instanceNumber(size_t model, size_t instance) noexcept {
   return static_cast<uint32_t>((model + 1) << 16 ^ instance);
 }
+
+/// Returns a lattice for a scene that still misses models: around the box of the models that are open, with
+/// room on each side of 64 times its longest side. Placements of missing models do not tell how far these
+/// reach: a georeferenced model may lie millions of units from its placement. Pure.
+/// @param whole  the box of the open models.
+Lattice latticeWithRoom(const ModelSummary& whole);
+
+/// Returns the box of `whole` in another lattice, clipped to it. Pure.
+LatticeBox boxIn(const Lattice& lattice, const ModelSummary& whole);
 
 /// The scene apart from its models: its extent, ground and sky. Made, used and destroyed on the thread of its
 /// OpenGL context.

@@ -7,16 +7,16 @@
 
 namespace lode::app {
 
-/// What a scene's window asks of one of its models, and has of it.
+/// Status of one model's stream, and the view that it refines for.
 struct ModelStatus {
   const stream::StreamStatus& stream;
-  const core::View& view;  ///< of its first place
+  const core::View& view;  ///< at its first instance
 };
 
-/// What the streams of a scene say together: its cut, without parts, once each model has one, with the view
-/// of the scene once each is about that; settled, converged and ended once each is; failed where one has.
-/// Pure.
-/// @param models  those that stand somewhere.
+/// Combines the status of a scene's streams. The cut has no parts; it is null until each model has a cut, and
+/// has the scene's view once each model's cut is for its view. Settled, converged and ended: all models are.
+/// Failure and trouble: the first model's that has one. Pure.
+/// @param models  models with instances.
 stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core::View& scene_view);
 
 }  // namespace lode::app

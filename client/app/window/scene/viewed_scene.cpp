@@ -7,7 +7,6 @@
 #include "client/app/cli/first_camera.h"
 #include "client/app/window/camera/ground_below.h"
 #include "client/app/window/memory_shares.h"
-#include "client/app/window/scene/scene_frame.h"
 #include "client/app/window/scene/scene_status.h"
 #include "client/core/lod/cut.h"
 #include "client/render/passes/mesh_drawer.h"

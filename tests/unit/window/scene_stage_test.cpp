@@ -1,4 +1,4 @@
-#include "client/app/window/scene/scene_frame.h"
+#include "client/app/window/scene/scene_stage.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <utility>
+
+#include "client/app/window/memory_shares.h"
+#include "client/app/window/panel/panel_fit.h"
+#include "client/app/window/panel/panel_font.h"
+#include "client/app/window/viewer.h"
+#include "client/render/residency/staging_ring.h"
+
+/// Input: keys, mouse, camera and settings.
+namespace lode::app {
+namespace {
+
+constexpr double kLongestStepS = 0.1;  ///< longest time that a flight advances in one frame
+
+}  // namespace
+
+/// Gives the wheel to the panel below the pointer if that is too high for the window.
+void Viewer::scrollPanel(Input& input) {
+  PanelScroll* const scroll = input.wheel != 0 ? panel_.scrolledAt(input.pointer_px) : nullptr;
+  if (scroll == nullptr) return;
+  scroll->turn(std::exchange(input.wheel, 0));
+  input.over_panel = true;
+}
+
+void Viewer::obeyKeys(Input& input) {
+  if (input.quit && !content_.help) done_ = true;
+  if (input.quit_where_idle && failed_) done_ = true;
+  openOrCloseHelp(input);
+  if (input.toggle_wireframe) show_.toggleWireframe();
+  show_.step(input.next_show);
+  style_.show = show_.shown();
+  if (scene_.hasFixedUp() && std::exchange(input.next_axis, 0) != 0)
+    note("the scene's file sets the up axis");
+  if (input.bookmark != 0) noteBookmark(input);
+  if (input.toggle_panel) content_.visible = !content_.visible;
+  if (input.toggle_settings) content_.shows_settings = !content_.shows_settings;
+  if (input.screenshot) picture_request_.ask(Clock::now());
+  pacing_.sharpen(input.finer);
+}
+
+void Viewer::noteBookmark(const Input& input) {
+  const std::string number = std::to_string(input.bookmark);
+  if (input.set_bookmark)
+    note("bookmark " + number + " set");
+  else if (rig_ && !rig_->hasBookmark(input.bookmark))
+    note("no bookmark " + number + " yet: Ctrl+" + number + " sets it");
+}
+
+/// Any key closes the help, which then no longer opens by itself.
+void Viewer::openOrCloseHelp(const Input& input) {
+  if (!content_.help) {
+    content_.help = input.toggle_help;
+  } else if (input.any_key) {
+    content_.help = false;
+    first_start_.helpWasSeen();
+  }
+}
+
+/// Returns the nearest surface point drawn at a pixel.
+std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
+  return scene_.under(rig_->view(), pixel_px);
+}
+
+/// Copies after picking: a click in the same frame is copied, too.
+void Viewer::pick(const Input& input) {
+  if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
+  if (!input.copy) return;
+  std::string text;
+  for (const std::string& line : picks_.lines()) text += line + "\n";
+  if (!text.empty()) window_.copyToClipboard(text);
+  note(text.empty() ? "click on the model first" : "copied");
+}
+
+void Viewer::pointAt(const Input& input) {
+  const std::optional<PickedPoint> hit = under(input.pressed ? input.pressed_px : input.pointer_px);
+  if (!hit) {
+    if (input.clicked) picks_.clear();
+    return;
+  }
+  if (input.double_clicked) {
+    rig_->flyTo(hit->position_model);
+    if (!input.clicked) picks_.takeBack();  // undoes the first of the two clicks
+    return;
+  }
+  rig_->turnAbout(hit->position_model);
+  if (input.clicked) picks_.add(*hit);
+}
+
+/// Returns the share of the width that the panel covers. Screenshots frame the model as `render` does.
+double Viewer::coveredShare() const {
+  if (!isInteractive() || !content_.visible) return 0;
+  const glm::vec2 window_px(window_.widthPx(), window_.heightPx());
+  return app::coveredShare(window_px, kTextPx * static_cast<float>(window_.contentScale()));
+}
+
+/// Returns the surface point below the pointer, else in the middle of the picture, else below the eye.
+std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px,
+                                              const render::GroundBelow& ground) {
+  const core::View& view = rig_->view();
+  for (const glm::dvec2& pixel_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})
+    if (const auto hit = under(pixel_px)) return hit->position_model;
+  if (const auto below = ground(view.eye_model)) return view.eye_model - below->depth_model * rig_->up();
+  return std::nullopt;
+}
+
+void Viewer::moveCamera(const Input& input, double seconds) {
+  const core::View before = rig_->view();
+  const CameraKind kind_before = rig_->kind();
+  const auto ground = [this](const glm::dvec3& point) -> std::optional<render::Ground> {
+    return scene_.groundBelow(rig_->view(), point, rig_->up());
+  };
+  std::optional<glm::dvec3> start;
+  if (input.next_camera != 0) start = startOfWalk(input.pointer_px, ground);
+  rig_->apply(input, std::min(seconds, kLongestStepS), ground);
+  if (start && rig_->kind() != kind_before) rig_->standAt(*start);
+  moved_ = rig_->view() != before || rig_->underWay();
+}
+
+void Viewer::fly() {
+  if (!pilot_) return;
+  const Pilot::State state = pilot_->fly(scene_, isTimeOver(), *rig_);
+  moved_ = moved_ || state != Pilot::State::kWaiting;
+  done_ = done_ || state == Pilot::State::kOver;
+}
+
+Settings Viewer::settings() const {
+  return {.unlit = show_.shown() == render::ColorMode::kUnlit,
+          .darkens_hollows = darkens_hollows_,
+          .fades = fades_,
+          .exposure = style_.exposure,
+          .fixes_threshold = pacing_.isFixed(),
+          .threshold_px = pacing_.thresholdPx(),
+          .fps = static_cast<float>(pacing_.fps()),
+          .memory_bytes = memory_bytes_};
+}
+
+/// Applies only what the user changed: other values may lie outside the range of the settings.
+void Viewer::apply(const Settings& wanted) {
+  const Settings now = settings();
+  if (wanted.unlit != now.unlit)
+    show_.show(wanted.unlit ? render::ColorMode::kUnlit : render::ColorMode::kSurface);
+  darkens_hollows_ = wanted.darkens_hollows;
+  fades_ = wanted.fades;
+  if (wanted.exposure != now.exposure) style_.exposure = wanted.exposure;
+  if (wanted.fixes_threshold != now.fixes_threshold) pacing_.fix(wanted.fixes_threshold);
+  if (wanted.threshold_px != now.threshold_px) pacing_.setThreshold(wanted.threshold_px);
+  if (wanted.fps != now.fps) pacing_.setRate(wanted.fps);
+  if (wanted.memory_bytes == now.memory_bytes) return;
+  scene_.setMemory(wanted.memory_bytes);
+  setMemoryBudget(wanted.memory_bytes);
+}
+
+void Viewer::setMemoryBudget(uint64_t budget_bytes) {
+  memory_bytes_ = budget_bytes;
+  const render::MemoryShares memory = render::shareMemory(budget_bytes);
+  content_.resident_budget_bytes = memory.stream_bytes;
+  content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
+                              render::StagingRing::kSegments *
+                                  (uint64_t{memory.gpu.staging_bytes} + memory.gpu.texture_staging_bytes);
+}
+
+void Viewer::note(const std::string& message) {
+  note_ = message;
+  noted_ = Clock::now();
+}
+
+}  // namespace lode::app
