@@ -31,7 +31,7 @@ MIDDLE = (WIDTH // 2, HEIGHT // 2)
 
 
 class WithoutBlobs(socketserver.StreamRequestHandler):
-    """Between a client and a server: blobs get lost."""
+    """A proxy between client and server that drops blobs."""
 
     def handle(self):
         with socket.create_connection(self.server.behind) as behind, behind.makefile("rb") as said:
@@ -52,7 +52,7 @@ class WithoutBlobs(socketserver.StreamRequestHandler):
 
 @contextlib.contextmanager
 def served_without_blobs():
-    """A model whose server answers, but for blobs."""
+    """Serves a model but answers no request for blobs."""
     command = [BIN / "lodestreamd", "serve", STORE, "--listen", "127.0.0.1:0"]
     with running(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as server, \
             socketserver.ThreadingTCPServer(("127.0.0.1", 0), WithoutBlobs) as between:
@@ -100,13 +100,13 @@ class Window:
 
     @contextlib.contextmanager
     def one_frame(self):
-        """All that is pressed meanwhile comes at once."""
+        """Sends all keys pressed inside the `with` at once."""
         self.process.send_signal(signal.SIGSTOP)
         yield
         self.process.send_signal(signal.SIGCONT)
 
     def drag(self, start, *ends):
-        """From place to place; at each a picture is drawn."""
+        """Moves the pointer from point to point; the window draws at each."""
         self.move(start)
         self.xdotool("mousedown", 1)
         for end in ends:
@@ -115,7 +115,7 @@ class Window:
         self.xdotool("mouseup", 1)
 
     def saved(self, ending, parse):
-        """What is in the file that it saves, once that is whole; the file is gone then."""
+        """Returns the content of the next saved file once it is complete, and removes the file."""
         def read():
             for file in self.folder.glob(f"lodestream-*.{ending}"):
                 with contextlib.suppress(ValueError):
@@ -126,7 +126,7 @@ class Window:
         return eventually(read)
 
     def picture(self):
-        """Of the window at rest, or nearly so: when it is there, all that was pressed before has been done."""
+        """Saves a picture of the window nearly at rest: all keys pressed before have had their effect."""
         self.key("F12")
         return self.saved_picture()
 
@@ -138,7 +138,7 @@ class Window:
         return self.saved("png", whole)
 
     def recorded(self, act):
-        """The camera's keys while something is done."""
+        """Records the camera while something is done; returns its keys."""
         self.key("p")
         self.picture()
         act()
@@ -147,7 +147,7 @@ class Window:
         return self.saved("json", json.loads)["keys"]
 
     def hold(self, key):
-        """Until a picture has been drawn with it."""
+        """Waits until a picture has been drawn with it."""
         self.xdotool("keydown", key)
         self.picture()
         self.xdotool("keyup", key)
@@ -159,7 +159,7 @@ class Window:
                               text=True, timeout=120).stdout
 
     def leave_at_once(self, within_s=5):
-        """Its exit status after Escape. Time in which it is ready to run and another process does does not count."""
+        """Returns its exit status after Escape. Time that it waits for a CPU does not count."""
         delay = pathlib.Path(f"/proc/{self.process.pid}/schedstat")
 
         def waited_s():
@@ -174,7 +174,7 @@ class Window:
         return self.process.returncode
 
     def leave(self):
-        """Its exit status after Escape."""
+        """Returns its exit status after Escape."""
         self.key("Escape")
         return self.process.wait(timeout=120)
 
@@ -184,7 +184,7 @@ def size_of(png):
 
 
 def pixels_of(png):
-    """Rows of three bytes a pixel."""
+    """Returns rows of three bytes per pixel."""
     (width, height), packed, at = size_of(png), b"", 8
     while at < len(png):
         size, kind = struct.unpack(">I4s", png[at:at + 8])
@@ -203,7 +203,7 @@ def pixels_of(png):
 
 
 def lower_half(png):
-    """Its pixels: above stands what the window says, of the last picture that was saved too."""
+    """Returns the pixels below the panel, whose text differs: it names the last saved picture."""
     rows = pixels_of(png)
     return b"".join(rows[len(rows) // 2:])
 
@@ -232,7 +232,7 @@ class WindowTest(unittest.TestCase):
 
 
 def main():
-    """Ends with 77 where one of the programs is missing."""
+    """Ends with status 77 if one of the programs is missing."""
     if missing := [program for program in ("Xvfb", "xdotool", "xclip") if not shutil.which(program)]:
         print(f"skipped: install {', '.join(missing)}")
         sys.exit(77)

@@ -1,4 +1,4 @@
-/// Preloaded, it makes a window that is minimized: an X server without a window manager has no such.
+/// Preload it to make the window minimized: an X server without a window manager cannot minimize.
 struct GLFWwindow;
 extern "C" void glfwGetFramebufferSize(GLFWwindow* /*window*/, int* width_px, int* height_px);
 

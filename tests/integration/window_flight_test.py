@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the window does by itself, in a flight and minimized: see driven_window.py."""
+"""Tests of the window in a flight and minimized: see driven_window.py."""
 import json
 import pathlib
 import subprocess

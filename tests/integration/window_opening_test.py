@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the window does where its target cannot be opened, lacks a model or loses its server: see driven_window.py."""
+"""Tests of the window if its target cannot be opened, misses a model or loses its server: see driven_window.py."""
 import contextlib
 import json
 import pathlib
@@ -14,13 +14,13 @@ from processes import display, eventually, free_port, running
 
 
 def reds_of(png):
-    """How many pixels have the colour of errors."""
+    """Counts pixels in the colour of errors."""
     pixels = b"".join(pixels_of(png))
     return sum(r > 200 and g < 150 and b < 140 for r, g, b in zip(pixels[::3], pixels[1::3], pixels[2::3]))
 
 
 class Failure(WindowTest):
-    """What cannot be opened is said in the window until that is closed, and at once on stderr."""
+    """If the target cannot be opened, the window shows why and stays open; stderr says it at once."""
 
     def test_stays_in_the_window_and_is_told_by_the_exit_status(self):
         nobody = f"lode://127.0.0.1:{free_port()}/painted"
@@ -52,11 +52,11 @@ class Failure(WindowTest):
 
 
 class LackingScenes(WindowTest):
-    """A scene of which a model is not there is shown without it."""
+    """A scene is shown without a missing model."""
 
     @contextlib.contextmanager
     def scene(self, **others):
-        """Of one model that is there, to the left, and others that may be, to the right."""
+        """Makes a scene with an available model on the left and others, maybe missing, on the right."""
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder, "scene.json")
             instances = [{"model": name, "position": [4 * number, 0, 0]} for number, name in enumerate(["here", *others])]
@@ -81,7 +81,7 @@ class LackingScenes(WindowTest):
                 eventually(lambda: self.at_right(window) > 2)
 
     def test_ask_all_their_servers_at_once(self):
-        """So that those that do not answer are waited for together."""
+        """Expects that servers that do not answer are awaited together."""
         with socket.create_server(("127.0.0.1", 0)) as first, socket.create_server(("127.0.0.1", 0)) as second:
             silent = {f"silent{number}": f"lode://127.0.0.1:{server.getsockname()[1]}/painted"
                       for number, server in enumerate((first, second))}
@@ -104,7 +104,7 @@ class LackingScenes(WindowTest):
         return window.copied()
 
     def at_right(self, window):
-        """The x of a point there in the first view, which has more than one model then; of any before."""
+        """Resets the camera, which frames all models, and returns the x of the point picked on the right."""
         window.key("r")
         window.picture()
         return place_of(self.picked(window, (WIDTH * 3 // 4, MIDDLE[1])))[0]

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the window does when somebody steers it, looks, picks and changes settings: see driven_window.py."""
+"""Tests of the window under keys and mouse: cameras, picks, settings: see driven_window.py."""
 import contextlib
 import json
 import math
@@ -95,14 +95,14 @@ class Walk(WindowTest):
 
     @staticmethod
     def ground_of(ply, eye):
-        """The height of the model's nearest vertex, seen from above."""
+        """Returns the height of the model's vertex nearest to the eye, seen from above."""
         head, body = ply.read_bytes().split(b"end_header\n", 1)
         vertices = struct.iter_unpack("<fff", body[:12 * int(re.search(rb"element vertex (\d+)", head).group(1))])
         return min(vertices, key=lambda vertex: math.dist(vertex[:2], eye[:2]))[2]
 
 
 def at_rest(window):
-    """What a picture shows in which nothing changes any more; None until then."""
+    """Returns what a settled picture shows; None if it still changes."""
     one, two = (pixels_of(window.picture()) for _ in range(2))
     return two if one == two else None
 
@@ -312,7 +312,7 @@ class Scrolling(WindowTest):
 
     @staticmethod
     def name_in(window):
-        """The pixels where the panel begins with the model's."""
+        """Returns the pixels at the top of the panel, where the model's name is."""
         return [row[3 * 16:3 * 80] for row in pixels_of(window.picture())[16:34]]
 
 

@@ -1,5 +1,5 @@
-// The threads of a window in one process with a server: a stream that refines, receives and decodes, and a
-// renderer that draws its cuts meanwhile. The thread sanitizer sees them all.
+// A window's threads in one process with a server: a stream refines, receives and decodes while a renderer
+// draws its cuts. Runs under the thread sanitizer.
 
 #include <filesystem>
 #include <memory>
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using stream::Streamer;
 using stream::StreamStatus;
 
-/// Skipped where no OpenGL 4.5 context can be made.
+/// Skips if no OpenGL 4.5 context can be made.
 class DrawnStreaming : public Streaming {
  protected:
   void SetUp() override {
@@ -78,7 +78,7 @@ TEST_F(DrawnStreaming, drawsWholeCutsWhileTheCameraMovesAndEndsInThePictureOfASt
   EXPECT_TRUE(pictureOf(renderer, last).rgba == pictureOf(other, last).rgba);
 }
 
-/// A closed model of 60,000 triangles, of which two builds take turns.
+/// A closed model of 60,000 triangles, served from two builds by turns.
 class DrawnFading : public DrawnStreaming {
  protected:
   DrawnFading() {
@@ -92,7 +92,7 @@ class DrawnFading : public DrawnStreaming {
                   folder_ / "next.lode");
     fs::rename(folder_ / "next.lode", folder_ / "a.lode");
   }
-  /// A camera anywhere around the model, that looks at some place of it.
+  /// Returns a random camera around the model that looks at a point of it.
   static core::View randomView(const ModelSummary& model, std::mt19937& random) {
     std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi), height(-0.9, 0.9), near(0.45, 1);
     core::CameraPath path = core::framingCamera(model);
@@ -158,7 +158,7 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseRegionsArriveOneByOn
   EXPECT_GT(watch.counts().inside, 500'000u);
 }
 
-/// Each threshold's cut comes while regions of the one before are still to arrive.
+/// Each threshold's cut arrives while parts of the one before are missing.
 TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseNewerCutsKeepComing) {
   constexpr unsigned kCameras = 12;
   std::mt19937 random(5);
@@ -183,7 +183,7 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseNewerCutsKeepComing)
   EXPECT_GT(watch.counts().inside, 500'000u);
 }
 
-/// A larger model, of about 40 MB when all of it is drawn, with leaves of so many triangles.
+/// A larger model: about 40 MB if all of it is drawn, with leaves of so many triangles.
 class DrawnWithinMemory : public DrawnStreaming, public testing::WithParamInterface<uint32_t> {
  protected:
   DrawnWithinMemory() {

@@ -9,7 +9,7 @@
 
 namespace lode::test {
 
-/// A picture read back from its file; of no size if it cannot be read.
+/// A picture read from its file; its size is 0 if it cannot be read.
 struct Picture {
   int width_px = 0, height_px = 0;
   std::vector<uint8_t> pixels;  ///< three bytes each
@@ -19,10 +19,10 @@ struct Picture {
   const uint8_t* pixel(int x, int y) const {
     return pixels.data() + (static_cast<size_t>(y) * width_px + x) * 3;
   }
-  /// Of a part of the picture, from a corner to the picture's lower right one: how much is not background.
-  /// That is nearly one colour a row: it is dithered.
+  /// Returns the share of pixels that are not background, from a corner to the lower right one. The background
+  /// is nearly one colour per row: it is dithered.
   double covered(int left, int top) const;
-  /// Levels of red in its middle row.
+  /// Counts the levels of red in the middle row.
   size_t shades() const;
 };
 

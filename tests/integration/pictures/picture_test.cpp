@@ -1,4 +1,4 @@
-// Pictures: drawn off-screen, and of the window under a display that is not there.
+// Pictures drawn off-screen, and of the window under a virtual display.
 
 #include "tests/integration/pictures/picture.h"
 

@@ -35,7 +35,7 @@ class Scenes : public testing::Test {
     writeBytes(folder_ / (name + ".json"), scene);
     return render(name, folder_ / (name + ".json"), camera);
   }
-  /// The largest difference of a channel, but for so many pixels.
+  /// Returns the largest difference of a channel, without the so many most different pixels.
   static int difference(const Picture& a, const Picture& b, size_t but_for) {
     std::vector<int> worst;
     for (size_t i = 0; i < a.pixels.size() && i < b.pixels.size(); ++i)
@@ -74,7 +74,7 @@ TEST_F(DrawnScenes, areShownToACameraAsNearAsTheModelWouldBe) {
 }
 
 TEST_F(DrawnScenes, showAModelThatIsMovedTurnedAndScaledToACameraThatIsSoToo) {
-  // What a quarter turn about z, twice the size and a step aside make of the camera.
+  // The camera turned by a quarter about z, scaled by 2 and moved aside.
   writeBytes(folder_ / "moved.json",
              R"({"keys": [{"t": 0, "eye": [18, 20, 32], "target": [10, 20, 30], "up": [0, 0, 1]}]})");
   const Picture model = render("model", store_);
@@ -151,7 +151,7 @@ TEST_F(DrawnScenes, areTheSamePictureInTheWindowFromSeveralServers) {
   EXPECT_GT(render.shades(), 50u) << "there is something to see";
 }
 
-/// Of the last frame of a flight in the window; none where there is no display to be had.
+/// Returns the last frame of a flight in the window; nothing if there is no display.
 std::optional<uint64_t> trianglesOfLastFrame(const std::filesystem::path& scene,
                                              const std::filesystem::path& camera) {
   const std::string viewer = std::string(LODE_BIN_DIR) + "/bin/lodestream";

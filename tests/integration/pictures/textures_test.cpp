@@ -15,7 +15,7 @@ namespace {
 constexpr int kImagePx = 2048, kSquarePx = 128, kWidthPx = 400, kHeightPx = 300;
 constexpr double kFovYDeg = 45;
 
-/// One bit a channel of the square that a texel lies in; no two neighbours have the same.
+/// Returns the colour of a texel's square: one bit per channel, no two neighbours alike.
 unsigned colourAt(double x_px, double y_px) {
   const auto column = static_cast<unsigned>(x_px / kSquarePx), row = static_cast<unsigned>(y_px / kSquarePx);
   return (column * 3 + row * 5) % 7 + 1;
@@ -30,8 +30,7 @@ void writeCheckered(const std::filesystem::path& file) {
   writePicture(file, kImagePx, kImagePx, pixels);
 }
 
-/// A flat sheet of 2 x 2 units with many triangles, that wears the image from -0.5 to 1.5 each way, v
-/// upwards.
+/// A flat sheet of 2 x 2 units with many triangles; texture coordinates go from -0.5 to 1.5, v upwards.
 class CheckeredSheet : public testing::Test {
  protected:
   void SetUp() override {
@@ -60,7 +59,7 @@ class CheckeredSheet : public testing::Test {
     ASSERT_EQ(built.status, 0) << built.err;
   }
 
-  /// Straight above a point of the sheet.
+  /// A camera straight above a point of the sheet.
   std::filesystem::path cameraAbove(double x, double y, double height) const {
     const nlohmann::json path = {
         {"fov_y_deg", kFovYDeg},
@@ -75,11 +74,11 @@ class CheckeredSheet : public testing::Test {
             "--size",   std::to_string(kWidthPx) + "x" + std::to_string(kHeightPx)};
   }
 
-  /// Pixels well inside of a square of the image, and how many of them show another colour.
+  /// Counts pixels well inside a square of the image, and those that show another colour.
   struct Comparison {
     int pixels = 0, wrong = 0;
   };
-  /// @param coarser  texels of level 0 that a texel shown may take more than it should.
+  /// @param coarser  extra level-0 texels that a drawn texel may cover.
   static Comparison compare(const Picture& picture, double x, double y, double height, double coarser = 0) {
     const double pixel = 2 * height * std::tan(kFovYDeg / 360 * 3.14159265358979) / kHeightPx;
     const double margin_px = 4 + 2 * pixel * kImagePx + coarser;  // texels: filtering, and lossy tiles
@@ -165,7 +164,7 @@ class DamagedSheet : public CheckeredSheet {
     writeBytes(file, bytes);
   }
 
-  /// It ran to its end, and says how much is missing and why.
+  /// Expects success with a warning that says how much is missing and why.
   static nlohmann::json expectNotConverged(const Outcome& outcome) {
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.err.find("did not converge"), std::string::npos) << outcome.err;

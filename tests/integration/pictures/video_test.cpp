@@ -1,5 +1,5 @@
-// Videos that are not made: where a signal comes while their frames are drawn, and where they would replace
-// their model.
+// Videos that are not made: a signal interrupts the drawing of their frames, or they would replace their
+// model.
 
 #include <csignal>
 #include <filesystem>

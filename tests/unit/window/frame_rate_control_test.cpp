@@ -8,16 +8,16 @@
 namespace lode::render {
 namespace {
 
-/// Draws what was asked for some frames ago, as a cut takes some frames to come.
+/// Draws with the threshold requested some frames ago, since a cut takes some frames to arrive.
 class Machine {
  public:
-  /// @param sharp_ms  of a frame at the finest threshold, but for what every frame takes.
+  /// @param sharp_ms  time of a frame at the finest threshold, without the constant part.
   Machine(double fixed_ms, double sharp_ms, double power)
       : fixed_ms_(fixed_ms), sharp_ms_(sharp_ms), power_(power) {}
 
   double workMs(double coarsening) const { return fixed_ms_ + sharp_ms_ * std::pow(coarsening, -power_); }
 
-  /// A frame of a camera that moves or rests. @return what it took.
+  /// Draws a frame of a moving or resting camera. @return its time, ms.
   double frame(FrameRateControl& control, bool moved) {
     asked_.push_back(control.coarsening());
     const double drawn = asked_.front();
@@ -136,7 +136,7 @@ TEST(FrameRateControl, keepsTheHighestRateThatTheCoarsestThresholdIsEnoughFor) {
   EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
 }
 
-/// How often a machine's rate changes in so many frames.
+/// Counts the changes of the rate in so many frames.
 int changesOfRate(FrameRateControl& control, Machine& machine, int frames) {
   int changes = 0;
   for (int i = 0; i < frames; ++i) {

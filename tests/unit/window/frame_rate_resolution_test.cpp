@@ -9,16 +9,16 @@
 namespace lode::render {
 namespace {
 
-/// What a processor takes that draws what was asked for some frames ago.
+/// A CPU that draws with the threshold and resolution requested some frames ago.
 class SlowMachine {
  public:
-  /// @param pixels_ms  of all pixels,
-  /// @param sharp_ms   and of the triangles at a threshold of one of them.
-  /// @param bias       by which the share of pixels is taken for too large.
+  /// @param pixels_ms  time for all pixels.
+  /// @param sharp_ms   time for the triangles at a threshold of one pixel.
+  /// @param bias       error of the estimated share of pixels: > 1 is too large.
   SlowMachine(double pixels_ms, double sharp_ms, double bias = 1)
       : pixels_ms_(pixels_ms), sharp_ms_(sharp_ms), bias_(bias) {}
 
-  /// A frame of a camera that moves. @return what it took.
+  /// Draws a frame of a moving camera. @return its time, ms.
   double frame(FrameRateControl& control) {
     asked_.push_back({control.coarsening(), control.scale()});
     const Asked drawn = asked_.front();
@@ -85,7 +85,7 @@ TEST(FrameRateResolution, isFoundWithinASecondWhateverIsAskedForFirst) {
   }
 }
 
-/// How often a machine's resolution or rate changes in so many frames.
+/// Counts the changes of resolution or rate in so many frames.
 int changesOf(FrameRateControl& control, SlowMachine& machine, int frames) {
   int changes = 0;
   for (int i = 0; i < frames; ++i) {

@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 constexpr Pacing::Options kCoarseFirst{.begin = render::FrameRateControl::Begin::kCoarse};
 const Pacing::TimePoint kBegun{};
 
-/// A camera that comes to rest.
+/// Frames of a camera that stops.
 void rest(Pacing& pacing) { pacing.step(1, false, kBegun); }
 
 TEST(Pacing, asksForTheUsersThresholdAtRestAndForCoarserCutsWhileTheCameraMoves) {
@@ -96,11 +96,11 @@ TEST(Pacing, waitsForTheCoarserCutFromWhenTheCameraBeginsToMove) {
   EXPECT_TRUE(pacing.isWorthWaiting(1, true, begun));
   EXPECT_TRUE(pacing.isWorthWaiting(1, true, begun + 200ms));
   EXPECT_FALSE(pacing.isWorthWaiting(1, true, begun + 300ms));
-  EXPECT_TRUE(pacing.isWorthWaiting(8, false, begun)) << "its parts are still to come";
+  EXPECT_TRUE(pacing.isWorthWaiting(8, false, begun)) << "its parts are not uploaded yet";
   EXPECT_FALSE(pacing.isWorthWaiting(8, true, begun)) << "it is there";
 }
 
-/// Frames of a machine that draws pixels slowly, at what was asked for.
+/// Frames of a machine that draws pixels slowly, with the requested threshold and scale.
 void flyOverPixels(Pacing& pacing) {
   for (int i = 0; i < 20; ++i) {
     pacing.step(0.016, true, kBegun);

@@ -28,7 +28,7 @@ Hit hitOf(const CutPart& part, const glm::dvec3& weights) {
   return hit;
 }
 
-/// An image of 600 x 1 texels in two levels, of which only what is said is there.
+/// An image of 600 x 1 texels in two levels, of which only the given tiles are resident.
 Cut texturedCut(const std::vector<TileKey>& there) {
   auto set = std::make_shared<TextureSet>();
   set->uv_scale_exponent = 1;

@@ -46,7 +46,7 @@ TEST(PictureWriter, tellsWhyAPictureIsNotThere) {
   EXPECT_THROW(std::rethrow_exception(written->failure), Error);
 }
 
-/// A pipe that nobody reads yet keeps who writes to it waiting.
+/// Makes a pipe: a writer blocks until somebody reads it.
 TEST(PictureWriter, keepsNobodyWaitingWhileItWrites) {
   const test::WorkFolder folder;
   const fs::path pipe = folder / "pipe";

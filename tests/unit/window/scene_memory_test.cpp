@@ -40,7 +40,7 @@ TEST(SceneMemory, isNeverMoreThanThereIs) {
   }
 }
 
-/// @return how often parts have changed in a hundred frames whose needs go to and fro.
+/// @return how often parts change in a hundred frames whose needs alternate.
 int changesOf(SceneMemory& memory, const core::View& view, float threshold_px) {
   int changes = 0;
   for (int turn = 0; turn < 100; ++turn) {

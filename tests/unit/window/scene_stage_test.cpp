@@ -5,7 +5,7 @@
 namespace lode::app {
 namespace {
 
-/// Eight long along each axis, from a point on.
+/// A cube of side 8 with its lowest corner at a point.
 ModelSummary cubeAt(const glm::dvec3& min) {
   ModelSummary whole;
   whole.lattice = {min, 0x1p-17};

@@ -15,7 +15,7 @@ core::View viewFrom(double x) {
   return view;
 }
 
-/// A model that is shown as it is to be for a view, with these bytes received.
+/// Status of a model that has converged for a view.
 stream::StreamStatus makeStatus(const core::View& view, uint64_t received_bytes) {
   stream::StreamStatus status;
   auto cut = std::make_shared<core::Cut>();

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A program in the encoder's place.
+/// A program that replaces the encoder.
 fs::path fakeFfmpeg(const fs::path& folder, const std::string& script) {
   fs::create_directories(folder);
   const fs::path program = folder / "ffmpeg";

@@ -11,7 +11,7 @@
 namespace lode::app {
 namespace {
 
-/// @return the error of a scene before it is opened; nothing where it has none.
+/// @return the error when the scene is made, before it opens; empty if there is none.
 std::string errorOf(const std::string& models, const std::string& instances, MissingModels missing_models) {
   const test::WorkFolder work;
   const std::filesystem::path file = work / "scene.json";
@@ -29,15 +29,15 @@ std::string errorOf(const std::string& models, const std::string& instances, Mis
 const std::string kModels = R"("a": "typo.ply", "b": "typo.lode", "away": "lode://127.0.0.1/rock")";
 const std::string kOfTypos = R"({"model": "b"}, {"model": "a"}, {"model": "b"})";
 
-TEST(ViewedScene, isRefusedBeforeItOpensWhereNoneOfWhatIsPlacedIsThere) {
+TEST(ViewedScene, isRefusedBeforeItOpensIfNoInstanceHasAModel) {
   EXPECT_NE(errorOf(kModels, kOfTypos, MissingModels::kAllowed).find("models.\"b\": "), std::string::npos);
 }
 
-TEST(ViewedScene, mayLackAModelWhereAnotherThatIsPlacedMayCome) {
+TEST(ViewedScene, mayMissAModelIfAnotherMayOpen) {
   EXPECT_EQ(errorOf(kModels, kOfTypos + R"(, {"model": "away"})", MissingModels::kAllowed), "");
 }
 
-TEST(ViewedScene, lacksNoModelInAPictureThatIsToBeTheSameAgain) {
+TEST(ViewedScene, missesNoModelInAScreenshot) {
   EXPECT_NE(errorOf(kModels, R"({"model": "away"})", MissingModels::kRefused).find("models.\"a\": "),
             std::string::npos);
 }
