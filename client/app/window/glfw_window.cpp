@@ -8,7 +8,6 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "client/app/window/gamepad.h"
 #include "client/render/framebuffer.h"
 #include "common/error.h"
 

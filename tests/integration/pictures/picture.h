@@ -19,8 +19,8 @@ struct Picture {
   const uint8_t* pixel(int x, int y) const {
     return pixels.data() + (static_cast<size_t>(y) * width_px + x) * 3;
   }
-  /// Returns the share of pixels that are not background, from a corner to the lower right one. The background
-  /// is nearly one colour per row: it is dithered.
+  /// Returns the share of pixels that are not background, from a corner to the lower right one. The
+  /// background is nearly one colour per row: it is dithered.
   double covered(int left, int top) const;
   /// Counts the levels of red in the middle row.
   size_t shades() const;

@@ -5,7 +5,7 @@ namespace lode::app {
 PickMarks marksOf(const Picks& picks, const core::View& view) {
   PickMarks marks;
   for (const PickedPoint& point : picks.points())
-    if (const auto place_px = core::placeInPicture(view, point.position_model))
+    if (const auto place_px = core::pointInPicture(view, point.position_model))
       marks.points_px.push_back(*place_px);
   if (picks.points().size() == 2) {
     marks.line =

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client/app/window/scene/picks.h"
-#include "client/app/window/scene/picture_place.h"
+#include "client/app/window/scene/projection.h"
 
 namespace lode::app {
 

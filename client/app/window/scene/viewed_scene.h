@@ -46,7 +46,8 @@ class ViewedScene {
     bool is_open = false;
     std::optional<Error> error = std::nullopt;
   };
-  /// Advances the opening, without waiting. All functions below except draw() need an open scene.
+  /// Advances the opening, without waiting. Until it is open there is no summary() and framing(), and views
+  /// must not be passed to update(), under() and groundBelow().
   Opening open();
   /// Describes the scene as one model: its name, frame, extent and triangles.
   const ModelSummary& summary() const { return whole_; }
@@ -65,6 +66,7 @@ class ViewedScene {
   void update(const core::View& view, float threshold_px);
   /// Status of all streams together for the view last updated; see sceneStatus(). Its cut has no parts.
   const stream::StreamStatus& status() const { return status_; }
+  /// Uploads within one frame's budget.
   void uploadInRenderThread();
   /// Returns true if the newest cut of every model is on the GPU.
   bool upToDate() const;

@@ -1,4 +1,4 @@
-#include "client/app/window/gamepad.h"
+#include "client/app/window/input.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "client/app/window/scene/picture_place.h"
+#include "client/app/window/scene/projection.h"
 
 #include <gtest/gtest.h>
 
@@ -17,26 +17,26 @@ View slantedView() {
   return view;
 }
 
-TEST(PicturePlace, ofAPointOnARayIsWhereTheRayGoesThrough) {
+TEST(Projection, ofAPointOnARayIsWhereTheRayGoesThrough) {
   const View view = slantedView();
   for (const glm::dvec2 place_px :
        {glm::dvec2(0, 0), glm::dvec2(639, 20), glm::dvec2(320, 180), glm::dvec2(-50, 400)}) {
     const Ray ray = rayThrough(view, place_px);
-    const auto found_px = placeInPicture(view, ray.origin_model + 7.0 * ray.direction);
+    const auto found_px = pointInPicture(view, ray.origin_model + 7.0 * ray.direction);
     ASSERT_TRUE(found_px);
     EXPECT_NEAR(glm::distance(*found_px, place_px), 0, 1e-9);
   }
 }
 
-TEST(PicturePlace, isNowhereForWhatIsBehindTheEye) {
+TEST(Projection, isNowhereForWhatIsBehindTheEye) {
   const View view = slantedView();
-  EXPECT_FALSE(placeInPicture(view, view.eye_model - view.forward));
-  EXPECT_FALSE(placeInPicture(view, view.eye_model));
+  EXPECT_FALSE(pointInPicture(view, view.eye_model - view.forward));
+  EXPECT_FALSE(pointInPicture(view, view.eye_model));
   EXPECT_FALSE(
       lineInPicture(view, view.eye_model - view.forward, view.eye_model - 2.0 * view.forward + view.up));
 }
 
-TEST(PicturePlace, ofASegmentThatPassesTheEyeIsThatOfItsPartInFront) {
+TEST(Projection, ofASegmentThatPassesTheEyeIsThatOfItsPartInFront) {
   const View view = slantedView();
   const glm::dvec3 front = view.eye_model + 4.0 * view.forward,
                    behind = view.eye_model - view.forward + view.up;

@@ -17,7 +17,7 @@ struct PictureLine {
 
 /// Projects a point into the picture: the inverse of rayThrough().
 /// @return nothing if the point is nearer than view.near_model or behind the eye.
-std::optional<glm::dvec2> placeInPicture(const View& view, const glm::dvec3& point_model) noexcept;
+std::optional<glm::dvec2> pointInPicture(const View& view, const glm::dvec3& point_model) noexcept;
 
 /// Projects the part of a segment that is in front of the eye; nothing if no part is.
 std::optional<PictureLine> lineInPicture(const View& view, const glm::dvec3& from_model,

@@ -1,4 +1,4 @@
-#include "client/app/window/scene/picture_place.h"
+#include "client/app/window/scene/projection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ glm::dvec2 project(const View& view, const glm::dvec3& point_model) noexcept {
 
 }  // namespace
 
-std::optional<glm::dvec2> placeInPicture(const View& view, const glm::dvec3& point_model) noexcept {
+std::optional<glm::dvec2> pointInPicture(const View& view, const glm::dvec3& point_model) noexcept {
   if (!(depthOf(view, point_model) >= view.near_model)) return std::nullopt;
   return project(view, point_model);
 }
