@@ -1,6 +1,6 @@
-#include "client/app/window/input.h"
-
 #include <gtest/gtest.h>
+
+#include "client/app/window/input.h"
 
 namespace lode::app {
 namespace {
