@@ -11,8 +11,8 @@ foreach(line ${lines})
   endif()
 endforeach()
 
-# Warnings are errors with g++ 12, which CI uses, and with clang. New or false warnings of other compilers, such as g++ 14's
-# -Wfree-nonheap-object on a vector<bool>, and of instrumented code never end a build.
+# Warnings are errors with g++ 12, which CI uses, and with clang. New or false warnings of other compilers, and of
+# instrumented code, never end a build.
 set(LODE_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-restrict)
 if(NOT LODE_SANITIZE AND (NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13))
   list(APPEND LODE_WARNINGS -Werror)

@@ -2,11 +2,18 @@
 
 #include <filesystem>
 
+#include "common/io/image_files.h"
 #include "common/mesh.h"
 #include "server/store/cut.h"
 #include "server/store/reader.h"
 
 namespace lode::store {
+
+/// Writes the images of a store's textures, at full size and without further loss, as PNG files beside a
+/// mesh's file: STEM_NAME.png, where STEM is that file's and NAME the texture's without folders. Memory: one
+/// row of tiles.
+/// @throws Error kIo, kFormat, kLimit.
+ImageFiles exportTextures(const Reader& reader, const std::filesystem::path& mesh);
 
 /// Reads and decodes one (node, LOD) with all guards. An LOD without triangles gives an empty mesh.
 /// @throws Error kIo, kFormat or kLimit, naming file and node. Thread safe.

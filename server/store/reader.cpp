@@ -16,7 +16,6 @@
 #include "common/limits.h"
 #include "server/store/format.h"
 #include "server/store/node_tree.h"
-#include "server/store/page_split.h"
 
 namespace lode::store {
 namespace {

@@ -10,7 +10,6 @@
 #include "common/limits.h"
 #include "common/release_storage.h"
 #include "server/store/node_tree.h"
-#include "server/store/page_split.h"
 
 namespace lode::store {
 

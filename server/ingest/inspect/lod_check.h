@@ -4,16 +4,31 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "common/mesh.h"
-#include "server/ingest/inspect/dice.h"
 #include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/measure/triangle_tree.h"
+#include "server/ingest/mesh/number_table.h"
+#include "server/store/open_edges.h"
 
 namespace lode::ingest {
+
+/// Pseudo-random numbers from 0 to 1, the same everywhere.
+class Dice {
+ public:
+  explicit Dice(uint64_t seed) : state_(NumberTable::hash(seed + 1)) {}
+  float roll() noexcept {
+    state_ += 0x9e3779b97f4a7c15ULL;
+    return static_cast<float>(NumberTable::hash(state_) >> 40) * 0x1p-24f;
+  }
+
+ private:
+  uint64_t state_;
+};
 
 /// A leaf of a store, ready to be measured against. Const functions are thread safe.
 struct LeafSurface {
@@ -59,6 +74,25 @@ class LodCheck {
   glm::vec3 cell_size_{1};
   std::mutex mutex_;
   float forward_ = 0;  ///< the largest distance of the leaves from the LOD
+};
+
+/// Looks for the largest distance between the boundaries of a node's LODs and those of the leaves below it,
+/// which come one by one in any order, on any threads. What the node shares with its neighbours counts as a
+/// boundary of both and is the same in both.
+class BoundaryCheck {
+ public:
+  /// Before the first leaf. The LODs are numbered in the order of these calls.
+  void addLod(const Mesh& lod);
+  /// Thread safe. @param boundaries  of a leaf.
+  void addLeaf(std::span<const store::OpenEdge> boundaries);
+  /// After the last leaf: for each LOD what points of its boundaries are at most from the leaves', lattice
+  /// steps.
+  std::vector<float> found();
+
+ private:
+  std::mutex mutex_;
+  store::OpenEdges of_leaves_;
+  std::vector<std::vector<store::OpenEdge>> of_lods_;
 };
 
 }  // namespace lode::ingest

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "common/start_thread.h"
-#include "server/ingest/inspect/boundary_check.h"
 #include "server/ingest/inspect/lod_check.h"
 #include "server/store/export.h"
 #include "server/store/open_edges.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "server/ingest/measure/lod_input.h"
-#include "server/ingest/mesh/simplified_mesh.h"
+#include "server/ingest/mesh/node_mesh.h"
 
 namespace lode::ingest {
 

@@ -11,7 +11,7 @@
 
 #include <glm/glm.hpp>
 
-#include "server/ingest/measure/triangle_chain.h"
+#include "server/ingest/measure/surface_walk.h"
 #include "server/ingest/mesh/four_triangles.h"
 #include "server/ingest/mesh/point_triangle.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/ingest/measure/farthest_along_edges.h"
 #include "server/ingest/measure/farthest_of_input.h"
 #include "server/ingest/measure/farthest_of_lod.h"
 

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "server/ingest/measure/surface_walk.h"
-#include "server/ingest/mesh/simplified_mesh.h"
+#include "server/ingest/mesh/node_mesh.h"
 
 namespace lode::ingest {
 

@@ -7,7 +7,7 @@
 
 #include "server/ingest/measure/lod_surface.h"
 #include "server/ingest/measure/surface_walk.h"
-#include "server/ingest/mesh/simplified_mesh.h"
+#include "server/ingest/mesh/node_mesh.h"
 
 namespace lode::ingest {
 

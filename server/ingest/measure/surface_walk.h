@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -8,11 +10,25 @@
 
 #include <glm/glm.hpp>
 
-#include "server/ingest/measure/triangle_chain.h"
 #include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/node_mesh.h"
+#include "server/ingest/mesh/segment_distance.h"
 
 namespace lode::ingest {
+
+/// Triangles of a surface of which each has an edge in common with the next.
+struct TriangleChain {
+  static constexpr size_t kMostEdges = 6;
+
+  FourSegments eachTwice(size_t edge, size_t other) const noexcept {
+    return {FourVectors(from[edge], from[edge], from[other], from[other]),
+            FourVectors(to[edge], to[edge], to[other], to[other])};
+  }
+
+  std::array<uint32_t, kMostEdges + 1> triangles;
+  std::array<Four, kMostEdges> from, to;  ///< ends of the edges between a triangle and the next
+  size_t edge_count = 0;
+};
 
 /// Distance from points to a mesh, in lattice steps, by walking over it: from the triangles around a position
 /// to those around the next, as long as they come nearer. Never below the true distance; above it where the

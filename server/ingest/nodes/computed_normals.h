@@ -4,7 +4,8 @@
 #include <span>
 
 #include "server/ingest/measure/surface_walk.h"
-#include "server/ingest/mesh/simplified_mesh.h"
+#include "server/ingest/mesh/node_mesh.h"
+#include "server/ingest/partition/border_table.h"
 #include "server/ingest/partition/normal_fans.h"
 
 namespace lode::ingest {
@@ -22,5 +23,9 @@ NodeMesh withoutSmoothNormals(NodeMesh mesh);
 /// @param sources  see sourcesOf(). @param places  see placesOn().
 void giveComputedNormals(SimplifiedMesh& lod, const NodeMesh& mesh, std::span<const uint32_t> sources,
                          std::span<const SurfaceWalk::Place> places, const CreaseAngle& crease);
+
+/// Gives a leaf computed normals: one a fan, so that a position on a crease gets several wedges.
+/// @param border  what the leaf shares with others, by position: those normals are the table's.
+void giveLeafNormals(NodeMesh& mesh, std::span<const BorderVertex> border, const CreaseAngle& crease);
 
 }  // namespace lode::ingest

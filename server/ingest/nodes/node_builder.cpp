@@ -9,10 +9,11 @@
 
 #include "common/codec/draco_codec.h"
 #include "common/release_storage.h"
+#include "server/ingest/measure/boundary_gap.h"
+#include "server/ingest/measure/lod_deviation.h"
+#include "server/ingest/measure/lost_detail.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/nodes/computed_normals.h"
-#include "server/ingest/nodes/finished_lod.h"
-#include "server/ingest/nodes/leaf_normals.h"
 #include "server/ingest/nodes/lod_targets.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/simplify/cluster.h"
@@ -27,26 +28,28 @@ constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< a
 
 }  // namespace
 
-PayloadSpool::Place PayloadSpool::append(std::span<const std::byte> payload) {
-  std::lock_guard lock(mutex_);
-  const Place place{spool_.size(), static_cast<uint32_t>(payload.size())};
-  spool_.append(payload);
-  return place;
-}
-
-uint64_t PayloadSpool::sync() {
-  std::unique_lock lock(mutex_);
-  spool_.flush();
-  const uint64_t bytes = spool_.size();
-  lock.unlock();
-  spool_.sync();
-  return bytes;
-}
-
-std::vector<std::byte> PayloadSpool::read(Place place) const {
-  std::vector<std::byte> payload(place.bytes);
-  spool_.readAt(place.offset, payload);
-  return payload;
+FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
+                      std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease,
+                      MeshSource source) {
+  FinishedLod finished;
+  finished.simplified = std::move(simplified);
+  SimplifiedMesh& lod = finished.simplified;
+  const std::vector<uint32_t> sources = sourcesOf(lod, input.mesh());
+  const LodSurface surface(lod.mesh);
+  const std::vector<SurfaceWalk::Place> places = placesOn(lod, input.mesh(), surface.walk());
+  giveComputedNormals(lod, input.mesh(), sources, places, crease);
+  finished.payload = encodePayload(toMesh(lod.mesh), step_model, source);
+  if (lod.mesh.triangles.empty()) return finished;
+  finished.deviations = deviationsFrom(lod, input.mesh(), surface, places, samples);
+  float sampled = 0;
+  for (const Deviation& deviation : finished.deviations) sampled = std::max(sampled, deviation.steps);
+  const LodDeviation deviation = lodDeviation(lod, input, {surface, places, sources}, sampled);
+  finished.deviation_steps = deviation.steps;
+  finished.farthest = deviation.farthest;
+  if (finished.farthest) finished.farthest->near = lod.became[finished.farthest->near];
+  finished.boundary_gap_steps = boundaryGap(lod, input);
+  finished.lost_detail_steps = lostDetail(lod, input.mesh(), places);
+  return finished;
 }
 
 NodeBuilder::NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,

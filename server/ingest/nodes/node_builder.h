@@ -2,18 +2,19 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
+#include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
+#include "common/codec/draco_codec.h"
 #include "common/codec/hierarchy_page.h"
 #include "server/ingest/disk/spool.h"
 #include "server/ingest/disk/temporary_folder.h"
-#include "server/ingest/measure/reference_boundaries.h"
+#include "server/ingest/measure/lod_input.h"
 #include "server/ingest/measure/surface_samples.h"
-#include "server/ingest/nodes/finished_lod.h"
-#include "server/ingest/nodes/lod_shelf.h"
+#include "server/ingest/mesh/node_mesh.h"
+#include "server/ingest/nodes/node_spool.h"
+#include "server/ingest/partition/normal_fans.h"
 #include "server/ingest/partition/partition.h"
 #include "server/ingest/plan/simplifier.h"
 #include "server/ingest/simplify/collapse.h"
@@ -21,31 +22,23 @@
 
 namespace lode::ingest {
 
-/// Encoded payloads on their way to the store. Thread safe.
-class PayloadSpool {
- public:
-  struct Place {
-    uint64_t offset = 0;
-    uint32_t bytes = 0;
-  };
-  /// Name of the file, which lasts.
-  static constexpr std::string_view kFile = "payloads";
-
-  explicit PayloadSpool(const TemporaryFolder& folder) : spool_(folder.lastingFile(kFile)) {}
-  /// The first `bytes` that a killed build wrote; more is appended behind them. @throws Error kIo, kFormat.
-  PayloadSpool(const TemporaryFolder& folder, uint64_t bytes) : spool_(folder.lastingFile(kFile), bytes) {}
-
-  Place append(std::span<const std::byte> payload);
-  void flush() { spool_.flush(); }
-  /// Writes what was appended to the disk for good. @return its bytes.
-  uint64_t sync();
-  std::vector<std::byte> read(Place place) const;
-  uint64_t size() const noexcept { return spool_.size(); }
-
- private:
-  std::mutex mutex_;
-  Spool spool_;
+/// An LOD, encoded and measured against what it was made of, and its boundaries against the original's;
+/// lengths are in lattice steps.
+struct FinishedLod {
+  SimplifiedMesh simplified;
+  EncodedPayload payload;
+  std::vector<Deviation> deviations;      ///< of the samples; see deviationsFrom()
+  float deviation_steps = 0;              ///< see lodDeviation()
+  std::optional<SurfaceSample> farthest;  ///< see LodDeviation, but near a position of the LOD
+  float boundary_gap_steps = 0;           ///< see boundaryGap()
+  float lost_detail_steps = 0;            ///< see lostDetail()
 };
+
+/// Gives a simplified mesh its computed normals, where they are not the file's, measures and encodes it.
+/// @param samples  near positions of the input. @param step_model  the lattice's. Thread safe.
+FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
+                      std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease,
+                      MeshSource source);
 
 /// What an LOD is off by, in lattice steps.
 struct LodError {

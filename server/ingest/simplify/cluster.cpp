@@ -7,9 +7,7 @@
 #include <utility>
 
 #include "server/ingest/simplify/cluster_tree.h"
-#include "server/ingest/simplify/cluster_wedges.h"
 #include "server/ingest/simplify/collapse_mesh.h"
-#include "server/ingest/simplify/mesh_quadrics.h"
 #include "server/ingest/simplify/quadric.h"
 #include "server/ingest/simplify/wedge_quadrics.h"
 

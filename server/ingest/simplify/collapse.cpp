@@ -14,7 +14,6 @@
 #include "server/ingest/simplify/edge_surroundings.h"
 #include "server/ingest/simplify/far_points.h"
 #include "server/ingest/simplify/lattice_places.h"
-#include "server/ingest/simplify/mesh_quadrics.h"
 #include "server/ingest/simplify/quadric.h"
 #include "server/ingest/simplify/wedge_quadrics.h"
 

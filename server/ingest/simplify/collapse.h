@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "server/ingest/mesh/simplified_mesh.h"
+#include "server/ingest/mesh/node_mesh.h"
 
 namespace lode::ingest {
 

@@ -175,4 +175,11 @@ struct CollapseMesh {
   std::vector<WedgeTable::Pair> pairs_;  // scratch
 };
 
+/// Gives each position the quadric of what meets there: the planes of its triangles by their area, and a
+/// little of its own place.
+void addPlanes(CollapseMesh& mesh);
+/// Adds to the ends of a boundary or a seam a plane upright on it, so that it keeps its course; to those of
+/// another edge nothing.
+void addFeature(CollapseMesh& mesh, const CollapseMesh::Edge& edge);
+
 }  // namespace lode::ingest

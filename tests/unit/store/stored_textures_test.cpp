@@ -4,9 +4,9 @@
 
 #include <png.h>
 
+#include "server/store/export.h"
 #include "server/store/format.h"
 #include "server/store/reader.h"
-#include "server/store/texture_export.h"
 #include "server/store/verify.h"
 #include "tests/support/texture_images.h"
 #include "tests/unit/store/store_files.h"

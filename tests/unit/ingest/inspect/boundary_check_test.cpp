@@ -1,9 +1,8 @@
-#include "server/ingest/inspect/boundary_check.h"
-
 #include <initializer_list>
 
 #include <gtest/gtest.h>
 
+#include "server/ingest/inspect/lod_check.h"
 #include "tests/support/test_meshes.h"
 
 namespace lode::ingest {

@@ -1,5 +1,3 @@
-#include "server/ingest/measure/farthest_along_edges.h"
-
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -7,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/ingest/measure/farthest_of_lod.h"
 #include "server/ingest/measure/triangle_tree.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/simplify/cluster.h"

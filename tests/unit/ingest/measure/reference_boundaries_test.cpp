@@ -1,4 +1,3 @@
-#include "server/ingest/measure/reference_boundaries.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,7 @@
-#include "server/ingest/nodes/lod_shelf.h"
-
 #include <gtest/gtest.h>
 
 #include "server/ingest/disk/temporary_folder.h"
+#include "server/ingest/nodes/node_spool.h"
 
 namespace lode::ingest {
 namespace {

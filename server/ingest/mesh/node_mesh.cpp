@@ -1,4 +1,4 @@
-#include "server/ingest/mesh/simplified_mesh.h"
+#include "server/ingest/mesh/node_mesh.h"
 
 #include <limits>
 
