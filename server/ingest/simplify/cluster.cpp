@@ -17,28 +17,28 @@ namespace {
 
 constexpr uint32_t kNone = ClusterTree::kNone;
 constexpr double kStay =
-    1e-4;  // pull to a cell's mean, of the quadric's trace: decides where surfaces do not
+    1e-4;  // pull towards the cell's mean, relative to the quadric's trace: decides where the surface is flat
 
-/// What becomes of the positions in a cell.
+/// Merged position of a cell.
 struct CellState {
-  Quadric quadric;    // less what the best attributes make up for
-  glm::dvec3 sum{0};  // of positions
+  Quadric quadric;    // minus the part that optimal attributes explain
+  glm::dvec3 sum{0};  // sum of the positions
   uint32_t count = 0;
-  uint32_t deaths = 0;  // triangles that go with it and not with a cell within
+  uint32_t deaths = 0;  // triangles that collapse with this cell but with no cell inside it
   glm::dvec3 point{0};
   double cost = 0;
   bool merged = false;
 };
 
-/// Opposite triangles, found as they come.
+/// Finds pairs of opposite triangles in one pass.
 class FoldFinder {
  public:
   explicit FoldFinder(size_t triangles) : first_(std::bit_ceil(triangles + 1), kNone), before_(triangles) {
     entries_.reserve(triangles);
   }
 
-  /// The number of an earlier triangle that is this one turned over and has no partner yet, which it now has;
-  /// else notes this one and returns kNone.
+  /// Returns an earlier unpaired triangle with the same corners and the opposite orientation, and pairs both;
+  /// otherwise records this triangle and returns kNone.
   uint32_t partnerOf(glm::u32vec3 t, uint32_t number) {
     while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};
     const bool turned = t.y > t.z;
@@ -62,14 +62,14 @@ class FoldFinder {
 
  private:
   struct Entry {
-    glm::u32vec3 corners;  // by rising number
-    uint32_t next;         // in the bucket
-    uint32_t last;         // triangle without a partner; before_ chains the others
-    bool turned;           // all of those
+    glm::u32vec3 corners;  // sorted by number
+    uint32_t next;         // next entry in the bucket
+    uint32_t last;         // last unpaired triangle; before_ chains the earlier ones
+    bool turned;           // orientation of all unpaired triangles
   };
-  std::vector<uint32_t> first_;  // a bucket
+  std::vector<uint32_t> first_;  // first entry of each bucket
   std::vector<Entry> entries_;
-  std::vector<uint32_t> before_;  // a triangle
+  std::vector<uint32_t> before_;  // previous unpaired triangle, by triangle
 };
 
 class Clusterer {
@@ -91,9 +91,9 @@ class Clusterer {
   ClusterTree tree_;
   ClusterWedges wedges_;
   glm::dvec3 max_point_;
-  std::vector<CellState> states_;       ///< a cell
-  std::unordered_set<uint64_t> taken_;  ///< locked places
-  WedgeTable values_;                   ///< of this snapshot's wedges
+  std::vector<CellState> states_;       ///< by cell
+  std::unordered_set<uint64_t> taken_;  ///< lattice points of locked positions
+  WedgeTable values_;                   ///< wedge values of the current snapshot
 };
 
 Clusterer::Clusterer(NodeMesh&& mesh, const CollapseOptions& options)
@@ -112,7 +112,7 @@ Clusterer::Clusterer(NodeMesh&& mesh, const CollapseOptions& options)
   addUpCells();
 }
 
-// A triangle goes with the smallest cell that holds two of its corners.
+// A triangle collapses with the smallest cell that holds two of its corners.
 void Clusterer::countDeaths() {
   for (size_t c = 0; c < mesh_.corner_position.size(); c += 4) {
     const uint32_t* const t = &mesh_.corner_position[c];
@@ -155,12 +155,12 @@ void Clusterer::addUpCells() {
   }
 }
 
-// The optimum, inside the cell and the model's box, on the lattice; one of the cell's own positions where a
-// locked one has that place.
+// Places the merged position at the quadric's optimum, clamped to the cell and the model's box and rounded to
+// the lattice. If a locked position lies there, uses one of the cell's own positions.
 void Clusterer::place(uint32_t number) {
   const ClusterTree::Cell& cell = tree_.cells()[number];
   CellState& state = states_[number];
-  if (state.count == 0) {  // positions without triangles
+  if (state.count == 0) {  // only positions without triangles
     state.point = mesh_.point(cell.a_position);
     return;
   }
@@ -177,7 +177,7 @@ void Clusterer::place(uint32_t number) {
   state.cost = std::max(state.cost, state.quadric.at(point));
 }
 
-/// Where each position goes: its own number, or that of a cell after the positions'.
+/// Maps each position to itself, or to (number of positions + number of the merged cell).
 std::vector<uint32_t> Clusterer::destinations() const {
   const uint32_t count = static_cast<uint32_t>(mesh_.positions.size());
   std::vector<uint32_t> top(states_.size(), kNone);
@@ -194,7 +194,7 @@ std::vector<uint32_t> Clusterer::destinations() const {
   return destination;
 }
 
-/// First corners of triangles that stay, and their corners' destinations.
+/// Maps the corners of each remaining triangle; kNone marks removed triangles.
 std::vector<glm::u32vec3> Clusterer::survivors(const std::vector<uint32_t>& destination) const {
   std::vector<glm::u32vec3> result(mesh_.corner_position.size() / 4, glm::u32vec3(kNone));
   FoldFinder folds(result.size());
@@ -211,7 +211,7 @@ std::vector<glm::u32vec3> Clusterer::survivors(const std::vector<uint32_t>& dest
   return result;
 }
 
-// Gives the wedges that have become one their attributes, at the root's number.
+// Computes the attributes of merged wedges, stored at the root's index.
 void Clusterer::joinWedges() {
   wedges_.reset();
   values_ = mesh_.wedges;
@@ -249,7 +249,8 @@ SimplifiedMesh Clusterer::snapshot() {
   NodeMesh result;
   result.attributes = mesh_.attributes;
   std::vector<uint32_t> new_position(count + states_.size(), kNone), new_wedge(mesh_.wedges.size(), kNone);
-  std::vector<uint32_t> last_wedge, wedge_before;  // of a new position; of a new wedge, the one before there
+  std::vector<uint32_t> last_wedge,
+      wedge_before;  // by new position: its last wedge; by new wedge: the wedge before it there
   const auto positionAt = [&](uint32_t place) {
     uint32_t& position = new_position[place];
     if (position != kNone) return position;
@@ -261,7 +262,7 @@ SimplifiedMesh Clusterer::snapshot() {
     if (!mesh_.hasWedges()) result.wedge_position.push_back(position);
     return position;
   };
-  const auto wedgeAt = [&](uint32_t position, uint32_t old) {  // equal ones are one
+  const auto wedgeAt = [&](uint32_t position, uint32_t old) {  // equal wedges become one
     uint32_t& wedge = new_wedge[wedges_.find(old)];
     if (wedge != kNone) return wedge;
     const VertexAttributes code = values_.code(wedges_.find(old));
@@ -288,7 +289,7 @@ SimplifiedMesh Clusterer::snapshot() {
 }
 
 void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {
-  std::vector<std::pair<double, uint32_t>> order;  // by cost, then each cell after those within it
+  std::vector<std::pair<double, uint32_t>> order;  // by cost, then inner cells first
   for (uint32_t i = 0; i < tree_.order().size(); ++i) order.emplace_back(states_[tree_.order()[i]].cost, i);
   std::sort(order.begin(), order.end());
   size_t live = mesh_.live_triangles;

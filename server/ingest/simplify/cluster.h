@@ -6,16 +6,17 @@
 
 namespace lode::ingest {
 
-/// Simplifies a node's mesh by clustering: in an octree over the node's box, the positions of a cell that are
-/// not locked become one, at the optimum of the cell's summed quadric. Cells go in order of that quadric's
-/// error, each after those within it, so that one sequence yields all LODs; the last is the whole box, which
-/// leaves one position beside the locked ones. Same contract as collapse(): locked positions stay, a triangle
-/// goes only when two of its corners coincide or with an opposite one, positions come to lie on the lattice
-/// and stay apart. Wedges of a cell become one where triangles' edges connect them, with the attributes that
-/// the quadric calls best, or where it knows none their mean. Faster than collapse() and coarser for the same
-/// error. Deterministic. Thread safe (no state).
-/// Sources: Lindstrom, Out-of-Core Simplification of Large Polygonal Models, 2000, for optima in cells;
-/// Garland & Heckbert 1998 and Hoppe 1999 for the quadrics (see collapse()).
+/// Simplifies a node's mesh by clustering in an octree over the node's box: the unlocked positions of a cell
+/// merge into one, at the optimum of the cell's summed quadric. Cells merge in order of quadric error, inner
+/// cells first, so one sequence yields all LODs; the last cell is the whole box and leaves one unlocked
+/// position.
+/// The contract is that of collapse(): locked positions stay, a triangle disappears only if two of its
+/// corners coincide or together with an opposite one, and positions are distinct lattice points. Wedges of a
+/// cell merge if triangle edges connect them; their attributes are the quadric's optimum, or the mean where
+/// the quadric has none. Faster than collapse(), but coarser at the same error. Deterministic, stateless,
+/// thread safe.
+/// Sources: Lindstrom, Out-of-Core Simplification of Large Polygonal Models, 2000 (optimum per cell); Garland
+/// & Heckbert 1998 and Hoppe 1999 for the quadrics (see collapse()).
 void cluster(NodeMesh mesh, std::span<const size_t> targets, const CollapseOptions& options,
              const SnapshotSink& sink);
 

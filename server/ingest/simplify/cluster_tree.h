@@ -9,29 +9,29 @@
 
 namespace lode::ingest {
 
-/// The cells of an octree over a mesh's unlocked positions that hold more than one of them and in which more
-/// than one child has some.
+/// Octree over a mesh's unlocked positions, without trivial cells: every cell holds two positions or more,
+/// and at least two of its children hold some.
 class ClusterTree {
  public:
   static constexpr uint32_t kNone = ~0u;
 
   struct Cell {
     uint32_t parent = kNone;
-    uint32_t level = 0;       ///< its side is 2^level steps
-    glm::dvec3 corner{0};     ///< the lowest, relative to the mesh's origin
-    uint32_t a_position = 0;  ///< one of those within
+    uint32_t level = 0;       ///< the side is 2^level lattice steps
+    glm::dvec3 corner{0};     ///< lowest corner, relative to the mesh's origin
+    uint32_t a_position = 0;  ///< some position inside
   };
 
   explicit ClusterTree(const CollapseMesh& mesh);
 
   const std::vector<Cell>& cells() const noexcept { return cells_; }
-  /// Cells, each after those within it.
+  /// All cells, inner cells first.
   const std::vector<uint32_t>& order() const noexcept { return order_; }
-  /// The smallest cell around a position; kNone for locked ones, and where the tree is empty.
+  /// Smallest cell that holds a position; kNone for locked positions and in an empty tree.
   uint32_t cellOf(uint32_t position) const noexcept { return cell_of_[position]; }
-  /// The smallest cell around both; kNone if one is in no cell.
+  /// Smallest cell that holds both positions; kNone if one of them is in no cell.
   uint32_t common(uint32_t a, uint32_t b) const noexcept;
-  /// The smallest cell around two of three; kNone if there is none.
+  /// Smallest cell that holds two of the three positions; kNone if there is none.
   uint32_t commonOfTwo(uint32_t a, uint32_t b, uint32_t c) const noexcept;
 
  private:
@@ -43,26 +43,26 @@ class ClusterTree {
 
   std::vector<Cell> cells_;
   std::vector<uint32_t> order_;
-  std::vector<uint32_t> cell_of_;  ///< a position
-  std::vector<uint64_t> codes_;    ///< a position, Morton
+  std::vector<uint32_t> cell_of_;  ///< by position
+  std::vector<uint64_t> codes_;    ///< Morton code, by position
 };
 
-/// Which wedges become one as the cells of a tree do: those that an edge of a triangle connects within the
-/// cell. (A seam's two sides stay two wedges.)
+/// Wedges that merge when a cell merges: those connected by a triangle edge within the cell. The two sides of
+/// a seam stay separate.
 class ClusterWedges {
  public:
   struct Link {
-    uint32_t a, b;  ///< wedges
+    uint32_t a, b;  ///< wedges at both ends of an edge
   };
 
   ClusterWedges(const CollapseMesh& mesh, const ClusterTree& tree);
 
-  /// Links that lie within a cell and in none of those within it.
+  /// Links within a cell but in none of its inner cells.
   std::span<const Link> linksOf(uint32_t cell) const noexcept {
     return {links_.data() + first_[cell], first_[cell + 1] - first_[cell]};
   }
   uint32_t find(uint32_t wedge) noexcept;
-  /// Joins the wedges of a cell's links, calling joined(keep, gone) for each that ends.
+  /// Merges the wedges of a cell's links. Calls joined(keep, gone) for each merge.
   template <typename Joined>
   void joinCell(uint32_t cell, Joined&& joined) {
     for (const Link& link : linksOf(cell)) {
@@ -72,13 +72,13 @@ class ClusterWedges {
       root_[std::max(a, b)] = std::min(a, b);
     }
   }
-  /// Parts all wedges again.
+  /// Separates all wedges again.
   void reset();
 
  private:
-  std::vector<Link> links_;      ///< by cell
-  std::vector<uint32_t> first_;  ///< a cell's in links_, and one more
-  std::vector<uint32_t> root_;   ///< a wedge; never above it
+  std::vector<Link> links_;      ///< sorted by cell
+  std::vector<uint32_t> first_;  ///< index of each cell's first link, and the end
+  std::vector<uint32_t> root_;   ///< union-find parent of each wedge; never a higher number
 };
 
 }  // namespace lode::ingest

@@ -21,22 +21,22 @@ namespace lode::ingest {
 
 namespace {
 
-// Each level allows what the one before could not do; a mesh that collapses well never leaves the first.
+// Each level allows more than the one before. Most meshes never leave the first.
 constexpr std::array<CollapseLimits, 3> kLimits{{
     {.least_cosine = 0.3, .least_shape = 0.05, .link_condition = true, .most_triangles = 256},
     {.least_cosine = 0.0, .least_shape = 0.0, .link_condition = false, .most_triangles = 4096},
     {.least_cosine = -1.0, .least_shape = 0.0, .link_condition = false},
 }};
-constexpr double kPostponed = 4;            // cost of a collapse that is not possible now, times this,
-constexpr uint32_t kMostPostponements = 6;  // so often; then it waits for the next round
-constexpr double kBreaksFeature = 8;  // cost of a collapse that pulls a position off its seam, times this
-constexpr double kLeastArea = 1e-6;   // square lattice steps: of triangles without any
-constexpr size_t kProgress = 32;      // a round that collapses fewer than 1 of so many edges ends its level
+constexpr double kPostponed = 4;            // cost factor each time a collapse is not possible now,
+constexpr uint32_t kMostPostponements = 6;  // at most this often; then the edge waits for the next round
+constexpr double kBreaksFeature = 8;        // cost factor of a collapse that moves a position off its seam
+constexpr double kLeastArea = 1e-6;         // square lattice steps; stands for a zero area
+constexpr size_t kProgress = 32;  // a round that collapses less than 1 in 32 of its edges ends its level
 
-/// Whether a collapse may move an end of an edge.
+/// How far a collapse may move an end of an edge.
 enum class Freedom { kFree, kPenalised, kFixed };
 
-/// What meets where two positions have become one, until the next round looks again.
+/// Kind of a merged position until the next round reclassifies it.
 PositionKind joined(PositionKind a, PositionKind b) {
   if (a > b) std::swap(a, b);
   const bool seam_meets_boundary =
@@ -52,18 +52,18 @@ class Collapser {
   void run(std::span<const size_t> targets, const SnapshotSink& sink);
 
  private:
-  /// An edge in the queue. Ends may have been merged into others since.
+  /// A queued edge. Its ends may have merged into other positions since.
   struct Record {
     uint32_t u, v;
-    uint32_t evaluated_at;  ///< clock_ then
-    uint32_t postponed;     ///< how often
+    uint32_t evaluated_at;  ///< value of clock_ at that time
+    uint32_t postponed;     ///< number of times
   };
   struct Candidate {
     Placement placement;
     bool possible = false;
     double breadth = 1;  ///< see breadth()
   };
-  /// An edge that has been evaluated anew; see alreadyQueued().
+  /// A re-evaluated edge; see alreadyQueued().
   struct Seen {
     uint32_t u = 0, v = 0, changed_at = 0;
   };
@@ -72,7 +72,7 @@ class Collapser {
   bool collapseNext();
   void postpone(Record record, const Candidate& candidate);
   void collapseEdge(Record record, const Candidate& candidate);
-  /// What the ends of an edge say together.
+  /// Summed quadric of both ends of an edge.
   Quadric quadricOf(uint32_t u, uint32_t v) {
     Quadric q = mesh_.quadrics[u] + mesh_.quadrics[v];
     if (!attributes_.empty()) reduceWedges(q, u, v);
@@ -100,10 +100,10 @@ class Collapser {
   EdgeQueue<Record> queue_;
   LatticePlaces places_;
   std::vector<Seen> seen_;
-  Quadric quadric_;                      ///< of both ends of the edge that was evaluated last
+  Quadric quadric_;                      ///< summed quadric of the edge evaluated last
   std::vector<WedgeTable::Pair> pairs_;  ///< scratch
-  std::vector<uint32_t> forward_;        ///< the position that each was merged into; itself while it lives
-  uint32_t clock_ = 0;                   ///< collapses so far
+  std::vector<uint32_t> forward_;        ///< position that each one merged into; itself while it is alive
+  uint32_t clock_ = 0;                   ///< number of collapses so far
   size_t level_ = 0;
 };
 
@@ -133,7 +133,7 @@ Collapser::Seen& Collapser::seenPlace(uint32_t u, uint32_t v) noexcept {
   return seen_[(u * 0x9E3779B1u ^ v * 0x85EBCA77u) >> 7 & (seen_.size() - 1)];
 }
 
-// Gets ready for a record that will be taken soon.
+// Prefetches the data of a record that will be taken soon.
 void Collapser::fetch(Record& record) noexcept {
   record.u = forward_[forward_[record.u]];
   record.v = forward_[forward_[record.v]];
@@ -155,8 +155,8 @@ void Collapser::put(Record record, double cost) {
   queue_.push(record, keyOf(cost));
 }
 
-// Fills the queue; returns how many edges it holds. Edges are known before any is evaluated, since that takes
-// what all of them say of positions: they wait in the lowest bucket, in front of those that stay there.
+// Fills the queue and returns the number of edges in it. Evaluation needs the kinds of all positions, so all
+// edges wait in the lowest bucket, ahead of evaluated ones, until every edge has been seen.
 size_t Collapser::startRound(bool is_first) {
   queue_.clear();
   queue_.reserve(mesh_.live_triangles * 3 / 2);
@@ -193,8 +193,7 @@ Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) cons
   return Freedom::kPenalised;
 }
 
-// Takes from the sum of both ends' quadrics what the best attributes of their wedges make up for, once the
-// edge has joined those.
+// Subtracts from the summed quadric the part that the optimal attributes of the merged wedges explain.
 void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   const uint32_t wedge_u = mesh_.only_wedge[u], wedge_v = mesh_.only_wedge[v];
   if (wedge_u != kManyWedges && wedge_v != kManyWedges) return attributes_.reduce(q, wedge_u, wedge_v);
@@ -214,20 +213,21 @@ void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   });
 }
 
-/// The side of a square as large as the triangles around both ends, about; never 0. What holds boundaries and
-/// seams counts by half: as an area, boundaries would be too cheap; not at all, they would take what the rest
-/// needs.
+/// Side of a square of about the area of the triangles around both ends; never 0. The weight of boundary and
+/// seam planes counts as a geometric mean with the area: as pure area, boundaries would be too cheap;
+/// without, they would use up triangles that the rest needs.
 double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
   const double area = mesh_.areas[u] + mesh_.areas[v];
   const double weight = mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight();
   return std::sqrt(std::sqrt(std::max(area, kLeastArea) * std::max(weight, kLeastArea)));
 }
 
-/// A collapse costs the sum of squared distances over the area around it, divided by its breadth: halfway
-/// from the sum, by which the mean distance is least for so many triangles, to the mean, by which the largest
-/// is.
+/// Cost: the integral of squared distance over the surrounding area, divided by its breadth. This lies
+/// halfway between the integral, which minimises the mean distance per triangle, and the mean, which
+/// minimises the maximum.
 Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
-  const double across = breadth(u, v);  // first: roots take long, and nothing in place() waits for them
+  const double across =
+      breadth(u, v);  // computed first: square roots are slow, and place() does not wait for them
   Candidate candidate = place(u, v);
   candidate.breadth = across;
   candidate.placement.cost /= across;
@@ -280,8 +280,8 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
   if (folds) mesh_.removeFolds(keep);
 }
 
-// Merging makes two edges one, and both stay in the queue. Whether (u, v), which last changed at changed_at,
-// has been queued again since; sometimes forgets, which costs time alone.
+// After a merge two edges are the same edge, and both are in the queue. Returns whether (u, v), last changed
+// at changed_at, has been queued again since. May miss one, which only costs time.
 bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   Seen& seen = seenPlace(u, v);
   if (seen.u == u && seen.v == v && seen.changed_at == changed_at) return true;
@@ -289,9 +289,8 @@ bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   return false;
 }
 
-// Takes the next edge from the queue; false when it is empty. Costs hardly ever fall as quadrics are summed,
-// so that the key of an edge that has changed since is a lower bound: it is evaluated again only when its
-// turn comes.
+// Takes the next edge from the queue; returns false if the queue is empty. Costs rarely fall as quadrics are
+// summed, so the key of a changed edge is a lower bound: the edge is re-evaluated only when it is taken.
 bool Collapser::collapseNext() {
   Record record;
   if (!queue_.pop(record, [this](Record& soon) { fetch(soon); })) return false;
@@ -319,7 +318,7 @@ bool Collapser::collapseNext() {
   return true;
 }
 
-// Leaves an edge that cannot collapse now for later.
+// Requeues an edge that cannot collapse now.
 void Collapser::postpone(Record record, const Candidate& candidate) {
   if (record.postponed++ < kMostPostponements) put(record, candidate.placement.cost);
 }
@@ -335,7 +334,7 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
                                        mesh_.point(record.u), mesh_.point(record.v));
   const CollapseFinding finding = check_.look(around_, to, limits);
   if (!finding.allowed) return postpone(record, candidate);
-  if (finding.folds) {  // a piece or a fin vanishes: that costs what it was
+  if (finding.folds) {  // a piece or a fin vanishes: its size is the cost
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
     const double lost = finding.folded_area * glm::dot(along, along) / candidate.breadth;
     if (EdgeQueue<Record>::bucketOf(keyOf(lost)) > queue_.current()) {

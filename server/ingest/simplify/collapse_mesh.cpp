@@ -11,13 +11,15 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNoIndex = ~0u;
-constexpr uint32_t kSlack = 4;  // places kept free in a list of corners that has to move
-constexpr size_t kMany = 64;    // triangles, from which on lists are gone through once for all of them
+constexpr uint32_t kSlack = 4;  // spare slots in a corner list that has to move
+constexpr size_t kMany = 64;    // triangles; from here on each list is scanned once for all of them
 
-// Weights beside a triangle's plane, which has its area.
-constexpr double kPointWeight = 1e-6;  // of a triangle's corners: keeps optima on flat ground and orders them
-constexpr double kBoundaryWeight = 2;  // of the plane through a boundary, by the square of the edge's length
-constexpr double kSeamWeight = 1;      // the same at an attribute seam
+// Weights relative to a triangle's plane, which weighs its area.
+constexpr double kPointWeight =
+    1e-6;  // of the triangle's corners: defines and orders optima on flat surfaces
+constexpr double kBoundaryWeight =
+    2;                             // of the plane through a boundary edge, times the edge's squared length
+constexpr double kSeamWeight = 1;  // the same at an attribute seam
 
 std::array<uint32_t, 3> cornersOf(const CollapseMesh& mesh, uint32_t corner) {
   const uint32_t first = corner & ~3u;
@@ -57,7 +59,7 @@ CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
     }
   }
   wedges = WedgeTable(attributes, std::move(mesh.wedge_attributes));
-  mesh = {};  // what it held is in the way while it is simplified
+  mesh = {};  // frees memory before simplification
   gatherCorners();
   if (has_wedges) {
     only_wedge.resize(positions.size());
@@ -233,15 +235,15 @@ void CollapseMesh::findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTabl
   }
 }
 
-// Whether a triangle has both.
+// Returns whether a triangle has both positions.
 bool CollapseMesh::share(uint32_t keep, uint32_t gone) const noexcept {
   return std::ranges::any_of(around(gone), [&](uint32_t corner) {
     return corner_position[next(corner)] == keep || corner_position[previous(corner)] == keep;
   });
 }
 
-// Wedges of `gone` that share a triangle of the edge with one of `keep` become one with it; the others stay
-// as they are. A locked position's wedges are never joined to one another.
+// Wedges of `gone` that share a triangle of the edge with a wedge of `keep` merge with it; the others stay.
+// Wedges of a locked position never merge with each other.
 void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) {
   const uint32_t wedge_keep = only_wedge[keep], wedge_gone = only_wedge[gone];
   if (wedge_keep != kManyWedges && wedge_gone != kManyWedges && share(keep, gone)) {
@@ -267,7 +269,7 @@ void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) 
 }
 
 void CollapseMesh::removeFolds(uint32_t position) {
-  // Others at the triangle, lower first; true where the lower follows the position; the corner.
+  // The two other corners, lower first; whether the lower one comes first around the triangle; the corner.
   using Side = std::tuple<uint32_t, uint32_t, bool, uint32_t>;
   std::vector<Side> sides;
   for (const uint32_t corner : around(position)) {
@@ -313,7 +315,7 @@ NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {
     }
     return result;
   }
-  // Wedges of one position whose attributes have become equal are one.
+  // Merge wedges of a position whose attributes have become equal.
   std::vector<uint32_t> new_wedge(wedges.size(), kNoIndex);
   for (uint32_t i = 0; i < positions.size(); ++i) {
     const size_t first = result.wedge_position.size();
@@ -345,7 +347,8 @@ void addPlanes(CollapseMesh& mesh) {
     const double length = glm::length(normal);
     if (length == 0) continue;
     Quadric plane;
-    plane.addPlane(normal, -glm::dot(normal, mesh.point(t[0])), 0.5 / length);  // of unit normals: the area
+    plane.addPlane(normal, -glm::dot(normal, mesh.point(t[0])),
+                   0.5 / length);  // dividing by the length leaves a unit normal times the area
     for (const uint32_t i : t) {
       mesh.quadrics[i] += plane;
       areas[i] += 0.5 * length;

@@ -9,9 +9,9 @@
 
 namespace lode::ingest {
 
-/// Items by rising key, first come first served among keys that differ by less than 1/16: keys fall into the
-/// buckets that their exponent and four highest fraction bits make. Buckets are chains of small blocks, so
-/// that items are read one after the other and the next ones can be fetched ahead.
+/// Priority queue with buckets: the exponent and the four highest fraction bits of a key choose the bucket,
+/// and items of a bucket (keys within 1/16) leave first in, first out. Buckets are chains of small blocks, so
+/// items are read sequentially and can be prefetched.
 template <typename Item>
 class EdgeQueue {
  public:
@@ -25,13 +25,13 @@ class EdgeQueue {
     current_ = 0;
   }
 
-  /// Makes room for so many items at once.
+  /// Reserves memory for `items` items.
   void reserve(size_t items) { blocks_.reserve(items / kBlock + kUsualBuckets); }
 
   /// @param key  finite, not negative
   static uint32_t bucketOf(float key) noexcept { return std::bit_cast<uint32_t>(key) >> kDroppedBits; }
 
-  /// The bucket of the item that pop() gave last.
+  /// Bucket of the item that pop() returned last.
   uint32_t current() const noexcept { return current_; }
 
   void push(const Item& item, float key) {
@@ -51,9 +51,8 @@ class EdgeQueue {
     current_ = std::min(current_, bucket);
   }
 
-  /// Takes an item of the lowest occupied bucket; false when there is none.
-  /// @param soon  called with an item that will be taken a few calls later, if no lower key comes; may change
-  /// it
+  /// Takes an item of the lowest occupied bucket; returns false if the queue is empty.
+  /// @param soon  called with an item that is about to be taken in a few calls; may change it
   template <typename Soon>
   bool pop(Item& item, Soon&& soon) noexcept {
     if (chains_[current_].first == kNone && !advance()) return false;
@@ -83,11 +82,11 @@ class EdgeQueue {
 
  private:
   static constexpr uint32_t kNone = ~0u;
-  static constexpr uint32_t kDroppedBits = 19;                   // of the 23 of a float's fraction
-  static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // no sign
+  static constexpr uint32_t kDroppedBits = 19;                   // of the 23 bits of a float's fraction
+  static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // no sign bit
   static constexpr size_t kWords = kBuckets / 64;
   static constexpr uint32_t kBlock = 30;
-  static constexpr size_t kUsualBuckets = 512;  // with items
+  static constexpr size_t kUsualBuckets = 512;  // typical number of occupied buckets
   static constexpr uint32_t kAhead = 6;
 
   struct Block {
@@ -96,7 +95,7 @@ class EdgeQueue {
   };
   struct Chain {
     uint32_t first = kNone, last = kNone;  // blocks
-    uint32_t begin = 0, end = 0;           // of the items in the first, in the last
+    uint32_t begin = 0, end = 0;           // of the items in the first and in the last block
   };
 
   bool advance() noexcept {

@@ -12,16 +12,15 @@
 
 namespace lode::ingest {
 
-/// The triangles around the ends u and v of an edge, fetched once for all that look at its collapse: first
-/// those of u alone, then those of v alone; of those of both the third corners.
+/// The triangles around an edge (u, v), gathered once for all checks of its collapse: first those with u
+/// only, then those with v only; for triangles with both, the third corners.
 class EdgeSurroundings {
  public:
-  /// The corners of a triangle that follow the end of the edge.
+  /// The two corners that follow the end of the edge in a triangle.
   struct Side {
     uint32_t a, b;
   };
-  /// Where the sides of four triangles lie; in the last four the last triangle fills the places of those
-  /// that are missing.
+  /// Points of the sides of four triangles. The last group is padded with the last triangle.
   struct FourSides {
     FourVectors a, b;
   };
@@ -34,13 +33,13 @@ class EdgeSurroundings {
   uint32_t v() const noexcept { return v_; }
   std::span<const Side> ofU() const noexcept { return {sides_.data(), of_u_}; }
   std::span<const Side> ofV() const noexcept { return {sides_.data() + of_u_, of_v_}; }
-  /// Of the triangles of the edge.
+  /// Third corners of the edge's triangles.
   std::span<const uint32_t> apexes() const noexcept { return {apexes_.data(), of_both_}; }
-  /// Of u, then of v.
+  /// Sides around u, then around v, in groups of four.
   std::span<const FourSides> places() const noexcept { return {places_.data(), (of_u_ + of_v_ + 3) / 4}; }
 
  private:
-  /// Appends the triangles at an end: those with the other end to the apexes.
+  /// Appends the triangles at `end`: those with `other` to the apexes.
   void gatherEnd(uint32_t end, uint32_t other, size_t& sides, size_t& apexes);
   FourVectors four(uint32_t a, uint32_t b, uint32_t c, uint32_t d) const noexcept;
 

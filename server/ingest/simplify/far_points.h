@@ -11,15 +11,14 @@
 
 namespace lode::ingest {
 
-/// What a mesh that is simplified has moved away from: each position that others were merged into keeps the
-/// few points of the input that lie farthest from the triangles around it. A quadric says how far planes are,
-/// which go on where the surface ends: the tip of a needle lies close to all of its sides' planes wherever it
-/// is cut off.
+/// Points of the original mesh that simplification has moved away from: each merged position keeps the few
+/// that lie farthest from the triangles around it. Quadrics measure distance to infinite planes, so they miss
+/// a surface that ends: the tip of a needle is close to the planes of all its sides however short it is cut.
 class FarPoints {
  public:
   explicit FarPoints(const CollapseMesh& mesh) : mesh_(mesh), kept_(mesh.positions.size()) {}
 
-  /// Gets ready for a look at an edge.
+  /// Prefetches the data of an edge.
   void fetch(uint32_t u, uint32_t v) const noexcept {
     for (const uint32_t end : {u, v}) {
       const char* const kept = reinterpret_cast<const char*>(&kept_[end]);
@@ -27,12 +26,11 @@ class FarPoints {
       __builtin_prefetch(kept + sizeof(Kept) - 1);
     }
   }
-  /// @param to  where the ends of the edge would go, to become one.
-  /// @return the square of the distance, in lattice steps, of the farthest known point of both from what
-  /// would
-  ///         lie around; 0 if that is nothing.
+  /// Measures the known points of both ends of an edge against the triangles that its collapse to `to` would
+  /// leave.
+  /// @return the largest squared distance in square lattice steps; 0 if there are no points.
   float look(const EdgeSurroundings& around, glm::dvec3 to);
-  /// The ends of the edge that was looked at last have become one position.
+  /// Keeps the farthest points of the last measured edge, which has collapsed into `position`.
   void join(uint32_t position);
 
  private:
@@ -40,8 +38,8 @@ class FarPoints {
 
   struct Point {
     glm::vec3 at;
-    float squared;  ///< of its distance
-    Four least;     ///< scratch: the same, of every fourth triangle
+    float squared;  ///< squared distance
+    Four least;     ///< scratch: squared distance to every fourth triangle
   };
   struct Kept {
     std::array<glm::vec3, kMostKept> points;
@@ -52,7 +50,7 @@ class FarPoints {
 
   const CollapseMesh& mesh_;
   std::vector<Kept> kept_;
-  std::vector<Point> points_;  ///< of the edge that was looked at last
+  std::vector<Point> points_;  ///< points of the edge measured last
 };
 
 }  // namespace lode::ingest

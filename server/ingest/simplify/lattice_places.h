@@ -10,11 +10,11 @@
 
 namespace lode::ingest {
 
-/// Lattice places that are or have been taken, as bits under a hash: never forgets one, and takes about one
-/// in thirty free ones for taken.
+/// Set of lattice points that are or were taken, as a bitmap of hashes: no false negatives, about 1 in 30
+/// false positives.
 class TakenPlaces {
  public:
-  /// @param positions  how many places there are at the beginning; about as many may follow
+  /// @param positions  initial number of points; about as many may follow
   explicit TakenPlaces(size_t positions) {
     size_t bits = 1u << 12;
     while (bits < 32 * positions) bits *= 2;
@@ -46,27 +46,27 @@ class TakenPlaces {
   std::vector<uint64_t> words_;
 };
 
-/// Chooses places on the lattice for what a collapse moves: on a coarser one where the surface does not
-/// suffer, since multiples of a power of two take fewer bytes in a payload.
+/// Chooses lattice points for merged positions, on a coarser grid where the surface does not suffer:
+/// multiples of a power of two compress better.
 class LatticePlaces {
  public:
-  /// @param mesh  as it is at first. @param highest  corner of the model's box, lattice steps.
+  /// @param mesh  the unsimplified mesh. @param highest  upper corner of the model's box, lattice steps.
   LatticePlaces(const CollapseMesh& mesh, glm::dvec3 highest);
 
-  /// From now on edges get longer until so many triangles are left.
+  /// Adapts the grid to the edge length that the mesh will have at this number of triangles.
   void aimFor(size_t triangles);
 
-  /// The best by the quadric of the eight points around a place, of those inside the box that are no other
-  /// position's; the better end where all are taken. (Rounding to the nearest would add the lattice's noise
-  /// to the surface; of eight points one is usually close to it.)
-  /// @param off  mean distance of the surface from the place, steps.
+  /// Returns the grid point, of the eight around `point`, with the lowest quadric error that is inside the
+  /// box and free; the better end of the edge if all are taken. (Rounding to the nearest point would add
+  /// noise to the surface; one of eight points is usually close to it.)
+  /// @param off  mean distance of the surface from `point`, lattice steps.
   glm::dvec3 settle(glm::dvec3 point, const Quadric& q, double off, glm::dvec3 at_u, glm::dvec3 at_v) const;
   void take(glm::dvec3 place) { taken_.add(place); }
 
  private:
-  glm::dvec3 lowest_, highest_;  ///< of places, relative to the mesh's origin
-  double area_ = 0;              ///< of the mesh at first, square steps
-  double coarsest_ = 1;          ///< distance of points that edges pay for
+  glm::dvec3 lowest_, highest_;  ///< box of allowed points, relative to the mesh's origin
+  double area_ = 0;              ///< area of the unsimplified mesh, square steps
+  double coarsest_ = 1;          ///< grid spacing that the edge length allows
   TakenPlaces taken_;
 };
 

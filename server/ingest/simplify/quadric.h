@@ -6,8 +6,8 @@
 
 namespace lode::ingest {
 
-/// Squared distances from weighted planes and points, as a function of a place:
-/// Q(p) = p'Ap + 2 b'p + c, with A symmetric and never indefinite.
+/// Sum of weighted squared distances from planes and points: Q(p) = p'Ap + 2 b'p + c, with A symmetric and
+/// positive semi-definite.
 /// Source: Garland & Heckbert, Surface Simplification Using Quadric Error Metrics, 1997.
 struct Quadric {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;  // A
@@ -36,7 +36,7 @@ struct Quadric {
     c += weight * glm::dot(point, point);
   }
 
-  /// Takes away weight * other.
+  /// Subtracts weight * other.
   void subtract(const Quadric& other, double weight) noexcept {
     xx -= weight * other.xx;
     xy -= weight * other.xy;
@@ -64,18 +64,18 @@ struct Quadric {
   glm::dvec3 timesA(glm::dvec3 p) const noexcept {
     return {xx * p.x + xy * p.y + xz * p.z, xy * p.x + yy * p.y + yz * p.z, xz * p.x + yz * p.y + zz * p.z};
   }
-  /// Of the planes in it, as far as their normals have the length 1.
+  /// Total weight of the planes, if their normals have length 1.
   double weight() const noexcept { return xx + yy + zz; }
   double at(glm::dvec3 p) const noexcept { return glm::dot(p, timesA(p) + 2.0 * b) + c; }
 };
 
-/// A place and what the quadric says of it.
+/// A point and the quadric's value there.
 struct Placement {
   glm::dvec3 point;
   double cost;
 };
 
-/// The better of the ends of the segment and the best place between them.
+/// Returns the best point of the segment from u to v.
 inline Placement bestOnSegment(const Quadric& q, glm::dvec3 u, glm::dvec3 v) noexcept {
   const glm::dvec3 along = v - u;
   const double curvature = glm::dot(along, q.timesA(along));
@@ -91,11 +91,11 @@ inline Placement bestOnSegment(const Quadric& q, glm::dvec3 u, glm::dvec3 v) noe
   return best;
 }
 
-/// The minimum of a quadric near the edge (u, v); where it is ill-conditioned or further from the middle of
-/// the edge than the edge is long, the best place on the edge. Solved relative to the middle, so that the
-/// distance from the origin costs no accuracy.
+/// Returns the minimum of a quadric near the edge (u, v). If the quadric is ill-conditioned, or the minimum
+/// is farther from the edge's middle than the edge is long, returns the best point on the edge. Solved
+/// relative to the middle to keep precision far from the origin.
 inline Placement bestPlacement(const Quadric& q, glm::dvec3 u, glm::dvec3 v) noexcept {
-  constexpr double kSmallestDeterminant = 1e-14;  // of A, relative to its trace cubed
+  constexpr double kSmallestDeterminant = 1e-14;  // determinant of A relative to its trace cubed
   const glm::dvec3 middle = 0.5 * (u + v), along = v - u;
   const glm::dvec3 half_gradient = q.timesA(middle) + q.b;
   const double c00 = q.yy * q.zz - q.yz * q.yz, c01 = q.xz * q.yz - q.xy * q.zz,

@@ -9,14 +9,11 @@ namespace lode::ingest {
 
 namespace {
 
-// At these weights a sample of 100,000 triangles with attributes that is reduced to a quarter loses 0.48 of
-// the colour and 0.44 of the normals that it loses without, for 1.07 and 1.74 times the error of the surface
-// (docs/benchmarks.md, Attributes). Larger ones give little more and cost the surface as much again; with
-// textures, up to 1.7 times the surface for little.
-constexpr double kColourWeight = 0.03;   // full range of a colour, of the diagonal
-constexpr double kNormalWeight = 0.007;  // one radian
-constexpr double kTextureWeight = 0.1;   // the whole texture grid
-constexpr double kThinnest = 1e-2;       // height over longest side below which a triangle has no gradient
+// Larger weights preserve attributes little better and increase the geometric error as much again.
+constexpr double kColourWeight = 0.03;   // full range of a colour, relative to the diagonal
+constexpr double kNormalWeight = 0.007;  // one radian, relative to the diagonal
+constexpr double kTextureWeight = 0.1;   // full range of the texture grid, relative to the diagonal
+constexpr double kThinnest = 1e-2;       // height over longest side; thinner triangles have no gradient
 
 }  // namespace
 

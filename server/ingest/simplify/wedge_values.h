@@ -9,14 +9,13 @@
 
 namespace lode::ingest {
 
-/// The attributes of a wedge as numbers on the model's grids (a normal as a vector).
+/// Attributes of a wedge as floats on the model's grids; a normal is a vector.
 struct WedgeValue {
-  static constexpr int kNormal = 0, kColour = 3, kTexture = 7, kParts = 9;  // colour with alpha
+  static constexpr int kNormal = 0, kColour = 3, kTexture = 7, kParts = 9;  // colour includes alpha
   std::array<float, kParts> parts{};
 };
 
-/// The attributes of the wedges of a mesh that is simplified: exact codes, and values once a wedge has
-/// changed.
+/// Attributes of the wedges during simplification: exact codes, replaced by values once a wedge has changed.
 class WedgeTable {
  public:
   struct Pair {
@@ -28,18 +27,18 @@ class WedgeTable {
 
   size_t size() const noexcept { return codes_.size(); }
   WedgeValue value(uint32_t wedge) const;
-  /// Normals are made unit; values outside their grid are clamped.
+  /// Normalizes normals and clamps other values to their grids.
   void set(uint32_t wedge, const WedgeValue& value);
-  /// `keep` becomes the mix of both, `gone_share` of it the other's. A share of 0 or 1 copies exactly.
+  /// Mixes `gone` into `keep` with weight gone_share. A share of 0 or 1 copies exactly.
   void mix(uint32_t keep, uint32_t gone, double gone_share);
-  /// Attributes on the model's grids.
+  /// Attributes rounded to the model's grids.
   VertexAttributes code(uint32_t wedge) const;
 
  private:
   AttributeSet attributes_;
-  int end_ = 0;  // of the parts that the model has
+  int end_ = 0;  // end of the parts that the model has
   std::vector<VertexAttributes> codes_;
-  std::vector<WedgeValue> values_;  // where changed_
+  std::vector<WedgeValue> values_;  // valid where changed_ is set
   std::vector<uint8_t> changed_;
 };
 
