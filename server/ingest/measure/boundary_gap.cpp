@@ -14,14 +14,14 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kMargin = 1.001f;  ///< rounding
+constexpr float kMargin = 1.001f;  ///< for rounding errors
 constexpr float kBoundaryPrecision = 1.02f;
-constexpr float kNegligible = 0.25f;      ///< lattice steps, as far as large coordinates can be told apart
-constexpr float kShortestPart = 0.5f;     ///< lattice steps; boundaries are not divided further
-constexpr size_t kFewBoundaries = 16;     ///< are not looked through for those that matter
-constexpr size_t kManyBoundaries = 4096;  ///< are enough to measure one against
+constexpr float kNegligible = 0.25f;      ///< lattice steps; the precision of float at large coordinates
+constexpr float kShortestPart = 0.5f;     ///< lattice steps; shorter parts are not divided
+constexpr size_t kFewBoundaries = 16;     ///< up to this many are all searched
+constexpr size_t kManyBoundaries = 4096;  ///< enough to measure an edge against
 
-/// A position of the simplified mesh, and a reference with an end that has become it.
+/// A position of the simplified mesh, and a reference with an end that maps to it.
 struct Meeting {
   uint32_t place, reference;
 };
@@ -33,8 +33,8 @@ float squaredDistance(glm::vec3 point, std::span<const Segment> boundaries) noex
   return squared;
 }
 
-/// What no point of a part is farther away than: the distance from one boundary is largest at an end of the
-/// part.
+/// Upper bound for all points of a part: the distance from one segment is convex, so it is largest at an end
+/// of the part.
 float squaredBound(const Segment& part, std::span<const Segment> boundaries) noexcept {
   float squared = std::numeric_limits<float>::infinity();
   for (const Segment& boundary : boundaries)
@@ -43,14 +43,13 @@ float squaredBound(const Segment& part, std::span<const Segment> boundaries) noe
   return squared;
 }
 
-/// Squared distances.
+/// Bounds of the largest squared distance.
 struct Farthest {
-  float reached = 0;  ///< by a point that was looked at
-  float at_most = 0;  ///< by any
+  float reached = 0;  ///< largest one measured
+  float at_most = 0;  ///< upper bound
 };
 
-/// Leaves of boundaries, which it puts in order, those that can be nearest to a point of a part. @return how
-/// many.
+/// Moves the boundaries that can be nearest to some point of a part to the front. @return their number.
 size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
   const glm::vec3 middle = (part.from + part.to) / 2.f;
   const float reach = std::sqrt(squaredDistance(middle, boundaries)) + glm::distance(part.from, part.to);
@@ -60,11 +59,12 @@ size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
   return static_cast<size_t>(far - boundaries.begin());
 }
 
-/// Looks for a segment's farthest points from boundaries, as long as they may be farther than what is known.
+/// Measures a segment's largest distance from the boundaries by bisection. Skips parts that cannot exceed
+/// `farthest`.
 void look(const Segment& segment, std::span<Segment> boundaries, Farthest& farthest) {
   struct Part {
     Segment segment;
-    size_t near;  ///< of boundaries, the first
+    size_t near;  ///< number of leading boundaries to search
   };
   std::vector<Part> parts{{segment, boundaries.size()}};
   for (const glm::vec3 end : {segment.from, segment.to})
@@ -88,7 +88,7 @@ void look(const Segment& segment, std::span<Segment> boundaries, Farthest& farth
   }
 }
 
-/// The references that have become, or meet, places of a simplified mesh.
+/// References by the positions of the simplified mesh that their ends map to.
 class MeetingBoundaries {
  public:
   MeetingBoundaries(const SimplifiedMesh& simplified, const LodInput& input)
@@ -103,7 +103,7 @@ class MeetingBoundaries {
     });
   }
 
-  /// Those at places, up to where they are many.
+  /// Collects the references at some positions, up to kManyBoundaries.
   void gather(std::span<const uint32_t> places, std::vector<Segment>& boundaries) const {
     const auto pointOf = [](PositionCode position) { return glm::vec3(unpackPosition(position)); };
     boundaries.clear();
@@ -116,7 +116,7 @@ class MeetingBoundaries {
     }
   }
 
-  /// Places to where references lead from others; those first.
+  /// Returns both ends, followed by the positions that share a reference with one of them.
   std::vector<uint32_t> around(glm::u32vec2 ends) const {
     std::vector<uint32_t> places;
     for (const uint32_t end : {ends.x, ends.y}) {
@@ -146,7 +146,7 @@ class MeetingBoundaries {
   std::vector<Meeting> meetings_;
 };
 
-/// Edges between what has become of the ends of the input's boundaries, rising.
+/// Images of the input's boundary edges in the simplified mesh, sorted.
 std::vector<glm::u32vec2> imagesOfBoundaries(const SimplifiedMesh& simplified, const LodInput& input) {
   std::vector<glm::u32vec2> images;
   for (const glm::u32vec2 boundary : input.boundaries()) {

@@ -5,10 +5,11 @@
 
 namespace lode::ingest {
 
-/// What no boundary of a simplified mesh is farther from a boundary of the original, in lattice steps: what
-/// the references of its input are, and what it is from these, at most 2 % or a quarter of a step too much. A
-/// boundary is the image of boundaries, and is compared with those references alone that have become it or
-/// what meets its ends, and where these are far, with those that meet them.
+/// Upper bound on the distance from a simplified mesh's boundary edges to the original boundary, in lattice
+/// steps: the gap of the input's references plus the distance to these references, overestimated by at most 2
+/// % or a quarter of a step. Each boundary edge is the image of the input's boundary edges. It is compared
+/// with the references that map to it or share an end with it; if they are far, also with the references next
+/// to those.
 float boundaryGap(const SimplifiedMesh& simplified, const LodInput& input);
 
 }  // namespace lode::ingest

@@ -17,28 +17,30 @@
 
 namespace lode::ingest {
 
-/// A point beside a triangle of a surface that is near to it.
+/// A point with its distance from a nearby triangle of a surface.
 struct PointBeside {
   glm::vec3 at;
-  float distance;     ///< from the triangle: not below that from the surface
-  uint32_t triangle;  ///< of the surface
+  float distance;     ///< from the triangle, so an upper bound of the distance from the surface
+  uint32_t triangle;  ///< number in the surface
 };
 
-/// The largest distance of a triangle's points from a surface, to 2 %. The triangle is cut into parts until
-/// one triangle of the surface is near all corners of a part (the distance from a triangle is convex), or the
-/// part's size bounds the distance of all its points, or kMostCuts have been made; cuts go where the
-/// surface's triangles meet. Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General
-/// Polygonal Models, 2009, for these bounds.
-/// @tparam Surface  has `PackedTriangle triangle(uint32_t)` and `PointBeside
-/// measure(glm::vec3, uint32_t hint, float enough)`: exact, unless it is at most `enough`.
+/// Measures the largest distance of a triangle's points from a surface, to 2 %. Divides the triangle until
+/// for each part one triangle of the surface is close to all corners (the distance from a triangle is
+/// convex), or the part's size bounds the distance, or kMostCuts is reached. Cuts lie where the nearest
+/// triangles of the surface change.
+/// Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General Polygonal Models, 2009,
+/// for these bounds.
+/// @tparam Surface  has `PackedTriangle triangle(uint32_t)` and `MeasuredPoint measure(glm::vec3, uint32_t
+/// hint, float tolerance)`, whose distance is exact unless it is at most `tolerance`.
 template <typename Surface>
 class FarthestInTriangle {
  public:
-  /// @param enough  what is nearer is not told apart. @param known  the largest distance so far.
+  /// @param tolerance  smaller distances need not be exact. @param lower_bound  initial value of largest().
   FarthestInTriangle(const Surface& surface, float enough, float known)
       : surface_(surface), enough_(enough), largest_(known) {}
 
-  /// @param corners  with distances that are exact, unless they are at most told().
+  /// Processes one triangle. @param corners  with distances that are exact unless they are at most
+  /// precision().
   void look(const std::array<PointBeside, 3>& corners) {
     for (const PointBeside& corner : corners) note(corner);
     Part whole{corners, {}, 0};
@@ -60,15 +62,15 @@ class FarthestInTriangle {
     }
   }
 
-  /// The largest distance found or known.
+  /// The larger of lower_bound and the largest distance found.
   float largest() const noexcept { return largest_; }
-  /// Where it was found; nothing where it was known.
+  /// Point at that distance; nothing if no distance exceeded lower_bound.
   std::optional<glm::vec3> at() const noexcept { return at_; }
-  /// Up to which distances need not be exact.
+  /// Distances up to this value need not be exact.
   float told() const noexcept { return std::max(enough_, largest_); }
 
  private:
-  /// Distances of each corner of a part from each corner's triangle of the surface.
+  /// [i][k]: distance of corner i from the triangle nearest to corner k.
   using Distances = std::array<std::array<float, 3>, 3>;
 
   using Corners = std::array<PointBeside, 3>;
@@ -79,13 +81,14 @@ class FarthestInTriangle {
     int cuts;
   };
 
-  /// A new point, its distances from the triangles of a part's corners, and theirs from its triangle.
+  /// A new point, its distances from the triangles at the corners, and the corners' distances from its
+  /// triangle.
   struct Meeting {
     PointBeside point;
     std::array<float, 3> of_point, of_corners;
   };
 
-  /// Whether all corners are near one corner's triangle; finds their distances until one is.
+  /// Returns whether all corners are close to one corner's triangle. Computes distances until one is.
   bool isBoundedBesideOne(Part& part) const {
     const auto& [a, b, c] = part.corners;
     if (a.triangle == b.triangle && b.triangle == c.triangle) {
@@ -118,7 +121,7 @@ class FarthestInTriangle {
                                     surface_.triangle(c.triangle), of_point)
                           .squaredDistances({point.at, point.at, point.at, a.at});
     Meeting meeting{point, {}, {}};
-    size_t same = 3;  // the corner that is beside the point's triangle
+    size_t same = 3;  // corner with the same triangle as the point
     for (size_t by = 0; by < 3; ++by) {
       if (part.corners[by].triangle == point.triangle) same = by;
       meeting.of_point[by] = same == by ? point.distance : std::sqrt(some[by]);
@@ -133,7 +136,7 @@ class FarthestInTriangle {
     return meeting;
   }
 
-  /// The part with a point in the place of a corner.
+  /// Replaces a corner of a part by a point.
   static Part withMiddle(const Part& part, const Meeting& meeting, size_t corner) {
     Part cut = part;
     cut.corners[corner] = meeting.point;
@@ -144,7 +147,7 @@ class FarthestInTriangle {
     return cut;
   }
 
-  /// The ends of a side, and the corner opposite to it.
+  /// Returns the ends of side k and the opposite corner.
   static std::tuple<const PointBeside&, const PointBeside&, const PointBeside&> cornersFrom(
       const Corners& corners, size_t k) {
     return {corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]};
@@ -156,7 +159,7 @@ class FarthestInTriangle {
     at_ = point.at;
   }
 
-  /// What is not farther need not be cut.
+  /// Parts within this distance are not divided.
   float limit() const { return std::max(enough_, kPrecision * largest_); }
 
   bool isBoundedBySize(const Corners& corners) const {
@@ -167,7 +170,7 @@ class FarthestInTriangle {
     return high + kFromCorners * longest <= limit();
   }
 
-  /// Whether all corners are near the triangle of one.
+  /// Returns whether all corners are close to the triangle at corner `by`.
   bool isNear(const Part& part, size_t by) const {
     return std::max({part.from[0][by], part.from[1][by], part.from[2][by]}) <= limit();
   }
@@ -177,11 +180,11 @@ class FarthestInTriangle {
            (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChains(part.corners)));
   }
 
-  /// Whether a chain of the surface's triangles is near all of a part: from one corner's triangle to
-  /// another's, past the third. Each edge of the chain is near the two sides of the part that it crosses.
-  /// What lies between the places there of one edge and of the next is as near to the triangle between these,
-  /// as the distance from that is convex; so is a corner that it is near to. Above a vertex no chain is:
-  /// there chains go around it along all three sides, each past one place, which parts the part in three.
+  /// Returns whether a chain of the surface's triangles is close to the whole part. The chain leads from one
+  /// corner's triangle to another's, past the third corner, and each of its edges is close to the two sides
+  /// of the part that it crosses. Distance from a triangle is convex, so the points between two neighbouring
+  /// edges are close too. No single chain covers a part above a vertex of the surface; there, chains along
+  /// all three sides divide the part at one point.
   bool isBoundedByChains(const Corners& corners) const {
     const size_t first = sideToBeginWith(corners);
     std::array<TriangleChain, 3> along;
@@ -205,7 +208,7 @@ class FarthestInTriangle {
     return true;
   }
 
-  /// Of a part, what is nearest to a vertex that several chains go around.
+  /// Point of a part that is nearest to the vertex that the chains go around.
   static glm::vec3 placeAmid(const Corners& corners, const std::array<TriangleChain, 3>& along) {
     const TriangleChain& longest = *std::max_element(
         along.begin(), along.end(),
@@ -227,8 +230,8 @@ class FarthestInTriangle {
     return nearest;
   }
 
-  /// The one that a chain along it is likeliest to pass: where two corners are beside one triangle, one that
-  /// leads from there.
+  /// Chooses the side whose chain most likely covers the part: a side that starts or ends at the third
+  /// corner's triangle, else the first.
   static size_t sideToBeginWith(const Corners& corners) {
     for (size_t k = 0; k < 3; ++k) {
       const auto& [from, to, third] = cornersFrom(corners, k);
@@ -237,8 +240,8 @@ class FarthestInTriangle {
     return 0;
   }
 
-  /// How many edges a chain has before its own triangle beside a point, or one that is near it; more than all
-  /// if none is.
+  /// Number of edges in a chain before the point's triangle or one close to the point; more than edge_count
+  /// if there is none.
   size_t edgesBefore(const TriangleChain& chain, const PointBeside& point, float limit_squared) const {
     for (size_t i = 0; i <= chain.edge_count; ++i)
       if (chain.triangles[i] == point.triangle) return i;
@@ -266,7 +269,7 @@ class FarthestInTriangle {
     return true;
   }
 
-  /// The one along which the ends' triangles of the surface part most.
+  /// Chooses the edge whose two ends have the most different triangles.
   static size_t edgeToCut(const Distances& from) {
     const auto parting = [&](size_t k) { return from[k][(k + 1) % 3] + from[(k + 1) % 3][k]; };
     size_t most = 0;
@@ -275,7 +278,7 @@ class FarthestInTriangle {
     return most;
   }
 
-  /// Where on an edge the ends' triangles are equally far, if their distances grew evenly.
+  /// Point on an edge that is equally far from both ends' triangles, if distances are linear.
   static float whereToCut(const Distances& from, size_t k) {
     const size_t to = (k + 1) % 3;
     const float of_from = from[k][to] - from[k][k], of_to = from[to][k] - from[to][to];
@@ -287,8 +290,8 @@ class FarthestInTriangle {
   static constexpr int kMostCuts = 24;
   static constexpr float kPrecision = 1.02f;
   static constexpr float kFromCorners =
-      0.5773503f;                               ///< of the longest edge: no point is farther from all three
-  static constexpr float kLeastShare = 0.125f;  ///< of an edge
+      0.5773503f;  ///< times the longest edge: largest distance of a point from its nearest corner
+  static constexpr float kLeastShare = 0.125f;  ///< smallest part of an edge that is cut off
 
   const Surface& surface_;
   const float enough_;

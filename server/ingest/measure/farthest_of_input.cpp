@@ -10,11 +10,10 @@
 namespace lode::ingest {
 namespace {
 
-// Of the largest distance so far: triangles that are nearer, as far as is known without a look, are passed
-// over. docs/benchmarks.md (Errors) has how many LODs come out too small so.
+// Relative to the largest distance so far: triangles that are estimated to be nearer are skipped.
 constexpr float kWorthInInput = 0.7f;
 
-/// A triangle's plane; its normal is 0 where the triangle has no area.
+/// Plane of a triangle; the normal is 0 if the triangle has no area.
 struct Plane {
   glm::vec3 normal, at;
 
@@ -35,9 +34,9 @@ std::vector<Plane> planesOf(const NodeMesh& mesh) {
   return planes;
 }
 
-/// How far a triangle's points are from an LOD, about and rather too much, by the planes beside its corners:
-/// where a side crosses the ridge between two of them it is less high above both than its ends are above the
-/// plane beside the other end.
+/// Estimates, usually from above, a triangle's largest distance from an LOD by the planes at its corners.
+/// Where a side crosses the ridge between two planes, its height is below that of each end over the other
+/// end's plane.
 float triangleDistance(const std::array<PointBeside, 3>& corners, std::span<const Plane> lod_planes) {
   float most = 0;
   for (size_t k = 0; k < 3; ++k) {
@@ -49,8 +48,8 @@ float triangleDistance(const std::array<PointBeside, 3>& corners, std::span<cons
   return most;
 }
 
-/// Each position of the input, with its distance where that may be larger than all others'; `known` becomes
-/// the largest.
+/// Measures each position of the input, exactly if it may exceed `lower_bound`, which becomes the largest
+/// distance.
 std::vector<PointBeside> positionsBeside(const SimplifiedMesh& lod, const NodeMesh& input,
                                          const LodSurface& surface,
                                          std::span<const SurfaceWalk::Place> places, float& known) {
@@ -76,7 +75,7 @@ FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input
   const std::vector<PointBeside> beside = positionsBeside(lod, input, surface, places, known);
   const std::vector<Plane> lod_planes = planesOf(lod.mesh);
   FarthestInTriangle farthest(surface, known, known);
-  uint32_t corner = 0;  // of the triangle that has the farthest place
+  uint32_t corner = 0;  // corner of the triangle with the farthest point
   for (const glm::u32vec3& t : input.triangles) {
     const PointBeside &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
                       &c = beside[input.wedge_position[t.z]];

@@ -12,15 +12,16 @@ namespace lode::ingest {
 
 struct FarthestOfInput {
   float steps = 0;
-  std::optional<SurfaceSample> inside;  ///< where, if inside a triangle; near one of its corners
+  std::optional<SurfaceSample>
+      inside;  ///< the farthest point if it is inside a triangle; near one of its corners
 };
 
-/// The largest distance of a mesh from an LOD that was made of it, in lattice steps, to 2 %: of all points of
-/// those triangles that may hide the largest, as their corners and the planes of the LOD beside these say.
-/// (What is passed over, LodCheck looks at; what is far along a boundary alone, boundaryGap() measures.)
+/// Largest distance of a mesh from an LOD made of it, in lattice steps, to 2 %. Measures only triangles that
+/// may contain it, judging by their corners and the LOD's planes there. (LodCheck measures all triangles;
+/// boundaryGap() covers points that are far along a boundary.)
 /// @param surface  of the LOD.
-/// @param places of the input's positions on it; see placesOn().
-/// @param known  what is nearer does not matter. @return not below it.
+/// @param places  of the input's positions on the LOD; see placesOn().
+/// @param lower_bound  smaller distances do not matter. @return at least lower_bound.
 FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input, const LodSurface& surface,
                                 std::span<const SurfaceWalk::Place> places, float known);
 

@@ -11,18 +11,17 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kWorthInLod =
-    0.8f;  ///< of the largest distance so far: triangles that reach it get a closer look
-// Steps along each edge at first: the fewer triangles an LOD has, the more may hide inside one of them, and
-// the less a look costs. (Corners alone found 0.8 of what large LODs of a gyroid are off by.)
+    0.8f;  ///< relative to the largest distance so far: triangles above it are sampled finely
+// Steps per edge in the first pass. A small LOD has large triangles that may hide more, and costs less.
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
 constexpr uint32_t stepsAtFirst(size_t triangles) {
   return triangles <= kVeryFewTriangles ? 8 : triangles <= kFewTriangles ? 4 : 2;
 }
-constexpr float kManySteps = 1.5f;  ///< for each edge of the input that an edge of the LOD is as long as
+constexpr float kManySteps = 1.5f;  ///< steps per input edge along an LOD edge
 constexpr uint32_t kMostSteps = 24;
 constexpr uint32_t kMostStarts = 64;
 
-/// The input's positions that lie on each triangle of an LOD.
+/// Input positions on each triangle of an LOD.
 class PositionsOnTriangles {
  public:
   PositionsOnTriangles(const SimplifiedMesh& lod, std::span<const SurfaceWalk::Place> places)
@@ -77,8 +76,8 @@ class Measurement {
                      static_cast<float>(std::max<size_t>(1, mesh_.triangles.size())));
   }
 
-  /// @param near  where a walk over the input begins; becomes where it has ended.
-  /// @param enough  up to which the distance need not be exact.
+  /// @param near  start of a walk over the input; becomes its end.
+  /// @param tolerance  distances up to this value need not be exact.
   float measure(glm::vec3 point, uint32_t& near, float enough) {
     const float walked = input_.walk().distanceOnwards(point, near, enough);
     if (walked <= largest_) return walked;
@@ -89,7 +88,7 @@ class Measurement {
     return exact;
   }
 
-  /// Of the positions that lie on a triangle the nearest to one of its points, or `near` if that is nearer.
+  /// Returns the position nearest to `point` of those on a triangle, or `near` if that one is nearer.
   uint32_t startFor(glm::vec3 point, size_t triangle, uint32_t near) const {
     const std::vector<PositionCode>& positions = input_.mesh().positions;
     const auto squaredDistance = [&](uint32_t position) {
@@ -113,20 +112,19 @@ class Measurement {
     return {mesh_.wedge_position[t.x], mesh_.wedge_position[t.y], mesh_.wedge_position[t.z]};
   }
 
-  /// @param steps  into which edges are divided, and the triangle with them.
-  /// @return the largest distance of its points.
+  /// Samples a triangle, divided into `steps` along each edge. @return the largest distance.
   float look(size_t triangle, uint32_t steps) {
     const glm::u32vec3 at = cornersOf(triangle);
     float high = std::max({of_vertex_[at.x], of_vertex_[at.y], of_vertex_[at.z]});
     for (int k = 0; k < 3; ++k) high = std::max(high, lookAlong({at[k], at[(k + 1) % 3]}, triangle, steps));
-    if (steps < 3) return high;  // no point is inside
+    if (steps < 3) return high;  // no inner points
     forEachPoint(at, steps, [&](glm::vec3 point, bool is_inside, uint32_t& near) {
       if (is_inside) high = std::max(high, measureOn(triangle, point, near, kWorthInLod * largest_));
     });
     return high;
   }
 
-  /// The same of an edge; its two triangles share one look.
+  /// Samples an edge, once for its two triangles.
   float lookAlong(glm::u32vec2 edge, size_t triangle, uint32_t steps) {
     const uint32_t lower = std::min(edge.x, edge.y), upper = std::max(edge.x, edge.y);
     const auto next = static_cast<uint32_t>(of_edge_.size());
@@ -148,14 +146,14 @@ class Measurement {
                  [&](glm::vec3 point, bool, uint32_t& near) { measureOn(triangle, point, near, largest_); });
   }
 
-  /// @param near  where a walk may begin; becomes where it has ended.
+  /// @param near  possible start of a walk; becomes its end.
   float measureOn(size_t triangle, glm::vec3 point, uint32_t& near, float enough) {
     near = startFor(point, triangle, near);
     return measure(point, near, enough);
   }
 
-  /// Calls visit(point, is_inside, near) for the points of a triangle that is divided by steps, but its
-  /// corners; `near` is what the visit before made of it.
+  /// Calls visit(point, is_inside, near) for the grid points of a triangle except its corners; `near` carries
+  /// over from the previous visit.
   template <typename Visit>
   void forEachPoint(const glm::u32vec3& corners, uint32_t steps, Visit&& visit) {
     const glm::vec3 a = pointOf(corners.x), b = pointOf(corners.y), c = pointOf(corners.z);
@@ -181,11 +179,11 @@ class Measurement {
   float largest_;
   int looks_ = 0;
   std::vector<float> of_vertex_, of_edge_;
-  NumberTable edges_;  ///< to of_edge_
+  NumberTable edges_;  ///< index into of_edge_
 };
 
 constexpr float kEdgePrecision = 1.02f;
-constexpr int kMostCuts = 12;  ///< of an edge, one within another
+constexpr int kMostCuts = 12;  ///< nested bisections of an edge
 
 class EdgeMeasurement {
  public:
@@ -241,9 +239,9 @@ class EdgeMeasurement {
     look(middle, to, cuts + 1);
   }
 
-  /// Whether all points between two are near the input: both are near one triangle, from which the distance
-  /// is convex, or a chain of triangles leads from that of one to that of the other, of which each edge is
-  /// near a place between them.
+  /// Returns whether all points between two are close to the input: both are close to one triangle (distance
+  /// from it is convex), or a chain of triangles connects their triangles and each of its edges is close to
+  /// the segment.
   bool isNear(const PointBeside& from, const PointBeside& to) const {
     const float squared = limit() * limit();
     const SurfaceWalk& walk = input_.walk();

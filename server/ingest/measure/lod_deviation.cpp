@@ -9,11 +9,11 @@
 namespace lode::ingest {
 namespace {
 
-// What may have been missed: by whole triangles; by points of the LOD, or where its input is reduced and off
-// the same way as the LOD is off it; by samples of the original that were thinned out on their way up.
-// docs/benchmarks.md (Errors) has the ratios of stored errors to found ones that they lead to.
+// Safety factors: for skipped triangles; for points of the LOD between samples, or for an LOD that deviates
+// in the same direction as its input; for samples that were thinned out. docs/benchmarks.md (Errors) has the
+// resulting ratios of stored to measured errors.
 constexpr float kPrecision = 1.021f, kPointMargin = 1.12f, kSampleMargin = 1.1f;
-// LODs of whose samples nothing is believed, and all.
+// Samples are not trusted in LODs up to the first size, and fully trusted from the second on.
 constexpr float kDoubtedTriangles = 4096, kBelievedTriangles = 16384;
 constexpr float kBelievedSampleMargin = 1.3f;
 

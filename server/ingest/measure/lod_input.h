@@ -15,27 +15,26 @@
 
 namespace lode::ingest {
 
-/// A boundary of the original that travels up the tree, for boundaries to be measured against.
+/// A boundary edge of the original, kept as a reference for the boundaries of coarser meshes.
 struct ReferenceBoundary {
   PositionCode from, to;
-  glm::u32vec2 near;  ///< what has become of its ends in the mesh at hand: positions, or kVanished
+  glm::u32vec2 near;  ///< positions of the current mesh that its ends map to, or kVanished
 };
 
-/// What the boundaries of a mesh are measured against. One that is the image of none of these stands for
-/// itself.
+/// References of a mesh's boundary edges. A boundary edge that no reference maps to is its own reference.
 struct ReferenceBoundaries {
   std::vector<ReferenceBoundary> boundaries;
   float gap_steps =
-      0;  ///< what none of all these is farther from a boundary of the original, in lattice steps
+      0;  ///< upper bound on the distance from all these to the original boundary, in lattice steps
 };
 
-constexpr int kMostLooksAtInput = 32;  ///< at every triangle, before the tree is worth its making
+constexpr int kMostLooksAtInput = 32;  ///< exhaustive searches before building a tree pays
 
-/// What the LODs of a node are made of and measured against. Const functions are thread safe.
+/// Input that a node's LODs are made of and measured against. Const functions are thread safe.
 class LodInput {
  public:
-  /// @param depth  the node's: positions that are locked there lie on its borders.
-  /// @param off_steps  what the mesh is off the original by; none if it is the original.
+  /// @param depth  of the node: positions that are locked there lie on its borders.
+  /// @param off_steps  deviation of the mesh from the original; empty if it is the original.
   /// @param references  near positions of the mesh.
   LodInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {},
            ReferenceBoundaries references = {});
@@ -44,16 +43,15 @@ class LodInput {
   const SurfaceWalk& walk() const noexcept { return walk_; }
   bool isOriginal() const noexcept { return !off_steps_; }
   float offSteps() const noexcept { return off_steps_.value_or(0); }
-  /// Open edges, by position; borders of the node are none.
+  /// Open edges by position, without the node's borders.
   const std::vector<glm::u32vec2>& boundaries() const noexcept { return boundaries_; }
-  /// What the boundaries are measured against: the references, and behind them boundaries that stand for
-  /// themselves.
+  /// References: first the given ones, then boundary edges that are their own reference.
   uint32_t referenceCount() const noexcept {
     return static_cast<uint32_t>(references_.boundaries.size()) + own_;
   }
   ReferenceBoundary reference(uint32_t number) const noexcept;
   float referenceGapSteps() const noexcept { return references_.gap_steps; }
-  /// Made when it is first asked for: few nodes need it.
+  /// Built on the first call; few nodes need it.
   const TriangleTree& tree() const;
 
  private:
@@ -61,18 +59,18 @@ class LodInput {
   SurfaceWalk walk_;
   std::optional<float> off_steps_;
   ReferenceBoundaries references_;
-  std::vector<glm::u32vec2> boundaries_;  ///< first those that stand for themselves
-  uint32_t own_ = 0;                      ///< how many do
+  std::vector<glm::u32vec2> boundaries_;  ///< first those that are their own reference
+  uint32_t own_ = 0;                      ///< number of these
   mutable std::once_flag tree_made_;
   mutable std::optional<TriangleTree> tree_;
 };
 
-/// What has become of both ends of a boundary.
+/// Maps both ends of a boundary edge.
 glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> became) noexcept;
 
-/// What the boundaries of an LOD are measured against where it takes its input's place: what the input's are,
-/// but for what has vanished; or the LOD's own boundaries, if that is more than `most`.
-/// @param boundary_gap_steps  the LOD's, see boundaryGap()
+/// References of an LOD that replaces its input: the input's without those that vanished, or the LOD's own
+/// boundary edges if that would be more than `most`.
+/// @param boundary_gap_steps  of the LOD, see boundaryGap()
 ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> became,
                                  float boundary_gap_steps, size_t most);
 

@@ -8,12 +8,12 @@
 
 namespace lode::ingest {
 
-/// An LOD to measure distances from: by walks where a place near the point is known, and exactly by a look at
-/// every triangle or, for more than a few points, by a tree, which takes as long to make as some fifty such
-/// looks. Not thread safe.
+/// Distances from an LOD's surface: by walking if a nearby triangle is known, else exactly by searching all
+/// triangles or, after some searches, by a tree (building it costs about as much as fifty searches). Not
+/// thread safe.
 class LodSurface {
  public:
-  /// @param LOD  with triangles; must outlive this.
+  /// @param lod  has triangles; must outlive this.
   explicit LodSurface(const NodeMesh& lod) : lod_(lod), walk_(lod) {}
 
   const SurfaceWalk& walk() const noexcept { return walk_; }
@@ -25,14 +25,14 @@ class LodSurface {
     return walk_.squaredDistance(at, triangle);
   }
 
-  /// For FarthestInTriangle.
+  /// Interface for FarthestInTriangle.
   const PackedTriangle& triangle(uint32_t number) const noexcept { return walk_.triangle(number); }
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept {
     return walk_.chainAlong(segment, first, last, near_squared, chain);
   }
   PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const;
-  /// The same, but never exact: by a walk from the hint.
+  /// Walks from the hint without an exact search, so the distance is an upper bound.
   PointBeside walkFrom(glm::vec3 at, uint32_t hint, float enough) const noexcept;
 
  private:

@@ -12,18 +12,18 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kColourThreshold = 8;         ///< of 255, in any channel
-constexpr float kNormalThreshold = 0.3473f;   ///< length of a difference: about 20 degrees
-constexpr float kComputedThreshold = 0.684f;  ///< the same of computed normals: about 40 degrees
-constexpr double kIgnoredArea = 1.0 / 1024;   ///< of the LOD's
+constexpr float kNormalThreshold = 0.3473f;   ///< length of the difference vector: about 20 degrees
+constexpr float kComputedThreshold = 0.684f;  ///< for computed normals: about 40 degrees
+constexpr double kIgnoredArea = 1.0 / 1024;   ///< relative to the LOD's area
 
-/// Attributes of a point as numbers.
+/// Attributes of a point as floats.
 struct Value {
   glm::vec4 colour{0};
   glm::vec3 normal{0};
   glm::vec2 texture{0};
 };
 
-/// Measures the positions of the input against the triangles of the LOD that they lie on.
+/// Compares the positions of the input with the LOD triangles that they lie on.
 class DetailMeter {
  public:
   DetailMeter(const SimplifiedMesh& lod, const NodeMesh& input)
@@ -42,33 +42,33 @@ class DetailMeter {
 
   bool countsAny() const noexcept { return counts_colour_ || counts_normal_ || counts_texture_; }
 
-  /// One position of the input, with the wedges there; of several the most alike counts, as the point lies on
-  /// one side of a seam only.
+  /// Adds a position of the input with its wedges. Only the most similar wedge counts, because the point lies
+  /// on one side of a seam.
   void add(std::span<const uint32_t> wedges, SurfaceWalk::Place place);
   float size() const;
 
  private:
-  /// What was found on a triangle.
+  /// Differences found on a triangle.
   struct Found {
     glm::vec4 colour{0};  ///< sums of differences
     glm::vec3 normal{0};
     float count = 0;
-    float slide = 0;  ///< the largest, in lattice steps
+    float slide = 0;  ///< largest texture offset, in steps of the texture grid
   };
 
   Value valueOf(const VertexAttributes& attributes) const;
   glm::vec3 pointOf(uint32_t wedge) const {
     return glm::vec3(unpackPosition(lod_.positions[lod_.wedge_position[wedge]]));
   }
-  /// Lattice steps for each step of the texture grid, on a triangle.
+  /// Lattice steps per step of the texture grid on a triangle.
   float stretchOf(const glm::u32vec3& t) const;
 
   const NodeMesh& lod_;
   const NodeMesh& input_;
   const bool counts_colour_, counts_normal_, counts_texture_;
   const float normal_threshold_;
-  std::vector<Value> values_;  ///< a wedge of the LOD
-  std::vector<Found> found_;   ///< a triangle of the LOD
+  std::vector<Value> values_;  ///< by wedge of the LOD
+  std::vector<Found> found_;   ///< by triangle of the LOD
 };
 
 Value DetailMeter::valueOf(const VertexAttributes& attributes) const {

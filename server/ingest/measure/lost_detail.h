@@ -7,14 +7,13 @@
 
 namespace lode::ingest {
 
-/// Size of the detail in colours, normals and texture coordinates that an LOD has lost against the mesh that
-/// it was made of, in lattice steps: what a client must see smaller than a pixel for the picture to be right.
+/// Size of the detail in colours, normals and texture coordinates that an LOD has lost against its input, in
+/// lattice steps. The LOD looks right where this size is below one pixel.
 ///
-/// Of colours and normals it is the side of a triangle (of a square as large) over which the mean of the
-/// input differs from the LOD's by more than 8 of 255, or by about 20 degrees (computed normals: 40); of
-/// texture coordinates it is how far the picture has slid over the surface. The worst thousandth of the area
-/// is left out: a single stray point asks for nothing. (docs/lod-selection.md has the measurements behind
-/// these choices.)
+/// For colours and normals: side of a triangle (of a square of its area) over which the input's mean differs
+/// from the LOD's by more than 8 of 255, or by about 20 degrees (computed normals: 40). For texture
+/// coordinates: distance by which the texture slides over the surface. The worst thousandth of the area is
+/// ignored, so that no single stray point decides. docs/lod-selection.md explains these choices.
 /// @param places  of the input's positions on the LOD; see placesOn().
 float lostDetail(const SimplifiedMesh& lod, const NodeMesh& input,
                  std::span<const SurfaceWalk::Place> places);

@@ -9,9 +9,9 @@
 namespace lode::ingest {
 namespace {
 
-// Deviations below this share of the largest need not be exact: they only rank samples.
+// Deviations below this share of the largest only rank samples, so they need not be exact.
 constexpr float kRanks = 0.25f;
-constexpr uint32_t kMostPointsInside = 64;  ///< of one triangle
+constexpr uint32_t kMostPointsInside = 64;  ///< per triangle
 
 uint64_t hashOf(const SurfaceSample& sample) noexcept { return NumberTable::hash(sample.position.value); }
 
@@ -20,18 +20,18 @@ glm::vec3 pointOf(const NodeMesh& mesh, uint32_t position) noexcept {
   return glm::vec3(unpackPosition(mesh.positions[position]));
 }
 
-/// Points that cover a triangle evenly however many of them there are: of the n-th, the shares of two
-/// corners. Source: Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (its R2 sequence).
+/// Barycentric weights of the n-th of a sequence of points that covers a triangle evenly. Source: Roberts,
+/// The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (its R2 sequence).
 glm::vec2 sharesOf(uint32_t n) noexcept {
   const glm::vec2 square = glm::fract(static_cast<float>(n) * glm::vec2(0.7548777f, 0.5698403f));
   return square.x + square.y > 1 ? 1.f - square : square;
 }
 
-/// For how many times the mean area a triangle gets a point inside, in a mesh of so many.
+/// Mean triangle areas per inner point, by the mesh's number of triangles.
 double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
 
-/// Makes the largest of the distances that walks over an LOD have found exact.
-/// @param pointOf  the point of each distance.
+/// Makes the largest of the walked distances exact.
+/// @param pointOf  returns the point of a distance.
 template <typename PointOf>
 void confirmLargest(const LodSurface& surface, std::vector<float>& distances, PointOf&& pointOf) {
   std::vector<uint32_t> order(distances.size());
@@ -116,7 +116,7 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh&
   float largest = 0;
   for (const SurfaceSample& sample : samples) {
     uint32_t near = sample.near == kVanished ? kVanished : lod.became[sample.near];
-    if (near == kVanished) {  // where its triangles have gone, the nearest of those that are left
+    if (near == kVanished) {  // its triangles have vanished: take the nearest remaining one
       const TriangleTree::Nearest found = surface.nearest(pointOf(sample), kRanks * largest);
       near = lod.mesh.wedge_position[lod.mesh.triangles[found.triangle].x];
       distances.push_back(found.distance);

@@ -11,49 +11,49 @@
 
 namespace lode::ingest {
 
-/// A point of the original surface that travels up the tree, with its distance from the mesh at hand, in
+/// A point of the original surface that is passed up the tree, with its distance from the current mesh in
 /// lattice steps.
 struct SurfaceSample {
   PositionCode position;
-  float deviation = 0;        ///< at most a quarter of the mesh's largest too much
-  uint32_t near = kVanished;  ///< what has become of the place in the mesh at hand: one of its positions, or
-                              ///< one near it where the place's own triangles have gone
+  float deviation = 0;        ///< overestimated by at most a quarter of the mesh's largest
+  uint32_t near = kVanished;  ///< position of the current mesh that the point maps to; if its triangles have
+                              ///< vanished, a nearby position
 };
 
-/// Thins samples out, in their order: of those near each position the one with the largest deviation stays,
-/// so that no piece of the mesh is ever without one; of the others those with the largest, to `capacity` in
+/// Thins out samples, keeping their order: keeps the one with the largest deviation near each position, so
+/// that every piece of the mesh has one, and of the others those with the largest deviations, `capacity` in
 /// all.
-/// @param positions  of the mesh that samples are near to.
+/// @param positions  number of positions of the mesh that samples are near to.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 
-/// Adds the positions of a node's coarsest mesh that are locked in it: they have never moved and are points
-/// of the original, whatever samples have been thinned out. @param depth  the node's.
+/// Adds the positions that are locked in a node's coarsest mesh: they have never moved, so they are points of
+/// the original, however far samples were thinned out. @param depth  of the node.
 void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth);
 
-/// Of samples that have the same position and are near the same, leaves the one with the largest deviation;
-/// sorts by position.
+/// Removes duplicates: of samples with equal position and `near`, keeps the one with the largest deviation.
+/// Sorts by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
-/// Where each position of the mesh that an LOD was made of lies on the LOD; of those that have vanished,
-/// anything. @param walk  over the LOD's mesh.
+/// Maps each position of an LOD's input to its place on the LOD; undefined for vanished positions.
+/// @param walk  over the LOD's mesh.
 std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& lod, const NodeMesh& input,
                                          const SurfaceWalk& walk);
 
-/// Distance of a sample from an LOD, lattice steps.
+/// Distance of a sample from an LOD, in lattice steps.
 struct Deviation {
   float steps;
-  uint32_t near;  ///< as SurfaceSample's, in the LOD
+  uint32_t near;  ///< as SurfaceSample::near, in the LOD
 };
 
-/// Distances of samples, which are near positions of the mesh that `lod` was made of, from the LOD: the
-/// largest is exact, and no other below the true one.
-/// @param surface  of the LOD. @param places  of the input's positions, which samples may be.
+/// Distances of samples from an LOD. The largest is exact; the others are upper bounds.
+/// @param surface  of the LOD. @param places  of the input's positions. @param samples  near the input's
+/// positions.
 std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh& input,
                                       const LodSurface& surface, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples);
 
-/// Points inside the triangles of a mesh that are large beside the others, where its positions alone would
-/// say little: one for every two mean areas, in a small mesh for every half.
+/// Points inside a mesh's large triangles, where its positions would miss deviations: one for every two mean
+/// triangle areas, in a small mesh for every half.
 std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

@@ -15,12 +15,12 @@ float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
 
 glm::vec3 vectorOf(Four four) noexcept { return {four[0], four[1], four[2]}; }
 
-/// A triangle's corners, exactly: whole lattice steps are whole in float.
+/// A triangle's corners; exact, because lattice steps are whole numbers in float.
 std::array<Four, 3> cornersOf(const PackedTriangle& t) noexcept {
   return {t.a(), t.a() + t.ab(), t.a() + t.ac()};
 }
 
-/// The edges of a triangle, and what leads out of it across them.
+/// A triangle's edges with their outward directions.
 class TriangleOutline {
  public:
   explicit TriangleOutline(const PackedTriangle& t) noexcept
@@ -32,8 +32,8 @@ class TriangleOutline {
 
   Four corner(size_t k) const noexcept { return corners_[k % 3]; }
 
-  /// The edge that a point lies farthest beyond; -1 if there is none. Without jumps, as nobody could guess
-  /// them, where it lies beyond one alone. @param passed_over  an edge; -1: none
+  /// Returns the edge that a point is farthest outside of; -1 if it is inside. Branchless if it is outside of
+  /// one edge only, because the branch would be unpredictable. @param passed_over  edge to ignore, or -1
   int edgeTowards(glm::vec3 point, int passed_over) const noexcept {
     const Four heights = dot(outwards_, FourVectors(point) - starts_);
     const FourTruths is_beyond = heights > 0;
@@ -54,7 +54,7 @@ class TriangleOutline {
   std::array<Four, 3> corners_;
   FourVectors starts_, sides_;
   Four squared_lengths_;
-  FourVectors outwards_;  ///< as long as the side and the normal together
+  FourVectors outwards_;  ///< scaled by side and normal
 };
 
 }  // namespace
@@ -116,8 +116,8 @@ SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
   return {first, glm::vec3(glm::equal(corners_[first], glm::u32vec3(position))), 0};
 }
 
-/// Most points lie above a triangle around the start; edges and corners then need no look, unless the
-/// triangles there look to different sides: across the boundary of a plate lies its other side.
+/// Most points project into a triangle around the start, which then is the nearest. Not so if triangles there
+/// face in opposite directions, as at the boundary of a plate.
 std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
   float nearest = std::numeric_limits<float>::infinity();
@@ -134,7 +134,7 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                all = dot(normals, normals), of_a = all - of_b - of_c;
     const auto is_above = (of_b > 0) & (of_c > 0) & (of_a > 0);
     if (!anyOf(is_above)) continue;
-    // From the foot, not along the normal: a sliver's is rounding noise, which may be much too short.
+    // Measured from the foot point, not along the normal, which for slivers is mostly rounding noise.
     const FourVectors away = ap - (of_b * four.ab() + of_c * four.ac()) / all;
     const Four squared = dot(away, away);
     for (uint32_t k = 0; k < 4; ++k) {
@@ -152,7 +152,7 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float en
   if (best.squared <= enough_squared) return best;
   lookAround(point, start, enough_squared, best);
   if (std::isinf(best.squared)) return best;
-  glm::u32vec3 done(start);  // corners that have been looked around
+  glm::u32vec3 done(start);  // corners whose triangles have been visited
   for (float before = std::numeric_limits<float>::infinity(); best.squared < before;) {
     if (best.squared <= enough_squared || isAbove(point, best.triangle)) break;
     before = best.squared;
@@ -168,7 +168,8 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float en
 
 uint32_t SurfaceWalk::beyond(uint32_t triangle, uint32_t from, uint32_t to) const noexcept {
   uint32_t found = triangle;
-  for (uint32_t i = begin_[from + 1]; i-- > begin_[from];) {  // the first last, instead of a jump
+  for (uint32_t i = begin_[from + 1];
+       i-- > begin_[from];) {  // backwards, so that the first match wins without a branch
     const uint32_t other = around_[i];
     const glm::u32vec3& t = corners_[other];
     const uint32_t has_both = (t.x == to) | (t.y == to) | (t.z == to);
@@ -217,7 +218,7 @@ TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::N
   return {best.squared, distance, best.triangle};
 }
 
-/// Whether the triangle's nearest place is inside it, so that its neighbours are farther away.
+/// Returns whether the nearest point of the triangle is inside it, so that its neighbours are farther away.
 bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
   const std::array<Four, 3> corners = cornersOf(triangles_[triangle]);
   const glm::vec3 a = vectorOf(corners[0]) - point, b = vectorOf(corners[1]) - point,
@@ -241,8 +242,8 @@ void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_sq
   }
 }
 
-/// Looks for a triangle around a position that the point lies above and is near enough to. Most walks end so,
-/// in a third of the time that distances from all take.
+/// Finds a triangle around a position that the point projects into within the tolerance. Most walks end here,
+/// three times as fast as with full distances.
 void SurfaceWalk::lookAbove(glm::vec3 point, uint32_t position, float enough_squared,
                             Nearest& best) const noexcept {
   const FourVectors points(point);

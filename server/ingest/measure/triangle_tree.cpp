@@ -7,10 +7,10 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kMostHalvings = 32;                        ///< triangles are numbered in so many bits
-constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;  ///< three more a fork, which halves twice
+constexpr size_t kMostHalvings = 32;                        ///< triangle numbers have 32 bits
+constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;  ///< each fork halves twice and adds three entries
 
-/// About as many as there are: quarters of quarters, until they fit into leaves.
+/// Estimated number of forks: quarters of quarters down to leaves.
 size_t forksOver(size_t triangles) {
   size_t forks = 0;
   for (size_t level = 1; 4 * level < triangles; level *= 4) forks += level;
@@ -64,8 +64,8 @@ TriangleTree::Branch TriangleTree::buildLeaf(const NodeMesh& mesh, std::span<con
   return {begin | kIsLeaf, box};
 }
 
-/// Orders them along the longest side of their box, as far as their halves need it. @return the size of the
-/// first half, which fills whole leaves.
+/// Partitions at the median along the longest side of the box. @return the size of the first half, which
+/// fills whole leaves.
 size_t TriangleTree::partInHalves(std::span<Middle> middles) {
   glm::vec3 low(middles[0].at), high(low);
   for (const Middle& middle : middles) {
@@ -82,7 +82,7 @@ size_t TriangleTree::partInHalves(std::span<Middle> middles) {
   return half;
 }
 
-/// The tree of some triangles. @param middles  of them, thrice; changes their order.
+/// Builds the subtree of some triangles. @param middles  their centroids times three; reordered.
 TriangleTree::Branch TriangleTree::build(const NodeMesh& mesh, std::span<Middle> middles) {
   if (middles.size() <= 4) return buildLeaf(mesh, middles);
   std::array<std::span<Middle>, 4> parts;
@@ -123,7 +123,7 @@ TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float enough, Neare
     uint32_t inside;
     float squared;
   };
-  std::array<Waiting, kMostWaiting> waiting;  // the nearest last, of each fork
+  std::array<Waiting, kMostWaiting> waiting;  // per fork, the nearest last
   size_t count = 0;
   const float enough_squared = enough * enough;
   waiting[count++] = {top_, 0};

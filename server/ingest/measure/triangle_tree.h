@@ -13,9 +13,9 @@
 
 namespace lode::ingest {
 
-/// Distance from points to a mesh, in lattice steps, by a tree of boxes around its triangles, halved by
-/// number along the longest side of their middles; four boxes or four triangles are looked at at once. Empty
-/// space around a point costs nothing, unlike in a grid's cells. Const functions are thread safe.
+/// Distance from points to a mesh, in lattice steps, by a bounding volume tree of its triangles, halved at
+/// the median along the longest side of their centroids' box. Tests four boxes or four triangles at once.
+/// Unlike a grid, costs nothing for empty space around a point. Const functions are thread safe.
 /// Source: Wald, Benthin & Boulos, Getting Rid of Packets, 2008, for trees of four.
 class TriangleTree {
  public:
@@ -23,27 +23,28 @@ class TriangleTree {
 
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
   struct Nearest {
-    float squared;   ///< of the distance
+    float squared;   ///< squared distance
     float distance;  ///< infinity if the mesh has no triangles
     uint32_t triangle;
   };
   static constexpr Nearest kNothing{kInfinity, kInfinity, 0};
 
-  /// @param enough  the search ends at a triangle that is as near as this, which need not be the nearest.
-  /// @param known   what is returned if no triangle is nearer: the nearer it is, the shorter is the search.
+  /// @param tolerance  the search ends at any triangle within this distance.
+  /// @param bound      returned if no triangle is nearer; a smaller bound makes the search shorter.
   Nearest nearest(glm::vec3 point, float enough = 0, Nearest known = kNothing) const noexcept;
   float distance(glm::vec3 point) const noexcept { return nearest(point).distance; }
-  /// From one of the mesh's triangles.
+  /// Squared distance from one triangle.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
     return triangles_[place_[triangle]].squaredDistance(point);
   }
   const PackedTriangle& triangle(uint32_t number) const noexcept { return triangles_[place_[number]]; }
 
  private:
-  /// Boxes around up to four forks or leaves; those that there are not are infinitely far.
+  /// Boxes of up to four forks or leaves; unused ones are infinitely far.
   struct Fork {
     FourVectors min, max;
-    std::array<uint32_t, 4> inside{};  ///< of forks_, or of triangles_, where a leaf's begin, with kIsLeaf
+    std::array<uint32_t, 4>
+        inside{};  ///< index into forks_; or with kIsLeaf, index of a leaf's first entry in triangles_
 
     Four squaredDistances(const FourVectors& points) const noexcept;
   };
@@ -54,7 +55,7 @@ class TriangleTree {
     glm::vec3 at;
     uint32_t triangle;
   };
-  /// A box and what is in it.
+  /// A box and its content.
   struct Branch {
     uint32_t inside = 0;
     Box box;
@@ -66,9 +67,9 @@ class TriangleTree {
   static constexpr uint32_t kIsLeaf = 1u << 31;
 
   std::vector<Fork> forks_;
-  std::vector<PackedTriangle> triangles_;  ///< four a leaf, the last ones of which may be none
-  std::vector<uint32_t> number_;           ///< of each of those in the mesh
-  std::vector<uint32_t> place_;            ///< of each of the mesh's in triangles_
+  std::vector<PackedTriangle> triangles_;  ///< four per leaf, padded with empty ones
+  std::vector<uint32_t> number_;           ///< number in the mesh, by index in triangles_
+  std::vector<uint32_t> place_;            ///< index in triangles_, by number in the mesh
   uint32_t top_ = 0;
 };
 

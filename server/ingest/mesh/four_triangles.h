@@ -9,10 +9,10 @@
 
 namespace lode::ingest {
 
-/// A triangle as it lies in memory, for FourTriangles.
+/// A triangle in the memory layout of FourTriangles.
 class PackedTriangle {
  public:
-  /// None: no point has a distance from it, but NaN.
+  /// An empty triangle, whose distance from every point is NaN.
   PackedTriangle() noexcept : a_(fourOf(std::numeric_limits<float>::quiet_NaN())) {}
   PackedTriangle(glm::vec3 a, const TriangleSides& sides) noexcept
       : a_{a.x, a.y, a.z, sides.ab_ab},
@@ -33,10 +33,10 @@ class PackedTriangle {
  private:
   friend class FourTriangles;
 
-  Four a_, ab_{}, ac_{};  ///< and in the last places the products of the sides
+  Four a_, ab_{}, ac_{};  ///< the last components hold the sides' dot products
 };
 
-/// Four triangles, each to measure a point's distance from.
+/// Four triangles for measuring distances with SIMD.
 class FourTriangles {
  public:
   FourTriangles(const PackedTriangle& p, const PackedTriangle& q, const PackedTriangle& r,
@@ -45,15 +45,14 @@ class FourTriangles {
     part(p.ab_, q.ab_, r.ab_, s.ab_, ab_, ab_ac_);
     part(p.ac_, q.ac_, r.ac_, s.ac_, ac_, ac_ac_);
   }
-  /// By their corners.
+  /// From their corners.
   FourTriangles(const FourVectors& a, const FourVectors& b, const FourVectors& c) noexcept
       : a_(a), ab_(b - a), ac_(c - a), ab_ab_(dot(ab_, ab_)), ab_ac_(dot(ab_, ac_)), ac_ac_(dot(ac_, ac_)) {}
 
-  /// What squaredDistanceToTriangle() says of the first point and triangle, of the second, third and fourth,
-  /// to the bit.
+  /// squaredDistanceToTriangle() of each point and triangle, bit-identical.
   Four squaredDistances(const FourVectors& points) const noexcept;
 
-  /// The same where the point lies above the triangle; infinity elsewhere.
+  /// Like squaredDistances() if the point projects into the triangle, else infinity.
   Four squaredHeights(const FourVectors& points) const noexcept;
 
   const FourVectors& a() const noexcept { return a_; }
@@ -61,7 +60,7 @@ class FourTriangles {
   const FourVectors& ac() const noexcept { return ac_; }
 
  private:
-  /// Vectors and what follows each.
+  /// Separates vectors from their last components.
   static void part(Four p, Four q, Four r, Four s, FourVectors& vectors, Four& last) noexcept {
     const Four pq_xy = __builtin_shufflevector(p, q, 0, 4, 1, 5),
                rs_xy = __builtin_shufflevector(r, s, 0, 4, 1, 5),

@@ -8,7 +8,7 @@
 
 namespace lode::ingest {
 
-/// Which of some things, by number, are one; each group is named by its lowest. Not thread safe.
+/// Union-find over numbers; a group's representative is its lowest number. Not thread safe.
 class Groups {
  public:
   explicit Groups(size_t count) : towards_(count) { std::iota(towards_.begin(), towards_.end(), 0u); }
@@ -17,7 +17,7 @@ class Groups {
     while (towards_[i] != i) i = towards_[i] = towards_[towards_[i]];
     return i;
   }
-  /// @return whether they were two.
+  /// @return whether they were in two groups.
   bool join(uint32_t a, uint32_t b) noexcept {
     a = find(a);
     b = find(b);

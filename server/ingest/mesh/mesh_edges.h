@@ -12,8 +12,9 @@
 
 namespace lode::ingest {
 
-/// Calls visit(lower, upper, uses) for each edge of a mesh, by the numbers of its positions, and with how
-/// many triangles have it: by rising lower number, those of one lower in no order that means anything.
+/// Calls visit(lower, upper, uses) for each edge of a mesh with the numbers of its positions and of the
+/// triangles that have it. Visits edges by ascending lower number; the order within one lower number is
+/// unspecified.
 template <typename Visit>
 void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
   const auto forEachSide = [&mesh](auto&& visit_side) {
@@ -29,7 +30,7 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
   uint32_t end = 0;
   for (uint32_t& first : begin) first = end += first;
   forEachSide([&](uint32_t lower, uint32_t upper) { uppers[--begin[lower]] = upper; });
-  std::vector<uint32_t> uses(mesh.positions.size());  // of one lower's edges, by the upper
+  std::vector<uint32_t> uses(mesh.positions.size());  // by upper, for one lower
   for (uint32_t lower = 0; lower < mesh.positions.size(); ++lower) {
     const auto ends = std::span(uppers).subspan(begin[lower], begin[lower + 1] - begin[lower]);
     for (const uint32_t upper : ends) ++uses[upper];
@@ -38,13 +39,13 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
   }
 }
 
-/// The order of edges.
+/// Sort order of edges.
 inline bool isBefore(glm::u32vec2 e, glm::u32vec2 f) noexcept { return e.x != f.x ? e.x < f.x : e.y < f.y; }
 
-/// Edges that an odd number of triangles has, rising.
+/// Edges with an odd number of triangles, sorted.
 std::vector<glm::u32vec2> openEdges(const NodeMesh& mesh);
 
-/// Positions on an edge that the mesh does not use exactly twice, rising: on the border to another leaf, on a
+/// Positions on an edge that not exactly two triangles have, sorted: on the border to another leaf, on a
 /// boundary, or non-manifold.
 std::vector<uint32_t> findBorder(const NodeMesh& mesh);
 

@@ -9,13 +9,13 @@
 
 namespace lode::ingest {
 
-/// Open-addressing hash table from a 64-bit key to a 32-bit number; the keys' order never shows. Reused
-/// between nodes so that its memory is taken once.
+/// Open-addressing hash table from 64-bit keys to 32-bit numbers. Has no iteration, so key order cannot
+/// matter. Reused between nodes to keep its memory.
 class NumberTable {
  public:
   static constexpr uint32_t kAbsent = UINT32_MAX;
 
-  /// Empties it. @param expected  how many keys to make room for; it grows for more.
+  /// Clears the table. @param expected  number of keys to reserve memory for; grows beyond.
   void reset(size_t expected) {
     const size_t wanted = std::bit_ceil(std::max<size_t>(expected, 8) * 2);
     if (slots_.size() < wanted) slots_.resize(wanted);
@@ -24,7 +24,7 @@ class NumberTable {
     for (size_t i = 0; i < wanted; ++i) slots_[i].number = kAbsent;
   }
 
-  /// The number of a key, after entering `number` for it if it had none.
+  /// Returns the number of a key; a new key gets `number`.
   uint32_t findOrAdd(uint64_t key, uint32_t number) {
     const size_t at = slotOf(key);
     if (slots_[at].number != kAbsent) return slots_[at].number;
@@ -33,7 +33,7 @@ class NumberTable {
     return number;
   }
 
-  /// Finalizer of MurmurHash3 (Appleby, public domain): full avalanche, so that lattice neighbours spread.
+  /// Finalizer of MurmurHash3 (Appleby, public domain); full avalanche spreads neighbouring lattice points.
   static constexpr uint64_t hash(uint64_t x) noexcept {
     x = (x ^ x >> 33) * 0xff51afd7ed558ccdULL;
     x = (x ^ x >> 33) * 0xc4ceb9fe1a85ec53ULL;
@@ -46,7 +46,7 @@ class NumberTable {
     uint32_t number;
   };
 
-  /// Where the key is, or would be.
+  /// Slot of a key, or the free slot for it.
   size_t slotOf(uint64_t key) const noexcept {
     size_t at = hash(key) & mask_;
     while (slots_[at].number != kAbsent && slots_[at].key != key) at = (at + 1) & mask_;

@@ -7,11 +7,11 @@
 
 namespace lode::ingest {
 
-/// A triangle with corners a, a + ab and a + ac, wherever a is.
+/// A triangle with corners a, a + ab and a + ac, relative to a.
 struct TriangleSides {
   TriangleSides(glm::vec3 to_b, glm::vec3 to_c) noexcept
       : TriangleSides(to_b, to_c, glm::dot(to_b, to_b), glm::dot(to_b, to_c), glm::dot(to_c, to_c)) {}
-  /// With the products that are known already.
+  /// With precomputed dot products.
   TriangleSides(glm::vec3 to_b, glm::vec3 to_c, float b_b, float b_c, float c_c) noexcept
       : ab(to_b), ac(to_c), ab_ab(b_b), ab_ac(b_c), ac_ac(c_c) {}
 
@@ -19,15 +19,16 @@ struct TriangleSides {
   float ab_ab, ab_ac, ac_ac;
 };
 
-/// A place of a triangle: the shares of ab and of ac, and the square of a point's distance from it.
+/// A point of a triangle as weights of ab and ac, and its squared distance from the measured point.
 struct PlaceInTriangle {
   glm::vec2 shares;
   float squared;
 };
 
-/// The nearest to a point: inside, if it lies above the triangle, else the nearest of those on the edges.
+/// Returns the nearest point of a triangle: the projection if it is inside, else the nearest point of an
+/// edge.
 /// @param ap  from a to the point.
-/// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5, for its products.
+/// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5, for the products.
 inline PlaceInTriangle nearestInTriangle(glm::vec3 ap, const TriangleSides& sides) noexcept {
   const float d1 = glm::dot(sides.ab, ap), d2 = glm::dot(sides.ac, ap), d3 = d1 - sides.ab_ab,
               d4 = d2 - sides.ab_ac, d5 = d1 - sides.ab_ac, d6 = d2 - sides.ac_ac;
@@ -54,7 +55,7 @@ inline PlaceInTriangle nearestInTriangle(glm::vec3 ap, const TriangleSides& side
   return nearest;
 }
 
-/// Square of the distance from a point to a triangle; see nearestInTriangle().
+/// Squared distance from a point to a triangle; see nearestInTriangle().
 inline float squaredDistanceToTriangle(glm::vec3 ap, const TriangleSides& sides) noexcept {
   return nearestInTriangle(ap, sides).squared;
 }

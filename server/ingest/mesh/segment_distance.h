@@ -14,8 +14,7 @@ struct FourSegments {
   FourVectors from, to;
 };
 
-/// Squares of the distances between the first two segments, the second two, the third and the fourth; one of
-/// two may be a point.
+/// Squared distances of four pairs of segments. One segment of a pair may be a point.
 /// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.9.
 inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexcept {
   const FourVectors along_p = p.to - p.from, along_q = q.to - q.from, between = p.from - q.from;
@@ -24,9 +23,9 @@ inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexc
   const auto share = [zero = Four{}, one = fourOf(1)](Four part, Four whole) {
     return whole > zero ? smaller(larger(part / whole, zero), one) : zero;
   };
-  const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);  // of the lines; 0 where they are parallel
+  const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);  // on infinite lines; 0 if parallel
   const Four of_q = share(pq * of_p + qb, qq);
-  const Four back = share(pq * of_q - pb, pp);  // nearest to that place of q, should it be an end
+  const Four back = share(pq * of_q - pb, pp);  // nearest to the point of q, clamped if that is an end
   const FourVectors away = between + back * along_p - of_q * along_q;
   return dot(away, away);
 }

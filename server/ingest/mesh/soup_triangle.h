@@ -9,7 +9,7 @@
 
 namespace lode::ingest {
 
-/// One triangle of the soup: corners by position, with their attributes where the model has them.
+/// A triangle with positions and, if the model has any, attributes at its corners.
 struct SoupTriangle {
   PositionCode corners[3];
   VertexAttributes attributes[3];
@@ -18,7 +18,7 @@ struct SoupTriangle {
 constexpr size_t kSoupPositionBytes = sizeof(SoupTriangle::corners);
 constexpr size_t kMaxSoupBytes = kSoupPositionBytes + sizeof(SoupTriangle::attributes);
 
-/// Bytes of a triangle in temporary files: 24, or 60 with attributes.
+/// Bytes per triangle in temporary files: 24, or 60 with attributes.
 constexpr size_t soupBytes(AttributeSet attributes) noexcept {
   return attributes.bits == 0 ? kSoupPositionBytes : kMaxSoupBytes;
 }

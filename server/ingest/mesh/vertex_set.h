@@ -7,14 +7,14 @@
 
 namespace lode::ingest {
 
-/// A set of at most 2^32 - 1 vertex numbers as a bitmap, with the rank of each member: its place among the
-/// members in rising order. An array of the members' data, read in one sweep, is then looked up without a
-/// sort. Ranks are kept for each word: counting bits takes longer than reading one.
+/// Bitmap of vertex numbers with the rank of each member in ascending order, for at most 2^32 - 1 members.
+/// Data of the members, read in one sweep, can be found by rank without sorting. Ranks are stored per word:
+/// reading is faster than counting bits.
 class VertexSet {
  public:
   explicit VertexSet(uint64_t vertices) : words_((vertices + 63) / 64) {}
 
-  /// @return true if the vertex was not in the set yet.
+  /// @return true if the vertex is new.
   bool add(uint64_t vertex) noexcept {
     uint64_t& word = words_[vertex / 64];
     const uint64_t bit = uint64_t{1} << vertex % 64;
@@ -23,12 +23,12 @@ class VertexSet {
     return is_new;
   }
   bool contains(uint64_t vertex) const noexcept { return (words_[vertex / 64] >> vertex % 64 & 1) != 0; }
-  /// True if any of vertices 64 * word .. 64 * word + 63 is a member.
+  /// Returns true if any of the vertices 64 * word .. 64 * word + 63 is a member.
   bool anyInWord(uint64_t word) const noexcept { return words_[word] != 0; }
   uint64_t wordCount() const noexcept { return words_.size(); }
   void clear() { words_.assign(words_.size(), 0); }
 
-  /// To be called when the set is complete, before rank(). @return the number of members.
+  /// Call once when the set is complete, before rank(). @return the number of members.
   uint32_t countRanks() {
     ranks_.resize(words_.size());
     uint32_t members = 0;
