@@ -24,7 +24,7 @@ struct EncodedPayload {
 
 /// Where a mesh's triangles come from: those of a file are often regular, and those of a far LOD few and
 /// for the most part border; both are predicted more closely.
-enum class MeshSource { kFile, kSimplified, kSpare };
+enum class MeshSource { kFile, kSimplified, kFarLod };
 
 /// Encodes an LOD with Draco's edgebreaker (settings: docs/store-format.md), float positions in the model
 /// frame. The decoded mesh has the same triangles (as sets of position and attributes, orientation kept) in

@@ -27,13 +27,13 @@ class Doctor {
     if (!tryTo([&] { report_.header = readPlyHeader(options_.input); })) return report_;
     report_.is_readable = tryTo([&] { readBody(); });
     if (reader_) report_.counts = reader_->counts();
-    lookForTextures();
-    sayDefects();
+    checkTextures();
+    reportDefects();
     if (report_.is_readable && report_.counts.vertices <= UINT32_MAX) report_.topology = topology_->count();
     topology_.reset();
     folder_.reset();
-    if (report_.is_readable) judgeWhole();
-    if (report_.is_readable) judgeMemory();
+    if (report_.is_readable) checkModel();
+    if (report_.is_readable) checkMemory();
     report_.is_buildable =
         report_.is_readable && std::none_of(report_.problems.begin(), report_.problems.end(),
                                             [](const auto& problem) { return problem.is_fatal; });
@@ -54,7 +54,7 @@ class Doctor {
                                              : options_.temporary_folder;
   }
 
-  void say(bool is_fatal, const std::string& text) { report_.problems.push_back({is_fatal, text}); }
+  void addProblem(bool is_fatal, const std::string& text) { report_.problems.push_back({is_fatal, text}); }
 
   /// @return false, with the error among the problems, if it failed.
   template <typename Work>
@@ -64,19 +64,19 @@ class Doctor {
       return true;
     } catch (const Error& error) {
       if (error.code() == ErrorCode::kIo) throw;
-      say(true, error.what());
+      addProblem(true, error.what());
       return false;
     }
   }
 
-  void lookForTextures() {
+  void checkTextures() {
     const std::vector<std::string>& names = report_.header->texture_files;
     // Of a model without coordinates a build does not look at images.
     const uint64_t image_bytes = planMemory(budget(), 1, 1).image_bytes;
     if (report_.attributes.has(AttributeSet::kTexture))
       tryTo([&] { images_ = surveyTextures(options_.input, names, image_bytes); });
     for (TextureImage& image : images_)
-      if (image.problem.empty()) lookInside(image, image_bytes);
+      if (image.problem.empty()) decodeImage(image, image_bytes);
     for (size_t i = 0; i < names.size(); ++i) {
       if (i >= images_.size()) {
         const TextureFile file = findTexture(options_.input, names[i]);
@@ -88,7 +88,7 @@ class Doctor {
   }
 
   /// Its header says nothing of what is damaged behind it.
-  void lookInside(TextureImage& image, uint64_t memory_bytes) {
+  void decodeImage(TextureImage& image, uint64_t memory_bytes) {
     std::string damage;
     try {
       readImage(image.path, memory_bytes, damage);
@@ -97,14 +97,14 @@ class Doctor {
       image.needs_memory = error.code() == ErrorCode::kLimit;
       image.header = {};
     }
-    if (!damage.empty()) say(false, textureInWords(options_.input, image.name) + " " + damage);
+    if (!damage.empty()) addProblem(false, textureInWords(options_.input, image.name) + " " + damage);
   }
 
   void noteTexture(const std::string& name, bool is_found, const std::string& problem, bool needs_memory) {
     report_.textures.push_back({name, is_found});
     if (problem.empty()) return;
     const std::string words = textureInWords(options_.input, name) + " " + problem;
-    say(needs_memory, needs_memory ? words : words + "; a build goes on without it");
+    addProblem(needs_memory, needs_memory ? words : words + "; a build goes on without it");
   }
 
   void readBody() {
@@ -142,58 +142,59 @@ class Doctor {
     read_cpu_seconds_ = cpuSeconds() - start - beside;
   }
 
-  void sayDefects() {
+  void reportDefects() {
     for (const std::string& text : bad_.first)
-      say(true, name_ + ": " + text + "; repair the file or build with --skip-bad");
+      addProblem(true, name_ + ": " + text + "; repair the file or build with --skip-bad");
     if (bad_.count > bad_.first.size())
-      say(true, name_ + ": " + std::to_string(bad_.count - bad_.first.size()) +
-                    " more of this kind; repair the file or build with --skip-bad");
+      addProblem(true, name_ + ": " + std::to_string(bad_.count - bad_.first.size()) +
+                           " more of this kind; repair the file or build with --skip-bad");
     for (const std::string& text : dropped_.first)
-      say(false, name_ + ": " + text + "; a build drops and counts the face");
+      addProblem(false, name_ + ": " + text + "; a build drops and counts the face");
     if (dropped_.count > dropped_.first.size())
-      say(false, name_ + ": " + std::to_string(dropped_.count - dropped_.first.size()) +
-                     " more such faces; a build drops and counts them");
+      addProblem(false, name_ + ": " + std::to_string(dropped_.count - dropped_.first.size()) +
+                            " more such faces; a build drops and counts them");
   }
 
-  void failWhole(const std::string& what) {
-    say(true, name_ + ": " + what);
+  void fail(const std::string& what) {
+    addProblem(true, name_ + ": " + what);
     report_.is_readable = false;
   }
 
-  void judgeWhole() {
+  void checkModel() {
     const PlyCounts& counts = report_.counts;
     if (counts.vertices > UINT32_MAX)
-      failWhole(std::to_string(counts.vertices) +
-                " vertices; at most 4294967295 can be indexed: split the model");
-    if (counts.triangles == 0) failWhole("no usable face; export the model again, with its faces");
+      fail(std::to_string(counts.vertices) + " vertices; at most 4294967295 can be indexed: split the model");
+    if (counts.triangles == 0) fail("no usable face; export the model again, with its faces");
     if (!report_.skipped_properties.empty())
-      say(false, name_ + ": " + skippedInWords(report_.skipped_properties) + "; a build leaves them out");
+      addProblem(false,
+                 name_ + ": " + skippedInWords(report_.skipped_properties) + "; a build leaves them out");
     if (counts.unknown_textures > 0)
-      say(false, name_ + ": " + unknownTexturesInWords(counts.unknown_textures, report_.textures.size()));
-    if (counts.lengthless_normals > 0) say(false, name_ + ": " + lengthlessInWords(counts));
-    if (counts.clamped_colours > 0) say(false, name_ + ": " + clampedInWords(counts.clamped_colours));
+      addProblem(false,
+                 name_ + ": " + unknownTexturesInWords(counts.unknown_textures, report_.textures.size()));
+    if (counts.lengthless_normals > 0) addProblem(false, name_ + ": " + lengthlessInWords(counts));
+    if (counts.clamped_colours > 0) addProblem(false, name_ + ": " + clampedInWords(counts.clamped_colours));
     if (counts.extra_tokens > 0)
-      say(false, name_ + ": " + std::to_string(counts.extra_tokens) +
-                     " surplus values at the ends of lines; a build ignores them");
-    if (counts.trailing_bytes > 0) say(false, name_ + ": " + trailingInWords(counts));
+      addProblem(false, name_ + ": " + std::to_string(counts.extra_tokens) +
+                            " surplus values at the ends of lines; a build ignores them");
+    if (counts.trailing_bytes > 0) addProblem(false, name_ + ": " + trailingInWords(counts));
     if (report_.attributes.has(AttributeSet::kTexture) && report_.textures.empty())
-      say(false, name_ + ": " + kNoTextureFile);
+      addProblem(false, name_ + ": " + kNoTextureFile);
     if (!report_.topology) return;
     report_.min = report_.topology->used_min;
     report_.max = report_.topology->used_max;
-    if (!report_.topology->lattice_problem.empty()) failWhole(std::string(report_.topology->lattice_problem));
-    judgeTopology(*report_.topology);
+    if (!report_.topology->lattice_problem.empty()) fail(std::string(report_.topology->lattice_problem));
+    checkTopology(*report_.topology);
   }
 
-  void judgeTopology(const Topology& topology) {
+  void checkTopology(const Topology& topology) {
     const auto warn = [&](uint64_t count, const char* one, const char* several, const char* what) {
-      if (count > 0) say(false, name_ + ": " + counted(count, one, several) + what);
+      if (count > 0) addProblem(false, name_ + ": " + counted(count, one, several) + what);
     };
     warn(topology.unused_vertices, "vertex", "vertices", " that no face uses; a build leaves such out");
     warn(topology.flat_faces, "face", "faces",
          " with fewer than three distinct places; a build drops and counts such");
-    judgeLost({topology.lost_triangles, report_.counts.triangles, topology.lattice_step, topology.used_min,
-               topology.used_max});
+    checkLostTriangles({topology.lost_triangles, report_.counts.triangles, topology.lattice_step,
+                        topology.used_min, topology.used_max});
     warn(topology.opposed_faces, "face", "faces",
          " whose normals in the file point to the back; a build keeps both, and either side that is "
          "seen is lit; for an even surface leave the normals out, so that a build computes them");
@@ -204,16 +205,16 @@ class Doctor {
   }
 
   /// Of a budget that is too small for the root alone a build alone can tell.
-  void judgeMemory() {
+  void checkMemory() {
     const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
     const std::string words =
         smallBudgetInWords(budget(), triangles_per_node, report_.counts.triangles <= triangles_per_node);
-    if (!words.empty()) say(false, words);
+    if (!words.empty()) addProblem(false, words);
   }
 
-  void judgeLost(const LostTriangles& lost) {
-    if (lost.areMost()) return failWhole(lost.inWords());
-    if (lost.lost > 0) say(false, name_ + ": " + lost.inWords());
+  void checkLostTriangles(const LostTriangles& lost) {
+    if (lost.areMost()) return fail(lost.inWords());
+    if (lost.lost > 0) addProblem(false, name_ + ": " + lost.inWords());
   }
 
   void forecast() {

@@ -14,7 +14,7 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kEnough = 0.75f;         ///< of the stored error; what is nearer need not be told apart
+constexpr float kTolerance = 0.75f;      ///< of the stored error; what is nearer need not be told apart
 constexpr float kReach = 1.25f;          ///< of the stored error; farther leaves are not looked at
 constexpr float kBeyond = 1.3f;          ///< of the stored error; what a point counts as that has met none
 constexpr uint64_t kMostPoints = 20000;  ///< of an LOD, where its own triangles do not ask for more
@@ -59,12 +59,12 @@ struct SharedSurface {
                   TriangleChain& chain) const {
     return walk.chainAlong(segment, first, last, near_squared, chain);
   }
-  PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
+  MeasuredPoint measure(glm::vec3 at, uint32_t hint, float tolerance) const {
     const float squared = tree.squaredDistance(at, hint);
-    if (squared <= enough * enough) return {at, std::sqrt(squared), hint};
-    const float walked = walk.distanceFrom(at, hint, enough);
-    if (walked <= enough) return {at, walked, hint};
-    const TriangleTree::Nearest nearest = tree.nearest(at, enough, {walked * walked, walked, hint});
+    if (squared <= tolerance * tolerance) return {at, std::sqrt(squared), hint};
+    const float walked = walk.distanceFrom(at, hint, tolerance);
+    if (walked <= tolerance) return {at, walked, hint};
+    const TriangleTree::Nearest nearest = tree.nearest(at, tolerance, {walked * walked, walked, hint});
     return {at, nearest.distance, nearest.triangle};
   }
 };
@@ -139,26 +139,26 @@ void LodCheck::add(const LeafSurface& leaf) {
 }
 
 float LodCheck::backward() const {
-  float farthest = kEnough * stored_;
+  float farthest = kTolerance * stored_;
   for (const std::atomic<float>& nearest : nearest_)
     farthest = std::max(farthest, std::min(nearest.load(std::memory_order_relaxed), kBeyond * stored_));
   return farthest;
 }
 
 float LodCheck::farthestOf(const LeafSurface& leaf) const {
-  const float enough = kEnough * stored_;
+  const float tolerance = kTolerance * stored_;
   const SharedSurface surface{tree_, walk_};
-  std::vector<PointBeside> corners(leaf.positions.size(), {glm::vec3(0), -1, 0});
-  FarthestInTriangle farthest(surface, enough, 0);
+  std::vector<MeasuredPoint> corners(leaf.positions.size(), {glm::vec3(0), -1, 0});
+  FarthestInTriangle farthest(surface, tolerance, 0);
   uint32_t hint = 0;
   for (const glm::u32vec3& t : leaf.triangles) {
     for (int k = 0; k < 3; ++k) {
-      PointBeside& corner = corners[t[k]];
+      MeasuredPoint& corner = corners[t[k]];
       if (corner.distance < 0)
-        corner = surface.measure(glm::vec3(glm::ivec3(leaf.positions[t[k]] - origin_)), hint, enough);
+        corner = surface.measure(glm::vec3(glm::ivec3(leaf.positions[t[k]] - origin_)), hint, tolerance);
       hint = corner.triangle;
     }
-    farthest.look({corners[t.x], corners[t.y], corners[t.z]});
+    farthest.process({corners[t.x], corners[t.y], corners[t.z]});
   }
   return farthest.largest();
 }
@@ -175,20 +175,20 @@ void LodCheck::bringNearer(const LeafSurface& leaf) {
       const auto row = static_cast<size_t>((z * cells_ + y) * cells_);
       const uint32_t end = begin_[row + static_cast<size_t>(high.x) + 1];
       for (uint32_t i = begin_[row + static_cast<size_t>(low.x)]; i < end; ++i) {
-        float known = nearest_[i].load(std::memory_order_relaxed);
+        float current = nearest_[i].load(std::memory_order_relaxed);
         const glm::vec3 point = points_[i] - shift;
         const float away = glm::length(glm::max(glm::max(-point, point - size), 0.f));
-        if (known <= kEnough * stored_ || away > reach || away >= known) continue;
-        const float bound = std::min(known, kBeyond * stored_);
+        if (current <= kTolerance * stored_ || away > reach || away >= current) continue;
+        const float bound = std::min(current, kBeyond * stored_);
         const float beside_last = leaf.tree.squaredDistance(point, last);
         const TriangleTree::Nearest start =
             beside_last < bound * bound ? TriangleTree::Nearest{beside_last, std::sqrt(beside_last), last}
                                         : TriangleTree::Nearest{bound * bound, bound, last};
-        const TriangleTree::Nearest nearest = leaf.tree.nearest(point, kEnough * stored_, start);
+        const TriangleTree::Nearest nearest = leaf.tree.nearest(point, kTolerance * stored_, start);
         last = nearest.triangle;
         const float distance = nearest.distance;
-        while (distance < known &&
-               !nearest_[i].compare_exchange_weak(known, distance, std::memory_order_relaxed)) {
+        while (distance < current &&
+               !nearest_[i].compare_exchange_weak(current, distance, std::memory_order_relaxed)) {
         }
       }
     }

@@ -61,7 +61,7 @@ size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
 
 /// Measures a segment's largest distance from the boundaries by bisection. Skips parts that cannot exceed
 /// `farthest`.
-void look(const Segment& segment, std::span<Segment> boundaries, Farthest& farthest) {
+void measureSegment(const Segment& segment, std::span<Segment> boundaries, Farthest& farthest) {
   struct Part {
     Segment segment;
     size_t near;  ///< number of leading boundaries to search
@@ -74,9 +74,9 @@ void look(const Segment& segment, std::span<Segment> boundaries, Farthest& farth
     parts.pop_back();
     const std::span<Segment> near_boundaries = boundaries.first(near);
     const float bound = squaredBound(part, near_boundaries);
-    const float enough =
+    const float tolerance =
         std::max(kBoundaryPrecision * kBoundaryPrecision * farthest.reached, kNegligible * kNegligible);
-    if (bound <= enough || glm::distance(part.from, part.to) <= kShortestPart) {
+    if (bound <= tolerance || glm::distance(part.from, part.to) <= kShortestPart) {
       farthest.at_most = std::max(farthest.at_most, bound);
       continue;
     }
@@ -94,7 +94,7 @@ class MeetingBoundaries {
   MeetingBoundaries(const SimplifiedMesh& simplified, const LodInput& input)
       : simplified_(simplified), input_(input) {
     for (uint32_t i = 0; i < input.referenceCount(); ++i) {
-      const glm::u32vec2 image = imageOf(input.reference(i).near, simplified.became);
+      const glm::u32vec2 image = imageOf(input.reference(i).near, simplified.remap);
       if (image.x != kVanished) meetings_.push_back({image.x, i});
       if (image.y != kVanished && image.y != image.x) meetings_.push_back({image.y, i});
     }
@@ -121,7 +121,7 @@ class MeetingBoundaries {
     std::vector<uint32_t> places;
     for (const uint32_t end : {ends.x, ends.y}) {
       for (const Meeting meeting : meetingsAt(end)) {
-        const glm::u32vec2 image = imageOf(input_.reference(meeting.reference).near, simplified_.became);
+        const glm::u32vec2 image = imageOf(input_.reference(meeting.reference).near, simplified_.remap);
         for (const uint32_t place : {image.x, image.y})
           if (place != ends.x && place != ends.y && place != kVanished) places.push_back(place);
       }
@@ -150,7 +150,7 @@ class MeetingBoundaries {
 std::vector<glm::u32vec2> imagesOfBoundaries(const SimplifiedMesh& simplified, const LodInput& input) {
   std::vector<glm::u32vec2> images;
   for (const glm::u32vec2 boundary : input.boundaries()) {
-    const auto [a, b] = std::minmax(simplified.became[boundary.x], simplified.became[boundary.y]);
+    const auto [a, b] = std::minmax(simplified.remap[boundary.x], simplified.remap[boundary.y]);
     if (a != b && b != kVanished) images.emplace_back(a, b);
   }
   std::sort(images.begin(), images.end(), isBefore);
@@ -171,10 +171,10 @@ float boundaryGap(const SimplifiedMesh& simplified, const LodInput& input) {
     const Segment segment{pointOf(image.x), pointOf(image.y)};
     meeting.gather(std::array{image.x, image.y}, boundaries);
     Farthest from_these = farthest;
-    look(segment, boundaries, from_these);
+    measureSegment(segment, boundaries, from_these);
     if (from_these.at_most <= farthest.at_most) continue;
     meeting.gather(meeting.around(image), boundaries);
-    look(segment, boundaries, farthest);
+    measureSegment(segment, boundaries, farthest);
   }
   return input.referenceGapSteps() + kMargin * std::sqrt(farthest.at_most);
 }

@@ -18,7 +18,7 @@
 namespace lode::ingest {
 
 /// A point with its distance from a nearby triangle of a surface.
-struct PointBeside {
+struct MeasuredPoint {
   glm::vec3 at;
   float distance;     ///< from the triangle, so an upper bound of the distance from the surface
   uint32_t triangle;  ///< number in the surface
@@ -36,15 +36,15 @@ template <typename Surface>
 class FarthestInTriangle {
  public:
   /// @param tolerance  smaller distances need not be exact. @param lower_bound  initial value of largest().
-  FarthestInTriangle(const Surface& surface, float enough, float known)
-      : surface_(surface), enough_(enough), largest_(known) {}
+  FarthestInTriangle(const Surface& surface, float tolerance, float lower_bound)
+      : surface_(surface), tolerance_(tolerance), largest_(lower_bound) {}
 
   /// Processes one triangle. @param corners  with distances that are exact unless they are at most
   /// precision().
-  void look(const std::array<PointBeside, 3>& corners) {
-    for (const PointBeside& corner : corners) note(corner);
+  void process(const std::array<MeasuredPoint, 3>& corners) {
+    for (const MeasuredPoint& corner : corners) note(corner);
     Part whole{corners, {}, 0};
-    if (isBoundedByChains(corners) || isBoundedBySize(corners) || isBoundedBesideOne(whole)) return;
+    if (isBoundedByChains(corners) || isBoundedBySize(corners) || isBoundedByOneTriangle(whole)) return;
     std::array<Part, kMostCuts + 1> parts;
     size_t count = 0;
     parts[count++] = whole;
@@ -52,9 +52,9 @@ class FarthestInTriangle {
       const Part part = parts[--count];
       if (isBounded(part)) continue;
       const size_t at = edgeToCut(part.from);
-      const PointBeside &a = part.corners[at], &b = part.corners[(at + 1) % 3];
-      const PointBeside middle =
-          surface_.measure(glm::mix(a.at, b.at, whereToCut(part.from, at)), a.triangle, told());
+      const MeasuredPoint &a = part.corners[at], &b = part.corners[(at + 1) % 3];
+      const MeasuredPoint middle =
+          surface_.measure(glm::mix(a.at, b.at, whereToCut(part.from, at)), a.triangle, precision());
       note(middle);
       const Meeting meeting = meet(part, middle);
       parts[count++] = withMiddle(part, meeting, (at + 1) % 3);
@@ -67,13 +67,13 @@ class FarthestInTriangle {
   /// Point at that distance; nothing if no distance exceeded lower_bound.
   std::optional<glm::vec3> at() const noexcept { return at_; }
   /// Distances up to this value need not be exact.
-  float told() const noexcept { return std::max(enough_, largest_); }
+  float precision() const noexcept { return std::max(tolerance_, largest_); }
 
  private:
   /// [i][k]: distance of corner i from the triangle nearest to corner k.
   using Distances = std::array<std::array<float, 3>, 3>;
 
-  using Corners = std::array<PointBeside, 3>;
+  using Corners = std::array<MeasuredPoint, 3>;
 
   struct Part {
     Corners corners;
@@ -84,12 +84,12 @@ class FarthestInTriangle {
   /// A new point, its distances from the triangles at the corners, and the corners' distances from its
   /// triangle.
   struct Meeting {
-    PointBeside point;
+    MeasuredPoint point;
     std::array<float, 3> of_point, of_corners;
   };
 
   /// Returns whether all corners are close to one corner's triangle. Computes distances until one is.
-  bool isBoundedBesideOne(Part& part) const {
+  bool isBoundedByOneTriangle(Part& part) const {
     const auto& [a, b, c] = part.corners;
     if (a.triangle == b.triangle && b.triangle == c.triangle) {
       part.from = {{{a.distance, a.distance, a.distance},
@@ -97,9 +97,9 @@ class FarthestInTriangle {
                     {c.distance, c.distance, c.distance}}};
       return isNear(part, 0);
     }
-    const auto isNearOnceKnown = [&](size_t by, const std::array<float, 3>& squared) {
+    const auto isNearAfterMeasuring = [&](size_t by, const std::array<float, 3>& squared) {
       for (size_t k = 0; k < 3; ++k) {
-        const PointBeside& corner = part.corners[k];
+        const MeasuredPoint& corner = part.corners[k];
         const bool same = corner.triangle == part.corners[by].triangle;
         part.from[k][by] = same ? corner.distance : std::sqrt(squared[k]);
       }
@@ -108,13 +108,13 @@ class FarthestInTriangle {
     const PackedTriangle &of_a = surface_.triangle(a.triangle), &of_b = surface_.triangle(b.triangle),
                          &of_c = surface_.triangle(c.triangle);
     const Four of_ab = FourTriangles(of_a, of_a, of_b, of_b).squaredDistances({b.at, c.at, a.at, c.at});
-    if (isNearOnceKnown(0, {0, of_ab[0], of_ab[1]}) || isNearOnceKnown(1, {of_ab[2], 0, of_ab[3]}))
+    if (isNearAfterMeasuring(0, {0, of_ab[0], of_ab[1]}) || isNearAfterMeasuring(1, {of_ab[2], 0, of_ab[3]}))
       return true;
     const Four only_c = FourTriangles(of_c, of_c, of_c, of_c).squaredDistances({a.at, b.at, a.at, b.at});
-    return isNearOnceKnown(2, {only_c[0], only_c[1], 0});
+    return isNearAfterMeasuring(2, {only_c[0], only_c[1], 0});
   }
 
-  Meeting meet(const Part& part, const PointBeside& point) const {
+  Meeting meet(const Part& part, const MeasuredPoint& point) const {
     const auto& [a, b, c] = part.corners;
     const PackedTriangle& of_point = surface_.triangle(point.triangle);
     const Four some = FourTriangles(surface_.triangle(a.triangle), surface_.triangle(b.triangle),
@@ -148,19 +148,19 @@ class FarthestInTriangle {
   }
 
   /// Returns the ends of side k and the opposite corner.
-  static std::tuple<const PointBeside&, const PointBeside&, const PointBeside&> cornersFrom(
+  static std::tuple<const MeasuredPoint&, const MeasuredPoint&, const MeasuredPoint&> cornersFrom(
       const Corners& corners, size_t k) {
     return {corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]};
   }
 
-  void note(const PointBeside& point) {
-    if (point.distance <= told()) return;
+  void note(const MeasuredPoint& point) {
+    if (point.distance <= precision()) return;
     largest_ = point.distance;
     at_ = point.at;
   }
 
   /// Parts within this distance are not divided.
-  float limit() const { return std::max(enough_, kPrecision * largest_); }
+  float limit() const { return std::max(tolerance_, kPrecision * largest_); }
 
   bool isBoundedBySize(const Corners& corners) const {
     const auto& [a, b, c] = corners;
@@ -186,7 +186,7 @@ class FarthestInTriangle {
   /// edges are close too. No single chain covers a part above a vertex of the surface; there, chains along
   /// all three sides divide the part at one point.
   bool isBoundedByChains(const Corners& corners) const {
-    const size_t first = sideToBeginWith(corners);
+    const size_t first = firstSide(corners);
     std::array<TriangleChain, 3> along;
     bool are_all_found = true;
     for (const size_t k : {first, (first + 1) % 3, (first + 2) % 3}) {
@@ -196,7 +196,7 @@ class FarthestInTriangle {
       else if (along[k].edge_count > 0 && passes(along[k], from.at, third, to.at))
         return true;
     }
-    return are_all_found && isBoundedAround(placeAmid(corners, along), corners, along);
+    return are_all_found && isBoundedAround(pointNearVertex(corners, along), corners, along);
   }
 
   bool isBoundedAround(glm::vec3 place, const Corners& corners,
@@ -209,7 +209,7 @@ class FarthestInTriangle {
   }
 
   /// Point of a part that is nearest to the vertex that the chains go around.
-  static glm::vec3 placeAmid(const Corners& corners, const std::array<TriangleChain, 3>& along) {
+  static glm::vec3 pointNearVertex(const Corners& corners, const std::array<TriangleChain, 3>& along) {
     const TriangleChain& longest = *std::max_element(
         along.begin(), along.end(),
         [](const TriangleChain& a, const TriangleChain& b) { return a.edge_count < b.edge_count; });
@@ -232,7 +232,7 @@ class FarthestInTriangle {
 
   /// Chooses the side whose chain most likely covers the part: a side that starts or ends at the third
   /// corner's triangle, else the first.
-  static size_t sideToBeginWith(const Corners& corners) {
+  static size_t firstSide(const Corners& corners) {
     for (size_t k = 0; k < 3; ++k) {
       const auto& [from, to, third] = cornersFrom(corners, k);
       if (third.triangle == from.triangle || third.triangle == to.triangle) return k;
@@ -242,7 +242,7 @@ class FarthestInTriangle {
 
   /// Number of edges in a chain before the point's triangle or one close to the point; more than edge_count
   /// if there is none.
-  size_t edgesBefore(const TriangleChain& chain, const PointBeside& point, float limit_squared) const {
+  size_t edgesBefore(const TriangleChain& chain, const MeasuredPoint& point, float limit_squared) const {
     for (size_t i = 0; i <= chain.edge_count; ++i)
       if (chain.triangles[i] == point.triangle) return i;
     for (size_t i = 0; i <= chain.edge_count; i += 4) {
@@ -256,7 +256,7 @@ class FarthestInTriangle {
     return chain.edge_count + 1;
   }
 
-  bool passes(const TriangleChain& chain, glm::vec3 from, const PointBeside& third, glm::vec3 to) const {
+  bool passes(const TriangleChain& chain, glm::vec3 from, const MeasuredPoint& third, glm::vec3 to) const {
     const float limit_squared = limit() * limit();
     const size_t before = edgesBefore(chain, third, limit_squared);
     if (before > chain.edge_count) return false;
@@ -294,7 +294,7 @@ class FarthestInTriangle {
   static constexpr float kLeastShare = 0.125f;  ///< smallest part of an edge that is cut off
 
   const Surface& surface_;
-  const float enough_;
+  const float tolerance_;
   float largest_;
   std::optional<glm::vec3> at_;
 };

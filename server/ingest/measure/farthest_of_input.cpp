@@ -11,7 +11,7 @@ namespace lode::ingest {
 namespace {
 
 // Relative to the largest distance so far: triangles that are estimated to be nearer are skipped.
-constexpr float kWorthInInput = 0.7f;
+constexpr float kRefineAboveInInput = 0.7f;
 
 /// Plane of a triangle; the normal is 0 if the triangle has no area.
 struct Plane {
@@ -37,10 +37,10 @@ std::vector<Plane> planesOf(const NodeMesh& mesh) {
 /// Estimates, usually from above, a triangle's largest distance from an LOD by the planes at its corners.
 /// Where a side crosses the ridge between two planes, its height is below that of each end over the other
 /// end's plane.
-float triangleDistance(const std::array<PointBeside, 3>& corners, std::span<const Plane> lod_planes) {
+float triangleDistance(const std::array<MeasuredPoint, 3>& corners, std::span<const Plane> lod_planes) {
   float most = 0;
   for (size_t k = 0; k < 3; ++k) {
-    const PointBeside &from = corners[k], &to = corners[(k + 1) % 3];
+    const MeasuredPoint &from = corners[k], &to = corners[(k + 1) % 3];
     const float from_last = std::abs(lod_planes[to.triangle].height(from.at)),
                 to_first = std::abs(lod_planes[from.triangle].height(to.at));
     most = std::max({most, from.distance, std::min(from_last, to_first)});
@@ -50,19 +50,19 @@ float triangleDistance(const std::array<PointBeside, 3>& corners, std::span<cons
 
 /// Measures each position of the input, exactly if it may exceed `lower_bound`, which becomes the largest
 /// distance.
-std::vector<PointBeside> positionsBeside(const SimplifiedMesh& lod, const NodeMesh& input,
-                                         const LodSurface& surface,
-                                         std::span<const SurfaceWalk::Place> places, float& known) {
-  std::vector<PointBeside> beside;
+std::vector<MeasuredPoint> measurePositions(const SimplifiedMesh& lod, const NodeMesh& input,
+                                            const LodSurface& surface,
+                                            std::span<const SurfaceWalk::Place> places, float& lower_bound) {
+  std::vector<MeasuredPoint> beside;
   beside.reserve(input.positions.size());
   for (uint32_t i = 0; i < input.positions.size(); ++i) {
     const glm::vec3 at(unpackPosition(input.positions[i]));
-    if (lod.became[i] != kVanished && places[i].distance <= known) {
+    if (lod.remap[i] != kVanished && places[i].distance <= lower_bound) {
       beside.push_back({at, places[i].distance, places[i].triangle});
     } else {
-      const TriangleTree::Nearest nearest = surface.nearest(at, known);
+      const TriangleTree::Nearest nearest = surface.nearest(at, lower_bound);
       beside.push_back({at, nearest.distance, nearest.triangle});
-      known = std::max(known, nearest.distance);
+      lower_bound = std::max(lower_bound, nearest.distance);
     }
   }
   return beside;
@@ -71,19 +71,19 @@ std::vector<PointBeside> positionsBeside(const SimplifiedMesh& lod, const NodeMe
 }  // namespace
 
 FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input, const LodSurface& surface,
-                                std::span<const SurfaceWalk::Place> places, float known) {
-  const std::vector<PointBeside> beside = positionsBeside(lod, input, surface, places, known);
+                                std::span<const SurfaceWalk::Place> places, float lower_bound) {
+  const std::vector<MeasuredPoint> beside = measurePositions(lod, input, surface, places, lower_bound);
   const std::vector<Plane> lod_planes = planesOf(lod.mesh);
-  FarthestInTriangle farthest(surface, known, known);
+  FarthestInTriangle farthest(surface, lower_bound, lower_bound);
   uint32_t corner = 0;  // corner of the triangle with the farthest point
   for (const glm::u32vec3& t : input.triangles) {
-    const PointBeside &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
-                      &c = beside[input.wedge_position[t.z]];
+    const MeasuredPoint &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
+                        &c = beside[input.wedge_position[t.z]];
     if (a.triangle == b.triangle && b.triangle == c.triangle) continue;  // farthest at a corner
-    const std::array<PointBeside, 3> corners{a, b, c};
-    if (triangleDistance(corners, lod_planes) <= kWorthInInput * farthest.told()) continue;
+    const std::array<MeasuredPoint, 3> corners{a, b, c};
+    if (triangleDistance(corners, lod_planes) <= kRefineAboveInInput * farthest.precision()) continue;
     const float before = farthest.largest();
-    farthest.look(corners);
+    farthest.process(corners);
     if (farthest.largest() > before) corner = input.wedge_position[t.x];
   }
   FarthestOfInput found{farthest.largest(), {}};

@@ -23,6 +23,6 @@ struct FarthestOfInput {
 /// @param places  of the input's positions on the LOD; see placesOn().
 /// @param lower_bound  smaller distances do not matter. @return at least lower_bound.
 FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input, const LodSurface& surface,
-                                std::span<const SurfaceWalk::Place> places, float known);
+                                std::span<const SurfaceWalk::Place> places, float lower_bound);
 
 }  // namespace lode::ingest

@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kWorthInLod =
+constexpr float kRefineAboveInLod =
     0.8f;  ///< relative to the largest distance so far: triangles above it are sampled finely
 // Steps per edge in the first pass. A small LOD has large triangles that may hide more, and costs less.
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
@@ -26,7 +26,7 @@ class PositionsOnTriangles {
  public:
   PositionsOnTriangles(const SimplifiedMesh& lod, std::span<const SurfaceWalk::Place> places)
       : begin_(lod.mesh.triangles.size() + 1) {
-    const auto isOn = [&](size_t position) { return lod.became[position] != kVanished; };
+    const auto isOn = [&](size_t position) { return lod.remap[position] != kVanished; };
     for (size_t i = 0; i < places.size(); ++i)
       if (isOn(i)) ++begin_[places[i].triangle];
     uint32_t end = 0;
@@ -47,24 +47,24 @@ class PositionsOnTriangles {
 class Measurement {
  public:
   Measurement(const SimplifiedMesh& lod, const LodInput& input, std::span<const SurfaceWalk::Place> places,
-              std::span<const uint32_t> sources, float known)
-      : mesh_(lod.mesh), input_(input), starts_(lod, places), sources_(sources), largest_(known) {}
+              std::span<const uint32_t> sources, float lower_bound)
+      : mesh_(lod.mesh), input_(input), starts_(lod, places), sources_(sources), largest_(lower_bound) {}
 
   float run() {
     of_vertex_.reserve(sources_.size());
     for (uint32_t i = 0; i < sources_.size(); ++i) {
       uint32_t near = sources_[i];
       const bool has_stayed = mesh_.positions[i] == input_.mesh().positions[near];
-      of_vertex_.push_back(has_stayed ? 0 : measure(pointOf(i), near, kWorthInLod * largest_));
+      of_vertex_.push_back(has_stayed ? 0 : measure(pointOf(i), near, kRefineAboveInLod * largest_));
     }
     std::vector<float> high;
     high.reserve(mesh_.triangles.size());
     const uint32_t few = stepsAtFirst(mesh_.triangles.size());
     edges_.reset(3 * mesh_.triangles.size() / 2);
-    for (size_t t = 0; t < mesh_.triangles.size(); ++t) high.push_back(look(t, few));
+    for (size_t t = 0; t < mesh_.triangles.size(); ++t) high.push_back(sample(t, few));
     const auto steps = static_cast<uint32_t>(kManySteps * edgesOfInputAlongEdge());
     for (size_t t = 0; t < high.size(); ++t)
-      if (high[t] > kWorthInLod * largest_) lookClosely(t, std::clamp(steps, 2 * few, kMostSteps));
+      if (high[t] > kRefineAboveInLod * largest_) sampleFinely(t, std::clamp(steps, 2 * few, kMostSteps));
     return largest_;
   }
 
@@ -78,10 +78,10 @@ class Measurement {
 
   /// @param near  start of a walk over the input; becomes its end.
   /// @param tolerance  distances up to this value need not be exact.
-  float measure(glm::vec3 point, uint32_t& near, float enough) {
-    const float walked = input_.walk().distanceOnwards(point, near, enough);
+  float measure(glm::vec3 point, uint32_t& near, float tolerance) {
+    const float walked = input_.walk().distanceAndAdvance(point, near, tolerance);
     if (walked <= largest_) return walked;
-    const float exact = looks_++ < kMostLooksAtInput
+    const float exact = searches_++ < kMostSearchesOfInput
                             ? input_.walk().nearestOfAll(point, {walked * walked, walked, 0}).distance
                             : input_.tree().nearest(point, 0, {walked * walked, walked, 0}).distance;
     largest_ = std::max(largest_, exact);
@@ -113,19 +113,19 @@ class Measurement {
   }
 
   /// Samples a triangle, divided into `steps` along each edge. @return the largest distance.
-  float look(size_t triangle, uint32_t steps) {
+  float sample(size_t triangle, uint32_t steps) {
     const glm::u32vec3 at = cornersOf(triangle);
     float high = std::max({of_vertex_[at.x], of_vertex_[at.y], of_vertex_[at.z]});
-    for (int k = 0; k < 3; ++k) high = std::max(high, lookAlong({at[k], at[(k + 1) % 3]}, triangle, steps));
+    for (int k = 0; k < 3; ++k) high = std::max(high, sampleEdge({at[k], at[(k + 1) % 3]}, triangle, steps));
     if (steps < 3) return high;  // no inner points
     forEachPoint(at, steps, [&](glm::vec3 point, bool is_inside, uint32_t& near) {
-      if (is_inside) high = std::max(high, measureOn(triangle, point, near, kWorthInLod * largest_));
+      if (is_inside) high = std::max(high, measureOn(triangle, point, near, kRefineAboveInLod * largest_));
     });
     return high;
   }
 
   /// Samples an edge, once for its two triangles.
-  float lookAlong(glm::u32vec2 edge, size_t triangle, uint32_t steps) {
+  float sampleEdge(glm::u32vec2 edge, size_t triangle, uint32_t steps) {
     const uint32_t lower = std::min(edge.x, edge.y), upper = std::max(edge.x, edge.y);
     const auto next = static_cast<uint32_t>(of_edge_.size());
     const uint32_t number = edges_.findOrAdd(uint64_t{lower} << 32 | upper, next);
@@ -135,21 +135,21 @@ class Measurement {
     uint32_t near = sources_[lower];
     for (uint32_t i = 1; i < steps; ++i) {
       const glm::vec3 point = glm::mix(from, to, static_cast<float>(i) / static_cast<float>(steps));
-      high = std::max(high, measureOn(triangle, point, near, kWorthInLod * largest_));
+      high = std::max(high, measureOn(triangle, point, near, kRefineAboveInLod * largest_));
     }
     of_edge_.push_back(high);
     return high;
   }
 
-  void lookClosely(size_t triangle, uint32_t steps) {
+  void sampleFinely(size_t triangle, uint32_t steps) {
     forEachPoint(cornersOf(triangle), steps,
                  [&](glm::vec3 point, bool, uint32_t& near) { measureOn(triangle, point, near, largest_); });
   }
 
   /// @param near  possible start of a walk; becomes its end.
-  float measureOn(size_t triangle, glm::vec3 point, uint32_t& near, float enough) {
+  float measureOn(size_t triangle, glm::vec3 point, uint32_t& near, float tolerance) {
     near = startFor(point, triangle, near);
-    return measure(point, near, enough);
+    return measure(point, near, tolerance);
   }
 
   /// Calls visit(point, is_inside, near) for the grid points of a triangle except its corners; `near` carries
@@ -177,7 +177,7 @@ class Measurement {
   const PositionsOnTriangles starts_;
   const std::span<const uint32_t> sources_;
   float largest_;
-  int looks_ = 0;
+  int searches_ = 0;
   std::vector<float> of_vertex_, of_edge_;
   NumberTable edges_;  ///< index into of_edge_
 };
@@ -188,8 +188,8 @@ constexpr int kMostCuts = 12;  ///< nested bisections of an edge
 class EdgeMeasurement {
  public:
   EdgeMeasurement(const SimplifiedMesh& lod, const LodInput& input, std::span<const uint32_t> sources,
-                  float known)
-      : mesh_(lod.mesh), input_(input), largest_(known) {
+                  float lower_bound)
+      : mesh_(lod.mesh), input_(input), largest_(lower_bound) {
     corners_.reserve(sources.size());
     for (size_t i = 0; i < sources.size(); ++i) {
       const glm::vec3 at(unpackPosition(mesh_.positions[i]));
@@ -207,7 +207,7 @@ class EdgeMeasurement {
         const uint64_t edge = uint64_t{std::min(a, b)} << 32 | std::max(a, b);
         if (edges.findOrAdd(edge, next) != next) continue;
         ++next;
-        look(corners_[a], corners_[b], 0);
+        process(corners_[a], corners_[b], 0);
       }
     }
     return largest_;
@@ -216,13 +216,13 @@ class EdgeMeasurement {
  private:
   float limit() const { return kEdgePrecision * largest_; }
 
-  PointBeside measure(glm::vec3 at, uint32_t hint) {
+  MeasuredPoint measure(glm::vec3 at, uint32_t hint) {
     const SurfaceWalk& walk = input_.walk();
     float distance = std::sqrt(walk.squaredDistance(at, hint));
     if (distance > largest_) distance = walk.distanceFrom(at, hint, largest_);
     if (distance > largest_) {
       const TriangleTree::Nearest walked{distance * distance, distance, hint};
-      const TriangleTree::Nearest nearest = looks_++ < kMostLooksAtInput
+      const TriangleTree::Nearest nearest = searches_++ < kMostSearchesOfInput
                                                 ? walk.nearestOfAll(at, walked)
                                                 : input_.tree().nearest(at, largest_, walked);
       distance = nearest.distance;
@@ -232,17 +232,17 @@ class EdgeMeasurement {
     return {at, distance, hint};
   }
 
-  void look(const PointBeside& from, const PointBeside& to, int cuts) {
+  void process(const MeasuredPoint& from, const MeasuredPoint& to, int cuts) {
     if (isNear(from, to) || cuts == kMostCuts) return;
-    const PointBeside middle = measure(glm::mix(from.at, to.at, 0.5f), from.triangle);
-    look(from, middle, cuts + 1);
-    look(middle, to, cuts + 1);
+    const MeasuredPoint middle = measure(glm::mix(from.at, to.at, 0.5f), from.triangle);
+    process(from, middle, cuts + 1);
+    process(middle, to, cuts + 1);
   }
 
   /// Returns whether all points between two are close to the input: both are close to one triangle (distance
   /// from it is convex), or a chain of triangles connects their triangles and each of its edges is close to
   /// the segment.
-  bool isNear(const PointBeside& from, const PointBeside& to) const {
+  bool isNear(const MeasuredPoint& from, const MeasuredPoint& to) const {
     const float squared = limit() * limit();
     const SurfaceWalk& walk = input_.walk();
     if (walk.squaredDistance(to.at, from.triangle) <= squared ||
@@ -262,21 +262,21 @@ class EdgeMeasurement {
   const NodeMesh& mesh_;
   const LodInput& input_;
   float largest_;
-  int looks_ = 0;
-  std::vector<PointBeside> corners_;
+  int searches_ = 0;
+  std::vector<MeasuredPoint> corners_;
 };
 
 }  // namespace
 
 float farthestOfLod(const SimplifiedMesh& lod, const LodInput& input,
                     std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,
-                    float known) {
-  return Measurement(lod, input, places, sources, known).run();
+                    float lower_bound) {
+  return Measurement(lod, input, places, sources, lower_bound).run();
 }
 
 float farthestAlongEdges(const SimplifiedMesh& lod, const LodInput& input, std::span<const uint32_t> sources,
-                         float known) {
-  return EdgeMeasurement(lod, input, sources, known).run();
+                         float lower_bound) {
+  return EdgeMeasurement(lod, input, sources, lower_bound).run();
 }
 
 }  // namespace lode::ingest

@@ -14,7 +14,7 @@ namespace lode::ingest {
 /// @param lower_bound  smaller distances do not matter. @return at least lower_bound.
 float farthestOfLod(const SimplifiedMesh& lod, const LodInput& input,
                     std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,
-                    float known);
+                    float lower_bound);
 
 /// Largest distance of an LOD's edges from the mesh that it was made of, in lattice steps, to 2 %, over all
 /// their points. (Clustering may make edges across a notch of the boundary or between sheets, which are close
@@ -22,6 +22,6 @@ float farthestOfLod(const SimplifiedMesh& lod, const LodInput& input,
 /// @param sources  see sourcesOf(). @param lower_bound  smaller distances do not matter. @return at least
 /// lower_bound.
 float farthestAlongEdges(const SimplifiedMesh& lod, const LodInput& input, std::span<const uint32_t> sources,
-                         float known);
+                         float lower_bound);
 
 }  // namespace lode::ingest

@@ -14,12 +14,12 @@ namespace {
 // resulting ratios of stored to measured errors.
 constexpr float kPrecision = 1.021f, kPointMargin = 1.12f, kSampleMargin = 1.1f;
 // Samples are not trusted in LODs up to the first size, and fully trusted from the second on.
-constexpr float kDoubtedTriangles = 4096, kBelievedTriangles = 16384;
-constexpr float kBelievedSampleMargin = 1.3f;
+constexpr float kUntrustedTriangles = 4096, kTrustedTriangles = 16384;
+constexpr float kTrustedSampleMargin = 1.3f;
 
-float beliefInSamples(size_t triangles) {
-  const float above = static_cast<float>(triangles) - kDoubtedTriangles;
-  return std::clamp(above / (kBelievedTriangles - kDoubtedTriangles), 0.f, 1.f);
+float trustInSamples(size_t triangles) {
+  const float above = static_cast<float>(triangles) - kUntrustedTriangles;
+  return std::clamp(above / (kTrustedTriangles - kUntrustedTriangles), 0.f, 1.f);
 }
 
 }  // namespace
@@ -27,17 +27,17 @@ float beliefInSamples(size_t triangles) {
 float deviationOfReduced(float from_input, float off, float farthest_sample, size_t triangles) {
   const float from = kPointMargin * from_input;
   const float independent = std::max(kSampleMargin * farthest_sample, std::hypot(from, off));
-  const float sampled = std::max({from, off, std::min(kBelievedSampleMargin * farthest_sample, independent)});
-  return glm::mix(independent, sampled, beliefInSamples(triangles));
+  const float sampled = std::max({from, off, std::min(kTrustedSampleMargin * farthest_sample, independent)});
+  return glm::mix(independent, sampled, trustInSamples(triangles));
 }
 
 LodDeviation lodDeviation(const SimplifiedMesh& lod, const LodInput& input, const LodPlaces& places,
                           float farthest_sample) {
-  const auto fromInput = [&](float known) {
-    return farthestOfInput(lod, input.mesh(), places.surface, places.of_input, known);
+  const auto fromInput = [&](float lower_bound) {
+    return farthestOfInput(lod, input.mesh(), places.surface, places.of_input, lower_bound);
   };
-  const auto fromLod = [&](float known) {
-    const float at_points = farthestOfLod(lod, input, places.of_input, places.sources, known);
+  const auto fromLod = [&](float lower_bound) {
+    const float at_points = farthestOfLod(lod, input, places.of_input, places.sources, lower_bound);
     return lod.is_clustered ? farthestAlongEdges(lod, input, places.sources, at_points) : at_points;
   };
   if (input.isOriginal()) {
@@ -46,8 +46,8 @@ LodDeviation lodDeviation(const SimplifiedMesh& lod, const LodInput& input, cons
     return {std::max(steps, kPointMargin * fromLod(steps / kPointMargin)), forward.inside};
   }
   const float sampled = kSampleMargin * farthest_sample, off = input.offSteps();
-  const float known = std::sqrt(std::max(sampled * sampled - off * off, 0.f)) / kPointMargin;
-  const float from_input = fromLod(fromInput(known).steps);
+  const float lower_bound = std::sqrt(std::max(sampled * sampled - off * off, 0.f)) / kPointMargin;
+  const float from_input = fromLod(fromInput(lower_bound).steps);
   return {deviationOfReduced(from_input, off, farthest_sample, lod.mesh.triangles.size()), {}};
 }
 

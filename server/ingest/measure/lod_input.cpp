@@ -7,17 +7,17 @@
 
 namespace lode::ingest {
 
-glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> became) noexcept {
-  const auto imageOfEnd = [&](uint32_t end) { return end == kVanished ? kVanished : became[end]; };
+glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> remap) noexcept {
+  const auto imageOfEnd = [&](uint32_t end) { return end == kVanished ? kVanished : remap[end]; };
   return {imageOfEnd(ends.x), imageOfEnd(ends.y)};
 }
 
-ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> became,
+ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> remap,
                                  float boundary_gap_steps, size_t most) {
   ReferenceBoundaries references{{}, input.referenceGapSteps()};
   for (uint32_t i = 0; i < input.referenceCount(); ++i) {
     ReferenceBoundary reference = input.reference(i);
-    reference.near = imageOf(reference.near, became);
+    reference.near = imageOf(reference.near, remap);
     if (reference.near == glm::u32vec2(kVanished)) continue;
     if (references.boundaries.size() == most) return {{}, boundary_gap_steps};
     references.boundaries.push_back(reference);

@@ -28,7 +28,7 @@ struct ReferenceBoundaries {
       0;  ///< upper bound on the distance from all these to the original boundary, in lattice steps
 };
 
-constexpr int kMostLooksAtInput = 32;  ///< exhaustive searches before building a tree pays
+constexpr int kMostSearchesOfInput = 32;  ///< exhaustive searches before building a tree pays
 
 /// Input that a node's LODs are made of and measured against. Const functions are thread safe.
 class LodInput {
@@ -66,12 +66,12 @@ class LodInput {
 };
 
 /// Maps both ends of a boundary edge.
-glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> became) noexcept;
+glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> remap) noexcept;
 
 /// References of an LOD that replaces its input: the input's without those that vanished, or the LOD's own
 /// boundary edges if that would be more than `most`.
 /// @param boundary_gap_steps  of the LOD, see boundaryGap()
-ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> became,
+ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> remap,
                                  float boundary_gap_steps, size_t most);
 
 }  // namespace lode::ingest

@@ -5,31 +5,32 @@
 namespace lode::ingest {
 namespace {
 
-constexpr int kMostLooksAtLod = 32;
+constexpr int kMostSearchesOfLod = 32;
 
 }  // namespace
 
-TriangleTree::Nearest LodSurface::nearest(glm::vec3 point, float enough, TriangleTree::Nearest known) const {
-  if (looks_ < kMostLooksAtLod) {
-    ++looks_;
-    return walk_.nearestOfAll(point, known);
+TriangleTree::Nearest LodSurface::nearest(glm::vec3 point, float tolerance,
+                                          TriangleTree::Nearest bound) const {
+  if (searches_ < kMostSearchesOfLod) {
+    ++searches_;
+    return walk_.nearestOfAll(point, bound);
   }
   if (!tree_) tree_.emplace(lod_);
-  return tree_->nearest(point, enough, known);
+  return tree_->nearest(point, tolerance, bound);
 }
 
-PointBeside LodSurface::walkFrom(glm::vec3 at, uint32_t hint, float enough) const noexcept {
+MeasuredPoint LodSurface::walkFrom(glm::vec3 at, uint32_t hint, float tolerance) const noexcept {
   const float squared = walk_.squaredDistance(at, hint);
-  if (squared <= enough * enough) return {at, std::sqrt(squared), hint};
-  const float walked = walk_.distanceFrom(at, hint, enough);
+  if (squared <= tolerance * tolerance) return {at, std::sqrt(squared), hint};
+  const float walked = walk_.distanceFrom(at, hint, tolerance);
   return {at, walked, hint};
 }
 
-PointBeside LodSurface::measure(glm::vec3 at, uint32_t hint, float enough) const {
-  const PointBeside walked = walkFrom(at, hint, enough);
-  if (walked.distance <= enough) return walked;
+MeasuredPoint LodSurface::measure(glm::vec3 at, uint32_t hint, float tolerance) const {
+  const MeasuredPoint walked = walkFrom(at, hint, tolerance);
+  if (walked.distance <= tolerance) return walked;
   const TriangleTree::Nearest found =
-      nearest(at, enough, {walked.distance * walked.distance, walked.distance, walked.triangle});
+      nearest(at, tolerance, {walked.distance * walked.distance, walked.distance, walked.triangle});
   return {at, found.distance, found.triangle};
 }
 

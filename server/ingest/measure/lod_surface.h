@@ -8,7 +8,7 @@
 
 namespace lode::ingest {
 
-/// Distances from an LOD's surface: by walking if a nearby triangle is known, else exactly by searching all
+/// Distances from an LOD's surface: by walking if a nearby triangle is bound, else exactly by searching all
 /// triangles or, after some searches, by a tree (building it costs about as much as fifty searches). Not
 /// thread safe.
 class LodSurface {
@@ -18,8 +18,8 @@ class LodSurface {
 
   const SurfaceWalk& walk() const noexcept { return walk_; }
   /// See TriangleTree::nearest().
-  TriangleTree::Nearest nearest(glm::vec3 point, float enough = 0,
-                                TriangleTree::Nearest known = TriangleTree::kNothing) const;
+  TriangleTree::Nearest nearest(glm::vec3 point, float tolerance = 0,
+                                TriangleTree::Nearest bound = TriangleTree::kNothing) const;
 
   float squaredDistance(glm::vec3 at, uint32_t triangle) const noexcept {
     return walk_.squaredDistance(at, triangle);
@@ -31,14 +31,14 @@ class LodSurface {
                   TriangleChain& chain) const noexcept {
     return walk_.chainAlong(segment, first, last, near_squared, chain);
   }
-  PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const;
+  MeasuredPoint measure(glm::vec3 at, uint32_t hint, float tolerance) const;
   /// Walks from the hint without an exact search, so the distance is an upper bound.
-  PointBeside walkFrom(glm::vec3 at, uint32_t hint, float enough) const noexcept;
+  MeasuredPoint walkFrom(glm::vec3 at, uint32_t hint, float tolerance) const noexcept;
 
  private:
   const NodeMesh& lod_;
   const SurfaceWalk walk_;
-  mutable int looks_ = 0;
+  mutable int searches_ = 0;
   mutable std::optional<TriangleTree> tree_;
 };
 

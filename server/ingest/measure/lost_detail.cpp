@@ -167,7 +167,7 @@ float lostDetail(const SimplifiedMesh& lod, const NodeMesh& input,
   for (auto wedge = static_cast<uint32_t>(wedges.size()); wedge-- > 0;)
     wedges[--begin[input.wedge_position[wedge]]] = wedge;
   for (size_t i = 0; i < input.positions.size(); ++i) {
-    if (lod.became[i] == kVanished) continue;
+    if (lod.remap[i] == kVanished) continue;
     meter.add(std::span(wedges).subspan(begin[i], begin[i + 1] - begin[i]), places[i]);
   }
   return meter.size();

@@ -98,10 +98,10 @@ std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& lod, const NodeMe
                                          const SurfaceWalk& walk) {
   std::vector<SurfaceWalk::Place> places(input.positions.size());
   for (uint32_t i = 0; i < places.size(); ++i) {
-    const uint32_t became = lod.became[i];
-    if (became == kVanished) continue;
-    const bool has_stayed = lod.mesh.positions[became] == input.positions[i];
-    places[i] = has_stayed ? walk.placeAt(became) : walk.placeOf(pointOf(input, i), became);
+    const uint32_t image = lod.remap[i];
+    if (image == kVanished) continue;
+    const bool has_stayed = lod.mesh.positions[image] == input.positions[i];
+    places[i] = has_stayed ? walk.placeAt(image) : walk.placeOf(pointOf(input, i), image);
   }
   return places;
 }
@@ -115,7 +115,7 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh&
   nears.reserve(samples.size());
   float largest = 0;
   for (const SurfaceSample& sample : samples) {
-    uint32_t near = sample.near == kVanished ? kVanished : lod.became[sample.near];
+    uint32_t near = sample.near == kVanished ? kVanished : lod.remap[sample.near];
     if (near == kVanished) {  // its triangles have vanished: take the nearest remaining one
       const TriangleTree::Nearest found = surface.nearest(pointOf(sample), kRanks * largest);
       near = lod.mesh.wedge_position[lod.mesh.triangles[found.triangle].x];

@@ -81,23 +81,23 @@ SurfaceWalk::SurfaceWalk(const NodeMesh& mesh) : begin_(mesh.positions.size() + 
   }
 }
 
-float SurfaceWalk::distance(glm::vec3 point, uint32_t start, float enough) const noexcept {
-  return std::sqrt(walk(point, start, enough * enough).squared);
+float SurfaceWalk::distance(glm::vec3 point, uint32_t start, float tolerance) const noexcept {
+  return std::sqrt(walk(point, start, tolerance * tolerance).squared);
 }
 
-float SurfaceWalk::distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept {
-  const Nearest nearest = walk(point, start, enough * enough);
+float SurfaceWalk::distanceAndAdvance(glm::vec3 point, uint32_t& start, float tolerance) const noexcept {
+  const Nearest nearest = walk(point, start, tolerance * tolerance);
   if (!std::isinf(nearest.squared)) start = corners_[nearest.triangle].x;
   return std::sqrt(nearest.squared);
 }
 
-float SurfaceWalk::distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept {
+float SurfaceWalk::distanceFrom(glm::vec3 point, uint32_t& triangle, float tolerance) const noexcept {
   const glm::u32vec3& t = corners_[triangle];
   const std::array<Four, 3> corners = cornersOf(triangles_[triangle]);
   const auto away = [&](size_t k) { return squaredLength(vectorOf(corners[k]) - point); };
   const float a = away(0), b = away(1), c = away(2);
   const uint32_t start = a <= b && a <= c ? t.x : b <= c ? t.y : t.z;
-  const Nearest nearest = walk(point, start, enough * enough);
+  const Nearest nearest = walk(point, start, tolerance * tolerance);
   triangle = nearest.triangle;
   return std::sqrt(nearest.squared);
 }
@@ -146,27 +146,28 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
   return std::isinf(nearest) ? std::nullopt : std::optional(place);
 }
 
-SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept {
+SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start,
+                                       float tolerance_squared) const noexcept {
   Nearest best{std::numeric_limits<float>::infinity(), 0};
-  if (enough_squared > 0) lookAbove(point, start, enough_squared, best);
-  if (best.squared <= enough_squared) return best;
-  lookAround(point, start, enough_squared, best);
+  if (tolerance_squared > 0) visitAbove(point, start, tolerance_squared, best);
+  if (best.squared <= tolerance_squared) return best;
+  visitAround(point, start, tolerance_squared, best);
   if (std::isinf(best.squared)) return best;
   glm::u32vec3 done(start);  // corners whose triangles have been visited
   for (float before = std::numeric_limits<float>::infinity(); best.squared < before;) {
-    if (best.squared <= enough_squared || isAbove(point, best.triangle)) break;
+    if (best.squared <= tolerance_squared || isAbove(point, best.triangle)) break;
     before = best.squared;
     const glm::u32vec3 corners = corners_[best.triangle];
     for (int k = 0; k < 3; ++k) {
       if (corners[k] != done.x && corners[k] != done.y && corners[k] != done.z)
-        lookAround(point, corners[k], enough_squared, best);
+        visitAround(point, corners[k], tolerance_squared, best);
     }
     done = corners;
   }
   return best;
 }
 
-uint32_t SurfaceWalk::beyond(uint32_t triangle, uint32_t from, uint32_t to) const noexcept {
+uint32_t SurfaceWalk::acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept {
   uint32_t found = triangle;
   for (uint32_t i = begin_[from + 1];
        i-- > begin_[from];) {  // backwards, so that the first match wins without a branch
@@ -194,7 +195,7 @@ bool SurfaceWalk::chainAlong(const Segment& segment, uint32_t first, uint32_t la
     if (towards < 0) return squaredDistance(segment.to, here) <= near_squared;
     const auto way = static_cast<size_t>(towards);
     came_by = {t[way], t[way + 1]};
-    const uint32_t next = beyond(here, came_by.x, came_by.y);
+    const uint32_t next = acrossEdge(here, came_by.x, came_by.y);
     if (next == here) return false;
     chain.from[chain.edge_count] = outline.corner(way);
     chain.to[chain.edge_count] = outline.corner(way + 1);
@@ -204,13 +205,13 @@ bool SurfaceWalk::chainAlong(const Segment& segment, uint32_t first, uint32_t la
   return true;
 }
 
-TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept {
-  Nearest best{known.squared, known.triangle};
-  float distance = known.distance, reach = distance + longest_edge_;
+TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::Nearest bound) const noexcept {
+  Nearest best{bound.squared, bound.triangle};
+  float distance = bound.distance, reach = distance + longest_edge_;
   for (uint32_t t = 0; t < triangles_.size(); ++t) {
     if (squaredLength(point - vectorOf(triangles_[t].a())) > reach * reach) continue;
     const float before = best.squared;
-    lookAt(point, t, best);
+    visit(point, t, best);
     if (best.squared == before) continue;
     distance = std::sqrt(best.squared);
     reach = distance + longest_edge_;
@@ -228,37 +229,37 @@ bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
          glm::dot(normal, glm::cross(c, a)) > 0;
 }
 
-void SurfaceWalk::lookAround(glm::vec3 point, uint32_t position, float enough_squared,
-                             Nearest& best) const noexcept {
+void SurfaceWalk::visitAround(glm::vec3 point, uint32_t position, float tolerance_squared,
+                              Nearest& best) const noexcept {
   const FourVectors points(point);
   const uint32_t end = begin_[position + 1];
-  for (uint32_t i = begin_[position]; i < end && best.squared > enough_squared; i += 4) {
+  for (uint32_t i = begin_[position]; i < end && best.squared > tolerance_squared; i += 4) {
     const Four found = trianglesFrom(i, end).squaredDistances(points);
-    const unsigned enough = bitsOf(found <= enough_squared);
+    const unsigned within = bitsOf(found <= tolerance_squared);
     const float least = leastOf(found);
-    if (enough == 0 && !(least < best.squared)) continue;
-    const auto first = static_cast<uint32_t>(std::countr_zero(enough != 0 ? enough : bitsOf(found == least)));
+    if (within == 0 && !(least < best.squared)) continue;
+    const auto first = static_cast<uint32_t>(std::countr_zero(within != 0 ? within : bitsOf(found == least)));
     best = {found[first], around_[i + first]};
   }
 }
 
 /// Finds a triangle around a position that the point projects into within the tolerance. Most walks end here,
 /// three times as fast as with full distances.
-void SurfaceWalk::lookAbove(glm::vec3 point, uint32_t position, float enough_squared,
-                            Nearest& best) const noexcept {
+void SurfaceWalk::visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared,
+                             Nearest& best) const noexcept {
   const FourVectors points(point);
   const uint32_t end = begin_[position + 1];
   for (uint32_t i = begin_[position]; i < end; i += 4) {
     const Four found = trianglesFrom(i, end).squaredHeights(points);
-    const unsigned enough = bitsOf(found <= enough_squared);
-    if (enough == 0) continue;
-    const auto first = static_cast<uint32_t>(std::countr_zero(enough));
+    const unsigned within = bitsOf(found <= tolerance_squared);
+    if (within == 0) continue;
+    const auto first = static_cast<uint32_t>(std::countr_zero(within));
     best = {found[first], around_[i + first]};
     return;
   }
 }
 
-void SurfaceWalk::lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept {
+void SurfaceWalk::visit(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept {
   const float squared = squaredDistance(point, triangle);
   if (squared < best.squared) best = {squared, triangle};
 }

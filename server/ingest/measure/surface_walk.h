@@ -33,7 +33,7 @@ struct TriangleChain {
 /// Distance from points to a mesh, in lattice steps, by walking from the triangles around a position to those
 /// around the next while the distance falls. Never below the true distance. Larger than it if every path to
 /// the nearest triangle first leads away, or if that triangle is on another piece. Much faster than
-/// TriangleTree if a position near the point is known. Const functions are thread safe.
+/// TriangleTree if a position near the point is bound. Const functions are thread safe.
 class SurfaceWalk {
  public:
   /// @param mesh  walks start at its positions.
@@ -42,16 +42,16 @@ class SurfaceWalk {
   /// @param point  lattice steps, as everywhere here
   /// @param start  a position of the mesh; the result is infinite if no triangle has it.
   /// @param tolerance  the walk ends within this distance.
-  float distance(glm::vec3 point, uint32_t start, float enough) const noexcept;
+  float distance(glm::vec3 point, uint32_t start, float tolerance) const noexcept;
   /// Like distance(), but moves `start` to the walk's end, a better start for points nearby.
-  float distanceOnwards(glm::vec3 point, uint32_t& start, float enough) const noexcept;
+  float distanceAndAdvance(glm::vec3 point, uint32_t& start, float tolerance) const noexcept;
   /// Squared distance from one triangle.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
     return triangles_[triangle].squaredDistance(point);
   }
   const PackedTriangle& triangle(uint32_t number) const noexcept { return triangles_[number]; }
   /// Like distance(), but starts at `triangle` and moves it to the walk's end.
-  float distanceFrom(glm::vec3 point, uint32_t& triangle, float enough) const noexcept;
+  float distanceFrom(glm::vec3 point, uint32_t& triangle, float tolerance) const noexcept;
   /// A point on the mesh.
   struct Place {
     uint32_t triangle = 0;  ///< of the mesh
@@ -70,16 +70,16 @@ class SurfaceWalk {
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept;
   /// Exact search over all triangles. @param bound  returned if no triangle is nearer.
-  TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest known) const noexcept;
+  TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest bound) const noexcept;
 
  private:
   struct Nearest {
     float squared;
     uint32_t triangle;
   };
-  Nearest walk(glm::vec3 point, uint32_t start, float enough_squared) const noexcept;
+  Nearest walk(glm::vec3 point, uint32_t start, float tolerance_squared) const noexcept;
   std::optional<Place> placeAround(glm::vec3 point, uint32_t position) const noexcept;
-  void lookAt(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
+  void visit(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
   /// Four triangles around a position, padded with the last one.
   FourTriangles trianglesFrom(uint32_t begin, uint32_t end) const noexcept {
     const auto at = [&](uint32_t i) -> const PackedTriangle& {
@@ -88,10 +88,10 @@ class SurfaceWalk {
     return {at(0), at(1), at(2), at(3)};
   }
   /// The other triangle with this edge, or the given one if there is none.
-  uint32_t beyond(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
+  uint32_t acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
-  void lookAbove(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;
-  void lookAround(glm::vec3 point, uint32_t position, float enough_squared, Nearest& best) const noexcept;
+  void visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared, Nearest& best) const noexcept;
+  void visitAround(glm::vec3 point, uint32_t position, float tolerance_squared, Nearest& best) const noexcept;
 
   float longest_edge_ = 0;
   std::vector<PackedTriangle> triangles_;

@@ -116,8 +116,8 @@ Four TriangleTree::Fork::squaredDistances(const FourVectors& points) const noexc
   return dot(outside, outside);
 }
 
-TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float enough, Nearest known) const noexcept {
-  if (triangles_.empty()) return known;
+TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float tolerance, Nearest bound) const noexcept {
+  if (triangles_.empty()) return bound;
   const FourVectors points(point, point, point, point);
   struct Waiting {
     uint32_t inside;
@@ -125,31 +125,31 @@ TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float enough, Neare
   };
   std::array<Waiting, kMostWaiting> waiting;  // per fork, the nearest last
   size_t count = 0;
-  const float enough_squared = enough * enough;
+  const float tolerance_squared = tolerance * tolerance;
   waiting[count++] = {top_, 0};
-  while (count > 0 && known.squared > enough_squared) {
+  while (count > 0 && bound.squared > tolerance_squared) {
     const auto [inside, squared] = waiting[--count];
-    if (squared >= known.squared) continue;
+    if (squared >= bound.squared) continue;
     if (inside & kIsLeaf) {
       const size_t begin = inside & ~kIsLeaf;
       const PackedTriangle* const leaf = &triangles_[begin];
       const Four found = FourTriangles(leaf[0], leaf[1], leaf[2], leaf[3]).squaredDistances(points);
       for (size_t i = 0; i < 4; ++i)
-        if (found[i] < known.squared) known = {found[i], 0, number_[begin + i]};
+        if (found[i] < bound.squared) bound = {found[i], 0, number_[begin + i]};
       continue;
     }
     const Fork& fork = forks_[inside];
     const Four away = fork.squaredDistances(points);
     const size_t first = count;
     for (size_t i = 4; i-- > 0;) {
-      if (!(away[i] < known.squared)) continue;
+      if (!(away[i] < bound.squared)) continue;
       size_t at = count++;
       for (; at > first && waiting[at - 1].squared < away[i]; --at) waiting[at] = waiting[at - 1];
       waiting[at] = {fork.inside[i], away[i]};
     }
   }
-  known.distance = std::sqrt(known.squared);
-  return known;
+  bound.distance = std::sqrt(bound.squared);
+  return bound;
 }
 
 }  // namespace lode::ingest

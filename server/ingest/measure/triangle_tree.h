@@ -31,7 +31,7 @@ class TriangleTree {
 
   /// @param tolerance  the search ends at any triangle within this distance.
   /// @param bound      returned if no triangle is nearer; a smaller bound makes the search shorter.
-  Nearest nearest(glm::vec3 point, float enough = 0, Nearest known = kNothing) const noexcept;
+  Nearest nearest(glm::vec3 point, float tolerance = 0, Nearest bound = kNothing) const noexcept;
   float distance(glm::vec3 point) const noexcept { return nearest(point).distance; }
   /// Squared distance from one triangle.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {

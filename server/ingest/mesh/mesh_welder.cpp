@@ -40,7 +40,7 @@ void MeshWelder::addTriangle(glm::u32vec3 wedges) {
   if (a != b && b != c && c != a) mesh_.triangles.push_back(wedges);
 }
 
-NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& became) {
+NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& remap) {
   size_t positions = 0, triangles = 0;
   AttributeSet attributes;
   for (const NodeMesh& mesh : meshes) {
@@ -50,17 +50,17 @@ NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<u
   }
   MeshWelder welder;
   welder.begin(attributes, positions, triangles);
-  became.clear();
+  remap.clear();
   std::vector<uint32_t> numbers;
   for (const NodeMesh& mesh : meshes) {
-    became.emplace_back(mesh.positions.size());
+    remap.emplace_back(mesh.positions.size());
     numbers.resize(mesh.wedge_position.size());
     for (size_t w = 0; w < numbers.size(); ++w) {
       const uint32_t position = mesh.wedge_position[w];
       numbers[w] =
           welder.addCorner(mesh.positions[position], mesh.lca_depth[position],
                            mesh.wedge_attributes.empty() ? VertexAttributes{} : mesh.wedge_attributes[w]);
-      became.back()[position] = welder.positionOf(numbers[w]);
+      remap.back()[position] = welder.positionOf(numbers[w]);
     }
     for (const glm::u32vec3& t : mesh.triangles) {
       welder.addTriangle({numbers[t.x], numbers[t.y], numbers[t.z]});
@@ -76,16 +76,16 @@ void joinEqualWedges(NodeMesh& mesh) {
   for (size_t wedge = 0; wedge < number.size(); ++wedge) {
     const uint32_t position = mesh.wedge_position[wedge];
     const VertexAttributes attributes = mesh.wedge_attributes[wedge];
-    uint32_t known = last[position];
-    while (known != NumberTable::kAbsent && mesh.wedge_attributes[known] != attributes) known = before[known];
-    if (known == NumberTable::kAbsent) {
-      known = static_cast<uint32_t>(before.size());
+    uint32_t found = last[position];
+    while (found != NumberTable::kAbsent && mesh.wedge_attributes[found] != attributes) found = before[found];
+    if (found == NumberTable::kAbsent) {
+      found = static_cast<uint32_t>(before.size());
       before.push_back(last[position]);
-      last[position] = known;
-      mesh.wedge_position[known] = position;
-      mesh.wedge_attributes[known] = attributes;
+      last[position] = found;
+      mesh.wedge_position[found] = position;
+      mesh.wedge_attributes[found] = attributes;
     }
-    number[wedge] = known;
+    number[wedge] = found;
   }
   mesh.wedge_position.resize(before.size());
   mesh.wedge_attributes.resize(before.size());

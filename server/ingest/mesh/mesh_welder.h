@@ -34,7 +34,7 @@ class MeshWelder {
 /// Welds the meshes of several nodes. A position that is locked at different depths gets the lower one.
 /// @param remap  receives for each mesh the numbers of its positions in the union; all positions must have
 /// wedges.
-NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& became);
+NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& remap);
 
 /// Merges equal wedges of each position.
 void joinEqualWedges(NodeMesh& mesh);

@@ -26,9 +26,9 @@ constexpr uint32_t kVanished = ~0u;
 /// Result of simplification.
 struct SimplifiedMesh {
   NodeMesh mesh;
-  std::vector<uint32_t> became;  ///< by position of the input: a position of the mesh, or kVanished if it has
-                                 ///< lost its last triangle
-  bool is_clustered = false;     ///< made by clustering, which may connect separate parts
+  std::vector<uint32_t> remap;  ///< by position of the input: a position of the mesh, or kVanished if it has
+                                ///< lost its last triangle
+  bool is_clustered = false;    ///< made by clustering, which may connect separate parts
 };
 
 /// For each position of a simplified mesh, the nearest input position that maps to it.

@@ -97,8 +97,8 @@ void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngl
 std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                      const NormalsByPosition& given, std::span<const uint32_t> sources) {
   std::vector<glm::vec3> means(own.codes.size(), glm::vec3(0));
-  for (uint32_t i = 0; i < lod.became.size(); ++i) {
-    const uint32_t place = lod.became[i];
+  for (uint32_t i = 0; i < lod.remap.size(); ++i) {
+    const uint32_t place = lod.remap[i];
     if (place == kVanished) continue;
     for (uint32_t normal = i; normal != kNoNormal; normal = given.next[normal])
       means[own.mostAlike(place, given.directions[normal])] += given.directions[normal];
@@ -123,8 +123,8 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& lod, const NormalsByPosit
                                  std::span<const glm::vec3> means, const NormalsByPosition& given,
                                  std::span<const SurfaceWalk::Place> places) {
   std::vector<glm::vec4> sums(means.size(), glm::vec4(0));  // of what is missing, and of shares
-  for (uint32_t i = 0; i < lod.became.size(); ++i) {
-    if (lod.became[i] == kVanished) continue;
+  for (uint32_t i = 0; i < lod.remap.size(); ++i) {
+    if (lod.remap[i] == kVanished) continue;
     const glm::u32vec3& t = lod.mesh.triangles[places[i].triangle];
     glm::vec3 here(0);
     for (int k = 0; k < 3; ++k) here += places[i].shares[k] * means[own.of_wedge[t[k]]];

@@ -21,16 +21,16 @@ constexpr size_t kLeastLargeTriangles = 1 << 14;  ///< of nodes that the root is
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
 constexpr double kInnerFactor = 2.0 / 3;  ///< by which what locked vertices do not hold may fall further
 constexpr uint64_t kFarLodNodes = 8;      ///< node budgets that must lie below a node for far LODs
-constexpr size_t kSpareShare = 4;         ///< of the budget, and
-constexpr size_t kSpareTrianglesPerLocked = 2;  ///< at which they end
+constexpr size_t kFarLodShare = 4;        ///< of the budget, and
+constexpr size_t kFarLodTrianglesPerLocked = 2;  ///< at which they end
 
 bool hasMuchBelow(const LodRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
 }
 
-/// The next count below `target`, of which locked vertices hold `held`.
-double stepFrom(double target, double held, double factor) {
-  return std::max(factor * target, held + factor * kInnerFactor * (target - held));
+/// The next count below `target`, of which locked vertices hold `locked`.
+double stepFrom(double target, double locked, double factor) {
+  return std::max(factor * target, locked + factor * kInnerFactor * (target - locked));
 }
 
 }  // namespace
@@ -48,29 +48,29 @@ size_t mostTriangles(const LodRule& rule) {
 
 std::vector<size_t> lodTargets(size_t triangles, const LodRule& rule) {
   const bool is_root = rule.depth == 0;
-  const size_t enough = mostTriangles(rule);
+  const size_t limit = mostTriangles(rule);
   const bool is_fine = is_root || (rule.depth <= kFineStepDepth && hasMuchBelow(rule));
   const double factor = is_fine ? std::sqrt(0.5) : 0.5;
   std::vector<size_t> targets;
-  if (rule.is_leaf && triangles <= enough) return targets;
-  const auto held = static_cast<double>(std::min(rule.locked, triangles));
+  if (rule.is_leaf && triangles <= limit) return targets;
+  const auto locked = static_cast<double>(std::min(rule.locked, triangles));
   double target = static_cast<double>(triangles);
   do {
-    target = stepFrom(target, held, factor);
+    target = stepFrom(target, locked, factor);
     if (target < kMaxLodTriangles + 1.0) targets.push_back(static_cast<size_t>(target));
-  } while (target >= static_cast<double>(enough) + 1);
+  } while (target >= static_cast<double>(limit) + 1);
   return targets;
 }
 
-std::vector<size_t> spareTargets(size_t triangles, const LodRule& rule) {
+std::vector<size_t> farLodTargets(size_t triangles, const LodRule& rule) {
   std::vector<size_t> targets;
   if (rule.depth == 0 || rule.original_triangles < kFarLodNodes * rule.triangles_per_node) return targets;
-  const size_t enough =
-      std::max(rule.triangles_per_node / kSpareShare, kSpareTrianglesPerLocked * rule.locked);
-  const auto held = static_cast<double>(std::min(rule.locked, triangles));
+  const size_t limit =
+      std::max(rule.triangles_per_node / kFarLodShare, kFarLodTrianglesPerLocked * rule.locked);
+  const auto locked = static_cast<double>(std::min(rule.locked, triangles));
   auto target = static_cast<double>(triangles);
-  while (target >= static_cast<double>(enough) + 1) {
-    target = stepFrom(target, held, 0.5);
+  while (target >= static_cast<double>(limit) + 1) {
+    target = stepFrom(target, locked, 0.5);
     targets.push_back(static_cast<size_t>(target));
   }
   return targets;

@@ -48,6 +48,6 @@ size_t mostTriangles(const LodRule& rule);
 /// not seen. Only where much lies below the node: close to the leaves they would save little of a view's
 /// bytes for much of the store's.
 /// @param triangles  of the LOD that the parent is made of.
-std::vector<size_t> spareTargets(size_t triangles, const LodRule& rule);
+std::vector<size_t> farLodTargets(size_t triangles, const LodRule& rule);
 
 }  // namespace lode::ingest

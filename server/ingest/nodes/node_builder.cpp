@@ -46,7 +46,7 @@ FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
   const LodDeviation deviation = lodDeviation(lod, input, {surface, places, sources}, sampled);
   finished.deviation_steps = deviation.steps;
   finished.farthest = deviation.farthest;
-  if (finished.farthest) finished.farthest->near = lod.became[finished.farthest->near];
+  if (finished.farthest) finished.farthest->near = lod.remap[finished.farthest->near];
   finished.boundary_gap_steps = boundaryGap(lod, input);
   finished.lost_detail_steps = lostDetail(lod, input.mesh(), places);
   return finished;
@@ -91,12 +91,12 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
     is_original = is_original && child.node.isLeaf();
     meshes.push_back(std::move(child.coarsest));
   }
-  std::vector<std::vector<uint32_t>> became;
-  NodeMesh input = mergeMeshes(meshes, became);
-  gatherSamples(built, children, meshes, input, became);
-  gatherReferences(built, children, became);
+  std::vector<std::vector<uint32_t>> remap;
+  NodeMesh input = mergeMeshes(meshes, remap);
+  gatherSamples(built, children, meshes, input, remap);
+  gatherReferences(built, children, remap);
   releaseStorage(meshes);
-  releaseStorage(became);
+  releaseStorage(remap);
   if (room.is_tight) built.samples.shrink_to_fit();
   reduce(built, std::move(input), is_original, room);
   selectSamples(built.samples, built.coarsest.positions.size(), sampleCapacity());
@@ -112,12 +112,12 @@ size_t NodeBuilder::sampleCapacity() const noexcept {
 
 void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
                                 std::span<const NodeMesh> meshes, const NodeMesh& input,
-                                std::span<const std::vector<uint32_t>> became) {
+                                std::span<const std::vector<uint32_t>> remap) {
   std::vector<SurfaceSample> of_leaves;
   std::vector<bool> taken(input.positions.size());
   for (size_t i = 0; i < children.size(); ++i) {
     if (children[i].node.isLeaf()) {
-      for (const uint32_t position : became[i]) {
+      for (const uint32_t position : remap[i]) {
         if (!taken[position]) of_leaves.push_back({input.positions[position], 0, position});
         taken[position] = true;
       }
@@ -126,7 +126,7 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
       addLockedPositions(children[i].samples, meshes[i], children[i].node.key.depth());
     }
     for (SurfaceSample& sample : children[i].samples)
-      if (sample.near != kVanished) sample.near = became[i][sample.near];
+      if (sample.near != kVanished) sample.near = remap[i][sample.near];
     std::vector<SurfaceSample>& samples = children[i].node.isLeaf() ? of_leaves : built.samples;
     samples.insert(samples.end(), children[i].samples.begin(), children[i].samples.end());
     releaseStorage(children[i].samples);
@@ -136,12 +136,12 @@ void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,
 }
 
 void NodeBuilder::gatherReferences(BuiltNode& built, std::span<BuiltNode> children,
-                                   std::span<const std::vector<uint32_t>> became) {
+                                   std::span<const std::vector<uint32_t>> remap) {
   ReferenceBoundaries& all = built.references;
   for (size_t i = 0; i < children.size(); ++i) {
     ReferenceBoundaries& references = children[i].references;
     for (ReferenceBoundary& boundary : references.boundaries)
-      boundary.near = imageOf(boundary.near, became[i]);
+      boundary.near = imageOf(boundary.near, remap[i]);
     all.boundaries.insert(all.boundaries.end(), references.boundaries.begin(), references.boundaries.end());
     all.gap_steps = std::max(all.gap_steps, references.gap_steps);
     releaseStorage(references.boundaries);
@@ -156,15 +156,15 @@ void NodeBuilder::simplify(NodeMesh mesh, int depth, std::span<const size_t> tar
 }
 
 /// Makes a node's LODs with nothing beside the simplifier. @return the mesh, and behind it the LODs.
-LodShelf NodeBuilder::shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const {
-  LodShelf shelf(folder_.file("lods-" + std::to_string(key.value)));
+LodSpool NodeBuilder::spoolLods(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const {
+  LodSpool lods_on_disk(folder_.file("lods-" + std::to_string(key.value)));
   SimplifiedMesh input{std::move(mesh), {}};
-  shelf.put(input);
+  lods_on_disk.put(input);
   trimHeap();
   simplify(std::move(input.mesh), key.depth(), targets,
-           [&](size_t, SimplifiedMesh&& lod) { shelf.put(lod); });
+           [&](size_t, SimplifiedMesh&& lod) { lods_on_disk.put(lod); });
   trimHeap();
-  return shelf;
+  return lods_on_disk;
 }
 
 /// Adds the reduced LODs of a node, all from one sequence.
@@ -183,10 +183,10 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
     built.coarsest = std::move(mesh);
     return;
   }
-  std::optional<LodShelf> shelf;
+  std::optional<LodSpool> lods_on_disk;
   if (room.is_tight) {
-    shelf.emplace(shelve(std::move(mesh), built.node.key, targets));
-    mesh = shelf->read(0).mesh;
+    lods_on_disk.emplace(spoolLods(std::move(mesh), built.node.key, targets));
+    mesh = lods_on_disk->read(0).mesh;
   }
   const auto off_steps = is_original ? std::nullopt : std::optional(built.inherited.deviation_steps);
   const LodInput input(std::move(mesh), depth, off_steps, std::move(built.references));
@@ -203,9 +203,9 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
                        MeshSource::kSimplified);
     });
   };
-  if (shelf) {
-    for (size_t i = 1; i < shelf->size(); ++i) {
-      finish(shelf->read(i));
+  if (lods_on_disk) {
+    for (size_t i = 1; i < lods_on_disk->size(); ++i) {
+      finish(lods_on_disk->read(i));
       trimHeap();
     }
   } else {
@@ -219,10 +219,10 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
     if (!deviations.empty()) sample.deviation = deviations[i].steps;
   }
   if (coarsest.farthest) built.samples.push_back(*coarsest.farthest);
-  built.references = referencesIn(input, coarsest.simplified.became, coarsest.boundary_gap_steps,
+  built.references = referencesIn(input, coarsest.simplified.remap, coarsest.boundary_gap_steps,
                                   kReferencesPerTriangle * settings_.triangles_per_node);
   built.coarsest = std::move(coarsest.simplified.mesh);
-  addFarLods(built, spareTargets(built.coarsest.triangles.size(), rule));
+  addFarLods(built, farLodTargets(built.coarsest.triangles.size(), rule));
 }
 
 /// Adds LODs that are made of the coarsest one, which stays what the parent is made of; so they cost as
@@ -235,7 +235,7 @@ void NodeBuilder::addFarLods(BuiltNode& built, std::span<const size_t> targets) 
   simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& simplified) {
     if (simplified.mesh.triangles.size() >= built.node.lods.back().triangles) return;
     const FinishedLod lod = finishLod(std::move(simplified), input, built.samples, settings_.lattice.step,
-                                      settings_.crease, MeshSource::kSpare);
+                                      settings_.crease, MeshSource::kFarLod);
     addLod(built, lod);
     ++built.node.far_lods;
   });

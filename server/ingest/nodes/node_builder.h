@@ -88,14 +88,14 @@ class NodeBuilder {
   size_t sampleCapacity() const noexcept;
   /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
   static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
-                            const NodeMesh& input, std::span<const std::vector<uint32_t>> became);
+                            const NodeMesh& input, std::span<const std::vector<uint32_t>> remap);
   /// Fills in references for the same input.
   static void gatherReferences(BuiltNode& built, std::span<BuiltNode> children,
-                               std::span<const std::vector<uint32_t>> became);
+                               std::span<const std::vector<uint32_t>> remap);
   void addFarLods(BuiltNode& built, std::span<const size_t> targets);
   void reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room);
   void simplify(NodeMesh mesh, int depth, std::span<const size_t> targets, const SnapshotSink& sink) const;
-  LodShelf shelve(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
+  LodSpool spoolLods(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
   void addLod(BuiltNode& built, const FinishedLod& lod);
   void addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, LodError error);
   /// Error of an LOD in lattice steps: its deviation, and by what the lattice has moved vertices as an

@@ -6,22 +6,22 @@
 
 namespace lode::ingest {
 
-void LodShelf::put(const SimplifiedMesh& lod) {
+void LodSpool::put(const SimplifiedMesh& lod) {
   // Named one by one, so that a member more does not compile.
-  const auto& [mesh, became, is_clustered] = lod;
+  const auto& [mesh, remap, is_clustered] = lod;
   const auto& [attributes, positions, lca_depth, wedge_position, wedge_attributes, triangles] = mesh;
   places_.push_back({spool_.size(), attributes, positions.size(), wedge_position.size(),
-                     wedge_attributes.size(), triangles.size(), became.size(), is_clustered});
+                     wedge_attributes.size(), triangles.size(), remap.size(), is_clustered});
   const auto append = [&](const auto& items) { spool_.append(std::as_bytes(std::span(items))); };
   append(positions);
   append(lca_depth);
   append(wedge_position);
   append(wedge_attributes);
   append(triangles);
-  append(became);
+  append(remap);
 }
 
-SimplifiedMesh LodShelf::read(size_t number) {
+SimplifiedMesh LodSpool::read(size_t number) {
   spool_.flush();
   const Place& place = places_[number];
   uint64_t offset = place.offset;
@@ -38,7 +38,7 @@ SimplifiedMesh LodShelf::read(size_t number) {
   read(lod.mesh.wedge_position, place.wedges);
   read(lod.mesh.wedge_attributes, place.wedge_attributes);
   read(lod.mesh.triangles, place.triangles);
-  read(lod.became, place.became);
+  read(lod.remap, place.remap);
   return lod;
 }
 

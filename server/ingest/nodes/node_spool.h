@@ -17,9 +17,9 @@ namespace lode::ingest {
 
 /// LODs of a node on the disk, from when the simplifier has made them until they are measured: a large
 /// node's would not fit beside either. For one thread. All functions throw Error kIo.
-class LodShelf {
+class LodSpool {
  public:
-  explicit LodShelf(TemporaryFile file) : spool_(std::move(file)) {}
+  explicit LodSpool(TemporaryFile file) : spool_(std::move(file)) {}
 
   void put(const SimplifiedMesh& lod);
   size_t size() const noexcept { return places_.size(); }
@@ -30,7 +30,7 @@ class LodShelf {
   struct Place {
     uint64_t offset;
     AttributeSet attributes;
-    size_t positions, wedges, wedge_attributes, triangles, became;
+    size_t positions, wedges, wedge_attributes, triangles, remap;
     bool is_clustered;
   };
 

@@ -46,17 +46,17 @@ class Scheduler {
                       std::min(resources.memory_bytes, plan.size() * kNodeRecordBytes)),
         leaf_bytes_(memoryOfNode(triangles_per_node)),
         built_(plan.size()),
-        noted_(plan.size()),
+        logged_(plan.size()),
         input_triangles_(plan.size()),
         waiting_for_(plan.size()) {
     nodes.reserve(plan.size());
-    takeOverFinished();
+    resume();
     taken_ = done_;
     for (uint32_t i = 0; i < plan.size(); ++i) {
-      if (noted_[i]) continue;
+      if (logged_[i]) continue;
       const std::vector<uint32_t> children = plan.children(i);
       waiting_for_[i] = static_cast<uint8_t>(
-          std::count_if(children.begin(), children.end(), [&](uint32_t child) { return !noted_[child]; }));
+          std::count_if(children.begin(), children.end(), [&](uint32_t child) { return !logged_[child]; }));
       if (children.empty()) {
         ++leaves_left_;
       } else if (waiting_for_[i] == 0) {
@@ -71,7 +71,7 @@ class Scheduler {
       NodeBuilder builder = make_builder();
       while (const auto taken = take()) {
         if (taken->is_large) trimHeap();
-        give(*taken, build(builder, *taken));
+        store(*taken, build(builder, *taken));
       }
     } catch (...) {
       std::lock_guard lock(mutex_);
@@ -84,17 +84,17 @@ class Scheduler {
   /// the model.
   void waitUntilDone(const BuildProgress& progress) {
     std::unique_lock lock(mutex_);
-    tell(progress, lock);
+    reportProgress(progress, lock);
     while (done_ < plan_.size() && !failure_) {
       changed_.wait_for(lock, kProgressInterval);
-      tell(progress, lock);
+      reportProgress(progress, lock);
     }
     changed_.notify_all();
   }
 
   void finish() {
     if (failure_) std::rethrow_exception(failure_);
-    note();
+    writeLog();
   }
 
  private:
@@ -119,14 +119,14 @@ class Scheduler {
     const uint64_t bytes_;
   };
 
-  void tell(const BuildProgress& progress, std::unique_lock<std::mutex>& lock) {
-    const bool is_noting = log_.isDue();
-    if (!progress && !is_noting) return;
+  void reportProgress(const BuildProgress& progress, std::unique_lock<std::mutex>& lock) {
+    const bool is_logging = log_.isDue();
+    if (!progress && !is_logging) return;
     const size_t done = done_;
     std::exception_ptr failure;
     lock.unlock();
     try {
-      if (is_noting) note();
+      if (is_logging) writeLog();
       if (progress)
         progress("simplify", static_cast<double>(done) / static_cast<double>(plan_.size()), done,
                  plan_.size());
@@ -160,7 +160,7 @@ class Scheduler {
       return started(number, bytes);
     }
     if (leaves_left_ == 0 || !hasRoomFor(leaf_bytes_)) return std::nullopt;
-    while (noted_[next_leaf_] || !plan_.isLeaf(next_leaf_)) ++next_leaf_;
+    while (logged_[next_leaf_] || !plan_.isLeaf(next_leaf_)) ++next_leaf_;
     --leaves_left_;
     return started(next_leaf_++, leaf_bytes_);
   }
@@ -205,7 +205,7 @@ class Scheduler {
     std::vector<BuiltNode> children(numbers.size());
     std::unique_lock lock(mutex_);
     for (size_t i = 0; i < children.size(); ++i) {
-      changed_.wait(lock, [&] { return being_noted_ != numbers[i] || failure_; });
+      changed_.wait(lock, [&] { return being_logged_ != numbers[i] || failure_; });
       std::unique_ptr<BuiltNode>& built = built_[numbers[i]];
       if (!built) continue;
       held_bytes_ -= memoryOf(*built);
@@ -220,22 +220,22 @@ class Scheduler {
   }
 
   /// What a killed build had finished; its meshes stay on the disk until they are needed.
-  void takeOverFinished() {
+  void resume() {
     const std::vector<FinishedNode> before = log_.takeFinished();
     if (before.empty()) return;
     std::unordered_map<uint64_t, uint32_t> numbers;
     for (uint32_t i = 0; i < plan_.size(); ++i) numbers.emplace(plan_.key(i).value, i);
     for (const FinishedNode& finished : before) {
       const auto at = numbers.find(finished.node.key.value);
-      if (at == numbers.end() || noted_[at->second]) failResume();
-      noted_[at->second] = true;
+      if (at == numbers.end() || logged_[at->second]) failResume();
+      logged_[at->second] = true;
       nodes_.append(finished.node, finished.payloads);
       if (!plan_.isRoot(at->second))
         input_triangles_[plan_.parent(at->second)] += finished.node.sourceLod().triangles;
       ++done_;
     }
     for (uint32_t i = 0; i < plan_.size(); ++i) {
-      const bool is_open = noted_[i] && !plan_.isRoot(i) && !noted_[plan_.parent(i)];
+      const bool is_open = logged_[i] && !plan_.isRoot(i) && !logged_[plan_.parent(i)];
       if (is_open && !log_.hasRoot(plan_.key(i))) failResume();
     }
   }
@@ -248,7 +248,7 @@ class Scheduler {
   /// Gives the log those nodes that another build could go on from: a node's parent is among them, or has not
   /// taken it yet, so that what it needs of it can be kept. A leaf is built again rather than kept. Workers
   /// do not wait for the disk but where they need the very node that is being written.
-  void note() {
+  void writeLog() {
     std::vector<Finished> finished;
     {
       std::lock_guard lock(mutex_);
@@ -258,7 +258,7 @@ class Scheduler {
               [](const Finished& a, const Finished& b) { return a.number > b.number; });  // parents first
     std::vector<Finished> left;
     for (const Finished& node : finished) {
-      if (isBelowNoted(node.number) || keepRoot(node.number)) {
+      if (tryToLogBelowParent(node.number) || tryToLogRoot(node.number)) {
         log_.addFinished(nodes_.read(node.place));
       } else {
         left.push_back(node);
@@ -269,35 +269,35 @@ class Scheduler {
     finished_.insert(finished_.end(), left.begin(), left.end());
   }
 
-  bool isBelowNoted(uint32_t number) {
+  bool tryToLogBelowParent(uint32_t number) {
     std::lock_guard lock(mutex_);
-    const bool is_below = plan_.isRoot(number) || noted_[plan_.parent(number)];
-    if (is_below) noted_[number] = true;
+    const bool is_below = plan_.isRoot(number) || logged_[plan_.parent(number)];
+    if (is_below) logged_[number] = true;
     return is_below;
   }
 
   /// @return false if the node is a leaf, or its parent has taken it.
-  bool keepRoot(uint32_t number) {
+  bool tryToLogRoot(uint32_t number) {
     if (plan_.isLeaf(number)) return false;
     std::unique_ptr<BuiltNode> root;
     {
       std::lock_guard lock(mutex_);
       if (!built_[number]) return false;
       root = std::move(built_[number]);
-      being_noted_ = number;
-      noted_[number] = true;
+      being_logged_ = number;
+      logged_[number] = true;
     }
     log_.addRoot(*root);
     {
       std::lock_guard lock(mutex_);
       built_[number] = std::move(root);
-      being_noted_ = kNoNode;
+      being_logged_ = kNoNode;
     }
     changed_.notify_all();
     return true;
   }
 
-  void give(const Taken& taken, BuiltNode&& built) {
+  void store(const Taken& taken, BuiltNode&& built) {
     const uint32_t number = taken.number;
     const NodeSpool::Place place = nodes_.append(built.node, built.payloads);
     auto waiting = std::make_unique<BuiltNode>(std::move(built));
@@ -323,8 +323,8 @@ class Scheduler {
   std::condition_variable changed_;
   std::vector<std::unique_ptr<BuiltNode>> built_;  ///< between a node's building and its parent's
   std::vector<Finished> finished_;                 ///< and not in the log
-  std::vector<bool> noted_;                        ///< in the log
-  uint32_t being_noted_ = kNoNode;                 ///< is with the log, which gives it back
+  std::vector<bool> logged_;                       ///< in the log
+  uint32_t being_logged_ = kNoNode;                ///< is with the log, which gives it back
   std::vector<uint32_t> input_triangles_;          ///< of the children that are built
   std::vector<uint8_t> waiting_for_;               ///< children not built yet
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;

@@ -283,9 +283,9 @@ SimplifiedMesh Clusterer::snapshot() {
     }
     result.triangles.push_back(t);
   }
-  std::vector<uint32_t> became(count);
-  for (uint32_t i = 0; i < count; ++i) became[i] = new_position[destination[i]];
-  return {std::move(result), std::move(became), true};
+  std::vector<uint32_t> remap(count);
+  for (uint32_t i = 0; i < count; ++i) remap[i] = new_position[destination[i]];
+  return {std::move(result), std::move(remap), true};
 }
 
 void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {

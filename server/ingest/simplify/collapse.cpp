@@ -88,7 +88,7 @@ class Collapser {
   void apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds);
   SimplifiedMesh snapshot();
   uint32_t find(uint32_t position) noexcept;
-  void fetch(Record& record) noexcept;
+  void prefetch(Record& record) noexcept;
   Seen& seenPlace(uint32_t u, uint32_t v) noexcept;
 
   const CollapseOptions options_;
@@ -134,7 +134,7 @@ Collapser::Seen& Collapser::seenPlace(uint32_t u, uint32_t v) noexcept {
 }
 
 // Prefetches the data of a record that will be taken soon.
-void Collapser::fetch(Record& record) noexcept {
+void Collapser::prefetch(Record& record) noexcept {
   record.u = forward_[forward_[record.u]];
   record.v = forward_[forward_[record.v]];
   for (const uint32_t end : {record.u, record.v}) {
@@ -144,7 +144,7 @@ void Collapser::fetch(Record& record) noexcept {
     __builtin_prefetch(&mesh_.points[end]);
     __builtin_prefetch(line + 64);
     if (!attributes_.empty() && mesh_.only_wedge[end] != kManyWedges)
-      attributes_.fetch(mesh_.only_wedge[end]);
+      attributes_.prefetch(mesh_.only_wedge[end]);
   }
   __builtin_prefetch(&seenPlace(std::min(record.u, record.v), std::max(record.u, record.v)));
 }
@@ -169,7 +169,7 @@ size_t Collapser::startRound(bool is_first) {
     ++edges;
   });
   for (Record record; edges > 0; --edges) {
-    queue_.pop(record, [this](Record& soon) { fetch(soon); });
+    queue_.pop(record, [this](Record& soon) { prefetch(soon); });
     const Candidate candidate = evaluate(record.u, record.v);
     if (!candidate.possible) continue;
     put(record, candidate.placement.cost);
@@ -293,7 +293,7 @@ bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
 // summed, so the key of a changed edge is a lower bound: the edge is re-evaluated only when it is taken.
 bool Collapser::collapseNext() {
   Record record;
-  if (!queue_.pop(record, [this](Record& soon) { fetch(soon); })) return false;
+  if (!queue_.pop(record, [this](Record& soon) { prefetch(soon); })) return false;
   record.u = find(record.u);
   record.v = find(record.v);
   if (record.u == record.v) return true;
@@ -302,9 +302,9 @@ bool Collapser::collapseNext() {
       std::max(mesh_.positions[record.u].merged_at, mesh_.positions[record.v].merged_at);
   const bool stale = changed_at > record.evaluated_at;
   if (stale && alreadyQueued(record.u, record.v, changed_at)) return true;
-  mesh_.fetchCorners(record.u);
-  mesh_.fetchCorners(record.v);
-  far_points_.fetch(record.u, record.v);
+  mesh_.prefetchCorners(record.u);
+  mesh_.prefetchCorners(record.v);
+  far_points_.prefetch(record.u, record.v);
   const Candidate candidate = evaluate(record.u, record.v);
   if (!candidate.possible) return true;
   if (stale) {
@@ -332,7 +332,7 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
   const glm::dvec3 to = places_.settle(candidate.placement.point, quadric_,
                                        std::sqrt(std::max(candidate.placement.cost, 0.0) / candidate.breadth),
                                        mesh_.point(record.u), mesh_.point(record.v));
-  const CollapseFinding finding = check_.look(around_, to, limits);
+  const CollapseFinding finding = check_.check(around_, to, limits);
   if (!finding.allowed) return postpone(record, candidate);
   if (finding.folds) {  // a piece or a fin vanishes: its size is the cost
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
@@ -342,7 +342,7 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
       return put(record, lost);
     }
   }
-  const double cost = far_points_.look(around_, to) * candidate.breadth;
+  const double cost = far_points_.measure(around_, to) * candidate.breadth;
   if (EdgeQueue<Record>::bucketOf(keyOf(cost)) > queue_.current()) {
     record.postponed = 0;
     return put(record, cost);
@@ -355,8 +355,8 @@ SimplifiedMesh Collapser::snapshot() {
   SimplifiedMesh result;
   std::vector<uint32_t> new_position;
   result.mesh = mesh_.compact(new_position);
-  result.became.resize(forward_.size());
-  for (uint32_t i = 0; i < forward_.size(); ++i) result.became[i] = new_position[find(i)];
+  result.remap.resize(forward_.size());
+  for (uint32_t i = 0; i < forward_.size(); ++i) result.remap[i] = new_position[find(i)];
   return result;
 }
 
@@ -383,10 +383,10 @@ void Collapser::run(std::span<const size_t> targets, const SnapshotSink& sink) {
   SimplifiedMesh rest = snapshot();
   cluster(std::move(rest.mesh), targets.subspan(reached), options_,
           [&](size_t target, SimplifiedMesh&& clustered) {
-            std::vector<uint32_t> became = rest.became;
-            for (uint32_t& place : became)
-              if (place != kVanished) place = clustered.became[place];
-            sink(reached + target, {std::move(clustered.mesh), std::move(became), true});
+            std::vector<uint32_t> remap = rest.remap;
+            for (uint32_t& place : remap)
+              if (place != kVanished) place = clustered.remap[place];
+            sink(reached + target, {std::move(clustered.mesh), std::move(remap), true});
           });
 }
 

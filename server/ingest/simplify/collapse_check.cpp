@@ -88,8 +88,8 @@ double CollapseCheck::areaOf(uint32_t u, uint32_t a, uint32_t b) const {
   return glm::length(glm::cross(mesh_.point(a) - mesh_.point(u), mesh_.point(b) - mesh_.point(u)));
 }
 
-CollapseFinding CollapseCheck::look(const EdgeSurroundings& around, glm::dvec3 to,
-                                    const CollapseLimits& limits) {
+CollapseFinding CollapseCheck::check(const EdgeSurroundings& around, glm::dvec3 to,
+                                     const CollapseLimits& limits) {
   CollapseFinding finding;
   if (!keepsShapes(around, to, limits)) return finding;
   stamp_ += kMarks;

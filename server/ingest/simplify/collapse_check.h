@@ -32,7 +32,7 @@ class CollapseCheck {
   explicit CollapseCheck(const CollapseMesh& mesh) : mesh_(mesh), marks_(mesh.positions.size(), 0) {}
 
   /// Checks a collapse that moves both ends of an edge to `to`, which may be one of them.
-  CollapseFinding look(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits);
+  CollapseFinding check(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits);
 
  private:
   bool keepsShapes(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits) const;

@@ -57,7 +57,7 @@ struct CollapseMesh {
   }
 
   /// Prefetches the triangles around a position.
-  void fetchCorners(uint32_t position) const noexcept {
+  void prefetchCorners(uint32_t position) const noexcept {
     __builtin_prefetch(pool.data() + positions[position].first);
   }
 

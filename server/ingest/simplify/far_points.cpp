@@ -18,7 +18,7 @@ void FarPoints::gatherPoints(uint32_t position, glm::dvec3 to) {
   for (uint32_t i = 0; i < kept.count; ++i) add(kept.points[i]);
 }
 
-float FarPoints::look(const EdgeSurroundings& around, glm::dvec3 to) {
+float FarPoints::measure(const EdgeSurroundings& around, glm::dvec3 to) {
   points_.clear();
   gatherPoints(around.u(), to);
   gatherPoints(around.v(), to);

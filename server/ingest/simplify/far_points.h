@@ -19,7 +19,7 @@ class FarPoints {
   explicit FarPoints(const CollapseMesh& mesh) : mesh_(mesh), kept_(mesh.positions.size()) {}
 
   /// Prefetches the data of an edge.
-  void fetch(uint32_t u, uint32_t v) const noexcept {
+  void prefetch(uint32_t u, uint32_t v) const noexcept {
     for (const uint32_t end : {u, v}) {
       const char* const kept = reinterpret_cast<const char*>(&kept_[end]);
       __builtin_prefetch(kept);
@@ -29,7 +29,7 @@ class FarPoints {
   /// Measures the known points of both ends of an edge against the triangles that its collapse to `to` would
   /// leave.
   /// @return the largest squared distance in square lattice steps; 0 if there are no points.
-  float look(const EdgeSurroundings& around, glm::dvec3 to);
+  float measure(const EdgeSurroundings& around, glm::dvec3 to);
   /// Keeps the farthest points of the last measured edge, which has collapsed into `position`.
   void join(uint32_t position);
 

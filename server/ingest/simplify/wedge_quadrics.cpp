@@ -72,7 +72,7 @@ void WedgeQuadrics::addTriangle(CollapseMesh& mesh, uint32_t corner) {
   for (const uint32_t position : at) mesh.quadrics[position] += squares;
 }
 
-void WedgeQuadrics::fetch(uint32_t wedge) const noexcept {
+void WedgeQuadrics::prefetch(uint32_t wedge) const noexcept {
   __builtin_prefetch(&areas_[wedge]);
   const char* const first = reinterpret_cast<const char*>(&sums_[wedge * channels_.size()]);
   for (size_t byte = 0; byte < channels_.size() * sizeof(Sum); byte += 64) __builtin_prefetch(first + byte);

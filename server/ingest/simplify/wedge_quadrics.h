@@ -32,7 +32,7 @@ class WedgeQuadrics {
   bool empty() const noexcept { return channels_.empty(); }
   /// True if setValues() sets every attribute that merging would otherwise mix.
   bool coversAll() const noexcept { return covers_all_; }
-  void fetch(uint32_t wedge) const noexcept;
+  void prefetch(uint32_t wedge) const noexcept;
 
   /// Subtracts from a position's quadric the part that the best attributes of a wedge, or of two merged
   /// wedges, explain.

@@ -195,7 +195,7 @@ TEST(DracoCodec, opaqueAlphaCostsNothing) {
 TEST(DracoCodec, predictsTheMeshesOfFilesAndOfFarLodsMoreClosely) {
   const Mesh mesh = test::makeGrid(60, 60, {.attributes = {}, .seed = 2, .bump = 0.2});
   const size_t simplified = encodePayload(mesh, kStep, MeshSource::kSimplified).bytes.size();
-  for (const MeshSource source : {MeshSource::kFile, MeshSource::kSpare}) {
+  for (const MeshSource source : {MeshSource::kFile, MeshSource::kFarLod}) {
     const EncodedPayload closer = encodePayload(mesh, kStep, source);
     EXPECT_LT(closer.bytes.size(), simplified);
     const Mesh decoded = decodePayload(closer.bytes, kStep, expectationOf(mesh, closer));

@@ -36,9 +36,9 @@ NodeMesh fan(glm::uvec2 second, glm::uvec2 third) {
 
 /// Whose positions are those of what it is made of, moved.
 SimplifiedMesh moved(NodeMesh mesh) {
-  std::vector<uint32_t> became(mesh.positions.size());
-  std::iota(became.begin(), became.end(), 0u);
-  return {std::move(mesh), std::move(became)};
+  std::vector<uint32_t> remap(mesh.positions.size());
+  std::iota(remap.begin(), remap.end(), 0u);
+  return {std::move(mesh), std::move(remap)};
 }
 
 TEST(BoundaryGap, isHowFarABoundaryThatWasCutShortIsFromTheOriginal) {
@@ -69,7 +69,7 @@ TEST(BoundaryGap, isThatFromTheOriginalAndNotTheSumOfTwoLevels) {
   const LodInput original(house(40), 0);
   const SimplifiedMesh higher = moved(house(70)), lower = moved(house(50));
   const float up = boundaryGap(higher, original);
-  const LodInput above(higher.mesh, 0, {}, referencesIn(original, higher.became, up, 5));
+  const LodInput above(higher.mesh, 0, {}, referencesIn(original, higher.remap, up, 5));
   const float both = boundaryGap(lower, above);
   EXPECT_EQ(both, boundaryGap(lower, original));
   EXPECT_LT(both, up / 2);
@@ -88,11 +88,11 @@ TEST(BoundaryGap, isThatOfBoundariesWithManyReferencesAtTheirEnds) {
   points.emplace_back(5 * kPoints, 1000);
   for (uint32_t i = 0; i + 1 < kPoints; ++i) triangles.emplace_back(i, i + 1, kPoints);
   const LodInput input(meshOf(points, triangles), 0);
-  std::vector<uint32_t> became(kPoints + 1, 0);
-  for (uint32_t i = kPoints / 2; i < kPoints; ++i) became[i] = 1;
-  became[kPoints] = 2;
+  std::vector<uint32_t> remap(kPoints + 1, 0);
+  for (uint32_t i = kPoints / 2; i < kPoints; ++i) remap[i] = 1;
+  remap[kPoints] = 2;
   const glm::uvec2 last(10 * (kPoints - 1), 0);
-  const float gap = boundaryGap({meshOf({{0, 0}, last, points.back()}, {{0, 1, 2}}), became}, input);
+  const float gap = boundaryGap({meshOf({{0, 0}, last, points.back()}, {{0, 1, 2}}), remap}, input);
   const float below_tooth = 30 * 10 / std::hypot(30.f, 10.f);
   EXPECT_GE(gap, below_tooth * 0.999f);
   EXPECT_LE(gap, below_tooth * 1.021f * kRounding);

@@ -14,8 +14,8 @@
 namespace lode::ingest {
 namespace {
 
-float farthestPlaceOf(const SimplifiedMesh& lod, const NodeMesh& input, float known) {
-  return farthestAlongEdges(lod, LodInput(input, 0), sourcesOf(lod, input), known);
+float farthestPlaceOf(const SimplifiedMesh& lod, const NodeMesh& input, float lower_bound) {
+  return farthestAlongEdges(lod, LodInput(input, 0), sourcesOf(lod, input), lower_bound);
 }
 
 std::vector<Segment> edgesOf(const NodeMesh& mesh) {
@@ -71,7 +71,7 @@ NodeMesh comb() {
 TEST(FarthestAlongEdges, seesThatAnEdgeLeadsAcrossNotchesAlthoughItsMiddleIsNear) {
   const NodeMesh input = comb();
   SimplifiedMesh lod{input, std::vector<uint32_t>(input.positions.size())};
-  std::iota(lod.became.begin(), lod.became.end(), 0u);
+  std::iota(lod.remap.begin(), lod.remap.end(), 0u);
   const auto at = [&](uint32_t x, uint32_t y) {
     const auto found = std::ranges::find(input.positions, packPosition({x, y, 0}));
     return static_cast<uint32_t>(found - input.positions.begin());
@@ -83,7 +83,7 @@ TEST(FarthestAlongEdges, seesThatAnEdgeLeadsAcrossNotchesAlthoughItsMiddleIsNear
 TEST(FarthestAlongEdges, isNotBelowWhatIsKnown) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   SimplifiedMesh same{mesh, std::vector<uint32_t>(mesh.positions.size())};
-  std::iota(same.became.begin(), same.became.end(), 0u);
+  std::iota(same.remap.begin(), same.remap.end(), 0u);
   EXPECT_EQ(farthestPlaceOf(same, mesh, 7), 7);
 }
 

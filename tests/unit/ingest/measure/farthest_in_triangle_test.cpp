@@ -69,10 +69,10 @@ TEST(FarthestInTriangle, isWhatDensePointsFindAboveFoldsHoweverMuchNeedNotBeTold
         FarthestInTriangle farthest(surface, share * found, 0.f);
         const auto beside = [&](glm::vec3 point) {
           const TriangleTree::Nearest nearest = tree.nearest(point);
-          return PointBeside{point, nearest.distance, nearest.triangle};
+          return MeasuredPoint{point, nearest.distance, nearest.triangle};
         };
-        farthest.look({beside(at[0]), beside(at[1]), beside(at[2])});
-        EXPECT_GE(1.0201f * farthest.told(), found) << height << ' ' << i << ' ' << share;
+        farthest.process({beside(at[0]), beside(at[1]), beside(at[2])});
+        EXPECT_GE(1.0201f * farthest.precision(), found) << height << ' ' << i << ' ' << share;
         EXPECT_LE(farthest.largest(), found + between) << height << ' ' << i << ' ' << share;
       }
     }
@@ -86,9 +86,9 @@ struct CountingSurface {
                   TriangleChain& chain) const {
     return of.chainAlong(segment, first, last, near_squared, chain);
   }
-  PointBeside measure(glm::vec3 at, uint32_t hint, float enough) const {
+  MeasuredPoint measure(glm::vec3 at, uint32_t hint, float tolerance) const {
     ++measured;
-    return of.measure(at, hint, enough);
+    return of.measure(at, hint, tolerance);
   }
 
   const LodSurface& of;
@@ -118,11 +118,11 @@ TEST(FarthestInTriangle, isBoundedUncutAboveAVertexIfThatIsNear) {
     FarthestInTriangle farthest(counting, 25.f, 0.f);
     const auto beside = [&](glm::vec3 point) {
       const TriangleTree::Nearest nearest = tree.nearest(point);
-      return PointBeside{point, nearest.distance, nearest.triangle};
+      return MeasuredPoint{point, nearest.distance, nearest.triangle};
     };
-    farthest.look({beside(at[0]), beside(at[1]), beside(at[2])});
+    farthest.process({beside(at[0]), beside(at[1]), beside(at[2])});
     EXPECT_EQ(counting.measured > 0, is_cut) << height;
-    EXPECT_GE(1.0201f * farthest.told(), farthestOfDensePoints(at, tree)) << height;
+    EXPECT_GE(1.0201f * farthest.precision(), farthestOfDensePoints(at, tree)) << height;
   }
 }
 

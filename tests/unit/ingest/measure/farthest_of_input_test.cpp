@@ -27,13 +27,13 @@ NodeMesh meshOf(const std::vector<glm::uvec3>& points, const std::vector<glm::u3
   return mesh;
 }
 
-FarthestOfInput farthestWithPlace(const SimplifiedMesh& lod, const NodeMesh& input, float known = 0) {
+FarthestOfInput farthestWithPlace(const SimplifiedMesh& lod, const NodeMesh& input, float lower_bound = 0) {
   const LodSurface surface(lod.mesh);
-  return farthestOfInput(lod, input, surface, placesOn(lod, input, surface.walk()), known);
+  return farthestOfInput(lod, input, surface, placesOn(lod, input, surface.walk()), lower_bound);
 }
 
-float farthestPlaceOfInput(const SimplifiedMesh& lod, const NodeMesh& input, float known = 0) {
-  return farthestWithPlace(lod, input, known).steps;
+float farthestPlaceOfInput(const SimplifiedMesh& lod, const NodeMesh& input, float lower_bound = 0) {
+  return farthestWithPlace(lod, input, lower_bound).steps;
 }
 
 void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2>& targets) {
@@ -95,14 +95,14 @@ TEST(FarthestOfInput, tellsNoPlaceThatIsNearerThanWhatIsKnown) {
 TEST(FarthestOfInput, tellsNoPlaceThatIsAPositionOfTheInput) {
   Ridge ridge;
   ridge.input.positions[3] = packPosition({100, 100, 180});
-  ridge.lod.became[3] = kVanished;
+  ridge.lod.remap[3] = kVanished;
   EXPECT_FALSE(farthestWithPlace(ridge.lod, ridge.input).inside);
 }
 
 /// What a look at every triangle finds.
 float farthestOfEveryTriangle(const SimplifiedMesh& lod, const NodeMesh& input) {
   const TriangleTree tree(lod.mesh);
-  std::vector<PointBeside> beside;
+  std::vector<MeasuredPoint> beside;
   for (const PositionCode position : input.positions) {
     const glm::vec3 at(unpackPosition(position));
     const TriangleTree::Nearest nearest = tree.nearest(at);
@@ -111,8 +111,8 @@ float farthestOfEveryTriangle(const SimplifiedMesh& lod, const NodeMesh& input) 
   const LodSurface surface(lod.mesh);
   FarthestInTriangle farthest(surface, 0, 0);
   for (const glm::u32vec3& t : input.triangles)
-    farthest.look({beside[input.wedge_position[t.x]], beside[input.wedge_position[t.y]],
-                   beside[input.wedge_position[t.z]]});
+    farthest.process({beside[input.wedge_position[t.x]], beside[input.wedge_position[t.y]],
+                      beside[input.wedge_position[t.z]]});
   return farthest.largest();
 }
 

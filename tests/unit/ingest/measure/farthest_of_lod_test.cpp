@@ -16,9 +16,9 @@
 namespace lode::ingest {
 namespace {
 
-float farthestPlaceOfLod(const SimplifiedMesh& lod, const NodeMesh& input, float known) {
+float farthestPlaceOfLod(const SimplifiedMesh& lod, const NodeMesh& input, float lower_bound) {
   return farthestOfLod(lod, LodInput(input, 0), placesOn(lod, input, SurfaceWalk(lod.mesh)),
-                       sourcesOf(lod, input), known);
+                       sourcesOf(lod, input), lower_bound);
 }
 
 TEST(FarthestOfLod, isWithinItsMarginOfWhatDensePointsFind) {
@@ -69,7 +69,7 @@ TEST(FarthestOfLod, seesAPitInOneOfFewTrianglesAlthoughAnotherIsFartherAtFirstSi
   const std::array<uint32_t, 4> corners{0, 64, last - 64, last};
   SimplifiedMesh lod{{}, std::vector<uint32_t>(input.positions.size(), kVanished)};
   for (uint32_t i = 0; i < corners.size(); ++i) {
-    lod.became[corners[i]] = i;
+    lod.remap[corners[i]] = i;
     lod.mesh.positions.push_back(input.positions[corners[i]]);
     lod.mesh.wedge_position.push_back(i);
     lod.mesh.lca_depth.push_back(kNeverLocked);
@@ -84,7 +84,7 @@ TEST(FarthestOfLod, seesAPitInOneOfFewTrianglesAlthoughAnotherIsFartherAtFirstSi
 TEST(FarthestOfLod, isNotBelowWhatIsKnown) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   SimplifiedMesh same{mesh, std::vector<uint32_t>(mesh.positions.size())};
-  std::iota(same.became.begin(), same.became.end(), 0u);
+  std::iota(same.remap.begin(), same.remap.end(), 0u);
   EXPECT_EQ(farthestPlaceOfLod(same, mesh, 7), 7);
 }
 

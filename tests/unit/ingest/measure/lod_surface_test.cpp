@@ -29,12 +29,12 @@ TEST(LodSurface, measuresExactlyWhatIsFartherThanEnough) {
   std::mt19937 random(6);
   for (int i = 0; i < 200; ++i) {
     const glm::vec3 point = pointNear(random);
-    const float enough = static_cast<float>(i % 8), expected = tree.distance(point);
-    const float measured = surface.measure(point, static_cast<uint32_t>(i), enough).distance;
-    if (expected > enough)
+    const float tolerance = static_cast<float>(i % 8), expected = tree.distance(point);
+    const float measured = surface.measure(point, static_cast<uint32_t>(i), tolerance).distance;
+    if (expected > tolerance)
       EXPECT_FLOAT_EQ(measured, expected) << i;
     else
-      EXPECT_LE(measured, enough) << i;
+      EXPECT_LE(measured, tolerance) << i;
   }
 }
 

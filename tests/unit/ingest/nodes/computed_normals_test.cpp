@@ -36,7 +36,7 @@ uint16_t normalAt(PositionCode place, uint8_t lca_depth) {
   lod.mesh.lca_depth.assign(3, lca_depth);
   lod.mesh.wedge_position = {0, 1, 2};
   lod.mesh.triangles = {{0, 1, 2}};
-  lod.became = {0, 0, 1, 2};
+  lod.remap = {0, 0, 1, 2};
   giveNormals(lod, mesh);
   return lod.mesh.wedge_attributes[0].normal;
 }
@@ -79,7 +79,7 @@ TEST(ComputedNormals, areSharperThanTheMeansOfThoseThatWereMerged) {
     SimplifiedMesh with_means = lod;
     std::vector<glm::vec3> sums(lod.mesh.positions.size(), glm::vec3(0));
     for (size_t wedge = 0; wedge < mesh.wedge_position.size(); ++wedge)
-      sums[lod.became[mesh.wedge_position[wedge]]] += decodeOctahedral(mesh.wedge_attributes[wedge].normal);
+      sums[lod.remap[mesh.wedge_position[wedge]]] += decodeOctahedral(mesh.wedge_attributes[wedge].normal);
     for (size_t wedge = 0; wedge < lod.mesh.wedge_position.size(); ++wedge)
       with_means.mesh.wedge_attributes[wedge].normal = encodeOctahedral(sums[lod.mesh.wedge_position[wedge]]);
     EXPECT_LT(missed(lod, mesh), 0.95f * missed(with_means, mesh));

@@ -119,27 +119,27 @@ TEST(LodTargets, areNoneForASmallRootThatIsALeaf) {
 TEST(SpareTargets, halveUntilAQuarterOfTheBudget) {
   const LodRule rule{
       .depth = 2, .locked = 0, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
-  EXPECT_EQ(spareTargets(16000, rule), (std::vector<size_t>{8000, 4000}));
-  EXPECT_TRUE(spareTargets(4096, rule).empty());
+  EXPECT_EQ(farLodTargets(16000, rule), (std::vector<size_t>{8000, 4000}));
+  EXPECT_TRUE(farLodTargets(4096, rule).empty());
 }
 
 TEST(SpareTargets, stopAtTwoTrianglesALockedVertex) {
   const LodRule rule{
       .depth = 2, .locked = 4000, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
-  EXPECT_EQ(spareTargets(32000, rule), (std::vector<size_t>{16000, 8000}));
+  EXPECT_EQ(farLodTargets(32000, rule), (std::vector<size_t>{16000, 8000}));
 }
 
 TEST(SpareTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
   const LodRule rule{
       .depth = 2, .locked = 9000, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
-  EXPECT_EQ(spareTargets(19200, rule), (std::vector<size_t>{12400}));
+  EXPECT_EQ(farLodTargets(19200, rule), (std::vector<size_t>{12400}));
 }
 
 TEST(SpareTargets, areNoneOfTheRootAndCloseToTheLeaves) {
   LodRule rule{.depth = 2, .original_triangles = 8 * kBudget - 1, .triangles_per_node = kBudget};
-  EXPECT_TRUE(spareTargets(16000, rule).empty());
+  EXPECT_TRUE(farLodTargets(16000, rule).empty());
   rule = {.depth = 0, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
-  EXPECT_TRUE(spareTargets(16000, rule).empty());
+  EXPECT_TRUE(farLodTargets(16000, rule).empty());
 }
 
 TEST(LodTargets, reduceASmallRootThatIsNoLeaf) {

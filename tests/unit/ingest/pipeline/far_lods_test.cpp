@@ -48,10 +48,10 @@ TEST_F(FarLods, areThereWhereMuchLiesBelowAndEndAtAQuarterOfTheBudgetOrTheBorder
   size_t nodes = 0;
   for (const Node& node : reader_->nodes()) {
     const bool may_have = node.key != kRootKey && !node.isLeaf() && original_.at(node.key) >= kMuch;
-    const uint32_t enough = std::max(kNodeCapacity / 4, 2 * node.sourceLod().locked);
-    EXPECT_EQ(node.far_lods > 0, may_have && node.sourceLod().triangles > enough) << node.key.value;
+    const uint32_t limit = std::max(kNodeCapacity / 4, 2 * node.sourceLod().locked);
+    EXPECT_EQ(node.far_lods > 0, may_have && node.sourceLod().triangles > limit) << node.key.value;
     if (node.far_lods == 0) continue;
-    EXPECT_LE(node.lods.back().triangles, enough + enough / 4) << node.key.value;
+    EXPECT_LE(node.lods.back().triangles, limit + limit / 4) << node.key.value;
     ++nodes;
   }
   EXPECT_GT(nodes, 5u);
@@ -63,7 +63,7 @@ size_t farLodsOf(const Node& node, uint64_t original) {
                      .locked = node.sourceLod().locked,
                      .original_triangles = original,
                      .triangles_per_node = kNodeCapacity};
-  return spareTargets(node.sourceLod().triangles, rule).size();
+  return farLodTargets(node.sourceLod().triangles, rule).size();
 }
 
 TEST_F(FarLods, areTheCoarsestAloneWhereThoseBetweenAreFartherOffThanTheParentsFinest) {

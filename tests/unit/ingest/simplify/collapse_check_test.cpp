@@ -23,8 +23,8 @@ TEST(CollapseCheck, findsTheSameOfAnEdgeWhateverItLookedAtBefore) {
     const CollapseLimits limits{.least_cosine = random() % 2 ? 0.999 : 0.3};
     const glm::dvec3 middle = (mesh.point(edge.u) + mesh.point(edge.v)) / 2.0;
     around.gather(edge.u, edge.v);
-    const CollapseFinding expected = CollapseCheck(mesh).look(around, middle, limits);
-    const CollapseFinding found = used.look(around, middle, limits);
+    const CollapseFinding expected = CollapseCheck(mesh).check(around, middle, limits);
+    const CollapseFinding found = used.check(around, middle, limits);
     allowed += expected.allowed;
     ASSERT_EQ(found.allowed, expected.allowed) << i;
     ASSERT_EQ(found.folds, expected.folds) << i;
@@ -64,7 +64,7 @@ TEST(CollapseCheck, allowsWhatEachTriangleAroundAllowsByItself) {
                  });
         };
         const bool expected = keepsAll(around.ofU(), at_u) && keepsAll(around.ofV(), at_v);
-        EXPECT_EQ(check.look(around, to, kStrict).allowed, expected)
+        EXPECT_EQ(check.check(around, to, kStrict).allowed, expected)
             << edge.u << ' ' << edge.v << ' ' << share;
         allowed += expected;
         ++looks;

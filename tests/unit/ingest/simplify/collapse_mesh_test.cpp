@@ -28,7 +28,7 @@ class RandomMerges {
     if (edges.empty()) return false;
     const CollapseMesh::Edge edge = edges[random_() % edges.size()];
     around_.gather(edge.u, edge.v);
-    const bool folds = check_.look(around_, mesh_.point(edge.v), {.link_condition = false}).folds;
+    const bool folds = check_.check(around_, mesh_.point(edge.v), {.link_condition = false}).folds;
     mesh_.merge(edge.v, edge.u, mesh_.point(edge.v), 0);
     if (folds) mesh_.removeFolds(edge.v);
     for (uint32_t& position : map_)

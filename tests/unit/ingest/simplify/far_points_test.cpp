@@ -31,7 +31,7 @@ class Collapsing {
     if (moved_.empty()) moved_.emplace_back(from);
     moved_.emplace_back(mesh_.point(gone));
     around_.gather(kPosition, gone);
-    const float found = far_points_.look(around_, to);
+    const float found = far_points_.measure(around_, to);
     mesh_.merge(kPosition, gone, to, 0.5);
     mesh_.positions[kPosition].merged_at = 1;
     far_points_.join(kPosition);
@@ -90,7 +90,7 @@ TEST(FarPoints, knowNothingOfAPositionWhereNothingHasBeenMoved) {
   const auto look = [](const CollapseMesh& mesh) {
     EdgeSurroundings around(mesh);
     around.gather(6, 7);
-    return FarPoints(mesh).look(around, mesh.point(7));
+    return FarPoints(mesh).measure(around, mesh.point(7));
   };
   EXPECT_GT(look({test::nodeOf(test::makeGrid(4, 4)), 0}), 0);  // where 6 was
   EXPECT_EQ(look({test::nodeOf(test::makeGrid(4, 4, {.attributes = {}, .bump = 0})), 0}), 0);

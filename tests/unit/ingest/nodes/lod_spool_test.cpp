@@ -14,7 +14,7 @@ SimplifiedMesh lodOf(uint32_t positions, bool has_attributes) {
     lod.mesh.positions.push_back(packPosition({i, 2 * i, 7}));
     lod.mesh.lca_depth.push_back(static_cast<uint8_t>(i % 5));
     lod.mesh.wedge_position.push_back(i);
-    lod.became.insert(lod.became.end(), {i, kVanished});
+    lod.remap.insert(lod.remap.end(), {i, kVanished});
     VertexAttributes attributes;
     attributes.colour = glm::u8vec4(static_cast<uint8_t>(i));
     if (has_attributes) lod.mesh.wedge_attributes.push_back(attributes);
@@ -30,13 +30,13 @@ void expectSame(const SimplifiedMesh& a, const SimplifiedMesh& b) {
   EXPECT_EQ(a.mesh.wedge_position, b.mesh.wedge_position);
   EXPECT_EQ(a.mesh.wedge_attributes, b.mesh.wedge_attributes);
   EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
-  EXPECT_EQ(a.became, b.became);
+  EXPECT_EQ(a.remap, b.remap);
   EXPECT_EQ(a.is_clustered, b.is_clustered);
 }
 
-TEST(LodShelf, givesEachLodBackAsItWas) {
+TEST(LodSpool, givesEachLodBackAsItWas) {
   const TemporaryFolder folder(::testing::TempDir());
-  LodShelf shelf(folder.file("lods"));
+  LodSpool shelf(folder.file("lods"));
   const std::vector<SimplifiedMesh> lods{lodOf(9, true), lodOf(6, false), lodOf(0, true), lodOf(3, true)};
   for (const SimplifiedMesh& lod : lods) shelf.put(lod);
   ASSERT_EQ(shelf.size(), lods.size());
