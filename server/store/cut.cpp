@@ -13,7 +13,7 @@ CutItem coarsest(const NodeTree& tree, uint32_t node) {
   return {node, static_cast<uint32_t>(tree.node(node).lods.size() - 1)};
 }
 
-/// The coarsest LOD that is no worse than what it takes the place of.
+/// Coarsest LOD whose error does not exceed that of the node it replaces.
 CutItem coarsestWithin(const NodeTree& tree, uint32_t node, float error) {
   const std::vector<Lod>& lods = tree.node(node).lods;
   auto lod = static_cast<uint32_t>(lods.size() - 1);
@@ -21,7 +21,7 @@ CutItem coarsestWithin(const NodeTree& tree, uint32_t node, float error) {
   return {node, lod};
 }
 
-/// Puts the items in Morton order and fills in the sums.
+/// Sorts the items in Morton order and computes the sums.
 Cut finishCut(const NodeTree& tree, std::vector<CutItem> items) {
   const auto cell = [&](CutItem item) {
     const NodeKey key = tree.node(item.node).key;
@@ -38,8 +38,8 @@ Cut finishCut(const NodeTree& tree, std::vector<CutItem> items) {
   return cut;
 }
 
-/// Walks down from the root. `choose` returns an LOD at which to stop, or a negative number to go on to the
-/// children; it is not asked to go on below a leaf.
+/// Walks down from the root. `choose` returns the LOD at which to stop, or a negative number to continue with
+/// the children; for a leaf it must return an LOD.
 template <typename Choose>
 Cut walk(const NodeTree& tree, Choose&& choose) {
   std::vector<CutItem> items;
@@ -73,7 +73,7 @@ Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles) {
   struct Candidate {
     float error;
     CutItem item;
-    bool operator<(const Candidate& other) const {  // the queue gives the largest first
+    bool operator<(const Candidate& other) const {  // largest error first
       return error != other.error ? error < other.error : item.node > other.item.node;
     }
   };
@@ -106,7 +106,7 @@ Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles) {
 }
 
 Cut randomCut(const NodeTree& tree, uint64_t seed) {
-  std::mt19937_64 random(seed);  // its numbers are the standard's; distributions would not be
+  std::mt19937_64 random(seed);  // the standard specifies its numbers, but not those of distributions
   const uint64_t stop_of_16 = 1 + random() % 10;
   return walk(tree, [&](const Node& node) {
     const uint64_t lod = random() % node.lods.size();
@@ -133,7 +133,7 @@ bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items) {
     const uint32_t number = todo.back();
     todo.pop_back();
     if (states[number] == kTaken) {
-      ++met;  // what lies below is not looked at: an item there stays unmet
+      ++met;  // not searched below: an item there stays unmet
       continue;
     }
     if (tree.node(number).isLeaf()) return false;

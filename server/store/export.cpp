@@ -20,7 +20,7 @@
 namespace lode::store {
 namespace {
 
-/// The tiles of a texture's level 0, as they are in the store and decoded.
+/// Tiles of a texture's level 0.
 class FinestTiles {
  public:
   FinestTiles(const Reader& reader, const Texture& texture) : reader_(reader), texture_(texture) {}
@@ -32,7 +32,7 @@ class FinestTiles {
   TileImage image(uint32_t x, uint32_t y) const {
     return decodeTile(file(x, y), tileInnerSize(texture_, 0, x, y) + 2 * kTileGutterPx);
   }
-  /// Some texel is not opaque. Grey and few colours are packed as WebP, too, so that this is looked for.
+  /// Returns whether any texel is not opaque. Has to decode tiles, because WebP tiles do not all have alpha.
   bool haveClearTexels() const {
     const auto isClear = [](const glm::u8vec4& texel) { return texel.a != 255; };
     for (uint32_t y = 0; y < count().y; ++y)

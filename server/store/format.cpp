@@ -17,7 +17,7 @@ constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', '\r', '\n', '\x1a', '\n
 constexpr std::array<char, 8> kEndMagic{'L', 'O', 'D', 'E', '-', 'E', 'N', 'D'};
 constexpr size_t kHeaderChecksumAt = kHeaderBytes - sizeof(uint64_t);
 
-/// Puts numbers into a fixed place, lowest byte first.
+/// Writes little-endian numbers to a buffer.
 class Put {
  public:
   explicit Put(std::span<std::byte> out) : out_(out) {}
@@ -38,7 +38,7 @@ class Put {
   size_t at_ = 0;
 };
 
-/// Takes numbers from a place whose size the caller has checked.
+/// Reads little-endian numbers from a buffer whose size the caller has checked.
 class Take {
  public:
   explicit Take(std::span<const std::byte> in) : in_(in) {}
@@ -77,7 +77,7 @@ void checkGrid(const ModelSummary& summary) {
   for (int axis = 0; axis < 3; ++axis) {
     const double origin = lattice.origin[axis];
     if (!std::isfinite(origin) || std::fmod(origin, lattice.step) != 0)
-      fail("header: the lattice's origin is no multiple of its step");
+      fail("header: the lattice's origin is not a multiple of its step");
     if (summary.box.max[axis] > kMaxLattice || summary.box.min[axis] > kMaxLattice)
       fail("header: the box is outside the lattice");
   }
@@ -85,12 +85,12 @@ void checkGrid(const ModelSummary& summary) {
 
 void checkCounts(const ModelSummary& summary) {
   if ((summary.attributes.bits & ~(AttributeSet::kAll | AttributeSet::kComputedNormal)) != 0)
-    fail("header: attributes that this version does not know");
+    fail("header: unknown attributes");
   if (summary.nodes == 0 || summary.nodes > kMaxNodes)
     fail("header: " + std::to_string(summary.nodes) + " nodes, the limit is " + std::to_string(kMaxNodes));
   if (summary.depth > static_cast<uint32_t>(kMaxDepth)) fail("header: the hierarchy is too deep");
   if (!std::isfinite(summary.max_error_model) || summary.max_error_model < 0)
-    fail("header: the error is no finite number");
+    fail("header: the error is not a finite number");
 }
 
 }  // namespace
@@ -128,23 +128,23 @@ std::array<std::byte, kHeaderBytes> encodeHeader(const FileHeader& header) {
 
 FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t file_bytes) {
   if (std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
-    throw Error(ErrorCode::kInput, "is no store: give a .lode file, or build one with lodestreamd build");
+    throw Error(ErrorCode::kInput, "is not a store: give a .lode file, or build one with lodestreamd build");
   Take take(bytes.subspan<kMagic.size()>());
   if (const auto version = take.get<uint32_t>(); version != kFormatVersion)
-    throw Error(ErrorCode::kInput, "its format has version " + std::to_string(version) +
+    throw Error(ErrorCode::kInput, "has format version " + std::to_string(version) +
                                        ", this program reads version " + std::to_string(kFormatVersion) +
-                                       ": build it again with this program");
+                                       ": rebuild it with this program");
   Take sum(bytes.last<sizeof(uint64_t)>());
   if (sum.get<uint64_t>() != checksum(bytes.first<kHeaderChecksumAt>()))
     fail("header: the checksum does not match");
-  if (take.get<uint32_t>() != kHeaderBytes) fail("header: its size is not that of version 3");
+  if (take.get<uint32_t>() != kHeaderBytes) fail("header: wrong size");
   FileHeader header;
   ModelSummary& summary = header.summary;
   take.number(summary.bytes);
   if (file_bytes < summary.bytes)
     fail("truncated: " + std::to_string(file_bytes) + " of " + std::to_string(summary.bytes) + " bytes");
   if (file_bytes > summary.bytes)
-    fail(std::to_string(file_bytes - summary.bytes) + " bytes too many at the end");
+    fail(std::to_string(file_bytes - summary.bytes) + " extra bytes at the end");
   take.number(header.table_offset);
   take.number(header.blobs);
   take.number(summary.root_page.number);
@@ -154,7 +154,7 @@ FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t
   for (int axis = 0; axis < 3; ++axis) take.number(summary.box.min[axis]);
   for (int axis = 0; axis < 3; ++axis) take.number(summary.box.max[axis]);
   const auto attribute_bits = take.get<uint32_t>();
-  if (attribute_bits > 0xff) fail("header: attributes that this version does not know");
+  if (attribute_bits > 0xff) fail("header: unknown attributes");
   summary.attributes.bits = static_cast<uint8_t>(attribute_bits);
   take.number(summary.triangles_per_node);
   take.number(summary.triangles);
@@ -171,10 +171,10 @@ FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t
   const uint64_t behind_blobs = uint64_t{header.blobs} * kTableEntryBytes + kFooterBytes;
   if (header.table_offset < kHeaderBytes || summary.bytes < kHeaderBytes + behind_blobs ||
       header.table_offset != summary.bytes - behind_blobs)
-    fail("header: blob table and footer do not end where the file does");
+    fail("header: blob table and footer do not fill the rest of the file");
   if (summary.root_page.number == 0 || summary.root_page.number > header.blobs)
-    fail("header: the root page is no blob of this store");
-  if (summary.textures.number > header.blobs) fail("header: the texture set is no blob of this store");
+    fail("header: the root page is not a blob of this store");
+  if (summary.textures.number > header.blobs) fail("header: the texture set is not a blob of this store");
   return header;
 }
 
@@ -199,7 +199,7 @@ std::vector<TableEntry> decodeTable(std::span<const std::byte> bytes, const File
     take.number(entry.bytes);
     take.number(entry.checksum);
     take.raw(entry.digest.bytes);
-    if (entry.bytes == 0) fail("blob table: a blob without bytes");
+    if (entry.bytes == 0) fail("blob table: an empty blob");
     if (entry.bytes > kMaxBlobBytes)
       throw Error(ErrorCode::kLimit, "blob table: a blob of " + std::to_string(entry.bytes) +
                                          " bytes, the limit is " + std::to_string(kMaxBlobBytes));
@@ -222,7 +222,7 @@ void checkFooter(std::span<const std::byte, kFooterBytes> footer,
                  std::span<const std::byte, kHeaderBytes> header) {
   const auto expected = encodeFooter(header);
   if (std::memcmp(footer.data(), expected.data(), kFooterBytes) != 0)
-    fail("footer: it does not match the header");
+    fail("footer: does not match the header");
 }
 
 Digest computeBuildId(const FileHeader& header, std::span<const std::byte> table) {

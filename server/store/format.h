@@ -9,8 +9,8 @@
 #include "common/codec/blob.h"
 #include "common/codec/model_summary.h"
 
-/// The fixed parts of a store file, field by field as docs/store-format.md has them:
-/// header, blobs back to back, blob table, footer. All numbers little-endian.
+/// Encoding of a store file's fixed parts, as in docs/store-format.md: header, blobs back to back, blob
+/// table, footer. All numbers are little-endian.
 namespace lode::store {
 
 constexpr uint32_t kFormatVersion = 4;
@@ -18,8 +18,8 @@ constexpr size_t kHeaderBytes = 188;
 constexpr size_t kTableEntryBytes = 28;
 constexpr size_t kFooterBytes = 24;
 
-/// What the header says. Of the summary, `name` is not stored, and of `root_page` and
-/// `textures` only the number is.
+/// Content of the header. The summary's `name` is not stored, and of `root_page` and `textures` only the
+/// number.
 struct FileHeader {
   ModelSummary summary;
   uint64_t table_offset = 0;
@@ -27,7 +27,7 @@ struct FileHeader {
   uint64_t table_checksum = 0;
 };
 
-/// One entry of the blob table; where the blob lies follows from the sizes of those before it.
+/// Entry of the blob table. A blob's offset follows from the sizes of the blobs before it.
 struct TableEntry {
   uint32_t bytes = 0;
   uint64_t checksum = 0;
@@ -39,7 +39,7 @@ std::vector<std::byte> encodeTable(std::span<const TableEntry> entries);
 std::array<std::byte, kFooterBytes> encodeFooter(std::span<const std::byte, kHeaderBytes> header);
 
 /// Checks magic, version, checksum and the range of every field, and that the parts fill the file exactly.
-/// @throws Error kInput (no store, or of another version) or kFormat.
+/// @throws Error kInput (not a store, or of another version) or kFormat.
 FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t file_bytes);
 /// Checks the table against the header: checksum, sizes, limits, and that the blobs fill the space between
 /// header and table. @throws Error kFormat, kLimit.
@@ -48,7 +48,7 @@ std::vector<TableEntry> decodeTable(std::span<const std::byte> bytes, const File
 void checkFooter(std::span<const std::byte, kFooterBytes> footer,
                  std::span<const std::byte, kHeaderBytes> header);
 
-/// The hash of the index: of the header without its build id and checksum, and the blob table.
+/// Digest of the index: the header without build id and checksum, and the blob table.
 Digest computeBuildId(const FileHeader& header, std::span<const std::byte> table);
 
 }  // namespace lode::store

@@ -25,19 +25,19 @@ void checkLod(const Node& node, const Lod& lod, const Lod* finer) {
   if (node.key == kRootKey && lod.locked != 0) fail(node.key, "the root locks vertices");
   if (!std::isfinite(lod.error_model) || lod.error_model < 0 || !std::isfinite(lod.appearance_error_model) ||
       lod.appearance_error_model < 0)
-    fail(node.key, "an error is no finite number");
+    fail(node.key, "an error is not a finite number");
   if (!finer) return;
   if (lod.triangles > finer->triangles) fail(node.key, "a coarser LOD has more triangles than a finer one");
   if (lod.error_model < finer->error_model || lod.appearance_error_model < finer->appearance_error_model)
-    fail(node.key, "the error falls towards a coarser LOD (I3)");
+    fail(node.key, "a coarser LOD has a smaller error (I3)");
 }
 
 void checkNode(const Node& node) {
-  if (!node.key.valid()) fail(node.key, "no valid key");
+  if (!node.key.valid()) fail(node.key, "invalid key");
   if (node.lods.empty()) fail(node.key, "no LODs");
   if (node.lods.size() > kMaxLods)
     throw Error(ErrorCode::kLimit,
-                "node " + describeKey(node.key) + ": more than " + std::to_string(kMaxLods) + " lods");
+                "node " + describeKey(node.key) + ": more than " + std::to_string(kMaxLods) + " LODs");
   if (node.isLeaf() && node.key != kRootKey && node.lods.size() != 1)
     fail(node.key, "a leaf with more than one LOD");
   if (node.far_lods >= node.lods.size() || (node.far_lods > 0 && node.key == kRootKey))
@@ -54,19 +54,20 @@ void checkNode(const Node& node) {
 }
 
 void checkBelowParent(const Node& node, const Node& parent) {
-  if ((parent.child_mask >> node.key.octant() & 1) == 0) fail(node.key, "its parent does not know it");
-  if (!node.box.empty() && !parent.box.contains(node.box)) fail(node.key, "its box leaves its parent's box");
+  if ((parent.child_mask >> node.key.octant() & 1) == 0)
+    fail(node.key, "its parent's child mask does not include it");
+  if (!node.box.empty() && !parent.box.contains(node.box)) fail(node.key, "its box exceeds its parent's box");
   const Lod& coarsest = node.sourceLod();
   const Lod& above = parent.lods.front();
   if (above.error_model < coarsest.error_model ||
       above.appearance_error_model < coarsest.appearance_error_model)
-    fail(node.key, "the error falls towards the parent (I3)");
+    fail(node.key, "the parent has a smaller error (I3)");
 }
 
 }  // namespace
 
 HierarchyTotals checkHierarchy(std::span<const Node> nodes) {
-  if (nodes.empty() || nodes[0].key != kRootKey) fail(kRootKey, "there is no root");
+  if (nodes.empty() || nodes[0].key != kRootKey) fail(kRootKey, "the root is missing");
   if (nodes.size() > kMaxNodes)
     throw Error(ErrorCode::kLimit,
                 std::to_string(nodes.size()) + " nodes, the limit is " + std::to_string(kMaxNodes));

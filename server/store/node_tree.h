@@ -10,7 +10,7 @@
 
 namespace lode::store {
 
-/// Sums over a hierarchy, to compare with what a header says.
+/// Sums over a hierarchy, for comparison with the header.
 struct HierarchyTotals {
   uint64_t triangles = 0;         ///< in the leaves' LOD 0
   uint64_t stored_triangles = 0;  ///< in all LODs
@@ -18,14 +18,14 @@ struct HierarchyTotals {
   uint32_t depth = 0;
 };
 
-/// Checks a whole hierarchy, as it comes from pages or from a build: key order, every child of a mask present
-/// and no orphan, one LOD in leaves below the root, triangle counts that do not rise towards coarser LODs,
-/// errors finite and monotone (I3), boxes inside the parents' boxes, limits.
+/// Checks a whole hierarchy: key order, children present exactly as in the masks, one LOD in leaves below the
+/// root, triangle counts that do not increase towards coarser LODs, errors finite and monotone (I3), boxes
+/// inside the parents' boxes, limits.
 /// @param nodes  in key order.
 /// @throws Error kFormat or kLimit, naming the node. Thread safe.
 HierarchyTotals checkHierarchy(std::span<const Node> nodes);
 
-/// Finds children by number in a checked hierarchy: nodes in key order have siblings side by side.
+/// Finds children by number in a checked hierarchy; in key order siblings are adjacent.
 class NodeTree {
  public:
   /// @param nodes  checked, in key order; must outlive the tree.
@@ -41,28 +41,29 @@ class NodeTree {
   std::vector<uint32_t> first_child_;
 };
 
-/// A key as people read it: "root" or the octants from the root down, "root/3/0".
+/// A readable key: "root", or the octants from the root down, like "root/3/0".
 std::string describeKey(NodeKey key);
 
-/// A page before it has a number: the node below which it hangs and what it holds.
+/// A page before it gets a blob number.
 struct PagePlan {
-  NodeKey owner;  ///< of the first page the root, which that page holds itself
+  NodeKey
+      owner;  ///< node that the page hangs below; the root for the first page, which contains the root itself
   HierarchyPage page;
 };
 
-/// The node below whose page a node stands: the nearest ancestor of even depth >= 2, or the root.
+/// Owner of the page that contains a node: the nearest ancestor of even depth >= 2, or the root.
 constexpr NodeKey pageOwner(NodeKey key) noexcept {
   const int depth = key.depth();
   return depth <= 2 ? kRootKey : key.ancestorAt((depth - 1) / 2 * 2);
 }
 
-/// True if a page hangs below the node: it has even depth >= 2 and children.
+/// Returns true if a page hangs below the node: if it has children and an even depth >= 2.
 inline bool ownsPage(const Node& node) noexcept {
   return node.key.depth() >= 2 && node.key.depth() % 2 == 0 && !node.isLeaf();
 }
 
-/// Deals a checked hierarchy out to pages as hierarchy_page.h says; the root's first, then in the order of
-/// their owners' keys.
+/// Distributes a checked hierarchy to pages as defined in hierarchy_page.h: the root's page first, then in
+/// key order of their owners.
 std::vector<PagePlan> splitIntoPages(std::vector<Node> nodes);
 
 }  // namespace lode::store

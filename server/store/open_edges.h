@@ -8,22 +8,22 @@
 
 namespace lode::store {
 
-/// An edge by its positions, a < b.
+/// An edge by its end positions, a < b.
 struct OpenEdge {
   PositionCode a, b;
 
   friend auto operator<=>(const OpenEdge&, const OpenEdge&) = default;
 };
 
-/// Collects the edges that are used by an odd number of triangles, over any number of meshes. What lies
-/// inside a mesh cancels at once and what neighbours share soon after, so that memory goes with the open
-/// part. Not thread safe.
+/// Collects the edges that an odd number of triangles has, over any number of meshes. Edges inside a mesh
+/// cancel immediately and those shared by neighbours soon, so memory is proportional to the open edges. Not
+/// thread safe.
 class OpenEdges {
  public:
   void add(const Mesh& mesh);
-  /// @param open  the open edges of one mesh or several.
+  /// @param open  open edges of one or more meshes.
   void add(std::span<const OpenEdge> open);
-  /// All open edges so far, sorted by position.
+  /// Returns all open edges so far, sorted.
   const std::vector<OpenEdge>& edges();
 
  private:

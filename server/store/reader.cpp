@@ -22,10 +22,10 @@ namespace {
 
 [[noreturn]] void failReading(const std::string& what) { throw Error(ErrorCode::kFormat, what); }
 
-/// An open file, closed at the end.
+/// An open file; closed on destruction.
 class File {
  public:
-  /// Waits for nobody at the other end of a pipe, which is no store.
+  /// Opens without blocking on pipes, which are not stores.
   explicit File(const std::filesystem::path& path)
       : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (descriptor_ < 0)
@@ -42,7 +42,7 @@ class File {
     if (::fstat(descriptor_, &status) != 0)
       throw Error(ErrorCode::kIo, std::string("cannot be examined: ") + std::strerror(errno));
     if (S_ISDIR(status.st_mode)) throw Error(ErrorCode::kIo, "is a directory: give a .lode file");
-    if (!S_ISREG(status.st_mode)) throw Error(ErrorCode::kIo, "is no regular file: give a .lode file");
+    if (!S_ISREG(status.st_mode)) throw Error(ErrorCode::kIo, "is not a regular file: give a .lode file");
     return static_cast<uint64_t>(status.st_size);
   }
 
@@ -83,7 +83,7 @@ struct Reader::State {
 
 namespace {
 
-/// Adds the file and the remedy to an error about its contents.
+/// Adds the file name and, for damaged content, a remedy to errors.
 template <typename Action>
 auto namingFile(const std::filesystem::path& path, Action&& action) {
   try {
@@ -114,7 +114,7 @@ void Reader::State::readIndex() {
   std::array<std::byte, kHeaderBytes> header_bytes{};
   file.readAt(0, std::span(header_bytes).first(std::min<uint64_t>(file_bytes, kHeaderBytes)));
   if (file_bytes < kHeaderBytes + kFooterBytes)
-    failReading("is no store or a truncated one: it has only " + std::to_string(file_bytes) + " bytes");
+    failReading("is not a store, or truncated: it has only " + std::to_string(file_bytes) + " bytes");
   const FileHeader header = decodeHeader(header_bytes, file_bytes);
   std::array<std::byte, kFooterBytes> footer{};
   file.readAt(file_bytes - kFooterBytes, footer);
@@ -137,7 +137,7 @@ void Reader::State::readIndex() {
   summary.textures = {summary.textures.number, textures_blob.bytes, textures_blob.digest};
 }
 
-/// Reads all pages, from the root's down; a page that comes a second time is an error, so this ends.
+/// Reads all pages from the root down. Terminates, because a page that is referenced twice is an error.
 void Reader::State::readHierarchy() {
   struct Todo {
     NodeKey owner;
@@ -148,17 +148,19 @@ void Reader::State::readHierarchy() {
   while (!todo.empty()) {
     const Todo next = todo.back();
     todo.pop_back();
-    if (seen[next.blob - 1]) failReading("blob " + std::to_string(next.blob) + ": two nodes name this page");
+    if (seen[next.blob - 1])
+      failReading("blob " + std::to_string(next.blob) + ": two nodes refer to this page");
     seen[next.blob - 1] = true;
     if (blobs[next.blob - 1].bytes > kMaxPageBytes)
-      throw Error(ErrorCode::kLimit, "blob " + std::to_string(next.blob) + ": a page above the limit of " +
+      throw Error(ErrorCode::kLimit, "blob " + std::to_string(next.blob) +
+                                         ": a page larger than the limit of " +
                                          std::to_string(kMaxPageBytes) + " bytes");
     HierarchyPage page = decodePage(readBlob(next.blob), next.owner, next.owner == kRootKey);
     for (Node& node : page.nodes) {
       if (pageOwner(node.key) != next.owner)
-        failReading("node " + describeKey(node.key) + ": stands in a wrong page");
+        failReading("node " + describeKey(node.key) + ": is in the wrong page");
       if (ownsPage(node) != static_cast<bool>(node.child_page))
-        failReading("node " + describeKey(node.key) + ": has a page without need or none where one must be");
+        failReading("node " + describeKey(node.key) + ": has an unnecessary page, or its page is missing");
       if (node.child_page) {
         resolve(node.child_page, "node " + describeKey(node.key));
         todo.push_back({node.key, node.child_page.number});
@@ -174,7 +176,7 @@ void Reader::State::readTextures() {
   if (!summary.textures) return;
   if (summary.textures.bytes > kMaxTextureSetBytes)
     throw Error(ErrorCode::kLimit, "blob " + std::to_string(summary.textures.number) +
-                                       ": a texture set above the limit of " +
+                                       ": a texture set larger than the limit of " +
                                        std::to_string(kMaxTextureSetBytes) + " bytes");
   textures = decodeTextureSet(readBlob(summary.textures.number));
 }
@@ -183,13 +185,13 @@ void Reader::State::checkSummary(const HierarchyTotals& totals) const {
   if (nodes.size() != summary.nodes || totals.triangles != summary.triangles ||
       totals.stored_triangles != summary.stored_triangles || totals.payloads != summary.payloads ||
       totals.depth != summary.depth)
-    failReading("the header's counts are not those of the nodes");
-  if (nodes[0].box != summary.box) failReading("the header's box is not the root's");
+    failReading("the header's counts do not match the nodes");
+  if (nodes[0].box != summary.box) failReading("the header's box does not match the root's");
   if (nodes[0].lods.back().error_model != summary.max_error_model)
-    failReading("the header's error is not that of the root's coarsest LOD");
+    failReading("the header's error does not match the root's coarsest LOD");
 }
 
-/// Every blob is of one kind, and none is left over.
+/// Checks that every blob has exactly one use.
 void Reader::State::checkRefs() const {
   enum Use : uint8_t { kNone, kPage, kPayload, kTextures, kTile };
   std::vector<Use> uses(blobs.size(), kNone);
@@ -199,7 +201,7 @@ void Reader::State::checkRefs() const {
   const auto claim = [&](const BlobRef& ref, Use use, const std::string& user) {
     Use& known = uses[ref.number - 1];
     if (known != kNone && known != use)
-      failReading(user + ": names blob " + std::to_string(ref.number) + ", which is something else");
+      failReading(user + ": refers to blob " + std::to_string(ref.number) + ", which has another use");
     known = use;
   };
   if (summary.textures) claim(summary.textures, kTextures, "header");
@@ -215,15 +217,15 @@ void Reader::State::checkRefs() const {
       claim(lod.payload, kPayload, "node " + describeKey(node.key));
     }
   if (const auto unused = std::find(uses.begin(), uses.end(), kNone); unused != uses.end())
-    failReading("blob " + std::to_string(unused - uses.begin() + 1) + ": nothing uses it");
+    failReading("blob " + std::to_string(unused - uses.begin() + 1) + ": not used");
 }
 
 void Reader::State::resolve(const BlobRef& ref, const std::string& user) const {
-  if (ref.number == 0 || ref.number > blobs.size()) failReading(user + ": names a blob that is not there");
+  if (ref.number == 0 || ref.number > blobs.size()) failReading(user + ": refers to a missing blob");
   const BlobEntry& entry = blobs[ref.number - 1];
   if (entry.bytes != ref.bytes || entry.digest != ref.digest)
-    failReading(user + ": size or name of blob " + std::to_string(ref.number) +
-                " is not that of the blob table");
+    failReading(user + ": size or digest of blob " + std::to_string(ref.number) +
+                " does not match the blob table");
 }
 
 std::vector<std::byte> Reader::State::readBlob(uint32_t number) const {

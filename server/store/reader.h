@@ -13,7 +13,7 @@
 
 namespace lode::store {
 
-/// Where a blob lies in the file.
+/// Place of a blob in the file.
 struct BlobEntry {
   uint64_t offset = 0;
   uint32_t bytes = 0;
@@ -21,11 +21,11 @@ struct BlobEntry {
   Digest digest;
 };
 
-/// An open store: summary, whole hierarchy, textures and blob table, validated at opening. Const functions
-/// are thread safe.
+/// An open store: summary, whole hierarchy, textures and blob table, validated by the constructor. Const
+/// functions are thread safe.
 class Reader {
  public:
-  /// @throws Error kIo, kInput (no store, or of another version), kFormat or kLimit, naming the file, the
+  /// @throws Error kIo, kInput (not a store, or of another version), kFormat or kLimit, naming the file, the
   /// place and the remedy.
   explicit Reader(const std::filesystem::path& path);
   ~Reader();
@@ -33,19 +33,19 @@ class Reader {
 
   const ModelSummary& summary() const noexcept;
   const std::filesystem::path& path() const noexcept;
-  /// All nodes in key order.
+  /// All nodes, in key order.
   std::span<const Node> nodes() const noexcept;
-  /// Without textures where the store has no set.
+  /// Empty if the store has no textures.
   const TextureSet& textures() const noexcept;
   /// @return null if there is no such node.
   const Node* find(NodeKey key) const noexcept;
-  /// Number of blobs; they are numbered from 1.
+  /// Number of blobs. Blob numbers start at 1.
   uint32_t blobCount() const noexcept;
   /// @throws Error kFormat if there is no such blob.
   const BlobEntry& blob(uint32_t number) const;
-  /// Reads a blob and checks it. @throws Error kIo or kFormat.
+  /// Reads a blob and checks its checksum. @throws Error kIo or kFormat.
   std::vector<std::byte> readBlob(uint32_t number) const;
-  /// The file, for servers that read by themselves. It stays open as long as the reader.
+  /// File descriptor for servers that read blobs themselves; open as long as the reader exists.
   int fileDescriptor() const noexcept;
 
  private:

@@ -14,7 +14,7 @@
 namespace lode::store {
 namespace {
 
-constexpr int kPointsPerEdge = 5;  ///< at which an open edge is compared, both ends among them
+constexpr int kPointsPerEdge = 5;  ///< points of an open edge to compare, including both ends
 
 class Verifier {
  public:
@@ -43,7 +43,7 @@ class Verifier {
   void checkNames() const {
     for (uint32_t number = 1; number <= reader_.blobCount(); ++number)
       if (digestOf(reader_.readBlob(number)) != reader_.blob(number).digest)
-        fail("blob " + std::to_string(number) + ": its name is not the hash of its bytes");
+        fail("blob " + std::to_string(number) + ": its digest does not match its bytes");
   }
 
   void checkTiles() {
@@ -80,14 +80,14 @@ class Verifier {
 
   void checkMesh(const Node& node, size_t number, const Mesh& mesh) const {
     const Lod& lod = node.lods[number];
-    if (mesh.triangles.size() != lod.triangles) fail(node, number, "it has another number of triangles");
-    if (mesh.positions.size() != lod.vertices) fail(node, number, "it has another number of vertices");
+    if (mesh.triangles.size() != lod.triangles) fail(node, number, "its number of triangles does not match");
+    if (mesh.positions.size() != lod.vertices) fail(node, number, "its number of vertices does not match");
     LatticeBox box;
     for (const PositionCode position : mesh.positions) box.add(unpackPosition(position));
     if (!node.box.contains(box)) fail(node, number, "a vertex lies outside the node's box");
     for (const glm::u32vec3& t : mesh.triangles) {
       const PositionCode a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
-      if (a == b || b == c || c == a) fail(node, number, "a triangle with two corners at one place");
+      if (a == b || b == c || c == a) fail(node, number, "a triangle has two corners at one position");
     }
     std::vector<PositionCode> distinct = mesh.positions;
     std::sort(distinct.begin(), distinct.end());
@@ -111,7 +111,7 @@ class Verifier {
     }
   }
 
-  /// The LOD of each node that a cut shows, by the node's number; null where it shows none.
+  /// The LOD that a cut shows of each node, by node number; null if none.
   std::vector<const Lod*> shownLods(const Cut& cut) const {
     std::vector<const Lod*> shown(tree_.nodes().size());
     for (const CutItem item : cut.items) shown[item.node] = &tree_.node(item.node).lods[item.lod];
@@ -134,8 +134,8 @@ class Verifier {
     }
   }
 
-  /// The largest error of the LODs shown in whose nodes' boxes a position lies. The LOD that an open edge
-  /// comes from need not use it any more: a triangle at a boundary that collapsed leaves its neighbour's edge
+  /// Largest error of the shown LODs whose nodes' boxes contain a position. The LOD that an open edge belongs
+  /// to may not have the position any more: when a boundary triangle collapses, its neighbour's edge becomes
   /// open.
   double errorAt(PositionCode position, const std::vector<const Lod*>& shown) const {
     LatticeBox point;

@@ -49,7 +49,7 @@ void Writer::addTextures(const TextureSet& textures) {
   for (const Texture& texture : textures.textures)
     for (const BlobRef& tile : texture.tiles) {
       if (!wasAdded(tile))
-        throw Error(ErrorCode::kFormat, "texture " + texture.name + ": names a blob that was not added");
+        throw Error(ErrorCode::kFormat, "texture " + texture.name + ": refers to a blob that was not added");
       tiles_.push_back(tile.number);
     }
   textures_ = addBlob(encodeTextureSet(textures));
@@ -60,7 +60,7 @@ bool Writer::wasAdded(const BlobRef& ref) const {
          entries_[ref.number - 1].digest == ref.digest;
 }
 
-/// Every payload must be one that addBlob() returned, and every added blob some LOD's or the textures'.
+/// Checks that every payload was added by addBlob(), and that every added blob is used.
 void Writer::checkUse(std::span<const Node> nodes) const {
   std::vector<bool> used(entries_.size());
   if (textures_) used[textures_.number - 1] = true;
@@ -73,17 +73,17 @@ void Writer::checkUse(std::span<const Node> nodes) const {
       if (!ref) continue;
       if (!wasAdded(ref))
         throw Error(ErrorCode::kFormat,
-                    "node " + describeKey(node.key) + ": names a blob that was not added");
+                    "node " + describeKey(node.key) + ": refers to a blob that was not added");
       used[ref.number - 1] = true;
     }
   }
   if (const auto unused = std::find(used.begin(), used.end(), false); unused != used.end())
     throw Error(ErrorCode::kFormat,
-                path_.string() + ": nothing uses blob " + std::to_string(unused - used.begin() + 1));
+                path_.string() + ": blob " + std::to_string(unused - used.begin() + 1) + " is not used");
 }
 
-/// Pages lie coarse first, but a page names those below it: they get their numbers first and are encoded from
-/// the last to the first.
+/// Writes all pages, coarse ones first. Pages refer to the pages below, so they are numbered first and
+/// encoded from last to first.
 /// @return the root's page.
 BlobRef Writer::writePages(std::vector<Node> nodes) {
   std::vector<PagePlan> plans = splitIntoPages(std::move(nodes));

@@ -15,27 +15,26 @@
 
 namespace lode::store {
 
-/// Writes one store. The caller adds payloads in the order in which they shall lie in the file (coarse first,
-/// siblings together), then finishes with the nodes; pages, blob table, footer and header are written then,
-/// and the file appears under its name. Destroyed before, it leaves nothing behind. Not thread safe.
+/// Writes one store. Add payloads in file order (coarse first, siblings together), then finish with the
+/// nodes, which writes pages, blob table, footer and header and renames the file into place. Leaves no file
+/// behind if destroyed earlier. Not thread safe.
 class Writer {
  public:
   /// @param temporary  see AtomicFile. @throws Error kIo.
   explicit Writer(const std::filesystem::path& path, const std::filesystem::path& temporary = {});
 
-  /// Equal bytes give the same blob; no bytes give no blob. @throws Error kIo, kLimit.
+  /// Returns the same blob for equal bytes, and none for empty ones. @throws Error kIo, kLimit.
   BlobRef addBlob(std::span<const std::byte> bytes);
 
-  /// Adds the texture set, once at most, after its tiles. @throws Error kFormat if a tile was not added;
-  /// kIo, kLimit.
+  /// Adds the texture set. Call at most once, after adding its tiles. @throws Error kFormat if a tile was not
+  /// added; kIo, kLimit.
   void addTextures(const TextureSet& textures);
 
-  /// Checks the hierarchy as a reader will, writes what is left and puts the file under its name. Nothing can
-  /// be added afterwards.
-  /// @param summary  lattice, attributes, dropped, triangles_per_node are read from it; the rest is counted
-  /// here.
-  /// @param nodes    all nodes in key order, without child pages; they are filled in.
-  /// @return the summary as a reader will see it. @throws Error kIo, kFormat, kLimit.
+  /// Checks the hierarchy like a reader, writes the rest and renames the file into place. Must be the last
+  /// call.
+  /// @param summary  only lattice, attributes, dropped and triangles_per_node are used; the rest is computed.
+  /// @param nodes    all nodes in key order, without child pages, which are filled in.
+  /// @return the summary as a reader sees it. @throws Error kIo, kFormat, kLimit.
   ModelSummary finish(ModelSummary summary, std::vector<Node> nodes);
 
  private:
@@ -53,7 +52,7 @@ class Writer {
   std::vector<TableEntry> entries_;
   std::unordered_map<Digest, uint32_t, NameHash> numbers_;
   BlobRef textures_;
-  std::vector<uint32_t> tiles_;  ///< numbers of their blobs
+  std::vector<uint32_t> tiles_;  ///< blob numbers of texture tiles
 };
 
 }  // namespace lode::store

@@ -22,21 +22,21 @@ namespace lode::ingest {
 namespace {
 
 constexpr double kLeastRatio = 0.8;
-constexpr size_t kLodsOfOneBelow = 100;  ///< of so many, one may have an error below the sampled one
+constexpr size_t kLodsOfOneBelow = 100;  ///< one LOD in 100 may have an error below the sampled one
 
-/// A triangle's corner, with what the file says of it: no computed normal.
+/// A triangle's corner with the file's attributes; computed normals are 0.
 struct Corner {
   uint64_t position;
   VertexAttributes attributes;
-  uint32_t padding = 0;  // written to temporary files, too
+  uint32_t padding = 0;  // written to temporary files too
 
   bool operator==(const Corner&) const = default;
 };
 
-/// A triangle, and from which side it comes.
+/// A triangle of either side.
 struct Side {
   std::array<Corner, 3> corners;
-  int64_t balance;  ///< 1 of the input, -1 of the store
+  int64_t balance;  ///< 1 from the input, -1 from the store
 };
 
 class Comparison {
@@ -108,12 +108,12 @@ class Comparison {
         progress_);
     const UvGrid& grid = scanned.input.uvGrid();
     if (grid != UvGrid{reader_.textures().uv_origin, reader_.textures().uv_scale_exponent})
-      fail("the input's texture coordinates have another range than the store's");
+      fail("the range of texture coordinates differs from the store's");
     report_.triangles = counts.triangles;
     report_.dropped = counts.dropped + scanned.counts.dropped_triangles;
     if (report_.dropped != reader_.summary().dropped) {
-      fail("the store says that " + std::to_string(reader_.summary().dropped) +
-           " triangles were dropped, the input has " + std::to_string(report_.dropped) + " such (I1)");
+      fail("the store records " + std::to_string(reader_.summary().dropped) +
+           " dropped triangles, the input has " + std::to_string(report_.dropped) + " (I1)");
     }
   }
 
@@ -161,7 +161,7 @@ class Comparison {
     same_key.clear();
   }
 
-  /// Those that are no copy of the input, evenly spread over the tree in key order.
+  /// LODs that are not copies of the input, spread evenly over the tree in key order.
   std::vector<LodAt> chooseLods() const {
     std::vector<LodAt> all, chosen;
     for (const Node& node : reader_.nodes()) {
@@ -190,7 +190,7 @@ class Comparison {
       if (ratio < kLeastRatio) {
         const double step = reader_.summary().lattice.step;
         fail("node " + store::describeKey(node->key) + ", LOD " + std::to_string(lod) +
-             ": its error is given as " + std::to_string(error.stored_steps * step) + ", sampling finds " +
+             ": its stored error is " + std::to_string(error.stored_steps * step) + ", sampling measures " +
              std::to_string(error.found_steps * step) + " or more (I4)");
       }
       report_.lods_below += ratio < 1;
@@ -203,7 +203,7 @@ class Comparison {
     report_.median_ratio = ratios[ratios.size() / 2];
     if (report_.lods_below > (report_.lods + kLodsOfOneBelow - 1) / kLodsOfOneBelow) {
       fail(std::to_string(report_.lods_below) + " of " + std::to_string(report_.lods) +
-           " LODs have an error below what sampling finds (I4)");
+           " LODs have a stored error below the measured one (I4)");
     }
   }
 

@@ -15,28 +15,28 @@
 namespace lode::ingest {
 namespace {
 
-/// Nodes near the root are collapsed one after another, and only measured and encoded on several threads.
+/// Nodes near the root are simplified one after another; only measuring and encoding use several threads.
 constexpr double kTrianglesOfOneThread = 1e5;
-/// Of dereference and partition: a fifth and two fifths were measured.
+/// Serial share of the stages dereference and partition; measured between a fifth and two fifths.
 constexpr double kSerialShare = 0.3;
 constexpr uint64_t kTrialTriangles = 400000;
-/// A model is not everywhere alike: a lake is cheaper than a mountain. Where rows of faces are so long that
-/// several stretches are mere strips, there is one.
+/// Numbers of stretches to try. Several represent a model better (a lake is cheaper than a mountain), but
+/// with long rows of faces they would be thin strips; then one is used.
 constexpr std::array<uint64_t, 2> kStretches{4, 1};
-/// A stretch of faces has a border: it has more vertices than its share. Beyond this it is scattered.
+/// A stretch has a border, so it has more vertices than its share. Above this factor its faces are scattered.
 constexpr double kMostVerticesOfPart = 1.5;
-/// Of a model many times the trial's size, a triangle's share of the upper levels of the tree is smaller:
-/// what it costs in time and bytes, relative to the trial's. Measured with samples of 1 to 10 million.
+/// Time and bytes per triangle in a model many times the trial's size, relative to the trial: the upper
+/// levels of the tree take a smaller share.
 constexpr double kLargeModelShare = 0.85;
 
-/// Of a build of a part: what it took a triangle.
+/// Cost per triangle of building a part of the model.
 struct Trial {
-  double serial_cpu_seconds = 0;    ///< pack, and a part of dereference and partition
-  double parallel_cpu_seconds = 0;  ///< their rest, and simplify
+  double serial_cpu_seconds = 0;    ///< pack, and a share of dereference and partition
+  double parallel_cpu_seconds = 0;  ///< the rest of these, and simplify
   double store_bytes = 0;
 };
 
-/// A sample that stands for a model which has no coherent part.
+/// Writes a sample that replaces a model without coherent stretches.
 void writeStandIn(const ForecastInput& input, const std::filesystem::path& output) {
   SampleOptions sample;
   sample.kind = "asteroid";
@@ -46,7 +46,7 @@ void writeStandIn(const ForecastInput& input, const std::filesystem::path& outpu
   writeSample(sample, output);
 }
 
-/// Whether stretches of faces share vertices about as the whole model does, rather than lying scattered.
+/// Returns whether the part's faces share vertices about as the whole model's do.
 bool isCoherent(const TrialModel& part, const ForecastInput& input) {
   return static_cast<double>(part.vertices) * static_cast<double>(input.faces) <=
          kMostVerticesOfPart * static_cast<double>(input.vertices) * static_cast<double>(part.faces);
@@ -80,8 +80,8 @@ Trial runTrial(const ForecastInput& input) {
   return trial;
 }
 
-/// The most that lies on disk at once: the packed input and the sorted runs; what leaves were made of, which
-/// stays until they are noted as complete, and the leaves; or leaves and payloads.
+/// Peak size of temporary files: packed input and sorted runs; or the input of leaves, kept until they are
+/// logged, and the leaves; or leaves and payloads.
 uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
   const uint64_t vertex_bytes =
       packedVertexBytes(vertexAttributes(input.attributes, input.corner_texture), input.double_positions);

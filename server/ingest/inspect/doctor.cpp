@@ -16,7 +16,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kShownDefects = 5;  ///< of a kind, with their places
+constexpr uint64_t kShownDefects = 5;  ///< per kind, with their places
 
 class Doctor {
  public:
@@ -56,7 +56,7 @@ class Doctor {
 
   void addProblem(bool is_fatal, const std::string& text) { report_.problems.push_back({is_fatal, text}); }
 
-  /// @return false, with the error among the problems, if it failed.
+  /// @return false if `work` failed; the error is then among the problems.
   template <typename Work>
   bool tryTo(Work&& work) {
     try {
@@ -71,7 +71,7 @@ class Doctor {
 
   void checkTextures() {
     const std::vector<std::string>& names = report_.header->texture_files;
-    // Of a model without coordinates a build does not look at images.
+    // A build ignores the images of a model without texture coordinates.
     const uint64_t image_bytes = planMemory(budget(), 1, 1).image_bytes;
     if (report_.attributes.has(AttributeSet::kTexture))
       tryTo([&] { images_ = surveyTextures(options_.input, names, image_bytes); });
@@ -87,7 +87,7 @@ class Doctor {
     }
   }
 
-  /// Its header says nothing of what is damaged behind it.
+  /// Decodes an image completely, because the header does not reveal later damage.
   void decodeImage(TextureImage& image, uint64_t memory_bytes) {
     std::string damage;
     try {
@@ -104,7 +104,7 @@ class Doctor {
     report_.textures.push_back({name, is_found});
     if (problem.empty()) return;
     const std::string words = textureInWords(options_.input, name) + " " + problem;
-    addProblem(needs_memory, needs_memory ? words : words + "; a build goes on without it");
+    addProblem(needs_memory, needs_memory ? words : words + "; a build continues without it");
   }
 
   void readBody() {
@@ -118,7 +118,7 @@ class Doctor {
     report_.attributes = reader.attributes();
     folder_.emplace(temporaryFolder());
     topology_.emplace(*folder_, reader.attributes(), hasDoublePositions(reader.header()), budget());
-    double beside = 0;  // reading, CPU seconds
+    double beside = 0;  // CPU seconds that do not belong to reading
     const auto addToTopology = [&](auto&& add) {
       const double before = cpuSeconds();
       add(*topology_);
@@ -175,7 +175,7 @@ class Doctor {
     if (counts.clamped_colours > 0) addProblem(false, name_ + ": " + clampedInWords(counts.clamped_colours));
     if (counts.extra_tokens > 0)
       addProblem(false, name_ + ": " + std::to_string(counts.extra_tokens) +
-                            " surplus values at the ends of lines; a build ignores them");
+                            " extra values at the ends of lines; a build ignores them");
     if (counts.trailing_bytes > 0) addProblem(false, name_ + ": " + trailingInWords(counts));
     if (report_.attributes.has(AttributeSet::kTexture) && report_.textures.empty())
       addProblem(false, name_ + ": " + kNoTextureFile);
@@ -190,21 +190,21 @@ class Doctor {
     const auto warn = [&](uint64_t count, const char* one, const char* several, const char* what) {
       if (count > 0) addProblem(false, name_ + ": " + counted(count, one, several) + what);
     };
-    warn(topology.unused_vertices, "vertex", "vertices", " that no face uses; a build leaves such out");
+    warn(topology.unused_vertices, "vertex", "vertices", " that no face uses; a build leaves them out");
     warn(topology.flat_faces, "face", "faces",
-         " with fewer than three distinct places; a build drops and counts such");
+         " with fewer than three distinct positions; a build drops and counts them");
     checkLostTriangles({topology.lost_triangles, report_.counts.triangles, topology.lattice_step,
                         topology.used_min, topology.used_max});
     warn(topology.opposed_faces, "face", "faces",
          " whose normals in the file point to the back; a build keeps both, and either side that is "
          "seen is lit; for an even surface leave the normals out, so that a build computes them");
     warn(topology.non_manifold_edges, "edge", "edges",
-         " of three or more faces; a build keeps such, but simplifies less well around them");
+         " of three or more faces; a build keeps them, but simplifies less well around them");
     warn(topology.misoriented_edges, "edge", "edges",
-         " whose two faces are oriented against each other; turn the faces round to shade them right");
+         " between faces of opposite orientation; flip faces for correct shading");
   }
 
-  /// Of a budget that is too small for the root alone a build alone can tell.
+  /// Only a build can tell whether the memory budget is too small for the root alone.
   void checkMemory() {
     const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
     const std::string words =
@@ -234,13 +234,13 @@ class Doctor {
     try {
       report_.forecast = forecastBuild(input);
     } catch (const Error& error) {
-      if (error.code() != ErrorCode::kInput) throw;  // a part of which nothing can be built says little
+      if (error.code() != ErrorCode::kInput) throw;  // nothing can be built from this part
     }
   }
 
   const DoctorOptions options_;
   const std::string name_;
-  std::optional<TemporaryFolder> folder_;  ///< while the topology is counted, as the next
+  std::optional<TemporaryFolder> folder_;  ///< exists while topology is counted, like the next one
   std::optional<TopologyCounter> topology_;
   std::optional<PlyReader> reader_;
   Defects bad_, dropped_;

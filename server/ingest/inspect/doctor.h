@@ -16,39 +16,37 @@ namespace lode::ingest {
 
 struct DoctorOptions {
   std::filesystem::path input;
-  uint64_t memory_bytes = 0;               ///< budget of the build to forecast; 0: defaultMemoryBytes()
-  unsigned threads = 0;                    ///< of the build to forecast; 0: one a core
-  std::filesystem::path temporary_folder;  ///< for the trial of the forecast; empty: the system's
+  uint64_t memory_bytes = 0;  ///< memory budget of the build to forecast; 0: defaultMemoryBytes()
+  unsigned threads = 0;       ///< of the build to forecast; 0: one per core
+  std::filesystem::path temporary_folder;  ///< for the forecast's trial build; empty: the system's folder
 };
 
 struct DoctorReport {
   struct Problem {
     bool is_fatal = false;  ///< a build without --skip-bad fails
-    std::string text;       ///< what, where, what to do
+    std::string text;       ///< what is wrong, where, and what to do
   };
   struct Texture {
     std::string name;
     bool is_found = false;
   };
-  std::optional<PlyHeader> header;  ///< nothing if it cannot be read
+  std::optional<PlyHeader> header;  ///< empty if the header is unreadable
   uint64_t file_bytes = 0;
   AttributeSet attributes;
-  PlyCounts counts;                             ///< with skip_bad; as far as the file could be read
-  std::vector<std::string> skipped_properties;  ///< see PlyReader; a build leaves them out
+  PlyCounts counts;                             ///< with skip_bad; up to the point where reading failed
+  std::vector<std::string> skipped_properties;  ///< ignored by a build; see PlyReader
   std::vector<Texture> textures;
-  glm::dvec3 min{0}, max{0};         ///< of the vertices that faces use; of all where topology is not counted
-  std::optional<Topology> topology;  ///< nothing if the body cannot be read, or has more vertices than can be
-                                     ///< indexed
-  std::vector<Problem> problems;     ///< the first few of each kind, then what is left as a count
+  glm::dvec3 min{0}, max{0};         ///< box of the vertices that faces use; of all vertices without topology
+  std::optional<Topology> topology;  ///< empty if the body is unreadable or has too many vertices to index
+  std::vector<Problem> problems;     ///< the first few of each kind, then a count of the others
   bool is_readable = false;          ///< a build with --skip-bad succeeds
-  bool is_buildable = false;         ///< one without succeeds, too
-  std::optional<BuildForecast> forecast;  ///< where the file is readable
+  bool is_buildable = false;         ///< a build without --skip-bad succeeds, too
+  std::optional<BuildForecast> forecast;  ///< only if the file is readable
 };
 
-/// Says what is in a PLY file, all that is wrong with it, and what a build will cost. Memory: up to
-/// the budget, and two bits a vertex; topology is counted by way of temporary files, about 45 bytes a
-/// triangle.
-/// @throws Error kIo if there is no such file; what is wrong inside it is in the report.
+/// Examines a PLY file: its content, everything that is wrong with it, and the cost of a build. Memory: up to
+/// the budget, plus two bits per vertex. Topology uses about 45 bytes of temporary files per triangle.
+/// @throws Error kIo if the file does not exist; problems inside it are in the report.
 DoctorReport examine(const DoctorOptions& options);
 
 }  // namespace lode::ingest

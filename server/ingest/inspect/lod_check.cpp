@@ -14,10 +14,11 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kTolerance = 0.75f;      ///< of the stored error; what is nearer need not be told apart
-constexpr float kReach = 1.25f;          ///< of the stored error; farther leaves are not looked at
-constexpr float kBeyond = 1.3f;          ///< of the stored error; what a point counts as that has met none
-constexpr uint64_t kMostPoints = 20000;  ///< of an LOD, where its own triangles do not ask for more
+constexpr float kTolerance = 0.75f;  ///< relative to the stored error; smaller distances need not be exact
+constexpr float kReach = 1.25f;      ///< relative to the stored error; leaves farther away are skipped
+constexpr float kBeyond =
+    1.3f;  ///< relative to the stored error; distance of a point that no leaf is near to
+constexpr uint64_t kMostPoints = 20000;  ///< per LOD, unless its triangles need more
 constexpr float kPointsOfCell = 8;
 constexpr float kMostCells = 32;  ///< along an axis
 
@@ -49,7 +50,7 @@ glm::vec3 pointIn(glm::vec3 a, glm::vec3 b, glm::vec3 c, Dice& dice) {
   return a + u * (b - a) + v * (c - a);
 }
 
-/// An LOD, for FarthestInTriangle; threads share what it refers to.
+/// Interface for FarthestInTriangle; threads share the referenced data.
 struct SharedSurface {
   const TriangleTree& tree;
   const SurfaceWalk& walk;
@@ -92,7 +93,7 @@ LodCheck::LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, u
 LodCheck::LodCheck(const NodeMesh& lod, const LatticeBox& box, float stored_steps)
     : origin_(box.min), stored_(stored_steps), tree_(lod), walk_(lod) {}
 
-/// Corners, and points inside by area, at least one a triangle.
+/// Places points at all corners and inside triangles by area, at least one per triangle.
 void LodCheck::placePoints(const Mesh& lod, uint64_t count, Dice dice) {
   for (const PositionCode position : lod.positions) points_.emplace_back(unpackPosition(position) - origin_);
   float total = 0;
@@ -163,12 +164,12 @@ float LodCheck::farthestOf(const LeafSurface& leaf) const {
   return farthest.largest();
 }
 
-/// Brings those points of the LOD nearer that a leaf may be near to.
+/// Updates the distances of the LOD's points near a leaf.
 void LodCheck::bringNearer(const LeafSurface& leaf) {
   const glm::vec3 shift(glm::ivec3(leaf.box.min) - glm::ivec3(origin_));
   const glm::vec3 size(leaf.box.max - leaf.box.min);
   const float reach = kReach * stored_;
-  uint32_t last = 0;  // triangle of the leaf that a point was near to: the next point may be, too
+  uint32_t last = 0;  // leaf triangle nearest to the previous point, a good start for the next
   const glm::ivec3 low = cellOf(shift - reach), high = cellOf(shift + size + reach);
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {

@@ -17,7 +17,7 @@
 
 namespace lode::ingest {
 
-/// Pseudo-random numbers from 0 to 1, the same everywhere.
+/// Pseudo-random numbers in [0, 1), equal on all platforms.
 class Dice {
  public:
   explicit Dice(uint64_t seed) : state_(NumberTable::hash(seed + 1)) {}
@@ -30,28 +30,28 @@ class Dice {
   uint64_t state_;
 };
 
-/// A leaf of a store, ready to be measured against. Const functions are thread safe.
+/// A leaf of a store with a search tree. Const functions are thread safe.
 struct LeafSurface {
   explicit LeafSurface(const Mesh& leaf);
 
   LatticeBox box;
   std::vector<glm::uvec3> positions;
   std::vector<glm::u32vec3> triangles;
-  TriangleTree tree;  ///< in steps from the box's least corner
+  TriangleTree tree;  ///< in lattice steps from the box's lowest corner
 };
 
-/// Looks for the largest distance between an LOD and the leaves below its node, which come one by one in any
-/// order, on any threads: of the leaves every triangle (see FarthestInTriangle), of the LOD points.
+/// Measures the largest distance between an LOD and the leaves below its node: from every triangle of the
+/// leaves (see FarthestInTriangle), and from points of the LOD. Leaves are added in any order, by any thread.
 class LodCheck {
  public:
-  /// @param box  of the LOD's node. @param stored_steps  the error that the store gives.
-  /// @param original  triangles below the node. @param seed  of points.
+  /// @param box  of the LOD's node. @param stored_steps  the stored error.
+  /// @param original  number of triangles below the node. @param seed  for placing points.
   LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, uint64_t original, uint64_t seed);
 
   /// Thread safe.
   void add(const LeafSurface& leaf);
-  /// After the last leaf: lattice steps; at least 3/4 of the stored error, below which nothing is told apart.
-  /// Of an LOD that strays farther than 1.25 times that, 1.3 times or more.
+  /// Returns the largest distance in lattice steps after the last leaf; at least 3/4 of the stored error, and
+  /// exact only up to 1.25 times that error: points farther away count as at least 1.3 times.
   float found() const { return std::max(forward_, backward()); }
 
  private:
@@ -66,27 +66,27 @@ class LodCheck {
   const glm::uvec3 origin_;
   const float stored_;
   const TriangleTree tree_;
-  const SurfaceWalk walk_;         ///< shortens searches of the tree
-  std::vector<glm::vec3> points_;  ///< of the LOD's surface, cell by cell
+  const SurfaceWalk walk_;         ///< speeds up searches in the tree
+  std::vector<glm::vec3> points_;  ///< on the LOD's surface, sorted by cell
   std::vector<std::atomic<float>> nearest_;
-  std::vector<uint32_t> begin_;  ///< of each cell's points, and the end
+  std::vector<uint32_t> begin_;  ///< index of each cell's first point, and the end
   int cells_ = 1;                ///< along each axis
   glm::vec3 cell_size_{1};
   std::mutex mutex_;
-  float forward_ = 0;  ///< the largest distance of the leaves from the LOD
+  float forward_ = 0;  ///< largest distance of the leaves from the LOD
 };
 
-/// Looks for the largest distance between the boundaries of a node's LODs and those of the leaves below it,
-/// which come one by one in any order, on any threads. What the node shares with its neighbours counts as a
-/// boundary of both and is the same in both.
+/// Measures the largest distance between the boundaries of a node's LODs and those of the leaves below it.
+/// Edges that the node shares with its neighbours count as boundaries of both and are equal in both. Leaves
+/// are added in any order, by any thread.
 class BoundaryCheck {
  public:
-  /// Before the first leaf. The LODs are numbered in the order of these calls.
+  /// Call before adding leaves. LODs are numbered in the order of these calls.
   void addLod(const Mesh& lod);
-  /// Thread safe. @param boundaries  of a leaf.
+  /// Thread safe. @param boundaries  of one leaf.
   void addLeaf(std::span<const store::OpenEdge> boundaries);
-  /// After the last leaf: for each LOD what points of its boundaries are at most from the leaves', lattice
-  /// steps.
+  /// Returns for each LOD, after the last leaf, the largest distance of its boundary points from the leaves'
+  /// boundaries, in lattice steps.
   std::vector<float> found();
 
  private:

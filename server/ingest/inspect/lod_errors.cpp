@@ -16,18 +16,18 @@
 namespace lode::ingest {
 namespace {
 
-/// The LODs of a node that are measured; they are in memory from the node's first leaf to its last.
+/// LODs of a node to measure, in memory from the node's first leaf to its last.
 struct NodeCheck {
   const Node* node = nullptr;
-  uint64_t original = 0;       ///< triangles below
-  std::vector<size_t> wanted;  ///< places in the result
+  uint64_t original = 0;       ///< number of triangles below
+  std::vector<size_t> wanted;  ///< indices in the result
   std::once_flag begun;
   std::vector<std::unique_ptr<LodCheck>> lods;
   BoundaryCheck boundaries;
   std::atomic<size_t> leaves_left = 0;
 };
 
-/// Where a node's cells begin in the order of the finest ones.
+/// Morton code of a node's first cell at maximum depth.
 uint64_t placeOf(NodeKey key) noexcept { return key.value << 3 * (kMaxDepth - key.depth()); }
 
 class Measurement {

@@ -14,23 +14,23 @@ struct LodAt {
   uint32_t lod;
 };
 
-/// An LOD's stored error beside what a closer look finds, both ways, in lattice steps.
+/// Stored and measured error of an LOD, in lattice steps.
 struct MeasuredError {
   float stored_steps = 0;
   float found_steps =
-      0;  ///< of the surface and of its boundaries; see LodCheck::found(), BoundaryCheck::found()
+      0;  ///< of the surface and its boundaries; see LodCheck::found(), BoundaryCheck::found()
 };
 
 struct LodErrorOptions {
-  uint64_t seed = 1;  ///< of points inside triangles
+  uint64_t seed = 1;  ///< for points inside triangles
   unsigned threads = 1;
   std::function<void(double fraction, uint64_t leaves)>
       progress;  ///< called by one thread at a time; may throw
 };
 
-/// Measures LODs against the leaves below their nodes, independently of the samples that the build carried.
-/// Each leaf is read once, for all LODs above it. Memory: a leaf a thread, and the LODs above those.
-/// @param LODs  with triangles. @return one for each, in their order.
+/// Measures LODs against the leaves below their nodes, independently of the build's samples. Reads each leaf
+/// once for all LODs above it. Memory: a leaf per thread, and the LODs above these.
+/// @param lods  with triangles. @return one result per LOD, in their order.
 /// @throws Error kIo, kFormat.
 std::vector<MeasuredError> measureLodErrors(const store::Reader& reader, std::span<const LodAt> lods,
                                             const LodErrorOptions& options);

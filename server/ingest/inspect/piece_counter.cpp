@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kNone = UINT32_MAX;
 constexpr uint64_t kVertexBytes = 2 * sizeof(uint32_t);  ///< its group and its anchor
-constexpr uint64_t kLeastVertices = 1024;                ///< of a range
+constexpr uint64_t kLeastVertices = 1024;                ///< per range
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void PieceCounter::join(uint32_t a, uint32_t b) {
   if (a != b) handDown(a, b);
 }
 
-/// To the range of the higher end, which is the open one or one below.
+/// Passes a join to the range of its higher end: the open range or one below.
 void PieceCounter::handDown(uint32_t a, uint32_t b) {
   const Join join{std::max(a, b), std::min(a, b)};
   const auto range = static_cast<size_t>(join.high / range_vertices_);
@@ -62,7 +62,7 @@ void PieceCounter::joinInRange(Join join) {
   if (anchor == kNone || other == kNone) {
     ++joins_;
   } else if (anchor != other) {
-    handDown(anchor, other);  // which counts it, if it is one
+    handDown(anchor, other);  // the range below counts it
   }
 }
 

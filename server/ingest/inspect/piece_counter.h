@@ -10,17 +10,17 @@
 
 namespace lode::ingest {
 
-/// Counts how many of the joins between vertices make two pieces one, of any number of vertices in a bounded
-/// memory: vertices are taken by ranges of their numbers, from the highest down. A piece within a range that
-/// joins lower vertices becomes one of these, and what else joined it is handed down as a join of that one.
-/// For one thread. All functions throw Error kIo.
+/// Counts how many joins between vertices merge two pieces, for any number of vertices in bounded memory.
+/// Processes ranges of vertex numbers from the highest down. A group of the open range that joins a lower
+/// vertex is anchored to it; its further joins are passed to the lower range as joins of that vertex. Not
+/// thread safe. All functions throw Error kIo.
 class PieceCounter {
  public:
-  /// @param folder  for what is handed down. @param memory_bytes  eight a vertex are used at most.
+  /// @param folder  for joins of lower ranges. @param memory_bytes  at most eight bytes per vertex are used.
   PieceCounter(uint64_t vertices, uint64_t memory_bytes, const TemporaryFolder& folder);
 
   void join(uint32_t a, uint32_t b);
-  /// The last call. @return pieces that there are fewer than vertices.
+  /// Must be the last call. @return number of vertices minus number of pieces.
   uint64_t countJoins();
 
  private:
@@ -32,10 +32,10 @@ class PieceCounter {
   void handDown(uint32_t a, uint32_t b);
 
   const uint64_t range_vertices_;
-  size_t range_ = 0;                           ///< that is open; joins of higher ones have been dealt with
-  std::vector<std::unique_ptr<Spool>> lower_;  ///< joins of each range below, by their higher end
-  Groups groups_{0};                           ///< of the open range
-  std::vector<uint32_t> anchors_;              ///< of a group: a lower vertex that it hangs on, or kNone
+  size_t range_ = 0;                           ///< the open range; higher ones are done
+  std::vector<std::unique_ptr<Spool>> lower_;  ///< joins of each lower range, by their higher end
+  Groups groups_{0};                           ///< groups in the open range
+  std::vector<uint32_t> anchors_;              ///< lower vertex that a group is joined to, or kNone
   uint64_t joins_ = 0;
 };
 

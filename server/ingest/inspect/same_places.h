@@ -12,18 +12,18 @@
 
 namespace lode::ingest {
 
-/// Finds vertices at exactly the place of an earlier one, by sorts in a bounded memory. For one thread. All
-/// functions throw Error kIo.
+/// Finds vertices at exactly the position of an earlier vertex, by sorting in bounded memory. Not thread
+/// safe. All functions throw Error kIo.
 class SamePlaces {
  public:
   SamePlaces(const TemporaryFolder& folder, uint64_t memory_bytes);
 
-  /// Vertices are added in the order of their numbers.
+  /// @pre vertices are added in ascending order.
   void add(uint32_t vertex, glm::dvec3 place);
-  /// When all are added. @return how many are at the place of an earlier one.
+  /// Call after the last add(). @return number of vertices at the position of an earlier one.
   uint64_t find();
 
-  /// Tells the first vertex at the place of each, for vertices in rising order.
+  /// Returns the first vertex at each vertex's position; query vertices in ascending order.
   class Cursor {
    public:
     explicit Cursor(const SamePlaces& places);
@@ -31,7 +31,7 @@ class SamePlaces {
 
    private:
     SpoolCursor cursor_;
-    uint32_t vertex_ = 0, first_ = 0;  ///< the next that is at the place of an earlier one
+    uint32_t vertex_ = 0, first_ = 0;  ///< the next duplicate and its first vertex
     bool is_at_end_ = false;
     void advance();
   };
@@ -48,7 +48,7 @@ class SamePlaces {
   const TemporaryFolder& folder_;
   const uint64_t memory_bytes_;
   std::optional<RecordSorter> by_place_;
-  std::optional<Spool> pairs_;  ///< by vertex
+  std::optional<Spool> pairs_;  ///< sorted by vertex
 };
 
 }  // namespace lode::ingest

@@ -13,11 +13,12 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kTrialTexels = 64 << 20;  ///< decoded of a model's images, as far as they are so small
-constexpr uint32_t kTrialTiles = 4;          ///< encoded of a level
-/// What is usual, of a texel: of a picture, and of it with the next level.
+constexpr uint64_t kTrialTexels =
+    64 << 20;                        ///< texels to decode; a smaller set of images is decoded completely
+constexpr uint32_t kTrialTiles = 4;  ///< tiles to encode per level
+/// Typical bytes per texel: of a decoded image, and including the next level.
 constexpr uint64_t kDecodedTexelBytes = 4, kLevelsTexelBytes = 5;
-/// Of a tile's texel, what is usual of its encoder. Measured with photographs and noise.
+/// Typical encoder memory per texel of a tile, measured with photographs and noise.
 constexpr uint64_t kEncoderTexelBytes = 10, kWebpEncoderTexelBytes = 26;
 
 uint64_t texelsOf(const TextureImage& image) { return image.header.width * image.header.height; }
@@ -31,10 +32,10 @@ uint64_t texelsOf(const lode::Texture& shape, uint32_t level) {
   return size.x * size.y;
 }
 
-/// What an image, or what was tried of several, takes.
+/// Cost of an image, or of several.
 struct Cost {
   double serial_cpu_seconds = 0, parallel_cpu_seconds = 0, tile_bytes = 0;
-  uint64_t encoder_texel_bytes = 0;  ///< of memory, the most
+  uint64_t encoder_texel_bytes = 0;  ///< peak memory per texel
 
   Cost& operator+=(const Cost& other) {
     serial_cpu_seconds += other.serial_cpu_seconds;
@@ -49,7 +50,7 @@ struct Cost {
   }
 };
 
-/// Encodes some of a level's tiles. @return the cost a texel.
+/// Encodes some tiles of a level. @return the cost per texel.
 Cost tryTiles(const Image& image, const lode::Texture& shape, uint32_t level, TileCodec codec) {
   const uint32_t across = tilesAcross(shape, level), count = across * tilesDown(shape, level);
   const uint32_t tried = std::min(count, kTrialTiles);
@@ -99,7 +100,7 @@ std::optional<Cost> tryImage(const TextureImage& given, uint64_t memory_bytes) {
   return cost;
 }
 
-/// The most of reading one and of encoding its tiles.
+/// Peak of reading an image and of encoding its tiles.
 uint64_t usualMemory(const TextureImage& image, uint64_t encoder_texel_bytes, uint64_t memory_bytes,
                      unsigned threads) {
   const lode::Texture shape = shapeOf(image);
@@ -107,7 +108,7 @@ uint64_t usualMemory(const TextureImage& image, uint64_t encoder_texel_bytes, ui
   const glm::u64vec2 tile(tileInnerSize(shape, 0, 0, 0));
   const uint64_t at_once = encoderThreads(memory_bytes, image.memoryBytes(), threads) * tile.x * tile.y;
   const uint64_t encoders = encoder_texel_bytes * std::min(at_once, texels);
-  // In the header's count is room for levels, which are made only when the decoder is gone.
+  // memoryBytes() includes levels, which are only made after the decoder has freed its memory.
   const uint64_t decoding = image.memoryBytes() - 2 * texels;
   const bool is_halved = levelCount(shape) > 1;
   return std::max(decoding, texels * (is_halved ? kLevelsTexelBytes : kDecodedTexelBytes) + encoders);
@@ -124,7 +125,7 @@ TextureForecast forecastTextures(std::span<const TextureImage> images, uint64_t 
   const uint64_t stride = std::max(all / kTrialTexels, uint64_t{1});
   for (const TextureImage& image : images) {
     if (!image.problem.empty()) continue;
-    // Of many, one each time that so many texels have gone by.
+    // Select images evenly by texels.
     const bool is_due = tried * stride <= passed;
     passed += texelsOf(image);
     if (!is_due) continue;

@@ -8,8 +8,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kShares =
-    4;  ///< of the memory: for a sort, for a batch of faces, for pieces, for the rest
+constexpr uint64_t kShares = 4;  ///< of the memory: sorting, a batch of faces, pieces, and the rest
 
 AttributeSet normalsOf(AttributeSet attributes) noexcept {
   AttributeSet normals;
@@ -99,7 +98,7 @@ void TopologyCounter::countFace() {
   addEdges();
 }
 
-/// As the file has it: vertices at one place may have several normals.
+/// Uses the file's vertices, because vertices at one position may have different normals.
 bool TopologyCounter::isOpposed() const {
   glm::dvec3 front(0), mean(0);
   for (size_t c = 0; c < face_.size(); ++c) {

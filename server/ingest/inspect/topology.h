@@ -18,42 +18,42 @@
 
 namespace lode::ingest {
 
-/// How the faces of a file hang together. All but duplicate and unused vertices is counted after vertices at
-/// exactly the same place are taken as one, as a build does.
+/// Topology of a file's faces. Except for duplicate and unused vertices, vertices at exactly the same
+/// position count as one, as in a build.
 struct Topology {
-  uint64_t duplicate_vertices = 0;   ///< at the place of an earlier one; vertices that were skipped are at 0
-  uint64_t unused_vertices = 0;      ///< in no face
-  uint64_t flat_faces = 0;           ///< fewer than three distinct places
-  uint64_t open_edges = 0;           ///< of one face
-  uint64_t non_manifold_edges = 0;   ///< of three or more
-  uint64_t misoriented_edges = 0;    ///< of two faces that run along it in the same direction
-  uint64_t pieces = 0;               ///< of faces joined by vertices
-  uint64_t opposed_faces = 0;        ///< whose vertices' normals, in the mean, point to their back
-  uint64_t lost_triangles = 0;       ///< see LostTriangles, on the lattice that a build chooses
-  double lattice_step = 0;           ///< of that; zero if there is none
-  std::string_view lattice_problem;  ///< why there is none, and what to do
-  glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; zero if there are none
+  uint64_t duplicate_vertices = 0;      ///< at the position of an earlier one; skipped vertices are at 0
+  uint64_t unused_vertices = 0;         ///< used by no face
+  uint64_t flat_faces = 0;              ///< fewer than three distinct positions
+  uint64_t open_edges = 0;              ///< of one face
+  uint64_t non_manifold_edges = 0;      ///< of three or more faces
+  uint64_t misoriented_edges = 0;       ///< of two faces that use it in the same direction
+  uint64_t pieces = 0;                  ///< sets of faces connected by vertices
+  uint64_t opposed_faces = 0;           ///< their vertices' mean normal points to the back
+  uint64_t lost_triangles = 0;          ///< on the lattice that a build chooses; see LostTriangles
+  double lattice_step = 0;              ///< of that lattice; 0 if there is none
+  std::string_view lattice_problem;     ///< why there is no lattice, and what to do
+  glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; 0 without any
 };
 
-/// Counts topology by sorts and sweeps over temporary files: in memory stay parts of a bounded size, and two
-/// bits a vertex. For one thread. All functions throw Error kIo.
+/// Counts topology with sorts and sweeps over temporary files, in bounded memory plus two bits per vertex.
+/// Not thread safe. All functions throw Error kIo.
 class TopologyCounter {
  public:
-  /// @param folder  for temporary files. @param attributes  the file's: of them only normals count.
-  /// @param double_positions  positions need more than float. @param memory_bytes  about as much is used.
+  /// @param folder  for temporary files. @param attributes  of the file; only normals matter.
+  /// @param double_positions  positions need more than float. @param memory_bytes  approximate limit.
   TopologyCounter(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
                   uint64_t memory_bytes);
 
   void addVertices(std::span<const PlyVertex> vertices);
   void addFaces(const PlyFaces& faces);
-  /// Once, after all vertices and faces. @pre no more than 2^32 vertices.
+  /// Call once, after all vertices and faces. @pre at most 2^32 vertices.
   Topology count();
 
  private:
-  /// What faces need of a vertex.
+  /// Vertex data that faces need.
   struct Member {
     glm::dvec3 position;
-    uint32_t first;   ///< vertex at its place
+    uint32_t first;   ///< first vertex at the same position
     uint16_t normal;  ///< octahedral, or kNoNormal
   };
 
@@ -72,11 +72,11 @@ class TopologyCounter {
   SamePlaces places_;
   RecordSorter edges_;  ///< by both ends; the record is the direction
   std::optional<PieceCounter> pieces_;
-  std::optional<VertexSet> used_;            ///< places that faces have, by their first vertex
-  std::optional<LostTriangleCounter> lost_;  ///< nothing if there is no lattice
-  std::vector<Member> members_;              ///< of the batch at hand
-  std::vector<Member> face_;                 ///< at hand: its corners
-  std::vector<glm::dvec3> corners_;          ///< of the face at hand
+  std::optional<VertexSet> used_;            ///< first vertices of the positions that faces use
+  std::optional<LostTriangleCounter> lost_;  ///< empty if there is no lattice
+  std::vector<Member> members_;              ///< of the current batch
+  std::vector<Member> face_;                 ///< corners of the current face
+  std::vector<glm::dvec3> corners_;          ///< positions of the current face
   Topology topology_;
 };
 

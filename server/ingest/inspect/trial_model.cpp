@@ -108,11 +108,11 @@ class TrialWriter {
   PlyReader reader_;
   AtomicFile file_;
   const AttributeSet attributes_;
-  uint64_t period_ = 1;           ///< from a stretch's part of the file to the next one's
-  uint64_t first_ = 0, end_ = 0;  ///< of the stretch, in its part
+  uint64_t period_ = 1;           ///< faces of the file per stretch
+  uint64_t first_ = 0, end_ = 0;  ///< part of each period that is taken
   uint64_t seen_ = 0;
-  PlyFaces faces_;              ///< those of the stretches
-  std::vector<uint64_t> used_;  ///< their vertices, rising
+  PlyFaces faces_;              ///< faces of the stretches
+  std::vector<uint64_t> used_;  ///< their vertices, sorted
 };
 
 }  // namespace

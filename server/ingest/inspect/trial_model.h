@@ -7,17 +7,17 @@
 
 namespace lode::ingest {
 
-/// How much of a model was written.
+/// Size of the written part.
 struct TrialModel {
   uint64_t vertices = 0;
   uint64_t faces = 0;
 };
 
-/// Writes stretches of a model's faces, each from the middle of an equal part of the file, with their
-/// vertices and attributes, as a PLY without textures: what a build of it costs says what the whole will. Bad
-/// values are skipped. Takes memory for the stretches, and reads the file twice.
-/// @param faces      of all stretches, about; the whole model if it has fewer.
-/// @param stretches  at least 1, and not more than faces.
+/// Writes a part of a model as a PLY without textures, to estimate the cost of the whole: stretches of faces,
+/// each from the middle of an equal part of the file, with their vertices and attributes. Skips bad values.
+/// Holds the stretches in memory and reads the file twice.
+/// @param faces      of all stretches together, approximately; the whole model if it has fewer.
+/// @param stretches  from 1 to `faces`.
 /// @throws Error kIo, kInput.
 TrialModel writeTrialModel(const std::filesystem::path& input, uint64_t model_faces, uint64_t faces,
                            uint64_t stretches, const std::filesystem::path& output);

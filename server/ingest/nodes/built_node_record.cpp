@@ -15,7 +15,7 @@ struct LodRecord {
 };
 
 void putMesh(RecordWriter& record, const NodeMesh& mesh) {
-  // Named one by one, so that a member more does not compile.
+  // Lists all members, so that adding one does not compile.
   const auto& [attributes, positions, lca_depth, wedge_position, wedge_attributes, triangles] = mesh;
   record.put(attributes);
   record.putAll(positions);
@@ -38,8 +38,7 @@ NodeMesh getMesh(RecordReader& record) {
 
 void requirePosition(uint32_t near, const NodeMesh& mesh) {
   if (near == kVanished || near < mesh.positions.size()) return;
-  throw Error(ErrorCode::kFormat,
-              "the journal of a build names a boundary of no position; build without --resume");
+  throw Error(ErrorCode::kFormat, "the build journal refers to a missing position; build without --resume");
 }
 
 }  // namespace
@@ -77,7 +76,7 @@ FinishedNode getFinishedNode(RecordReader& record) {
     finished.payloads.push_back({from.payload_offset, from.payload_bytes});
   }
   if (finished.node.lods.empty() || finished.node.lods.size() > kMaxLods) {
-    throw Error(ErrorCode::kLimit, "the journal of a build names a node of " +
+    throw Error(ErrorCode::kLimit, "the build journal has a node with " +
                                        std::to_string(finished.node.lods.size()) +
                                        " LODs; build without --resume");
   }

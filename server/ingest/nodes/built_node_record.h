@@ -5,17 +5,17 @@
 
 namespace lode::ingest {
 
-/// A node with the places of its payloads, which are not numbered yet.
+/// A node whose payloads have no blob numbers yet, with their places in the spool.
 struct FinishedNode {
   Node node;
-  std::vector<PayloadSpool::Place> payloads;  ///< one an LOD
+  std::vector<PayloadSpool::Place> payloads;  ///< one per LOD
 };
 
 void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadSpool::Place> payloads);
 /// @throws Error kFormat, kLimit.
 FinishedNode getFinishedNode(RecordReader& record);
 
-/// All that a parent needs of a node.
+/// Records of everything that a node's parent needs.
 void putBuiltNode(RecordWriter& record, const BuiltNode& built);
 /// @throws Error kFormat, kLimit.
 BuiltNode getBuiltNode(RecordReader& record);

@@ -13,11 +13,11 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNoNormal = ~0u;
-constexpr float kShortest = 1e-3f;    ///< of a sum of normals
-constexpr float kLeastShare = 1e-3f;  ///< of a corner, in all places together
+constexpr float kShortest = 1e-3f;    ///< smallest usable length of a sum of normals
+constexpr float kLeastShare = 1e-3f;  ///< smallest usable sum of a corner's weights
 
-/// The normals of a mesh, each once a position: wedges that differ in other attributes share one. Those of
-/// the first wedges have the positions' numbers, further ones follow.
+/// Distinct normals of a mesh by position; wedges that differ in other attributes share one. The first normal
+/// of a position has the position's number; further ones follow after all positions.
 struct NormalsByPosition {
   explicit NormalsByPosition(const NodeMesh& mesh)
       : codes(mesh.positions.size()), next(codes.size(), kNoNormal), of_wedge(mesh.wedge_position) {
@@ -42,7 +42,7 @@ struct NormalsByPosition {
   }
 
   bool hasSeveral(uint32_t position) const noexcept { return next[position] != kNoNormal; }
-  /// Of a position's normals the one that looks most along a direction.
+  /// Returns the position's normal that is most similar to a direction.
   uint32_t mostAlike(uint32_t position, glm::vec3 direction) const noexcept {
     uint32_t best = position;
     for (uint32_t i = next[position]; i != kNoNormal; i = next[i])
@@ -51,9 +51,9 @@ struct NormalsByPosition {
   }
 
   std::vector<uint16_t> codes;
-  std::vector<glm::vec3> directions;  ///< 0 where the mesh has no normals
-  std::vector<uint32_t> next;         ///< another of the same position, or kNoNormal
-  std::vector<uint32_t> of_wedge;     ///< a wedge's
+  std::vector<glm::vec3> directions;  ///< zero vectors if the mesh has no normals
+  std::vector<uint32_t> next;         ///< next normal of the same position, or kNoNormal
+  std::vector<uint32_t> of_wedge;     ///< normal of each wedge
 };
 
 bool hasCreases(const NodeMesh& mesh) {
@@ -66,7 +66,7 @@ bool hasCreases(const NodeMesh& mesh) {
   return false;
 }
 
-/// Whether a position has in an LOD what it had in its input, to the bit.
+/// For each position of an LOD, whether it is unchanged from the input and may be shared between leaves.
 std::vector<bool> positionsThatKeep(const NodeMesh& lod, const NodeMesh& mesh,
                                     std::span<const uint32_t> sources) {
   std::vector<bool> keep(sources.size());
@@ -75,8 +75,8 @@ std::vector<bool> positionsThatKeep(const NodeMesh& lod, const NodeMesh& mesh,
   return keep;
 }
 
-/// Where the faces beside a crease have come to meet at less than its angle, there is none any more: gives
-/// wedges on both its sides one normal. So creases that are noise do not part all coarser LODs.
+/// Merges the normals on both sides of a crease whose faces now meet below the crease angle. Otherwise
+/// creases that are only noise would divide all coarser LODs.
 void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngle& crease) {
   const NormalsByPosition own(lod);
   const NormalFans fans = findFans(lod, crease);
@@ -93,7 +93,8 @@ void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngl
     lod.wedge_attributes[wedge].normal = own.codes[same.find(own.of_wedge[wedge])];
 }
 
-/// Of each normal of the LOD, the mean of those that have become it; else that of its position's source.
+/// For each normal of the LOD, the mean of the input's normals that map to it, else the source position's
+/// normal.
 std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                      const NormalsByPosition& given, std::span<const uint32_t> sources) {
   std::vector<glm::vec3> means(own.codes.size(), glm::vec3(0));
@@ -115,14 +116,14 @@ std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& lod, const NormalsByP
   return means;
 }
 
-/// Moves an LOD's normals towards those with which its triangles, between their corners, come nearest to the
-/// normals that are given where the input's positions lie on them: one step of Jacobi's method for these
-/// least squares, with the sums of rows in place of the diagonal. Means alone are smoothed twice, when they
-/// are taken and when they are interpolated; further steps gain nothing.
+/// Moves an LOD's normals so that their interpolation over its triangles comes nearer to the given normals of
+/// the input's positions: one Jacobi step for the least-squares problem, with row sums instead of the
+/// diagonal. Means alone would be smoothed twice, by averaging and by interpolation; further steps gain
+/// nothing.
 std::vector<glm::vec3> sharpened(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                  std::span<const glm::vec3> means, const NormalsByPosition& given,
                                  std::span<const SurfaceWalk::Place> places) {
-  std::vector<glm::vec4> sums(means.size(), glm::vec4(0));  // of what is missing, and of shares
+  std::vector<glm::vec4> sums(means.size(), glm::vec4(0));  // residuals and weights
   for (uint32_t i = 0; i < lod.remap.size(); ++i) {
     if (lod.remap[i] == kVanished) continue;
     const glm::u32vec3& t = lod.mesh.triangles[places[i].triangle];
@@ -137,7 +138,7 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& lod, const NormalsByPosit
   return normals;
 }
 
-/// Of each normal of the LOD, the sum of areaNormal() of its triangles.
+/// For each normal of the LOD, the sum of areaNormal() of its triangles.
 std::vector<glm::i64vec3> sumsOfSurface(const NodeMesh& lod, const NormalsByPosition& own) {
   std::vector<glm::i64vec3> sums(own.codes.size(), glm::i64vec3(0));
   for (const glm::u32vec3& t : lod.triangles) {

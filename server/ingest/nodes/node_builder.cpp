@@ -22,9 +22,10 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kReferencesPerTriangle = 2;  ///< of the node's budget
-constexpr uint32_t kTrianglesPerSample = 2;   ///< of the node's budget, above the lowest inner nodes
-constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< at least the smaller of both
+constexpr size_t kReferencesPerTriangle = 2;  ///< per triangle of the node capacity
+constexpr uint32_t kTrianglesPerSample =
+    2;  ///< triangles of the node capacity per sample, above the lowest inner nodes
+constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< the smaller one is the minimum
 
 }  // namespace
 
@@ -155,7 +156,7 @@ void NodeBuilder::simplify(NodeMesh mesh, int depth, std::span<const size_t> tar
   (is_cluster ? cluster : collapse)(withoutSmoothNormals(std::move(mesh)), targets, options, sink);
 }
 
-/// Makes a node's LODs with nothing beside the simplifier. @return the mesh, and behind it the LODs.
+/// Makes a node's LODs with no other data in memory. @return the input mesh, followed by the LODs.
 LodSpool NodeBuilder::spoolLods(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const {
   LodSpool lods_on_disk(folder_.file("lods-" + std::to_string(key.value)));
   SimplifiedMesh input{std::move(mesh), {}};
@@ -167,8 +168,8 @@ LodSpool NodeBuilder::spoolLods(NodeMesh mesh, NodeKey key, std::span<const size
   return lods_on_disk;
 }
 
-/// Adds the reduced LODs of a node, all from one sequence.
-/// @param is_original  whether all triangles of the mesh are the model's own.
+/// Adds a node's reduced LODs, all from one sequence of collapses.
+/// @param is_original  whether the mesh consists of the model's own triangles.
 void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room) {
   const int depth = built.node.key.depth();
   const auto locked = static_cast<size_t>(
@@ -225,8 +226,8 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   addFarLods(built, farLodTargets(built.coarsest.triangles.size(), rule));
 }
 
-/// Adds LODs that are made of the coarsest one, which stays what the parent is made of; so they cost as
-/// little as they are small, and are measured as the parent's are.
+/// Adds LODs made of the coarsest one, which remains the input of the parent. They are measured like the
+/// parent's LODs.
 void NodeBuilder::addFarLods(BuiltNode& built, std::span<const size_t> targets) {
   if (targets.empty()) return;
   const int depth = built.node.key.depth();
@@ -257,7 +258,7 @@ LodError NodeBuilder::errorOf(const BuiltNode& built, const FinishedLod& lod) co
 }
 
 LodError NodeBuilder::errorOf(const Lod& lod) const noexcept {
-  // Rounded up: in the model's units the same again, or a coarser LOD's error could be smaller.
+  // Rounds up so that the value in model units does not become smaller, which would break I3.
   const auto inSteps = [&](float model) {
     const auto steps = static_cast<float>(model / settings_.lattice.step);
     const bool is_less = static_cast<float>(steps * settings_.lattice.step) < model;

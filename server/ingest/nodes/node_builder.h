@@ -22,74 +22,75 @@
 
 namespace lode::ingest {
 
-/// An LOD, encoded and measured against what it was made of, and its boundaries against the original's;
-/// lengths are in lattice steps.
+/// An LOD with its payload and its errors: against its input, and of its boundaries against the original's.
+/// Lengths are in lattice steps.
 struct FinishedLod {
   SimplifiedMesh simplified;
   EncodedPayload payload;
   std::vector<Deviation> deviations;      ///< of the samples; see deviationsFrom()
   float deviation_steps = 0;              ///< see lodDeviation()
-  std::optional<SurfaceSample> farthest;  ///< see LodDeviation, but near a position of the LOD
+  std::optional<SurfaceSample> farthest;  ///< see LodDeviation; here `near` is a position of the LOD
   float boundary_gap_steps = 0;           ///< see boundaryGap()
   float lost_detail_steps = 0;            ///< see lostDetail()
 };
 
-/// Gives a simplified mesh its computed normals, where they are not the file's, measures and encodes it.
-/// @param samples  near positions of the input. @param step_model  the lattice's. Thread safe.
+/// Computes a simplified mesh's normals unless they are the file's, measures and encodes it. Thread safe.
+/// @param samples  near positions of the input. @param step_model  of the lattice.
 FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
                       std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease,
                       MeshSource source);
 
-/// What an LOD is off by, in lattice steps.
+/// Errors of an LOD, in lattice steps.
 struct LodError {
   float deviation_steps = 0;
   float lost_detail_steps = 0;  ///< see lostDetail()
 };
 
-/// A node with all its LODs, and what its parent needs of it.
+/// A node with all its LODs, and the data that its parent needs.
 struct BuiltNode {
-  Node node;                                  ///< payloads not numbered yet
-  std::vector<PayloadSpool::Place> payloads;  ///< one an LOD
-  NodeMesh coarsest;                          ///< but for far LODs: what the parent is made of
+  Node node;                                  ///< payloads have no blob numbers yet
+  std::vector<PayloadSpool::Place> payloads;  ///< one per LOD
+  NodeMesh coarsest;                          ///< coarsest mesh except far LODs; input of the parent
   uint64_t original_triangles = 0;            ///< in the leaves below
-  LodError inherited;                         ///< the largest of the children's source LODs
+  LodError inherited;                         ///< largest error of the children's source LODs
   ReferenceBoundaries references;             ///< near positions of `coarsest`
   std::vector<SurfaceSample>
-      samples;  ///< near positions of `coarsest`; a leaf has none: its vertices are them
+      samples;  ///< near positions of `coarsest`; empty in a leaf, whose vertices are its samples
 };
 
-/// Stage 4 for one node. One builder a thread; what it shares is thread safe.
+/// Builds single nodes: simplifies, measures and encodes. Use one builder per thread; shared data is thread
+/// safe.
 class NodeBuilder {
  public:
   struct Settings {
     Lattice lattice;
     glm::uvec3 extent{0};
-    AttributeSet attributes;  ///< of payloads: the file's, and computed normals where it has none
+    AttributeSet attributes;  ///< of payloads: the file's, plus computed normals if it has none
     uint32_t triangles_per_node = 0;
     Simplifier simplifier = Simplifier::kCollapse;
-    float snap_error_steps = 0;  ///< of the leaves' vertices
+    float snap_error_steps = 0;  ///< rounding error of the leaves' vertices
     CreaseAngle crease{180};
   };
-  /// What a node may take.
+  /// Resources for building a node.
   struct Room {
-    Helpers& helpers;       ///< finish LODs beside the builder
-    bool is_tight = false;  ///< the node is large: LODs wait on the disk until all are made
+    Helpers& helpers;       ///< threads that finish LODs beside the builder
+    bool is_tight = false;  ///< the node is large: LODs go to disk until all are made
   };
-  /// @param folder  for LODs that wait.
+  /// @param folder  for LODs on disk.
   NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,
               const TemporaryFolder& folder);
 
   BuiltNode buildLeaf(uint32_t leaf, Room room);
-  /// @param children  non-empty, in octant order; what is needed of them is used up.
+  /// @param children  non-empty, in octant order; their data is consumed.
   BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children, Room room);
 
  private:
   NodeMesh loadLeaf(uint32_t leaf);
   size_t sampleCapacity() const noexcept;
-  /// Fills in samples that lie near positions of `input`, the union of the children's meshes.
+  /// Collects the children's samples, mapped to positions of `input`, the union of their meshes.
   static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
                             const NodeMesh& input, std::span<const std::vector<uint32_t>> remap);
-  /// Fills in references for the same input.
+  /// Collects the children's references, mapped to the same input.
   static void gatherReferences(BuiltNode& built, std::span<BuiltNode> children,
                                std::span<const std::vector<uint32_t>> remap);
   void addFarLods(BuiltNode& built, std::span<const size_t> targets);
@@ -98,9 +99,8 @@ class NodeBuilder {
   LodSpool spoolLods(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
   void addLod(BuiltNode& built, const FinishedLod& lod);
   void addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, LodError error);
-  /// Error of an LOD in lattice steps: its deviation, and by what the lattice has moved vertices as an
-  /// independent one; not below the gap of its boundaries, which I2 bounds strictly, nor the finer LOD's
-  /// error (I3).
+  /// Error of an LOD in lattice steps: its deviation, combined with the lattice's rounding as an independent
+  /// error; at least the gap of its boundaries (I2) and the finer LOD's error (I3).
   LodError errorOf(const BuiltNode& built, const FinishedLod& lod) const;
   LodError errorOf(const Lod& lod) const noexcept;
 

@@ -7,7 +7,7 @@
 namespace lode::ingest {
 
 void LodSpool::put(const SimplifiedMesh& lod) {
-  // Named one by one, so that a member more does not compile.
+  // Lists all members, so that adding one does not compile.
   const auto& [mesh, remap, is_clustered] = lod;
   const auto& [attributes, positions, lca_depth, wedge_position, wedge_attributes, triangles] = mesh;
   places_.push_back({spool_.size(), attributes, positions.size(), wedge_position.size(),

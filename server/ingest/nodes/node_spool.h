@@ -15,15 +15,15 @@
 
 namespace lode::ingest {
 
-/// LODs of a node on the disk, from when the simplifier has made them until they are measured: a large
-/// node's would not fit beside either. For one thread. All functions throw Error kIo.
+/// A node's LODs on disk between simplification and measurement: a large node's LODs do not fit into memory
+/// with either. Not thread safe. All functions throw Error kIo.
 class LodSpool {
  public:
   explicit LodSpool(TemporaryFile file) : spool_(std::move(file)) {}
 
   void put(const SimplifiedMesh& lod);
   size_t size() const noexcept { return places_.size(); }
-  /// Those that were put, by their order. @pre nothing is put after the first call.
+  /// Reads an LOD by its number in order of put(). @pre no put() after the first call.
   SimplifiedMesh read(size_t number);
 
  private:
@@ -38,23 +38,24 @@ class LodSpool {
   std::vector<Place> places_;
 };
 
-/// Encoded payloads on their way to the store. Thread safe.
+/// Spool of encoded payloads until the store is written. Thread safe.
 class PayloadSpool {
  public:
   struct Place {
     uint64_t offset = 0;
     uint32_t bytes = 0;
   };
-  /// Name of the file, which lasts.
+  /// File name; the file survives a killed build.
   static constexpr std::string_view kFile = "payloads";
 
   explicit PayloadSpool(const TemporaryFolder& folder) : spool_(folder.lastingFile(kFile)) {}
-  /// The first `bytes` that a killed build wrote; more is appended behind them. @throws Error kIo, kFormat.
+  /// Keeps the first `bytes` bytes that a killed build wrote and appends after them. @throws Error kIo,
+  /// kFormat.
   PayloadSpool(const TemporaryFolder& folder, uint64_t bytes) : spool_(folder.lastingFile(kFile), bytes) {}
 
   Place append(std::span<const std::byte> payload);
   void flush() { spool_.flush(); }
-  /// Writes what was appended to the disk for good. @return its bytes.
+  /// Flushes everything appended to the disk (fsync). @return the file's size.
   uint64_t sync();
   std::vector<std::byte> read(Place place) const;
   uint64_t size() const noexcept { return spool_.size(); }
@@ -64,15 +65,16 @@ class PayloadSpool {
   Spool spool_;
 };
 
-/// Finished nodes on their way to the store: on the disk, but for a key and a place each. Thread safe.
+/// Spool of finished nodes until the store is written; keeps a key and a place per node in memory. Thread
+/// safe.
 class NodeSpool {
  public:
-  /// Name of the file.
+  /// File name.
   static constexpr std::string_view kFile = "nodes";
 
   explicit NodeSpool(TemporaryFile file) : spool_(std::move(file)) {}
 
-  /// Makes room for the places of so many nodes.
+  /// Reserves memory for `nodes` places.
   void reserve(size_t nodes) { places_.reserve(nodes); }
   size_t size() const noexcept { return places_.size(); }
 
@@ -82,15 +84,15 @@ class NodeSpool {
     uint32_t bytes = 0;
   };
   Place append(const Node& node, std::span<const PayloadSpool::Place> payloads);
-  /// The record of a node, as putFinishedNode() wrote it.
+  /// Reads a node's record, as putFinishedNode() wrote it.
   std::vector<std::byte> read(const Place& place);
-  /// All nodes, in key order; the last call.
+  /// Returns all nodes in key order. Must be the last call.
   std::vector<Place> takeSorted();
 
  private:
   std::mutex mutex_;
   Spool spool_;
-  uint64_t flushed_ = 0;  ///< bytes that can be read
+  uint64_t flushed_ = 0;  ///< readable bytes
   std::vector<Place> places_;
 };
 

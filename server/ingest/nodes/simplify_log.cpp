@@ -24,7 +24,8 @@ void FinishedNodes::add(RecordReader& record) {
   root_bytes = record.get<uint64_t>();
   for (const RootRecord& root : record.getAll<RootRecord>()) {
     if (root.place.bytes > root_bytes || root.place.offset > root_bytes - root.place.bytes) {
-      throw Error(ErrorCode::kFormat, "the journal of a build names no subtree; build without --resume");
+      throw Error(ErrorCode::kFormat,
+                  "the build journal refers to a missing subtree; build without --resume");
     }
     roots[root.key] = root.place;
   }
@@ -51,7 +52,7 @@ BuiltNode SimplifyLog::readRoot(NodeKey key) const {
   std::vector<std::byte> bytes(place.bytes);
   roots_.readAt(place.offset, bytes);
   if (checksum(bytes) != place.checksum) {
-    throw Error(ErrorCode::kFormat, "what a killed build left is damaged; build without --resume");
+    throw Error(ErrorCode::kFormat, "the killed build's files are damaged; build without --resume");
   }
   RecordReader record(bytes);
   return getBuiltNode(record);

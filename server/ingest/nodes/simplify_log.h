@@ -13,45 +13,45 @@
 
 namespace lode::ingest {
 
-/// The nodes that a killed build had finished, as its journal tells. With a node, all below it are among
-/// them, and its parent is, or its mesh is kept: the parent can be built.
+/// Nodes that a killed build had finished, according to its journal. For every node, all nodes below are
+/// included, and either its parent is too or its mesh is kept, so that the parent can be built.
 struct FinishedNodes {
   struct Place {
     uint64_t offset = 0, bytes = 0, checksum = 0;
   };
   std::vector<FinishedNode> nodes;
-  std::map<NodeKey, Place> roots;  ///< of finished subtrees: where what their parents need is kept
-  uint64_t payload_bytes = 0;      ///< of the payloads' file
-  uint64_t root_bytes = 0;         ///< of the roots' file
+  std::map<NodeKey, Place> roots;  ///< roots of finished subtrees: place of the data that their parents need
+  uint64_t payload_bytes = 0;      ///< size of the payload file
+  uint64_t root_bytes = 0;         ///< size of the root file
 
-  /// Adds an entry that SimplifyLog wrote. @throws Error kFormat, kLimit.
+  /// Adds an entry written by SimplifyLog. @throws Error kFormat, kLimit.
   void add(RecordReader& record);
 };
 
-/// Notes finished nodes while a tree is simplified: an entry is collected, then written. For one thread, but
-/// what is said to be thread safe.
+/// Logs finished nodes during simplification: collects an entry, then writes it. Single-threaded, except
+/// where noted.
 class SimplifyLog {
  public:
-  /// Name of the file with what parents need of the roots of finished subtrees; it lasts.
+  /// File with the data that parents need of the roots of finished subtrees; it survives a killed build.
   static constexpr std::string_view kRootFile = "subtrees";
   using Append = std::function<void(std::span<const std::byte>)>;
 
-  /// @param before  what a killed build had finished. @param append  puts an entry in the journal.
+  /// @param before  nodes that a killed build had finished. @param append  adds an entry to the journal.
   SimplifyLog(const TemporaryFolder& folder, PayloadSpool& payloads, FinishedNodes before, Append append);
 
-  /// What a killed build had finished; gone afterwards.
+  /// Moves out the nodes that a killed build had finished.
   std::vector<FinishedNode> takeFinished() { return std::move(before_.nodes); }
-  /// Whether what its parent needs of a node was kept by a killed build. Thread safe, as the next one is.
+  /// Returns whether a killed build kept the data that a node's parent needs. Thread safe.
   bool hasRoot(NodeKey key) const { return before_.roots.contains(key); }
-  /// @throws Error kIo, kFormat.
+  /// Thread safe. @throws Error kIo, kFormat.
   BuiltNode readRoot(NodeKey key) const;
 
   bool isDue() const noexcept { return clock_.isDue(CheckpointClock::Clock::now()); }
-  /// @param record  of a finished node, as putFinishedNode() wrote it.
+  /// @param record  of a finished node, as written by putFinishedNode().
   void addFinished(std::span<const std::byte> record);
-  /// A finished node whose parent is not finished and has not taken it yet.
+  /// Adds a finished node whose parent is not finished and has not taken it yet.
   void addRoot(const BuiltNode& built);
-  /// Returns when what was added since the last entry is on the disk.
+  /// Writes the entry. Returns when everything added since the last entry is on the disk.
   void write();
 
  private:
@@ -60,7 +60,7 @@ class SimplifyLog {
   const Append append_;
   Spool roots_;
   CheckpointClock clock_;
-  CheckpointClock::Clock::time_point began_{};  ///< of the entry that is being collected
+  CheckpointClock::Clock::time_point began_{};  ///< start of the current entry
   uint32_t finished_count_ = 0;
   RecordWriter finished_;
   std::vector<std::pair<NodeKey, FinishedNodes::Place>> new_roots_;

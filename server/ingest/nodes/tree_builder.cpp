@@ -24,7 +24,7 @@ namespace {
 
 constexpr auto kProgressInterval = std::chrono::milliseconds(200);
 constexpr uint32_t kNoNode = ~0u;
-constexpr uint64_t kLargeShare = 2;  ///< a node that takes more than 1 part of so many of the memory is large
+constexpr uint64_t kLargeShare = 2;  ///< a node that takes more than half of the memory is large
 
 uint64_t memoryOf(const BuiltNode& built) noexcept {
   const auto bytesOf = [](const auto& items) { return items.capacity() * sizeof(items[0]); };
@@ -34,7 +34,7 @@ uint64_t memoryOf(const BuiltNode& built) noexcept {
          bytesOf(mesh.wedge_attributes) + bytesOf(mesh.triangles);
 }
 
-/// Shared state of the workers; everything in it is guarded by the mutex but what does not change.
+/// Shared state of the workers. The mutex guards everything that changes.
 class Scheduler {
  public:
   Scheduler(const TreePlan& plan, SimplifyLog& log, NodeSpool& nodes, const TreeResources& resources,
@@ -80,8 +80,8 @@ class Scheduler {
     }
   }
 
-  /// Ends when all is built, or when a worker or `progress` has thrown. Tells at least once, however small
-  /// the model.
+  /// Returns when all nodes are built, or when a worker or `progress` has thrown. Reports progress at least
+  /// once.
   void waitUntilDone(const BuildProgress& progress) {
     std::unique_lock lock(mutex_);
     reportProgress(progress, lock);
@@ -101,13 +101,13 @@ class Scheduler {
   struct Taken {
     uint32_t number = 0;
     uint64_t bytes = 0;
-    bool is_large = false;  ///< beside the memory that there is
+    bool is_large = false;  ///< relative to the available memory
   };
   struct Finished {
     uint32_t number = 0;
     NodeSpool::Place place;
   };
-  /// Of a node: workers that find none to build, as many as there is memory for.
+  /// Idle workers that help with a node, as far as memory allows.
   class IdleWorkers final : public Helpers {
    public:
     IdleWorkers(Scheduler& scheduler, uint64_t bytes) : scheduler_(scheduler), bytes_(bytes) {}
@@ -137,12 +137,12 @@ class Scheduler {
     if (failure && !failure_) failure_ = failure;
   }
 
-  /// The next node to build, or nothing when all are taken or one failed.
+  /// Returns the next node to build, or nothing when all are taken or one has failed.
   std::optional<Taken> take() {
     std::unique_lock lock(mutex_);
     ++idle_;
     while (!failure_ && done_ < plan_.size()) {
-      if (idle_ > 0) {  // a worker that is lent has to come back first
+      if (idle_ > 0) {  // a lent worker must be returned first
         if (const std::optional<Taken> next = nextWithRoom()) return next;
       }
       changed_.wait(lock);
@@ -150,7 +150,7 @@ class Scheduler {
     return std::nullopt;
   }
 
-  /// Inner nodes first: they free memory.
+  /// Prefers inner nodes, because they free memory.
   std::optional<Taken> nextWithRoom() {
     if (!ready_.empty()) {
       const uint32_t number = ready_.top();
@@ -165,7 +165,7 @@ class Scheduler {
     return started(next_leaf_++, leaf_bytes_);
   }
 
-  /// One node at a time is built whatever it takes.
+  /// A node may exceed the memory if it is built alone.
   bool hasRoomFor(uint64_t bytes) const noexcept {
     return taken_ == done_ || held_bytes_ + bytes <= memory_bytes_;
   }
@@ -219,7 +219,7 @@ class Scheduler {
     return children;
   }
 
-  /// What a killed build had finished; its meshes stay on the disk until they are needed.
+  /// Restores the nodes that a killed build had finished. Their meshes stay on disk until needed.
   void resume() {
     const std::vector<FinishedNode> before = log_.takeFinished();
     if (before.empty()) return;
@@ -241,13 +241,12 @@ class Scheduler {
   }
 
   [[noreturn]] static void failResume() {
-    throw Error(ErrorCode::kFormat,
-                "the journal of a build names nodes of another tree; build without --resume");
+    throw Error(ErrorCode::kFormat, "the build journal belongs to another tree; build without --resume");
   }
 
-  /// Gives the log those nodes that another build could go on from: a node's parent is among them, or has not
-  /// taken it yet, so that what it needs of it can be kept. A leaf is built again rather than kept. Workers
-  /// do not wait for the disk but where they need the very node that is being written.
+  /// Logs the nodes from which another build can continue: those whose parent is logged, and inner nodes
+  /// whose parent has not taken them yet, with the data that it needs. Leaves are rebuilt instead. Workers
+  /// wait for the disk only if they need the node that is being written.
   void writeLog() {
     std::vector<Finished> finished;
     {
@@ -321,17 +320,17 @@ class Scheduler {
   const uint64_t memory_bytes_, leaf_bytes_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::unique_ptr<BuiltNode>> built_;  ///< between a node's building and its parent's
-  std::vector<Finished> finished_;                 ///< and not in the log
-  std::vector<bool> logged_;                       ///< in the log
-  uint32_t being_logged_ = kNoNode;                ///< is with the log, which gives it back
-  std::vector<uint32_t> input_triangles_;          ///< of the children that are built
+  std::vector<std::unique_ptr<BuiltNode>> built_;  ///< built, and not yet taken by the parent
+  std::vector<Finished> finished_;                 ///< built, and not yet logged
+  std::vector<bool> logged_;                       ///< by node
+  uint32_t being_logged_ = kNoNode;                ///< temporarily moved out of built_
+  std::vector<uint32_t> input_triangles_;          ///< triangles of the children built so far
   std::vector<uint8_t> waiting_for_;               ///< children not built yet
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   uint32_t next_leaf_ = 0;
   size_t leaves_left_ = 0, taken_ = 0, done_ = 0;
-  size_t idle_ = 0;          ///< workers that wait for a node and are not lent
-  uint64_t held_bytes_ = 0;  ///< by nodes under way, as far as can be told, and by built_
+  size_t idle_ = 0;          ///< waiting for a node, and not lent
+  uint64_t held_bytes_ = 0;  ///< estimated memory of nodes being built, and of built_
   std::exception_ptr failure_;
 };
 

@@ -9,17 +9,18 @@
 
 namespace lode::ingest {
 
-/// What a tree is built with.
+/// Resources for building a tree.
 struct TreeResources {
   unsigned threads = 1;
-  uint64_t memory_bytes = 0;  ///< for nodes under way, those that wait for their parents, and the tree itself
+  uint64_t memory_bytes =
+      0;  ///< for nodes being built, built nodes waiting for their parents, and the tree itself
 };
 
-/// Stage 4, with stage 5 (encode) inside: builds all nodes, children before parents, on threads, and leaves
-/// them in `nodes`. An inner node is built as soon as its children are, so that only a path's worth of
-/// coarsest LODs is held; a node for which there is no memory beside those under way waits for them. The
-/// calling thread reports progress, notes finished nodes in the log, goes on from those that are there, and
-/// throws what the first failing thread met.
+/// Builds all nodes on several threads, children before parents, including encoding, and leaves them in
+/// `nodes`. An inner node is built as soon as its children are, so only about one path of coarsest LODs is in
+/// memory. A node that does not fit into memory with the current ones waits. The calling thread reports
+/// progress and writes finished nodes to the log. Continues from the nodes in the log. Throws the first error
+/// of any thread.
 /// @param folder  for LODs of large nodes.
 void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
                const TemporaryFolder& folder, SimplifyLog& log, NodeSpool& nodes,

@@ -8,8 +8,8 @@
 
 namespace lode::ingest {
 
-/// The nodes above and with some leaves, numbered in post-order: a child's number is below its parent's, and
-/// the root's is the last. Const functions are thread safe.
+/// The tree above given leaves, numbered in post-order: children come before parents, the root is last. Const
+/// functions are thread safe.
 class TreePlan {
  public:
   /// @param leaves  of one tree, in Morton order.
@@ -18,12 +18,12 @@ class TreePlan {
   size_t size() const noexcept { return entries_.size(); }
   NodeKey key(uint32_t number) const noexcept { return entries_[number].key; }
   bool isRoot(uint32_t number) const noexcept { return number + 1 == entries_.size(); }
-  /// Of any node but the root.
+  /// @pre the node is not the root.
   uint32_t parent(uint32_t number) const noexcept { return entries_[number].parent; }
   bool isLeaf(uint32_t number) const noexcept { return entries_[number].first == number; }
-  /// Which of the leaves a leaf is.
+  /// Index of a leaf node in the given leaves.
   uint32_t leaf(uint32_t number) const noexcept { return entries_[number].leaf; }
-  /// In octant order.
+  /// Numbers of the children, in octant order.
   std::vector<uint32_t> children(uint32_t number) const;
 
  private:
@@ -31,7 +31,7 @@ class TreePlan {
     NodeKey key;
     uint32_t parent = 0;
     uint32_t first = 0;  ///< lowest number of the subtree
-    uint32_t leaf = 0;   ///< next one when the subtree begins
+    uint32_t leaf = 0;   ///< index of the first leaf that follows the subtree's beginning
   };
   void plan(NodeKey key, const std::vector<NodeKey>& leaves, size_t& next);
 

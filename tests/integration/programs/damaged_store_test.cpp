@@ -1,4 +1,4 @@
-// Stores that were damaged on the way: a byte changed anywhere, an end that is missing.
+// Tests of damaged stores: a changed byte anywhere, or a missing end.
 
 #include <algorithm>
 #include <iterator>
@@ -17,7 +17,7 @@ namespace {
 
 enum class Part { kHeader, kPayload, kOriginal, kPage, kTable, kFooter };
 
-/// Where a byte is changed, and in what.
+/// Position and part of a changed byte.
 struct Damage {
   uint64_t offset = 0;
   Part part = Part::kHeader;
@@ -26,7 +26,7 @@ struct Damage {
 constexpr uint64_t kHeaderBytes = 188, kFooterBytes = 24;
 constexpr int kPlacesInAPart = 10;
 
-/// Places in every part of a store, from a seed.
+/// Random positions in every part of a store, from a seed.
 class DamagePlan {
  public:
   explicit DamagePlan(const std::filesystem::path& store) : reader_(store) {
@@ -53,7 +53,7 @@ class DamagePlan {
   }
 
   const std::vector<Damage>& places() const noexcept { return places_; }
-  /// The store's bytes with another one at a place.
+  /// Returns the store's bytes with one byte changed.
   std::string apply(std::string bytes, const Damage& damage) {
     bytes[damage.offset] = static_cast<char>(bytes[damage.offset] ^ (1 + random_() % 255));
     return bytes;
@@ -75,14 +75,14 @@ class DamagePlan {
 
 class DamagedStore : public testing::Test {
  protected:
-  /// Streams every leaf's original triangles. @return how it ended: not converged, since no lattice is as
-  /// fine as what it asks for; the cut, where all of it came, is in cut.ply.
+  /// Streams the original triangles of all leaves into cut.ply. @return the outcome: never converged, because
+  /// no lattice is as fine as the requested precision.
   Outcome fetchAll(const std::filesystem::path& store) const {
     std::filesystem::remove(cut_);
     return lodestream({"fetch", store, "--pixels", "0.01", "--timeout", "60", "-o", cut_});
   }
 
-  /// Acts on damaged.lode, once for each payload of a coarser level in which a byte has changed.
+  /// Calls the function with a damaged.lode for each payload of a coarser level that has a changed byte.
   template <typename Act>
   void damagePayloads(const Act& act) const {
     DamagePlan plan(sound_);

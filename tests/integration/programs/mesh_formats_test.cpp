@@ -1,5 +1,5 @@
-// OBJ and GLB as a reader that is not ours finds them: assimp turns each into a PLY, which must hold the
-// triangles of the PLY that we write ourselves.
+// Checks OBJ and GLB with an independent reader: assimp converts each to a PLY, which must hold the triangles
+// of the PLY that we write.
 
 #include <algorithm>
 #include <array>
@@ -18,12 +18,12 @@
 namespace lode::test {
 namespace {
 
-using Corner = std::array<double, 6>;  // place and normal, both rounded
+using Corner = std::array<double, 6>;  // position and normal, both rounded
 using Triangle = std::array<Corner, 3>;
 
 double rounded(double value, double step) { return std::round(value / step) + 0.0; }
 
-/// All triangles by value, sorted, each with its least corner first.
+/// All triangles by value, sorted, each with its smallest corner first.
 std::vector<Triangle> trianglesOf(const std::filesystem::path& ply) {
   std::vector<Corner> corners;
   std::vector<Triangle> triangles;
@@ -104,7 +104,7 @@ TEST(StandardOutput, takesAPlyFromExportAndFetchWhereItIsAFile) {
   }
 }
 
-/// A file that takes its name would throw away what is there.
+/// A file opened under this name would overwrite existing content.
 TEST(StandardOutput, isLeftAloneWhereItHasSomethingInItOrIsAppendedTo) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder), log = (folder / "log").string();

@@ -123,7 +123,7 @@ TEST_F(CatalogTest, refusesNamesThatDoNotFitIntoOneAnswer) {
 
 TEST_F(CatalogTest, refusesAPipe) {
   ASSERT_EQ(::mkfifo(store("a").c_str(), 0600), 0);
-  EXPECT_NE(errorOf({store("a")}).find("no regular file"), std::string::npos);
+  EXPECT_NE(errorOf({store("a")}).find("not a regular file"), std::string::npos);
 }
 
 TEST_F(CatalogTest, reopenedOffersNothingOfAFolderWhoseStoresHaveGone) {

@@ -125,7 +125,7 @@ TEST_F(CutTest, byTrianglesSaysWhenEvenTheCoarsestCutIsTooLarge) {
   EXPECT_EQ(cut.items, (std::vector<CutItem>{{0, 1}}));
 }
 
-// Two children: the worse one does not fit, the better one does.
+// Two children: the one with the larger error does not fit, the other one does.
 TEST(CutByTriangles, goesOnWithSmallerStepsWhenTheWorstDoesNotFit) {
   const auto node = [](uint64_t key, uint8_t mask, std::vector<uint32_t> triangles, float error) {
     Node made;
@@ -145,7 +145,7 @@ TEST(CutByTriangles, goesOnWithSmallerStepsWhenTheWorstDoesNotFit) {
   EXPECT_EQ(cut.items, (std::vector<CutItem>{{1, 0}, {4, 0}}));
 }
 
-/// Far LODs have errors above the parent's here.
+/// Far LODs here have larger errors than the parent.
 class CutWithFarLods : public testing::Test {
  protected:
   static test::SyntheticModel withFarLods() {

@@ -1,4 +1,4 @@
-// Stores whose checksums are right but whose contents are not: what a writer with ill will can make.
+// Stores with valid checksums but invalid content, as an attacker can write them.
 
 #include <cmath>
 #include <cstring>
@@ -14,7 +14,7 @@
 namespace lode::store {
 namespace {
 
-/// The parts of a small store, changed by a test and then sealed with fresh checksums.
+/// Parts of a small store: a test changes them, then they are sealed with new checksums.
 struct Parts {
   FileHeader header;
   std::vector<TableEntry> table;
@@ -41,7 +41,7 @@ class HostileIndex : public testing::Test {
     return parts;
   }
 
-  /// Opens the changed store. @return what the reader says of it.
+  /// Opens the changed store. @return the reader's error message.
   std::string open(const std::function<void(Parts&)>& change, bool fresh_build_id = true) const {
     Parts changed = parts();
     changed.header.table_checksum = 0;
@@ -65,7 +65,7 @@ class HostileIndex : public testing::Test {
     return test::messageOf([&] { Reader{path}; });
   }
 
-  /// Replaces a blob and all that follows from its bytes, except in the pages that name it.
+  /// Replaces a blob and everything that depends on its bytes, except pages that refer to it.
   static void replaceBlob(Parts& parts, uint32_t number, std::span<const std::byte> bytes) {
     size_t at = 0;
     for (uint32_t i = 0; i + 1 < number; ++i) at += parts.table[i].bytes;
@@ -79,7 +79,7 @@ class HostileIndex : public testing::Test {
     entry = {static_cast<uint32_t>(bytes.size()), checksum(bytes), digestOf(bytes)};
   }
 
-  /// Changes the root's page.
+  /// Opens the store after changing the root's page.
   std::string openWithRootPage(const std::function<void(HierarchyPage&)>& change) const {
     return open([&](Parts& parts) {
       const uint32_t number = parts.header.summary.root_page.number;
@@ -141,21 +141,21 @@ TEST_F(HostileIndex, countsThatAreNotThoseOfTheNodesAreRefused) {
 }
 
 TEST_F(HostileIndex, blobTablesThatDoNotEndWhereTheFileDoesAreRefused) {
-  EXPECT_SAYS(open([](Parts& p) { --p.header.table_offset; }), "do not end");
-  EXPECT_SAYS(open([](Parts& p) { ++p.header.blobs; }), "do not end");
-  EXPECT_SAYS(open([](Parts& p) { p.header.blobs = 0xffffffff; }), "do not end");
-  EXPECT_SAYS(open([](Parts& p) { p.header.table_offset = ~uint64_t{0}; }), "do not end");
+  EXPECT_SAYS(open([](Parts& p) { --p.header.table_offset; }), "do not fill the rest");
+  EXPECT_SAYS(open([](Parts& p) { ++p.header.blobs; }), "do not fill the rest");
+  EXPECT_SAYS(open([](Parts& p) { p.header.blobs = 0xffffffff; }), "do not fill the rest");
+  EXPECT_SAYS(open([](Parts& p) { p.header.table_offset = ~uint64_t{0}; }), "do not fill the rest");
 }
 
 TEST_F(HostileIndex, blobsMustFillTheSpaceBeforeTheTable) {
   EXPECT_SAYS(open([](Parts& p) { ++p.table[0].bytes; }), "do not fill");
-  EXPECT_SAYS(open([](Parts& p) { p.table[0].bytes = 0; }), "without bytes");
+  EXPECT_SAYS(open([](Parts& p) { p.table[0].bytes = 0; }), "empty blob");
   EXPECT_SAYS(open([](Parts& p) { p.table[0].bytes = kMaxBlobBytes + 1; }), "the limit is");
 }
 
 TEST_F(HostileIndex, blobsShiftedAgainstTheirSizesAreRefused) {
   EXPECT_SAYS(open([](Parts& p) {
-                // The root's page gains the byte that the blob before it loses.
+                // Moves a byte from the preceding blob to the root's page.
                 const uint32_t root = p.header.summary.root_page.number;
                 --p.table[root - 2].bytes;
                 ++p.table[root - 1].bytes;
@@ -172,7 +172,7 @@ TEST_F(HostileIndex, blobsThatNothingUsesAreRefused) {
         p.header.table_offset += 1;
         p.header.summary.bytes += 1 + kTableEntryBytes;
       }),
-      "nothing uses it");
+      "not used");
 }
 
 TEST_F(HostileIndex, rootPagesThatAreNotThereAreRefused) {
@@ -188,7 +188,7 @@ TEST_F(HostileIndex, buildIdsThatAreNotTheHashOfTheIndexAreRefused) {
 TEST_F(HostileIndex, payloadsThatAreNotInTheBlobTableAreRefused) {
   const auto rootLod = [](HierarchyPage& page) -> Lod& { return page.nodes[0].lods[0]; };
   EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { rootLod(page).payload.number = 100000; }),
-              "not there");
+              "missing blob");
   EXPECT_SAYS(openWithRootPage([&](HierarchyPage& page) { ++rootLod(page).payload.bytes; }), "blob table");
   EXPECT_SAYS(
       openWithRootPage([&](HierarchyPage& page) { rootLod(page).payload.digest.bytes[0] ^= std::byte{1}; }),
@@ -196,14 +196,14 @@ TEST_F(HostileIndex, payloadsThatAreNotInTheBlobTableAreRefused) {
 }
 
 TEST_F(HostileIndex, pagesThatTwoNodesNameAreRefused) {
-  const auto twice = [](HierarchyPage& page) {  // the last node's is read first
+  const auto twice = [](HierarchyPage& page) {  // the last node's page is read first
     BlobRef last;
     for (const Node& node : page.nodes)
       if (node.child_page) last = node.child_page;
     for (Node& node : page.nodes)
       if (node.child_page) node.child_page = last;
   };
-  EXPECT_SAYS(openWithRootPage(twice), "two nodes name this page");
+  EXPECT_SAYS(openWithRootPage(twice), "two nodes refer to this page");
 }
 
 TEST_F(HostileIndex, pagesUsedAsPayloadsAreRefused) {
@@ -211,7 +211,7 @@ TEST_F(HostileIndex, pagesUsedAsPayloadsAreRefused) {
                 for (const Node& node : page.nodes)
                   if (node.child_page) page.nodes[0].lods[0].payload = node.child_page;
               }),
-              "something else");
+              "another use");
 }
 
 TEST_F(HostileIndex, textureSetsThatAreNoneAreRefused) {
@@ -227,12 +227,12 @@ TEST_F(HostileIndex, pagesAndTextureSetsAboveTheirLimitsAreRefused) {
   const std::string page = open([](Parts& parts) {
     replaceBlob(parts, parts.header.summary.root_page.number, std::vector<std::byte>(kMaxPageBytes + 1));
   });
-  EXPECT_SAYS(page, "a page above the limit");
+  EXPECT_SAYS(page, "a page larger than the limit");
   const std::string textures = open([](Parts& parts) {
     replaceBlob(parts, 1, std::vector<std::byte>(kMaxTextureSetBytes + 1));
     parts.header.summary.textures.number = 1;
   });
-  EXPECT_SAYS(textures, "a texture set above the limit");
+  EXPECT_SAYS(textures, "a texture set larger than the limit");
 }
 
 TEST_F(HostileIndex, pagesAndTextureSetsOfExactlyTheirLimitsAreRead) {
@@ -262,7 +262,7 @@ TEST_F(HostileIndex, pagesOfOtherNodesAreRefused) {
   EXPECT_SAYS(openWithRootPage(swapped), "does not belong in it");
 }
 
-// A cache that trusted such a name would give one model's bytes to another.
+// A cache that trusted such a digest would mix up the data of two models.
 TEST_F(HostileIndex, namesThatAreNotTheHashOfTheirBytesAreFoundByVerify) {
   EXPECT_EQ(openWithRootPage([](HierarchyPage&) {}), "");
   const auto path = folder_ / "hostile.lode";
@@ -271,7 +271,7 @@ TEST_F(HostileIndex, namesThatAreNotTheHashOfTheirBytesAreFoundByVerify) {
     parts.table[number - 1].digest.bytes[0] ^= std::byte{1};
   });
   EXPECT_EQ(opened, "");
-  EXPECT_SAYS(test::messageOf([&] { verifyStore(path); }), "its name is not the hash of its bytes");
+  EXPECT_SAYS(test::messageOf([&] { verifyStore(path); }), "its digest does not match its bytes");
 }
 
 TEST_F(HostileIndex, missingChildrenAreRefused) {

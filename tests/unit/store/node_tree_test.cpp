@@ -10,7 +10,7 @@
 namespace lode::store {
 namespace {
 
-/// A root with two children, the second of which has one child; sound.
+/// A valid hierarchy: a root with two children, the second of which has one child.
 std::vector<Node> soundNodes() {
   const auto node = [](uint64_t key, uint8_t mask, float error, size_t lods, uint32_t triangles) {
     Node made;
@@ -54,7 +54,7 @@ TEST(Hierarchy, rejectsAChildThatTheMaskNamesButIsMissing) {
 
 TEST(Hierarchy, rejectsOrphansAndStrangers) {
   EXPECT_NE(check([](auto& nodes) { nodes.erase(nodes.begin() + 2); }), "");
-  EXPECT_NE(check([](auto& nodes) { nodes[0].child_mask = 0b10000; }).find("does not know it"),
+  EXPECT_NE(check([](auto& nodes) { nodes[0].child_mask = 0b10000; }).find("child mask does not include it"),
             std::string::npos);
   EXPECT_NE(check([](auto& nodes) { nodes[3].key = {0b1111000}; }).find("parent is missing"),
             std::string::npos);

@@ -65,7 +65,7 @@ TEST(Reader, refusesBlobNumbersThatDoNotExist) {
   EXPECT_THROW(reader.readBlob(reader.blobCount() + 1), Error);
 }
 
-// Opening finds what is in header, pages, blob table and footer; verify what is in payloads.
+// Opening checks header, pages, blob table and footer; verify checks payloads.
 TEST(Reader, openingOrVerifyRejectsAStoreWithAnyByteChanged) {
   const WorkFolder folder;
   const auto path = folder / "a.lode";
@@ -91,7 +91,7 @@ TEST(Reader, rejectsAChangedPayloadWhenItIsRead) {
   test::SyntheticModel model = test::smallModel();
   test::writeStore(path, model);
   std::vector<char> bytes = test::readFile(path);
-  bytes[kHeaderBytes + 20] ^= 1;  // the first payload lies right behind the header
+  bytes[kHeaderBytes + 20] ^= 1;  // the first payload follows the header
   test::writeFile(path, bytes);
   const Reader reader(path);
   EXPECT_NE(test::messageOf([&] { reader.readBlob(1); }).find("checksum"), std::string::npos);
@@ -115,7 +115,7 @@ TEST(Reader, rejectsBytesBehindTheEnd) {
   test::SyntheticModel model = test::smallModel();
   test::writeStore(path, model);
   std::filesystem::resize_file(path, std::filesystem::file_size(path) + 1);
-  EXPECT_NE(test::messageOf([&] { Reader{path}; }).find("too many"), std::string::npos);
+  EXPECT_NE(test::messageOf([&] { Reader{path}; }).find("extra bytes"), std::string::npos);
 }
 
 TEST(Reader, namesFileAndRemedyOfWhatIsNoStore) {
@@ -132,7 +132,7 @@ TEST(Reader, namesFileAndRemedyOfWhatIsNoStore) {
   test::writeFile(folder / "empty.lode", {});
   EXPECT_NE(complain("empty.lode").find("empty"), std::string::npos);
   test::writeFile(folder / "other.lode", std::vector<char>(4096, 'x'));
-  EXPECT_NE(complain("other.lode").find("is no store"), std::string::npos);
+  EXPECT_NE(complain("other.lode").find("is not a store"), std::string::npos);
 }
 
 TEST(Reader, saysWhereAFileEndsThatBecameShorterSinceItWasOpened) {

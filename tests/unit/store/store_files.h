@@ -24,17 +24,17 @@ inline void writeFile(const std::filesystem::path& path, const std::vector<char>
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// A closed model of three levels and several pages.
+/// A closed model with three levels and several pages.
 inline SyntheticModel closedModel(AttributeSet attributes = {}) {
   return makeModel(makeSphere(24, 16, {.attributes = attributes, .extent = 4000, .seed = 7}));
 }
 
-/// As small as a store with two levels can be made here.
+/// The smallest model with two levels.
 inline SyntheticModel smallModel() {
   return makeModel(makeSphere(5, 4, {.attributes = {}, .extent = 4000}), {.leaf_triangles = 12});
 }
 
-/// What the error says, or "" if there is none.
+/// Returns the error's message, or "" if there is no error.
 template <typename Action>
 std::string messageOf(Action&& action) {
   try {

@@ -1,4 +1,4 @@
-// Texture sets in stores: that they come back, and what a hostile one is refused for.
+// Texture sets in stores: reading them back, and errors of hostile ones.
 
 #include <cstring>
 
@@ -60,7 +60,7 @@ TEST_F(StoredTextures, mayShareTiles) {
 
 TEST_F(StoredTextures, whoseTilesAreNotThoseOfTheTableAreRefused) {
   const ModelSummary summary = write(twoTextures);
-  // The set is rewritten in place, with the checksums of everything above it.
+  // Rewrite the set in place, with the checksums of everything above it.
   std::vector<char> file = test::readFile(path_);
   uint64_t at = 0;
   std::vector<std::byte> blob;
@@ -69,7 +69,7 @@ TEST_F(StoredTextures, whoseTilesAreNotThoseOfTheTableAreRefused) {
     at = reader.blob(summary.textures.number).offset;
     blob = reader.readBlob(summary.textures.number);
   }
-  blob[blob.size() - 1] ^= std::byte{1};  // of the last tile's name
+  blob[blob.size() - 1] ^= std::byte{1};  // the last tile's digest
   std::memcpy(&file[at], blob.data(), blob.size());
   const std::span<std::byte> bytes = std::as_writable_bytes(std::span(file));
   FileHeader header = decodeHeader(bytes.first<kHeaderBytes>(), bytes.size());
@@ -95,10 +95,10 @@ TEST_F(StoredTextures, ofTheFormatBeforeThemAreToBeBuiltAgain) {
   std::vector<char> file = test::readFile(path_);
   file[8] = 1;
   test::writeFile(path_, file);
-  EXPECT_NE(test::messageOf([&] { Reader reader(path_); }).find("build it again"), std::string::npos);
+  EXPECT_NE(test::messageOf([&] { Reader reader(path_); }).find("rebuild it"), std::string::npos);
 }
 
-/// Adds a texture of real tiles.
+/// Adds a texture with real tiles.
 Texture addTexture(Writer& writer, const std::string& name, const test::TextureImages& images) {
   Texture texture = images.texture();
   texture.name = name;
@@ -180,7 +180,7 @@ TEST_F(StoredTextures, areRejoinedBesideThePlyByExport) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "two words.png"));
 }
 
-/// Whether the file has a channel for alpha.
+/// Returns whether the file has an alpha channel.
 bool hasAlphaChannel(const std::filesystem::path& path) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;

@@ -11,7 +11,7 @@ namespace {
 
 class VerifyTest : public testing::Test {
  protected:
-  /// Writes a model and verifies it. @return what is wrong.
+  /// Writes a model and verifies it. @return the error message.
   std::string verify(test::SyntheticModel model) {
     test::writeStore(folder_ / "a.lode", model);
     return test::messageOf([&] { report_ = verifyStore(folder_ / "a.lode", {.random_cuts = 10}); });

@@ -17,7 +17,7 @@
 namespace lode::ingest {
 namespace {
 
-/// A sample, its store, and altered copies of that.
+/// A sample, its store, and altered copies of the store.
 class Against : public testing::Test {
  protected:
   void SetUp() override {
@@ -52,7 +52,7 @@ class Against : public testing::Test {
     }
   }
 
-  /// Writes a sound store whose nodes and leaf meshes went through the functions.
+  /// Writes a valid store after applying the functions to its nodes and leaf meshes.
   void alter(const std::function<void(Node&)>& alter_node,
              const std::function<void(Mesh&)>& alter_leaf) const {
     const store::Reader reader(store_);

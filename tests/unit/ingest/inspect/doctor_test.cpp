@@ -21,7 +21,7 @@ std::string header(const std::string& vertices, const std::string& faces, const 
          "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-/// Two triangles that share an edge, in the same orientation, and one far away that repeats a place.
+/// Two triangles that share an edge, with the same orientation, and a distant one with a duplicate vertex.
 const std::string kThreeTriangles = header("8", "3") +
                                     "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 0\n5 5 5\n6 5 5\n9 9 9\n"
                                     "3 0 1 2\n3 4 2 3\n3 5 6 0\n";
@@ -141,7 +141,7 @@ TEST(Doctor, refusesWhatABuildRefuses) {
       << "all at one place";
 }
 
-/// Squares of two triangles in a row; `fine` of them are so small that a lattice of the whole loses them.
+/// A row of squares of two triangles; `fine` of them are too small for the model's lattice.
 std::string rowOfSquares(int coarse, int fine) {
   std::string vertices, faces;
   int first = 0;
@@ -271,7 +271,7 @@ TEST(Doctor, looksIntoTextureImagesForWhatABuildFindsThere) {
   EXPECT_TRUE(report.is_buildable);
   ASSERT_EQ(report.problems.size(), 2u);
   EXPECT_TRUE(mentions(report, false, "'cut.png' is a damaged PNG"));
-  EXPECT_TRUE(mentions(report, false, "; a build goes on without it"));
+  EXPECT_TRUE(mentions(report, false, "; a build continues without it"));
   EXPECT_TRUE(mentions(report, false, warnings[1])) << warnings[1];
 }
 
@@ -284,7 +284,7 @@ TEST(Doctor, countsTopologyInWhateverMemory) {
   EXPECT_TRUE(report.is_buildable);
 }
 
-/// The number behind `name=` in a manifest's topology; of the mesh with equal places joined, if it has both.
+/// Number after `name=` in a manifest's topology; the one with duplicates merged if it has both.
 std::optional<uint64_t> numberOf(const std::string& topology, const std::string& name) {
   const std::string counts = topology.substr(0, topology.find("||"));
   const size_t at = counts.rfind(name + "=");

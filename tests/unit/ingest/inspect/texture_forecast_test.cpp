@@ -22,7 +22,7 @@ class ForecastTextures : public testing::Test {
     return surveyTextures(folder_ / "a.ply", names, kMemoryBytes);
   }
 
-  /// What a build stages.
+  /// Bytes that a build writes in the stage "textures".
   uint64_t stagedBytes(const std::vector<TextureImage>& images) const {
     BuildOptions options;
     options.input = folder_ / "a.ply";

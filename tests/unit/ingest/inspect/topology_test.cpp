@@ -19,7 +19,7 @@ struct Model {
   PlyFaces faces;
 };
 
-/// Faces of three to five corners among few places, many of which several vertices have.
+/// Faces with three to five corners at few positions, many of which have several vertices.
 Model randomModel(uint32_t seed, uint32_t vertices, uint32_t faces) {
   std::mt19937 engine(seed);
   const auto random = [&] { return static_cast<uint32_t>(engine()); };
@@ -49,7 +49,7 @@ Topology countedWith(const Model& model, uint64_t memory_bytes) {
   return counter.count();
 }
 
-/// Edges, duplicates and pieces by maps.
+/// Counts edges, duplicates and pieces with maps.
 Topology countedByMaps(const Model& model) {
   Topology topology;
   std::map<std::array<double, 3>, uint32_t> first_at;
@@ -121,7 +121,7 @@ TEST(Topology, countsAsManyLostTrianglesAsABuildDrops) {
     model.faces.corner_counts.push_back(corners);
     for (uint32_t c = 0; c < corners; ++c) {
       model.faces.corners.push_back(model.vertices.size());
-      // Some of a face's corners stand next to each other, on a lattice of thousands of steps.
+      // Some corners of a face are adjacent, on a lattice of thousands of steps.
       model.vertices.push_back(
           {.position = {static_cast<double>(random() % 3) + 1e-9 * c, face % 50, face % 7}});
     }

@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kRounding = 1.001f, kNegligible = 0.25f * kRounding;  // of what boundaryGap() says
+constexpr float kRounding = 1.001f, kNegligible = 0.25f * kRounding;  // of boundaryGap()
 
 NodeMesh meshOf(std::vector<glm::uvec2> points, std::vector<glm::u32vec3> triangles) {
   NodeMesh mesh;
@@ -23,18 +23,18 @@ NodeMesh meshOf(std::vector<glm::uvec2> points, std::vector<glm::u32vec3> triang
   return mesh;
 }
 
-/// A square of two triangles, whose upper boundary has a point in its middle that is higher by `bump`.
+/// A square of two triangles with a point in the middle of its upper boundary that is raised by `bump`.
 NodeMesh house(uint32_t bump) {
   return meshOf({{0, 0}, {100, 0}, {100, 100}, {50, 100 + bump}, {0, 100}},
                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
 }
 
-/// A triangle of the lowest boundary of which two points divide.
+/// A triangle whose lowest edge is divided by two points.
 NodeMesh fan(glm::uvec2 second, glm::uvec2 third) {
   return meshOf({{0, 0}, second, third, {120, 0}, {60, 100}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}});
 }
 
-/// Whose positions are those of what it is made of, moved.
+/// An LOD with the same positions as its input, moved.
 SimplifiedMesh moved(NodeMesh mesh) {
   std::vector<uint32_t> remap(mesh.positions.size());
   std::iota(remap.begin(), remap.end(), 0u);
@@ -81,7 +81,7 @@ TEST(BoundaryGap, looksAtBoundariesThatABoundaryHasMovedAlong) {
 }
 
 TEST(BoundaryGap, isThatOfBoundariesWithManyReferencesAtTheirEnds) {
-  constexpr uint32_t kPoints = 400;  // of a boundary with a tooth in its middle, and above them one more
+  constexpr uint32_t kPoints = 400;  // on a boundary with a tooth in its middle, plus one above them
   std::vector<glm::uvec2> points;
   std::vector<glm::u32vec3> triangles;
   for (uint32_t i = 0; i < kPoints; ++i) points.emplace_back(10 * i, i == kPoints / 2 ? 30 : 0);

@@ -42,8 +42,7 @@ TEST(FarthestAlongEdges, isWhatDensePointsFind) {
   }
 }
 
-/// Triangles of a comb: a back from (0, 0) to (900, 100), with teeth of 100 x 800 above it that are 300
-/// apart.
+/// A comb: a back from (0, 0) to (900, 100), with teeth of 100 x 800 above it at intervals of 300.
 NodeMesh comb() {
   NodeMesh mesh;
   const auto add = [&](uint32_t x, uint32_t y) {

@@ -17,7 +17,7 @@ namespace {
 constexpr uint32_t kGroundCells = 16, kGroundCell = 64;
 constexpr int kSteps = 48;
 
-/// A grid in x and y, each of its points raised by up to so much.
+/// A grid in x and y with random heights up to `height`.
 NodeMesh foldedGround(uint32_t height, std::mt19937& random) {
   test::MeshOptions options;
   options.extent = kGroundCells * kGroundCell;
@@ -79,7 +79,7 @@ TEST(FarthestInTriangle, isWhatDensePointsFindAboveFoldsHoweverMuchNeedNotBeTold
   }
 }
 
-/// A surface that counts how often a distance is measured.
+/// A surface that counts distance measurements.
 struct CountingSurface {
   const PackedTriangle& triangle(uint32_t number) const { return of.triangle(number); }
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
@@ -95,7 +95,7 @@ struct CountingSurface {
   mutable int measured = 0;
 };
 
-/// Six triangles around a top that is as high as this above their boundary.
+/// Six triangles around a top at `height` above their boundary.
 NodeMesh tent(uint32_t height) {
   NodeMesh mesh;
   mesh.positions = {packPosition({1000, 1000, 1000 + height})};

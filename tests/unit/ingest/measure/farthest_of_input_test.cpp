@@ -99,7 +99,7 @@ TEST(FarthestOfInput, tellsNoPlaceThatIsAPositionOfTheInput) {
   EXPECT_FALSE(farthestWithPlace(ridge.lod, ridge.input).inside);
 }
 
-/// What a look at every triangle finds.
+/// Result of measuring every triangle.
 float farthestOfEveryTriangle(const SimplifiedMesh& lod, const NodeMesh& input) {
   const TriangleTree tree(lod.mesh);
   std::vector<MeasuredPoint> beside;
@@ -116,7 +116,7 @@ float farthestOfEveryTriangle(const SimplifiedMesh& lod, const NodeMesh& input) 
   return farthest.largest();
 }
 
-/// A grid of positions that lie higher at random, by up to half as much as they are apart.
+/// A grid with random heights of up to half its spacing.
 NodeMesh roughGrid(uint32_t seed) {
   constexpr uint32_t kQuads = 24, kSpacing = 256;
   test::MeshOptions options;

@@ -22,7 +22,7 @@ float farthestPlaceOfLod(const SimplifiedMesh& lod, const NodeMesh& input, float
 }
 
 TEST(FarthestOfLod, isWithinItsMarginOfWhatDensePointsFind) {
-  constexpr double kPointMargin = 1.12;  // that lodDeviation() adds
+  constexpr double kPointMargin = 1.12;  // margin that lodDeviation() adds
   for (uint32_t seed = 1; seed <= 12; ++seed) {
     const NodeMesh input = test::nodeOf(test::makeSphere(60, 40, {.attributes = {}, .seed = seed}));
     collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& lod) {

@@ -14,7 +14,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Of a sphere's LOD of 300 triangles.
+/// Deviation of a sphere's LOD with 300 triangles.
 float deviation(std::optional<float> off_steps, float farthest_sample) {
   const NodeMesh sphere = test::nodeOf(test::makeSphere(60, 40));
   float steps = 0;

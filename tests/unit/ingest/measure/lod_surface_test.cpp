@@ -16,7 +16,7 @@ TEST(LodSurface, findsTheNearestTriangleHoweverManyPointsAreAskedFor) {
   const TriangleTree tree(mesh);
   const LodSurface surface(mesh);
   std::mt19937 random(5);
-  for (int i = 0; i < 200; ++i) {  // the first by looks, the others by its tree
+  for (int i = 0; i < 200; ++i) {  // the first points by exhaustive search, the others by the tree
     const glm::vec3 point = pointNear(random);
     EXPECT_FLOAT_EQ(surface.nearest(point).distance, tree.distance(point)) << i;
   }

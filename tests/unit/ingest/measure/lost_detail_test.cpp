@@ -17,9 +17,9 @@ namespace {
 constexpr uint32_t kWallCells = 64, kSpacing = 32;
 constexpr float kWallSide = kWallCells * kSpacing;
 
-using Paint = std::function<void(glm::vec2 at, VertexAttributes& attributes)>;  ///< of a place in 0..1
+using Paint = std::function<void(glm::vec2 at, VertexAttributes& attributes)>;  ///< by position in 0..1
 
-/// A flat square, painted.
+/// A flat, painted square.
 NodeMesh wall(uint8_t attributes, const Paint& paint) {
   Mesh mesh =
       test::makeGrid(kWallCells, kWallCells, {.attributes = {}, .extent = kWallCells * kSpacing, .bump = 0});
@@ -31,7 +31,7 @@ NodeMesh wall(uint8_t attributes, const Paint& paint) {
   return test::nodeOf(mesh);
 }
 
-/// Of a wall that only its geometry guides: flat, so that nothing but the paint can be lost.
+/// Simplifies a wall by geometry alone. It is flat, so only the paint can be lost.
 float lostAt(size_t triangles, const NodeMesh& input) {
   float lost = -1;
   collapse(input, std::array{triangles}, {.attribute_weight = 0}, [&](size_t, SimplifiedMesh&& lod) {
@@ -75,7 +75,7 @@ TEST(LostDetail, countsNormals) {
 }
 
 TEST(LostDetail, ofAPictureIsHowFarItHasSlid) {
-  // The picture is squeezed in the middle by a tenth of its width, over the whole height.
+  // The texture is squeezed in the middle by a tenth of its width, over the whole height.
   const NodeMesh squeezed = wall(AttributeSet::kTexture, [](glm::vec2 at, VertexAttributes& attributes) {
     const float bend = 0.1f * std::sin(3.14159f * at.x);
     attributes.texture = glm::u16vec2(60000 * (at.x + bend * (1 - at.x)), 60000 * at.y);

@@ -7,10 +7,10 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint8_t kLockDepth = 3;  ///< of the locked, from the next depth on
+constexpr uint8_t kLockDepth = 3;  ///< of locked positions: locked at greater depths
 constexpr float kGap = 7;
 
-/// A triangle; its first two positions are locked.
+/// A triangle with its first two positions locked.
 NodeMesh triangle() {
   NodeMesh mesh;
   mesh.positions = {packPosition({0, 0, 0}), packPosition({9, 0, 0}), packPosition({0, 9, 0})};
@@ -20,7 +20,7 @@ NodeMesh triangle() {
   return mesh;
 }
 
-/// Numbers of positions.
+/// Position numbers of the references.
 std::vector<glm::u32vec2> placesOf(const LodInput& input) {
   std::vector<glm::u32vec2> places;
   for (uint32_t i = 0; i < input.referenceCount(); ++i) places.push_back(input.reference(i).near);

@@ -78,8 +78,7 @@ TEST(SurfaceWalk, findsThePlaceOnTheSideOfAPlateOnWhichThePointLies) {
                      packPosition({300, 0, 90}),    packPosition({300, 250, 90})};
   plate.wedge_position = {0, 1, 2, 3, 4, 5};
   plate.lca_depth.assign(6, kNeverLocked);
-  plate.triangles = {
-      {0, 1, 2}, {1, 3, 2}, {0, 5, 4}};  // two on the front; the back is around the boundary too
+  plate.triangles = {{0, 1, 2}, {1, 3, 2}, {0, 5, 4}};  // two at the front; the back is around the boundary
   const SurfaceWalk::Place place = SurfaceWalk(plate).placeOf({163, 115, 100}, 0);
   EXPECT_EQ(place.triangle, 1u);
   EXPECT_FLOAT_EQ(place.distance, 0);

@@ -28,7 +28,7 @@ NodeMesh randomTriangles(size_t count, uint32_t extent, uint32_t size) {
   return welder.finish();
 }
 
-/// Smallest distance to a fine grid over every triangle: never below the true one.
+/// Smallest distance to a fine grid on every triangle; an upper bound of the true distance.
 double bruteDistance(const NodeMesh& mesh, glm::dvec3 point) {
   double best = 1e30;
   for (const glm::dvec3 on : test::pointsOver(mesh, 24)) best = std::min(best, glm::distance(on, point));
@@ -45,7 +45,7 @@ TEST(TriangleTree, findsTheDistanceThatBruteForceFinds) {
       const double expected = bruteDistance(mesh, glm::dvec3(point));
       const double found = tree.distance(glm::vec3(point));
       EXPECT_LE(found, expected + 1e-2);
-      EXPECT_GE(found, expected - size / 12.0);  // what the barycentric grid may miss
+      EXPECT_GE(found, expected - size / 12.0);  // error of the barycentric grid
     }
   }
 }
@@ -57,7 +57,7 @@ float nearestOfAll(const TriangleTree& tree, const NodeMesh& mesh, glm::vec3 poi
   return std::sqrt(squared);
 }
 
-/// Triangles of all sizes around one middle, which no box can part.
+/// Triangles of all sizes around one centroid, which boxes cannot separate.
 NodeMesh trianglesAroundOneMiddle(size_t count) {
   std::mt19937 random(6);
   MeshWelder welder;

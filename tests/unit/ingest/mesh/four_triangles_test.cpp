@@ -12,7 +12,7 @@ namespace {
 
 class RandomPlaces {
  public:
-  /// On few places, so that triangles are often lines, and points on corners and edges.
+  /// From few values, so that triangles are often lines, and points lie on corners and edges.
   glm::vec3 few() { return {number() % 4, number() % 4, number() % 4}; }
   glm::vec3 many() { return {number() % 1000, number() % 1000, number() % 1000}; }
 
@@ -29,7 +29,7 @@ struct Triangle {
   PackedTriangle packed() const { return {a, sides()}; }
 };
 
-/// Of three different corners.
+/// With three different corners.
 template <typename Place>
 Triangle triangleOf(Place&& place) {
   Triangle t{place(), place(), place()};

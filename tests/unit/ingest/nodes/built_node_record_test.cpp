@@ -7,7 +7,7 @@
 namespace lode::ingest {
 namespace {
 
-/// A node of one triangle, one side of which is a boundary; the other end of another has vanished.
+/// A node of one triangle with two references: one of its sides, and an edge with a vanished end.
 BuiltNode builtNode() {
   BuiltNode built;
   built.node.key = kRootKey.child(2);

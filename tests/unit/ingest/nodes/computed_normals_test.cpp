@@ -19,7 +19,7 @@ void giveNormals(SimplifiedMesh& lod, const NodeMesh& mesh) {
                       CreaseAngle(50));
 }
 
-/// A square whose corners look along x, y, z and z, of which the first two become a corner of a triangle.
+/// A square with corner normals x, y, z and z. The first two corners merge into a corner of a triangle.
 uint16_t normalAt(PositionCode place, uint8_t lca_depth) {
   NodeMesh mesh;
   mesh.attributes.bits = kComputed;
@@ -51,7 +51,8 @@ TEST(ComputedNormals, stayToTheBitWhereAPositionThatLeavesShareHasNotMoved) {
   EXPECT_EQ(normalAt(packPosition({30, 0, 0}), 2), encodeOctahedral({0, 1, 0}));
 }
 
-/// Sum over the input's positions of the squares by which an LOD's normals, between its corners, miss theirs.
+/// Sum over the input's positions of the squared differences between their normals and the LOD's interpolated
+/// ones.
 float missed(const SimplifiedMesh& lod, const NodeMesh& mesh) {
   const std::vector<SurfaceWalk::Place> places = placesOn(lod, mesh, SurfaceWalk(lod.mesh));
   float sum = 0;
@@ -86,7 +87,7 @@ TEST(ComputedNormals, areSharperThanTheMeansOfThoseThatWereMerged) {
   });
 }
 
-/// Two squares beside a fold, each with its own wedges on it, as an LOD that has moved nothing.
+/// Two squares at a fold with their own wedges along it, as an LOD in which nothing moved.
 size_t wedgesOfAFold(uint32_t height, uint8_t lca_depth) {
   NodeMesh mesh;
   mesh.attributes.bits = kComputed;

@@ -29,8 +29,7 @@ class HonestErrorOf {
     buildFrom(model, triangles_per_node);
   }
 
-  /// The least stored error, as a share of the largest distance of a point from the LOD: of corners and
-  /// of edges' middles.
+  /// Smallest ratio of stored error to the largest distance of a point (corner or edge middle) from the LOD.
   double leastRatio() const {
     const store::Reader reader(folder_ / "a.lode");
     double least = INFINITY;
@@ -39,7 +38,7 @@ class HonestErrorOf {
     return least;
   }
 
-  /// The largest such share of the root's LODs.
+  /// Largest ratio in the root's LODs.
   double largestRatioOfRoot() const {
     const store::Reader reader(folder_ / "a.lode");
     return std::ranges::max(ratiosOf(reader, *reader.find(kRootKey)));
@@ -54,7 +53,7 @@ class HonestErrorOf {
     build(options);
   }
 
-  /// Of LODs that differ from the leaves.
+  /// Ratios of LODs that differ from the leaves.
   static std::vector<double> ratiosOf(const store::Reader& reader, const Node& node) {
     std::vector<double> ratios;
     const test::TriangleSoup original = leavesBelow(reader, node.key);

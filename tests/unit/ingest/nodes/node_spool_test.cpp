@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/ingest/nodes/built_node_record.h"
 #include "tests/support/work_folder.h"
 
 namespace lode::ingest {

@@ -15,7 +15,7 @@
 namespace lode::ingest {
 namespace {
 
-/// What a killed build noted: one subtree that is finished, whose parent is not.
+/// A killed build's log: one finished subtree whose parent is unfinished.
 class KilledBuild : public testing::Test {
  protected:
   void SetUp() override {
@@ -76,7 +76,7 @@ TEST_F(KilledBuild, isRefusedWhenWhatItKeptOfASubtreeIsDamaged) {
   const auto path = folder_ / "files" / SimplifyLog::kRootFile;
   std::ifstream in(path, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(in), {});
-  bytes.at(bytes.rfind(char{123})) = 124;  // what is read makes sense still
+  bytes.at(bytes.rfind(char{123})) = 124;  // the data remain readable
   std::ofstream(path, std::ios::binary) << bytes;
   EXPECT_THROW(trianglesBelow(kChild), Error);
 }
@@ -87,15 +87,15 @@ TEST_F(KilledBuild, isRefusedWhenASubtreeIsSaidToStandBehindTheEndOfItsFile) {
     FinishedNodes::Place place;
   };
   RecordWriter entry;
-  entry.put(uint64_t{0});  // bytes of payloads
-  entry.put(uint64_t{8});  // bytes of subtrees
+  entry.put(uint64_t{0});  // payload bytes
+  entry.put(uint64_t{8});  // subtree bytes
   entry.putAll(std::vector{Root{kChild, {8, 8, 0}}});
   entry.put(uint32_t{0});  // finished nodes
   entries_.emplace_back(entry.bytes().begin(), entry.bytes().end());
   EXPECT_THROW(finished(), Error);
 }
 
-// A machine that loses power keeps the journal, and of the rest what was brought to the disk.
+// After a power loss the journal is there, but of other files only what was synced.
 TEST_F(KilledBuild, namesNothingInItsJournalThatIsNotOnTheDisk) {
   const test::SyncedFiles synced;
   std::set<std::string, std::less<>> before_the_entry;

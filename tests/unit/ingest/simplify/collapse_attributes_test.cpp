@@ -12,17 +12,17 @@
 namespace lode::ingest {
 namespace {
 
-constexpr double kSheetSide = 4096;  // of the sheet, in steps
+constexpr double kSheetSide = 4096;  // side of the sheet in lattice steps
 
 double height(double x, double y) { return 150 * (1 + std::sin(0.004 * x + 1) * std::sin(0.003 * y)) + 20; }
 
-/// Smooth over the sheet but for a painted disc with a soft edge.
+/// Smooth over the sheet, except a painted disc with a soft edge.
 glm::dvec3 colourAt(double x, double y) {
   const double disc = 1 / (1 + std::exp((std::hypot(x - 1500, y - 2400) - 900) / 25));
   return {255 * disc, 127 + 60 * std::sin(0.002 * x), 127 + 60 * std::cos(0.0025 * y)};
 }
 
-/// Direction of a relief too fine for the mesh, as a normal of the file.
+/// Normals of a relief that is too fine for the mesh.
 glm::dvec3 normalAt(double x, double y) {
   return glm::normalize(glm::dvec3(0.6 * std::tanh((x - 2000) / 40), 0.3 * std::sin(0.003 * y), 1));
 }
@@ -47,10 +47,10 @@ Mesh paintedSheet(uint8_t bits) {
 }
 
 struct Loss {
-  double colour = 0;   ///< mean difference of a channel, of 255
-  double normal = 0;   ///< mean angle, radians
-  double texture = 0;  ///< mean difference, steps of the grid
-  double surface = 0;  ///< two-sided rms, steps
+  double colour = 0;   ///< mean difference per channel, of 255
+  double normal = 0;   ///< mean angle in radians
+  double texture = 0;  ///< mean difference in steps of the texture grid
+  double surface = 0;  ///< two-sided RMS distance in lattice steps
 };
 
 Loss lossOf(const Mesh& sheet, size_t triangles, double attribute_weight) {

@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-// What a look marks must not be taken for marks of the next: collapses that do no harm were refused.
+// Marks of one check must not count in the next, or harmless collapses would be refused.
 TEST(CollapseCheck, findsTheSameOfAnEdgeWhateverItLookedAtBefore) {
   const CollapseMesh mesh(test::nodeOf(test::makeGrid(12, 12)), 0);
   EdgeSurroundings around(mesh);
@@ -32,7 +32,7 @@ TEST(CollapseCheck, findsTheSameOfAnEdgeWhateverItLookedAtBefore) {
   EXPECT_GT(allowed, 1000u);
 }
 
-/// Whether a triangle (a, b, from) keeps its shape by the limits when its last corner goes elsewhere.
+/// Returns whether a triangle (a, b, from) keeps its shape within the limits when its third corner moves.
 bool keepsShape(glm::dvec3 a, glm::dvec3 b, glm::dvec3 from, glm::dvec3 to, const CollapseLimits& limits) {
   const auto shape = [&](glm::dvec3 c) {
     const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
@@ -44,7 +44,7 @@ bool keepsShape(glm::dvec3 a, glm::dvec3 b, glm::dvec3 from, glm::dvec3 to, cons
   return shape(to) >= std::min(limits.least_shape, shape(from));
 }
 
-// Of triangles here and there: many an end has none but those of the edge, or an odd number.
+// Covers ends without triangles of their own, and with odd numbers of them.
 TEST(CollapseCheck, allowsWhatEachTriangleAroundAllowsByItself) {
   constexpr CollapseLimits kStrict{.least_cosine = 0.5, .least_shape = 0.3, .link_condition = false};
   size_t allowed = 0, bare_ends = 0, looks = 0;

@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Merges random edges of a mesh and keeps the map on positions beside it.
+/// Merges random edges of a mesh and records where each position went.
 class RandomMerges {
  public:
   RandomMerges(const NodeMesh& input, uint32_t seed)
@@ -41,7 +41,7 @@ class RandomMerges {
     return test::oddEdges(mesh_.compact(new_position));
   }
 
-  /// The image of the input's odd edges, by the map alone.
+  /// Image of the input's odd edges under the recorded map.
   std::set<test::PositionEdge> image() const {
     std::set<test::PositionEdge> odd;
     const auto codeOf = [&](uint32_t i) { return input_.positions[map_[i]].value; };
@@ -79,7 +79,7 @@ TEST(CollapseMesh, keepsOddEdgesTheImageOfTheInputs) {
 }
 
 TEST(CollapseMesh, givesEachEdgeOnceWithItsUses) {
-  NodeMesh book;  // three pages at one back
+  NodeMesh book;  // three pages on one spine
   for (uint32_t i = 0; i < 5; ++i) book.positions.push_back(packPosition({i, i * i, 1}));
   book.lca_depth.assign(5, kNeverLocked);
   book.wedge_position = {0, 1, 2, 3, 4};

@@ -229,7 +229,7 @@ TEST(Collapse, givesTheSameAgain) {
   EXPECT_EQ(a.triangles, b.triangles);
 }
 
-/// Distances of a mesh without attributes from what collapse() makes of it, in lattice steps.
+/// Distances between a mesh without attributes and the result of collapse(), in lattice steps.
 test::SurfaceDistance distanceOf(const Mesh& mesh, size_t target) {
   const NodeMesh result = collapsedTo(test::nodeOf(mesh), {target}).at(0).mesh;
   Mesh simplified;
@@ -248,7 +248,7 @@ TEST(Collapse, staysCloseToTheSurface) {
   EXPECT_LT(distance.both.max, 6e-3 * diagonal);
 }
 
-// Of rough sheets; 2.9 by quadrics alone.
+// Rough sheets; quadrics alone reach 2.9.
 TEST(Collapse, staysCloserToARoughSurfaceThanPlanesTell) {
   double log_sum = 0;
   constexpr uint32_t kSeeds = 6;
@@ -258,8 +258,8 @@ TEST(Collapse, staysCloserToARoughSurfaceThanPlanesTell) {
   EXPECT_LT(std::exp(log_sum / kSeeds), 2.6);
 }
 
-// A sheet of small triangles beside one of large ones, with equally high bumps; by sums over areas they get
-// less than a sixth.
+// A sheet of small triangles next to one of large ones, with equally high bumps. Costs integrated over area
+// would leave the small triangles less than a sixth.
 TEST(Collapse, givesSmallTrianglesTheirShareOfARoughSurface) {
   constexpr uint32_t kSide = 40, kSmall = 800, kLarge = 8000, kBump = 40;
   for (uint32_t seed = 1; seed <= 4; ++seed) {

@@ -19,7 +19,7 @@ Sides sidesOf(std::span<const EdgeSurroundings::Side> sides) {
   return result;
 }
 
-/// Of the triangles at one end of an edge without the other.
+/// Sides of the triangles at one end of an edge that do not have the other end.
 Sides sidesAt(const CollapseMesh& mesh, uint32_t end, uint32_t other) {
   Sides result;
   for (const uint32_t corner : mesh.around(end)) {

@@ -12,7 +12,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Collapses of a bumpy sheet into one of its positions, as the test asks, beside all that they moved.
+/// Collapses of a bumpy sheet into one position, with a list of all points that were merged.
 class Collapsing {
  public:
   explicit Collapsing(uint32_t seed)
@@ -21,8 +21,8 @@ class Collapsing {
         far_points_(mesh_),
         random_(seed) {}
 
-  /// Joins a neighbour to the position, somewhere near both.
-  /// @return what was found to be the farthest, and what is.
+  /// Merges a neighbour into the position, at a point near both.
+  /// @return the distance of the farthest point, as measured and true.
   std::pair<float, float> joinNext() {
     const uint32_t gone = mesh_.at(CollapseMesh::next(mesh_.around(kPosition).front()));
     std::uniform_real_distribution<double> share(0.2, 0.8);
@@ -92,7 +92,7 @@ TEST(FarPoints, knowNothingOfAPositionWhereNothingHasBeenMoved) {
     around.gather(6, 7);
     return FarPoints(mesh).measure(around, mesh.point(7));
   };
-  EXPECT_GT(look({test::nodeOf(test::makeGrid(4, 4)), 0}), 0);  // where 6 was
+  EXPECT_GT(look({test::nodeOf(test::makeGrid(4, 4)), 0}), 0);  // position 6 was there
   EXPECT_EQ(look({test::nodeOf(test::makeGrid(4, 4, {.attributes = {}, .bump = 0})), 0}), 0);
 }
 

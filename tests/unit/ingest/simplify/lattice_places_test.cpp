@@ -13,7 +13,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr glm::dvec3 kFarU{-1000}, kFarV{-2000};  // ends that play no part
+constexpr glm::dvec3 kFarU{-1000}, kFarV{-2000};  // ends of an edge that do not matter
 
 /// A flat square of two triangles, 1024 steps wide.
 NodeMesh square() {
@@ -28,7 +28,7 @@ struct PlacesOfSquare {
   CollapseMesh mesh{square(), 0};
   LatticePlaces places{mesh, glm::dvec3(1024)};
 
-  /// Where a point comes to lie that wants to be at a place.
+  /// Lattice point chosen for `wanted`.
   glm::dvec3 settle(glm::dvec3 wanted, double off) {
     Quadric q;
     q.addPoint(wanted - mesh.origin, 1);
@@ -45,7 +45,7 @@ TEST(LatticePlaces, areTheNearestOfTheLatticeWhereAllThatIsCloseTells) {
 
 TEST(LatticePlaces, areFurtherApartForLongerEdges) {
   PlacesOfSquare p;
-  p.places.aimFor(8);  // edges of some 550 steps
+  p.places.aimFor(8);  // edges of about 550 steps
   EXPECT_TRUE(isMultipleOf(p.settle({100.3, 77.6, 3.2}, 1e9), 16));
   EXPECT_FALSE(isMultipleOf(p.settle({100.3, 77.6, 3.2}, 1e9), 32));
   EXPECT_EQ(p.settle({100.3, 77.6, 3.2}, 1e9), glm::dvec3(96, 80, 0));
@@ -72,7 +72,7 @@ TEST(LatticePlaces, stayInTheBox) {
               glm::all(glm::lessThanEqual(place, glm::dvec3(1024))));
 }
 
-// Of a rough sphere of 200-step edges at first.
+// A rough sphere with edges of 200 steps initially.
 TEST(LatticePlaces, thatAreFartherApartMakePayloadsSmaller) {
   const NodeMesh sphere =
       test::nodeOf(test::makeSphere(120, 80, {.attributes = {}, .extent = 1 << 14, .seed = 3, .bump = 0.02}));

@@ -10,7 +10,7 @@
 #include "server/ingest/simplify/collapse.h"
 #include "tests/support/node_meshes.h"
 
-/// What the tests of both simplifiers share.
+/// Shared by the tests of both simplifiers.
 namespace lode::ingest {
 
 using test::MeshOptions;
@@ -27,14 +27,14 @@ struct Snapshot {
   NodeMesh mesh;
 };
 
-/// Locks one position in so many, by hash.
+/// Locks one in `one_in` positions, selected by hash.
 inline void lockSome(NodeMesh& mesh, uint32_t seed, uint32_t one_in) {
   std::mt19937 random(seed);
   for (uint8_t& depth : mesh.lca_depth)
     if (random() % one_in == 0) depth = 1;
 }
 
-/// Locks the ends of all odd edges, as the border of a node is.
+/// Locks the ends of all odd edges, like the border of a node.
 inline void lockOddEdges(NodeMesh& mesh) {
   std::set<uint64_t> codes;
   for (const test::PositionEdge& edge : test::oddEdges(mesh)) codes.insert(edge.begin(), edge.end());
@@ -42,7 +42,7 @@ inline void lockOddEdges(NodeMesh& mesh) {
     if (codes.contains(mesh.positions[i].value)) mesh.lca_depth[i] = 1;
 }
 
-/// What holds of every node's mesh whatever happened to it.
+/// Checks invariants of every node mesh.
 inline void expectSound(const NodeMesh& mesh) {
   EXPECT_EQ(std::set(mesh.positions.begin(), mesh.positions.end()).size(), mesh.positions.size());
   ASSERT_EQ(mesh.lca_depth.size(), mesh.positions.size());
