@@ -196,8 +196,8 @@ class Doctor {
     checkLostTriangles({topology.lost_triangles, report_.counts.triangles, topology.lattice_step,
                         topology.used_min, topology.used_max});
     warn(topology.opposed_faces, "face", "faces",
-         " whose normals in the file point to the back; a build keeps both, and either side that is "
-         "seen is lit; for an even surface leave the normals out, so that a build computes them");
+         " whose normals in the file point to the back; a build keeps them and lights both sides; for even "
+         "shading remove the normals, and a build computes them");
     warn(topology.non_manifold_edges, "edge", "edges",
          " of three or more faces; a build keeps them, but simplifies less well around them");
     warn(topology.misoriented_edges, "edge", "edges",
