@@ -33,7 +33,7 @@ std::optional<Coarsening> coarseningOf(const ShownThresholds& shown, float fines
 }
 
 double pixelShareInSoftware(uint64_t triangles, double pixels) noexcept {
-  constexpr double kPixelsOfTriangle = 11;  // measured with Mesa's llvmpipe, see docs/benchmarks.md
+  constexpr double kPixelsOfTriangle = 11;  // measured with Mesa's llvmpipe
   return pixels / (pixels + kPixelsOfTriangle * static_cast<double>(triangles));
 }
 

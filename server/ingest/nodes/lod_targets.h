@@ -25,7 +25,7 @@ struct LodRule {
 ///
 /// With 8 * locked, about a quarter of the vertices that a parent is made of cannot move below it; at 12 *
 /// locked, a sixth; at 4 * locked, half, and cuts that pass from a node to its children stall over a factor
-/// of up to 3 in triangles. See docs/benchmarks.md, "Locked borders".
+/// of up to 3 in triangles. See docs/decisions/0011-lod-ladder.md.
 ///
 /// Each step halves the count. The root, and depths 1 and 2 of a large model, use steps of the square root of
 /// 2: views of the whole model gain most from fine steps, and there they cost the store little.

@@ -23,7 +23,7 @@ struct BuildOptions {
   uint32_t triangles_per_node = 16384;
   Simplifier simplifier = Simplifier::kCollapse;
   /// Computed normals are smooth where faces meet at less. The default keeps chamfers of 45 degrees sharp and
-  /// bores of nine sides round; docs/benchmarks.md (Creases) says what it costs scans.
+  /// bores of nine sides round; see docs/decisions/0023-crease-angle.md.
   float crease_angle_deg = 44;
   /// Bad indices and coordinates are dropped and counted, bad attributes set to zero and counted apart, not
   /// an error.
