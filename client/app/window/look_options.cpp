@@ -16,9 +16,10 @@ void addLookOptions(CLI::App& command, LookOptions& options) {
                    ->capture_default_str();
   command
       .add_flag_callback(
-          "--unlit", [&options] { options.show = nameOf(render::ColorMode::kUnlit); }, "show the paint alone")
+          "--unlit", [&options] { options.show = nameOf(render::ColorMode::kUnlit); },
+          "show colours without light")
       ->excludes(show);
-  command.add_option("--exposure", options.exposure, "multiply the light by this")
+  command.add_option("--exposure", options.exposure, "factor on the light")
       ->check(numberFrom(0.01, 100.0))
       ->capture_default_str();
 }

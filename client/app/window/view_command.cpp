@@ -11,29 +11,30 @@
 namespace lode::app {
 
 void declareView(CLI::App& program, int& exit_status) {
-  CLI::App* command =
-      program.add_subcommand("view", "Shows a model in a window while it streams; keys are listed there");
+  CLI::App* command = program.add_subcommand(
+      "view", "Shows a model or a scene in a window while it streams; F1 lists the keys");
   const auto options = std::make_shared<ViewOptions>();
   addCommonOptions(*command, options->common, Takes::kScenesToo);
   addFadeOption(*command, options->common);
   CLI::Option* const screenshot =
       command
           ->add_option("--screenshot", options->screenshot,
-                       "save a picture of the window once the model has converged, and end")
+                       "save a picture of the window once it has converged, then exit")
           ->type_name("OUT.png");
   command
-      ->add_option("--fps", options->fps,
-                   "frames a second while the camera moves, held by a coarser threshold; --pixels fixes it")
+      ->add_option(
+          "--fps", options->fps,
+          "frame rate to hold while the camera moves, by a coarser threshold; --pixels fixes the threshold")
       ->check(numberFrom(1.0, 1000.0))
       ->capture_default_str();
   CLI::Option* const laps =
       command
           ->add_option(
               "--laps", options->laps,
-              "fly the path of --camera (default: an orbit) so often, say what the frames took, and end")
+              "fly the path of --camera (default: an orbit) so many times, print frame times, then exit")
           ->check(CLI::Range(1, 1000))
           ->excludes(screenshot);
-  command->add_flag("--json", options->json, "say it as one JSON object, with each frame")->needs(laps);
+  command->add_flag("--json", options->json, "print them as one JSON object, with each frame")->needs(laps);
   addLookOptions(*command, options->look);
   const CLI::Option* const pixels = command->get_option("--pixels");
   command->callback([options, pixels, &exit_status] {
