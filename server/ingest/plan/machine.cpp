@@ -10,9 +10,8 @@
 #endif
 
 #include <sys/resource.h>
-#include <unistd.h>
 
-#include "server/ingest/plan/control_groups.h"
+#include "common/memory_limit.h"
 
 namespace lode::ingest {
 namespace {
@@ -24,11 +23,7 @@ constexpr uint64_t kMostHeaps = 256;
 
 }  // namespace
 
-uint64_t defaultMemoryBytes() {
-  const auto machine =
-      static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-  return std::min(machine, controlGroupMemoryBytes()) / 2;
-}
+uint64_t defaultMemoryBytes() { return memoryLimitBytes() / 2; }
 
 unsigned defaultThreads() noexcept { return std::max(1u, std::thread::hardware_concurrency()); }
 

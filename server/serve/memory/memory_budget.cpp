@@ -1,58 +1,13 @@
 #include "server/serve/memory/memory_budget.h"
 
 #include <algorithm>
-#include <fstream>
-#include <string>
 #include <utility>
 
-#include <unistd.h>
+#include "common/memory_limit.h"
 
 namespace lode::serve {
 
-namespace {
-
-/// The number in a file of a cgroup; none if there is no file, or no limit in it.
-uint64_t limitIn(const std::string& file) {
-  std::ifstream in(file);
-  uint64_t bytes = 0;
-  return in >> bytes ? bytes : UINT64_MAX;
-}
-
-/// Least limit of the cgroup and those that it is in.
-uint64_t limitOfGroups(const std::string& mount, std::string group, const char* file) {
-  uint64_t least = UINT64_MAX;
-  while (true) {
-    least = std::min(least, limitIn(mount + group + "/" + file));
-    const size_t end = group.rfind('/');
-    if (end == std::string::npos) return least;
-    group.resize(end);
-  }
-}
-
-uint64_t cgroupBytes() {
-  std::ifstream groups("/proc/self/cgroup");
-  uint64_t least = UINT64_MAX;
-  for (std::string line; std::getline(groups, line);) {
-    const size_t first = line.find(':'), second = line.find(':', first + 1);
-    if (second == std::string::npos) continue;
-    const std::string controllers = line.substr(first + 1, second - first - 1);
-    std::string group = line.substr(second + 1);
-    if (group == "/") group.clear();
-    if (controllers.empty())
-      least = std::min(least, limitOfGroups("/sys/fs/cgroup", group, "memory.max"));
-    else if (controllers.find("memory") != std::string::npos)
-      least = std::min(least, limitOfGroups("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes"));
-  }
-  return least;
-}
-
-}  // namespace
-
-uint64_t defaultMemoryBudget() {
-  const auto pages = static_cast<uint64_t>(std::max(1L, sysconf(_SC_PHYS_PAGES)));
-  const auto page_bytes = static_cast<uint64_t>(std::max(1L, sysconf(_SC_PAGESIZE)));
-  return std::min(pages * page_bytes, cgroupBytes()) / 8;
-}
+uint64_t defaultMemoryBudget(const std::filesystem::path& root) { return memoryLimitBytes(root) / 8; }
 
 uint64_t MemoryBudget::mean() const noexcept {
   return used() / std::max<uint64_t>(1, accounts_.load(std::memory_order_relaxed));

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 
 namespace lode::serve {
 
@@ -13,8 +14,8 @@ constexpr uint64_t kModestBytes = 16u << 10;
 /// more the greedy have taken, the less each of them may take, and a quarter is the others'.
 constexpr uint64_t kGreedyPart = 64;
 
-/// An eighth of what the machine has, or the cgroup that this process is in.
-uint64_t defaultMemoryBudget();
+/// Returns an eighth of the memory that this process may use (memoryLimitBytes()).
+uint64_t defaultMemoryBudget(const std::filesystem::path& root = "/");
 
 /// The memory that all connections of a server together may take, in bytes. Thread safe.
 class MemoryBudget {

@@ -1,10 +1,13 @@
 #include "server/serve/memory/memory_budget.h"
 
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/work_folder.h"
 #include "tests/unit/serve/session_fixture.h"
 
 namespace lode::serve {
@@ -86,9 +89,15 @@ TEST(MemoryBudget, whatIsOnItsWayOutPressesNobodyAndGrowsNoMore) {
   EXPECT_FALSE(budget.relieved());
 }
 
-TEST(MemoryBudget, isAnEighthOfWhatThereIs) {
-  EXPECT_GT(defaultMemoryBudget(), 1u << 20);
-  EXPECT_LT(defaultMemoryBudget(), uint64_t{1} << 44);
+TEST(MemoryBudget, isByDefaultAnEighthOfWhatAServiceUnitsMemoryHighLeaves) {
+  const test::WorkFolder root;
+  const auto group = root.path() / "sys/fs/cgroup/system.slice/lodestreamd.service";
+  std::filesystem::create_directories(root.path() / "proc/self");
+  std::filesystem::create_directories(group);
+  std::ofstream(root.path() / "proc/self/cgroup") << "0::/system.slice/lodestreamd.service\n";
+  std::ofstream(group / "memory.max") << "max\n";
+  std::ofstream(group / "memory.high") << "400000000\n";
+  EXPECT_EQ(defaultMemoryBudget(root.path()), 50'000'000u);
 }
 
 using SessionMemoryTest = SessionTest;

@@ -1,4 +1,4 @@
-#include "server/ingest/plan/control_groups.h"
+#include "common/memory_limit.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,14 +7,17 @@
 #include <string>
 #include <string_view>
 
-namespace lode::ingest {
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace lode {
 namespace {
 
 constexpr uint64_t kNoLimit = ~uint64_t{0};
 constexpr std::string_view kLimitsOfVersion1[] = {"memory.limit_in_bytes"};
 constexpr std::string_view kLimitsOfVersion2[] = {"memory.max", "memory.high"};
 
-/// "max" and whatever is no number is no limit.
+/// Returns kNoLimit for "max" and for text that is not a number.
 uint64_t readLimit(const std::filesystem::path& file) {
   std::string text;
   std::ifstream(file) >> text;
@@ -23,18 +26,18 @@ uint64_t readLimit(const std::filesystem::path& file) {
   return problem == std::errc{} && end == text.data() + text.size() ? limit : kNoLimit;
 }
 
-/// Of a group and its ancestors up to the tree's top.
+/// Returns the least limit of a group and its ancestors up to the top of the tree.
 uint64_t leastLimit(const std::filesystem::path& top, std::string_view group,
                     std::span<const std::string_view> names) {
   uint64_t least = kNoLimit;
-  const auto look = [&](const std::filesystem::path& folder) {
+  const auto readFolder = [&](const std::filesystem::path& folder) {
     for (const std::string_view name : names) least = std::min(least, readLimit(folder / name));
   };
   std::filesystem::path folder = top;
-  look(folder);
+  readFolder(folder);
   for (const std::filesystem::path& part : std::filesystem::path(group).relative_path()) {
-    if (part == "..") return least;  // outside of what this process sees
-    look(folder /= part);
+    if (part == "..") return least;  // outside the part of the tree that this process sees
+    readFolder(folder /= part);
   }
   return least;
 }
@@ -48,7 +51,22 @@ bool hasMemory(std::string_view controllers) {
   return false;
 }
 
+uint64_t physicalMemoryBytes() noexcept {
+  return static_cast<uint64_t>(std::max(1L, sysconf(_SC_PHYS_PAGES))) *
+         static_cast<uint64_t>(std::max(1L, sysconf(_SC_PAGESIZE)));
+}
+
+uint64_t softLimit(int resource) noexcept {
+  rlimit limit{};
+  return getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY ? limit.rlim_cur : kNoLimit;
+}
+
 }  // namespace
+
+uint64_t memoryLimitBytes(const std::filesystem::path& root) {
+  return std::min({physicalMemoryBytes(), softLimit(RLIMIT_AS), softLimit(RLIMIT_DATA),
+                   controlGroupMemoryBytes(root)});
+}
 
 uint64_t controlGroupMemoryBytes(const std::filesystem::path& root) {
   const std::filesystem::path tops = root / "sys/fs/cgroup";
@@ -70,4 +88,4 @@ uint64_t controlGroupMemoryBytes(const std::filesystem::path& root) {
   return least;
 }
 
-}  // namespace lode::ingest
+}  // namespace lode

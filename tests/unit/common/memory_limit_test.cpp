@@ -1,18 +1,19 @@
-#include "server/ingest/plan/control_groups.h"
+#include "common/memory_limit.h"
 
 #include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "tests/support/work_folder.h"
 
-namespace lode::ingest {
+namespace lode {
 namespace {
 
 constexpr uint64_t kNoLimit = ~uint64_t{0};
 
-/// A tree of the files that the system would show.
+/// A folder with the files of control groups that the kernel would show.
 class ControlGroups : public testing::Test {
  protected:
   void write(const std::string& file, const std::string& text) const {
@@ -102,5 +103,27 @@ TEST_F(ControlGroups, limitNothingByWhatIsNoNumber) {
   EXPECT_EQ(limit(), kNoLimit);
 }
 
+TEST_F(ControlGroups, limitTheMemoryOfThisProcess) {
+  write("proc/self/cgroup", "0::/job");
+  write("sys/fs/cgroup/job/memory.high", "12345678");
+  EXPECT_EQ(memoryLimitBytes(root_.path()), 12345678u);
+}
+
+TEST(MemoryLimit, followsTheResourceLimits) {
+  const uint64_t before = memoryLimitBytes();
+  EXPECT_GT(before, 1u << 20);
+  EXPECT_LT(before, uint64_t{1} << 50);
+#ifndef LODE_SANITIZED  // sanitizers map more than this
+  for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
+    rlimit limit{};
+    ASSERT_EQ(getrlimit(resource, &limit), 0);
+    const rlimit lower{before - 1, limit.rlim_max};
+    ASSERT_EQ(setrlimit(resource, &lower), 0);
+    EXPECT_EQ(memoryLimitBytes(), before - 1);
+    ASSERT_EQ(setrlimit(resource, &limit), 0);
+  }
+#endif
+}
+
 }  // namespace
-}  // namespace lode::ingest
+}  // namespace lode
