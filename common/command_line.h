@@ -32,8 +32,7 @@ inline int fail(const CLI::App& program, const std::string& message, int status)
 /// @return the status, or that of failed work where stdout did not take all that was printed.
 inline int endAfterPrinting(const CLI::App& program, int status) {
   if (std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
-  return fail(program, std::string("standard output cannot be written: ") + std::strerror(errno),
-              kWorkFailed);
+  return fail(program, std::string("cannot write to standard output: ") + std::strerror(errno), kWorkFailed);
 }
 
 /// Ends a message about wrong usage: "see lodestream fetch --help", of the command that was called, if any.

@@ -24,5 +24,6 @@ int main(int argc, char** argv) {
     program.set_version_flag("--version", "lodestreamd " LODE_VERSION);
     addCommands(program);
   };
-  return lode::runCommandLine(program, argc, argv, declare, "give --memory a smaller budget or free some");
+  return lode::runCommandLine(program, argc, argv, declare,
+                              "give a smaller --memory or --memory-budget, or free memory");
 }

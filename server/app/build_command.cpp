@@ -53,13 +53,13 @@ std::string describe(const ingest::BuildReport& report, const std::filesystem::p
          "; " + numbers + describeBytes(report.peak_rss_bytes) + "\n";
 }
 
-/// @throws Error kUsage if the build would write over what it reads.
+/// @throws Error kUsage if the build would overwrite one of its input files.
 void checkOutput(const ingest::BuildOptions& options) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(options.output, ignored)) return;
   const auto refuseIf = [&](const std::filesystem::path& read, const char* what) {
     if (std::filesystem::equivalent(read, options.output, ignored))
-      throw Error(ErrorCode::kUsage, options.output.string() + ": is " + what + ": name another output");
+      throw Error(ErrorCode::kUsage, options.output.string() + " is " + what + "; name another output");
   };
   refuseIf(options.input, "the input itself");
   for (const std::string& name : ingest::readPlyHeader(options.input).texture_files)
@@ -73,15 +73,15 @@ ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
     ProgressBar bar = arguments.json_progress
                           ? ProgressBar(stdout, ProgressBar::Mode::kJson)
                           : ProgressBar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
-    const auto tell = [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
+    const auto onProgress = [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
       interruption.check();
       bar.update(stage, fraction, done);
     };
-    ingest::BuildReport report = ingest::build(arguments.options, tell);
+    ingest::BuildReport report = ingest::build(arguments.options, onProgress);
     bar.finishStage();
     return report;
   } catch (const Error& error) {
-    interruption.endProcessIfOneCame(error.what());
+    interruption.endProcessIfReceived(error.what());
     throw;
   }
 }
@@ -89,7 +89,7 @@ ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
 void runBuild(const BuildArguments& arguments) {
   const ingest::BuildOptions& options = arguments.options;
   checkOutput(options);
-  std::signal(SIGPIPE, SIG_IGN);  // who reads the progress may go; a build of hours goes on
+  std::signal(SIGPIPE, SIG_IGN);  // a build of hours survives the reader of its progress
   const ingest::BuildReport report = buildUnlessInterrupted(arguments);
   for (const std::string& warning : report.warnings)
     std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());
@@ -107,14 +107,16 @@ void addBuildCommand(CLI::App& program) {
   CLI::App* command = addCommand(program, "build", "Build a store from a PLY file");
   command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
   command->add_option("-o,--output", options.output, "the store to write")->required()->type_name("OUT.lode");
-  addByteSize(*command, "--memory", options.memory_bytes,
-              "memory to use at most, as 512MB, 1.5GB or 4GiB (default: half of the machine's or the "
-              "container's)");
-  command->add_option("--threads", options.threads, "threads to use (default: one a core)")
+  addByteSize(
+      *command, "--memory", options.memory_bytes,
+      "maximum memory, such as 512MB, 1.5GB or 4GiB (default: half of the memory that the process may use)");
+  command->add_option("--threads", options.threads, "number of threads (default: one for each core)")
       ->check(CLI::Range(1u, 1024u));
-  command->add_option("--tmp", options.temporary_folder, "folder for temporary files (default: the output's)")
+  command
+      ->add_option("--tmp", options.temporary_folder,
+                   "folder for temporary files (default: the folder of the output)")
       ->type_name("DIR");
-  command->add_option("--triangles-per-node", options.triangles_per_node, "a node with more is split")
+  command->add_option("--triangles-per-node", options.triangles_per_node, "split nodes with more triangles")
       ->check(CLI::Range(ingest::kMinTrianglesPerNode, kMaxLodTriangles))
       ->capture_default_str();
   command
@@ -124,29 +126,28 @@ void addBuildCommand(CLI::App& program) {
             arguments->options.simplifier =
                 name == "cluster" ? ingest::Simplifier::kCluster : ingest::Simplifier::kCollapse;
           },
-          "how nodes are simplified: collapse, or cluster for a fast preview (default: collapse)")
+          "simplifier of nodes: collapse, or cluster for a fast preview (default: collapse)")
       ->check(CLI::IsMember({"collapse", "cluster"}));
   command
-      ->add_option("--crease-angle", options.crease_angle_deg,
-                   "where the file has no normals: edges at which faces meet at more are sharp; 180: none")
+      ->add_option(
+          "--crease-angle", options.crease_angle_deg,
+          "if the file has no normals: angle between faces above which an edge is sharp; 180: no sharp edges")
       ->check(numberFrom(0.0, 180.0))
       ->type_name("DEGREES")
       ->capture_default_str();
-  command->add_flag(
-      "--resume", options.resume,
-      "go on where the same command was killed or interrupted; if it is now, keep what is there");
+  command->add_flag("--resume", options.resume,
+                    "continue a build that was killed or interrupted; if this one is interrupted, keep its "
+                    "work for --resume");
   command->add_flag(
       "--skip-bad", options.skip_bad,
-      "drop and count bad indices and coordinates; set colours, normals and texture coordinates of "
-      "vertices to 0 where they are NaN or infinite, and count these apart");
-  command->add_flag("--strict", options.strict, "warnings are errors");
+      "drop and count faces with bad indices or coordinates; set NaN and infinite colours, normals and "
+      "texture coordinates to 0 and count them separately");
+  command->add_flag("--strict", options.strict, "treat warnings as errors");
   command->add_flag("--json", arguments->json, "print the result as one JSON object");
-  CLI::Option* const quiet =
-      command->add_flag("--quiet", arguments->quiet, "print no progress and no result, but warnings");
+  CLI::Option* const quiet = command->add_flag("--quiet", arguments->quiet, "print warnings only");
   command
       ->add_flag("--json-progress", arguments->json_progress,
-                 "print progress, for programs: lines of JSON with stage and fraction; and no result but "
-                 "that of --json")
+                 "print progress as JSON lines with stage and fraction; print the result only with --json")
       ->excludes(quiet);
   command->callback([arguments] { runBuild(*arguments); });
 }

@@ -6,8 +6,8 @@
 namespace lode::app {
 
 std::string wholeNumber(const std::string& text) {
-  const bool is_one = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  return is_one ? "" : "must be a whole number, as 2000000, not " + text;
+  const bool is_number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  return is_number ? "" : "must be a whole number such as 2000000, not " + text;
 }
 
 CLI::Option* addByteSize(CLI::App& command, const std::string& name, uint64_t& value, const std::string& help,

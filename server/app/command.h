@@ -8,8 +8,8 @@
 
 #include "common/error.h"
 
-/// The commands of lodestreamd. Each function adds one to the command line, with a callback that does the
-/// work and throws Error when it fails.
+/// The commands of lodestreamd. Each function adds a command whose callback does the work and throws Error on
+/// failure.
 namespace lode::app {
 
 void addBuildCommand(CLI::App& program);
@@ -20,14 +20,15 @@ void addVerifyCommand(CLI::App& program);
 void addExportCommand(CLI::App& program);
 void addSampleCommand(CLI::App& program);
 
-/// A check of options: CLI11 takes "-5" for a very large one. @return what is wrong, if anything.
+/// Checks that an option is a whole number, because CLI11 parses "-5" as a very large one. Returns an error
+/// message, or "" if the text is valid.
 std::string wholeNumber(const std::string& text);
 
-/// Adds an option that takes a count of bytes (see parseByteSize()), from `least` to `most`.
+/// Adds an option for a number of bytes (see parseByteSize()) from `least` to `most`.
 CLI::Option* addByteSize(CLI::App& command, const std::string& name, uint64_t& value, const std::string& help,
                          uint64_t least = 1, uint64_t most = std::numeric_limits<uint64_t>::max());
 
-/// Adds a command with what all have in common (--version).
+/// Adds a command with the options that all commands share (--version).
 CLI::App* addCommand(CLI::App& program, const std::string& name, const std::string& description);
 
 }  // namespace lode::app

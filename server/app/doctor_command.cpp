@@ -30,7 +30,7 @@ const char* encodingName(ingest::PlyEncoding encoding) {
 
 Json pointAsJson(glm::dvec3 v) { return {v.x, v.y, v.z}; }
 
-/// Of a float the digits that tell it from other floats.
+/// Formats the shortest digits that round-trip, as a float if the value is one.
 std::string describe(double value) {
   const auto as_float = static_cast<float>(value);
   std::array<char, 32> text{};
@@ -113,7 +113,7 @@ class Sheet {
   std::string text_;
 };
 
-/// How many rows of an element were read; of how many, where a file ends before.
+/// Returns the number of rows that were read, with the declared number if the file ends before.
 std::string rowsInWords(const ingest::DoctorReport& report, uint64_t read, const char* element) {
   const ingest::PlyElement* declared = report.header ? report.header->find(element) : nullptr;
   const bool is_part = !report.is_readable && declared != nullptr && read < declared->count;
@@ -140,7 +140,7 @@ std::string describe(const ingest::DoctorReport& report) {
     sheet.line("open edges", std::to_string(topology.open_edges));
     sheet.line("non-manifold", counted(topology.non_manifold_edges, "edge"));
   } else if (report.is_readable) {
-    sheet.line("topology", "not counted: there are more vertices than can be indexed");
+    sheet.line("topology", "not analysed: too many vertices to index");
   }
   if (report.forecast) {
     const ingest::BuildForecast& forecast = *report.forecast;
@@ -176,17 +176,18 @@ void addDoctorCommand(CLI::App& program) {
   const auto arguments = std::make_shared<DoctorArguments>();
   ingest::DoctorOptions& options = arguments->options;
   CLI::App* command =
-      addCommand(program, "doctor", "Say what is in a PLY file, what is wrong, and what a build will cost");
+      addCommand(program, "doctor", "Describe a PLY file, its problems and the cost of a build");
   command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
-  addByteSize(
-      *command, "--memory", options.memory_bytes,
-      "memory to count topology in, about, and of the build to forecast, as 512MB (default: half of the "
-      "machine's or the container's)");
-  command->add_option("--threads", options.threads, "of the build to forecast (default: one a core)")
+  addByteSize(*command, "--memory", options.memory_bytes,
+              "approximate memory of the topology analysis and maximum of the forecast build, such as 512MB "
+              "(default: "
+              "half of the memory that the process may use)");
+  command
+      ->add_option("--threads", options.threads, "threads of the forecast build (default: one for each core)")
       ->check(CLI::Range(1u, 1024u));
   command
       ->add_option("--tmp", options.temporary_folder,
-                   "folder for temporary files, about 45 bytes a triangle (default: the system's)")
+                   "folder for temporary files of about 45 bytes for each triangle (default: the system's)")
       ->type_name("DIR");
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->callback([arguments] { runDoctor(*arguments); });

@@ -18,18 +18,18 @@ struct ExportArguments {
   bool json = false;
 };
 
-/// CLI11's own check of this kind prints the largest double in full.
+/// Replaces CLI11's NonNegativeNumber, whose message prints all digits of the largest double.
 std::string atLeastZero(const std::string& text) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && value >= 0 ? ""
-                                                              : "must be a number from 0 on, not " + text;
+                                                              : "must be a number of 0 or more, not " + text;
 }
 
 store::Cut chooseCut(const ExportArguments& arguments, const store::Reader& reader) {
   const store::NodeTree tree(reader.nodes());
   if (arguments.error) {
     store::Cut cut = store::cutByError(tree, *arguments.error * boxDiagonal(reader.summary()));
-    cut.converged = cut.converged || *arguments.error == 0;  // all that there is was asked for
+    cut.converged = cut.converged || *arguments.error == 0;  // 0 asks for the finest cut
     return cut;
   }
   if (arguments.triangles) return store::cutByTriangles(tree, *arguments.triangles);
@@ -51,23 +51,24 @@ Json describeAsJson(const store::Cut& cut, const store::Reader& reader) {
 std::string describe(const Json& json, const std::filesystem::path& output) {
   return output.string() + ": " + counted(json["triangles"], "triangle") + " of " +
          counted(json["nodes"], "node") + ", largest error " + json["max_error"].dump() +
-         (json["finest"] ? ", that of the lattice: the store has nothing finer" : "") + "\n";
+         (json["finest"] ? ", that of the lattice; the store has nothing finer" : "") + "\n";
 }
 
-/// What to say of a cut that does not keep the bound.
+/// Returns the error message for a cut that exceeds the bound.
 std::string describeFailure(const ExportArguments& arguments, const store::Cut& cut) {
   if (arguments.triangles)
-    return "its coarsest cut has " + std::to_string(cut.triangles) + " triangles: ask for as many at least";
-  return "even the original triangles have a larger error, that of the lattice: the cut that was written "
-         "holds them all; ask for a larger error, or with 0 for all that there is";
+    return "its coarsest cut has " + std::to_string(cut.triangles) + " triangles; ask for at least as many";
+  return "even the finest cut, which was written, has a larger error because of the lattice; ask for a "
+         "larger "
+         "error, or for the finest cut with 0";
 }
 
 void runExport(const ExportArguments& arguments) {
-  meshFormatOf(arguments.output);  // said before the work
+  meshFormatOf(arguments.output);  // report an unknown format before the work
   const store::Reader reader(arguments.store);
   std::error_code ignored;
   if (std::filesystem::equivalent(arguments.store, arguments.output, ignored))
-    throw Error(ErrorCode::kUsage, arguments.output.string() + ": is the store itself: name another output");
+    throw Error(ErrorCode::kUsage, arguments.output.string() + " is the store itself; name another output");
   if (!reader.textures().textures.empty()) refuseFilesBesideStream(arguments.output);
   std::FILE* const report = reportStream(arguments.output, arguments.json);
   const store::Cut cut = chooseCut(arguments, reader);
@@ -86,13 +87,13 @@ void addExportCommand(CLI::App& program) {
   const auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = addCommand(
       program, "export",
-      "Write a cut of a store as PLY, OBJ or GLB, with its attributes, and its textures beside it");
+      "Write a cut of a store with its attributes as PLY, OBJ or GLB, and its textures in files beside it");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
   CLI::Option_group* which = command->add_option_group("cut", "which cut");
   which
-      ->add_option("--error", arguments->error,
-                   "the coarsest cut with at most this error, a fraction of the box diagonal; 0: all that "
-                   "there is")
+      ->add_option(
+          "--error", arguments->error,
+          "the coarsest cut with at most this error, as a fraction of the box diagonal; 0: the finest cut")
       ->check(atLeastZero)
       ->type_name("E");
   which->add_option("--triangles", arguments->triangles, "the best cut of at most this many triangles")
@@ -100,7 +101,7 @@ void addExportCommand(CLI::App& program) {
       ->type_name("N");
   which->add_option("--random", arguments->seed, "a random cut")->check(wholeNumber)->type_name("SEED");
   which->require_option(1);
-  command->add_option("-o,--output", arguments->output, "the file to write: its ending says the format")
+  command->add_option("-o,--output", arguments->output, "the file to write; its extension selects the format")
       ->required()
       ->type_name("CUT.ply|.obj|.glb");
   command->add_flag("--json", arguments->json, "print one JSON object");

@@ -83,7 +83,7 @@ Json lodAsJson(const Node& node, size_t number, const Lattice& lattice) {
           {"box", toJson(node.box, lattice)}};
 }
 
-/// The columns under which describe(node, LOD) writes.
+/// Column headings for describe(node, LOD).
 constexpr const char* kLodColumns =
     "depth LOD  triangles   locked      bytes        error   appearance  node";
 
@@ -96,7 +96,7 @@ std::string describe(const Node& node, size_t number) {
   return numbers.data() + store::describeKey(node.key) + (node.isLeaf() ? " (leaf)" : "");
 }
 
-/// A line for each (node, LOD), in the order of keys.
+/// Prints a line for each LOD of each node, in the order of node keys.
 void printNodes(const store::Reader& reader, bool as_json) {
   if (!as_json) printText(std::string(kLodColumns) + "\n");
   for (const Node& node : reader.nodes())
@@ -124,11 +124,11 @@ void runInfo(const InfoArguments& arguments) {
 
 void addInfoCommand(CLI::App& program) {
   const auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* command = addCommand(program, "info", "Say what is in a store");
+  CLI::App* command = addCommand(program, "info", "Describe a store");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->add_flag("--nodes", arguments->nodes,
-                    "print a line for each node and LOD; with --json each is an object");
+                    "print a line for each LOD of each node; with --json a JSON object");
   command->callback([arguments] { runInfo(*arguments); });
 }
 

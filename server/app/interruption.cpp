@@ -8,20 +8,21 @@ namespace lode::app {
 namespace {
 
 constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
-volatile std::sig_atomic_t came = 0;
+volatile std::sig_atomic_t received = 0;
 
-void note(int signal) { came = signal; }
+void note(int signal) { received = signal; }
 
 }  // namespace
 
 Interruption::Interruption(const char* message) : message_(message) {
-  came = 0;
+  received = 0;
   struct sigaction action {};
   action.sa_handler = note;
   action.sa_flags = SA_RESTART;
   for (size_t i = 0; i < kSignals.size(); ++i) {
     sigaction(kSignals[i], &action, &before_[i]);
-    if (before_[i].sa_handler == SIG_IGN) sigaction(kSignals[i], &before_[i], nullptr);  // as nohup has it
+    if (before_[i].sa_handler == SIG_IGN)
+      sigaction(kSignals[i], &before_[i], nullptr);  // keep it ignored, as under nohup
   }
 }
 
@@ -30,14 +31,14 @@ Interruption::~Interruption() {
 }
 
 void Interruption::check() const {
-  if (came != 0) throw Error(ErrorCode::kIo, message_);
+  if (received != 0) throw Error(ErrorCode::kIo, message_);
 }
 
-void Interruption::endProcessIfOneCame(const char* message) const {
-  if (came == 0) return;
+void Interruption::endProcessIfReceived(const char* message) const {
+  if (received == 0) return;
   std::fprintf(stderr, "lodestreamd: %s\n", message);
-  std::signal(came, SIG_DFL);
-  std::raise(came);
+  std::signal(received, SIG_DFL);
+  std::raise(received);
 }
 
 }  // namespace lode::app

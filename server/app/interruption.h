@@ -5,21 +5,21 @@
 
 namespace lode::app {
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP, but for those that are ignored, do not end the process, but
-/// are told, so that work can end with its temporary files removed. One at a time.
+/// Records SIGINT, SIGTERM and SIGHUP during its lifetime instead of ending the process, so that work can
+/// remove its temporary files. Ignored signals stay ignored. One object at a time.
 class Interruption {
  public:
-  /// @param message  of the error when a signal has come.
+  /// @param message  message of the error that check() throws.
   explicit Interruption(const char* message);
   ~Interruption();
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
-  /// @throws Error kIo if a signal has come.
+  /// @throws Error kIo if a signal was received.
   void check() const;
-  /// Once all that was under way has been put in order: if a signal has come, ends the process by it, as
-  /// whoever sent it expects. @param message  that is said before.
-  void endProcessIfOneCame(const char* message) const;
+  /// If a signal was received, prints the message and ends the process by that signal, as its sender expects.
+  /// Call it after the cleanup.
+  void endProcessIfReceived(const char* message) const;
 
  private:
   const char* message_;

@@ -11,7 +11,7 @@ namespace lode::app {
 
 void printText(const std::string& text, std::FILE* stream) {
   if (std::fwrite(text.data(), 1, text.size(), stream) == text.size() && std::fflush(stream) == 0) return;
-  throw Error(ErrorCode::kIo, std::string("standard output cannot be written: ") + std::strerror(errno));
+  throw Error(ErrorCode::kIo, std::string("cannot write to standard output: ") + std::strerror(errno));
 }
 
 void printJson(const Json& object) {

@@ -13,22 +13,22 @@ namespace lode::app {
 
 using Json = nlohmann::ordered_json;
 
-/// Prints one JSON object as one line on stdout. @throws Error kIo if stdout takes no more.
+/// Prints a JSON object as one line to stdout. @throws Error kIo if writing fails.
 void printJson(const Json& object);
 
-/// @throws Error kIo if the stream takes no more.
+/// Prints text and flushes the stream. @throws Error kIo if writing fails.
 void printText(const std::string& text, std::FILE* stream = stdout);
 
-/// A box in true coordinates: {"min":[x,y,z],"max":[x,y,z]}, or null if it is empty.
+/// Converts a box to world coordinates: {"min":[x,y,z],"max":[x,y,z]}, or null if it is empty.
 Json toJson(const LatticeBox& box, const Lattice& lattice);
 
-/// The attributes as the command line names them: normal, color, alpha, uv, texnumber.
+/// Returns the command-line names of the attributes: normal, color, alpha, uv, texnumber.
 std::vector<std::string> attributeNames(AttributeSet attributes);
 
-/// What `info` and `build` both say of a model.
+/// Converts the fields of a model that both `info` and `build` print.
 Json toJson(const ModelSummary& summary);
 
-/// The length of the box's diagonal, in model units.
+/// Returns the length of the box's diagonal in model units.
 double boxDiagonal(const ModelSummary& summary);
 
 }  // namespace lode::app

@@ -81,9 +81,9 @@ void ProgressBar::update(std::string_view stage, double fraction, uint64_t done)
 }
 
 void ProgressBar::finishStage() {
-  const bool is_said = mode_ == Mode::kJson && drawn_fraction_ >= 1;
+  const bool is_printed = mode_ == Mode::kJson && drawn_fraction_ >= 1;
   fraction_ = 1;
-  if (!stage_.empty() && mode_ != Mode::kLines && !is_said) draw(Clock::now());
+  if (!stage_.empty() && mode_ != Mode::kLines && !is_printed) draw(Clock::now());
   endLine();
 }
 

@@ -8,14 +8,14 @@
 
 namespace lode::app {
 
-/// Says on a stream how far each stage is: on a terminal a bar a stage, redrawn in place, with rate and time
-/// left; elsewhere a line every few seconds; for programs
-/// {"stage":NAME,"fraction":0..1} a line. A stage whose next one begins is done. One thread at a time.
+/// Prints the progress of stages to a stream. Modes: a bar for each stage with rate and time left, redrawn in
+/// place, for terminals; a line every few seconds; JSON lines {"stage":NAME,"fraction":0..1} for programs.
+/// The start of a stage ends the one before. Not thread safe.
 class ProgressBar {
  public:
   enum class Mode { kQuiet, kLines, kBar, kJson };
 
-  /// A bar if the stream is a terminal, else lines; nothing at all if quiet.
+  /// Returns kQuiet if quiet, kBar for a terminal, else kLines.
   static Mode modeFor(std::FILE* stream, bool quiet);
 
   ProgressBar(std::FILE* stream, Mode mode) : stream_(stream), mode_(mode) {}
@@ -23,9 +23,9 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// @param fraction  of the stage, 0..1.  @param done  its items so far.
+  /// @param fraction  done part of the stage, 0 to 1. @param done  number of items done.
   void update(std::string_view stage, double fraction, uint64_t done);
-  /// Says that the last stage is done, and ends its line, so that other text can follow.
+  /// Prints the current stage as done and ends its line, so that other text can follow.
   void finishStage();
 
  private:
@@ -41,7 +41,7 @@ class ProgressBar {
   uint64_t done_ = 0;
 };
 
-/// One line of progress: "simplify  [=====>    ]  52 %  1.2 M  340 k/s  0:07 left"; without the bar if
+/// Formats a line of progress: "simplify  [=====>    ]  52 %  1.2 M  340 k/s  0:07 left"; without the bar if
 /// `bar_width` is 0.
 std::string describeProgress(std::string_view stage, double fraction, uint64_t done, double seconds,
                              int bar_width);

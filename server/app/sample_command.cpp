@@ -35,8 +35,8 @@ AttributeSet parseAttributes(const std::vector<std::string>& names) {
 void checkEnding(const std::filesystem::path& output) {
   const std::string ending = output.extension().string();
   if (!ending.empty() && CLI::detail::to_lower(ending) != ".ply" && !findOutput(output).is_stream)
-    throw Error(ErrorCode::kUsage,
-                output.string() + ": samples are PLY, not " + ending + ": give a name that ends in .ply");
+    throw Error(ErrorCode::kUsage, output.string() + ": samples are PLY files, not " + ending +
+                                       "; give a name that ends in .ply");
 }
 
 void runSample(SampleArguments& arguments) {
@@ -68,14 +68,14 @@ void addSampleCommand(CLI::App& program) {
   CLI::App* command = addCommand(program, "sample", "Write a procedural test model of any size");
   command
       ->add_option("kind", arguments->options.kind,
-                   "what to make: asteroid, gyroid, terrain, or a scene of 120 instances")
+                   "kind of model: asteroid, gyroid, terrain, or scene (120 instances of three models)")
       ->required()
       ->check(CLI::IsMember({"asteroid", "gyroid", "terrain", "scene"}))
       ->type_name("KIND");
   command
       ->add_option("--triangles", arguments->options.triangles,
-                   "make at most this many, the largest count that there is; of a scene, of each of its "
-                   "three models")
+                   "maximum number of triangles, for a scene of each model; the sample has the largest "
+                   "possible number")
       ->required()
       ->check(wholeNumber)
       ->type_name("N");
@@ -83,10 +83,10 @@ void addSampleCommand(CLI::App& program) {
       ->delimiter(',')
       ->check(CLI::IsMember({"normal", "color", "uv"}))
       ->type_name("A,B");
-  command->add_option("--seed", arguments->options.seed, "another seed, another model")
+  command->add_option("--seed", arguments->options.seed, "random seed of the model")
       ->check(wholeNumber)
       ->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "the PLY file to write; of a scene, the new folder")
+  command->add_option("-o,--output", arguments->output, "the PLY file to write; for a scene, a new folder")
       ->required()
       ->type_name("OUT.ply");
   command->add_flag("--json", arguments->json, "print one JSON object");

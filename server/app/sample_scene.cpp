@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kColumns = 12;
-constexpr double kSpacing = 2.6;  // models are about two units wide
+constexpr double kSpacing = 2.6;  // in model units; models are about two wide
 
 struct SampleModel {
   const char* name;
@@ -25,12 +25,12 @@ struct SampleModel {
 constexpr std::array<SampleModel, 3> kModels{
     {{"rock", "asteroid", 0}, {"boulder", "asteroid", 1}, {"block", "gyroid", 0}}};
 
-/// The same on every machine, which the distributions of the standard library are not.
+/// Returns a uniform number that is equal on all machines, unlike std::uniform_real_distribution.
 double between(double low, double high, std::mt19937_64& random) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-Json placed(size_t number, std::mt19937_64& random) {
+Json instance(size_t number, std::mt19937_64& random) {
   const double scale = between(0.4, 1.1, random);
   const double x = kSpacing * static_cast<double>(number % kColumns) + between(-0.4, 0.4, random);
   const size_t row = number / kColumns;
@@ -43,15 +43,14 @@ Json placed(size_t number, std::mt19937_64& random) {
 }
 
 Unfinished makeFolder(const fs::path& folder) {
-  const Uninterrupted until_it_is_known;
+  const Uninterrupted until_registered;
   std::error_code failed;
   if (fs::create_directory(folder, failed)) return Unfinished(folder);
-  throw Error(ErrorCode::kIo, folder.string() +
-                                  " cannot be made: " + (failed ? failed.message() : "it is there already") +
-                                  "; name a new folder");
+  throw Error(ErrorCode::kIo, folder.string() + " cannot be created: " +
+                                  (failed ? failed.message() : "it exists") + "; name a new folder");
 }
 
-/// @return triangles written.
+/// Writes the models and scene.json. @return number of triangles written.
 uint64_t fillFolder(const fs::path& folder, uint64_t triangles, uint64_t seed) {
   Json scene;
   scene["up"] = "z";
@@ -68,12 +67,12 @@ uint64_t fillFolder(const fs::path& folder, uint64_t triangles, uint64_t seed) {
   }
   std::mt19937_64 random(seed);
   for (size_t number = 0; number < kSampleSceneInstances; ++number)
-    scene["instances"].push_back(placed(number, random));
+    scene["instances"].push_back(instance(number, random));
   scene["ground"] = {{"height", 0}, {"colour", "#6a705c"}};
   scene["sky"] = {{"top", "#5f87b4"}, {"bottom", "#c9d6e0"}};
   std::ofstream stream(folder / "scene.json", std::ios::binary);
   stream << scene.dump(1) << "\n" << std::flush;
-  if (!stream) throw Error(ErrorCode::kIo, (folder / "scene.json").string() + " cannot be written");
+  if (!stream) throw Error(ErrorCode::kIo, "cannot write " + (folder / "scene.json").string());
   return written;
 }
 

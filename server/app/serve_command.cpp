@@ -25,20 +25,21 @@
 namespace lode::app {
 namespace {
 
-constexpr std::chrono::seconds kReloadPatience(2);  ///< of a server that has stopped
+constexpr std::chrono::seconds kReloadPatience(2);  ///< wait of a stopped server for its reload
 
 volatile std::sig_atomic_t asked_to_reload = 0;
 
-/// Until Signals takes SIGHUP: what was read before it came is to be read again once the server is there.
+/// Records SIGHUP until Signals handles it: the server then reloads files that it may have read before the
+/// signal.
 void noteReloads() {
   std::signal(SIGHUP, [](int) { asked_to_reload = 1; });
 }
 
-/// Stops a server at SIGTERM or SIGINT and reloads it at SIGHUP, from its construction to its end.
+/// Stops the server at SIGTERM or SIGINT and reloads it at SIGHUP.
 class Signals {
  public:
   explicit Signals(serve::Server& server) : server_(server), signals_(context_, SIGTERM, SIGINT, SIGHUP) {
-    // Never destroyed: a signal that comes while the process ends shall not kill it.
+    // Never destroyed, so that a signal during exit does not kill the process.
     [[maybe_unused]] static const auto* const kept =
         new asio::signal_set(*new asio::io_context, SIGTERM, SIGINT, SIGHUP);
     if (asked_to_reload != 0) askToReload();
@@ -52,7 +53,7 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  /// @return false if a reload takes longer than that.
+  /// Waits for the current reload. @return false if it takes longer than `patience`.
   bool reloadsEndWithin(std::chrono::seconds patience) {
     std::unique_lock lock(mutex_);
     return reload_ended_.wait_for(lock, patience, [this] { return reloads_open_ == 0; });
@@ -73,17 +74,17 @@ class Signals {
     });
   }
 
-  /// One that has not begun does for more that are asked for.
+  /// Starts a reload unless one is queued that has not begun.
   void askToReload() {
     const std::lock_guard lock(mutex_);
-    if (std::exchange(reload_waits_, true)) return;
+    if (std::exchange(reload_queued_, true)) return;
     ++reloads_open_;
     asio::post(reloads_, [this] { reload(); });
   }
 
   void reload() {
     std::unique_lock lock(mutex_);
-    reload_waits_ = false;
+    reload_queued_ = false;
     lock.unlock();
     if (!stopping_) {
       notifyService("RELOADING=1\nMONOTONIC_USEC=" + monotonicMicroseconds());
@@ -98,18 +99,18 @@ class Signals {
   serve::Server& server_;
   asio::io_context context_{1};
   asio::signal_set signals_;
-  asio::thread_pool reloads_{1};  ///< a thread of their own: a disk may hang, and the server be stopped
+  asio::thread_pool reloads_{1};  ///< its own thread: the server can stop while a disk hangs
   std::atomic<bool> stopping_{false};
-  std::mutex mutex_;  ///< of the next three
+  std::mutex mutex_;  ///< guards the next three
   std::condition_variable reload_ended_;
-  bool reload_waits_ = false;  ///< and has not begun
+  bool reload_queued_ = false;  ///< and not begun
   int reloads_open_ = 0;
   std::jthread thread_;
 };
 
 void runServe(serve::ServeOptions options) {
   options.listening_socket = socketOfService();
-  std::signal(SIGPIPE, SIG_IGN);  // who reads our output may go; we stay
+  std::signal(SIGPIPE, SIG_IGN);  // survive the reader of stdout
   noteReloads();
   serve::Server server(std::move(options));
   Signals signals(server);
@@ -118,12 +119,12 @@ void runServe(serve::ServeOptions options) {
   printJson({{"listen", server.address()}, {"metrics", metrics}, {"models", server.models()}});
   notifyService("READY=1");
   server.run();
-  if (!signals.reloadsEndWithin(kReloadPatience)) std::_Exit(0);  // nothing ends the wait for a disk
+  if (!signals.reloadsEndWithin(kReloadPatience)) std::_Exit(0);  // a hanging disk would block the exit
 }
 
-constexpr double kLeastSeconds = 0.001;  // of a deadline: none would end every connection at once
+constexpr double kLeastSeconds = 0.001;  // least deadline; 0 would end every connection at once
 
-/// An option of so many seconds, which may have a fraction.
+/// Adds an option in seconds with fractions.
 void addSeconds(CLI::App& command, const std::string& name, std::chrono::milliseconds& value, double least,
                 const std::string& help) {
   command
@@ -139,41 +140,50 @@ void addRates(CLI::App& command, serve::ServeOptions& options) {
   const auto add = [&](const char* name, uint64_t& bytes_per_second, const char* help) {
     addByteSize(command, name, bytes_per_second, help, 1000, uint64_t{1} << 40);
   };
-  add("--max-rate", options.bytes_per_second, "bytes of blobs a second in all, as 50MB (default: no limit)");
-  add("--max-rate-per-connection", options.bytes_per_second_per_connection, "the same for each connection");
+  add("--max-rate", options.bytes_per_second,
+      "total rate of blobs in bytes a second, such as 50MB (default: no limit)");
+  add("--max-rate-per-connection", options.bytes_per_second_per_connection,
+      "rate of each connection (default: no limit)");
 }
 
 void addLimits(CLI::App& command, serve::ServeOptions& options) {
-  command.add_option("--max-connections", options.max_connections, "connections at a time")
+  command.add_option("--max-connections", options.max_connections, "maximum number of connections")
       ->check(CLI::Range(1u, 1000000u))
       ->capture_default_str();
   command
       .add_option("--max-connections-per-address", options.max_connections_per_address,
-                  "of one client's address (default: " + std::to_string(proto::kMaxConnectionsPerAddress) +
-                      ", loopback not limited)")
+                  "maximum number from one address (default: " +
+                      std::to_string(proto::kMaxConnectionsPerAddress) + "; no limit for loopback)")
       ->check(CLI::Range(1u, 1000000u));
-  command.add_option("--max-requests", options.max_open_requests, "open requests of a connection")
+  command
+      .add_option("--max-requests", options.max_open_requests,
+                  "maximum number of open requests of a connection")
       ->check(CLI::Range(1u, proto::kMaxOpenRequests))
       ->capture_default_str();
-  command.add_option("--max-open-models", options.max_open_models, "models that a connection has open")
+  command
+      .add_option("--max-open-models", options.max_open_models,
+                  "maximum number of open models of a connection")
       ->check(CLI::Range(1u, proto::kMaxOpenModels))
       ->capture_default_str();
   addByteSize(command, "--max-queued-bytes", options.max_queued_answer_bytes,
-              "answers that a connection has not read before nothing more is read from it, as 16KB", 1000,
+              "unread answers of a connection at which the server stops reading from it, such as 16KB", 1000,
               proto::kMaxQueuedAnswerBytes)
       ->default_str(std::to_string(options.max_queued_answer_bytes));
-  addByteSize(command, "--memory-budget", options.memory_budget_bytes,
-              "bytes for all connections together, as 512MB or 2GiB (default: an eighth of what there is)",
-              1'000'000, uint64_t{1} << 50);
+  addByteSize(
+      command, "--memory-budget", options.memory_budget_bytes,
+      "memory of all connections together, such as 512MB or 2GiB (default: an eighth of the memory that the "
+      "process may use)",
+      1'000'000, uint64_t{1} << 50);
   addSeconds(command, "--handshake-deadline", options.handshake_deadline, kLeastSeconds,
-             "from the connection to Hello");
+             "longest time from the connection to Hello");
   addSeconds(command, "--idle-deadline", options.idle_deadline, kLeastSeconds,
-             "from one frame of a client to the next");
+             "longest time from one frame of a client to the next");
   addSeconds(command, "--write-deadline", options.write_deadline, kLeastSeconds,
-             "for a write that a client does not take");
+             "longest time in which a client must take a write");
   addSeconds(command, "--drain-delay", options.drain_delay, 0,
-             "to go on accepting after SIGTERM; a second one ends it");
-  addSeconds(command, "--drain-deadline", options.drain_deadline, 0, "for open requests, after that");
+             "time to accept connections after SIGTERM; a second SIGTERM ends it");
+  addSeconds(command, "--drain-deadline", options.drain_deadline, 0,
+             "longest time for open requests after the delay");
 }
 
 }  // namespace
@@ -181,24 +191,24 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
 void addServeCommand(CLI::App& program) {
   const auto options = std::make_shared<serve::ServeOptions>();
   CLI::App* command = addCommand(program, "serve", "Serve stores over TCP");
-  command->add_option("stores", options->stores, "stores, and folders of them")
+  command->add_option("stores", options->stores, ".lode files, and folders of .lode files")
       ->required()
       ->type_name("STORE|DIR");
-  command->add_option("--listen", options->listen, "address and port; port 0 picks one")
+  command->add_option("--listen", options->listen, "address and port; port 0 picks a free one")
       ->type_name("ADDR:PORT")
       ->capture_default_str();
   command->add_flag("--public", options->public_ok, "allow an address beyond loopback without tokens");
   command->add_flag("--insecure", options->insecure, "allow an address beyond loopback without TLS");
-  command->add_option("--token-file", options->token_file, "tokens that clients must show")
+  command->add_option("--token-file", options->token_file, "file of the tokens of clients")
       ->type_name("FILE");
   command->add_option("--tls-cert", options->tls_certificate, "certificate chain, PEM")->type_name("FILE");
   command->add_option("--tls-key", options->tls_key, "its private key, PEM")->type_name("FILE");
   command->add_flag("--proxy-protocol", options->proxy_protocol,
                     "expect HAProxy's header (version 1 or 2) on every connection");
-  command->add_option("--metrics", options->metrics, "address and port of metrics and health")
+  command->add_option("--metrics", options->metrics, "address and port of the metrics and health endpoint")
       ->type_name("ADDR:PORT");
-  command->add_flag("--log-json", options->log.json, "a JSON object a line of the log");
-  command->add_option("--threads", options->threads, "threads to use (default: one a core)")
+  command->add_flag("--log-json", options->log.json, "write each log line as a JSON object");
+  command->add_option("--threads", options->threads, "number of threads (default: one for each core)")
       ->check(CLI::Range(1u, 1024u));
   addLimits(*command, *options);
   addRates(*command, *options);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kFirstSocketOfService = 3;
 
-/// The number in a variable of the environment; -1 for none.
+/// Returns the number in an environment variable, or -1 without the variable.
 long numberIn(const char* variable) noexcept {
   const char* const text = std::getenv(variable);
   return text == nullptr ? -1 : std::strtol(text, nullptr, 10);
@@ -30,9 +30,8 @@ long numberIn(const char* variable) noexcept {
 std::optional<int> socketOfService() {
   if (numberIn("LISTEN_PID") != ::getpid() || numberIn("LISTEN_FDS") < 1) return {};
   if (numberIn("LISTEN_FDS") > 1)
-    throw Error(ErrorCode::kUsage, "the service manager hands over " +
-                                       std::to_string(numberIn("LISTEN_FDS")) +
-                                       " sockets; one is served: give its socket unit one ListenStream");
+    throw Error(ErrorCode::kUsage, "the service manager passes " + std::to_string(numberIn("LISTEN_FDS")) +
+                                       " sockets; give the socket unit a single ListenStream");
   ::fcntl(kFirstSocketOfService, F_SETFD, FD_CLOEXEC);
   return kFirstSocketOfService;
 }

@@ -5,15 +5,15 @@
 
 namespace lode::app {
 
-/// The socket that systemd listens on for us (socket activation, sd_listen_fds(3)), or none.
-/// @throws Error kUsage: there are several.
+/// Returns the listening socket that systemd passed (socket activation, sd_listen_fds(3)), or nothing.
+/// @throws Error kUsage if systemd passed several.
 std::optional<int> socketOfService();
 
-/// Tells systemd how a service fares ("READY=1" and so on, sd_notify(3)), where it runs one of type notify.
-/// Elsewhere, and where it cannot be told, nothing happens.
+/// Notifies systemd of the service's state, such as "READY=1" (sd_notify(3)), in services of type notify.
+/// Does nothing elsewhere and ignores errors.
 void notifyService(const std::string& state) noexcept;
 
-/// For MONOTONIC_USEC, which goes with RELOADING.
+/// Returns the value of MONOTONIC_USEC, which RELOADING=1 requires.
 std::string monotonicMicroseconds();
 
 }  // namespace lode::app

@@ -14,7 +14,7 @@ namespace {
 struct VerifyArguments {
   std::filesystem::path store;
   store::VerifyOptions options;
-  ingest::AgainstOptions against;  ///< no input: the store alone is checked
+  ingest::AgainstOptions against;  ///< without input, only the store is checked
   bool json = false, quiet = false;
 };
 
@@ -51,9 +51,9 @@ std::string describe(const store::VerifyReport& report) {
 
 std::string describe(const ingest::AgainstReport& report) {
   char ratios[80];
-  std::snprintf(ratios, sizeof ratios, "%.2f times the found at least, %.2f at the median",
+  std::snprintf(ratios, sizeof ratios, "at least %.2f times the measured ones, %.2f at the median",
                 report.least_ratio, report.median_ratio);
-  std::string text = "; all " + std::to_string(report.triangles) + " triangles of the input are there, " +
+  std::string text = "; all " + std::to_string(report.triangles) + " triangles of the input are present, " +
                      std::to_string(report.dropped) + " dropped";
   if (report.lods > 0) text += "; stored errors of " + std::to_string(report.lods) + " LODs are " + ratios;
   return text;
@@ -78,7 +78,7 @@ void runVerify(const VerifyArguments& arguments) {
     report = store::verifyStore(arguments.store, arguments.options);
     if (!arguments.against.input.empty()) compared = compare(arguments);
   } catch (const Error& error) {
-    // Where the store could not be looked at, or is sound and the input is not, nothing is said of the store.
+    // Report no fault of the store if it could not be read, or if it is sound and the error is in the input.
     const bool is_fault = error.code() == ErrorCode::kFormat || (!report && error.code() != ErrorCode::kIo);
     if (arguments.json && is_fault) printJson({{"sound", false}, {"fault", error.what()}});
     throw;
@@ -91,13 +91,13 @@ void runVerify(const VerifyArguments& arguments) {
   printJson(json);
 }
 
-/// @return 0 for all.
+/// Parses the number of LODs. @return 0 for "all".
 size_t countOfLods(const std::string& text) {
   size_t count = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
   const bool is_count = error == std::errc() && end == text.data() + text.size() && count > 0;
   if (!is_count && text != "all")
-    throw CLI::ValidationError("--lods", "must be a number above 0, or all, not " + text);
+    throw CLI::ValidationError("--lods", "must be a number above 0 or all, not " + text);
   return is_count ? count : 0;
 }
 
@@ -110,20 +110,21 @@ void addVerifyCommand(CLI::App& program) {
   ingest::AgainstOptions& against = arguments->against;
   CLI::Option* const input =
       command
-          ->add_option(
-              "--against", against.input,
-              "the PLY file that it was built from: check that nothing is missing, and measure errors")
+          ->add_option("--against", against.input,
+                       "the PLY file of its build: check that no triangle is missing, and measure errors")
           ->type_name("IN.ply");
   command
       ->add_option_function<std::string>(
           "--lods", [arguments](const std::string& text) { arguments->against.lods = countOfLods(text); },
-          "LODs to measure, with --against, at most, spread over the tree (default: all)")
+          "maximum number of LODs to measure with --against, spread over the tree (default: all)")
       ->needs(input)
       ->type_name("N|all");
-  command->add_option("--threads", against.threads, "threads that read and measure (default: one a core)")
+  command
+      ->add_option("--threads", against.threads, "threads that read and measure (default: one for each core)")
       ->check(CLI::Range(1u, 1024u));
-  addByteSize(*command, "--memory", against.memory_bytes,
-              "memory to use with --against, as 512MB (default: half of the machine's or the container's)");
+  addByteSize(
+      *command, "--memory", against.memory_bytes,
+      "maximum memory with --against, such as 512MB (default: half of the memory that the process may use)");
   command
       ->add_option("--tmp", against.temporary_folder,
                    "folder for temporary files of --against (default: the system's)")
@@ -132,7 +133,8 @@ void addVerifyCommand(CLI::App& program) {
       ->check(wholeNumber)
       ->capture_default_str();
   command
-      ->add_option("--seed", arguments->options.seed, "of the random cuts, the choice of LODs and of points")
+      ->add_option("--seed", arguments->options.seed,
+                   "seed of the random cuts and of the choice of LODs and points")
       ->check(wholeNumber)
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "print one JSON object");

@@ -250,7 +250,7 @@ TEST(ClientCommands, failWhenStandardOutputTakesNoMore) {
     SCOPED_TRACE(arguments);
     const std::string command = "'" LODE_BIN_DIR "/bin/lodestream' " + arguments + " >/dev/full";
     expectFailure(Program("sh", {"-c", command}, {"XDG_CACHE_HOME=" + folder.path().string()}).wait(),
-                  {"standard output cannot be written"});
+                  {"cannot write to standard output"});
   }
 }
 

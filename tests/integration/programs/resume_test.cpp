@@ -168,7 +168,7 @@ TEST_F(ResumedBuild, goesOnWhereNobodyReadsItsProgressAnyMore) {
                        [](const std::string& word) { return word != "--json" && word != "--quiet"; });
   const Outcome outcome = Program("bash", words).wait();
   EXPECT_EQ(outcome.status, 1) << outcome.err;
-  EXPECT_NE(outcome.err.find("standard output cannot be written"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("cannot write to standard output"), std::string::npos) << outcome.err;
   expectDone();
 }
 

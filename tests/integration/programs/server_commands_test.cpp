@@ -1,4 +1,4 @@
-// The command lines of lodestreamd as scripts call them: exit statuses, one line on stderr, JSON keys.
+// Command lines of lodestreamd for scripts: exit statuses, one line on stderr, JSON keys.
 
 #include <cstdlib>
 #include <filesystem>
@@ -25,7 +25,7 @@ class ServerCommands : public testing::Test {
     ASSERT_EQ(run("sample asteroid --triangles 20000 --attributes normal,color -o a.ply").status, 0);
   }
 
-  /// In the test's folder.
+  /// Runs lodestreamd in the test's folder.
   Outcome run(const std::string& arguments) const {
     std::vector<std::string> words{"-C", folder_.path(), LODE_BIN_DIR "/bin/lodestreamd"};
     std::istringstream in(arguments);
@@ -43,7 +43,7 @@ class ServerCommands : public testing::Test {
     EXPECT_LE(forecast, 1.5 * actual);
     EXPECT_GE(forecast, actual / 1.5);
   }
-  /// A sanitizer's own memory is no part of the forecast.
+  /// The forecast does not include a sanitizer's memory.
   static void expectMemoryWithinHalf([[maybe_unused]] double forecast, [[maybe_unused]] double actual) {
 #ifndef LODE_SANITIZED
     expectWithinHalf(forecast, actual);
@@ -89,7 +89,7 @@ TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
     if (stages.empty() || stages.back() != stage) stages.push_back(stage);
   }
   EXPECT_EQ(last, 1) << stages.back();
-  std::erase(stages, "border");  // comes where there is much of it
+  std::erase(stages, "border");  // present only in large models
   EXPECT_EQ(stages,
             (std::vector<std::string>{"scan", "dereference", "sort", "partition", "simplify", "pack"}));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "a.lode"));
@@ -239,7 +239,7 @@ TEST_F(ServerCommands, exportTheOriginalTrianglesForAnErrorBelowTheLatticesAndFa
   const Json info = Json::parse(run("info a.lode --json").out);
   const Outcome outcome = run("export a.lode -o b.ply --json --error 1e-12");
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(outcome.err.find("the cut that was written holds them all"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("even the finest cut, which was written"), std::string::npos) << outcome.err;
   const Json cut = Json::parse(outcome.out);
   EXPECT_EQ(cut["triangles"], info["triangles"]);
   EXPECT_FALSE(cut["converged"]);
@@ -316,7 +316,7 @@ TEST_F(ServerCommands, nameTheRemedyForNumbersThatAreNone) {
   expectWords("build a.ply -o b.lode --memory 0", "0 is less than 1 byte");
   expectWords("build a.ply -o b.lode --triangles-per-node 63", "1048576");
   expectWords("serve . --idle-deadline 0", "--idle-deadline");
-  expectWords("sample asteroid --triangles -5 -o b.ply", "a whole number, as 2000000, not -5");
+  expectWords("sample asteroid --triangles -5 -o b.ply", "a whole number such as 2000000, not -5");
   expectWords("sample nope --triangles 5 -o b.ply", "scene");
 }
 
@@ -396,7 +396,7 @@ TEST_F(ServerCommands, failWhenStandardOutputTakesNoMore) {
     SCOPED_TRACE(arguments);
     const std::string command = "cd '" + folder_.path().string() +
                                 "' && '" LODE_BIN_DIR "/bin/lodestreamd' " + arguments + " >/dev/full";
-    expectFailure(Program("sh", {"-c", command}).wait(), {"standard output cannot be written"});
+    expectFailure(Program("sh", {"-c", command}).wait(), {"cannot write to standard output"});
   }
 }
 
